@@ -45,6 +45,8 @@ actions! {
     OpenDemo, "Open the demo survey", None, "Opens the simulated pond that comes with the program.";
     OpenBaseMap, "Open base map…", None, "Shows a GeoTIFF of your own under the map: an aerial picture or a chart.";
     CloseBaseMap, "Remove the base map", None, "Takes the picture under the map away.";
+    OpenIsobathArea, "Open isobath area…", None, "Ends isobaths, the areas between them and spot soundings at a shoreline and its islands: polygons of GeoJSON, KML or GPX.";
+    RemoveIsobathArea, "Remove the isobath area", None, "Shows isobaths wherever there are depths again.";
     OpenWaterLevels, "Open water levels…", None, "Takes the readings of a gauge or tide off the depths: CSV with time and level_m.";
     RemoveWaterLevels, "Remove the water levels", None, "Leaves the readings of the water's height again.";
     OpenTrack, "Open external track…", None, "Takes the boat's places from another receiver: CSV with time, lon and lat, or GPX.";

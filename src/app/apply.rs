@@ -42,6 +42,7 @@ impl App {
             Command::CloseLog(id) => self.close_log(id),
             Command::MoveLog(id, by) => self.move_log(id, by),
             Command::SetLogVisible(id, is_visible) => self.set_log_visible(id, is_visible),
+            Command::FindPasses(at) => self.find_passes(at),
             Command::RevealIn(id, mark) => self.reveal_in(id, mark),
             Command::GoToStep(count) => self.go_to_step(count),
             Command::SetOwn { key, own } => self.set_own_key(&key, own),
@@ -69,6 +70,7 @@ impl App {
             Command::Plan(request) => self.change_plan(request),
             Command::SavePlan(path) => self.save_plan(path),
             Command::OpenBaseMap(path) => self.open_base_map(path),
+            Command::OpenIsobathArea(path) => self.open_isobath_area(path),
             Command::OpenWaterLevels(path) => self.read_external(path, Some(Instrument::Gauge)),
             Command::OpenTrack(path) => self.read_external(path, Some(Instrument::Receiver)),
             Command::OpenTable(path) => self.read_external(path, None),
@@ -303,6 +305,7 @@ impl App {
             }
             Action::BaseMapLayer => self.options.map.layers.toggle(MapLayer::BaseMap),
             Action::CloseReference => self.leave_reference(),
+            Action::RemoveIsobathArea => self.remove_isobath_area(),
             Action::RemoveWaterLevels => self.remove_water_levels(),
             Action::RemoveTrack => self.remove_track(),
             Action::CloseBaseMap => self.close_base_map(),

@@ -7,6 +7,7 @@ impl App {
     pub fn has_what_it_takes(&self, action: Action) -> bool {
         match action {
             Action::CloseBaseMap => self.base_map.is_some(),
+            Action::RemoveIsobathArea => self.log.settings.isobaths.clip.is_some(),
             Action::RemoveWaterLevels => self.log.settings.water_level.file.is_some(),
             Action::RemoveTrack => self.log.settings.track.file.is_some(),
             Action::SwapSides | Action::UseMounting => self.log.survey.is_some(),

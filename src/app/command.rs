@@ -8,6 +8,7 @@ use super::{
 use crate::calibration::PingRange;
 use crate::detection::review::{BoxId, Edit, Queue};
 use crate::detection::truth::Mistake;
+use crate::geo::LonLat;
 use crate::pipeline::{Preset, Settings};
 use crate::survey::LogPart;
 use std::ops::Range;
@@ -75,6 +76,8 @@ pub enum Command {
     Select(Option<Mark>),
     /// Select, and bring the place into all other views.
     Reveal(Mark),
+    /// Look for the passes that saw a position, for the menu of the map.
+    FindPasses(LonLat),
     /// The waterfall shows these pings now.
     Visible(Range<usize>),
     /// Residuals are in view: compare the points, if that is not done.
@@ -152,6 +155,8 @@ pub enum Command {
     Measure(Measure),
     /// Show a picture of the analyst's own under the map.
     OpenBaseMap(PathBuf),
+    /// End isobaths at the polygons of this file.
+    OpenIsobathArea(PathBuf),
     /// Take the readings of the water's height in this file off the depths.
     OpenWaterLevels(PathBuf),
     /// Lay the track in this file over the recorder's.

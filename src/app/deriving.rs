@@ -2,7 +2,7 @@
 //! and what the waterfall of the shown log is drawn with.
 
 use super::{App, LogId, MapLayer};
-use crate::bathymetry::isobaths::{IsobathSettings, TooManyLevels, evenly_apart_m};
+use crate::bathymetry::isobaths::{IsobathSettings, NoIsobaths, evenly_apart_m};
 use crate::cloud::PointScales;
 use crate::picture::{Histogram, LogPicture, Tone};
 use crate::pipeline::{
@@ -25,8 +25,8 @@ pub struct DrawnIsobaths {
     /// Which depths they are at: an interval that is left to the depths is round in the unit in use.
     pub settings: IsobathSettings,
     /// Lines and depths; why there are none.
-    pub isobaths: Result<Arc<Isobaths>, TooManyLevels>,
-    /// Every line smoothed, as places in the plane of the survey, metres.
+    pub isobaths: Result<Arc<Isobaths>, NoIsobaths>,
+    /// Every line as it is drawn, as places in the plane of the survey, metres.
     pub on_ground: Vec<Vec<[f64; 2]>>,
 }
 
@@ -185,7 +185,7 @@ impl App {
                 };
                 let isobaths = results.isobaths(&depth_map, &settings, progress).ok()?;
                 let on_ground = match &isobaths {
-                    Ok(isobaths) => isobaths.on_ground(&depth_map, settings.smooth),
+                    Ok(isobaths) => isobaths.on_ground(&depth_map),
                     Err(_) => Vec::new(),
                 };
                 Some(Arc::new(DrawnIsobaths {

@@ -18,6 +18,7 @@ mod figures;
 mod following;
 mod heights;
 mod history;
+mod isobath_area;
 mod leaving_out;
 mod loader;
 mod logs;
@@ -67,7 +68,7 @@ pub use options::{
     CloudColour, CloudOptions, ColourMap, EchogramChannel, LayoutPreset, MapOptions, Orientation,
     PanelOptions, PanelShown, SideColours, ThemeChoice, View, ViewOptions, WaterfallOptions,
 };
-pub use passes::mark_of;
+pub use passes::{LogPass, PassesFound, mark_of};
 pub use planning::{PlanRequest, PlannedLines, Planning};
 pub use print::{Paper, PrintOptions, Sheet};
 pub use print_text::PrintText;

@@ -1,12 +1,73 @@
-//! Which passes saw a place: for the menu of the map, and from a selected place to the next look at it.
+//! Which passes saw a place: for the menu of the map, and from a selected place to the next look at it. Logs are laid out for it, off the
+//! window's thread; a search that nobody waits for any more is dropped.
 
-use super::{App, LogId, Mark};
+use super::{App, LogId, Mark, Outcome, ShownLog, Task};
 use crate::geo::LonLat;
-use crate::pipeline::{Pass, passes_over, place_of};
-use rayon::prelude::*;
+use crate::pipeline::{Derived, Pass, passes_over, place_of};
+use crate::progress::{Cancelled, Progress};
 
 const NO_PLACE: &str = "select a place beside the track first, with a click in the waterfall, to see it in its other passes";
 const NO_OTHER: &str = "no other pass of the visible logs saw this place";
+
+/// A pass, and the log that it is of.
+pub type LogPass = (LogId, Pass);
+
+/// What is known of the passes over a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PassesFound<'a> {
+    /// They are being looked for.
+    Searching,
+    /// Nobody asked for those over this place last.
+    Unasked,
+    /// The search was stopped.
+    Stopped,
+    /// All of them.
+    Found(&'a [LogPass]),
+}
+
+/// The searches under way, and what the last one for the menu found.
+#[derive(Default)]
+pub(super) struct Passes {
+    listed: Option<Listed>,
+    next: Option<Next>,
+}
+
+/// The place that the menu of the map is about.
+struct Listed {
+    at: LonLat,
+    task: Option<Task<Option<Vec<LogPass>>>>,
+    found: Option<Vec<LogPass>>,
+}
+
+/// The way from a selected place to the same place in the next pass.
+struct Next {
+    /// What was selected as it was asked for.
+    from: (LogId, Mark),
+    /// `None` when it was cancelled; the inner one where the selected sample shows no ground.
+    task: Task<Option<Option<Vec<LogPass>>>>,
+}
+
+impl Passes {
+    /// Whether passes are being looked for.
+    pub fn is_busy(&self) -> bool {
+        self.fraction().is_some()
+    }
+
+    /// Done share of the search under way, 0 to 1.
+    pub fn fraction(&self) -> Option<f32> {
+        let listed = self.listed.as_ref().and_then(|listed| listed.task.as_ref());
+        let next = self.next.as_ref().map(|next| &next.task);
+        listed.map(Task::fraction).or(next.map(Task::fraction))
+    }
+
+    /// Stops looking; what was found stays.
+    pub fn stop(&mut self) {
+        self.next = None;
+        if let Some(listed) = &mut self.listed {
+            listed.task = None;
+        }
+    }
+}
 
 /// The place of a pass that the other views show.
 pub fn mark_of(pass: &Pass) -> Mark {
@@ -19,28 +80,95 @@ pub fn mark_of(pass: &Pass) -> Mark {
 }
 
 impl App {
-    /// The passes of all visible logs over a position, in the order of the list of logs.
-    pub fn passes_at(&self, at: LonLat) -> Vec<(LogId, Pass)> {
-        let shown = self.shown_logs();
-        let passes = shown.par_iter().map(|shown| {
-            let navigation = &shown.log.products.navigation;
-            let place = navigation.to_plane(&shown.log.survey.track, at);
-            let passes = passes_over(&shown.log, place).into_iter();
-            passes.map(|pass| (shown.id, pass)).collect::<Vec<_>>()
-        });
-        passes.collect::<Vec<_>>().concat()
+    /// What is known of the passes of all visible logs over a position, in the order of the list of logs.
+    pub fn passes_at(&self, at: LonLat) -> PassesFound<'_> {
+        let listed = self.passes.listed.as_ref().filter(|one| one.at == at);
+        match listed.map(|listed| (&listed.task, &listed.found)) {
+            Some((Some(_), _)) => PassesFound::Searching,
+            Some((None, Some(found))) => PassesFound::Found(found),
+            Some((None, None)) => PassesFound::Stopped,
+            None => PassesFound::Unasked,
+        }
     }
 
-    /// Goes from the selected place to the same place in the next pass that saw it, and from the last one to the first.
+    /// Done share of a search for passes under way, 0 to 1.
+    pub fn passes_fraction(&self) -> Option<f32> {
+        self.passes.fraction()
+    }
+
+    /// Starts to look for the passes over a position; a search for another one is dropped.
+    pub(super) fn find_passes(&mut self, at: LonLat) {
+        let (shown, results) = (self.shown_logs(), self.deriving.results.clone());
+        let work = move |progress: &Progress| found(&shown, at, &results, progress).ok();
+        self.passes.listed = Some(Listed {
+            at,
+            task: Some(Task::start(&self.jobs, work)),
+            found: None,
+        });
+    }
+
+    /// Goes from the selected place to the same place in the next pass that saw it, and from the last one to the first, once that is found.
     pub(super) fn next_pass(&mut self) {
-        let Some((at, mark)) = self.selected_ground() else {
+        let from = self.selection.map(|mark| (self.log.id, mark));
+        let Some((id, mark)) = from.filter(|(_, mark)| mark.side.is_some()) else {
             return self.notify(NO_PLACE.to_owned(), true);
         };
-        let passes = self.passes_at(at);
-        let is_here = |(log, pass): &(LogId, Pass)| {
+        let is_asked = |next: &Next| next.from == (id, mark);
+        if self.passes.next.as_ref().is_some_and(is_asked) {
+            return;
+        }
+        let (shown, results) = (self.shown_logs(), self.deriving.results.clone());
+        let work = move |progress: &Progress| {
+            let at = ground_of(&shown, (id, mark), &results, progress).ok()?;
+            match at {
+                Some(at) => found(&shown, at, &results, progress).ok().map(Some),
+                None => Some(None),
+            }
+        };
+        self.passes.next = Some(Next {
+            from: (id, mark),
+            task: Task::start(&self.jobs, work),
+        });
+    }
+
+    /// Collects the passes that were found.
+    pub(super) fn poll_passes(&mut self) {
+        self.poll_listed();
+        match self.passes.next.as_ref().map(|next| next.task.poll()) {
+            None | Some(Outcome::Pending) => {}
+            Some(Outcome::Done(found)) => {
+                let from = self.passes.next.take().map(|next| next.from);
+                let here = self.selection.map(|mark| (self.log.id, mark));
+                // Whoever selected something else meanwhile does not want to be led away from it.
+                match found.zip(from.filter(|from| Some(*from) == here)) {
+                    Some((Some(passes), (id, mark))) => self.go_to_next(&passes, id, mark),
+                    Some((None, _)) => self.notify(NO_PLACE.to_owned(), true),
+                    None => {}
+                }
+            }
+            Some(Outcome::Failed) => {
+                self.passes.next = None;
+                self.notify("looking for passes failed unexpectedly".to_owned(), true);
+            }
+        }
+    }
+
+    fn poll_listed(&mut self) {
+        let Some(listed) = &mut self.passes.listed else {
+            return;
+        };
+        match listed.task.as_ref().map(Task::poll) {
+            None | Some(Outcome::Pending) => {}
+            Some(Outcome::Done(found)) => (listed.found, listed.task) = (found, None),
+            Some(Outcome::Failed) => listed.task = None,
+        }
+    }
+
+    fn go_to_next(&mut self, passes: &[LogPass], id: LogId, mark: Mark) {
+        let is_here = |(log, pass): &LogPass| {
             let [first, last] = pass.pings;
             let is_in = (first.saturating_sub(1)..=last + 1).contains(&mark.ping);
-            *log == self.log.id && Some(pass.side) == mark.side && is_in
+            *log == id && Some(pass.side) == mark.side && is_in
         };
         let next = match passes.iter().position(is_here) {
             Some(here) => passes
@@ -56,18 +184,41 @@ impl App {
             None => self.notify(NO_OTHER.to_owned(), false),
         }
     }
+}
 
-    /// Where the selected sample lies.
-    fn selected_ground(&self) -> Option<(LonLat, Mark)> {
-        let mark = self.selection?;
-        let shown = self.shown_logs();
-        let shown = shown.iter().find(|shown| shown.id == self.log.id)?;
-        let [east_m, north_m] =
-            place_of(&shown.log, mark.ping, mark.side?, f64::from(mark.sample?))?;
-        let navigation = &shown.log.products.navigation;
-        Some((
-            navigation.to_lon_lat(&shown.log.survey.track, east_m, north_m),
-            mark,
-        ))
+/// The passes of some logs over a position, in their order.
+fn found(
+    shown: &[ShownLog],
+    at: LonLat,
+    results: &Derived,
+    progress: &Progress,
+) -> Result<Vec<LogPass>, Cancelled> {
+    progress.start(shown.len() as u64);
+    let mut all = Vec::new();
+    for ShownLog { id, log, .. } in shown {
+        let place = log.products.navigation.to_plane(&log.survey.track, at);
+        let passes = passes_over(log, place, results, progress)?;
+        all.extend(passes.into_iter().map(|pass| (*id, pass)));
+        progress.advance(1);
     }
+    Ok(all)
+}
+
+/// Where a sample of one of some logs lies; `None` where it shows no ground.
+fn ground_of(
+    shown: &[ShownLog],
+    (id, mark): (LogId, Mark),
+    results: &Derived,
+    progress: &Progress,
+) -> Result<Option<LonLat>, Cancelled> {
+    let Some(ShownLog { log, .. }) = shown.iter().find(|shown| shown.id == id) else {
+        return Ok(None);
+    };
+    let Some((side, sample)) = mark.side.zip(mark.sample) else {
+        return Ok(None);
+    };
+    let layout = results.layout(log, progress)?;
+    let place = place_of(&layout, mark.ping, side, f64::from(sample));
+    let navigation = &log.products.navigation;
+    Ok(place.map(|[east_m, north_m]| navigation.to_lon_lat(&log.survey.track, east_m, north_m)))
 }

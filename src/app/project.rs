@@ -478,10 +478,14 @@ impl KeptQueue {
 
 /// Reads a project and opens its logs.
 fn read(path: &Path, progress: &Progress) -> Result<OpenedLogs, String> {
-    let opened = Store::open(path).map_err(|error| error.to_string())?;
+    let mut opened = Store::open(path).map_err(|error| error.to_string())?;
     let folder = opened.store.folder();
     let places = find(&opened.project, &folder, progress).map_err(|error| error.to_string())?;
     let (mut logs, mut notes) = (Vec::new(), Vec::new());
+    // Once for all logs.
+    if let Err(error) = opened.project.settings.load_area() {
+        notes.push(error.to_string());
+    }
     for (log, (_, found)) in opened.project.logs().iter().zip(places) {
         let log = match found {
             Found::Here => log.clone(),
@@ -502,8 +506,12 @@ fn read(path: &Path, progress: &Progress) -> Result<OpenedLogs, String> {
             .project
             .settings_of(&log)
             .map_err(|error| error.to_string())?;
-        if let Err(error) = settings.load_water_level() {
-            notes.push(error.to_string());
+        if let Err(error) = settings.load_files() {
+            let text = error.to_string();
+            // Of what all logs share it is said once.
+            if !notes.contains(&text) {
+                notes.push(text);
+            }
         }
         match hold_log(&log.file.path, progress) {
             Ok(survey) => logs.push((log, survey, settings)),

@@ -6,12 +6,14 @@ use super::deriving::Deriving;
 use super::exporting::{Exported, Exporting};
 use super::following::Following;
 use super::heights::Heights;
+use super::isobath_area::ReadingArea;
 use super::loader::{Loading, Request};
 use super::logs::Logs;
 use super::measuring::Measuring;
 use super::mounting::Mountings;
 use super::notices::{Notice, Said};
 use super::objects::Objects;
+use super::passes::Passes;
 use super::planning::Planning;
 use super::preview::Previewer;
 use super::project::Keeping;
@@ -147,6 +149,7 @@ pub struct App {
     pub(super) tabulating: Tabulating,
     pub(super) heights: Heights,
     pub(super) deriving: Deriving,
+    pub(super) passes: Passes,
     pub(super) objects: Objects,
     pub(super) search: Search,
     pub(super) following: Following,
@@ -156,6 +159,7 @@ pub struct App {
     pub(super) exporting: Option<Exporting>,
     pub(super) exported: Option<Exported>,
     pub(super) opening_base_map: Option<OpeningBaseMap>,
+    pub(super) reading_area: ReadingArea,
     pub(super) jobs: Jobs,
 }
 
@@ -194,6 +198,7 @@ impl App {
             tabulating: Tabulating::default(),
             heights: Heights::default(),
             deriving: Deriving::default(),
+            passes: Passes::default(),
             objects: Objects::default(),
             search: Search::default(),
             following: Following::default(),
@@ -202,6 +207,7 @@ impl App {
             exporting: None,
             exported: None,
             opening_base_map: None,
+            reading_area: ReadingArea::default(),
             jobs,
         }
     }
@@ -255,6 +261,7 @@ impl App {
             && !self.heights.is_busy()
             && !self.planning.is_busy()
             && !self.deriving.is_busy()
+            && !self.passes.is_busy()
             && !self.objects.is_busy()
             && !self.search.is_busy()
             && !self.following.is_busy()
@@ -263,6 +270,7 @@ impl App {
             && !self.comparing.is_opening()
             && self.exporting.is_none()
             && self.opening_base_map.is_none()
+            && !self.reading_area.is_busy()
             && !self.logs().any(OpenLog::is_busy)
     }
 }

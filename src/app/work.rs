@@ -34,12 +34,14 @@ impl App {
         self.poll_tables();
         self.poll_heights();
         self.poll_planning();
+        self.poll_passes();
         self.poll_project();
         self.poll_export();
         self.poll_detecting();
         self.each_log(App::poll_log);
         self.poll_objects();
         self.poll_base_map();
+        self.poll_isobath_area();
         self.derive();
         self.derive_picture();
         self.follow_profile();
@@ -223,8 +225,10 @@ impl App {
         self.keeping.stop();
         self.exporting = None;
         self.opening_base_map = None;
+        self.reading_area.stop();
         self.comparing.stop();
         self.planning.stop();
+        self.passes.stop();
         self.tabulating.stop();
         self.each_log(|app| app.log.external.stop_reading());
     }

@@ -6,12 +6,13 @@ use super::settings::SettingsArgs;
 use super::status_line::StatusLine;
 use super::survey_logs::{OpenedLog, all_or, inputs, open_all, take_reviews};
 use crate::export::{PlanFormat, PlannedWay, is_same_file};
-use crate::formats::AreaFile;
+use crate::formats::read_area;
 use crate::geo::{LocalFrame, LonLat};
 use crate::pipeline::{seen_objects, surveyed};
 use crate::planning::{Plan, PlanSettings, State, plan};
 use crate::presentation::text;
 use crate::progress::Progress;
+use crate::survey::WaterArea;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -60,7 +61,7 @@ pub fn run(args: PlanArgs) -> Result<(), String> {
     let format = PlanFormat::of(&args.output).map_err(|error| error.to_string())?;
     let settings = args.plan_settings();
     settings.check().map_err(|error| error.to_string())?;
-    let area = args.area.as_deref().map(AreaFile::read).transpose();
+    let area = args.area.as_deref().map(read_area).transpose();
     let area = area.map_err(|error| error.to_string())?;
     args.refuse_overwrite()?;
     let inputs = inputs(&args.surveys, &args.settings, None)?;
@@ -125,7 +126,7 @@ impl PlanArgs {
 fn planned(
     opened: &[OpenedLog],
     settings: &PlanSettings,
-    area: Option<&AreaFile>,
+    area: Option<&WaterArea>,
     frame: &LocalFrame,
 ) -> Result<Plan, String> {
     let progress = Progress::new();

@@ -50,9 +50,7 @@ impl SettingsArgs {
                 .map_err(|error| error.to_string())?;
         }
         settings.check().map_err(|error| error.to_string())?;
-        settings
-            .load_water_level()
-            .map_err(|error| error.to_string())?;
+        settings.load_files().map_err(|error| error.to_string())?;
         Ok(settings)
     }
 }

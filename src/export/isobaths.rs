@@ -3,7 +3,7 @@
 use super::geojson::{areas as areas_of, collection, position, positions};
 use super::{ExportError, Summary, millimetres, write_aside};
 use crate::bathymetry::DepthPoint;
-use crate::bathymetry::isobaths::{DepthArea, Isobath, IsobathSettings, Storage, smoothed};
+use crate::bathymetry::isobaths::{DepthArea, Isobath, IsobathSettings, Storage};
 use crate::geo::LonLat;
 use serde_json::json;
 use std::io::{BufWriter, Write as _};
@@ -12,20 +12,15 @@ use std::path::Path;
 /// Lines of equal depth as they are drawn.
 #[derive(Clone, Copy)]
 pub struct DrawnLines<'a> {
-    /// The lines as they run through the cells of their surface.
+    /// The lines.
     pub lines: &'a [Isobath],
-    /// How they are rounded, and what their depths are written in.
+    /// What their depths are written in.
     pub settings: &'a IsobathSettings,
     /// The depths whose lines are thick and labelled.
     pub index_levels_m: &'a [f64],
 }
 
 impl DrawnLines<'_> {
-    /// The points of a line, its corners cut.
-    pub(super) fn points(&self, line: &Isobath) -> Vec<[f64; 2]> {
-        smoothed(&line.points, self.settings.smoothing())
-    }
-
     /// Whether a line is thick and labelled.
     pub(super) fn is_index(&self, line: &Isobath) -> bool {
         self.index_levels_m.contains(&line.depth_m)
@@ -39,8 +34,7 @@ pub fn isobaths_geojson(
     place: impl Fn([f64; 2]) -> LonLat,
 ) -> Result<Summary, ExportError> {
     let feature = |line: &Isobath, summary: &mut Summary| {
-        let points = drawn.points(line);
-        let points = positions(points.iter().map(|point| place(*point)));
+        let points = positions(line.points.iter().map(|point| place(*point)));
         summary.count += 1;
         summary.value(line.depth_m);
         let depth = drawn.settings.in_unit(line.depth_m);

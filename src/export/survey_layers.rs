@@ -97,8 +97,7 @@ pub fn footprint_layer(placed: &Placed<'_>, name: &str, shapes: &[Polygon], area
 /// Lines of equal depth. A metre of the plane is `scale` metres on the ground.
 pub fn isobath_layer(placed: &Placed<'_>, drawn: &DrawnLines<'_>, scale: f64) -> Layer {
     let feature = |line: &Isobath| {
-        let points = drawn.points(line);
-        let places = points.iter().map(|point| placed.place(*point));
+        let places = line.points.iter().map(|point| placed.place(*point));
         let depth = drawn.settings.in_unit(line.depth_m);
         let flags = [drawn.is_index(line), line.is_ring()];
         let [is_index, is_ring] = flags.map(|flag| Value::Integer(flag.into()));

@@ -3,9 +3,11 @@
 use super::xml::{attribute, is, text_of};
 use crate::geo::LonLat;
 use crate::regular_file;
+use crate::survey::WaterArea;
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 use serde_json::Value;
+use sha2::{Digest as _, Sha256};
 use std::path::{Path, PathBuf};
 
 /// Longer than any shoreline that a boat sails along.
@@ -14,15 +16,6 @@ const LONGEST: u64 = 1 << 26;
 const MOST_CORNERS: usize = 100_000;
 /// Rings with fewer corners have no area.
 const LEAST_CORNERS: usize = 3;
-
-/// The rings of an area: a place is in it where an odd number of them go around it, so that islands are rings too.
-#[derive(Clone, Debug, PartialEq)]
-pub struct AreaFile {
-    /// The file that it was read from.
-    pub path: PathBuf,
-    /// Corners of each ring, the first of them once.
-    pub rings: Vec<Vec<LonLat>>,
-}
 
 /// A file that holds no area.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -34,29 +27,30 @@ pub struct AreaError {
     pub path: PathBuf,
 }
 
-impl AreaFile {
-    /// Reads the polygons of a GeoJSON or KML, or the tracks and routes of a GPX, each of which is taken as a ring.
-    ///
-    /// # Errors
-    /// When the file cannot be read, or holds no polygon.
-    pub fn read(path: &Path) -> Result<Self, AreaError> {
-        let fail = |what: String| AreaError {
-            what,
-            path: path.to_owned(),
-        };
-        let text = regular_file::read_text(path, LONGEST)
-            .map_err(|error| fail(format!("cannot read the area: {error}")))?;
-        let text = text.trim_start_matches('\u{feff}').trim_start();
-        let rings = match text.starts_with('<') {
-            true => of_xml(text),
-            false => of_geojson(text),
-        };
-        let rings = checked(rings.map_err(fail)?).map_err(fail)?;
-        Ok(Self {
-            path: path.to_owned(),
-            rings,
-        })
-    }
+/// Reads the polygons of a GeoJSON or KML, or the tracks and routes of a GPX, each of which is taken as a ring.
+///
+/// # Errors
+/// When the file cannot be read, or holds no polygon.
+pub fn read_area(path: &Path) -> Result<WaterArea, AreaError> {
+    let fail = |what: String| AreaError {
+        what,
+        path: path.to_owned(),
+    };
+    let text = regular_file::read_text(path, LONGEST)
+        .map_err(|error| fail(format!("cannot read the area: {error}")))?;
+    let hash = Sha256::digest(text.as_bytes());
+    let bytes = text.len();
+    let text = text.trim_start_matches('\u{feff}').trim_start();
+    let rings = match text.starts_with('<') {
+        true => of_xml(text),
+        false => of_geojson(text),
+    };
+    Ok(WaterArea {
+        path: path.to_owned(),
+        bytes,
+        sha256: hash.iter().map(|byte| format!("{byte:02x}")).collect(),
+        rings: checked(rings.map_err(fail)?).map_err(fail)?,
+    })
 }
 
 type Rings = Vec<Vec<[f64; 2]>>;
@@ -193,7 +187,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("area");
         std::fs::write(&path, text).unwrap();
-        let area = AreaFile::read(&path).map_err(|error| error.to_string())?;
+        let area = read_area(&path).map_err(|error| error.to_string())?;
         Ok(area.rings)
     }
 

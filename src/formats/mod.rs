@@ -33,7 +33,7 @@ mod unsupported;
 mod xml;
 pub mod xtf;
 
-pub use area_file::{AreaError, AreaFile};
+pub use area_file::{AreaError, read_area};
 pub use gauge_file::{GaugeError, read_gauge};
 pub use growing_log::{GrowingError, GrowingLog};
 pub use reference::{ReferenceError, ReferenceFile, open_reference};

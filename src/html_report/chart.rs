@@ -22,7 +22,7 @@ pub fn storage_section(from: &ReportData<'_>) -> String {
     // A map's square metres are not quite those of the ground.
     let ground = from.map.area_scale_at(middle).recip();
     let below = |levels: &[f64]| -> Vec<Storage> {
-        let mut rows = storage(surface, levels);
+        let mut rows = storage(surface, levels, from.isobaths.clip.as_deref());
         for row in &mut rows {
             row.area_m2 *= ground;
             row.volume_m3 *= ground;

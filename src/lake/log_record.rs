@@ -1,6 +1,7 @@
 //! What is known of one log of a lake: `logs/SHA256.json`, written when all of its rows are in place.
 
 use super::error::LakeError;
+use super::record::AREA;
 use super::record::LONGEST_RECORD;
 use super::tile::TileId;
 use crate::pipeline::{
@@ -98,6 +99,13 @@ mod as_text {
     }
 }
 
+/// All settings but the name of the area of the isobaths: no row depends on it, and the lake has its own copy.
+fn of_rows(settings: &Settings) -> SettingValues {
+    let mut values = setting_values(settings);
+    values.remove(AREA);
+    values
+}
+
 impl LogRecord {
     /// Of a log that has no rows yet.
     pub(super) fn new(survey: &Survey, settings: &Settings, files: &LogFiles) -> Self {
@@ -108,7 +116,7 @@ impl LogRecord {
             made: Origin {
                 program: format!("bathyscope {}", env!("CARGO_PKG_VERSION")),
                 files: files.files.clone(),
-                settings: setting_values(settings),
+                settings: of_rows(settings),
                 bottom_edits: (!settings.bottom.is_empty())
                     .then(|| in_hexadecimal(&Sha256::digest(&bottom))),
             },

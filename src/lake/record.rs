@@ -8,17 +8,24 @@ use super::point_rows::POINTS;
 use super::tile::{TILE_M, TileId};
 use crate::bathymetry::{Grid, LOCAL_MARGIN_CELLS, local_reach_m};
 use crate::export::write_aside;
-use crate::pipeline::{SettingValues, Settings, is_of_one_log, setting_values, with_values};
+use crate::formats::read_area;
+use crate::pipeline::{
+    Fingerprint, SettingValues, Settings, is_of_one_log, setting_values, with_values,
+};
 use crate::regular_file;
+use crate::survey::WaterArea;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::fs;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// The record's name.
 const RECORD: &str = "lake.json";
+/// The setting whose file the lake keeps a copy of, and what this is called before its ending.
+pub(super) const AREA: &str = "isobaths.clip";
+const AREA_STEM: &str = "isobath_area";
 /// Longer than any record.
 pub(super) const LONGEST_RECORD: u64 = 1 << 26;
 /// How rows are laid out: another number is another lake.
@@ -59,6 +66,9 @@ pub struct LakeRecord {
     pub cell_m: f64,
     /// The settings that rows and maps depend on, but for those that belong to one log: draft, water level, mounting.
     settings: SettingValues,
+    /// The file of the area that isobaths end at, in the folder of the lake: its content is the setting, not where it once lay.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    isobath_area: Option<Fingerprint>,
 }
 
 impl LakeRecord {
@@ -91,12 +101,14 @@ impl LakeRecord {
         }
         let mut values = setting_values(settings);
         values.retain(|key, _| is_shared(key));
+        let area = settings.isobaths.area.as_deref();
         Ok(Self {
             format: FORMAT,
             tile_m: TILE_M,
             halo_m,
             cell_m,
             settings: values,
+            isobath_area: area.map(fingerprint_of),
         })
     }
 
@@ -119,7 +131,7 @@ impl LakeRecord {
         })
     }
 
-    /// The settings that maps are made with.
+    /// The settings that maps are made with, without the area of the isobaths ([`Lake::settings`]).
     ///
     /// # Errors
     /// A sentence where somebody has changed the record to what cannot be.
@@ -145,14 +157,19 @@ impl LakeRecord {
                 value(other, key)
             )
         });
+        let areas = (self.isobath_area != other.isobath_area).then(|| {
+            let [there, here] = [self, other].map(|one| area_in_words(one.isobath_area.as_ref()));
+            format!("{AREA} is {there} there, and {here} here")
+        });
         in_settings
+            .or(areas)
             .or_else(|| (self != other).then(|| "its tiles are laid out in another way".to_owned()))
     }
 }
 
 fn is_shared(key: &str) -> bool {
     let group = key.split('.').next().unwrap_or(key);
-    !is_of_one_log(key) && !REGARDLESS_OF.contains(&group) && key != COLOURS
+    !is_of_one_log(key) && !REGARDLESS_OF.contains(&group) && ![AREA, COLOURS].contains(&key)
 }
 
 /// Cells along the side of a tile's mosaic, where they divide it: the mosaics of neighbouring tiles then meet at whole cells.
@@ -160,6 +177,29 @@ fn mosaic_grid_side(cell_m: f64) -> Option<usize> {
     let side = TILE_M / cell_m;
     let is_whole = (side - side.round()).abs() < 1e-9 && (1.0..=MOST_MOSAIC_CELLS).contains(&side);
     is_whole.then_some(side.round() as usize)
+}
+
+/// The copy of an area: its name in the lake, and what it holds.
+fn fingerprint_of(area: &WaterArea) -> Fingerprint {
+    let ending = area.path.extension().unwrap_or_default().to_string_lossy();
+    let is_plain = |ending: &str| ending.chars().all(|letter| letter.is_ascii_alphanumeric());
+    let file = match ending.to_lowercase() {
+        ending if !ending.is_empty() && is_plain(&ending) => format!("{AREA_STEM}.{ending}"),
+        _ => AREA_STEM.to_owned(),
+    };
+    Fingerprint {
+        file,
+        bytes: area.bytes as u64,
+        sha256: area.sha256.clone(),
+    }
+}
+
+/// A file by its first hexadecimal digits: two of one name may differ.
+fn area_in_words(area: Option<&Fingerprint>) -> String {
+    area.map_or("not given".to_owned(), |area| {
+        let digits = area.sha256.get(..12).unwrap_or(&area.sha256);
+        format!("a file of {} bytes (SHA-256 {digits}...)", area.bytes)
+    })
 }
 
 /// A folder with a lake.
@@ -170,6 +210,8 @@ pub struct Lake {
     pub record: LakeRecord,
     /// Logs that were added through this value or a copy of it.
     begun: Arc<Mutex<BTreeSet<String>>>,
+    /// The area of the isobaths, once it has been read.
+    area: Arc<OnceLock<Arc<WaterArea>>>,
 }
 
 impl Lake {
@@ -202,6 +244,7 @@ impl Lake {
             folder: folder.to_owned(),
             record,
             begun: Arc::default(),
+            area: Arc::default(),
         })
     }
 
@@ -220,6 +263,7 @@ impl Lake {
         }
         let lake = Self::open(folder)?;
         lake.check(settings)?;
+        lake.keep_area(settings)?;
         Ok(lake)
     }
 
@@ -233,6 +277,54 @@ impl Lake {
             Some(what) => Err(LakeError::Refused(format!(
                 "the lake was made with other settings: {what}; give the same, or choose another folder: {}",
                 self.folder.display()
+            ))),
+        }
+    }
+
+    /// Copies the area of the isobaths into the lake, if it is not there: a run that made the lake may have ended before.
+    fn keep_area(&self, settings: &Settings) -> Result<(), LakeError> {
+        let (Some(kept), Some(area)) = (&self.record.isobath_area, &settings.isobaths.area) else {
+            return Ok(());
+        };
+        if kept.is_unchanged(&self.folder) {
+            return Ok(());
+        }
+        let bytes = regular_file::read(&area.path, kept.bytes)
+            .map_err(|error| format!("cannot read the area: {error}: {}", area.path.display()))?;
+        Ok(write_aside(&self.folder.join(&kept.file), |mut file| {
+            file.write_all(&bytes)
+        })?)
+    }
+
+    /// The settings that maps are made with.
+    ///
+    /// # Errors
+    /// A sentence where somebody has changed the record, or the copy of the area of the isobaths, to what cannot be.
+    pub fn settings(&self) -> Result<Settings, LakeError> {
+        let mut settings = self.record.settings()?;
+        let Some(kept) = &self.record.isobath_area else {
+            return Ok(settings);
+        };
+        let area = match self.area.get() {
+            Some(area) => area.clone(),
+            None => {
+                let read = self.read_area(kept)?;
+                self.area.get_or_init(|| read).clone()
+            }
+        };
+        settings.isobaths.clip = Some(area.path.clone());
+        settings.isobaths.area = Some(area);
+        Ok(settings)
+    }
+
+    fn read_area(&self, kept: &Fingerprint) -> Result<Arc<WaterArea>, LakeError> {
+        let path = self.folder.join(&kept.file);
+        let area = read_area(&path).map_err(|error| error.to_string())?;
+        match area.sha256 == kept.sha256 {
+            true => Ok(Arc::new(area)),
+            false => Err(LakeError::Refused(format!(
+                "the area of the lake's isobaths is not the one that it was made with; put that one back: {}",
+                path.display()
             ))),
         }
     }

@@ -11,7 +11,6 @@ use super::record::{LONGEST_RECORD, Lake, LakeRecord, names_in, write_json};
 use super::tile::TileId;
 use super::tile_map::{TileMap, tile_map};
 use super::tile_mosaic::{logs_in_order, write_mosaic};
-use crate::bathymetry::isobaths::IsobathSettings;
 use crate::bathymetry::{Surface, SurfaceMethod, SwathDepth};
 use crate::export::{DrawnLines, isobaths_geojson, metres_raster};
 use crate::formats::geotiff::{Band, Cells, RasterSpec};
@@ -300,11 +299,7 @@ fn write_files(
         metres_raster(&folder.join(file), &spec, grid, values_m, progress)?;
     }
     let place = |at| tile.zone.to_lon_lat(at);
-    let settings = IsobathSettings {
-        // They were rounded before they were cut at the edges.
-        smooth: 0,
-        ..lake.record.settings()?.isobaths
-    };
+    let settings = lake.record.settings()?.isobaths;
     let mut levels_m: Vec<f64> = made.isobaths.iter().map(|line| line.depth_m).collect();
     levels_m.dedup();
     let drawn = DrawnLines {

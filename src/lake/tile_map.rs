@@ -1,6 +1,7 @@
 //! The depth map of a tile, from the rows of all logs in it.
 
 use super::error::LakeError;
+use super::index::tile_bounds_deg;
 use super::log_record::LogRecord;
 use super::offsets::Offsets;
 use super::point_rows::{self, POINTS};
@@ -11,6 +12,7 @@ use crate::bathymetry::isobaths::{
 };
 use crate::bathymetry::{DepthPoint, Grid, LOCAL_MARGIN_CELLS, Surface, local_surface};
 use crate::geo::UtmZone;
+use crate::pipeline::clip_area;
 use crate::progress::Progress;
 
 /// Metres from one isobath to the next where the settings name none: the same in all tiles, so that lines meet.
@@ -20,7 +22,7 @@ const USUAL_INTERVAL_M: f64 = 0.5;
 pub struct TileMap {
     /// The cells of the tile, none of its halo.
     pub surface: Surface,
-    /// Lines of equal depth, cut at its edges.
+    /// Lines of equal depth, cut at its edges and at those of the area of the lake's isobaths.
     pub isobaths: Vec<Isobath>,
 }
 
@@ -77,7 +79,7 @@ pub fn tile_map(
     offsets: &Offsets,
     progress: &Progress,
 ) -> Result<Option<TileMap>, LakeError> {
-    let settings = lake.record.settings()?;
+    let settings = lake.settings()?;
     let points = depth_points(lake, tile, logs, offsets, progress)?;
     let grid = with_margin(tile, lake.record.cell_m);
     let mut window = local_surface(&points, grid, settings.surface.max_gap_m, progress)?;
@@ -171,13 +173,22 @@ fn lines(
     let levels_m = isobath_settings(settings)
         .levels_m(window.range_m())
         .map_err(|error| error.to_string())?;
+    let area = clip_area(settings, tile_bounds_deg(&[tile]), |at| {
+        tile.zone.to_metres(at)
+    });
+    let area = area.map_err(|error| error.to_string())?;
     let drawn = isobaths(window, &levels_m, progress)?;
     let cut = drawn.into_iter().flat_map(|line| {
         let rounded = Isobath {
             points: smoothed(&line.points, settings.smoothing()),
             ..line
         };
-        clipped(&rounded, tile.bounds_m())
+        let parts = match &area {
+            Some(area) => area.parts_of(&rounded),
+            None => vec![rounded],
+        };
+        let in_tile = parts.into_iter();
+        in_tile.flat_map(|part| clipped(&part, tile.bounds_m()))
     });
     let mut lines: Vec<Isobath> = cut.collect();
     // In one order, however the rows of the window were walked.

@@ -45,7 +45,7 @@ pub fn level_differences(logs: &[Vec<u8>], grid: &Grid) -> Vec<Meeting> {
 
 /// What all logs cover: west, south, east and north, metres; `None` when nothing is shown.
 pub fn joint_bounds(logs: &[MosaicLog]) -> Option<Bounds> {
-    bounds_of(logs.iter().map(|log| &log.layout))
+    bounds_of(logs.iter().map(|log| &*log.layout))
 }
 
 /// The grid that holds what all logs show, its edges at whole cells; `None` when nothing is shown.

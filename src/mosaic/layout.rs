@@ -282,6 +282,16 @@ impl Layout {
         self
     }
 
+    /// How many pings are laid out.
+    pub fn len(&self) -> usize {
+        self.pings.len()
+    }
+
+    /// Whether no ping is.
+    pub fn is_empty(&self) -> bool {
+        self.pings.is_empty()
+    }
+
     /// Which ping of the survey a ping of this layout is.
     pub fn ping(&self, index: usize) -> Option<usize> {
         self.pings.get(index).map(|ping| *ping as usize)

@@ -33,7 +33,7 @@ pub struct MosaicLog {
     /// The recording.
     pub survey: Arc<Survey>,
     /// Where its echoes lie, in the plane that all logs share.
-    pub layout: Layout,
+    pub layout: Arc<Layout>,
     /// What its levels are normalised by.
     pub gain: GainTable,
 }

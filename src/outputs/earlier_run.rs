@@ -18,12 +18,16 @@ pub struct EarlierRun {
     settings: Option<Settings>,
     /// Names of its files.
     files: Vec<String>,
+    /// SHA-256 of what it was made from.
+    inputs: Vec<String>,
 }
 
 #[derive(Deserialize)]
 struct Manifest {
     settings: serde_json::Value,
     files: Vec<Named>,
+    #[serde(default)]
+    inputs: Vec<Hashed>,
 }
 
 #[derive(Deserialize)]
@@ -31,21 +35,31 @@ struct Named {
     file: String,
 }
 
+#[derive(Deserialize)]
+struct Hashed {
+    sha256: String,
+}
+
 impl EarlierRun {
     /// Of a folder; `None` where no run has written.
     pub fn read(folder: &Path) -> Option<Self> {
         let text = std::fs::read(folder.join(super::MANIFEST)).ok()?;
-        let Manifest { settings, files } = serde_json::from_slice(&text).ok()?;
+        let Manifest {
+            settings,
+            files,
+            inputs,
+        } = serde_json::from_slice(&text).ok()?;
         let files = files.into_iter().map(|named| named.file);
         Some(Self {
             settings: serde_json::from_value(settings).ok(),
             // It cannot name itself.
             files: files.chain([super::MANIFEST.to_owned()]).collect(),
+            inputs: inputs.into_iter().map(|input| input.sha256).collect(),
         })
     }
 
     /// Files that the same log makes others of with these settings, in the order of writing. Readings of the water level and tracks
-    /// count by the names of their files.
+    /// count by the names of their files, the area of the isobaths by what it holds.
     pub fn out_of_date(&self, settings: &Settings) -> Vec<&'static OutputFile> {
         let written = || {
             let row = |name: &String| row_of(name).map(|row| row.name);
@@ -60,7 +74,11 @@ impl EarlierRun {
         if earlier == settings {
             return Vec::new();
         }
-        let words = words_that_differ(earlier, settings);
+        let mut words = words_that_differ(earlier, settings);
+        let area = settings.isobaths.area.as_deref();
+        if area.is_some_and(|area| !self.inputs.contains(&area.sha256)) {
+            words.insert("isobaths".to_owned());
+        }
         written().filter(|row| row.depends_on(&words)).collect()
     }
 }

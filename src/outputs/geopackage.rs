@@ -41,7 +41,7 @@ pub fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputEr
             ground.area_m2,
         ));
     }
-    if has(Need::Surface)? {
+    if has(Need::Surface)? && has(Need::Area)? {
         let settings = &results.products.settings.isobaths;
         layers.push(export::spot_sounding_layer(
             &placed,

@@ -45,8 +45,13 @@ pub(super) fn refuse_overwrite(order: &Order<'_>, folder: &Path) -> Result<(), O
         .iter()
         .filter_map(|log| log.products.correction.gauge());
     let gauges = gauges.map(|gauge| gauge.path.as_path());
+    let areas = order.logs.iter().filter_map(|log| {
+        let area = log.products.settings.isobaths.area.as_deref();
+        area.map(|area| area.path.as_path())
+    });
     let surveys = order.logs.iter().map(|log| &*log.survey);
-    refuse(files_of(surveys).chain(gauges).chain(reference), folder)
+    let inputs = files_of(surveys).chain(gauges).chain(areas);
+    refuse(inputs.chain(reference), folder)
 }
 
 fn files_of<'a>(surveys: impl IntoIterator<Item = &'a Survey>) -> impl Iterator<Item = &'a Path> {

@@ -325,7 +325,7 @@ pub const OUTPUT_FILES: [OutputFile; 43] = [
         Writer::Results(depth::contours::depth_areas),
     ),
     OutputFile {
-        needs: &[Need::Surface],
+        needs: &[Need::Surface, Need::Area],
         ..contours(
             "isobaths/spot_soundings.geojson",
             "The shoalest depths of their surroundings",

@@ -43,6 +43,8 @@ pub enum Need {
     Levels,
     /// A line of equal depth.
     Isobaths,
+    /// The area that isobaths end at, where one is named: their own files say what is wrong with it.
+    Area,
     /// Side-scan points over soundings, or a track that crosses itself.
     Agreement,
     /// Side-scan.
@@ -162,6 +164,10 @@ impl<'a> Results<'a> {
             Need::Isobaths => match self.contours()? {
                 Ok(contours) if !contours.isobaths.lines.is_empty() => None,
                 _ => silent(),
+            },
+            Need::Area => match self.depth_map()? {
+                Some(map) if map.clip_area(&self.products.settings.isobaths).is_err() => silent(),
+                _ => None,
             },
             Need::Agreement if self.comparisons()?.is_empty() && self.crossings()?.is_none() => {
                 told(
@@ -307,8 +313,14 @@ impl<'a> Results<'a> {
             let Some(depth_map) = self.depth_map()? else {
                 return Ok(Vec::new());
             };
-            let points = depth_map.depth_points(self.progress)?;
-            let radius_m = spot_radius_m(&self.products.settings.isobaths, &points);
+            let settings = &self.products.settings.isobaths;
+            let area = depth_map.clip_area(settings);
+            let area = area.map_err(|error| error.to_string())?;
+            let mut points = depth_map.depth_points(self.progress)?;
+            if let Some(area) = area {
+                points.retain(|point| area.holds([point.east_m, point.north_m]));
+            }
+            let radius_m = spot_radius_m(settings, &points);
             Ok(radius_m.map_or_else(Vec::new, |radius_m| spot_soundings(&points, radius_m)))
         });
         made.map(Vec::as_slice)

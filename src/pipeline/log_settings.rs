@@ -6,7 +6,7 @@
 use super::settings::row;
 use super::{Settings, SettingsError};
 use crate::first_return::BottomSettings;
-use crate::survey::{Gauge, Identity, Survey};
+use crate::survey::{Gauge, Identity, Survey, WaterArea};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use toml::{Table, Value};
@@ -88,6 +88,7 @@ fn table_of(settings: &Settings) -> Table {
     let mut settings = settings.clone();
     let paths = [
         &mut settings.detector.model,
+        &mut settings.isobaths.clip,
         &mut settings.track.file,
         &mut settings.water_level.file,
     ];
@@ -144,6 +145,9 @@ pub fn with_values(settings: &Settings, values: &SettingValues) -> Result<Settin
     if made.water_level.file == settings.water_level.file {
         made.water_level.gauge = settings.water_level.gauge.clone();
     }
+    if made.isobaths.clip == settings.isobaths.clip {
+        made.isobaths.area = settings.isobaths.area.clone();
+    }
     Ok(made)
 }
 
@@ -172,6 +176,8 @@ pub struct LogSettings {
     pub bottom: BottomSettings,
     /// What its own `water_level.file` holds, once somebody has read it. It follows from the key, and is no difference by itself.
     pub gauge: Option<Arc<Gauge>>,
+    /// Likewise what its own `isobaths.clip` holds.
+    pub area: Option<Arc<WaterArea>>,
 }
 
 impl PartialEq for LogSettings {
@@ -208,7 +214,7 @@ impl LogSettings {
     }
 
     /// The settings that the log is processed with: the shared ones, and its own over them. Its gauge is in them when
-    /// [`LogSettings::gauge`] is there; otherwise [`Settings::load_water_level`] reads it.
+    /// [`LogSettings::gauge`] is there, and so is its area; otherwise [`Settings::load_files`] reads them.
     ///
     /// # Errors
     /// A sentence that names the key, when an own value cannot be used.
@@ -216,6 +222,9 @@ impl LogSettings {
         let mut settings = with_values(shared, &self.own)?;
         if self.is_own("water_level.file") {
             settings.water_level.gauge = self.gauge.clone();
+        }
+        if self.is_own("isobaths.clip") {
+            settings.isobaths.area = self.area.clone();
         }
         settings.bottom = self.bottom.clone();
         Ok(settings)
@@ -248,10 +257,15 @@ impl LogSettings {
         }
         own.bottom = after.bottom.clone();
         own.gauge = after.water_level.gauge.clone();
+        own.area = after.isobaths.area.clone();
         let mut changed = from_values(&all)?;
         if changed.water_level.file == shared.water_level.file {
             changed.water_level.gauge = shared.water_level.gauge.clone();
         }
+        changed.isobaths.area = match own.is_own("isobaths.clip") {
+            true => shared.isobaths.area.clone(),
+            false => after.isobaths.area.clone(),
+        };
         Ok((changed, own))
     }
 
@@ -399,5 +413,31 @@ mod tests {
         own.set("cloud.geometry", Value::String("flat".to_owned()));
         let error = own.compose(&Settings::default()).expect_err("no geometry");
         assert!(error.0.contains("flat"), "{error}");
+    }
+
+    #[test]
+    fn the_area_of_the_isobaths_comes_along_and_another_content_is_another_setting() {
+        let of = |sha256: &str| {
+            let mut settings = settings(&["isobaths.clip=shore.kml"]);
+            settings.isobaths.area = Some(Arc::new(WaterArea {
+                path: "shore.kml".into(),
+                sha256: sha256.to_owned(),
+                ..WaterArea::default()
+            }));
+            settings
+        };
+        let (one, other) = (of("1"), of("2"));
+        assert_ne!(one, other);
+        let mut own = LogSettings::default();
+        own.set("draft_m", Value::Float(0.3));
+        assert_eq!(own.compose(&one).unwrap().isobaths.area, one.isobaths.area);
+        let mut after = own.compose(&one).unwrap();
+        after.isobaths.area = other.isobaths.area.clone();
+        let (shared, own) = own.change(&one, &after).unwrap();
+        assert_eq!(shared.isobaths.area, other.isobaths.area);
+        after.isobaths.clip = None;
+        after.isobaths.area = None;
+        let (shared, _) = own.change(&shared, &after).unwrap();
+        assert_eq!((shared.isobaths.clip, shared.isobaths.area), (None, None));
     }
 }

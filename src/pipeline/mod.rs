@@ -8,6 +8,7 @@
 
 mod agreement;
 mod background;
+mod clip_area;
 mod depth;
 mod derived;
 mod engine;
@@ -31,6 +32,7 @@ pub use agreement::{
     Agreement, LogDifferences, MissionLog, Reference, ResidualTables, matching_in_words, positions,
 };
 pub use background::{Background, Same};
+pub use clip_area::clip_area;
 pub use depth::{
     Choice, Contours, Crosslines, NamedComparison, Plane, choices, comparisons, crosslines,
     joint_depth_points, joint_depth_surface, log_echoes,

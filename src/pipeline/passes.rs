@@ -1,9 +1,9 @@
 //! Which passes of a log saw a place: pings in a row that have it on one side.
 
-use super::mosaic::mosaic_layout_by;
-use super::{ProcessedLog, Products};
+use super::{Derived, ProcessedLog};
 use crate::mosaic::{Layout, Ray};
-use crate::survey::{Side, Survey};
+use crate::progress::{Cancelled, Progress};
+use crate::survey::Side;
 
 /// Calibration may make ranges longer by a few percent.
 const SLACK: f64 = 1.2;
@@ -21,35 +21,36 @@ pub struct Pass {
     pub range_m: f64,
 }
 
-/// Where the echoes of a log lie in its own plane.
-struct Ground(Layout);
-
-impl Ground {
-    fn of(survey: &Survey, products: &Products) -> Self {
-        Self(mosaic_layout_by(survey, products, |place| place))
-    }
-
-    /// The strips that show a place, in the order of the log: ping, side, and the ray that it lies beside.
-    fn strips_at(&self, [x, y]: [f64; 2]) -> impl Iterator<Item = (usize, Side, Ray, f64)> {
-        let strips = self.0.strips_in([x, y, x, y]);
-        strips.filter_map(move |(index, side)| {
-            let ray = self.0.ray(index, side)?;
+/// The strips that show a place, in the order of the log: ping, side, and the ray that it lies beside, so many metres out.
+fn strips_at(layout: &Layout, [x, y]: [f64; 2]) -> impl Iterator<Item = (usize, Side, Ray, f64)> {
+    layout
+        .strips_in([x, y, x, y])
+        .filter_map(move |(index, side)| {
+            let ray = layout.ray(index, side)?;
             let [east, north] = ray.out;
             let scale = east * east + north * north;
             let out_m = ((x - ray.at[0]) * east + (y - ray.at[1]) * north) / scale;
             let is_seen = out_m > 0.0 && out_m <= ray.reach_m(false);
-            is_seen.then_some((self.0.ping(index)?, side, ray, out_m))
+            is_seen.then_some((layout.ping(index)?, side, ray, out_m))
         })
-    }
 }
 
-/// The passes of a log over a place of its plane, by side and in the order of the log, as the mosaic lays its echoes out.
-pub fn passes_over(log: &ProcessedLog, place: [f64; 2]) -> Vec<Pass> {
+/// The passes of a log over a place of its plane, by side and in the order of the log, as the mosaic lays its echoes out. Logs that were
+/// far away are not laid out.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn passes_over(
+    log: &ProcessedLog,
+    place: [f64; 2],
+    results: &Derived,
+    progress: &Progress,
+) -> Result<Vec<Pass>, Cancelled> {
     if !is_near(log, place) {
-        return Vec::new();
+        return Ok(Vec::new());
     }
-    let ground = Ground::of(&log.survey, &log.products);
-    let mut seen: Vec<(usize, Side, Ray, f64)> = ground.strips_at(place).collect();
+    let layout = results.layout(log, progress)?;
+    let mut seen: Vec<(usize, Side, Ray, f64)> = strips_at(&layout, place).collect();
     seen.sort_by_key(|(ping, side, ..)| (*side, *ping));
     let is_next =
         |a: &(usize, Side, Ray, f64), b: &(usize, Side, Ray, f64)| a.1 == b.1 && b.0 - a.0 <= 1;
@@ -64,7 +65,7 @@ pub fn passes_over(log: &ProcessedLog, place: [f64; 2]) -> Vec<Pass> {
             range_m: ray.range_m(sample),
         })
     });
-    passes.collect()
+    Ok(passes.collect())
 }
 
 /// Whether the boat came as near to a place as its side-scan reaches: of most logs of a large survey it did not.
@@ -84,8 +85,7 @@ fn is_near(log: &ProcessedLog, [x, y]: [f64; 2]) -> bool {
 }
 
 /// Where a sample of a ping lies in the plane of its log; `None` where the ping shows no ground there.
-pub fn place_of(log: &ProcessedLog, ping: usize, side: Side, sample: f64) -> Option<[f64; 2]> {
-    let Ground(layout) = Ground::of(&log.survey, &log.products);
+pub fn place_of(layout: &Layout, ping: usize, side: Side, sample: f64) -> Option<[f64; 2]> {
     let ray = layout.ray(ping, side)?;
     let out_m = ray.across.ground_m(ray.under_m, ray.range_m(sample));
     out_m.is_finite().then(|| ray.place(out_m))

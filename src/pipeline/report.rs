@@ -397,7 +397,7 @@ fn whose(track: &Track) -> String {
     }
 }
 
-/// The log's files, and the readings of the water level where they are in force.
+/// The log's files, and the readings of the water level and the area of the isobaths where they are in force.
 fn inputs(
     survey: &Survey,
     products: &Products,
@@ -408,6 +408,12 @@ fn inputs(
         file: gauge.path.display().to_string(),
         bytes: gauge.bytes,
         sha256: gauge.sha256.clone(),
+    }));
+    let area = products.settings.isobaths.area.as_deref();
+    inputs.extend(area.map(|area| Input {
+        file: area.path.display().to_string(),
+        bytes: area.bytes,
+        sha256: area.sha256.clone(),
     }));
     Ok(inputs)
 }

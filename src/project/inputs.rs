@@ -14,7 +14,7 @@ use std::sync::Arc;
 pub struct Input {
     /// The log, its file where it lies now.
     pub log: Arc<ProjectLog>,
-    /// The settings that it is processed with; the water levels that they name are read.
+    /// The settings that it is processed with; the water levels and the area that they name are read.
     pub settings: Settings,
     /// The frame that all logs of the project lie in, as the window has them; `None` where it is not kept.
     pub frame: Option<LocalFrame>,
@@ -25,7 +25,12 @@ pub struct Input {
 /// # Errors
 /// A sentence when the project cannot be read, holds no visible log, or a log or a file that its settings name is not there.
 pub fn inputs(path: &Path, progress: &Progress) -> Result<Vec<Input>, String> {
-    let project = read(path).map_err(|error| error.to_string())?;
+    let mut project = read(path).map_err(|error| error.to_string())?;
+    // Once for all logs.
+    project
+        .settings
+        .load_area()
+        .map_err(|error| error.to_string())?;
     let folder = super::store::folder_of(path);
     let places = find(&project, &folder, progress).map_err(|error| error.to_string())?;
     let mut inputs = Vec::new();
@@ -51,9 +56,7 @@ pub fn inputs(path: &Path, progress: &Progress) -> Result<Vec<Input>, String> {
             }
         };
         let mut settings = (project.settings_of(&log)).map_err(|error| error.to_string())?;
-        settings
-            .load_water_level()
-            .map_err(|error| error.to_string())?;
+        settings.load_files().map_err(|error| error.to_string())?;
         let frame = project.origin.map(LocalFrame::new);
         inputs.push(Input {
             log,

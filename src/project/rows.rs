@@ -18,7 +18,12 @@ mod read;
 pub use read::read;
 
 /// Settings that are paths: they are written from the project's folder.
-const PATH_KEYS: [&str; 3] = ["detector.model", "track.file", "water_level.file"];
+const PATH_KEYS: [&str; 4] = [
+    "detector.model",
+    "isobaths.clip",
+    "track.file",
+    "water_level.file",
+];
 /// Fields of the row of a box.
 const BOX_FIELDS: [&str; 15] = [
     "border_m",

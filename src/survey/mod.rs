@@ -4,6 +4,7 @@
 //! be believed, `mounting` says how the recorder is mounted on its boat, `identity` identifies a log, `tracks_apart` how far two tracks of one boat lie apart, `turn_rate` how fast it turns,
 //! `left_out` which stretches count for nothing, `relief` how the bottom lies across the track, `growing` what becomes of a log that is still being written, `echogram` holds the channels that look down. [`navigate`] places every ping on the ground, by `fitted_track` and its `local_fit` where a track is fitted.
 
+mod area;
 mod bottom_lock;
 mod echogram;
 mod fitted_track;
@@ -21,6 +22,7 @@ mod track;
 mod tracks_apart;
 mod turn_rate;
 
+pub use area::WaterArea;
 pub use bottom_lock::{give_depths, mark_bottom_lock};
 pub use echogram::{Echogram, EchogramPing};
 pub use gauge::{Gauge, WATER_LEVELS_M};

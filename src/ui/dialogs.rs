@@ -39,6 +39,8 @@ pub(super) enum Purpose {
     OpenBaseMap,
     /// What the points are compared with.
     OpenReference,
+    /// The area that isobaths end at.
+    OpenIsobathArea,
     /// Readings of a gauge or tide.
     OpenWaterLevels,
     /// The track of another receiver.
@@ -199,6 +201,11 @@ impl Dialogs {
                 "Points (with columns: FILE.csv:x,y,z, or -z for a depth), GeoTIFF or log",
                 "Compare",
             ),
+            Purpose::OpenIsobathArea => (
+                "Open the area of the isobaths",
+                "Path of polygons: GeoJSON, KML or GPX",
+                "Open",
+            ),
             Purpose::OpenWaterLevels => (
                 "Open water levels",
                 "Path of a CSV with time and level_m",
@@ -278,6 +285,7 @@ fn command(purpose: Purpose, paths: Vec<PathBuf>) -> Option<Command> {
         Purpose::SaveProfile => Command::SaveProfile(path),
         Purpose::OpenBaseMap => Command::OpenBaseMap(path),
         Purpose::OpenReference => Command::CompareWith(path),
+        Purpose::OpenIsobathArea => Command::OpenIsobathArea(path),
         Purpose::OpenWaterLevels => Command::OpenWaterLevels(path),
         Purpose::OpenTrack => Command::OpenTrack(path),
         Purpose::SaveFigure => Command::SaveFigure(path),
@@ -342,6 +350,11 @@ fn choose_path(purpose: Purpose, proposed: Option<PathBuf>) -> Option<PathBuf> {
             .pick_file(),
         Purpose::OpenReference => rfd::FileDialog::new()
             .set_title("Compare with points, a GeoTIFF or another log")
+            .add_filter("All files", &["*"])
+            .pick_file(),
+        Purpose::OpenIsobathArea => rfd::FileDialog::new()
+            .set_title("Open the area that isobaths end at")
+            .add_filter("Polygons", &["geojson", "json", "kml", "gpx"])
             .add_filter("All files", &["*"])
             .pick_file(),
         Purpose::OpenWaterLevels => rfd::FileDialog::new()

@@ -29,6 +29,7 @@ mod golden;
 mod handmade;
 mod history_window;
 mod hostile;
+mod isobaths_window;
 mod keyboard_window;
 mod lake;
 mod lake_files;

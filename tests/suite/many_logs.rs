@@ -480,8 +480,7 @@ fn logs_of_one_mosaic_show_the_same_ground_alike() {
     let origin = logs[0].survey.track.frame.origin();
     let map = MapPlane::new(Crs::utm(origin), origin);
     let results = Derived::default();
-    let gain = |log: &ProcessedLog| results.gain(log, &progress);
-    let mosaic = Mosaic::new(logs, &MosaicPlane::Map(map), gain, &progress);
+    let mosaic = Mosaic::new(logs, &MosaicPlane::Map(map), &results, &progress);
     let mosaic = mosaic.expect("nobody cancels");
     let mut made = mosaic.expect("ground").logs;
     let grid = joint_grid(&made, settings.cell_m).expect("ground");

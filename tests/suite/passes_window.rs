@@ -1,10 +1,11 @@
 //! The passes that saw a place: as the map's menu lists them, and one after the other from a selected place.
 
 use crate::support::Moments;
-use crate::window::{app, demo_window, press, settle};
-use bathyscope::app::{Command, mark_of};
+use crate::window::{Window, app, demo_window, press, settle};
+use bathyscope::app::{Action, Command, LogPass, Mark, PassesFound, mark_of};
 use bathyscope::geo::LonLat;
-use bathyscope::pipeline::{Pass, ProcessedLog, place_of};
+use bathyscope::pipeline::{Derived, Pass, ProcessedLog, place_of};
+use bathyscope::progress::Progress;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 
@@ -13,6 +14,17 @@ const LEAST_OUT_M: f64 = 2.0;
 /// How far a place may lie beside the samples of the ping that begins its strip, besides the way to the next ping: the boat turns.
 const BESIDE_M: f64 = 0.3;
 
+fn passes_at(window: &mut Window, at: LonLat) -> Vec<LogPass> {
+    let app = &mut window.state_mut().app;
+    app.apply(Command::FindPasses(at));
+    assert_eq!(app.passes_at(at), PassesFound::Searching);
+    app.poll();
+    match app.passes_at(at) {
+        PassesFound::Found(passes) => passes.to_vec(),
+        other => panic!("{other:?}"),
+    }
+}
+
 #[test]
 fn every_pass_has_the_place_where_it_says_and_the_selection_goes_from_one_to_the_next() {
     let mut window = demo_window();
@@ -20,6 +32,8 @@ fn every_pass_has_the_place_where_it_says_and_the_selection_goes_from_one_to_the
         survey: app(&window).log.survey.clone().expect("a survey"),
         products: app(&window).log.products.clone().expect("results"),
     };
+    let layout = Derived::default().layout(&log, &Progress::new());
+    let layout = layout.expect("nobody cancels");
     let navigation = &log.products.navigation;
     let plane = |at: LonLat| navigation.to_plane(&log.survey.track, at);
     let boats = &navigation.pings;
@@ -35,12 +49,12 @@ fn every_pass_has_the_place_where_it_says_and_the_selection_goes_from_one_to_the
         let [east_m, north_m] =
             [boat.east_m, boat.north_m].map(|m| m + 10.0 * (moments.share() - 0.5));
         let at = navigation.to_lon_lat(&log.survey.track, east_m, north_m);
-        let passes = app(&window).passes_at(at);
+        let passes = passes_at(&mut window, at);
         for (_, pass) in &passes {
             let (ping, sample) = pass.middle;
             let [first, last] = pass.pings;
             assert!(first <= ping && ping <= last);
-            let place = place_of(&log, ping, pass.side, sample).expect("a place");
+            let place = place_of(&layout, ping, pass.side, sample).expect("a place");
             let off_m = (place[0] - east_m).hypot(place[1] - north_m);
             let is_far = out_m(pass, [east_m, north_m]) > LEAST_OUT_M;
             // The strip reaches to the next ping, which is farther where some were lost.
@@ -75,7 +89,7 @@ fn every_pass_has_the_place_where_it_says_and_the_selection_goes_from_one_to_the
         settle(&mut window);
         let mark = app(&window).selection.expect("a selection");
         let (side, sample) = mark.side.zip(mark.sample).expect("a place");
-        let place = place_of(&log, mark.ping, side, f64::from(sample)).expect("a place");
+        let place = place_of(&layout, mark.ping, side, f64::from(sample)).expect("a place");
         let wanted = plane(at);
         let off_m = (place[0] - wanted[0]).hypot(place[1] - wanted[1]);
         // From look to look, for each begins where the one before it ended.
@@ -86,4 +100,45 @@ fn every_pass_has_the_place_where_it_says_and_the_selection_goes_from_one_to_the
     assert!(away.count() >= passes.len() - 1, "{pings:?}");
     let back = pings[0].abs_diff(pings[passes.len()]);
     assert!(back < 10, "after the last pass the first again: {pings:?}");
+}
+
+#[test]
+fn an_answer_that_nobody_waits_for_any_more_is_dropped() {
+    let mut window = demo_window();
+    let log = &app(&window).log;
+    let (survey, products) = log
+        .survey
+        .clone()
+        .zip(log.products.clone())
+        .expect("results");
+    let places = [100, 900].map(|ping| {
+        let boat = &products.navigation.pings[ping];
+        let frame = &products.navigation;
+        frame.to_lon_lat(&survey.track, boat.east_m + 3.0, boat.north_m)
+    });
+    let app = &mut window.state_mut().app;
+    for at in places {
+        app.apply(Command::FindPasses(at));
+    }
+    app.poll();
+    assert_eq!(app.passes_at(places[0]), PassesFound::Unasked);
+    let found = app.passes_at(places[1]);
+    assert!(matches!(found, PassesFound::Found([_, ..])), "{found:?}");
+    app.apply(Command::FindPasses(places[0]));
+    app.apply(Command::Do(Action::Cancel));
+    assert_eq!(app.passes_at(places[0]), PassesFound::Stopped);
+    // From a selected place the way leads to its next pass, unless another place is selected meanwhile.
+    app.apply(Command::FindPasses(places[1]));
+    app.poll();
+    let PassesFound::Found([(id, pass), ..]) = app.passes_at(places[1]) else {
+        panic!("it was found before");
+    };
+    let there = Command::RevealIn(*id, mark_of(pass));
+    app.apply(there);
+    app.apply(Command::Do(Action::NextPass));
+    assert!(!app.is_idle());
+    app.apply(Command::Select(Some(Mark::ping(7))));
+    app.poll();
+    assert_eq!(app.selection, Some(Mark::ping(7)));
+    assert!(app.is_idle());
 }

@@ -4,7 +4,7 @@ use super::lines::{Isobath, join};
 use std::collections::HashMap;
 
 /// Parts shorter than this, metres, are left out: rounded to the millimetre of the files, they are no lines any more.
-const LEAST_LENGTH_M: f64 = 0.01;
+pub(super) const LEAST_LENGTH_M: f64 = 0.01;
 
 /// The parts of a line that lie in a box (west, south, east, north). Where a line leaves a box and enters the next one the place is the same
 /// number in both.

@@ -3,7 +3,10 @@
 use super::Smoothing;
 use crate::presentation::ticks;
 use crate::presentation::units::LengthUnit;
+use crate::survey::WaterArea;
 use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Every so many isobaths one is thick and labelled, counted from depth 0.
 pub const INDEX: f64 = 5.0;
@@ -31,17 +34,42 @@ pub struct IsobathSettings {
     /// No spot sounding is nearer to another than this, metres; when not given, a round distance by the extent of the map.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub spot_radius_m: Option<f64>,
+    /// The file of the area that isobaths, the areas between them and spot soundings end at; when not given, they are wherever there are
+    /// depths.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub clip: Option<PathBuf>,
+    /// What the file holds, once it has been read.
+    #[serde(skip)]
+    pub area: Option<Arc<WaterArea>>,
 }
 
-/// The interval would draw more isobaths than anybody can read.
+/// Why there are no isobaths.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error(
-    "isobaths.interval_m is {interval_m}, which over depths from {least_m:.2} to {most_m:.2} m makes more than 1000 isobaths; choose a larger one"
-)]
-pub struct TooManyLevels {
-    interval_m: f64,
-    least_m: f64,
-    most_m: f64,
+pub enum NoIsobaths {
+    /// The interval would draw more of them than anybody can read.
+    #[error(
+        "isobaths.interval_m is {interval_m}, which over depths from {least_m:.2} to {most_m:.2} m makes more than 1000 isobaths; choose a larger one"
+    )]
+    TooMany {
+        /// The interval, metres.
+        interval_m: f64,
+        /// The shallowest depth, metres.
+        least_m: f64,
+        /// The deepest depth, metres.
+        most_m: f64,
+    },
+    /// The file that `isobaths.clip` names was not found when the settings were read.
+    #[error("the area of isobaths.clip has not been read; choose its file again: {}", path.display())]
+    AreaNotRead {
+        /// Which file.
+        path: PathBuf,
+    },
+    /// The area is another water's.
+    #[error("the area of isobaths.clip lies elsewhere than the depths; choose that of this water: {}", path.display())]
+    AreaElsewhere {
+        /// Which file.
+        path: PathBuf,
+    },
 }
 
 /// Metres from one of some rising depths to the next, and the first of them; `None` where they are not equally far apart, and of none.
@@ -133,7 +161,7 @@ impl IsobathSettings {
     }
 
     /// The levels, ascending, for depths between two.
-    pub fn levels_m(&self, [least_m, most_m]: [f64; 2]) -> Result<Vec<f64>, TooManyLevels> {
+    pub fn levels_m(&self, [least_m, most_m]: [f64; 2]) -> Result<Vec<f64>, NoIsobaths> {
         if !self.depths_m.is_empty() {
             let mut levels_m = self.depths_m.clone();
             levels_m.sort_by(f64::total_cmp);
@@ -144,7 +172,7 @@ impl IsobathSettings {
         let interval_m = self.given_m().unwrap_or_else(usual_m);
         let [first, last] = [(least_m / interval_m).ceil(), (most_m / interval_m).floor()];
         if last - first >= MOST_LEVELS {
-            return Err(TooManyLevels {
+            return Err(NoIsobaths::TooMany {
                 interval_m,
                 least_m,
                 most_m,

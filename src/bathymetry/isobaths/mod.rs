@@ -2,10 +2,11 @@
 //!
 //! `march` cuts the squares between the centres of cells, `lines` joins the cuts to isobaths, `areas` to polygons, `levels`
 //! chooses the depths, `shoalest` keeps lines from understating a shoal, `smooth` rounds lines where that is asked for, `clip` cuts lines at
-//! the edges of tiles, and `storage` counts area and volume.
+//! the edges of tiles, `clip_area` lines and areas at a shoreline, and `storage` counts area and volume.
 
 mod areas;
 mod clip;
+mod clip_area;
 mod levels;
 mod lines;
 mod march;
@@ -15,7 +16,8 @@ mod storage;
 
 pub use areas::{DepthArea, Polygon, depth_areas, polygons};
 pub use clip::{clipped, joined};
-pub use levels::{INDEX, IsobathSettings, TooManyLevels, evenly_apart_m};
+pub use clip_area::ClipArea;
+pub use levels::{INDEX, IsobathSettings, NoIsobaths, evenly_apart_m};
 pub use lines::{Isobath, isobaths};
 pub use shoalest::with_shoalest;
 pub use smooth::{Smoothing, smoothed};

@@ -1,5 +1,6 @@
 //! How much lies below a level: what a reservoir's table says.
 
+use super::ClipArea;
 use crate::bathymetry::Surface;
 use serde::Serialize;
 
@@ -14,10 +15,17 @@ pub struct Storage {
     pub volume_m3: f64,
 }
 
-/// Area and volume below each level. Every cell counts as a column of its own depth; what was not measured does not count.
-pub fn storage(surface: &Surface, levels_m: &[f64]) -> Vec<Storage> {
-    let known = surface.depth_m.iter().filter(|depth| !depth.is_nan());
-    let mut depths: Vec<f64> = known.map(|depth| f64::from(*depth)).collect();
+/// Area and volume below each level. Every cell counts as a column of its own depth; what was not measured does not count, nor do cells
+/// whose middle lies outside the area, where there is one.
+pub fn storage(surface: &Surface, levels_m: &[f64], within: Option<&ClipArea>) -> Vec<Storage> {
+    let columns = surface.grid.columns;
+    let is_within = |cell: usize| {
+        let middle = surface.grid.centre(cell / columns, cell % columns);
+        within.is_none_or(|area| area.holds(middle))
+    };
+    let known = surface.depth_m.iter().enumerate();
+    let known = known.filter(|(cell, depth)| !depth.is_nan() && is_within(*cell));
+    let mut depths: Vec<f64> = known.map(|(_, depth)| f64::from(*depth)).collect();
     depths.sort_unstable_by(f64::total_cmp);
     // Sums from the deepest up to each place in the order.
     let mut deepest_first = Vec::with_capacity(depths.len() + 1);

@@ -3,7 +3,7 @@
 use crate::calendar;
 use crate::cli::output;
 use crate::cli::status_line::StatusLine;
-use crate::formats::AreaFile;
+use crate::formats::read_area;
 use crate::geo::LonLat;
 use crate::lake::{Asked, Lake, Sighting, who};
 use crate::presentation::text;
@@ -68,7 +68,7 @@ impl FromStr for Place {
 /// Prints who saw the place.
 pub fn run(args: &WhoArgs) -> Result<(), String> {
     let lake = Lake::open(&args.lake).map_err(|error| error.to_string())?;
-    let area = (args.area.as_deref().map(AreaFile::read))
+    let area = (args.area.as_deref().map(read_area))
         .transpose()
         .map_err(|error| error.to_string())?;
     let asked = match (&area, args.place) {

@@ -1,6 +1,6 @@
 //! Isobaths, the areas between them and what lies below each, in the formats of other programs.
 
-use crate::bathymetry::isobaths::{IsobathSettings, smoothed};
+use crate::bathymetry::isobaths::IsobathSettings;
 use crate::export::{self, DrawnLines, ExportError, Line, Summary};
 use crate::outputs::OutputError;
 use crate::outputs::manifest::{Coordinates, FileContent};
@@ -111,10 +111,13 @@ fn named_lines(drawn: &Drawn<'_>, results: &Results<'_>) -> Vec<Line> {
     let named = lines.iter().map(|line| {
         let share = (line.depth_m - least_m) / (most_m - least_m).max(f64::MIN_POSITIVE);
         let [light, dark] = COLOURS;
-        let points = smoothed(&line.points, drawn.settings.smoothing());
         let depth = drawn.settings.in_unit(line.depth_m);
         Line {
-            points: points.iter().map(|at| results.to_lon_lat(*at)).collect(),
+            points: line
+                .points
+                .iter()
+                .map(|at| results.to_lon_lat(*at))
+                .collect(),
             label: format!("{depth} {}", drawn.settings.unit.symbol()),
             numbers: vec![line.depth_m, ground * line.length_m()],
             colour: [0, 1, 2].map(|part| (light[part] + share * (dark[part] - light[part])) as u8),

@@ -1,10 +1,10 @@
 //! The depth map as tiles: for plotters and apps with isobaths, for web maps without, as depths, and with a page that shows them.
 
 use super::rasters::applied;
-use crate::bathymetry::isobaths::{Isobath, IsobathSettings, clipped, smoothed};
+use crate::bathymetry::isobaths::{Isobath, IsobathSettings, clipped};
 use crate::export::Summary;
 use crate::export::tile_sets::{TileSet, TileStore, map_page, mbtiles, pmtiles};
-use crate::geo::{Crs, LonLat, MapPlane, bounds_deg, boxes_meet, web_mercator};
+use crate::geo::{Crs, LonLat, MapPlane, boxes_meet, web_mercator};
 use crate::map_tiles::{
     LitSurface, MapScales, Picture, Pixels, TileSource, WebTile, ZoomRange, web_pixel,
 };
@@ -130,9 +130,9 @@ impl<'a> RunTiles<'a> {
         settings: &IsobathSettings,
     ) -> Self {
         let map = &depth_map.map;
-        let zooms = ZoomRange::of_map(grid_bounds_deg(depth_map), depth_map.surface.grid.cell_m);
+        let zooms = ZoomRange::of_map(depth_map.bounds_deg(), depth_map.surface.grid.cell_m);
         let in_pixels = |line: &Isobath| Isobath {
-            points: (smoothed(&line.points, settings.smoothing()).iter())
+            points: (line.points.iter())
                 .map(|place| web_pixel(map.to_lon_lat(*place), zooms.finest))
                 .collect(),
             ..*line
@@ -149,21 +149,6 @@ impl<'a> RunTiles<'a> {
             lines: lines.iter().map(in_pixels).collect(),
         }
     }
-}
-
-/// West, south, east and north of the grid: its edges are bent, and their middles count too.
-fn grid_bounds_deg(depth_map: &DepthMap) -> [f64; 4] {
-    let grid = &depth_map.surface.grid;
-    let steps = [0.0, 0.5, 1.0];
-    let shares = steps
-        .into_iter()
-        .flat_map(|across| steps.map(|down| [across, down]));
-    bounds_deg(shares.map(|[across, down]| {
-        depth_map.map.to_lon_lat([
-            grid.west_m + across * grid.columns as f64 * grid.cell_m,
-            grid.north_m - down * grid.rows as f64 * grid.cell_m,
-        ])
-    }))
 }
 
 impl TileSource for RunTiles<'_> {

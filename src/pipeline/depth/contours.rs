@@ -4,6 +4,7 @@ use crate::bathymetry::Surface;
 use crate::bathymetry::isobaths::{DepthArea, Storage, depth_areas, storage};
 use crate::pipeline::{DepthMap, Isobaths};
 use crate::progress::{Cancelled, Progress};
+use rayon::prelude::*;
 use std::sync::Arc;
 
 /// What is drawn of a depth map.
@@ -18,7 +19,8 @@ pub struct Contours {
 }
 
 impl Contours {
-    /// Between and below the lines of a depth map. The areas are bounded by the lines; what lies below counts by the depth map itself.
+    /// Between and below the lines of a depth map. The areas are bounded by the lines before these are smoothed, and
+    /// by the area that the lines end at; what lies below counts by the cells of the depth map in it.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -29,9 +31,14 @@ impl Contours {
     ) -> Result<Self, Cancelled> {
         let levels_of = |surface: &Surface| with_ends(&isobaths.levels_m, surface.range_m());
         let (surface, drawn) = (&depth_map.surface, isobaths.surface(depth_map, progress)?);
+        let mut areas = depth_areas(drawn, &levels_of(drawn), progress)?;
+        if let Some(clip) = &isobaths.clip {
+            progress.check()?;
+            areas = areas.par_iter().map(|area| clip.part_of(area)).collect();
+        }
         Ok(Self {
-            areas: depth_areas(drawn, &levels_of(drawn), progress)?,
-            table: storage(surface, &levels_of(surface)),
+            areas,
+            table: storage(surface, &levels_of(surface), isobaths.clip.as_deref()),
             isobaths,
         })
     }

@@ -1,11 +1,11 @@
 //! The depth map of a survey, as the files hold it and the window draws it.
 
-use crate::bathymetry::isobaths::with_shoalest;
+use crate::bathymetry::isobaths::{ClipArea, IsobathSettings, NoIsobaths, with_shoalest};
 use crate::bathymetry::{self, DepthPoint, Light, Surface, SurfaceSettings, hill_shade};
 use crate::cloud::PointCloud;
-use crate::geo::{CrsChoice, MapPlane};
+use crate::geo::{CrsChoice, MapPlane, bounds_deg};
 use crate::pipeline::{
-    Plane, ProcessedLog, Same, colour_range_m, joint_depth_points, joint_depth_surface,
+    Plane, ProcessedLog, Same, clip_area, colour_range_m, joint_depth_points, joint_depth_surface,
 };
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Navigation, Survey};
@@ -123,6 +123,35 @@ impl DepthMap {
         }
         let made = with_shoalest(&self.surface, &self.depth_points(progress)?);
         Ok(self.shoalest.get_or_init(|| made))
+    }
+
+    /// The area that `isobaths.clip` names, in its plane; `None` where none is named.
+    ///
+    /// # Errors
+    /// When the file has not been read, or its area is nowhere near the depths.
+    pub fn clip_area(&self, settings: &IsobathSettings) -> Result<Option<ClipArea>, NoIsobaths> {
+        let area = clip_area(settings, self.bounds_deg(), |at| self.map.place(at))?;
+        match (area, &settings.clip) {
+            (Some(area), Some(path)) if area.is_empty() => {
+                Err(NoIsobaths::AreaElsewhere { path: path.clone() })
+            }
+            (area, _) => Ok(area),
+        }
+    }
+
+    /// West, south, east and north of the grid, degrees: its edges are bent, and their middles count too.
+    pub fn bounds_deg(&self) -> [f64; 4] {
+        let grid = &self.surface.grid;
+        let steps = [0.0, 0.5, 1.0];
+        let shares = steps
+            .into_iter()
+            .flat_map(|across| steps.map(|down| [across, down]));
+        bounds_deg(shares.map(|[across, down]| {
+            self.map.to_lon_lat([
+                grid.west_m + across * grid.columns as f64 * grid.cell_m,
+                grid.north_m - down * grid.rows as f64 * grid.cell_m,
+            ])
+        }))
     }
 
     /// The place in the plane of one that is given east and north of the survey's origin, metres.

@@ -2,7 +2,9 @@
 
 use super::DepthMap;
 use crate::bathymetry::Surface;
-use crate::bathymetry::isobaths::{Isobath, IsobathSettings, Smoothing, isobaths, smoothed};
+use crate::bathymetry::isobaths::{
+    ClipArea, Isobath, IsobathSettings, NoIsobaths, isobaths, smoothed,
+};
 use crate::pipeline::Same;
 use crate::progress::{Cancelled, Progress};
 use rayon::prelude::*;
@@ -33,31 +35,50 @@ impl IsobathKey {
 pub struct Isobaths {
     /// Their depths from shallow to deep, metres.
     pub levels_m: Vec<f64>,
-    /// The lines in the plane of the depth map, as they run through its cells.
+    /// The lines in the plane of the depth map as they are drawn: smoothed, and cut at the edges of the area.
     pub lines: Vec<Isobath>,
     /// Whether every depth that is shallower than a line lies on its shallow side.
     pub shoal_safe: bool,
+    /// The area that they end at, in the plane of the depth map.
+    pub clip: Option<Arc<ClipArea>>,
 }
 
 impl Isobaths {
-    /// At some depths, metres, from shallow to deep; `shoal_safe` where no depth that is shallower than a line may lie beyond it.
+    /// By `isobaths.*`; the inner error says why there are none.
     ///
     /// # Errors
     /// When the work was cancelled.
     pub fn new(
         depth_map: &DepthMap,
-        levels_m: Vec<f64>,
-        shoal_safe: bool,
+        settings: &IsobathSettings,
         progress: &Progress,
-    ) -> Result<Self, Cancelled> {
+    ) -> Result<Result<Self, NoIsobaths>, Cancelled> {
+        let levels_m = settings.levels_m(depth_map.surface.range_m());
+        let clip = depth_map.clip_area(settings);
+        let (levels_m, clip) = match levels_m.and_then(|levels_m| Ok((levels_m, clip?))) {
+            Ok(parts) => parts,
+            Err(error) => return Ok(Err(error)),
+        };
+        let shoal_safe = settings.shoal_safe;
         let surface = drawn_on(depth_map, shoal_safe, progress)?;
         let mut lines = isobaths(surface, &levels_m, progress)?;
         lines.retain(|line| line.length_m() > LEAST_LENGTH_M);
-        Ok(Self {
+        for line in &mut lines {
+            line.points = smoothed(&line.points, settings.smoothing());
+        }
+        if let Some(area) = &clip {
+            progress.check()?;
+            lines = lines
+                .par_iter()
+                .flat_map_iter(|line| area.parts_of(line))
+                .collect();
+        }
+        Ok(Ok(Self {
             levels_m,
             lines,
             shoal_safe,
-        })
+            clip: clip.map(Arc::new),
+        }))
     }
 
     /// The surface that the lines run through.
@@ -72,15 +93,11 @@ impl Isobaths {
         drawn_on(depth_map, self.shoal_safe, progress)
     }
 
-    /// The lines as they are drawn: smoothed in so many rounds, each as places in the plane of the survey, metres.
-    pub fn on_ground(&self, depth_map: &DepthMap, rounds: u32) -> Vec<Vec<[f64; 2]>> {
-        let smoothing = Smoothing {
-            passes: rounds,
-            toward_deep: self.shoal_safe,
-        };
+    /// The lines, each as places in the plane of the survey, metres.
+    pub fn on_ground(&self, depth_map: &DepthMap) -> Vec<Vec<[f64; 2]>> {
         let on_ground = |line: &Isobath| {
-            let places = smoothed(&line.points, smoothing).into_iter();
-            places.map(|place| depth_map.to_survey(place)).collect()
+            let places = line.points.iter();
+            places.map(|place| depth_map.to_survey(*place)).collect()
         };
         self.lines.par_iter().map(on_ground).collect()
     }

@@ -4,7 +4,8 @@
 //! results of the logs --surface--> DepthMap (with its hill-shade) --lines--> Isobaths
 //!                     |                                     '--colours--> Bottom
 //!                     --layout--> GainTable of each log --> Mosaic
-//!                                                       '--> LogPicture
+//!                     |                                 '--> LogPicture
+//!                     '--layout--> Layout of each log, for the Mosaic on the screen and for passes
 //! ```
 //!
 //! [`Derived`] has one node for each: of the same results and settings it makes nothing twice, whoever asks, the map on the screen, the
@@ -14,6 +15,7 @@ mod bottom;
 mod depth_map;
 mod gain;
 mod isobaths;
+mod layout;
 mod mosaic;
 mod node;
 mod picture;
@@ -24,23 +26,27 @@ pub use isobaths::{IsobathKey, Isobaths};
 pub use mosaic::{FINEST, Mosaic, MosaicKey, MosaicPlane};
 pub use picture::PictureKey;
 
-use crate::bathymetry::isobaths::{IsobathSettings, TooManyLevels};
-use crate::mosaic::GainTable;
+use crate::bathymetry::isobaths::{IsobathSettings, NoIsobaths};
+use crate::mosaic::{GainTable, Layout};
 use crate::picture::LogPicture;
 use crate::pipeline::ProcessedLog;
 use crate::progress::{Cancelled, Progress};
 use gain::GainKey;
+use layout::LayoutKey;
 use node::Node;
 use std::sync::Arc;
 
 /// Gain tables of so many logs are kept; each is small.
 const GAIN_TABLES: usize = 32;
+/// Layouts of so many pings together are kept: some 100 bytes each.
+const LAID_OUT_PINGS: usize = 1_000_000;
 
 /// Depth map, isobaths, mosaic and what logs are shown with, each made when it is first asked for.
 pub struct Derived {
     depth_map: Node<DepthMapKey, Option<Arc<DepthMap>>>,
-    isobaths: Node<IsobathKey, Result<Arc<Isobaths>, TooManyLevels>>,
+    isobaths: Node<IsobathKey, Result<Arc<Isobaths>, NoIsobaths>>,
     gain: Node<GainKey, Option<Arc<GainTable>>>,
+    layout: Node<LayoutKey, Arc<Layout>>,
     mosaic: Node<MosaicKey, Option<Arc<Mosaic>>>,
     picture: Node<PictureKey, Arc<LogPicture>>,
     bottom: Node<BottomKey, Arc<Bottom>>,
@@ -52,6 +58,7 @@ impl Default for Derived {
             depth_map: Node::keeping(1),
             isobaths: Node::keeping(1),
             gain: Node::keeping(GAIN_TABLES),
+            layout: Node::weighing(LAID_OUT_PINGS, |layout| layout.len()),
             picture: Node::keeping(2),
             bottom: Node::keeping(1),
             // In the plane of the survey on the screen, in that of the map in files.
@@ -75,7 +82,7 @@ impl Derived {
         })
     }
 
-    /// The isobaths of a depth map; the inner error says why the settings give no depths to draw them at.
+    /// The isobaths of a depth map; the inner error says why the settings give none.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -84,15 +91,10 @@ impl Derived {
         depth_map: &Arc<DepthMap>,
         settings: &IsobathSettings,
         progress: &Progress,
-    ) -> Result<Result<Arc<Isobaths>, TooManyLevels>, Cancelled> {
+    ) -> Result<Result<Arc<Isobaths>, NoIsobaths>, Cancelled> {
         let key = IsobathKey::of(depth_map, settings);
         self.isobaths.get(key, progress, || {
-            let levels_m = match settings.levels_m(depth_map.surface.range_m()) {
-                Ok(levels_m) => levels_m,
-                Err(error) => return Ok(Err(error)),
-            };
-            let made = Isobaths::new(depth_map, levels_m, settings.shoal_safe, progress)?;
-            Ok(Ok(Arc::new(made)))
+            Ok(Isobaths::new(depth_map, settings, progress)?.map(Arc::new))
         })
     }
 
@@ -130,9 +132,24 @@ impl Derived {
     ) -> Result<Option<Arc<Mosaic>>, Cancelled> {
         let key = MosaicKey::of(logs, plane.clone());
         self.mosaic.get(key, progress, || {
-            let gain = |log: &ProcessedLog| self.gain(log, progress);
-            Ok(Mosaic::new(logs, &plane, gain, progress)?.map(Arc::new))
+            Ok(Mosaic::new(logs, &plane, self, progress)?.map(Arc::new))
         })
+    }
+
+    /// Where the echoes of a log lie in its own plane.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn layout(
+        &self,
+        log: &ProcessedLog,
+        progress: &Progress,
+    ) -> Result<Arc<Layout>, Cancelled> {
+        let make = || {
+            progress.check()?;
+            Ok(Arc::new(layout::made(log)))
+        };
+        self.layout.get(LayoutKey::of(log), progress, make)
     }
 
     /// The gain normalisation of a log; `None` where nothing of it is known to lie on the ground.

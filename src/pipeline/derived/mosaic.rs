@@ -1,12 +1,13 @@
 //! The side-scan mosaic of a survey: every log laid out, its gain normalised and brought to that of the others.
 
+use super::Derived;
 use super::gain::SideScanKey;
 use crate::bathymetry::Grid;
 use crate::geo::MapPlane;
 use crate::mosaic::{
     Bounds, GainTable, Layout, MosaicLog, MosaicSettings, joint_bounds, joint_window, match_levels,
 };
-use crate::pipeline::{ProcessedLog, Same, mosaic_layout, mosaic_layout_by};
+use crate::pipeline::{ProcessedLog, Same, mosaic_layout};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::Relief;
 use std::sync::{Arc, OnceLock};
@@ -76,7 +77,7 @@ pub struct Mosaic {
 }
 
 impl Mosaic {
-    /// The logs that have side-scan, laid out in a plane in the order of their recording, each normalised by its own `gain` and brought to the
+    /// The logs that have side-scan, laid out in a plane in the order of their recording, each normalised by its own gain and brought to the
     /// levels of the others. Where they overlap, `mosaic.overlap` says what is shown: with `later` that is the later log. `None` where
     /// nothing is shown.
     ///
@@ -85,7 +86,7 @@ impl Mosaic {
     pub fn new(
         logs: &[ProcessedLog],
         plane: &MosaicPlane,
-        gain: impl Fn(&ProcessedLog) -> Result<Option<Arc<GainTable>>, Cancelled>,
+        results: &Derived,
         progress: &Progress,
     ) -> Result<Option<Self>, Cancelled> {
         let Some(first) = logs.first() else {
@@ -101,11 +102,11 @@ impl Mosaic {
         for log in in_time {
             let ProcessedLog { survey, products } = log;
             let layout = match plane {
-                MosaicPlane::Survey => mosaic_layout_by(survey, products, |place| place),
-                MosaicPlane::Map(map) => mosaic_layout(survey, products, map),
+                MosaicPlane::Survey => results.layout(log, progress)?,
+                MosaicPlane::Map(map) => Arc::new(mosaic_layout(survey, products, map)),
             };
             // A log of which nothing is known to lie on the ground shows nothing.
-            if let Some(gain) = gain(log)? {
+            if let Some(gain) = results.gain(log, progress)? {
                 made.push(MosaicLog {
                     survey: survey.clone(),
                     layout,

@@ -11,15 +11,23 @@ const WAIT: Duration = Duration::from_millis(5);
 /// once get the work of one.
 pub struct Node<K, T> {
     kept: Mutex<Vec<(K, T)>>,
+    /// Most that all results together may weigh.
     most: usize,
+    weight: fn(&T) -> usize,
 }
 
 impl<K: PartialEq, T: Clone> Node<K, T> {
     /// Keeps at most so many results; the oldest goes.
     pub fn keeping(most: usize) -> Self {
+        Self::weighing(most, |_| 1)
+    }
+
+    /// Keeps results that together weigh so much at most; the oldest go. The last one stays, whatever it weighs.
+    pub fn weighing(most: usize, weight: fn(&T) -> usize) -> Self {
         Self {
             kept: Mutex::default(),
             most,
+            weight,
         }
     }
 
@@ -38,10 +46,14 @@ impl<K: PartialEq, T: Clone> Node<K, T> {
             return Ok(made.clone());
         }
         let made = make()?;
-        if kept.len() >= self.most {
-            kept.remove(0);
-        }
         kept.push((key, made.clone()));
+        let mut all = kept
+            .iter()
+            .map(|(_, one)| (self.weight)(one))
+            .sum::<usize>();
+        while all > self.most && kept.len() > 1 {
+            all -= (self.weight)(&kept.remove(0).1);
+        }
         Ok(made)
     }
 
@@ -79,6 +91,21 @@ mod tests {
         assert_eq!(made.load(Ordering::Relaxed), 2);
         assert_eq!([ask(3), ask(2), ask(1)], [30, 20, 10]);
         assert_eq!(made.load(Ordering::Relaxed), 4, "1 had gone for 3");
+    }
+
+    #[test]
+    fn results_go_by_their_weight_and_the_last_one_stays() {
+        let node = Node::weighing(10, |made: &usize| *made);
+        let kept = |asked: usize| {
+            let made = node.get(asked, &Progress::new(), || Ok(asked));
+            assert_eq!(made, Ok(asked));
+            let kept = node.kept.lock().expect("nobody panicked");
+            kept.iter().map(|(key, _)| *key).collect::<Vec<_>>()
+        };
+        assert_eq!([kept(4), kept(6)], [vec![4], vec![4, 6]]);
+        assert_eq!(kept(3), [6, 3]);
+        assert_eq!(kept(50), [50]);
+        assert_eq!(kept(2), [2]);
     }
 
     #[test]

@@ -21,7 +21,7 @@ use crate::cloud::correction::{SoundSpeedSettings, WaterLevelSettings};
 use crate::cloud::{CloudSettings, DepthSettings, DownScan, Geometry, OutlierSettings};
 use crate::detection::DetectorSettings;
 use crate::first_return::{BottomSettings, FirstReturnSettings, ImageSettings, Method, SampleMode};
-use crate::formats::{GaugeError, read_gauge};
+use crate::formats::{read_area, read_gauge};
 use crate::geo::{CrsChoice, SourceCrs};
 use crate::mosaic::MosaicSettings;
 use crate::picture::PictureSettings;
@@ -142,13 +142,31 @@ pub struct ReportSettings {
 }
 
 impl Settings {
-    /// Reads the water levels that `water_level.file` names, if any.
+    /// Reads what they name: the water levels of `water_level.file`, and the area of `isobaths.clip` where it is not there yet. What can
+    /// be read is there also where the other cannot.
     ///
     /// # Errors
-    /// When the file cannot be read, or holds no water levels.
-    pub fn load_water_level(&mut self) -> Result<(), GaugeError> {
+    /// A sentence when a file cannot be read, or holds something else.
+    pub fn load_files(&mut self) -> Result<(), SettingsError> {
+        let area = self.load_area();
         let file = self.water_level.file.as_deref();
-        self.water_level.gauge = file.map(read_gauge).transpose()?.map(Arc::new);
+        let gauge = file.map(read_gauge).transpose();
+        let gauge = gauge.map_err(|error| SettingsError(error.to_string()));
+        self.water_level.gauge = gauge?.map(Arc::new);
+        area
+    }
+
+    /// Reads the area of `isobaths.clip` where it is not there yet.
+    ///
+    /// # Errors
+    /// A sentence when the file cannot be read, or holds no area.
+    pub fn load_area(&mut self) -> Result<(), SettingsError> {
+        let isobaths = &mut self.isobaths;
+        let Some(file) = isobaths.clip.as_deref().filter(|_| isobaths.area.is_none()) else {
+            return Ok(());
+        };
+        let area = read_area(file).map_err(|error| SettingsError(error.to_string()))?;
+        isobaths.area = Some(Arc::new(area));
         Ok(())
     }
 
@@ -206,7 +224,8 @@ impl Settings {
         }
     }
 
-    /// These settings, with what holds for one survey only (its bottom, its flat spot, its water, its transducer, its picture) from others.
+    /// These settings, with what holds for one survey only (its bottom, its flat spot, its water and shore, its transducer, its
+    /// picture) from others.
     pub fn with_survey_of(&self, other: &Self) -> Self {
         let mut settings = self.clone();
         settings.bottom = other.bottom.clone();
@@ -222,6 +241,8 @@ impl Settings {
         settings.height_offset_m = other.height_offset_m;
         settings.sound_speed = other.sound_speed.clone();
         settings.picture = other.picture.clone();
+        settings.isobaths.clip = other.isobaths.clip.clone();
+        settings.isobaths.area = other.isobaths.area.clone();
         settings
     }
 

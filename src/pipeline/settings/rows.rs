@@ -370,13 +370,13 @@ rows! {
             "false", "level bottom", "As deep everywhere as under the boat.";
         ]);
     // Finer than a millimetre no depth is known.
-    INTERVAL: "isobaths.interval_m", "Isobaths", "isobath interval",
+    INTERVAL: "isobaths.interval_m", "Interval", "isobath interval",
         "Depth from one isobath to the next, counted from depth 0. Every fifth is thick.",
         number!(isobaths.interval_m, "m", [0.001, 1000.0], 0.01, 2, LogSlider, Some("1, 2 or 5 times a power of ten that makes about ten isobaths"));
     LEVELS: "isobaths.depths_m", "Depths", "depths of the isobaths",
         "Depths of the isobaths; when there are any, the interval does not count.",
         Kind::Numbers { unit: "m", range: [-10_000.0, 12_000.0], get: |settings| &settings.isobaths.depths_m };
-    ISOBATH_UNIT: "isobaths.unit", "Isobath unit", "unit of the isobaths",
+    ISOBATH_UNIT: "isobaths.unit", "Unit", "unit of the isobaths",
         "What the depths of isobaths are round in, and written in along the lines and at spot soundings.",
         choice!(isobaths.unit, [
             "metres", "metres", "Metres.";
@@ -395,6 +395,9 @@ rows! {
     SPOT_RADIUS: "isobaths.spot_radius_m", "Spot soundings", "distance of spot soundings",
         "No spot sounding is nearer to another than this; the shoalest is kept, and of its surroundings no other.",
         number!(isobaths.spot_radius_m, "m", [0.1, 100_000.0], 1.0, 1, LogSlider, Some("a round distance, a fortieth of the map's diagonal"));
+    CLIP: "isobaths.clip", "Area", "area of the isobaths",
+        "The area that isobaths, the areas between them and spot soundings end at: a shoreline with its islands, as GeoJSON, KML or GPX. Without one they are wherever there are depths.",
+        Kind::Text("a file");
     POINTS_LAS: "points.las", "Plain LAS", "plain LAS",
         "Whether the kept points are written as plain LAS beside LAZ, for programs that cannot unpack LAZ.",
         choice!(points.las, [

@@ -1,6 +1,6 @@
 //! How depth map, isobaths and mosaic are made: on the map and in the files.
 
-use super::parts::{fact, setting};
+use super::parts::{self, fact, setting};
 use super::section::{Section, section};
 use crate::app::{Action, Command, MapLayer};
 use crate::pipeline::settings::rows;
@@ -15,6 +15,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         stage: None,
     };
     section(ui, context, &heading("Depth map"), depth_map);
+    section(ui, context, &heading("Isobaths"), isobaths);
     section(ui, context, &heading("Mosaic"), mosaic);
 }
 
@@ -38,12 +39,31 @@ fn depth_map(ui: &mut Ui, context: &mut ViewContext<'_>) {
         &rows::SURFACE_CELL,
         &rows::MAX_GAP,
         &rows::SIDE_SCAN_WEIGHT,
-        &rows::INTERVAL,
-        &rows::SMOOTH,
     ] {
         setting(ui, context, row);
     }
     worth(ui, context);
+}
+
+fn isobaths(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    layer_button(ui, context, MapLayer::Isobaths, Action::IsobathLayer);
+    for row in [
+        &rows::INTERVAL,
+        &rows::ISOBATH_UNIT,
+        &rows::SMOOTH,
+        &rows::SHOAL_SAFE,
+        &rows::SPOT_RADIUS,
+    ] {
+        setting(ui, context, row);
+    }
+    let area = context.app.log.settings.isobaths.clip.clone();
+    parts::file(
+        ui,
+        context,
+        &rows::CLIP,
+        area.as_deref(),
+        [Action::OpenIsobathArea, Action::RemoveIsobathArea],
+    );
 }
 
 /// What the map between depths was made by, and what its depths are worth where that is known.

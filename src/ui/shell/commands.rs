@@ -88,6 +88,7 @@ impl Shell {
             Action::ZoomIn => self.request(ViewRequest::ZoomIn),
             Action::ZoomOut => self.request(ViewRequest::ZoomOut),
             Action::OpenBaseMap => self.dialogs.ask(Purpose::OpenBaseMap, self.app.jobs()),
+            Action::OpenIsobathArea => self.dialogs.ask(Purpose::OpenIsobathArea, self.app.jobs()),
             Action::OpenWaterLevels => self.dialogs.ask(Purpose::OpenWaterLevels, self.app.jobs()),
             Action::OpenTrack => self.dialogs.ask(Purpose::OpenTrack, self.app.jobs()),
             Action::SetCorner => match self.target() {

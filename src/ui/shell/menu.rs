@@ -20,7 +20,13 @@ const FILE: &[Action] = &[
     Action::FollowRecording,
     Action::CloseLog,
 ];
-const BASE_MAP: &[Action] = &[Action::OpenBaseMap, Action::CloseBaseMap];
+/// What else the map is drawn with.
+const MAP_FILES: &[Action] = &[
+    Action::OpenBaseMap,
+    Action::CloseBaseMap,
+    Action::OpenIsobathArea,
+    Action::RemoveIsobathArea,
+];
 /// What other instruments recorded of the open survey.
 const EXTERNAL: &[Action] = &[
     Action::OpenWaterLevels,
@@ -231,7 +237,7 @@ fn file(ui: &mut Ui, context: &mut ViewContext<'_>) {
         });
     });
     ui.separator();
-    entries(ui, context, BASE_MAP);
+    entries(ui, context, MAP_FILES);
     ui.separator();
     external(ui, context);
     ui.separator();

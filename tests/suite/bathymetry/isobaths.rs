@@ -147,7 +147,7 @@ fn storage_is_that_of_a_cone() {
         }
     };
     let cone = surface(side, side, (0..side * side).map(bed).collect());
-    let table = storage(&cone, &[0.0, 2.0, 99.0]);
+    let table = storage(&cone, &[0.0, 2.0, 99.0], None);
     let volume = |radius: f64| std::f64::consts::PI * radius.powi(2) * radius / 2.0 / 3.0;
     assert_near(table[0].volume_m3, volume(20.0), 2e-3, "all");
     assert_near(table[1].volume_m3, volume(16.0), 2e-3, "below 2 m");

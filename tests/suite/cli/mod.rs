@@ -1,5 +1,6 @@
 //! The command line as scripts use it: names, columns, units and exit codes of the contract.
 
+mod clipped;
 mod compare;
 mod desktop;
 mod detect;

@@ -1,6 +1,6 @@
 //! The maps of tiles: parts of one map, to the bit, and made again only where their logs changed.
 
-use super::{add, files, sail, scene, three_logs, zigzag};
+use super::{CORNER_M, ZONE, add, files, sail, scene, three_logs, zigzag};
 use crate::cli::{refusal, run};
 use bathyscope::bathymetry::{DepthPoint, Grid, Surface, local_surface};
 use bathyscope::formats::parquet_table::{Values, read_parquet};
@@ -281,4 +281,72 @@ fn a_log_whose_record_is_removed_is_no_part_of_the_lake() {
     // Its rows are as they were, and are taken up again.
     add(folder, &["log-0.sl2"]);
     assert!(run(folder, &["lake", "lake"]).contains("wrote 17N_392192_3253760"));
+}
+
+#[test]
+fn isobaths_of_a_lake_end_at_its_own_copy_of_the_area_and_another_one_is_refused() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    sail(folder, 0, &scene(0, [3.0, -4.0], 0.0));
+    sail(folder, 1, &scene(1, [3.0, -4.0], 0.0));
+    let corner = ZONE.to_lon_lat(CORNER_M);
+    let write = |name: &str, reach_deg: f64| {
+        let [east, north] = [corner.lon_deg + 1.0, corner.lat_deg + 1.0];
+        let [west, south] = [corner.lon_deg - reach_deg, corner.lat_deg - 1.0];
+        let ring = [
+            [west, south],
+            [east, south],
+            [east, north],
+            [west, north],
+            [west, south],
+        ];
+        let area = serde_json::json!({ "type": "Polygon", "coordinates": [ring] });
+        fs::write(folder.join(name), area.to_string()).expect("an area");
+    };
+    // East of the corner alone.
+    write("shore.geojson", 0.0);
+    let added = |log: &'static str| {
+        let to_lake = ["-o", "lake", "--products", "tiles"];
+        let clip = ["--set", "isobaths.clip=shore.geojson"];
+        [&["process", log][..], &to_lake, &clip].concat()
+    };
+    run(folder, &added("log-0.sl2"));
+    run(folder, &["lake", "lake"]);
+    let lines = |lake: &str| -> Vec<[f64; 2]> {
+        let files = files(&folder.join(lake));
+        let files = files
+            .iter()
+            .filter(|(name, _)| name.ends_with("isobaths.geojson"));
+        let lines = files.flat_map(|(_, bytes)| {
+            let read: Value = serde_json::from_slice(bytes).expect("JSON");
+            let features = read["features"].as_array().expect("features").clone();
+            features.into_iter().flat_map(|feature| {
+                let places = feature["geometry"]["coordinates"].clone();
+                serde_json::from_value::<Vec<[f64; 2]>>(places).expect("places")
+            })
+        });
+        lines.collect()
+    };
+    let cut = lines("lake");
+    assert!(cut.len() > 20 && cut.iter().all(|at| at[0] > corner.lon_deg - 1e-7));
+
+    // The same name and another content is another setting, and so is none; the same content under another name is the same.
+    write("shore.geojson", 0.5);
+    let said = refusal(folder, &added("log-1.sl2"), 1);
+    assert!(said.contains("isobaths.clip is a file of"), "{said}");
+    let without = ["process", "log-1.sl2", "-o", "lake", "--products", "tiles"];
+    let said = refusal(folder, &without, 1);
+    assert!(said.contains("and not given here"), "{said}");
+    fs::remove_file(folder.join("shore.geojson")).expect("the file");
+    write("moved.geojson", 0.0);
+    let moved = [&without[..], &["--set", "isobaths.clip=moved.geojson"]].concat();
+    run(folder, &moved);
+    run(folder, &["lake", "lake"]);
+    assert!(lines("lake").iter().all(|at| at[0] > corner.lon_deg - 1e-7));
+    // Without its copy the lake makes no map.
+    fs::write(folder.join("lake/isobath_area.geojson"), "{}").expect("the copy");
+    let tile = contents(&Lake::open(&folder.join("lake")).expect("a lake")).expect("records");
+    let tile = tile.into_keys().next().expect("a tile").to_string();
+    let said = refusal(folder, &["tile", "lake", &tile], 1);
+    assert!(said.contains("isobath_area.geojson"), "{said}");
 }

@@ -135,10 +135,12 @@ fn jobs(ui: &mut Ui, context: &mut ViewContext<'_>) {
             let base_map = context.app.base_map_fraction();
             let comparing = context.app.comparing_fraction();
             let planning = context.app.planning.fraction();
+            let passes = context.app.passes_fraction();
             (detecting.map(|share| ("finding objects".to_owned(), share)))
                 .or(exporting.map(|share| ("exporting".to_owned(), share)))
                 .or(comparing.map(|share| ("comparing".to_owned(), share)))
                 .or(planning.map(|share| ("planning lines".to_owned(), share)))
+                .or(passes.map(|share| ("looking for passes".to_owned(), share)))
                 .or(base_map.map(|share| ("opening the base map".to_owned(), share)))
         }
     };

@@ -3,10 +3,9 @@
 use super::overlay::Scene;
 use super::transform::MapTransform;
 use super::{flat_spots, left_out, objects};
-use crate::app::{App, Command, Leave, LogId, Mark, mark_of};
+use crate::app::{App, Command, Leave, LogId, Mark, PassesFound, mark_of};
 use crate::calibration::PingRange;
 use crate::geo::{CoordinateFormat, LonLat};
-use crate::pipeline::Pass;
 use crate::ui::views::legend;
 use crate::ui::{ViewContext, left_out_words, place, text, theme};
 use egui::{Align2, Key, PointerButton, Pos2, Response, Ui, vec2};
@@ -42,8 +41,6 @@ struct MenuAt {
     position: LonLat,
     /// The ping of the track that is near, and its log.
     near: Option<(LogId, usize)>,
-    /// What saw the place.
-    passes: Vec<(LogId, Pass)>,
 }
 
 /// Wheel zooms at the pointer, drag moves, with the main button unless that has something else in hand (`drag_moves`).
@@ -97,14 +94,13 @@ impl Pointer {
         }
         if response.secondary_clicked() {
             let at = response.interact_pointer_pos();
-            self.menu_at = at.map(|at| {
-                let position = scene.position(at);
-                MenuAt {
-                    position,
-                    near: nearest(scene, context.app, at),
-                    passes: context.app.passes_at(position),
-                }
+            self.menu_at = at.map(|at| MenuAt {
+                position: scene.position(at),
+                near: nearest(scene, context.app, at),
             });
+            if let Some(MenuAt { position, .. }) = self.menu_at {
+                context.push(Command::FindPasses(position));
+            }
         }
         self.menu(context, response);
         self.offer(ui, context, scene);
@@ -149,24 +145,19 @@ impl Pointer {
     }
 
     fn menu(&mut self, context: &mut ViewContext<'_>, response: &Response) {
-        let Some(MenuAt {
-            position,
-            near,
-            passes,
-        }) = &self.menu_at
-        else {
+        let Some(MenuAt { position, near }) = self.menu_at else {
             return;
         };
         response.context_menu(|ui| {
             theme::whole_words(ui);
-            let position = place::written(context.app, *position);
-            ui.label(&position);
+            let written = place::written(context.app, position);
+            ui.label(&written);
             if ui.button("Copy position").clicked() {
-                ui.copy_text(position);
+                ui.copy_text(written);
                 ui.close();
             }
-            passes_menu(ui, context, passes);
-            let Some((log, ping)) = *near else {
+            passes_menu(ui, context, position);
+            let Some((log, ping)) = near else {
                 return;
             };
             ui.separator();
@@ -270,12 +261,26 @@ impl Pointer {
     }
 }
 
-/// The passes that saw the place; each is shown in the other views.
-fn passes_menu(ui: &mut Ui, context: &mut ViewContext<'_>, passes: &[(LogId, Pass)]) {
-    if passes.is_empty() {
-        ui.label("No side-scan saw this place");
-        return;
-    }
+/// The passes that saw the place, once they are found; each is shown in the other views.
+fn passes_menu(ui: &mut Ui, context: &mut ViewContext<'_>, at: LonLat) {
+    let passes = match context.app.passes_at(at) {
+        // Who opened the menu in this frame has just asked.
+        PassesFound::Searching | PassesFound::Unasked => {
+            ui.label("Looking for passes over this place");
+            return;
+        }
+        PassesFound::Stopped => {
+            if ui.button("Look for passes over this place").clicked() {
+                context.push(Command::FindPasses(at));
+            }
+            return;
+        }
+        PassesFound::Found([]) => {
+            ui.label("No side-scan saw this place");
+            return;
+        }
+        PassesFound::Found(passes) => passes,
+    };
     let seen = text::plural(passes.len(), "pass", "passes");
     ui.menu_button(format!("Seen by {seen}"), |ui| {
         egui::ScrollArea::vertical().show(ui, |ui| {

@@ -7,7 +7,7 @@ pub use labels::{Labels, octave};
 use super::lines::{Line, LinePicture, Pen};
 use super::overlay::Scene;
 use crate::app::{DrawnIsobaths, ThemeChoice};
-use crate::bathymetry::isobaths::{INDEX, IsobathSettings};
+use crate::bathymetry::isobaths::{INDEX, IsobathSettings, NoIsobaths};
 use crate::pipeline::Isobaths;
 use crate::presentation::units::{LengthUnit, Units};
 use crate::progress::Progress;
@@ -29,6 +29,7 @@ static NONE: Isobaths = Isobaths {
     levels_m: Vec::new(),
     lines: Vec::new(),
     shoal_safe: false,
+    clip: None,
 };
 
 /// A line of equal depth in the plane of the survey.
@@ -68,8 +69,13 @@ impl IsobathLayer {
         let isobaths = drawn.isobaths.as_deref().unwrap_or(&NONE);
         let levels_m = &isobaths.levels_m;
         let note = match &drawn.isobaths {
-            Ok(_) => note(settings, levels_m, units),
-            Err(_) => "no isobaths:\ntoo small a step".to_owned(),
+            Ok(made) => {
+                let within = made.clip.as_ref().map_or("", |_| "\nwithin their area");
+                note(settings, levels_m, units) + within
+            }
+            Err(NoIsobaths::TooMany { .. }) => "no isobaths:\ntoo small a step".to_owned(),
+            Err(NoIsobaths::AreaNotRead { .. }) => "no isobaths:\narea not read".to_owned(),
+            Err(NoIsobaths::AreaElsewhere { .. }) => "no isobaths:\narea elsewhere".to_owned(),
         };
         let step_m = settings.step_m(levels_m);
         let decimals = decimals(levels_m, units);

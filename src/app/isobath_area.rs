@@ -1,0 +1,64 @@
+//! The area that isobaths end at: its file is read off the window's thread, and becomes part of the settings once it is known to be one.
+
+use super::{App, Outcome, Task};
+use crate::formats::read_area;
+use crate::pipeline::Settings;
+use crate::survey::WaterArea;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// What the undo menu calls a change of it.
+const LABEL: &str = "isobath area";
+
+/// The file that is being read.
+#[derive(Default)]
+pub(super) struct ReadingArea(Option<Task<Result<WaterArea, String>>>);
+
+impl ReadingArea {
+    /// Whether one is.
+    pub fn is_busy(&self) -> bool {
+        self.0.is_some()
+    }
+
+    /// Stops reading.
+    pub fn stop(&mut self) {
+        self.0 = None;
+    }
+}
+
+impl App {
+    /// Starts reading an area; one that is still being read is dropped.
+    pub(super) fn open_isobath_area(&mut self, path: PathBuf) {
+        // The settings must hold its path wherever the next run starts.
+        let path = std::path::absolute(&path).unwrap_or(path);
+        let work = move |_: &_| read_area(&path).map_err(|error| error.to_string());
+        self.reading_area.0 = Some(Task::start(&self.jobs, work));
+    }
+
+    /// Collects an area that was read, and takes it into the settings.
+    pub(super) fn poll_isobath_area(&mut self) {
+        let read = match self.reading_area.0.as_ref().map(Task::poll) {
+            None | Some(Outcome::Pending) => return,
+            Some(Outcome::Done(read)) => read,
+            Some(Outcome::Failed) => Err("reading the area failed unexpectedly".to_owned()),
+        };
+        self.reading_area.stop();
+        match read {
+            Ok(area) => self.set_isobath_area(Some(area)),
+            Err(text) => self.notify(text, true),
+        }
+    }
+
+    /// Shows isobaths wherever there are depths again.
+    pub(super) fn remove_isobath_area(&mut self) {
+        self.reading_area.stop();
+        self.set_isobath_area(None);
+    }
+
+    fn set_isobath_area(&mut self, area: Option<WaterArea>) {
+        let mut settings = Settings::clone(&self.log.settings);
+        settings.isobaths.clip = area.as_ref().map(|area| area.path.clone());
+        settings.isobaths.area = area.map(Arc::new);
+        self.change(settings, LABEL, false);
+    }
+}

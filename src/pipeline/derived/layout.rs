@@ -1,0 +1,33 @@
+//! Where the echoes of one log lie in its own plane, which the mosaic on the screen and the search for passes share.
+
+use super::gain::SideScanKey;
+use crate::mosaic::Layout;
+use crate::pipeline::{ProcessedLog, Same, mosaic_layout_by};
+use crate::survey::Relief;
+
+/// What a log is laid out by; equal keys give equal layouts.
+#[derive(Clone, PartialEq)]
+pub struct LayoutKey {
+    side_scan: SideScanKey,
+    relief: Same<Relief>,
+    most_turn_deg_s: f64,
+    water_column: bool,
+}
+
+impl LayoutKey {
+    /// Of the results of a log.
+    pub fn of(log: &ProcessedLog) -> Self {
+        let settings = &log.products.settings.mosaic;
+        Self {
+            side_scan: SideScanKey::of(log),
+            relief: Same(log.products.relief.clone()),
+            most_turn_deg_s: settings.most_turn_deg_s,
+            water_column: settings.water_column,
+        }
+    }
+}
+
+/// The layout of a log in its own plane.
+pub fn made(ProcessedLog { survey, products }: &ProcessedLog) -> Layout {
+    mosaic_layout_by(survey, products, |place| place)
+}
