@@ -10,8 +10,9 @@
 //! of one log that crosses itself in different directions.
 
 use super::crosslines::{Crossing, TrackDepth, velocity_mps};
-use super::height_offsets::{difference_sigma_m, robust_shares};
-use crate::sparse::{Equations, Pattern};
+use super::height_offsets::{difference_sigma_m, groups, robust_shares};
+use crate::sparse::{Equations, Factor, Pattern};
+use std::collections::BTreeMap;
 
 /// Standard deviations of what is looked for, before any crossing: of positions of a receiver without corrections, metres, and of the latency
 /// of a recorder, seconds. Where crossings say nothing, the bottom being level, the shift stays zero.
@@ -90,8 +91,8 @@ impl Shift {
 pub struct FoundShift {
     /// All of it, with what was known before.
     pub shift: Shift,
-    /// Standard error of the shift, the larger of both directions, metres; NaN where none was looked for. About 2 m where crossings say
-    /// nothing.
+    /// Standard error of the shift against the mean of the logs that are tied to this one, or against a pinned one of them, the larger of both directions,
+    /// metres; NaN where none was looked for. About 2 m where crossings say nothing.
     pub shift_error_m: f64,
     /// Standard error of the latency, seconds; NaN where none was looked for. About 1 s where crossings say nothing.
     pub latency_error_s: f64,
@@ -195,11 +196,7 @@ pub fn position_offsets(
             break;
         }
     }
-    let errors: Vec<f64> = factor?
-        .variances(count)
-        .into_iter()
-        .map(f64::sqrt)
-        .collect();
+    let errors = errors(logs, &crossings, &factor?);
     let found = |(log, placed): (usize, &Placed)| {
         let of = |unknown: usize| UNKNOWNS * log + unknown;
         let is_open = placed.pinned_m.is_none();
@@ -225,6 +222,44 @@ pub fn position_offsets(
     let found: Vec<FoundShift> = logs.iter().enumerate().map(found).collect();
     let is_number = |one: &FoundShift| one.shift.values().iter().all(|value| value.is_finite());
     found.iter().all(is_number).then_some(found)
+}
+
+/// Standard errors of all unknowns: shifts against the mean of those of the logs that crossings tie to each other, unless one of them is pinned, for a
+/// shift that all share is not known.
+fn errors(logs: &[Placed], crossings: &[&Crossing], factor: &Factor) -> Vec<f64> {
+    let count = UNKNOWNS * logs.len();
+    let mut variances = factor.variances(count);
+    let ties = crossings
+        .iter()
+        .map(|one| one.passes.map(|pass| pass.track));
+    let group_of = groups(logs.len(), ties);
+    let mut members: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for (log, group) in group_of.into_iter().enumerate() {
+        members.entry(group).or_default().push(log);
+    }
+    let is_free = |group: &&Vec<usize>| {
+        group.len() > 1 && group.iter().all(|log| logs[*log].pinned_m.is_none())
+    };
+    for group in members.values().filter(is_free) {
+        let weight = 1.0 / group.len() as f64;
+        for axis in [EAST, NORTH] {
+            // Of the covariance C and the weights w of the mean: C_ii - 2 (C w)_i + w C w.
+            let mut with_mean = [vec![0.0; count]];
+            for log in group {
+                with_mean[0][UNKNOWNS * log + axis] = weight;
+            }
+            factor.solve_for(&mut with_mean);
+            let of = |log: &usize| UNKNOWNS * log + axis;
+            let mean: f64 = group.iter().map(|log| weight * with_mean[0][of(log)]).sum();
+            for log in group {
+                variances[of(log)] += mean - 2.0 * with_mean[0][of(log)];
+            }
+        }
+    }
+    variances
+        .into_iter()
+        .map(|variance| variance.max(0.0).sqrt())
+        .collect()
 }
 
 /// What the unknowns add to the difference of a crossing, and what is known of it, metres.
@@ -423,7 +458,10 @@ mod tests {
         for one in found {
             let shift = one.shift;
             let is_small = shift.east_m.hypot(shift.north_m) < 0.5 && shift.latency_s.abs() < 0.2;
-            assert!(is_small && one.shift_error_m > 1.0, "{one:?}");
+            assert!(
+                is_small && one.shift_error_m > 1.0 && one.latency_error_s > 0.5,
+                "{one:?}"
+            );
         }
         assert_eq!(position_offsets(&[], &[], BOTH), Some(Vec::new()));
     }

@@ -75,7 +75,7 @@ impl LogMosaic {
                 .extend(touched.flat_map(|bounds| TileId::touched(zone, bounds)));
             let of_zone = MosaicLog {
                 survey: log.survey.clone(),
-                layout,
+                layout: layout.into(),
                 gain: GainTable::clone(&gain),
             };
             made.zones.insert(zone, of_zone);

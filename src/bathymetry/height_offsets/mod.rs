@@ -10,7 +10,7 @@ mod network;
 
 pub use meetings::{FEW_CROSSINGS, crossing_meetings, meetings, overlaps};
 pub use network::adjust;
-pub(super) use network::{difference_sigma_m, robust_shares};
+pub(super) use network::{difference_sigma_m, groups, robust_shares};
 
 use super::crosslines::TrackDepth;
 use crate::progress::{Cancelled, Progress};

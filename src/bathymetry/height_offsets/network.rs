@@ -96,7 +96,7 @@ fn weighted_shares(residuals: &[f64], weight: &dyn Fn(f64) -> f64) -> (Vec<f64>,
 }
 
 /// The group of every log, numbered in the order of their first logs: those that meet, directly or through others, share one.
-fn groups(count: usize, meetings: impl Iterator<Item = [usize; 2]>) -> Vec<usize> {
+pub fn groups(count: usize, meetings: impl Iterator<Item = [usize; 2]>) -> Vec<usize> {
     // Each log leads to one before it, or to itself where it is the first of its group.
     let mut first: Vec<usize> = (0..count).collect();
     fn first_of(first: &mut [usize], mut log: usize) -> usize {
