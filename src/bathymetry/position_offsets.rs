@@ -25,6 +25,10 @@ const LEAST_SCALE: f64 = 0.5;
 /// A smaller slope may be that of noise, and says nothing about positions, metres a metre.
 const LEAST_SLOPE: f64 = 0.02;
 const ROUNDS: usize = 20;
+/// Rounds at most in which tracks are corrected and their crossings found anew, and the change that ends them, metres or seconds. Slopes are those
+/// over a few metres and so too small on mounds, which makes the first shifts too large.
+const MOST_CORRECTIONS: usize = 10;
+const CORRECTED: f64 = 0.01;
 /// Shifts that change by less than this are found, metres or seconds.
 const SETTLED: f64 = 1e-6;
 /// Unknowns of a log: shift to the east and north, latency, height.
@@ -140,9 +144,40 @@ pub struct Placed {
     pub pinned_m: Option<f64>,
 }
 
+/// The shifts of logs, found in rounds: `crossings` gives those of the tracks as corrected so far, whose places and slopes move with them. `None` where the
+/// equations have no solution in numbers.
+///
+/// # Errors
+/// Those of `crossings`.
+pub fn settled_offsets<E>(
+    logs: &[Placed],
+    wanted: Wanted,
+    mut crossings: impl FnMut(&[Placed]) -> Result<Vec<Crossing>, E>,
+) -> Result<Option<Vec<FoundShift>>, E> {
+    let mut placed = logs.to_vec();
+    let mut result = Vec::new();
+    for _ in 0..MOST_CORRECTIONS {
+        let met = crossings(&placed)?;
+        let Some(found) = position_offsets(&placed, &met, wanted) else {
+            return Ok(None);
+        };
+        let mut moved: f64 = 0.0;
+        for (placed, found) in placed.iter_mut().zip(&found) {
+            let pairs = placed.shift.values().into_iter().zip(found.shift.values());
+            moved = pairs.map(|(a, b)| (a - b).abs()).fold(moved, f64::max);
+            placed.shift = found.shift;
+        }
+        result = found;
+        if moved < CORRECTED {
+            break;
+        }
+    }
+    Ok(Some(result))
+}
+
 /// The shifts of logs from crossings with each other and with themselves, by least squares with robust weights; a pass names its log as its track. `None` where the
 /// equations have no solution in numbers.
-pub fn position_offsets(
+fn position_offsets(
     logs: &[Placed],
     crossings: &[Crossing],
     wanted: Wanted,
@@ -349,33 +384,26 @@ mod tests {
         track
     }
 
-    /// Shifts found in three rounds, each on the tracks as the one before corrects them.
     fn found(
         tracks: &[Vec<TrackDepth>],
         pinned_m: &[Option<f64>],
         wanted: Wanted,
     ) -> Vec<FoundShift> {
-        let mut logs: Vec<Placed> = pinned_m
+        let logs: Vec<Placed> = pinned_m
             .iter()
             .map(|pinned_m| Placed {
                 shift: Shift::default(),
                 pinned_m: *pinned_m,
             })
             .collect();
-        let mut result = Vec::new();
-        for _ in 0..3 {
-            let moved: Vec<Vec<TrackDepth>> = tracks
-                .iter()
-                .zip(&logs)
+        let found = settled_offsets(&logs, wanted, |logs| {
+            let moved = tracks.iter().zip(logs);
+            let moved: Vec<Vec<TrackDepth>> = moved
                 .map(|(track, log)| shifted(track, &log.shift))
                 .collect();
-            let met = crossings(&moved, &Progress::new()).unwrap();
-            result = position_offsets(&logs, &met, wanted).unwrap();
-            for (log, found) in logs.iter_mut().zip(&result) {
-                log.shift = found.shift;
-            }
-        }
-        result
+            crossings(&moved, &Progress::new())
+        });
+        found.expect("not cancelled").expect("a solution")
     }
 
     const BOTH: Wanted = Wanted {

@@ -20,6 +20,7 @@ pub(super) fn meetings(
     shifts: &[FoundShift],
     progress: &Progress,
 ) -> Result<Vec<Meeting>, LakeError> {
+    let shifts = shifts.iter().map(|found| found.shift).collect();
     let search = Search::new(lake, logs, shifts, false, progress);
     let relabelled = |found: Vec<Meeting>, inside: &[usize]| -> Vec<Meeting> {
         let logs = |one: Meeting| Meeting {
@@ -66,7 +67,7 @@ pub(super) struct Search<'a> {
     lake: &'a Lake,
     logs: &'a [LogRecord],
     /// How the positions of the logs are corrected before they are compared.
-    shifts: &'a [FoundShift],
+    shifts: Vec<Shift>,
     /// The logs of each tile.
     tiles: BTreeMap<TileId, Vec<usize>>,
     progress: &'a Progress,
@@ -77,7 +78,7 @@ impl<'a> Search<'a> {
     pub fn new(
         lake: &'a Lake,
         logs: &'a [LogRecord],
-        shifts: &'a [FoundShift],
+        shifts: Vec<Shift>,
         with_alone: bool,
         progress: &'a Progress,
     ) -> Self {
@@ -114,7 +115,7 @@ impl<'a> Search<'a> {
             }
             let tracks = inside.iter().map(|log| {
                 let track = track(self.lake, *tile, &self.logs[*log])?;
-                let shift = self.shifts[*log].shift;
+                let shift = self.shifts[*log];
                 Ok(match shift == Shift::default() {
                     true => track,
                     false => shifted(&track, &shift),

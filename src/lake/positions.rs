@@ -6,15 +6,13 @@ use super::meetings::Search;
 use super::offsets::{Offsets, as_written};
 use super::record::Lake;
 use crate::bathymetry::crosslines::{Crossing, crossings};
-use crate::bathymetry::position_offsets::{FoundShift, Placed, Shift, Wanted, position_offsets};
+use crate::bathymetry::position_offsets::{FoundShift, Placed, Shift, Wanted, settled_offsets};
 use crate::progress::Progress;
 
 /// A correction that new logs move by less than this stays as it is, metres to the east or north and seconds, lest a log that is added make every
 /// map stale.
 const KEPT_SHIFT_M: f64 = 0.1;
 const KEPT_LATENCY_S: f64 = 0.05;
-/// Rounds, each with the tracks as the one before corrects them: crossings move with the positions, and slopes with the crossings.
-const ROUNDS: usize = 3;
 
 /// How the positions of the logs are corrected: as the table has it, and as far as `wanted` as crossings show.
 pub(super) fn shifts(
@@ -37,15 +35,20 @@ pub(super) fn shifts(
     if !wanted.is_anything() {
         return Ok(before);
     }
-    let mut found = before.clone();
-    for _ in 0..ROUNDS {
-        let search = Search::new(lake, logs, &found, wanted.latencies, progress);
-        let relabelled = |mut one: Crossing, inside: &[usize]| {
-            for pass in &mut one.passes {
-                pass.track = inside[pass.track];
-            }
-            one
-        };
+    let relabelled = |mut one: Crossing, inside: &[usize]| {
+        for pass in &mut one.passes {
+            pass.track = inside[pass.track];
+        }
+        one
+    };
+    let placed = before.iter().zip(pinned).map(|(before, pinned_m)| Placed {
+        shift: before.shift,
+        pinned_m: *pinned_m,
+    });
+    let placed: Vec<Placed> = placed.collect();
+    let found = settled_offsets(&placed, wanted, |placed| {
+        let shifts = placed.iter().map(|placed| placed.shift).collect();
+        let search = Search::new(lake, logs, shifts, wanted.latencies, progress);
         let mut met = search.in_tiles(
             |_| true,
             |tracks, inside| {
@@ -55,24 +58,13 @@ pub(super) fn shifts(
             |one: &Crossing| one.place,
         )?;
         met.sort_by_key(|one| one.passes.map(|pass| pass.track));
-        let placed = found.iter().zip(pinned).map(|(found, pinned_m)| Placed {
-            shift: found.shift,
-            pinned_m: *pinned_m,
-        });
-        let placed: Vec<Placed> = placed.collect();
-        let next = position_offsets(&placed, &met, wanted);
-        found = next.ok_or_else(|| {
-            LakeError::from(
-                "the equations for the positions of the logs have no solution".to_owned(),
-            )
-        })?;
-        for (found, before) in found.iter_mut().zip(&before) {
-            found.shift = as_written(found.shift);
-            found.keep_errors_of(before);
-        }
-    }
+        Ok::<_, LakeError>(met)
+    })?;
+    let mut found = found
+        .ok_or_else(|| "the equations for the positions of the logs have no solution".to_owned())?;
     for (found, before) in found.iter_mut().zip(&before) {
-        found.shift = kept_shift(before, found.shift);
+        found.shift = kept_shift(before, as_written(found.shift));
+        found.keep_errors_of(before);
     }
     Ok(found)
 }

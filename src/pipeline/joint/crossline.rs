@@ -2,7 +2,7 @@
 
 use crate::bathymetry::crosslines::{Crossing, TrackDepth, crossings};
 use crate::bathymetry::height_offsets::{self as offsets, Datum, HeightOffsets};
-use crate::bathymetry::position_offsets::{Placed, Wanted, position_offsets, shifted};
+use crate::bathymetry::position_offsets::{FoundShift, Placed, Wanted, settled_offsets, shifted};
 use crate::cloud::{PointSource, Residuals};
 use crate::pipeline::ProcessedLog;
 use crate::progress::{Cancelled, Progress};
@@ -119,8 +119,6 @@ const TOLD_S: f64 = 0.5;
 /// What is in force is contradicted from so many seconds and standard errors on.
 const CONTRADICTED_S: f64 = 0.15;
 const CONTRADICTED_SIGMAS: f64 = 3.0;
-/// Rounds, each with the tracks as the one before corrects them.
-const ROUNDS: usize = 3;
 
 impl LogLatency {
     /// Whether the crossings contradict what is in force.
@@ -151,29 +149,22 @@ pub fn latencies(
         shifts: false,
         latencies: true,
     };
-    let mut placed = vec![Placed::default(); logs.len()];
-    let mut errors_s = vec![f64::NAN; logs.len()];
-    for _ in 0..ROUNDS {
-        let moved = tracks.iter().zip(&placed);
+    let found = settled_offsets(&vec![Placed::default(); logs.len()], wanted, |placed| {
+        let moved = tracks.iter().zip(placed);
         let moved: Vec<Vec<TrackDepth>> = moved
             .map(|(track, placed)| shifted(track, &placed.shift))
             .collect();
-        let met = crossings(&moved, progress)?;
-        let Some(found) = position_offsets(&placed, &met, wanted) else {
-            return Ok(vec![None; logs.len()]);
-        };
-        for ((placed, error_s), found) in placed.iter_mut().zip(&mut errors_s).zip(found) {
-            (placed.shift, *error_s) = (found.shift, found.latency_error_s);
-        }
-    }
-    let each = logs.iter().zip(&placed).zip(errors_s);
-    let of_log = |((log, placed), standard_error_s): ((&ProcessedLog, &Placed), f64)| {
+        crossings(&moved, progress)
+    })?;
+    let of_log = |(log, found): (&ProcessedLog, FoundShift)| {
         let in_force_s = log.products.settings.mounting.latency_s;
-        (standard_error_s < TOLD_S).then_some(LogLatency {
-            latency_s: in_force_s + placed.shift.latency_s,
-            standard_error_s,
+        (found.latency_error_s < TOLD_S).then_some(LogLatency {
+            latency_s: in_force_s + found.shift.latency_s,
+            standard_error_s: found.latency_error_s,
             in_force_s,
         })
     };
+    let none = || vec![FoundShift::NONE; logs.len()];
+    let each = logs.iter().zip(found.unwrap_or_else(none));
     Ok(each.map(of_log).collect())
 }

@@ -202,10 +202,13 @@ fn factors(lake: &Path) -> BTreeMap<String, (f64, usize)> {
     );
     let row = |line: &str| {
         let fields: Vec<&str> = line.split(',').collect();
-        let factor = fields[7].parse().expect("a factor");
+        let [.., factor, ties] = fields[..] else {
+            panic!("{line}");
+        };
+        let factor = factor.parse().expect("a factor");
         (
             fields[0].to_owned(),
-            (factor, fields[8].parse().expect("a count")),
+            (factor, ties.parse().expect("a count")),
         )
     };
     lines.map(row).collect()
@@ -255,7 +258,7 @@ fn levels_of_logs_are_brought_to_each_other_and_known_logs_keep_theirs() {
     let brighter = table.lines().map(|line| match line.strip_prefix("log-2,") {
         Some(rest) => {
             let fields: Vec<&str> = rest.split(',').collect();
-            format!("log-2,{},2.5,{}\n", fields[..6].join(","), fields[7])
+            format!("log-2,{},2.5,{}\n", fields[..11].join(","), fields[12])
         }
         None => format!("{line}\n"),
     });
