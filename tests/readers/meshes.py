@@ -74,7 +74,7 @@ def check_points(folder, record):
     with rasterio.open(folder / "depth/depth.tif") as raster:
         rows, columns = numpy.nonzero(~numpy.ma.getmaskarray(raster.read(1, masked=True)))
         middles = numpy.array(raster.xy(rows, columns)).T
-        found = raster.index(xyz[:, 0], xyz[:, 1])
+        found = [numpy.asarray(cells) for cells in rasterio.transform.rowcol(raster.transform, xyz[:, 0], xyz[:, 1])]
         order = numpy.lexsort((found[1], found[0]))
     las, xyz = las[order], xyz[order]
     same("x, y of bottom.copc.laz", xyz[:, :2], middles, tolerance(record, 0.001))
