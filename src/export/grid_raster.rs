@@ -1,8 +1,8 @@
 //! The cells of a grid as the tiles of a raster.
 
 use super::{RasterError, geotiff};
-use crate::bathymetry::Grid;
-use crate::formats::geotiff::{NODATA, RASTER_TILE, RasterSpec};
+use crate::bathymetry::{CellSource, Grid, Surface};
+use crate::formats::geotiff::{Band, Cells, NODATA, RASTER_TILE, RasterSpec};
 use crate::progress::Progress;
 use std::path::Path;
 
@@ -47,6 +47,36 @@ pub fn metres_raster(
         stored,
         progress,
     )
+}
+
+/// Writes what the depths of a surface rest on, as the numbers of [`CellSource`]; `about` is said of it beside what the numbers are.
+///
+/// # Errors
+/// As [`grid_raster`].
+pub fn source_raster(
+    path: &Path,
+    spec: RasterSpec,
+    surface: &Surface,
+    about: &str,
+    progress: &Progress,
+) -> Result<(), RasterError> {
+    let names = CellSource::KNOWN.map(|source| format!("{} {}", source as u8, source.name()));
+    let spec = RasterSpec {
+        cells: Cells::Class,
+        band: Some(Band {
+            name: "what the depth rests on",
+            unit: "",
+            positive_down: false,
+        }),
+        description: format!(
+            "What the depth of a cell rests on: {}; {about}",
+            names.join(", ")
+        ),
+        ..spec
+    };
+    let is_known = |cell: usize| !surface.depth_m[cell].is_nan();
+    let stored = |cell: Option<usize>| [cell.map_or(0, |cell| surface.source[cell] as u8)];
+    grid_raster(path, &spec, &surface.grid, is_known, stored, progress)
 }
 
 /// Row and column of the tiles that hold something.

@@ -63,7 +63,7 @@ pub use footprint::footprint_geojson;
 pub use geopackage::geopackage;
 pub use geotiff::{RasterError, geotiff};
 pub use glb::{TexturedMesh, glb};
-pub use grid_raster::{grid_raster, metres_raster};
+pub use grid_raster::{grid_raster, metres_raster, source_raster};
 pub use isobaths::{
     DrawnLines, depth_areas_geojson, isobaths_geojson, spot_soundings_geojson, storage_csv,
 };

@@ -1,5 +1,6 @@
 //! Writing the rows of a log into a lake.
 
+use super::echo_rows::{ECHOES, EchoesByTile};
 use super::error::LakeError;
 use super::log_mosaic::LogMosaic;
 use super::log_record::{LOGS, LogRecord, TileRows};
@@ -8,6 +9,7 @@ use super::point_rows::{self, POINTS};
 use super::record::{KINDS, Lake, names_in, write_json};
 use super::spread::{self, Row, RowsByTile};
 use super::tile::TileId;
+use crate::bathymetry::SwathDepth;
 use crate::bathymetry::crosslines::{TrackDepth, velocity_mps};
 use crate::cloud::CloudPoint;
 use crate::export::write_aside;
@@ -224,6 +226,8 @@ struct Spread<'a> {
     log: &'a LogRows<'a>,
     points: RowsByTile,
     pings: PingsByTile,
+    /// Where depths are corrected by shading.
+    echoes: Option<EchoesByTile<'a>>,
     mosaic: LogMosaic,
     /// The same of every file of rows: what it was made from, and how.
     made: String,
@@ -250,16 +254,24 @@ fn write_rows(
     let points = spread::by_tile(placed, lake.record.halo_m);
     let pings = ping_rows::by_tile(&rows);
     let zones = pings.rows.keys().map(|tile| tile.zone).collect();
+    let echoes = match rows.products.settings.surface.swath {
+        SwathDepth::Off => None,
+        SwathDepth::Shaded => Some(EchoesByTile::new(&rows, lake.record.halo_m, progress)?),
+    };
     let spread = Spread {
         log: &rows,
         points,
+        echoes,
         mosaic: LogMosaic::new(log, zones, progress)?,
         made: json!({ "log": record.log, "name": record.name, "made": record.made }).to_string(),
         pings,
     };
     record.pings = spread.pings.count;
+    record.ln_per_level = (spread.echoes.as_ref()).and_then(EchoesByTile::ln_per_level);
     let of_rows = spread.points.keys().chain(spread.pings.rows.keys());
-    let tiles: BTreeSet<TileId> = of_rows.chain(&spread.mosaic.tiles).copied().collect();
+    let of_echoes = spread.echoes.iter().flat_map(|echoes| echoes.rows.keys());
+    let tiles = of_rows.chain(of_echoes).chain(&spread.mosaic.tiles);
+    let tiles: BTreeSet<TileId> = tiles.copied().collect();
     for tile in tiles {
         progress.check()?;
         let (rows, soundings) = spread.write(lake, tile, progress)?;
@@ -298,6 +310,11 @@ impl Spread<'_> {
         let seen = (self.pings.rows.get(&tile)).zip(self.pings.footprints.get(&tile));
         if let Some((pings, footprints)) = seen {
             write(PINGS, ping_rows::columns(log, pings, footprints))?;
+        }
+        if let Some((echoes, rows)) =
+            (self.echoes.as_ref()).and_then(|echoes| Some((echoes, echoes.rows.get(&tile)?)))
+        {
+            write(ECHOES, echoes.columns(log, rows))?;
         }
         let (mosaic_cells, parts) = self.write_mosaic(lake, tile, progress)?;
         files.extend(parts);

@@ -7,7 +7,7 @@ use super::error::LakeError;
 use super::log_record::LogRecord;
 use super::record::{Lake, names_in, write_json};
 use super::tile::{TILE_M, TileId};
-use super::tile_files::{DEPTH, ECHOES, ISOBATHS, TILES, TileRecord, UNCERTAINTY};
+use super::tile_files::{DEPTH, ISOBATHS, MOSAIC_FILE, SOURCE, TILES, TileRecord, UNCERTAINTY};
 use crate::calendar;
 use crate::export::write_aside;
 use crate::formats::geotiff::NODATA;
@@ -42,7 +42,8 @@ pub fn write_index(lake: &Lake, logs: &[LogRecord], tiles: &[TileId]) -> Result<
     let layers = [
         Layer::of_metres(DEPTH, "depth", lake.record.cell_m),
         Layer::of_metres(UNCERTAINTY, "uncertainty", lake.record.cell_m),
-        Layer::of_levels(ECHOES, "mosaic", mosaic_m),
+        Layer::of_levels(SOURCE, "source", lake.record.cell_m),
+        Layer::of_levels(MOSAIC_FILE, "mosaic", mosaic_m),
     ];
     for (zone, tiles) in &by_zone {
         for layer in &layers {
@@ -134,7 +135,7 @@ impl Layer {
         }
     }
 
-    /// Of levels, which are 0 where nothing is known.
+    /// Of levels or classes, which are 0 where nothing is known.
     fn of_levels(file: &'static str, stem: &'static str, cell_m: f64) -> Self {
         Self {
             data_type: "Byte",
@@ -209,8 +210,19 @@ fn item(tile: TileId, record: &TileRecord, span_unix_s: [f64; 2]) -> Value {
             "Standard deviation of the depths in metres",
             raster,
         ),
+        (
+            SOURCE,
+            "source",
+            "What the depth of a cell rests on",
+            raster,
+        ),
         (ISOBATHS, "isobaths", "Lines of equal depth", lines),
-        (ECHOES, "mosaic", "Side-scan mosaic: echo levels", raster),
+        (
+            MOSAIC_FILE,
+            "mosaic",
+            "Side-scan mosaic: echo levels",
+            raster,
+        ),
     ];
     let there = assets.into_iter().filter(|asset| record.has(asset.0));
     let assets: Map<String, Value> = there

@@ -34,6 +34,9 @@ pub struct LogRecord {
     pub soundings: usize,
     /// Its side-scan pings that have a place.
     pub pings: usize,
+    /// Natural logarithm of power for a step of its levels, where its echoes are kept and the levels are of decibels.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ln_per_level: Option<f64>,
     /// Its rows by tile, in order.
     pub tiles: Vec<TileRows>,
 }
@@ -124,6 +127,7 @@ impl LogRecord {
             points: 0,
             soundings: 0,
             pings: 0,
+            ln_per_level: None,
             tiles: Vec::new(),
         }
     }

@@ -1,21 +1,23 @@
 //! A lake: one map of all logs that anybody ever recorded over a water, kept up to date in a folder.
 //!
 //! ```text
-//! log --add--> points, pings (Parquet) and echoes (GeoTIFF) by tile --adjust--> height offsets --tile--> depth map and mosaic of a tile --index--> one map
+//! log --add--> points, pings (Parquet) and mosaic (GeoTIFF) by tile --adjust--> height offsets --tile--> depth map and mosaic of a tile --index--> one map
 //!                              '--who--> which pings saw a place
 //! ```
 //!
-//! Each log is independent up to its rows in tiles; a tile needs the rows that lie in it and no other. `tile` names the squares,
-//! `record` holds what all logs of a lake share, `log_record` what is known of one, `add` writes a log's rows: `point_rows` and `ping_rows`, laid out by
-//! `spread`, and `log_mosaic`, its part of the mosaic. `footprint` is the ground that a ping saw, which `who` asks. `adjust` finds the heights of logs
+//! Each log is independent up to its rows in tiles; a tile needs the rows that lie in it and no other, and those of its neighbours where depths are
+//! corrected by shading. `tile` names the squares,
+//! `record` holds what all logs of a lake share, `log_record` what is known of one, `add` writes a log's rows: `point_rows`, `ping_rows` and
+//! `echo_rows`, laid out by `spread`, and `log_mosaic`, its part of the mosaic. `footprint` is the ground that a ping saw, which `who` asks. `adjust` finds the heights of logs
 //! against each other from their `meetings`, how their `positions` are corrected and, by `level_factors`, the levels of their echoes; `offsets` is the
-//! table of all three. `tile_map` makes the map of a tile, its lines cut at its edges, `tile_mosaic` joins the parts of its mosaic, and `tile_files` writes
+//! table of all three. `tile_map` makes the map of a tile, its lines cut at its edges, with `shaded_map` where it is shaded, `tile_mosaic` joins the parts of its mosaic, and `tile_files` writes
 //! both; `map_tiles` joins all maps to one of the web, which it reads back by `tile_content`; `list` says what there is. Files are written aside, then renamed, and a log's record last, so
 //! that what a killed program leaves is no part of the lake.
 
 mod add;
 mod adjust;
 mod area;
+mod echo_rows;
 mod error;
 mod footprint;
 mod index;
@@ -30,6 +32,7 @@ mod ping_rows;
 mod point_rows;
 mod positions;
 mod record;
+mod shaded_map;
 mod spread;
 mod tile;
 mod tile_content;
@@ -50,5 +53,5 @@ pub use offsets::{OffsetRow, Offsets};
 pub use record::{Lake, LakeRecord};
 pub use tile::{TILE_M, TileId};
 pub use tile_files::{TileRecord, TileState, remove_left_over, tile_state, write_tile};
-pub use tile_map::{TileMap, tile_map};
+pub use tile_map::{TileMap, tile_map, tile_surface};
 pub use who::{Asked, Sighting, who};

@@ -4,7 +4,7 @@ use super::error::LakeError;
 use super::log_record::LogRecord;
 use super::meetings::Search;
 use super::offsets::{Offsets, as_written};
-use super::record::Lake;
+use super::record::{Lake, MOST_MOVED_M};
 use crate::bathymetry::crosslines::{Crossing, crossings};
 use crate::bathymetry::position_offsets::{FoundShift, Placed, Shift, Wanted, settled_offsets};
 use crate::progress::Progress;
@@ -67,6 +67,13 @@ pub(super) fn shifts(
         found.keep_errors_of(before);
     }
     Ok(found)
+}
+
+/// A place with its correction, metres of the zone: moved by no more than the halo has room for.
+pub(super) fn moved(place: [f64; 2], shift: Shift, velocity_mps: [f64; 2]) -> [f64; 2] {
+    let [x, y] = shift.at(velocity_mps);
+    let share = (MOST_MOVED_M / x.hypot(y).max(MOST_MOVED_M)).min(1.0);
+    [place[0] + share * x, place[1] + share * y]
 }
 
 /// A correction of positions that is known already, where the one that was found differs by little.

@@ -1,10 +1,12 @@
 //! What all logs of a lake share: `lake.json`.
 
+use super::echo_rows::ECHOES;
 use super::error::LakeError;
 use super::log_mosaic::{MOSAIC, WEIGHTS};
 use super::log_record::{LOGS, LogRecord};
 use super::ping_rows::PINGS;
 use super::point_rows::POINTS;
+use super::shaded_map;
 use super::tile::{TILE_M, TileId};
 use crate::bathymetry::{Grid, LOCAL_MARGIN_CELLS, local_reach_m};
 use crate::export::write_aside;
@@ -29,7 +31,7 @@ const AREA_STEM: &str = "isobath_area";
 /// Longer than any record.
 pub(super) const LONGEST_RECORD: u64 = 1 << 26;
 /// How rows are laid out: another number is another lake.
-const FORMAT: u32 = 2;
+const FORMAT: u32 = 3;
 /// Side of a cell where the settings name none, metres.
 const USUAL_CELL_M: f64 = 0.5;
 /// Least and greatest cell, metres: powers of two, so that the places of cells are the same number in every tile.
@@ -45,9 +47,10 @@ const REGARDLESS_OF: [&str; 5] = ["crs", "detector", "picture", "points", "repor
 /// Another one: mosaics of tiles are levels, which map programs colour.
 const COLOURS: &str = "mosaic.colours";
 /// The folders of what logs give to tiles, with the endings of their files.
-pub(super) const KINDS: [(&str, &str); 4] = [
+pub(super) const KINDS: [(&str, &str); 5] = [
     (POINTS, "parquet"),
     (PINGS, "parquet"),
+    (ECHOES, "parquet"),
     (MOSAIC, "tif"),
     (WEIGHTS, "tif"),
 ];
@@ -99,6 +102,7 @@ impl LakeRecord {
                 settings.surface.max_gap_m
             )));
         }
+        shaded_map::check(settings, cell_m, halo_m)?;
         let mut values = setting_values(settings);
         values.retain(|key, _| is_shared(key));
         let area = settings.isobaths.area.as_deref();
@@ -347,6 +351,18 @@ impl Lake {
             "{kind}/tile={tile}/{log}.{}",
             ending.map_or("parquet", |(_, ending)| ending)
         )
+    }
+
+    /// The records of the logs that the maps of some tiles are made from, by their hashes.
+    ///
+    /// # Errors
+    /// A sentence where one cannot be used.
+    pub fn logs_of_maps(&self, tiles: &[TileId]) -> Result<Vec<LogRecord>, LakeError> {
+        let swath = self.record.settings()?.surface.swath;
+        let read = tiles
+            .iter()
+            .flat_map(|tile| shaded_map::tiles_read(swath, *tile));
+        self.logs_in(read)
     }
 
     /// The records of the logs that have rows in some tiles, by their hashes: no other is read, so that a tile takes no longer for logs

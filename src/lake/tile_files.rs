@@ -1,18 +1,18 @@
-//! The files of a tile: `tiles/NAME/depth.tif`, `uncertainty.tif`, `isobaths.geojson`, `mosaic.tif` and, last, `tile.json`, which says what they
-//! were made from.
+//! The files of a tile: `tiles/NAME/depth.tif`, `uncertainty.tif`, `source.tif`, `isobaths.geojson`, `mosaic.tif` and, last, `tile.json`, which
+//! says what they were made from.
 
 use super::add::make_folder;
 use super::error::LakeError;
 use super::log_mosaic::{MOSAIC, WEIGHTS};
 use super::log_record::LogRecord;
 use super::offsets::Offsets;
-use super::point_rows::POINTS;
 use super::record::{LONGEST_RECORD, Lake, LakeRecord, names_in, write_json};
+use super::shaded_map::hashes_read;
 use super::tile::TileId;
 use super::tile_map::{TileMap, tile_map};
 use super::tile_mosaic::{logs_in_order, write_mosaic};
-use crate::bathymetry::{Surface, SurfaceMethod, SwathDepth};
-use crate::export::{DrawnLines, isobaths_geojson, metres_raster};
+use crate::bathymetry::{Surface, SurfaceMethod};
+use crate::export::{DrawnLines, isobaths_geojson, metres_raster, source_raster};
 use crate::formats::geotiff::{Band, Cells, RasterSpec};
 use crate::geo::Crs;
 use crate::pipeline::Fingerprint;
@@ -28,11 +28,12 @@ const RECORD: &str = "tile.json";
 pub(super) const DEPTH: &str = "depth.tif";
 pub(super) const UNCERTAINTY: &str = "uncertainty.tif";
 pub(super) const ISOBATHS: &str = "isobaths.geojson";
-pub(super) const ECHOES: &str = "mosaic.tif";
-/// Those of the depths.
+pub(super) const SOURCE: &str = "source.tif";
+pub(super) const MOSAIC_FILE: &str = "mosaic.tif";
+/// Those of the depths that the map of the web is made of.
 pub(super) const DEPTH_FILES: [&str; 3] = [DEPTH, UNCERTAINTY, ISOBATHS];
 /// All of them, the one first that says what the others are.
-const FILES: [&str; 5] = [RECORD, DEPTH, UNCERTAINTY, ISOBATHS, ECHOES];
+const FILES: [&str; 6] = [RECORD, DEPTH, UNCERTAINTY, SOURCE, ISOBATHS, MOSAIC_FILE];
 
 /// What is known of a tile's map.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -67,7 +68,8 @@ struct MadeFrom {
 #[serde(deny_unknown_fields)]
 struct TileLog {
     log: String,
-    points_sha256: String,
+    /// Tile and SHA-256 of every file of its rows.
+    rows: Vec<String>,
     offset_m: f64,
     /// East, north and latency.
     shift: [f64; 3],
@@ -107,11 +109,12 @@ impl TileState {
 
 impl MadeFrom {
     fn of(lake: &Lake, tile: TileId, logs: &[LogRecord], offsets: &Offsets) -> Self {
-        let with_points = logs.iter().filter_map(|log| {
-            let rows = log.rows_in(tile).filter(|rows| rows.points > 0)?;
-            Some(TileLog {
+        let swath = lake.record.settings().unwrap_or_default().surface.swath;
+        let with_rows = logs.iter().filter_map(|log| {
+            let rows = hashes_read(swath, tile, log);
+            (!rows.is_empty()).then(|| TileLog {
                 log: log.log.clone(),
-                points_sha256: rows.sha256_of(POINTS).to_owned(),
+                rows,
                 offset_m: offsets.of(&log.log),
                 shift: offsets.shift_of(&log.log).values(),
             })
@@ -128,7 +131,7 @@ impl MadeFrom {
         Self {
             program: format!("bathyscope {}", env!("CARGO_PKG_VERSION")),
             lake: lake.record.clone(),
-            logs: with_points.collect(),
+            logs: with_rows.collect(),
             mosaic: parts.collect(),
         }
     }
@@ -222,7 +225,14 @@ pub fn write_tile(
         cells: 0,
         depth_m: Vec::new(),
         isobaths: 0,
-        mosaic_cells: write_mosaic(lake, tile, logs, offsets, &folder.join(ECHOES), progress)?,
+        mosaic_cells: write_mosaic(
+            lake,
+            tile,
+            logs,
+            offsets,
+            &folder.join(MOSAIC_FILE),
+            progress,
+        )?,
         files: Vec::new(),
     };
     if let Some(made) = made {
@@ -239,7 +249,7 @@ pub fn write_tile(
     for name in FILES.into_iter().skip(1) {
         let path = folder.join(name);
         let is_made = match name {
-            ECHOES => record.mosaic_cells > 0,
+            MOSAIC_FILE => record.mosaic_cells > 0,
             _ => record.cells > 0,
         };
         if is_made {
@@ -279,25 +289,32 @@ fn write_files(
             &surface.spread_m,
         ),
     ];
+    let grid = &surface.grid;
+    let over = RasterSpec {
+        columns: grid.columns,
+        rows: grid.rows,
+        west: grid.west_m,
+        north: grid.north_m,
+        cell: [grid.cell_m; 2],
+        crs: Crs::of_zone(tile.zone),
+        cells: Cells::Metres,
+        band: None,
+        description: String::new(),
+    };
     for (file, name, positive_down, what, values_m) in layers {
-        let grid = &surface.grid;
         let spec = RasterSpec {
-            columns: grid.columns,
-            rows: grid.rows,
-            west: grid.west_m,
-            north: grid.north_m,
-            cell: [grid.cell_m; 2],
-            crs: Crs::of_zone(tile.zone),
-            cells: Cells::Metres,
             band: Some(Band {
                 name,
                 unit: "metre",
                 positive_down,
             }),
             description: format!("{what}; tile {tile} of a lake. {how}"),
+            ..over.clone()
         };
         metres_raster(&folder.join(file), &spec, grid, values_m, progress)?;
     }
+    let about = format!("tile {tile} of a lake. {how}");
+    source_raster(&folder.join(SOURCE), over, surface, &about, progress)?;
     let place = |at| tile.zone.to_lon_lat(at);
     let settings = lake.record.settings()?.isobaths;
     let mut levels_m: Vec<f64> = made.isobaths.iter().map(|line| line.depth_m).collect();
@@ -322,12 +339,8 @@ fn how(lake: &Lake, surface: &Surface) -> Result<String, LakeError> {
             other.in_words()
         ),
     };
-    let unshaded = match settings.swath {
-        SwathDepth::Off => "",
-        SwathDepth::Shaded => ", not corrected by shading (a lake keeps no echoes)",
-    };
     Ok(format!(
-        "By {method}{instead}{unshaded} in cells of {} m, none farther than {} m from a depth.",
+        "By {method}{instead} in cells of {} m, none farther than {} m from a depth.",
         surface.grid.cell_m, settings.max_gap_m
     ))
 }

@@ -4,13 +4,15 @@ use super::error::LakeError;
 use super::index::tile_bounds_deg;
 use super::log_record::LogRecord;
 use super::offsets::Offsets;
-use super::point_rows::{self, POINTS};
-use super::record::{Lake, MOST_MOVED_M};
+use super::point_rows::{self, POINTS, PointRow};
+use super::positions::moved;
+use super::record::Lake;
+use super::shaded_map::shaded_surface;
 use super::tile::{TILE_M, TileId};
 use crate::bathymetry::isobaths::{
     Isobath, IsobathSettings, clipped, isobaths, smoothed, with_shoalest,
 };
-use crate::bathymetry::{DepthPoint, Grid, LOCAL_MARGIN_CELLS, Surface, local_surface};
+use crate::bathymetry::{DepthPoint, Grid, LOCAL_MARGIN_CELLS, Surface, SwathDepth, local_surface};
 use crate::geo::UtmZone;
 use crate::pipeline::clip_area;
 use crate::progress::Progress;
@@ -40,35 +42,44 @@ pub(super) fn depth_points(
     let mut points = Vec::new();
     for log in logs {
         progress.check()?;
-        if log.rows_in(tile).is_none_or(|rows| rows.points == 0) {
-            continue;
-        }
-        let offset_m = offsets.of(&log.log);
-        let name = Lake::rows_name(POINTS, tile, &log.log);
-        let rows = point_rows::read(&lake.folder().join(name))?.into_iter();
-        let shift = offsets.shift_of(&log.log);
-        points.extend(rows.map(|row| {
-            let [x, y] = within(shift.at(row.velocity_mps), MOST_MOVED_M);
-            DepthPoint {
-                east_m: row.depth.east_m + x,
-                north_m: row.depth.north_m + y,
-                // What is added to an elevation is taken off the depth.
-                depth_m: row.depth.depth_m - offset_m,
-                ..row.depth
-            }
-        }));
+        points.extend(moved_points(lake, tile, log, offsets, |_| true)?);
     }
     Ok(points)
 }
 
-/// A vector, no longer than some metres.
-fn within([x, y]: [f64; 2], most_m: f64) -> [f64; 2] {
-    let share = (most_m / x.hypot(y).max(most_m)).min(1.0);
-    [share * x, share * y]
+/// The rows of points of a log in a tile that lie where they are asked for, with its offset and its positions corrected.
+///
+/// # Errors
+/// When rows cannot be read.
+pub(super) fn moved_points(
+    lake: &Lake,
+    tile: TileId,
+    log: &LogRecord,
+    offsets: &Offsets,
+    lies_there: impl Fn([f64; 2]) -> bool,
+) -> Result<Vec<DepthPoint>, LakeError> {
+    if log.rows_in(tile).is_none_or(|rows| rows.points == 0) {
+        return Ok(Vec::new());
+    }
+    let (offset_m, shift) = (offsets.of(&log.log), offsets.shift_of(&log.log));
+    let name = Lake::rows_name(POINTS, tile, &log.log);
+    let rows = point_rows::read(&lake.folder().join(name))?.into_iter();
+    let of_row = |row: PointRow| {
+        let place = [row.depth.east_m, row.depth.north_m];
+        let [east_m, north_m] = moved(place, shift, row.velocity_mps);
+        lies_there(place).then_some(DepthPoint {
+            east_m,
+            north_m,
+            // What is added to an elevation is taken off the depth.
+            depth_m: row.depth.depth_m - offset_m,
+            ..row.depth
+        })
+    };
+    Ok(rows.filter_map(of_row).collect())
 }
 
-/// The map of a tile by linear triangles, whatever `surface.method` says: the other methods reach farther than a halo. Neighbouring tiles
-/// are the parts of one map, to the bit. `None` where nothing is known.
+/// The map of a tile by linear triangles, whatever `surface.method` says: the other methods reach farther than a halo. Its depths are corrected
+/// by shading where `surface.swath` says so. Neighbouring tiles are the parts of one map, to the bit. `None` where nothing is known.
 ///
 /// # Errors
 /// When rows cannot be read, or the work was cancelled.
@@ -80,19 +91,42 @@ pub fn tile_map(
     progress: &Progress,
 ) -> Result<Option<TileMap>, LakeError> {
     let settings = lake.settings()?;
-    let points = depth_points(lake, tile, logs, offsets, progress)?;
     let grid = with_margin(tile, lake.record.cell_m);
-    let mut window = local_surface(&points, grid, settings.surface.max_gap_m, progress)?;
+    let mut window = tile_surface(lake, tile, grid, logs, offsets, progress)?;
     blank_other_zones(&mut window, tile);
     let surface = core_of(&window);
     if surface.depth_m.iter().all(|depth| depth.is_nan()) {
         return Ok(None);
     }
     if settings.isobaths.shoal_safe {
+        let points = depth_points(lake, tile, logs, offsets, progress)?;
         window = with_shoalest(&window, &points);
     }
     let isobaths = lines(&window, &settings.isobaths, tile, progress)?;
     Ok(Some(TileMap { surface, isobaths }))
+}
+
+/// The depths of a tile and of some cells around it, on a grid of the lake's cells that reaches no farther than a few metres beyond the tile: what the
+/// map of a neighbour has there, to the bit.
+///
+/// # Errors
+/// When rows cannot be read, or the work was cancelled.
+pub fn tile_surface(
+    lake: &Lake,
+    tile: TileId,
+    grid: Grid,
+    logs: &[LogRecord],
+    offsets: &Offsets,
+    progress: &Progress,
+) -> Result<Surface, LakeError> {
+    let settings = lake.settings()?.surface;
+    match settings.swath {
+        SwathDepth::Off => {
+            let points = depth_points(lake, tile, logs, offsets, progress)?;
+            Ok(local_surface(&points, grid, settings.max_gap_m, progress)?)
+        }
+        SwathDepth::Shaded => shaded_surface(lake, tile, grid, logs, offsets, progress),
+    }
 }
 
 /// The cells of a tile, and those beyond its edges that its lines depend on.
@@ -139,20 +173,29 @@ fn core_of(window: &Surface) -> Surface {
         rows: grid.rows - 2 * LOCAL_MARGIN_CELLS,
         ..grid
     };
-    let start = |row: usize| (row + LOCAL_MARGIN_CELLS) * grid.columns + LOCAL_MARGIN_CELLS;
+    part_of(window, core)
+}
+
+/// The cells of a surface that lie on a smaller grid of the same cells.
+pub(super) fn part_of(surface: &Surface, part: Grid) -> Surface {
+    let grid = surface.grid;
+    let cells = |metres: f64| (metres / grid.cell_m).round() as usize;
+    let first_row = cells(grid.north_m - part.north_m);
+    let first_column = cells(part.west_m - grid.west_m);
+    let start = |row: usize| (row + first_row) * grid.columns + first_column;
     let cut = |values: &[f32]| -> Vec<f32> {
-        let rows = (0..core.rows).map(|row| &values[start(row)..start(row) + core.columns]);
+        let rows = (0..part.rows).map(|row| &values[start(row)..start(row) + part.columns]);
         rows.flatten().copied().collect()
     };
-    let sources = (0..core.rows).map(|row| &window.source[start(row)..start(row) + core.columns]);
+    let sources = (0..part.rows).map(|row| &surface.source[start(row)..start(row) + part.columns]);
     Surface {
-        grid: core,
-        depth_m: cut(&window.depth_m),
-        spread_m: cut(&window.spread_m),
-        distance_m: cut(&window.distance_m),
+        grid: part,
+        depth_m: cut(&surface.depth_m),
+        spread_m: cut(&surface.spread_m),
+        distance_m: cut(&surface.distance_m),
         source: sources.flatten().copied().collect(),
-        hardness_db: window.hardness_db.as_deref().map(cut),
-        ..*window
+        hardness_db: surface.hardness_db.as_deref().map(cut),
+        ..*surface
     }
 }
 

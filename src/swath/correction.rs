@@ -1,16 +1,15 @@
 //! The correction of a surface: rounds of pieces on the surface as corrected so far, each solved a few times while weights and the size of
 //! the correction settle.
 
-use super::echoes::LogEchoes;
+use super::Kept;
 use super::ground::Ground;
-use super::level_scale::level_scale;
+use super::layout::{Chunk, ChunkId, LaidOutLog};
 use super::local_sigma::{blurred, local_sigma};
 use super::nodes::{Blend, Nodes, Tile};
-use super::pieces::{Chunk, chunks, pieces};
+use super::pieces::pieces;
 use super::readings::{gain_steps, readings};
 use super::system::{Before, Reading, System};
 use super::weed::Weed;
-use super::{Kept, MOST_TILES};
 use crate::progress::{Cancelled, Progress};
 use crate::sparse::{Normal, Pattern};
 use crate::statistics::median;
@@ -18,14 +17,6 @@ use crate::survey::Side;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// From one node to the next, metres. On simulated ponds 0.5 m find nothing more, in four times the time.
-pub const NODE_M: f64 = 0.8;
-/// Nodes that are solved for together at most: some 20 000 unknowns.
-const MOST_NODES: usize = 8_000;
-/// Nodes along the side of a tile's core, and around it: 58 m and 6.4 m, so that a tile has at most [`MOST_NODES`]. Wider halos change
-/// nothing: the correction hangs together over two metres.
-const CORE: usize = 72;
-const HALO: usize = 8;
 /// Rounds, each with the pieces where the correction so far puts them, and solutions in each.
 const ROUNDS: usize = 2;
 const SOLUTIONS: usize = 2;
@@ -46,9 +37,6 @@ const SHRINK: f64 = 0.85;
 const MOST_PIECES: usize = 60_000;
 /// Nodes that echoes say something of are at least this share of those around a place that they tell something of.
 const LEAST_SEEN: f64 = 1e-3;
-/// Fewer pieces tell nothing.
-const LEAST_PIECES: usize = 500;
-
 /// The correction at the nodes.
 #[derive(Clone, Debug)]
 pub struct Correction {
@@ -92,14 +80,24 @@ impl Correction {
     }
 }
 
+/// What is solved for.
+pub struct Tiling {
+    /// All nodes.
+    pub nodes: Nodes,
+    /// The parts of them that are solved for together.
+    pub tiles: Vec<Tile>,
+    /// Those of which the last round needs a solution, too: what lies around a part of a map only tells it how the bed goes on.
+    pub last: Vec<usize>,
+    /// Fewer pieces on all nodes tell nothing.
+    pub least_pieces: usize,
+}
+
 /// What does not change from round to round.
 struct Given<'a> {
-    logs: &'a [LogEchoes<'a>],
+    logs: &'a [LaidOutLog<'a>],
     ground: &'a Ground,
     anchors: &'a [[f64; 2]],
     usual_m: f64,
-    scales: Vec<Option<f64>>,
-    chunks: Vec<Chunk>,
     weed: Weed,
     nodes: Nodes,
 }
@@ -145,47 +143,40 @@ impl Solved {
 /// # Errors
 /// When the work was cancelled.
 pub fn correction(
-    logs: &[LogEchoes<'_>],
+    logs: &[LaidOutLog<'_>],
     ground: &Ground,
-    nodes: Nodes,
+    tiling: &Tiling,
     anchors: &[[f64; 2]],
     usual_m: f64,
     progress: &Progress,
 ) -> Result<Result<Correction, Kept>, Cancelled> {
-    // Before the tiles are made: a surface of coarse cells may be of any size.
-    if nodes.len() > MOST_TILES * CORE * CORE {
-        return Ok(Err(Kept::TooLarge));
-    }
-    let tiles = nodes.tiles(MOST_NODES, CORE, HALO);
-    if tiles.len() > MOST_TILES {
-        return Ok(Err(Kept::TooLarge));
-    }
-    let scales: Result<Vec<Option<f64>>, Cancelled> =
-        logs.iter().map(|log| level_scale(log, progress)).collect();
-    let scales = scales?;
-    if scales.iter().all(Option::is_none) {
+    if logs.iter().all(|log| log.ln_per_level.is_none()) {
         return Ok(Err(Kept::NoDecibels));
     }
+    let Tiling { nodes, tiles, .. } = tiling;
     let given = Given {
         logs,
         ground,
         anchors,
         usual_m,
-        scales,
-        chunks: chunks(logs),
         weed: Weed::of(logs),
-        nodes,
+        nodes: *nodes,
     };
-    let mut state = State::new(&nodes, tiles.len(), usual_m);
-    progress.start((ROUNDS * SOLUTIONS * tiles.len()) as u64);
+    let mut state = State::new(nodes, tiles.len(), usual_m);
+    let all: Vec<usize> = (0..tiles.len()).collect();
+    progress.start((SOLUTIONS * ((ROUNDS - 1) * all.len() + tiling.last.len())) as u64);
     let mut is_seen = vec![false; nodes.len()];
     for round in 0..ROUNDS {
         let (found, steps) = given.readings(round, &state, progress)?;
-        let last_samples = if round + 1 == ROUNDS { LAST_SAMPLES } else { 0 };
-        if found.len() < LEAST_PIECES {
+        if found.len() < tiling.least_pieces {
             return Ok(Err(Kept::TooFewEchoes));
         }
-        if !state.solve(&given, &tiles, &found, &steps, last_samples, progress)? {
+        let (solved, last_samples) = match round + 1 == ROUNDS {
+            true => (&tiling.last, LAST_SAMPLES),
+            false => (&all, 0),
+        };
+        let due = Due { tiles, solved };
+        if !state.solve(&given, &due, &found, &steps, last_samples, progress)? {
             return Ok(Err(Kept::NotSolved));
         }
         is_seen.fill(false);
@@ -198,7 +189,7 @@ pub fn correction(
         correction_m * squared / (squared + (SHRINK * sd_m).powi(2)).max(1e-12)
     };
     Ok(Ok(Correction {
-        nodes,
+        nodes: *nodes,
         added_m: state
             .correction_m
             .iter()
@@ -217,7 +208,7 @@ impl Given<'_> {
         round: usize,
         state: &State,
         progress: &Progress,
-    ) -> Result<(Vec<Reading>, BTreeSet<u32>), Cancelled> {
+    ) -> Result<(Vec<Reading>, BTreeSet<ChunkId>), Cancelled> {
         let corrected;
         let ground = match round {
             0 => self.ground,
@@ -228,13 +219,22 @@ impl Given<'_> {
                 &corrected
             }
         };
-        let of_chunk = |(index, chunk): (usize, &Chunk)| {
+        let of_chunk = |(log, chunk): (usize, &Chunk)| {
             progress.check()?;
-            let pieces = pieces(self.logs, index, chunk, ground);
-            Ok(readings(&pieces, &self.scales))
+            let LaidOutLog {
+                echoes,
+                ln_per_level,
+                ..
+            } = &self.logs[log];
+            let pieces = pieces(echoes, log as u32, chunk, ground);
+            Ok(readings(&pieces, *ln_per_level))
         };
+        let chunks = self.logs.iter().enumerate();
+        let chunks: Vec<(usize, &Chunk)> = chunks
+            .flat_map(|(log, of)| of.chunks.iter().map(move |chunk| (log, chunk)))
+            .collect();
         let each: Result<Vec<Vec<Reading>>, Cancelled> =
-            self.chunks.par_iter().enumerate().map(of_chunk).collect();
+            chunks.into_par_iter().map(of_chunk).collect();
         let each = each?;
         // The readings are the largest that is held of a survey: those of each chunk go as they are taken over.
         let mut found = Vec::with_capacity(each.iter().map(Vec::len).sum());
@@ -248,6 +248,12 @@ impl Given<'_> {
     }
 }
 
+/// The tiles, and those of them that are solved.
+struct Due<'a> {
+    tiles: &'a [Tile],
+    solved: &'a [usize],
+}
+
 impl State {
     fn new(nodes: &Nodes, tiles: usize, usual_m: f64) -> Self {
         Self {
@@ -259,31 +265,32 @@ impl State {
         }
     }
 
-    /// Solves every tile; false where one has no solution.
+    /// Solves the tiles that are due. One without a solution has no correction; false where none has one.
     fn solve(
         &mut self,
         given: &Given<'_>,
-        tiles: &[Tile],
+        due: &Due<'_>,
         found: &[Reading],
-        steps: &BTreeSet<u32>,
+        steps: &BTreeSet<ChunkId>,
         last_samples: usize,
         progress: &Progress,
     ) -> Result<bool, Cancelled> {
-        let solve = |(index, tile): (usize, &Tile)| {
+        let solve = |index: &usize| {
+            let tile = &due.tiles[*index];
             let own = within(tile, found);
             let sigma_m = tile.cut(&given.nodes, &self.sigma_m);
             if own.is_empty() {
                 progress.advance(SOLUTIONS as u64);
                 return Ok(Some(Solved::of_nothing(sigma_m)));
             }
-            let curves = self.curves.get(index).and_then(Option::as_ref);
+            let curves = self.curves.get(*index).and_then(Option::as_ref);
             let before = curves.map(|curves| Before {
                 correction_m: tile.cut(&given.nodes, &self.correction_m),
                 angle_curves: curves.clone(),
             });
-            let holds = |place: &&[f64; 2]| tiles.len() == 1 || tile.nodes.holds(**place);
+            let holds = |place: &&[f64; 2]| due.tiles.len() == 1 || tile.nodes.holds(**place);
             let anchors: Vec<[f64; 2]> = given.anchors.iter().filter(holds).copied().collect();
-            let is_break = |chunk: u32| steps.contains(&chunk);
+            let is_break = |chunk: ChunkId| steps.contains(&chunk);
             let system = System::new(
                 tile.nodes,
                 &own,
@@ -302,13 +309,17 @@ impl State {
             )
         };
         let solved: Result<Vec<Option<Solved>>, Cancelled> =
-            tiles.par_iter().enumerate().map(solve).collect();
+            due.solved.par_iter().map(solve).collect();
+        let solved = solved?;
+        if solved.iter().all(Option::is_none) {
+            return Ok(false);
+        }
         let [mut correction_m, mut sd_m, mut sigma_m, mut brightness] =
             [0; 4].map(|_| Blend::none(&given.nodes));
-        for ((tile, solved), curves) in tiles.iter().zip(solved?).zip(&mut self.curves) {
-            let Some(solved) = solved else {
-                return Ok(false);
-            };
+        for (index, solved) in due.solved.iter().zip(solved) {
+            let tile = &due.tiles[*index];
+            let solved =
+                solved.unwrap_or_else(|| Solved::of_nothing(tile.cut(&given.nodes, &self.sigma_m)));
             correction_m.add(&given.nodes, tile, &solved.correction_m);
             sd_m.add(&given.nodes, tile, &solved.sd_m);
             sigma_m.add(&given.nodes, tile, &solved.sigma_m);
@@ -316,7 +327,7 @@ impl State {
             if solved.curves.is_some() {
                 brightness.add_level(&given.nodes, tile, &solved.ln_brightness);
             }
-            *curves = solved.curves;
+            self.curves[*index] = solved.curves;
         }
         [
             self.correction_m,
@@ -333,7 +344,8 @@ fn within(tile: &Tile, found: &[Reading]) -> Vec<Reading> {
     let inside = |reading: &&Reading| tile.nodes.holds(reading.piece.place_m);
     let count = found.iter().filter(inside).count();
     let every = count.div_ceil(MOST_PIECES).max(1) as u32;
-    let counts = |reading: &&Reading| inside(reading) && reading.piece.chunk.is_multiple_of(every);
+    let counts =
+        |reading: &&Reading| inside(reading) && reading.piece.chunk.number.is_multiple_of(every);
     found.iter().filter(counts).copied().collect()
 }
 

@@ -2,11 +2,26 @@
 
 use crate::survey::{Side, Survey};
 
+/// Where the samples of a log are read from, a ping at a time.
+pub trait Levels: Sync {
+    /// Replaces `out` with the samples of a side of a ping, nearest first; none where there are none.
+    fn read(&self, ping: usize, side: Side, out: &mut Vec<u8>);
+}
+
+impl Levels for Survey {
+    fn read(&self, ping: usize, side: Side, out: &mut Vec<u8>) {
+        out.clear();
+        if let Some(samples) = self.samples(ping, side) {
+            samples.copy_outward(out);
+        }
+    }
+}
+
 /// A log in the plane of a surface.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct LogEchoes<'a> {
-    /// The recording: its samples are read from here, a ping at a time.
-    pub survey: &'a Survey,
+    /// The recording.
+    pub levels: &'a dyn Levels,
     /// One entry a side-scan ping.
     pub pings: Vec<PingPlace>,
 }
@@ -75,10 +90,7 @@ impl SideEchoes {
 impl LogEchoes<'_> {
     /// Replaces `out` with the samples of a side of a ping, nearest first; false where there are none.
     pub fn read(&self, ping: usize, side: Side, out: &mut Vec<u8>) -> bool {
-        out.clear();
-        if let Some(samples) = self.survey.samples(ping, side) {
-            samples.copy_outward(out);
-        }
+        self.levels.read(ping, side, out);
         !out.is_empty()
     }
 }

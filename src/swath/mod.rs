@@ -5,8 +5,8 @@
 //! correction of the surface that the depths gave: none where a depth was measured, and small where the echoes say little. It is
 //! inferred, not measured.
 //!
-//! `echoes` is what is read of a log, `level_scale` turns its levels into logarithms of power, `weed` says where echoes are none of the bed,
-//! `pieces` averages the echoes on a `ground` and `readings` are those as logarithms. `echo_law` says what a slope changes; `system` has
+//! `echoes` is what is read of a log and `layout` what is found of all of it: `level_scale` turns its levels into logarithms of power, `weed` says
+//! where echoes are none of the bed. `tiling` parts a survey, or what a part of a larger map depends on. `pieces` averages the echoes on a `ground` and `readings` are those as logarithms. `echo_law` says what a slope changes; `system` has
 //! the equations for the unknowns at the `nodes`, `local_sigma` learns how large the correction may be, and
 //! `correction` runs all of it in rounds.
 
@@ -14,27 +14,28 @@ mod correction;
 mod echo_law;
 mod echoes;
 mod ground;
+mod layout;
 mod level_scale;
 mod local_sigma;
 mod nodes;
 mod pieces;
 mod readings;
 mod system;
+mod tiling;
 mod weed;
 
 pub use correction::Correction;
-pub use echoes::{LogEchoes, PingPlace, SideEchoes};
+pub use echoes::{Levels, LogEchoes, PingPlace, SideEchoes};
+pub use layout::{Chunk, LaidOutLog};
+pub use tiling::{PART_GROUND_M, PART_MOST_CELL_M, PART_PINGS_M, PART_STEP_M};
 
 use crate::bathymetry::{CellSource, DepthPoint, Shading, Spread, Surface};
 use crate::progress::{Cancelled, Progress};
 use crate::statistics::median;
-use correction::{NODE_M, correction};
+use correction::{Tiling, correction};
 use ground::Ground;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
-use nodes::Nodes;
 
-/// Tiles of 58 by 58 m that a survey may have: 300 are a square kilometre.
-const MOST_TILES: usize = 300;
 /// Shares of the stated error that is left, of the correction that its own error is taken for, and of the size of the corrections around a cell
 /// that is taken for what echoes do not say: where these are large, left-out depths did not show the relief between the lines. On simulated
 /// ponds of seeds 101 to 105 they make of the cells between the lines those that the standard deviation promises.
@@ -110,16 +111,20 @@ pub fn shade(
     if !logs.iter().any(has_echoes) {
         return Ok(Outcome::Kept(Kept::NoSideScan));
     }
-    let anchors: Vec<[f64; 2]> = (measured.iter().filter(|point| point.weight > 0.0))
-        .map(|point| [point.east_m, point.north_m])
-        .collect();
+    let anchors = anchors(measured);
     let ground = Ground::new(surface.grid, &surface.depth_m);
     let (Some(ground), false) = (ground, anchors.is_empty()) else {
         return Ok(Outcome::Kept(Kept::NoDepths));
     };
+    let Some(tiling) = Tiling::of_survey(&surface.grid) else {
+        return Ok(Outcome::Kept(Kept::TooLarge));
+    };
     let usual_m = usual_correction_m(surface, measured);
-    let nodes = Nodes::over(&surface.grid, NODE_M);
-    let found = match correction(logs, &ground, nodes, &anchors, usual_m, progress)? {
+    let laid_out = logs
+        .iter()
+        .map(|log| LaidOutLog::new(log.clone(), progress))
+        .collect::<Result<Vec<_>, _>>()?;
+    let found = match correction(&laid_out, &ground, &tiling, &anchors, usual_m, progress)? {
         Ok(found) => found,
         Err(kept) => return Ok(Outcome::Kept(kept)),
     };
@@ -127,6 +132,44 @@ pub fn shade(
     surface.hardness_db = hardness_db(&found, surface);
     surface.shading = Shading::Corrected;
     Ok(Outcome::Shaded(found))
+}
+
+/// As [`shade`], of a part of a larger map: `around` is its surface with [`PART_GROUND_M`] around the edges of the part, `logs` have the pings
+/// within [`PART_PINGS_M`], `measured` are the depths on that surface, and the corrections are right within 32 m of the edges, the same to the
+/// bit as those of a neighbouring part. Places count in a plane that all parts share, and the order of logs and depths must be the same for
+/// all. Hardness is none: each part would count it from another zero.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn shade_part(
+    around: &mut Surface,
+    edges_m: [f64; 4],
+    logs: &[LaidOutLog<'_>],
+    measured: &[DepthPoint],
+    progress: &Progress,
+) -> Result<(), Cancelled> {
+    let Some(ground) = Ground::new(around.grid, &around.depth_m) else {
+        return Ok(());
+    };
+    let tiling = Tiling::of_part(edges_m);
+    let anchors = anchors(measured);
+    let found = correction(logs, &ground, &tiling, &anchors, USUAL_WITHOUT_M, progress)?;
+    around.shading = match found {
+        Ok(found) => {
+            add(&found, around);
+            Shading::Corrected
+        }
+        Err(kept) => Shading::Impossible(kept.in_words()),
+    };
+    Ok(())
+}
+
+/// The places of the depths that count.
+fn anchors(measured: &[DepthPoint]) -> Vec<[f64; 2]> {
+    let counting = measured.iter().filter(|point| point.weight > 0.0);
+    counting
+        .map(|point| [point.east_m, point.north_m])
+        .collect()
 }
 
 /// Adds a correction to the depths of a surface, and says which of them rest on it.
@@ -249,7 +292,7 @@ mod tests {
             sides: [side; 2],
         };
         let of_pings = |pings: Vec<PingPlace>| LogEchoes {
-            survey: &survey,
+            levels: &survey,
             pings,
         };
         let logs = [of_pings(Vec::new()), of_pings(vec![ping; 100])];

@@ -8,8 +8,10 @@ const BLEND: usize = 6;
 /// Nodes in rows from south to north, each from west to east.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nodes {
-    /// East and north of the first, metres.
-    pub origin_m: [f64; 2],
+    /// East and north that they are counted from, metres: a place is the same number of steps, to the bit, for all parts that count from there.
+    pub zero_m: [f64; 2],
+    /// Steps from there to the first, east and north.
+    pub first: [i64; 2],
     /// From one to the next, metres.
     pub step_m: f64,
     /// How many lie in a row, and how many rows there are; at least two each.
@@ -86,10 +88,16 @@ impl Nodes {
         let count = |cells: usize| (cells as f64 * grid.cell_m / step_m).ceil() as usize + 1;
         let south_m = grid.north_m - grid.rows as f64 * grid.cell_m;
         Self {
-            origin_m: [grid.west_m, south_m],
+            zero_m: [grid.west_m, south_m],
+            first: [0; 2],
             step_m,
             counts: [count(grid.columns).max(2), count(grid.rows).max(2)],
         }
+    }
+
+    /// How many steps a place lies east or north of the first.
+    fn steps(&self, place: [f64; 2], axis: usize) -> f64 {
+        (place[axis] - self.zero_m[axis]) / self.step_m - self.first[axis] as f64
     }
 
     /// Number of nodes.
@@ -100,7 +108,7 @@ impl Nodes {
     /// Whether a place east and north lies between the outermost nodes.
     pub fn holds(&self, place: [f64; 2]) -> bool {
         (0..2).all(|axis| {
-            let steps = (place[axis] - self.origin_m[axis]) / self.step_m;
+            let steps = self.steps(place, axis);
             steps > 0.0 && steps < (self.counts[axis] - 1) as f64
         })
     }
@@ -108,7 +116,7 @@ impl Nodes {
     /// The four nodes around a place and their shares, which sum to 1; beyond the outermost nodes as on them.
     pub fn shares(&self, place: [f64; 2]) -> Shares {
         let [(column, right), (row, up)] = [0, 1].map(|axis| {
-            let steps = (place[axis] - self.origin_m[axis]) / self.step_m;
+            let steps = self.steps(place, axis);
             let most = (self.counts[axis] - 1) as f64 - 1e-3;
             let steps = steps.clamp(0.0, most);
             (steps as usize, steps.fract())
@@ -131,7 +139,7 @@ impl Nodes {
     /// The node nearest to a place.
     pub fn nearest(&self, place: [f64; 2]) -> usize {
         let [column, row] = [0, 1].map(|axis| {
-            let steps = ((place[axis] - self.origin_m[axis]) / self.step_m).round();
+            let steps = self.steps(place, axis).round();
             (steps.max(0.0) as usize).min(self.counts[axis] - 1)
         });
         row * self.counts[0] + column
@@ -153,15 +161,20 @@ impl Nodes {
     /// Parts with cores of at most `core` nodes a side and a halo of `halo` nodes around each; one part where all nodes are at most
     /// `most`.
     pub fn tiles(&self, most: usize, core: usize, halo: usize) -> Vec<Tile> {
+        let core = match self.len() <= most {
+            true => self.counts.into_iter().max().unwrap_or(core),
+            false => core,
+        };
+        self.tiles_within(0, core, halo)
+    }
+
+    /// Parts with cores of at most `core` nodes a side, the outermost `margin` nodes being in no core, and a halo of `halo` nodes around each.
+    pub fn tiles_within(&self, margin: usize, core: usize, halo: usize) -> Vec<Tile> {
         let spans = |count: usize| -> Vec<[usize; 4]> {
-            let core = if self.len() <= most {
-                count
-            } else {
-                core.max(1)
-            };
-            let from = (0..count).step_by(core);
+            let end = count.saturating_sub(margin);
+            let from = (margin..end).step_by(core.max(1));
             from.map(|from| {
-                let to = (from + core).min(count);
+                let to = (from + core.max(1)).min(end);
                 [from.saturating_sub(halo), from, to, (to + halo).min(count)]
             })
             .collect()
@@ -173,9 +186,9 @@ impl Nodes {
         both.map(|spans| {
             let first = spans.map(|span| span[0]);
             let nodes = Self {
-                origin_m: [0, 1].map(|axis| self.origin_m[axis] + first[axis] as f64 * self.step_m),
-                step_m: self.step_m,
+                first: [0, 1].map(|axis| self.first[axis] + first[axis] as i64),
                 counts: spans.map(|span| span[3] - span[0]),
+                ..*self
             };
             Tile {
                 first,
@@ -225,7 +238,8 @@ mod tests {
     use super::*;
 
     const NODES: Nodes = Nodes {
-        origin_m: [3.0, -2.0],
+        zero_m: [1.0, -3.0],
+        first: [4, 2],
         step_m: 0.5,
         counts: [41, 23],
     };
@@ -259,5 +273,21 @@ mod tests {
             assert!(!back.iter().zip(&values).any(differs));
         }
         assert_eq!(NODES.tiles(10_000, 10, 14).len(), 1);
+    }
+
+    #[test]
+    fn a_part_has_the_same_nodes_as_the_whole() {
+        let parts = NODES.tiles_within(3, 5, 2);
+        assert_eq!(parts.len(), 7 * 4);
+        let place = [7.21, 3.37];
+        let values: Vec<f64> = (0..NODES.len()).map(|node| (node as f64).cos()).collect();
+        let expected = NODES.value_at(&values, place);
+        for part in parts.iter().filter(|part| part.nodes.holds(place)) {
+            let found = part.nodes.value_at(&part.cut(&NODES, &values), place);
+            assert_eq!(found.to_bits(), expected.to_bits());
+        }
+        // The last core of a row is cut short by the margin.
+        assert_eq!(parts[6].core[0], [2, 7]);
+        assert_eq!(parts[21].core[1], [2, 4]);
     }
 }

@@ -2,18 +2,11 @@
 
 use super::echoes::{LogEchoes, PingPlace};
 use super::ground::Ground;
+use super::layout::{Chunk, ChunkId};
 use crate::survey::Side;
-use std::collections::BTreeMap;
-use std::ops::Range;
 
 /// Ground range of a piece, metres.
 pub const PIECE_M: f64 = 0.75;
-/// Pings of a piece.
-const PIECE_PINGS: usize = 4;
-/// Ranges that differ by less than this share count as one setting of the recorder.
-const SAME_RANGE: f64 = 0.02;
-/// A longer pause parts pieces, seconds.
-const LONGEST_PAUSE_S: f64 = 0.5;
 /// Ground range that pieces lie between, metres: nearer the beam looks straight down.
 const REACH_M: [f64; 2] = [1.0, 40.0];
 /// Steps in which a ray is followed along the ground, metres.
@@ -39,12 +32,10 @@ const LEAST_ALTITUDE_M: f64 = 0.1;
 /// The median level of a few pings over three quarters of a metre of ground on one side.
 #[derive(Clone, Copy, Debug)]
 pub struct Piece {
-    /// Which log it is of.
-    pub log: u32,
-    /// Which chunk of pings, counted over all logs.
-    pub chunk: u32,
-    /// Which range setting of the recorder, counted over all logs.
-    pub range_setting: u32,
+    /// Which chunk of pings it is of.
+    pub chunk: ChunkId,
+    /// Which range setting of the recorder.
+    pub range_setting: i32,
     /// Which side.
     pub side: Side,
     /// Number of samples.
@@ -67,63 +58,15 @@ pub struct Piece {
     pub slope: f64,
 }
 
-/// Pings in a row that pieces are made of.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Chunk {
-    /// Which log.
-    pub log: usize,
-    /// Its pings.
-    pub pings: Range<usize>,
-    /// Which range setting, counted over all logs.
-    pub range_setting: usize,
-}
-
-/// The chunks of some logs, in the order of logs and time.
-pub fn chunks(logs: &[LogEchoes<'_>]) -> Vec<Chunk> {
-    let mut found: Vec<Chunk> = Vec::new();
-    let mut settings: BTreeMap<(usize, i64), usize> = BTreeMap::new();
-    for (log, echoes) in logs.iter().enumerate() {
-        let mut last: Option<(f64, i64)> = None;
-        for (ping, place) in echoes.pings.iter().enumerate() {
-            let setting = range_setting(place);
-            let goes_on = last.is_some_and(|(time_s, before)| {
-                before == setting && place.time_s - time_s <= LONGEST_PAUSE_S
-            });
-            last = Some((place.time_s, setting));
-            match found.last_mut() {
-                Some(chunk) if goes_on && chunk.pings.len() < PIECE_PINGS => chunk.pings.end += 1,
-                _ => {
-                    let count = settings.len();
-                    found.push(Chunk {
-                        log,
-                        pings: ping..ping + 1,
-                        range_setting: *settings.entry((log, setting)).or_insert(count),
-                    });
-                }
-            }
-        }
-    }
-    found
-}
-
-/// The length of a sample in steps of [`SAME_RANGE`]: the same for all pings of a range setting, whatever the recorder rounds.
-fn range_setting(ping: &PingPlace) -> i64 {
-    let step_m = ping.sides.map(|side| side.step_m);
-    let known = step_m.into_iter().find(|step_m| *step_m > 0.0);
-    known.map_or(i64::MIN, |step_m| (step_m.ln() / SAME_RANGE).round() as i64)
-}
-
-/// The pieces of a chunk over a ground, port first. `index` is its number among those of all logs.
-pub fn pieces(logs: &[LogEchoes<'_>], index: usize, chunk: &Chunk, ground: &Ground) -> Vec<Piece> {
+/// The pieces of a chunk over a ground, port first; `log` is the place of its log among all.
+pub fn pieces(echoes: &LogEchoes<'_>, log: u32, chunk: &Chunk, ground: &Ground) -> Vec<Piece> {
     let mut found = Vec::new();
-    if let Some(log) = logs.get(chunk.log) {
-        for side in Side::BOTH {
-            let mut sums = Sums::none();
-            for ping in chunk.pings.clone() {
-                sums.add_ping(log, ping, side, ground);
-            }
-            sums.pieces(index, chunk, side, ground, &mut found);
+    for side in Side::BOTH {
+        let mut sums = Sums::none();
+        for ping in chunk.pings.clone() {
+            sums.add_ping(echoes, ping, side, ground);
         }
+        sums.pieces(log, chunk, side, ground, &mut found);
     }
     found
 }
@@ -203,14 +146,7 @@ impl Sums {
         }
     }
 
-    fn pieces(
-        &self,
-        index: usize,
-        chunk: &Chunk,
-        side: Side,
-        ground: &Ground,
-        found: &mut Vec<Piece>,
-    ) {
+    fn pieces(&self, log: u32, chunk: &Chunk, side: Side, ground: &Ground, found: &mut Vec<Piece>) {
         let [middle, outward] =
             [self.place_m, self.outward].map(|sum| sum.map(|part| part / self.pings));
         let straight = outward[0].hypot(outward[1]);
@@ -226,9 +162,11 @@ impl Sums {
             if phi_rad > angles_rad[0] && phi_rad < angles_rad[1] {
                 let place_m = [0, 1].map(|axis| middle[axis] + ground_m * outward[axis]);
                 found.push(Piece {
-                    log: chunk.log as u32,
-                    chunk: index as u32,
-                    range_setting: chunk.range_setting as u32,
+                    chunk: ChunkId {
+                        log,
+                        number: chunk.number,
+                    },
+                    range_setting: chunk.range_setting,
                     side,
                     samples: bin.count,
                     level: bin.median() as f32,

@@ -1,5 +1,6 @@
 //! From the levels of pieces to logarithms of power without the noise in them, and where the recorder's gain steps.
 
+use super::layout::ChunkId;
 use super::pieces::Piece;
 use super::system::Reading;
 use crate::statistics::median;
@@ -11,13 +12,13 @@ const LEAST_OVER_NOISE: f64 = 0.1;
 /// A gain steps where the levels of two chunks differ by more than this from those of the two before, natural logarithm of power.
 const STEP: f64 = 0.5;
 
-/// The pieces with the bed's levels in natural logarithms of power; `scales` has what a step of each log's level is.
+/// The pieces of a log with the bed's levels in natural logarithms of power; `ln_per_level` is what a step of its level is.
 ///
 /// Noise adds to the echo's power: of a level `l` over that of the noise the bed's share is `1 - exp(-l)`. It is taken off piece by
 /// piece, for a dark patch has a smaller share than the bright bed beside it; what is left is as much less certain.
-pub fn readings(pieces: &[Piece], scales: &[Option<f64>]) -> Vec<Reading> {
+pub fn readings(pieces: &[Piece], ln_per_level: Option<f64>) -> Vec<Reading> {
     let reading = |piece: &Piece| {
-        let scale = scales.get(piece.log as usize).copied().flatten()?;
+        let scale = ln_per_level?;
         let over_noise = scale * f64::from(piece.level - piece.noise_level);
         let over_noise = over_noise.max(LEAST_OVER_NOISE);
         let share = 1.0 - (-over_noise).exp();
@@ -41,49 +42,31 @@ pub fn readings(pieces: &[Piece], scales: &[Option<f64>]) -> Vec<Reading> {
     pieces.iter().filter_map(reading).collect()
 }
 
-/// The chunks before which the gain steps, and the first of every log.
-pub fn gain_steps(readings: &[Reading]) -> BTreeSet<u32> {
-    let mut of_chunk: BTreeMap<u32, Profile> = BTreeMap::new();
+/// The chunks before which the gain steps.
+pub fn gain_steps(readings: &[Reading]) -> BTreeSet<ChunkId> {
+    let mut of_chunk: BTreeMap<ChunkId, Profile> = BTreeMap::new();
     for reading in readings {
         let piece = &reading.piece;
         let across = (piece.ground_m / super::pieces::PIECE_M) as u32;
         let profile = of_chunk.entry(piece.chunk).or_default();
-        profile.log = piece.log;
-        profile
-            .levels
-            .insert((piece.side, across), reading.ln_level);
+        profile.insert((piece.side, across), reading.ln_level);
     }
-    let steps_before = |chunk: u32| {
-        let around = [chunk.checked_sub(2)?, chunk - 1, chunk, chunk + 1];
-        let [second, first, here, next] = around.map(|chunk| of_chunk.get(&chunk));
+    let steps_before = |chunk: &ChunkId| {
+        let around = [-2, -1, 0, 1].map(|by| of_chunk.get(&chunk.later(by)?));
+        let [second, first, here, next] = around;
         let (second, first, here, next) = (second?, first?, here?, next?);
         let change = |(place, level): (&(Side, u32), &f64)| {
-            let [second, first, next] =
-                [second, first, next].map(|of| of.levels.get(place).copied());
+            let [second, first, next] = [second, first, next].map(|of| of.get(place).copied());
             Some(0.5 * (level + next? - first? - second?))
         };
-        let mut changes: Vec<f64> = here.levels.iter().filter_map(change).collect();
-        (median(&mut changes).abs() > STEP).then_some(chunk)
+        let mut changes: Vec<f64> = here.iter().filter_map(change).collect();
+        (median(&mut changes).abs() > STEP).then_some(*chunk)
     };
-    let mut found: BTreeSet<u32> = of_chunk
-        .keys()
-        .filter_map(|chunk| steps_before(*chunk))
-        .collect();
-    let mut last_log = None;
-    for (chunk, profile) in &of_chunk {
-        if last_log.replace(profile.log) != Some(profile.log) {
-            found.insert(*chunk);
-        }
-    }
-    found
+    of_chunk.keys().filter_map(steps_before).collect()
 }
 
 /// Levels across a chunk.
-#[derive(Default)]
-struct Profile {
-    log: u32,
-    levels: BTreeMap<(Side, u32), f64>,
-}
+type Profile = BTreeMap<(Side, u32), f64>;
 
 #[cfg(test)]
 mod tests {
@@ -91,8 +74,10 @@ mod tests {
 
     fn piece(chunk: u32, across: u32, level: f32) -> Piece {
         Piece {
-            log: 0,
-            chunk,
+            chunk: ChunkId {
+                log: 0,
+                number: chunk,
+            },
             range_setting: 0,
             side: Side::Port,
             samples: 100,
@@ -116,11 +101,12 @@ mod tests {
         let pieces: Vec<Piece> = (0..14)
             .flat_map(|chunk| (0..6).map(move |across| piece(chunk, across, level(chunk, across))))
             .collect();
-        let found = readings(&pieces, &[Some(0.09)]);
+        let found = readings(&pieces, Some(0.09));
         assert_eq!(found.len(), pieces.len());
         assert!(found.iter().all(|reading| reading.share > 0.9));
         // 10 steps are 0.9 over both chunks; half of it is seen a chunk before and behind.
-        assert_eq!(gain_steps(&found), BTreeSet::from([0, 7]));
-        assert!(readings(&pieces, &[None]).is_empty());
+        let seventh = ChunkId { log: 0, number: 7 };
+        assert_eq!(gain_steps(&found), BTreeSet::from([seventh]));
+        assert!(readings(&pieces, None).is_empty());
     }
 }

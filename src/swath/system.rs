@@ -11,6 +11,7 @@
 //! angle under which a deeper bed is seen is smaller: `k = -g'(phi) / (r sin phi)`.
 
 use super::echo_law::AtSlope;
+use super::layout::ChunkId;
 use super::level_scale::{GRAIN_SAMPLES, SPECKLE_SD};
 use super::nodes::{Nodes, Shares, sum};
 use super::pieces::{PIECE_M, Piece};
@@ -34,7 +35,7 @@ const SD_GAIN: f64 = 20.0;
 const SD_ROLL_STEP: f64 = 0.03;
 const SD_ROLL: f64 = 0.03;
 /// Chunks farther apart than this are not tied.
-const FARTHEST_TIE: usize = 50;
+const FARTHEST_TIE: u32 = 50;
 /// Standard deviations of the second differences of a curve, and of its values over the angle and over the range.
 const SD_BEND: f64 = 0.05;
 const SD_ANGLE_CURVE: f64 = 5.0;
@@ -88,11 +89,12 @@ pub struct System {
 struct Numbering {
     brightness: usize,
     /// Chunk of all logs, to its place among those of the tile.
-    chunks: BTreeMap<u32, usize>,
+    chunks: BTreeMap<ChunkId, usize>,
     gain: usize,
     roll: usize,
     angle_curves: BTreeMap<(u32, Side), usize>,
-    range_curves: BTreeMap<(u32, Side), usize>,
+    /// By log, range setting and side.
+    range_curves: BTreeMap<(u32, i32, Side), usize>,
     range_bins: usize,
     count: usize,
 }
@@ -105,8 +107,8 @@ impl Numbering {
         let mut most_m: f64 = 0.0;
         for Reading { piece, .. } in readings {
             chunks.insert(piece.chunk, 0);
-            angle_curves.insert((piece.log, piece.side), 0);
-            range_curves.insert((piece.range_setting, piece.side), 0);
+            angle_curves.insert((piece.chunk.log, piece.side), 0);
+            range_curves.insert((piece.chunk.log, piece.range_setting, piece.side), 0);
             most_m = most_m.max(piece.range_m);
         }
         for (index, place) in chunks.values_mut().enumerate() {
@@ -147,7 +149,7 @@ impl System {
         anchors: &[[f64; 2]],
         sigma_m: &[f64],
         before: Option<&Before>,
-        is_break: impl Fn(u32) -> bool,
+        is_break: impl Fn(ChunkId) -> bool,
     ) -> Self {
         let numbering = Numbering::new(&nodes, readings);
         let mut equations = Equations::default();
@@ -263,7 +265,7 @@ fn add_reading(
     {
         goal -=
             per_slope * (sum(correction_m, &outer) - sum(correction_m, &inner)) / (2.0 * half_m);
-        if let Some(curve) = angle_curves.get(&(piece.log, piece.side)) {
+        if let Some(curve) = angle_curves.get(&(piece.chunk.log, piece.side)) {
             per_depth = -steepness(curve, piece.phi_rad) / (piece.range_m * piece.phi_rad.sin());
             goal += per_depth * sum(correction_m, &here);
         }
@@ -276,8 +278,8 @@ fn add_reading(
     let slope = per_slope / (2.0 * half_m);
     let sign = if piece.side == Side::Port { -1.0 } else { 1.0 };
     let roll = sign * (piece.phi_rad.to_degrees() - ROLL_DEG[0]) / ROLL_DEG[1];
-    let angle = (piece.log, piece.side);
-    let range = (piece.range_setting, piece.side);
+    let angle = (piece.chunk.log, piece.side);
+    let range = (piece.chunk.log, piece.range_setting, piece.side);
     let places = (
         numbering.chunks.get(&piece.chunk),
         numbering.angle_curves.get(&angle),
@@ -373,20 +375,26 @@ fn add_anchors(equations: &mut Equations, nodes: &Nodes, anchors: &[[f64; 2]]) {
 }
 
 /// Ties every chunk to the one before, unless the gain steps between them.
-fn add_chunks(equations: &mut Equations, numbering: &Numbering, is_break: impl Fn(u32) -> bool) {
+fn add_chunks(
+    equations: &mut Equations,
+    numbering: &Numbering,
+    is_break: impl Fn(ChunkId) -> bool,
+) {
     let Numbering {
         chunks, gain, roll, ..
     } = numbering;
-    let mut last: Option<(u32, usize)> = None;
+    let mut last: Option<(ChunkId, usize)> = None;
     for (&chunk, &place) in chunks {
         equations.add([(gain + place, 1.0)], 0.0, SD_GAIN);
         equations.add([(roll + place, 1.0)], 0.0, SD_ROLL);
-        if let Some((before, place_before)) = last {
-            let apart = (chunk - before) as usize;
-            if apart <= FARTHEST_TIE && !(before + 1..=chunk).any(&is_break) {
+        if let Some((before, place_before)) = last.filter(|(before, _)| before.log == chunk.log) {
+            let apart = chunk.number - before.number;
+            let between =
+                (before.number + 1..=chunk.number).map(|number| ChunkId { number, ..chunk });
+            if apart <= FARTHEST_TIE && !between.into_iter().any(&is_break) {
                 for (first, sd) in [(gain, SD_GAIN_STEP), (roll, SD_ROLL_STEP)] {
                     let terms = [(first + place, 1.0), (first + place_before, -1.0)];
-                    equations.add(terms, 0.0, sd * (apart as f64).sqrt());
+                    equations.add(terms, 0.0, sd * f64::from(apart).sqrt());
                 }
             }
         }

@@ -1,6 +1,7 @@
 //! Where first returns lie above the bottom on both sides: weed, whose brightness says nothing of the bed's slope.
 
-use super::echoes::LogEchoes;
+use super::echoes::{LogEchoes, PingPlace};
+use super::layout::LaidOutLog;
 use crate::survey::Side;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
@@ -15,9 +16,14 @@ const REACH_M: f64 = 3.5;
 pub struct Weed(Option<ImmutableKdTree<f64, 2>>);
 
 impl Weed {
-    /// Of some logs. A slope makes the first returns of one side alone nearer than the recorded depth, so both sides are asked for.
-    pub fn of(logs: &[LogEchoes<'_>]) -> Self {
-        let places: Vec<[f64; 2]> = logs.iter().flat_map(places).collect();
+    /// Of some logs.
+    pub fn of(logs: &[LaidOutLog<'_>]) -> Self {
+        let in_weed = |log: &LaidOutLog<'_>| -> Vec<[f64; 2]> {
+            let pings = log.echoes.pings.iter().zip(&log.is_weed);
+            let pings = pings.filter(|(ping, is_weed)| **is_weed && ping.is_placed());
+            pings.map(|(ping, _)| ping.place_m).collect()
+        };
+        let places: Vec<[f64; 2]> = logs.iter().flat_map(in_weed).collect();
         let tree = ImmutableKdTree::new_from_slice(&places).ok();
         Self(tree.filter(|_| !places.is_empty()))
     }
@@ -33,14 +39,16 @@ impl Weed {
     }
 }
 
-fn places<'a>(log: &'a LogEchoes<'_>) -> impl Iterator<Item = [f64; 2]> + 'a {
+/// Whether each ping of a log is in a stretch of weed. A slope makes the first returns of one side alone nearer than the recorded depth, so both
+/// sides are asked for.
+pub fn is_weed(log: &LogEchoes<'_>) -> Vec<bool> {
     let [port, starboard] = Side::BOTH.map(|side| {
-        let above = log.pings.iter().map(|ping| ping.side(side).above_bottom);
-        running_share(&above.collect::<Vec<bool>>())
+        let above = |ping: &PingPlace| ping.side(side).above_bottom;
+        running_share(&log.pings.iter().map(above).collect::<Vec<bool>>())
     });
-    let both = port.into_iter().zip(starboard).zip(&log.pings);
-    both.filter(|((port, starboard), ping)| port.min(*starboard) > SHARE && ping.is_placed())
-        .map(|(_, ping)| ping.place_m)
+    let both = port.into_iter().zip(starboard);
+    both.map(|(port, starboard)| port.min(starboard) > SHARE)
+        .collect()
 }
 
 /// Share of the pings around each; beyond both ends none lies above the bottom.

@@ -122,6 +122,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "bathymetry",
             "formats",
             "export",
+            "swath",
             "mosaic",
             "pipeline",
             "presentation",

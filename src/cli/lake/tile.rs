@@ -18,7 +18,7 @@ pub struct TileArgs {
 pub fn run(args: &TileArgs) -> Result<(), String> {
     let in_words = |error: LakeError| error.to_string();
     let lake = Lake::open(&args.lake).map_err(in_words)?;
-    let logs = lake.logs_in(args.tiles.iter().copied()).map_err(in_words)?;
+    let logs = lake.logs_of_maps(&args.tiles).map_err(in_words)?;
     let offsets = Offsets::read(&lake).map_err(in_words)?;
     tell_of_missing(&offsets, &logs);
     let mut tiles = args.tiles.clone();

@@ -29,8 +29,10 @@ pub enum Values {
     Text(Vec<&'static str>),
     /// The same text in every row.
     Same(String, usize),
-    /// Points on WGS84, written as well-known binary. They are not read back.
+    /// Points on WGS84, written as well-known binary. They are not read back as points.
     Points(Vec<LonLat>),
+    /// Bytes, of any number a row.
+    Bytes(Vec<Vec<u8>>),
 }
 
 impl Values {
@@ -45,6 +47,7 @@ impl Values {
             Self::Text(values) => values.len(),
             Self::Same(_, count) => *count,
             Self::Points(values) => values.len(),
+            Self::Bytes(values) => values.len(),
         }
     }
 
@@ -120,6 +123,10 @@ mod tests {
                 Values::Text((0..count).map(|row| ["", "port"][row % 2]).collect()),
             ),
             Column::new("log", Values::Same("abc".to_owned(), count)),
+            Column::new(
+                "port",
+                Values::Bytes((0..count).map(|row| vec![row as u8; row % 3]).collect()),
+            ),
         ]
     }
 
@@ -132,7 +139,7 @@ mod tests {
             write_parquet(File::create(path).unwrap(), &columns(), &keys).unwrap();
         }
         assert_eq!(fs::read(&one).unwrap(), fs::read(&other).unwrap());
-        let names = ["kept", "x", "ping", "confidence", "time"];
+        let names = ["kept", "x", "ping", "confidence", "time", "port"];
         let read = read_parquet(&one, &names).unwrap();
         for (name, values) in names.into_iter().zip(read) {
             let written = columns().into_iter().find(|column| column.name == name);

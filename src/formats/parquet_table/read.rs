@@ -19,7 +19,7 @@ pub struct ParquetError {
     pub path: PathBuf,
 }
 
-/// Columns of numbers, times and flags of a file, in the order of the names.
+/// Columns of numbers, times, flags and bytes of a file, in the order of the names.
 ///
 /// # Errors
 /// When the file cannot be read, is damaged, or has no such column.
@@ -65,6 +65,7 @@ fn empty(physical: Physical, name: &str) -> Result<Values, String> {
         Physical::INT32 => Values::Whole(Vec::new()),
         Physical::INT64 => Values::Time(Vec::new()),
         Physical::BOOLEAN => Values::Flag(Vec::new()),
+        Physical::BYTE_ARRAY => Values::Bytes(Vec::new()),
         _ => return Err(format!("its column {name} holds no numbers")),
     })
 }
@@ -88,6 +89,10 @@ fn append(chunk: ColumnReader, rows: usize, values: &mut Values) -> Result<(), S
         (ColumnReader::BoolColumnReader(chunk), Values::Flag(all)) => {
             let read = nullable(chunk, rows)?.into_iter();
             all.extend(read.map(|value| value.unwrap_or_default()));
+        }
+        (ColumnReader::ByteArrayColumnReader(chunk), Values::Bytes(all)) => {
+            let read = nullable(chunk, rows)?.into_iter();
+            all.extend(read.map(|value| value.map_or(Vec::new(), |bytes| bytes.data().to_vec())));
         }
         _ => return Err("its columns change their type".to_owned()),
     }

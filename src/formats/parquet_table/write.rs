@@ -92,7 +92,7 @@ fn field(column: &Column) -> Result<Arc<Type>, parquet::errors::ParquetError> {
             Some(LogicalType::String),
             Repetition::REQUIRED,
         ),
-        Values::Points(_) => (Physical::BYTE_ARRAY, None, Repetition::REQUIRED),
+        Values::Points(_) | Values::Bytes(_) => (Physical::BYTE_ARRAY, None, Repetition::REQUIRED),
     };
     let built = Type::primitive_type_builder(column.name, physical)
         .with_repetition(repetition)
@@ -163,6 +163,14 @@ fn write_chunk(
             chunk
                 .typed::<ByteArrayType>()
                 .write_batch(&values, None, None)?;
+        }
+        Values::Bytes(all) => {
+            for row in &all[rows] {
+                let value = ByteArray::from(row.clone());
+                chunk
+                    .typed::<ByteArrayType>()
+                    .write_batch(&[value], None, None)?;
+            }
         }
     }
     Ok(())

@@ -2,7 +2,7 @@
 //! colours for QGIS (`.qml`).
 
 use crate::bathymetry::{CellSource, Grid, Spread, Surface};
-use crate::export::{Summary, grid_raster, metres_raster, qgis_classes, qgis_style};
+use crate::export::{Summary, metres_raster, qgis_classes, qgis_style, source_raster};
 use crate::formats::geotiff::{Band, Cells, RasterSpec};
 use crate::outputs::OutputError;
 use crate::outputs::manifest::{Coordinates, FileContent};
@@ -91,25 +91,14 @@ pub fn hardness(results: &Results<'_>, path: &Path) -> Result<FileContent, Outpu
 pub fn source(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
     let (grid, plane) = (&surface.grid, &results.plane);
-    let names = CellSource::KNOWN.map(|source| format!("{} {}", source as u8, source.name()));
-    let spec = RasterSpec {
-        cells: Cells::Class,
-        band: Some(Band {
-            name: "what the depth rests on",
-            unit: "",
-            positive_down: false,
-        }),
-        description: format!(
-            "What the depth of a cell rests on: {}; {}. {}",
-            names.join(", "),
-            plane.survey.name(),
-            applied(results.products, surface)
-        ),
-        ..raster::over(grid, &plane.map)
-    };
-    let is_known = |cell: usize| !surface.depth_m[cell].is_nan();
-    let stored = |cell: Option<usize>| [cell.map_or(0, |cell| surface.source[cell] as u8)];
-    grid_raster(path, &spec, grid, is_known, stored, results.progress)?;
+    let spec = raster::over(grid, &plane.map);
+    let crs = spec.crs.clone();
+    let about = format!(
+        "{}. {}",
+        plane.survey.name(),
+        applied(results.products, surface)
+    );
+    source_raster(path, spec, surface, &about, results.progress)?;
     let classes = CellSource::KNOWN.iter().zip(SOURCES);
     let classes = classes.map(|(source, colour)| (*source as u8, source.name(), colour));
     let classes: Vec<_> = classes.collect();
@@ -120,10 +109,7 @@ pub fn source(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputE
     });
     let values: Vec<f32> = values.collect();
     let summary = summary(plane, grid, &values);
-    Ok(FileContent::new(
-        Coordinates::System(spec.crs.clone()),
-        summary,
-    ))
+    Ok(FileContent::new(Coordinates::System(crs), summary))
 }
 
 fn write(layer: &Layer, results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {

@@ -36,7 +36,7 @@ pub fn log_echoes<'a>(
         }
     };
     LogEchoes {
-        survey,
+        levels: survey,
         pings: (0..count).map(of_ping).collect(),
     }
 }

@@ -4,6 +4,7 @@ use super::*;
 use crate::bathymetry::Grid;
 use crate::swath::echo_law::{AtSlope, ln_power};
 use crate::swath::pieces::Piece;
+use crate::swath::tiling::{CORE, HALO, MOST_NODES, NODE_M};
 
 const LINES_M: [f64; 2] = [4.0, 12.0];
 const MOUND_M: [f64; 2] = [12.0, 8.3];
@@ -32,7 +33,7 @@ fn reading(
     side: Side,
     ground_m: f64,
 ) -> Reading {
-    let boat = [0.25 * f64::from(chunk % 96) + 0.125, LINES_M[line]];
+    let boat = [0.25 * f64::from(chunk) + 0.125, LINES_M[line]];
     let sign = if side == Side::Port { 1.0 } else { -1.0 };
     let at = |ground_m: f64| [boat[0], boat[1] + sign * ground_m];
     let range_m = ground_m.hypot(depth_m(at(ground_m)));
@@ -54,8 +55,10 @@ fn reading(
     let beam = -0.4 * bed_angle_rad.powi(2);
     Reading {
         piece: Piece {
-            log: 0,
-            chunk,
+            chunk: ChunkId {
+                log: line as u32,
+                number: chunk,
+            },
             range_setting: 0,
             side,
             samples: 120,
@@ -81,7 +84,6 @@ fn readings(nodes: &Nodes, state: &State) -> Vec<Reading> {
         for chunk in 0..96 {
             for side in Side::BOTH {
                 let across = (0..20).map(|bin| 1.25 + 0.5 * f64::from(bin));
-                let chunk = 96 * line as u32 + chunk;
                 found.extend(
                     across.map(|ground_m| reading(corrected_m, line, chunk, side, ground_m)),
                 );
@@ -122,23 +124,26 @@ fn solved(nodes: Nodes, anchors: &[[f64; 2]], most: usize, core: usize) -> State
         ground: &ground,
         anchors,
         usual_m: 0.05,
-        scales: Vec::new(),
-        chunks: Vec::new(),
         weed: Weed::of(&[]),
         nodes,
     };
     let tiles = nodes.tiles(most, core, HALO);
     let mut state = State::new(&nodes, tiles.len(), given.usual_m);
-    let steps = BTreeSet::from([0, 96]);
+    let steps = BTreeSet::new();
+    let all: Vec<usize> = (0..tiles.len()).collect();
+    let due = Due {
+        tiles: &tiles,
+        solved: &all,
+    };
     for _ in 0..ROUNDS {
         let found = readings(&nodes, &state);
-        let solved = state.solve(&given, &tiles, &found, &steps, SAMPLES, &Progress::new());
+        let solved = state.solve(&given, &due, &found, &steps, SAMPLES, &Progress::new());
         assert!(solved.unwrap());
     }
     let progress = Progress::new();
     progress.cancel();
     let found = readings(&nodes, &state);
-    let cancelled = state.solve(&given, &tiles, &found, &steps, SAMPLES, &progress);
+    let cancelled = state.solve(&given, &due, &found, &steps, SAMPLES, &progress);
     assert!(cancelled.is_err());
     state
 }

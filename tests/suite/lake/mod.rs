@@ -7,6 +7,7 @@ mod mosaic;
 mod offsets;
 mod positions;
 mod rows;
+mod shaded;
 mod who;
 
 use crate::cli::run;
