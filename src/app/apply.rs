@@ -38,6 +38,8 @@ impl App {
             }
             Command::MatchHeights => self.match_heights(),
             Command::ApplyHeights => self.apply_heights(),
+            Command::MatchPositions => self.match_positions(),
+            Command::ApplyPositions => self.apply_positions(),
             Command::ShowLog(id) => self.show_log(id),
             Command::CloseLog(id) => self.close_log(id),
             Command::MoveLog(id, by) => self.move_log(id, by),

@@ -36,6 +36,10 @@ pub enum Command {
     MatchHeights,
     /// Add the height offsets that were found to the elevations of their logs.
     ApplyHeights,
+    /// Find how far the positions of the logs are off, and how late they are.
+    MatchPositions,
+    /// Put positions right as was found.
+    ApplyPositions,
     /// Close a log.
     CloseLog(LogId),
     /// Move a log down the list by so many places, or up.

@@ -1,6 +1,7 @@
 //! Height differences between logs: found where their tracks meet, and taken off their depths when the analyst asks for it.
 
-use super::{App, LogId, OpenLog, Outcome, Task};
+use super::logs_task::{LogsTask, Stands};
+use super::{App, LogId, OpenLog};
 use crate::bathymetry::height_offsets::{Datum, HeightOffsets, LogOffset};
 use crate::pipeline::joint::{contradictions, height_offsets};
 use crate::pipeline::{LogSettings, ProcessedLog};
@@ -35,18 +36,7 @@ impl FoundHeights {
 }
 
 /// Offsets, and the work on them.
-#[derive(Default)]
-pub(super) struct Heights {
-    task: Option<Task<Option<FoundHeights>>>,
-    found: Option<FoundHeights>,
-}
-
-impl Heights {
-    /// Whether offsets are being looked for.
-    pub fn is_busy(&self) -> bool {
-        self.task.is_some()
-    }
-}
+pub(super) type Heights = LogsTask<FoundHeights>;
 
 impl App {
     /// Whether heights are being compared.
@@ -56,7 +46,7 @@ impl App {
 
     /// By how much the heights of the logs differ, once that was asked for.
     pub fn height_offsets(&self) -> Option<&FoundHeights> {
-        self.heights.found.as_ref()
+        self.heights.found()
     }
 
     /// A warning for every two logs that no height offsets bring together.
@@ -79,34 +69,35 @@ impl App {
         }
         let ids = shown.iter().map(|log| log.id).collect();
         let logs: Vec<ProcessedLog> = shown.into_iter().map(|log| log.log).collect();
-        self.heights.task = Some(Task::start(&self.jobs, move |progress| {
+        self.heights.start(&self.jobs, move |progress| {
             let offsets = height_offsets(&logs, Datum::Mean, progress).ok()?;
             Some(FoundHeights { ids, offsets })
-        }));
+        });
     }
 
     /// Collects what was found.
     pub(super) fn poll_heights(&mut self) {
-        match self.heights.task.as_ref().map(Task::poll) {
-            None | Some(Outcome::Pending) => return,
-            Some(Outcome::Done(Some(found))) => {
-                if found.logs().all(|(_, offset)| offset.meetings == 0) {
+        match self.heights.poll() {
+            Stands::Still => {}
+            Stands::Found => {
+                let meets = |(_, offset): (LogId, &LogOffset)| offset.meetings > 0;
+                if !self
+                    .height_offsets()
+                    .is_some_and(|found| found.logs().any(meets))
+                {
                     let text = "the tracks of these logs meet nowhere, so their heights cannot be compared";
                     self.notify(text.to_owned(), true);
                 }
-                self.heights.found = Some(found);
             }
-            Some(Outcome::Done(None)) => {}
-            Some(Outcome::Failed) => {
+            Stands::Failed => {
                 self.notify("comparing heights failed unexpectedly".to_owned(), true);
             }
         }
-        self.heights.task = None;
     }
 
     /// Adds the offsets to the elevations of their logs, as one undo step.
     pub(super) fn apply_heights(&mut self) {
-        let Some(found) = self.heights.found.clone() else {
+        let Some(found) = self.height_offsets().cloned() else {
             let text = "compare the heights of the logs first";
             return self.notify(text.to_owned(), true);
         };

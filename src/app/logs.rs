@@ -173,6 +173,7 @@ impl App {
         self.history = History::default();
         self.measuring = super::Measuring::default();
         self.heights = super::heights::Heights::default();
+        self.positions = super::positions::Positions::default();
         self.objects = super::objects::Objects::default();
         self.comparing.leave();
         self.meet_log();

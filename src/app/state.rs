@@ -15,6 +15,7 @@ use super::notices::{Notice, Said};
 use super::objects::Objects;
 use super::passes::Passes;
 use super::planning::Planning;
+use super::positions::Positions;
 use super::preview::Previewer;
 use super::project::Keeping;
 use super::reviewing::{Search, Step};
@@ -148,6 +149,7 @@ pub struct App {
     pub(super) to_load: VecDeque<Request>,
     pub(super) tabulating: Tabulating,
     pub(super) heights: Heights,
+    pub(super) positions: Positions,
     pub(super) deriving: Deriving,
     pub(super) passes: Passes,
     pub(super) objects: Objects,
@@ -197,6 +199,7 @@ impl App {
             to_load: VecDeque::new(),
             tabulating: Tabulating::default(),
             heights: Heights::default(),
+            positions: Positions::default(),
             deriving: Deriving::default(),
             passes: Passes::default(),
             objects: Objects::default(),
@@ -259,6 +262,7 @@ impl App {
             && !self.previewer.is_busy()
             && !self.tabulating.is_busy()
             && !self.heights.is_busy()
+            && !self.positions.is_busy()
             && !self.planning.is_busy()
             && !self.deriving.is_busy()
             && !self.passes.is_busy()

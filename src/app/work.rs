@@ -33,6 +33,7 @@ impl App {
         self.poll_comparing();
         self.poll_tables();
         self.poll_heights();
+        self.poll_positions();
         self.poll_planning();
         self.poll_passes();
         self.poll_project();

@@ -9,6 +9,7 @@ use super::folders::Folders;
 use super::settings::SettingsArgs;
 use super::survey_logs::{self, LogInput, OpenedLog, all_or, is_of, open_all, take_reviews};
 use super::{detect, output};
+use crate::bathymetry::position_offsets::Wanted;
 use crate::outputs::Product;
 use requested::Requested;
 use std::ffi::OsString;
@@ -31,6 +32,12 @@ pub struct ProcessArgs {
     /// Apply the height offsets that the crossings of several logs show, so that their depths agree; report.json lists them either way
     #[arg(long, conflicts_with = "each")]
     adjust: bool,
+    /// Move each log, too, by the shift of its positions that crossings over slopes show
+    #[arg(long, requires = "adjust")]
+    positions: bool,
+    /// Correct, too, how late positions are, as crossings over slopes show it
+    #[arg(long, requires = "adjust")]
+    latency: bool,
     /// Where the boat was, from another receiver, in place of the recorder's track: CSV with time, lon and lat, or GPX;
     /// `track.offset_s` is added to its times; the same as the setting `track.file`
     #[arg(long, value_name = "FILE")]
@@ -67,7 +74,10 @@ pub fn run(args: ProcessArgs) -> Result<(), String> {
         model: model.as_ref(),
         requested: &products,
         reference: args.reference.as_deref(),
-        adjust: args.adjust,
+        adjust: args.adjust.then_some(Wanted {
+            shifts: args.positions,
+            latencies: args.latency,
+        }),
     };
     match (inputs.as_slice(), args.each) {
         ([input], _) => {

@@ -55,7 +55,7 @@ fn without_display(origin: &Origin, folders: &mut Folders) -> Result<(), String>
         model: Some(&detect::load(None)?),
         requested: &Product::ALL,
         reference: None,
-        adjust: false,
+        adjust: None,
     };
     let log = OpenedLog {
         survey: Arc::new(survey),

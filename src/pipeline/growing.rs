@@ -13,7 +13,7 @@ use crate::cloud::{
 use crate::first_return::{self, FirstReturns, Normalisation, Pick};
 use crate::pipeline::Settings;
 use crate::progress::{Cancelled, Progress};
-use crate::survey::{LeftOut, Navigation, PingNav, Side, Survey, navigate_mounted};
+use crate::survey::{LeftOut, Navigation, PingNav, Side, Survey, navigate_placed};
 use crate::versions::Versions;
 use std::ops::Range;
 use std::sync::Arc;
@@ -101,8 +101,7 @@ pub fn extend(
         first_sounding: survey.soundings.partition_point(|one| one.time_s < from_s),
         context_sounding,
     };
-    let (how, mounting) = (&settings.heading, &settings.mounting);
-    let navigation = navigate_mounted(&stretch, how, mounting, settings.projection, progress)?;
+    let navigation = navigate_placed(&stretch, settings.placing(), progress)?;
     let found = found(&stretch, &part, before, settings, growing, progress)?;
     let mut returns = found.clone();
     settings.bottom.apply(survey, &mut returns);

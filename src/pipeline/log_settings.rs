@@ -15,7 +15,7 @@ use toml::{Table, Value};
 pub type SettingValues = BTreeMap<String, Value>;
 
 /// Keys that belong to one log by their nature: a change of them never concerns another log.
-const OF_ONE_LOG: [&str; 26] = [
+const OF_ONE_LOG: [&str; 28] = [
     "calibration.pings",
     "draft_m",
     "height_offset_m",
@@ -38,13 +38,15 @@ const OF_ONE_LOG: [&str; 26] = [
     "picture.starboard_first",
     "picture.stripe_filter",
     "picture.white",
+    "position_shift.east_m",
+    "position_shift.north_m",
     "track.file",
     "track.offset_s",
     "water_level.file",
     "water_level_m",
 ];
 /// Of these, the keys that say nothing about another log, so that they cannot be shared.
-const NEVER_SHARED: [&str; 12] = [
+const NEVER_SHARED: [&str; 14] = [
     "calibration.pings",
     "height_offset_m",
     "left_out.log",
@@ -55,6 +57,8 @@ const NEVER_SHARED: [&str; 12] = [
     "mounting.latency_s",
     "mounting.right_m",
     "mounting.swap_sides",
+    "position_shift.east_m",
+    "position_shift.north_m",
     "track.file",
     "track.offset_s",
 ];
@@ -69,7 +73,7 @@ pub fn is_setting(key: &str) -> bool {
 }
 
 /// Whether a change of this key is one of a single log, not of all: draft, water level, height offset,
-/// track and its clock, mounting, flat spot, left-out stretches, and how its picture is shown.
+/// track and its clock, mounting, position shift, flat spot, left-out stretches, and how its picture is shown.
 pub fn is_of_one_log(key: &str) -> bool {
     OF_ONE_LOG.contains(&key)
 }

@@ -7,7 +7,7 @@ use crate::calibration::{self, Calibration, FlatSpot};
 use crate::cloud::{self, Correction, PingDepth, PointCloud, PointScales, Reduction};
 use crate::first_return::{self, BottomLine, FirstReturns};
 use crate::progress::{Cancelled, Progress};
-use crate::survey::{LeftOut, Navigation, Relief, SideSpan, Sounding, Survey, navigate_mounted};
+use crate::survey::{LeftOut, Navigation, Relief, SideSpan, Sounding, Survey, navigate_placed};
 use std::sync::Arc;
 
 /// A stage of the pipeline, in the order of the data.
@@ -55,7 +55,10 @@ impl Stage {
         // With the sides of a log all that is known of it is another, its places included.
         let same_log =
             old.track == new.track && old.source == new.source && old.mounting == new.mounting;
-        if old.heading != new.heading || old.projection != new.projection || !same_log {
+        let same_places = old.heading == new.heading
+            && old.projection == new.projection
+            && old.position_shift == new.position_shift;
+        if !same_places || !same_log {
             Some(Stage::Navigation)
         } else if old.image != new.image
             || !old.first_return.finds_the_same(&new.first_return)
@@ -182,9 +185,7 @@ pub fn run(
         Some(old) => old.navigation.clone(),
         None => {
             begin(Stage::Navigation)?;
-            let (how, plane) = (&settings.heading, settings.projection);
-            let mounting = &settings.mounting;
-            Arc::new(navigate_mounted(survey, how, mounting, plane, progress)?)
+            Arc::new(navigate_placed(survey, settings.placing(), progress)?)
         }
     };
     let left_out = match previous.filter(|old| Arc::ptr_eq(&old.navigation, &navigation)) {

@@ -379,9 +379,11 @@ fn positions(survey: &Survey, settings: &Settings) -> String {
     }
     let compass = settings.heading.source == HeadingSource::Compass;
     let mounting = settings.mounting.statement(compass);
-    if !mounting.is_empty() {
-        said += " ";
-        said += &mounting;
+    for sentence in [mounting, settings.position_shift.statement()] {
+        if !sentence.is_empty() {
+            said += " ";
+            said += &sentence;
+        }
     }
     said
 }

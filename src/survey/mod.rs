@@ -16,6 +16,7 @@ mod local_fit;
 mod mounting;
 mod navigation;
 mod nearest;
+mod position_shift;
 mod relief;
 mod samples;
 mod track;
@@ -31,9 +32,11 @@ pub use identity::Identity;
 pub use left_out::{LeftOut, LeftOutReason, LeftOutSettings, LeftOutStretch, LogPart, Stretch};
 pub use mounting::{MountingSettings, arm_in_words};
 pub use navigation::{
-    HeadingSettings, HeadingSource, Navigation, PingNav, Projection, navigate, navigate_mounted,
+    HeadingSettings, HeadingSource, Navigation, PingNav, Placing, Projection, navigate,
+    navigate_placed,
 };
 pub use nearest::nearest_in_time;
+pub use position_shift::PositionShift;
 pub use relief::{AcrossTrack, Relief};
 pub use samples::{Bytes, Encoding, Order, Samples, SideSpan};
 pub use track::{ExternalTrack, Fix, ProjectedTrack, Track, TrackSettings};

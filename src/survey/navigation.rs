@@ -1,7 +1,7 @@
 //! Position and heading of every side-scan ping, from one of four sources.
 
 use super::fitted_track::{FittedTrack, Motion};
-use super::{Fix, MountingSettings, Survey, Track};
+use super::{Fix, MountingSettings, PositionShift, Survey, Track};
 use crate::geo::{LonLat, metres_per_degree, web_mercator, web_mercator_inverse};
 use crate::progress::{Cancelled, Progress};
 use rayon::prelude::*;
@@ -140,7 +140,7 @@ impl Navigation {
     }
 }
 
-/// Places every ping and sounding of a survey whose antenna is right above its transducer: [`navigate_mounted`] with no mounting.
+/// Places every ping and sounding of a survey whose antenna is right above its transducer: [`navigate_placed`] with no mounting and no shift.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -150,8 +150,26 @@ pub fn navigate(
     projection: Projection,
     progress: &Progress,
 ) -> Result<Navigation, Cancelled> {
-    let none = MountingSettings::default();
-    navigate_mounted(survey, settings, &none, projection, progress)
+    let placing = Placing {
+        heading: settings,
+        mounting: &MountingSettings::default(),
+        shift: &PositionShift::default(),
+        projection,
+    };
+    navigate_placed(survey, placing, progress)
+}
+
+/// What decides where the pings and soundings of a log lie.
+#[derive(Clone, Copy, Debug)]
+pub struct Placing<'a> {
+    /// Where headings come from.
+    pub heading: &'a HeadingSettings,
+    /// How the recorder is mounted on the boat.
+    pub mounting: &'a MountingSettings,
+    /// How far positions are off.
+    pub shift: &'a PositionShift,
+    /// The plane that they are laid out in.
+    pub projection: Projection,
 }
 
 /// Places every ping and sounding of the survey on the ground.
@@ -165,19 +183,25 @@ pub fn navigate(
 /// none, the last one before holds, so that the track does not jump by the length of the arm at every stop.
 /// Places, courses and fitted headings are those of `latency_s` later, the compass heading is not.
 /// `heading_offset_deg` is added to the compass heading alone: a course is that of the boat's motion, and no instrument is turned on it.
+/// The shift moves everything.
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn navigate_mounted(
+pub fn navigate_placed(
     survey: &Survey,
-    settings: &HeadingSettings,
-    mounting: &MountingSettings,
-    projection: Projection,
+    placing: Placing<'_>,
     progress: &Progress,
 ) -> Result<Navigation, Cancelled> {
+    let Placing {
+        heading: settings,
+        mounting,
+        shift,
+        projection,
+    } = placing;
     let navigator = Navigator {
         compass_offset_rad: mounting.heading_offset_deg.to_radians(),
         latency_s: mounting.latency_s,
+        shift_m: shift.by_m(),
         track: &survey.track,
         fitted: FittedTrack::new(&survey.track, settings.window_s),
         source: settings.source,
@@ -230,6 +254,8 @@ struct Navigator<'a> {
     compass_offset_rad: f64,
     /// Where the boat is at a time is what is recorded so many seconds later.
     latency_s: f64,
+    /// Added to every place, metres east and north.
+    shift_m: Option<[f64; 2]>,
     projection: Projection,
 }
 
@@ -331,6 +357,10 @@ impl Navigator<'_> {
                 None => return (PingNav::UNKNOWN, false),
             },
             _ => self.project(&motion),
+        };
+        let [east_m, north_m] = match self.shift_m {
+            Some(by_m) => self.moved([east_m, north_m], by_m),
+            None => [east_m, north_m],
         };
         let place = PingNav {
             east_m,

@@ -60,6 +60,7 @@ mod residuals;
 mod review;
 mod river;
 mod same_bytes;
+mod shifted_logs;
 mod shipped_model;
 mod simulation;
 mod space;

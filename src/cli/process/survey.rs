@@ -2,15 +2,16 @@
 
 use crate::bathymetry::compare::Matching;
 use crate::bathymetry::height_offsets::{Datum, LogOffset};
+use crate::bathymetry::position_offsets::{FoundShift, Wanted};
 use crate::cli::status_line::StatusLine;
 use crate::cli::survey_logs::{OpenedLog, open_reference};
 use crate::cli::{found, output};
 use crate::detection::Model;
 use crate::outputs::{self, Order, Product};
-use crate::pipeline::joint::height_offsets;
+use crate::pipeline::joint::{height_offsets, position_offsets};
 use crate::pipeline::{self, Derived, ProcessedLog, Settings};
 use crate::progress::Progress;
-use crate::survey::Survey;
+use crate::survey::{PositionShift, Survey};
 use std::ffi::OsStr;
 use std::path::Path;
 use std::sync::Arc;
@@ -24,8 +25,8 @@ pub struct How<'a> {
     pub requested: &'a [Product],
     /// What they are held against besides.
     pub reference: Option<&'a OsStr>,
-    /// Whether the height offsets of several logs are applied.
-    pub adjust: bool,
+    /// Whether the height offsets of several logs are applied, and what else of their positions.
+    pub adjust: Option<Wanted>,
 }
 
 impl How<'_> {
@@ -46,9 +47,15 @@ impl How<'_> {
         let run = outputs::begin(folder, surveys, reference.as_deref())
             .map_err(|error| error.to_string())?;
         let mut logs = all_processed(opened, &status, &progress)?;
-        if self.adjust && logs.len() > 1 {
-            status.step("height offsets");
-            logs = adjusted(&logs, &status, &progress)?;
+        if let Some(wanted) = self.adjust {
+            if wanted.is_anything() {
+                status.step("positions");
+                logs = placed(&logs, wanted, &status, &progress)?;
+            }
+            if logs.len() > 1 {
+                status.step("height offsets");
+                logs = adjusted(&logs, &status, &progress)?;
+            }
         }
         let reviews: Vec<_> = opened.iter().map(|log| log.review.clone()).collect();
         let max_gap_m = first.settings.surface.max_gap_m;
@@ -118,6 +125,36 @@ fn processed(
         survey: survey.clone(),
         products: products.map_err(|error| error.to_string())?,
     })
+}
+
+/// The logs with what their crossings tell of their positions.
+fn placed(
+    logs: &[ProcessedLog],
+    wanted: Wanted,
+    status: &StatusLine,
+    progress: &Progress,
+) -> Result<Vec<ProcessedLog>, String> {
+    let found = position_offsets(logs, wanted, progress).map_err(|error| error.to_string())?;
+    let Some(found) = found else {
+        return Ok(logs.to_vec());
+    };
+    let with = |(log, found): (&ProcessedLog, &FoundShift)| {
+        let mut settings = Settings::clone(&log.products.settings);
+        let shift_m = found
+            .told_shift_m()
+            .filter(|_| wanted.shifts && logs.len() > 1);
+        if let Some([east_m, north_m]) = shift_m {
+            settings.position_shift = PositionShift { east_m, north_m };
+        }
+        if let Some(latency_s) = found.told_latency_s().filter(|_| wanted.latencies) {
+            settings.mounting.latency_s = latency_s;
+        }
+        match settings == *log.products.settings {
+            true => Ok(log.clone()),
+            false => processed(&log.survey, &settings, Some(log), status, progress),
+        }
+    };
+    logs.iter().zip(&found).map(with).collect()
 }
 
 /// The logs with the height offsets that their meetings show.

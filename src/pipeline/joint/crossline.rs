@@ -6,6 +6,7 @@ use crate::bathymetry::position_offsets::{FoundShift, Placed, Wanted, settled_of
 use crate::cloud::{PointSource, Residuals};
 use crate::pipeline::ProcessedLog;
 use crate::progress::{Cancelled, Progress};
+use crate::survey::PositionShift;
 use serde::Serialize;
 
 /// Crossings of all tracks with themselves and each other, in numbers: the later pass minus the earlier, or the second log minus the
@@ -103,6 +104,37 @@ pub fn crossline_analysis(
     }))
 }
 
+/// How the positions of each log are off, by all crossings of their tracks with themselves and each other, whatever shift and latency are in force:
+/// what a log has already is part of what is found, so that applying it and asking again gives about the same. `None` where the equations have no
+/// solution.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn position_offsets(
+    logs: &[ProcessedLog],
+    wanted: Wanted,
+    progress: &Progress,
+) -> Result<Option<Vec<FoundShift>>, Cancelled> {
+    let tracks: Vec<Vec<TrackDepth>> = logs.iter().map(track_depths).collect();
+    let found = settled_offsets(&vec![Placed::default(); logs.len()], wanted, |placed| {
+        let moved = tracks.iter().zip(placed);
+        let moved: Vec<Vec<TrackDepth>> = moved
+            .map(|(track, placed)| shifted(track, &placed.shift))
+            .collect();
+        crossings(&moved, progress)
+    })?;
+    let with_in_force = |(log, found): (&ProcessedLog, FoundShift)| {
+        let settings = &log.products.settings;
+        let PositionShift { east_m, north_m } = settings.position_shift;
+        let in_force = [east_m, north_m, settings.mounting.latency_s];
+        FoundShift {
+            shift: found.shift.plus(in_force),
+            ..found
+        }
+    };
+    Ok(found.map(|found| logs.iter().zip(found).map(with_in_force).collect()))
+}
+
 /// How late the positions of a log are, as its crossings show it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LogLatency {
@@ -144,27 +176,19 @@ pub fn latencies(
     logs: &[ProcessedLog],
     progress: &Progress,
 ) -> Result<Vec<Option<LogLatency>>, Cancelled> {
-    let tracks: Vec<Vec<TrackDepth>> = logs.iter().map(track_depths).collect();
     let wanted = Wanted {
         shifts: false,
         latencies: true,
     };
-    let found = settled_offsets(&vec![Placed::default(); logs.len()], wanted, |placed| {
-        let moved = tracks.iter().zip(placed);
-        let moved: Vec<Vec<TrackDepth>> = moved
-            .map(|(track, placed)| shifted(track, &placed.shift))
-            .collect();
-        crossings(&moved, progress)
-    })?;
+    let Some(found) = position_offsets(logs, wanted, progress)? else {
+        return Ok(vec![None; logs.len()]);
+    };
     let of_log = |(log, found): (&ProcessedLog, FoundShift)| {
-        let in_force_s = log.products.settings.mounting.latency_s;
         (found.latency_error_s < TOLD_S).then_some(LogLatency {
-            latency_s: in_force_s + found.shift.latency_s,
+            latency_s: found.shift.latency_s,
             standard_error_s: found.latency_error_s,
-            in_force_s,
+            in_force_s: log.products.settings.mounting.latency_s,
         })
     };
-    let none = || vec![FoundShift::NONE; logs.len()];
-    let each = logs.iter().zip(found.unwrap_or_else(none));
-    Ok(each.map(of_log).collect())
+    Ok(logs.iter().zip(found).map(of_log).collect())
 }

@@ -26,7 +26,8 @@ use crate::geo::{CrsChoice, SourceCrs};
 use crate::mosaic::MosaicSettings;
 use crate::picture::PictureSettings;
 use crate::survey::{
-    HeadingSettings, HeadingSource, LeftOutSettings, MountingSettings, Projection, TrackSettings,
+    HeadingSettings, HeadingSource, LeftOutSettings, MountingSettings, Placing, PositionShift,
+    Projection, TrackSettings,
 };
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -92,6 +93,8 @@ pub struct Settings {
     pub heading: HeadingSettings,
     /// `mounting.*`; sides and clock act on the log before any stage, the rest where pings are placed.
     pub mounting: MountingSettings,
+    /// `position_shift.*`.
+    pub position_shift: PositionShift,
     /// `source.*`: what the log itself does not say; it acts before any stage.
     pub source: SourceSettings,
     /// `track.*`, for a track from another receiver; it acts when the track is applied to the log, before any stage.
@@ -213,6 +216,16 @@ impl Settings {
         }
     }
 
+    /// What decides where pings lie.
+    pub fn placing(&self) -> Placing<'_> {
+        Placing {
+            heading: &self.heading,
+            mounting: &self.mounting,
+            shift: &self.position_shift,
+            projection: self.projection,
+        }
+    }
+
     /// What is known of water and transducer.
     pub fn depth(&self) -> DepthSettings {
         DepthSettings {
@@ -232,6 +245,7 @@ impl Settings {
         settings.calibration.pings = other.calibration.pings;
         settings.track = other.track.clone();
         settings.mounting = other.mounting;
+        settings.position_shift = other.position_shift;
         settings.source = other.source.clone();
         settings.left_out.log = other.left_out.log.clone();
         settings.left_out.stretches = other.left_out.stretches.clone();

@@ -202,6 +202,13 @@ rows! {
     LATENCY: "mounting.latency_s", "Latency", "latency of positions",
         "How much later the recorded positions are than the echoes recorded with them: a receiver needs time to find a position, and the recorder to take it over. Crossings over a slope show it; the report says how much.",
         number!(mounting.latency_s, "s", [-10.0, 10.0], 0.01, 2, Drag);
+    // Receivers without corrections are off by metres; more is another place.
+    SHIFT_EAST: "position_shift.east_m", "Shift east", "shift of positions to the east",
+        "Added to every position of the log: receivers without corrections are off by a metre or two. Crossings with other logs over a slope show how far; Compare positions finds it.",
+        number!(position_shift.east_m, "m", [-20.0, 20.0], 0.01, 2, Drag);
+    SHIFT_NORTH: "position_shift.north_m", "Shift north", "shift of positions to the north",
+        "Added to every position of the log, to the north.",
+        number!(position_shift.north_m, "m", [-20.0, 20.0], 0.01, 2, Drag);
     SOURCE_CRS: "source.crs", "Metres of", "system of the log's metres",
         "The coordinate system of a log whose positions are metres of a system that it does not name, as XTF may have them. Without one they lie around longitude 0, latitude 0.",
         Kind::Text("EPSG:NUMBER");

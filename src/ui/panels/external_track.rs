@@ -1,6 +1,7 @@
-//! The track of another receiver in place of the recorder's, and how far its clock is off.
+//! The track of another receiver in place of the recorder's, how far its clock is off, and how far all positions are.
 
 use super::parts::{self, fact, remark, setting};
+use super::positions;
 use super::section::{Section, section};
 use crate::app::Action;
 use crate::pipeline::Stage;
@@ -27,6 +28,13 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         match path {
             Some(_) => clock(ui, context),
             None => remark(ui, "Positions are those of the recorder."),
+        }
+        for row in [&rows::SHIFT_EAST, &rows::SHIFT_NORTH] {
+            setting(ui, context, row);
+        }
+        // Of several logs they are compared where the logs are listed.
+        if context.app.log_count() == 1 {
+            positions::ui(ui, context);
         }
     });
 }

@@ -1,6 +1,7 @@
 //! The list of open logs: which one is shown, which take part, in which order, and how their heights stand to each other.
 
 use super::parts::{fact, remark, warning};
+use super::positions;
 use super::section::{Section, section};
 use crate::app::{Action, App, Command, LogId, OpenLog};
 use crate::presentation::units::Units;
@@ -24,6 +25,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         add(ui, context);
         if app.log_count() > 1 {
             heights(ui, context);
+            positions::ui(ui, context);
         }
     });
 }
@@ -221,6 +223,6 @@ fn heights(ui: &mut Ui, context: &mut ViewContext<'_>) {
     }
 }
 
-fn name_of(app: &App, id: LogId) -> String {
+pub(super) fn name_of(app: &App, id: LogId) -> String {
     app.open_log(id).map_or_else(String::new, OpenLog::name)
 }

@@ -14,6 +14,7 @@ pub mod objects;
 pub mod outliers;
 pub(in crate::ui) mod parts;
 pub mod plan;
+mod positions;
 pub mod products;
 pub mod residuals;
 pub mod review;

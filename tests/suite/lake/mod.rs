@@ -5,7 +5,7 @@ mod map_tiles;
 mod maps;
 mod mosaic;
 mod offsets;
-mod positions;
+pub mod positions;
 mod rows;
 mod shaded;
 mod who;

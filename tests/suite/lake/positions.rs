@@ -10,11 +10,11 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
 use std::mem::offset_of;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// How the positions of each log are off, metres to the east and north, and late, seconds: shifts have a mean of zero, since one that all share
 /// shows nowhere.
-const TRUTH: [[f64; 3]; 4] = [
+pub const TRUTH: [[f64; 3]; 4] = [
     [1.5, -1.0, 0.0],
     [0.0, 0.0, 1.2],
     [-1.5, 1.0, 0.0],
@@ -84,8 +84,8 @@ fn spoil(from: &Path, to: &Path, [east_m, north_m, latency_s]: [f64; 3]) {
     fs::write(to, log).expect("a log");
 }
 
-/// Four logs as they should be in the folder `right`, and as they were recorded in `off`, each with its lake.
-fn sail_four(folder: &Path) -> [std::path::PathBuf; 2] {
+/// Four logs as they should be in the folder `right`, and as they were recorded in `off`.
+pub fn write_four(folder: &Path) -> [PathBuf; 2] {
     let [right, off] = ["right", "off"].map(|name| folder.join(name));
     for made in [&right, &off] {
         fs::create_dir(made).expect("a folder");
@@ -95,10 +95,18 @@ fn sail_four(folder: &Path) -> [std::path::PathBuf; 2] {
         let name = format!("log-{log}.sl2");
         spoil(&right.join(&name), &off.join(&name), TRUTH[log as usize]);
     }
-    for made in [&right, &off] {
-        add(made, &["log-0.sl2", "log-1.sl2", "log-2.sl2", "log-3.sl2"]);
-    }
     [right, off]
+}
+
+pub const LOGS: [&str; 4] = ["log-0.sl2", "log-1.sl2", "log-2.sl2", "log-3.sl2"];
+
+/// The same, each folder with its lake.
+fn sail_four(folder: &Path) -> [PathBuf; 2] {
+    let made = write_four(folder);
+    for made in &made {
+        add(made, &LOGS);
+    }
+    made
 }
 
 /// All depths of a lake's maps by the places of cells in half metres.

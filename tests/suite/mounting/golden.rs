@@ -3,8 +3,8 @@
 use bathyscope::geo::{LonLat, distance_m};
 use bathyscope::progress::Progress;
 use bathyscope::survey::{
-    Fix, HeadingSettings, HeadingSource, MountingSettings, Projection, SidePing, Survey, Track,
-    navigate_mounted,
+    Fix, HeadingSettings, HeadingSource, MountingSettings, Placing, PositionShift, Projection,
+    SidePing, Survey, Track, navigate_placed,
 };
 use serde_json::Value;
 use std::sync::Arc;
@@ -59,7 +59,13 @@ fn a_transducer_lies_where_pyproj_has_it() {
             ..HeadingSettings::default()
         };
         for projection in [Projection::Enu, Projection::Mercator] {
-            let made = navigate_mounted(&survey, &heading, &mounting, projection, &Progress::new());
+            let placing = Placing {
+                heading: &heading,
+                mounting: &mounting,
+                shift: &PositionShift::default(),
+                projection,
+            };
+            let made = navigate_placed(&survey, placing, &Progress::new());
             let made = made.expect("nobody cancels");
             let [ping] = made.pings[..] else {
                 panic!("one ping")

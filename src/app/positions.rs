@@ -1,0 +1,110 @@
+//! How far the positions of each log are off and how late they are: found where tracks cross over a slope, and put right when the analyst asks for
+//! it.
+
+use super::logs_task::{LogsTask, Stands};
+use super::{App, LogId};
+use crate::bathymetry::position_offsets::{FoundShift, Wanted};
+use crate::pipeline::joint::position_offsets;
+use crate::pipeline::{LogSettings, ProcessedLog};
+use std::sync::Arc;
+use toml::Value;
+
+/// The settings that carry what is found.
+const EAST: &str = "position_shift.east_m";
+const NORTH: &str = "position_shift.north_m";
+const LATENCY: &str = "mounting.latency_s";
+
+/// What was found of some logs.
+#[derive(Clone, Debug)]
+pub struct FoundPositions {
+    /// Each log, in the order of the list when it was asked for.
+    pub logs: Vec<(LogId, FoundShift)>,
+}
+
+impl FoundPositions {
+    /// Whether anything of it is larger than what crossings leave open.
+    pub fn tells(&self) -> bool {
+        let of_log =
+            |found: &FoundShift| found.told_shift_m().is_some() || found.told_latency_s().is_some();
+        self.logs.iter().any(|(_, found)| of_log(found))
+    }
+}
+
+/// Positions, and the work on them.
+pub(super) type Positions = LogsTask<FoundPositions>;
+
+impl App {
+    /// Whether positions are being compared.
+    pub fn is_matching_positions(&self) -> bool {
+        self.positions.is_busy()
+    }
+
+    /// How the positions of the logs are off, once that was asked for.
+    pub fn position_offsets(&self) -> Option<&FoundPositions> {
+        self.positions.found()
+    }
+
+    /// Starts to compare the positions of the visible logs: their shifts, where there are several, and their latencies.
+    pub(super) fn match_positions(&mut self) {
+        let shown = self.shown_logs();
+        if shown.is_empty() {
+            let text =
+                "positions are compared where tracks cross: open a log, and wait for its results";
+            return self.notify(text.to_owned(), true);
+        }
+        let ids: Vec<LogId> = shown.iter().map(|log| log.id).collect();
+        let logs: Vec<ProcessedLog> = shown.into_iter().map(|log| log.log).collect();
+        let wanted = Wanted {
+            shifts: logs.len() > 1,
+            latencies: true,
+        };
+        self.positions.start(&self.jobs, move |progress| {
+            let found = position_offsets(&logs, wanted, progress).ok()??;
+            let logs = ids.into_iter().zip(found).collect();
+            Some(FoundPositions { logs })
+        });
+    }
+
+    /// Collects what was found.
+    pub(super) fn poll_positions(&mut self) {
+        match self.positions.poll() {
+            Stands::Found if !self.position_offsets().is_some_and(FoundPositions::tells) => {
+                let text = "nothing shows that positions are off: the tracks cross too rarely, or over too level a bottom, or agree";
+                self.notify(text.to_owned(), false);
+            }
+            Stands::Found | Stands::Still => {}
+            Stands::Failed => {
+                self.notify("comparing positions failed unexpectedly".to_owned(), true);
+            }
+        }
+    }
+
+    /// Puts the positions right as far as crossings tell how, as one undo step.
+    pub(super) fn apply_positions(&mut self) {
+        let Some(found) = self.position_offsets().cloned() else {
+            let text = "compare the positions of the logs first";
+            return self.notify(text.to_owned(), true);
+        };
+        let before = self.step_now();
+        for (id, found) in &found.logs {
+            let shift = found
+                .told_shift_m()
+                .map(|[east_m, north_m]| [(EAST, east_m), (NORTH, north_m)]);
+            let latency = found.told_latency_s().map(|latency_s| (LATENCY, latency_s));
+            let told: Vec<(&str, f64)> = shift.into_iter().flatten().chain(latency).collect();
+            if told.is_empty() {
+                continue;
+            }
+            self.with_log(*id, |app| {
+                let mut own = LogSettings::clone(&app.log.own);
+                for (key, value) in told {
+                    own.set(key, Value::Float(value));
+                }
+                app.set_own(Arc::new(own), false);
+            });
+        }
+        let after = self.step_now();
+        self.record_step(&before, &after, "positions", false);
+        self.process();
+    }
+}

@@ -1,0 +1,56 @@
+//! How far all positions of a log are off.
+
+use serde::{Deserialize, Serialize};
+
+/// `position_shift.*` settings: of one log each. A receiver without corrections is off by a metre or two, which changes little in an hour: what
+/// crossings with other logs show of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PositionShift {
+    /// Added to every position, metres to the east.
+    pub east_m: f64,
+    /// The same to the north.
+    pub north_m: f64,
+}
+
+impl PositionShift {
+    /// East and north, metres; `None` where nothing is moved.
+    pub fn by_m(&self) -> Option<[f64; 2]> {
+        let by_m = [self.east_m, self.north_m];
+        (by_m != [0.0; 2]).then_some(by_m)
+    }
+
+    /// What is done to the positions, in a sentence; empty where nothing is.
+    pub fn statement(&self) -> String {
+        let part = |metres: f64, [positive, negative]: [&str; 2]| {
+            let way = if metres > 0.0 { positive } else { negative };
+            (metres != 0.0).then(|| format!("{} m {way}", metres.abs()))
+        };
+        let parts = [
+            part(self.east_m, ["east", "west"]),
+            part(self.north_m, ["north", "south"]),
+        ];
+        let parts: Vec<String> = parts.into_iter().flatten().collect();
+        match parts.is_empty() {
+            true => String::new(),
+            false => format!("Positions are moved by {}.", parts.join(" and ")),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_shift_is_said_in_words() {
+        let shift = |east_m, north_m| PositionShift { east_m, north_m };
+        assert_eq!(shift(0.0, 0.0).statement(), "");
+        let said = shift(1.25, -0.5).statement();
+        assert_eq!(said, "Positions are moved by 1.25 m east and 0.5 m south.");
+        assert_eq!(
+            shift(-2.0, 0.0).statement(),
+            "Positions are moved by 2 m west."
+        );
+    }
+}

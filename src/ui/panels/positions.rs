@@ -1,0 +1,98 @@
+//! How far the positions of the logs are off, and how late they are.
+
+use super::logs::name_of;
+use super::parts::remark;
+use crate::app::{App, Command, FoundPositions};
+use crate::bathymetry::position_offsets::FoundShift;
+use crate::ui::{ViewContext, text};
+use egui::{Button, RichText, Ui};
+
+/// Draws the buttons, and what was found.
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let app = context.app;
+    ui.horizontal(|ui| {
+        let find = ui.add_enabled(
+            !app.is_matching_positions(),
+            Button::new("Compare positions").small(),
+        );
+        let hint = "Finds from where tracks cross over a slope how far the positions of each log are off those of the others, and how late they are.";
+        if find.on_hover_text(hint).clicked() {
+            context.commands.push(Command::MatchPositions);
+        }
+        let tells = app.position_offsets().is_some_and(FoundPositions::tells);
+        let apply = ui.add_enabled(tells, Button::new("Apply positions").small());
+        let hint = "Moves the logs (position_shift) and sets their latency (mounting.latency_s) where what was found is more than twice its standard error; every record says so, and undo takes it back.";
+        if apply.on_hover_text(hint).clicked() {
+            context.commands.push(Command::ApplyPositions);
+        }
+        if app.is_matching_positions() {
+            ui.add(egui::Spinner::new().size(12.0));
+        }
+    });
+    let Some(found) = app.position_offsets() else {
+        return;
+    };
+    table(ui, app, found);
+    if !found.tells() {
+        remark(
+            ui,
+            "Nothing shows that positions are off: tracks cross too rarely, or over too level a bottom, or agree.",
+        );
+    }
+}
+
+const COLUMNS: [(&str, &str); 6] = [
+    ("Log", ""),
+    ("east", "What is to be added to its positions, to the east."),
+    ("north", "The same to the north."),
+    (
+        "\u{b1}",
+        "Standard error of both: some 2 m where crossings say nothing.",
+    ),
+    (
+        "late, s",
+        "How much later its positions are than its echoes, seconds.",
+    ),
+    (
+        "\u{b1} s",
+        "Standard error of that: some 1 s where crossings say nothing.",
+    ),
+];
+
+fn table(ui: &mut Ui, app: &App, found: &FoundPositions) {
+    egui::Grid::new("positions")
+        .num_columns(COLUMNS.len())
+        .spacing([8.0, 2.0])
+        .striped(true)
+        .show(ui, |ui| {
+            for (title, hint) in COLUMNS {
+                ui.label(RichText::new(title).small().strong())
+                    .on_hover_text(hint);
+            }
+            ui.end_row();
+            for (id, found) in &found.logs {
+                let name = RichText::new(name_of(app, *id)).small();
+                ui.add(egui::Label::new(name).truncate());
+                for value in values(app, found) {
+                    ui.label(RichText::new(value).small());
+                }
+                ui.end_row();
+            }
+        });
+}
+
+fn values(app: &App, found: &FoundShift) -> [String; 5] {
+    let units = app.options.units;
+    let of = |error: f64, value: &dyn Fn() -> String| match error.is_nan() {
+        true => text::NONE.to_owned(),
+        false => value(),
+    };
+    let (shift_m, error_m, error_s) = (&found.shift, found.shift_error_m, found.latency_error_s);
+    [
+        of(error_m, &|| units.signed(shift_m.east_m, 2)),
+        of(error_m, &|| units.signed(shift_m.north_m, 2)),
+        of(error_m, &|| units.spread(error_m, 2)),
+        of(error_s, &|| format!("{:+.2}", shift_m.latency_s)),
+        of(error_s, &|| format!("{error_s:.2}")),
+    ]
+}
