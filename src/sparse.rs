@@ -1,11 +1,17 @@
 //! Weighted linear equations and their solution by least squares: normal equations, sparse Cholesky.
 
-use faer::Mat;
-use faer::Side as Triangle;
-use faer::prelude::Solve as _;
-use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
+mod order;
+
+pub use order::Neighbours;
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::sparse::linalg::cholesky::{
+    LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
+};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::{Conj, Mat, Par, Side as Triangle};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Columns of the inverse that a worker holds at a time.
 const COLUMNS_AT_ONCE: usize = 64;
@@ -24,10 +30,18 @@ pub struct Equations {
 /// Where the terms of every unknown lie, the lower triangle of the normal matrix, and the order in which it is factorised: the same as long
 /// as only weights, factors and goals change.
 pub struct Pattern {
+    /// The triangle, its rows and columns in the order of elimination.
     starts: Vec<usize>,
     rows: Vec<usize>,
     of_unknown: Occurrences,
-    symbolic: SymbolicLlt<usize>,
+    neighbours: Neighbours,
+    elimination: Arc<Elimination>,
+}
+
+/// The unknowns in the order in which they are eliminated, and what that fills in.
+struct Elimination {
+    order: Vec<u32>,
+    symbolic: SymbolicCholesky<usize>,
 }
 
 /// The terms of each unknown: the equation of each, and its place among all terms.
@@ -73,7 +87,10 @@ impl Occurrences {
 }
 
 /// A factorised normal matrix.
-pub struct Factor(Llt<usize, f64>);
+pub struct Factor {
+    elimination: Arc<Elimination>,
+    values: Vec<f64>,
+}
 
 impl Equations {
     /// Adds one; terms of the same unknown are added up. One whose weight is no positive number is left out.
@@ -150,74 +167,118 @@ impl Pattern {
     /// Of some equations of so many unknowns; `None` where their matrix cannot be analysed.
     pub fn of(equations: &Equations, unknowns: usize) -> Option<Self> {
         let of_unknown = Occurrences::new(equations, unknowns);
-        let mut starts = vec![0];
-        let mut rows: Vec<usize> = Vec::new();
-        // The last column that a row was found for.
-        let mut seen = vec![usize::MAX; unknowns];
-        for column in 0..unknowns {
-            let first = rows.len();
-            rows.push(column);
-            seen[column] = column;
-            for (equation, _) in of_unknown.of(column) {
-                for row in equations.unknowns_of(equation) {
-                    let row = *row as usize;
-                    if row > column && seen[row] != column {
-                        seen[row] = column;
-                        rows.push(row);
-                    }
-                }
-            }
-            rows[first..].sort_unstable();
-            starts.push(rows.len());
-        }
-        let triangle =
-            SymbolicSparseColMatRef::new_checked(unknowns, unknowns, &starts, None, &rows);
-        let symbolic = SymbolicLlt::try_new(triangle, Triangle::Lower).ok()?;
+        let neighbours = Neighbours::new(equations, &of_unknown, unknowns);
+        let order = neighbours.of_least_degree()?;
+        let places = order::places(&order, unknowns)?;
+        Self::new(of_unknown, neighbours, order, &places)
+    }
+
+    /// The same with unknowns eliminated in the order that `order` makes of which unknowns occur together; `None` too where that is none.
+    pub fn in_order(
+        equations: &Equations,
+        unknowns: usize,
+        order: impl FnOnce(&Neighbours) -> Vec<u32>,
+    ) -> Option<Self> {
+        let of_unknown = Occurrences::new(equations, unknowns);
+        let neighbours = Neighbours::new(equations, &of_unknown, unknowns);
+        let order = order(&neighbours);
+        let places = order::places(&order, unknowns)?;
+        let order = neighbours.side_by_side(&order, &places);
+        let places = order::places(&order, unknowns)?;
+        Self::new(of_unknown, neighbours, order, &places)
+    }
+
+    fn new(
+        of_unknown: Occurrences,
+        neighbours: Neighbours,
+        order: Vec<u32>,
+        places: &[u32],
+    ) -> Option<Self> {
+        let unknowns = order.len();
+        // The analysis takes the upper triangle where nothing is to be put into another order.
+        let (starts, rows) = neighbours.triangle(&order, places, |row, column| row < column);
+        let symbolic = factorize_symbolic_cholesky(
+            SymbolicSparseColMatRef::new_unsorted_checked(unknowns, unknowns, &starts, None, &rows),
+            Triangle::Upper,
+            SymmetricOrdering::Identity,
+            Default::default(),
+        );
+        let symbolic = symbolic.ok()?;
+        let (starts, rows) = neighbours.triangle(&order, places, |row, column| row > column);
         Some(Self {
             starts,
             rows,
             of_unknown,
-            symbolic,
+            neighbours,
+            elimination: Arc::new(Elimination { order, symbolic }),
         })
     }
 
     /// Number of unknowns.
     fn unknowns(&self) -> usize {
-        self.starts.len() - 1
+        self.elimination.order.len()
+    }
+
+    /// Numbers that a factor of the normal matrix consists of.
+    #[cfg(test)]
+    pub fn factor_len(&self) -> usize {
+        self.elimination.symbolic.len_val()
     }
 
     /// Factorises the normal matrix of the equations; `None` where it is not positive definite.
     pub fn factorise(&self, equations: &Equations) -> Option<Factor> {
-        let mut values = vec![0.0; self.rows.len()];
-        let mut sums = vec![0.0; self.unknowns()];
-        for column in 0..self.unknowns() {
-            for (equation, term) in self.of_unknown.of(column) {
-                let factor = equations.factors[term] * equations.weights[equation].powi(2);
-                for (row, other) in equations.terms(equation) {
-                    sums[row] += factor * other;
-                }
-            }
-            // Rows above the diagonal were summed, too: a test of each would take longer.
-            for place in self.starts[column]..self.starts[column + 1] {
-                values[place] = sums[self.rows[place]];
-            }
-            for (equation, _) in self.of_unknown.of(column) {
-                for row in equations.unknowns_of(equation) {
-                    sums[*row as usize] = 0.0;
-                }
-            }
-        }
         let unknowns = self.unknowns();
-        let triangle = SymbolicSparseColMatRef::new_checked(
+        let triangle = SymbolicSparseColMatRef::new_unsorted_checked(
             unknowns,
             unknowns,
             &self.starts,
             None,
             &self.rows,
         );
-        let matrix = SparseColMatRef::new(triangle, &values);
-        let factor = Llt::try_new_with_symbolic(self.symbolic.clone(), matrix, Triangle::Lower);
-        factor.ok().map(Factor)
+        let normal = self.normal_matrix(equations);
+        let symbolic = &self.elimination.symbolic;
+        let mut values = vec![0.0; symbolic.len_val()];
+        let scratch = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
+        symbolic
+            .factorize_numeric_llt(
+                &mut values,
+                SparseColMatRef::new(triangle, &normal),
+                Triangle::Lower,
+                Default::default(),
+                Par::Seq,
+                MemStack::new(&mut MemBuffer::try_new(scratch).ok()?),
+                Default::default(),
+            )
+            .ok()?;
+        Some(Factor {
+            elimination: Arc::clone(&self.elimination),
+            values,
+        })
+    }
+
+    /// The lower triangle of the normal matrix.
+    fn normal_matrix(&self, equations: &Equations) -> Vec<f64> {
+        let order = &self.elimination.order;
+        let mut values = vec![0.0; self.rows.len()];
+        let mut sums = vec![0.0; self.unknowns()];
+        for (column, unknown) in order.iter().enumerate() {
+            let unknown = *unknown as usize;
+            for (equation, term) in self.of_unknown.of(unknown) {
+                let factor = equations.factors[term] * equations.weights[equation].powi(2);
+                for (other, of_other) in equations.terms(equation) {
+                    sums[other] += factor * of_other;
+                }
+            }
+            // Rows above the diagonal were summed, too: a test of each would take longer.
+            for place in self.starts[column]..self.starts[column + 1] {
+                values[place] = sums[order[self.rows[place]] as usize];
+            }
+            sums[unknown] = 0.0;
+            for other in self.neighbours.of(unknown) {
+                sums[*other as usize] = 0.0;
+            }
+        }
+        values
     }
 }
 
@@ -244,12 +305,23 @@ impl Factor {
 
     /// Replaces the right sides of some equations `A x = b`, where `A` is the normal matrix, by their solutions.
     pub fn solve_for(&self, columns: &mut [Vec<f64>]) {
-        let unknowns = columns.first().map_or(0, Vec::len);
-        let sides = Mat::from_fn(unknowns, columns.len(), |row, column| columns[column][row]);
-        let solved = self.0.solve(&sides);
-        for (index, column) in columns.iter_mut().enumerate() {
-            for (row, value) in column.iter_mut().enumerate() {
-                *value = solved[(row, index)];
+        let Elimination { order, symbolic } = &*self.elimination;
+        let mut sides = Mat::<f64>::zeros(order.len(), columns.len());
+        for (side, column) in sides.col_iter_mut().zip(&*columns) {
+            for (place, unknown) in side.iter_mut().zip(order) {
+                *place = column[*unknown as usize];
+            }
+        }
+        let scratch = symbolic.solve_in_place_scratch::<f64>(columns.len(), Par::Seq);
+        LltRef::new(symbolic, &self.values).solve_in_place_with_conj(
+            Conj::No,
+            sides.as_mut(),
+            Par::Seq,
+            MemStack::new(&mut MemBuffer::new(scratch)),
+        );
+        for (side, column) in sides.col_iter().zip(columns) {
+            for (place, unknown) in side.iter().zip(order) {
+                column[*unknown as usize] = *place;
             }
         }
     }

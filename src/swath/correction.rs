@@ -2,6 +2,7 @@
 //! the correction settle.
 
 use super::Kept;
+use super::elimination;
 use super::ground::Ground;
 use super::layout::{Chunk, ChunkId, LaidOutLog};
 use super::local_sigma::{blurred, local_sigma};
@@ -359,7 +360,10 @@ fn solve_tile(
     last_samples: usize,
     progress: &Progress,
 ) -> Result<Option<Solved>, Cancelled> {
-    let Some(pattern) = Pattern::of(&system.equations, system.unknowns) else {
+    let pattern = Pattern::in_order(&system.equations, system.unknowns, |neighbours| {
+        elimination::order(&nodes, neighbours)
+    });
+    let Some(pattern) = pattern else {
         return Ok(None);
     };
     let mut found = None;

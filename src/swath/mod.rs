@@ -6,13 +6,15 @@
 //! inferred, not measured.
 //!
 //! `echoes` is what is read of a log and `layout` what is found of all of it: `level_scale` turns its levels into logarithms of power, `weed` says
-//! where echoes are none of the bed. `tiling` parts a survey, or what a part of a larger map depends on. `pieces` averages the echoes on a `ground` and `readings` are those as logarithms. `echo_law` says what a slope changes; `system` has
-//! the equations for the unknowns at the `nodes`, `local_sigma` learns how large the correction may be, and
+//! where echoes are none of the bed. `tiling` parts a survey, or what a part of a larger map depends on. `pieces` averages the echoes on a `ground` and
+//! `readings` are those as logarithms. `echo_law` says what a slope changes; `system` has the equations for the unknowns at the `nodes`, `elimination` the
+//! order in which they are solved, `local_sigma` learns how large the correction may be, and
 //! `correction` runs all of it in rounds.
 
 mod correction;
 mod echo_law;
 mod echoes;
+mod elimination;
 mod ground;
 mod layout;
 mod level_scale;
