@@ -254,7 +254,7 @@ fn each_tool_has_a_banner_in_the_views_that_it_is_of_use_in() {
 fn zero_that_stands_for_no_value_says_so() {
     let mut window = demo_window();
     // As tall as its panels.
-    window.set_size(egui::vec2(1400.0, 2600.0));
+    window.set_size(egui::vec2(1400.0, 2800.0));
     window.run();
     let says = |window: &Window, word: &str| painted(window).iter().any(|(text, _)| text == word);
     assert!(says(&window, "automatic"), "the interval of the isobaths");
