@@ -22,6 +22,7 @@ mod outliers;
 mod products;
 mod resources;
 mod shading;
+mod shading_cost;
 mod surface;
 #[path = "../suite/truth.rs"]
 mod truth;
@@ -43,6 +44,7 @@ const BENCHES: &[(&str, fn())] = &[
     ("outliers", outliers::run),
     ("products", products::run),
     ("shading", shading::run),
+    ("shading_cost", shading_cost::run),
     ("surface", surface::run),
     ("waterfall", waterfall::run),
     ("bottom", bottom::run),
