@@ -3,8 +3,8 @@
 
 use super::logs_task::{LogsTask, Stands};
 use super::{App, LogId};
-use crate::bathymetry::position_offsets::{FoundShift, Wanted};
-use crate::pipeline::joint::position_offsets;
+use crate::bathymetry::position_offsets::Wanted;
+use crate::pipeline::joint::{LogPositions, position_offsets};
 use crate::pipeline::{LogSettings, ProcessedLog};
 use std::sync::Arc;
 use toml::Value;
@@ -18,15 +18,18 @@ const LATENCY: &str = "mounting.latency_s";
 #[derive(Clone, Debug)]
 pub struct FoundPositions {
     /// Each log, in the order of the list when it was asked for.
-    pub logs: Vec<(LogId, FoundShift)>,
+    pub logs: Vec<(LogId, LogPositions)>,
 }
 
 impl FoundPositions {
-    /// Whether anything of it is larger than what crossings leave open.
+    /// What is said where nothing of it is worth applying.
+    pub const NOTHING_TOLD: &str = "Nothing shows that positions are off as they are in force: tracks cross too rarely, or over too level a bottom, or agree.";
+
+    /// Whether anything of it differs from what was in force by more than crossings leave open.
     pub fn tells(&self) -> bool {
         let of_log =
-            |found: &FoundShift| found.told_shift_m().is_some() || found.told_latency_s().is_some();
-        self.logs.iter().any(|(_, found)| of_log(found))
+            |log: &LogPositions| log.told_shift().is_some() || log.told_latency_s().is_some();
+        self.logs.iter().any(|(_, log)| of_log(log))
     }
 }
 
@@ -69,8 +72,7 @@ impl App {
     pub(super) fn poll_positions(&mut self) {
         match self.positions.poll() {
             Stands::Found if !self.position_offsets().is_some_and(FoundPositions::tells) => {
-                let text = "nothing shows that positions are off: the tracks cross too rarely, or over too level a bottom, or agree";
-                self.notify(text.to_owned(), false);
+                self.notify(FoundPositions::NOTHING_TOLD.to_owned(), false);
             }
             Stands::Found | Stands::Still => {}
             Stands::Failed => {
@@ -87,9 +89,8 @@ impl App {
         };
         let before = self.step_now();
         for (id, found) in &found.logs {
-            let shift = found
-                .told_shift_m()
-                .map(|[east_m, north_m]| [(EAST, east_m), (NORTH, north_m)]);
+            let shift = found.told_shift();
+            let shift = shift.map(|shift| [(EAST, shift.east_m), (NORTH, shift.north_m)]);
             let latency = found.told_latency_s().map(|latency_s| (LATENCY, latency_s));
             let told: Vec<(&str, f64)> = shift.into_iter().flatten().chain(latency).collect();
             if told.is_empty() {

@@ -31,8 +31,6 @@ const MOST_CORRECTIONS: usize = 10;
 const CORRECTED: f64 = 0.01;
 /// Shifts that change by less than this are found, metres or seconds.
 const SETTLED: f64 = 1e-6;
-/// What is larger than so many of its standard errors is applied.
-const TELLING_SIGMAS: f64 = 2.0;
 /// Unknowns of a log: shift to the east and north, latency, height.
 const EAST: usize = 0;
 const NORTH: usize = 1;
@@ -118,30 +116,12 @@ impl FoundShift {
         latency_error_s: f64::NAN,
     };
 
-    /// The shift to the east and north that is worth applying, metres: `None` where it may be none.
-    pub fn told_shift_m(&self) -> Option<[f64; 2]> {
-        let by_m = [self.shift.east_m, self.shift.north_m];
-        let tells = by_m[0].hypot(by_m[1]) > TELLING_SIGMAS * self.shift_error_m;
-        tells.then(|| by_m.map(as_written))
-    }
-
-    /// The latency that is worth applying, seconds: `None` where it may be none.
-    pub fn told_latency_s(&self) -> Option<f64> {
-        let tells = self.shift.latency_s.abs() > TELLING_SIGMAS * self.latency_error_s;
-        tells.then(|| as_written(self.shift.latency_s))
-    }
-
     /// Takes over the standard errors of what was found before and was not looked for now.
     pub fn keep_errors_of(&mut self, before: &Self) {
         let kept = |now: f64, before: f64| if now.is_nan() { before } else { now };
         self.shift_error_m = kept(self.shift_error_m, before.shift_error_m);
         self.latency_error_s = kept(self.latency_error_s, before.latency_error_s);
     }
-}
-
-/// Centimetres and hundredths of a second: more is not known.
-fn as_written(value: f64) -> f64 {
-    (value * 100.0).round() / 100.0 + 0.0
 }
 
 /// A track with its positions corrected.

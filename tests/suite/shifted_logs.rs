@@ -2,9 +2,10 @@
 
 use crate::cli::run;
 use crate::lake::positions::{LOGS, TRUTH, write_four};
-use crate::logs_window::settle;
+use crate::logs_window::{change, settle};
 use crate::window::{Window, app, drop_file, empty_window, press};
 use bathyscope::app::FoundPositions;
+use bathyscope::pipeline::joint::LogPositions;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 use serde_json::Value;
@@ -39,9 +40,7 @@ fn positions_are_compared_in_the_window_and_put_right_as_one_step() {
     settle(&mut window);
     let found = app(&window).position_offsets().expect("what was found");
     assert!(FoundPositions::tells(found));
-    let shift = |(_, found): &(_, bathyscope::bathymetry::position_offsets::FoundShift)| {
-        found.shift.values()
-    };
+    let shift = |(_, log): &(_, LogPositions)| log.found.shift.values();
     let found: Vec<[f64; 3]> = found.logs.iter().map(shift).collect();
     assert_near_truth(&found);
     window.get_by_label("Apply positions").click_accesskit();
@@ -59,7 +58,16 @@ fn positions_are_compared_in_the_window_and_put_right_as_one_step() {
     }
     press(&mut window, Modifiers::COMMAND, Key::Z);
     settle(&mut window);
-    assert!(in_force(&window).iter().all(|values| *values == [0.0; 3]));
+    assert_eq!(in_force(&window), vec![[0.0; 3]; 4]);
+
+    // What is in force and wrong is told, though what is right is nothing: the first log is not late.
+    change(&mut window, "mounting.latency_s=1.5");
+    assert_eq!(in_force(&window)[0][2], 1.5);
+    window.get_by_label("Compare positions").click_accesskit();
+    settle(&mut window);
+    window.get_by_label("Apply positions").click_accesskit();
+    settle(&mut window);
+    assert_near_truth(&in_force(&window));
 }
 
 #[test]

@@ -2,16 +2,16 @@
 
 use crate::bathymetry::compare::Matching;
 use crate::bathymetry::height_offsets::{Datum, LogOffset};
-use crate::bathymetry::position_offsets::{FoundShift, Wanted};
+use crate::bathymetry::position_offsets::Wanted;
 use crate::cli::status_line::StatusLine;
 use crate::cli::survey_logs::{OpenedLog, open_reference};
 use crate::cli::{found, output};
 use crate::detection::Model;
 use crate::outputs::{self, Order, Product};
-use crate::pipeline::joint::{height_offsets, position_offsets};
+use crate::pipeline::joint::{LogPositions, height_offsets, position_offsets};
 use crate::pipeline::{self, Derived, ProcessedLog, Settings};
 use crate::progress::Progress;
-use crate::survey::{PositionShift, Survey};
+use crate::survey::Survey;
 use std::ffi::OsStr;
 use std::path::Path;
 use std::sync::Arc;
@@ -48,6 +48,11 @@ impl How<'_> {
             .map_err(|error| error.to_string())?;
         let mut logs = all_processed(opened, &status, &progress)?;
         if let Some(wanted) = self.adjust {
+            // A shift of one log alone shows nowhere.
+            let wanted = Wanted {
+                shifts: wanted.shifts && logs.len() > 1,
+                ..wanted
+            };
             if wanted.is_anything() {
                 status.step("positions");
                 logs = placed(&logs, wanted, &status, &progress)?;
@@ -138,15 +143,12 @@ fn placed(
     let Some(found) = found else {
         return Ok(logs.to_vec());
     };
-    let with = |(log, found): (&ProcessedLog, &FoundShift)| {
+    let with = |(log, found): (&ProcessedLog, &LogPositions)| {
         let mut settings = Settings::clone(&log.products.settings);
-        let shift_m = found
-            .told_shift_m()
-            .filter(|_| wanted.shifts && logs.len() > 1);
-        if let Some([east_m, north_m]) = shift_m {
-            settings.position_shift = PositionShift { east_m, north_m };
+        if let Some(shift) = found.told_shift() {
+            settings.position_shift = shift;
         }
-        if let Some(latency_s) = found.told_latency_s().filter(|_| wanted.latencies) {
+        if let Some(latency_s) = found.told_latency_s() {
             settings.mounting.latency_s = latency_s;
         }
         match settings == *log.products.settings {

@@ -2,7 +2,9 @@
 
 use crate::bathymetry::crosslines::{Crossing, TrackDepth, crossings};
 use crate::bathymetry::height_offsets::{self as offsets, Datum, HeightOffsets};
-use crate::bathymetry::position_offsets::{FoundShift, Placed, Wanted, settled_offsets, shifted};
+use crate::bathymetry::position_offsets::{
+    FoundShift, Placed, Shift, Wanted, settled_offsets, shifted,
+};
 use crate::cloud::{PointSource, Residuals};
 use crate::pipeline::ProcessedLog;
 use crate::progress::{Cancelled, Progress};
@@ -104,9 +106,47 @@ pub fn crossline_analysis(
     }))
 }
 
-/// How the positions of each log are off, by all crossings of their tracks with themselves and each other, whatever shift and latency are in force:
-/// what a log has already is part of what is found, so that applying it and asking again gives about the same. `None` where the equations have no
-/// solution.
+/// How the positions of a log are off, as crossings show it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LogPositions {
+    /// What should be in force.
+    pub found: FoundShift,
+    /// What is: the position shift and the latency of the log's settings.
+    pub in_force: Shift,
+}
+
+/// What differs from what is in force by more than so many of its standard errors is worth applying.
+const TELLING_SIGMAS: f64 = 2.0;
+
+impl LogPositions {
+    /// The position shift that is worth applying, metres: `None` where what is in force may be right.
+    pub fn told_shift(&self) -> Option<PositionShift> {
+        let Shift {
+            east_m, north_m, ..
+        } = self.found.shift;
+        let off_m = (east_m - self.in_force.east_m).hypot(north_m - self.in_force.north_m);
+        (off_m > TELLING_SIGMAS * self.found.shift_error_m).then_some(PositionShift {
+            east_m: in_hundredths(east_m),
+            north_m: in_hundredths(north_m),
+        })
+    }
+
+    /// The latency that is worth applying, seconds: `None` where what is in force may be right.
+    pub fn told_latency_s(&self) -> Option<f64> {
+        let latency_s = self.found.shift.latency_s;
+        let off_s = (latency_s - self.in_force.latency_s).abs();
+        let tells = off_s > TELLING_SIGMAS * self.found.latency_error_s;
+        tells.then(|| in_hundredths(latency_s))
+    }
+}
+
+/// Centimetres and hundredths of a second: more is not known.
+fn in_hundredths(value: f64) -> f64 {
+    (value * 100.0).round() / 100.0 + 0.0
+}
+
+/// How the positions of each log are off, by all crossings of their tracks with themselves and each other: what a log has in force is part of what is
+/// found, so that applying it and asking again gives about the same. `None` where the equations have no solution.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -114,7 +154,7 @@ pub fn position_offsets(
     logs: &[ProcessedLog],
     wanted: Wanted,
     progress: &Progress,
-) -> Result<Option<Vec<FoundShift>>, Cancelled> {
+) -> Result<Option<Vec<LogPositions>>, Cancelled> {
     let tracks: Vec<Vec<TrackDepth>> = logs.iter().map(track_depths).collect();
     let found = settled_offsets(&vec![Placed::default(); logs.len()], wanted, |placed| {
         let moved = tracks.iter().zip(placed);
@@ -123,16 +163,23 @@ pub fn position_offsets(
             .collect();
         crossings(&moved, progress)
     })?;
-    let with_in_force = |(log, found): (&ProcessedLog, FoundShift)| {
+    let of_log = |(log, found): (&ProcessedLog, FoundShift)| {
         let settings = &log.products.settings;
         let PositionShift { east_m, north_m } = settings.position_shift;
-        let in_force = [east_m, north_m, settings.mounting.latency_s];
-        FoundShift {
-            shift: found.shift.plus(in_force),
-            ..found
+        let in_force = Shift {
+            east_m,
+            north_m,
+            latency_s: settings.mounting.latency_s,
+        };
+        LogPositions {
+            found: FoundShift {
+                shift: found.shift.plus(in_force.values()),
+                ..found
+            },
+            in_force,
         }
     };
-    Ok(found.map(|found| logs.iter().zip(found).map(with_in_force).collect()))
+    Ok(found.map(|found| logs.iter().zip(found).map(of_log).collect()))
 }
 
 /// How late the positions of a log are, as its crossings show it.
@@ -183,12 +230,12 @@ pub fn latencies(
     let Some(found) = position_offsets(logs, wanted, progress)? else {
         return Ok(vec![None; logs.len()]);
     };
-    let of_log = |(log, found): (&ProcessedLog, FoundShift)| {
+    let of_log = |LogPositions { found, in_force }: LogPositions| {
         (found.latency_error_s < TOLD_S).then_some(LogLatency {
             latency_s: found.shift.latency_s,
             standard_error_s: found.latency_error_s,
-            in_force_s: log.products.settings.mounting.latency_s,
+            in_force_s: in_force.latency_s,
         })
     };
-    Ok(logs.iter().zip(found).map(of_log).collect())
+    Ok(found.into_iter().map(of_log).collect())
 }

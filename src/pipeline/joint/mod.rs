@@ -13,8 +13,8 @@ mod shapes;
 
 pub use comparison::compare_logs;
 pub use crossline::{
-    CrosslineAnalysis, LogLatency, crossline_analysis, height_offsets, latencies, position_offsets,
-    track_depths,
+    CrosslineAnalysis, LogLatency, LogPositions, crossline_analysis, height_offsets, latencies,
+    position_offsets, track_depths,
 };
 pub use objects::{JointObject, PlacedBox, joint_objects};
 pub use report::{LogReport, LogsReport, contradictions, joint_report};

@@ -21,7 +21,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         }
         let tells = app.position_offsets().is_some_and(FoundPositions::tells);
         let apply = ui.add_enabled(tells, Button::new("Apply positions").small());
-        let hint = "Moves the logs (position_shift) and sets their latency (mounting.latency_s) where what was found is more than twice its standard error; every record says so, and undo takes it back.";
+        let hint = "Moves the logs (position_shift) and sets their latency (mounting.latency_s) where what was found differs from what is in force by more than twice its standard error; every record says so, and undo takes it back.";
         if apply.on_hover_text(hint).clicked() {
             context.commands.push(Command::ApplyPositions);
         }
@@ -34,10 +34,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     };
     table(ui, app, found);
     if !found.tells() {
-        remark(
-            ui,
-            "Nothing shows that positions are off: tracks cross too rarely, or over too level a bottom, or agree.",
-        );
+        remark(ui, FoundPositions::NOTHING_TOLD);
     }
 }
 
@@ -70,10 +67,10 @@ fn table(ui: &mut Ui, app: &App, found: &FoundPositions) {
                     .on_hover_text(hint);
             }
             ui.end_row();
-            for (id, found) in &found.logs {
+            for (id, log) in &found.logs {
                 let name = RichText::new(name_of(app, *id)).small();
                 ui.add(egui::Label::new(name).truncate());
-                for value in values(app, found) {
+                for value in values(app, &log.found) {
                     ui.label(RichText::new(value).small());
                 }
                 ui.end_row();
