@@ -265,6 +265,30 @@ impl Surface {
         counts.map(|count| count / all.max(1.0))
     }
 
+    /// Its cells that lie on a smaller grid of the same cells, within its own.
+    #[must_use]
+    pub fn part(&self, part: Grid) -> Self {
+        let grid = self.grid;
+        let cells = |metres: f64| (metres / grid.cell_m).round() as usize;
+        let first_row = cells(grid.north_m - part.north_m);
+        let first_column = cells(part.west_m - grid.west_m);
+        let start = |row: usize| (row + first_row) * grid.columns + first_column;
+        let cut = |values: &[f32]| -> Vec<f32> {
+            let rows = (0..part.rows).map(|row| &values[start(row)..start(row) + part.columns]);
+            rows.flatten().copied().collect()
+        };
+        let sources = (0..part.rows).map(|row| &self.source[start(row)..start(row) + part.columns]);
+        Self {
+            grid: part,
+            depth_m: cut(&self.depth_m),
+            spread_m: cut(&self.spread_m),
+            distance_m: cut(&self.distance_m),
+            source: sources.flatten().copied().collect(),
+            hardness_db: self.hardness_db.as_deref().map(cut),
+            ..*self
+        }
+    }
+
     /// Depth of the cell at a place and its distance to the nearest sounding; `None` where nothing is known.
     pub fn at(&self, east_m: f64, north_m: f64) -> Option<(f32, f32)> {
         let index = self.grid.index_at(east_m, north_m)?;

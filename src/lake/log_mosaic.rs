@@ -235,14 +235,9 @@ pub(super) fn in_words(error: &CellsError, path: &Path) -> String {
 /// A raster of levels over the grid of a tile's mosaic.
 pub(super) fn levels_spec(tile: TileId, grid: &Grid, description: String) -> RasterSpec {
     RasterSpec {
-        columns: grid.columns,
-        rows: grid.rows,
-        west: grid.west_m,
-        north: grid.north_m,
-        cell: [grid.cell_m; 2],
-        crs: Crs::of_zone(tile.zone),
         cells: Cells::Level,
         band: Some(Band::ECHO_LEVEL),
         description,
+        ..tile.raster(grid)
     }
 }

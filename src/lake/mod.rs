@@ -10,7 +10,7 @@
 //! `record` holds what all logs of a lake share, `log_record` what is known of one, `add` writes a log's rows: `point_rows`, `ping_rows` and
 //! `echo_rows`, laid out by `spread`, and `log_mosaic`, its part of the mosaic. `footprint` is the ground that a ping saw, which `who` asks. `adjust` finds the heights of logs
 //! against each other from their `meetings`, how their `positions` are corrected and, by `level_factors`, the levels of their echoes; `offsets` is the
-//! table of all three. `tile_map` makes the map of a tile, its lines cut at its edges, with `shaded_map` where it is shaded, `tile_mosaic` joins the parts of its mosaic, and `tile_files` writes
+//! table of all three. `tile_map` makes the map of a tile, its lines cut at its edges, of `tile_points`, with `shaded_map` where it is shaded, which has a greater `reach`, `tile_mosaic` joins the parts of its mosaic, and `tile_files` writes
 //! both; `map_tiles` joins all maps to one of the web, which it reads back by `tile_content`; `list` says what there is. Files are written aside, then renamed, and a log's record last, so
 //! that what a killed program leaves is no part of the lake.
 
@@ -31,6 +31,7 @@ mod offsets;
 mod ping_rows;
 mod point_rows;
 mod positions;
+mod reach;
 mod record;
 mod shaded_map;
 mod spread;
@@ -39,6 +40,7 @@ mod tile_content;
 mod tile_files;
 mod tile_map;
 mod tile_mosaic;
+mod tile_points;
 mod who;
 
 pub use add::{Added, add};

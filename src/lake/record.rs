@@ -6,7 +6,7 @@ use super::log_mosaic::{MOSAIC, WEIGHTS};
 use super::log_record::{LOGS, LogRecord};
 use super::ping_rows::PINGS;
 use super::point_rows::POINTS;
-use super::shaded_map;
+use super::reach;
 use super::tile::{TILE_M, TileId};
 use crate::bathymetry::{Grid, LOCAL_MARGIN_CELLS, local_reach_m};
 use crate::export::write_aside;
@@ -88,7 +88,7 @@ impl LakeRecord {
             )));
         }
         let mosaic_m = settings.mosaic.cell_m;
-        if mosaic_grid_side(mosaic_m).is_none() {
+        if !divides_tiles(mosaic_m) {
             return Err(LakeError::Refused(format!(
                 "mosaic.cell_m is {mosaic_m}, which does not divide the 512 m of a tile into whole cells; choose 0.1, 0.125, 0.2, 0.25, 0.5 or 1"
             )));
@@ -102,7 +102,7 @@ impl LakeRecord {
                 settings.surface.max_gap_m
             )));
         }
-        shaded_map::check(settings, cell_m, halo_m)?;
+        reach::check(settings, cell_m, halo_m)?;
         let mut values = setting_values(settings);
         values.retain(|key, _| is_shared(key));
         let area = settings.isobaths.area.as_deref();
@@ -122,17 +122,12 @@ impl LakeRecord {
     /// As [`LakeRecord::settings`].
     pub fn mosaic_grid(&self, tile: TileId) -> Result<Grid, LakeError> {
         let cell_m = self.settings()?.mosaic.cell_m;
-        let [west_m, _, _, north_m] = tile.bounds_m();
-        let side = mosaic_grid_side(cell_m).ok_or_else(|| {
-            format!("mosaic.cell_m is {cell_m}, which is no size for a lake: {RECORD}")
-        })?;
-        Ok(Grid {
-            west_m,
-            north_m,
-            cell_m,
-            columns: side,
-            rows: side,
-        })
+        match divides_tiles(cell_m) {
+            true => Ok(tile.grid(0.0, cell_m)),
+            false => Err(LakeError::Refused(format!(
+                "mosaic.cell_m is {cell_m}, which is no size for a lake: {RECORD}"
+            ))),
+        }
     }
 
     /// The settings that maps are made with, without the area of the isobaths ([`Lake::settings`]).
@@ -176,11 +171,10 @@ fn is_shared(key: &str) -> bool {
     !is_of_one_log(key) && !REGARDLESS_OF.contains(&group) && ![AREA, COLOURS].contains(&key)
 }
 
-/// Cells along the side of a tile's mosaic, where they divide it: the mosaics of neighbouring tiles then meet at whole cells.
-fn mosaic_grid_side(cell_m: f64) -> Option<usize> {
+/// Whether cells of a mosaic divide the side of a tile: the mosaics of neighbouring tiles then meet at whole cells.
+fn divides_tiles(cell_m: f64) -> bool {
     let side = TILE_M / cell_m;
-    let is_whole = (side - side.round()).abs() < 1e-9 && (1.0..=MOST_MOSAIC_CELLS).contains(&side);
-    is_whole.then_some(side.round() as usize)
+    (side - side.round()).abs() < 1e-9 && (1.0..=MOST_MOSAIC_CELLS).contains(&side)
 }
 
 /// The copy of an area: its name in the lake, and what it holds.
@@ -361,7 +355,7 @@ impl Lake {
         let swath = self.record.settings()?.surface.swath;
         let read = tiles
             .iter()
-            .flat_map(|tile| shaded_map::tiles_read(swath, *tile));
+            .flat_map(|tile| reach::tiles_read(swath, *tile));
         self.logs_in(read)
     }
 

@@ -4,50 +4,13 @@ use super::echo_rows::{ECHOES, StoredEchoes};
 use super::error::LakeError;
 use super::log_record::LogRecord;
 use super::offsets::Offsets;
-use super::point_rows::POINTS;
+use super::reach::{beside, tiles_read};
 use super::record::Lake;
-use super::tile::{TILE_M, TileId};
-use super::tile_map::{moved_points, part_of};
+use super::tile::TileId;
+use super::tile_points::moved_points;
 use crate::bathymetry::{DepthPoint, Grid, Surface, SwathDepth, local_surface};
-use crate::pipeline::Settings;
 use crate::progress::Progress;
-use crate::swath::{PART_GROUND_M, PART_MOST_CELL_M, PART_PINGS_M, PART_STEP_M, shade_part};
-
-const _: () = assert!(TILE_M % PART_STEP_M == 0.0);
-
-/// Refuses settings whose maps depend on more than a tile and its neighbours.
-///
-/// # Errors
-/// A sentence.
-pub(super) fn check(settings: &Settings, cell_m: f64, halo_m: f64) -> Result<(), LakeError> {
-    if settings.surface.swath == SwathDepth::Off {
-        return Ok(());
-    }
-    if cell_m > PART_MOST_CELL_M {
-        return Err(LakeError::Refused(format!(
-            "surface.cell_m is {cell_m}, but a lake is shaded in cells of {PART_MOST_CELL_M} m at most; choose smaller ones, or surface.swath = off"
-        )));
-    }
-    if PART_GROUND_M + halo_m > TILE_M {
-        return Err(LakeError::Refused(format!(
-            "surface.max_gap_m is {}, which is too far for a lake that is shaded; choose at most 125, or surface.swath = off",
-            settings.surface.max_gap_m
-        )));
-    }
-    Ok(())
-}
-
-/// The tiles whose rows the map of one is made from, in order: its own, and its neighbours' where depths are corrected by shading.
-pub(super) fn tiles_read(swath: SwathDepth, tile: TileId) -> Vec<TileId> {
-    match swath {
-        SwathDepth::Off => vec![tile],
-        SwathDepth::Shaded => TileId::touched(tile.zone, beside(tile.bounds_m(), 1.0)).collect(),
-    }
-}
-
-fn beside([west_m, south_m, east_m, north_m]: [f64; 4], by_m: f64) -> [f64; 4] {
-    [west_m - by_m, south_m - by_m, east_m + by_m, north_m + by_m]
-}
+use crate::swath::{PART_GROUND_M, PART_PINGS_M, shade_part};
 
 /// The surface of a tile on a grid a few cells larger than it, corrected by shading.
 ///
@@ -74,25 +37,12 @@ pub(super) fn shaded_surface(
             points.extend(rows);
         }
     }
-    let around = around(tile, grid.cell_m);
+    let around = tile.grid(PART_GROUND_M, grid.cell_m);
     let mut made = local_surface(&points, around, settings.max_gap_m, progress)?;
     let stored = echoes_around(lake, &tiles, tile, logs, offsets, progress)?;
     let laid_out: Vec<_> = stored.iter().map(StoredEchoes::laid_out).collect();
     shade_part(&mut made, tile.bounds_m(), &laid_out, &points, progress)?;
-    Ok(part_of(&made, grid))
-}
-
-/// The grid of the ground that the correction of a tile depends on.
-fn around(tile: TileId, cell_m: f64) -> Grid {
-    let [west_m, _, _, north_m] = tile.bounds_m();
-    let side = ((TILE_M + 2.0 * PART_GROUND_M) / cell_m).round() as usize;
-    Grid {
-        west_m: west_m - PART_GROUND_M,
-        north_m: north_m + PART_GROUND_M,
-        cell_m,
-        columns: side,
-        rows: side,
-    }
+    Ok(made.part(grid))
 }
 
 fn echoes_around(
@@ -121,23 +71,4 @@ fn echoes_around(
 
 fn is_within([west_m, south_m, east_m, north_m]: [f64; 4], [x, y]: [f64; 2]) -> bool {
     (west_m..east_m).contains(&x) && (south_m..north_m).contains(&y)
-}
-
-/// SHA-256 of the rows of a log that the map of a tile is made from, by tile, kind after kind.
-pub(super) fn hashes_read(swath: SwathDepth, tile: TileId, log: &LogRecord) -> Vec<String> {
-    let kinds: &[&str] = match swath {
-        SwathDepth::Off => &[POINTS],
-        SwathDepth::Shaded => &[POINTS, ECHOES],
-    };
-    let tiles = tiles_read(swath, tile);
-    let rows = tiles
-        .iter()
-        .filter_map(|one| Some((one, log.rows_in(*one)?)));
-    rows.flat_map(|(one, rows)| {
-        let hashes = kinds.iter().map(|kind| rows.sha256_of(kind));
-        hashes
-            .filter(|hash| !hash.is_empty())
-            .map(move |hash| format!("{one} {hash}"))
-    })
-    .collect()
 }

@@ -1,6 +1,8 @@
 //! The squares that a lake is cut into.
 
-use crate::geo::UtmZone;
+use crate::bathymetry::Grid;
+use crate::formats::geotiff::{Cells, RasterSpec};
+use crate::geo::{Crs, UtmZone};
 use std::fmt;
 use std::str::FromStr;
 
@@ -57,6 +59,34 @@ impl TileId {
         let [west, south, east, north] = self.bounds_m();
         let middle = [0.5 * (west + east), 0.5 * (south + north)];
         UtmZone::near(self.zone.to_lon_lat(middle), TILE_M) == [self.zone]
+    }
+
+    /// Its cells, and those of a margin around it, which is a multiple of them.
+    pub(super) fn grid(&self, margin_m: f64, cell_m: f64) -> Grid {
+        let [west_m, _, _, north_m] = self.bounds_m();
+        let side = ((TILE_M + 2.0 * margin_m) / cell_m).round() as usize;
+        Grid {
+            west_m: west_m - margin_m,
+            north_m: north_m + margin_m,
+            cell_m,
+            columns: side,
+            rows: side,
+        }
+    }
+
+    /// A raster over a grid in its zone; of nothing yet, which whoever writes it says.
+    pub(super) fn raster(&self, grid: &Grid) -> RasterSpec {
+        RasterSpec {
+            columns: grid.columns,
+            rows: grid.rows,
+            west: grid.west_m,
+            north: grid.north_m,
+            cell: [grid.cell_m; 2],
+            crs: Crs::of_zone(self.zone),
+            cells: Cells::Metres,
+            band: None,
+            description: String::new(),
+        }
     }
 
     /// Whether the tile, made larger by `halo_m` on all sides, holds a place of its zone.

@@ -1,7 +1,7 @@
 //! The map of a tile as it lies in its files, read again; a few of them are kept, since neighbours ask for the same.
 
 use super::record::{LONGEST_RECORD, Lake};
-use super::tile::{TILE_M, TileId};
+use super::tile::TileId;
 use super::tile_files::{DEPTH, ISOBATHS, folder_of};
 use crate::bathymetry::isobaths::Isobath;
 use crate::bathymetry::{Grid, Surface};
@@ -81,15 +81,7 @@ impl TileContents {
 }
 
 fn surface(path: &Path, tile: TileId, cell_m: f64) -> Result<Surface, impl std::fmt::Display> {
-    let [west_m, _, _, north_m] = tile.bounds_m();
-    let side = (TILE_M / cell_m) as usize;
-    let grid = Grid {
-        west_m,
-        north_m,
-        cell_m,
-        columns: side,
-        rows: side,
-    };
+    let grid = tile.grid(0.0, cell_m);
     read_values(path).map(|raster| {
         // A raster of another size is not the tile's: what it lacks is not known.
         let mut depth_m = raster.values;

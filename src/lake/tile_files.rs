@@ -2,19 +2,20 @@
 //! says what they were made from.
 
 use super::add::make_folder;
+use super::echo_rows::ECHOES;
 use super::error::LakeError;
 use super::log_mosaic::{MOSAIC, WEIGHTS};
 use super::log_record::LogRecord;
 use super::offsets::Offsets;
+use super::point_rows::POINTS;
+use super::reach::tiles_read;
 use super::record::{LONGEST_RECORD, Lake, LakeRecord, names_in, write_json};
-use super::shaded_map::hashes_read;
 use super::tile::TileId;
 use super::tile_map::{TileMap, tile_map};
 use super::tile_mosaic::{logs_in_order, write_mosaic};
-use crate::bathymetry::{Surface, SurfaceMethod};
+use crate::bathymetry::{Surface, SurfaceMethod, SwathDepth};
 use crate::export::{DrawnLines, isobaths_geojson, metres_raster, source_raster};
-use crate::formats::geotiff::{Band, Cells, RasterSpec};
-use crate::geo::Crs;
+use crate::formats::geotiff::{Band, RasterSpec};
 use crate::pipeline::Fingerprint;
 use crate::progress::Progress;
 use crate::regular_file;
@@ -135,6 +136,25 @@ impl MadeFrom {
             mosaic: parts.collect(),
         }
     }
+}
+
+/// SHA-256 of the rows of a log that the map of a tile is made from, by tile, kind after kind.
+fn hashes_read(swath: SwathDepth, tile: TileId, log: &LogRecord) -> Vec<String> {
+    let kinds: &[&str] = match swath {
+        SwathDepth::Off => &[POINTS],
+        SwathDepth::Shaded => &[POINTS, ECHOES],
+    };
+    let tiles = tiles_read(swath, tile);
+    let rows = tiles
+        .iter()
+        .filter_map(|one| Some((one, log.rows_in(*one)?)));
+    rows.flat_map(|(one, rows)| {
+        let hashes = kinds.iter().map(|kind| rows.sha256_of(kind));
+        hashes
+            .filter(|hash| !hash.is_empty())
+            .map(move |hash| format!("{one} {hash}"))
+    })
+    .collect()
 }
 
 impl TileRecord {
@@ -290,17 +310,6 @@ fn write_files(
         ),
     ];
     let grid = &surface.grid;
-    let over = RasterSpec {
-        columns: grid.columns,
-        rows: grid.rows,
-        west: grid.west_m,
-        north: grid.north_m,
-        cell: [grid.cell_m; 2],
-        crs: Crs::of_zone(tile.zone),
-        cells: Cells::Metres,
-        band: None,
-        description: String::new(),
-    };
     for (file, name, positive_down, what, values_m) in layers {
         let spec = RasterSpec {
             band: Some(Band {
@@ -309,11 +318,12 @@ fn write_files(
                 positive_down,
             }),
             description: format!("{what}; tile {tile} of a lake. {how}"),
-            ..over.clone()
+            ..tile.raster(grid)
         };
         metres_raster(&folder.join(file), &spec, grid, values_m, progress)?;
     }
     let about = format!("tile {tile} of a lake. {how}");
+    let over = tile.raster(grid);
     source_raster(&folder.join(SOURCE), over, surface, &about, progress)?;
     let place = |at| tile.zone.to_lon_lat(at);
     let settings = lake.record.settings()?.isobaths;

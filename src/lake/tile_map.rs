@@ -4,15 +4,14 @@ use super::error::LakeError;
 use super::index::tile_bounds_deg;
 use super::log_record::LogRecord;
 use super::offsets::Offsets;
-use super::point_rows::{self, POINTS, PointRow};
-use super::positions::moved;
 use super::record::Lake;
 use super::shaded_map::shaded_surface;
-use super::tile::{TILE_M, TileId};
+use super::tile::TileId;
+use super::tile_points::depth_points;
 use crate::bathymetry::isobaths::{
     Isobath, IsobathSettings, clipped, isobaths, smoothed, with_shoalest,
 };
-use crate::bathymetry::{DepthPoint, Grid, LOCAL_MARGIN_CELLS, Surface, SwathDepth, local_surface};
+use crate::bathymetry::{Grid, LOCAL_MARGIN_CELLS, Surface, SwathDepth, local_surface};
 use crate::geo::UtmZone;
 use crate::pipeline::clip_area;
 use crate::progress::Progress;
@@ -28,56 +27,6 @@ pub struct TileMap {
     pub isobaths: Vec<Isobath>,
 }
 
-/// The points that count in a tile and its halo, the logs in the order of their hashes, with their offsets and their positions corrected.
-///
-/// # Errors
-/// When rows cannot be read, or the work was cancelled.
-pub(super) fn depth_points(
-    lake: &Lake,
-    tile: TileId,
-    logs: &[LogRecord],
-    offsets: &Offsets,
-    progress: &Progress,
-) -> Result<Vec<DepthPoint>, LakeError> {
-    let mut points = Vec::new();
-    for log in logs {
-        progress.check()?;
-        points.extend(moved_points(lake, tile, log, offsets, |_| true)?);
-    }
-    Ok(points)
-}
-
-/// The rows of points of a log in a tile that lie where they are asked for, with its offset and its positions corrected.
-///
-/// # Errors
-/// When rows cannot be read.
-pub(super) fn moved_points(
-    lake: &Lake,
-    tile: TileId,
-    log: &LogRecord,
-    offsets: &Offsets,
-    lies_there: impl Fn([f64; 2]) -> bool,
-) -> Result<Vec<DepthPoint>, LakeError> {
-    if log.rows_in(tile).is_none_or(|rows| rows.points == 0) {
-        return Ok(Vec::new());
-    }
-    let (offset_m, shift) = (offsets.of(&log.log), offsets.shift_of(&log.log));
-    let name = Lake::rows_name(POINTS, tile, &log.log);
-    let rows = point_rows::read(&lake.folder().join(name))?.into_iter();
-    let of_row = |row: PointRow| {
-        let place = [row.depth.east_m, row.depth.north_m];
-        let [east_m, north_m] = moved(place, shift, row.velocity_mps);
-        lies_there(place).then_some(DepthPoint {
-            east_m,
-            north_m,
-            // What is added to an elevation is taken off the depth.
-            depth_m: row.depth.depth_m - offset_m,
-            ..row.depth
-        })
-    };
-    Ok(rows.filter_map(of_row).collect())
-}
-
 /// The map of a tile by linear triangles, whatever `surface.method` says: the other methods reach farther than a halo. Its depths are corrected
 /// by shading where `surface.swath` says so. Neighbouring tiles are the parts of one map, to the bit. `None` where nothing is known.
 ///
@@ -91,10 +40,12 @@ pub fn tile_map(
     progress: &Progress,
 ) -> Result<Option<TileMap>, LakeError> {
     let settings = lake.settings()?;
-    let grid = with_margin(tile, lake.record.cell_m);
+    let cell_m = lake.record.cell_m;
+    // Its lines depend on some cells beyond its edges.
+    let grid = tile.grid(LOCAL_MARGIN_CELLS as f64 * cell_m, cell_m);
     let mut window = tile_surface(lake, tile, grid, logs, offsets, progress)?;
     blank_other_zones(&mut window, tile);
-    let surface = core_of(&window);
+    let surface = window.part(tile.grid(0.0, cell_m));
     if surface.depth_m.iter().all(|depth| depth.is_nan()) {
         return Ok(None);
     }
@@ -129,20 +80,6 @@ pub fn tile_surface(
     }
 }
 
-/// The cells of a tile, and those beyond its edges that its lines depend on.
-fn with_margin(tile: TileId, cell_m: f64) -> Grid {
-    let [west_m, _, _, north_m] = tile.bounds_m();
-    let margin_m = LOCAL_MARGIN_CELLS as f64 * cell_m;
-    let side = (TILE_M / cell_m) as usize + 2 * LOCAL_MARGIN_CELLS;
-    Grid {
-        west_m: west_m - margin_m,
-        north_m: north_m + margin_m,
-        cell_m,
-        columns: side,
-        rows: side,
-    }
-}
-
 /// Where a tile reaches across the edge of its zone, cells beyond belong to the other zone.
 fn blank_other_zones(surface: &mut Surface, tile: TileId) {
     if tile.is_within_zone() {
@@ -159,43 +96,6 @@ fn blank_other_zones(surface: &mut Surface, tile: TileId) {
             surface.distance_m[cell] = f32::NAN;
             surface.source[cell] = Default::default();
         }
-    }
-}
-
-/// The surface without its margin.
-fn core_of(window: &Surface) -> Surface {
-    let grid = window.grid;
-    let margin_m = LOCAL_MARGIN_CELLS as f64 * grid.cell_m;
-    let core = Grid {
-        west_m: grid.west_m + margin_m,
-        north_m: grid.north_m - margin_m,
-        columns: grid.columns - 2 * LOCAL_MARGIN_CELLS,
-        rows: grid.rows - 2 * LOCAL_MARGIN_CELLS,
-        ..grid
-    };
-    part_of(window, core)
-}
-
-/// The cells of a surface that lie on a smaller grid of the same cells.
-pub(super) fn part_of(surface: &Surface, part: Grid) -> Surface {
-    let grid = surface.grid;
-    let cells = |metres: f64| (metres / grid.cell_m).round() as usize;
-    let first_row = cells(grid.north_m - part.north_m);
-    let first_column = cells(part.west_m - grid.west_m);
-    let start = |row: usize| (row + first_row) * grid.columns + first_column;
-    let cut = |values: &[f32]| -> Vec<f32> {
-        let rows = (0..part.rows).map(|row| &values[start(row)..start(row) + part.columns]);
-        rows.flatten().copied().collect()
-    };
-    let sources = (0..part.rows).map(|row| &surface.source[start(row)..start(row) + part.columns]);
-    Surface {
-        grid: part,
-        depth_m: cut(&surface.depth_m),
-        spread_m: cut(&surface.spread_m),
-        distance_m: cut(&surface.distance_m),
-        source: sources.flatten().copied().collect(),
-        hardness_db: surface.hardness_db.as_deref().map(cut),
-        ..*surface
     }
 }
 

@@ -38,6 +38,7 @@ const SHRINK: f64 = 0.85;
 const MOST_PIECES: usize = 60_000;
 /// Nodes that echoes say something of are at least this share of those around a place that they tell something of.
 const LEAST_SEEN: f64 = 1e-3;
+
 /// The correction at the nodes.
 #[derive(Clone, Debug)]
 pub struct Correction {
