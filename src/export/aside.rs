@@ -125,11 +125,21 @@ pub(crate) fn remove_leftovers(folder: &Path, passing: impl Fn(&str) -> Option<&
 /// taken as left.
 fn is_dead(writer: u32, file: &Path) -> bool {
     if cfg!(target_os = "linux") {
-        return !Path::new("/proc").join(writer.to_string()).exists();
+        // A killed process has an entry until its parent has asked for its end, which may be seconds later or never.
+        let stat = fs::read_to_string(format!("/proc/{writer}/stat"));
+        return stat.map_or(true, |stat| has_ended(&stat));
     }
     let touched = file.metadata().and_then(|there| there.modified()).ok();
     let age = touched.and_then(|touched| touched.elapsed().ok());
     age.is_some_and(|age| age.as_secs() > 3600)
+}
+
+/// Whether `/proc/PID/stat` is that of a process that has ended: its state, behind the name in brackets, is `Z` or `X` (proc(5)).
+fn has_ended(stat: &str) -> bool {
+    let state = stat
+        .rsplit_once(") ")
+        .and_then(|(_, rest)| rest.chars().next());
+    matches!(state, Some('Z' | 'X'))
 }
 
 /// A file for passing data beside the place of another, where there is room for that one too. It has no name any more as soon as it is
@@ -205,6 +215,34 @@ mod tests {
             false => vec![names[0], names[2], names[3]],
         };
         assert_eq!(left, expected);
+    }
+
+    #[test]
+    fn a_killed_process_has_ended_before_its_parent_asks_for_its_end() {
+        let stat = |state: &str| format!("4711 (bathy) (scope) {state} 4710 4711 4711 0 -1");
+        assert!(["Z", "X"].map(stat).iter().all(|stat| has_ended(stat)));
+        assert!(
+            !["R", "S", "D", "T"]
+                .map(stat)
+                .iter()
+                .any(|stat| has_ended(stat))
+        );
+        if cfg!(target_os = "linux") {
+            let mut killed = std::process::Command::new("sleep")
+                .arg("60")
+                .spawn()
+                .unwrap();
+            let no_file = Path::new("none");
+            assert!(!is_dead(killed.id(), no_file));
+            killed.kill().unwrap();
+            // It ends as soon as the system gets to it.
+            let is_gone = (0..500).any(|_| {
+                std::thread::sleep(std::time::Duration::from_millis(10));
+                is_dead(killed.id(), no_file)
+            });
+            killed.wait().unwrap();
+            assert!(is_gone);
+        }
     }
 
     #[test]
