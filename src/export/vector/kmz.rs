@@ -13,44 +13,49 @@ use std::path::Path;
 /// Lines longer than this, degrees (some 10 m), show their label.
 const LABELLED_DEG: f64 = 1e-4;
 
-/// Writes lines, the longer ones with their label in the middle.
+/// Writes lines, and in a folder of their own the labels of the longer ones, each a point in the middle of its line, for a line alone shows
+/// none. Geometries of both kinds in one would be no layer of lines for QGIS.
 ///
 /// # Errors
 /// When the file cannot be written.
 pub fn lines_kmz(path: &Path, name: &str, lines: &[Line]) -> Result<Summary, ExportError> {
     archive(path, name, |out| {
         let mut summary = Summary::default();
+        let mut labels = String::new();
         for line in lines {
             let points = positions(line.points.iter().copied());
             summary.count += 1;
             points.iter().for_each(|at| summary.reach(*at));
             let [red, green, blue] = line.colour;
+            let label = xml(&line.label);
             writeln!(
                 out,
-                "<Placemark><name>{}</name><Style><IconStyle><scale>0</scale></IconStyle><LineStyle>\
-                 <color>ff{blue:02x}{green:02x}{red:02x}</color><width>2</width></LineStyle></Style><MultiGeometry>{}\
-                 <LineString><tessellate>1</tessellate><coordinates>{}</coordinates></LineString></MultiGeometry></Placemark>",
-                xml(&line.label),
-                anchor(&points),
+                "<Placemark><name>{label}</name><Style><LineStyle><color>ff{blue:02x}{green:02x}{red:02x}</color><width>2</width></LineStyle>\
+                 </Style><LineString><tessellate>1</tessellate><coordinates>{}</coordinates></LineString></Placemark>",
                 coordinates(&points)
             )?;
+            if let Some(at) = anchor(&points) {
+                labels += &format!(
+                    "<Placemark><name>{label}</name><Style><IconStyle><scale>0</scale></IconStyle></Style><Point><coordinates>{}</coordinates></Point></Placemark>\n",
+                    coordinates(&[at])
+                );
+            }
+        }
+        if !labels.is_empty() {
+            write!(out, "<Folder><name>Labels</name>\n{labels}</Folder>\n")?;
         }
         Ok(summary)
     })
 }
 
-/// A point in the middle of a line that is long enough for its label: a line alone shows none.
-fn anchor(points: &[[f64; 2]]) -> String {
+/// The middle of a line that is long enough for its label.
+fn anchor(points: &[[f64; 2]]) -> Option<[f64; 2]> {
     let steps = points.windows(2);
     let length: f64 = steps
         .map(|step| (step[1][0] - step[0][0]).hypot(step[1][1] - step[0][1]))
         .sum();
-    match points.get(points.len() / 2) {
-        Some([lon, lat]) if length > LABELLED_DEG => {
-            format!("<Point><coordinates>{lon:.8},{lat:.8}</coordinates></Point>")
-        }
-        _ => String::new(),
-    }
+    let middle = points.get(points.len() / 2);
+    middle.copied().filter(|_| length > LABELLED_DEG)
 }
 
 /// Writes areas as one thing on the map; `place` gives where a corner lies.
