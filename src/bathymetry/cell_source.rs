@@ -1,6 +1,7 @@
 //! What the depth of each cell rests on.
 
 use super::{DepthPoint, Grid};
+use crate::presentation::colours::{Rgb, SOURCES};
 
 /// What the depth of a cell rests on. The numbers are those of `depth/source.tif`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -37,6 +38,15 @@ impl CellSource {
             Self::FirstReturn => "first return",
             Self::Sounding => "sounding",
         }
+    }
+
+    /// Number, name and colour of those that a depth can have, as rasters of sources show them.
+    pub fn classes() -> [(u8, &'static str, Rgb); 4] {
+        let class = |index: usize| {
+            let source = Self::KNOWN[index];
+            (source as u8, source.name(), SOURCES[index])
+        };
+        std::array::from_fn(class)
     }
 }
 

@@ -1,4 +1,4 @@
-//! The index of the maps and mosaics of a lake for other programs: VRTs of all tiles of a zone (GDAL, QGIS), and a STAC collection with an item a tile.
+//! The index of the maps and mosaics of a lake for other programs: VRTs of all tiles of a zone (GDAL, QGIS) with their colours (`.qml`), and a STAC collection with an item a tile.
 //! It is made of the records of tiles and logs alone, so that the same maps have the same index. A tile that no recorder knew the time of is in the
 //! VRT only.
 
@@ -8,18 +8,26 @@ use super::log_record::LogRecord;
 use super::record::{Lake, names_in, write_json};
 use super::tile::{TILE_M, TileId};
 use super::tile_files::{DEPTH, ISOBATHS, MOSAIC_FILE, SOURCE, TILES, TileRecord, UNCERTAINTY};
+use crate::bathymetry::CellSource;
 use crate::calendar;
-use crate::export::write_aside;
+use crate::export::{qgis_classes, qgis_style, write_aside};
 use crate::formats::geotiff::NODATA;
 use crate::geo::{Crs, LonLat, UtmZone, bounds_deg};
+use crate::presentation::colours::{depth_colour, uncertainty_colour};
 use crate::printable::xml;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs;
 use std::io::Write as _;
+use std::path::Path;
 
 const INDEX: &str = "index";
+/// Steps of the colours in a style.
+const STYLE_STEPS: usize = 10;
+/// Standard deviations between which uncertainty is coloured, metres, the same in all lakes: twice the greatest is the half metre that a
+/// survey of order 1a may be off in shallow water (IHO S-44).
+const UNCERTAIN_M: [f64; 2] = [0.0, 0.25];
 
 /// Writes the index of the tiles that have a map with depths or a mosaic, in the folder `index`.
 ///
@@ -59,8 +67,12 @@ pub fn write_index(lake: &Lake, logs: &[LogRecord], tiles: &[TileId]) -> Result<
                 if zone.north { 'N' } else { 'S' }
             );
             let text = vrt(*zone, &tiles, layer);
-            write_aside(&folder.join(&name), |mut to| to.write_all(text.as_bytes()))?;
-            names.push(name);
+            let path = folder.join(&name);
+            write_aside(&path, |mut to| to.write_all(text.as_bytes()))?;
+            names.push(name.clone());
+            if write_style(&path.with_extension("qml"), layer, &maps)? {
+                names.push(name.replace(".vrt", ".qml"));
+            }
         }
     }
     let mut items = BTreeMap::new();
@@ -75,7 +87,10 @@ pub fn write_index(lake: &Lake, logs: &[LogRecord], tiles: &[TileId]) -> Result<
     names.push("collection.json".to_owned());
     write_json(&folder.join("collection.json"), &collection(&items))?;
     for name in names_in(&folder)? {
-        if !names.contains(&name) && (name.ends_with(".json") || name.ends_with(".vrt")) {
+        let is_of_index = [".json", ".vrt", ".qml"]
+            .iter()
+            .any(|end| name.ends_with(end));
+        if is_of_index && !names.contains(&name) {
             // Of a tile or a zone that has no map any more.
             let path = folder.join(&name);
             fs::remove_file(&path)
@@ -83,6 +98,28 @@ pub fn write_index(lake: &Lake, logs: &[LogRecord], tiles: &[TileId]) -> Result<
         }
     }
     Ok(())
+}
+
+/// Writes the colours of a layer for QGIS, of depths those of the whole lake; false where it has none.
+fn write_style(
+    path: &Path,
+    layer: &Layer,
+    maps: &BTreeMap<TileId, TileRecord>,
+) -> Result<bool, LakeError> {
+    match layer.file {
+        DEPTH => {
+            let depths_m = maps.values().flat_map(|map| map.depth_m.iter().copied());
+            let [least_m, most_m] = depths_m.fold(
+                [f64::INFINITY, f64::NEG_INFINITY],
+                |[least, most], depth_m| [least.min(depth_m), most.max(depth_m)],
+            );
+            qgis_style(path, [least_m, most_m], STYLE_STEPS, depth_colour)?;
+        }
+        UNCERTAINTY => qgis_style(path, UNCERTAIN_M, STYLE_STEPS, uncertainty_colour)?,
+        SOURCE => qgis_classes(path, &CellSource::classes())?,
+        _ => return Ok(false),
+    }
+    Ok(true)
 }
 
 /// Unix seconds of the first and the last row of a tile; `None` where no recorder knew the time.

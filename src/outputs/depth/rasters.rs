@@ -10,7 +10,7 @@ use crate::outputs::raster;
 use crate::outputs::results::Results;
 use crate::pipeline::{Plane, Products};
 use crate::presentation::colours::{
-    SOURCES, depth_colour, distance_colour, share_colour, uncertainty_colour,
+    depth_colour, distance_colour, share_colour, uncertainty_colour,
 };
 use std::path::Path;
 
@@ -99,10 +99,7 @@ pub fn source(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputE
         applied(results.products, surface)
     );
     source_raster(path, spec, surface, &about, results.progress)?;
-    let classes = CellSource::KNOWN.iter().zip(SOURCES);
-    let classes = classes.map(|(source, colour)| (*source as u8, source.name(), colour));
-    let classes: Vec<_> = classes.collect();
-    qgis_classes(&path.with_extension("qml"), &classes)?;
+    qgis_classes(&path.with_extension("qml"), &CellSource::classes())?;
     let values = surface.source.iter().map(|source| match source {
         CellSource::None => f32::NAN,
         source => f32::from(*source as u8),

@@ -222,6 +222,9 @@ fn a_lake_is_brought_up_to_date_once_and_a_log_renews_its_own_tiles_only() {
     for name in [
         "offsets.csv",
         "index/depth_17N.vrt",
+        "index/depth_17N.qml",
+        "index/uncertainty_17N.qml",
+        "index/source_17N.qml",
         "index/collection.json",
     ] {
         assert!(there.contains_key(name), "{name}");
