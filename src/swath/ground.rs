@@ -1,10 +1,12 @@
-//! The depths that echoes are placed on: those of a surface, held beyond its edges.
+//! The depths that echoes are placed on: those of a surface, held a little beyond its edges.
 
 use crate::bathymetry::Grid;
 
 const NOWHERE: u32 = u32::MAX;
+/// A cell farther than this from any depth has none, metres: what lies farther off may be beyond what a part of a map knows.
+pub(super) const HELD_M: f64 = 16.0;
 
-/// Depths of all cells of a grid.
+/// Depths of all cells of a grid; NaN far from any depth.
 #[derive(Clone, Debug)]
 pub struct Ground {
     grid: Grid,
@@ -12,15 +14,24 @@ pub struct Ground {
 }
 
 impl Ground {
-    /// Of the depths of a surface, row by row; a cell without one takes that of the nearest cell that has one. `None` where no cell has.
+    /// Of the depths of a surface, row by row; a cell without one takes that of the nearest cell that has one, up to [`HELD_M`] away. `None` where
+    /// no cell has.
     pub fn new(grid: Grid, depth_m: &[f32]) -> Option<Self> {
-        let nearest = nearest_known(&grid, depth_m);
-        let filled = nearest
-            .iter()
-            .map(|&cell| depth_m.get(cell as usize).copied());
-        let depth_m: Option<Vec<f32>> = filled.collect();
-        let fits = |depth_m: &Vec<f32>| depth_m.len() == grid.len();
-        depth_m.filter(fits).map(|depth_m| Self { grid, depth_m })
+        if depth_m.len() != grid.len() || depth_m.iter().all(|depth_m| depth_m.is_nan()) {
+            return None;
+        }
+        let held2 = (HELD_M / grid.cell_m).powi(2);
+        let nearest = nearest_known(&grid, depth_m).into_iter().enumerate();
+        let filled = nearest.map(
+            |(cell, known)| match distance2(&grid, cell, known) <= held2 {
+                true => depth_m[known as usize],
+                false => f32::NAN,
+            },
+        );
+        Some(Self {
+            grid,
+            depth_m: filled.collect(),
+        })
     }
 
     /// The same with something added to the depth at the middle of every cell, metres.
@@ -89,17 +100,8 @@ fn nearest_known(grid: &Grid, depth_m: &[f32]) -> Vec<u32> {
             nearest[cell] = cell as u32;
         }
     }
-    let distance2 = |cell: usize, to: u32| match to {
-        NOWHERE => f64::INFINITY,
-        to => {
-            let to = to as usize;
-            let rows = (cell / columns) as f64 - (to / columns) as f64;
-            let across = (cell % columns) as f64 - (to % columns) as f64;
-            rows * rows + across * across
-        }
-    };
     let mut hand_on = |from: usize, to: usize| {
-        if distance2(to, nearest[from]) < distance2(to, nearest[to]) {
+        if distance2(grid, to, nearest[from]) < distance2(grid, to, nearest[to]) {
             nearest[to] = nearest[from];
         }
     };
@@ -128,6 +130,18 @@ fn nearest_known(grid: &Grid, depth_m: &[f32]) -> Vec<u32> {
     nearest
 }
 
+/// Square of the distance between two cells, in cells; infinite to nowhere.
+fn distance2(grid: &Grid, cell: usize, to: u32) -> f64 {
+    if to == NOWHERE {
+        return f64::INFINITY;
+    }
+    let [row, column] = [cell / grid.columns, cell % grid.columns];
+    let to = to as usize;
+    let rows = row as f64 - (to / grid.columns) as f64;
+    let columns = column as f64 - (to % grid.columns) as f64;
+    rows * rows + columns * columns
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -154,5 +168,22 @@ mod tests {
         let known = [depth_m[1], depth_m[20]].map(f64::from);
         assert!(known.contains(&held.depth_at(grid.centre(0, 0))));
         assert!(Ground::new(grid, &[f32::NAN; 240]).is_none());
+    }
+
+    #[test]
+    fn far_from_any_depth_there_is_none() {
+        let grid = Grid {
+            west_m: 0.0,
+            north_m: 0.0,
+            cell_m: 1.0,
+            columns: 60,
+            rows: 40,
+        };
+        let mut depth_m = vec![f32::NAN; grid.len()];
+        depth_m[0] = 3.0;
+        let ground = Ground::new(grid, &depth_m).unwrap();
+        let at = |row, column| ground.depth_at(grid.centre(row, column));
+        assert_eq!([at(0, 14), at(10, 10), at(14, 0)], [3.0; 3]);
+        assert!(at(0, 17).is_nan() && at(12, 12).is_nan() && at(39, 59).is_nan());
     }
 }

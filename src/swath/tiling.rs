@@ -4,7 +4,9 @@
 //! each part finds, to the bit, what its neighbours find where they meet.
 
 use super::correction::Tiling;
+use super::ground::HELD_M;
 use super::nodes::Nodes;
+use super::pieces::FARTHEST_M;
 use crate::bathymetry::Grid;
 
 /// From one node to the next, metres. On simulated ponds 0.5 m find nothing more, in four times the time.
@@ -25,8 +27,11 @@ const AROUND: usize = 2;
 
 /// Edges of parts are multiples of this, metres.
 pub const PART_STEP_M: f64 = LATTICE_CORE as f64 * NODE_M;
-/// How far around a part its ground must be known, metres: two cores, the halo, and 57 m that pieces of echoes lie from their pings.
+/// How far around a part its ground must be known, metres: two cores, the halo, as far as pieces of echoes lie from their pings, and as far as
+/// the ground is held beyond depths.
 pub const PART_GROUND_M: f64 = 192.0;
+const _: () =
+    assert!((AROUND * LATTICE_CORE + HALO) as f64 * NODE_M + FARTHEST_M + HELD_M <= PART_GROUND_M);
 /// How far around a part the pings must be known, metres: a little farther, for the gain steps of those that count.
 pub const PART_PINGS_M: f64 = 224.0;
 /// Largest cells of a part, metres: with larger ones the slope of the ground reaches farther.
