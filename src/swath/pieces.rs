@@ -8,9 +8,10 @@ use crate::survey::Side;
 /// Ground range of a piece, metres.
 pub const PIECE_M: f64 = 0.75;
 /// Ground range that pieces lie between, metres: nearer the beam looks straight down.
-const REACH_M: [f64; 2] = [1.0, 40.0];
+const NEAREST_M: f64 = 1.0;
+pub(super) const FARTHEST_M: f64 = 40.0;
 /// Steps in which a ray is followed along the ground, metres.
-const RAY_STEP_M: f64 = 0.1;
+const RAY_STEP_M: f64 = 0.2;
 /// Fewer samples make no piece.
 const LEAST_SAMPLES: u32 = 24;
 /// Angles from straight down that the mean of a piece may have, degrees, and how much farther its samples may reach.
@@ -25,7 +26,7 @@ const NOISE_FROM: f64 = 0.93;
 /// Fewer samples on the ground are not worth a ping.
 const LEAST_OF_PING: usize = 5;
 /// Pieces across the track.
-const BINS: usize = (REACH_M[1] / PIECE_M) as usize;
+const BINS: usize = (FARTHEST_M / PIECE_M) as usize;
 /// Least altitude over the ground that a slant range is turned into an angle by, metres.
 const LEAST_ALTITUDE_M: f64 = 0.1;
 
@@ -46,7 +47,7 @@ pub struct Piece {
     pub noise_level: f32,
     /// Mean ground range, metres.
     pub ground_m: f64,
-    /// Mean angle from straight down, radians.
+    /// Angle from straight down, radians: that of the mean ground and slant ranges.
     pub phi_rad: f64,
     /// Mean slant range, metres.
     pub range_m: f64,
@@ -85,7 +86,6 @@ struct Sums {
 struct Bin {
     count: u32,
     ground_m: f64,
-    phi_rad: f64,
     range_m: f64,
     /// How often each level occurs.
     of_level: [u16; 256],
@@ -139,7 +139,6 @@ impl Sums {
         if let Some(bin) = self.bins.get_mut(place) {
             bin.count += 1;
             bin.ground_m += sample.ground_m;
-            bin.phi_rad += sample.phi_rad;
             bin.range_m += sample.range_m;
             let count = &mut bin.of_level[usize::from(level)];
             *count = count.saturating_add(1);
@@ -157,8 +156,8 @@ impl Sums {
         let angles_rad = ANGLES_DEG.map(f64::to_radians);
         for bin in self.bins.iter().filter(|bin| bin.count >= LEAST_SAMPLES) {
             let count = f64::from(bin.count);
-            let [ground_m, phi_rad, range_m] =
-                [bin.ground_m, bin.phi_rad, bin.range_m].map(|sum| sum / count);
+            let [ground_m, range_m] = [bin.ground_m, bin.range_m].map(|sum| sum / count);
+            let phi_rad = (ground_m / range_m).asin();
             if phi_rad > angles_rad[0] && phi_rad < angles_rad[1] {
                 let place_m = [0, 1].map(|axis| middle[axis] + ground_m * outward[axis]);
                 found.push(Piece {
@@ -191,7 +190,6 @@ impl Bin {
     const NONE: Self = Self {
         count: 0,
         ground_m: 0.0,
-        phi_rad: 0.0,
         range_m: 0.0,
         of_level: [0; 256],
     };
@@ -216,66 +214,53 @@ impl Bin {
 struct OnGround {
     index: usize,
     ground_m: f64,
-    phi_rad: f64,
     range_m: f64,
 }
 
-/// Slant range of the ground across the track, at even steps of ground range: never falling, for of two places at one range the nearer
-/// one comes first.
-struct Ray(Vec<Step>);
-
-/// Where a ray is at a step: slant range, metres, and angle from straight down, radians.
-#[derive(Clone, Copy)]
-struct Step {
-    range_m: f64,
-    phi_rad: f64,
-}
+/// Slant range of the ground across the track, metres, at even steps of ground range: never falling, for of two places at one range the
+/// nearer one comes first.
+struct Ray(Vec<f64>);
 
 impl Ray {
     fn new(place: &PingPlace, outward: [f64; 2], ground: &Ground) -> Self {
-        let mut most_m: f64 = 0.0;
-        let steps = (REACH_M[1] / RAY_STEP_M).round() as usize;
+        // Of squares, for a survey has millions of steps and `f64::hypot` minds numbers that none has.
+        let mut most_m2: f64 = 0.0;
+        let steps = (FARTHEST_M / RAY_STEP_M).round() as usize;
         let flattest = FLATTEST_DEG.to_radians().tan();
         let along = (0..=steps).map_while(|step| {
             let ground_m = step as f64 * RAY_STEP_M;
             let at = [0, 1].map(|axis| place.place_m[axis] + ground_m * outward[axis]);
             let altitude_m = ground.depth_at(at) - place.transducer_m;
-            most_m = most_m.max(ground_m.hypot(altitude_m));
-            // Strictly growing, so that each range has one place.
-            let range_m = most_m + 1e-9 * step as f64;
+            most_m2 = most_m2.max(ground_m * ground_m + altitude_m * altitude_m);
             let goes_on = altitude_m > LEAST_ALTITUDE_M && ground_m < flattest * altitude_m;
-            goes_on.then(|| Step {
-                range_m,
-                phi_rad: (ground_m / range_m).asin(),
-            })
+            // Strictly growing, so that each range has one place.
+            goes_on.then(|| most_m2.sqrt() + 1e-9 * step as f64)
         });
         Self(along.collect())
     }
 
     /// The samples between the ends of the reach, nearest first.
     fn samples(&self, near_m: f64, step_m: f64, count: usize) -> Vec<OnGround> {
-        let beyond_rad = (ANGLES_DEG[1] + BEYOND_DEG).to_radians();
+        let beyond = (ANGLES_DEG[1] + BEYOND_DEG).to_radians().sin();
         let mut found = Vec::new();
         let mut step = 0;
         for index in 0..count {
             let range_m = near_m + (index as f64 + 0.5) * step_m;
-            while step + 1 < self.0.len() && self.0[step + 1].range_m < range_m {
+            while step + 1 < self.0.len() && self.0[step + 1] < range_m {
                 step += 1;
             }
             let Some(&[from, to]) = self.0.get(step..step + 2) else {
                 break;
             };
-            let share = (range_m - from.range_m) / (to.range_m - from.range_m);
+            let share = (range_m - from) / (to - from);
             let ground_m = (step as f64 + share) * RAY_STEP_M;
-            if share < 0.0 || ground_m <= REACH_M[0] {
+            if share < 0.0 || ground_m <= NEAREST_M {
                 continue;
             }
-            let phi_rad = from.phi_rad + share * (to.phi_rad - from.phi_rad);
-            if phi_rad < beyond_rad {
+            if ground_m < beyond * range_m {
                 found.push(OnGround {
                     index,
                     ground_m,
-                    phi_rad,
                     range_m,
                 });
             }
