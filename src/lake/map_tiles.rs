@@ -255,7 +255,7 @@ fn light(contents: &TileContents, tiles: &[TileId]) -> Result<Light, LakeError> 
     let mut lights = Vec::new();
     for tile in tiles.iter().step_by(tiles.len().div_ceil(LIT_BY).max(1)) {
         let content = contents.of(*tile).map_err(|error| error.to_string())?;
-        lights.push(Light::suited(&content.surface));
+        lights.push(Light::suited(&content.surface()));
     }
     lights.sort_by(|a, b| a.exaggeration.total_cmp(&b.exaggeration));
     let middle = lights.get(lights.len() / 2);

@@ -14,13 +14,15 @@ use std::io;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Tiles that are kept, some 10 MB each.
+/// Tiles that are kept, some 4 MB each.
 const KEPT: usize = 24;
 
 /// The map of a tile.
 pub struct TileContent {
-    /// Its depths.
-    pub surface: Surface,
+    /// Its cells.
+    grid: Grid,
+    /// Depths of its cells, row by row, metres; NaN where none is known. Nothing else of a surface is kept: it would take three times the memory.
+    depth_m: Vec<f32>,
     /// Its isobaths, in pixels of a zoom of the web.
     pub lines: Vec<Isobath>,
 }
@@ -72,22 +74,17 @@ impl TileContents {
         };
         let depths = folder.join(DEPTH);
         let isobaths = folder.join(ISOBATHS);
-        Ok(TileContent {
-            surface: surface(&depths, tile, self.lake.record.cell_m)
-                .map_err(|error| with_name(&depths, &error))?,
-            lines: lines(&isobaths, self.zoom).map_err(|error| with_name(&isobaths, &error))?,
-        })
-    }
-}
-
-fn surface(path: &Path, tile: TileId, cell_m: f64) -> Result<Surface, impl std::fmt::Display> {
-    let grid = tile.grid(0.0, cell_m);
-    read_values(path).map(|raster| {
+        let grid = tile.grid(0.0, self.lake.record.cell_m);
+        let raster = read_values(&depths).map_err(|error| with_name(&depths, &error))?;
         // A raster of another size is not the tile's: what it lacks is not known.
         let mut depth_m = raster.values;
         depth_m.resize(grid.len(), f32::NAN);
-        Surface::of_depths(grid, depth_m)
-    })
+        Ok(TileContent {
+            grid,
+            depth_m,
+            lines: lines(&isobaths, self.zoom).map_err(|error| with_name(&isobaths, &error))?,
+        })
+    }
 }
 
 /// The part of the file that is read: lines with their depths.
@@ -125,9 +122,14 @@ fn lines(path: &Path, zoom: u8) -> io::Result<Vec<Isobath>> {
 }
 
 impl TileContent {
+    /// Its depths as a surface.
+    pub fn surface(&self) -> Surface {
+        Surface::of_depths(self.grid, self.depth_m.clone())
+    }
+
     /// Copies its depths into those of a grid of the same cells; what lies beyond either is left.
     pub fn copy_into(&self, grid: &Grid, depth_m: &mut [f32]) {
-        let own = &self.surface.grid;
+        let own = &self.grid;
         let offset = |from_m: f64| (from_m / own.cell_m).round() as i64;
         let (east, south) = (
             offset(own.west_m - grid.west_m),
@@ -142,7 +144,7 @@ impl TileContent {
             return;
         }
         for row in span(south, own.rows, grid.rows) {
-            let from = &self.surface.depth_m[row * own.columns..][columns.clone()];
+            let from = &self.depth_m[row * own.columns..][columns.clone()];
             let to = (row as i64 + south) as usize * grid.columns;
             let first = to + (columns.start as i64 + east) as usize;
             depth_m[first..first + from.len()].copy_from_slice(from);
@@ -165,7 +167,8 @@ mod tests {
         };
         let own = grid(100.0, 50.0, 4);
         let content = TileContent {
-            surface: Surface::of_depths(own, (0..16).map(|cell| cell as f32).collect()),
+            grid: own,
+            depth_m: (0..16).map(|cell| cell as f32).collect(),
             lines: Vec::new(),
         };
         let around = grid(99.0, 50.5, 8);
