@@ -1,9 +1,10 @@
 //! The maps of all tiles of a lake as one map of the web: `map_tiles/depth.mbtiles`, `depth.pmtiles`, `depth_values.pmtiles`, `index.html` and, last,
-//! `map_tiles.json`, which says what they were made from.
+//! `map_tiles.json`, which says what they were made from. Parts of the map over tiles that are as they were are not drawn again.
 
 use super::add::make_folder;
 use super::error::LakeError;
 use super::index::tile_bounds_deg;
+use super::map_parts::{DrawnWith, MapParts, remove_parts};
 use super::record::{LONGEST_RECORD, Lake, write_json};
 use super::tile::TileId;
 use super::tile_content::TileContents;
@@ -13,8 +14,11 @@ use crate::bathymetry::isobaths::{Isobath, IsobathSettings, clipped};
 use crate::bathymetry::{Grid, Light, Surface, hill_shade};
 use crate::export::tile_sets::{TileSet, TileStore, map_page, mbtiles, pmtiles};
 use crate::geo::{LonLat, UtmZone, boxes_meet};
-use crate::map_tiles::{LitSurface, MapScales, Picture, Pixels, TileSource, WebTile, ZoomRange};
+use crate::map_tiles::{
+    LitSurface, MapPart, MapScales, Picture, Pixels, TileSource, WebTile, ZoomRange,
+};
 use crate::pipeline::Fingerprint;
+use crate::presentation::ticks::round_up;
 use crate::progress::Progress;
 use crate::regular_file;
 use serde::{Deserialize, Serialize};
@@ -28,12 +32,17 @@ const RECORD: &str = "map_tiles.json";
 const CHART: &str = "depth.mbtiles";
 const ARCHIVES: [&str; 2] = ["depth.pmtiles", "depth_values.pmtiles"];
 const PAGE: &str = "index.html";
-/// All of them, the one first that says what the others are.
+/// The folder of the parts that the map was drawn in.
+const PARTS: &str = "map_parts";
+/// All files, the one first that says what the others are.
 const FILES: [&str; 5] = [RECORD, CHART, ARCHIVES[0], ARCHIVES[1], PAGE];
 /// Maps of tiles that the light is chosen by: evenly spread over the lake.
 const LIT_BY: usize = 16;
 /// Cells around a web tile that its hill-shade depends on.
 const MARGIN_CELLS: f64 = 2.0;
+/// Steps of the scale of colours, of which its ends are multiples: a new log that is a little shallower or deeper than all others leaves the
+/// colours of the map as they are.
+const SCALE_STEPS: f64 = 10.0;
 /// What the map is called, whatever its folder.
 const NAME: &str = "Depth map of a lake";
 
@@ -83,10 +92,11 @@ pub fn write_map_tiles(
         FILES
             .iter()
             .try_for_each(|name| remove(&folder.join(name)))?;
+        remove_parts(&lake.folder().join(PARTS), |_| true)?;
         return Ok(MapTilesState::None);
     }
     let made = MadeFrom {
-        program: format!("bathyscope {}", env!("CARGO_PKG_VERSION")),
+        program: program(),
         tiles: (maps.iter())
             .map(|(tile, record)| (tile.to_string(), depth_files(record)))
             .collect(),
@@ -109,6 +119,10 @@ pub fn write_map_tiles(
     let files = files.collect::<Result<_, _>>()?;
     write_json(&folder.join(RECORD), &Record { made, files })?;
     Ok(MapTilesState::Made)
+}
+
+fn program() -> String {
+    format!("bathyscope {}", env!("CARGO_PKG_VERSION"))
 }
 
 /// The files of a tile that the tiles of the web show.
@@ -150,7 +164,8 @@ fn write_files(
     for (name, picture) in ARCHIVES.iter().zip([Picture::Colours, Picture::Elevations]) {
         pmtiles(&folder.join(name), &store, picture, &set)?;
     }
-    Ok(map_page(&folder.join(PAGE), &set, ARCHIVES)?)
+    map_page(&folder.join(PAGE), &set, ARCHIVES)?;
+    source.parts.remove_others()
 }
 
 /// The maps of all tiles of a lake.
@@ -161,6 +176,7 @@ struct LakeTiles {
     cell_m: f64,
     scales: MapScales,
     light: Light,
+    parts: MapParts,
 }
 
 impl LakeTiles {
@@ -179,18 +195,33 @@ impl LakeTiles {
         ];
         let settings: IsobathSettings = isobath_settings(&lake.record.settings()?.isobaths);
         let contents = TileContents::new(lake, zooms.finest);
+        let light = light(&contents, &all)?;
+        let scales = MapScales {
+            zooms,
+            range_m: colour_range_m(range_m),
+            // Too many are a warning of the tiles; the map is drawn without.
+            levels_m: settings.levels_m(range_m).unwrap_or_default(),
+            isobaths: settings,
+        };
+        let drawn_with = DrawnWith {
+            program: program(),
+            finest_zoom: zooms.finest,
+            range_m: scales.range_m,
+            exaggeration: light.exaggeration,
+            interval_m: scales.interval_m().map(|interval_m| interval_m as f32),
+            isobaths: scales.isobaths.clone(),
+        };
+        let files = maps
+            .iter()
+            .map(|(tile, record)| (*tile, depth_files(record)));
+        let parts = MapParts::new(lake.folder().join(PARTS), drawn_with, files.collect());
         Ok(Self {
-            light: light(&contents, &all)?,
-            scales: MapScales {
-                zooms,
-                range_m: range_m.map(|depth_m| depth_m as f32),
-                // Too many are a warning of the tiles; the map is drawn without.
-                levels_m: settings.levels_m(range_m).unwrap_or_default(),
-                isobaths: settings,
-            },
+            light,
+            scales,
             contents,
             tiles,
             cell_m,
+            parts,
         })
     }
 
@@ -219,6 +250,16 @@ impl LakeTiles {
         }
         Ok(grid.map(|(grid, depth_m)| Surface::of_depths(grid, depth_m)))
     }
+}
+
+/// Ends of the scale of colours for depths from the least to the greatest: round numbers beyond them.
+fn colour_range_m([least_m, most_m]: [f64; 2]) -> [f32; 2] {
+    let step_m = round_up((most_m - least_m) / SCALE_STEPS);
+    [
+        (least_m / step_m).floor() * step_m,
+        (most_m / step_m).ceil() * step_m,
+    ]
+    .map(|depth_m| depth_m as f32)
 }
 
 /// The grid of a zone's cells over a tile of the web and a little around it.
@@ -302,5 +343,28 @@ impl TileSource for LakeTiles {
             lines.extend(content.lines.iter().flat_map(|line| clipped(line, bounds)));
         }
         Ok(lines)
+    }
+
+    fn kept(&self, tile: WebTile) -> Option<MapPart> {
+        self.parts.read(tile, &self.under(tile))
+    }
+
+    fn keep(&self, tile: WebTile, part: &MapPart) -> io::Result<()> {
+        self.parts.write(tile, &self.under(tile), part)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_end_at_round_depths_beyond_all() {
+        assert_eq!(colour_range_m([1.29, 6.05]), [1.0, 6.5]);
+        assert_eq!(colour_range_m([1.41, 6.31]), [1.0, 6.5]);
+        assert_eq!(colour_range_m([-0.2, 0.7]), [-0.2, 0.7]);
+        assert_eq!(colour_range_m([0.0, 31.0]), [0.0, 35.0]);
+        let level_m = colour_range_m([2.5, 2.5]);
+        assert!((level_m[0] - 2.5).abs() < 1e-6 && (level_m[1] - 2.5).abs() < 1e-6);
     }
 }

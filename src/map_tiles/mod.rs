@@ -5,7 +5,8 @@
 //! ```
 //!
 //! `web_tile` says where tiles lie, `lit_surface` what is known at a place, `pixels` holds what is known of a tile and colours it, `chart` draws isobaths over that, their depths by `label`
-//! and both by `stroke`; `pyramid` walks from the finest zoom to the coarsest, so that no more than a few tiles are in memory.
+//! and both by `stroke`; `pyramid` walks from the finest zoom to the coarsest, so that no more than a few tiles are in memory. A source may keep
+//! parts of its map, so that what did not change is not drawn again.
 
 mod chart;
 mod label;
@@ -17,5 +18,5 @@ mod web_tile;
 
 pub use lit_surface::LitSurface;
 pub use pixels::{Pixel, Pixels, TILE_PIXELS};
-pub use pyramid::{MapScales, Picture, TileSource, pyramid};
+pub use pyramid::{Known, MapPart, MapScales, Picture, TileSource, pyramid};
 pub use web_tile::{WebTile, ZoomRange, web_pixel};

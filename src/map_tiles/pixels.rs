@@ -72,6 +72,23 @@ impl Pixels {
         })
     }
 
+    /// All values, depths before lights, 4 bytes each, the lowest first.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let values = self.depth_m.iter().chain(&self.light);
+        values.flat_map(|value| value.to_le_bytes()).collect()
+    }
+
+    /// Of [`Pixels::to_bytes`]; `None` where they are too few or too many.
+    pub fn of_bytes(bytes: &[u8]) -> Option<Self> {
+        let (values, rest) = bytes.as_chunks::<4>();
+        let mut depth_m: Vec<f32> = values.iter().copied().map(f32::from_le_bytes).collect();
+        if !rest.is_empty() || depth_m.len() != 2 * TILE_PIXELS * TILE_PIXELS {
+            return None;
+        }
+        let light = depth_m.split_off(TILE_PIXELS * TILE_PIXELS);
+        Some(Self { depth_m, light })
+    }
+
     /// Colours of depth, lit; clear where nothing is known. Red, green, blue and opacity of each pixel.
     pub fn colours(&self, range_m: [f32; 2]) -> Vec<u8> {
         self.rgba(|pixel| lit_depth_colour(pixel.depth_m, range_m, pixel.light))

@@ -8,6 +8,7 @@ use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder as _};
 use rayon::prelude::*;
 use std::io;
+use std::sync::{Mutex, PoisonError};
 
 /// What a picture of a tile shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -49,7 +50,40 @@ pub trait TileSource: Sync {
     /// # Errors
     /// When they cannot be read.
     fn isobaths(&self, tile: WebTile) -> io::Result<Vec<Isobath>>;
+    /// A part of the map as it was drawn before, where it would be drawn the same now; the source need not keep any.
+    fn kept(&self, _tile: WebTile) -> Option<MapPart> {
+        None
+    }
+    /// Takes a part of the map that was drawn, to keep it.
+    ///
+    /// # Errors
+    /// When it cannot be kept.
+    fn keep(&self, _tile: WebTile, _part: &MapPart) -> io::Result<()> {
+        Ok(())
+    }
 }
+
+/// What is known of a tile: what the next coarser one is made of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Known {
+    /// Its pixels.
+    pub pixels: Pixels,
+    /// The isobaths in it, in pixels of the finest zoom from the north-west of the whole earth.
+    pub lines: Vec<Isobath>,
+}
+
+/// A part of a map: a tile a few zooms coarser than the finest, drawn with all finer ones in it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MapPart {
+    /// What is known of the tile, `None` where that is nothing.
+    pub known: Option<Known>,
+    /// Its pictures and those of the finer tiles, PNG, in order.
+    pub pictures: Vec<(Picture, WebTile, Vec<u8>)>,
+}
+
+/// Zooms from a part of a map to its finest tiles. A part is some 250 to 500 m long where cells are 0.5 m, about as long as a tile of a lake:
+/// smaller ones would be too many files, and of larger ones too much would be drawn anew when a tile changes.
+const PART_ZOOMS: u8 = 2;
 
 /// Isobaths that are left, by how many zooms a tile is coarser than the finest: every one, every second, every fifth.
 const EVERY: [i64; 9] = [1, 1, 2, 2, 5, 5, 10, 10, 20];
@@ -68,73 +102,116 @@ pub fn pyramid(
 ) -> io::Result<()> {
     let zooms = source.scales().zooms;
     progress.start(zooms.tiles(zooms.finest).len() as u64);
-    let apart = evenly_apart_m(&source.scales().levels_m);
     let pyramid = Pyramid {
         source,
         zooms,
-        interval_m: apart.map(|[interval_m, _]| interval_m),
+        interval_m: source.scales().interval_m(),
         progress,
         keep,
     };
     let tops = zooms.tiles(zooms.coarsest);
     tops.par_iter()
-        .try_for_each(|tile| pyramid.part(*tile).map(drop))
+        .try_for_each(|tile| pyramid.tile(*tile).map(drop))
 }
 
-struct Pyramid<'a, S, K> {
+impl MapScales {
+    /// Metres from one isobath to the next, `None` where they are not evenly apart.
+    pub fn interval_m(&self) -> Option<f64> {
+        evenly_apart_m(&self.levels_m).map(|[interval_m, _]| interval_m)
+    }
+}
+
+type Keep<'a> = &'a (dyn Fn(Picture, WebTile, Vec<u8>) -> io::Result<()> + Sync);
+
+struct Pyramid<'a, S> {
     source: &'a S,
     zooms: ZoomRange,
     interval_m: Option<f64>,
     progress: &'a Progress,
-    keep: &'a K,
+    keep: Keep<'a>,
 }
 
-/// A tile, and the lines in it.
-struct Part {
-    pixels: Pixels,
-    lines: Vec<Isobath>,
-}
-
-impl<S, K> Pyramid<'_, S, K>
-where
-    S: TileSource,
-    K: Fn(Picture, WebTile, Vec<u8>) -> io::Result<()> + Sync,
-{
-    /// A tile and all finer ones in it.
-    fn part(&self, tile: WebTile) -> io::Result<Option<Part>> {
+impl<S: TileSource> Pyramid<'_, S> {
+    /// A tile and all finer ones in it, of parts of the map where it is coarser than they.
+    fn tile(&self, tile: WebTile) -> io::Result<Option<Known>> {
         self.progress.check().map_err(io::Error::other)?;
-        if !self.source.reaches(tile) {
-            return Ok(None);
+        let part_zoom = self.zooms.finest.saturating_sub(PART_ZOOMS);
+        match self.source.reaches(tile) {
+            false => Ok(None),
+            true if tile.zoom == part_zoom.max(self.zooms.coarsest) => self.part(tile),
+            true => self.drawn(tile),
         }
-        let part = match tile.zoom == self.zooms.finest {
+    }
+
+    /// A part of the map as it was kept, or else drawn and kept.
+    fn part(&self, tile: WebTile) -> io::Result<Option<Known>> {
+        let part = match self.source.kept(tile) {
+            Some(part) => {
+                let is_finest = |(picture, one, _): &&(Picture, WebTile, Vec<u8>)| {
+                    *picture == Picture::Colours && one.zoom == self.zooms.finest
+                };
+                let finest = part.pictures.iter().filter(is_finest).count();
+                self.progress.advance(finest as u64);
+                part
+            }
+            None => {
+                let pictures = Mutex::default();
+                let take = |picture, tile, bytes| {
+                    let mut pictures = pictures.lock().unwrap_or_else(PoisonError::into_inner);
+                    Vec::push(&mut pictures, (picture, tile, bytes));
+                    Ok(())
+                };
+                let inner = Pyramid {
+                    keep: &take,
+                    ..*self
+                };
+                let known = inner.drawn(tile)?;
+                let mut pictures = pictures
+                    .into_inner()
+                    .unwrap_or_else(PoisonError::into_inner);
+                // Threads hand them over in any order.
+                pictures.sort_unstable_by_key(|(picture, tile, _)| (*picture, *tile));
+                let part = MapPart { known, pictures };
+                self.source.keep(tile, &part)?;
+                part
+            }
+        };
+        for (picture, tile, bytes) in part.pictures {
+            (self.keep)(picture, tile, bytes)?;
+        }
+        Ok(part.known)
+    }
+
+    fn drawn(&self, tile: WebTile) -> io::Result<Option<Known>> {
+        let known = match tile.zoom == self.zooms.finest {
             true => self.finest(tile)?,
             false => self.coarser(tile)?,
         };
-        if let Some(part) = &part {
-            self.pictures(tile, part)?;
+        if let Some(known) = &known {
+            self.pictures(tile, known)?;
         }
-        Ok(part)
+        Ok(known)
     }
 
-    fn finest(&self, tile: WebTile) -> io::Result<Option<Part>> {
+    fn finest(&self, tile: WebTile) -> io::Result<Option<Known>> {
         self.progress.advance(1);
         let Some(pixels) = self.source.pixels(tile)? else {
             return Ok(None);
         };
         let lines = self.source.isobaths(tile)?;
-        Ok(Some(Part { pixels, lines }))
+        Ok(Some(Known { pixels, lines }))
     }
 
-    fn coarser(&self, tile: WebTile) -> io::Result<Option<Part>> {
+    fn coarser(&self, tile: WebTile) -> io::Result<Option<Known>> {
         let children = tile.children();
-        let parts = children.par_iter().map(|child| self.part(*child));
-        let parts: Vec<Option<Part>> = parts.collect::<io::Result<_>>()?;
-        let pixels = [0, 1, 2, 3].map(|child| parts[child].as_ref().map(|part| &part.pixels));
+        let known = children.par_iter().map(|child| self.tile(*child));
+        let known: Vec<Option<Known>> = known.collect::<io::Result<_>>()?;
+        let pixels = [0, 1, 2, 3].map(|child| known[child].as_ref().map(|one| &one.pixels));
         let Some(pixels) = Pixels::of_children(pixels) else {
             return Ok(None);
         };
         let coarser = self.zooms.finest - tile.zoom;
-        let lines = parts.into_iter().flatten().flat_map(|part| part.lines);
+        let lines = known.into_iter().flatten().flat_map(|one| one.lines);
         let lines = joined(
             lines
                 .filter(|line| self.is_shown(line.depth_m, coarser))
@@ -147,7 +224,7 @@ where
         let lines = thinned
             .filter(|line| line.length_m() >= LEAST_LENGTH * pixel)
             .collect();
-        Ok(Some(Part { pixels, lines }))
+        Ok(Some(Known { pixels, lines }))
     }
 
     /// Whether an isobath is still drawn at a coarser zoom: multiples of so many intervals; all where they are not evenly apart.
@@ -157,8 +234,8 @@ where
             .is_none_or(|interval_m| (depth_m / interval_m).round() as i64 % every == 0)
     }
 
-    fn pictures(&self, tile: WebTile, part: &Part) -> io::Result<()> {
-        let mut picture = part.pixels.colours(self.source.scales().range_m);
+    fn pictures(&self, tile: WebTile, known: &Known) -> io::Result<()> {
+        let mut picture = known.pixels.colours(self.source.scales().range_m);
         (self.keep)(Picture::Colours, tile, png(&picture)?)?;
         let ([west, north], side) = tile.corner_at(self.zooms.finest);
         let scale = TILE_PIXELS as f64 / side;
@@ -170,10 +247,10 @@ where
             .collect(),
             ..*line
         };
-        let lines: Vec<Isobath> = part.lines.iter().map(in_tile).collect();
+        let lines: Vec<Isobath> = known.lines.iter().map(in_tile).collect();
         draw_isobaths(&mut picture, &lines, &self.source.scales().isobaths);
         (self.keep)(Picture::Chart, tile, png(&picture)?)?;
-        (self.keep)(Picture::Elevations, tile, png(&part.pixels.elevations())?)
+        (self.keep)(Picture::Elevations, tile, png(&known.pixels.elevations())?)
     }
 }
 
@@ -211,8 +288,13 @@ mod tests {
     use std::collections::BTreeMap;
     use std::sync::Mutex;
 
-    /// A bed that sinks eastwards by a metre from one edge of a box to the other, with an isobath in the middle.
-    struct Slope(MapScales);
+    /// A bed that sinks eastwards by a metre from one edge of a box to the other, with an isobath in the middle; it keeps its parts.
+    struct Slope {
+        scales: MapScales,
+        parts: Mutex<BTreeMap<WebTile, MapPart>>,
+        /// Tiles of the finest zoom that were asked for.
+        asked: Mutex<Vec<WebTile>>,
+    }
 
     const BOX: [f64; 4] = [9.0, 47.0, 9.004, 47.003];
 
@@ -222,7 +304,7 @@ mod tests {
 
     impl TileSource for Slope {
         fn scales(&self) -> &MapScales {
-            &self.0
+            &self.scales
         }
 
         fn reaches(&self, tile: WebTile) -> bool {
@@ -230,6 +312,7 @@ mod tests {
         }
 
         fn pixels(&self, tile: WebTile) -> io::Result<Option<Pixels>> {
+            self.asked.lock().unwrap().push(tile);
             let inside = |at: &LonLat| {
                 (BOX[0]..BOX[2]).contains(&at.lon_deg) && (BOX[1]..BOX[3]).contains(&at.lat_deg)
             };
@@ -248,41 +331,54 @@ mod tests {
                     lon_deg: middle_deg,
                     lat_deg,
                 };
-                web_pixel(at, self.0.zooms.finest)
+                web_pixel(at, self.scales.zooms.finest)
             });
             let line = Isobath {
                 depth_m: 2.5,
                 points: points.to_vec(),
             };
-            Ok(clipped(&line, tile.pixel_bounds(self.0.zooms.finest)))
+            Ok(clipped(&line, tile.pixel_bounds(self.scales.zooms.finest)))
+        }
+
+        fn kept(&self, tile: WebTile) -> Option<MapPart> {
+            self.parts.lock().unwrap().get(&tile).cloned()
+        }
+
+        fn keep(&self, tile: WebTile, part: &MapPart) -> io::Result<()> {
+            self.parts.lock().unwrap().insert(tile, part.clone());
+            Ok(())
         }
     }
 
     fn slope() -> Slope {
-        Slope(MapScales {
-            zooms: ZoomRange::of_map(BOX, 0.6),
-            range_m: [2.0, 3.0],
-            levels_m: vec![2.5],
-            isobaths: IsobathSettings::default(),
-        })
+        Slope {
+            scales: MapScales {
+                zooms: ZoomRange::of_map(BOX, 0.6),
+                range_m: [2.0, 3.0],
+                levels_m: vec![2.5],
+                isobaths: IsobathSettings::default(),
+            },
+            parts: Mutex::default(),
+            asked: Mutex::default(),
+        }
     }
 
     type Pictures = BTreeMap<(Picture, WebTile), Vec<u8>>;
 
-    fn drawn() -> (ZoomRange, Pictures) {
-        let source = slope();
+    fn drawn(source: &Slope) -> Pictures {
         let kept = Mutex::new(Pictures::new());
         let keep = |picture, tile, bytes| {
             kept.lock().unwrap().insert((picture, tile), bytes);
             Ok(())
         };
-        pyramid(&source, &Progress::new(), &keep).unwrap();
-        (source.0.zooms, kept.into_inner().unwrap())
+        pyramid(source, &Progress::new(), &keep).unwrap();
+        kept.into_inner().unwrap()
     }
 
     #[test]
     fn every_zoom_shows_the_same_bed_and_its_isobath() {
-        let (zooms, pictures) = drawn();
+        let pictures = drawn(&slope());
+        let zooms = slope().scales.zooms;
         assert!(zooms.finest >= zooms.coarsest + 3);
         for zoom in zooms.coarsest..=zooms.finest {
             let mut lined = 0;
@@ -320,10 +416,27 @@ mod tests {
 
     #[test]
     fn the_same_map_gives_the_same_pictures_and_a_cancelled_one_none() {
-        assert!(drawn().1 == drawn().1);
+        assert!(drawn(&slope()) == drawn(&slope()));
         let cancelled = Progress::new();
         cancelled.cancel();
         assert!(pyramid(&slope(), &cancelled, &|_, _, _| Ok(())).is_err());
+    }
+
+    #[test]
+    fn parts_that_are_kept_are_not_drawn_again() {
+        let source = slope();
+        let pictures = drawn(&source);
+        let part = *source.parts.lock().unwrap().keys().next().unwrap();
+        assert!(source.parts.lock().unwrap().len() > 1);
+        source.asked.lock().unwrap().clear();
+        assert!(drawn(&source) == pictures);
+        assert!(source.asked.lock().unwrap().is_empty());
+        source.parts.lock().unwrap().remove(&part);
+        assert!(drawn(&source) == pictures);
+        let asked = source.asked.lock().unwrap();
+        let within = |tile: &WebTile| (tile.x >> PART_ZOOMS, tile.y >> PART_ZOOMS);
+        assert!(!asked.is_empty());
+        assert!(asked.iter().all(|tile| within(tile) == (part.x, part.y)));
     }
 
     #[test]
@@ -331,7 +444,7 @@ mod tests {
         let keep = |_, _, _| Ok(());
         let pyramid = Pyramid {
             source: &slope(),
-            zooms: slope().0.zooms,
+            zooms: slope().scales.zooms,
             interval_m: Some(0.5),
             progress: &Progress::new(),
             keep: &keep,

@@ -53,4 +53,33 @@ fn they_are_made_of_all_tiles_whatever_the_order_of_the_logs_and_only_when_one_c
     }
     run(&one, &["lake", "lake"]);
     assert!(files(&one.join("lake/map_tiles")).is_empty());
+    assert!(files(&one.join("lake/map_parts")).is_empty());
+}
+
+#[test]
+fn a_log_elsewhere_leaves_the_parts_of_the_map_that_it_does_not_reach() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    let lake = folder.join("lake");
+    let build = || {
+        run(folder, &["lake", "lake"]);
+        ["map_tiles", "map_parts"].map(|name| files(&lake.join(name)))
+    };
+    sail(folder, 0, &scene(0, [3.0, -4.0], 0.0));
+    add(folder, &["log-0.sl2"]);
+    let [_, parts] = build();
+    sail(folder, 1, &scene(1, [1500.0, -4.0], 0.0));
+    add(folder, &["log-1.sl2"]);
+    let [grown, more] = build();
+    assert!(!parts.is_empty() && parts.keys().all(|name| more.contains_key(name)));
+    assert!(parts.len() < more.len());
+
+    // What was kept and what is drawn anew, for want of a part or because it is damaged, are the same map.
+    let (name, bytes) = more.first_key_value().expect("a part");
+    fs::write(lake.join("map_parts").join(name), &bytes[..bytes.len() / 2]).expect("a file");
+    fs::remove_dir_all(lake.join("map_tiles")).expect("a folder");
+    assert!(build() == [grown.clone(), more.clone()]);
+    fs::remove_dir_all(lake.join("map_tiles")).expect("a folder");
+    fs::remove_dir_all(lake.join("map_parts")).expect("a folder");
+    assert!(build() == [grown, more]);
 }
