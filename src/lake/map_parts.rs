@@ -26,8 +26,7 @@ const ENDING: &str = ".parquet";
 const HASH: usize = 12;
 /// Names of the columns: what a row is, the tile of a picture, and the bytes.
 const COLUMNS: [&str; 5] = ["content", "zoom", "x", "y", "bytes"];
-/// What a row is: pictures, and what is known of the tile itself.
-const PICTURES: [Picture; 3] = [Picture::Colours, Picture::Chart, Picture::Elevations];
+/// What a row is: a picture, by its place in [`Picture::ALL`], or what is known of the tile itself.
 const PIXELS: i32 = 3;
 const LINE: i32 = 4;
 /// No tile has more bytes of pixels; a damaged file may say that it has.
@@ -146,14 +145,10 @@ fn columns(part: &MapPart) -> io::Result<Vec<Column>> {
         rows.push((PIXELS, None, packed.finish()?));
         rows.extend((known.lines.iter()).map(|line| (LINE, None, line_bytes(line))));
     }
-    for (picture, tile, bytes) in &part.pictures {
-        let content = PICTURES.iter().position(|one| one == picture);
-        rows.push((
-            content.unwrap_or_default() as i32,
-            Some(*tile),
-            bytes.clone(),
-        ));
-    }
+    rows.extend((part.pictures.iter()).map(|(picture, tile, bytes)| {
+        let content = *picture as i32;
+        (content, Some(*tile), bytes.clone())
+    }));
     let of_tiles = |value: fn(WebTile) -> u32| {
         let values = rows.iter().map(|row| row.1.map(|tile| value(tile) as i32));
         Values::Whole(values.collect())
@@ -193,7 +188,7 @@ fn read(path: &Path) -> Option<MapPart> {
             PIXELS => pixels = Some(unpacked(&bytes)?),
             LINE => lines.push(line_of(&bytes)?),
             other => {
-                let picture = *PICTURES.get(usize::try_from(other).ok()?)?;
+                let picture = *Picture::ALL.get(usize::try_from(other).ok()?)?;
                 let tile = WebTile {
                     zoom: u8::try_from(zoom[row]?).ok()?,
                     x: u32::try_from(x[row]?).ok()?,
@@ -279,9 +274,7 @@ mod tests {
             depth_m: 0.1 + 0.2,
             points: vec![[1.0 / 3.0, 2e7 / 7.0], [0.1, 1e7 / 3.0]],
         };
-        let pictures = TILE
-            .children()
-            .map(|tile| (Picture::Chart, tile, b"PNG".to_vec()));
+        let pictures = Picture::ALL.map(|picture| (picture, TILE, vec![picture as u8; 9]));
         MapPart {
             known: pixels.map(|pixels| Known {
                 pixels,

@@ -21,6 +21,11 @@ pub enum Picture {
     Elevations,
 }
 
+impl Picture {
+    /// All of them, in the order of their declaration.
+    pub const ALL: [Self; 3] = [Self::Colours, Self::Chart, Self::Elevations];
+}
+
 /// Where a map lies, and how it is drawn.
 #[derive(Clone, Debug)]
 pub struct MapScales {
@@ -32,6 +37,13 @@ pub struct MapScales {
     pub levels_m: Vec<f64>,
     /// How they are asked for: numbers along them are in its unit.
     pub isobaths: IsobathSettings,
+}
+
+impl MapScales {
+    /// Metres from one isobath to the next, `None` where they are not evenly apart.
+    pub fn interval_m(&self) -> Option<f64> {
+        evenly_apart_m(&self.levels_m).map(|[interval_m, _]| interval_m)
+    }
 }
 
 /// What tiles are made of.
@@ -81,6 +93,16 @@ pub struct MapPart {
     pub pictures: Vec<(Picture, WebTile, Vec<u8>)>,
 }
 
+impl MapPart {
+    /// Tiles of a zoom that it has pictures of.
+    fn count(&self, zoom: u8) -> u64 {
+        let tiles = self.pictures.iter();
+        let of_zoom =
+            tiles.filter(|(picture, tile, _)| *picture == Picture::Colours && tile.zoom == zoom);
+        of_zoom.count() as u64
+    }
+}
+
 /// Zooms from a part of a map to its finest tiles. A part is some 250 to 500 m long where cells are 0.5 m, about as long as a tile of a lake:
 /// smaller ones would be too many files, and of larger ones too much would be drawn anew when a tile changes.
 const PART_ZOOMS: u8 = 2;
@@ -114,13 +136,6 @@ pub fn pyramid(
         .try_for_each(|tile| pyramid.tile(*tile).map(drop))
 }
 
-impl MapScales {
-    /// Metres from one isobath to the next, `None` where they are not evenly apart.
-    pub fn interval_m(&self) -> Option<f64> {
-        evenly_apart_m(&self.levels_m).map(|[interval_m, _]| interval_m)
-    }
-}
-
 type Keep<'a> = &'a (dyn Fn(Picture, WebTile, Vec<u8>) -> io::Result<()> + Sync);
 
 struct Pyramid<'a, S> {
@@ -147,31 +162,11 @@ impl<S: TileSource> Pyramid<'_, S> {
     fn part(&self, tile: WebTile) -> io::Result<Option<Known>> {
         let part = match self.source.kept(tile) {
             Some(part) => {
-                let is_finest = |(picture, one, _): &&(Picture, WebTile, Vec<u8>)| {
-                    *picture == Picture::Colours && one.zoom == self.zooms.finest
-                };
-                let finest = part.pictures.iter().filter(is_finest).count();
-                self.progress.advance(finest as u64);
+                self.progress.advance(part.count(self.zooms.finest));
                 part
             }
             None => {
-                let pictures = Mutex::default();
-                let take = |picture, tile, bytes| {
-                    let mut pictures = pictures.lock().unwrap_or_else(PoisonError::into_inner);
-                    Vec::push(&mut pictures, (picture, tile, bytes));
-                    Ok(())
-                };
-                let inner = Pyramid {
-                    keep: &take,
-                    ..*self
-                };
-                let known = inner.drawn(tile)?;
-                let mut pictures = pictures
-                    .into_inner()
-                    .unwrap_or_else(PoisonError::into_inner);
-                // Threads hand them over in any order.
-                pictures.sort_unstable_by_key(|(picture, tile, _)| (*picture, *tile));
-                let part = MapPart { known, pictures };
+                let part = self.drawn_part(tile)?;
                 self.source.keep(tile, &part)?;
                 part
             }
@@ -180,6 +175,26 @@ impl<S: TileSource> Pyramid<'_, S> {
             (self.keep)(picture, tile, bytes)?;
         }
         Ok(part.known)
+    }
+
+    fn drawn_part(&self, tile: WebTile) -> io::Result<MapPart> {
+        let pictures: Mutex<Vec<(Picture, WebTile, Vec<u8>)>> = Mutex::default();
+        let keep = |picture, tile, bytes| {
+            let mut pictures = pictures.lock().unwrap_or_else(PoisonError::into_inner);
+            pictures.push((picture, tile, bytes));
+            Ok(())
+        };
+        let inner = Pyramid {
+            keep: &keep,
+            ..*self
+        };
+        let known = inner.drawn(tile)?;
+        let mut pictures = pictures
+            .into_inner()
+            .unwrap_or_else(PoisonError::into_inner);
+        // Threads hand them over in any order.
+        pictures.sort_unstable_by_key(|(picture, tile, _)| (*picture, *tile));
+        Ok(MapPart { known, pictures })
     }
 
     fn drawn(&self, tile: WebTile) -> io::Result<Option<Known>> {
