@@ -247,6 +247,23 @@ impl Surface {
         })
     }
 
+    /// West, south, east and north edge of the cells with a known depth, metres of the grid; `None` without any.
+    pub fn known_bounds_m(&self) -> Option<[f64; 4]> {
+        let grid = &self.grid;
+        let rows = self.depth_m.chunks(grid.columns.max(1)).enumerate();
+        let rows = rows.filter_map(|(row, depths)| {
+            let first = depths.iter().position(|depth| !depth.is_nan())?;
+            let last = depths.iter().rposition(|depth| !depth.is_nan())?;
+            Some([row, first, last])
+        });
+        let [top, bottom, left, right] = rows
+            .map(|[row, first, last]| [row, row, first, last])
+            .reduce(|all, one| [all[0], one[1], all[2].min(one[2]), all[3].max(one[3])])?;
+        let east = |column: usize| grid.west_m + column as f64 * grid.cell_m;
+        let north = |row: usize| grid.north_m - row as f64 * grid.cell_m;
+        Some([east(left), north(bottom + 1), east(right + 1), north(top)])
+    }
+
     /// Standard deviation of the depth's error, metres, that half of the known cells do not exceed, and nine of ten; `None` where the
     /// spreads are not of errors.
     pub fn usual_error_m(&self) -> Option<[f64; 2]> {

@@ -213,7 +213,11 @@ fn vrt(zone: UtmZone, tiles: &[TileId], layer: &Layer) -> String {
 
 /// Longitudes and latitudes of the corners of a tile, counter-clockwise from the south-west, the first again at the end.
 fn corners(tile: TileId) -> [[f64; 2]; 5] {
-    let [west, south, east, north] = tile.bounds_m();
+    ring(tile.zone, tile.bounds_m())
+}
+
+/// The corners of a box of a zone (west, south, east and north), longitude and latitude in degrees, closed.
+fn ring(zone: UtmZone, [west, south, east, north]: [f64; 4]) -> [[f64; 2]; 5] {
     [
         [west, south],
         [east, south],
@@ -222,14 +226,19 @@ fn corners(tile: TileId) -> [[f64; 2]; 5] {
         [west, south],
     ]
     .map(|place| {
-        let at = tile.zone.to_lon_lat(place);
+        let at = zone.to_lon_lat(place);
         [at.lon_deg, at.lat_deg].map(|degrees| (degrees * 1e8).round() / 1e8)
     })
 }
 
 /// West, south, east and north of some tiles, degrees.
 pub(super) fn tile_bounds_deg(tiles: &[TileId]) -> [f64; 4] {
-    let all = tiles.iter().flat_map(|tile| corners(*tile));
+    zone_bounds_deg(tiles.iter().map(|tile| (tile.zone, tile.bounds_m())))
+}
+
+/// West, south, east and north of some boxes of zones, degrees.
+pub(super) fn zone_bounds_deg(boxes: impl Iterator<Item = (UtmZone, [f64; 4])>) -> [f64; 4] {
+    let all = boxes.flat_map(|(zone, bounds_m)| ring(zone, bounds_m));
     bounds_deg(all.map(|[lon_deg, lat_deg]| LonLat { lon_deg, lat_deg }))
 }
 

@@ -3,8 +3,9 @@
 
 use super::add::make_folder;
 use super::error::LakeError;
-use super::index::tile_bounds_deg;
+use super::index::zone_bounds_deg;
 use super::map_parts::{DrawnWith, MapParts, remove_parts};
+use super::reach::beside;
 use super::record::{LONGEST_RECORD, Lake, write_json};
 use super::tile::TileId;
 use super::tile_content::TileContents;
@@ -38,7 +39,7 @@ const PARTS: &str = "map_parts";
 const FILES: [&str; 5] = [RECORD, CHART, ARCHIVES[0], ARCHIVES[1], PAGE];
 /// Maps of tiles that the light is chosen by: evenly spread over the lake.
 const LIT_BY: usize = 16;
-/// Cells around a web tile that its hill-shade depends on.
+/// Cells around a web tile that its hill-shade depends on, and around the cells with a depth that a pixel may show one of.
 const MARGIN_CELLS: f64 = 2.0;
 /// Steps of the scale of colours, of which its ends are multiples: a new log that is a little shallower or deeper than all others leaves the
 /// colours of the map as they are.
@@ -171,7 +172,7 @@ fn write_files(
 /// The maps of all tiles of a lake.
 struct LakeTiles {
     contents: TileContents,
-    /// The tiles that have a map, with west, south, east and north in degrees.
+    /// The tiles that have a map, with west, south, east and north of their depths in degrees.
     tiles: BTreeMap<TileId, [f64; 4]>,
     cell_m: f64,
     scales: MapScales,
@@ -182,12 +183,23 @@ struct LakeTiles {
 impl LakeTiles {
     fn new(lake: &Lake, maps: &BTreeMap<TileId, TileRecord>) -> Result<Self, LakeError> {
         let cell_m = lake.record.cell_m;
-        let tiles: BTreeMap<TileId, [f64; 4]> = maps
-            .keys()
-            .map(|tile| (*tile, tile_bounds_deg(&[*tile])))
-            .collect();
+        let boxes = || {
+            let maps = maps.iter();
+            maps.map(|(tile, map)| {
+                (
+                    *tile,
+                    beside(map.depth_bounds_m(*tile), MARGIN_CELLS * cell_m),
+                )
+            })
+        };
+        let tiles = boxes().map(|(tile, bounds_m)| {
+            let own = std::iter::once((tile.zone, bounds_m));
+            (tile, zone_bounds_deg(own))
+        });
+        let tiles: BTreeMap<TileId, [f64; 4]> = tiles.collect();
         let all: Vec<TileId> = maps.keys().copied().collect();
-        let zooms = ZoomRange::of_map(tile_bounds_deg(&all), cell_m);
+        let of_map = zone_bounds_deg(boxes().map(|(tile, bounds_m)| (tile.zone, bounds_m)));
+        let zooms = ZoomRange::of_map(of_map, cell_m);
         let depths = || maps.values().flat_map(|record| &record.depth_m);
         let range_m = [
             depths().copied().fold(f64::MAX, f64::min),

@@ -46,6 +46,8 @@ pub struct TileRecord {
     pub cells: usize,
     /// Shallowest and deepest, metres; empty without any.
     pub depth_m: Vec<f64>,
+    /// West, south, east and north edge of those cells, metres of the zone; empty without any.
+    pub bounds_m: Vec<f64>,
     /// Lines of equal depth.
     pub isobaths: usize,
     /// Cells of the mosaic; without any there is none.
@@ -164,6 +166,11 @@ impl TileRecord {
         serde_json::from_str(&text.ok()?).ok()
     }
 
+    /// West, south, east and north edge of the cells with a depth, metres of the zone; of a record that does not say, those of the tile.
+    pub(super) fn depth_bounds_m(&self, tile: TileId) -> [f64; 4] {
+        <[f64; 4]>::try_from(self.bounds_m.as_slice()).unwrap_or(tile.bounds_m())
+    }
+
     /// Whether the tile has a file of a name.
     pub(super) fn has(&self, name: &str) -> bool {
         self.files.iter().any(|file| file.file == name)
@@ -244,6 +251,7 @@ pub fn write_tile(
         made: MadeFrom::of(lake, tile, logs, offsets),
         cells: 0,
         depth_m: Vec::new(),
+        bounds_m: Vec::new(),
         isobaths: 0,
         mosaic_cells: write_mosaic(
             lake,
@@ -263,6 +271,7 @@ pub fn write_tile(
             .filter(|depth| !depth.is_nan())
             .count();
         record.depth_m = Vec::from(made.surface.range_m());
+        record.bounds_m = (made.surface.known_bounds_m()).map_or_else(Vec::new, Vec::from);
         record.isobaths = made.isobaths.len();
         write_files(lake, tile, &made, progress)?;
     }

@@ -146,6 +146,10 @@ def check_maps(folder, logs):
             depth = raster.read(1, masked=True)
         assert depth.count() == record["cells"]
         assert abs(depth.min() - record["depth_m"][0]) < 1e-6 and abs(depth.max() - record["depth_m"][1]) < 1e-6
+        rows, columns = numpy.nonzero(~numpy.ma.getmaskarray(depth))
+        cell_m, north = TILE_M / depth.shape[0], south + TILE_M
+        edges = [west + columns.min() * cell_m, north - (rows.max() + 1) * cell_m, west + (columns.max() + 1) * cell_m, north - rows.min() * cell_m]
+        assert numpy.allclose(edges, record["bounds_m"], atol=1e-6, rtol=0.0), f"{tile}: depths lie within {edges}"
         zone = tile.split("_")[0]
         with rasterio.open(folder / f"index/depth_{zone}.vrt") as whole:
             window = rasterio.windows.from_bounds(west, south, west + TILE_M, south + TILE_M, whole.transform)

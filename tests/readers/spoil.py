@@ -226,6 +226,7 @@ LAKE_SPOILERS = {
     "rows that are not there": lambda folder: first(folder, "pings/*/*.parquet").unlink(),
     "rows that no record names": lambda folder: first(folder, "points/*/*.parquet").with_name("0.parquet").write_bytes(b""),
     "a map moved by a cell": move_map,
+    "a map elsewhere": edit_first("tiles/*/tile.json", lambda tile: tile.update(bounds_m=[edge + 1.0 for edge in tile["bounds_m"]])),
     "a map of other depths": edit_first("tiles/*/tile.json", lambda tile: tile.update(depth_m=[0.0, 99.0])),
     "a mosaic of other echoes": spoil_mosaic,
     "a part of the mosaic with a cell too many": edit_first(

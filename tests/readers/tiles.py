@@ -173,6 +173,23 @@ def check(folder, made):
         check_values(name, made[name], depths["least"], depths["most"], 1e-5)
 
 
+def check_opens_on(header, paths):
+    """The map of the web is said to lie where the depths are, within a few cells: a page opens on them."""
+    boxes = []
+    for path in paths:
+        with rasterio.open(path) as raster:
+            rows, columns = numpy.nonzero(~numpy.ma.getmaskarray(raster.read(1, masked=True)))
+            west, north = raster.transform @ (columns.min(), rows.min())
+            east, south = raster.transform @ (columns.max() + 1, rows.max() + 1)
+            turn = pyproj.Transformer.from_crs(raster.crs, 4326, always_xy=True)
+            boxes.append(turn.transform_bounds(west, south, east, north))
+            cell_deg = raster.res[0] / 111e3 / numpy.cos(numpy.radians(boxes[-1][1]))
+    west, south, east, north = numpy.array(boxes).T
+    extent = numpy.array([-west.min(), -south.min(), east.max(), north.max()])
+    said = numpy.array([-header["min_lon_e7"], -header["min_lat_e7"], header["max_lon_e7"], header["max_lat_e7"]]) / 1e7
+    assert (said > extent).all() and (said < extent + 4.0 * cell_deg).all(), f"{said} for {extent}"
+
+
 def check_lake(folder):
     """The joined tiles of a lake against the maps of its tiles."""
     rasters = [sampler(path) for path in sorted(folder.glob("tiles/*/depth.tif"))]
@@ -182,7 +199,8 @@ def check_lake(folder):
         known = numpy.isfinite(layers)
         return numpy.where(known.any(axis=0), numpy.take_along_axis(layers, known.argmax(axis=0)[None], axis=0)[0], numpy.nan)
 
-    _, tiles, count = check_set(folder / "map_tiles", depth_at)
+    header, tiles, count = check_set(folder / "map_tiles", depth_at)
+    check_opens_on(header, sorted(folder.glob("tiles/*/depth.tif")))
     made = json.loads((folder / "map_tiles/map_tiles.json").read_text())["made"]["tiles"]
     maps = [json.loads(path.read_text()) for path in folder.glob("tiles/*/tile.json")]
     assert len(made) == sum(bool(one["cells"]) for one in maps), f"made of {len(made)} maps"

@@ -269,3 +269,22 @@ fn a_source_of_no_weight_is_left_out_and_a_cancelled_surface_is_none() {
         Err(Cancelled)
     );
 }
+
+#[test]
+fn known_depths_lie_within_their_outermost_cells() {
+    let grid = Grid {
+        west_m: 100.0,
+        north_m: 50.0,
+        cell_m: 0.5,
+        columns: 4,
+        rows: 3,
+    };
+    let of = |known: &[usize]| {
+        let mut depth_m = vec![f32::NAN; grid.len()];
+        known.iter().for_each(|cell| depth_m[*cell] = 2.0);
+        Surface::of_depths(grid, depth_m).known_bounds_m()
+    };
+    assert_eq!(of(&[]), None);
+    assert_eq!(of(&[6]), Some([101.0, 49.0, 101.5, 49.5]));
+    assert_eq!(of(&[3, 9, 10]), Some([100.5, 48.5, 102.0, 50.0]));
+}
