@@ -24,6 +24,8 @@ pub struct BoxLevels {
     pub(super) pings: Vec<PingLevels>,
     /// Mean square of a level where nothing lies.
     pub(super) noise: f64,
+    /// Levels of the picture itself that one level here is the mean of.
+    pub(super) together: usize,
 }
 
 /// A ping of a look.
@@ -71,6 +73,37 @@ impl BoxLevels {
     /// What that sum is where nothing lies.
     pub(super) fn speckle_squares(&self) -> f64 {
         self.noise * (self.pings.len() * self.bins) as f64
+    }
+
+    /// The same with means of neighbouring pings and bins, about so many of each.
+    #[must_use]
+    pub(super) fn coarser(&self, [pings, bins]: [usize; 2]) -> Self {
+        let [of_pings, of_bins] =
+            [self.pings.len() / pings, self.bins / bins].map(|count| count.max(1));
+        let bins = self.bins / of_bins;
+        let mean_ping = |group: &[PingLevels]| {
+            let mean = |bin: usize| {
+                let stretch = bin * of_bins..(bin + 1) * of_bins;
+                let levels = group.iter().flat_map(|ping| &ping.levels[stretch.clone()]);
+                levels.sum::<f32>() / (group.len() * of_bins) as f32
+            };
+            let [first, last] = [&group[0], &group[group.len() - 1]].map(|ping| ping.boat_m);
+            PingLevels {
+                boat_m: [0, 1].map(|axis| 0.5 * (first[axis] + last[axis])),
+                levels: (0..bins).map(mean).collect(),
+                ..group[group.len() / 2].clone()
+            }
+        };
+        Self {
+            recorded_m: [self.recorded_m[0], self.recorded_m[1] * of_bins as f64],
+            step_m: self.step_m * of_bins as f64,
+            bins,
+            ping_m: self.ping_m * of_pings as f64,
+            pings: self.pings.chunks(of_pings).map(mean_ping).collect(),
+            noise: self.noise / (of_pings * of_bins) as f64,
+            together: self.together * of_pings * of_bins,
+            ..*self
+        }
     }
 
     /// How far the squares exceed those of bare bottom, as a share of them.
@@ -145,6 +178,7 @@ impl Placer<'_> {
             ping_m: way_m / (pings.len() - 1) as f64,
             pings,
             noise,
+            together: 1,
         })
     }
 
@@ -229,4 +263,40 @@ fn groups(pings: Range<usize>) -> Vec<Range<usize>> {
     first
         .map(|first| first..(first + together).min(pings.end))
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_coarser_look_has_means_where_the_levels_were() {
+        let ping = |index: usize| PingLevels {
+            ping: 10 + index,
+            boat_m: [0.5, 0.1 * index as f64],
+            outward: [1.0, 0.0],
+            levels: (0..8).map(|bin| (10 * index + bin) as f32).collect(),
+        };
+        let look = BoxLevels {
+            altitude_m: 3.0,
+            recorded_m: [4.0, 0.1],
+            from_m: 4.0,
+            step_m: 0.1,
+            bins: 8,
+            ping_m: 0.1,
+            pings: (0..5).map(ping).collect(),
+            noise: 1.0,
+            together: 1,
+        };
+        let coarse = look.coarser([2, 4]);
+        assert_eq!(
+            (coarse.bins, coarse.pings.len(), coarse.together),
+            (4, 3, 4)
+        );
+        assert_eq!(coarse.pings[1].levels, [25.5, 27.5, 29.5, 31.5]);
+        assert_eq!(coarse.pings[2].levels, [40.5, 42.5, 44.5, 46.5]);
+        assert!((coarse.pings[1].boat_m[1] - 0.25).abs() < 1e-12);
+        assert!((coarse.step_m - 0.2).abs() < 1e-12 && (coarse.noise - 0.25).abs() < 1e-12);
+        assert_eq!(look.coarser([100, 100]).pings.len(), 5);
+    }
 }

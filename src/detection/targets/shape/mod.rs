@@ -7,14 +7,18 @@
 mod fit;
 mod levels;
 mod predict;
+mod problem;
+mod search;
 mod solid;
+mod start;
 
 pub use levels::BoxLevels;
 pub use predict::{PosedSolid, ShapeOnPing};
 pub use solid::{ShapeKind, Solid};
 
 use super::Target;
-use fit::{Fit, Start, fit};
+use fit::{Fit, fits};
+use start::Start;
 
 /// A solid that explains what was recorded of an object.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,22 +84,21 @@ pub fn fit_shape(sightings: &[(&Target, Option<BoxLevels>)]) -> Result<FittedSha
     let starts = best.iter().map(|(_, target, look)| Start::of(target, look));
     let starts: Vec<Start> = starts.collect();
     let looks: Vec<BoxLevels> = best.iter().map(|(.., look)| (*look).clone()).collect();
-    let mut fits: Vec<(ShapeKind, Fit)> = (ShapeKind::ALL.into_iter())
-        .map(|kind| (kind, fit(kind, &looks, &starts)))
-        .collect();
-    fits.sort_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost));
+    let fits = fits(&looks, &starts);
     let bare: f64 = looks.iter().map(BoxLevels::squares).sum();
     let speckle: f64 = looks.iter().map(BoxLevels::speckle_squares).sum();
     let gained = |fit: &Fit| bare - fit.cost;
-    let (kind, fitted) = &fits[0];
+    let Some(fitted) = fits.first() else {
+        return Err(ShapeError::Faint);
+    };
     let explained = gained(fitted) / (bare - speckle);
     if explained < LEAST_EXPLAINED {
         return Err(ShapeError::Unexplained {
-            kind: *kind,
+            kind: fitted.kind,
             explained: explained.max(0.0),
         });
     }
-    let is_rival = |(_, other): &&(ShapeKind, Fit)| gained(other) > (1.0 - RIVAL) * gained(fitted);
+    let is_rival = |other: &&Fit| gained(other) > (1.0 - RIVAL) * gained(fitted);
     let rivals = fits.iter().skip(1).take_while(is_rival);
     let on_pings = |(index, (target, look)): (usize, &(&Target, Option<BoxLevels>))| {
         let Some(look) = look else {
@@ -113,6 +116,6 @@ pub fn fit_shape(sightings: &[(&Target, Option<BoxLevels>)]) -> Result<FittedSha
         bottom_z_m: -target.depth_m,
         on_pings: sightings.iter().enumerate().map(on_pings).collect(),
         explained: explained.min(1.0),
-        rivals: rivals.map(|(kind, _)| *kind).collect(),
+        rivals: rivals.map(|rival| rival.kind).collect(),
     })
 }

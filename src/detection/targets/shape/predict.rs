@@ -130,9 +130,10 @@ pub(super) fn predict(look: &BoxLevels, posed: &PosedSolid, into: &mut Predicted
             bottom,
             object,
         };
-        one_ping(look, ping, posed, &mut bins);
-        blur(bottom);
-        blur(object);
+        if one_ping(look, ping, posed, &mut bins) {
+            blur(bottom);
+            blur(object);
+        }
     }
 }
 
@@ -153,7 +154,8 @@ struct Bins<'a> {
     object: &'a mut [f32],
 }
 
-fn one_ping(look: &BoxLevels, ping: &PingLevels, posed: &PosedSolid, bins: &mut Bins<'_>) {
+/// Writes what a ping would be, and says whether it meets the solid.
+fn one_ping(look: &BoxLevels, ping: &PingLevels, posed: &PosedSolid, bins: &mut Bins<'_>) -> bool {
     let [x, y] = ping.outward;
     let [east_m, north_m] = [
         posed.east_m - ping.boat_m[0],
@@ -163,15 +165,23 @@ fn one_ping(look: &BoxLevels, ping: &PingLevels, posed: &PosedSolid, bins: &mut 
     let [ahead_x, ahead_y] = [-y, x];
     let ahead_m = east_m * ahead_x + north_m * ahead_y;
     let reach_m = posed.solid.reach_m();
+    let (sin, cos) = posed.heading_rad.sin_cos();
     // Pings that were summed see more of the way: evenly over a width its standard deviation is that over the root of 12.
     let beam_m = BEAM_SIGMA_RAD * out_m.hypot(look.altitude_m);
     let sigma_m = beam_m.hypot(look.ping_m / 12f64.sqrt());
-    for (at, weight) in RAYS {
+    // What is coarse anyway needs no width.
+    let rays = match look.together {
+        1 => &RAYS[..],
+        _ => &[(0.0, 1.0)][..],
+    };
+    let mut meets = false;
+    for &(at, weight) in rays {
         let beside_m = ahead_m - at * sigma_m;
         let half_m = (reach_m * reach_m - beside_m * beside_m).max(0.0).sqrt();
         if half_m == 0.0 || out_m + half_m <= 0.0 {
             continue;
         }
+        meets = true;
         let start = [
             ping.boat_m[0] + at * sigma_m * ahead_x,
             ping.boat_m[1] + at * sigma_m * ahead_y,
@@ -179,16 +189,24 @@ fn one_ping(look: &BoxLevels, ping: &PingLevels, posed: &PosedSolid, bins: &mut 
         let step_m = (2.0 * half_m / STEPS as f64).max(LEAST_STEP_M);
         let from_m = (out_m - half_m - step_m).max(LEAST_BELOW_M);
         let steps = ((out_m + half_m - from_m) / step_m).ceil() as usize + 1;
-        let place = |y_m: f64| [start[0] + x * y_m, start[1] + y * y_m];
-        let height_m = |y_m: f64| posed.height_at_m(place(y_m));
-        ray(bins, &height_m, (from_m, step_m, steps), weight);
+        // Along and across the solid, which turn with the heading only.
+        let (east_m, north_m) = (start[0] - posed.east_m, start[1] - posed.north_m);
+        let (along_m, across_m) = (east_m * sin + north_m * cos, east_m * cos - north_m * sin);
+        let (along, across) = (x * sin + y * cos, x * cos - y * sin);
+        let height_m = |y_m: f64| {
+            posed
+                .solid
+                .height_at_m(along_m + along * y_m, across_m + across * y_m)
+        };
+        ray(bins, height_m, (from_m, step_m, steps), weight);
     }
+    meets
 }
 
 /// Follows a ray over the solid.
 fn ray(
     bins: &mut Bins<'_>,
-    height_m: &dyn Fn(f64) -> f64,
+    height_m: impl Fn(f64) -> f64,
     (from_m, step_m, steps): (f64, f64, usize),
     weight: f64,
 ) {
@@ -225,25 +243,22 @@ fn ray(
 }
 
 impl Bins<'_> {
-    /// Adds the echo of a step.
+    /// Adds the echo of a step, from so far out and so far below to so far out and below.
     fn echo(&mut self, [y0, y1]: [f64; 2], [below0, below1]: [f64; 2], weight: f64, solid: bool) {
         let (y_m, below_m, step_m) = (0.5 * (y0 + y1), 0.5 * (below0 + below1), y1 - y0);
         let slope = (below1 - below0) / step_m;
-        let stretch = (1.0 + slope * slope).sqrt();
-        let facing = (below_m - y_m * slope).max(0.0) / stretch;
-        let power = facing * facing / (y_m * y_m + below_m * below_m) * step_m * stretch;
-        let (r0, r1) = (y0.hypot(below0), y1.hypot(below1));
+        let [r0, r1] = [slant_m(y0, below0), slant_m(y1, below1)];
+        let (near_m, width_m) = (r0.min(r1), (r1 - r0).abs().max(1e-6));
+        // Lambert's law on a step that is longer for its slope: facing^2 / range^2 * length.
+        let facing_m = (below_m - y_m * slope).max(0.0);
+        let range_m2 = y_m * y_m + below_m * below_m;
+        let power = facing_m * facing_m * step_m / (range_m2 * (1.0 + slope * slope).sqrt());
         // Of the bare bottom: cos^2 dy/dr = (H/r)^2 r/y a metre of range. At its nearest point that grows without end.
         let range_m = 0.5 * (r0 + r1);
-        let altitude_m = self.look.altitude_m;
+        let altitude_m2 = self.look.altitude_m * self.look.altitude_m;
         let least_m2 = 0.01 * range_m * range_m;
-        let out_m = (range_m * range_m - altitude_m * altitude_m)
-            .max(least_m2)
-            .sqrt();
-        let bare = altitude_m * altitude_m / (range_m * out_m);
-        let amount = weight * power / (bare * self.look.step_m);
-        let (near_m, width_m) = (r0.min(r1), (r1 - r0).abs().max(1e-6));
-        let scale = amount * self.look.step_m / width_m;
+        let out_m = (range_m * range_m - altitude_m2).max(least_m2).sqrt();
+        let scale = weight * power * range_m * out_m / (altitude_m2 * width_m);
         let into = match solid {
             true => &mut *self.object,
             false => &mut *self.bottom,
@@ -262,6 +277,11 @@ impl Bins<'_> {
     }
 }
 
+/// Slant range of a place so far out and so far below. These are no numbers that `hypot` would be needed for, which costs as much as a step.
+fn slant_m(out_m: f64, below_m: f64) -> f64 {
+    (out_m * out_m + below_m * below_m).sqrt()
+}
+
 /// Calls for each bin that a stretch of range overlaps, with the share of the bin that it overlaps.
 fn spread(look: &BoxLevels, [from_m, to_m]: [f64; 2], mut add: impl FnMut(usize, f64)) {
     let bin = |range_m: f64| (range_m - look.from_m) / look.step_m;
@@ -269,7 +289,7 @@ fn spread(look: &BoxLevels, [from_m, to_m]: [f64; 2], mut add: impl FnMut(usize,
     if from >= to {
         return;
     }
-    for index in from as usize..(to.ceil() as usize).min(look.bins) {
+    for index in from as usize..(to as usize + 1).min(look.bins) {
         let share = to.min(index as f64 + 1.0) - from.max(index as f64);
         add(index, share.max(0.0));
     }
@@ -295,6 +315,7 @@ mod tests {
             bins: 120,
             ping_m: 0.1,
             noise: 0.5,
+            together: 1,
             pings: (0..21).map(ping).collect(),
         }
     }

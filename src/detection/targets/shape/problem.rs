@@ -1,0 +1,305 @@
+//! What a solid is held against: the looks, and what numbers of it predict of them.
+
+use super::levels::BoxLevels;
+use super::predict::{PosedSolid, Predicted, predict};
+use super::solid::{ShapeKind, Solid};
+
+/// Standard deviation of ln power of single-look speckle.
+pub(super) const SPECKLE_LN: f64 = 1.283;
+/// Beyond what is usual of a kind a logarithm of size counts against it as so many standard deviations.
+const BEYOND_USUAL: f64 = 0.03;
+/// Most that a boat lists ([`Solid::list`]): its keel lies beside it then.
+const MOST_LIST: f64 = 0.4;
+/// Strength over the bottom in ln power, expected and its standard deviation: 6 dB each. Darkness to begin with: 13 dB.
+pub(super) const STRENGTH: [f64; 2] = [1.38, 1.4];
+pub(super) const DARKNESS: f64 = -3.0;
+
+/// Numbers of an object: heading, ln length, ln slenderness, ln steepness, list; then of each look east, north, strength, darkness, and how
+/// much lighter the dark is at the far end of it.
+pub(super) type Numbers = Vec<f64>;
+pub(super) const OF_OBJECT: usize = 5;
+pub(super) const OF_LOOK: usize = 5;
+/// How far each is changed at first.
+const FIRST_STEPS: [f64; OF_OBJECT + OF_LOOK] = [0.2, 0.2, 0.2, 0.2, 0.1, 0.2, 0.2, 0.7, 0.7, 0.7];
+/// How far each edge is moved at first, in ln length and ln width.
+const EDGE_STEP: f64 = 0.2;
+/// Smallest changes of place and of ln length that are worth another round.
+const LEAST_STEP: f64 = 0.01;
+
+/// Looks, and the kind that is fitted to them.
+pub(super) struct Problem<'a> {
+    kind: ShapeKind,
+    looks: &'a [BoxLevels],
+    /// Size and heading are what they are: only the numbers of the looks are sought.
+    is_object_known: bool,
+}
+
+/// Numbers with what they predict.
+pub(super) struct State {
+    pub(super) numbers: Numbers,
+    /// How far each is changed next.
+    pub(super) steps: Vec<f64>,
+    /// By how much, in ln length and ln width, each of [`Edge::ALL`] is moved next.
+    pub(super) edge_steps: [f64; 4],
+    predicted: Vec<Predicted>,
+    /// Sum of squares of each look.
+    costs: Vec<f64>,
+    pub(super) cost: f64,
+}
+
+impl Clone for State {
+    fn clone(&self) -> Self {
+        Self {
+            numbers: self.numbers.clone(),
+            steps: self.steps.clone(),
+            edge_steps: self.edge_steps,
+            predicted: self.predicted.clone(),
+            costs: self.costs.clone(),
+            cost: self.cost,
+        }
+    }
+
+    /// Into the memory that is there: the search does little else.
+    fn clone_from(&mut self, other: &Self) {
+        self.numbers.clone_from(&other.numbers);
+        self.steps.clone_from(&other.steps);
+        self.edge_steps = other.edge_steps;
+        self.costs.clone_from(&other.costs);
+        self.cost = other.cost;
+        for (own, other) in self.predicted.iter_mut().zip(&other.predicted) {
+            own.bottom.clone_from(&other.bottom);
+            own.object.clone_from(&other.object);
+        }
+    }
+}
+
+impl State {
+    pub(super) fn new(problem: &Problem<'_>, numbers: Numbers) -> Self {
+        let first_step = |number: usize| match number.checked_sub(OF_OBJECT) {
+            None => FIRST_STEPS[number],
+            Some(of_looks) => FIRST_STEPS[OF_OBJECT + of_looks % OF_LOOK],
+        };
+        let mut state = Self {
+            steps: (0..numbers.len())
+                .map(|number| match problem.is_fixed(number) {
+                    true => 0.0,
+                    false => first_step(number),
+                })
+                .collect(),
+            edge_steps: Edge::ALL.map(|edge| match problem.moves(edge) {
+                true => EDGE_STEP,
+                false => 0.0,
+            }),
+            numbers,
+            predicted: vec![Predicted::default(); problem.looks.len()],
+            costs: vec![0.0; problem.looks.len()],
+            cost: 0.0,
+        };
+        problem.all(&mut state);
+        state
+    }
+
+    /// Whether places and length change by so little that another round is not worth it.
+    pub(super) fn is_settled(&self) -> bool {
+        let looks = self.steps[OF_OBJECT..].chunks_exact(OF_LOOK);
+        let farthest = looks.map(|look| look[0].max(look[1]));
+        farthest.fold(self.steps[1], f64::max) < LEAST_STEP
+    }
+}
+
+impl<'a> Problem<'a> {
+    pub(super) fn new(kind: ShapeKind, looks: &'a [BoxLevels]) -> Self {
+        Self {
+            kind,
+            looks,
+            is_object_known: false,
+        }
+    }
+
+    /// Of an object whose size and heading are known.
+    pub(super) fn of_known(kind: ShapeKind, looks: &'a [BoxLevels]) -> Self {
+        Self {
+            is_object_known: true,
+            ..Self::new(kind, looks)
+        }
+    }
+
+    /// The solid as a look places it.
+    pub(super) fn posed(&self, numbers: &[f64], look: usize) -> PosedSolid {
+        let length_m = numbers[1].exp();
+        let width_m = length_m / numbers[2].exp();
+        let of_look = &numbers[OF_OBJECT + look * OF_LOOK..];
+        PosedSolid {
+            solid: Solid {
+                kind: self.kind,
+                length_m,
+                width_m,
+                height_m: width_m * numbers[3].exp(),
+                list: numbers[4].clamp(-MOST_LIST, MOST_LIST),
+            },
+            east_m: of_look[0],
+            north_m: of_look[1],
+            heading_rad: numbers[0],
+        }
+    }
+
+    /// Predicts all looks.
+    pub(super) fn all(&self, state: &mut State) {
+        for look in 0..self.looks.len() {
+            self.place(state, look);
+        }
+        self.sum(state);
+    }
+
+    /// Predicts one look.
+    fn place(&self, state: &mut State, look: usize) {
+        let posed = self.posed(&state.numbers, look);
+        predict(&self.looks[look], &posed, &mut state.predicted[look]);
+        self.weigh(state, look);
+    }
+
+    /// Holds one look against what is predicted.
+    fn weigh(&self, state: &mut State, look: usize) {
+        let of_look = &state.numbers[OF_OBJECT + look * OF_LOOK..];
+        let strength = of_look[2].exp() as f32;
+        let darkest = [of_look[3], of_look[4]];
+        let all = squares(&self.looks[look], &state.predicted[look], strength, darkest);
+        state.costs[look] = all * self.looks[look].together as f64;
+    }
+
+    fn sum(&self, state: &mut State) {
+        state.cost = state.costs.iter().sum::<f64>() + self.unusual(&state.numbers);
+    }
+
+    /// How far it is from what is usual, in squared standard deviations.
+    fn unusual(&self, numbers: &[f64]) -> f64 {
+        let usual = self.kind.usual();
+        let limits = [
+            (numbers[1], usual.length_m),
+            (numbers[1] - numbers[2], usual.width_m),
+            (numbers[2], usual.slenderness),
+            (numbers[3], usual.steepness),
+        ];
+        let sizes = limits.iter().map(|(number, [low, high])| {
+            let beyond = (low.ln() - number).max(number - high.ln()).max(0.0);
+            (beyond / BEYOND_USUAL).powi(2)
+        });
+        let looks = numbers[OF_OBJECT..].chunks_exact(OF_LOOK);
+        let strengths = looks
+            .clone()
+            .map(|look| ((look[2] - STRENGTH[0]) / STRENGTH[1]).powi(2));
+        let lighter = looks.map(|look| look[4].powi(2));
+        sizes.sum::<f64>() + strengths.sum::<f64>() + lighter.sum::<f64>()
+    }
+
+    /// Whether a number is not sought: one of what is known, or none of this kind, which has no heading, or whose width follows from its
+    /// length or height.
+    pub(super) fn is_fixed(&self, number: usize) -> bool {
+        match self.kind {
+            _ if self.is_object_known && number < OF_OBJECT => true,
+            ShapeKind::Hull | ShapeKind::UpturnedHull => false,
+            _ if number == 4 => true,
+            ShapeKind::Tyre => number == 0 || number == 2,
+            ShapeKind::Cylinder => number == 3,
+            ShapeKind::Block | ShapeKind::Boulder => false,
+        }
+    }
+
+    /// Changes one number and predicts what depends on it.
+    pub(super) fn change(&self, state: &mut State, number: usize, by: f64) {
+        state.numbers[number] += by;
+        match number.checked_sub(OF_OBJECT) {
+            None => self.all(state),
+            Some(of_looks) => {
+                let look = of_looks / OF_LOOK;
+                match of_looks % OF_LOOK {
+                    0 | 1 => self.place(state, look),
+                    _ => self.weigh(state, look),
+                }
+                self.sum(state);
+            }
+        }
+    }
+}
+
+/// A side of the outline that is moved while the opposite one stays: where one end of a boat is found and the other not, neither its length
+/// nor its place alone can be changed for the better.
+#[derive(Clone, Copy)]
+pub(super) enum Edge {
+    Bow,
+    Stern,
+    Starboard,
+    Port,
+}
+
+impl Edge {
+    pub(super) const ALL: [Edge; 4] = [Edge::Bow, Edge::Stern, Edge::Starboard, Edge::Port];
+
+    fn is_end(self) -> bool {
+        matches!(self, Edge::Bow | Edge::Stern)
+    }
+}
+
+impl Problem<'_> {
+    /// Whether an edge of the kind can be moved alone.
+    fn moves(&self, edge: Edge) -> bool {
+        !self.is_fixed(2) && (edge.is_end() || !self.is_fixed(3))
+    }
+
+    /// Moves an edge so that length or width grow by a factor, given as its logarithm, and predicts all.
+    pub(super) fn move_edge(&self, state: &mut State, edge: Edge, by: f64) {
+        let numbers = &mut state.numbers;
+        let (sin, cos) = numbers[0].sin_cos();
+        let (length_m, width_m) = (numbers[1].exp(), (numbers[1] - numbers[2]).exp());
+        let size_m = match edge.is_end() {
+            true => {
+                numbers[1] += by;
+                numbers[2] += by;
+                length_m
+            }
+            // The height stays.
+            false => {
+                numbers[2] -= by;
+                numbers[3] -= by;
+                width_m
+            }
+        };
+        let half_m = 0.5 * size_m * (by.exp() - 1.0);
+        let [east, north] = match edge {
+            Edge::Bow => [sin, cos],
+            Edge::Stern => [-sin, -cos],
+            Edge::Starboard => [cos, -sin],
+            Edge::Port => [-cos, sin],
+        };
+        for of_look in numbers[OF_OBJECT..].chunks_exact_mut(OF_LOOK) {
+            of_look[0] += half_m * east;
+            of_look[1] += half_m * north;
+        }
+        self.all(state);
+    }
+}
+
+/// Sum of the squares of what is recorded minus what is predicted.
+fn squares(look: &BoxLevels, predicted: &Predicted, strength: f32, darkest: [f64; 2]) -> f64 {
+    let [dark_ln, lighter_ln] = darkest;
+    // The noise that fills a shadow does not fade with the bottom.
+    let darkest: Vec<f32> = (0..look.bins)
+        .map(|bin| (dark_ln + lighter_ln * bin as f64 / look.bins as f64).exp() as f32)
+        .collect();
+    let scale = SPECKLE_LN.recip() as f32;
+    let bottom = predicted.bottom.chunks_exact(look.bins);
+    let both = bottom.zip(predicted.object.chunks_exact(look.bins));
+    let pings = look.pings.iter().zip(both).map(|(ping, (bottom, object))| {
+        let all = ping.levels.iter().zip(bottom).zip(object).zip(&darkest);
+        let squares = all.map(|(((level, bottom), object), darkest)| {
+            // Most of a look is bare bottom, and a logarithm is what costs time here.
+            let expected = match *bottom == 1.0 && *object == 0.0 {
+                true => 0.0,
+                false => scale * (bottom + strength * object).max(*darkest).ln(),
+            };
+            (level - expected) * (level - expected)
+        });
+        f64::from(squares.sum::<f32>())
+    });
+    pings.sum()
+}

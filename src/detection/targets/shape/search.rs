@@ -1,0 +1,59 @@
+//! The search for the least cost.
+
+use super::problem::{Edge, Problem, State};
+
+/// Changes one number after the other, farther where that helped and less far where it did not, and goes on in the direction in which a
+/// round has gone (Hooke and Jeeves): predictions have kinks, so nothing is differentiated.
+pub(super) fn search(problem: &Problem<'_>, state: &mut State, rounds: usize) {
+    let mut trial = state.clone();
+    for _ in 0..rounds {
+        let before = state.numbers.clone();
+        for number in (0..before.len()).filter(|number| !problem.is_fixed(*number)) {
+            let step = state.steps[number];
+            let better = [step, -step].into_iter().any(|by| {
+                trial.clone_from(state);
+                problem.change(&mut trial, number, by);
+                trial.cost < state.cost
+            });
+            if better {
+                std::mem::swap(state, &mut trial);
+            }
+            state.steps[number] = step * if better { 1.3 } else { 0.5 };
+        }
+        for (index, edge) in Edge::ALL.into_iter().enumerate() {
+            let step = state.edge_steps[index];
+            let better = step > 0.0
+                && [step, -step].into_iter().any(|by| {
+                    trial.clone_from(state);
+                    problem.move_edge(&mut trial, edge, by);
+                    trial.cost < state.cost
+                });
+            if better {
+                std::mem::swap(state, &mut trial);
+            }
+            state.edge_steps[index] = step * if better { 1.3 } else { 0.5 };
+        }
+        trial.clone_from(state);
+        for (number, before) in trial.numbers.iter_mut().zip(&before) {
+            *number += *number - before;
+        }
+        problem.all(&mut trial);
+        if trial.cost < state.cost {
+            std::mem::swap(state, &mut trial);
+        }
+        if state.is_settled() {
+            break;
+        }
+    }
+}
+
+/// Searches on from those that explain most over some rounds, and leaves them in order, the best first.
+pub(super) fn follow(problem: &Problem<'_>, states: &mut Vec<State>, most: usize, rounds: usize) {
+    let by_cost = |a: &State, b: &State| a.cost.total_cmp(&b.cost);
+    states.sort_by(by_cost);
+    states.truncate(most);
+    for state in &mut *states {
+        search(problem, state, rounds);
+    }
+    states.sort_by(by_cost);
+}
