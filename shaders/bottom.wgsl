@@ -1,5 +1,5 @@
-// The bottom as a mesh: lit from one side, with lines of equal depth of one width on the screen. Unknown corners carry no alpha, and
-// whatever touches one is left out.
+// The bottom as a mesh: lit from one side, with lines of equal depth of one width on the screen. Corners where nothing is drawn carry no alpha,
+// and whatever touches one is left out.
 
 struct View {
     clip_from_world: mat4x4f,
@@ -12,7 +12,8 @@ struct View {
     first_m: f32,
     // Half the width of an isobath, pixels.
     half_line_px: f32,
-    padding: f32,
+    // Brightness of a bottom turned away from the light.
+    darkest: f32,
     // Corners of the box outside of which nothing is drawn.
     low: vec4f,
     high: vec4f,
@@ -27,6 +28,10 @@ struct Vertex {
     // East and north of the direction that the bottom faces; up is what is left of 1.
     @location(1) faces: vec2f,
     @location(2) colour: vec4f,
+    // The mean around it, and as alpha whether it is lit.
+    @location(3) far_colour: vec4f,
+    // Squares are 2 to this of the finest ones long.
+    @builtin(instance_index) level: u32,
 }
 
 struct Corner {
@@ -34,11 +39,13 @@ struct Corner {
     @location(0) faces: vec3f,
     @location(1) colour: vec4f,
     @location(2) place_m: vec3f,
+    @location(3) is_lit: f32,
 }
 
-// Of a bottom turned away from the light, and how much brighter than level ground one square to it may be.
-const SHADED = 0.25;
+// How much brighter than level ground a bottom square to the light may be.
 const BRIGHTEST = 1.35;
+// Level at which squares are as long as what the colours from far away are means of.
+const FAR_LEVEL = 2.0;
 
 @vertex
 fn vertex(vertex: Vertex) -> Corner {
@@ -46,7 +53,9 @@ fn vertex(vertex: Vertex) -> Corner {
     var corner: Corner;
     corner.clip = view.clip_from_world * vec4f(vertex.place_m, 1.0);
     corner.faces = vec3f(vertex.faces * view.exaggeration, up);
-    corner.colour = vertex.colour;
+    let far = min(f32(vertex.level) / FAR_LEVEL, 1.0);
+    corner.colour = vec4f(mix(vertex.colour.rgb, vertex.far_colour.rgb, far), vertex.colour.a);
+    corner.is_lit = vertex.far_colour.a;
     corner.place_m = vertex.place_m;
     return corner;
 }
@@ -62,13 +71,14 @@ fn fragment(corner: Corner) -> @location(0) vec4f {
         discard;
     }
     let lit = max(dot(normalize(corner.faces), view.light), 0.0) / max(view.light.z, 0.05);
-    var colour = corner.colour.rgb * min(SHADED + (1.0 - SHADED) * lit, BRIGHTEST);
+    let brightness = min(view.darkest + (1.0 - view.darkest) * lit, BRIGHTEST);
+    var colour = corner.colour.rgb * mix(1.0, brightness, corner.is_lit);
     if view.isobath_m > 0.0 {
         let away_px = abs(fract(lines - 0.5) - 0.5) / max(a_pixel, 1e-6);
         let line = 1.0 - smoothstep(view.half_line_px - 0.5, view.half_line_px + 0.5, away_px);
         // Lines nearer to each other than some pixels would be one grey sheet.
         let apart = 1.0 - smoothstep(0.1, 0.25, a_pixel);
-        colour = mix(colour, vec3f(0.0), 0.6 * line * apart);
+        colour = mix(colour, vec3f(0.0), 0.6 * line * apart * corner.is_lit);
     }
     return vec4f(min(colour, vec3f(1.0)), 1.0);
 }

@@ -45,6 +45,7 @@ impl App {
             Command::MoveLog(id, by) => self.move_log(id, by),
             Command::SetLogVisible(id, is_visible) => self.set_log_visible(id, is_visible),
             Command::FindPasses(at) => self.find_passes(at),
+            Command::ShowPlace(at) => self.show_place(at),
             Command::RevealIn(id, mark) => self.reveal_in(id, mark),
             Command::GoToStep(count) => self.go_to_step(count),
             Command::SetOwn { key, own } => self.set_own_key(&key, own),

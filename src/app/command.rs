@@ -82,6 +82,8 @@ pub enum Command {
     Reveal(Mark),
     /// Look for the passes that saw a position, for the menu of the map.
     FindPasses(LonLat),
+    /// Show a place in the first pass that saw it.
+    ShowPlace(LonLat),
     /// The waterfall shows these pings now.
     Visible(Range<usize>),
     /// Residuals are in view: compare the points, if that is not done.

@@ -15,7 +15,7 @@ use std::sync::Arc;
 /// Layers that are drawn from the depth map.
 const FROM_DEPTH_MAP: [MapLayer; 3] = [MapLayer::DepthMap, MapLayer::HillShade, MapLayer::Isobaths];
 
-/// Most corners of the bottom in 3D: more than a screen has pixels, and some 90 MB on the GPU.
+/// Most corners of the bottom in 3D: more than a screen has pixels, and some 110 MB on the GPU.
 const BOTTOM_CORNERS: usize = 4_000_000;
 
 /// Isobaths as they are drawn.

@@ -8,6 +8,7 @@ use crate::progress::{Cancelled, Progress};
 
 const NO_PLACE: &str = "select a place beside the track first, with a click in the waterfall, to see it in its other passes";
 const NO_OTHER: &str = "no other pass of the visible logs saw this place";
+const NO_PASS: &str = "no pass of the visible logs saw this place";
 
 /// A pass, and the log that it is of.
 pub type LogPass = (LogId, Pass);
@@ -39,12 +40,23 @@ struct Listed {
     found: Option<Vec<LogPass>>,
 }
 
-/// The way from a selected place to the same place in the next pass.
+/// The way to a place in a pass.
 struct Next {
     /// What was selected as it was asked for.
-    from: (LogId, Mark),
+    from: Option<(LogId, Mark)>,
+    /// Where it leads.
+    to: Goal,
     /// `None` when it was cancelled; the inner one where the selected sample shows no ground.
     task: Task<Option<Option<Vec<LogPass>>>>,
+}
+
+/// The pass that is gone to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Goal {
+    /// That after the one of this place of a log.
+    After(LogId, Mark),
+    /// The first one over a place, of the log that is shown where that saw it.
+    FirstOver(LonLat),
 }
 
 impl Passes {
@@ -109,26 +121,41 @@ impl App {
 
     /// Goes from the selected place to the same place in the next pass that saw it, and from the last one to the first, once that is found.
     pub(super) fn next_pass(&mut self) {
-        let from = self.selection.map(|mark| (self.log.id, mark));
-        let Some((id, mark)) = from.filter(|(_, mark)| mark.side.is_some()) else {
+        let Some((id, mark)) = self.selected().filter(|(_, mark)| mark.side.is_some()) else {
             return self.notify(NO_PLACE.to_owned(), true);
         };
-        let is_asked = |next: &Next| next.from == (id, mark);
-        if self.passes.next.as_ref().is_some_and(is_asked) {
+        self.go_to(Goal::After(id, mark));
+    }
+
+    /// Shows a place in the first pass of the visible logs that saw it, once that is found.
+    pub(super) fn show_place(&mut self, at: LonLat) {
+        self.go_to(Goal::FirstOver(at));
+    }
+
+    fn go_to(&mut self, to: Goal) {
+        if self.passes.next.as_ref().is_some_and(|next| next.to == to) {
             return;
         }
         let (shown, results) = (self.shown_logs(), self.deriving.results.clone());
         let work = move |progress: &Progress| {
-            let at = ground_of(&shown, (id, mark), &results, progress).ok()?;
+            let at = match to {
+                Goal::After(id, mark) => ground_of(&shown, (id, mark), &results, progress).ok()?,
+                Goal::FirstOver(at) => Some(at),
+            };
             match at {
                 Some(at) => found(&shown, at, &results, progress).ok().map(Some),
                 None => Some(None),
             }
         };
         self.passes.next = Some(Next {
-            from: (id, mark),
+            from: self.selected(),
+            to,
             task: Task::start(&self.jobs, work),
         });
+    }
+
+    fn selected(&self) -> Option<(LogId, Mark)> {
+        self.selection.map(|mark| (self.log.id, mark))
     }
 
     /// Collects the passes that were found.
@@ -137,11 +164,14 @@ impl App {
         match self.passes.next.as_ref().map(|next| next.task.poll()) {
             None | Some(Outcome::Pending) => {}
             Some(Outcome::Done(found)) => {
-                let from = self.passes.next.take().map(|next| next.from);
-                let here = self.selection.map(|mark| (self.log.id, mark));
+                let here = self.selected();
                 // Whoever selected something else meanwhile does not want to be led away from it.
-                match found.zip(from.filter(|from| Some(*from) == here)) {
-                    Some((Some(passes), (id, mark))) => self.go_to_next(&passes, id, mark),
+                let next = self.passes.next.take().filter(|next| next.from == here);
+                match found.zip(next.map(|next| next.to)) {
+                    Some((Some(passes), Goal::After(id, mark))) => {
+                        self.go_to_next(&passes, id, mark);
+                    }
+                    Some((Some(passes), Goal::FirstOver(_))) => self.go_to_first(&passes),
                     Some((None, _)) => self.notify(NO_PLACE.to_owned(), true),
                     None => {}
                 }
@@ -161,6 +191,14 @@ impl App {
             None | Some(Outcome::Pending) => {}
             Some(Outcome::Done(found)) => (listed.found, listed.task) = (found, None),
             Some(Outcome::Failed) => listed.task = None,
+        }
+    }
+
+    fn go_to_first(&mut self, passes: &[LogPass]) {
+        let of_shown = passes.iter().find(|(log, _)| *log == self.log.id);
+        match of_shown.or(passes.first()) {
+            Some((log, pass)) => self.reveal_in(*log, mark_of(pass)),
+            None => self.notify(NO_PASS.to_owned(), false),
         }
     }
 

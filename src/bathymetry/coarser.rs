@@ -53,7 +53,7 @@ fn slope(before: Option<f64>, here: Option<f64>, behind: Option<f64>, cell_m: f6
     }
 }
 
-fn means(fine: &Grid, values: &[f32], coarse: &Grid, times: usize) -> Vec<f32> {
+pub(super) fn means(fine: &Grid, values: &[f32], coarse: &Grid, times: usize) -> Vec<f32> {
     let mut made = vec![f32::NAN; coarse.len()];
     made.par_chunks_mut(coarse.columns.max(1))
         .enumerate()

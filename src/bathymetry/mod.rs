@@ -4,7 +4,7 @@
 //! depth between them, `grid` chooses the cells and `surface` fills them; `local` does so for a part of a larger map. `spot_soundings` chooses those that a chart prints. `hill_shade` lights them, `isobaths` draws through them,
 //! `compare` holds points against a reference, `crosslines` compares the passes of a survey with each other, `height_offsets` finds what sets
 //! the depths of one log off from those of others, `position_offsets` how far its positions are off and how late they are, `transect` looks at them
-//! along a line; `coarser` gives it larger cells, `change` says what changed between two of them, `cell_source` says what was measured in each.
+//! along a line; `coarser` gives it larger cells, `level_bed` more ground, `change` says what changed between two of them, `cell_source` says what was measured in each.
 
 mod cell_source;
 pub mod change;
@@ -17,6 +17,7 @@ mod hill_shade;
 mod insertion_order;
 mod inverse_distance;
 pub mod isobaths;
+mod level_bed;
 mod local;
 mod nodes;
 pub mod position_offsets;

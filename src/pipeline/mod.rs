@@ -38,8 +38,8 @@ pub use depth::{
     joint_depth_points, joint_depth_surface, log_echoes,
 };
 pub use derived::{
-    Bottom, BottomColour, BottomCorner, BottomKey, DepthMap, DepthMapKey, Derived, FINEST,
-    IsobathKey, Isobaths, Mosaic, MosaicKey, MosaicPlane, PictureKey,
+    Bottom, BottomColour, BottomCorner, BottomKey, CornerGround, DepthMap, DepthMapKey, Derived,
+    FINEST, IsobathKey, Isobaths, Mosaic, MosaicKey, MosaicPlane, PictureKey,
 };
 pub use engine::{Engine, EngineStatus};
 pub use fingerprint::{Fingerprint, Input, LogFiles, in_hexadecimal, sha256_of};

@@ -78,7 +78,7 @@ fn deeper_m(
 }
 
 /// Slant range that nearly no side of a ping exceeds, metres: a damaged header may state any.
-fn farthest_m(survey: &Survey) -> f64 {
+pub fn farthest_m(survey: &Survey) -> f64 {
     let pings = survey.side_scan.iter();
     let spans = pings.flat_map(|ping| [ping.port, ping.starboard]).flatten();
     let ranges = spans.map(|span| f64::from(span.far_m));

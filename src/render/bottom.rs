@@ -18,7 +18,7 @@ const VERTICES: usize = SIDE * SIDE + 4 * SIDE;
 const LEVELS: usize = BOTTOM_TILE.ilog2() as usize + 1;
 /// A square takes so many pixels along a side at most, where the finest ones allow.
 const SQUARE_PX: f32 = 3.0;
-/// Tiles that a buffer holds: some 46 MB, a fifth of what every device grants.
+/// Tiles that a buffer holds: some 55 MB, a fifth of what every device grants.
 const TILES_A_BUFFER: usize = 512;
 /// Skirts hang so far below a tile as a share of its own relief: gaps to a coarser neighbour are not seen through.
 const SKIRT: f32 = 0.1;
@@ -31,34 +31,59 @@ pub struct BottomVertex {
     pub place: [f32; 3],
     /// East and north of the direction that the bottom faces there, times 32767.
     pub faces: [i16; 2],
-    /// sRGB; alpha 255 where a depth is known, else 0.
+    /// sRGB; alpha 255 where something is drawn ([`BottomPart`]), else 0.
     pub colour: [u8; 4],
+    /// sRGB where squares are four of the finest ones long, or more: the mean of the ground around; alpha 255 where it is lit, else 0.
+    pub far_colour: [u8; 4],
+}
+
+/// What is drawn at a corner.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BottomPart {
+    /// Nothing, nor of any square that it is a corner of.
+    None,
+    /// Its colour alone, without light and isobaths.
+    Plain,
+    /// Its colour in the light, with isobaths.
+    Lit,
 }
 
 impl BottomVertex {
     /// At a place, square to `normal` (of length 1).
-    pub fn new(place: Vec3, normal: [f32; 3], rgb: [u8; 3], is_known: bool) -> Self {
+    pub fn new(place: Vec3, normal: [f32; 3], rgb: [u8; 3], part: BottomPart) -> Self {
         let whole = |part: f32| (part.clamp(-1.0, 1.0) * f32::from(i16::MAX)).round() as i16;
         let [r, g, b] = rgb;
+        let alpha = |is_so: bool| if is_so { 255 } else { 0 };
         Self {
             place: place.into(),
             faces: [whole(normal[0]), whole(normal[1])],
-            colour: [r, g, b, if is_known { 255 } else { 0 }],
+            colour: [r, g, b, alpha(part != BottomPart::None)],
+            far_colour: [r, g, b, alpha(part != BottomPart::Plain)],
         }
     }
 
-    fn is_known(&self) -> bool {
+    /// In another colour from far away.
+    #[must_use]
+    pub fn from_far(self, [r, g, b]: [u8; 3]) -> Self {
+        let [.., lit] = self.far_colour;
+        Self {
+            far_colour: [r, g, b, lit],
+            ..self
+        }
+    }
+
+    fn is_drawn(&self) -> bool {
         self.colour[3] == 255
     }
 }
 
-/// The box around what is known of a tile; `None` where nothing is.
+/// The box around what is drawn of a tile; `None` where nothing is.
 type Extent = Option<[Vec3; 2]>;
 
 fn extent(tile: &[BottomVertex]) -> Extent {
-    let mut known = tile.iter().filter(|vertex| vertex.is_known());
-    let first = Vec3::from(known.next()?.place);
-    Some(known.fold([first; 2], |[low, high], vertex| {
+    let mut drawn = tile.iter().filter(|vertex| vertex.is_drawn());
+    let first = Vec3::from(drawn.next()?.place);
+    Some(drawn.fold([first; 2], |[low, high], vertex| {
         let place = Vec3::from(vertex.place);
         [low.min(place), high.max(place)]
     }))
@@ -169,6 +194,12 @@ impl BottomBuffers {
         }
     }
 
+    /// The box around what is drawn; `None` where nothing is.
+    pub fn extent(&self) -> Option<[Vec3; 2]> {
+        let boxes = self.extents.iter().flatten().copied();
+        boxes.reduce(|[low, high], [from, to]| [low.min(from), high.max(to)])
+    }
+
     /// The tiles that are seen in a picture of this height, and the level of each.
     fn seen(&self, draw: &BottomDraw, height_px: f32) -> impl Iterator<Item = (usize, usize)> {
         let tiles = self.extents.iter().enumerate();
@@ -205,6 +236,8 @@ pub struct BottomDraw {
     pub isobaths_m: Option<[f32; 2]>,
     /// Width of an isobath, pixels.
     pub line_px: f32,
+    /// Brightness of a bottom that is turned away from the light, where that of level ground is 1.
+    pub darkest: f32,
     /// The part that is drawn.
     pub part: Part,
 }
@@ -235,7 +268,7 @@ struct ViewUniform {
     isobath_m: f32,
     first_m: f32,
     half_line_px: f32,
-    padding: f32,
+    darkest: f32,
     low: Vec4,
     high: Vec4,
     cut: Vec4,
@@ -260,7 +293,7 @@ impl BottomRenderer {
                     array_stride: size_of::<BottomVertex>() as u64,
                     step_mode: wgpu::VertexStepMode::Vertex,
                     attributes: &wgpu::vertex_attr_array![
-                        0 => Float32x3, 1 => Snorm16x2, 2 => Unorm8x4
+                        0 => Float32x3, 1 => Snorm16x2, 2 => Unorm8x4, 3 => Unorm8x4
                     ],
                 })],
                 blend: None,
@@ -294,7 +327,7 @@ impl BottomRenderer {
             isobath_m,
             first_m,
             half_line_px: 0.5 * draw.line_px,
-            padding: 0.0,
+            darkest: draw.darkest,
             low,
             high,
             cut,
@@ -308,7 +341,9 @@ impl BottomRenderer {
             let (buffer, place) = (tile / TILES_A_BUFFER, tile % TILES_A_BUFFER);
             pass.set_vertex_buffer(0, bottom.tiles[buffer].slice(..));
             let first = (place * VERTICES) as i32;
-            pass.draw_indexed(bottom.levels[level].clone(), first, 0..1);
+            // The shader knows the level by the number of the instance.
+            let instance = level as u32;
+            pass.draw_indexed(bottom.levels[level].clone(), first, instance..instance + 1);
         }
     }
 }
@@ -331,7 +366,7 @@ mod tests {
             offset_of!(ViewUniform, isobath_m),
             offset_of!(ViewUniform, first_m),
             offset_of!(ViewUniform, half_line_px),
-            offset_of!(ViewUniform, padding),
+            offset_of!(ViewUniform, darkest),
             offset_of!(ViewUniform, low),
             offset_of!(ViewUniform, high),
             offset_of!(ViewUniform, cut),
@@ -386,6 +421,7 @@ mod tests {
                 exaggeration,
                 isobaths_m: None,
                 line_px: 1.0,
+                darkest: 0.25,
                 part: Part::WHOLE,
             };
             // Along the picture's own right, a metre is a metre of the world whatever the exaggeration.

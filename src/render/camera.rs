@@ -201,6 +201,13 @@ impl Projection {
         (clip.w > 1e-6).then(|| clip.truncate() / clip.w)
     }
 
+    /// The direction from the camera to what is seen at a place of the picture; `None` where the projection has no inverse.
+    pub fn towards(&self, ndc: Vec2) -> Option<Vec3> {
+        let place = self.clip_from_world.inverse() * ndc.extend(0.5).extend(1.0);
+        let towards = place.truncate() / place.w - self.eye;
+        towards.try_normalize()
+    }
+
     /// The point under the pointer: the nearest within `reach_px`, and of those as near (to the pixel; all within `cover_px`
     /// count as under the pointer) the one in front; its number. `pointer_px` and `size_px` are in pixels from the top left.
     pub fn pick(
@@ -270,6 +277,20 @@ mod tests {
         let south = projection.project(camera.target - Vec3::Y).unwrap();
         assert!(above.y > 0.0);
         assert!(south.z > north.z);
+    }
+
+    #[test]
+    fn what_is_seen_at_a_place_of_the_picture_lies_in_its_direction() {
+        for exaggeration in [1.0, 8.0] {
+            let projection = fitted(exaggeration).projection(1.5);
+            for corner in corners(LOW, HIGH) {
+                let ndc = projection.project(corner).unwrap().truncate();
+                let towards = projection.towards(ndc).unwrap();
+                let away_m = (corner - projection.eye).dot(towards);
+                let off_m = (projection.eye + away_m * towards).distance(corner);
+                assert!(off_m < 1e-3 * away_m, "{off_m} m at {away_m} m");
+            }
+        }
     }
 
     #[test]

@@ -14,7 +14,7 @@ mod upload;
 pub mod waterfall;
 
 pub use bottom::{
-    BOTTOM_TILE, BottomBuffers, BottomDraw, BottomRenderer, BottomVertex, towards_light,
+    BOTTOM_TILE, BottomBuffers, BottomDraw, BottomPart, BottomRenderer, BottomVertex, towards_light,
 };
 pub use camera::{Direction, OrbitCamera, Projection};
 pub use cloud::{CloudBuffers, CloudDraw, CloudRenderer, PointVertex};

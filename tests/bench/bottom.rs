@@ -1,8 +1,8 @@
 //! A frame of the bottom in 3D, until the GPU (or lavapipe) is done with it: for small and large surveys, whole and from near.
 
 use bathyscope::render::{
-    BOTTOM_TILE, BottomBuffers, BottomDraw, BottomRenderer, BottomVertex, OrbitCamera, Part,
-    Target, Uploader, towards_light,
+    BOTTOM_TILE, BottomBuffers, BottomDraw, BottomPart, BottomRenderer, BottomVertex, OrbitCamera,
+    Part, Target, Uploader, towards_light,
 };
 use eframe::egui_wgpu::{RenderState, RendererOptions};
 use egui_kittest::wgpu::{create_render_state, default_wgpu_setup};
@@ -70,7 +70,10 @@ fn upload(state: &RenderState, side: usize) -> BottomBuffers {
                 place,
                 [0.0, 0.0, 1.0],
                 [90, 140, 170],
-                row < side && column < side,
+                match row < side && column < side {
+                    true => BottomPart::Lit,
+                    false => BottomPart::None,
+                },
             )
         });
         vertices.collect()
@@ -109,6 +112,7 @@ fn draw(
         exaggeration: camera.exaggeration,
         isobaths_m: Some([1.0, 0.0]),
         line_px: 1.2,
+        darkest: 0.25,
         part: Part::WHOLE,
     };
     let began = Instant::now();

@@ -1,17 +1,20 @@
 //! The bottom in 3D: what the GPU draws of it, what the window shows and the file holds.
 
 use crate::cli::run;
+use crate::map_tools::click;
 use crate::review::mouse::drag;
 use crate::window::{Window, app, demo_window, drawn_window, press, settle};
 use bathyscope::app::{Action, ClipBox, Command, Measure};
-use bathyscope::pipeline::BottomColour;
+use bathyscope::bathymetry::CellSource;
+use bathyscope::pipeline::{BottomColour, Derived, ProcessedLog, place_of};
+use bathyscope::progress::Progress;
 use bathyscope::render::{
-    BOTTOM_TILE, BottomBuffers, BottomDraw, BottomRenderer, BottomVertex, Cut, OrbitCamera, Part,
-    Target, Uploader, towards_light,
+    BOTTOM_TILE, BottomBuffers, BottomDraw, BottomPart, BottomRenderer, BottomVertex, Cut,
+    OrbitCamera, Part, Target, Uploader, towards_light,
 };
 use eframe::egui_wgpu::RendererOptions;
 use egui::accesskit::Role;
-use egui::{Key, Modifiers};
+use egui::{Key, Modifiers, Pos2, pos2, vec2};
 use egui_kittest::kittest::Queryable as _;
 use egui_kittest::wgpu::{create_render_state, default_wgpu_setup};
 use glam::{Vec2, Vec3};
@@ -33,19 +36,35 @@ fn tiles() -> Vec<Vec<BottomVertex>> {
             let (row, column) = (cell / side, cell % side);
             let is_hole = rgb == BLUE && (24..40).contains(&row) && (24..40).contains(&column);
             let place = Vec3::new((first + column) as f32, -(row as f32), up);
-            BottomVertex::new(place, [0.0, 0.0, 1.0], rgb, !is_hole)
+            let part = if is_hole {
+                BottomPart::None
+            } else {
+                BottomPart::Lit
+            };
+            BottomVertex::new(place, [0.0, 0.0, 1.0], rgb, part)
         };
         (0..side * side).map(corner).collect()
     };
     vec![tile((RED, -2.0)), tile((BLUE, -6.0))]
 }
 
-/// Some tiles from a camera, as rows of RGBA.
+/// Some tiles from a camera in light from above, as rows of RGBA.
 fn drawn(
     tiles: Vec<Vec<BottomVertex>>,
     camera: OrbitCamera,
     isobaths_m: Option<[f32; 2]>,
     part: Part,
+) -> image::RgbaImage {
+    drawn_in(tiles, camera, isobaths_m, part, towards_light(0.0, 90.0))
+}
+
+/// The same in another light.
+fn drawn_in(
+    tiles: Vec<Vec<BottomVertex>>,
+    camera: OrbitCamera,
+    isobaths_m: Option<[f32; 2]>,
+    part: Part,
+    light: Vec3,
 ) -> image::RgbaImage {
     let state = create_render_state(default_wgpu_setup(), RendererOptions::PREDICTABLE);
     let (device, queue) = (&state.device, &state.queue);
@@ -54,10 +73,11 @@ fn drawn(
     let target = Target::new(device, [SIDE_PX; 2]);
     let draw = BottomDraw {
         projection: camera.projection(1.0),
-        light: towards_light(0.0, 90.0),
+        light,
         exaggeration: camera.exaggeration,
         isobaths_m,
         line_px: 1.5,
+        darkest: 0.25,
         part,
     };
     let mut encoder = device.create_command_encoder(&Default::default());
@@ -164,7 +184,7 @@ fn isobaths_are_drawn_at_their_depths_and_nowhere_else() {
     let corner = |cell: usize| {
         let (row, column) = (cell / (BOTTOM_TILE + 1), cell % (BOTTOM_TILE + 1));
         let place = Vec3::new(column as f32, -(row as f32), -0.1 * column as f32);
-        BottomVertex::new(place, [0.0, 0.0, 1.0], RED, true)
+        BottomVertex::new(place, [0.0, 0.0, 1.0], RED, BottomPart::Lit)
     };
     let slope: Vec<BottomVertex> = (0..(BOTTOM_TILE + 1).pow(2)).map(corner).collect();
     let camera = OrbitCamera {
@@ -184,6 +204,75 @@ fn isobaths_are_drawn_at_their_depths_and_nowhere_else() {
     for depth_m in [0.5f32, 2.0, 4.0, 6.0] {
         assert_eq!(red_at(10.0 * depth_m), RED[0], "{depth_m} m");
     }
+}
+
+#[test]
+fn what_is_plain_has_its_own_colour_and_no_isobaths_whatever_the_light() {
+    // All of it falls 1 in 1 towards the east, away from a light in the west that stands on the horizon; its northern half is plain.
+    let falling = tiles().into_iter().map(|tile| {
+        let corner = |vertex: BottomVertex| {
+            let [east_m, north_m, _] = vertex.place;
+            let is_plain = north_m > -0.5 * BOTTOM_TILE as f32;
+            let part = if is_plain {
+                BottomPart::Plain
+            } else {
+                BottomPart::Lit
+            };
+            let place = Vec3::new(east_m, north_m, -east_m);
+            BottomVertex::new(place, [0.5_f32.sqrt(), 0.0, 0.5_f32.sqrt()], RED, part)
+        };
+        tile.into_iter().map(corner).collect()
+    });
+    let camera = overhead(180.0);
+    let isobaths_m = Some([16.0, 0.0]);
+    let picture = drawn_in(
+        falling.collect(),
+        camera,
+        isobaths_m,
+        Part::WHOLE,
+        towards_light(270.0, 5.0),
+    );
+    let at = |east_m: f32, south_m: f32| {
+        let [x, y] = pixel(camera, Vec3::new(east_m, -south_m, -east_m));
+        picture.get_pixel(x, y).0
+    };
+    let [r, g, b] = RED;
+    for east_m in [8.0, 16.0, 24.0, 32.0] {
+        assert_eq!(at(east_m, 16.0), [r, g, b, 255], "plain, {east_m} m");
+        let [lit, ..] = at(east_m, 48.0);
+        assert!(lit < r / 2, "{lit} in the shade, {east_m} m");
+    }
+    assert!(at(16.0, 48.0)[0] < at(24.0, 48.0)[0], "on an isobath");
+}
+
+#[test]
+fn from_far_away_the_bottom_has_the_mean_colours_of_its_ground() {
+    // Single corners are black or white; the mean is grey.
+    let chequered = || {
+        let tile = |tile: Vec<BottomVertex>| {
+            let corner = |(number, vertex): (usize, BottomVertex)| {
+                let [r, g, b] = if number % 3 == 0 { [255; 3] } else { [0; 3] };
+                let colour = [r, g, b, vertex.colour[3]];
+                BottomVertex { colour, ..vertex }.from_far([85; 3])
+            };
+            tile.into_iter().enumerate().map(corner).collect()
+        };
+        tiles().into_iter().map(tile).collect()
+    };
+    let ends = |distance_m: f32| {
+        let camera = overhead(distance_m);
+        let picture = drawn(chequered(), camera, None, Part::WHOLE);
+        let levels = (0..40).map(|step| {
+            let [x, y] = pixel(camera, Vec3::new(12.0 + step as f32, -30.0, -2.0));
+            picture.get_pixel(x, y).0[0]
+        });
+        levels.fold([255, 0], |[least, most], level| {
+            [least.min(level), most.max(level)]
+        })
+    };
+    let [least, most] = ends(60.0);
+    assert!(most - least > 150, "{least} to {most} from near");
+    assert_eq!(ends(3000.0), [85, 85]);
 }
 
 #[test]
@@ -303,6 +392,111 @@ fn the_bottom_is_shown_coloured_lit_and_hidden_by_keys() {
     assert_eq!(shown(&window), Some(BottomColour::Mosaic));
     let isobaths_m = app(&window).bottom_isobaths_m().expect("evenly apart");
     assert_eq!(isobaths_m[0], 0.2, "of a pond 1 m from shallow to deep");
+}
+
+#[test]
+fn the_mosaic_goes_on_beside_the_depths_on_a_level_bed() {
+    let window = demo_window();
+    let shown = app(&window).shown_logs();
+    let logs: Vec<ProcessedLog> = shown.into_iter().map(|one| one.log).collect();
+    let of = |colour: BottomColour, most_corners: usize| {
+        let made = Derived::default().bottom(&logs, colour, most_corners, &Progress::new());
+        made.expect("not cancelled").expect("depths")
+    };
+    let [by_depth, by_echo, coarse] = [
+        of(BottomColour::Depth, 4_000_000),
+        of(BottomColour::Mosaic, 4_000_000),
+        of(BottomColour::Mosaic, 10_000),
+    ];
+    assert!(!by_depth.has_level_bed && by_echo.has_level_bed && coarse.has_level_bed);
+    assert!(coarse.surface().grid.len() <= 10_000);
+    let [least_m, most_m] = by_depth.range_m;
+    let (depths, echoes) = (by_depth.surface(), by_echo.surface());
+    let mut beyond = 0;
+    for (cell, depth_m) in echoes.depth_m.iter().enumerate() {
+        let grid = &echoes.grid;
+        let [east_m, north_m] = grid.centre(cell / grid.columns, cell % grid.columns);
+        let known = depths.at(east_m, north_m).map(|(depth_m, _)| depth_m);
+        match (echoes.source[cell], known) {
+            (CellSource::None, None) if depth_m.is_nan() => {}
+            (CellSource::None, None) => {
+                beyond += 1;
+                let level_m = f64::from(*depth_m);
+                assert!(level_m > least_m - 1e-3 && level_m < most_m + 1e-3);
+            }
+            (_, known) => {
+                let known_m = known.expect("a cell of the depth map");
+                // Between the middles of its cells; at its edge the bed beyond counts, too.
+                assert!((known_m - depth_m).abs() < 0.3, "{known_m} {depth_m}");
+            }
+        }
+    }
+    assert!(
+        echoes.grid.cell_m < 0.5 * depths.grid.cell_m,
+        "as fine as the mosaic"
+    );
+    // Ranges of 12 m about a pond of 45 m by 20 m: the picture covers some half as much ground again.
+    let known = depths.depth_m.iter().filter(|depth_m| !depth_m.is_nan());
+    let known_m2 = known.count() as f64 * depths.grid.cell_m.powi(2);
+    let beyond_m2 = f64::from(beyond) * echoes.grid.cell_m.powi(2);
+    let share = beyond_m2 / known_m2;
+    assert!((0.2..3.0).contains(&share), "{beyond_m2} beside {known_m2}");
+}
+
+#[test]
+fn a_click_on_the_mosaic_in_3d_shows_the_place_in_the_waterfall() {
+    let mut window = drawn_window([1000.0, 700.0]);
+    window.state_mut().app.apply(Command::OpenDemo);
+    press(&mut window, Modifiers::NONE, Key::Num3);
+    press(&mut window, Modifiers::SHIFT, Key::F11);
+    settle(&mut window);
+    press(&mut window, Modifiers::SHIFT, Key::M);
+    press(&mut window, Modifiers::SHIFT, Key::P);
+    settle(&mut window);
+    window.snapshot("cloud_mosaic");
+    // Seen from above; the eye looks down on the middle.
+    press(&mut window, Modifiers::NONE, Key::Num7);
+    settle(&mut window);
+    let log = app(&window).shown_logs().remove(0).log;
+    let layout = Derived::default().layout(&log, &Progress::new());
+    let layout = layout.expect("nobody cancels");
+    let place = |window: &mut Window, at: Pos2| {
+        click(window, at);
+        settle(window);
+        let mark = app(window).selection.expect("a place");
+        let (side, sample) = mark.side.zip(mark.sample).expect("beside the track");
+        place_of(&layout, mark.ping, side, f64::from(sample)).expect("on the ground")
+    };
+    // South of the southernmost line, where no depth is known.
+    let from = pos2(560.0, 510.0);
+    let step = vec2(40.0, 0.0);
+    let [a, b, c] = [0.0, 1.0, 2.0].map(|steps| place(&mut window, from + steps * step));
+    let step_m = 0.5 * (c[0] - a[0]);
+    assert!(step_m > 1.0, "{a:?} {c:?}");
+    for (one, steps) in [(a, 0.0), (b, 1.0), (c, 2.0)] {
+        let off_m = (one[0] - a[0] - steps * step_m).hypot(one[1] - a[1]);
+        assert!(off_m < 0.6, "{a:?} {b:?} {c:?}");
+    }
+    // The wheel comes nearer to that place, although no point is there.
+    let wheel = |window: &mut Window, notches: f32| {
+        window.event(egui::Event::PointerMoved(from));
+        window.event(egui::Event::MouseWheel {
+            unit: egui::MouseWheelUnit::Point,
+            delta: vec2(0.0, 120.0 * notches),
+            phase: egui::TouchPhase::Move,
+            modifiers: Modifiers::NONE,
+            source: egui::MouseWheelSource::Unknown,
+        });
+        settle(window);
+    };
+    wheel(&mut window, 2.0);
+    let again = place(&mut window, from);
+    assert!(
+        (again[0] - a[0]).hypot(again[1] - a[1]) < 0.6,
+        "{a:?} {again:?}"
+    );
+    let nearer = place(&mut window, from + step);
+    assert!((nearer[0] - a[0]).abs() < 0.6 * step_m, "{a:?} {nearer:?}");
 }
 
 #[test]

@@ -141,4 +141,23 @@ fn an_answer_that_nobody_waits_for_any_more_is_dropped() {
     app.poll();
     assert_eq!(app.selection, Some(Mark::ping(7)));
     assert!(app.is_idle());
+    // A place alone is shown in the first pass that saw it; one that none saw leaves the selection.
+    app.apply(Command::ShowPlace(places[1]));
+    app.poll();
+    let PassesFound::Found([(_, pass), ..]) = app.passes_at(places[1]) else {
+        panic!("it was found before");
+    };
+    let first = mark_of(pass);
+    assert_eq!(app.selection, Some(first));
+    app.apply(Command::ShowPlace(LonLat {
+        lat_deg: 0.0,
+        ..places[1]
+    }));
+    app.poll();
+    assert_eq!(app.selection, Some(first));
+    let said = app.notices.last().map(|notice| notice.text.clone());
+    assert_eq!(
+        said.as_deref(),
+        Some("no pass of the visible logs saw this place")
+    );
 }

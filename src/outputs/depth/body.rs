@@ -107,12 +107,7 @@ fn mosaic(results: &Results<'_>, bottom: &Bottom) -> Result<Option<Vec<u8>>, Out
     let coarse = &bottom.surface().grid;
     let finest = (coarse.cell_m / mosaic.settings.cell_m).round().max(1.0) as usize;
     let times = (MOST_PIXELS / coarse.columns.max(coarse.rows).max(1)).clamp(1, finest);
-    let grid = Grid {
-        cell_m: coarse.cell_m / times as f64,
-        columns: coarse.columns * times,
-        rows: coarse.rows * times,
-        ..*coarse
-    };
+    let grid = coarse.finer(times);
     let levels = mosaic.levels(&grid, results.progress)?;
     let colours: Vec<Rgb> = (levels.iter())
         .map(|level| Bottom::echo_colour(mosaic.settings.colours, *level))

@@ -1,8 +1,9 @@
 //! The bottom of a survey as a body: the depth map with so many corners at most, and a colour for each.
 
 use super::{DepthMap, Derived, MosaicKey, MosaicPlane};
-use crate::bathymetry::{CellSource, Surface};
+use crate::bathymetry::{CellSource, Grid, Surface};
 use crate::mosaic::Colours;
+use crate::pipeline::relief::farthest_m;
 use crate::pipeline::{ProcessedLog, Same};
 use crate::presentation::colours::{
     Rgb, SOURCES, depth_colour, depth_share, distance_colour, share_colour, uncertainty_colour,
@@ -15,6 +16,10 @@ use std::sync::Arc;
 
 /// Where the mosaic shows nothing.
 const UNSEEN: Rgb = [74, 84, 94];
+/// The mosaic is drawn so far beside the depths at most, metres: no side-scan sees farther, but a damaged header may say so.
+const MOST_BESIDE_M: f64 = 1000.0;
+/// Cells over which the colours for pictures from far away are means.
+const FAR_CELLS: usize = 4;
 /// The scale of an uncertainty or a distance ends at what this share of the cells does not exceed: single cells do not dull all others.
 const SCALE_SHARE: f64 = 0.98;
 
@@ -98,17 +103,22 @@ impl BottomKey {
 pub struct Bottom {
     /// What it was made of.
     pub depth_map: Arc<DepthMap>,
-    /// Its means over larger cells, where it has more corners than were asked for.
-    coarse: Option<Surface>,
+    /// Its means over larger cells, where it has more corners than were asked for; under the mosaic with the ground that has an echo and no
+    /// depth, on a level bed.
+    made: Option<Surface>,
     /// Shallowest and deepest depth of the depth map, metres.
     pub range_m: [f64; 2],
     /// What the colours say.
     pub colour: BottomColour,
     /// Colour of each corner.
     pub rgb: Vec<Rgb>,
+    /// Mean colour of the ground around each corner, for pictures from far away; `None` where colours are even enough.
+    far_rgb: Option<Vec<Rgb>>,
     /// Values at the ends of the colours, metres, of hardness decibels; none of the mosaic's and of what depths rest on, and where nothing is
     /// known.
     pub ends: Option<[f32; 2]>,
+    /// Whether it has ground of which an echo is shown and no depth is known, on a bed that goes on level from the depths.
+    pub has_level_bed: bool,
 }
 
 /// A corner of the bottom.
@@ -120,8 +130,21 @@ pub struct BottomCorner {
     pub normal: [f32; 3],
     /// Colour.
     pub rgb: Rgb,
-    /// Whether a depth is known; where none is, the elevation is 0.
-    pub is_known: bool,
+    /// Mean colour of the ground around it, some [`FAR_CELLS`] across.
+    pub far_rgb: Rgb,
+    /// What is known of its depth; where nothing is, the elevation is 0.
+    pub ground: CornerGround,
+}
+
+/// What is known of the depth of a corner.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CornerGround {
+    /// Nothing, and nothing is to be seen there.
+    Unknown,
+    /// An echo of it is shown, on a bed that is assumed to go on level from the depths.
+    Level,
+    /// A depth.
+    Depth,
 }
 
 impl Bottom {
@@ -138,8 +161,8 @@ impl Bottom {
         progress: &Progress,
     ) -> Result<Self, Cancelled> {
         let times = depth_map.surface.grid.times_coarser(most_corners);
-        let coarse = (times > 1).then(|| depth_map.surface.coarser(times));
-        let surface = coarse.as_ref().unwrap_or(&depth_map.surface);
+        let made = (times > 1).then(|| depth_map.surface.coarser(times));
+        let surface = made.as_ref().unwrap_or(&depth_map.surface);
         progress.check()?;
         let (rgb, ends) = match colour {
             BottomColour::Depth => {
@@ -155,17 +178,7 @@ impl Bottom {
                 None => (vec![UNSEEN; surface.grid.len()], None),
             },
             BottomColour::Mosaic => {
-                let plane = MosaicPlane::Map(depth_map.map.clone());
-                let rgb = match derived.mosaic(logs, plane, progress)? {
-                    Some(mosaic) => {
-                        let levels = mosaic.levels(&surface.grid, progress)?;
-                        let colours = mosaic.settings.colours;
-                        let colour = |level: &u8| Self::echo_colour(colours, *level);
-                        levels.iter().map(colour).collect()
-                    }
-                    None => vec![UNSEEN; surface.grid.len()],
-                };
-                (rgb, None)
+                return Self::under_mosaic(derived, depth_map, logs, most_corners, progress);
             }
         };
         Ok(Self {
@@ -173,14 +186,92 @@ impl Bottom {
             depth_map: depth_map.clone(),
             colour,
             rgb,
+            far_rgb: None,
             ends,
-            coarse,
+            has_level_bed: false,
+            made,
         })
+    }
+
+    /// In the colours of the mosaic, with the ground beside the depths that the mosaic shows, in cells as fine as the mosaic's where there may
+    /// be so many corners.
+    fn under_mosaic(
+        derived: &Derived,
+        depth_map: &Arc<DepthMap>,
+        logs: &[ProcessedLog],
+        most_corners: usize,
+        progress: &Progress,
+    ) -> Result<Self, Cancelled> {
+        let plane = MosaicPlane::Map(depth_map.map.clone());
+        let mosaic = derived.mosaic(logs, plane, progress)?;
+        let fine = depth_map.surface.grid;
+        let shown_m = mosaic.as_ref().map_or(extent_m(&fine), |mosaic| {
+            let reach_m = logs.iter().map(|log| farthest_m(&log.survey));
+            beside(&fine, mosaic.bounds, reach_m.fold(0.0, f64::max))
+        });
+        let around = |times: usize| fine.coarser(times).reaching(shown_m);
+        let mut times = 1;
+        while around(times).len() > most_corners.max(1) {
+            times += 1;
+        }
+        let around = around(times);
+        let colours = (mosaic.as_ref()).map_or(Colours::default(), |one| one.settings.colours);
+        let mosaic_cell_m = mosaic
+            .as_ref()
+            .map_or(fine.cell_m, |one| one.settings.cell_m);
+        let finest = (around.cell_m / mosaic_cell_m).round().max(1.0) as usize;
+        let fits = |finer: &usize| around.finer(*finer).len() <= most_corners;
+        let finer = (1..=finest).rev().find(fits).unwrap_or(1);
+        let coloured = |grid: &Grid| match &mosaic {
+            Some(mosaic) => mosaic.levels(grid, progress),
+            None => Ok(vec![0; grid.len()]),
+        };
+        let grid = around.finer(finer);
+        let levels = coloured(&grid)?;
+        let far = grid.coarser(FAR_CELLS);
+        let far_levels = coloured(&far)?;
+        let surface = depth_map
+            .surface
+            .coarser(times)
+            .on_level_bed(around, |_| true);
+        progress.check()?;
+        let mut surface = surface.finer(finer);
+        let cells = surface.depth_m.par_iter_mut().zip(&surface.source);
+        cells.zip(&levels).for_each(|((depth_m, source), level)| {
+            if *source == CellSource::None && *level == 0 {
+                *depth_m = f32::NAN;
+            }
+        });
+        let rgb: Vec<Rgb> = (levels.par_iter())
+            .map(|level| Self::echo_colour(colours, *level))
+            .collect();
+        let far_rgb = (0..grid.len()).into_par_iter().map(|cell| {
+            let place = grid.centre(cell / grid.columns, cell % grid.columns);
+            let level = between(&far, &far_levels, place);
+            level.map_or(rgb[cell], |level| Self::echo_colour(colours, level))
+        });
+        Ok(Self {
+            range_m: depth_map.surface.range_m(),
+            depth_map: depth_map.clone(),
+            colour: BottomColour::Mosaic,
+            far_rgb: Some(far_rgb.collect()),
+            rgb,
+            ends: None,
+            has_level_bed: is_level_bed(&surface),
+            made: Some(surface),
+        })
+    }
+
+    /// Depth of the cell at a place east and north of the survey's origin, known or on the level bed, metres.
+    pub fn depth_at(&self, place: [f64; 2]) -> Option<f32> {
+        let [easting_m, northing_m] = self.depth_map.to_map(place);
+        let (depth_m, _) = self.surface().at(easting_m, northing_m)?;
+        Some(depth_m)
     }
 
     /// The depth map itself, or its means over larger cells.
     pub fn surface(&self) -> &Surface {
-        self.coarse.as_ref().unwrap_or(&self.depth_map.surface)
+        self.made.as_ref().unwrap_or(&self.depth_map.surface)
     }
 
     /// The corners of some rows and columns, row by row from the north-west; beyond the grid they are unknown. Places are bilinear between
@@ -227,22 +318,80 @@ impl Bottom {
         let grid = &self.surface().grid;
         let is_inside = row < grid.rows && column < grid.columns;
         let cell = row * grid.columns + column;
+        let surface = self.surface();
         let depth_m = match is_inside {
-            true => self.surface().depth_m[cell],
+            true => surface.depth_m[cell],
             false => f32::NAN,
         };
-        let is_known = !depth_m.is_nan();
+        let ground = match depth_m.is_nan() {
+            true => CornerGround::Unknown,
+            false if surface.source[cell] == CellSource::None => CornerGround::Level,
+            false => CornerGround::Depth,
+        };
+        let up_m = match ground {
+            CornerGround::Unknown => 0.0,
+            CornerGround::Level | CornerGround::Depth => -f64::from(depth_m),
+        };
         BottomCorner {
-            place_m: [
-                east_m,
-                north_m,
-                if is_known { -f64::from(depth_m) } else { 0.0 },
-            ],
-            normal: self.surface().normal(row, column),
+            place_m: [east_m, north_m, up_m],
+            normal: surface.normal(row, column),
             rgb: if is_inside { self.rgb[cell] } else { UNSEEN },
-            is_known,
+            far_rgb: match (is_inside, &self.far_rgb) {
+                (false, _) => UNSEEN,
+                (true, Some(far_rgb)) => far_rgb[cell],
+                (true, None) => self.rgb[cell],
+            },
+            ground,
         }
     }
+}
+
+/// West, south, east and north edge of a grid, metres.
+fn extent_m(grid: &Grid) -> [f64; 4] {
+    let [across_m, down_m] = [grid.columns, grid.rows].map(|cells| cells as f64 * grid.cell_m);
+    [
+        grid.west_m,
+        grid.north_m - down_m,
+        grid.west_m + across_m,
+        grid.north_m,
+    ]
+}
+
+/// The extent of a grid with what is shown beside it, up to a distance away.
+fn beside(grid: &Grid, shown_m: [f64; 4], reach_m: f64) -> [f64; 4] {
+    let reach_m = reach_m.min(MOST_BESIDE_M);
+    let [west_m, south_m, east_m, north_m] = extent_m(grid);
+    [
+        shown_m[0].max(west_m - reach_m).min(west_m),
+        shown_m[1].max(south_m - reach_m).min(south_m),
+        shown_m[2].min(east_m + reach_m).max(east_m),
+        shown_m[3].min(north_m + reach_m).max(north_m),
+    ]
+}
+
+/// A level of the mosaic between the middles of cells, of those around it that show something; `None` where none does.
+fn between(grid: &Grid, levels: &[u8], place: [f64; 2]) -> Option<u8> {
+    let [rows, columns] = grid.about(place);
+    let weighted = |[before, behind]: [usize; 2], share: f64| {
+        let share = share.clamp(0.0, 1.0);
+        [(before, 1.0 - share), (behind, share)]
+    };
+    let mut sums = [0.0; 2];
+    for (row, down) in weighted(rows.cells, rows.share) {
+        for (column, right) in weighted(columns.cells, columns.share) {
+            let level = levels[row * grid.columns + column];
+            if level > 0 {
+                sums[0] += down * right * f64::from(level);
+                sums[1] += down * right;
+            }
+        }
+    }
+    (sums[1] > 0.0).then(|| (sums[0] / sums[1]).round() as u8)
+}
+
+fn is_level_bed(surface: &Surface) -> bool {
+    let mut cells = surface.depth_m.iter().zip(&surface.source);
+    cells.any(|(depth_m, source)| !depth_m.is_nan() && *source == CellSource::None)
 }
 
 fn source_colour(source: &CellSource) -> Rgb {

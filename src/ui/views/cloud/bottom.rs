@@ -1,15 +1,22 @@
 //! The bottom, ready to draw; uploaded off the window's thread.
 
 use crate::app::{App, CloudOptions, Jobs};
-use crate::pipeline::{Background, Bottom, Same};
+use crate::pipeline::{Background, Bottom, BottomColour, CornerGround, Same};
 use crate::render::{
-    BOTTOM_TILE, BottomBuffers, BottomDraw, BottomVertex, Part, Projection, Uploader, towards_light,
+    BOTTOM_TILE, BottomBuffers, BottomDraw, BottomPart, BottomVertex, Part, Projection, Uploader,
+    towards_light,
 };
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
 /// Width of an isobath on the bottom, points of the screen.
 const LINE: f32 = 1.2;
+/// Brightness of a bottom that is turned away from the light: relief is plain to see, and colours can still be told apart.
+const DARKEST: f32 = 0.25;
+/// The same under the mosaic, whose echoes have light and shade of their own.
+const DARKEST_ECHO: f32 = 0.6;
+/// Steps in which the bottom under the pointer is looked for: each comes nearer as many times as the view is steeper than the bottom.
+const STEPS: usize = 6;
 
 /// A bottom on the GPU.
 pub struct BottomScene {
@@ -17,6 +24,41 @@ pub struct BottomScene {
     pub bottom: Arc<Bottom>,
     /// Its tiles.
     pub buffers: BottomBuffers,
+    /// The box around it, in the places of the scene, where it reaches farther than the points do.
+    pub wide: Option<[Vec3; 2]>,
+    origin_m: [f64; 3],
+}
+
+impl BottomScene {
+    /// The place on the bottom that is seen at a place of the picture; `None` where there is none.
+    pub fn under(&self, projection: &Projection, ndc: Vec2) -> Option<Vec3> {
+        let [east_m, north_m, up_m] = self.origin_m;
+        let [least_m, most_m] = self.bottom.range_m;
+        let towards = projection.towards(ndc)?;
+        // From the middle of all depths to that of the place, and from there to that of the place where this one is.
+        let mut z = (-0.5 * (least_m + most_m) - up_m) as f32;
+        let mut found = None;
+        for _ in 0..STEPS {
+            let ahead = (z - projection.eye.z) / towards.z;
+            let place = projection.eye + ahead * towards;
+            let [x, y] = [place.x, place.y].map(f64::from);
+            let place = self.at([east_m + x, north_m + y])?;
+            if ahead <= 0.0 {
+                return None;
+            }
+            z = place.z;
+            found = Some(place);
+        }
+        found
+    }
+
+    /// The bottom at a place east and north of the survey's origin, metres; `None` where there is none.
+    pub fn at(&self, place_m: [f64; 2]) -> Option<Vec3> {
+        let [east_m, north_m, up_m] = self.origin_m;
+        let depth_m = f64::from(self.bottom.depth_at(place_m)?);
+        let local = [place_m[0] - east_m, place_m[1] - north_m, -depth_m - up_m];
+        Some(Vec3::from(local.map(|metres| metres as f32)))
+    }
 }
 
 /// What is asked for: a bottom about an origin, metres.
@@ -52,7 +94,12 @@ impl ShownBottom {
         self.0.ask(key, jobs, move |progress| {
             let buffers = upload(&bottom, origin_m, &uploader);
             progress.check().ok()?;
-            Some(Arc::new(BottomScene { bottom, buffers }))
+            Some(Arc::new(BottomScene {
+                wide: buffers.extent().filter(|_| bottom.has_level_bed),
+                bottom,
+                buffers,
+                origin_m,
+            }))
         });
         self.0.result()
     }
@@ -76,15 +123,26 @@ fn upload(
                 (north - north_m) as f32,
                 (up - up_m) as f32,
             );
-            BottomVertex::new(place, corner.normal, corner.rgb, corner.is_known)
+            let part = match corner.ground {
+                CornerGround::Unknown => BottomPart::None,
+                CornerGround::Level => BottomPart::Plain,
+                CornerGround::Depth => BottomPart::Lit,
+            };
+            BottomVertex::new(place, corner.normal, corner.rgb, part).from_far(corner.far_rgb)
         });
         vertices.collect()
     });
     BottomBuffers::new(uploader, grid.cell_m as f32, down * across, tiles)
 }
 
-/// How the bottom is drawn.
-pub fn draw(app: &App, projection: Projection, pixels_per_point: f32, part: Part) -> BottomDraw {
+/// How a bottom is drawn.
+pub fn draw(
+    app: &App,
+    bottom: &Bottom,
+    projection: Projection,
+    pixels_per_point: f32,
+    part: Part,
+) -> BottomDraw {
     let options: &CloudOptions = &app.options.cloud;
     let [azimuth_deg, altitude_deg] = options.light_deg;
     BottomDraw {
@@ -93,6 +151,10 @@ pub fn draw(app: &App, projection: Projection, pixels_per_point: f32, part: Part
         exaggeration: options.vertical_exaggeration.max(0.1),
         isobaths_m: app.bottom_isobaths_m(),
         line_px: LINE * pixels_per_point,
+        darkest: match bottom.colour {
+            BottomColour::Mosaic => DARKEST_ECHO,
+            _ => DARKEST,
+        },
         part,
     }
 }

@@ -1,7 +1,7 @@
 //! The clip box: only what lies in it is drawn. Each of its faces has a handle, and its ends stand beside the cloud as numbers.
 
 use super::axes::Axes;
-use super::scene::CloudScene;
+use super::scene::SceneBox;
 use crate::app::{ClipBox, ViewOptions};
 use crate::presentation::units::Units;
 use crate::ui::ViewContext;
@@ -27,28 +27,28 @@ const AXES: [(&str, [&str; 2]); 3] = [
 ];
 
 /// Corners of what is drawn, in the places of a scene; as far as numbers go where the box has no end.
-pub fn limits(scene: &CloudScene, clip: ClipBox) -> [Vec3; 2] {
+pub fn limits(origin_m: [f64; 3], clip: ClipBox) -> [Vec3; 2] {
     let end = |end: usize| {
-        let at = |axis: usize| (clip.ends_m[axis][end] - scene.origin_m[axis]) as f32;
+        let at = |axis: usize| (clip.ends_m[axis][end] - origin_m[axis]) as f32;
         Vec3::new(at(0), at(1), at(2)).clamp(Vec3::MIN, Vec3::MAX)
     };
     [end(0), end(1)]
 }
 
-/// The box around the points that are drawn. A cloud that was computed anew and lies elsewhere is not lost from sight.
-pub fn part(scene: &CloudScene, clip: Option<ClipBox>) -> [Vec3; 2] {
+/// The box around what is drawn. A cloud that was computed anew and lies elsewhere is not lost from sight.
+pub fn part(scene: SceneBox, clip: Option<ClipBox>) -> [Vec3; 2] {
     let [low, high] = scene.corners;
     let Some(clip) = clip else {
         return scene.corners;
     };
     let shortest = SHORTEST * (high - low);
-    let [from, to] = limits(scene, clip);
+    let [from, to] = limits(scene.origin_m, clip);
     let from = from.max(low).min(high - shortest);
     [from, to.min(high).max(from + shortest)]
 }
 
 /// The box with an end put elsewhere, in the places of the scene. An end that comes to that of the cloud goes on for ever.
-fn with_end(scene: &CloudScene, mut clip: ClipBox, axis: usize, end: usize, to: f32) -> ClipBox {
+fn with_end(scene: SceneBox, mut clip: ClipBox, axis: usize, end: usize, to: f32) -> ClipBox {
     let [low, high] = scene.corners.map(|corner| corner[axis]);
     let shortest = SHORTEST * (high - low);
     let [from, until] = part(scene, Some(clip)).map(|corner| corner[axis]);
@@ -66,7 +66,7 @@ fn with_end(scene: &CloudScene, mut clip: ClipBox, axis: usize, end: usize, to: 
 pub fn show(
     ui: &mut Ui,
     context: &ViewContext<'_>,
-    scene: &CloudScene,
+    scene: SceneBox,
     axes: &Axes<'_>,
 ) -> Option<ClipBox> {
     let clip = context.app.options.cloud.clip?;
@@ -78,7 +78,7 @@ pub fn show(
     (changed != clip).then_some(changed)
 }
 
-fn handles(ui: &Ui, scene: &CloudScene, axes: &Axes<'_>, clip: ClipBox) -> ClipBox {
+fn handles(ui: &Ui, scene: SceneBox, axes: &Axes<'_>, clip: ClipBox) -> ClipBox {
     let [low, high] = axes.corners;
     let (middle, size) = (0.5 * (low + high), scene.corners[1] - scene.corners[0]);
     let mut changed = clip;
@@ -131,7 +131,7 @@ fn edge(options: &ViewOptions) -> Stroke {
 fn numbers(
     ui: &mut Ui,
     context: &ViewContext<'_>,
-    scene: &CloudScene,
+    scene: SceneBox,
     axes: &Axes<'_>,
     mut clip: ClipBox,
 ) -> ClipBox {
@@ -166,7 +166,7 @@ fn numbers(
 fn number(
     ui: &mut Ui,
     units: Units,
-    scene: &CloudScene,
+    scene: SceneBox,
     axis: usize,
     local: f32,
     name: &str,

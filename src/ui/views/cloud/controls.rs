@@ -177,9 +177,17 @@ pub fn paint_legend(
         at.y = plate.bottom() + 1.0;
         covered.push(plate);
     }
+    let mut note = |text: &str, colour: Color32| {
+        let plate = legend::plate(painter, options, at, Align2::LEFT_TOP, text, colour);
+        at.y = plate.bottom() + 1.0;
+        covered.push(plate);
+    };
+    if bottom.is_some_and(|one| one.has_level_bed) {
+        let text = "beside the depths the picture lies on a level bed";
+        note(text, theme::canvas_text_colour(options));
+    }
     if let Some(text) = lack(survey, options.units) {
-        let warning = theme::outlier_colour();
-        legend::plate(painter, options, at, Align2::LEFT_TOP, &text, warning);
+        note(&text, theme::outlier_colour());
     }
     let of_points = options
         .cloud

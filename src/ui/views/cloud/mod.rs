@@ -12,16 +12,18 @@ mod scene;
 mod section;
 
 use super::empty;
-use crate::app::{App, CloudColour, Command, Enlarged, SideColours, ThemeChoice, ViewOptions};
+use crate::app::{
+    App, CloudColour, Command, Enlarged, Mark, SideColours, ThemeChoice, ViewOptions,
+};
 use crate::pipeline::Background;
-use crate::pipeline::Products;
 use crate::render::{CloudDraw, Direction, OrbitCamera, Uploader};
 use crate::ui::{ViewContext, ViewRequest, place, text, theme};
 use axes::Axes;
 use bottom::ShownBottom;
 use egui::{Rect, Response, Role, Sense, Ui, Vec2, WidgetInfo};
 use picture::{CloudPicture, Drawing};
-use scene::{CloudScene, ColourEnds, LogPoints, ShownPoints};
+use pointer::Seen;
+use scene::{CloudScene, ColourEnds, LogPoints, SceneBox, ShownPoints};
 use std::sync::Arc;
 
 /// Points of the screen that the numbers around the box need, both sides together.
@@ -128,40 +130,48 @@ impl CloudView {
             empty::say(ui, context, rect, empty::NO_GPU);
             return name(&scene);
         };
-        let camera = self.navigate(ui, context, rect, response, &products, &scene);
+        let uploader = Uploader::new(&state.device, &state.queue);
+        let bottom = self
+            .bottom
+            .of(context.app, scene.origin_m, &uploader)
+            .cloned();
+        let all = match bottom.as_ref().and_then(|bottom| bottom.wide) {
+            Some(wide) => scene.extent().as_wide_as(wide),
+            None => scene.extent(),
+        };
+        let seen = Seen {
+            scene: &scene,
+            bottom: bottom.as_deref(),
+            all,
+        };
+        let camera = self.navigate(ui, context, rect, response, seen);
         let options = &context.app.options;
         let projection = camera.projection(aspect(rect));
         let axes = Axes {
             rect,
             projection,
             part: section::part(context.app, &scene, projection.eye),
-            corners: clip::part(&scene, options.cloud.clip),
+            corners: clip::part(all, options.cloud.clip),
             origin_m: scene.origin_m,
             options,
         };
         let painter = ui.painter_at(rect);
         axes.walls(&painter);
-        let uploader = Uploader::new(&state.device, &state.queue);
-        let bottom = self
-            .bottom
-            .of(context.app, scene.origin_m, &uploader)
-            .cloned();
         let scale = ui.pixels_per_point();
         let draw = draw(&axes, &scene, options, scale, bottom.is_some());
         let drawing = Drawing {
             points: options.cloud.points.then(|| (scene.clone(), draw)),
-            bottom: bottom.clone().map(|bottom| {
-                (
-                    bottom,
-                    bottom::draw(context.app, axes.projection, scale, draw.part),
-                )
+            bottom: bottom.clone().map(|scene| {
+                let of = &*scene.bottom;
+                let draw = bottom::draw(context.app, of, axes.projection, scale, draw.part);
+                (scene, draw)
             }),
         };
         self.picture.show(&painter, rect, state, drawing);
         section::paint_water(&painter, context.app, &scene, &axes);
         section::paint(&painter, context.app, &scene, &axes);
         objects::paint(&painter, context.app, &scene, &axes);
-        pointer::paint_marks(&painter, context.app, &products, &scene, &axes);
+        pointer::paint_marks(&painter, context.app, &products, seen, &axes);
         let reference = place::reduction(context.app).reference();
         let shown_bottom = bottom.as_ref().map(|scene| &*scene.bottom);
         let covered = controls::paint_legend(
@@ -175,13 +185,13 @@ impl CloudView {
         axes.labels(&painter, &covered);
         controls::paint_read_out(&painter, rect, context.app, &survey, &products);
         self.pointer
-            .handle(context, response, &scene, (&axes, camera));
+            .handle(context, response, seen, (&axes, camera));
         if context.app.is_picture {
             controls::paint_exaggeration(&painter, rect, options);
             clip::paint_note(&painter, rect, options);
         } else {
             controls::show(ui, context, rect, &mut self.request);
-            if let Some(changed) = clip::show(ui, context, &scene, &axes) {
+            if let Some(changed) = clip::show(ui, context, all, &axes) {
                 let mut options = context.app.options.clone();
                 options.cloud.clip = Some(changed);
                 context.push(Command::Show(Box::new(options)));
@@ -222,10 +232,10 @@ impl CloudView {
         context: &ViewContext<'_>,
         rect: Rect,
         response: &Response,
-        products: &Products,
-        scene: &CloudScene,
+        seen: Seen<'_>,
     ) -> OrbitCamera {
-        self.follow(scene);
+        let scene = seen.scene;
+        self.follow(seen.all);
         let outgrown = self
             .fitted
             .is_some_and(|(fitted, size)| self.camera == Some(fitted) && size != rect.size());
@@ -245,7 +255,7 @@ impl CloudView {
             part: section::part(context.app, scene, eye),
         };
         let shown = (shown, rect);
-        let mut zoom = |factor| pointer::zoom(&mut camera, scene, shown, rect.center(), factor);
+        let mut zoom = |factor| pointer::zoom(&mut camera, seen, shown, rect.center(), factor);
         match request {
             Some(ViewRequest::ZoomIn) => zoom(1.4),
             Some(ViewRequest::ZoomOut) => zoom(1.0 / 1.4),
@@ -258,10 +268,10 @@ impl CloudView {
             Some(ViewRequest::Fit | ViewRequest::Top | ViewRequest::Side)
         );
         if is_new || fits || response.double_clicked() {
-            camera.fit(clip::part(scene, clip), aspect(rect), margin(rect));
+            camera.fit(clip::part(seen.all, clip), aspect(rect), margin(rect));
             self.fitted = Some((camera, rect.size()));
         }
-        pointer::move_camera(ui, shown, response, scene, &mut camera);
+        pointer::move_camera(ui, shown, response, seen, &mut camera);
         if let Some(reveal) = context.app.reveal
             && reveal.serial != self.seen_reveal
         {
@@ -274,7 +284,7 @@ impl CloudView {
             });
             match close_up {
                 Some((place, size_m)) => camera.close_up(place, size_m as f32),
-                None => show_ping(&mut camera, reveal.mark.ping, rect, products, scene),
+                None => show_place(&mut camera, context.app, reveal.mark, rect, scene),
             }
         }
         self.camera = Some(camera);
@@ -285,8 +295,8 @@ impl CloudView {
 impl CloudView {
     /// Goes with the cloud when its points lie elsewhere or count from another origin than before: after a change of preset it
     /// may be another size in another place. A camera that nobody has moved shows all of it again.
-    fn follow(&mut self, scene: &CloudScene) {
-        let now = (scene.origin_m, scene.corners);
+    fn follow(&mut self, all: SceneBox) {
+        let now = (all.origin_m, all.corners);
         let Some(before) = self.about.replace(now).filter(|before| *before != now) else {
             return;
         };
@@ -341,23 +351,14 @@ fn margin(rect: Rect) -> f32 {
     1.0 / (1.0 - LABEL_ROOM / shorter).max(0.6)
 }
 
-/// Moves the camera over a ping that is out of the picture; one in the picture stays where it is.
-fn show_ping(
-    camera: &mut OrbitCamera,
-    ping: usize,
-    rect: Rect,
-    products: &Products,
-    scene: &CloudScene,
-) {
-    let Some(ping) = products.navigation.pings.get(ping) else {
+/// Moves the camera over a place that is out of the picture; one in the picture stays where it is.
+fn show_place(camera: &mut OrbitCamera, app: &App, mark: Mark, rect: Rect, scene: &CloudScene) {
+    let Some([east_m, north_m]) = place::east_north(app, mark) else {
         return;
     };
-    if !ping.east_m.is_finite() {
-        return;
-    }
     let [low, high] = scene.corners;
     let place = scene
-        .local(ping.east_m, ping.north_m, 0.0)
+        .local(east_m, north_m, 0.0)
         .with_z(0.5 * (low.z + high.z));
     let ndc = camera.projection(aspect(rect)).project(place);
     if ndc.is_none_or(|ndc| ndc.truncate().abs().max_element() > 0.9) {

@@ -1,11 +1,13 @@
 //! What the pointer does on the cloud: turn, move, zoom, pick.
 
 use super::axes::Axes;
-use super::scene::{CloudScene, ShownPoints};
+use super::bottom::BottomScene;
+use super::scene::{CloudScene, SceneBox, ShownPoints};
 use crate::app::{App, Command, LogId, Mark};
+use crate::geo::LonLat;
 use crate::pipeline::Products;
 use crate::render::OrbitCamera;
-use crate::ui::{ViewContext, theme};
+use crate::ui::{ViewContext, place, theme};
 use egui::{Painter, PointerButton, Pos2, Rect, Response, Shape, Stroke, Ui};
 use glam::Vec2;
 
@@ -23,24 +25,38 @@ pub struct Pointer {
     looked: Option<(Pos2, OrbitCamera, Option<usize>)>,
 }
 
-/// Comes nearer or goes farther, about what lies nearest to `at` on the screen: a zoom about a place where nothing is would end in
+/// What the camera moves in.
+#[derive(Clone, Copy)]
+pub struct Seen<'a> {
+    /// The points.
+    pub scene: &'a CloudScene,
+    /// The bottom, where it is shown.
+    pub bottom: Option<&'a BottomScene>,
+    /// The box around both.
+    pub all: SceneBox,
+}
+
+/// Comes nearer or goes farther, about the bottom under the pointer, or else about what lies nearest to `at` on the screen: a zoom about a place where nothing is would end in
 /// a picture of nothing. Where no point is in the picture it comes no nearer.
 pub fn zoom(
     camera: &mut OrbitCamera,
-    scene: &CloudScene,
+    seen: Seen<'_>,
     (shown, rect): (ShownPoints, Rect),
     at: Pos2,
     factor: f32,
 ) {
     let aspect = rect.width().max(1.0) / rect.height().max(1.0);
-    let ndc_of = |at: Pos2| {
-        let off = (at - rect.center()) / (0.5 * rect.size());
-        Vec2::new(off.x, -off.y)
-    };
+    let ndc_of = |at: Pos2| ndc(rect, at);
+    let Seen { scene, bottom, all } = seen;
     let looks = scene.shown(shown.outliers) <= MOST_ON_HOVER;
-    if factor <= 1.0 || !looks {
+    let under = || bottom?.under(&camera.projection(aspect), ndc_of(at));
+    let under = under().filter(|place| factor > 1.0 && shown.part.holds(*place));
+    if let Some(place) = under {
+        camera.look_at_depth_of(place);
+    }
+    if factor <= 1.0 || !looks || under.is_some() {
         camera.zoom(factor, ndc_of(at), aspect);
-        return camera.hold(scene.corners);
+        return camera.hold(all.corners);
     }
     let (size, off) = (rect.size(), at - rect.min);
     let (size, off) = (Vec2::new(size.x, size.y), Vec2::new(off.x, off.y));
@@ -67,7 +83,13 @@ pub fn zoom(
     // What is under the pointer stays there; where that would lose the nearest point, the point does.
     let about = if stays { ndc } else { point_ndc.truncate() };
     camera.zoom(factor, about, aspect);
-    camera.hold(scene.corners);
+    camera.hold(all.corners);
+}
+
+/// A place of the screen in normalised device coordinates.
+fn ndc(rect: Rect, at: Pos2) -> Vec2 {
+    let off = (at - rect.center()) / (0.5 * rect.size());
+    Vec2::new(off.x, -off.y)
 }
 
 /// Left drag turns, right or middle drag moves, the wheel zooms at the pointer.
@@ -75,7 +97,7 @@ pub fn move_camera(
     ui: &Ui,
     (shown, rect): (ShownPoints, Rect),
     response: &Response,
-    scene: &CloudScene,
+    seen: Seen<'_>,
     camera: &mut OrbitCamera,
 ) {
     let height = rect.height().max(1.0);
@@ -86,7 +108,7 @@ pub fn move_camera(
         || (response.dragged() && ui.input(|input| input.modifiers.shift));
     if moves {
         camera.pan(drag);
-        camera.hold(scene.corners);
+        camera.hold(seen.all.corners);
     } else if response.dragged_by(PointerButton::Primary) {
         camera.orbit(drag);
     }
@@ -94,7 +116,7 @@ pub fn move_camera(
         let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
         let factor = (scroll * 0.005).exp() * pinch;
         if factor != 1.0 {
-            zoom(camera, scene, (shown, rect), at, factor);
+            zoom(camera, seen, (shown, rect), at, factor);
         }
     }
 }
@@ -105,7 +127,7 @@ impl Pointer {
         &mut self,
         context: &mut ViewContext<'_>,
         response: &Response,
-        scene: &CloudScene,
+        Seen { scene, bottom, .. }: Seen<'_>,
         (axes, camera): (&Axes<'_>, OrbitCamera),
     ) {
         let shown = axes.shown();
@@ -128,9 +150,11 @@ impl Pointer {
         let here = mark.filter(|(log, _)| *log == context.app.log.id);
         self.hover(context, here.map(|(_, mark)| mark));
         if response.clicked() {
-            context.push(match mark {
-                Some((log, mark)) => Command::RevealIn(log, mark),
-                None => Command::Select(None),
+            let on_bottom = || position_on(bottom?, context.app, axes, at?);
+            context.push(match (mark, on_bottom()) {
+                (Some((log, mark)), _) => Command::RevealIn(log, mark),
+                (None, Some(position)) => Command::ShowPlace(position),
+                (None, None) => Command::Select(None),
             });
         }
     }
@@ -142,6 +166,18 @@ impl Pointer {
         }
         self.hovering = mark.is_some();
     }
+}
+
+/// The position on the bottom at a place of the screen.
+fn position_on(bottom: &BottomScene, app: &App, axes: &Axes<'_>, at: Pos2) -> Option<LonLat> {
+    let place = bottom.under(&axes.projection, ndc(axes.rect, at))?;
+    if !axes.part.holds(place) {
+        return None;
+    }
+    let [east_m, north_m, _] = axes.origin_m;
+    let (survey, products) = (app.log.survey.as_ref()?, app.log.products.as_ref()?);
+    let [east_m, north_m] = [east_m + f64::from(place.x), north_m + f64::from(place.y)];
+    Some((products.navigation).to_lon_lat(&survey.track, east_m, north_m))
 }
 
 fn pick(app: &App, scene: &CloudScene, axes: &Axes<'_>, at: Pos2) -> Option<usize> {
@@ -156,12 +192,12 @@ fn pick(app: &App, scene: &CloudScene, axes: &Axes<'_>, at: Pos2) -> Option<usiz
     )
 }
 
-/// Marks the selected and the hovered ping: its points, and the line that joins them under the boat.
+/// Marks the selected and the hovered ping: its points, the line that joins them under the boat, and what is meant of it on the bottom.
 pub fn paint_marks(
     painter: &Painter,
     app: &App,
     products: &Products,
-    scene: &CloudScene,
+    seen: Seen<'_>,
     axes: &Axes<'_>,
 ) {
     let marks = [
@@ -174,10 +210,15 @@ pub fn paint_marks(
                 painter,
                 (app.log.id, &mark),
                 products,
-                scene,
+                seen.scene,
                 axes,
                 Stroke::new(width, colour),
             );
+            let is_on_bottom = mark.point.is_none() && mark.sample.is_some();
+            let place = || seen.bottom?.at(place::east_north(app, mark)?);
+            if let Some(at) = place().filter(|_| is_on_bottom).and_then(|at| axes.at(at)) {
+                painter.circle_stroke(at, 8.0, Stroke::new(width, colour));
+            }
         }
     }
 }
@@ -275,9 +316,14 @@ mod tests {
                 let mut camera = OrbitCamera::default();
                 camera.fit(scene.corners, 1.5, 1.2);
                 for _ in 0..100 {
+                    let seen = Seen {
+                        scene: &scene,
+                        bottom: None,
+                        all: scene.extent(),
+                    };
                     zoom(
                         &mut camera,
-                        &scene,
+                        seen,
                         (Default::default(), rect),
                         at.into(),
                         factor,

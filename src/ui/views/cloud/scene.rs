@@ -159,6 +159,25 @@ pub struct CloudScene {
     pub ends: ColourEnds,
 }
 
+/// The box of a scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SceneBox {
+    /// What its corners are relative to, metres east, north and up.
+    pub origin_m: [f64; 3],
+    /// Its lower south-western and its upper north-eastern corner.
+    pub corners: [Vec3; 2],
+}
+
+impl SceneBox {
+    /// As high, and at least as wide as another one about the same origin.
+    #[must_use]
+    pub fn as_wide_as(self, [low, high]: [Vec3; 2]) -> Self {
+        let [from, to] = self.corners;
+        let corners = [low.min(from).with_z(from.z), high.max(to).with_z(to.z)];
+        Self { corners, ..self }
+    }
+}
+
 /// Ends of the colour scales of points.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ColourEnds {
@@ -317,6 +336,14 @@ impl CloudScene {
             CloudColour::Log => log.colour,
         };
         egui::Color32::from_rgb(r, g, b)
+    }
+
+    /// The box around its kept points.
+    pub fn extent(&self) -> SceneBox {
+        SceneBox {
+            origin_m: self.origin_m,
+            corners: self.corners,
+        }
     }
 
     /// The box around the kept points, or around the others.

@@ -21,7 +21,7 @@ const NEAREST_M: f32 = 0.01;
 /// What is drawn, seen from `eye`: what lies in the clip box, and behind the cross-section.
 pub fn part(app: &App, scene: &CloudScene, eye: Vec3) -> Part {
     let options = &app.options.cloud;
-    let corners = options.clip.map(|one| clip::limits(scene, one));
+    let corners = options.clip.map(|one| clip::limits(scene.origin_m, one));
     let cut = options
         .cut
         .then(|| cut(app.measuring.stations(), scene, eye));

@@ -1,0 +1,259 @@
+//! A surface on more ground than was measured: the picture of a side-scan reaches farther than the depths do, and is laid on a bed that
+//! goes on level from them.
+
+use super::coarser::means;
+use super::{CellSource, Grid, Surface};
+use rayon::prelude::*;
+
+impl Grid {
+    /// The grid on the same cells that reaches over a box, too: west, south, east and north, metres.
+    #[must_use]
+    pub fn reaching(&self, [west_m, south_m, east_m, north_m]: [f64; 4]) -> Self {
+        let cells = |metres: f64| (metres / self.cell_m).ceil().max(0.0) as usize;
+        let [columns, rows] = [self.columns, self.rows].map(|count| count as f64 * self.cell_m);
+        let [west, north] = [cells(self.west_m - west_m), cells(north_m - self.north_m)];
+        let [east, south] = [
+            cells(east_m - self.west_m - columns),
+            cells(self.north_m - rows - south_m),
+        ];
+        Self {
+            west_m: self.west_m - west as f64 * self.cell_m,
+            north_m: self.north_m + north as f64 * self.cell_m,
+            columns: west + self.columns + east,
+            rows: north + self.rows + south,
+            cell_m: self.cell_m,
+        }
+    }
+}
+
+impl Surface {
+    /// The same on the cells of a grid that reaches farther ([`Grid::reaching`]), with a depth in all cells that are `wanted`: where none is
+    /// known, the mean of those around it, over the more ground the farther away they are. Such a cell has [`CellSource::None`], and neither
+    /// spread nor distance.
+    #[must_use]
+    pub fn on_level_bed(&self, grid: Grid, wanted: impl Fn(usize) -> bool + Sync) -> Self {
+        let depth_m = carried(&self.grid, &self.depth_m, &grid, f32::NAN);
+        let held_m = held(&grid, &depth_m);
+        let cells = depth_m.into_par_iter().zip(held_m).enumerate();
+        let depth_m = cells.map(|(cell, (depth_m, held_m))| match depth_m.is_nan() {
+            true if wanted(cell) => held_m,
+            _ => depth_m,
+        });
+        Self {
+            depth_m: depth_m.collect(),
+            spread_m: carried(&self.grid, &self.spread_m, &grid, f32::NAN),
+            distance_m: carried(&self.grid, &self.distance_m, &grid, f32::NAN),
+            source: carried(&self.grid, &self.source, &grid, CellSource::None),
+            hardness_db: (self.hardness_db.as_deref())
+                .map(|values| carried(&self.grid, values, &grid, f32::NAN)),
+            grid,
+            method: self.method,
+            shading: self.shading,
+            spread_is: self.spread_is,
+        }
+    }
+}
+
+impl Grid {
+    /// The grid with so many cells along the side of each.
+    #[must_use]
+    pub fn finer(&self, times: usize) -> Self {
+        Self {
+            cell_m: self.cell_m / times as f64,
+            columns: self.columns * times,
+            rows: self.rows * times,
+            ..*self
+        }
+    }
+}
+
+impl Surface {
+    /// The same with so many cells along the side of each: depths are bilinear between the middles of the cells, where they are known; all
+    /// else is that of the cell.
+    #[must_use]
+    pub fn finer(&self, times: usize) -> Self {
+        if times <= 1 {
+            return self.clone();
+        }
+        let grid = self.grid.finer(times);
+        let of_cell = |cell: usize| {
+            let [row, column] = [cell / grid.columns, cell % grid.columns];
+            row / times * self.grid.columns + column / times
+        };
+        let depth_m = (0..grid.len()).into_par_iter().map(|cell| {
+            let here_m = self.depth_m[of_cell(cell)];
+            let place = grid.centre(cell / grid.columns, cell % grid.columns);
+            match here_m.is_nan() {
+                true => here_m,
+                false => self.depth_at(place).unwrap_or(here_m),
+            }
+        });
+        let values = |values: &[f32]| -> Vec<f32> {
+            let cells = (0..grid.len()).into_par_iter();
+            cells.map(|cell| values[of_cell(cell)]).collect()
+        };
+        Self {
+            depth_m: depth_m.collect(),
+            spread_m: values(&self.spread_m),
+            distance_m: values(&self.distance_m),
+            source: (0..grid.len())
+                .map(|cell| self.source[of_cell(cell)])
+                .collect(),
+            hardness_db: self.hardness_db.as_deref().map(values),
+            grid,
+            method: self.method,
+            shading: self.shading,
+            spread_is: self.spread_is,
+        }
+    }
+}
+
+/// Values of a grid on the same cells of one that reaches farther; `beyond` elsewhere.
+fn carried<T: Copy>(from: &Grid, values: &[T], to: &Grid, beyond: T) -> Vec<T> {
+    let cells = |metres: f64| (metres / to.cell_m).round() as usize;
+    let first = cells(to.north_m - from.north_m) * to.columns + cells(from.west_m - to.west_m);
+    let mut made = vec![beyond; to.len()];
+    for (row, values) in values.chunks(from.columns.max(1)).enumerate() {
+        made[first + row * to.columns..][..values.len()].copy_from_slice(values);
+    }
+    made
+}
+
+/// Depths with none unknown, where any is known: an unknown one is bilinear between the means of cells twice as long, which hold on in the same way.
+fn held(grid: &Grid, depth_m: &[f32]) -> Vec<f32> {
+    if grid.len() <= 1 || depth_m.iter().all(|depth_m| !depth_m.is_nan()) {
+        return depth_m.to_vec();
+    }
+    let coarse = grid.coarser(2);
+    let around_m = held(&coarse, &means(grid, depth_m, &coarse, 2));
+    let around = |place: [f64; 2]| {
+        let [rows, columns] = coarse.about(place);
+        let between = |[a, b]: [f64; 2], share: f64| a + (b - a) * share.clamp(0.0, 1.0);
+        let in_row = |row: usize| {
+            let at = |column: usize| f64::from(around_m[row * coarse.columns + column]);
+            between(columns.cells.map(at), columns.share)
+        };
+        between(rows.cells.map(in_row), rows.share) as f32
+    };
+    let columns = grid.columns;
+    let cells = depth_m.par_iter().enumerate();
+    let cells = cells.map(|(cell, depth_m)| match depth_m.is_nan() {
+        true => around(grid.centre(cell / columns, cell % columns)),
+        false => *depth_m,
+    });
+    cells.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Depths along a line of cells from west to east, in the middle of 3 rows of which the others are unknown.
+    fn strip(depth_m: impl Fn(usize) -> f32) -> Surface {
+        let grid = Grid {
+            west_m: 100.0,
+            north_m: 50.0,
+            cell_m: 0.5,
+            columns: 40,
+            rows: 3,
+        };
+        let depths = (0..grid.len()).map(|cell| match cell / grid.columns {
+            1 => depth_m(cell % grid.columns),
+            _ => f32::NAN,
+        });
+        let mut surface = Surface::of_depths(grid, depths.collect());
+        for (source, depth_m) in surface.source.iter_mut().zip(&surface.depth_m) {
+            if depth_m.is_nan() {
+                *source = CellSource::None;
+            }
+        }
+        surface
+    }
+
+    #[test]
+    fn a_larger_grid_lies_on_the_same_cells() {
+        let grid = strip(|_| 1.0).grid;
+        assert_eq!(grid.reaching([101.0, 49.0, 110.0, 49.5]), grid, "within");
+        let larger = grid.reaching([99.9, 40.2, 120.1, 50.0]);
+        let expected = Grid {
+            west_m: 99.5,
+            columns: 1 + 40 + 1,
+            rows: 3 + 17,
+            ..grid
+        };
+        assert_eq!(larger, expected);
+    }
+
+    #[test]
+    fn known_depths_stay_and_the_bed_goes_on_level_from_them() {
+        let strip = strip(|_| 4.0);
+        let grid = strip.grid.reaching([90.0, 40.0, 130.0, 60.0]);
+        let columns = grid.columns;
+        let wide = strip.on_level_bed(grid, |cell| cell % columns != 7);
+        for (cell, (depth_m, source)) in wide.depth_m.iter().zip(&wide.source).enumerate() {
+            let [east_m, north_m] = grid.centre(cell / columns, cell % columns);
+            let known = strip.at(east_m, north_m);
+            assert_eq!(*source == CellSource::Sounding, known.is_some());
+            match cell % columns {
+                7 => assert!(depth_m.is_nan(), "not wanted"),
+                _ => assert!((depth_m - 4.0).abs() < 1e-5, "{depth_m}"),
+            }
+        }
+    }
+
+    #[test]
+    fn beside_a_slope_the_bed_is_as_deep_as_abreast_and_evens_out_farther_away() {
+        let strip = strip(|column| 2.0 + 0.1 * column as f32);
+        let grid = strip.grid.reaching([100.0, 30.0, 120.0, 70.0]);
+        let wide = strip.on_level_bed(grid, |_| true);
+        let along = |north_m: f64| {
+            let at = |east_m| f64::from(wide.at(east_m, north_m).expect("within").0);
+            (at(102.25), at(117.75))
+        };
+        let (west_m, east_m) = along(48.25);
+        assert!(
+            (west_m - 2.4).abs() < 0.15 && (east_m - 5.5).abs() < 0.15,
+            "{west_m} {east_m}"
+        );
+        let (far_west_m, far_east_m) = along(32.0);
+        assert!(
+            far_east_m - far_west_m < 0.6 * (east_m - west_m),
+            "evens out"
+        );
+        assert!(
+            wide.depth_m
+                .iter()
+                .all(|depth_m| (2.0..=5.9).contains(depth_m))
+        );
+    }
+
+    #[test]
+    fn finer_cells_have_the_depths_between_the_coarse_ones() {
+        let depth_m = |cell: usize| 2.0 + 0.1 * (cell % 40) as f32;
+        let grid = strip(|_| 0.0).grid;
+        let mut depths: Vec<f32> = (0..grid.len()).map(depth_m).collect();
+        depths[2 * 40 + 30] = f32::NAN;
+        let coarse = Surface::of_depths(grid, depths);
+        let finer = coarse.finer(4);
+        assert_eq!((finer.grid.columns, finer.grid.rows), (160, 12));
+        for (cell, depth_m) in finer.depth_m.iter().enumerate() {
+            let [east_m, north_m] = finer.grid.centre(cell / 160, cell % 160);
+            let known = coarse.at(east_m, north_m);
+            assert_eq!(known.is_some(), !depth_m.is_nan());
+            // 0.1 m a cell of 0.5 m, but for what is beside the hole, and the outermost half cells, which have nothing to be between.
+            if known.is_some() && (100.25..114.0).contains(&east_m) {
+                let expected_m = 2.0 + 0.2 * (east_m - 100.25);
+                assert!((f64::from(*depth_m) - expected_m).abs() < 1e-4);
+            }
+        }
+        assert_eq!(coarse.finer(1).depth_m.len(), coarse.depth_m.len());
+    }
+
+    #[test]
+    fn where_nothing_is_known_nothing_is_made_up() {
+        let nothing = strip(|_| f32::NAN);
+        let grid = nothing.grid.reaching([90.0, 40.0, 130.0, 60.0]);
+        let wide = nothing.on_level_bed(grid, |_| true);
+        assert!(wide.depth_m.iter().all(|depth_m| depth_m.is_nan()));
+    }
+}
