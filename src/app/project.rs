@@ -431,7 +431,7 @@ impl App {
     fn take_project_log(&mut self, log: &ProjectLog, settings: Settings) {
         self.log.file = Some(log.file.clone());
         self.log.is_visible = log.is_visible;
-        self.log.own = Arc::new(log.settings.clone());
+        self.log.own = Arc::new(log.settings.clone().with_files_of(&settings));
         if let Err(text) = self.follow_source(&settings) {
             self.notify(text, true);
         }
@@ -483,7 +483,7 @@ fn read(path: &Path, progress: &Progress) -> Result<OpenedLogs, String> {
     let places = find(&opened.project, &folder, progress).map_err(|error| error.to_string())?;
     let (mut logs, mut notes) = (Vec::new(), Vec::new());
     // Once for all logs.
-    if let Err(error) = opened.project.settings.load_area() {
+    if let Err(error) = opened.project.settings.load_files() {
         notes.push(error.to_string());
     }
     for (log, (_, found)) in opened.project.logs().iter().zip(places) {

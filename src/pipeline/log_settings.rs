@@ -234,6 +234,17 @@ impl LogSettings {
         Ok(settings)
     }
 
+    /// The same with what its own files hold, as settings that it was composed into have it once they are loaded
+    /// ([`Settings::load_files`]): composed anew, these files count still.
+    #[must_use]
+    pub fn with_files_of(self, loaded: &Settings) -> Self {
+        Self {
+            gauge: loaded.water_level.gauge.clone(),
+            area: loaded.isobaths.area.clone(),
+            ..self
+        }
+    }
+
     /// Shared settings and this log's own after the log's composed settings became `after`: what belongs to one log, and what was its
     /// own already, stays with the log; every other change is one of the shared settings.
     ///
@@ -260,8 +271,7 @@ impl LogSettings {
             };
         }
         own.bottom = after.bottom.clone();
-        own.gauge = after.water_level.gauge.clone();
-        own.area = after.isobaths.area.clone();
+        let own = own.with_files_of(after);
         let mut changed = from_values(&all)?;
         if changed.water_level.file == shared.water_level.file {
             changed.water_level.gauge = shared.water_level.gauge.clone();

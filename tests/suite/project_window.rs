@@ -2,7 +2,7 @@
 
 use crate::logs_window::{change, ids, names, opened, settle};
 use crate::window::{Window, app, drop_file, empty_window, press};
-use bathyscope::app::{BottomStroke, Command, Ink};
+use bathyscope::app::{Action, BottomStroke, Command, Ink};
 use bathyscope::survey::Side;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
@@ -109,6 +109,43 @@ fn a_project_comes_back_as_it_was_left_and_the_logs_are_untouched() {
     assert_eq!(logs.into_iter().collect::<Vec<_>>(), ["lake-0", "lake-2"]);
     let beside = folder.path().join("lake-0.bottom.toml");
     assert!(!beside.exists(), "the project keeps it");
+}
+
+#[test]
+fn a_log_keeps_its_water_levels_when_a_setting_of_all_logs_changes() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut window = opened(folder.path(), 2);
+    let survey = app(&window).log.survey.clone().expect("a survey");
+    let start_s = survey.start_unix_s.expect("a time");
+    let gauge = folder.path().join("gauge.csv");
+    let (first_s, last_s) = (start_s - 100.0, start_s + 900.0);
+    std::fs::write(&gauge, format!("time,level_m\n{first_s},1\n{last_s},2\n")).expect("a file");
+    drop_file(&mut window, gauge);
+    settle(&mut window);
+    let path = folder.path().join("lake.bathyscope");
+    save_as(&mut window, &path);
+    let gauged = |window: &Window| -> Vec<bool> {
+        let products = app(window).logs().filter_map(|log| log.products.as_ref());
+        products
+            .map(|one| one.correction.gauge().is_some())
+            .collect()
+    };
+    let which = gauged(&window);
+    assert_eq!(which.iter().filter(|has| **has).count(), 1, "{which:?}");
+
+    drop(window);
+    let mut window = open(&path);
+    assert_eq!(gauged(&window), which);
+    // With either log shown: the other one follows the shared settings.
+    for threshold in ["0.37", "0.38"] {
+        change(&mut window, &format!("first_return.threshold={threshold}"));
+        assert_eq!(gauged(&window), which, "{threshold}");
+        press(&mut window, Modifiers::COMMAND, Key::Z);
+        settle(&mut window);
+        assert_eq!(gauged(&window), which, "undone");
+        window.state_mut().app.apply(Command::Do(Action::NextLog));
+        settle(&mut window);
+    }
 }
 
 #[test]
