@@ -53,6 +53,9 @@ pub struct SnapshotArgs {
     /// What the colours of the bottom in 3D say; `none` leaves it out
     #[arg(long, value_enum, default_value_t)]
     bottom: ShownBottom,
+    /// Leave the points out of the 3D view: the bottom alone
+    #[arg(long)]
+    no_points: bool,
     /// GeoTIFF of your own to lie under the map
     #[arg(long, value_name = "FILE.tif")]
     base_map: Option<PathBuf>,
@@ -206,6 +209,7 @@ fn show_as(options: &mut ViewOptions, args: &SnapshotArgs) {
         Coordinates::Utm => CoordinateFormat::Utm,
     };
     options.cloud.colour = args.colours;
+    options.cloud.points = !args.no_points;
     let bottom = args.bottom.colour();
     options.cloud.bottom = bottom.is_some();
     options.cloud.bottom_colour = bottom.unwrap_or_default();

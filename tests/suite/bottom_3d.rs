@@ -510,13 +510,18 @@ fn a_picture_is_drawn_of_the_bottom_in_each_of_its_colours() {
         "distance",
         "source",
         "none",
+        "no points",
     ]
     .map(|colours| {
         let name = format!("{colours}.png");
         let snapshot = [
             "snapshot", "-o", &name, "--view", "cloud", "--size", "400x300",
         ];
-        run(folder, &[&snapshot[..], &["--bottom", colours]].concat());
+        let options = match colours {
+            "no points" => vec!["--bottom", "mosaic", "--no-points"],
+            _ => vec!["--bottom", colours],
+        };
+        run(folder, &[&snapshot[..], &options].concat());
         image::open(folder.join(&name))
             .expect("a picture")
             .to_rgb8()
