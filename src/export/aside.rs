@@ -9,6 +9,8 @@ use std::sync::{Mutex, PoisonError};
 
 /// How a file on its way is named at the end, after its own name and the writer's number.
 const PASSING: &str = ".bathyscope-part";
+/// How a file for passing data is named at the end, after the name that it is for and the writer's number.
+const SCRATCH: &str = ".scratch.part";
 
 /// A file that could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -94,12 +96,15 @@ pub fn keep_aside(path: &Path) -> Result<PathBuf, ExportError> {
 }
 
 /// Removes what a killed program left in a folder, when the first file is written there: files on their way of processes that are no
-/// more. Best effort: what cannot be removed stays.
+/// more, and their passing data. Best effort: what cannot be removed stays.
 fn tidy(folder: &Path) {
     static TIDIED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
     let mut tidied = TIDIED.lock().unwrap_or_else(PoisonError::into_inner);
     if tidied.insert(folder.to_path_buf()) {
-        remove_leftovers(folder, |name| name.strip_prefix('.')?.strip_suffix(PASSING));
+        remove_leftovers(folder, |name| {
+            let on_its_way = || name.strip_prefix('.')?.strip_suffix(PASSING);
+            name.strip_suffix(SCRATCH).or_else(on_its_way)
+        });
     }
 }
 
@@ -146,7 +151,7 @@ fn has_ended(stat: &str) -> bool {
 /// open, so that nothing is left of it however the program ends.
 pub(super) fn scratch_near(path: &Path) -> io::Result<File> {
     let mut name = path.file_name().unwrap_or_default().to_os_string();
-    name.push(format!(".{}.scratch.part", std::process::id()));
+    name.push(format!(".{}{SCRATCH}", std::process::id()));
     let passing = path.with_file_name(name);
     let mut open = File::options();
     open.read(true).write(true).create(true).truncate(true);
@@ -199,6 +204,7 @@ mod tests {
         let names = [
             ".cloud.csv.4294967294.bathyscope-part",
             &own,
+            "surface.tif.4294967294.scratch.part",
             "film.4294967294.part",
             ".notes.x.bathyscope-part",
         ];
@@ -211,8 +217,8 @@ mod tests {
         let left: Vec<&str> = names.into_iter().filter(left).collect();
         // The one of this process was on its way, and has arrived.
         let expected = match cfg!(target_os = "linux") {
-            true => vec![names[2], names[3]],
-            false => vec![names[0], names[2], names[3]],
+            true => vec![names[3], names[4]],
+            false => vec![names[0], names[2], names[3], names[4]],
         };
         assert_eq!(left, expected);
     }
