@@ -14,9 +14,18 @@ pub(super) fn unix_s(unix_cs: i64) -> Option<f64> {
     YEARS.contains(&moment(unix_s).year()).then_some(unix_s)
 }
 
+/// The year that a recorder meant: of two digits, or counted from 1900 as C's `tm_year` is.
+fn year_meant(recorded: u16) -> i32 {
+    match i32::from(recorded) {
+        year @ 0..80 => 2000 + year,
+        year @ 80..200 => 1900 + year,
+        year => year,
+    }
+}
+
 /// Hundredths of Unix seconds of a ping's date and time; of one without a date that exists, those of its time of day.
 pub(super) fn unix_cs(ping: &PingHeader) -> i64 {
-    let date = NaiveDate::from_ymd_opt(ping.year.into(), ping.month.into(), ping.day.into());
+    let date = NaiveDate::from_ymd_opt(year_meant(ping.year), ping.month.into(), ping.day.into());
     let days = date.map_or(0, |date| i64::from(date.to_epoch_days()));
     let minutes = i64::from(ping.hour) * 60 + i64::from(ping.minute);
     let seconds = days * 86_400 + minutes * 60 + i64::from(ping.second);
@@ -40,9 +49,20 @@ mod tests {
         (ping.year, ping.month, ping.day) = (1996, 7, 31);
         // `date -u -d "1996-07-31 12:36:34" +%s`
         assert_eq!(unix_s(unix_cs(&ping)), Some(838_816_594.33));
-        for year in [0, 1970, 1979, 2101, u16::MAX] {
+        for year in [200, 1970, 1979, 2101, u16::MAX] {
             ping.year = year;
             assert_eq!(unix_s(unix_cs(&ping)), None, "{year}");
         }
+        for (year, meant) in [(96, 1996), (80, 1980), (0, 2000), (9, 2009), (109, 2009)] {
+            let of = |year| {
+                ping.year = year;
+                unix_s(unix_cs(&ping))
+            };
+            let [recorded, meant] = [year, meant].map(of);
+            assert!(recorded.is_some() && recorded == meant, "{year}");
+        }
+        // A date that never was set is no first of January.
+        (ping.year, ping.month, ping.day) = (0, 0, 0);
+        assert_eq!(unix_s(unix_cs(&ping)), None);
     }
 }

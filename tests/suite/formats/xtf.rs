@@ -30,14 +30,17 @@ fn altitude_is_depth_and_metres_are_local() {
 fn a_recording_from_before_2000_has_its_date() {
     let mut bytes = handmade::xtf(20, 1, 3, (-73.6, 42.7), 0.0);
     let step = (bytes.len() - 1024) / 20;
-    for ping in 0..20 {
-        let year = 1024 + ping * step + 14;
-        bytes[year..year + 2].copy_from_slice(&1997_u16.to_le_bytes());
+    // In full, and as recorders with two digits wrote it.
+    for year in [1997_u16, 97] {
+        for ping in 0..20 {
+            let at = 1024 + ping * step + 14;
+            bytes[at..at + 2].copy_from_slice(&year.to_le_bytes());
+        }
+        let survey = read(bytes.clone());
+        // `date -u -d "1997-06-01 12:00:00" +%s`
+        assert_eq!(survey.start_unix_s, Some(865_166_400.0));
+        assert_eq!(survey.side_scan.len(), 20);
     }
-    let survey = read(bytes);
-    // `date -u -d "1997-06-01 12:00:00" +%s`
-    assert_eq!(survey.start_unix_s, Some(865_166_400.0));
-    assert_eq!(survey.side_scan.len(), 20);
 }
 
 #[test]
