@@ -1,4 +1,4 @@
-//! What the system says of files, in plain words that say what to do. It depends on no other module; any may use it.
+//! What the system says of files, and libraries of values, in plain words. It depends on no other module; any may use it.
 
 use std::borrow::Cow;
 use std::io::{Error, ErrorKind};
@@ -6,10 +6,28 @@ use std::io::{Error, ErrorKind};
 /// How the system's errors end in Rust's text.
 const NUMBER: &str = " (os error ";
 
-/// A message in which the system's own words, `No such file or directory (os error 2)`, are put plainly. They come from libraries,
-/// too, inside of whatever these say, so a message is mended where it is shown.
+/// What serde says that it expected, and what that is called elsewhere.
+const TYPES: [(&str, &str); 9] = [
+    ("expected f64", "expected a number"),
+    ("expected f32", "expected a number"),
+    ("expected usize", "expected a whole number"),
+    ("expected u64", "expected a whole number"),
+    ("expected u32", "expected a whole number"),
+    ("expected u16", "expected a whole number"),
+    ("expected u8", "expected a whole number"),
+    ("expected a sequence", "expected a list"),
+    ("floating point `", "number `"),
+];
+
+/// A message in which the system's own words, `No such file or directory (os error 2)`, and the types of values are put plainly. They
+/// come from libraries, too, inside of whatever these say, so a message is mended where it is shown.
 pub fn in_plain_words(message: &str) -> Cow<'_, str> {
     let mut plain = Cow::Borrowed(message);
+    for (said, words) in TYPES {
+        if plain.contains(said) {
+            plain = Cow::Owned(plain.replace(said, words));
+        }
+    }
     // A message has one or two of them.
     for _ in 0..4 {
         let Some(error) = number_in(&plain).map(Error::from_raw_os_error) else {
@@ -94,6 +112,29 @@ mod tests {
         ] {
             let message = Error::from_raw_os_error(number).to_string();
             assert!(in_plain_words(&message).contains(words), "{message}");
+        }
+    }
+
+    #[test]
+    fn types_of_values_are_what_an_analyst_calls_them() {
+        #[derive(Debug, serde::Deserialize)]
+        struct Scene {
+            #[allow(dead_code)]
+            length_m: f64,
+            #[allow(dead_code)]
+            lines: Vec<u32>,
+        }
+        for (toml, words) in [
+            ("length_m = 'long'\nlines = []", "expected a number"),
+            ("length_m = 1.0\nlines = 2.5", "`2.5`, expected a list"),
+            (
+                "length_m = 1.0\nlines = [2.5]",
+                "number `2.5`, expected a whole number",
+            ),
+        ] {
+            let error = toml::from_str::<Scene>(toml).unwrap_err();
+            let plain = in_plain_words(error.message()).into_owned();
+            assert!(plain.contains(words), "{plain}");
         }
     }
 

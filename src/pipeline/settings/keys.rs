@@ -2,7 +2,8 @@
 
 use super::rows::ROWS;
 use super::table::row;
-use super::{Settings, SettingsError};
+use super::{Kind, Row, Settings, SettingsError};
+use toml::{Table, Value};
 
 /// Key of the bottom edits, which are made of strokes and have no row.
 const BOTTOM: &str = "bottom";
@@ -16,17 +17,19 @@ impl Settings {
     /// A sentence that names the line or the key.
     pub fn with_toml(&self, text: &str) -> Result<Self, SettingsError> {
         let refused = |reason: String| SettingsError(format!("settings: {reason}"));
-        let over: toml::Table = (text.parse()).map_err(|error| refused(one_line(&error, text)))?;
-        if let Some(sentence) = unknown_in(&over) {
-            return Err(refused(sentence));
-        }
-        (self.with_overrides(over)).map_err(|error| refused(one_line(&error, text)))
+        let over: Table = (text.parse()).map_err(|error| refused(not_toml(&error, text)))?;
+        self.with_overrides(over).map_err(refused)
     }
 
-    fn with_overrides(&self, over: toml::Table) -> Result<Self, toml::de::Error> {
-        let mut table = toml::Table::try_from(self).map_err(serde::de::Error::custom)?;
-        merge(&mut table, over);
-        table.try_into()
+    fn with_overrides(&self, over: Table) -> Result<Self, String> {
+        if let Some(sentence) = unknown_in(&over) {
+            return Err(sentence);
+        }
+        let mut table = Table::try_from(self).map_err(|error| error.to_string())?;
+        merge(&mut table, over.clone());
+        table
+            .try_into()
+            .map_err(|error| misfit_in(&over).unwrap_or_else(|| in_one_line(error.message())))
     }
 
     /// Applies one `key=value`, for example `first_return.threshold=0.35`.
@@ -41,38 +44,84 @@ impl Settings {
         })?;
         let (key, value) = (key.trim(), value.trim());
         // A bare word is a string; numbers and booleans stay what TOML says they are.
-        let quoted = toml::Value::String(value.to_owned());
-        let table = format!("{key} = {value}").parse::<toml::Table>();
+        let quoted = Value::String(value.to_owned());
+        let table = format!("{key} = {value}").parse::<Table>();
         let table = table.or_else(|_| format!("{key} = {quoted}").parse());
-        let cannot = |error: toml::de::Error| {
-            let reason = error.message().lines().collect::<Vec<_>>().join(" ");
+        let over = table.map_err(|error| {
+            let reason = in_one_line(error.message());
             SettingsError(format!("`{key}` cannot be `{value}`: {reason}"))
-        };
-        let over = table.map_err(cannot)?;
-        match unknown_in(&over) {
-            Some(sentence) => Err(SettingsError(sentence)),
-            None => self.with_overrides(over).map_err(cannot),
-        }
+        })?;
+        self.with_overrides(over).map_err(SettingsError)
     }
 }
 
-/// What is wrong with the TOML, with its line where it is not TOML at all, else with the key's name.
-fn one_line(error: &toml::de::Error, text: &str) -> String {
+fn in_one_line(text: &str) -> String {
+    text.lines().collect::<Vec<_>>().join(" ")
+}
+
+/// What of a text is not TOML, with its line.
+fn not_toml(error: &toml::de::Error, text: &str) -> String {
+    let reason = in_one_line(error.message());
     let before = error.span().and_then(|span| text.get(..span.start));
-    match before {
-        Some(before) => {
-            let line = before.matches('\n').count() + 1;
-            let reason = error.message().lines().collect::<Vec<_>>().join(" ");
-            format!("line {line}: {reason}")
-        }
-        None => error.to_string().lines().collect::<Vec<_>>().join(" "),
-    }
+    let Some(before) = before else {
+        return reason;
+    };
+    let line = before.matches('\n').count();
+    let value = text.lines().nth(line).and_then(|text| text.split_once('='));
+    let hint = value.and_then(|(_, value)| decimal_comma(value));
+    format!("line {}: {reason}{}", line + 1, hint.unwrap_or_default())
 }
 
-fn merge(base: &mut toml::Table, over: toml::Table) {
+/// What to do about a number that is written with a comma.
+fn decimal_comma(value: &str) -> Option<String> {
+    let written = value.trim().replacen(',', ".", 1);
+    let is_number = written != value.trim() && written.parse::<f64>().is_ok();
+    is_number.then(|| format!("; write {written}: decimals take a point"))
+}
+
+/// What to say of the first value that its setting cannot have.
+fn misfit_in(over: &Table) -> Option<String> {
+    let mut values = Vec::new();
+    flatten("", over, &mut values);
+    values.into_iter().find_map(|(key, value)| {
+        let row = row(&key)?;
+        let alone = match key.split_once('.') {
+            Some((group, name)) => {
+                let inner = Table::from_iter([(name.to_owned(), value.clone())]);
+                (group, Value::Table(inner))
+            }
+            None => (key.as_str(), value.clone()),
+        };
+        let alone = Table::from_iter([(alone.0.to_owned(), alone.1)]);
+        let error = alone.try_into::<Settings>().err()?;
+        Some(misfit(row, value, error.message()))
+    })
+}
+
+/// That a setting cannot have a value, and what it may be; `reason` is what its own type said.
+fn misfit(row: &Row, value: &Value, reason: &str) -> String {
+    let value = value
+        .as_str()
+        .map_or_else(|| value.to_string(), str::to_owned);
+    // What serde says is meant for programmers; what the settings' own types say is not.
+    let is_serdes = ["invalid ", "unknown ", "missing ", "data did not match"]
+        .iter()
+        .any(|start| reason.starts_with(start));
+    let hint = match row.kind {
+        Kind::Number(_) => decimal_comma(&value).unwrap_or_default(),
+        _ => String::new(),
+    };
+    let needed = match is_serdes {
+        true => format!("it is {}", row.in_words()),
+        false => in_one_line(reason),
+    };
+    format!("`{}` cannot be `{value}`: {needed}{hint}", row.key)
+}
+
+fn merge(base: &mut Table, over: Table) {
     for (key, value) in over {
         match (base.get_mut(&key), value) {
-            (Some(toml::Value::Table(inner)), toml::Value::Table(value)) => merge(inner, value),
+            (Some(Value::Table(inner)), Value::Table(value)) => merge(inner, value),
             (_, value) => {
                 base.insert(key, value);
             }
@@ -81,28 +130,22 @@ fn merge(base: &mut toml::Table, over: toml::Table) {
 }
 
 /// What to say of the first key that is no setting.
-fn unknown_in(table: &toml::Table) -> Option<String> {
-    let mut keys = Vec::new();
-    flatten("", table, &mut keys);
-    let is_known = |key: &String| {
-        let group = format!("{key}.");
-        // A group that is given a value is refused with its type.
-        row(key).is_some() || ROWS.iter().any(|row| row.key.starts_with(&group))
-    };
-    keys.iter()
-        .find(|key| !is_known(key))
-        .map(|key| no_setting(key))
+fn unknown_in(table: &Table) -> Option<String> {
+    let mut values = Vec::new();
+    flatten("", table, &mut values);
+    let unknown = values.iter().find(|(key, _)| row(key).is_none());
+    unknown.map(|(key, _)| no_setting(key))
 }
 
-fn flatten(prefix: &str, table: &toml::Table, keys: &mut Vec<String>) {
+fn flatten<'a>(prefix: &str, table: &'a Table, values: &mut Vec<(String, &'a Value)>) {
     for (name, value) in table {
         let key = format!("{prefix}{name}");
         match value {
             _ if key == BOTTOM => {}
-            toml::Value::Table(inner) if row(&key).is_none() => {
-                flatten(&format!("{key}."), inner, keys);
+            Value::Table(inner) if row(&key).is_none() => {
+                flatten(&format!("{key}."), inner, values);
             }
-            _ => keys.push(key),
+            _ => values.push((key, value)),
         }
     }
 }
@@ -124,25 +167,26 @@ fn no_setting(key: &str) -> String {
     if let Some(now) = renamed(key) {
         return format!("`{key}` is called `{now}` now");
     }
-    let near = ROWS.iter().map(|row| (slips(row.key, key), row.key));
-    if let Some((_, near)) = near.min().filter(|(slips, _)| *slips <= SLIP) {
-        return format!("there is no setting `{key}`; is `{near}` meant?");
-    }
     let group = key.split_once('.').map_or(key, |(group, _)| group);
     let of_group: Vec<&str> = (ROWS.iter().map(|row| row.key))
         .filter(|key| key.split_once('.').is_some_and(|(first, _)| first == group))
         .collect();
+    let listed = of_group.join(", ");
+    if key == group && !of_group.is_empty() {
+        return format!("`{key}` is no setting but a group of them: {listed}");
+    }
+    let near = ROWS.iter().map(|row| (slips(row.key, key), row.key));
+    if let Some((_, near)) = near.min().filter(|(slips, _)| *slips <= SLIP) {
+        return format!("there is no setting `{key}`; is `{near}` meant?");
+    }
     match of_group.is_empty() {
         true => format!("there is no setting `{key}`; process --help lists all"),
-        false => format!(
-            "there is no setting `{key}`; those of `{group}` are {}",
-            of_group.join(", ")
-        ),
+        false => format!("there is no setting `{key}`; those of `{group}` are {listed}"),
     }
 }
 
 /// Letters to change, insert or drop between two words (Levenshtein).
-fn slips(from: &str, to: &str) -> usize {
+pub(crate) fn slips(from: &str, to: &str) -> usize {
     let to: Vec<char> = to.chars().collect();
     let mut row: Vec<usize> = (0..=to.len()).collect();
     for (index, letter) in from.chars().enumerate() {
@@ -199,8 +243,10 @@ mod tests {
         );
         assert!(RENAMED.iter().all(|(_, now)| row(now).is_some()));
         assert!(refused("nothing_alike=3").contains("--help"));
-        assert!(refused("cloud.geometry=flat").contains("flat"));
-        assert!(refused("cloud=3").contains("`cloud` cannot be `3`"));
+        assert_eq!(
+            refused("cloud=3"),
+            "`cloud` is no setting but a group of them: cloud.geometry, cloud.alpha2_deg, cloud.down_scan"
+        );
         assert!(refused("nonsense").contains("key=value"));
         let file = Settings::default().with_toml("[surface]\nmax_gap = 3\n");
         assert_eq!(
@@ -212,6 +258,61 @@ mod tests {
                 .with_toml("[bottom]\npings = 4\n")
                 .is_ok()
         );
+    }
+
+    #[test]
+    fn a_value_that_does_not_fit_is_refused_in_an_analysts_words() {
+        for (assignment, expected) in [
+            (
+                "draft_m=1,5",
+                "`draft_m` cannot be `1,5`: it is a number, 0 to 50 m; write 1.5: decimals take a point",
+            ),
+            (
+                "draft_m=deep",
+                "`draft_m` cannot be `deep`: it is a number, 0 to 50 m",
+            ),
+            (
+                "outliers.min_neighbors=2.5",
+                "`outliers.min_neighbors` cannot be `2.5`: it is a whole number, 1 to 10000",
+            ),
+            (
+                "outliers.min_neighbors=-3",
+                "`outliers.min_neighbors` cannot be `-3`: it is a whole number, 1 to 10000",
+            ),
+            (
+                "isobaths.depths_m=2",
+                "`isobaths.depths_m` cannot be `2`: it is a list of numbers, [A, B, ...], each -10000 to 12000 m",
+            ),
+            (
+                "projection=flat",
+                "`projection` cannot be `flat`: it is enu | mercator",
+            ),
+            (
+                "points.las=perhaps",
+                "`points.las` cannot be `perhaps`: it is false | true",
+            ),
+            (
+                "track.file=3",
+                "`track.file` cannot be `3`: it is a file, CSV or GPX",
+            ),
+            (
+                "source.crs=33",
+                "`source.crs` cannot be `33`: it is EPSG:NUMBER",
+            ),
+        ] {
+            let refused = Settings::default().with_assignment(assignment);
+            assert_eq!(refused.unwrap_err().0, expected);
+        }
+        for (file, expected) in [
+            (
+                "[surface]\nmax_side = \"big\"\n",
+                "settings: `surface.max_side` cannot be `big`: it is a whole number, 16 to 32768",
+            ),
+            ("\ndraft_m = 1,5\n", "; write 1.5: decimals take a point"),
+        ] {
+            let refused = Settings::default().with_toml(file).unwrap_err().0;
+            assert!(refused.ends_with(expected), "{refused}");
+        }
     }
 
     #[test]

@@ -11,6 +11,7 @@ mod table;
 mod tests;
 
 pub use keys::renamed;
+pub(crate) use keys::slips;
 pub use shown::ShownNumber;
 pub use table::{Choice, Control, Kind, Named, Number, Row, help, markdown, row};
 

@@ -97,6 +97,13 @@ impl Number {
         }
     }
 
+    /// Whether it is counted, not measured.
+    fn is_whole(&self) -> bool {
+        let mut settings = Settings::default();
+        (self.set)(&mut settings, Some(0.5));
+        (self.get)(&settings) != Some(0.5)
+    }
+
     /// The unit behind a number, ` m` or `°`.
     pub fn suffix(&self) -> String {
         match self.unit {
@@ -246,6 +253,17 @@ impl Row {
             }
             Kind::Text(what) => (*what).to_owned(),
         }
+    }
+
+    /// What it may be, with what kind of value that is: `a number, 0.1 to 1000 m`.
+    pub(super) fn in_words(&self) -> String {
+        let kind = match &self.kind {
+            Kind::Number(number) if number.is_whole() => "a whole number, ",
+            Kind::Number(_) => "a number, ",
+            Kind::Numbers { .. } => "a list of numbers, ",
+            Kind::Choice(_) | Kind::Text(_) => "",
+        };
+        format!("{kind}{}", self.values())
     }
 
     /// What it does, and what happens without a value where it may have none.
