@@ -44,8 +44,10 @@ pub use dataset::known_objects;
 pub use crate::catch_panic::is_to_be_printed;
 
 use crate::catch_panic::panic_as_error;
+use crate::pipeline::settings::slips;
+use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Bytes of a text that the user names, settings or a scene: longer than any.
@@ -119,8 +121,29 @@ fn program() -> clap::Command {
     <Cli as clap::CommandFactory>::command()
 }
 
+/// What to say of a word in the place of a command or a log that is neither: a command is meant.
+fn misspelt_command(word: &str) -> Option<String> {
+    // So many letters off, and less than half of the word.
+    const SLIPS: usize = 2;
+    if Path::new(word).exists() {
+        return None;
+    }
+    let commands = program();
+    let names = commands.get_subcommands().map(clap::Command::get_name);
+    let (slips, name) = names.map(|name| (slips(name, word), name)).min()?;
+    ((1..=SLIPS).contains(&slips) && 2 * slips < name.len())
+        .then(|| format!("there is no command `{word}`; did you mean `{name}`?"))
+}
+
 /// Runs the program with the process's own arguments.
 pub fn main() -> ExitCode {
+    let first = std::env::args_os().nth(1);
+    let sentence = first.and_then(|word| misspelt_command(word.to_str()?));
+    if let Some(sentence) = sentence {
+        program()
+            .error(ErrorKind::InvalidSubcommand, sentence)
+            .exit();
+    }
     let cli = Cli::parse();
     let opens_window = cli.command.is_none() && window::display_available();
     let outcome = match opens_window {
