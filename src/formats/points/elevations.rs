@@ -65,8 +65,23 @@ pub struct Elevations {
 /// GeoJSON the third name is a property. LAS and GeoTIFF say themselves which system they are in.
 ///
 /// # Errors
-/// When no such file is named so, or this one cannot be read.
+/// When no such file is named so, this one cannot be read, or it holds no point.
 pub fn read_elevations(argument: &OsStr) -> Result<Elevations, PointFileError> {
+    let file = read(argument)?;
+    if !file.points.is_empty() {
+        return Ok(file);
+    }
+    let what = match file.blank {
+        0 => "the file is empty: there is no point in it".to_owned(),
+        count => format!("none of the {count} lines or features has all three coordinates"),
+    };
+    Err(PointFileError {
+        what,
+        path: file.path,
+    })
+}
+
+fn read(argument: &OsStr) -> Result<Elevations, PointFileError> {
     let (path, mut names) = split_columns(argument);
     let downwards = names
         .as_mut()
@@ -173,12 +188,28 @@ mod tests {
     use super::*;
 
     fn read(text: &str, columns: &str) -> Elevations {
+        try_read(text, columns).unwrap()
+    }
+
+    fn try_read(text: &str, columns: &str) -> Result<Elevations, PointFileError> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("points.csv");
         std::fs::write(&path, text).unwrap();
         let mut argument = path.into_os_string();
         argument.push(columns);
-        read_elevations(&argument).unwrap()
+        read_elevations(&argument)
+    }
+
+    #[test]
+    fn a_file_without_points_is_said_to_be_empty() {
+        for (text, words) in [
+            ("", "is empty"),
+            ("lon,lat,z_m\n", "is empty"),
+            ("lon,lat,z_m\n1,,3\n", "none of the 1 lines"),
+        ] {
+            let refused = try_read(text, "").unwrap_err().to_string();
+            assert!(refused.contains(words), "{refused}");
+        }
     }
 
     #[test]

@@ -13,6 +13,7 @@ pub use tables::ResidualTables;
 use super::{ProcessedLog, Products};
 use crate::bathymetry::compare::{self, Comparison, Match, Matching};
 use crate::cloud::{CloudPoint, PointCloud, PointSource};
+use crate::presentation::text::way;
 use crate::progress::{Cancelled, Progress};
 use reference::{bounds, distance_m};
 use std::sync::Arc;
@@ -215,10 +216,10 @@ fn unmatched(reference: &Reference, matching: Matching, away_m: f64) -> String {
     if !away_m.is_finite() || away_m > f64::MAX / 4.0 {
         return format!("the reference holds no point with a place: {path}");
     }
-    if away_m > 0.0 {
+    if away_m >= 1.0 {
         return format!(
-            "the reference lies {:.1} km from this survey; see whether both are of one water and whether its columns are named right: {path}",
-            away_m / 1000.0
+            "the reference lies {} from this survey; see whether both are of one water and whether its columns are named right: {path}",
+            way(away_m)
         );
     }
     let by = matching_in_words(matching);
