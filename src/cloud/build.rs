@@ -1,6 +1,7 @@
 //! Picks and soundings to points in the survey's plane.
 
 use super::above_bottom::stretches_m;
+use super::confirmed::confirmed;
 use super::geometry::{BottomPoint, across_track, fixed_bottom_point};
 use super::level::echo_level;
 use super::specular::{CrossSlope, Pair, specular_point};
@@ -46,15 +47,19 @@ pub fn build(
     progress: &Progress,
 ) -> Result<PointCloud, Cancelled> {
     progress.start(3);
+    let reduction = Reduction::new(calibration, correction);
+    let ranges = Side::BOTH.map(|side| ranges_m(survey, returns, reduction, side));
+    let is_reliable = match settings.down_scan {
+        DownScan::All => vec![true; survey.soundings.len()],
+        DownScan::Locked => confirmed(survey, &ranges, |depth_m| reduction.altitude_m(depth_m)),
+    };
     let soundings = Arc::new(sounding_points(
         survey,
         navigation,
-        settings.down_scan,
+        &is_reliable,
         correction,
     ));
     progress.advance(1);
-    let reduction = Reduction::new(calibration, correction);
-    let ranges = Side::BOTH.map(|side| ranges_m(survey, returns, reduction, side));
     let cross_slopes = match settings.geometry {
         Geometry::Slope => cross_slopes(survey, &ranges),
         _ => Vec::new(),
@@ -135,14 +140,11 @@ fn cross_slopes(survey: &Survey, [port, starboard]: &[Vec<f64>; 2]) -> Vec<Cross
 fn sounding_points(
     survey: &Survey,
     navigation: &Navigation,
-    down_scan: DownScan,
+    is_reliable: &[bool],
     correction: &Correction,
 ) -> Vec<CloudPoint> {
-    let soundings = survey
-        .soundings
-        .iter()
-        .zip(navigation.soundings.iter())
-        .enumerate();
+    let placed = survey.soundings.iter().zip(navigation.soundings.iter());
+    let soundings = placed.enumerate();
     let nearest_ping =
         |time_s| nearest_in_time(&survey.side_scan, time_s, |ping| ping.time_s).unwrap_or(0);
     soundings
@@ -151,7 +153,7 @@ fn sounding_points(
             source: PointSource::DownScan,
             ping: nearest_ping(sounding.time_s) as u32,
             sounding: SoundingIndex::new(index),
-            reliable: sounding.locked || down_scan == DownScan::All,
+            reliable: sounding.locked || is_reliable[index],
             above_bottom: false,
             level: 0,
             above_bottom_m: 0.0,

@@ -1,12 +1,13 @@
 //! The 3D point cloud: soundings under the boat, first returns beside it, and the outlier filter.
 //!
 //! `build` makes the points, held `by_source`, with `geometry` for the published feet, `specular` for the one on a slope and `correction` for what
-//! depths count from, `level` says how strong its echo is, `reduction` joins it to the calibration for every read-out; `outliers` is the filter for any points and `keep` applies it to a cloud; `residuals` measures agreement
+//! depths count from, `confirmed` says which soundings without bottom lock count, `level` says how strong its echo is, `reduction` joins it to the calibration for every read-out; `outliers` is the filter for any points and `keep` applies it to a cloud; `residuals` measures agreement
 //! with recorded depths, `scales` says between which values points are coloured.
 
 mod above_bottom;
 mod build;
 mod by_source;
+mod confirmed;
 pub mod correction;
 mod geometry;
 mod keep;
@@ -155,7 +156,7 @@ pub struct CloudPoint {
     pub ping: u32,
     /// The sounding for down-scan points.
     pub sounding: Option<SoundingIndex>,
-    /// Whether the point may be kept: false for a sounding at which the recorder had lost the bottom, unless
+    /// Whether the point may be kept: false for a sounding at which the recorder had lost the bottom, unless a first return confirms it or
     /// [`DownScan::All`] asks for it.
     pub reliable: bool,
     /// Whether its pick is flagged as an above-bottom return ([`crate::first_return::Pick::above_bottom`]).

@@ -40,7 +40,7 @@ pub(super) fn warn_of_lost_bottom(soundings: &[Sounding], report: &Report) {
         return;
     };
     report.log(format!(
-        "the recorder had lost the bottom at {} of {} soundings (between {:.0} s and {:.0} s its depth jumps): they are shown, but nothing is measured against them",
+        "the recorder had lost the bottom at {} of {} soundings (between {:.0} s and {:.0} s its depth jumps): they are shown, and count only where a first return confirms them",
         lost().count(),
         soundings.len(),
         first.time_s,

@@ -4,7 +4,7 @@ use super::fingerprint::{Fingerprint, Input, hash_inputs, in_hexadecimal};
 use super::joint::LogsReport;
 use super::{Preset, Products, Settings};
 use crate::calibration::{Calibration, PingRange, ScaleMode};
-use crate::cloud::{Residuals, TrackShare, residuals};
+use crate::cloud::{PointCloud, PointSource, Residuals, SoundingIndex, TrackShare, residuals};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{HeadingSource, LeftOutStretch, Side, Survey, Track};
 use serde::Serialize;
@@ -58,7 +58,7 @@ pub struct Counts {
     pub pings: usize,
     /// Depths that the recorder gave.
     pub soundings: usize,
-    /// Of these, depths written while the recorder had lost the bottom.
+    /// Of these, depths written while the recorder had lost the bottom, and confirmed by no first return.
     pub soundings_without_bottom: usize,
     /// Pings with a port first return.
     pub port_first_returns: usize,
@@ -178,7 +178,7 @@ impl Report {
             counts: Counts {
                 pings: survey.side_scan.len(),
                 soundings: survey.soundings.len(),
-                soundings_without_bottom: survey.soundings.iter().filter(|s| !s.locked).count(),
+                soundings_without_bottom: lost_soundings(survey, cloud),
                 port_first_returns: found(Side::Port),
                 starboard_first_returns: found(Side::Starboard),
                 above_bottom: flagged(Side::Port) + flagged(Side::Starboard),
@@ -280,6 +280,18 @@ impl Report {
         }
         lines.join("\n")
     }
+}
+
+/// Soundings without bottom lock that do not count.
+fn lost_soundings(survey: &Survey, cloud: &PointCloud) -> usize {
+    let lost = survey.soundings.iter().filter(|sounding| !sounding.locked);
+    let points = cloud.points.of(PointSource::DownScan).iter();
+    let counts = points.filter(|point| point.reliable);
+    let of_lost = counts.filter(|point| {
+        let sounding = point.sounding.map(SoundingIndex::get);
+        sounding.is_some_and(|index| !survey.soundings[index].locked)
+    });
+    lost.count() - of_lost.count()
 }
 
 impl Counts {

@@ -89,7 +89,7 @@ fn summary(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
         fact(
             ui,
             "Bottom lost",
-            "Soundings after the recorder had lost the bottom: shown faded, used for nothing.",
+            "Soundings after the recorder had lost the bottom: shown faded; they count only where a first return confirms them.",
             text::plural(context.app.log.lost_soundings, "sounding", "soundings"),
         );
     }
