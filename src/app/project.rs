@@ -402,7 +402,7 @@ impl App {
         for (log, survey, settings) in logs {
             // The plane stays whatever log is first now.
             let survey = match &frame {
-                Some(frame) => survey.in_frame(frame),
+                Some(frame) => survey.in_frame_if_near(frame),
                 None => survey,
             };
             let id = self.add_log(survey);
@@ -489,6 +489,10 @@ fn read(path: &Path, progress: &Progress) -> Result<OpenedLogs, String> {
     for (log, (_, found)) in opened.project.logs().iter().zip(places) {
         let log = match found {
             Found::Here => log.clone(),
+            Found::Changed => {
+                notes.push(log.is_changed());
+                log.clone()
+            }
             Found::Moved(path) => {
                 notes.push(format!("Found {} at {}", quoted(&log.name), path.display()));
                 Arc::new(log.at(&path))

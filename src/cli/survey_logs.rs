@@ -90,6 +90,9 @@ pub fn inputs(
 fn of_project(path: &Path) -> Result<Vec<LogInput>, String> {
     let inputs = project::inputs(path, &Progress::new())?.into_iter();
     let input = |input: project::Input| {
+        if let Some(warning) = &input.warning {
+            output::notify(format_args!("warning: {warning}"));
+        }
         let has_boxes = input.log.review.boxes().len() > 0;
         Ok(LogInput {
             path: input.log.file.path.clone(),
@@ -109,7 +112,7 @@ impl LogInput {
     pub fn open(&self) -> Result<OpenedLog, String> {
         let survey = self.logs.open(&self.path, &Progress::new())?;
         let survey = match &self.frame {
-            Some(frame) => survey.in_frame(frame),
+            Some(frame) => survey.in_frame_if_near(frame),
             None => survey,
         };
         Ok(OpenedLog {

@@ -23,6 +23,8 @@ pub enum Found {
     Here,
     /// Elsewhere: [`super::ProjectLog::at`] takes it from there.
     Moved(PathBuf),
+    /// At its place lies a file as long as it, with other bytes, and it is nowhere else.
+    Changed,
     /// Another recording lies at its place, and it is nowhere else.
     Replaced,
     /// Nowhere: the analyst is asked.
@@ -43,16 +45,13 @@ pub fn find(
     let mut found = Vec::new();
     for log in project.logs() {
         progress.check()?;
-        let is_there = log.file.path.exists();
-        if is_there && may_be(&log.file, &log.file.path, progress)? {
-            found.push((log.key.clone(), Found::Here));
-            continue;
-        }
-        let files = below.get_or_insert_with(|| files_below(folder));
-        let place = match search(&log.file, files, progress)? {
-            Some(path) => Found::Moved(path),
-            None if is_there => Found::Replaced,
-            None => Found::Missing,
+        let place = match at_its_place(&log.file, progress)? {
+            Found::Here => Found::Here,
+            otherwise => {
+                let files = below.get_or_insert_with(|| files_below(folder));
+                let elsewhere = search(&log.file, files, progress)?;
+                elsewhere.map_or(otherwise, Found::Moved)
+            }
         };
         found.push((log.key.clone(), place));
     }
@@ -79,13 +78,26 @@ fn search(
     Ok(None)
 }
 
-/// Whether a file may be the log, without reading all of it: by its size, or of a recording in several files by what is in them.
-fn may_be(log: &LogFile, path: &Path, progress: &Progress) -> Result<bool, Cancelled> {
-    if is_as_long(log, path) || has_grown(log, path, progress)? {
-        return Ok(true);
+/// What lies at the log's own place. It may have grown since.
+fn at_its_place(log: &LogFile, progress: &Progress) -> Result<Found, Cancelled> {
+    let path = &log.path;
+    if is_log(log, path, progress)? || has_grown(log, path, progress)? {
+        return Ok(Found::Here);
     }
-    Ok(starts_recording(log, path)
-        && opened(path, progress)?.is_some_and(|survey| survey.is_or_was(&log.identity())))
+    if is_as_long(log, path) {
+        return Ok(Found::Changed);
+    }
+    let there = match starts_recording(log, path) {
+        true => opened(path, progress)?,
+        false => None,
+    };
+    let there = there.filter(|survey| survey.is_or_was(&log.identity()));
+    Ok(match there {
+        Some(survey) if survey.source.byte_count > log.byte_count => Found::Here,
+        Some(_) => Found::Changed,
+        None if path.exists() => Found::Replaced,
+        None => Found::Missing,
+    })
 }
 
 /// Whether a file is the log, by its hash.
@@ -215,6 +227,20 @@ mod tests {
         let named = other.join("pond.sl2");
         fs::write(&named, &bytes).expect("a log");
         assert_eq!(places(&project, &folder), [Found::Moved(named)]);
+
+        // Other bytes at its place, as many.
+        fs::write(&log, &spoilt).expect("a log");
+        assert!(matches!(places(&project, &folder)[0], Found::Moved(_)));
+        for moved in [&moved, &other.join("pond.sl2")] {
+            fs::rename(moved, moved.with_extension("kept")).expect("a log");
+        }
+        fs::remove_dir_all(&day).expect("a folder");
+        for kept in ["renamed.kept", "pond.kept"] {
+            fs::write(other.join(kept), b"").expect("a file");
+        }
+        assert_eq!(places(&project, &folder), [Found::Changed]);
+        fs::create_dir(&day).expect("a folder");
+        fs::write(&moved, &bytes).expect("a log");
 
         // Another recording at its place.
         fs::write(&log, &bytes[..bytes.len() - 1000]).expect("a log");

@@ -18,6 +18,8 @@ pub struct Input {
     pub settings: Settings,
     /// The frame that all logs of the project lie in, as the window has them; `None` where it is not kept.
     pub frame: Option<LocalFrame>,
+    /// What to say of its file.
+    pub warning: Option<String>,
 }
 
 /// The visible logs of a project, in their order.
@@ -39,8 +41,9 @@ pub fn inputs(path: &Path, progress: &Progress) -> Result<Vec<Input>, String> {
             continue;
         }
         let file = log.file.path.display();
+        let warning = (found == Found::Changed).then(|| log.is_changed());
         let log = match found {
-            Found::Here => log.clone(),
+            Found::Here | Found::Changed => log.clone(),
             Found::Moved(path) => Arc::new(log.at(&path)),
             Found::Replaced => {
                 return Err(format!(
@@ -62,6 +65,7 @@ pub fn inputs(path: &Path, progress: &Progress) -> Result<Vec<Input>, String> {
             log,
             settings,
             frame,
+            warning,
         });
     }
     if inputs.is_empty() {

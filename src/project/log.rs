@@ -4,6 +4,7 @@ use super::paths;
 use crate::detection::NAMELESS_CLASS;
 use crate::detection::review::Review;
 use crate::pipeline::{LogSettings, sha256_of};
+use crate::printable::quoted;
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Identity, Survey};
 use std::fmt;
@@ -172,6 +173,15 @@ impl ProjectLog {
             review: Arc::new(Review::new(identity, vec![NAMELESS_CLASS.to_owned()])),
             file,
         }
+    }
+
+    /// What to say where a file as long as it, with other bytes, lies at its place ([`super::Found::Changed`]).
+    pub fn is_changed(&self) -> String {
+        format!(
+            "the log {} is not the file that the project was made of: it is as long, but its bytes differ, so that edits and boxes may not fit; put the file back, or remove the log and add it again: {}",
+            quoted(&self.name),
+            self.file.path.display()
+        )
     }
 
     /// The same log where it lies now. Its key stays.

@@ -43,7 +43,7 @@ pub use track::{ExternalTrack, Fix, ProjectedTrack, Track, TrackSettings};
 pub use tracks_apart::TracksApart;
 pub use turn_rate::turn_rates_deg_s;
 
-use crate::geo::LocalFrame;
+use crate::geo::{LocalFrame, distance_m};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -306,6 +306,19 @@ impl Survey {
         Self {
             track: self.track.in_frame(frame),
             ..self
+        }
+    }
+
+    /// As [`Survey::in_frame`], for the frame that a project keeps: where its logs were exchanged for those of other waters, so far away
+    /// that its plane would bend their tracks, the log stays in its own.
+    #[must_use]
+    pub fn in_frame_if_near(self, frame: &LocalFrame) -> Self {
+        // Lengths are short by 0.05 % there, `d^2 / 2 R^2`; a quarter of the Earth away all places lie on one line.
+        const FARTHEST_M: f64 = 200_000.0;
+        let first = self.track.fixes.first();
+        match first.is_some_and(|fix| distance_m(fix.position, frame.origin()) > FARTHEST_M) {
+            true => self,
+            false => self.in_frame(frame),
         }
     }
 
