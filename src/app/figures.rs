@@ -39,7 +39,7 @@ impl Figures {
         Ok(Self {
             port_picks: found(Side::Port),
             starboard_picks: found(Side::Starboard),
-            above_bottom: above_bottom(&products.returns),
+            above_bottom: points.iter().filter(|point| point.above_bottom).count(),
             points: points.len(),
             unsure: products.cloud.unsure(min_confidence),
             outliers: products.cloud.outliers(&products.kept, min_confidence),
@@ -56,9 +56,4 @@ impl Figures {
 fn picks(returns: &FirstReturns, side: Side) -> usize {
     let picks = returns.side(side).iter();
     picks.filter(|pick| pick.is_some()).count()
-}
-
-fn above_bottom(returns: &FirstReturns) -> usize {
-    let picks = Side::BOTH.iter().flat_map(|side| returns.side(*side));
-    picks.filter(|pick| pick.above_bottom).count()
 }

@@ -1,6 +1,6 @@
 //! Picks and soundings to points in the survey's plane.
 
-use super::above_bottom::stretches_m;
+use super::above_bottom::{height_m, stretches_m, usual_departures_m};
 use super::confirmed::confirmed;
 use super::geometry::{BottomPoint, across_track, fixed_bottom_point};
 use super::level::echo_level;
@@ -65,6 +65,7 @@ pub fn build(
         _ => Vec::new(),
     };
     let above_bottom_m = stretches_m(survey, navigation, returns);
+    let usual_m = usual_departures_m(survey, navigation, returns);
     progress.advance(1);
     progress.check()?;
     let points_of = |side: Side, ranges_m: &[f64]| -> Vec<CloudPoint> {
@@ -76,13 +77,20 @@ pub fn build(
         let z_m =
             |ping: usize, below_m: f64| correction.z_m(survey.side_scan[ping].time_s, below_m);
         let found = side_points(navigation, returns, side, ranges_m, bottom_point, z_m);
-        let points = found.map(|point| CloudPoint {
-            above_bottom_m: match point.above_bottom {
-                true => above_bottom_m[point.ping as usize],
-                false => 0.0,
-            },
-            level: echo_level(survey, point.ping as usize, side, point.sample),
-            ..point
+        let points = found.map(|point| {
+            let ping = point.ping as usize;
+            // Without a recorded depth nothing is flagged.
+            let above_bottom =
+                point.above_bottom && height_m(survey, returns, ping, side) > usual_m[ping];
+            CloudPoint {
+                above_bottom,
+                above_bottom_m: match above_bottom {
+                    true => above_bottom_m[ping],
+                    false => 0.0,
+                },
+                level: echo_level(survey, ping, side, point.sample),
+                ..point
+            }
         });
         points.collect()
     };

@@ -159,7 +159,8 @@ pub struct CloudPoint {
     /// Whether the point may be kept: false for a sounding at which the recorder had lost the bottom, unless a first return confirms it or
     /// [`DownScan::All`] asks for it.
     pub reliable: bool,
-    /// Whether its pick is flagged as an above-bottom return ([`crate::first_return::Pick::above_bottom`]).
+    /// Whether it is an above-bottom return: its pick lies above the recorded depth ([`crate::first_return::Pick::above_bottom`]) by more
+    /// than this departs from the bed nearby.
     pub above_bottom: bool,
     /// Level of the echo of a first return: the greatest recorded level, 0 to 255, from the pick to 0.2 m of slant range beyond it; 0 for
     /// a sounding, of which none is known. Samples of two bytes are scaled to one, as everywhere.

@@ -145,7 +145,10 @@ impl<'a> Results<'a> {
             Need::KeptPoints => told(no_cloud(self.products)),
             Need::PlainLas if !self.products.settings.points.las => silent(),
             Need::Track if self.track().is_empty() => {
-                told("no track: the log has no position, or the boat lay still")
+                told(match self.logs().any(|(survey, _)| survey.has_place()) {
+                    true => "no track: the boat lay still",
+                    false => "no track: the log has no position",
+                })
             }
             Need::Footprint if self.ground()?.shapes.is_empty() && self.has_side_scan() => {
                 told("no footprint: no ping has side-scan, a place, a heading and an altitude")
@@ -170,9 +173,13 @@ impl<'a> Results<'a> {
                 _ => None,
             },
             Need::Agreement if self.comparisons()?.is_empty() && self.crossings()?.is_none() => {
-                told(
-                    "no residuals: there are no side-scan points near a sounding, and no track crosses itself or another",
-                )
+                // Of logs without soundings or without side-scan it is said that they have none.
+                match self.has_side_scan() && self.has_soundings() {
+                    true => told(
+                        "no residuals: there are no side-scan points near a sounding, and no track crosses itself or another",
+                    ),
+                    false => silent(),
+                }
             }
             Need::SideScan if !self.has_side_scan() => silent(),
             Need::Mosaic => match grid(self)? {
@@ -209,6 +216,10 @@ impl<'a> Results<'a> {
 
     fn has_side_scan(&self) -> bool {
         self.logs().any(|(survey, _)| survey.has_side_scan())
+    }
+
+    fn has_soundings(&self) -> bool {
+        self.logs().any(|(survey, _)| !survey.soundings.is_empty())
     }
 
     /// What the survey is called: by its log, or by all of them.

@@ -149,13 +149,6 @@ impl Report {
             kept,
             ..
         } = products;
-        let flagged = |side| {
-            returns
-                .side(side)
-                .iter()
-                .filter(|pick| pick.above_bottom)
-                .count()
-        };
         let found = |side| {
             returns
                 .side(side)
@@ -165,8 +158,10 @@ impl Report {
         };
         let min_confidence = settings.first_return.min_confidence;
         let outliers = cloud.outliers(kept, min_confidence);
-        let points = cloud.points.iter();
-        let above_bottom = points.filter(|point| settings.surface.leaves_out(point));
+        let above_bottom = cloud.points.iter().filter(|point| point.above_bottom);
+        let left_out_of_map = above_bottom
+            .clone()
+            .filter(|point| settings.surface.leaves_out(point));
         Ok(Self {
             program: format!("bathyscope {}", env!("CARGO_PKG_VERSION")),
             run: String::new(),
@@ -181,8 +176,8 @@ impl Report {
                 soundings_without_bottom: lost_soundings(survey, cloud),
                 port_first_returns: found(Side::Port),
                 starboard_first_returns: found(Side::Starboard),
-                above_bottom: flagged(Side::Port) + flagged(Side::Starboard),
-                above_bottom_left_out: above_bottom.count(),
+                above_bottom: above_bottom.count(),
+                above_bottom_left_out: left_out_of_map.count(),
                 low_confidence: cloud.unsure(min_confidence),
                 moving: navigation.moving,
                 zero_heading: navigation.zero_heading,
@@ -235,7 +230,7 @@ impl Report {
         } = self;
         let mut lines = vec![
             format!(
-                "{} pings: first return port {}, starboard {}; {} above the recorded depth (weed, fish, boulders), {} of them not in the depth map",
+                "{} pings: first return port {}, starboard {}; {} above the bottom (weed, fish, boulders), {} of them not in the depth map",
                 counts.pings,
                 counts.port_first_returns,
                 counts.starboard_first_returns,

@@ -35,9 +35,9 @@ impl Reader {
         }
         log.report.set_back(self.clock.set_back_s());
         if self.keel_ft != 0.0 {
+            let keel_m = metres(self.keel_ft);
             log.report.log(format!(
-                "the unit added a keel offset of {:.2} m to the depths it shows; it was taken off again",
-                metres(self.keel_ft)
+                "the unit added a keel offset of {keel_m:.2} m to the depths it shows; it was taken off again, so that depths count from the transducer; set draft_m to what the transducer hangs below the water's surface",
             ));
         }
     }

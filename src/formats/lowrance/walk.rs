@@ -106,6 +106,8 @@ impl Walk<'_> {
                 found.lost - here.lost
             ),
             Some(_) => format!("{bytes} bytes belong to no frame and were skipped"),
+            // Some recorders end a file so. A frame that was cut has its own offset at least.
+            None if bytes < size_of::<u32>() => return Ok(to),
             None => {
                 format!("the last {bytes} bytes of the file belong to no frame and were skipped")
             }

@@ -26,6 +26,34 @@ fn names(folder: &Path) -> Vec<String> {
 }
 
 #[test]
+fn a_misspelt_command_is_no_log() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    for (word, meant) in [("proces", "process"), ("snapshto", "snapshot")] {
+        let text = refusal(folder, &[word, "pond.sl2", "-o", "out"], 2);
+        let expected = format!("there is no command `{word}`; did you mean `{meant}`?");
+        assert!(text.contains(&expected), "{text}");
+    }
+    // A file of that name is a log, and a word that is like no command a log that is not there.
+    fs::write(folder.join("proces"), "no log").expect("a file");
+    for word in ["proces", "pond.sl2"] {
+        assert_eq!(bathyscope(folder, &[word]).status.code(), Some(1), "{word}");
+    }
+}
+
+#[test]
+fn a_setting_and_a_reference_that_cannot_be_used_are_told_plainly() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    let comma = ["process", "pond.sl2", "--set", "draft_m=1,5"];
+    one_line(folder, &comma, &["it is a number", "write 1.5"]);
+    fs::write(folder.join("empty.csv"), "").expect("a file");
+    fs::write(folder.join("some.csv"), "lon,lat,z\n1,2,3\n").expect("a file");
+    let compare = ["compare", "some.csv", "empty.csv"];
+    one_line(folder, &compare, &["the file is empty", "empty.csv"]);
+}
+
+#[test]
 fn a_recorded_log_is_not_simulated_over() {
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let folder = temporary.path();

@@ -161,12 +161,8 @@ fn stray_bytes_and_noise() {
         counts(&survey),
         kinds.into_iter().zip([1, 3, 3]).collect::<Vec<_>>()
     );
-    assert!(
-        survey
-            .warnings
-            .iter()
-            .any(|warning| warning.place == Some((0, 16_688)) && warning.text.contains("2 bytes"))
-    );
+    // Two bytes are no frame that was lost: there is nothing to be done about them.
+    assert!(survey.warnings.iter().all(|one| one.place.is_none()));
     assert!(
         matches!(survey.side_scan_state, SideScanState::Noise { range_m } if (range_m - 1.524).abs() < 1e-3)
     );

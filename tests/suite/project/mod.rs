@@ -2,8 +2,10 @@
 
 mod killed;
 
+use crate::cli::stderr_of;
 use bathyscope::detection::review::{BoxId, Edit};
 use bathyscope::formats;
+use bathyscope::geo::LonLat;
 use bathyscope::progress::Progress;
 use bathyscope::project::{self, Change, LogFile, Project, ProjectLog, Store, StoreError};
 use std::fs;
@@ -52,6 +54,31 @@ fn renamed(project: &Project, name: &str) -> Project {
 
 fn name(project: &Project) -> &str {
     &project.logs()[0].name
+}
+
+#[test]
+fn a_log_with_other_bytes_in_a_plane_of_other_waters_is_processed_with_a_warning() {
+    let temporary = tempfile::tempdir().expect("a folder");
+    let folder = temporary.path();
+    let (store, mut project) = saved(folder);
+    drop(store);
+    // A quarter of the Earth away all places of the log would lie on one line.
+    project.origin = Some(LonLat {
+        lon_deg: 7.9,
+        lat_deg: 0.0,
+    });
+    drop(Store::create(&folder.join("far.bathyscope"), &project).expect("a project"));
+    let log = folder.join("pond.sl2");
+    let mut bytes = fs::read(&log).expect("a log");
+    *bytes.last_mut().expect("a byte") ^= 1;
+    fs::write(&log, bytes).expect("a log");
+    let args = ["process", "far.bathyscope", "--no-objects", "-o", "out"];
+    let said = stderr_of(folder, &args);
+    assert!(
+        said.contains("pond is not the file that the project was made of"),
+        "{said}"
+    );
+    assert!(folder.join("out/depth/depth.tif").is_file(), "{said}");
 }
 
 #[test]
