@@ -115,15 +115,24 @@ pub(super) fn solve(meetings: &[Meeting], pinned: &[Option<f64>]) -> HeightOffse
     let of = |log: usize| pinned.get(log).copied().flatten();
     let held = meetings.iter().filter_map(|meeting| {
         let [first, second] = meeting.logs;
-        let (logs, difference_m) = match (of(first), of(second)) {
-            (None, None) => (meeting.logs, meeting.difference_m),
-            (None, Some(offset_m)) => ([first, count], meeting.difference_m + offset_m),
-            (Some(offset_m), None) => ([second, count], offset_m - meeting.difference_m),
+        let (logs, difference_m, lines) = match (of(first), of(second)) {
+            (None, None) => (meeting.logs, meeting.difference_m, meeting.lines),
+            (None, Some(offset_m)) => (
+                [first, count],
+                meeting.difference_m + offset_m,
+                meeting.lines,
+            ),
+            (Some(offset_m), None) => (
+                [second, count],
+                offset_m - meeting.difference_m,
+                meeting.lines.map(|[first, second]| [second, first]),
+            ),
             (Some(_), Some(_)) => return None,
         };
         Some(Meeting {
             logs,
             difference_m,
+            lines,
             ..*meeting
         })
     });
@@ -196,13 +205,8 @@ mod tests {
     use crate::bathymetry::height_offsets::MeetingKind;
 
     fn meeting(logs: [usize; 2], heights_m: [f64; 2]) -> Meeting {
-        Meeting {
-            logs,
-            kind: MeetingKind::Crossing,
-            place: [0.0; 2],
-            difference_m: heights_m[0] - heights_m[1],
-            slope: 0.0,
-        }
+        let difference_m = heights_m[0] - heights_m[1];
+        Meeting::new(logs, MeetingKind::Crossing, [0.0; 2], difference_m, 0.0)
     }
 
     #[test]

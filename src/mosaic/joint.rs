@@ -116,12 +116,10 @@ fn differences(cells: &BTreeMap<usize, Vec<(usize, u8)>>, grid: &Grid) -> Vec<Me
         .into_iter()
         .filter(|(_, ratios)| ratios.len() >= LEAST_CELLS);
     enough
-        .map(|((logs, [row, column]), mut ratios)| Meeting {
-            logs,
-            kind: MeetingKind::Overlap,
-            place: grid.centre(row * BLOCK_CELLS, column * BLOCK_CELLS),
-            difference_m: crate::statistics::median(&mut ratios),
-            slope: 0.0,
+        .map(|((logs, [row, column]), mut ratios)| {
+            let place = grid.centre(row * BLOCK_CELLS, column * BLOCK_CELLS);
+            let difference = crate::statistics::median(&mut ratios);
+            Meeting::new(logs, MeetingKind::Overlap, place, difference, 0.0)
         })
         .collect()
 }

@@ -1,7 +1,7 @@
 //! Places that two logs measured.
 
 use super::{Meeting, MeetingKind};
-use crate::bathymetry::crosslines::{TrackDepth, crossings};
+use crate::bathymetry::crosslines::{Pass, TrackDepth, crossings, velocity_mps};
 use crate::progress::{Cancelled, Progress};
 use crate::statistics::median;
 use std::collections::{BTreeMap, HashMap};
@@ -13,6 +13,9 @@ const SQUARE_M: f64 = 1.0;
 /// Squares of a block give one difference, since the errors of neighbours are alike: its side in squares, and the fewest squares.
 const BLOCK_SQUARES: i64 = 10;
 const LEAST_SQUARES: usize = 3;
+
+/// A boat that turns by more than this from the course that a line began with begins another, degrees.
+const LINE_TURN_DEG: f64 = 45.0;
 
 /// Crossings between logs; for pairs with fewer than three of them the blocks of 10 m in which both measured the same squares of 1 m
 /// too. By pair, in the order of the first log.
@@ -46,14 +49,46 @@ pub fn crossing_meetings(
     let between = found
         .iter()
         .filter(|one| one.passes[0].track != one.passes[1].track);
-    let meetings = between.map(|one| Meeting {
-        logs: one.passes.map(|pass| pass.track),
-        kind: MeetingKind::Crossing,
-        place: one.place,
-        difference_m: one.difference_m(),
-        slope: one.slope(),
+    let lines: Vec<Vec<f64>> = tracks.iter().map(|track| line_starts_s(track)).collect();
+    let line = |pass: Pass| {
+        let before = tracks[pass.track].partition_point(|depth| depth.time_s <= pass.time_s);
+        lines[pass.track][before.saturating_sub(1)].floor() as i64
+    };
+    let meetings = between.map(|one| {
+        let logs = one.passes.map(|pass| pass.track);
+        let (place, difference_m) = (one.place, one.difference_m());
+        Meeting {
+            gradient: one.gradient,
+            lines: Some(one.passes.map(line)),
+            ..Meeting::new(
+                logs,
+                MeetingKind::Crossing,
+                place,
+                difference_m,
+                one.slope(),
+            )
+        }
     });
     Ok(meetings.collect())
+}
+
+/// When the line began that each depth of a track lies on, seconds: a stretch of about one course, along which positions err alike.
+fn line_starts_s(track: &[TrackDepth]) -> Vec<f64> {
+    let mut line: Option<(f64, [f64; 2])> = None;
+    let starts = track.iter().enumerate().map(|(index, depth)| {
+        let now = velocity_mps(track, index);
+        let turned = |course: [f64; 2]| {
+            let sizes = course[0].hypot(course[1]) * now[0].hypot(now[1]);
+            let cos = (course[0] * now[0] + course[1] * now[1]) / sizes;
+            // Of a boat at rest it is no number.
+            cos < LINE_TURN_DEG.to_radians().cos()
+        };
+        if line.is_none_or(|(_, course)| course == [0.0; 2] || turned(course)) {
+            line = Some((depth.time_s, now));
+        }
+        line.map_or(depth.time_s, |(start_s, _)| start_s)
+    });
+    starts.collect()
 }
 
 /// A square that two logs measured: depth by the first, and elevation by the second minus that by the first.
@@ -123,13 +158,13 @@ fn meeting(logs: [usize; 2], block: [i64; 2], shared: &[Shared]) -> Meeting {
     let (least, most) = depths.fold((f64::MAX, f64::MIN), |(least, most), depth_m| {
         (least.min(depth_m), most.max(depth_m))
     });
-    Meeting {
+    Meeting::new(
         logs,
-        kind: MeetingKind::Overlap,
-        place: block.map(|index| (index as f64 + 0.5) * side_m),
-        difference_m: median(&mut differences),
-        slope: (most - least) / side_m,
-    }
+        MeetingKind::Overlap,
+        block.map(|index| (index as f64 + 0.5) * side_m),
+        median(&mut differences),
+        (most - least) / side_m,
+    )
 }
 
 #[cfg(test)]
@@ -158,5 +193,22 @@ mod tests {
             assert!((meeting.difference_m - 0.15).abs() < 1e-9, "{meeting:?}");
             assert!((meeting.slope - 0.02).abs() < 0.005, "{meeting:?}");
         }
+    }
+
+    #[test]
+    fn a_line_ends_where_the_boat_turns() {
+        // East for 60 s at a metre a second, then north.
+        let track: Vec<TrackDepth> = (0..120)
+            .map(|second| TrackDepth {
+                time_s: f64::from(second),
+                east_m: f64::from(second.min(60)),
+                north_m: f64::from((second - 60).max(0)),
+                depth_m: 3.0,
+            })
+            .collect();
+        let starts_s = line_starts_s(&track);
+        assert_eq!([starts_s[0], starts_s[58]], [0.0; 2]);
+        assert!((starts_s[119] - 61.0).abs() <= 1.0, "{starts_s:?}");
+        assert_eq!(starts_s[62], starts_s[119]);
     }
 }

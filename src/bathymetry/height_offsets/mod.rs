@@ -3,7 +3,7 @@
 //! Drafts, water levels and the recorders' own constants differ from log to log, and each moves all depths of its log by the same
 //! height. Where two logs measured the same place their depths differ by the difference of these heights, so all meetings together
 //! give the height of every log, but for one that they all share: the datum. `meetings` finds the places, `network` solves for the
-//! heights.
+//! heights, and with them for how far the positions of each log are off, since that moves depths on a slope.
 
 mod meetings;
 mod network;
@@ -49,6 +49,36 @@ pub struct Meeting {
     pub difference_m: f64,
     /// Slope of the bottom, metres a metre: an error of position becomes one of depth by it. NaN where it is not known.
     pub slope: f64,
+    /// What the depth grows by a metre to the east and to the north, metres; NaN where the slope's direction is not known.
+    pub gradient: [f64; 2],
+    /// When each log began the line that it was on there, whole seconds: meetings of one line err together. `None` where that is not known.
+    pub lines: Option<[i64; 2]>,
+}
+
+impl Meeting {
+    /// Of a slope without a direction, on lines that are not known.
+    pub fn new(
+        logs: [usize; 2],
+        kind: MeetingKind,
+        place: [f64; 2],
+        difference_m: f64,
+        slope: f64,
+    ) -> Self {
+        Self {
+            logs,
+            kind,
+            place,
+            difference_m,
+            slope,
+            gradient: [f64::NAN; 2],
+            lines: None,
+        }
+    }
+
+    /// Whether the direction of the slope is known.
+    fn has_gradient(&self) -> bool {
+        self.gradient.iter().all(|slope| slope.is_finite())
+    }
 }
 
 /// The height offset of a log.

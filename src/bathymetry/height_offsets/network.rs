@@ -19,6 +19,8 @@ const ROUNDS: usize = 50;
 const SETTLED_M: f64 = 1e-7;
 /// The scale of the residuals is at least this share of what the weights assume: differences may agree to the last digit.
 const LEAST_SCALE: f64 = 1e-6;
+/// What is assumed of differences before they check each other counts like so many of them.
+const ASSUMED_DIFFERENCES: f64 = 1.0;
 /// A robust weight below this ties nothing.
 const LEAST_SHARE: f64 = 1e-9;
 /// Standard error of a median over that of a mean.
@@ -28,8 +30,10 @@ const MEDIAN_SHARE: f64 = 1.2533;
 ///
 /// The offsets `h` fulfil `h_first - h_second = difference` as well as they can: least squares weighted by the noise that the slope
 /// of the bottom lets expect, first with Huber's weights and from there with Tukey's, so that a meeting over weed or on a lost bottom
-/// counts little or nothing. Standard errors are those of the weighted residuals; where pairs of logs disagree as a whole by more than
-/// their single meetings scatter (a shifted position, a tide), they are larger by that much.
+/// counts little or nothing. Where the direction of the slope is known the east and north shift of each log's positions, half a metre give or
+/// take, is found with its height, so that the standard errors hold what such a shift makes of a slope. They are those of the weighted
+/// residuals; where pairs of logs, or the single lines of logs, disagree as a whole by more than their single meetings scatter (a tide,
+/// positions that are off all along a line), they are larger by that much.
 pub fn adjust(count: usize, meetings: &[Meeting], datum: Datum) -> HeightOffsets {
     let known: Vec<Meeting> = meetings
         .iter()
@@ -126,8 +130,20 @@ struct Network<'a> {
     /// Standard deviation that each difference is expected to have.
     sigmas_m: Vec<f64>,
     size: usize,
+    /// Whether the shifts of positions are unknowns, too: east and north of each log, behind the heights.
+    has_shifts: bool,
     /// The member whose offset is zero; without one their mean is.
     fixed: Option<usize>,
+}
+
+/// A solution with some weights of the meetings.
+struct Weighted {
+    heights_m: Vec<f64>,
+    /// East and north of each log's shift; none where no slope has a direction.
+    shifts_m: Vec<f64>,
+    shares: Vec<f64>,
+    scale: f64,
+    factor: Factor,
 }
 
 struct Solved {
@@ -148,6 +164,7 @@ impl<'a> Network<'a> {
                 .iter()
                 .map(|one| difference_sigma_m(one.slope))
                 .collect(),
+            has_shifts: meetings.iter().any(Meeting::has_gradient),
             meetings,
             size: members.len(),
             fixed,
@@ -160,51 +177,116 @@ impl<'a> Network<'a> {
             return None;
         }
         let mut equations = self.equations();
-        let pattern = Pattern::of(&equations, self.size - 1)?;
+        let pattern = Pattern::of(&equations, self.unknowns())?;
         let ones = vec![1.0; self.meetings.len()];
-        let (mut heights_m, mut factor) = self.weighted(&pattern, &mut equations, &ones)?;
+        let mut at = self.weighted(&pattern, &mut equations, ones, 1.0)?;
         let tukey = |u: f64| (1.0 - (u / TUKEY).powi(2)).max(0.0).powi(2);
-        let mut shares = ones;
         for weight in [&huber as &dyn Fn(f64) -> f64, &tukey] {
             for _ in 0..ROUNDS {
-                let (next_shares, _) = weighted_shares(&self.residuals(&heights_m), weight);
+                let (shares, scale) = weighted_shares(&self.residuals(&at), weight);
                 // Where Tukey's weights would cut a log off, Huber's stand.
-                let next = self.weighted(&pattern, &mut equations, &next_shares);
-                let Some((next_m, next_factor)) = next else {
+                let Some(next) = self.weighted(&pattern, &mut equations, shares, scale) else {
                     break;
                 };
-                let moved = next_m.iter().zip(&heights_m).map(|(a, b)| (a - b).abs());
-                let moved_m = moved.fold(0.0, f64::max);
-                (heights_m, shares, factor) = (next_m, next_shares, next_factor);
+                let moved = next.heights_m.iter().zip(&at.heights_m);
+                let moved_m = moved.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                at = next;
                 if moved_m < SETTLED_M {
                     break;
                 }
             }
         }
-        let residuals = self.residuals(&heights_m);
-        let squares: f64 = residuals.iter().zip(&shares).map(|(u, w)| w * u * u).sum();
-        let freedom = shares.iter().sum::<f64>() - (self.size - 1) as f64;
-        // A tree of single differences checks nothing: what was assumed of them counts then.
-        let variance = if freedom > 0.5 {
-            squares / freedom
-        } else {
-            1.0
-        };
-        let variance = variance.max(self.variance_of_pairs(&residuals, &shares));
-        let own = self.variances(&factor).into_iter();
+        let of_unknowns = at.factor.variances(self.unknowns());
+        let own = self.variances(&at.factor, &of_unknowns).into_iter();
+        let variance = self.variance(&at, &of_unknowns);
         Some(Solved {
             errors_m: own.map(|own| (variance * own).sqrt()).collect(),
-            heights_m,
+            heights_m: at.heights_m,
         })
     }
 
-    /// Differences less what the heights make of them, in standard deviations.
-    fn residuals(&self, heights_m: &[f64]) -> Vec<f64> {
+    /// Heights of all logs but the first, and shifts where they are known.
+    fn unknowns(&self) -> usize {
+        self.size - 1 + if self.has_shifts { 2 * self.size } else { 0 }
+    }
+
+    /// Where the shift of a log to the east is among the unknowns; that to the north follows.
+    fn shift(&self, log: usize) -> usize {
+        self.size - 1 + 2 * log
+    }
+
+    /// Variance of a residual in units of what was expected of it.
+    fn variance(&self, at: &Weighted, of_unknowns: &[f64]) -> f64 {
+        let residuals = self.residuals(at);
+        let squares: f64 = residuals
+            .iter()
+            .zip(&at.shares)
+            .map(|(u, w)| w * u * u)
+            .sum();
+        // A shift takes a freedom as far as the meetings say more of it than was assumed.
+        let assumed = (POSITION_SIGMA_M / at.scale).powi(2);
+        let shifts = &of_unknowns[self.size - 1..];
+        let shifts: f64 = shifts
+            .iter()
+            .map(|own| (1.0 - own / assumed).max(0.0))
+            .sum();
+        let parameters = (self.size - 1) as f64 + shifts;
+        let freedom = (at.shares.iter().sum::<f64>() - parameters).max(0.0);
+        // A tree of single differences checks nothing: what was assumed of them counts then.
+        let single = (squares + ASSUMED_DIFFERENCES) / (freedom + ASSUMED_DIFFERENCES);
+        let of_pairs = self.variance_of_pairs(&residuals, &at.shares);
+        let of_lines = self.variance_of_lines(&residuals, &at.shares, parameters, single);
+        single.max(of_pairs).max(of_lines)
+    }
+
+    /// Differences less what the heights and the shifts make of them, in standard deviations.
+    fn residuals(&self, at: &Weighted) -> Vec<f64> {
         let all = self.meetings.iter().zip(&self.ends).zip(&self.sigmas_m);
         all.map(|((one, [a, b]), sigma_m)| {
-            (one.difference_m - (heights_m[*a] - heights_m[*b])) / sigma_m
+            let mut left_m = one.difference_m - (at.heights_m[*a] - at.heights_m[*b]);
+            if one.has_gradient() {
+                let apart_m =
+                    [0, 1].map(|axis| at.shifts_m[2 * a + axis] - at.shifts_m[2 * b + axis]);
+                left_m -= one.gradient[0] * apart_m[0] + one.gradient[1] * apart_m[1];
+            }
+            left_m / sigma_m
         })
         .collect()
+    }
+
+    /// What the mean residuals of the lines say of the variance of a single one, as those of the pairs do, a line by the weight of its meetings:
+    /// that is what it counts in a height. Each meeting lies on a line of either log, so that what lines add counts twice. 0 where too few
+    /// lines cross.
+    fn variance_of_lines(
+        &self,
+        residuals: &[f64],
+        shares: &[f64],
+        parameters: f64,
+        single: f64,
+    ) -> f64 {
+        let mut lines: BTreeMap<(usize, i64), [f64; 2]> = BTreeMap::new();
+        let all = self.meetings.iter().zip(&self.ends).zip(&self.sigmas_m);
+        for (((one, ends), sigma_m), (u, share)) in all.zip(residuals.iter().zip(shares)) {
+            let weight = share / (sigma_m * sigma_m);
+            for (end, line) in one.lines.into_iter().flatten().enumerate() {
+                // The residual is that of the first log less the second's.
+                let sign = if end == 0 { 1.0 } else { -1.0 };
+                let [sum, weights] = lines.entry((ends[end], line)).or_default();
+                (*sum, *weights) = (*sum + sign * weight * u * sigma_m, *weights + weight);
+            }
+        }
+        let total = |of: fn(&[f64; 2]) -> f64| lines.values().map(of).sum::<f64>();
+        let weights = total(|[_, weight]| *weight);
+        // So many lines of one weight would count alike.
+        let count = weights * weights / total(|[_, weight]| weight * weight);
+        let freedom = count - parameters - 1.0;
+        // Without any line it is no number.
+        if freedom.is_nan() || freedom < 0.5 {
+            return 0.0;
+        }
+        let squares = count * total(|[sum, _]| sum * sum) / weights;
+        let assumed = ASSUMED_DIFFERENCES * single;
+        2.0 * (squares + assumed) / (freedom + ASSUMED_DIFFERENCES) - single
     }
 
     /// What the mean residuals of the pairs of logs say of the variance of a single one: larger than that of the single ones where
@@ -225,27 +307,38 @@ impl<'a> Network<'a> {
         }
     }
 
-    /// What the meetings say of the heights of all logs but the first, which is taken for zero.
+    /// What the meetings say of the heights of all logs but the first, which is taken for zero, and of the shifts; behind them what is assumed
+    /// of the shifts.
     fn equations(&self) -> Equations {
         let mut equations = Equations::default();
         let all = self.meetings.iter().zip(&self.ends).zip(&self.sigmas_m);
-        for ((one, [a, b]), sigma_m) in all {
-            let ends = [(*a, 1.0), (*b, -1.0)].into_iter();
-            let terms = ends.filter_map(|(log, sign)| Some((log.checked_sub(1)?, sign)));
+        for ((one, ends), sigma_m) in all {
+            let mut terms = Vec::with_capacity(6);
+            for (log, sign) in ends.iter().zip([1.0, -1.0]) {
+                terms.extend(log.checked_sub(1).map(|height| (height, sign)));
+                if one.has_gradient() {
+                    let of_axis = |axis| (self.shift(*log) + axis, sign * one.gradient[axis]);
+                    terms.extend([0, 1].map(of_axis));
+                }
+            }
             equations.add(terms, one.difference_m, *sigma_m);
+        }
+        for shift in self.size - 1..self.unknowns() {
+            equations.add([(shift, 1.0)], 0.0, POSITION_SIGMA_M);
         }
         equations
     }
 
     /// Heights by least squares with some weights, from the datum, and the matrix that they come from; `None` where the weights cut the logs
-    /// into several groups.
+    /// into several groups. The scale is that of the residuals, in which what is assumed of shifts is weighed against them.
     fn weighted(
         &self,
         pattern: &Pattern,
         equations: &mut Equations,
-        shares: &[f64],
-    ) -> Option<(Vec<f64>, Factor)> {
-        let ties = self.ends.iter().zip(shares);
+        shares: Vec<f64>,
+        scale: f64,
+    ) -> Option<Weighted> {
+        let ties = self.ends.iter().zip(&shares);
         let ties = ties.filter_map(|(ends, share)| (*share > LEAST_SHARE).then_some(*ends));
         if groups(self.size, ties).iter().any(|group| *group > 0) {
             return None;
@@ -253,9 +346,14 @@ impl<'a> Network<'a> {
         for (meeting, (share, sigma_m)) in shares.iter().zip(&self.sigmas_m).enumerate() {
             equations.set_sd(meeting, sigma_m / share.sqrt());
         }
+        for assumed in self.meetings.len()..equations.len() {
+            equations.set_sd(assumed, POSITION_SIGMA_M / scale);
+        }
         let factor = pattern.factorise(equations)?;
+        let mut found = factor.solve(pattern, equations, 0, || 0.0).swap_remove(0);
+        let shifts_m = found.split_off(self.size - 1);
         let mut heights_m = vec![0.0];
-        heights_m.append(&mut factor.solve(pattern, equations, 0, || 0.0).swap_remove(0));
+        heights_m.append(&mut found);
         let datum_m = match self.fixed {
             Some(fixed) => heights_m[fixed],
             None => heights_m.iter().sum::<f64>() / self.size as f64,
@@ -264,25 +362,37 @@ impl<'a> Network<'a> {
             .iter_mut()
             .for_each(|height_m| *height_m -= datum_m);
         let is_known = heights_m.iter().all(|height_m| height_m.is_finite());
-        is_known.then_some((heights_m, factor))
+        is_known.then_some(Weighted {
+            heights_m,
+            shifts_m,
+            shares,
+            scale,
+            factor,
+        })
     }
 
     /// Variances of the heights from the datum, before they are scaled by that of the residuals: with the covariance `C` against the first log
     /// and weights `w` that make the datum, `C_ii - 2 (C w)_i + w C w`.
-    fn variances(&self, factor: &Factor) -> Vec<f64> {
+    fn variances(&self, factor: &Factor, of_unknowns: &[f64]) -> Vec<f64> {
         let weight = |log: usize| match self.fixed {
             Some(fixed) => f64::from(u8::from(log == fixed)),
             None => 1.0 / self.size as f64,
         };
-        let of_others = |values: Vec<f64>| [0.0].into_iter().chain(values);
-        let mut with_datum = [(1..self.size).map(weight).collect()];
+        let of_others = |values: &[f64]| -> Vec<f64> {
+            let others = values[..self.size - 1].iter().copied();
+            [0.0].into_iter().chain(others).collect()
+        };
+        let mut with_datum = vec![0.0; self.unknowns()];
+        for (log, entry) in (1..self.size).zip(&mut with_datum) {
+            *entry = weight(log);
+        }
+        let mut with_datum = [with_datum];
         factor.solve_for(&mut with_datum);
-        let [with_datum] = with_datum;
-        let with_datum: Vec<f64> = of_others(with_datum).collect();
+        let with_datum = of_others(&with_datum[0]);
         let datum: f64 = (0..self.size)
             .map(|log| weight(log) * with_datum[log])
             .sum();
-        let own = of_others(factor.variances(self.size - 1)).zip(&with_datum);
+        let own = of_others(of_unknowns).into_iter().zip(&with_datum);
         own.map(|(own, with)| (own - 2.0 * with + datum).max(0.0))
             .collect()
     }

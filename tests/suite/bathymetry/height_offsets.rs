@@ -1,6 +1,9 @@
 //! Height offsets of logs against what scipy makes of the same meetings (`make_height_offsets.py`).
 
-use bathyscope::bathymetry::height_offsets::{Datum, Meeting, MeetingKind, adjust};
+use super::dice::Dice;
+use bathyscope::bathymetry::crosslines::TrackDepth;
+use bathyscope::bathymetry::height_offsets::{Datum, Meeting, MeetingKind, adjust, height_offsets};
+use bathyscope::progress::Progress;
 use serde::Deserialize;
 
 #[derive(Deserialize)]
@@ -18,12 +21,9 @@ fn cases() -> Vec<Case> {
 }
 
 fn meetings(case: &Case) -> Vec<Meeting> {
-    let meeting = |&(first, second, difference_m, slope)| Meeting {
-        logs: [first, second],
-        kind: MeetingKind::Crossing,
-        place: [0.0, 0.0],
-        difference_m,
-        slope,
+    let meeting = |&(first, second, difference_m, slope)| {
+        let logs = [first, second];
+        Meeting::new(logs, MeetingKind::Crossing, [0.0; 2], difference_m, slope)
     };
     case.meetings.iter().map(meeting).collect()
 }
@@ -75,12 +75,15 @@ fn the_datum_may_be_one_log_and_differences_stay() {
 
 #[test]
 fn what_is_not_connected_is_said() {
-    let meeting = |first, second, difference_m| Meeting {
-        logs: [first, second],
-        kind: MeetingKind::Crossing,
-        place: [0.0, 0.0],
-        difference_m,
-        slope: f64::NAN,
+    let meeting = |first, second, difference_m| {
+        let logs = [first, second];
+        Meeting::new(
+            logs,
+            MeetingKind::Crossing,
+            [0.0; 2],
+            difference_m,
+            f64::NAN,
+        )
     };
     // Logs 0 and 3 meet, so do 1 and 4; log 2 meets none, and 5 only on a place without a depth.
     let met = [
@@ -100,4 +103,94 @@ fn what_is_not_connected_is_said() {
     assert!(found.logs[2].standard_error_m.is_nan() && found.logs[2].meetings == 0);
     assert!(found.logs[3].standard_error_m > 0.0);
     assert_eq!(adjust(0, &[], Datum::Mean).groups(), 0);
+}
+
+/// How the positions of simulated logs err: of a whole log, and of each line, metres.
+#[derive(Clone, Copy, Debug)]
+struct PositionErrors {
+    of_log_m: f64,
+    of_line_m: f64,
+}
+
+/// The logs of a pond, each of parallel lines in a direction of its own, and their true offsets with a mean of zero.
+fn simulated(
+    logs: usize,
+    errors: PositionErrors,
+    dice: &mut Dice,
+) -> (Vec<Vec<TrackDepth>>, Vec<f64>) {
+    let phases: Vec<f64> = (0..3)
+        .map(|_| std::f64::consts::TAU * dice.uniform())
+        .collect();
+    let bed_m = |[east_m, north_m]: [f64; 2]| {
+        let broad = (east_m / 23.0 + phases[0]).sin() * (north_m / 29.0 + phases[1]).cos();
+        2.6 + 0.7 * broad + 0.35 * (north_m / 13.0 + phases[2]).sin()
+    };
+    let raised_m: Vec<f64> = (0..logs).map(|_| dice.normal(0.15)).collect();
+    let mean_m = raised_m.iter().sum::<f64>() / logs as f64;
+    let truth_m = raised_m.iter().map(|raised_m| mean_m - raised_m).collect();
+    let tracks = raised_m.iter().enumerate().map(|(log, raised_m)| {
+        let azimuth = log as f64 * std::f64::consts::PI / logs as f64 + dice.uniform();
+        let along = [azimuth.sin(), azimuth.cos()];
+        let of_log = [0, 1].map(|_| dice.normal(errors.of_log_m));
+        let mut depths = Vec::new();
+        for line in 0..5 {
+            let of_line = [0, 1].map(|_| dice.normal(errors.of_line_m));
+            let across_m = 12.0 * f64::from(line - 2) + dice.normal(1.0);
+            let turned = if line % 2 == 0 { 1.0 } else { -1.0 };
+            for sounding in 0..180 {
+                let along_m = turned * (0.45 * f64::from(sounding) - 40.0);
+                let place = [
+                    along_m * along[0] + across_m * along[1],
+                    along_m * along[1] - across_m * along[0],
+                ];
+                depths.push(TrackDepth {
+                    time_s: 60.0 * f64::from(line) + f64::from(sounding) / 6.0,
+                    east_m: place[0] + of_log[0] + of_line[0],
+                    north_m: place[1] + of_log[1] + of_line[1],
+                    depth_m: bed_m(place) - raised_m + dice.normal(0.02),
+                });
+            }
+        }
+        depths
+    });
+    (tracks.collect(), truth_m)
+}
+
+#[test]
+fn a_stated_standard_error_is_how_far_an_offset_is_from_the_truth() {
+    for logs in [2, 3, 4] {
+        for (of_log_m, of_line_m) in [(0.0, 0.0), (0.0, 0.3), (0.5, 0.0), (0.3, 0.3)] {
+            let errors = PositionErrors {
+                of_log_m,
+                of_line_m,
+            };
+            let mut dice = Dice(7);
+            let mut off_sigmas = Vec::new();
+            let mut squares_m2 = 0.0;
+            for _ in 0..120 {
+                let (tracks, truth_m) = simulated(logs, errors, &mut dice);
+                let found =
+                    height_offsets(&tracks, Datum::Mean, &Progress::new()).expect("offsets");
+                // The offsets of all logs are zero together.
+                for (log, truth_m) in found.logs.iter().zip(&truth_m).skip(1) {
+                    let off_m = log.offset_m - truth_m;
+                    squares_m2 += off_m * off_m;
+                    off_sigmas.push((off_m / log.standard_error_m).abs());
+                }
+            }
+            let count = off_sigmas.len() as f64;
+            let share =
+                |most: f64| off_sigmas.iter().filter(|off| **off < most).count() as f64 / count;
+            let (one, two) = (share(1.0), share(2.0));
+            println!(
+                "{logs} logs, {errors:?}: RMS error {:.4} m, {one:.2} within one standard error, {two:.2} within two",
+                (squares_m2 / count).sqrt()
+            );
+            assert!(
+                (0.56..0.85).contains(&one),
+                "{logs} logs, {errors:?}: {one}"
+            );
+            assert!(two > 0.87, "{logs} logs, {errors:?}: {two}");
+        }
+    }
 }
