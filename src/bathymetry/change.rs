@@ -1,10 +1,15 @@
 //! How the bottom changed between two depth maps: by how much each cell rose, whether that can be told from their errors, and the volumes that were
 //! filled and cut.
 //!
-//! A change counts where it passes the level of detection, 1.96 times the standard deviation of the difference (Lane, Westaway and Hicks 2003, Earth
-//! Surf. Process. Landforms 28; Wheaton et al. 2010, ibid. 35). The standard deviation of a volume has a part that is the same everywhere
-//! (draft, water level), and one that varies from place to place and averages out over areas that are larger than its range (Rolstad,
-//! Haug and Denby 2009, J. Glaciology 55, equation 8, for a spherical variogram).
+//! A change is detected where it passes the level of detection, 1.96 times the standard deviation of the difference (Lane, Westaway and Hicks 2003,
+//! Earth Surf. Process. Landforms 28; Wheaton et al. 2010, ibid. 35), and has its whole volume, with the rim (`regions`). The standard deviation
+//! of a volume has a part that is the same everywhere (draft, water level), one that varies from place to place and averages out over areas
+//! that are larger than its range (Rolstad, Haug and Denby 2009, J. Glaciology 55, equation 8, for a spherical variogram), and one for what is
+//! drawn between measured places.
+
+mod regions;
+
+pub use regions::{ChangeField, ChangeRegion};
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -19,6 +24,14 @@ pub struct ChangeErrors {
     pub systematic_m: f64,
     /// Depths farther apart than this err independently, metres.
     pub range_m: f64,
+}
+
+impl ChangeErrors {
+    /// Nothing beside the depths' own errors.
+    const NONE: Self = Self {
+        systematic_m: 0.0,
+        range_m: 0.0,
+    };
 }
 
 /// What is known of a cell in both maps.
@@ -53,8 +66,12 @@ pub struct ChangeSum {
     pub area_m2: f64,
     /// Cubic metres; negative where the bottom sank.
     pub volume_m3: f64,
+    /// Connected places.
+    pub places: usize,
     /// Of the variances, each by its area.
     variance_m4: f64,
+    /// Of the volumes that are drawn between measured places.
+    between_m6: f64,
 }
 
 impl ChangeSum {
@@ -65,17 +82,25 @@ impl ChangeSum {
         self.variance_m4 += cell.area_m2 * cell.sigma_m.powi(2);
     }
 
-    /// Standard deviation of the volume, cubic metres: of what varies from place to place, and of what is the same everywhere.
-    pub fn sigma_m3(&self, errors: &ChangeErrors) -> [f64; 2] {
+    /// Adds a place whose volume is so uncertain for what is drawn in it between measured places, cubic metres.
+    fn add_place(&mut self, between_m3: f64) {
+        self.places += 1;
+        self.between_m6 += between_m3.powi(2);
+    }
+
+    /// Standard deviation of the volume, cubic metres: of errors that vary from place to place, of what is the same everywhere, and of what is
+    /// drawn between measured places.
+    pub fn sigma_m3(&self, errors: &ChangeErrors) -> [f64; 3] {
         let averaged = PI * errors.range_m.powi(2) / (5.0 * self.area_m2.max(f64::MIN_POSITIVE));
         let random = (self.area_m2 * self.variance_m4 * averaged.min(1.0)).sqrt();
-        [random, self.area_m2 * errors.systematic_m]
+        let systematic = self.area_m2 * errors.systematic_m;
+        [random, systematic, self.between_m6.sqrt()]
     }
 
     /// Half the width of the interval that holds the volume with 95 %, cubic metres.
     pub fn within_95_m3(&self, errors: &ChangeErrors) -> f64 {
-        let [random, systematic] = self.sigma_m3(errors);
-        WITHIN_95 * random.hypot(systematic)
+        let [random, systematic, between] = self.sigma_m3(errors);
+        WITHIN_95 * random.hypot(systematic).hypot(between)
     }
 }
 
@@ -84,35 +109,67 @@ impl ChangeSum {
 pub struct ChangeTotals {
     /// All cells, whether their change is detected or not.
     pub all: ChangeSum,
-    /// Where the bottom rose by more than the level of detection.
+    /// The places where the bottom rose, from detected cells to the rim.
     pub fill: ChangeSum,
-    /// Where it sank by more.
+    /// Those where it sank.
     pub cut: ChangeSum,
     /// Both: errors that are the same everywhere move fill and cut together.
     pub net: ChangeSum,
+    /// The cells outside of these places.
+    undetected: ChangeSum,
     /// Cells by their change in whole millimetres.
     rises_mm: BTreeMap<i64, usize>,
     levels_mm: BTreeMap<i64, usize>,
 }
 
 impl ChangeTotals {
-    /// Counts a cell.
-    pub fn add(&mut self, cell: &CellChange, errors: &ChangeErrors) {
-        self.all.add(cell);
-        if cell.is_detected(errors) {
-            self.net.add(cell);
-            match cell.rise_m > 0.0 {
-                true => self.fill.add(cell),
-                false => self.cut.add(cell),
+    /// Counts the cells of a raster and the places where it changed.
+    pub fn add(
+        &mut self,
+        field: &ChangeField<'_>,
+        regions: &[ChangeRegion],
+        errors: &ChangeErrors,
+    ) {
+        let mut is_inside = vec![false; field.rise_m.len()];
+        for region in regions {
+            let between_m3 = field.cell_area_m2 * region.between_m.iter().sum::<f64>();
+            let one_way = match region.is_fill {
+                true => &mut self.fill,
+                false => &mut self.cut,
+            };
+            for sum in [one_way, &mut self.net] {
+                let cells = region.cells.iter().filter_map(|cell| field.cell(*cell));
+                cells.for_each(|cell| sum.add(&cell));
+                sum.add_place(between_m3);
+            }
+            self.all.add_place(between_m3);
+            region.cells.iter().for_each(|cell| is_inside[*cell] = true);
+        }
+        for (index, is_inside) in is_inside.into_iter().enumerate() {
+            if let Some(cell) = field.cell(index) {
+                self.count(&cell, is_inside, errors);
             }
         }
-        let level_m = cell.detection_level_m(errors);
+    }
+
+    fn count(&mut self, cell: &CellChange, is_inside: bool, errors: &ChangeErrors) {
+        self.all.add(cell);
+        if !is_inside {
+            self.undetected.add(cell);
+        }
         for (counts, metres) in [
             (&mut self.rises_mm, cell.rise_m),
-            (&mut self.levels_mm, level_m),
+            (&mut self.levels_mm, cell.detection_level_m(errors)),
         ] {
             *counts.entry((1e3 * metres).round() as i64).or_default() += 1;
         }
+    }
+
+    /// The most fill and the most cut that may hide where nothing is detected, cubic metres: the end of the interval of 95 %.
+    pub fn hidden_m3(&self, errors: &ChangeErrors) -> [f64; 2] {
+        let within_m3 = self.undetected.within_95_m3(errors);
+        let volume_m3 = self.undetected.volume_m3;
+        [volume_m3, -volume_m3].map(|volume_m3| (volume_m3 + within_m3).max(0.0))
     }
 
     /// The median rise, metres: where most of the bottom did not change, what one map is set off from the other.
@@ -143,61 +200,4 @@ fn share_m(counts_mm: &BTreeMap<i64, usize>, all: usize, share: f64) -> Option<f
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    const ERRORS: ChangeErrors = ChangeErrors {
-        systematic_m: 0.03,
-        range_m: 5.0,
-    };
-
-    fn cell(rise_m: f64) -> CellChange {
-        CellChange {
-            rise_m,
-            sigma_m: 0.04,
-            area_m2: 0.25,
-        }
-    }
-
-    #[test]
-    fn only_changes_beyond_their_errors_count() {
-        assert!((cell(0.0).detection_level_m(&ERRORS) - 0.098).abs() < 1e-12);
-        let mut totals = ChangeTotals::default();
-        for rise_m in [0.02, 0.09, 0.5, 0.5, -0.05, -0.3] {
-            totals.add(&cell(rise_m), &ERRORS);
-        }
-        assert_eq!(
-            [totals.all, totals.fill, totals.cut, totals.net].map(|sum| sum.cells),
-            [6, 2, 1, 3]
-        );
-        assert!((totals.fill.volume_m3 - 0.25).abs() < 1e-12);
-        assert!((totals.cut.volume_m3 + 0.075).abs() < 1e-12);
-        assert!((totals.net.volume_m3 - 0.175).abs() < 1e-12);
-        assert_eq!(totals.median_rise_m(), Some(0.02));
-        assert_eq!(totals.median_level_m(), Some(0.098));
-        assert_eq!(totals.reach_m(), 0.5);
-        assert_eq!(ChangeTotals::default().median_rise_m(), None);
-    }
-
-    #[test]
-    fn errors_of_a_volume_average_out_over_large_areas_but_for_what_is_the_same_everywhere() {
-        let sum = |cells: usize| {
-            let mut sum = ChangeSum::default();
-            (0..cells).for_each(|_| sum.add(&cell(0.2)));
-            sum
-        };
-        // 10 m2 are within the range: all err together. 10 000 m2: by sqrt(pi 25 / 50 000).
-        let [small, large] = [40, 40_000].map(|cells| sum(cells).sigma_m3(&ERRORS));
-        assert!(
-            (small[0] - 0.4).abs() < 1e-9 && (small[1] - 0.3).abs() < 1e-9,
-            "{small:?}"
-        );
-        let expected = 10_000.0 * 0.04 * (PI * 25.0 / 50_000.0_f64).sqrt();
-        assert!(
-            (large[0] - expected).abs() < 1e-6 && (large[1] - 300.0).abs() < 1e-6,
-            "{large:?}"
-        );
-        assert!((sum(40).within_95_m3(&ERRORS) - 1.96 * 0.5).abs() < 1e-9);
-        assert_eq!(ChangeSum::default().within_95_m3(&ERRORS), 0.0);
-    }
-}
+mod tests;

@@ -1,5 +1,6 @@
 //! Surfaces and what is drawn from them, against what other programs make of the same numbers and against simulated truth.
 
+mod change;
 mod dice;
 mod height_offsets;
 mod isobaths;

@@ -1,13 +1,17 @@
 //! The depth maps of either side of a change: of a run, of a lake, or of any program.
 
-use crate::formats::geotiff::{Cells, RasterSpec, RasterValues, read_values};
+use crate::bathymetry::CellSource;
+use crate::formats::geotiff::{
+    Cells, CellsError, RasterSpec, RasterTiles, RasterValues, read_values,
+};
 use crate::geo::{Crs, MapPlane, bounds_deg, boxes_meet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What `process` and `lake` call the depths, and their standard deviations beside them.
+/// What `process` and `lake` call the depths, and beside them their standard deviations and what they rest on.
 const DEPTH: &str = "depth.tif";
 const UNCERTAINTY: &str = "uncertainty.tif";
+const SOURCE: &str = "source.tif";
 
 /// A depth map in one file, or in many.
 pub struct DepthMaps {
@@ -43,7 +47,9 @@ impl DepthMaps {
 
     /// Whether the standard deviations of the depths are there.
     pub fn has_errors(&self) -> bool {
-        self.files.iter().all(|file| errors_of(file).is_some())
+        self.files
+            .iter()
+            .all(|file| beside(file, UNCERTAINTY).is_some())
     }
 
     /// Every part of the map, one after the other.
@@ -78,23 +84,53 @@ fn tiles(lake: &Path) -> Result<Vec<PathBuf>, String> {
     Ok(files)
 }
 
-/// The standard deviations beside depths, of a map that this program wrote.
-fn errors_of(depths: &Path) -> Option<PathBuf> {
-    let beside = depths.with_file_name(UNCERTAINTY);
+/// Another raster beside depths, of a map that this program wrote.
+fn beside(depths: &Path, name: &str) -> Option<PathBuf> {
+    let beside = depths.with_file_name(name);
     (depths.file_name()? == DEPTH && beside.is_file()).then_some(beside)
 }
 
-/// Depths of one file, with their standard deviations.
+/// The cells of a raster beside depths, which has as many.
+fn cells_beside<T>(
+    depths: &Path,
+    name: &str,
+    size: [usize; 2],
+    read: impl Fn(&Path) -> Result<([usize; 2], Vec<T>), CellsError>,
+) -> Result<Option<Vec<T>>, String> {
+    let Some(path) = beside(depths, name) else {
+        return Ok(None);
+    };
+    match read(&path) {
+        Err(error) => Err(format!("{error}: {}", path.display())),
+        Ok((found, cells)) if found == size => Ok(Some(cells)),
+        Ok(_) => Err(format!(
+            "it has other cells than the depths beside it: {}",
+            path.display()
+        )),
+    }
+}
+
+/// Depths of one file, with their standard deviations and what they rest on.
 pub struct DepthPart {
     raster: RasterValues,
     sigma_m: Option<Vec<f32>>,
+    /// Classes of [`CellSource`].
+    sources: Option<Vec<u8>>,
     crs: Crs,
     /// What its results are called: the tile's name in a lake, nothing otherwise.
     pub name: String,
 }
 
-/// Depth and its standard deviation, metres.
-pub type Depth = [f64; 2];
+/// What is known of a place.
+#[derive(Clone, Copy)]
+pub struct Depth {
+    /// Metres, positive down.
+    pub depth_m: f64,
+    /// Its standard deviation, metres.
+    pub sigma_m: f64,
+    /// Whether it was measured there, or inferred from echoes of there; where a map does not say, it was.
+    pub is_measured: bool,
+}
 
 impl DepthPart {
     fn read(path: &Path) -> Result<Self, String> {
@@ -107,20 +143,14 @@ impl DepthPart {
             .epsg
             .ok_or_else(|| fail(&"the raster does not name its system by an EPSG number"))?;
         let crs = Crs::from_epsg(epsg).map_err(|error| fail(&error))?;
-        let sigma_m = match errors_of(path) {
-            None => None,
-            Some(beside) => {
-                let errors = read_values(&beside)
-                    .map_err(|error| format!("{error}: {}", beside.display()))?;
-                let fits = [errors.columns, errors.rows] == [raster.columns, raster.rows];
-                Some(fits.then_some(errors.values).ok_or_else(|| {
-                    format!(
-                        "it has other cells than the depths beside it: {}",
-                        beside.display()
-                    )
-                })?)
-            }
-        };
+        let size = [raster.columns, raster.rows];
+        let sigma_m = cells_beside(path, UNCERTAINTY, size, |path| {
+            read_values(path).map(|read| ([read.columns, read.rows], read.values))
+        })?;
+        let sources = cells_beside(path, SOURCE, size, |path| {
+            let raster = RasterTiles::open(path)?;
+            Ok((raster.size(), raster.overview(0)?))
+        })?;
         let folder = path.parent().and_then(Path::file_name).unwrap_or_default();
         let is_tile = path
             .ancestors()
@@ -129,6 +159,7 @@ impl DepthPart {
         Ok(Self {
             raster,
             sigma_m,
+            sources,
             crs,
             name: match is_tile {
                 true => folder.to_string_lossy().into_owned(),
@@ -167,7 +198,15 @@ impl DepthPart {
             .sigma_m
             .as_ref()
             .map_or(Some(0.0), |sigmas| sigmas.get(cell).copied())?;
-        (!(depth_m + sigma_m).is_nan()).then(|| [depth_m, sigma_m].map(f64::from))
+        let is_measured = |sources: &Vec<u8>| {
+            let source = sources.get(cell);
+            source.is_some_and(|source| *source > CellSource::Interpolated as u8)
+        };
+        (!(depth_m + sigma_m).is_nan()).then(|| Depth {
+            depth_m: f64::from(depth_m),
+            sigma_m: f64::from(sigma_m),
+            is_measured: self.sources.as_ref().is_none_or(is_measured),
+        })
     }
 
     /// What is known at the middle of a cell of another map: between the middles of its own cells, or `None` where one of those that count
@@ -201,15 +240,20 @@ impl DepthPart {
             inside.then(|| (held as usize, held.fract()))
         };
         let ((column, right), (row, down)) = (about(0)?, about(1)?);
-        let mut sum = [0.0; 2];
+        let mut sum = Depth {
+            depth_m: 0.0,
+            sigma_m: 0.0,
+            is_measured: false,
+        };
         for (row, down) in [(row, 1.0 - down), (row + 1, down)] {
             for (column, right) in [(column, 1.0 - right), (column + 1, right)] {
                 let share = down * right;
                 if share > 0.0 {
-                    let [depth_m, sigma_m] = self.cell(row * self.raster.columns + column)?;
-                    sum[0] += share * depth_m;
+                    let cell = self.cell(row * self.raster.columns + column)?;
+                    sum.depth_m += share * cell.depth_m;
                     // Neighbours err together.
-                    sum[1] += share * sigma_m;
+                    sum.sigma_m += share * cell.sigma_m;
+                    sum.is_measured |= cell.is_measured;
                 }
             }
         }

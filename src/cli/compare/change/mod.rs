@@ -6,7 +6,9 @@ mod record;
 
 use super::CompareArgs;
 use crate::bathymetry::Grid;
-use crate::bathymetry::change::{CellChange, ChangeErrors, ChangeTotals};
+use crate::bathymetry::change::{
+    CellChange, ChangeErrors, ChangeField, ChangeRegion, ChangeTotals,
+};
 use crate::cli::output;
 use crate::cli::status_line::StatusLine;
 use crate::export::{metres_raster, qgis_style, write_aside};
@@ -80,15 +82,18 @@ pub fn run(args: &CompareArgs, folder: &Path) -> Result<(), String> {
     for part in newer.parts() {
         let part = part?;
         let change = PartChange::new(&part, &older.around(&part)?);
-        if change.count(&mut totals, &errors) == 0 {
+        if change.rise_m.iter().all(|rise_m| rise_m.is_nan()) {
             continue;
         }
+        let field = change.field();
+        let regions = field.regions(&errors);
+        totals.add(&field, &regions, &errors);
         if written.is_empty() {
             fs::create_dir_all(folder).map_err(|error| {
                 format!("cannot make the folder: {error}: {}", folder.display())
             })?;
         }
-        written.push(change.write(folder, &errors, &progress)?);
+        written.push(change.write(folder, &errors, &regions, &progress)?);
         shown.get_or_insert_with(|| page::picture(&change.rise_m, part.size()));
     }
     let Some(shown) = shown else {
@@ -126,67 +131,80 @@ struct PartChange<'a> {
     rise_m: Vec<f32>,
     /// Standard deviation of that by the depths' own errors, metres.
     sigma_m: Vec<f32>,
+    /// Whether the newer map measured a depth there, and the older.
+    is_measured: Vec<[bool; 2]>,
 }
 
 impl<'a> PartChange<'a> {
     fn new(part: &'a DepthPart, older: &[DepthPart]) -> Self {
         let [columns, rows] = part.size();
         let cells = (0..columns * rows).into_par_iter().map(|cell| {
-            let [new_m, new_sigma_m] = part.cell(cell)?;
+            let new = part.cell(cell)?;
             let at = [cell % columns, cell / columns];
-            let [old_m, old_sigma_m] = older.iter().find_map(|old| old.at_cell_of(part, at))?;
-            Some((
-                (old_m - new_m) as f32,
-                new_sigma_m.hypot(old_sigma_m) as f32,
-            ))
+            let old = older.iter().find_map(|old| old.at_cell_of(part, at))?;
+            let rise_m = (old.depth_m - new.depth_m) as f32;
+            let sigma_m = new.sigma_m.hypot(old.sigma_m) as f32;
+            Some(((rise_m, sigma_m), [new.is_measured, old.is_measured]))
         });
-        let (rise_m, sigma_m) = cells
-            .map(|cell| cell.unwrap_or((f32::NAN, f32::NAN)))
-            .unzip();
+        let unknown = ((f32::NAN, f32::NAN), [false; 2]);
+        let ((rise_m, sigma_m), is_measured) = cells.map(|cell| cell.unwrap_or(unknown)).unzip();
         Self {
             part,
             cell_area_m2: part.cell_area_m2(),
             rise_m,
             sigma_m,
+            is_measured,
         }
     }
 
-    fn cells(&self) -> impl Iterator<Item = Option<CellChange>> {
-        let cells = self.rise_m.iter().zip(&self.sigma_m);
-        cells.map(|(&rise_m, &sigma_m)| {
-            (!rise_m.is_nan()).then(|| CellChange {
-                rise_m: f64::from(rise_m),
-                sigma_m: f64::from(sigma_m),
-                area_m2: self.cell_area_m2,
-            })
+    fn field(&self) -> ChangeField<'_> {
+        ChangeField {
+            columns: self.part.size()[0],
+            cell_area_m2: self.cell_area_m2,
+            rise_m: &self.rise_m,
+            sigma_m: &self.sigma_m,
+            is_measured: &self.is_measured,
+        }
+    }
+
+    /// What a function says of each cell, NaN where nothing is known.
+    fn layer(&self, value: impl Fn(usize, &CellChange) -> f64) -> Vec<f32> {
+        let field = self.field();
+        let cells = 0..self.rise_m.len();
+        let values =
+            cells.map(|index| (field.cell(index)).map_or(f64::NAN, |cell| value(index, &cell)));
+        values.map(|value| value as f32).collect()
+    }
+
+    /// Standard deviation of each cell's rise, metres: of the errors of both maps, and of what is drawn between measured places.
+    fn uncertainty_m(&self, errors: &ChangeErrors, regions: &[ChangeRegion]) -> Vec<f32> {
+        let mut between_m = vec![0.0; self.rise_m.len()];
+        for region in regions {
+            for (cell, sigma_m) in region.cells.iter().zip(&region.between_m) {
+                between_m[*cell] = *sigma_m;
+            }
+        }
+        self.layer(|index, cell| {
+            let own_m = cell.sigma_m.hypot(errors.systematic_m);
+            own_m.hypot(between_m[index])
         })
     }
 
-    /// Adds its cells to those of other parts; gives back how many they are.
-    fn count(&self, totals: &mut ChangeTotals, errors: &ChangeErrors) -> usize {
-        let before = totals.all.cells;
-        self.cells()
-            .flatten()
-            .for_each(|cell| totals.add(&cell, errors));
-        totals.all.cells - before
-    }
-
-    /// Writes `difference.tif` and `detection_level.tif`, of a lake behind the name of the tile; gives back where they lie.
+    /// Writes `difference.tif`, `detection_level.tif` and `uncertainty.tif`, of a lake behind the name of the tile; gives back where they lie.
     fn write(
         &self,
         folder: &Path,
         errors: &ChangeErrors,
+        regions: &[ChangeRegion],
         progress: &Progress,
-    ) -> Result<[PathBuf; 2], String> {
+    ) -> Result<[PathBuf; 3], String> {
         let named = |what: &str| match self.part.name.as_str() {
             "" => folder.join(format!("{what}.tif")),
             tile => folder.join(format!("{tile}_{what}.tif")),
         };
-        let levels_m = self
-            .cells()
-            .map(|cell| cell.map_or(f32::NAN, |cell| cell.detection_level_m(errors) as f32));
-        let levels_m: Vec<f32> = levels_m.collect();
-        let paths = [named("difference"), named("detection_level")];
+        let levels_m = self.layer(|_, cell| cell.detection_level_m(errors));
+        let uncertainty_m = self.uncertainty_m(errors, regions);
+        let paths = ["difference", "detection_level", "uncertainty"].map(named);
         let layers = [
             (
                 "rise of the bottom",
@@ -197,6 +215,11 @@ impl<'a> PartChange<'a> {
                 "level of detection",
                 "A change below it cannot be told from errors (95 %), metres",
                 &levels_m,
+            ),
+            (
+                "standard deviation of the rise",
+                "Standard deviation in metres of the rise, with what is drawn between measured places",
+                &uncertainty_m,
             ),
         ];
         for (path, (name, description, values_m)) in paths.iter().zip(layers) {
@@ -228,27 +251,17 @@ fn cells_of(spec: &RasterSpec) -> Grid {
 }
 
 /// Colours for QGIS, the same for all parts of a map: blue where the bottom sank, red where it rose.
-fn write_styles(written: &[[PathBuf; 2]], totals: &ChangeTotals) -> Result<(), String> {
+fn write_styles(written: &[[PathBuf; 3]], totals: &ChangeTotals) -> Result<(), String> {
     let reach_m = difference_reach_m(totals.reach_m());
     let level_m = totals.median_level_m().unwrap_or_default();
-    for [rise, level] in written {
-        let ends_m = [-reach_m, reach_m];
-        qgis_style(
-            &rise.with_extension("qml"),
-            ends_m,
-            STEPS,
-            difference_colour,
-        )
-        .and_then(|()| {
-            let ends_m = [0.0, 2.0 * level_m];
-            qgis_style(
-                &level.with_extension("qml"),
-                ends_m,
-                STEPS,
-                uncertainty_colour,
-            )
-        })
-        .map_err(|error| error.to_string())?;
+    for [rise, level, uncertainty] in written {
+        let style = |raster: &Path, ends_m, colour: fn(f32) -> [u8; 3]| {
+            let path = raster.with_extension("qml");
+            qgis_style(&path, ends_m, STEPS, colour).map_err(|error| error.to_string())
+        };
+        style(rise, [-reach_m, reach_m], difference_colour)?;
+        style(level, [0.0, 2.0 * level_m], uncertainty_colour)?;
+        style(uncertainty, [0.0, level_m], uncertainty_colour)?;
     }
     Ok(())
 }

@@ -55,8 +55,8 @@ pub fn of(record: &ChangeRecord, shown: Option<&Picture>) -> String {
     let figure = shown.map_or_else(String::new, |shown| figure(shown, reach_m));
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\"><title>Change of the bottom</title><style>{STYLE}</style></head><body>\n\
-         <h1>Change of the bottom</h1>\n<p>{} minus {}; positive where the bottom rose. Fill, cut and net are of cells whose change passes the level of detection; the \
-         intervals hold the volume with 95 %.</p>\n<table>\n{rows}</table>\n{figure}</body></html>\n",
+         <h1>Change of the bottom</h1>\n<p>{} minus {}; positive where the bottom rose. Fill, cut and net are of the places where the change passes the level of \
+         detection, each out to where it disappears in noise; the intervals hold the volume with 95 %.</p>\n<table>\n{rows}</table>\n{figure}</body></html>\n",
         xml(&record.newer),
         xml(&record.older),
     )

@@ -24,7 +24,7 @@ pub struct ChangeRecord {
     pub median_m: Option<f64>,
     /// The median level of detection, metres.
     pub detection_level_m: Option<f64>,
-    /// Where a change is detected and the bottom rose.
+    /// Places where a change is detected and the bottom rose.
     pub fill: Volume,
     /// Where it sank.
     pub cut: Volume,
@@ -32,6 +32,10 @@ pub struct ChangeRecord {
     pub net: Volume,
     /// All cells that both maps know, whatever is detected.
     pub all: Volume,
+    /// The most fill that may hide where no change is detected, cubic metres.
+    pub hidden_fill_m3: f64,
+    /// The most cut.
+    pub hidden_cut_m3: f64,
     /// The scale of colours reaches so far either way, metres.
     #[serde(skip)]
     pub reach_m: f64,
@@ -40,6 +44,8 @@ pub struct ChangeRecord {
 /// Area and volume of some cells.
 #[derive(Clone, Copy, Serialize)]
 pub struct Volume {
+    /// Connected places.
+    places: usize,
     cells: usize,
     area_m2: f64,
     volume_m3: f64,
@@ -47,19 +53,23 @@ pub struct Volume {
     random_sigma_m3: f64,
     /// Standard deviation by errors that are the same everywhere.
     systematic_sigma_m3: f64,
+    /// Standard deviation by what is drawn between measured places.
+    between_sigma_m3: f64,
     /// Half the width of the interval of 95 %.
     within_95_m3: f64,
 }
 
 impl Volume {
     fn new(sum: &ChangeSum, errors: &ChangeErrors) -> Self {
-        let [random_sigma_m3, systematic_sigma_m3] = sum.sigma_m3(errors);
+        let [random_sigma_m3, systematic_sigma_m3, between_sigma_m3] = sum.sigma_m3(errors);
         Self {
+            places: sum.places,
             cells: sum.cells,
             area_m2: sum.area_m2,
             volume_m3: sum.volume_m3,
             random_sigma_m3,
             systematic_sigma_m3,
+            between_sigma_m3,
             within_95_m3: sum.within_95_m3(errors),
         }
     }
@@ -77,6 +87,7 @@ impl ChangeRecord {
     /// Of two maps, the newer one first.
     pub fn new([newer, older]: [&Path; 2], totals: &ChangeTotals, errors: ChangeErrors) -> Self {
         let volume = |sum| Volume::new(sum, &errors);
+        let [hidden_fill_m3, hidden_cut_m3] = totals.hidden_m3(&errors);
         Self {
             newer: newer.display().to_string(),
             older: older.display().to_string(),
@@ -90,6 +101,8 @@ impl ChangeRecord {
             cut: volume(&totals.cut),
             net: volume(&totals.net),
             all: volume(&totals.all),
+            hidden_fill_m3,
+            hidden_cut_m3,
             reach_m: totals.reach_m(),
         }
     }
@@ -105,10 +118,21 @@ impl ChangeRecord {
         let metres =
             |value: Option<f64>| value.map_or_else(String::new, |metres| format!("{metres:+.3} m"));
         let level = self.detection_level_m.unwrap_or_default();
+        let detected = |volume: &Volume, hidden_m3: f64| match volume.places {
+            0 => format!(
+                "nothing above the detection level of {level:.3} m; up to {hidden_m3:.1} m3 could be hidden"
+            ),
+            places => format!(
+                "{} in {places} {}; up to {hidden_m3:.1} m3 could be hidden elsewhere",
+                volume.in_words(),
+                if places == 1 { "place" } else { "places" },
+            ),
+        };
+        let hidden_m3 = self.hidden_fill_m3.max(self.hidden_cut_m3);
         vec![
-            ("fill", self.fill.in_words()),
-            ("cut", self.cut.in_words()),
-            ("net", self.net.in_words()),
+            ("fill", detected(&self.fill, self.hidden_fill_m3)),
+            ("cut", detected(&self.cut, self.hidden_cut_m3)),
+            ("net", detected(&self.net, hidden_m3)),
             ("all cells", self.all.in_words()),
             ("median", metres(self.median_m)),
             (
@@ -128,7 +152,7 @@ impl ChangeRecord {
     /// The rows for a terminal.
     pub fn table(&self) -> String {
         let first =
-            "newer minus older (up is positive); fill, cut and net where the change is detected"
+            "newer minus older (up is positive); fill, cut and net of the places where a change is detected; ± is 95 %"
                 .to_owned();
         let rows = self
             .rows()
