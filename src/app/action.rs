@@ -197,7 +197,7 @@ actions! {
     SavePlan, "Save the planned lines…", None, "Writes the planned lines for a plotter or an autopilot: GPX, KML, .plan (QGroundControl) or .waypoints (Mission Planner).";
     CalibrateHere, "Calibrate here", Some("C"), "Uses the stretch around the selected ping as the flat spot.";
     CalibrationReset, "Calibrate at the flattest stretch", None, "Removes the picked stretch.";
-    OutlierPreview, "Outlier preview", Some("O"), "Shows what the outlier filter would remove.";
+    OutlierPreview, "Outlier preview", Some("O"), "Shows the points that do not count for the map: outliers, above-bottom returns and others.";
     Theme, "Light or dark", Some("L"), "Switches between the light and the dark theme.";
     Orientation, "Turn the waterfall", Some("V"), "Time to the right, or down the screen.";
     PresetRecommended, "Preset: recommended", None, "Takes the settings that measure best on surveys of known truth.";

@@ -308,7 +308,7 @@ pub struct CloudOptions {
     pub vertical_exaggeration: f32,
     /// Diameter of a point, screen points.
     pub point_size: f32,
-    /// Draw the points that the outlier filter would remove, in a third colour; otherwise they are left out.
+    /// Draw the points that do not count for the map, in a third colour; otherwise they are left out.
     pub outlier_preview: bool,
     /// Draw the boxes of objects.
     pub boxes: bool,

@@ -3,6 +3,7 @@
 use super::{App, Outcome, Task};
 use crate::bathymetry::SurfaceSettings;
 use crate::bathymetry::compare::Matching;
+use crate::cloud::PointClass;
 use crate::pipeline::{Agreement, ProcessedLog, Reference};
 use std::sync::Arc;
 
@@ -24,8 +25,8 @@ pub(super) struct Tabulating {
 /// What an agreement is of, or will be.
 #[derive(Clone)]
 pub(super) struct Of {
-    /// The points of every log, which of them count, and how wide a gap a surface spans.
-    logs: Vec<(Arc<Vec<bool>>, SurfaceSettings)>,
+    /// The classes of the points of every log, and how wide a gap a surface spans.
+    logs: Vec<(Arc<Vec<PointClass>>, SurfaceSettings)>,
     /// A reference, and how points find it; without one the survey's own soundings.
     reference: Option<(Arc<Reference>, Matching)>,
 }
@@ -35,7 +36,7 @@ impl Of {
     pub fn new(logs: &[ProcessedLog], reference: Option<(Arc<Reference>, Matching)>) -> Self {
         let of_log = |log: &ProcessedLog| {
             let products = &log.products;
-            (products.kept.clone(), products.settings.surface.clone())
+            (products.classes.clone(), products.settings.surface.clone())
         };
         Self {
             logs: logs.iter().map(of_log).collect(),

@@ -115,11 +115,10 @@ impl Default for SurfaceSettings {
 }
 
 impl SurfaceSettings {
-    /// What a point of the cloud counts: a side-scan point by how sure it is; 0 when it is left out.
+    /// What a point of the bottom counts: a side-scan point by how sure it is; 0 when its source is left out.
     pub fn weight(&self, point: &CloudPoint) -> f64 {
         match point.source {
             PointSource::DownScan => self.down_scan_weight,
-            _ if self.leaves_out(point) => 0.0,
             PointSource::Port | PointSource::Starboard => {
                 self.side_scan_weight * f64::from(point.confidence)
             }
@@ -135,13 +134,6 @@ impl SurfaceSettings {
             swath: other.swath,
             ..self.clone()
         } == *other
-    }
-
-    /// Whether a point above the recorded depth is taken for weed, fish or an object.
-    pub fn leaves_out(&self, point: &CloudPoint) -> bool {
-        point.above_bottom
-            && !self.above_bottom
-            && f64::from(point.above_bottom_m) <= self.longest_above_bottom_m
     }
 }
 

@@ -1,16 +1,16 @@
 //! The 3D point cloud: soundings under the boat, first returns beside it, and the outlier filter.
 //!
 //! `build` makes the points, held `by_source`, with `geometry` for the published feet, `specular` for the one on a slope and `correction` for what
-//! depths count from, `confirmed` says which soundings without bottom lock count, `level` says how strong its echo is, `reduction` joins it to the calibration for every read-out; `outliers` is the filter for any points and `keep` applies it to a cloud; `residuals` measures agreement
+//! depths count from, `confirmed` says which soundings without bottom lock count, `level` says how strong its echo is, `reduction` joins it to the calibration for every read-out; `class` says what each point is, `outliers` is the filter for any points; `residuals` measures agreement
 //! with recorded depths, `scales` says between which values points are coloured.
 
 mod above_bottom;
 mod build;
 mod by_source;
+mod class;
 mod confirmed;
 pub mod correction;
 mod geometry;
-mod keep;
 mod level;
 pub mod outliers;
 mod ping_depth;
@@ -21,9 +21,9 @@ mod specular;
 
 pub use build::{build, slant_range_m};
 pub use by_source::BySource;
+pub use class::{ClassCounts, ClassRules, PointClass, classify};
 pub use correction::{Correction, DepthReference, DepthSettings};
 pub use geometry::{BottomPoint, across_track, fixed_bottom_point};
-pub use keep::keep_points;
 pub use ping_depth::{DepthSource, PingDepth, TrackShare, leave_depths_out, ping_depths};
 pub use reduction::Reduction;
 pub use residuals::{Residuals, residuals, same_ping_differences};
@@ -67,7 +67,7 @@ pub struct CloudSettings {
 pub enum DownScan {
     /// All, as published.
     All,
-    /// Those at which the recorder had the bottom; the others are points that are not kept.
+    /// Those at which the recorder had the bottom; the others are points of the class [`PointClass::NoBottom`].
     #[default]
     Locked,
 }
@@ -156,7 +156,7 @@ pub struct CloudPoint {
     pub ping: u32,
     /// The sounding for down-scan points.
     pub sounding: Option<SoundingIndex>,
-    /// Whether the point may be kept: false for a sounding at which the recorder had lost the bottom, unless a first return confirms it or
+    /// Whether a sounding may be kept: false where the recorder had lost the bottom, unless a first return confirms it or
     /// [`DownScan::All`] asks for it.
     pub reliable: bool,
     /// Whether it is an above-bottom return: its pick lies above the recorded depth ([`crate::first_return::Pick::above_bottom`]) by more
@@ -221,48 +221,12 @@ impl PointCloud {
         }
     }
 
-    /// Side-scan points that are less sure than the least confidence of a point that is kept.
-    pub fn unsure(&self, min_confidence: f32) -> usize {
-        let points = self.points.iter();
-        points
-            .filter(|point| point.is_unsure(min_confidence))
-            .count()
-    }
-
-    /// What the outlier filter removed of the side-scan points; `kept` holds one flag per point. Those that were not kept for their
-    /// confidence count among the points, not among the removed.
-    pub fn outliers(&self, kept: &[bool], min_confidence: f32) -> Outliers {
-        let points = self.points.iter().zip(kept);
-        let side_scan = points.filter(|(point, _)| point.source != PointSource::DownScan);
-        side_scan.fold(Outliers::default(), |sum, (point, kept)| {
-            let is_removed = !kept && !point.is_unsure(min_confidence);
-            Outliers {
-                removed: sum.removed + usize::from(is_removed),
-                side_scan: sum.side_scan + 1,
-            }
-        })
-    }
-}
-
-/// How many points the outlier filter removed, of how many.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Outliers {
-    /// Side-scan points removed.
-    pub removed: usize,
-    /// Side-scan points in all.
-    pub side_scan: usize,
-}
-
-impl Outliers {
-    /// Removed share of the side-scan points, 0 to 1.
-    pub fn share(&self) -> f64 {
-        self.removed as f64 / self.side_scan.max(1) as f64
-    }
-}
-
-impl CloudPoint {
-    /// Whether it is less sure than the least confidence of a point that is kept. Soundings have no confidence.
-    pub fn is_unsure(&self, min_confidence: f32) -> bool {
-        self.confidence < min_confidence
+    /// The points that count for the map, with their index; `classes` holds the class of each point.
+    pub fn kept<'a>(
+        &'a self,
+        classes: &'a [PointClass],
+    ) -> impl Iterator<Item = (usize, &'a CloudPoint)> + Clone + use<'a> {
+        let classed = self.points.iter().zip(classes).enumerate();
+        classed.filter_map(|(index, (point, class))| class.is_kept().then_some((index, point)))
     }
 }

@@ -1,6 +1,6 @@
 //! The depth under the boat at every ping, and what it comes from.
 
-use super::{Correction, PointCloud, PointSource};
+use super::{Correction, PointClass, PointCloud, PointSource};
 use crate::survey::{LeftOut, PingNav, Survey};
 use serde::Serialize;
 
@@ -30,7 +30,7 @@ pub struct PingDepth {
 pub fn ping_depths(
     survey: &Survey,
     cloud: &PointCloud,
-    kept: &[bool],
+    classes: &[PointClass],
     correction: &Correction,
 ) -> Vec<PingDepth> {
     let recorded = survey.side_scan.iter().map(|ping| {
@@ -44,9 +44,8 @@ pub fn ping_depths(
     let mut depths: Vec<PingDepth> = recorded
         .map(|(depth_m, source)| PingDepth { depth_m, source })
         .collect();
-    let points = cloud.points.iter().zip(kept);
-    let beside = points.filter(|(point, kept)| **kept && point.source != PointSource::DownScan);
-    for (point, _) in beside {
+    let kept = cloud.kept(classes);
+    for (_, point) in kept.filter(|(_, point)| point.source != PointSource::DownScan) {
         if let Some(depth) = depths.get_mut(point.ping as usize)
             && depth.source != DepthSource::Sounding
         {

@@ -1,6 +1,6 @@
 //! Statistics of differences, and those of side-scan depths from recorded depths.
 
-use super::{Correction, PointCloud, PointSource};
+use super::{Correction, PointClass, PointCloud, PointSource};
 use crate::statistics::{median, quantile};
 use crate::survey::Survey;
 use serde::Serialize;
@@ -33,9 +33,11 @@ pub fn residuals(
     survey: &Survey,
     cloud: &PointCloud,
     correction: &Correction,
-    kept: &[bool],
+    classes: &[PointClass],
 ) -> Option<Residuals> {
-    Residuals::of(&mut same_ping_differences(survey, cloud, correction, kept))
+    Residuals::of(&mut same_ping_differences(
+        survey, cloud, correction, classes,
+    ))
 }
 
 /// The differences behind [`residuals`], metres: those of several logs are put together before statistics are made of them.
@@ -43,14 +45,12 @@ pub fn same_ping_differences(
     survey: &Survey,
     cloud: &PointCloud,
     correction: &Correction,
-    kept: &[bool],
+    classes: &[PointClass],
 ) -> Vec<f64> {
     cloud
-        .points
-        .iter()
-        .zip(kept)
-        .filter(|(point, kept)| **kept && point.source != PointSource::DownScan)
-        .filter_map(|(point, _)| {
+        .kept(classes)
+        .filter(|(_, point)| point.source != PointSource::DownScan)
+        .filter_map(|(_, point)| {
             let ping = survey.side_scan.get(point.ping as usize)?;
             let recorded_m = f64::from(ping.locked_depth_m());
             (recorded_m > 0.0).then(|| point.z_m + correction.depth_m(ping.time_s, recorded_m))

@@ -1,6 +1,6 @@
 //! Between which values the points of a cloud are coloured.
 
-use super::{PointCloud, PointSource, Reduction};
+use super::{PointClass, PointCloud, PointSource, Reduction};
 use crate::statistics::colour_ends;
 use crate::survey::Survey;
 
@@ -15,15 +15,14 @@ pub struct PointScales {
 }
 
 impl PointScales {
-    /// Of the kept points of a log; `kept` holds a flag per point.
+    /// Of the kept points of a log; `classes` holds the class of each point.
     pub fn of(
         survey: &Survey,
         cloud: &PointCloud,
-        kept: &[bool],
+        classes: &[PointClass],
         reduction: &Reduction<'_>,
     ) -> Self {
-        let points = cloud.points.iter().zip(kept);
-        let points = points.filter_map(|(point, kept)| kept.then_some(point));
+        let points = cloud.kept(classes).map(|(_, point)| point);
         let side_scan = points
             .clone()
             .filter(|point| point.source != PointSource::DownScan);

@@ -1,8 +1,9 @@
 //! `bottom.copc.laz`: the cells of the depth map as points, for programs that know point clouds and no rasters.
 
 use super::extra_bytes::{Dimension, Kind};
-use super::las::{BATHYMETRIC, LasPacking, LasSpec, write_las};
+use super::las::{LasPacking, LasSpec, write_las};
 use super::{ExportError, Summary};
+use crate::cloud::PointClass;
 use crate::geo::{Crs, LonLat};
 use las::point::Classification;
 use las::{Color, Point};
@@ -77,7 +78,7 @@ fn las_point(cell: &BottomCell) -> las::Result<Point> {
         z: -f64::from(cell.depth_m),
         return_number: 1,
         number_of_returns: 1,
-        classification: Classification::new(BATHYMETRIC)?,
+        classification: Classification::new(PointClass::Bottom.code())?,
         is_synthetic: !cell.is_measured,
         user_data: cell.source,
         gps_time: Some(0.0),

@@ -6,8 +6,8 @@ use crate::cloud::PointSource;
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
-/// Writes every point, kept or not, log by log in the cloud's order; of several logs with the column `log` before the others. The level
-/// of the echo is that of first returns, 0 to 255; the slant range of a sounding is its distance straight below.
+/// Writes every point with its class, log by log in the cloud's order; of several logs with the column `log` before the others. `kept` is 1
+/// where the class is that of the bottom. The level of the echo is that of first returns, 0 to 255; the slant range of a sounding is its distance straight below.
 ///
 /// # Errors
 /// When the file cannot be written.
@@ -18,11 +18,11 @@ pub fn cloud_csv(path: &Path, logs: &[LogPoints<'_>]) -> Result<Summary, ExportE
         let header = column.header;
         writeln!(
             out,
-            "{header}source,ping,lon,lat,east_m,north_m,z_m,kept,level,range_m"
+            "{header}source,ping,lon,lat,east_m,north_m,z_m,kept,class,level,range_m"
         )?;
         for log in logs {
             let (name, reduction) = (column.field(log), log.reduction());
-            for (point, &kept) in log.cloud.points.iter().zip(log.kept) {
+            for (point, class) in log.points() {
                 let (east_m, north_m) = (point.east_m, point.north_m);
                 let at = log
                     .navigation
@@ -35,13 +35,14 @@ pub fn cloud_csv(path: &Path, logs: &[LogPoints<'_>]) -> Result<Summary, ExportE
                 };
                 writeln!(
                     out,
-                    "{name}{},{},{:.9},{:.9},{east_m:.4},{north_m:.4},{:.4},{},{level},{range_m:.3}",
+                    "{name}{},{},{:.9},{:.9},{east_m:.4},{north_m:.4},{:.4},{},{},{level},{range_m:.3}",
                     point.source.name(),
                     point.ping,
                     at.lon_deg,
                     at.lat_deg,
                     point.z_m,
-                    u8::from(kept)
+                    u8::from(class.is_kept()),
+                    class.code()
                 )?;
             }
         }

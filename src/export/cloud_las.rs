@@ -1,10 +1,10 @@
-//! `cloud.copc.laz` and `cloud.las`: kept points in a map's coordinates, for survey programs.
+//! `cloud.copc.laz` and `cloud.las`: all points with their classes in a map's coordinates, for survey programs.
 
 use super::extra_bytes::{Dimension, Kind};
 use super::gps_time::adjusted_standard_s;
-use super::las::{BATHYMETRIC, LasPacking, LasSpec, write_las};
+use super::las::{LasPacking, LasSpec, write_las};
 use super::{ExportError, LogPoints, Summary, colour};
-use crate::cloud::{CloudPoint, PointSource};
+use crate::cloud::{CloudPoint, PointClass, PointSource};
 use crate::geo::Crs;
 use las::point::Classification;
 use las::{Color, Point};
@@ -27,10 +27,10 @@ const DIMENSIONS: [Dimension; 5] = [
     Dimension::new("range_m", Kind::F32, None, "slant range, metres"),
 ];
 
-/// Writes the kept points as COPC or LAS 1.4 in a system (its WKT in the header), whatever the plane of the cloud; `place` gives where
+/// Writes all points as COPC or LAS 1.4 in a system (its WKT in the header), whatever the plane of the cloud; `place` gives where
 /// a point lies there. z is elevation in metres above the transducer, so negative.
 ///
-/// Intensity is the echo level of the first return, 0 to 255 times 257; 0 for soundings, of which the level is not known. Colours are
+/// Points that do not count for the map are withheld; the class says why, and the header names the classes. Intensity is the echo level of the first return, 0 to 255 times 257; 0 for soundings, of which the level is not known. Colours are
 /// the paper's; the extra dimensions are source, ping, side, confidence of the first return and slant range; the user data are 0
 /// for soundings, 1 for port, 2 for starboard. The GPS time field holds adjusted standard GPS time, and the header says so, where
 /// the log knows when it was; otherwise seconds after the log's time zero.
@@ -44,13 +44,12 @@ pub fn cloud_las(
     place: impl Fn(&LogPoints<'_>, &CloudPoint) -> [f64; 2] + Sync,
     logs: &[LogPoints<'_>],
 ) -> Result<Summary, ExportError> {
-    let mut points: Vec<(u16, &LogPoints<'_>, &CloudPoint, [f64; 2])> = Vec::new();
+    let mut points: Vec<(u16, &LogPoints<'_>, ClassedPoint<'_>, [f64; 2])> = Vec::new();
     for (number, log) in (1..).zip(logs) {
-        let kept: Vec<&CloudPoint> = log.kept_points().collect();
+        let classed: Vec<ClassedPoint<'_>> = log.points().collect();
         let source = if logs.len() > 1 { number } else { 0 };
         points.par_extend(
-            kept.into_par_iter()
-                .map(|point| (source, log, point, place(log, point))),
+            (classed.into_par_iter()).map(|point| (source, log, point, place(log, point.0))),
         );
     }
     let knows_time = logs.iter().all(|log| log.survey.start_unix_s.is_some());
@@ -62,19 +61,22 @@ pub fn cloud_las(
         knows_time,
         dimensions: &DIMENSIONS,
     };
-    let places = (points.iter()).map(|(_, _, point, [x, y])| [*x, *y, point.z_m]);
+    let places = (points.iter()).map(|(_, _, (point, _), [x, y])| [*x, *y, point.z_m]);
     let records = points.iter().map(|(source, log, point, at)| {
         let start_unix_s = log.survey.start_unix_s.filter(|_| knows_time);
-        las_point(log, start_unix_s, *source, point, *at)
+        las_point(log, start_unix_s, *source, *point, *at)
     });
     write_las(path, &spec, places, records)
 }
+
+/// A point and its class.
+type ClassedPoint<'a> = (&'a CloudPoint, PointClass);
 
 fn las_point(
     log: &LogPoints<'_>,
     start_unix_s: Option<f64>,
     point_source_id: u16,
-    point: &CloudPoint,
+    (point, class): ClassedPoint<'_>,
     [x, y]: [f64; 2],
 ) -> las::Result<Point> {
     let survey = log.survey;
@@ -98,7 +100,8 @@ fn las_point(
         intensity: u16::from(point.level) * 257,
         return_number: 1,
         number_of_returns: 1,
-        classification: Classification::new(BATHYMETRIC)?,
+        classification: Classification::new(class.code())?,
+        is_withheld: !class.is_kept(),
         user_data: point.source as u8,
         point_source_id,
         gps_time: Some(gps_time_s),

@@ -2,10 +2,11 @@
 
 use super::extra_bytes::{self, Dimension};
 use super::{ExportError, Summary, write_aside};
+use crate::cloud::PointClass;
 use crate::formats::points::{LasWriter, transforms, write_copc};
 use crate::geo::{Crs, LonLat};
 use las::point::Format;
-use las::{Builder, GpsTimeType, Header, Point, PointDataBuilder, Transform, Vector, Version};
+use las::{Builder, GpsTimeType, Header, Point, PointDataBuilder, Transform, Vector, Version, Vlr};
 use std::io;
 use std::path::Path;
 
@@ -15,8 +16,6 @@ const RESOLUTION_M: f64 = 0.001;
 const RESOLUTION_DEG: f64 = 1e-8;
 /// LAS 1.4 point format with time and colour.
 const FORMAT: u8 = 7;
-/// ASPRS class of a bathymetric point.
-pub(super) const BATHYMETRIC: u8 = 40;
 
 /// Whether points are packed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,8 +90,28 @@ fn header(spec: &LasSpec<'_>, transforms: Vector<Transform>) -> las::Result<Head
     builder.point_format = Format::new(FORMAT)?;
     builder.point_format.extra_bytes = extra_bytes::length(spec.dimensions);
     builder.vlrs.push(extra_bytes::record(spec.dimensions));
+    builder.vlrs.push(class_names());
     builder.transforms = transforms;
     let mut header: Header = builder.into_header()?;
     header.set_wkt_crs(spec.crs.wkt().as_bytes().to_vec())?;
     Ok(header)
+}
+
+/// The record "Classification lookup", which names the classes: number and 15 letters for each of 256.
+fn class_names() -> Vlr {
+    const ENTRY: usize = 16;
+    let mut data: Vec<u8> = (0..=u8::MAX)
+        .flat_map(|code| [&[code][..], &[0; ENTRY - 1]].concat())
+        .collect();
+    for class in PointClass::ALL {
+        let name = class.name().as_bytes();
+        let start = usize::from(class.code()) * ENTRY + 1;
+        data[start..start + name.len()].copy_from_slice(name);
+    }
+    Vlr {
+        user_id: "LASF_Spec".to_owned(),
+        record_id: 0,
+        description: "Classification".to_owned(),
+        data,
+    }
 }

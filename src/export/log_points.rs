@@ -1,7 +1,7 @@
 //! What the tables and clouds of points are written from: one log, or all of a survey.
 
 use crate::calibration::Calibration;
-use crate::cloud::{CloudPoint, Correction, PointCloud, Reduction};
+use crate::cloud::{CloudPoint, Correction, PointClass, PointCloud, Reduction};
 use crate::first_return::FirstReturns;
 use crate::survey::{LeftOut, Navigation, Survey};
 use std::borrow::Cow;
@@ -25,8 +25,8 @@ pub struct LogPoints<'a> {
     pub left_out: &'a LeftOut,
     /// Its points.
     pub cloud: &'a PointCloud,
-    /// One flag a point.
-    pub kept: &'a [bool],
+    /// The class of each point.
+    pub classes: &'a [PointClass],
 }
 
 impl<'a> LogPoints<'a> {
@@ -35,10 +35,9 @@ impl<'a> LogPoints<'a> {
         Reduction::new(self.calibration, self.correction)
     }
 
-    /// The kept points in the cloud's order.
-    pub fn kept_points(&self) -> impl Iterator<Item = &'a CloudPoint> + Clone + use<'a> {
-        let flagged = self.cloud.points.iter().zip(self.kept);
-        flagged.filter(|(_, kept)| **kept).map(|(point, _)| point)
+    /// All points in the cloud's order, each with its class.
+    pub fn points(&self) -> impl Iterator<Item = (&'a CloudPoint, PointClass)> + Clone + use<'a> {
+        self.cloud.points.iter().zip(self.classes.iter().copied())
     }
 }
 

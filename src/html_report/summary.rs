@@ -89,11 +89,12 @@ fn sentences(from: &ReportData<'_>) -> String {
     }
     write!(
         text,
-        " {} side-scan pings and {} soundings along {} of track gave {} points; {} of the {} side-scan points ({:.1} %) were set aside as outliers.",
+        " {} side-scan pings and {} soundings along {} of track gave {} points, of which {} count for the depth map; {} of the {} side-scan points ({:.1} %) were set aside as outliers.",
         count(counts.pings),
         count(counts.soundings),
         way(from.logs.iter().map(sailed_m).sum()),
         count(counts.points),
+        count(counts.kept),
         count(counts.outliers_removed),
         count(counts.side_scan_points),
         100.0 * counts.outliers_removed_share,
@@ -142,19 +143,16 @@ fn above_bottom(from: &ReportData<'_>) -> String {
     if counts.above_bottom_left_out > 0 {
         write!(
             text,
-            " {} of them are in the point cloud, but not in the depth map.",
+            " {} of them are points of the class 64, which do not count for the depth map.",
             count(counts.above_bottom_left_out)
         )
         .ok();
     }
-    let in_map = counts
-        .above_bottom
-        .saturating_sub(counts.above_bottom_left_out);
-    if in_map > 0 && !from.products.settings.surface.above_bottom {
+    if counts.above_bottom_kept > 0 && !from.products.settings.surface.above_bottom {
         write!(
             text,
             " {} go on for more than {} m along the track and count as ground (surface.longest_above_bottom_m).",
-            count(in_map),
+            count(counts.above_bottom_kept),
             from.products.settings.surface.longest_above_bottom_m
         )
         .ok();

@@ -11,7 +11,7 @@ use super::spread::{self, Row, RowsByTile};
 use super::tile::TileId;
 use crate::bathymetry::SwathDepth;
 use crate::bathymetry::crosslines::{TrackDepth, velocity_mps};
-use crate::cloud::CloudPoint;
+use crate::cloud::{CloudPoint, PointClass};
 use crate::export::write_aside;
 use crate::formats::parquet_table::{Column, Values, geo_key, write_parquet};
 use crate::geo::{LonLat, UtmZone};
@@ -68,17 +68,17 @@ fn track(survey: &Survey, products: &Products) -> Vec<TrackDepth> {
 }
 
 impl LogRows<'_> {
-    /// A point of the cloud, and whether it is kept.
-    pub fn point(&self, index: usize) -> (&CloudPoint, bool) {
+    /// A point of the cloud and its class.
+    pub fn point(&self, index: usize) -> (&CloudPoint, PointClass) {
         (
             &self.products.cloud.points[index],
-            self.products.kept[index],
+            self.products.classes[index],
         )
     }
 
     /// What a point counts for maps.
-    pub fn weight(&self, point: &CloudPoint, kept: bool) -> f64 {
-        match kept {
+    pub fn weight(&self, point: &CloudPoint, class: PointClass) -> f64 {
+        match class.is_kept() {
             true => self.products.settings.surface.weight(point),
             false => 0.0,
         }
@@ -304,8 +304,8 @@ impl Spread<'_> {
             write(POINTS, point_rows::columns(log, points))?;
         }
         let soundings = of_tile.into_iter().flatten().filter(|row| {
-            let (point, kept) = log.point(row.index);
-            row.is_core && point.sounding.is_some() && log.weight(point, kept) > 0.0
+            let (point, class) = log.point(row.index);
+            row.is_core && point.sounding.is_some() && log.weight(point, class) > 0.0
         });
         let seen = (self.pings.rows.get(&tile)).zip(self.pings.footprints.get(&tile));
         if let Some((pings, footprints)) = seen {

@@ -4,7 +4,7 @@ use super::add::LogRows;
 use super::error::LakeError;
 use super::spread::{self, Row};
 use crate::bathymetry::DepthPoint;
-use crate::cloud::{CloudPoint, PointSource};
+use crate::cloud::{CloudPoint, PointClass, PointSource};
 use crate::formats::parquet_table::{Column, ParquetError, Values, read_parquet};
 use std::path::Path;
 
@@ -13,7 +13,8 @@ pub(super) const POINTS: &str = "points";
 
 /// Columns of the rows of points in a tile.
 pub(super) fn columns(log: &LogRows<'_>, rows: &[Row]) -> Vec<Column> {
-    let points: Vec<(&CloudPoint, bool)> = rows.iter().map(|row| log.point(row.index)).collect();
+    let points: Vec<(&CloudPoint, PointClass)> =
+        rows.iter().map(|row| log.point(row.index)).collect();
     let of = |value: fn(&CloudPoint) -> f64| {
         Values::Double(points.iter().map(|(point, _)| value(point)).collect())
     };
@@ -62,17 +63,20 @@ pub(super) fn columns(log: &LogRows<'_>, rows: &[Row]) -> Vec<Column> {
             "weight",
             Values::Double(
                 each.clone()
-                    .map(|(point, kept)| log.weight(point, *kept))
+                    .map(|(point, class)| log.weight(point, *class))
                     .collect(),
             ),
         ),
         Column::new(
             "kept",
-            Values::Flag(each.clone().map(|(_, kept)| *kept).collect()),
+            Values::Flag(each.clone().map(|(_, class)| class.is_kept()).collect()),
         ),
         Column::new(
-            "above_bottom",
-            Values::Flag(each.map(|(point, _)| point.above_bottom).collect()),
+            "class",
+            Values::Whole(
+                each.map(|(_, class)| Some(i32::from(class.code())))
+                    .collect(),
+            ),
         ),
     ];
     let velocities: Vec<[f64; 2]> = (rows.iter().zip(&times_s))

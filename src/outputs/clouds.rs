@@ -21,12 +21,12 @@ pub fn table(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputEr
         .map_err(OutputError::from)
 }
 
-/// Writes the kept points to `cloud.copc.laz`, in the system of the map.
+/// Writes all points to `cloud.copc.laz`, in the system of the map.
 pub fn copc(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     las_file(results, path, LasPacking::Copc)
 }
 
-/// Writes the kept points to `cloud.las`, in the system of the map.
+/// Writes all points to `cloud.las`, in the system of the map.
 pub fn las(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     las_file(results, path, LasPacking::Plain)
 }
@@ -49,7 +49,7 @@ fn las_file(
     })
 }
 
-/// Writes the kept points to `cloud.ply`, in the survey's own plane.
+/// Writes all points to `cloud.ply`, in the survey's own plane.
 pub fn ply(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let origin = Coordinates::Local(results.survey.track.frame.origin());
     export::cloud_ply(path, &results.log_points())
@@ -57,7 +57,7 @@ pub fn ply(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputErro
         .map_err(OutputError::from)
 }
 
-/// Writes the kept points to `cloud.xyz`, in the system of the map.
+/// Writes the points of the bottom to `cloud.xyz`, in the system of the map.
 pub fn xyz(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let crs = &results.plane.map.crs;
     let decimals = if crs.is_degrees() { 9 } else { 3 };

@@ -38,7 +38,7 @@ pub(super) fn log_points<'a>(logs: &'a [ProcessedLog], names: &'a [String]) -> V
             correction: &products.correction,
             left_out: &products.left_out,
             cloud: &products.cloud,
-            kept: &products.kept,
+            classes: &products.classes,
         }
     };
     names.iter().zip(logs).map(points).collect()

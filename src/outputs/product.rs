@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Product {
-    /// The kept points.
+    /// The points.
     Cloud,
     /// The way of the boat, and the ground that it covers.
     Track,

@@ -11,8 +11,9 @@ use super::{
 };
 use crate::outputs::OutputError;
 use kinds::{
-    KEPT_POINTS, LAS_POINTS, NOT_OF_BODY, NOT_OF_DEPTHS, NOT_OF_MOSAIC, NOT_OF_POINTS, boxes,
-    cloud, compared, contours, described, footprint, map_tiles, raster, row, track_file,
+    CLASSED_POINTS, KEPT_POINTS, LAS_POINTS, NOT_OF_BODY, NOT_OF_CLOUD, NOT_OF_DEPTHS,
+    NOT_OF_MOSAIC, NOT_OF_POINTS, boxes, cloud, compared, contours, described, footprint,
+    map_tiles, raster, row, track_file,
 };
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -142,10 +143,10 @@ pub const OUTPUT_FILES: [OutputFile; 43] = [
         )
     },
     OutputFile {
-        regardless_of: NOT_OF_POINTS,
-        brief: "all points, with those set aside",
+        regardless_of: NOT_OF_CLOUD,
+        brief: "all points with their classes",
         described: described(
-            "All points, those that the outlier filter removed too",
+            "All points with their classes; kept is 1 for those that count for the depth map",
             "points",
             "z_m",
         ),
@@ -158,7 +159,7 @@ pub const OUTPUT_FILES: [OutputFile; 43] = [
     cloud(
         "points/cloud.copc.laz",
         LAS_POINTS,
-        "kept points for GIS and point cloud programs (COPC, which is LAZ)",
+        "all points with their classes for GIS and point cloud programs (COPC, which is LAZ)",
         Writer::Results(clouds::copc),
     ),
     OutputFile {
@@ -172,14 +173,14 @@ pub const OUTPUT_FILES: [OutputFile; 43] = [
     },
     cloud(
         "points/cloud.ply",
-        KEPT_POINTS,
-        "kept points for 3D viewers",
+        CLASSED_POINTS,
+        "all points with their classes for 3D viewers",
         Writer::Results(clouds::ply),
     ),
     cloud(
         "points/cloud.xyz",
         KEPT_POINTS,
-        "kept points as plain text",
+        "the points that count for the depth map as plain text",
         Writer::Results(clouds::xyz),
     ),
     track_file("track/track.gpx", "points", Writer::Results(track::gpx)),

@@ -141,7 +141,13 @@ impl<'a> Results<'a> {
         let told = |why: &str| Some(Missing(Some(why.to_owned())));
         let silent = || Some(Missing(None));
         Ok(match need {
-            Need::KeptPoints if self.logs().any(|(_, made)| made.kept.contains(&true)) => None,
+            Need::KeptPoints
+                if self
+                    .logs()
+                    .any(|(_, made)| made.kept_points().next().is_some()) =>
+            {
+                None
+            }
             Need::KeptPoints => told(no_cloud(self.products)),
             Need::PlainLas if !self.products.settings.points.las => silent(),
             Need::Track if self.track().is_empty() => {
@@ -424,7 +430,7 @@ fn no_cloud(products: &Products) -> &'static str {
             "no cloud: there is no point, since no first return and no recorded depth has a place and a heading"
         }
         false => {
-            "no cloud: the outlier filter kept no point; see outliers.radius_m and outliers.min_neighbors"
+            "no cloud: no point counts as bottom (column class of points/cloud.csv); see outliers.radius_m and outliers.min_neighbors"
         }
     }
 }

@@ -8,7 +8,8 @@ use super::Products;
 use super::products::bottom_line;
 use crate::bathymetry;
 use crate::cloud::{
-    self, BySource, CloudPoint, PingDepth, PointCloud, PointScales, Reduction, SoundingIndex,
+    self, BySource, CloudPoint, PingDepth, PointClass, PointCloud, PointScales, Reduction,
+    SoundingIndex,
 };
 use crate::first_return::{self, FirstReturns, Normalisation, Pick};
 use crate::pipeline::Settings;
@@ -74,7 +75,7 @@ struct Part {
 }
 
 /// The results of `before`, of the same log when it was shorter, with those of what was added. All pings before `unchanged` are as they
-/// were. Takes time for the new pings; of the rest only the flags of points are copied, and what lies under bottom edits and left-out
+/// were. Takes time for the new pings; of the rest only the classes of points are copied, and what lies under bottom edits and left-out
 /// stretches is found anew.
 ///
 /// # Errors
@@ -119,9 +120,8 @@ pub fn extend(
         correction,
         progress,
     )?;
-    let least = settings.first_return.min_confidence;
-    let kept = cloud::keep_points(&cloud, least, &settings.outliers, progress)?;
-    let depths = cloud::ping_depths(&stretch, &cloud, &kept, correction);
+    let classes = cloud::classify(&cloud, &settings.class_rules(), progress)?;
+    let depths = cloud::ping_depths(&stretch, &cloud, &classes, correction);
     let new_depths = &depths[part.first - part.context..];
     let all_depths =
         (versions.depths).next_changed(&before.depths, part.first, new_depths, |all| {
@@ -134,9 +134,9 @@ pub fn extend(
     let reduction = Reduction::new(&before.calibration, correction);
     let returns = Arc::new(returns);
     let bottom_line = bottom_line(survey, settings, &returns, &reduction);
-    let new_scales = PointScales::of(&stretch, &cloud, &kept, &reduction);
+    let new_scales = PointScales::of(&stretch, &cloud, &classes, &reduction);
     let points = &mut versions.points;
-    let (points, kept) = part.join_points(before, &cloud.points, &kept, &left_out, points);
+    let (points, classes) = part.join_points(before, &cloud.points, &classes, &left_out, points);
     let cloud = PointCloud {
         points,
         zero_heading: all_navigation.zero_heading,
@@ -152,7 +152,7 @@ pub fn extend(
         calibration: before.calibration.clone(),
         correction: correction.clone(),
         cloud: Arc::new(cloud),
-        kept: Arc::new(kept),
+        classes: Arc::new(classes),
         depths: all_depths,
         // Level under what is new: the surface is that of the whole log.
         relief: before.relief.clone(),
@@ -243,16 +243,16 @@ impl Part {
         }
     }
 
-    /// The points of before that lie before the part, and the new ones of the part; with their flags.
+    /// The points of before that lie before the part, and the new ones of the part; with their classes.
     fn join_points(
         &self,
         before: &Products,
         new: &BySource<CloudPoint>,
-        kept: &[bool],
+        classes: &[PointClass],
         left_out: &LeftOut,
         versions: &mut [Versions<CloudPoint>; 3],
-    ) -> (BySource<CloudPoint>, Vec<bool>) {
-        let mut flags = Vec::with_capacity(before.kept.len() + kept.len());
+    ) -> (BySource<CloudPoint>, Vec<PointClass>) {
+        let mut joined = Vec::with_capacity(before.classes.len() + classes.len());
         let points = BySource::from_parts(|source| {
             let old = before.cloud.points.of(source);
             let known = old.partition_point(|point| match point.sounding {
@@ -260,17 +260,17 @@ impl Part {
                 None => (point.ping as usize) < self.first,
             });
             let start = before.cloud.points.start(source);
-            flags.extend_from_slice(&before.kept[start..start + known]);
-            let of_source = new.of(source).iter().zip(&kept[new.start(source)..]);
-            let added = of_source.filter_map(|(point, flag)| {
+            joined.extend_from_slice(&before.classes[start..start + known]);
+            let of_source = new.of(source).iter().zip(&classes[new.start(source)..]);
+            let added = of_source.filter_map(|(point, class)| {
                 let point = self.counted_point(point, left_out)?;
-                flags.push(*flag);
+                joined.push(*class);
                 Some(point)
             });
             let added: Vec<CloudPoint> = added.collect();
             versions[source as usize].next(old, known, &added)
         });
-        (points, flags)
+        (points, joined)
     }
 
     /// A point of the stretch as one of the log; `None` where it lies before the part, or is left out.

@@ -16,12 +16,6 @@ pub struct ProcessedLog {
 impl ProcessedLog {
     /// The kept points, in the order of the cloud.
     pub fn kept_points(&self) -> impl Iterator<Item = &crate::cloud::CloudPoint> {
-        let flagged = self
-            .products
-            .cloud
-            .points
-            .iter()
-            .zip(self.products.kept.iter());
-        flagged.filter(|(_, kept)| **kept).map(|(point, _)| point)
+        self.products.kept_points()
     }
 }

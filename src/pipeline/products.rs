@@ -4,7 +4,9 @@ use super::Settings;
 use super::relief::relief;
 use crate::bathymetry;
 use crate::calibration::{self, Calibration, FlatSpot};
-use crate::cloud::{self, Correction, PingDepth, PointCloud, PointScales, Reduction};
+use crate::cloud::{
+    self, CloudPoint, Correction, PingDepth, PointClass, PointCloud, PointScales, Reduction,
+};
 use crate::first_return::{self, BottomLine, FirstReturns};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{LeftOut, Navigation, Relief, SideSpan, Sounding, Survey, navigate_placed};
@@ -21,7 +23,7 @@ pub enum Stage {
     Calibration,
     /// Points.
     Cloud,
-    /// Which points the outlier filter keeps.
+    /// What each point is; the outlier filter runs here.
     Outliers,
     /// The bottom across the track.
     Relief,
@@ -69,7 +71,7 @@ impl Stage {
             Some(Stage::Calibration)
         } else if old.cloud != new.cloud || old.depth() != new.depth() {
             Some(Stage::Cloud)
-        } else if old.outliers != new.outliers || old.first_return != new.first_return {
+        } else if old.class_rules() != new.class_rules() || old.first_return != new.first_return {
             Some(Stage::Outliers)
         } else if !old.surface.counts_the_same(&new.surface) {
             Some(Stage::Relief)
@@ -102,8 +104,8 @@ pub struct Products {
     pub correction: Arc<Correction>,
     /// All points.
     pub cloud: Arc<PointCloud>,
-    /// One flag per point: sure enough, and kept by the outlier filter.
-    pub kept: Arc<Vec<bool>>,
+    /// The class of each point.
+    pub classes: Arc<Vec<PointClass>>,
     /// The depth under the boat at every side-scan ping.
     pub depths: Arc<Vec<PingDepth>>,
     /// How the bottom lies across the track.
@@ -120,6 +122,11 @@ impl Products {
     /// What samples and recorded depths are in metres by these results: for every read-out.
     pub fn reduction(&self) -> Reduction<'_> {
         Reduction::new(&self.calibration, &self.correction)
+    }
+
+    /// The points that count for the map, in the order of the cloud.
+    pub fn kept_points(&self) -> impl Iterator<Item = &CloudPoint> + Clone {
+        self.cloud.kept(&self.classes).map(|(_, point)| point)
     }
 }
 
@@ -254,22 +261,21 @@ pub fn run(
             Arc::new(made.without(&left_out))
         }
     };
-    let (kept, depths, depth_range_m, scales) = match reuse(Stage::Outliers) {
+    let (classes, depths, depth_range_m, scales) = match reuse(Stage::Outliers) {
         Some(old) => (
-            old.kept.clone(),
+            old.classes.clone(),
             old.depths.clone(),
             old.depth_range_m,
             old.scales,
         ),
         None => {
             begin(Stage::Outliers)?;
-            let (least, how) = (settings.first_return.min_confidence, &settings.outliers);
-            let kept = cloud::keep_points(&cloud, least, how, progress)?;
-            let mut depths = cloud::ping_depths(survey, &cloud, &kept, &correction);
+            let classes = cloud::classify(&cloud, &settings.class_rules(), progress)?;
+            let mut depths = cloud::ping_depths(survey, &cloud, &classes, &correction);
             cloud::leave_depths_out(&mut depths, 0, &left_out);
             let range_m = depth_range_m(survey, &correction, &depths);
-            let scales = PointScales::of(survey, &cloud, &kept, &reduction);
-            (Arc::new(kept), Arc::new(depths), range_m, scales)
+            let scales = PointScales::of(survey, &cloud, &classes, &reduction);
+            (Arc::new(classes), Arc::new(depths), range_m, scales)
         }
     };
     let relief = match reuse(Stage::Relief) {
@@ -277,7 +283,14 @@ pub fn run(
         None => {
             begin(Stage::Relief)?;
             let how = &settings.surface;
-            Arc::new(relief(survey, &navigation, &cloud, &kept, how, progress)?)
+            Arc::new(relief(
+                survey,
+                &navigation,
+                &cloud,
+                &classes,
+                how,
+                progress,
+            )?)
         }
     };
     Ok(Products {
@@ -291,7 +304,7 @@ pub fn run(
         calibration,
         correction,
         cloud,
-        kept,
+        classes,
         depths,
         relief,
         depth_range_m,

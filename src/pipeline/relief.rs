@@ -2,7 +2,7 @@
 
 use super::depth::depth_points;
 use crate::bathymetry::{Surface, SurfaceMethod, SurfaceSettings, surface};
-use crate::cloud::PointCloud;
+use crate::cloud::{PointClass, PointCloud};
 use crate::progress::{Cancelled, Progress};
 use crate::statistics::{median, quantile};
 use crate::survey::{Navigation, Relief, Side, Survey};
@@ -27,14 +27,14 @@ pub fn relief(
     survey: &Survey,
     navigation: &Navigation,
     cloud: &PointCloud,
-    kept: &[bool],
+    classes: &[PointClass],
     settings: &SurfaceSettings,
     progress: &Progress,
 ) -> Result<Relief, Cancelled> {
     if !settings.relief || !survey.has_side_scan() {
         return Ok(Relief::default());
     }
-    let points = depth_points(cloud, kept, settings, |p| [p.east_m, p.north_m, p.z_m]);
+    let points = depth_points(cloud, classes, settings, |p| [p.east_m, p.north_m, p.z_m]);
     let mut depths_m: Vec<f64> = points.iter().map(|point| point.depth_m).collect();
     let cell_m = (CELL_SHARE * median(&mut depths_m)).max(LEAST_CELL_M);
     let settings = SurfaceSettings {

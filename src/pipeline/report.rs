@@ -4,7 +4,10 @@ use super::fingerprint::{Fingerprint, Input, hash_inputs, in_hexadecimal};
 use super::joint::LogsReport;
 use super::{Preset, Products, Settings};
 use crate::calibration::{Calibration, PingRange, ScaleMode};
-use crate::cloud::{PointCloud, PointSource, Residuals, SoundingIndex, TrackShare, residuals};
+use crate::cloud::{
+    ClassCounts, PointClass, PointCloud, PointSource, Residuals, SoundingIndex, TrackShare,
+    residuals,
+};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{HeadingSource, LeftOutStretch, Side, Survey, Track};
 use serde::Serialize;
@@ -66,8 +69,10 @@ pub struct Counts {
     pub starboard_first_returns: usize,
     /// First returns above the recorded depth: weed, fish or boulders.
     pub above_bottom: usize,
-    /// Of these, those that the depth map leaves out.
+    /// Points of these that do not count for the depth map, neither outliers nor too unsure.
     pub above_bottom_left_out: usize,
+    /// Points of these that count for the depth map: all, or those of long stretches.
+    pub above_bottom_kept: usize,
     /// Side-scan points that are not kept because their first return is less sure than `first_return.min_confidence`.
     pub low_confidence: usize,
     /// Pings at which the boat moves.
@@ -78,8 +83,12 @@ pub struct Counts {
     pub left_out_pings: usize,
     /// Soundings that are left out.
     pub left_out_soundings: usize,
-    /// Points before the outlier filter.
+    /// Points, whatever their class.
     pub points: usize,
+    /// Points that count for the depth map: `kept` of `cloud.csv`, class 40 of every file.
+    pub kept: usize,
+    /// Points by the code of their class.
+    pub classes: ClassCounts,
     /// Points that are not soundings.
     pub side_scan_points: usize,
     /// Points that the filter removed.
@@ -146,7 +155,7 @@ impl Report {
             calibration,
             correction,
             cloud,
-            kept,
+            classes,
             ..
         } = products;
         let found = |side| {
@@ -156,12 +165,9 @@ impl Report {
                 .filter(|pick| pick.is_some())
                 .count()
         };
-        let min_confidence = settings.first_return.min_confidence;
-        let outliers = cloud.outliers(kept, min_confidence);
+        let classes_of = ClassCounts::of(cloud, classes);
         let above_bottom = cloud.points.iter().filter(|point| point.above_bottom);
-        let left_out_of_map = above_bottom
-            .clone()
-            .filter(|point| settings.surface.leaves_out(point));
+        let above_bottom_kept = products.kept_points().filter(|point| point.above_bottom);
         Ok(Self {
             program: format!("bathyscope {}", env!("CARGO_PKG_VERSION")),
             run: String::new(),
@@ -177,21 +183,24 @@ impl Report {
                 port_first_returns: found(Side::Port),
                 starboard_first_returns: found(Side::Starboard),
                 above_bottom: above_bottom.count(),
-                above_bottom_left_out: left_out_of_map.count(),
-                low_confidence: cloud.unsure(min_confidence),
+                above_bottom_left_out: classes_of.count(PointClass::AboveBottom),
+                above_bottom_kept: above_bottom_kept.count(),
+                low_confidence: classes_of.count(PointClass::Unclassified),
                 moving: navigation.moving,
                 zero_heading: navigation.zero_heading,
                 left_out_pings: left_out.ping_count(),
                 left_out_soundings: left_out.sounding_count(),
-                points: cloud.points.len(),
-                side_scan_points: outliers.side_scan,
-                outliers_removed: outliers.removed,
-                outliers_removed_share: outliers.share(),
+                points: classes_of.all(),
+                kept: classes_of.kept(),
+                classes: classes_of,
+                side_scan_points: classes_of.side_scan,
+                outliers_removed: classes_of.noise(),
+                outliers_removed_share: classes_of.noise_share(),
             },
             left_out: left_out.stretches.clone(),
             calibration: CalibrationReport::new(calibration),
             track: TrackShare::of(&products.depths, &navigation.pings),
-            residuals: residuals(survey, cloud, correction, kept),
+            residuals: residuals(survey, cloud, correction, classes),
             statement: [
                 settings.bottom.statement(survey).as_str(),
                 correction.statement().as_str(),
@@ -230,20 +239,22 @@ impl Report {
         } = self;
         let mut lines = vec![
             format!(
-                "{} pings: first return port {}, starboard {}; {} above the bottom (weed, fish, boulders), {} of them not in the depth map",
+                "{} pings: first return port {}, starboard {}; {} above the bottom (weed, fish, boulders)",
                 counts.pings,
                 counts.port_first_returns,
                 counts.starboard_first_returns,
-                counts.above_bottom,
-                counts.above_bottom_left_out
+                counts.above_bottom
             ),
             format!(
-                "{} points, {} from side-scan, {} of them not kept for their confidence, {} removed as outliers ({:.1} %); {} pings without heading",
+                "{} points, {} from side-scan; {} count for the depth map; of the others {} are above-bottom returns, {} too unsure, {} outliers ({:.1} % of side-scan), {} soundings without bottom; {} pings without heading",
                 counts.points,
                 counts.side_scan_points,
+                counts.kept,
+                counts.above_bottom_left_out,
                 counts.low_confidence,
                 counts.outliers_removed,
                 100.0 * counts.outliers_removed_share,
+                counts.classes.count(PointClass::NoBottom),
                 counts.zero_heading
             ),
         ];
@@ -299,16 +310,18 @@ impl Counts {
         self.starboard_first_returns += other.starboard_first_returns;
         self.above_bottom += other.above_bottom;
         self.above_bottom_left_out += other.above_bottom_left_out;
+        self.above_bottom_kept += other.above_bottom_kept;
         self.low_confidence += other.low_confidence;
         self.moving += other.moving;
         self.zero_heading += other.zero_heading;
         self.left_out_pings += other.left_out_pings;
         self.left_out_soundings += other.left_out_soundings;
         self.points += other.points;
+        self.kept += other.kept;
+        self.classes.add(&other.classes);
         self.side_scan_points += other.side_scan_points;
         self.outliers_removed += other.outliers_removed;
-        self.outliers_removed_share =
-            self.outliers_removed as f64 / self.side_scan_points.max(1) as f64;
+        self.outliers_removed_share = self.classes.noise_share();
     }
 }
 

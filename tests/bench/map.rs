@@ -175,7 +175,7 @@ fn products(survey: &Survey, nav: Vec<PingNav>) -> Products {
         }),
         correction: Arc::new(correction),
         cloud: Arc::new(cloud),
-        kept: Arc::new(Vec::new()),
+        classes: Arc::new(Vec::new()),
         depths: Arc::new(depths),
         depth_range_m: Some([2.0, 4.0]),
         scales: Default::default(),

@@ -41,11 +41,11 @@ def check(folder):
         assert made["cloud.csv"][key] == report[key], f"{key} is not as in the report"
     points = tables.check(folder, report, made)
     clouds.check(folder, made, points)
-    rasters.check(folder, made, points)
+    rasters.check(folder, made, points.kept())
     meshes.check(folder, made)
     tiles.check(folder, made)
-    vectors.check(folder, made, points)
-    packages.check(folder, made, points)
+    vectors.check(folder, made, points.kept())
+    packages.check(folder, made, points.kept())
     tables.check_found(folder, made)
     return len(made)
 

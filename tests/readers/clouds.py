@@ -1,7 +1,5 @@
 """cloud.copc.laz by laspy, as LAZ and as COPC, cloud.ply by plyfile, cloud.xyz by numpy, against cloud.csv."""
 
-import copy
-
 import laspy
 import numpy
 import octree
@@ -15,7 +13,7 @@ def check(folder, made, points):
     if "cloud.copc.laz" in made:
         check_laz(folder / "points/cloud.copc.laz", made["cloud.copc.laz"], points)
         check_ply(folder / "points/cloud.ply", made["cloud.ply"], points)
-        check_xyz(folder / "points/cloud.xyz", made["cloud.xyz"], points)
+        check_xyz(folder / "points/cloud.xyz", made["cloud.xyz"], points.kept())
 
 
 def check_record(name, record, xyz):
@@ -24,20 +22,12 @@ def check_record(name, record, xyz):
     check_values(name, record, xyz[:, 2].min(), xyz[:, 2].max(), 0.001)
 
 
-def in_order(points):
-    """The points by side and ping, of which no two are the same: COPC has an order of its own."""
-    order = numpy.lexsort((points.ping, points.source))
-    sorted_points = copy.copy(points)
-    for name in ("source", "ping", "lon", "lat", "z", "range", "level", "confidence"):
-        setattr(sorted_points, name, getattr(points, name)[order])
-    return sorted_points
-
-
 def check_laz(path, record, points):
     las = laspy.read(path)
     header = las.header
     octree.check(path)
-    points, las = in_order(points), las[numpy.lexsort((las.ping, las.side))]
+    # By side and ping, of which no two are the same: COPC has an order of its own.
+    points, las = points.only(numpy.lexsort((points.ping, points.source))), las[numpy.lexsort((las.ping, las.side))]
     assert (header.version.major, header.version.minor) == (1, 4)
     assert header.global_encoding.wkt, "the bit for WKT is not set"
     assert header.parse_crs().to_epsg() == record["crs"]["epsg"], header.parse_crs()
@@ -53,10 +43,20 @@ def check_laz(path, record, points):
     same("side of cloud.copc.laz", las.side, points.source, 0)
     same("confidence of cloud.copc.laz", las.confidence, points.confidence, 0.00051)
     same("range of cloud.copc.laz", las.range_m, points.range, 0.00051)
+    check_classes(las, points)
     check_intensity(las, points)
     check_time(las, record, points)
     no_data = header.point_format.dimension_by_name("confidence").no_data
     assert no_data is None or no_data[0] == -1.0, no_data
+
+
+def check_classes(las, points):
+    """The class of each point, its name in the header, and the flag of those that no map is made of."""
+    same("classes of cloud.copc.laz", las.classification, points.classes, 0)
+    same("withheld of cloud.copc.laz", las.withheld, points.classes != 40, 0)
+    names = las.header.vlrs.get("ClassificationLookupVlr")[0].lookups
+    assert names[40] == "bathymetric" and names[64] == "above bottom", names
+    assert all(names[code] for code in numpy.unique(points.classes)), "a class without a name"
 
 
 def check_intensity(las, points):
@@ -87,6 +87,7 @@ def check_ply(path, record, points):
     colours = numpy.array([vertices[name] for name in ("red", "green", "blue")]).T
     same("colour of cloud.ply", colours.astype(int), COLOURS[points.source], 0)
     same("level of cloud.ply", vertices["intensity"], points.level, 0)
+    same("classes of cloud.ply", vertices["classification"], points.classes, 0)
     same("range of cloud.ply", vertices["range_m"], points.range, 0.00051)
 
 

@@ -60,7 +60,7 @@ def check_rows(folder, logs):
         if kind == "points":
             near = frame.x.between(west - halo_m, west + TILE_M + halo_m) & frame.y.between(south - halo_m, south + TILE_M + halo_m)
             assert near.all() and core.sum() == rows["core_points"]
-            assert (frame.weight[~frame.kept] == 0).all()
+            assert (frame.weight[~frame.kept] == 0).all() and (frame.kept == (frame["class"] == 40)).all()
         else:
             assert frame.ping.is_monotonic_increasing and (frame.altitude_m >= 0).all()
             length = numpy.hypot(frame.starboard_x, frame.starboard_y)

@@ -1,5 +1,6 @@
 """The CSV tables against each other and the report; they are what the other products are held against."""
 
+import copy
 import csv
 import json
 
@@ -18,40 +19,52 @@ def rows(path):
 
 
 class Points:
-    """cloud.csv: the kept points, and the confidence of the first return that each is (-1 for a sounding, whose level is 0)."""
+    """cloud.csv: all points, and the confidence of the first return that each is (-1 for a sounding, whose level is 0)."""
 
     def __init__(self, folder):
         all_rows = rows(folder / "points/cloud.csv")
-        self.count = len(all_rows)
-        kept = [row for row in all_rows if row["kept"] == "1"]
-        self.source = numpy.array([SOURCES[row["source"]] for row in kept])
-        self.ping = numpy.array([int(row["ping"]) for row in kept])
-        column = lambda name: numpy.array([float(row[name]) for row in kept])
+        self.source = numpy.array([SOURCES[row["source"]] for row in all_rows])
+        self.ping = numpy.array([int(row["ping"]) for row in all_rows])
+        self.classes = numpy.array([int(row["class"]) for row in all_rows])
+        assert all((row["kept"] == "1") == (row["class"] == "40") for row in all_rows), "kept says other than class"
+        column = lambda name: numpy.array([float(row[name]) for row in all_rows])
         self.lon, self.lat = column("lon"), column("lat")
         self.local = numpy.array([column("east_m"), column("north_m"), column("z_m")]).T
         self.z = self.local[:, 2]
         self.range = column("range_m")
         assert all((row["level"] == "") == (row["source"] == "downscan") for row in all_rows), "a level where there is none"
-        self.level = numpy.array([int(row["level"] or 0) for row in kept])
+        self.level = numpy.array([int(row["level"] or 0) for row in all_rows])
         self.pings = rows(folder / "points/first_returns.csv")
         names = {1: "port_confidence", 2: "starboard_confidence"}
         confidence = lambda source, ping: float(self.pings[ping][names[source]]) if source else -1.0
         self.confidence = numpy.array([confidence(*pair) for pair in zip(self.source, self.ping)])
-        everything = numpy.array([[float(row[name]) for name in ("lon", "lat", "z_m")] for row in all_rows])
-        self.least, self.most = everything.min(axis=0), everything.max(axis=0)
+
+    def only(self, chosen):
+        """Those of a mask or an order."""
+        some = copy.copy(self)
+        for name in ("source", "ping", "classes", "lon", "lat", "local", "z", "range", "level", "confidence"):
+            setattr(some, name, getattr(self, name)[chosen])
+        return some
+
+    def kept(self):
+        """Those that count for the depth map."""
+        return self.only(self.classes == 40)
 
 
 def check(folder, report, made):
     points = Points(folder)
     counts = report["counts"]
-    removed = counts["outliers_removed"]
-    assert points.count == counts["points"], "cloud.csv has not as many points as the report"
+    assert len(points.z) == counts["points"], "cloud.csv has not as many points as the report"
+    classes, numbers = numpy.unique(points.classes, return_counts=True)
+    assert dict(zip(map(str, classes), numbers)) == counts["classes"], "cloud.csv has other classes than the report"
+    assert counts["kept"] == counts["classes"].get("40", 0)
+    assert counts["outliers_removed"] == sum(counts["classes"].get(noise, 0) for noise in ("7", "18"))
     assert len(points.pings) == counts["pings"], "first_returns.csv has not as many pings as the report"
-    assert points.count - removed - len(points.z) <= counts["soundings"], "more points are left out than removed"
     record = made["cloud.csv"]
-    check_count("cloud.csv", record, "points", points.count)
-    check_extent("cloud.csv", record, points.least[:2], points.most[:2], 0.001)
-    check_values("cloud.csv", record, points.least[2], points.most[2], 0.0001)
+    check_count("cloud.csv", record, "points", len(points.z))
+    places = numpy.array([points.lon, points.lat]).T
+    check_extent("cloud.csv", record, places.min(axis=0), places.max(axis=0), 0.001)
+    check_values("cloud.csv", record, points.z.min(), points.z.max(), 0.0001)
     check_count("first_returns.csv", made["first_returns.csv"], "pings", len(points.pings))
     for side in ("port", "starboard"):
         found = sum(bool(row[f"{side}_sample"]) for row in points.pings)

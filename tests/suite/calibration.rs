@@ -4,7 +4,7 @@ use crate::river::processed;
 use crate::support::real_data;
 use crate::truth::KnownSurvey;
 use bathyscope::calibration::{Calibration, FlatSpot, PingRange, ScaleMode, calibrate, flat_spots};
-use bathyscope::cloud::{PointSource, Residuals};
+use bathyscope::cloud::{CloudPoint, PointClass, PointSource, Residuals};
 use bathyscope::first_return::{FirstReturns, Pick};
 use bathyscope::geo::LonLat;
 use bathyscope::pipeline::{self, Preset, Products, Settings};
@@ -235,21 +235,28 @@ fn a_chosen_range_of_pings_is_written_as_a_setting() {
     }
 }
 
+/// The classes of points, where those of other pings do not count.
+fn of_pings(products: &Products, is_meant: impl Fn(u32) -> bool) -> Vec<PointClass> {
+    let classed = products.cloud.points.iter().zip(products.classes.iter());
+    let class = |(point, class): (&CloudPoint, &PointClass)| match is_meant(point.ping) {
+        true => *class,
+        false => PointClass::Unclassified,
+    };
+    classed.map(class).collect()
+}
+
 #[test]
 fn the_rivers_side_scan_agrees_with_its_depths_where_the_recorder_had_the_bottom() {
     let Some(data) = real_data() else { return };
     let (survey, products) = processed(&data.join("humminbird-glen-canyon/Rec00001.DAT"));
     assert_eq!(products.navigation.zero_heading, 0);
     // Boulders stand on the first half of the river's bed; the sand after them is smooth.
-    let sand = products.cloud.points.iter().zip(products.kept.iter());
-    let sand: Vec<bool> = sand
-        .map(|(point, kept)| *kept && (1700..2300).contains(&point.ping))
-        .collect();
-    let agreement = |kept: &[bool]| {
-        bathyscope::cloud::residuals(&survey, &products.cloud, &products.correction, kept)
+    let sand = of_pings(&products, |ping| (1700..2300).contains(&ping));
+    let agreement = |classes: &[PointClass]| {
+        bathyscope::cloud::residuals(&survey, &products.cloud, &products.correction, classes)
             .expect("residuals")
     };
-    let (all, sand) = (agreement(&products.kept), agreement(&sand));
+    let (all, sand) = (agreement(&products.classes), agreement(&sand));
     println!("river: all {all:?}, sand {sand:?}");
     // The nearest ground is the boulders, most of which the line follows since it stops at faint ones too.
     assert!(all.n > 4000 && all.median_m.abs() < 0.40, "{all:?}");
@@ -389,11 +396,10 @@ fn errors_after_range_change(pond: &KnownSurvey, reach: &str) -> Residuals {
         "{:?}",
         products.calibration.warnings
     );
-    let points = products.cloud.points.iter().zip(products.kept.iter());
-    let other = points
-        .map(|(point, kept)| *kept && (range_at(point.ping as usize) / there - 1.0).abs() > 0.1)
-        .collect();
-    products.kept = Arc::new(other);
+    let other = of_pings(&products, |ping| {
+        (range_at(ping as usize) / there - 1.0).abs() > 0.1
+    });
+    products.classes = Arc::new(other);
     Residuals::of(&mut pond.depth_errors_m(&products)).expect("points")
 }
 

@@ -5,7 +5,7 @@ use crate::support::demo_log;
 use crate::window::{Window, app, demo_window};
 use bathyscope::app::{Command, Mark};
 use bathyscope::bathymetry::depth_range;
-use bathyscope::cloud::PointSource;
+use bathyscope::cloud::{ClassCounts, PointSource};
 use bathyscope::pipeline::Products;
 use bathyscope::pipeline::Settings;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
@@ -28,10 +28,9 @@ fn change(window: &mut Window, assignments: &[&str]) {
 
 /// Depths of the soundings of the cloud, with the ping that each belongs to.
 fn soundings(products: &Products) -> Vec<(usize, f64)> {
-    let points = products.cloud.points.iter().zip(products.kept.iter());
-    points
-        .filter(|(point, kept)| **kept && point.source == PointSource::DownScan)
-        .map(|(point, _)| (point.ping as usize, -point.z_m))
+    (products.kept_points())
+        .filter(|point| point.source == PointSource::DownScan)
+        .map(|point| (point.ping as usize, -point.z_m))
         .collect()
 }
 
@@ -202,12 +201,9 @@ fn the_share_of_outliers_is_one_number() {
         &["outliers.radius_m=0.25", "outliers.min_neighbors=4"],
     );
     let products = app(&window).log.products.clone().expect("a result");
-    let outliers = products.cloud.outliers(
-        &products.kept,
-        products.settings.first_return.min_confidence,
-    );
-    assert!(outliers.removed > 20, "{outliers:?}");
-    let percent = format!("({:.1} %", 100.0 * outliers.share());
+    let classes = ClassCounts::of(&products.cloud, &products.classes);
+    assert!(classes.noise() > 20, "{classes:?}");
+    let percent = format!("({:.1} %", 100.0 * classes.noise_share());
     let panel = format!("{percent}; paper 10 %)");
     assert!(
         window.query_by_label_contains(&panel).is_some(),
@@ -237,9 +233,9 @@ fn the_share_of_outliers_is_one_number() {
     ];
     run(folder.path(), &args);
     let counts = &json(&folder.path().join("out/report.json"))["counts"];
-    assert_eq!(counts["outliers_removed"], outliers.removed);
+    assert_eq!(counts["outliers_removed"], classes.noise());
     let share = counts["outliers_removed_share"].as_f64().expect("a share");
-    assert!((share - outliers.share()).abs() < 1e-12);
+    assert!((share - classes.noise_share()).abs() < 1e-12);
     let page = std::fs::read_to_string(folder.path().join("out/report.html")).expect("a page");
     assert!(
         page.contains(&format!("{percent}) were set aside")),

@@ -224,15 +224,15 @@ fn process(opened: Result<Survey, formats::OpenError>, settings: &Settings) {
         text.lines().count() - 1
     };
     assert_eq!(rows("points/first_returns.csv", 15), survey.side_scan.len());
-    assert_eq!(rows("points/cloud.csv", 10), products.cloud.points.len());
-    let kept = products.kept.iter().filter(|&&kept| kept).count();
+    assert_eq!(rows("points/cloud.csv", 11), products.cloud.points.len());
+    let all = products.cloud.points.len();
     for name in ["points/cloud.ply", "points/cloud.copc.laz"] {
-        if kept == 0 {
+        if products.kept_points().next().is_none() {
             assert!(!folder.path().join(name).exists(), "{name}");
             continue;
         }
         let points = points::read(&folder.path().join(name), None).expect("points");
-        assert_eq!(points.points.len(), kept, "{name}");
+        assert_eq!(points.points.len(), all, "{name}");
     }
     assert!(!written.report.summary().contains("NaN"));
 }

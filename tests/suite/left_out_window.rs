@@ -31,9 +31,8 @@ fn near(found: [usize; 2], expected: [usize; 2]) -> bool {
 /// Kept points that a stretch of pings has in the results.
 fn points_in(window: &Window, [first, last]: [usize; 2]) -> usize {
     let products = app(window).log.products.as_ref().expect("results");
-    let points = products.cloud.points.iter().zip(products.kept.iter());
-    points
-        .filter(|(point, kept)| **kept && (first..=last).contains(&(point.ping as usize)))
+    (products.kept_points())
+        .filter(|point| (first..=last).contains(&(point.ping as usize)))
         .count()
 }
 

@@ -52,6 +52,7 @@ mod passes_window;
 mod planning;
 mod planning_window;
 mod point_attributes;
+mod point_classes;
 mod printing;
 mod project;
 mod project_window;

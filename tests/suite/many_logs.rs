@@ -592,7 +592,7 @@ fn what_is_left_out_is_in_no_result() {
     )
     .expect("nobody cancels");
     assert_eq!(again.cloud.points.len(), log.products.cloud.points.len());
-    assert_eq!(again.kept, log.products.kept);
+    assert_eq!(again.classes, log.products.classes);
     assert_eq!(
         again.calibration.offset_m,
         log.products.calibration.offset_m

@@ -6,7 +6,7 @@ use crate::support::{demo_log, real_data};
 use crate::window::{app, demo_window, press};
 use bathyscope::app::CloudColour;
 use bathyscope::cloud::{CloudPoint, PointSource};
-use bathyscope::pipeline::Products;
+
 use bathyscope::survey::{Side, Survey};
 use egui::{Key, Modifiers};
 use std::path::{Path, PathBuf};
@@ -93,11 +93,6 @@ fn las_points(path: &Path) -> Vec<(u16, u8, f32)> {
         .collect()
 }
 
-fn kept(products: &Products) -> impl Iterator<Item = &CloudPoint> {
-    let all = products.cloud.points.iter().zip(products.kept.iter());
-    all.filter_map(|(point, kept)| kept.then_some(point))
-}
-
 #[test]
 fn files_of_points_have_level_and_range_and_plain_las_is_written_where_it_is_asked_for() {
     let temporary = tempfile::tempdir().expect("a temporary folder");
@@ -129,7 +124,7 @@ fn files_of_points_have_level_and_range_and_plain_las_is_written_where_it_is_ask
 
     let (survey, products) = processed(&demo_log());
     let reduction = products.reduction();
-    let expected: Vec<(u16, u8, f32)> = kept(&products)
+    let expected: Vec<(u16, u8, f32)> = (products.cloud.points.iter())
         .map(|point| {
             let range_m = reduction.point_range_m(&survey, point) as f32;
             (u16::from(point.level) * 257, point.source as u8, range_m)
@@ -141,7 +136,7 @@ fn files_of_points_have_level_and_range_and_plain_las_is_written_where_it_is_ask
     let mut lines = table.lines();
     assert_eq!(
         lines.next(),
-        Some("source,ping,lon,lat,east_m,north_m,z_m,kept,level,range_m")
+        Some("source,ping,lon,lat,east_m,north_m,z_m,kept,class,level,range_m")
     );
     for (line, point) in lines.zip(&products.cloud.points) {
         let fields: Vec<&str> = line.split(',').collect();
@@ -149,8 +144,8 @@ fn files_of_points_have_level_and_range_and_plain_las_is_written_where_it_is_ask
             Some(_) => point.level.to_string(),
             None => String::new(),
         };
-        assert_eq!(fields[8], level);
-        let range_m: f64 = fields[9].parse().expect("a number");
+        assert_eq!(fields[9], level);
+        let range_m: f64 = fields[10].parse().expect("a number");
         assert!((range_m - reduction.point_range_m(&survey, point)).abs() < 6e-4);
     }
 
@@ -162,10 +157,12 @@ fn files_of_points_have_level_and_range_and_plain_las_is_written_where_it_is_ask
         + 11;
     let header = String::from_utf8_lossy(&ply[..begin]);
     assert!(
-        header.contains("property uchar intensity\nproperty float range_m\n"),
+        header.contains(
+            "property uchar intensity\nproperty uchar classification\nproperty float range_m\n"
+        ),
         "{header}"
     );
-    let vertices = ply[begin..].chunks_exact(24 + 3 + 1 + 4);
+    let vertices = ply[begin..].chunks_exact(24 + 3 + 1 + 1 + 4);
     assert_eq!(vertices.len(), expected.len());
     for (vertex, (level, _, range_m)) in vertices.zip(&expected) {
         assert_eq!(u16::from(vertex[27]) * 257, *level);

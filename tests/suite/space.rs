@@ -5,7 +5,7 @@ use bathyscope::app::{Action, App, CloudColour, Command, Jobs, Mark, ThemeChoice
 use bathyscope::bathymetry::{SurfaceSettings, depth_points, depth_range, surface};
 use bathyscope::calibration::{Calibration, FlatSpot, PingRange, PpdReach, ScaleMode};
 use bathyscope::cloud::{
-    CloudPoint, Correction, PointCloud, PointSource, SoundingIndex, ping_depths,
+    CloudPoint, Correction, PointClass, PointCloud, PointSource, SoundingIndex, ping_depths,
 };
 use bathyscope::formats;
 use bathyscope::geo::LonLat;
@@ -78,12 +78,12 @@ fn pond() -> (Survey, Products) {
         }]),
         ..Survey::default()
     };
-    let (cloud, kept) = cloud(&nav);
-    let products = products(&survey, nav, cloud, kept);
+    let (cloud, classes) = cloud(&nav);
+    let products = products(&survey, nav, cloud, classes);
     (survey, products)
 }
 
-fn cloud(nav: &[PingNav]) -> (PointCloud, Vec<bool>) {
+fn cloud(nav: &[PingNav]) -> (PointCloud, Vec<PointClass>) {
     let point = |source, ping: usize, across_m: f64, up_m: f64| {
         let boat = &nav[ping];
         let (sin, cos) = boat.heading_rad.sin_cos();
@@ -119,17 +119,29 @@ fn cloud(nav: &[PingNav]) -> (PointCloud, Vec<bool>) {
         .map(|(source, ping, across_m, up_m)| (point(source, ping, across_m, up_m), up_m == 0.0));
     let mut flagged: Vec<(CloudPoint, bool)> = points.collect();
     flagged.sort_by_key(|(point, _)| (point.source, point.ping));
-    let kept = flagged.iter().map(|(_, kept)| *kept).collect();
+    let class = |is_bottom: bool| match is_bottom {
+        true => PointClass::Bottom,
+        false => PointClass::LowNoise,
+    };
+    let classes = flagged
+        .iter()
+        .map(|(_, is_bottom)| class(*is_bottom))
+        .collect();
     let cloud = PointCloud {
         points: flagged.into_iter().map(|(point, _)| point).collect(),
         zero_heading: 0,
     };
-    (cloud, kept)
+    (cloud, classes)
 }
 
-fn products(survey: &Survey, nav: Vec<PingNav>, cloud: PointCloud, kept: Vec<bool>) -> Products {
+fn products(
+    survey: &Survey,
+    nav: Vec<PingNav>,
+    cloud: PointCloud,
+    classes: Vec<PointClass>,
+) -> Products {
     let correction = Correction::default();
-    let depths = ping_depths(survey, &cloud, &kept, &correction);
+    let depths = ping_depths(survey, &cloud, &classes, &correction);
     let spot = |start: usize, depth_m| FlatSpot {
         pings: start..start + 41,
         depth_m,
@@ -172,7 +184,7 @@ fn products(survey: &Survey, nav: Vec<PingNav>, cloud: PointCloud, kept: Vec<boo
         flat_spots: Arc::new(spots),
         correction: Arc::new(correction),
         cloud: Arc::new(cloud),
-        kept: Arc::new(kept),
+        classes: Arc::new(classes),
         depths: Arc::new(depths),
         depth_range_m,
         scales: Default::default(),

@@ -86,10 +86,9 @@ fn turn_of(log: &OpenLog) -> [usize; 2] {
 
 fn kept_points(log: &OpenLog, [first, last]: [usize; 2]) -> usize {
     let products = log.products.as_ref().expect("results");
-    let points = products.cloud.points.iter().zip(products.kept.iter());
     let inside = |ping: u32| (first..=last).contains(&(ping as usize));
-    points
-        .filter(|(point, kept)| **kept && inside(point.ping))
+    (products.kept_points())
+        .filter(|point| inside(point.ping))
         .count()
 }
 

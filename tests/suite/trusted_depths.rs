@@ -2,8 +2,7 @@
 //! recorded depth.
 
 use crate::truth::KnownSurvey;
-use bathyscope::bathymetry::SurfaceSettings;
-use bathyscope::cloud::{DepthSource, PointSource, TrackShare};
+use bathyscope::cloud::{ClassRules, DepthSource, PointClass, PointSource, TrackShare, classify};
 use bathyscope::first_return::Method;
 use bathyscope::pipeline::{self, Preset, Products, Report, Settings};
 use bathyscope::progress::Progress;
@@ -71,17 +70,17 @@ fn points_of_unsure_first_returns_are_not_kept_and_counted() {
     let some = processed(&pond, &settings);
     let floor = settings.first_return.min_confidence;
     assert!(floor > 0.0);
-    let unsure = some.cloud.points.iter().zip(some.kept.iter());
+    let unsure = some.cloud.points.iter().zip(some.classes.iter());
     let unsure = unsure.filter(|(point, _)| point.confidence < floor);
     assert!(unsure.clone().count() > 100, "no ring-down in half a metre");
-    assert!(unsure.clone().all(|(_, kept)| !kept));
+    assert!(unsure.clone().all(|(_, class)| !class.is_kept()));
     let report = Report::new(&pond.survey, &some, &Progress::new()).expect("not cancelled");
     assert_eq!(report.counts.low_confidence, unsure.count());
-    let gone = some.kept.iter().filter(|kept| !**kept).count();
-    assert_eq!(
-        report.counts.low_confidence + report.counts.outliers_removed,
-        gone
-    );
+    let counts = &report.counts;
+    let lost = counts.classes.count(PointClass::NoBottom);
+    let set_aside = counts.low_confidence + counts.outliers_removed + counts.above_bottom_left_out;
+    assert_eq!(set_aside + lost, counts.points - counts.kept);
+    assert_eq!(some.kept_points().count(), counts.kept);
 
     // Another floor finds nothing anew.
     settings.first_return.min_confidence = 0.0;
@@ -94,11 +93,8 @@ fn points_of_unsure_first_returns_are_not_kept_and_counted() {
     );
     let all = all.expect("not cancelled");
     assert!(Arc::ptr_eq(&all.cloud, &some.cloud));
-    assert_eq!(all.cloud.unsure(0.0), 0);
-    assert!(
-        all.kept.iter().filter(|kept| **kept).count()
-            > some.kept.iter().filter(|kept| **kept).count()
-    );
+    assert!(!all.classes.contains(&PointClass::Unclassified));
+    assert!(all.kept_points().count() > some.kept_points().count());
     assert_eq!(
         Settings::preset(Preset::Published)
             .first_return
@@ -123,28 +119,31 @@ fn what_lies_above_the_bottom_for_long_counts_in_the_map_and_a_clump_does_not() 
         pings[ping].depth_m += 0.5;
     }
     let products = processed(&pond, &Settings::default());
-    let surface = SurfaceSettings::default();
-    let counted = |pings: std::ops::Range<usize>, surface: &SurfaceSettings| {
-        let points = products.cloud.points.iter();
-        let of = points.filter(|point| {
+    let settings = Settings::default();
+    let usual = settings.class_rules();
+    let counted = |pings: std::ops::Range<usize>, rules: ClassRules<'_>| {
+        let classes = classify(&products.cloud, &rules, &Progress::new()).expect("not cancelled");
+        let points = products.cloud.points.iter().zip(classes);
+        let of = points.filter(|(point, _)| {
             point.source != PointSource::DownScan && pings.contains(&(point.ping as usize))
         });
-        let (count, counted) = of.fold((0, 0), |(all, counted), point| {
+        let (count, counted) = of.fold((0, 0), |(all, counted), (point, class)| {
             assert!(point.above_bottom);
-            (all + 1, counted + usize::from(surface.weight(point) > 0.0))
+            assert!(class.is_kept() || class == PointClass::AboveBottom);
+            (all + 1, counted + usize::from(class.is_kept()))
         });
         counted as f64 / count as f64
     };
-    assert!(counted(80..380, &surface) > 0.95);
-    assert_eq!(counted(short.clone(), &surface), 0.0);
-    let none = SurfaceSettings {
+    assert!(counted(80..380, usual) > 0.95);
+    assert_eq!(counted(short.clone(), usual), 0.0);
+    let none = ClassRules {
         longest_above_bottom_m: 500.0,
-        ..surface.clone()
+        ..usual
     };
-    assert_eq!(counted(80..380, &none), 0.0);
-    let all = SurfaceSettings {
+    assert_eq!(counted(80..380, none), 0.0);
+    let all = ClassRules {
         above_bottom: true,
-        ..surface
+        ..usual
     };
-    assert_eq!(counted(short, &all), 1.0);
+    assert_eq!(counted(short, all), 1.0);
 }

@@ -1,7 +1,7 @@
 //! Results held against what a simulated survey hides.
 
 use bathyscope::bathymetry::{DepthPoint, Surface, SurfaceSettings, SwathDepth, surface};
-use bathyscope::cloud::{CloudPoint, PointSource};
+use bathyscope::cloud::{ClassRules, CloudPoint, PointSource, classify};
 use bathyscope::formats;
 use bathyscope::pipeline::{Products, log_echoes};
 use bathyscope::progress::Progress;
@@ -74,7 +74,8 @@ impl KnownSurvey {
     }
 }
 
-/// The depth map of a survey in its plane, of those of the kept points that `counts` lets through; `None` where they make none.
+/// The depth map of a survey in its plane, of those of the points that the settings count as bottom and `counts` lets through; `None` where
+/// they make none.
 pub fn map(
     survey: &Survey,
     products: &Products,
@@ -92,9 +93,17 @@ pub fn map_with(
     settings: &SurfaceSettings,
     counts: impl Fn(&CloudPoint) -> bool,
 ) -> Option<Surface> {
-    let points: Vec<DepthPoint> = kept(products)
-        .filter(|point| counts(point))
-        .map(|point| DepthPoint {
+    let progress = Progress::new();
+    let rules = ClassRules {
+        above_bottom: settings.above_bottom,
+        longest_above_bottom_m: settings.longest_above_bottom_m,
+        ..products.settings.class_rules()
+    };
+    let classes = classify(&products.cloud, &rules, &progress).expect("not cancelled");
+    let kept = products.cloud.kept(&classes);
+    let points: Vec<DepthPoint> = kept
+        .filter(|(_, point)| counts(point))
+        .map(|(_, point)| DepthPoint {
             east_m: point.east_m,
             north_m: point.north_m,
             depth_m: -point.z_m,
@@ -103,7 +112,6 @@ pub fn map_with(
         })
         .filter(|point| point.weight > 0.0)
         .collect();
-    let progress = Progress::new();
     let mut made = surface(points.clone(), settings, &progress).expect("not cancelled")?;
     if settings.swath == SwathDepth::Shaded {
         shade(&mut made, &[echoes], &points, &progress).expect("not cancelled");
@@ -113,6 +121,5 @@ pub fn map_with(
 
 /// The kept points.
 pub fn kept(products: &Products) -> impl Iterator<Item = &CloudPoint> {
-    let points = products.cloud.points.iter().zip(products.kept.iter());
-    points.filter(|(_, kept)| **kept).map(|(point, _)| point)
+    products.kept_points()
 }

@@ -4,8 +4,10 @@ use super::{Described, OutputFile, When, Writer};
 use crate::outputs::Product;
 use crate::outputs::results::Need;
 
-/// What no table or cloud of points depends on.
+/// What no table of pings depends on.
 pub(super) const NOT_OF_POINTS: &[&str] = &["detector", "isobaths", "mosaic", "surface"];
+/// What no cloud depends on: above which bottom a point lies is a setting of the surface.
+pub(super) const NOT_OF_CLOUD: &[&str] = NOT_OF_DEPTHS;
 const NOT_OF_TRACK: &[&str] = &[
     "calibration",
     "cloud",
@@ -32,8 +34,10 @@ const NOT_OF_BOXES: &[&str] = &["crs", "isobaths", "mosaic"];
 const TRACK: &str = "The boat's track, thinned to half a metre, broken where the log paused";
 const FOOTPRINT: &str = "The ground that the side-scan insonified, without turns";
 pub(super) const KEPT_POINTS: &str =
-    "The points that the outlier filter kept; z is elevation above the transducer";
-pub(super) const LAS_POINTS: &str = "The points that the outlier filter kept; z is elevation above the transducer, intensity the echo level of the first return times 257";
+    "The points that count for the depth map; z is elevation above the transducer";
+pub(super) const CLASSED_POINTS: &str =
+    "All points with their classes; z is elevation above the transducer";
+pub(super) const LAS_POINTS: &str = "All points with their classes; z is elevation above the transducer, intensity the echo level of the first return times 257";
 const BOXES: &str = "Boxes that the detector proposes, not reviewed";
 
 /// A row with the columns that most rows share.
@@ -70,7 +74,7 @@ pub(super) const fn cloud(
 ) -> OutputFile {
     OutputFile {
         needs: &[Need::KeptPoints],
-        regardless_of: NOT_OF_POINTS,
+        regardless_of: NOT_OF_CLOUD,
         brief,
         described: described(what, "points", "z_m"),
         ..row(name, When::Chosen(Product::Cloud), writer)

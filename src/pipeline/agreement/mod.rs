@@ -229,9 +229,8 @@ fn unmatched(reference: &Reference, matching: Matching, away_m: f64) -> String {
 /// Indices of the kept points that count.
 fn kept(products: &Products, counts: impl Fn(&CloudPoint) -> bool) -> Vec<usize> {
     let chosen = || {
-        let flagged = products.cloud.points.iter().zip(products.kept.iter());
-        let chosen = flagged.enumerate();
-        chosen.filter(|(_, (point, kept))| **kept && counts(point))
+        let kept = products.cloud.kept(&products.classes);
+        kept.filter(|(_, point)| counts(point))
     };
     // Counted first: a vector of a million that grows takes three times its memory for a moment.
     let mut indices = Vec::with_capacity(chosen().count());

@@ -1,7 +1,7 @@
 //! The cloud in the metres of a map.
 
 use crate::bathymetry::{DepthPoint, SurfaceSettings};
-use crate::cloud::{CloudPoint, PointCloud, PointSource};
+use crate::cloud::{CloudPoint, PointClass, PointCloud, PointSource};
 use crate::geo::{Crs, LonLat, MapPlane};
 use crate::pipeline::Products;
 use crate::pipeline::map_plane;
@@ -53,7 +53,7 @@ impl<'a> Plane<'a> {
         products: &Products,
         chosen: impl Fn(&CloudPoint) -> bool,
     ) -> Vec<[f64; 3]> {
-        let chosen = kept(products).filter(|point| chosen(point));
+        let chosen = (products.kept_points()).filter(|point| chosen(point));
         chosen
             .map(|point| self.place(point))
             .filter(is_finite)
@@ -62,8 +62,10 @@ impl<'a> Plane<'a> {
 
     /// The kept points that count for the surface, as weighted depths.
     pub fn depth_points(&self, products: &Products) -> Vec<DepthPoint> {
-        let (cloud, kept) = (&products.cloud, &products.kept);
-        depth_points(cloud, kept, &products.settings.surface, |p| self.place(p))
+        let (cloud, classes) = (&products.cloud, &products.classes);
+        depth_points(cloud, classes, &products.settings.surface, |p| {
+            self.place(p)
+        })
     }
 
     fn place(&self, point: &CloudPoint) -> [f64; 3] {
@@ -75,21 +77,17 @@ impl<'a> Plane<'a> {
     }
 }
 
-fn kept(products: &Products) -> impl Iterator<Item = &CloudPoint> {
-    let flagged = products.cloud.points.iter().zip(products.kept.iter());
-    flagged.filter(|(_, kept)| **kept).map(|(point, _)| point)
-}
-
 /// The kept points of a cloud that count for a surface, as weighted depths; `place` gives east, north and elevation in its plane.
 pub fn depth_points(
     cloud: &PointCloud,
-    kept: &[bool],
+    classes: &[PointClass],
     settings: &SurfaceSettings,
     place: impl Fn(&CloudPoint) -> [f64; 3],
 ) -> Vec<DepthPoint> {
     let weighted = || {
-        let flagged = cloud.points.iter().zip(kept).filter(|(_, kept)| **kept);
-        let weighted = flagged.map(|(point, _)| (point, settings.weight(point)));
+        let weighted = cloud
+            .kept(classes)
+            .map(|(_, point)| (point, settings.weight(point)));
         weighted.filter(|(_, weight)| *weight > 0.0)
     };
     // Counted first: a vector of a million points that grows takes three times their memory for a moment.

@@ -95,12 +95,9 @@ pub fn comparisons(
 
 /// Kept points of some sources, in the cloud's order.
 pub(super) fn kept_of<'a>(products: &'a Products, sources: &[PointSource]) -> Vec<&'a CloudPoint> {
-    let chosen = || {
-        let flagged = products.cloud.points.iter().zip(products.kept.iter());
-        flagged.filter(|(point, kept)| **kept && sources.contains(&point.source))
-    };
+    let chosen = || (products.kept_points()).filter(|point| sources.contains(&point.source));
     let mut points = Vec::with_capacity(chosen().count());
-    points.extend(chosen().map(|(point, _)| point));
+    points.extend(chosen());
     points
 }
 

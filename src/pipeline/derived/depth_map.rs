@@ -2,7 +2,7 @@
 
 use crate::bathymetry::isobaths::{ClipArea, IsobathSettings, NoIsobaths, with_shoalest};
 use crate::bathymetry::{self, DepthPoint, Light, Surface, SurfaceSettings, hill_shade};
-use crate::cloud::PointCloud;
+use crate::cloud::{PointClass, PointCloud};
 use crate::geo::{CrsChoice, MapPlane, bounds_deg};
 use crate::pipeline::{
     Plane, ProcessedLog, Same, clip_area, colour_range_m, joint_depth_points, joint_depth_surface,
@@ -20,7 +20,7 @@ struct LogKey {
     survey: Same<Survey>,
     navigation: Same<Navigation>,
     cloud: Same<PointCloud>,
-    kept: Same<Vec<bool>>,
+    classes: Same<Vec<PointClass>>,
     crs: CrsChoice,
     surface: SurfaceSettings,
 }
@@ -32,7 +32,7 @@ impl DepthMapKey {
             survey: Same(survey.clone()),
             navigation: Same(products.navigation.clone()),
             cloud: Same(products.cloud.clone()),
-            kept: Same(products.kept.clone()),
+            classes: Same(products.classes.clone()),
             crs: products.settings.crs,
             surface: products.settings.surface.clone(),
         };

@@ -142,7 +142,7 @@ fn statement(logs: &[LogReport]) -> String {
 fn same_ping(logs: &[ProcessedLog]) -> Vec<f64> {
     let of_log = |log: &ProcessedLog| {
         let made = &log.products;
-        same_ping_differences(&log.survey, &made.cloud, &made.correction, &made.kept)
+        same_ping_differences(&log.survey, &made.cloud, &made.correction, &made.classes)
     };
     logs.iter().flat_map(of_log).collect()
 }

@@ -19,7 +19,7 @@ use crate::bathymetry::SurfaceSettings;
 use crate::bathymetry::isobaths::IsobathSettings;
 use crate::calibration::{CalibrationSettings, OffsetMode, PpdReach, ScaleMode};
 use crate::cloud::correction::{SoundSpeedSettings, WaterLevelSettings};
-use crate::cloud::{CloudSettings, DepthSettings, DownScan, Geometry, OutlierSettings};
+use crate::cloud::{ClassRules, CloudSettings, DepthSettings, DownScan, Geometry, OutlierSettings};
 use crate::detection::DetectorSettings;
 use crate::first_return::{BottomSettings, FirstReturnSettings, ImageSettings, Method, SampleMode};
 use crate::formats::{read_area, read_gauge};
@@ -212,6 +212,10 @@ impl Settings {
                 },
                 detector: DetectorSettings::default(),
                 mosaic: MosaicSettings::default(),
+                surface: SurfaceSettings {
+                    above_bottom: true,
+                    ..SurfaceSettings::default()
+                },
                 ..Self::default()
             },
         }
@@ -224,6 +228,16 @@ impl Settings {
             mounting: &self.mounting,
             shift: &self.position_shift,
             projection: self.projection,
+        }
+    }
+
+    /// What decides about the class of each point.
+    pub fn class_rules(&self) -> ClassRules<'_> {
+        ClassRules {
+            min_confidence: self.first_return.min_confidence,
+            above_bottom: self.surface.above_bottom,
+            longest_above_bottom_m: self.surface.longest_above_bottom_m,
+            outliers: &self.outliers,
         }
     }
 
@@ -266,7 +280,11 @@ impl Settings {
         let mut plain = self.with_survey_of(&Self::default());
         plain.detector = DetectorSettings::default();
         plain.mosaic = MosaicSettings::default();
-        plain.surface = SurfaceSettings::default();
+        plain.surface = SurfaceSettings {
+            above_bottom: self.surface.above_bottom,
+            longest_above_bottom_m: self.surface.longest_above_bottom_m,
+            ..SurfaceSettings::default()
+        };
         plain.isobaths = IsobathSettings::default();
         plain.points = PointFileSettings::default();
         plain.report = ReportSettings::default();

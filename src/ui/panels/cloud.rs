@@ -49,8 +49,8 @@ fn found(ui: &mut Ui, products: &Products, figures: &Figures, units: Units) {
         "All points of the cloud, and how many of them are side-scan points; the rest are soundings under the boat.",
         format!(
             "{} · {} side-scan",
-            text::count(figures.points),
-            text::count(figures.outliers.side_scan)
+            text::count(figures.classes.all()),
+            text::count(figures.classes.side_scan)
         ),
     );
     let zero = products.navigation.zero_heading;

@@ -3,6 +3,7 @@
 use super::parts::{self, setting};
 use super::section::{Section, section};
 use crate::app::{Action, Command, Tool};
+use crate::cloud::PointClass;
 use crate::pipeline::Stage;
 use crate::pipeline::settings::rows;
 use crate::survey::Side;
@@ -65,11 +66,12 @@ fn found(ui: &mut Ui, context: &ViewContext<'_>) {
                 .on_hover_text(hint(side.name(), found));
         }
         ui.label(format!("{} above bottom", text::count(figures.above_bottom)))
-            .on_hover_text("Returns nearer than the recorded depth by more than the margin: weed, fish, obstacles. They are flagged, not hidden.");
+            .on_hover_text("Returns nearer than the recorded depth by more than the margin: weed, fish, obstacles. Where they do not go on for long, they count neither for the map nor as points of the bottom.");
     });
-    if figures.unsure > 0 {
-        let share = 100.0 * figures.unsure as f64 / figures.outliers.side_scan.max(1) as f64;
-        ui.label(format!("{} not kept for their confidence", text::count(figures.unsure)))
+    let unsure = figures.classes.count(PointClass::Unclassified);
+    if unsure > 0 {
+        let share = 100.0 * unsure as f64 / figures.classes.side_scan.max(1) as f64;
+        ui.label(format!("{} not kept for their confidence", text::count(unsure)))
             .on_hover_text(format!("First returns that are less sure than the least confidence, {share:.1} % of all: their points are neither in the cloud nor in the map."));
     }
     for text in &products.bottom_line.warnings {

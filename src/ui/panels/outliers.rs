@@ -28,15 +28,15 @@ fn removed(ui: &mut Ui, context: &ViewContext<'_>) {
         parts::remark(ui, "No result yet.");
         return;
     };
-    let outliers = figures.outliers;
+    let classes = figures.classes;
     fact(
         ui,
         "Removed",
         "Side-scan points that the filter takes out, and their share of all side-scan points; in the paper it was about a tenth.",
         format!(
             "{} ({:.1} %; paper 10 %)",
-            text::count(outliers.removed),
-            100.0 * outliers.share()
+            text::count(classes.noise()),
+            100.0 * classes.noise_share()
         ),
     );
 }
@@ -44,7 +44,7 @@ fn removed(ui: &mut Ui, context: &ViewContext<'_>) {
 fn preview(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let action = Action::OutlierPreview;
     let mut on = context.app.options.cloud.outlier_preview;
-    let toggle = ui.checkbox(&mut on, "Show what is removed in the cloud");
+    let toggle = ui.checkbox(&mut on, "Show in the cloud what does not count");
     if toggle
         .accessible_name(action.label())
         .on_hover_text(action.hint())

@@ -3,7 +3,7 @@
 use super::parts::{fact, remark};
 use super::section::{Section, section};
 use crate::app::{Command, Mark};
-use crate::cloud::PointSource;
+use crate::cloud::{PointClass, PointSource};
 use crate::survey::{Side, Survey, arm_in_words, nearest_in_time};
 use crate::ui::{ViewContext, place, text, theme};
 use egui::{RichText, Ui};
@@ -199,15 +199,17 @@ fn point(ui: &mut Ui, context: &ViewContext<'_>, mark: Mark) {
         PointSource::DownScan => String::new(),
         PointSource::Port | PointSource::Starboard => format!(" · level {}", point.level),
     };
-    let removed = products.kept.get(index).is_some_and(|kept| !kept);
+    let class = products.classes.get(index).filter(|class| !class.is_kept());
+    let class = class.map_or(String::new(), |class| {
+        format!(" · {}", PointClass::name(*class))
+    });
     fact(
         ui,
         "Point",
         "What measured the selected point of the cloud, its depth, and the level of its echo from 0 to 255.",
         format!(
-            "{source} · {} deep{level}{}",
+            "{source} · {} deep{level}{class}",
             context.app.options.units.measure(-point.z_m, 2),
-            if removed { " · outlier" } else { "" }
         ),
     );
 }

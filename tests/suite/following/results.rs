@@ -49,7 +49,7 @@ fn grow(whole: &[u8], share: f64, settings: &Settings) -> [(Survey, Products); 2
         assert_eq!(products.navigation.soundings.len(), survey.soundings.len());
         assert_eq!(products.found.port.len(), survey.side_scan.len());
         assert_eq!(products.depths.len(), survey.side_scan.len());
-        assert_eq!(products.kept.len(), products.cloud.points.len());
+        assert_eq!(products.classes.len(), products.cloud.points.len());
     }
     let finished = open_bytes("log.sl2", whole.to_vec(), &progress).expect("a log");
     let expected = all(&finished);
@@ -83,7 +83,7 @@ fn agreement([(survey, made), (finished, expected)]: &[(Survey, Products); 2]) -
     let near = places.filter(|(a, b)| {
         (a.east_m - b.east_m).hypot(a.north_m - b.north_m) < 0.05 || a.east_m.is_nan()
     });
-    let count = |products: &Products| products.kept.iter().filter(|kept| **kept).count() as f64;
+    let count = |products: &Products| products.kept_points().count() as f64;
     [
         same_pick(Side::Port),
         same_pick(Side::Starboard),

@@ -136,7 +136,7 @@ fn assert_as_finished(app: &mut App, path: &Path, folder: &Path) {
         format!("{:?}", made.cloud) == format!("{:?}", expected.cloud),
         "cloud"
     );
-    assert_eq!(made.kept, expected.kept);
+    assert_eq!(made.classes, expected.classes);
     assert!(
         format!("{:?}", made.depths) == format!("{:?}", expected.depths),
         "depths"

@@ -4,7 +4,7 @@ use super::light;
 use super::scene::CloudScene;
 use crate::app::{App, CloudColour, Command, ViewOptions};
 use crate::bathymetry::CellSource;
-use crate::cloud::{DepthReference, PointSource};
+use crate::cloud::{DepthReference, PointClass, PointSource};
 use crate::pipeline::{Bottom, BottomColour, Products};
 use crate::presentation::colours::{SOURCES, share_colour};
 use crate::presentation::units::Units;
@@ -92,12 +92,9 @@ pub fn paint_read_out(
     let Some(point) = index.and_then(|index| products.cloud.points.get(index)) else {
         return;
     };
-    let kept = index.and_then(|index| products.kept.get(index));
-    let outlier = if kept == Some(&false) {
-        ", an outlier"
-    } else {
-        ""
-    };
+    let class = index.and_then(|index| products.classes.get(index));
+    let class = class.filter(|class| !class.is_kept());
+    let class = class.map_or(String::new(), |class| format!(", {}", class.name()));
     let units = app.options.units;
     // What the colours say, as a number; there is no room for all that is known.
     let coloured = match app.options.cloud.colour {
@@ -111,7 +108,7 @@ pub fn paint_read_out(
         _ => String::new(),
     };
     let text = format!(
-        "{}, ping {}: {} {}{coloured}, E {}  N {}{outlier}",
+        "{}, ping {}: {} {}{coloured}, E {}  N {}{class}",
         point.source.name(),
         point.ping,
         units.measure(-point.z_m, 2),
@@ -266,26 +263,23 @@ fn lines(options: &ViewOptions, scene: &CloudScene) -> Vec<(String, Color32)> {
             }
         }
     }
-    let outliers = scene.outliers;
-    if outliers.removed > 0 {
-        let verb = match options.cloud.outlier_preview {
-            true => "would go",
-            false => "removed",
-        };
-        let text = format!(
-            "outliers {verb} {} ({:.1} %)",
-            count(outliers.removed),
-            100.0 * outliers.share()
-        );
-        let colour = match options.cloud.outlier_preview {
-            true => theme::outlier_colour(),
-            false => theme::outlier_colour().gamma_multiply(0.4),
-        };
-        lines.push((text, colour));
+    let (verb, colour) = match options.cloud.outlier_preview {
+        true => ("would go", theme::outlier_colour()),
+        false => ("removed", theme::outlier_colour().gamma_multiply(0.4)),
+    };
+    let classes = scene.classes;
+    if classes.noise() > 0 {
+        let (noise, share) = (count(classes.noise()), 100.0 * classes.noise_share());
+        lines.push((format!("outliers {verb} {noise} ({share:.1} %)"), colour));
     }
-    if counts.lost > 0 {
-        let text = format!("bottom lost {}", count(counts.lost));
-        lines.push((text, theme::outlier_colour().gamma_multiply(0.4)));
+    let others = [
+        PointClass::AboveBottom,
+        PointClass::Unclassified,
+        PointClass::NoBottom,
+    ];
+    for class in others.into_iter().filter(|class| classes.count(*class) > 0) {
+        let text = format!("{} {}", class.name(), count(classes.count(class)));
+        lines.push((text, colour));
     }
     lines
 }

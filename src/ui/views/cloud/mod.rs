@@ -386,8 +386,8 @@ fn name(scene: &CloudScene) -> String {
     format!(
         "3D point cloud, {} points, {} removed ({:.1} %)",
         text::count(scene.counts.kept()),
-        text::count(scene.outliers.removed),
-        100.0 * scene.outliers.share()
+        text::count(scene.classes.noise()),
+        100.0 * scene.classes.noise_share()
     )
 }
 

@@ -262,7 +262,7 @@ fn paint_mark(
 mod tests {
     use super::*;
     use crate::app::ViewOptions;
-    use crate::cloud::{CloudPoint, PointCloud, PointSource};
+    use crate::cloud::{CloudPoint, PointClass, PointCloud, PointSource};
     use crate::progress::Progress;
     use crate::ui::views::cloud::scene::{ColourEnds, LogPoints};
     use std::sync::Arc;
@@ -291,9 +291,8 @@ mod tests {
             id: LogId(1),
             name: String::new(),
             cloud: Arc::new(cloud),
-            kept: Arc::new(vec![true; 120]),
+            classes: Arc::new(vec![PointClass::Bottom; 120]),
             ranging: None,
-            min_confidence: 0.0,
             colour: [0; 3],
         };
         let options = ViewOptions::default();

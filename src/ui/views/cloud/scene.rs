@@ -3,7 +3,8 @@
 use crate::app::{CloudColour, LogId, Mark, ShownLog, ViewOptions};
 use crate::calibration::Calibration;
 use crate::cloud::{
-    CloudPoint, Correction, Outliers, PointCloud, PointScales, PointSource, Reduction,
+    ClassCounts, CloudPoint, Correction, PointClass, PointCloud, PointScales, PointSource,
+    Reduction,
 };
 use crate::presentation::colours::{depth_colour, depth_share, value_colour};
 use crate::progress::Progress;
@@ -25,10 +26,8 @@ pub struct Counts {
     pub port: usize,
     /// Kept, starboard.
     pub starboard: usize,
-    /// Side-scan points that the outlier filter would remove.
-    pub removed: usize,
-    /// Soundings at which the recorder had lost the bottom; drawn with the removed ones.
-    pub lost: usize,
+    /// Points that do not count for the map.
+    pub set_aside: usize,
 }
 
 impl Counts {
@@ -39,13 +38,12 @@ impl Counts {
 
     /// All points.
     pub fn all(&self) -> usize {
-        self.kept() + self.removed + self.lost
+        self.kept() + self.set_aside
     }
 
     fn add(&mut self, source: PointSource, kept: bool) {
         let count = match (kept, source) {
-            (false, PointSource::DownScan) => &mut self.lost,
-            (false, _) => &mut self.removed,
+            (false, _) => &mut self.set_aside,
             (true, PointSource::DownScan) => &mut self.down_scan,
             (true, PointSource::Port) => &mut self.port,
             (true, PointSource::Starboard) => &mut self.starboard,
@@ -71,12 +69,10 @@ pub struct LogPoints {
     pub name: String,
     /// All its points.
     pub cloud: Arc<PointCloud>,
-    /// One flag a point: kept.
-    pub kept: Arc<Vec<bool>>,
+    /// The class of each point.
+    pub classes: Arc<Vec<PointClass>>,
     /// What their slant ranges follow from; without it none is known.
     pub ranging: Option<Ranging>,
-    /// Points of first returns that are less sure are no outliers ([`PointCloud::outliers`]).
-    pub min_confidence: f32,
     /// The log's colour where logs are told apart.
     pub colour: [u8; 3],
 }
@@ -89,13 +85,12 @@ impl LogPoints {
             id: shown.id,
             name: shown.log.survey.name(),
             cloud: products.cloud.clone(),
-            kept: products.kept.clone(),
+            classes: products.classes.clone(),
             ranging: Some(Ranging {
                 survey: shown.log.survey.clone(),
                 calibration: products.calibration.clone(),
                 correction: products.correction.clone(),
             }),
-            min_confidence: products.settings.first_return.min_confidence,
             colour: shown.colour,
         }
     }
@@ -112,7 +107,8 @@ impl LogPoints {
     fn points(&self, requested: bool) -> impl Iterator<Item = (usize, &CloudPoint)> {
         let all = self.cloud.points.iter().enumerate();
         all.filter(move |(index, point)| {
-            self.kept.get(*index).copied().unwrap_or(true) == requested && is_placed(point)
+            let is_kept = self.classes.get(*index).is_none_or(|class| class.is_kept());
+            is_kept == requested && is_placed(point)
         })
     }
 }
@@ -122,8 +118,7 @@ impl PartialEq for LogPoints {
     fn eq(&self, other: &Self) -> bool {
         self.id == other.id
             && Arc::ptr_eq(&self.cloud, &other.cloud)
-            && Arc::ptr_eq(&self.kept, &other.kept)
-            && self.min_confidence == other.min_confidence
+            && Arc::ptr_eq(&self.classes, &other.classes)
             && self.colour == other.colour
     }
 }
@@ -131,7 +126,7 @@ impl PartialEq for LogPoints {
 /// Which points are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ShownPoints {
-    /// Those that the outlier filter would remove as well.
+    /// Those that do not count for the map as well.
     pub outliers: bool,
     /// Those in this part alone, in the places of the scene.
     pub part: Part,
@@ -145,7 +140,7 @@ pub struct CloudScene {
     starts: Vec<usize>,
     /// What the vertices are relative to, metres east, north and up.
     pub origin_m: [f64; 3],
-    /// The points on the GPU: kept ones first, then those that the filter would remove.
+    /// The points on the GPU: kept ones first, then the others.
     pub buffers: Option<CloudBuffers>,
     /// Corners of the box around the kept points.
     pub corners: [Vec3; 2],
@@ -153,8 +148,8 @@ pub struct CloudScene {
     pub counts: Counts,
     /// Kept points of each log.
     kept: Vec<usize>,
-    /// What the outlier filter removes.
-    pub outliers: Outliers,
+    /// How many points there are of each class.
+    pub classes: ClassCounts,
     /// Ends of the colour scales.
     pub ends: ColourEnds,
 }
@@ -204,19 +199,17 @@ impl CloudScene {
             *sum += log.cloud.points.len();
             Some(start)
         });
-        let outliers = logs
-            .iter()
-            .map(|log| log.cloud.outliers(&log.kept, log.min_confidence));
+        let mut classes = ClassCounts::default();
+        for log in &logs {
+            classes.add(&ClassCounts::of(&log.cloud, &log.classes));
+        }
         let mut scene = Self {
             origin_m: [first.east_m, first.north_m, 0.0],
             buffers: None,
             corners: [Vec3::ZERO; 2],
             counts,
             kept: logs.iter().map(|log| log.points(true).count()).collect(),
-            outliers: outliers.fold(Outliers::default(), |sum, one| Outliers {
-                side_scan: sum.side_scan + one.side_scan,
-                removed: sum.removed + one.removed,
-            }),
+            classes,
             ends,
             starts: starts.collect(),
             logs,
@@ -440,16 +433,16 @@ mod tests {
             ]),
             zero_heading: 0,
         };
-        let kept = [true, false, true, true];
+        use PointClass::{Bottom, LowNoise};
+        let classes = vec![Bottom, LowNoise, Bottom, Bottom];
         let options = ViewOptions::default();
         let progress = Progress::new();
         let first = LogPoints {
             id: LogId(4),
             name: String::new(),
             cloud: Arc::new(cloud),
-            kept: Arc::new(kept.to_vec()),
+            classes: Arc::new(classes),
             ranging: None,
-            min_confidence: 0.0,
             colour: [1, 2, 3],
         };
         let second = LogPoints {
@@ -458,7 +451,7 @@ mod tests {
                 points: BySource::from_iter([point(PointSource::Port, 4, -1.0)]),
                 zero_heading: 0,
             }),
-            kept: Arc::new(vec![true]),
+            classes: Arc::new(vec![Bottom]),
             colour: [7, 8, 9],
             ..first.clone()
         };
@@ -526,11 +519,8 @@ mod tests {
         assert_eq!(order(true).collect::<Vec<_>>(), [0, 3, 1]);
         assert_eq!(order(false).collect::<Vec<_>>(), [0, 3]);
         assert_eq!((scene.shown(false), scene.shown(true)), (2, 3));
-        let removed = Outliers {
-            removed: 1,
-            side_scan: 3,
-        };
-        assert_eq!(scene.outliers, removed, "as the panel and the report count");
+        let counts = (scene.classes.noise(), scene.classes.side_scan);
+        assert_eq!(counts, (1, 3), "as the panel and the report count");
         let depths: Vec<f32> = scene.of_ping(LogId(4), 4).map(|place| place.z).collect();
         assert_eq!(depths, [-9.0, -3.0]);
         assert_eq!(scene.of_ping(LogId(4), 5).count(), 0);

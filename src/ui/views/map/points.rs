@@ -3,7 +3,7 @@
 use super::dots::{Dot, Dots};
 use super::tiles::TileSource;
 use crate::app::{ShownLog, SideColours, ThemeChoice, ViewOptions};
-use crate::cloud::{CloudPoint, PointCloud, PointSource};
+use crate::cloud::{CloudPoint, PointClass, PointCloud, PointSource};
 use crate::pipeline::Same;
 use crate::progress::Progress;
 use crate::survey::Side;
@@ -16,7 +16,7 @@ const CHECK: usize = 1 << 14;
 /// What the points are drawn from, and in which colours.
 #[derive(Clone, PartialEq)]
 pub struct PointKey {
-    logs: Vec<(Same<PointCloud>, Same<Vec<bool>>)>,
+    logs: Vec<(Same<PointCloud>, Same<Vec<PointClass>>)>,
     side_colours: SideColours,
     theme: ThemeChoice,
 }
@@ -26,7 +26,7 @@ impl PointKey {
     pub fn of(logs: &[ShownLog], options: &ViewOptions) -> Self {
         let key = |shown: &ShownLog| {
             let products = &shown.log.products;
-            (Same(products.cloud.clone()), Same(products.kept.clone()))
+            (Same(products.cloud.clone()), Same(products.classes.clone()))
         };
         Self {
             logs: logs.iter().map(key).collect(),
