@@ -59,7 +59,8 @@ pub struct Elevations {
 }
 
 /// Reads `FILE` or `FILE.csv:x,y,z`; `-z` is a column that counts downwards, a depth. Without names, columns of longitude,
-/// latitude and elevation are taken where there are any. Columns named lon or longitude are degrees.
+/// latitude and elevation are taken where there are any. Columns named lon or longitude are degrees. Points that the file sets aside are
+/// passed over.
 ///
 /// Of a GeoTIFF the cells are points, their values `z`; one that says that it counts depths is turned unless names are given. Of
 /// GeoJSON the third name is a property. LAS and GeoTIFF say themselves which system they are in.
@@ -107,7 +108,8 @@ fn read(argument: &OsStr) -> Result<Elevations, PointFileError> {
         known: &known,
         skip_blank: true,
     };
-    let file = read_columns(&path, requested)?;
+    let mut file = read_columns(&path, requested)?;
+    let passed_over = take_out_set_aside(&mut file);
     let degrees = file.names.as_ref().is_some_and(|[x, _, _]| {
         ["lon", "longitude"]
             .iter()
@@ -116,7 +118,8 @@ fn read(argument: &OsStr) -> Result<Elevations, PointFileError> {
     let depths = names.is_none() && counts_depths(&file);
     let turning = depths
         .then(|| "the third column is named a depth, so it is turned into elevations".to_owned());
-    let notes: Vec<String> = file.note.into_iter().chain(turning).collect();
+    let notes = file.note.into_iter().chain(turning).chain(passed_over);
+    let notes: Vec<String> = notes.collect();
     Ok(Elevations {
         path,
         points: turned(file.points, downwards || depths),
@@ -127,6 +130,21 @@ fn read(argument: &OsStr) -> Result<Elevations, PointFileError> {
         blank: file.blank,
         note: (!notes.is_empty()).then(|| notes.join("; ")),
     })
+}
+
+/// Takes out the points that the file says are not to be used; how many that are, in words.
+fn take_out_set_aside(file: &mut PointFile) -> Option<String> {
+    let before = file.points.len();
+    let mut set_aside = file.set_aside.iter();
+    file.points
+        .retain(|_| set_aside.next().is_none_or(|is_set_aside| !is_set_aside));
+    match before - file.points.len() {
+        0 => None,
+        1 => Some("1 point that the file sets aside is passed over".to_owned()),
+        count => Some(format!(
+            "{count} points that the file sets aside are passed over"
+        )),
+    }
 }
 
 /// Whether the third column that was taken is named a depth and counts downwards.
@@ -239,6 +257,14 @@ mod tests {
         assert_eq!(upwards.points[0], [1.0, 2.0, -3.0]);
         let named = read("lon,lat,Depth_m\n1,2,3\n", ":lon,lat,Depth_m");
         assert_eq!(named.points[0], [1.0, 2.0, 3.0]);
+    }
+
+    #[test]
+    fn points_that_are_not_kept_are_passed_over() {
+        let found = read("x,y,z,kept\n1,2,-3,1\n4,5,-6,0\n7,8,-9,1\n", "");
+        assert_eq!(found.points, [[1.0, 2.0, -3.0], [7.0, 8.0, -9.0]]);
+        let note = found.note.unwrap();
+        assert!(note.starts_with("1 point that"), "{note}");
     }
 
     #[test]

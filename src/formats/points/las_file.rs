@@ -53,6 +53,21 @@ fn read_checked(path: &Path) -> Result<(LasFile, Vec<[f64; 3]>), String> {
 }
 
 impl LasFile {
+    /// Which points are withheld: by LAS they should not be included in processing.
+    pub(super) fn withheld(&self) -> Vec<bool> {
+        // Byte 15 holds the flag in every point format.
+        const FLAGS: usize = 15;
+        let bit = match self.header.point_format().is_extended {
+            true => 0b100,
+            false => 0b1000_0000,
+        };
+        let records = (self.batches.iter())
+            .flat_map(|batch| batch.raw_bytes().chunks_exact(batch.record_len()));
+        records
+            .map(|record| record.get(FLAGS).is_some_and(|flags| flags & bit != 0))
+            .collect()
+    }
+
     /// The EPSG number of the file's system: the last that its WKT names, which is that of the whole.
     pub(super) fn epsg(&self) -> Option<u32> {
         let text = String::from_utf8_lossy(self.header.get_wkt_crs_bytes()?).into_owned();

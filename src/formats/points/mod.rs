@@ -46,6 +46,8 @@ pub struct PointFile {
     pub names: Option<[String; 3]>,
     /// Lines left out because a coordinate is blank; none unless that was asked for.
     pub blank: usize,
+    /// Whether the file says of a point that it is not to be used: "withheld" of LAS, 0 in a column `kept`. Empty where it says so of none.
+    pub set_aside: Vec<bool>,
     /// EPSG number of the system that the file names, where it does.
     pub epsg: Option<u32>,
     rows: Rows,
@@ -167,6 +169,7 @@ fn read_format(
         note: None,
         names: None,
         blank: 0,
+        set_aside: Vec::new(),
         epsg: None,
         rows,
     };
@@ -177,6 +180,7 @@ fn read_format(
                 note: file.note(),
                 names: file.names.clone(),
                 blank: file.blank,
+                set_aside: file.set_aside.clone(),
                 ..bare(Rows::Text(file), points)
             }
         }
@@ -188,6 +192,7 @@ fn read_format(
             let (file, points) = las_file::read(path)?;
             PointFile {
                 epsg: file.epsg(),
+                set_aside: file.withheld(),
                 ..bare(Rows::Las(Box::new(file)), points)
             }
         }

@@ -19,6 +19,8 @@ pub(super) struct TextFile {
     pub(super) names: Option<[String; 3]>,
     /// Lines left out because a coordinate is blank.
     pub(super) blank: usize,
+    /// One flag a point where the header names a column `kept`: whether it holds 0.
+    pub(super) set_aside: Vec<bool>,
 }
 
 /// Which columns to take.
@@ -54,6 +56,7 @@ pub(super) fn read(
         guessed: None,
         names: None,
         blank: 0,
+        set_aside: Vec::new(),
     };
     let mut points = Vec::new();
     let mut layout: Option<Layout> = None;
@@ -87,6 +90,7 @@ pub(super) fn read(
                 .point(line)
                 .map_err(|what| format!("line {}: {what}", index + 1))?,
         );
+        file.set_aside.extend(layout.is_set_aside(line));
         file.lines.push(line.to_owned());
     }
     Ok((file, points))
@@ -126,6 +130,8 @@ struct Layout {
     /// `None` for runs of spaces and tabs.
     separator: Option<char>,
     columns: [usize; 3],
+    /// Where `kept` stands.
+    kept: Option<usize>,
     names: [String; 3],
     /// The first three names of a header that none of the known names is in.
     guessed: Option<[String; 3]>,
@@ -200,6 +206,7 @@ impl Layout {
             Self {
                 separator,
                 columns,
+                kept: position("kept").filter(|_| is_header),
                 names,
                 guessed,
             },
@@ -212,6 +219,12 @@ impl Layout {
         let fields = fields(line, self.separator);
         let field = |column: usize| fields.get(column).copied();
         self.columns.iter().any(|&column| field(column) == Some(""))
+    }
+
+    /// Whether `kept` is 0; `None` where the header does not name it.
+    fn is_set_aside(&self, line: &str) -> Option<bool> {
+        let kept = self.kept?;
+        Some(fields(line, self.separator).get(kept).copied() == Some("0"))
     }
 
     /// What is wrong with a line of so many fields that has no such column.
