@@ -73,6 +73,7 @@ impl App {
                 reference: (against.as_ref()).map(|(reference, matching)| (reference, *matching)),
                 search: None,
                 reviews: &reviews,
+                corrections: &[],
             };
             let written =
                 outputs::write(&order, run, progress, |_| ()).map_err(|error| error.to_string())?;

@@ -111,6 +111,7 @@ pub fn method(from: &ReportData<'_>) -> String {
             }
         }
     }
+    html += &corrections(from);
     html += &own_settings(from);
     let changed = changes(&from.products.settings);
     html += &match changed.is_empty() {
@@ -125,6 +126,18 @@ pub fn method(from: &ReportData<'_>) -> String {
         "<details><summary>All settings</summary><pre>{}</pre></details>\n",
         xml(all.trim_end())
     )
+}
+
+/// What became of the corrections of positions and heights that were asked for; nothing where none was.
+fn corrections(from: &ReportData<'_>) -> String {
+    let corrections = from.report.corrections.iter();
+    let items: String = corrections
+        .map(|one| format!("<li>{}</li>\n", xml(&one.to_string())))
+        .collect();
+    match items.is_empty() {
+        true => items,
+        false => format!("<p>Corrections that were asked for:</p>\n<ul>\n{items}</ul>\n"),
+    }
 }
 
 /// Where the settings of one of several logs are not those of the first; nothing where all are.

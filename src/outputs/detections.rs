@@ -57,6 +57,7 @@ pub fn write_detected(
         reference: None,
         search: Some(model),
         reviews: &[],
+        corrections: &[],
     };
     let mut results = Results::new(&order, progress)?;
     let searched = |when| when == When::Searched;

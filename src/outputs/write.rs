@@ -11,7 +11,7 @@ use crate::bathymetry::compare::Matching;
 use crate::detection::Model;
 use crate::detection::review::Review;
 use crate::outputs::OutputError;
-use crate::pipeline::joint::joint_report;
+use crate::pipeline::joint::{RequestedCorrection, joint_report};
 use crate::pipeline::{Derived, Fingerprint, ProcessedLog, Reference, Report};
 use crate::progress::{Cancelled, Progress};
 use std::fs;
@@ -32,6 +32,8 @@ pub struct Order<'a> {
     pub search: Option<&'a Model>,
     /// Boxes of each log that were found before and decided about, or nothing: the report shows them, before those of a search.
     pub reviews: &'a [Option<Arc<Review>>],
+    /// What became of corrections of positions and heights that were asked for: the report says it.
+    pub corrections: &'a [RequestedCorrection],
 }
 
 impl Order<'_> {
@@ -167,10 +169,14 @@ fn report(results: &Results<'_>) -> Result<Report, Cancelled> {
         [_] => None,
         logs => joint_report(logs, &results.names, results.progress)?,
     };
-    match several {
-        Some(all) => Ok(all),
-        None => Report::new(results.survey, results.products, results.progress),
-    }
+    let report = match several {
+        Some(all) => all,
+        None => Report::new(results.survey, results.products, results.progress)?,
+    };
+    Ok(Report {
+        corrections: results.order.corrections.to_vec(),
+        ..report
+    })
 }
 
 /// Files that were made of results, and why others were not.

@@ -1,7 +1,7 @@
 //! `report.json`: what went in, with which settings, what came out, and how far to trust it.
 
 use super::fingerprint::{Fingerprint, Input, hash_inputs, in_hexadecimal};
-use super::joint::LogsReport;
+use super::joint::{LogsReport, RequestedCorrection};
 use super::{Preset, Products, Settings};
 use crate::calibration::{Calibration, PingRange, ScaleMode};
 use crate::cloud::{
@@ -45,6 +45,10 @@ pub struct Report {
     /// Elevation of the kept side-scan points minus that of the recorded depth at the same ping: above 0 is shallower; absent
     /// without any.
     pub residuals: Option<Residuals>,
+    /// How recorded positions are corrected, in sentences; empty where they are not, and of several logs, each of which has its own.
+    pub positions: String,
+    /// What became of the corrections of positions and heights that were asked for.
+    pub corrections: Vec<RequestedCorrection>,
     /// What these depths are, and what was not corrected.
     pub statement: String,
     /// The logs of a survey of several, and how they agree; absent of one log.
@@ -201,6 +205,8 @@ impl Report {
             calibration: CalibrationReport::new(calibration),
             track: TrackShare::of(&products.depths, &navigation.pings),
             residuals: residuals(survey, cloud, correction, classes),
+            positions: corrected_positions(settings),
+            corrections: Vec::new(),
             statement: [
                 settings.bottom.statement(survey).as_str(),
                 correction.statement().as_str(),
@@ -234,6 +240,8 @@ impl Report {
             calibration,
             track,
             residuals,
+            positions,
+            corrections,
             logs,
             ..
         } = self;
@@ -270,6 +278,8 @@ impl Report {
             Some(logs) => lines.push(logs.summary()),
             None => lines.extend(calibration.summary()),
         }
+        lines.extend((!positions.is_empty()).then(|| positions.clone()));
+        lines.extend(corrections.iter().map(ToString::to_string));
         if track.side_scan_only_pings > 0 && counts.soundings > 0 {
             lines.push(format!(
                 "depth rests on side-scan only over {:.0} of {:.0} m of track ({:.0} %): the recorder had no bottom there",
@@ -397,15 +407,17 @@ fn positions(survey: &Survey, settings: &Settings) -> String {
     if let Some(system) = system.and_then(|projected| projected.system.as_ref()) {
         said += &format!(" Its metres are taken for those of {system}.");
     }
+    format!("{said} {}", corrected_positions(settings))
+        .trim_end()
+        .to_owned()
+}
+
+/// How recorded positions are corrected; empty where they are not.
+fn corrected_positions(settings: &Settings) -> String {
     let compass = settings.heading.source == HeadingSource::Compass;
     let mounting = settings.mounting.statement(compass);
-    for sentence in [mounting, settings.position_shift.statement()] {
-        if !sentence.is_empty() {
-            said += " ";
-            said += &sentence;
-        }
-    }
-    said
+    let both = [mounting, settings.position_shift.statement()].join(" ");
+    both.trim().to_owned()
 }
 
 fn whose(track: &Track) -> String {

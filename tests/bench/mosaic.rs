@@ -42,6 +42,7 @@ pub fn run() {
             reference: None,
             search: None,
             reviews: &[],
+            corrections: &[],
         };
         let run = RunFolder::begin(folder.path()).expect("a folder to write into");
         let before = processor_s();

@@ -54,6 +54,7 @@ pub fn run() {
             reference: None,
             search: None,
             reviews: &[],
+            corrections: &[],
         };
         let run = RunFolder::begin(folder.path()).expect("a folder to write into");
         outputs::write(&order, run, &progress, |_| ()).expect("a folder to write into")

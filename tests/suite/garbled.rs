@@ -209,6 +209,7 @@ fn process(opened: Result<Survey, formats::OpenError>, settings: &Settings) {
         reference: None,
         search: None,
         reviews: &[],
+        corrections: &[],
     };
     let run = RunFolder::begin(folder.path()).expect("a folder");
     let written = outputs::write(&order, run, &progress, |_| ()).expect("a whole set of products");

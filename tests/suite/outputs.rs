@@ -159,6 +159,7 @@ fn written(survey: &Arc<Survey>, settings: &Settings, folder: &Path) -> Vec<(Str
         reference: None,
         search: None,
         reviews: &[],
+        corrections: &[],
     };
     let run = RunFolder::begin(folder).expect("a folder");
     outputs::write(&order, run, &progress, |_| ()).expect("a whole set of files");

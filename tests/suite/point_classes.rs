@@ -92,6 +92,7 @@ fn every_file_counts_points_alike_and_weed_is_not_kept() {
         reference: None,
         search: None,
         reviews: &[],
+        corrections: &[],
     };
     let run = RunFolder::begin(&folder).expect("a folder");
     let progress = Progress::new();

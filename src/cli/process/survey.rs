@@ -8,7 +8,7 @@ use crate::cli::survey_logs::{OpenedLog, open_reference};
 use crate::cli::{found, output};
 use crate::detection::Model;
 use crate::outputs::{self, Order, Product};
-use crate::pipeline::joint::{LogPositions, height_offsets, position_offsets};
+use crate::pipeline::joint::{LogPositions, RequestedCorrection, height_offsets, position_offsets};
 use crate::pipeline::{self, Derived, ProcessedLog, Settings};
 use crate::progress::Progress;
 use crate::survey::Survey;
@@ -47,7 +47,11 @@ impl How<'_> {
         let run = outputs::begin(folder, surveys, reference.as_deref())
             .map_err(|error| error.to_string())?;
         let mut logs = all_processed(opened, &status, &progress)?;
+        let mut corrections = Vec::new();
         if let Some(wanted) = self.adjust {
+            if let [log] = logs.as_slice() {
+                corrections = RequestedCorrection::of_one_log(&log.survey.name(), wanted);
+            }
             // A shift of one log alone shows nowhere.
             let wanted = Wanted {
                 shifts: wanted.shifts && logs.len() > 1,
@@ -55,7 +59,7 @@ impl How<'_> {
             };
             if wanted.is_anything() {
                 status.step("positions");
-                logs = placed(&logs, wanted, &status, &progress)?;
+                logs = placed(&logs, wanted, &mut corrections, &status, &progress)?;
             }
             if logs.len() > 1 {
                 status.step("height offsets");
@@ -72,6 +76,7 @@ impl How<'_> {
                 .map(|reference| (reference, Matching::Surface { max_gap_m })),
             search: self.model,
             reviews: &reviews,
+            corrections: &corrections,
         };
         let written = outputs::write(&order, run, &progress, |what| status.step(what))
             .map_err(|error| error.to_string())?;
@@ -132,14 +137,19 @@ fn processed(
     })
 }
 
-/// The logs with what their crossings tell of their positions.
+/// The logs with what their crossings tell of their positions; what that is goes to `corrections`.
 fn placed(
     logs: &[ProcessedLog],
     wanted: Wanted,
+    corrections: &mut Vec<RequestedCorrection>,
     status: &StatusLine,
     progress: &Progress,
 ) -> Result<Vec<ProcessedLog>, String> {
     let found = position_offsets(logs, wanted, progress).map_err(|error| error.to_string())?;
+    for (index, name) in outputs::log_names(logs).iter().enumerate() {
+        let of_log = found.as_ref().and_then(|found| found.get(index));
+        corrections.extend(RequestedCorrection::of_positions(name, wanted, of_log));
+    }
     let Some(found) = found else {
         return Ok(logs.to_vec());
     };

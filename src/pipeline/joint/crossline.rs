@@ -138,6 +138,11 @@ impl LogPositions {
         let tells = off_s > TELLING_SIGMAS * self.found.latency_error_s;
         tells.then(|| in_hundredths(latency_s))
     }
+
+    /// Whether crossings say how late positions are, be it not at all.
+    pub fn is_latency_known(&self) -> bool {
+        self.found.latency_error_s < TOLD_S
+    }
 }
 
 /// Centimetres and hundredths of a second: more is not known.
@@ -230,11 +235,11 @@ pub fn latencies(
     let Some(found) = position_offsets(logs, wanted, progress)? else {
         return Ok(vec![None; logs.len()]);
     };
-    let of_log = |LogPositions { found, in_force }: LogPositions| {
-        (found.latency_error_s < TOLD_S).then_some(LogLatency {
-            latency_s: found.shift.latency_s,
-            standard_error_s: found.latency_error_s,
-            in_force_s: in_force.latency_s,
+    let of_log = |log: LogPositions| {
+        log.is_latency_known().then_some(LogLatency {
+            latency_s: log.found.shift.latency_s,
+            standard_error_s: log.found.latency_error_s,
+            in_force_s: log.in_force.latency_s,
         })
     };
     Ok(found.into_iter().map(of_log).collect())

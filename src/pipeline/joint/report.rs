@@ -54,6 +54,8 @@ pub struct LogReport {
     pub track: TrackShare,
     /// Side-scan against the recorded depth of the same ping.
     pub residuals: Option<Residuals>,
+    /// How recorded positions are corrected, in sentences; empty where they are not.
+    pub positions: String,
     /// What these depths are, and what was not corrected.
     pub statement: String,
 }
@@ -111,9 +113,11 @@ pub fn joint_report(
             calibration: single.calibration,
             track: single.track,
             residuals: single.residuals,
+            positions: single.positions,
             statement: single.statement,
         });
     }
+    all.positions = String::new();
     all.statement = statement(&listed);
     all.warnings.extend(not_connected(&listed));
     all.warnings.extend(contradictions(&found.pairs, names));
@@ -213,6 +217,8 @@ impl LogsReport {
             }
         };
         let mut lines: Vec<String> = self.logs.iter().map(line).collect();
+        let corrected = self.logs.iter().filter(|log| !log.positions.is_empty());
+        lines.extend(corrected.map(|log| format!("{}: {}", log.log, log.positions)));
         let between = self.crosslines.as_ref().and_then(|all| all.between_logs);
         if let Some(between) = between {
             lines.push(format!(
