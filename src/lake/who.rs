@@ -4,9 +4,13 @@ use super::area::Area;
 use super::error::LakeError;
 use super::footprint::{Footprint, Seen};
 use super::log_record::LogRecord;
+use super::offsets::Offsets;
 use super::ping_rows::{self, PINGS, PingRow};
-use super::record::Lake;
+use super::positions::moved;
+use super::record::{Lake, MOST_MOVED_M};
 use super::tile::TileId;
+use crate::bathymetry::crosslines::{TrackDepth, velocity_mps};
+use crate::bathymetry::position_offsets::Shift;
 use crate::geo::{LonLat, UtmZone};
 use crate::progress::Progress;
 use crate::survey::Side;
@@ -95,21 +99,31 @@ struct Search<'a> {
     log: &'a LogRecord,
     tile: TileId,
     place: &'a InZone,
+    /// How the positions of the log are corrected.
+    shift: Shift,
 }
 
-/// The sides of pings that saw ground of a place, by log, ping and side. Each is told once: as it is nearest.
+/// The sides of pings that saw ground of a place, by log, ping and side, with the positions of each log corrected as for the depth maps. Each is
+/// told once: as it is nearest.
 ///
 /// # Errors
 /// When rows cannot be read, or the work was cancelled.
 pub fn who(lake: &Lake, asked: Asked<'_>, progress: &Progress) -> Result<Vec<Sighting>, LakeError> {
     let zones = asked.in_zones();
+    // Rows lie in the tiles of the ground that positions as recorded show.
+    let around = |place: &InZone| {
+        let [west, south, east, north] = place.bounds_m();
+        let [more, less] = [MOST_MOVED_M, -MOST_MOVED_M];
+        [west + less, south + less, east + more, north + more]
+    };
     let tiles = zones
         .iter()
-        .flat_map(|(zone, place)| TileId::touched(*zone, place.bounds_m()));
+        .flat_map(|(zone, place)| TileId::touched(*zone, around(place)));
     let logs = lake.logs_in(tiles)?;
+    let offsets = Offsets::read(lake)?;
     let mut searches = Vec::new();
     for (zone, place) in &zones {
-        let around = place.bounds_m();
+        let around = around(place);
         for tile in TileId::touched(*zone, around) {
             let rows = logs
                 .iter()
@@ -118,14 +132,20 @@ pub fn who(lake: &Lake, asked: Asked<'_>, progress: &Progress) -> Result<Vec<Sig
                 let saw = <[f64; 4]>::try_from(rows.seen_m.as_slice());
                 rows.pings > 0 && saw.is_ok_and(|saw| touch(around, saw))
             });
-            searches.extend(seen.map(|(log, _)| Search { log, tile, place }));
+            searches.extend(seen.map(|(log, _)| Search {
+                log,
+                tile,
+                place,
+                shift: offsets.shift_of(&log.log),
+            }));
         }
     }
     progress.start(searches.len() as u64);
     let found = searches.par_iter().map(|search| {
         progress.check()?;
         let name = Lake::rows_name(PINGS, search.tile, &search.log.log);
-        let pings = ping_rows::read(&lake.folder().join(name))?;
+        let mut pings = ping_rows::read(&lake.folder().join(name))?;
+        correct(&mut pings, search.shift);
         progress.advance(1);
         Ok(sightings(search, &pings))
     });
@@ -147,6 +167,24 @@ pub fn who(lake: &Lake, asked: Asked<'_>, progress: &Progress) -> Result<Vec<Sig
 /// Whether two boxes touch; west, south, east and north.
 fn touch(a: [f64; 4], b: [f64; 4]) -> bool {
     a[0] <= b[2] && b[0] <= a[2] && a[1] <= b[3] && b[1] <= a[3]
+}
+
+/// Moves pings to where the boat was.
+fn correct(pings: &mut [PingRow], shift: Shift) {
+    if shift == Shift::default() {
+        return;
+    }
+    let place = |ping: &PingRow| TrackDepth {
+        time_s: ping.time_s,
+        east_m: ping.footprint.place[0],
+        north_m: ping.footprint.place[1],
+        depth_m: 0.0,
+    };
+    let track: Vec<TrackDepth> = pings.iter().map(place).collect();
+    for (index, ping) in pings.iter_mut().enumerate() {
+        let velocity_mps = velocity_mps(&track, index);
+        ping.footprint.place = moved(ping.footprint.place, shift, velocity_mps);
+    }
 }
 
 fn sightings(search: &Search<'_>, pings: &[PingRow]) -> Vec<Sighting> {

@@ -4,7 +4,7 @@ use super::{CORNER_M, ZONE, three_logs};
 use crate::cli::{refusal, run};
 use crate::support::Moments;
 use bathyscope::formats;
-use bathyscope::lake::{Asked, Lake, who};
+use bathyscope::lake::{Asked, Lake, Sighting, who};
 use bathyscope::pipeline::{self, Products, Settings};
 use bathyscope::progress::Progress;
 use bathyscope::survey::{Side, Survey};
@@ -128,6 +128,35 @@ fn a_thousand_places_are_answered_as_all_pings_answer_them() {
     eprintln!("{sightings} sightings, {on_the_edge} within {ROUNDING_M} m of an edge");
     assert!(sightings > 2 * PLACES, "{sightings}");
     assert!(on_the_edge < sightings / 20, "{on_the_edge} of {sightings}");
+}
+
+#[test]
+fn places_are_those_that_corrected_positions_show() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    three_logs(folder);
+    let lake = Lake::open(&folder.join("lake")).expect("a lake");
+    let middle = [CORNER_M[0] + 6.0, CORNER_M[1] + 3.0];
+    let seen = |place: [f64; 2]| {
+        let asked = Asked::Around(ZONE.to_lon_lat(place), 0.0);
+        let mut found = who(&lake, asked, &Progress::new()).expect("an answer");
+        found.retain(|one| one.name == "log-0");
+        found
+    };
+    let recorded = seen(middle);
+    assert!(recorded.len() > 2, "{recorded:?}");
+    let table = format!(
+        "log,offset_m,pinned,east_m,north_m,latency_s\n{},0,0,4.5,-3,0\n",
+        recorded[0].log
+    );
+    fs::write(folder.join("lake/offsets.csv"), table).expect("a table");
+    assert_ne!(seen(middle), recorded);
+    let moved = seen([middle[0] + 4.5, middle[1] - 3.0]);
+    let same = |(a, b): (&Sighting, &Sighting)| {
+        (a.ping, a.side) == (b.ping, b.side) && (a.seen.range_m - b.seen.range_m).abs() < 1e-3
+    };
+    assert_eq!(moved.len(), recorded.len());
+    assert!(moved.iter().zip(&recorded).all(same), "{moved:?}");
 }
 
 #[test]
