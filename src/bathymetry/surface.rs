@@ -120,7 +120,7 @@ impl SurfaceSettings {
         match point.source {
             PointSource::DownScan => self.down_scan_weight,
             PointSource::Port | PointSource::Starboard => {
-                self.side_scan_weight * f64::from(point.confidence)
+                self.side_scan_weight * f64::from(point.ground_confidence())
             }
         }
     }

@@ -84,6 +84,11 @@ pub fn build(
                 point.above_bottom && height_m(survey, returns, ping, side) > usual_m[ping];
             CloudPoint {
                 above_bottom,
+                // What does not stand out is ground.
+                confidence: match above_bottom {
+                    true => point.confidence,
+                    false => point.ground_confidence(),
+                },
                 above_bottom_m: match above_bottom {
                     true => above_bottom_m[ping],
                     false => 0.0,

@@ -90,9 +90,9 @@ impl ClassRules<'_> {
         }
     }
 
-    /// Soundings have no confidence.
+    /// Soundings have no confidence. Whether an above-bottom return is the ground is decided by its stretch.
     fn is_unsure(&self, point: &CloudPoint) -> bool {
-        point.confidence < self.min_confidence
+        point.ground_confidence() < self.min_confidence
     }
 }
 

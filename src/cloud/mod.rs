@@ -29,6 +29,7 @@ pub use reduction::Reduction;
 pub use residuals::{Residuals, residuals, same_ping_differences};
 pub use scales::PointScales;
 
+use crate::first_return::ABOVE_BOTTOM_SHARE;
 use crate::survey::LeftOut;
 use serde::{Deserialize, Serialize};
 use std::num::NonZero;
@@ -228,5 +229,15 @@ impl PointCloud {
     ) -> impl Iterator<Item = (usize, &'a CloudPoint)> + Clone + use<'a> {
         let classed = self.points.iter().zip(classes).enumerate();
         classed.filter_map(|(index, (point, class))| class.is_kept().then_some((index, point)))
+    }
+}
+
+impl CloudPoint {
+    /// The confidence if what lies above the recorded depth is ground, as where it goes on for long; that of any other point is its own.
+    pub fn ground_confidence(&self) -> f32 {
+        match self.above_bottom {
+            true => (self.confidence / ABOVE_BOTTOM_SHARE).min(1.0),
+            false => self.confidence,
+        }
     }
 }

@@ -14,7 +14,7 @@ mod threshold;
 mod tracker;
 
 pub use bottom_line::{BottomLine, at_recorded_depth};
-pub use confidence::Evidence;
+pub use confidence::{ABOVE_BOTTOM_SHARE, Evidence};
 pub use manual_picks::{BottomEdit, BottomSettings};
 pub use normalise::Normalisation;
 pub use threshold::ThresholdIndex;

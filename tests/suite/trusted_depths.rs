@@ -71,7 +71,7 @@ fn points_of_unsure_first_returns_are_not_kept_and_counted() {
     let floor = settings.first_return.min_confidence;
     assert!(floor > 0.0);
     let unsure = some.cloud.points.iter().zip(some.classes.iter());
-    let unsure = unsure.filter(|(point, _)| point.confidence < floor);
+    let unsure = unsure.filter(|(point, _)| point.ground_confidence() < floor);
     assert!(unsure.clone().count() > 100, "no ring-down in half a metre");
     assert!(unsure.clone().all(|(_, class)| !class.is_kept()));
     let report = Report::new(&pond.survey, &some, &Progress::new()).expect("not cancelled");
