@@ -16,9 +16,9 @@ use serde::{Deserialize, Serialize};
 #[serde(rename_all = "snake_case")]
 pub enum SurfaceMethod {
     /// [`SurfaceMethod::Smooth`] where that predicts left-out soundings better, else [`SurfaceMethod::Linear`].
-    #[default]
     Auto,
-    /// On the planes of the Delaunay triangles.
+    /// On the planes of the Delaunay triangles: through every sounding, so that no shoal that was measured is lost.
+    #[default]
     Linear,
     /// By natural neighbours (Sibson): smooth but at the soundings.
     Natural,
@@ -342,7 +342,8 @@ pub fn surface(
     let bend = match settings.method {
         SurfaceMethod::Auto => Some(Bend::WhereBetter),
         SurfaceMethod::Smooth => Some(Bend::Always),
-        SurfaceMethod::Linear | SurfaceMethod::Natural | SurfaceMethod::InverseDistance => None,
+        SurfaceMethod::Linear => Some(Bend::Never),
+        SurfaceMethod::Natural | SurfaceMethod::InverseDistance => None,
     };
     if let Some(bend) = bend {
         let nodes: Vec<Node> = field.tin.nodes().collect();

@@ -31,6 +31,8 @@ const DISTANCE_SHARE: f64 = 0.9;
 /// When a surface of triangles becomes a plate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bend {
+    /// Never: only its stated error is found.
+    Never,
     /// In any case.
     Always,
     /// Where it predicts left-out soundings better than triangles do.
@@ -52,13 +54,17 @@ pub fn bend_least(
     let grid = made.grid;
     let tried = grid.coarser(grid.times_coarser(MOST_CELLS_TRIED));
     let judge = Judge::new(&tried, nodes, square_m, progress);
-    let mut judged = judge.plate()?;
-    if bend == Bend::WhereBetter {
-        let triangles = judge.triangles()?;
-        if !judge.is_better(&judged, &triangles) {
-            judged = triangles;
+    let judged = match bend {
+        Bend::Never => judge.triangles()?,
+        Bend::Always => judge.plate()?,
+        Bend::WhereBetter => {
+            let (plate, triangles) = (judge.plate()?, judge.triangles()?);
+            match judge.is_better(&plate, &triangles) {
+                true => plate,
+                false => triangles,
+            }
         }
-    }
+    };
     let sigma = judge.sigma(&judged);
     if let Some(best) = judged.give {
         let give = sigma.as_ref().map_or(USUAL_GIVE, |_| best);
