@@ -169,8 +169,10 @@ fn excess_m(block: &[Usable], side: Side) -> Option<(f64, f64)> {
     (excess.len() >= MIN_PICKS).then(|| (median(&mut excess), flagged))
 }
 
-/// Slope of range against depth over blocks of depth and excess, and two standard errors of it. The scatter of a handful of
-/// blocks is often small by accident.
+/// Slope of range against depth over blocks of depth and excess, and how far it may be off: two standard errors, and what the noise of
+/// the recorded depths takes from it. Noise in a depth is in the excess too, with the other sign, so that over a level bed, where depths
+/// vary by their noise alone, the slope comes out near zero whatever it is (attenuation; W. A. Fuller, Measurement error models, 1987).
+/// The scatter of a handful of blocks is often small by accident.
 fn slope(blocks: &[(f64, f64)]) -> (f64, f64) {
     let n = blocks.len() as f64;
     let mean_m = blocks.iter().map(|(depth_m, _)| depth_m).sum::<f64>() / n;
@@ -179,7 +181,8 @@ fn slope(blocks: &[(f64, f64)]) -> (f64, f64) {
     match robust_line(blocks).filter(|_| blocks.len() > 2 && width_m > 0.0) {
         Some(line) => {
             let scatter_m = line.spread.max(LEAST_SCATTER_M) * (1.0 + HANDFUL / n);
-            (1.0 + line.slope, 2.0 * scatter_m / width_m)
+            let attenuation = n * (scatter_m / width_m).powi(2);
+            (1.0 + line.slope, 2.0 * scatter_m / width_m + attenuation)
         }
         None => (f64::NAN, f64::INFINITY),
     }

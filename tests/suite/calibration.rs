@@ -9,7 +9,7 @@ use bathyscope::first_return::{FirstReturns, Pick};
 use bathyscope::geo::LonLat;
 use bathyscope::pipeline::{self, Preset, Products, Settings};
 use bathyscope::progress::Progress;
-use bathyscope::simulation::{Artefacts, Scene};
+use bathyscope::simulation::{Artefacts, Scene, Terrace};
 use bathyscope::survey::{Projection, Side, navigate};
 use std::sync::Arc;
 
@@ -158,6 +158,35 @@ fn the_lead_of_the_pulse_is_found_on_slopes_too() {
         );
         let fit = calibration.fit.expect("a fit");
         assert!((fit.k - 1.0).abs() < 0.05, "{fit:?}");
+    }
+}
+
+/// Over a level bed the recorded depths vary by their noise alone, which says nothing of a factor between ranges and depths.
+#[test]
+fn a_level_bed_is_no_objection_to_an_offset() {
+    let level = || {
+        let mut scene = Scene::gentle();
+        scene.bed.terrace = Some(Terrace {
+            east_m: 0.0,
+            north_m: 0.0,
+            length_m: 1000.0,
+            width_m: 1000.0,
+            depth_m: 2.8,
+            edge_m: 1.0,
+        });
+        scene.bed.bank = None;
+        scene
+    };
+    for (seed, early_m) in [(5, 0.05), (6, 0.03), (7, 0.08), (8, 0.05)] {
+        let pond = pond(level(), seed);
+        let calibration = calibrated(&pond, &true_returns(&pond, early_m), &Settings::default());
+        assert!(
+            (calibration.offset_m + early_m).abs() < 0.01,
+            "{early_m}: {} {:?} {:?}",
+            calibration.offset_m,
+            calibration.measured_offset,
+            calibration.warnings
+        );
     }
 }
 
