@@ -127,7 +127,7 @@ pub(super) fn row_of_beside(name: &str) -> Option<&'static OutputFile> {
 }
 
 /// All files of a run, in the order of writing.
-pub const OUTPUT_FILES: [OutputFile; 43] = [
+pub const OUTPUT_FILES: [OutputFile; 44] = [
     OutputFile {
         regardless_of: NOT_OF_POINTS,
         brief: "first sonar return of every ping on both sides",
@@ -223,6 +223,14 @@ pub const OUTPUT_FILES: [OutputFile; 43] = [
         "standard_deviation_m",
         "how far the depths that carry a cell disagree, metres",
         Writer::Results(depth::rasters::uncertainty),
+    ),
+    raster(
+        "depth/shoalest.tif",
+        &["depth/shoalest.qml"],
+        "Shoalest depth in metres that was measured in a cell, positive down",
+        "depth_m",
+        "shoalest depth measured in each cell, metres",
+        Writer::Results(depth::rasters::shoalest),
     ),
     raster(
         "depth/distance.tif",

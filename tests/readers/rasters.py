@@ -10,6 +10,7 @@ from common import check_count, check_extent, check_values, into, same, toleranc
 LAYERS = {
     "depth.tif": "depth",
     "uncertainty.tif": "standard deviation of depth",
+    "shoalest.tif": "shoalest depth",
     "distance.tif": "distance to the nearest depth",
     "hardness.tif": "brightness of the bed over the median",
 }
@@ -68,7 +69,7 @@ def check_layer(name, path, record):
         assert raster.dtypes == ("float32",) and raster.nodata == -9999
         assert raster.descriptions == (LAYERS[name],), raster.descriptions
         assert raster.units == ("decibel" if name == "hardness.tif" else "metre",), raster.units
-        assert raster.tags(1).get("positive") == ("down" if name == "depth.tif" else None)
+        assert raster.tags(1).get("positive") == ("down" if name in ("depth.tif", "shoalest.tif") else None)
         values = raster.read(1, masked=True).compressed()
         check_statistics(name, raster, values)
         check_style(path, values)

@@ -123,7 +123,7 @@ fn help_and_panel_name_the_files_of_the_registry() {
     );
     assert_eq!(
         files(Product::Depth),
-        "depth/depth.tif, .qml; depth/uncertainty.tif, .qml; depth/distance.tif, .qml; depth/source.tif, .qml; depth/hardness.tif, .qml (colours for QGIS)"
+        "depth/depth.tif, .qml; depth/uncertainty.tif, .qml; depth/shoalest.tif, .qml; depth/distance.tif, .qml; depth/source.tif, .qml; depth/hardness.tif, .qml (colours for QGIS)"
     );
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let help = run(temporary.path(), &["process", "--help"]);

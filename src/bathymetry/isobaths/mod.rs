@@ -19,6 +19,6 @@ pub use clip::{clipped, joined};
 pub use clip_area::ClipArea;
 pub use levels::{INDEX, IsobathSettings, NoIsobaths, evenly_apart_m};
 pub use lines::{Isobath, isobaths};
-pub use shoalest::with_shoalest;
+pub use shoalest::{shoalest_m, with_shoalest};
 pub use smooth::{Smoothing, smoothed};
 pub use storage::{Storage, storage};

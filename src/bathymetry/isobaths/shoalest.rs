@@ -1,6 +1,19 @@
-//! The surface whose isobaths understate no shoal.
+//! The surface whose isobaths understate no shoal, and the shoalest depth of each cell.
 
-use crate::bathymetry::{DepthPoint, Surface};
+use crate::bathymetry::{DepthPoint, Grid, Surface};
+
+/// The shoalest depth that was measured in each cell, metres, rounded toward the shallow side; NaN where none was.
+pub fn shoalest_m<'a>(grid: &Grid, depths: impl IntoIterator<Item = &'a DepthPoint>) -> Vec<f32> {
+    let mut shoalest_m = vec![f32::NAN; grid.len()];
+    for point in depths {
+        let cell = grid.index_at(point.east_m, point.north_m);
+        if let Some(least_m) = cell.and_then(|cell| shoalest_m.get_mut(cell)) {
+            // The lesser of a number and NaN is the number.
+            *least_m = least_m.min(not_deeper(point.depth_m));
+        }
+    }
+    shoalest_m
+}
 
 /// A surface that is nowhere deeper than the depths it was made from: the four cells around each depth are as shallow as it, at least. A
 /// line of equal depth crosses no square of four centres whose cells are all shallower, so every depth that is shallower than the line lies
@@ -127,6 +140,21 @@ mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn a_cell_keeps_the_shoalest_of_its_depths() {
+        let grid = flat(2).grid;
+        let points = [
+            depth(0.2, -0.3, 2.5),
+            depth(0.9, -0.9, 1.9),
+            depth(0.5, -0.5, 2.0),
+            depth(1.5, -1.5, 4.0),
+            depth(7.0, 7.0, 0.1),
+        ];
+        let made = shoalest_m(&grid, &points);
+        assert_eq!((made[0], made[3]), (not_deeper(1.9), 4.0));
+        assert!(made[1].is_nan() && made[2].is_nan());
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! The surface as rasters: metres as f32 on one grid, and what they rest on, each with what was and was not corrected in its description, and beside each its
 //! colours for QGIS (`.qml`).
 
+use crate::bathymetry::isobaths::shoalest_m;
 use crate::bathymetry::{CellSource, Grid, Spread, Surface};
 use crate::export::{Summary, metres_raster, qgis_classes, qgis_style, source_raster};
 use crate::formats::geotiff::{Band, Cells, RasterSpec};
@@ -18,7 +19,6 @@ use std::path::Path;
 struct Layer {
     band: Band,
     what: &'static str,
-    values: fn(&Surface) -> &[f32],
     colour: fn(f32) -> [u8; 3],
 }
 
@@ -38,10 +38,9 @@ pub fn depth(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputEr
     let layer = Layer {
         band: band("depth", true),
         what: "Depth in metres, positive down",
-        values: |surface| &surface.depth_m,
         colour: depth_colour,
     };
-    write(&layer, results, path)
+    write(&layer, |surface| &surface.depth_m, results, path)
 }
 
 /// Writes `uncertainty.tif`.
@@ -56,10 +55,9 @@ pub fn uncertainty(results: &Results<'_>, path: &Path) -> Result<FileContent, Ou
     let layer = Layer {
         band: band("standard deviation of depth", false),
         what,
-        values: |surface| &surface.spread_m,
         colour: uncertainty_colour,
     };
-    write(&layer, results, path)
+    write(&layer, |surface| &surface.spread_m, results, path)
 }
 
 /// Writes `distance.tif`.
@@ -67,10 +65,22 @@ pub fn distance(results: &Results<'_>, path: &Path) -> Result<FileContent, Outpu
     let layer = Layer {
         band: band("distance to the nearest depth", false),
         what: "Distance in metres from a cell to the nearest depth",
-        values: |surface| &surface.distance_m,
         colour: distance_colour,
     };
-    write(&layer, results, path)
+    write(&layer, |surface| &surface.distance_m, results, path)
+}
+
+/// Writes `shoalest.tif`.
+pub fn shoalest(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    let depth_map = results.depth_map()?.ok_or(super::NO_SURFACE)?;
+    let points = depth_map.depth_points(results.progress)?;
+    let layer = Layer {
+        band: band("shoalest depth", true),
+        what: "Shoalest depth in metres that was measured in a cell, positive down",
+        colour: depth_colour,
+    };
+    let values = shoalest_m(&depth_map.surface.grid, &points);
+    write_values(&layer, &values, results, path)
 }
 
 /// Writes `hardness.tif`.
@@ -81,10 +91,14 @@ pub fn hardness(results: &Results<'_>, path: &Path) -> Result<FileContent, Outpu
             ..band("brightness of the bed over the median", false)
         },
         what: "How much brighter the bed is than the median of the map, decibels of power, as shading tells it: without slope, angle, range and gain",
-        values: |surface| surface.hardness_db.as_deref().unwrap_or_default(),
         colour: share_colour,
     };
-    write(&layer, results, path)
+    write(
+        &layer,
+        |surface| surface.hardness_db.as_deref().unwrap_or_default(),
+        results,
+        path,
+    )
 }
 
 /// Writes `source.tif`.
@@ -109,9 +123,24 @@ pub fn source(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputE
     Ok(FileContent::new(Coordinates::System(crs), summary))
 }
 
-fn write(layer: &Layer, results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+fn write(
+    layer: &Layer,
+    values: impl Fn(&Surface) -> &[f32],
+    results: &Results<'_>,
+    path: &Path,
+) -> Result<FileContent, OutputError> {
     let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
-    let (grid, plane, values) = (&surface.grid, &results.plane, (layer.values)(surface));
+    write_values(layer, values(surface), results, path)
+}
+
+fn write_values(
+    layer: &Layer,
+    values: &[f32],
+    results: &Results<'_>,
+    path: &Path,
+) -> Result<FileContent, OutputError> {
+    let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
+    let (grid, plane) = (&surface.grid, &results.plane);
     let applied = applied(results.products, surface);
     let spec = RasterSpec {
         cells: Cells::Metres,

@@ -7,11 +7,13 @@ use serde_json::Value;
 use std::fs;
 use std::path::Path;
 
-const DEPTH: [&str; 6] = [
+const DEPTH: [&str; 8] = [
     "depth/depth.tif",
     "depth/depth.qml",
     "depth/uncertainty.tif",
     "depth/uncertainty.qml",
+    "depth/shoalest.tif",
+    "depth/shoalest.qml",
     "depth/distance.tif",
     "depth/distance.qml",
 ];
