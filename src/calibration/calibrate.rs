@@ -1,6 +1,6 @@
 //! All scales side by side, the one in force, and what does not agree.
 
-use super::offset::{RangeOffset, blocks};
+use super::offset::{RangeOffset, TOLERANCE_M, blocks};
 use super::robust::robust_line;
 use super::scale::{Usable, header_scale, picks_at_depths, range_changes, usable_picks};
 use super::{
@@ -12,6 +12,8 @@ use crate::progress::{Cancelled, Progress};
 use crate::statistics::{median, spread_about};
 use crate::survey::{Navigation, RangeSource, Side, Survey};
 
+/// The note of an offset that is not taken off for what the log shows.
+const REFUSED: &str = "refused";
 /// Picks that a fit over the log needs, at least.
 const MIN_FIT_PICKS: usize = 50;
 
@@ -46,6 +48,8 @@ pub fn calibrate(
     };
     let header = header_scale(survey);
     let measured_offset = RangeOffset::of(&picks_at_depths(survey, returns));
+    let objection = (measured_offset.zip(header))
+        .and_then(|(measured, header)| measured.objection(1.0 / header.px_per_m));
     let mut warnings = Vec::new();
     let (offset_m, offset_note) = match (mode, settings.offset, survey.range_source) {
         (ScaleMode::FlatSpot, ..) => (0.0, Some("the flat spot's scale holds it")),
@@ -56,26 +60,28 @@ pub fn calibrate(
             warnings.extend(excess.and_then(|(found, sample_m)| found.excess(sample_m)));
             (0.0, Some("survey-grade ranges"))
         }
-        _ => match (measured_offset, header) {
-            (Some(measured), Some(header)) => match measured.objection(1.0 / header.px_per_m) {
-                Some(objection) => {
-                    warnings.push(objection);
-                    (0.0, Some("refused"))
-                }
-                None => (measured.offset_m, None),
-            },
-            _ => (0.0, Some("no depths to measure it against")),
+        _ => match (measured_offset.zip(header), &objection) {
+            (Some(_), Some(objection)) => {
+                warnings.push(objection.clone());
+                (0.0, Some(REFUSED))
+            }
+            (Some((measured, _)), None) => (measured.offset_m, None),
+            (None, _) => (0.0, Some("no depths to measure it against")),
         },
     };
     if mode != settings.mode {
         warnings.push("There is no flat spot with usable first returns, so the scale of the log's headers is in force.".to_owned());
     }
-    warnings.extend(flat_spot.as_ref().and_then(disagreement));
+    // A constant is said by itself where it is left in the ranges; what would be refused may be none.
+    let constant = measured_offset.filter(|_| objection.is_none());
+    let lead_m = constant.map_or(0.0, |measured| measured.offset_m);
+    let spot = flat_spot.as_ref();
+    warnings.extend(spot.and_then(|spot| disagreement(spot, lead_m)));
     if mode == ScaleMode::FlatSpot {
         warnings.extend(flat_spot.as_ref().and_then(|spot| selection(survey, spot)));
         warnings.extend(changing_range(survey, settings.ppd));
     }
-    Ok(Calibration {
+    let mut made = Calibration {
         mode,
         reach: settings.ppd,
         flat_spot,
@@ -85,7 +91,9 @@ pub fn calibrate(
         measured_offset,
         offset_note,
         warnings,
-    })
+    };
+    made.warnings.extend(remaining(&made));
+    Ok(made)
 }
 
 /// Robust `r = k d + b` with the header's ranges; `None` where depths hardly vary or picks are few.
@@ -116,18 +124,33 @@ fn depth_fit(picks: &[Usable]) -> Option<DepthFit> {
     })
 }
 
-/// Against the header's scale at the same picks: over a log whose range was changed there is no other one to compare.
-fn disagreement(spot: &FlatSpot) -> Option<String> {
+/// What the header's scale makes of the first returns at the flat spot, less the constant `lead_m` that ranges have over depths: an offset
+/// of a few centimetres moves the flat spot's scale, and is none of the header's. Over a log whose range was changed there are no other
+/// picks to compare. Silent where a depth would change by less than it scatters by.
+fn disagreement(spot: &FlatSpot, lead_m: f64) -> Option<String> {
     let (ppd, factor) = (spot.ppd?, spot.factor?);
-    let spread = ppd.spread_px_per_m / ppd.px_per_m;
-    let difference = 1.0 / factor - 1.0;
-    (difference.abs() > spread).then(|| {
+    let change_m = spot.depth_m / factor - lead_m - spot.depth_m;
+    let sigma_m = spot.depth_m * ppd.spread_px_per_m / ppd.px_per_m;
+    (change_m.abs() > sigma_m).then(|| {
         format!(
-            "The flat spot gives {:.2} samples a metre, the log's headers {:.2}: they differ by {:+.1} %, more than their spread of {:.1} %.",
-            ppd.px_per_m,
-            ppd.px_per_m * factor,
-            100.0 * difference,
-            100.0 * spread,
+            "At the flat spot, {:.2} m deep, ranges as recorded give depths {:.1} cm {} than the soundings, where single depths scatter by {:.1} cm: compare the residuals with either scale.",
+            spot.depth_m,
+            100.0 * change_m.abs(),
+            if change_m > 0.0 { "greater" } else { "less" },
+            100.0 * sigma_m,
+        )
+    })
+}
+
+/// Where side-scan and soundings differ by more than both are uncertain by, and nothing was said of it yet: no offset was looked for.
+fn remaining(made: &Calibration) -> Option<String> {
+    let [left_m, two_sigma_m] = made.remaining_offset_m()?;
+    let is_silent = matches!(made.offset_note, Some(note) if note != REFUSED);
+    (is_silent && left_m.abs() > two_sigma_m.max(TOLERANCE_M)).then(|| {
+        format!(
+            "Side-scan depths are {:.1} cm {} than the soundings, more than either is uncertain by: the map's stated error holds it, calibration.offset = fit takes it off where it is a constant.",
+            100.0 * left_m.abs(),
+            if left_m > 0.0 { "greater" } else { "less" },
         )
     })
 }

@@ -217,6 +217,19 @@ impl Calibration {
         self.flat_spot.as_ref()?.factor
     }
 
+    /// How much longer first-return ranges are than recorded depths by the scale in force, at the median depth, and two standard errors of
+    /// that, metres; `None` where the log does not show it.
+    pub fn remaining_offset_m(&self) -> Option<[f64; 2]> {
+        let found = self.measured_offset?;
+        let left_m = match (self.mode, self.factor()) {
+            (ScaleMode::FlatSpot, Some(factor)) => {
+                factor * (found.depth_m + found.offset_m) - found.depth_m
+            }
+            _ => found.offset_m - self.offset_m,
+        };
+        Some([left_m, found.uncertainty_m])
+    }
+
     /// What is done to the recorded ranges, for the edge of a picture; `None` where they stay as they are.
     pub fn range_change(&self) -> Option<String> {
         match (self.mode, self.reach, self.ppd(), self.factor()) {

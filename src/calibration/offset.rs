@@ -27,7 +27,7 @@ const EARLY_SAMPLES: f64 = 1.5;
 const LATE_M: f64 = 0.01;
 const LATE_SAMPLES: f64 = 0.5;
 /// How far an offset may be from the truth and still be better than none, metres.
-const TOLERANCE_M: f64 = 0.04;
+pub(super) const TOLERANCE_M: f64 = 0.04;
 /// How much an offset that is more than an edge may change down to the depths of the log, and how uncertain that may be, metres: of
 /// 240 simulated logs none gets a wrong offset by these, and the river of the tests, whose recorder rounds depths to 0.1 m, keeps its.
 const MOST_DRIFT_M: f64 = 0.07;

@@ -206,7 +206,7 @@ fn scales_that_disagree_are_reported() {
     let calibration = calibrated(&pond, &returns, &chosen);
     assert_eq!(calibration.flat_spot.map(|spot| spot.pings), Some(20..120));
     let text = calibration.warnings.join(" ");
-    assert!(text.contains("more than their spread"), "{text}");
+    assert!(text.contains("cm greater than the soundings"), "{text}");
 }
 
 #[test]
