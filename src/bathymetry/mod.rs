@@ -1,7 +1,7 @@
 //! Depth maps from soundings: repeated positions merged, and sampled only where something was measured.
 //!
-//! `soundings` takes the depths with their places, `nodes` merges those of one place, `tin` (in an `insertion_order`), `inverse_distance` and `smooth` find the
-//! depth between them, `grid` chooses the cells and `surface` fills them; `local` does so for a part of a larger map. `spot_soundings` chooses those that a chart prints. `hill_shade` lights them, `isobaths` draws through them,
+//! `soundings` takes the depths with their places, `nodes` merges those of one place, `tin` (in an `insertion_order`), `inverse_distance` find the depth
+//! between them, `left_out` says what it is worth, `grid` chooses the cells and `surface` fills them; `local` does so for a part of a larger map. `spot_soundings` chooses those that a chart prints. `hill_shade` lights them, `isobaths` draws through them,
 //! `compare` holds points against a reference, `crosslines` compares the passes of a survey with each other, `height_offsets` finds what sets
 //! the depths of one log off from those of others, `position_offsets` how far its positions are off and how late they are, `transect` looks at them
 //! along a line; `coarser` gives it larger cells, `level_bed` more ground, `change` says what changed between two of them, `cell_source` says what was measured in each.
@@ -17,11 +17,11 @@ mod hill_shade;
 mod insertion_order;
 mod inverse_distance;
 pub mod isobaths;
+mod left_out;
 mod level_bed;
 mod local;
 mod nodes;
 pub mod position_offsets;
-mod smooth;
 mod soundings;
 mod spot_soundings;
 mod surface;
@@ -33,11 +33,14 @@ mod transect;
 pub use cell_source::CellSource;
 pub use grid::{CentresAbout, Grid, suited_cell_m};
 pub use hill_shade::{Light, hill_shade};
+pub use left_out::{SigmaByDistance, sigma_by_distance};
 pub use local::{LOCAL_MARGIN_CELLS, local_reach_m, local_surface};
 pub use nodes::{Node, merge_repeated};
-pub use smooth::{SigmaByDistance, sigma_by_distance};
 pub use soundings::{DepthPoint, depth_points, depth_range};
 pub use spot_soundings::{spot_radius_m, spot_soundings};
-pub use surface::{Shading, Spread, Surface, SurfaceMethod, SurfaceSettings, SwathDepth, surface};
+pub use surface::{
+    Shading, Spread, Surface, SurfaceMethod, SurfaceSettings, SwathDepth, surface,
+    surface_of_depths,
+};
 pub use tin::{Between, Tin, TinSampler};
 pub use transect::{Corner, Station, transect};

@@ -2,7 +2,7 @@
 
 use super::cell_source::{self, CellSource, measured_cells};
 use super::inverse_distance::inverse_distance;
-use super::smooth::{Bend, bend_least};
+use super::left_out::state_error;
 use super::{Between, DepthPoint, Grid, Node, Tin, TinSampler, merge_repeated, suited_cell_m};
 use crate::cloud::{CloudPoint, PointSource};
 use crate::progress::{Cancelled, Progress};
@@ -15,29 +15,24 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SurfaceMethod {
-    /// [`SurfaceMethod::Smooth`] where that predicts left-out soundings better, else [`SurfaceMethod::Linear`].
-    Auto,
-    /// On the planes of the Delaunay triangles: through every sounding, so that no shoal that was measured is lost.
+    /// On the planes of the Delaunay triangles: through every sounding, so that no shoal that was measured is lost. Older projects may
+    /// name a plate that bent least, which is gone.
     #[default]
+    #[serde(alias = "auto", alias = "smooth")]
     Linear,
     /// By natural neighbours (Sibson): smooth but at the soundings.
     Natural,
     /// By inverse distance squared of the nearest 64 within the gap: smooth, draws towards the mean.
     InverseDistance,
-    /// On the plate that bends least, as stiff as predicts left-out soundings best: smooth, and near the soundings but not through
-    /// each.
-    Smooth,
 }
 
 impl SurfaceMethod {
     /// `By ... in cells of 0.5 m`.
     pub fn in_words(self) -> &'static str {
         match self {
-            Self::Auto => "what predicts best",
             Self::Linear => "linear triangles",
             Self::Natural => "natural neighbours",
             Self::InverseDistance => "inverse distance",
-            Self::Smooth => "least bending",
         }
     }
 }
@@ -150,7 +145,7 @@ pub enum Spread {
 /// Depths on a grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
-    /// How the depth between soundings was found: never [`SurfaceMethod::Auto`].
+    /// How the depth between soundings was found.
     pub method: SurfaceMethod,
     /// Whether the brightness of the echoes corrected its depths ([`crate::swath`]).
     pub shading: Shading,
@@ -320,6 +315,39 @@ pub fn surface(
     settings: &SurfaceSettings,
     progress: &Progress,
 ) -> Result<Option<Surface>, Cancelled> {
+    let Some((mut made, tin)) = filled(points, settings, progress)? else {
+        return Ok(None);
+    };
+    let between = match settings.method {
+        SurfaceMethod::Linear => Some(Between::Linear),
+        SurfaceMethod::Natural => Some(Between::NaturalNeighbour),
+        SurfaceMethod::InverseDistance => None,
+    };
+    if let Some(between) = between {
+        let nodes: Vec<Node> = tin.nodes().collect();
+        state_error(&mut made, &nodes, between, progress)?;
+    }
+    Ok(Some(made))
+}
+
+/// The same where nobody asks what its depths are worth: the spreads are those of the soundings.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn surface_of_depths(
+    points: Vec<DepthPoint>,
+    settings: &SurfaceSettings,
+    progress: &Progress,
+) -> Result<Option<Surface>, Cancelled> {
+    Ok(filled(points, settings, progress)?.map(|(made, _)| made))
+}
+
+/// A surface, and the triangles that it was read from.
+fn filled(
+    points: Vec<DepthPoint>,
+    settings: &SurfaceSettings,
+    progress: &Progress,
+) -> Result<Option<(Surface, Tin)>, Cancelled> {
     let cell_m = settings
         .cell_m
         .or_else(|| suited_cell_m(&points, settings.max_gap_m));
@@ -339,18 +367,8 @@ pub fn surface(
     let mut made = field.fill(grid, progress)?;
     made.source = measured;
     cell_source::settle(&mut made.source, &made.depth_m);
-    let bend = match settings.method {
-        SurfaceMethod::Auto => Some(Bend::WhereBetter),
-        SurfaceMethod::Smooth => Some(Bend::Always),
-        SurfaceMethod::Linear => Some(Bend::Never),
-        SurfaceMethod::Natural | SurfaceMethod::InverseDistance => None,
-    };
-    if let Some(bend) = bend {
-        let nodes: Vec<Node> = field.tin.nodes().collect();
-        bend_least(&mut made, &nodes, bend, progress)?;
-    }
     let known = made.depth_m.iter().any(|depth| !depth.is_nan());
-    Ok(known.then_some(made))
+    Ok(known.then_some((made, field.tin)))
 }
 
 #[derive(Clone, Copy)]
@@ -427,13 +445,7 @@ impl Field {
 
     /// Asks for every cell, rows in parallel.
     pub(super) fn fill(&self, grid: Grid, progress: &Progress) -> Result<Surface, Cancelled> {
-        let mut made = Surface::unknown(
-            grid,
-            match self.method {
-                SurfaceMethod::Auto => SurfaceMethod::Linear,
-                method => method,
-            },
-        );
+        let mut made = Surface::unknown(grid, self.method);
         progress.start(grid.rows as u64);
         let columns = grid.columns.max(1);
         made.depth_m

@@ -352,7 +352,7 @@ fn how(lake: &Lake, surface: &Surface) -> Result<String, LakeError> {
     let settings = lake.record.settings()?.surface;
     let method = surface.method_in_words();
     let instead = match settings.method {
-        SurfaceMethod::Auto | SurfaceMethod::Linear => String::new(),
+        SurfaceMethod::Linear => String::new(),
         other => format!(
             " in place of {}, which reaches beyond a tile",
             other.in_words()

@@ -1,7 +1,7 @@
 //! How the bottom lies across the track, by the depths that the log itself measured.
 
 use super::depth::depth_points;
-use crate::bathymetry::{Surface, SurfaceMethod, SurfaceSettings, surface};
+use crate::bathymetry::{Surface, SurfaceMethod, SurfaceSettings, surface_of_depths};
 use crate::cloud::{PointClass, PointCloud};
 use crate::progress::{Cancelled, Progress};
 use crate::statistics::{median, quantile};
@@ -43,7 +43,7 @@ pub fn relief(
         max_side: MOST_CELLS,
         ..settings.clone()
     };
-    let Some(bottom) = surface(points, &settings, progress)? else {
+    let Some(bottom) = surface_of_depths(points, &settings, progress)? else {
         return Ok(Relief::default());
     };
     let pings = survey.side_scan.len().min(navigation.pings.len());

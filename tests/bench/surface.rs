@@ -85,28 +85,13 @@ fn reported() -> Vec<(String, SurfaceSettings)> {
             "the same with above-bottom returns".to_owned(),
             settings(chosen, true),
         ),
-        (
-            "both, least bending".to_owned(),
-            SurfaceSettings {
-                method: SurfaceMethod::Smooth,
-                ..settings(chosen, false)
-            },
-        ),
-        (
-            "both, what predicts best".to_owned(),
-            SurfaceSettings {
-                method: SurfaceMethod::Auto,
-                ..settings(chosen, false)
-            },
-        ),
         ("both, shaded".to_owned(), shaded()),
     ]
 }
 
-/// What predicts best, corrected by the brightness of the echoes.
+/// Corrected by the brightness of the echoes.
 pub fn shaded() -> SurfaceSettings {
     SurfaceSettings {
-        method: SurfaceMethod::Auto,
         swath: SwathDepth::Shaded,
         ..settings(SurfaceSettings::default().side_scan_weight, false)
     }
@@ -168,16 +153,11 @@ pub fn errors_of(pond: &Mission, map: &Surface) -> Vec<MapError> {
     pond.known.map_errors(map, &soundings)
 }
 
-/// What the default map gains over triangles, what shading gains over that, and what the stated errors are worth, by the distance to the
-/// nearest sounding.
+/// What first returns gain, what shading gains over that, and what the stated errors of either are worth, by the distance to the nearest sounding.
 fn print_by_distance(kind: &str, ponds: &[Mission]) {
     let triangles = settings(SurfaceSettings::default().side_scan_weight, false);
-    let auto = SurfaceSettings {
-        method: SurfaceMethod::Auto,
-        ..triangles.clone()
-    };
-    let maps = [triangles, auto, shaded()].map(|settings| errors(ponds, &settings));
-    for (names, maps) in [("triangles", "auto"), ("auto", "shaded")]
+    let maps = [settings(0.0, false), triangles, shaded()].map(|settings| errors(ponds, &settings));
+    for (names, maps) in [("soundings", "triangles"), ("triangles", "shaded")]
         .into_iter()
         .zip(maps.windows(2))
     {

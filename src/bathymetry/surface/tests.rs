@@ -1,4 +1,5 @@
 use super::*;
+use crate::bathymetry::local_surface;
 use crate::bathymetry::testing::golden_points;
 
 fn line(north_m: f64, depth_m: f64) -> impl Iterator<Item = DepthPoint> {
@@ -223,13 +224,17 @@ fn each_method_honours_its_soundings_and_stays_within_their_depths() {
     }
 }
 
+/// A surface whose spreads are those of its soundings, however many could be left out.
+fn spreads(points: &[DepthPoint]) -> Surface {
+    let grid = Grid::over(points, 0.5, 4096).unwrap();
+    local_surface(points, grid, 6.0, &Progress::new()).unwrap()
+}
+
 #[test]
 fn the_spread_is_that_of_the_soundings_that_carry_a_cell() {
     // On a slope of 1 in 10, halfway between lines 10 m apart, the depths are 2 and 3 m: 0.5 m about their mean.
     let points: Vec<_> = line(0.0, 2.0).chain(line(10.0, 3.0)).collect();
-    let made = surface(points.clone(), &settings(6.0), &Progress::new())
-        .unwrap()
-        .unwrap();
+    let made = spreads(&points);
     let spread = |north_m| made.spread_m[made.grid.index_at(20.2, north_m).unwrap()];
     assert!((spread(5.2) - 0.5).abs() < 0.01, "{}", spread(5.2));
     assert!(spread(0.2) < 0.2 && spread(0.2) < spread(2.2));
@@ -241,9 +246,7 @@ fn the_spread_is_that_of_the_soundings_that_carry_a_cell() {
         })
     };
     let points: Vec<_> = points.into_iter().flat_map(noisy).collect();
-    let made = surface(points.clone(), &settings(6.0), &Progress::new())
-        .unwrap()
-        .unwrap();
+    let made = spreads(&points);
     let spreads = made.spread_m.iter().filter(|spread| !spread.is_nan());
     assert!(spreads.clone().count() > 500);
     for spread in spreads {

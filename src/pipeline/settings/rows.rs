@@ -333,11 +333,9 @@ rows! {
     SURFACE_METHOD: "surface.method", "Between depths", "method between depths",
         "How the depth between soundings and side-scan points is found.",
         choice!(surface.method, [
-            "auto", "what predicts best", "Least bending where that predicts left-out soundings better, else triangles. Says what its depths are worth.";
-            "linear", "triangles", "Linear on the planes of the Delaunay triangles between depths: through every one of them. Says what its depths are worth.";
+            "linear", "triangles", "Linear on the planes of the Delaunay triangles between depths: through every one of them.";
             "natural", "natural neighbours", "Sibson's: smooth but at the depths themselves. Slower.";
             "inverse_distance", "inverse distance", "Mean of the nearest depths by inverse distance squared: smooth, draws towards the mean.";
-            "smooth", "least bending", "A plate as stiff as predicts left-out soundings best. Says what its depths are worth. Slower.";
         ]);
     SURFACE_CELL: "surface.cell_m", "Cell", "cell of the depth map",
         "Side of a cell of the depth map.",

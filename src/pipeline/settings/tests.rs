@@ -95,7 +95,12 @@ fn a_choice_has_all_names_that_its_type_has() {
         };
         // A flag is no enumeration, and a system may have any number.
         if !names.contains("true") && choice.others.is_empty() {
-            assert_eq!(names, expected(&toml).into_iter().collect(), "{}", row.key);
+            let mut known: BTreeSet<String> = expected(&toml).into_iter().collect();
+            if row.key == "surface.method" {
+                // Read of older projects, and named nowhere.
+                known.retain(|name| name != "auto" && name != "smooth");
+            }
+            assert_eq!(names, known, "{}", row.key);
         }
         let mut settings = Settings::default();
         for name in choice.names {

@@ -1,7 +1,7 @@
 //! What sailing the planned lines does for simulated ponds whose survey has a hole.
 
 use crate::support::Moments;
-use bathyscope::bathymetry::{Surface, SurfaceMethod};
+use bathyscope::bathymetry::Surface;
 use bathyscope::formats;
 use bathyscope::geo::{CrsChoice, LocalFrame, LonLat, MapPlane};
 use bathyscope::pipeline::{self, ProcessedLog, Settings, joint_depth_surface, surveyed};
@@ -113,7 +113,6 @@ impl Pond {
 
 fn settings() -> Settings {
     let mut settings = Settings::default();
-    settings.surface.method = SurfaceMethod::Smooth;
     settings.surface.cell_m = Some(0.5);
     settings
 }

@@ -1,0 +1,68 @@
+//! Where left-out soundings are missed by more than elsewhere at the same distance, and where by less.
+
+use super::{Miss, SigmaByDistance};
+use std::collections::HashMap;
+
+/// A single miss counts as so many times its usual square at most: it is one wrong depth, not rough ground.
+const MOST_SQUARE: f64 = 9.0;
+/// So many squares that are as rough as usual count along: few misses say little.
+const USUAL_SQUARES: f64 = 1.0;
+/// Squares to both sides that count, by a bell curve with a standard deviation of one square.
+const REACH: i64 = 2;
+
+/// The mean square of misses as a share of what is usual at their distance, by place.
+pub(super) struct Roughness {
+    square_m: f64,
+    shares: HashMap<[i64; 2], f64>,
+}
+
+impl Roughness {
+    pub fn of(misses: &[Miss], usual: &SigmaByDistance, square_m: f64) -> Self {
+        let mut squares: HashMap<[i64; 2], (f64, f64)> = HashMap::new();
+        let noise = usual.at(0.0).powi(2);
+        for miss in misses {
+            // Its own noise is in a miss, too.
+            let expected = usual.at(miss.away_m).powi(2) + noise;
+            let share = (miss.error_m.powi(2) / expected).min(MOST_SQUARE);
+            let square = miss.place.map(|metres| (metres / square_m).floor() as i64);
+            let (sum, count) = squares.entry(square).or_default();
+            *sum += share;
+            *count += 1.0;
+        }
+        let around = |[column, row]: [i64; 2]| {
+            let cells = (-REACH..=REACH).flat_map(|c| (-REACH..=REACH).map(move |r| [c, r]));
+            let start = (USUAL_SQUARES, USUAL_SQUARES);
+            let (sum, weights) = cells.fold(start, |(sum, weights), [c, r]| {
+                let weight = (-0.5 * (c * c + r * r) as f64).exp();
+                match squares.get(&[column + c, row + r]) {
+                    Some((shares, count)) => (sum + weight * shares / count, weights + weight),
+                    None => (sum, weights),
+                }
+            });
+            sum / weights
+        };
+        Self {
+            square_m,
+            shares: squares
+                .keys()
+                .map(|square| (*square, around(*square)))
+                .collect(),
+        }
+    }
+
+    /// At a place, between the middles of squares; 1 where nothing was left out.
+    pub fn at(&self, place: [f64; 2]) -> f64 {
+        let [x, y] = place.map(|metres| metres / self.square_m - 0.5);
+        let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
+        let share = |[right, up]: [f64; 2]| {
+            let corner = [x.floor() + right, y.floor() + up];
+            let weight = (1.0 - (x - corner[0]).abs()) * (1.0 - (y - corner[1]).abs());
+            weight
+                * self
+                    .shares
+                    .get(&corner.map(|index| index as i64))
+                    .unwrap_or(&1.0)
+        };
+        corners.into_iter().map(share).sum()
+    }
+}
