@@ -2,7 +2,7 @@
 
 use super::ReportData;
 use crate::calibration::ScaleMode;
-use crate::pipeline::{CalibrationReport, Preset, Settings};
+use crate::pipeline::{CalibrationReport, CommonUncertainty, Preset, Settings};
 use crate::presentation::text::{bytes, typeset_count as count, typeset_signed};
 use crate::printable::xml;
 use std::fmt::Write as _;
@@ -29,6 +29,7 @@ pub fn trust(from: &ReportData<'_>) -> String {
     // Writing to a string cannot fail.
     agreement(from, &mut html).ok();
     latencies(from, &mut html).ok();
+    html += &common(&from.report.uncertainty);
     html + &format!("<p>{}</p>\n", xml(&from.report.statement))
 }
 
@@ -75,6 +76,26 @@ fn agreement(from: &ReportData<'_>, html: &mut String) -> Written {
         writeln!(html, "</tr>")?;
     }
     writeln!(html, "</table>")
+}
+
+/// What is uncertain in all depths alike: the parts that are there.
+fn common(of: &CommonUncertainty) -> String {
+    let metres =
+        |sigma_m: f64, what: &str| (sigma_m > 0.0).then(|| format!("{what} {sigma_m:.3} m"));
+    let share = of.sound_speed_share;
+    let parts = [
+        metres(of.range_offset_m, "side-scan against soundings"),
+        (share > 0.0).then(|| format!("sound speed {:.1} % of the depth", 100.0 * share)),
+        metres(of.draft_m, "draft"),
+        metres(of.water_level_m, "water level"),
+        metres(of.between_logs_m, "logs against each other"),
+        metres(of.position_m, "positions, times the slope of the bottom,"),
+    ];
+    let parts: Vec<String> = parts.into_iter().flatten().collect();
+    format!(
+        "<p>The stated error of the map holds, besides what depths that were left out show, what all depths have in common (one standard deviation each; squares are added, as in the total vertical uncertainty of IHO S-44): {}. What is not corrected, below, is not in it.</p>\n",
+        parts.join("; ")
+    )
 }
 
 /// How late positions are, of each log whose crossings tell.

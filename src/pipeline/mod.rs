@@ -34,8 +34,8 @@ pub use agreement::{
 pub use background::{Background, Same};
 pub use clip_area::clip_area;
 pub use depth::{
-    Choice, Contours, Crosslines, NamedComparison, Plane, choices, comparisons, crosslines,
-    joint_depth_points, joint_depth_surface, log_echoes,
+    Choice, CommonUncertainty, Contours, Crosslines, NamedComparison, Plane, choices, comparisons,
+    crosslines, joint_depth_points, joint_depth_surface, log_echoes,
 };
 pub use derived::{
     Bottom, BottomColour, BottomCorner, BottomKey, CornerGround, DepthMap, DepthMapKey, Derived,

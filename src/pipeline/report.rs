@@ -2,7 +2,7 @@
 
 use super::fingerprint::{Fingerprint, Input, hash_inputs, in_hexadecimal};
 use super::joint::{LogsReport, RequestedCorrection};
-use super::{Preset, Products, Settings};
+use super::{CommonUncertainty, Preset, Products, Settings};
 use crate::calibration::{Calibration, PingRange, ScaleMode};
 use crate::cloud::{
     ClassCounts, PointClass, PointCloud, PointSource, Residuals, SoundingIndex, TrackShare,
@@ -49,6 +49,8 @@ pub struct Report {
     pub positions: String,
     /// What became of the corrections of positions and heights that were asked for.
     pub corrections: Vec<RequestedCorrection>,
+    /// What is uncertain in all depths alike, one standard deviation each: it is in the stated error of the map.
+    pub uncertainty: CommonUncertainty,
     /// What these depths are, and what was not corrected.
     pub statement: String,
     /// The logs of a survey of several, and how they agree; absent of one log.
@@ -207,6 +209,7 @@ impl Report {
             residuals: residuals(survey, cloud, correction, classes),
             positions: corrected_positions(settings),
             corrections: Vec::new(),
+            uncertainty: CommonUncertainty::of_log(survey, products),
             statement: [
                 settings.bottom.statement(survey).as_str(),
                 correction.statement().as_str(),

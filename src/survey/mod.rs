@@ -26,6 +26,7 @@ mod turn_rate;
 pub use area::WaterArea;
 pub use bottom_lock::{give_depths, mark_bottom_lock};
 pub use echogram::{Echogram, EchogramPing};
+pub use fitted_track::position_resolution_m;
 pub use gauge::{Gauge, WATER_LEVELS_M};
 pub use growing::{Seam, SurveyVersions};
 pub use identity::Identity;

@@ -100,6 +100,16 @@ impl Correction {
             .map_or(1.0, |water_m_s| water_m_s / speed.recorder_m_s)
     }
 
+    /// Whether a sound speed is given or computed.
+    pub fn knows_sound_speed(&self) -> bool {
+        self.settings.sound_speed.water_m_s().is_some()
+    }
+
+    /// Whether a draft is given.
+    pub fn knows_draft(&self) -> bool {
+        self.settings.draft_m > 0.0
+    }
+
     /// Elevation of a place that lies `below_m` metres, by the true speed of sound, below the transducer at a time of the log.
     pub fn z_m(&self, time_s: f64, below_m: f64) -> f64 {
         self.level_m(time_s) + self.settings.height_offset_m - self.settings.draft_m - below_m

@@ -69,14 +69,15 @@ impl Correction {
 
     /// What depths count from.
     pub fn reference(&self) -> DepthReference {
-        match (self.knows_level(), self.settings.draft_m > 0.0) {
+        match (self.knows_level(), self.knows_draft()) {
             (true, _) => DepthReference::Level,
             (false, true) => DepthReference::Surface,
             (false, false) => DepthReference::Transducer,
         }
     }
 
-    fn knows_level(&self) -> bool {
+    /// Whether a water level is given, or readings of it are in force.
+    pub fn knows_level(&self) -> bool {
         self.settings.water_level_m != 0.0 || self.gauge().is_some()
     }
 

@@ -8,6 +8,7 @@ mod plane;
 mod residuals;
 mod surface;
 mod swath;
+mod uncertainty;
 
 pub use choices::{Choice, choices};
 pub use contours::Contours;
@@ -16,3 +17,4 @@ pub use plane::{Plane, depth_points};
 pub use residuals::{NamedComparison, comparisons};
 pub use surface::{joint_depth_points, joint_depth_surface};
 pub use swath::log_echoes;
+pub use uncertainty::CommonUncertainty;

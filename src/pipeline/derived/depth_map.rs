@@ -5,7 +5,8 @@ use crate::bathymetry::{self, DepthPoint, Light, Surface, SurfaceSettings, hill_
 use crate::cloud::{PointClass, PointCloud};
 use crate::geo::{CrsChoice, MapPlane, bounds_deg};
 use crate::pipeline::{
-    Plane, ProcessedLog, Same, clip_area, colour_range_m, joint_depth_points, joint_depth_surface,
+    CommonUncertainty, Plane, ProcessedLog, Same, clip_area, colour_range_m, joint_depth_points,
+    joint_depth_surface,
 };
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Navigation, Survey};
@@ -72,9 +73,10 @@ impl DepthMap {
             return Ok(None);
         };
         let map = Plane::or_utm(survey, products).map;
-        let Some(surface) = joint_depth_surface(logs, &map, progress)? else {
+        let Some(mut surface) = joint_depth_surface(logs, &map, progress)? else {
             return Ok(None);
         };
+        CommonUncertainty::of(logs, progress)?.add_to(&mut surface);
         let of_surface = || bathymetry::depth_range(surface.depth_m.iter().copied());
         let range_m = colour_range_m(logs.iter().map(|log| &log.products)).or_else(of_surface);
         Ok(range_m.map(|colour_range_m| Self {

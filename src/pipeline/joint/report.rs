@@ -5,7 +5,9 @@ use crate::bathymetry::compare::Comparison;
 use crate::bathymetry::height_offsets::{Datum, LogOffset, PairDifference};
 use crate::cloud::{Residuals, TrackShare, same_ping_differences};
 use crate::pipeline::report::Counts;
-use crate::pipeline::{CalibrationReport, Input, ProcessedLog, Report, Settings, setting_values};
+use crate::pipeline::{
+    CalibrationReport, CommonUncertainty, Input, ProcessedLog, Report, Settings, setting_values,
+};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::LeftOutStretch;
 use serde::Serialize;
@@ -82,6 +84,7 @@ pub fn joint_report(
     all.inputs = Vec::new();
     all.left_out = Vec::new();
     all.residuals = Residuals::of(&mut same_ping(logs));
+    all.uncertainty = CommonUncertainty::of(logs, progress)?;
     all.warnings = Vec::new();
     let mut listed = Vec::new();
     for (index, (single, offset)) in singles.into_iter().zip(found.logs).enumerate() {
