@@ -60,6 +60,8 @@ pub struct RangeOffset {
     pub k: f64,
     /// How far the slope may be off by the scatter (two standard errors); infinite where the depths do not vary.
     pub k_uncertainty: f64,
+    /// How much the noise of the recorded depths may take from the slope.
+    pub k_attenuation: f64,
 }
 
 /// The picks, which are in ping order, in blocks of pings.
@@ -81,7 +83,7 @@ impl RangeOffset {
             return None;
         }
         let offset_m = median(&mut offsets);
-        let (k, k_uncertainty) = slope(&blocks);
+        let (k, [k_uncertainty, k_attenuation]) = slope(&blocks);
         Some(Self {
             offset_m,
             uncertainty_m: 2.0 * MEDIAN_ERROR * spread_about(&mut offsets, offset_m)
@@ -91,6 +93,7 @@ impl RangeOffset {
             depth_m: median(&mut depths),
             k,
             k_uncertainty,
+            k_attenuation,
         })
     }
 
@@ -122,7 +125,7 @@ impl RangeOffset {
             ))
         } else if let Some(excess) = self.excess(sample_m) {
             Some(excess)
-        } else if drift_m > TOLERANCE_M + drift_uncertainty_m {
+        } else if drift_m > TOLERANCE_M + drift_uncertainty_m + self.k_attenuation * self.depth_m {
             Some(format!(
                 "The first returns follow the recorded depths by a factor of {:.3} and not one to one: the offset of {offset_m:+.2} m is no constant and is not taken off the ranges.",
                 self.k
@@ -169,11 +172,11 @@ fn excess_m(block: &[Usable], side: Side) -> Option<(f64, f64)> {
     (excess.len() >= MIN_PICKS).then(|| (median(&mut excess), flagged))
 }
 
-/// Slope of range against depth over blocks of depth and excess, and how far it may be off: two standard errors, and what the noise of
-/// the recorded depths takes from it. Noise in a depth is in the excess too, with the other sign, so that over a level bed, where depths
+/// Slope of range against depth over blocks of depth and excess, two standard errors of it, and how much the noise of the recorded depths may
+/// take from it. Noise in a depth is in the excess too, with the other sign, so that over a level bed, where depths
 /// vary by their noise alone, the slope comes out near zero whatever it is (attenuation; W. A. Fuller, Measurement error models, 1987).
 /// The scatter of a handful of blocks is often small by accident.
-fn slope(blocks: &[(f64, f64)]) -> (f64, f64) {
+fn slope(blocks: &[(f64, f64)]) -> (f64, [f64; 2]) {
     let n = blocks.len() as f64;
     let mean_m = blocks.iter().map(|(depth_m, _)| depth_m).sum::<f64>() / n;
     let squares = blocks.iter().map(|(depth_m, _)| (depth_m - mean_m).powi(2));
@@ -182,8 +185,8 @@ fn slope(blocks: &[(f64, f64)]) -> (f64, f64) {
         Some(line) => {
             let scatter_m = line.spread.max(LEAST_SCATTER_M) * (1.0 + HANDFUL / n);
             let attenuation = n * (scatter_m / width_m).powi(2);
-            (1.0 + line.slope, 2.0 * scatter_m / width_m + attenuation)
+            (1.0 + line.slope, [2.0 * scatter_m / width_m, attenuation])
         }
-        None => (f64::NAN, f64::INFINITY),
+        None => (f64::NAN, [f64::INFINITY; 2]),
     }
 }
