@@ -148,7 +148,8 @@ pub(super) fn solve(meetings: &[Meeting], pinned: &[Option<f64>]) -> HeightOffse
     solved
 }
 
-/// The offsets to apply: those of logs that are known already where they move by less than [`KEPT_M`]. A group that no pinned log holds is moved
+/// The offsets to apply: those of logs that are known already where they move by less than [`KEPT_M`], or than
+/// their standard error. A group that no pinned log holds is moved
 /// as a whole to where the most of its known logs are.
 fn kept_heights(
     logs: &[LogRecord],
@@ -192,7 +193,10 @@ fn kept_heights(
         let found = &solved.logs[log];
         let height_m = found.offset_m + shifts_m.get(&found.group).copied().unwrap_or(0.0);
         match held[log] {
-            Some(row) if (row.offset_m - height_m).abs() <= KEPT_M => row.offset_m,
+            // NaN is no maximum.
+            Some(row) if (row.offset_m - height_m).abs() <= KEPT_M.max(found.standard_error_m) => {
+                row.offset_m
+            }
             _ => height_m,
         }
     };
