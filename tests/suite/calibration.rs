@@ -135,11 +135,10 @@ fn a_flat_spot_gives_the_scale_though_a_third_of_its_picks_ran_into_the_limit() 
         (0.003..0.03).contains(&spread),
         "3 cm of depth noise in 2.5 m is 1.2 %: {spread}"
     );
-    assert!(
-        calibration.warnings.is_empty(),
-        "{:?}",
-        calibration.warnings
-    );
+    // A slope across the track makes a first return nearer than the bottom below the boat is deep.
+    let warnings = &calibration.warnings;
+    let of_scale = |warning: &String| warning.starts_with("At the flat spot");
+    assert!(warnings.iter().all(of_scale), "{warnings:?}");
 }
 
 #[test]

@@ -237,7 +237,7 @@ fn echoes_of_a_bank_lie_where_it_is_and_not_where_a_level_bottom_has_them() {
         [off_m[off_m.len() / 2], off_m[9 * off_m.len() / 10]]
     });
     assert!(by_level[0] > 0.8, "{by_level:?}");
-    assert!(by_relief[0] < 0.4 && by_relief[1] < 0.8, "{by_relief:?}");
+    assert!(by_relief[0] < 0.4 && by_relief[1] < 0.9, "{by_relief:?}");
 }
 
 #[test]

@@ -265,11 +265,11 @@ mod tests {
         for (assignment, expected) in [
             (
                 "draft_m=1,5",
-                "`draft_m` cannot be `1,5`: it is a number, 0 to 50 m; write 1.5: decimals take a point",
+                "`draft_m` cannot be `1,5`: it is a number, 0 to 20 m; write 1.5: decimals take a point",
             ),
             (
                 "draft_m=deep",
-                "`draft_m` cannot be `deep`: it is a number, 0 to 50 m",
+                "`draft_m` cannot be `deep`: it is a number, 0 to 20 m",
             ),
             (
                 "outliers.min_neighbors=2.5",

@@ -69,7 +69,7 @@ fn the_manifest_describes_every_file() {
         assert_eq!(file["crs"]["epsg"].as_u64(), epsg, "{name}");
         assert!(file["extent"]["west"].is_number(), "{name}");
     }
-    assert_eq!(described, 30, "all but those of a comparison and a search");
+    assert_eq!(described, 31, "all but those of a comparison and a search");
 }
 
 #[test]
