@@ -12,8 +12,8 @@ pub enum CellSource {
     None = 0,
     /// No depth was measured in it: it lies between depths that were.
     Interpolated = 1,
-    /// None was measured in it, but the brightness of its echoes told how it slopes: inferred, not measured.
-    Shaded = 2,
+    /// None was measured in it, but the levels of its echoes tell how it slopes: inferred, not measured.
+    FromLevels = 2,
     /// A first return of the side-scan lies in it, and no sounding.
     FirstReturn = 3,
     /// A sounding of the recorder, or of a reference, lies in it.
@@ -25,7 +25,7 @@ impl CellSource {
     pub const KNOWN: [Self; 4] = [
         Self::Sounding,
         Self::FirstReturn,
-        Self::Shaded,
+        Self::FromLevels,
         Self::Interpolated,
     ];
 
@@ -34,7 +34,7 @@ impl CellSource {
         match self {
             Self::None => "unknown",
             Self::Interpolated => "interpolated",
-            Self::Shaded => "shaded",
+            Self::FromLevels => "from levels",
             Self::FirstReturn => "first return",
             Self::Sounding => "sounding",
         }

@@ -17,7 +17,7 @@ impl Surface {
             hardness_db: self.hardness_db.as_deref().map(means),
             grid,
             method: self.method,
-            shading: self.shading,
+            levels: self.levels,
             spread_is: self.spread_is,
         }
     }

@@ -48,7 +48,7 @@ impl Surface {
                 .map(|values| carried(&self.grid, values, &grid, f32::NAN)),
             grid,
             method: self.method,
-            shading: self.shading,
+            levels: self.levels,
             spread_is: self.spread_is,
         }
     }
@@ -102,7 +102,7 @@ impl Surface {
             hardness_db: self.hardness_db.as_deref().map(values),
             grid,
             method: self.method,
-            shading: self.shading,
+            levels: self.levels,
             spread_is: self.spread_is,
         }
     }

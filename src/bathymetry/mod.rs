@@ -11,6 +11,7 @@ pub mod change;
 mod coarser;
 pub mod compare;
 pub mod crosslines;
+mod from_levels;
 mod grid;
 pub mod height_offsets;
 mod hill_shade;
@@ -31,6 +32,7 @@ mod tin;
 mod transect;
 
 pub use cell_source::CellSource;
+pub use from_levels::{FromLevels, LevelsRefused, SwathDepth};
 pub use grid::{CentresAbout, Grid, suited_cell_m};
 pub use hill_shade::{Light, hill_shade};
 pub use left_out::{SigmaByDistance, sigma_by_distance};
@@ -38,9 +40,6 @@ pub use local::{LOCAL_MARGIN_CELLS, local_reach_m, local_surface};
 pub use nodes::{Node, merge_repeated};
 pub use soundings::{DepthPoint, depth_points, depth_range};
 pub use spot_soundings::{spot_radius_m, spot_soundings};
-pub use surface::{
-    Shading, Spread, Surface, SurfaceMethod, SurfaceSettings, SwathDepth, surface,
-    surface_of_depths,
-};
+pub use surface::{Spread, Surface, SurfaceMethod, SurfaceSettings, surface, surface_of_depths};
 pub use tin::{Between, Tin, TinSampler};
 pub use transect::{Corner, Station, transect};

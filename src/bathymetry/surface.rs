@@ -1,6 +1,7 @@
 //! The surface: depths on a grid over the soundings, with values only where a sounding is near.
 
 use super::cell_source::{self, CellSource, measured_cells};
+use super::from_levels::{FromLevels, SwathDepth};
 use super::inverse_distance::inverse_distance;
 use super::left_out::state_error;
 use super::{Between, DepthPoint, Grid, Node, Tin, TinSampler, merge_repeated, suited_cell_m};
@@ -37,29 +38,6 @@ impl SurfaceMethod {
     }
 }
 
-/// What is made of the brightness of the echoes between the lines ([`crate::swath`]).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum SwathDepth {
-    /// Nothing: depths between the lines are interpolated.
-    #[default]
-    Off,
-    /// Depths between the lines are corrected by shape from shading.
-    Shaded,
-}
-
-/// What shading made of a surface.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Shading {
-    /// Nobody asked for it.
-    #[default]
-    Off,
-    /// The brightness of the echoes corrected the depths between those measured.
-    Corrected,
-    /// It could not, for a reason in words; the depths are what they were.
-    Impossible(&'static str),
-}
-
 /// `surface.*` settings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -83,7 +61,7 @@ pub struct SurfaceSettings {
     /// They count where most first returns of both sides lie above the recorded depth for longer than this along the track,
     /// metres: a field of boulders, no clump of weed, fish or object.
     pub longest_above_bottom_m: f64,
-    /// Whether the brightness of the echoes corrects the depth between the lines.
+    /// Whether depths between the lines come from the levels of the echoes.
     pub swath: SwathDepth,
     /// Whether echoes and objects are placed on the bottom that the log measured, where it did ([`crate::survey::Relief`]); otherwise on a
     /// level one.
@@ -147,8 +125,8 @@ pub enum Spread {
 pub struct Surface {
     /// How the depth between soundings was found.
     pub method: SurfaceMethod,
-    /// Whether the brightness of the echoes corrected its depths ([`crate::swath`]).
-    pub shading: Shading,
+    /// Whether depths between those measured come from the levels of the echoes (`crate::swath`).
+    pub levels: FromLevels,
     /// What the spreads are.
     pub spread_is: Spread,
     /// Where the cells are.
@@ -162,7 +140,7 @@ pub struct Surface {
     /// What the depth of each cell rests on.
     pub source: Vec<CellSource>,
     /// How much brighter the bed of each cell is than that of the median cell, decibels of power, once slope, angle, range and the
-    /// recorder's gain are taken out: hard ground is bright; NaN where no echo says. `None` without shading.
+    /// recorder's gain are taken out: hard ground is bright; NaN where no echo says. `None` without depths from levels.
     pub hardness_db: Option<Vec<f32>>,
 }
 
@@ -171,7 +149,7 @@ impl Surface {
     pub fn of_depths(grid: Grid, depth_m: Vec<f32>) -> Self {
         Self {
             method: SurfaceMethod::Linear,
-            shading: Shading::Off,
+            levels: FromLevels::Off,
             spread_is: Spread::OfSoundings,
             grid,
             spread_m: vec![0.0; depth_m.len()],
@@ -187,7 +165,7 @@ impl Surface {
         let unknown = || vec![f32::NAN; grid.len()];
         Self {
             method,
-            shading: Shading::Off,
+            levels: FromLevels::Off,
             spread_is: Spread::OfSoundings,
             grid,
             depth_m: unknown(),
@@ -216,13 +194,12 @@ impl Surface {
         }
     }
 
-    /// How its depths were found, and what shading made of them: `linear triangles, corrected by shading`.
+    /// How its depths were found: `linear triangles, between the lines from echo levels`.
     pub fn method_in_words(&self) -> String {
         let method = self.method.in_words();
-        match self.shading {
-            Shading::Off => method.to_owned(),
-            Shading::Corrected => format!("{method}, corrected by shading"),
-            Shading::Impossible(why) => format!("{method}, not corrected by shading ({why})"),
+        match self.levels {
+            FromLevels::Used { .. } => format!("{method}, between the lines from echo levels"),
+            FromLevels::Off | FromLevels::Refused(_) => method.to_owned(),
         }
     }
 

@@ -91,11 +91,12 @@ fn depth_caption(from: &ReportData<'_>) -> String {
     };
     let settings = &from.products.settings;
     format!(
-        "Cells of {:.2} m by {}, {}, graticule in WGS84. No cell is farther than {} m from a depth, none outside \
+        "Cells of {:.2} m by {}, {}, graticule in WGS84. {} No cell is farther than {} m from a depth, none outside \
          their hull. The relief is lit from the north-west, {} times as high as it is. {}",
         depth_map.surface.grid.cell_m,
         depth_map.surface.method_in_words(),
         xml(&from.map.crs.to_string()),
+        depth_map.surface.levels.sentence().unwrap_or_default(),
         settings.surface.max_gap_m,
         depth_map.light.exaggeration,
         xml(&logs::correction(from))

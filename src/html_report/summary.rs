@@ -188,7 +188,7 @@ fn figures(from: &ReportData<'_>) -> Vec<(String, &'static str)> {
         let shares = shares.map(|share| format!("{:.0} %", 100.0 * share));
         figures.push((
             shares.join(", "),
-            "of the mapped bottom in cells with a sounding, in cells with a first return alone, corrected by shading between them, and interpolated",
+            "of the mapped bottom in cells with a sounding, in cells with a first return alone, from echo levels between them, and interpolated",
         ));
         if let Some([half_m, most_m]) = surface.usual_error_m() {
             figures.push((

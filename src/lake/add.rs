@@ -226,7 +226,7 @@ struct Spread<'a> {
     log: &'a LogRows<'a>,
     points: RowsByTile,
     pings: PingsByTile,
-    /// Where depths are corrected by shading.
+    /// Where depths come from echo levels.
     echoes: Option<EchoesByTile<'a>>,
     mosaic: LogMosaic,
     /// The same of every file of rows: what it was made from, and how.
@@ -255,8 +255,8 @@ fn write_rows(
     let pings = ping_rows::by_tile(&rows);
     let zones = pings.rows.keys().map(|tile| tile.zone).collect();
     let echoes = match rows.products.settings.surface.swath {
-        SwathDepth::Off => None,
-        SwathDepth::Shaded => Some(EchoesByTile::new(&rows, lake.record.halo_m, progress)?),
+        SwathDepth::Off | SwathDepth::Auto => None,
+        SwathDepth::Always => Some(EchoesByTile::new(&rows, lake.record.halo_m, progress)?),
     };
     let spread = Spread {
         log: &rows,
@@ -267,7 +267,7 @@ fn write_rows(
         pings,
     };
     record.pings = spread.pings.count;
-    record.ln_per_level = (spread.echoes.as_ref()).and_then(EchoesByTile::ln_per_level);
+    record.levels = (spread.echoes.as_ref()).and_then(|echoes| echoes.learnt.clone());
     let of_rows = spread.points.keys().chain(spread.pings.rows.keys());
     let of_echoes = spread.echoes.iter().flat_map(|echoes| echoes.rows.keys());
     let tiles = of_rows.chain(of_echoes).chain(&spread.mosaic.tiles);

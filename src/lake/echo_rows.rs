@@ -1,4 +1,4 @@
-//! The echoes of a log, a row each side-scan ping with a place: `echoes/tile=.../SHA256.parquet`, in lakes whose depths are corrected by shading.
+//! The echoes of a log, a row each side-scan ping with a place: `echoes/tile=.../SHA256.parquet`, in lakes whose depths come from echo levels.
 //! They have all that the correction reads of the log, so that a tile needs no log.
 
 use super::add::LogRows;
@@ -10,10 +10,10 @@ use super::spread::{self, Row, RowsByTile};
 use super::tile::TileId;
 use crate::formats::parquet_table::{Column, ParquetError, Values, read_parquet};
 use crate::geo::{LonLat, UtmZone};
-use crate::pipeline::log_echoes;
+use crate::pipeline::{depth_points, log_echoes};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::Side;
-use crate::swath::{Chunk, LaidOutLog, Levels, LogEchoes, PingPlace, SideEchoes};
+use crate::swath::{Chunk, LaidOutLog, LearntLevels, Levels, LogEchoes, PingPlace, SideEchoes};
 use std::path::Path;
 
 /// The subfolder of the rows.
@@ -22,8 +22,10 @@ pub(super) const ECHOES: &str = "echoes";
 /// The echoes of a whole log, laid out by tile.
 pub(super) struct EchoesByTile<'a> {
     log: LaidOutLog<'a>,
-    /// Which chunk each ping is in.
-    chunks: Vec<u32>,
+    /// What was learnt of its levels.
+    pub learnt: Option<LearntLevels>,
+    /// The place of the chunk that each ping is in, if any.
+    chunks: Vec<Option<usize>>,
     /// Rows as those of points; each ping is in the tile that it lies in, of its own zone and of a neighbouring one that is near.
     pub rows: RowsByTile,
 }
@@ -56,19 +58,23 @@ impl<'a> EchoesByTile<'a> {
                 });
             }
         }
-        let chunks = (laid_out.chunks.iter())
-            .flat_map(|chunk| chunk.pings.clone().map(|_| chunk.number))
-            .collect();
+        let mut chunks = vec![None; laid_out.echoes.pings.len()];
+        for (place, chunk) in laid_out.chunks.iter().enumerate() {
+            chunks[chunk.pings.clone()].fill(Some(place));
+        }
+        let products = log.products;
+        let measured = depth_points(
+            &products.cloud,
+            &products.classes,
+            &products.settings.surface,
+            |point| [point.east_m, point.north_m, point.z_m],
+        );
         Ok(Self {
+            learnt: LearntLevels::of(&laid_out, &measured, progress)?,
             log: laid_out,
             chunks,
             rows,
         })
-    }
-
-    /// What the record of the log says: natural logarithm of power for a step of its levels.
-    pub fn ln_per_level(&self) -> Option<f64> {
-        self.log.ln_per_level
     }
 
     /// Columns of rows in a tile.
@@ -82,8 +88,9 @@ impl<'a> EchoesByTile<'a> {
         let of_pings = |value: &dyn Fn(&PingPlace) -> f64| {
             Values::Double(pings.iter().map(|ping| value(ping)).collect())
         };
-        let whole = |value: &dyn Fn(&Row) -> i32| {
-            Values::Whole(rows.iter().map(|row| Some(value(row))).collect())
+        let chunk = |row: &Row| Some(&self.log.chunks[self.chunks[row.index]?]);
+        let of_chunks = |value: &dyn Fn(&Chunk) -> i32| {
+            Values::Whole(rows.iter().map(|row| chunk(row).map(value)).collect())
         };
         let starboard: Vec<[f64; 2]> = rows.iter().map(|row| self.starboard(log, row)).collect();
         let velocity: Vec<[f64; 2]> = (rows.iter().zip(&pings))
@@ -113,11 +120,16 @@ impl<'a> EchoesByTile<'a> {
             Column::new("port_sample_m", of_pings(&|ping| ping.sides[0].step_m)),
             Column::new("starboard_near_m", of_pings(&|ping| ping.sides[1].near_m)),
             Column::new("starboard_sample_m", of_pings(&|ping| ping.sides[1].step_m)),
-            Column::new("ping", whole(&|row| row.index as i32)),
-            Column::new("chunk", whole(&|row| self.chunks[row.index] as i32)),
             Column::new(
-                "range_setting",
-                whole(&|row| self.log.chunks[self.chunks[row.index] as usize].range_setting),
+                "ping",
+                Values::Whole(rows.iter().map(|row| Some(row.index as i32)).collect()),
+            ),
+            Column::new("chunk", of_chunks(&|chunk| chunk.number as i32)),
+            Column::new("range_setting", of_chunks(&|chunk| chunk.range_setting)),
+            Column::new("gain_segment", of_chunks(&|chunk| chunk.segment as i32)),
+            Column::new(
+                "gain",
+                of_rows(&|row| chunk(row).map_or(f64::NAN, |chunk| chunk.gain)),
             ),
             Column::new(
                 "weed",
@@ -146,8 +158,8 @@ impl<'a> EchoesByTile<'a> {
 /// A ping of a lake with its echoes.
 struct EchoRow {
     ping: i32,
-    chunk: u32,
-    range_setting: i32,
+    /// The chunk that it is in, if any, without its pings.
+    chunk: Option<Chunk>,
     is_weed: bool,
     velocity_mps: [f64; 2],
     place: PingPlace,
@@ -159,7 +171,7 @@ struct EchoRow {
 #[derive(Default)]
 pub(super) struct StoredEchoes {
     rows: Vec<EchoRow>,
-    ln_per_level: Option<f64>,
+    learnt: Option<LearntLevels>,
 }
 
 impl Levels for StoredEchoes {
@@ -200,36 +212,38 @@ impl StoredEchoes {
         rows.sort_by_key(|row: &EchoRow| row.ping);
         Ok(Self {
             rows,
-            ln_per_level: log.ln_per_level,
+            learnt: log.levels.clone(),
         })
     }
 
-    /// What the correction uses.
-    pub fn laid_out(&self) -> LaidOutLog<'_> {
+    /// What depths are found from, and what was learnt of its levels; `None` where they cannot be used.
+    pub fn laid_out(&self) -> Option<(LaidOutLog<'_>, &LearntLevels)> {
+        let learnt = self.learnt.as_ref()?;
         let mut chunks: Vec<Chunk> = Vec::new();
         for (ping, row) in self.rows.iter().enumerate() {
+            let Some(of_row) = &row.chunk else { continue };
             match chunks.last_mut() {
-                Some(chunk) if chunk.number == row.chunk => chunk.pings.end = ping + 1,
+                Some(chunk) if chunk.number == of_row.number => chunk.pings.end = ping + 1,
                 _ => chunks.push(Chunk {
-                    number: row.chunk,
                     pings: ping..ping + 1,
-                    range_setting: row.range_setting,
+                    ..of_row.clone()
                 }),
             }
         }
-        LaidOutLog {
+        let log = LaidOutLog {
             echoes: LogEchoes {
                 levels: self,
                 pings: self.rows.iter().map(|row| row.place).collect(),
             },
             chunks,
-            ln_per_level: self.ln_per_level,
+            law: Some(learnt.law()),
             is_weed: self.rows.iter().map(|row| row.is_weed).collect(),
-        }
+        };
+        Some((log, learnt))
     }
 }
 
-const NUMBERS: [&str; 12] = [
+const NUMBERS: [&str; 13] = [
     "x",
     "y",
     "starboard_x",
@@ -242,11 +256,13 @@ const NUMBERS: [&str; 12] = [
     "port_sample_m",
     "starboard_near_m",
     "starboard_sample_m",
+    "gain",
 ];
-const OTHERS: [&str; 6] = [
+const OTHERS: [&str; 7] = [
     "ping",
     "chunk",
     "range_setting",
+    "gain_segment",
     "weed",
     "port",
     "starboard",
@@ -269,11 +285,12 @@ fn read(path: &Path) -> Result<Vec<EchoRow>, LakeError> {
             Values::Whole(pings),
             Values::Whole(chunks),
             Values::Whole(settings),
+            Values::Whole(segments),
             Values::Flag(weed),
             Values::Bytes(port),
             Values::Bytes(starboard),
         ],
-    ) = <[Values; 6]>::try_from(read_parquet(path, &OTHERS)?)
+    ) = <[Values; 7]>::try_from(read_parquet(path, &OTHERS)?)
     else {
         return Err(damaged());
     };
@@ -281,6 +298,7 @@ fn read(path: &Path) -> Result<Vec<EchoRow>, LakeError> {
     let others = [
         chunks.len(),
         settings.len(),
+        segments.len(),
         weed.len(),
         port.len(),
         starboard.len(),
@@ -289,8 +307,9 @@ fn read(path: &Path) -> Result<Vec<EchoRow>, LakeError> {
         return Err(damaged());
     }
     let levels = port.into_iter().zip(starboard);
+    let number_at = |column: usize, index: usize| numbers[column][index];
     let row = |(index, (port, starboard)): (usize, (Vec<u8>, Vec<u8>))| {
-        let number = |column: usize| numbers[column][index];
+        let number = |column: usize| number_at(column, index);
         let side = |near: usize| SideEchoes {
             near_m: number(near),
             step_m: number(near + 1),
@@ -298,10 +317,19 @@ fn read(path: &Path) -> Result<Vec<EchoRow>, LakeError> {
             first_return: f64::NAN,
             above_bottom: false,
         };
+        let chunk = match (chunks[index], settings[index], segments[index]) {
+            (Some(number), Some(range_setting), Some(segment)) => Some(Chunk {
+                number: u32::try_from(number).ok()?,
+                pings: 0..0,
+                range_setting,
+                segment: u32::try_from(segment).ok()?,
+                gain: number_at(12, index),
+            }),
+            _ => None,
+        };
         Some(EchoRow {
             ping: pings[index]?,
-            chunk: u32::try_from(chunks[index]?).ok()?,
-            range_setting: settings[index]?,
+            chunk,
             is_weed: weed[index],
             velocity_mps: [number(4), number(5)],
             place: PingPlace {

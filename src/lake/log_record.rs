@@ -9,6 +9,7 @@ use crate::pipeline::{
 };
 use crate::regular_file;
 use crate::survey::Survey;
+use crate::swath::LearntLevels;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
 use std::path::Path;
@@ -34,9 +35,9 @@ pub struct LogRecord {
     pub soundings: usize,
     /// Its side-scan pings that have a place.
     pub pings: usize,
-    /// Natural logarithm of power for a step of its levels, where its echoes are kept and the levels are of decibels.
+    /// What its levels mean, where its echoes are kept and can be used.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub ln_per_level: Option<f64>,
+    pub levels: Option<LearntLevels>,
     /// Its rows by tile, in order.
     pub tiles: Vec<TileRows>,
 }
@@ -127,7 +128,7 @@ impl LogRecord {
             points: 0,
             soundings: 0,
             pings: 0,
-            ln_per_level: None,
+            levels: None,
             tiles: Vec::new(),
         }
     }

@@ -6,11 +6,11 @@
 //! ```
 //!
 //! Each log is independent up to its rows in tiles; a tile needs the rows that lie in it and no other, and those of its neighbours where depths are
-//! corrected by shading. `tile` names the squares,
+//! that come from echo levels. `tile` names the squares,
 //! `record` holds what all logs of a lake share, `log_record` what is known of one, `add` writes a log's rows: `point_rows`, `ping_rows` and
 //! `echo_rows`, laid out by `spread`, and `log_mosaic`, its part of the mosaic. `footprint` is the ground that a ping saw, which `who` asks. `adjust` finds the heights of logs
 //! against each other from their `meetings`, how their `positions` are corrected and, by `level_factors`, the levels of their echoes; `offsets` is the
-//! table of all three. `tile_map` makes the map of a tile, its lines cut at its edges, of `tile_points`, with `shaded_map` where it is shaded, which has a greater `reach`, `tile_mosaic` joins the parts of its mosaic, and `tile_files` writes
+//! table of all three. `tile_map` makes the map of a tile, its lines cut at its edges, of `tile_points`, with `levels_map` where they come from echo levels, which has a greater `reach`, `tile_mosaic` joins the parts of its mosaic, and `tile_files` writes
 //! both; `map_tiles` joins all maps to one of the web, which it reads back by `tile_content` and whose parts are kept by `map_parts`; `list` says what there is. Files are written aside, then renamed, and a log's record last, so
 //! that what a killed program leaves is no part of the lake.
 
@@ -22,6 +22,7 @@ mod error;
 mod footprint;
 mod index;
 mod level_factors;
+mod levels_map;
 mod list;
 mod log_mosaic;
 mod log_record;
@@ -34,7 +35,6 @@ mod point_rows;
 mod positions;
 mod reach;
 mod record;
-mod shaded_map;
 mod spread;
 mod tile;
 mod tile_content;

@@ -1,40 +1,42 @@
-//! How far around a tile its map reaches: into its neighbours where depths are corrected by shading.
+//! How far around a tile its map reaches: into its neighbours where depths come from echo levels.
 
 use super::error::LakeError;
 use super::tile::{TILE_M, TileId};
 use crate::bathymetry::SwathDepth;
 use crate::pipeline::Settings;
-use crate::swath::{PART_GROUND_M, PART_MOST_CELL_M, PART_STEP_M};
+use crate::swath::{PART_DEPTHS_M, PART_STEP_M};
 
 const _: () = assert!(TILE_M % PART_STEP_M == 0.0);
+/// Largest cells of an archive with depths from levels, metres: larger ones would not show what these tell.
+const MOST_CELL_M: f64 = 2.0;
 
 /// Refuses settings whose maps depend on more than a tile and its neighbours.
 ///
 /// # Errors
 /// A sentence.
 pub(super) fn check(settings: &Settings, cell_m: f64, halo_m: f64) -> Result<(), LakeError> {
-    if settings.surface.swath == SwathDepth::Off {
+    if settings.surface.swath != SwathDepth::Always {
         return Ok(());
     }
-    if cell_m > PART_MOST_CELL_M {
+    if cell_m > MOST_CELL_M {
         return Err(LakeError::Refused(format!(
-            "surface.cell_m is {cell_m}, but a lake is shaded in cells of {PART_MOST_CELL_M} m at most; choose smaller ones, or surface.swath = off"
+            "surface.cell_m is {cell_m}, but depths from echo levels need cells of {MOST_CELL_M} m at most; choose smaller ones, or surface.swath = off"
         )));
     }
-    if PART_GROUND_M + halo_m > TILE_M {
+    if PART_DEPTHS_M + halo_m > TILE_M {
         return Err(LakeError::Refused(format!(
-            "surface.max_gap_m is {}, which is too far for a lake that is shaded; choose at most 125, or surface.swath = off",
+            "surface.max_gap_m is {}, which is too far for depths from echo levels; choose at most 190, or surface.swath = off",
             settings.surface.max_gap_m
         )));
     }
     Ok(())
 }
 
-/// The tiles whose rows the map of one is made from, in order: its own, and its neighbours' where depths are corrected by shading.
+/// The tiles whose rows the map of one is made from, in order: its own, and its neighbours' where depths come from echo levels.
 pub(super) fn tiles_read(swath: SwathDepth, tile: TileId) -> Vec<TileId> {
     match swath {
-        SwathDepth::Off => vec![tile],
-        SwathDepth::Shaded => TileId::touched(tile.zone, beside(tile.bounds_m(), 1.0)).collect(),
+        SwathDepth::Off | SwathDepth::Auto => vec![tile],
+        SwathDepth::Always => TileId::touched(tile.zone, beside(tile.bounds_m(), 1.0)).collect(),
     }
 }
 

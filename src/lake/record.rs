@@ -31,7 +31,7 @@ const AREA_STEM: &str = "isobath_area";
 /// Longer than any record.
 pub(super) const LONGEST_RECORD: u64 = 1 << 26;
 /// How rows are laid out: another number is another lake.
-const FORMAT: u32 = 3;
+const FORMAT: u32 = 4;
 /// Side of a cell where the settings name none, metres.
 const USUAL_CELL_M: f64 = 0.5;
 /// Least and greatest cell, metres: powers of two, so that the places of cells are the same number in every tile.

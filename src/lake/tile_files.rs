@@ -143,8 +143,8 @@ impl MadeFrom {
 /// SHA-256 of the rows of a log that the map of a tile is made from, by tile, kind after kind.
 fn hashes_read(swath: SwathDepth, tile: TileId, log: &LogRecord) -> Vec<String> {
     let kinds: &[&str] = match swath {
-        SwathDepth::Off => &[POINTS],
-        SwathDepth::Shaded => &[POINTS, ECHOES],
+        SwathDepth::Off | SwathDepth::Auto => &[POINTS],
+        SwathDepth::Always => &[POINTS, ECHOES],
     };
     let tiles = tiles_read(swath, tile);
     let rows = tiles

@@ -2,10 +2,10 @@
 
 use super::error::LakeError;
 use super::index::tile_bounds_deg;
+use super::levels_map::surface_from_levels;
 use super::log_record::LogRecord;
 use super::offsets::Offsets;
 use super::record::Lake;
-use super::shaded_map::shaded_surface;
 use super::tile::TileId;
 use super::tile_points::depth_points;
 use crate::bathymetry::isobaths::{
@@ -28,7 +28,7 @@ pub struct TileMap {
 }
 
 /// The map of a tile by linear triangles, whatever `surface.method` says: the other methods reach farther than a halo. Its depths are corrected
-/// by shading where `surface.swath` says so. Neighbouring tiles are the parts of one map, to the bit. `None` where nothing is known.
+/// by echo levels where `surface.swath` says so. Neighbouring tiles are the parts of one map, to the bit. `None` where nothing is known.
 ///
 /// # Errors
 /// When rows cannot be read, or the work was cancelled.
@@ -72,11 +72,12 @@ pub fn tile_surface(
 ) -> Result<Surface, LakeError> {
     let settings = lake.settings()?.surface;
     match settings.swath {
-        SwathDepth::Off => {
+        // A tile cannot test levels by what was left out of the whole archive.
+        SwathDepth::Off | SwathDepth::Auto => {
             let points = depth_points(lake, tile, logs, offsets, progress)?;
             Ok(local_surface(&points, grid, settings.max_gap_m, progress)?)
         }
-        SwathDepth::Shaded => shaded_surface(lake, tile, grid, logs, offsets, progress),
+        SwathDepth::Always => surface_from_levels(lake, tile, grid, logs, offsets, progress),
     }
 }
 

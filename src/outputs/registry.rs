@@ -243,7 +243,7 @@ pub const OUTPUT_FILES: [OutputFile; 44] = [
     raster(
         "depth/source.tif",
         &["depth/source.qml"],
-        "What the depth of a cell rests on: 4 a sounding, 3 a first return, 2 shaded, 1 interpolated",
+        "What the depth of a cell rests on: 4 a sounding, 3 a first return, 2 echo levels, 1 interpolated",
         "class",
         "what the depth of a cell rests on",
         Writer::Results(depth::rasters::source),

@@ -8,7 +8,7 @@ use super::objects::{ObjectRows, Shapes, is_left_out};
 use super::registry::When;
 use super::track::Ground;
 use super::write::Order;
-use crate::bathymetry::{DepthPoint, Surface, spot_radius_m, spot_soundings};
+use crate::bathymetry::{DepthPoint, FromLevels, Surface, spot_radius_m, spot_soundings};
 use crate::detection::{Detection, find};
 use crate::export::{self, LogPoints, ObjectLog, TrackPiece};
 use crate::geo::LonLat;
@@ -37,7 +37,7 @@ pub enum Need {
     Footprint,
     /// Depths that span a surface.
     Surface,
-    /// Depths corrected by shading, which tells how bright the bed is.
+    /// Depths from echo levels, which tell how bright the bed is.
     Hardness,
     /// Levels for isobaths that are not too many.
     Levels,
@@ -266,6 +266,12 @@ impl<'a> Results<'a> {
             let shapes = footprint(&layouts, self.progress)?;
             Ok(Ground::new(shapes, map))
         })
+    }
+
+    /// What became of depths from echo levels, if a depth map was made.
+    pub fn made_levels(&self) -> Option<FromLevels> {
+        let map = self.depth_map.get()?.as_ref()?;
+        Some(map.surface.levels)
     }
 
     /// The depth map; `None` where the depths span none.

@@ -134,6 +134,10 @@ pub fn write(
     let made = write_rows(&mut run.results, &path, asked, &mut on_step)?;
     run.report.warnings.extend(made.warnings);
     run.made = made.files;
+    run.report.depths_between_lines = run
+        .results
+        .made_levels()
+        .and_then(|levels| levels.sentence());
     on_step("hashes");
     run.hashed = folder.files(&[], progress)?;
     run.report.name_run(&run.hashed)?;

@@ -35,7 +35,7 @@ pub use background::{Background, Same};
 pub use clip_area::clip_area;
 pub use depth::{
     Choice, CommonUncertainty, Contours, Crosslines, NamedComparison, Plane, choices, comparisons,
-    crosslines, joint_depth_points, joint_depth_surface, log_echoes,
+    crosslines, depth_points, joint_depth_points, joint_depth_surface, log_echoes,
 };
 pub use derived::{
     Bottom, BottomColour, BottomCorner, BottomKey, CornerGround, DepthMap, DepthMapKey, Derived,

@@ -51,6 +51,9 @@ pub struct Report {
     pub corrections: Vec<RequestedCorrection>,
     /// What is uncertain in all depths alike, one standard deviation each: it is in the stated error of the map.
     pub uncertainty: CommonUncertainty,
+    /// What depths between the lines are, where a depth map was made.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depths_between_lines: Option<String>,
     /// What these depths are, and what was not corrected.
     pub statement: String,
     /// The logs of a survey of several, and how they agree; absent of one log.
@@ -210,6 +213,7 @@ impl Report {
             positions: corrected_positions(settings),
             corrections: Vec::new(),
             uncertainty: CommonUncertainty::of_log(survey, products),
+            depths_between_lines: None,
             statement: [
                 settings.bottom.statement(survey).as_str(),
                 correction.statement().as_str(),

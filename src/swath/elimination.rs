@@ -21,25 +21,26 @@ const ELSEWHERE: u8 = 3;
 /// First and last column, first and last row of the nodes that an unknown occurs with.
 type Span = [[usize; 2]; 2];
 
-/// An order of the unknowns of a tile of some nodes: two unknowns of each come first, those of the correction before those of the brightness.
-pub fn order(nodes: &Nodes, neighbours: &Neighbours) -> Vec<u32> {
+/// An order of the unknowns of a tile of some nodes: `each` unknowns of each node come first, those of one kind before those of the next.
+pub fn order(nodes: &Nodes, each: usize, neighbours: &Neighbours) -> Vec<u32> {
     let mut dissection = Dissection {
         neighbours,
-        of_nodes: 2 * nodes.len(),
-        spans: spans(nodes, neighbours),
+        of_nodes: each * nodes.len(),
+        spans: spans(nodes, each, neighbours),
         sides: vec![ELSEWHERE; neighbours.unknowns()],
         order: Vec::with_capacity(neighbours.unknowns()),
     };
-    // Both unknowns of a node side by side, for what is not parted further stays as it is.
-    let at_nodes = (0..nodes.len()).flat_map(|node| [node, nodes.len() + node]);
-    let all = at_nodes.chain(2 * nodes.len()..neighbours.unknowns());
+    // The unknowns of a node side by side, for what is not parted further stays as it is.
+    let at_nodes =
+        (0..nodes.len()).flat_map(|node| (0..each).map(move |kind| kind * nodes.len() + node));
+    let all = at_nodes.chain(each * nodes.len()..neighbours.unknowns());
     dissection.part(all.map(|unknown| unknown as u32).collect());
     dissection.order
 }
 
-fn spans(nodes: &Nodes, neighbours: &Neighbours) -> Vec<Span> {
+fn spans(nodes: &Nodes, each: usize, neighbours: &Neighbours) -> Vec<Span> {
     let columns = nodes.counts[0];
-    let of_nodes = 2 * nodes.len();
+    let of_nodes = each * nodes.len();
     let at = |unknown: usize| {
         let node = unknown % nodes.len();
         [node % columns, node / columns]
@@ -253,7 +254,7 @@ mod tests {
         let (equations, unknowns) = equations();
         let usual = Pattern::of(&equations, unknowns).unwrap();
         let dissected = Pattern::in_order(&equations, unknowns, |neighbours| {
-            let order = order(&NODES, neighbours);
+            let order = order(&NODES, 2, neighbours);
             let mut sorted = order.clone();
             sorted.sort_unstable();
             assert!(sorted.into_iter().eq(0..unknowns as u32));

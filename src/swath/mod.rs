@@ -1,212 +1,279 @@
-//! Depth between the lines: the brightness of the side-scan picture says how the bed slopes.
+//! Depth between the lines: the levels of the side-scan echoes say how the bed slopes.
 //!
-//! An echo is brighter where the bed faces the boat and darker where it turns away. From two sides, as from neighbouring lines, slope
-//! changes its sign and the bed's own brightness does not, so the two can be told apart (shape from shading). What is found is a
-//! correction of the surface that the depths gave: none where a depth was measured, and small where the echoes say little. It is
-//! inferred, not measured.
+//! An echo is stronger where the bed faces the boat and weaker where it turns away. From two sides, as from neighbouring lines, the effect
+//! of a slope changes its sign and that of the bed's own brightness does not, so the two can be told apart. Depths, brightness, the curves of beam,
+//! range and noise and the gain are found together, and hold to the depths that were measured. What is found is inferred, not measured.
 //!
-//! `echoes` is what is read of a log and `layout` what is found of all of it: `level_scale` turns its levels into logarithms of power, `weed` says
-//! where echoes are none of the bed. `tiling` parts a survey, or what a part of a larger map depends on. `pieces` averages the echoes on a `ground` and
-//! `readings` are those as logarithms. `echo_law` says what a slope changes; `system` has the equations for the unknowns at the `nodes`, `elimination` the
-//! order in which they are solved, `local_sigma` learns how large the correction may be, and
-//! `correction` runs all of it in rounds.
+//! `echoes` is what is read of a log and `layout` what is found of all of it: its `law` turns levels into logarithms of power, `weed` says where echoes
+//! are none of the bed. `looks` are averaged levels, `readings` those placed on the bed; `model` says what they should be. `tiling` parts a
+//! survey, or what a part of a larger map depends on, into tiles of `nodes`; `solve` solves one, in the order of `elimination`, `depths` runs the
+//! rounds, and `gate` decides by left-out soundings whether levels are used.
 
-mod correction;
-mod echo_law;
+mod depths;
 mod echoes;
 mod elimination;
-mod ground;
+mod gate;
+mod law;
 mod layout;
-mod level_scale;
-mod local_sigma;
+mod looks;
+mod model;
 mod nodes;
-mod pieces;
 mod readings;
-mod system;
+mod solve;
 mod tiling;
 mod weed;
 
-pub use correction::Correction;
 pub use echoes::{Levels, LogEchoes, PingPlace, SideEchoes};
+pub use law::Law;
 pub use layout::{Chunk, LaidOutLog};
-pub use tiling::{PART_GROUND_M, PART_MOST_CELL_M, PART_PINGS_M, PART_STEP_M};
+pub use tiling::{PART_DEPTHS_M, PART_PINGS_M, PART_STEP_M};
 
-use crate::bathymetry::{CellSource, DepthPoint, Shading, Spread, Surface};
+use crate::bathymetry::{
+    CellSource, DepthPoint, FromLevels, Grid, LevelsRefused, Surface, SwathDepth,
+};
 use crate::progress::{Cancelled, Progress};
 use crate::statistics::median;
-use correction::{Tiling, correction};
-use ground::Ground;
-use kiddo::{ImmutableKdTree, SquaredEuclidean};
+use depths::{Found, Input};
+use model::Curves;
+use serde::{Deserialize, Serialize};
+use solve::{Brightness, Prior};
+use tiling::{Resolution, Tiling};
 
-/// Shares of the stated error that is left, of the correction that its own error is taken for, and of the size of the corrections around a cell
-/// that is taken for what echoes do not say: where these are large, left-out depths did not show the relief between the lines. On simulated
-/// ponds of seeds 101 to 105 they make of the cells between the lines those that the standard deviation promises.
-const SPREAD_SHARE: f64 = 0.85;
-const ERROR_SHARE: f64 = 0.6;
-const AROUND_SHARE: f64 = 0.55;
-/// Standard deviation of the window that the size of corrections is taken over, metres.
-const AROUND_M: f64 = 8.0;
-/// Share of the surface's stated error beyond [`BETWEEN_M`] from soundings that a correction usually has, and its bounds, metres.
-const USUAL_SHARE: f64 = 0.7;
-const USUAL_M: [f64; 2] = [0.008, 0.12];
-const BETWEEN_M: f64 = 1.0;
-/// The usual correction where the surface states no error, metres.
-const USUAL_WITHOUT_M: f64 = 0.02;
-/// Cells that the stated error is looked up in.
-const CELLS_ASKED: usize = 50_000;
+/// Tiles that curves are learnt on, and left-out soundings predicted, at most.
+const MOST_LEARNT: usize = 2;
+/// Levels are used where the error of left-out soundings is at most so many times that of triangles: under the boat, where soundings are, no second
+/// line looks, and between the lines one does.
+const MOST_RATIO: f64 = 0.85;
+/// Distances from a measured depth up to which the surface holds it alone, and from which on levels count in full, metres.
+const HELD_M: [f64; 2] = [0.5, 1.5];
+/// What is known of a bed beforehand where that was not tested.
+const UNTESTED: Prior = Prior {
+    brightness: Brightness::Patches(0.35),
+    relief_m: 0.15,
+};
+/// Standard deviations, in usual ones, from which on levels count less, and from which on for nothing: at the edge of a survey, where one line looks and no
+/// depth was measured beyond.
+const UNSURE_SDS: [f64; 2] = [2.2, 3.2];
+/// The usual standard deviation that is stated, in geometric means of the errors of left-out soundings with levels and by triangles: what the equations
+/// leave unknown says where a depth is worth more or less, but not what the model lacks. On ponds of both simulators this holds. And that mean
+/// where it was not tested, metres.
+const STATED: f64 = 0.74;
+const UNTESTED_M: f64 = 0.08;
 
-/// What became of a surface.
-#[derive(Clone, Debug)]
-pub enum Outcome {
-    /// Its depths were corrected.
-    Shaded(Correction),
-    /// It is as it was.
-    Kept(Kept),
-}
-
-/// Why a surface was not corrected.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kept {
-    /// No log has side-scan echoes with places.
-    NoSideScan,
-    /// No depth was measured.
-    NoDepths,
-    /// The recorded levels are none of decibels, or too few to tell.
-    NoDecibels,
-    /// Fewer than 500 pieces of echoes lie on the surface.
-    TooFewEchoes,
-    /// It has more than 300 tiles of 58 by 58 m.
-    TooLarge,
-    /// The equations have no solution in numbers.
-    NotSolved,
-}
-
-impl Kept {
-    /// The reason in a sentence.
-    pub fn in_words(self) -> &'static str {
-        match self {
-            Self::NoSideScan => "no log has side-scan echoes with places",
-            Self::NoDepths => "no depth was measured",
-            Self::NoDecibels => "the recorded levels are none of decibels",
-            Self::TooFewEchoes => "too few echoes lie on the surface",
-            Self::TooLarge => "the survey is too large",
-            Self::NotSolved => "the equations have no solution",
-        }
-    }
-}
-
-/// Corrects the depths of a surface by the brightness of the echoes of its logs, in the surface's plane: depths become `p + c`, spreads
-/// the root of the sum of the squares of 0.85 spread, 0.6 `c` and 0.55 times the root mean square of corrections around, where echoes say something. `measured` are the depths that the surface was made of. A surface that the echoes cannot support stays as
-/// it is.
-///
-/// A tile of 8000 nodes takes some 100 MB, and as many tiles are solved at a time as there are threads.
+/// Corrects the depths of a surface between those measured by the levels of the echoes of its logs, in the surface's plane, and says in
+/// [`Surface::levels`] what became of it. `measured` are the depths that the surface was made of.
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn shade(
+pub fn correct(
     surface: &mut Surface,
     logs: &[LogEchoes<'_>],
     measured: &[DepthPoint],
     progress: &Progress,
-) -> Result<Outcome, Cancelled> {
-    let has_echoes = |log: &LogEchoes<'_>| log.pings.iter().any(PingPlace::is_placed);
-    if !logs.iter().any(has_echoes) {
-        return Ok(Outcome::Kept(Kept::NoSideScan));
-    }
-    let anchors = anchors(measured);
-    let ground = Ground::new(surface.grid, &surface.depth_m);
-    let (Some(ground), false) = (ground, anchors.is_empty()) else {
-        return Ok(Outcome::Kept(Kept::NoDepths));
-    };
-    let Some(tiling) = Tiling::of_survey(&surface.grid) else {
-        return Ok(Outcome::Kept(Kept::TooLarge));
-    };
-    let usual_m = usual_correction_m(surface, measured);
+    mode: SwathDepth,
+) -> Result<(), Cancelled> {
     let laid_out = logs
         .iter()
         .map(|log| LaidOutLog::new(log.clone(), progress))
         .collect::<Result<Vec<_>, _>>()?;
-    let found = match correction(&laid_out, &ground, &tiling, &anchors, usual_m, progress)? {
-        Ok(found) => found,
-        Err(kept) => return Ok(Outcome::Kept(kept)),
-    };
-    add(&found, surface);
-    surface.hardness_db = hardness_db(&found, surface);
-    surface.shading = Shading::Corrected;
-    Ok(Outcome::Shaded(found))
-}
-
-/// As [`shade`], of a part of a larger map: `around` is its surface with [`PART_GROUND_M`] around the edges of the part, `logs` have the pings
-/// within [`PART_PINGS_M`], `measured` are the depths on that surface, and the corrections are right within 32 m of the edges, the same to the
-/// bit as those of a neighbouring part. Places count in a plane that all parts share, and the order of logs and depths must be the same for
-/// all. Hardness is none: each part would count it from another zero.
-///
-/// # Errors
-/// When the work was cancelled.
-pub fn shade_part(
-    around: &mut Surface,
-    edges_m: [f64; 4],
-    logs: &[LaidOutLog<'_>],
-    measured: &[DepthPoint],
-    progress: &Progress,
-) -> Result<(), Cancelled> {
-    let Some(ground) = Ground::new(around.grid, &around.depth_m) else {
-        return Ok(());
-    };
-    let tiling = Tiling::of_part(edges_m);
-    let anchors = anchors(measured);
-    let found = correction(logs, &ground, &tiling, &anchors, USUAL_WITHOUT_M, progress)?;
-    around.shading = match found {
-        Ok(found) => {
-            add(&found, around);
-            Shading::Corrected
+    surface.levels = match found(surface, &laid_out, measured, progress, mode)? {
+        Ok((found, left_out)) => {
+            let error_m = left_out.map_or(UNTESTED_M, |one| (one.with_m * one.without_m).sqrt());
+            add(&found, error_m, surface);
+            surface.hardness_db = hardness_db(&found, surface);
+            FromLevels::Used {
+                left_out_m: left_out.map(|one| [one.without_m, one.with_m]),
+            }
         }
-        Err(kept) => Shading::Impossible(kept.in_words()),
+        Err(why) => FromLevels::Refused(why),
     };
     Ok(())
 }
 
-/// The places of the depths that count.
-fn anchors(measured: &[DepthPoint]) -> Vec<[f64; 2]> {
-    let counting = measured.iter().filter(|point| point.weight > 0.0);
-    counting
-        .map(|point| [point.east_m, point.north_m])
-        .collect()
+type Refusable<T> = Result<T, LevelsRefused>;
+
+fn found(
+    surface: &Surface,
+    logs: &[LaidOutLog<'_>],
+    measured: &[DepthPoint],
+    progress: &Progress,
+    mode: SwathDepth,
+) -> Result<Refusable<(Found, Option<gate::LeftOut>)>, Cancelled> {
+    if !logs
+        .iter()
+        .any(|log| log.echoes.pings.iter().any(PingPlace::is_placed))
+    {
+        return Ok(Err(LevelsRefused::NoSideScan));
+    }
+    if logs.iter().all(|log| log.law.is_none()) {
+        return Ok(Err(LevelsRefused::NoLaw));
+    }
+    let Some(tiling) = Tiling::of_survey(&surface.grid) else {
+        return Ok(Err(LevelsRefused::TooLarge));
+    };
+    let learning = Tiling::at(&surface.grid, tiling.resolution.of_learning());
+    let input = Input::new(logs, gate::anchors(measured), learning.resolution, progress)?;
+    let tiles = input.busiest(&learning, MOST_LEARNT);
+    if tiles.is_empty() || input.anchors.is_empty() {
+        return Ok(Err(LevelsRefused::TooFewEchoes));
+    }
+    if mode == SwathDepth::Auto && !gate::is_seen_from_two_sides(&input, &learning, &tiles) {
+        return Ok(Err(LevelsRefused::OneSide));
+    }
+    let chosen = gate::choose(&input, measured, &learning, &tiles, progress)?;
+    let left_out = chosen.map(|(_, left_out)| left_out);
+    if mode == SwathDepth::Auto {
+        match left_out {
+            None => return Ok(Err(LevelsRefused::NoTest)),
+            Some(one) if one.with_m > MOST_RATIO * one.without_m => {
+                return Ok(Err(LevelsRefused::NoBetter {
+                    without_m: one.without_m,
+                    with_m: one.with_m,
+                }));
+            }
+            Some(_) => {}
+        }
+    }
+    let prior = chosen.map_or(UNTESTED, |(prior, _)| prior);
+    let Some((curves, _)) = input.learn(&learning, &tiles, &input.anchors, prior, progress)? else {
+        return Ok(Err(LevelsRefused::TooFewEchoes));
+    };
+    let found = input.find(&tiling, &curves, prior, progress)?;
+    Ok(found
+        .map(|found| (found, left_out))
+        .ok_or(LevelsRefused::NotSolved))
 }
 
-/// Adds a correction to the depths of a surface, and says which of them rest on it.
-fn add(found: &Correction, surface: &mut Surface) {
-    let around_m = found.size_around_m(AROUND_M);
+/// What the levels of a log mean, so that a part of a map needs no more of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LearntLevels {
+    law: law::Law,
+    /// The curves of each range setting.
+    curves: Vec<(i32, Vec<f64>)>,
+}
+
+impl LearntLevels {
+    /// Of a whole log and the depths that it measured; `None` where its levels cannot be used.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn of(
+        log: &LaidOutLog<'_>,
+        measured: &[DepthPoint],
+        progress: &Progress,
+    ) -> Result<Option<Self>, Cancelled> {
+        let grid = Grid::over(measured, Resolution::COARSE.node_m, usize::MAX);
+        let (Some(law), Some(grid)) = (log.law, grid) else {
+            return Ok(None);
+        };
+        let logs = std::slice::from_ref(log);
+        let tiling = Tiling::at(&grid, Resolution::COARSE);
+        let input = Input::new(logs, gate::anchors(measured), tiling.resolution, progress)?;
+        let tiles = input.busiest(&tiling, MOST_LEARNT);
+        let Some((curves, _)) = input.learn(&tiling, &tiles, &input.anchors, UNTESTED, progress)?
+        else {
+            return Ok(None);
+        };
+        let of_set =
+            |(set, curves): (&(u32, i32), Option<Curves>)| Some((set.1, curves?.0.to_vec()));
+        let curves: Vec<_> = input.sets.iter().zip(curves).filter_map(of_set).collect();
+        Ok((!curves.is_empty()).then_some(Self { law, curves }))
+    }
+
+    /// What is written of an echo.
+    pub fn law(&self) -> law::Law {
+        self.law
+    }
+
+    fn of_setting(&self, setting: i32) -> Option<Curves> {
+        let (_, curves) = self.curves.iter().find(|(of, _)| *of == setting)?;
+        Some(Curves(curves.as_slice().try_into().ok()?))
+    }
+}
+
+/// As [`correct`], of a part of a larger map: `around` is its surface, `edges_m` are its edges, `logs` have the pings within [`PART_PINGS_M`] with what was
+/// learnt of each, `measured` are the depths within [`PART_DEPTHS_M`], and depths are right within 32 m of the edges, the same to the bit as
+/// those of a neighbouring part. Places count in a plane that all parts share, and the order of logs and depths must be the same for
+/// all. Hardness is none: each part would count it from another zero.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn correct_part(
+    around: &mut Surface,
+    edges_m: [f64; 4],
+    logs: &[LaidOutLog<'_>],
+    learnt: &[&LearntLevels],
+    measured: &[DepthPoint],
+    progress: &Progress,
+) -> Result<(), Cancelled> {
+    let tiling = Tiling::of_part(edges_m);
+    let input = Input::new(logs, gate::anchors(measured), tiling.resolution, progress)?;
+    let of_set = |(log, setting): &(u32, i32)| learnt.get(*log as usize)?.of_setting(*setting);
+    let curves: Vec<Option<Curves>> = input.sets.iter().map(of_set).collect();
+    around.levels = match input.find(&tiling, &curves, UNTESTED, progress)? {
+        Some(found) => {
+            add(&found, UNTESTED_M, around);
+            FromLevels::Used { left_out_m: None }
+        }
+        None => FromLevels::Refused(LevelsRefused::TooFewEchoes),
+    };
+    Ok(())
+}
+
+/// What levels count against the surface without them, at a distance from the nearest measured depth, metres.
+fn share_of_levels(distance_m: f64) -> f64 {
+    rise(distance_m, HELD_M)
+}
+
+/// From 0 at the first of two values to 1 at the second, without a kink.
+fn rise(value: f64, [from, to]: [f64; 2]) -> f64 {
+    let along = ((value - from) / (to - from)).clamp(0.0, 1.0);
+    along * along * (3.0 - 2.0 * along)
+}
+
+/// Takes the depths that were found over into a surface; `error_m` is what they usually miss by.
+fn add(found: &Found, error_m: f64, surface: &mut Surface) {
+    let nodes = &found.nodes;
+    let seen = found
+        .sd_m
+        .iter()
+        .zip(&found.seen)
+        .filter(|(_, seen)| **seen > 0.5);
+    let usual_sd_m = median(&mut seen.map(|(sd_m, _)| *sd_m).collect::<Vec<_>>());
     let columns = surface.grid.columns.max(1);
-    let depths = surface.depth_m.iter_mut().zip(&mut surface.spread_m);
-    let cells = depths.zip(&mut surface.source).enumerate();
-    for (cell, ((depth_m, spread_m), source)) in cells {
-        if depth_m.is_nan() {
+    for cell in 0..surface.depth_m.len() {
+        let without_m = f64::from(surface.depth_m[cell]);
+        if without_m.is_nan() {
             continue;
         }
         let centre = surface.grid.centre(cell / columns, cell % columns);
-        let added_m = found.at(centre);
-        let is_seen = found.sees(centre);
-        let share = if is_seen { SPREAD_SHARE } else { 1.0 };
-        let around_m = found.nodes.value_at(&around_m, centre);
-        *depth_m = (f64::from(*depth_m) + added_m) as f32;
-        *spread_m = (share * f64::from(*spread_m))
-            .hypot(ERROR_SHARE * added_m)
-            .hypot(AROUND_SHARE * around_m) as f32;
-        if *source == CellSource::Interpolated && is_seen {
-            *source = CellSource::Shaded;
+        let sds = nodes.value_at(&found.sd_m, centre) / usual_sd_m;
+        let share = share_of_levels(f64::from(surface.distance_m[cell]))
+            * (1.0 - rise(sds, UNSURE_SDS))
+            * nodes.value_at(&found.seen, centre);
+        if share <= 0.0 {
+            continue;
+        }
+        let depth_m = nodes.value_at(&found.depth_m, centre);
+        let sd_m = STATED * error_m * sds;
+        surface.depth_m[cell] = (without_m + share * (depth_m - without_m)) as f32;
+        let without_sd_m = f64::from(surface.spread_m[cell]);
+        surface.spread_m[cell] = (share * sd_m + (1.0 - share) * without_sd_m) as f32;
+        if surface.source[cell] == CellSource::Interpolated && share > 0.5 {
+            surface.source[cell] = CellSource::FromLevels;
         }
     }
 }
 
 /// The brightness of the bed in the cells with a depth that echoes say something of, decibels over their median; `None` where that
 /// is none.
-fn hardness_db(found: &Correction, surface: &Surface) -> Option<Vec<f32>> {
+fn hardness_db(found: &Found, surface: &Surface) -> Option<Vec<f32>> {
     let columns = surface.grid.columns.max(1);
+    let nodes = &found.nodes;
     let of_cell = |(cell, depth_m): (usize, &f32)| {
         let centre = surface.grid.centre(cell / columns, cell % columns);
-        let is_known = !depth_m.is_nan() && found.sees(centre);
-        let ln = is_known.then(|| found.nodes.value_at(&found.ln_brightness, centre));
+        let is_known = !depth_m.is_nan() && found.seen[nodes.nearest(centre)] > 0.5;
+        let ln = is_known.then(|| nodes.value_at(&found.ln_brightness, centre));
         ln.map_or(f64::NAN, |ln| 10.0 * ln / std::f64::consts::LN_10)
     };
     let cells_db: Vec<f64> = surface.depth_m.iter().enumerate().map(of_cell).collect();
@@ -216,53 +283,21 @@ fn hardness_db(found: &Correction, surface: &Surface) -> Option<Vec<f32>> {
         return None;
     }
     let usual_db = median(&mut known);
-    let over = |value: f64| (value - usual_db) as f32;
-    Some(cells_db.into_iter().map(over).collect())
-}
-
-/// The size that a correction usually has: a share of the median stated error between the lines, metres.
-fn usual_correction_m(surface: &Surface, measured: &[DepthPoint]) -> f64 {
-    let soundings: Vec<[f64; 2]> = (measured
-        .iter()
-        .filter(|point| point.is_sounding && point.weight > 0.0))
-    .map(|point| [point.east_m, point.north_m])
-    .collect();
-    let (Spread::OfError, false) = (surface.spread_is, soundings.is_empty()) else {
-        return USUAL_WITHOUT_M;
-    };
-    let Ok(tree) = ImmutableKdTree::<f64, 2>::new_from_slice(&soundings) else {
-        return USUAL_WITHOUT_M;
-    };
-    let columns = surface.grid.columns.max(1);
-    let step = surface.grid.len().div_ceil(CELLS_ASKED).max(1);
-    let spread_between = |cell: usize| {
-        let spread_m = surface
-            .spread_m
-            .get(cell)
-            .filter(|spread_m| spread_m.is_finite())?;
-        let centre = surface.grid.centre(cell / columns, cell % columns);
-        let query = tree.query(&centre);
-        let nearest = query.nearest_one::<SquaredEuclidean<f64>>().execute();
-        (nearest.distance > BETWEEN_M * BETWEEN_M).then_some(f64::from(*spread_m))
-    };
-    let mut spreads_m: Vec<f64> = (0..surface.grid.len())
-        .step_by(step)
-        .filter_map(spread_between)
-        .collect();
-    match spreads_m.is_empty() {
-        true => USUAL_WITHOUT_M,
-        false => (USUAL_SHARE * median(&mut spreads_m)).clamp(USUAL_M[0], USUAL_M[1]),
-    }
+    Some(
+        cells_db
+            .into_iter()
+            .map(|value| (value - usual_db) as f32)
+            .collect(),
+    )
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bathymetry::Grid;
     use crate::survey::Survey;
 
     #[test]
-    fn a_surface_without_echoes_or_depths_stays_as_it_is() {
+    fn a_surface_without_echoes_stays_as_it_is_and_says_why() {
         let grid = Grid {
             west_m: 0.0,
             north_m: 10.0,
@@ -270,9 +305,7 @@ mod tests {
             columns: 10,
             rows: 10,
         };
-        let mut surface = Surface::of_depths(grid, vec![2.0; 100]);
-        let before = surface.clone();
-        let survey = Survey::default();
+        let before = Surface::of_depths(grid, vec![2.0; 100]);
         let measured = DepthPoint {
             east_m: 3.0,
             north_m: 3.0,
@@ -293,24 +326,34 @@ mod tests {
             transducer_m: 0.0,
             sides: [side; 2],
         };
-        let of_pings = |pings: Vec<PingPlace>| LogEchoes {
-            levels: &survey,
-            pings,
-        };
-        let logs = [of_pings(Vec::new()), of_pings(vec![ping; 100])];
-        let mut kept = |logs: &[LogEchoes<'_>], measured: &[DepthPoint]| match shade(
-            &mut surface,
-            logs,
-            measured,
-            &Progress::new(),
-        ) {
-            Ok(Outcome::Kept(why)) => why,
-            other => panic!("{other:?}"),
-        };
-        assert_eq!(kept(&logs[..1], &[measured]), Kept::NoSideScan);
-        assert_eq!(kept(&logs, &[]), Kept::NoDepths);
-        // Pings without samples.
-        assert_eq!(kept(&logs, &[measured]), Kept::NoDecibels);
-        assert_eq!(surface, before);
+        let survey = Survey::default();
+        for (pings, why) in [
+            (Vec::new(), LevelsRefused::NoSideScan),
+            // Pings without samples.
+            (vec![ping; 100], LevelsRefused::NoLaw),
+        ] {
+            let mut surface = before.clone();
+            let logs = [LogEchoes {
+                levels: &survey,
+                pings,
+            }];
+            correct(
+                &mut surface,
+                &logs,
+                &[measured],
+                &Progress::new(),
+                SwathDepth::Auto,
+            )
+            .unwrap();
+            assert_eq!(surface.levels, FromLevels::Refused(why));
+            assert_eq!(surface.depth_m, before.depth_m);
+        }
+    }
+
+    #[test]
+    fn levels_count_for_nothing_beside_a_measured_depth_and_in_full_away_from_it() {
+        assert_eq!(share_of_levels(0.4), 0.0);
+        assert_eq!(share_of_levels(1.6), 1.0);
+        assert!((share_of_levels(1.0) - 0.5).abs() < 1e-12);
     }
 }

@@ -58,26 +58,19 @@ impl Blend {
         }
     }
 
-    /// Adds the values of a tile that are known but for a constant: of the mean of what other tiles say where they overlap.
-    pub fn add_level(&mut self, all: &Nodes, tile: &Tile, values: &[f64]) {
-        let (mut apart, mut weights) = (0.0, 0.0);
-        for (node, value) in values.iter().enumerate() {
-            let place = tile.index_in(all, node);
-            let weight = tile.weight(node) * self.weights[place];
-            if weight > 0.0 {
-                apart += weight * (self.sums[place] / self.weights[place] - value);
-                weights += weight;
-            }
-        }
-        let constant = if weights > 0.0 { apart / weights } else { 0.0 };
-        let level: Vec<f64> = values.iter().map(|value| value + constant).collect();
-        self.add(all, tile, &level);
-    }
-
     /// The values at all nodes; 0 where no tile was added.
     pub fn values(self) -> Vec<f64> {
-        let both = self.sums.into_iter().zip(self.weights);
-        let value = |(sum, weight)| if weight > 0.0 { sum / weight } else { 0.0 };
+        let none = vec![0.0; self.sums.len()];
+        self.values_or(&none)
+    }
+
+    /// The values at all nodes; those of `others` where no tile was added.
+    pub fn values_or(self, others: &[f64]) -> Vec<f64> {
+        let both = self.sums.into_iter().zip(self.weights).zip(others);
+        let value = |((sum, weight), other): ((f64, f64), &f64)| match weight > 0.0 {
+            true => sum / weight,
+            false => *other,
+        };
         both.map(value).collect()
     }
 }
@@ -103,6 +96,23 @@ impl Nodes {
     /// Number of nodes.
     pub fn len(&self) -> usize {
         self.counts[0] * self.counts[1]
+    }
+
+    /// West, south, east and north of the outermost nodes, metres.
+    pub fn bounds_m(&self) -> [f64; 4] {
+        let at = |axis: usize, step: usize| {
+            self.zero_m[axis] + (self.first[axis] + step as i64) as f64 * self.step_m
+        };
+        let last = |axis: usize| at(axis, self.counts[axis] - 1);
+        [at(0, 0), at(1, 0), last(0), last(1)]
+    }
+
+    /// The place of a node, east and north, metres.
+    pub fn place_m(&self, node: usize) -> [f64; 2] {
+        let steps = [node % self.counts[0], node / self.counts[0]];
+        [0, 1].map(|axis| {
+            self.zero_m[axis] + (self.first[axis] + steps[axis] as i64) as f64 * self.step_m
+        })
     }
 
     /// Whether a place east and north lies between the outermost nodes.
@@ -202,10 +212,17 @@ impl Nodes {
 }
 
 impl Tile {
-    /// The values at its nodes out of those at all nodes.
-    pub fn cut(&self, all: &Nodes, values: &[f64]) -> Vec<f64> {
-        let index = |node| values[self.index_in(all, node)];
-        (0..self.nodes.len()).map(index).collect()
+    /// The nodes of its core.
+    pub fn core_nodes(&self) -> Nodes {
+        let [columns, rows] = self.core;
+        Nodes {
+            first: [
+                self.nodes.first[0] + columns[0] as i64,
+                self.nodes.first[1] + rows[0] as i64,
+            ],
+            counts: [columns[1] - columns[0], rows[1] - rows[0]],
+            ..self.nodes
+        }
     }
 
     /// What a node counts against those of other tiles: 1 in the core, down to 0 at [`BLEND`] nodes beside it.
@@ -218,7 +235,8 @@ impl Tile {
         along(node % columns, self.core[0]) * along(node / columns, self.core[1])
     }
 
-    fn index_in(&self, all: &Nodes, node: usize) -> usize {
+    /// The place of one of its nodes among all.
+    pub fn index_in(&self, all: &Nodes, node: usize) -> usize {
         let columns = self.nodes.counts[0];
         let (row, column) = (node / columns, node % columns);
         (row + self.first[1]) * all.counts[0] + column + self.first[0]
@@ -244,6 +262,12 @@ mod tests {
         counts: [41, 23],
     };
 
+    /// The values at the nodes of a tile out of those at all nodes.
+    fn cut(tile: &Tile, values: &[f64]) -> Vec<f64> {
+        let value = |node| values[tile.index_in(&NODES, node)];
+        (0..tile.nodes.len()).map(value).collect()
+    }
+
     #[test]
     fn values_are_bilinear_between_nodes() {
         let value = |[east, north]: [f64; 2]| 1.0 + 0.3 * east - 0.2 * north;
@@ -266,7 +290,7 @@ mod tests {
         for most in [100, 10_000] {
             let mut blend = Blend::none(&NODES);
             for tile in NODES.tiles(most, 10, 14) {
-                blend.add(&NODES, &tile, &tile.cut(&NODES, &values));
+                blend.add(&NODES, &tile, &cut(&tile, &values));
             }
             let back = blend.values();
             let differs = |(one, other): (&f64, &f64)| (one - other).abs() > 1e-12;
@@ -283,7 +307,7 @@ mod tests {
         let values: Vec<f64> = (0..NODES.len()).map(|node| (node as f64).cos()).collect();
         let expected = NODES.value_at(&values, place);
         for part in parts.iter().filter(|part| part.nodes.holds(place)) {
-            let found = part.nodes.value_at(&part.cut(&NODES, &values), place);
+            let found = part.nodes.value_at(&cut(part, &values), place);
             assert_eq!(found.to_bits(), expected.to_bits());
         }
         // The last core of a row is cut short by the margin.

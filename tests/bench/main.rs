@@ -11,6 +11,8 @@ mod detector;
 mod first_return;
 mod following;
 mod large_log;
+mod levels;
+mod levels_cost;
 mod lines;
 mod many_logs;
 mod map;
@@ -21,8 +23,6 @@ mod mosaic;
 mod outliers;
 mod products;
 mod resources;
-mod shading;
-mod shading_cost;
 mod surface;
 #[path = "../suite/truth.rs"]
 mod truth;
@@ -43,8 +43,8 @@ const BENCHES: &[(&str, fn())] = &[
     ("mosaic", mosaic::run),
     ("outliers", outliers::run),
     ("products", products::run),
-    ("shading", shading::run),
-    ("shading_cost", shading_cost::run),
+    ("levels", levels::run),
+    ("levels_cost", levels_cost::run),
     ("surface", surface::run),
     ("waterfall", waterfall::run),
     ("bottom", bottom::run),

@@ -85,14 +85,14 @@ fn reported() -> Vec<(String, SurfaceSettings)> {
             "the same with above-bottom returns".to_owned(),
             settings(chosen, true),
         ),
-        ("both, shaded".to_owned(), shaded()),
+        ("both, from_levels".to_owned(), from_levels()),
     ]
 }
 
-/// Corrected by the brightness of the echoes.
-pub fn shaded() -> SurfaceSettings {
+/// With depths from echo levels.
+pub fn from_levels() -> SurfaceSettings {
     SurfaceSettings {
-        swath: SwathDepth::Shaded,
+        swath: SwathDepth::Always,
         ..settings(SurfaceSettings::default().side_scan_weight, false)
     }
 }
@@ -153,11 +153,12 @@ pub fn errors_of(pond: &Mission, map: &Surface) -> Vec<MapError> {
     pond.known.map_errors(map, &soundings)
 }
 
-/// What first returns gain, what shading gains over that, and what the stated errors of either are worth, by the distance to the nearest sounding.
+/// What first returns gain, what levels gain over that, and what the stated errors of either are worth, by the distance to the nearest sounding.
 fn print_by_distance(kind: &str, ponds: &[Mission]) {
     let triangles = settings(SurfaceSettings::default().side_scan_weight, false);
-    let maps = [settings(0.0, false), triangles, shaded()].map(|settings| errors(ponds, &settings));
-    for (names, maps) in [("soundings", "triangles"), ("triangles", "shaded")]
+    let maps =
+        [settings(0.0, false), triangles, from_levels()].map(|settings| errors(ponds, &settings));
+    for (names, maps) in [("soundings", "triangles"), ("triangles", "from_levels")]
         .into_iter()
         .zip(maps.windows(2))
     {

@@ -186,7 +186,7 @@ fn ten_logs_are_one_set_of_products_with_their_heights_to_a_centimetre() {
     let folder = temporary.path();
     fs::create_dir(folder.join("logs")).expect("a folder");
     write_logs(&folder.join("logs"), HIGHER_M.len());
-    let process = "process logs --adjust --no-objects --set points.las=true --set surface.swath=shaded -o out";
+    let process = "process logs --adjust --no-objects --set points.las=true --set surface.swath=always -o out";
     run(folder, &process.split(' ').collect::<Vec<_>>());
     let out = folder.join("out");
     let is_asked = |when| ![When::Searched, When::Compared].contains(&when);

@@ -51,7 +51,7 @@ fn a_run_with_everything_writes_a_file_for_every_row_and_no_other() {
         "--set",
         "points.las=true",
         "--set",
-        "surface.swath=shaded",
+        "surface.swath=always",
         "-o",
         "out",
     ];

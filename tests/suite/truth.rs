@@ -7,7 +7,7 @@ use bathyscope::pipeline::{Products, log_echoes};
 use bathyscope::progress::Progress;
 use bathyscope::simulation::{Scene, Simulated, simulate};
 use bathyscope::survey::{Side, Survey};
-use bathyscope::swath::{LogEchoes, shade};
+use bathyscope::swath::{LogEchoes, correct};
 
 /// What is wrong with a cell of a map.
 #[derive(Clone, Copy)]
@@ -86,7 +86,7 @@ pub fn map(
     map_with(echoes, products, settings, counts)
 }
 
-/// The same, shaded by some echoes where the settings ask for it.
+/// The same, with depths from the levels of some echoes where the settings ask for it.
 pub fn map_with(
     echoes: LogEchoes<'_>,
     products: &Products,
@@ -113,8 +113,8 @@ pub fn map_with(
         .filter(|point| point.weight > 0.0)
         .collect();
     let mut made = surface(points.clone(), settings, &progress).expect("not cancelled")?;
-    if settings.swath == SwathDepth::Shaded {
-        shade(&mut made, &[echoes], &points, &progress).expect("not cancelled");
+    if settings.swath != SwathDepth::Off {
+        correct(&mut made, &[echoes], &points, &progress, settings.swath).expect("not cancelled");
     }
     Some(made)
 }

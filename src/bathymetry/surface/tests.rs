@@ -52,8 +52,8 @@ fn a_cell_says_what_its_depth_rests_on() {
     assert_eq!(at(20.0, 5.0), CellSource::Interpolated);
     let known = map.depth_m.iter().map(|depth_m| !depth_m.is_nan());
     assert!(known.eq(map.source.iter().map(|one| *one != CellSource::None)));
-    let [sounding, first_return, shaded, interpolated] = map.source_shares();
-    assert_eq!(shaded, 0.0);
+    let [sounding, first_return, from_levels, interpolated] = map.source_shares();
+    assert_eq!(from_levels, 0.0);
     assert!((sounding + first_return + interpolated - 1.0).abs() < 1e-12);
     assert!(interpolated > 0.8 && sounding > first_return && first_return > 0.0);
 }

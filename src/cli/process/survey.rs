@@ -85,6 +85,9 @@ impl How<'_> {
             output::notify(format_args!("warning: {warning}"));
         }
         output::results(written.report.summary())?;
+        if let Some(sentence) = &written.report.depths_between_lines {
+            output::results(sentence)?;
+        }
         if let (Some(found), Some(model)) = (&written.found, self.model) {
             let objects = found::proposed(found, model.names());
             output::results(format_args!("proposed by the detector: {objects}"))?;

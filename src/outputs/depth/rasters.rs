@@ -90,7 +90,7 @@ pub fn hardness(results: &Results<'_>, path: &Path) -> Result<FileContent, Outpu
             unit: "decibel",
             ..band("brightness of the bed over the median", false)
         },
-        what: "How much brighter the bed is than the median of the map, decibels of power, as shading tells it: without slope, angle, range and gain",
+        what: "How much brighter the bed is than the median of the map, decibels of power, as echo levels tell it: without slope, angle, range and gain",
         colour: share_colour,
     };
     write(

@@ -2,15 +2,15 @@
 
 use super::plane::Plane;
 use super::swath::log_echoes;
-use crate::bathymetry::{DepthPoint, Shading, Surface, SwathDepth, surface};
+use crate::bathymetry::{DepthPoint, Surface, SwathDepth, surface};
 use crate::geo::MapPlane;
 use crate::pipeline::ProcessedLog;
 use crate::progress::{Cancelled, Progress};
-use crate::swath::{LogEchoes, Outcome, shade};
+use crate::swath::{LogEchoes, correct};
 
 /// The surface of the kept points of all logs of a survey in the plane of a map, by the `surface.*` settings of the first. Each log's
 /// points weigh what its own settings give them; where logs meet in a cell the weighted median stands, so that a log with many points
-/// there counts more. The brightness of the echoes of all logs corrects it where `surface.swath` says so. `None` where the depths span
+/// there counts more. Depths between the lines come from the levels of the echoes of all logs where `surface.swath` says so. `None` where the depths span
 /// no surface.
 ///
 /// # Errors
@@ -32,9 +32,7 @@ pub fn joint_depth_surface(
         return Ok(None);
     };
     let echoes: Vec<LogEchoes<'_>> = logs.iter().map(|log| echoes_of(log, map)).collect();
-    if let Outcome::Kept(why) = shade(&mut made, &echoes, &points, progress)? {
-        made.shading = Shading::Impossible(why.in_words());
-    }
+    correct(&mut made, &echoes, &points, progress, settings.swath)?;
     Ok(Some(made))
 }
 

@@ -4,7 +4,7 @@ use crate::pipeline::Products;
 use crate::survey::{PingNav, Side, Survey};
 use crate::swath::{LogEchoes, PingPlace, SideEchoes};
 
-/// What shape from shading reads of a log; `place` gives east and north in the plane for those of the survey, metres. Pings that count for
+/// What depths from levels read of a log; `place` gives east and north in the plane for those of the survey, metres. Pings that count for
 /// nothing have no place. Without usable side-scan there is none.
 pub fn log_echoes<'a>(
     survey: &'a Survey,

@@ -37,7 +37,7 @@ pub enum BottomColour {
     Distance,
     /// What the depth rests on.
     Source,
-    /// How bright the bed is by itself, as shading tells it: `depth/hardness.tif`. Without shading nothing is known.
+    /// How bright the bed is by itself: `depth/hardness.tif`. Without depths from echo levels nothing is known.
     Hardness,
 }
 

@@ -362,11 +362,12 @@ rows! {
     LONGEST_ABOVE_BOTTOM: "surface.longest_above_bottom_m", "Longest", "longest above-bottom stretch",
         "Side-scan points above the recorded depth count where most first returns of both sides lie above it for longer than this along the track.",
         number!(surface.longest_above_bottom_m, "m", [0.0, 100_000.0], 1.0, 0, LogSlider);
-    SWATH: "surface.swath", "Shading", "depth by shading",
-        "Whether the brightness of the echoes corrects the depth between the lines: a bed that faces the boat is brighter.",
+    SWATH: "surface.swath", "Echo levels", "depths from echo levels",
+        "Whether depths between the lines come from the levels of the side-scan echoes: a bed that faces the boat is brighter. Inferred, not measured.",
         choice!(surface.swath, [
+            "auto", "where they predict soundings", "Used where soundings that are left out for a test are predicted with them; an archive of many logs does not use them.";
             "off", "off", "Depths between the lines are interpolated alone.";
-            "shaded", "shaded", "Interpolated depths are corrected by shape from shading where echoes of decibels allow it. Inferred, not measured. Slower.";
+            "always", "always", "Used wherever they can be read, whatever the test says.";
         ]);
     RELIEF: "surface.relief", "Echoes", "ground of echoes and objects",
         "What echoes and objects are placed on: the bottom that the log measured, where it did, or a level one.",

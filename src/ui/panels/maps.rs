@@ -73,6 +73,8 @@ fn worth(ui: &mut Ui, context: &ViewContext<'_>) {
     };
     let hint = "What the depths of the map between those measured were found by.";
     fact(ui, "Found by", hint, map.surface.method_in_words());
+    let hint = "What the depths between the lines are: interpolated, or from the levels of the side-scan echoes where these predict left-out soundings.";
+    fact(ui, "Between lines", hint, map.surface.levels.to_string());
     if let Some([half_m, most_m]) = map.usual_error_m {
         let units = context.app.options.units;
         let hint = "Standard deviation of a depth of the map, as depths that were left out show it: half of the map is at least as good as the first, nine tenths of it as the second.";

@@ -22,6 +22,7 @@ fn side_scan_lowers_the_error_of_the_map_and_missions_repeat_as_the_truth_says()
     let first = Mission::new(&pond(), 31);
     let with = SurfaceSettings {
         cell_m: Some(0.4),
+        swath: SwathDepth::Off,
         ..SurfaceSettings::default()
     };
     let without = SurfaceSettings {
@@ -79,7 +80,7 @@ fn a_map_knows_how_near_it_is_to_the_bed() {
 }
 
 #[test]
-fn shading_finds_mounds_that_lie_between_the_lines() {
+fn levels_find_mounds_that_lie_between_the_lines() {
     let mut scene = Scene::gentle();
     scene.track.lines = 4;
     scene.track.spacing_m = 8.0;
@@ -104,7 +105,7 @@ fn shading_finds_mounds_that_lie_between_the_lines() {
         };
         pond.known.map(&pond.products, &settings)
     };
-    let [plain, shaded] = [SwathDepth::Off, SwathDepth::Shaded].map(map);
+    let [plain, from_levels] = [SwathDepth::Off, SwathDepth::Always].map(map);
     let errors = |map| {
         let errors = pond.known.map_errors(map, &plain).into_iter();
         errors
@@ -115,32 +116,32 @@ fn shading_finds_mounds_that_lie_between_the_lines() {
         let mut errors: Vec<f64> = errors(map).iter().map(|one| one.error_m).collect();
         Residuals::of(&mut errors).expect("cells").rms_m
     };
-    let left = rms_m(&shaded) / rms_m(&plain);
+    let left = rms_m(&from_levels) / rms_m(&plain);
     assert!(left < 0.8, "{left}");
-    let stated = errors(&shaded).into_iter();
+    let stated = errors(&from_levels).into_iter();
     let ratios: Vec<f64> = stated.map(|one| one.error_m.abs() / one.spread_m).collect();
     let within = ratios.iter().filter(|ratio| **ratio < 2.0).count() as f64 / ratios.len() as f64;
     assert!(within > 0.8, "{within}");
-    check_sources(&plain, &shaded);
-    check_hardness(&pond, &shaded);
+    check_sources(&plain, &from_levels);
+    check_hardness(&pond, &from_levels);
 }
 
-/// What was interpolated is shaded where echoes reach, and what was measured stays measured.
-fn check_sources(plain: &Surface, shaded: &Surface) {
+/// What was interpolated is from levels where echoes reach, and what was measured stays measured.
+fn check_sources(plain: &Surface, from_levels: &Surface) {
     let share = |map: &Surface, source: CellSource| {
         map.source.iter().filter(|one| **one == source).count() as f64 / map.source.len() as f64
     };
     for source in [CellSource::Sounding, CellSource::FirstReturn] {
-        assert_eq!(share(plain, source), share(shaded, source));
+        assert_eq!(share(plain, source), share(from_levels, source));
     }
-    let [before, left] = [plain, shaded].map(|map| share(map, CellSource::Interpolated));
-    assert_eq!(share(plain, CellSource::Shaded), 0.0);
+    let [before, left] = [plain, from_levels].map(|map| share(map, CellSource::Interpolated));
+    assert_eq!(share(plain, CellSource::FromLevels), 0.0);
     assert!(left < 0.5 * before && left > 0.0, "{before} {left}");
 }
 
-/// The brightness that shading leaves to the bed is that of its patches, decibel for decibel.
-fn check_hardness(pond: &Mission, shaded: &Surface) {
-    let hardness_db = shaded.hardness_db.as_ref().expect("shaded");
+/// The brightness that levels leave to the bed is that of its patches, smoothed as far as predicts depths best.
+fn check_hardness(pond: &Mission, from_levels: &Surface) {
+    let hardness_db = from_levels.hardness_db.as_ref().expect("from levels");
     let steps = [-0.3, 0.0, 0.3];
     let true_db = |[east_m, north_m]: [f64; 2]| {
         let around = steps.iter().flat_map(|e| steps.iter().map(move |n| [e, n]));
@@ -149,7 +150,7 @@ fn check_hardness(pond: &Mission, shaded: &Surface) {
             .sum();
         10.0 * (sum / 9.0).log10()
     };
-    let columns = shaded.grid.columns;
+    let columns = from_levels.grid.columns;
     let cells = hardness_db
         .iter()
         .enumerate()
@@ -158,7 +159,7 @@ fn check_hardness(pond: &Mission, shaded: &Surface) {
         .map(|(cell, found)| {
             [
                 f64::from(*found),
-                true_db(shaded.grid.centre(cell / columns, cell % columns)),
+                true_db(from_levels.grid.centre(cell / columns, cell % columns)),
             ]
         })
         .collect();
@@ -170,8 +171,8 @@ fn check_hardness(pond: &Mission, shaded: &Surface) {
     };
     let correlation = moment(0, 1) / (moment(0, 0) * moment(1, 1)).sqrt();
     let per_db = moment(0, 1) / moment(1, 1);
-    assert!(correlation > 0.8, "{correlation}");
-    assert!((0.7..1.2).contains(&per_db), "{per_db}");
+    assert!(correlation > 0.6, "{correlation}");
+    assert!((0.3..1.2).contains(&per_db), "{per_db}");
 }
 
 #[test]

@@ -1,13 +1,13 @@
 //! Many logs over one water, in the tiles of a lake.
 
 mod killed;
+mod levels;
 mod map_tiles;
 mod maps;
 mod mosaic;
 mod offsets;
 pub mod positions;
 mod rows;
-mod shaded;
 mod who;
 
 use crate::cli::run;

@@ -158,7 +158,7 @@ pub fn paint_legend(
         }));
     }
     if bottom.is_some_and(|one| one.colour == BottomColour::Hardness && one.ends.is_none()) {
-        let text = "bottom: no hardness without shading (`Shading` of the depth map)";
+        let text = "bottom: no hardness without depths from echo levels";
         lines.push((text.to_owned(), theme::outlier_colour()));
     }
     for (text, colour) in lines {

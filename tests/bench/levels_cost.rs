@@ -1,4 +1,4 @@
-//! What shading costs beside the surface that it corrects, on a survey of ten lines and 100 000 pings.
+//! What levels costs beside the surface that it corrects, on a survey of ten lines and 100 000 pings.
 
 use crate::lines::ten_lines;
 use crate::resources::{peak_from_here_mb, peak_mb, processor_s};
@@ -20,7 +20,7 @@ pub fn run() {
     let survey = Arc::new(ten_lines(PINGS_A_LINE));
     let mut least_s = [f64::INFINITY; 2];
     let mut most_mb = [0.0_f64; 2];
-    let processed = [SwathDepth::Off, SwathDepth::Shaded].map(|swath| {
+    let processed = [SwathDepth::Off, SwathDepth::Always].map(|swath| {
         let mut settings = Settings::default();
         settings.surface.swath = swath;
         let products = pipeline::run(&survey, &settings, None, &progress, |_| ());
@@ -45,13 +45,13 @@ pub fn run() {
             most_mb[which] = most_mb[which].max(more_mb);
             println!(
                 "{} {taken_s:.2} s of processor, {:.2} s on the clock, {more_mb:.0} MB at the peak",
-                ["surface", "shaded "][which],
+                ["surface", "from_levels "][which],
                 began.elapsed().as_secs_f64()
             );
         }
     }
     println!(
-        "{} pings: shaded {:.2} times the surface's time, {:.1} times its memory",
+        "{} pings: from_levels {:.2} times the surface's time, {:.1} times its memory",
         survey.side_scan.len(),
         least_s[1] / least_s[0],
         most_mb[1] / most_mb[0]

