@@ -16,8 +16,8 @@ use crate::statistics::median;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// An offset that new logs move by less than this stays as it is, metres: a log that is added must not make every map stale for
-/// millimetres.
-const KEPT_M: f64 = 0.01;
+/// a centimetre or two.
+const KEPT_M: f64 = 0.02;
 
 /// What an adjustment found.
 #[derive(Clone, Debug)]
@@ -149,7 +149,7 @@ pub(super) fn solve(meetings: &[Meeting], pinned: &[Option<f64>]) -> HeightOffse
 }
 
 /// The offsets to apply: those of logs that are known already where they move by less than [`KEPT_M`], or than
-/// their standard error. A group that no pinned log holds is moved
+/// two standard errors. A group that no pinned log holds is moved
 /// as a whole to where the most of its known logs are.
 fn kept_heights(
     logs: &[LogRecord],
@@ -194,7 +194,9 @@ fn kept_heights(
         let height_m = found.offset_m + shifts_m.get(&found.group).copied().unwrap_or(0.0);
         match held[log] {
             // NaN is no maximum.
-            Some(row) if (row.offset_m - height_m).abs() <= KEPT_M.max(found.standard_error_m) => {
+            Some(row)
+                if (row.offset_m - height_m).abs() <= KEPT_M.max(2.0 * found.standard_error_m) =>
+            {
                 row.offset_m
             }
             _ => height_m,

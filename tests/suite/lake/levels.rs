@@ -203,6 +203,6 @@ fn a_lake_from_levels_of_large_cells_is_refused() {
     let with = |setting: &'static str| [&args[..], &LEVELS, &["--set", setting]].concat();
     let refused = refusal(folder, &with("surface.cell_m=4"), 1);
     assert!(refused.contains("2 m at most"), "{refused}");
-    let refused = refusal(folder, &with("surface.max_gap_m=250"), 1);
+    let refused = refusal(folder, &with("surface.max_gap_m=195"), 1);
     assert!(refused.contains("at most 190"), "{refused}");
 }
