@@ -3,7 +3,9 @@
 use super::parts::{self, fact, setting};
 use super::section::{Section, section};
 use crate::app::{Action, Command, MapLayer};
+use crate::bathymetry::{FromLevels, LevelsRefused};
 use crate::pipeline::settings::rows;
+use crate::presentation::units::Units;
 use crate::ui::ViewContext;
 use egui::Ui;
 
@@ -74,13 +76,34 @@ fn worth(ui: &mut Ui, context: &ViewContext<'_>) {
     let hint = "What the depths of the map between those measured were found by.";
     fact(ui, "Found by", hint, map.surface.method_in_words());
     let hint = "What the depths between the lines are: interpolated, or from the levels of the side-scan echoes where these predict left-out soundings.";
-    fact(ui, "Between lines", hint, map.surface.levels.to_string());
+    let units = context.app.options.units;
+    let text = between_lines(map.surface.levels, units);
+    fact(ui, "Between lines", hint, text);
     if let Some([half_m, most_m]) = map.usual_error_m {
         let units = context.app.options.units;
         let hint = "Standard deviation of a depth of the map, as depths that were left out show it: half of the map is at least as good as the first, nine tenths of it as the second.";
         let [half, most] = [half_m, most_m].map(|sigma_m| units.spread(sigma_m, 2));
         let text = format!("±{half} to ±{most} {}", units.symbol());
         fact(ui, "Error", hint, text);
+    }
+}
+
+/// What depths between the lines are, with what left-out soundings are missed by in the units of the window.
+fn between_lines(levels: FromLevels, units: Units) -> String {
+    let figures = |errors_m: [f64; 2]| {
+        let [without, with] = errors_m.map(|error_m| units.spread(error_m, 2));
+        let symbol = units.symbol();
+        format!("left-out soundings are missed by {with} {symbol} with them, by {without} without")
+    };
+    match levels {
+        FromLevels::Used {
+            left_out_m: Some(errors_m),
+        } => format!("from echo levels ({})", figures(errors_m)),
+        FromLevels::Refused(LevelsRefused::NoBetter { without_m, with_m }) => format!(
+            "interpolated, not from echo levels: {}",
+            figures([without_m, with_m])
+        ),
+        FromLevels::Off | FromLevels::Used { .. } | FromLevels::Refused(_) => levels.to_string(),
     }
 }
 
