@@ -42,6 +42,8 @@ pub enum LevelsRefused {
     TooFewEchoes,
     /// Too little of the ground is seen from two sides.
     OneSide,
+    /// The logs have too many range settings between them to learn the curves of each.
+    TooManyLogs,
     /// The survey has too many cells.
     TooLarge,
     /// The equations have no solution in numbers.
@@ -65,6 +67,9 @@ impl fmt::Display for LevelsRefused {
             Self::TooFewEchoes => "too few echoes lie near measured depths",
             Self::OneSide => {
                 "too little of the ground is seen from two sides, as from neighbouring lines"
+            }
+            Self::TooManyLogs => {
+                "the logs have more than eight range settings between them; `surface.swath` = `always` uses them all the same, slowly"
             }
             Self::TooLarge => "the survey is too large",
             Self::NotSolved => "the equations have no solution",

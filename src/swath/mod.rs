@@ -44,6 +44,8 @@ const MOST_LEARNT: usize = 2;
 /// Levels are used where the error of left-out soundings is at most so many times that of triangles: under the boat, where soundings are, no second
 /// line looks, and between the lines one does.
 const MOST_RATIO: f64 = 0.85;
+/// Sets of curves, one for each log and range setting, that `auto` learns at most: the time grows with their square.
+const MOST_SETS: usize = 8;
 /// Distances from a measured depth up to which the surface holds it alone, and from which on levels count in full, metres.
 const HELD_M: [f64; 2] = [0.5, 1.5];
 /// What is known of a bed beforehand where that was not tested.
@@ -116,6 +118,9 @@ fn found(
     let tiles = input.busiest(&learning, MOST_LEARNT);
     if tiles.is_empty() || input.anchors.is_empty() {
         return Ok(Err(LevelsRefused::TooFewEchoes));
+    }
+    if mode == SwathDepth::Auto && input.sets.len() > MOST_SETS {
+        return Ok(Err(LevelsRefused::TooManyLogs));
     }
     if mode == SwathDepth::Auto && !gate::is_seen_from_two_sides(&input, &learning, &tiles) {
         return Ok(Err(LevelsRefused::OneSide));
