@@ -1,10 +1,11 @@
 """Scenes of another simulator, to measure a detector by what neither it nor its makers trained on.
 
-    python foreign.py OUT [--chips 800] [--seed 7] [--sheet sheet.png]
+    python foreign.py OUT [--chips 800] [--seed 7] [--split test] [--sheet sheet.png]
 
 It shares no code and no law with `bathyscope simulate`: height fields that are lit ray by ray, another angular law, other speckle
-(K, Weibull, several looks), range smear, other compressions, beam patterns with roll, steps of gain and of altitude. Never train on it.
-OUT is laid out as `data.py` reads it, all chips in the split `test`: 416 x 416 at 0.04 m, rows along track, range outward.
+(K, Weibull, several looks), range smear, other compressions, beam patterns with roll, steps of gain and of altitude. Never train on
+seed 7, which measures. OUT is laid out as `data.py` reads it, all chips in the split `test`, or in `train` with `--split train`:
+416 x 416 at 0.04 m, rows along track, range outward.
 `test.json` says for each object its `kind`, `size_m` (its longest side), and `contrast`: by how many standard deviations of a
 cell's speckle the mean over the best window of 4 x 5 cells of its echo or shadow differs from the ground without it. Objects
 whose contrast is below 1, or that a chip's edge cuts, may be found or not (`iscrowd`). Half of the chips are without objects:
@@ -28,6 +29,8 @@ SIDE, PIXEL_M = 416, 0.04
 NAMES = ("rock", "block", "cylinder", "tyre", "boat", "log", "effigy")
 # What each kind may rightly be called; None: no class of the detector is its own.
 CLASS = {"rock": "rock", "block": "block", "bar": None, "tyre": "tyre", "cylinder": "cylinder", "ring": None}
+# What a detector that knows no class of their own had better call them.
+NEAREST = {"bar": "cylinder", "ring": "tyre"}
 ALONG_M, ACROSS_M, BIN_M = 0.04, 0.01, 0.02
 MARGIN = 24  # rows before and behind the chip
 SHOWN, LEAST_CONTRAST = 0.7, 1.0  # deviations of a cell's speckle
@@ -354,16 +357,16 @@ def coco(scenes: list) -> dict:
         for one in objects:
             x1, y1, x2, y2 = one["box"]
             cut = min(x1, y1) < 2 or max(x2, y2) > SIDE - 2
-            row = {"id": len(boxes), "image_id": index, "category_id": NAMES.index(CLASS[one["kind"]] or "block") + 1}
+            row = {"id": len(boxes), "image_id": index, "category_id": NAMES.index(CLASS[one["kind"]] or NEAREST[one["kind"]]) + 1}
             row |= {"bbox": [x1, y1, x2 - x1, y2 - y1], "area": (x2 - x1) * (y2 - y1), "iscrowd": int(cut or one["contrast"] < LEAST_CONTRAST)}
             boxes.append(row | {key: one[key] for key in ("kind", "size_m", "height_m")} | {"contrast": round(one["contrast"], 2)})
     categories = [{"id": number, "name": name} for number, name in enumerate(NAMES, 1)]
     return {"images": images, "annotations": boxes, "categories": categories}
 
 
-def write(out: Path, scenes: list, seed: int) -> dict:
+def write(out: Path, scenes: list, seed: int, split: str) -> dict:
     """The folder."""
-    for folder in ("images/test", "labels/test"):
+    for folder in (f"images/{split}", f"labels/{split}"):
         (out / folder).mkdir(parents=True)
     data = coco(scenes)
     lines = {index: [] for index in range(len(scenes))}
@@ -373,9 +376,9 @@ def write(out: Path, scenes: list, seed: int) -> dict:
             place = ((x + width / 2) / SIDE, (y + height / 2) / SIDE, width / SIDE, height / SIDE)
             lines[box["image_id"]].append(f"{box['category_id'] - 1} " + " ".join(f"{value:.6f}" for value in place))
     for index, (chip, _, _) in enumerate(scenes):
-        Image.fromarray(chip).save(out / f"images/test/{index:06}.png")
-        (out / f"labels/test/{index:06}.txt").write_text("".join(line + "\n" for line in lines[index]))
-    (out / "test.json").write_text(json.dumps(data))
+        Image.fromarray(chip).save(out / f"images/{split}/{index:06}.png")
+        (out / f"labels/{split}/{index:06}.txt").write_text("".join(line + "\n" for line in lines[index]))
+    (out / f"{split}.json").write_text(json.dumps(data))
     (out / "classes.txt").write_text("".join(name + "\n" for name in NAMES))
     (out / "manifest.json").write_text(json.dumps({"program": "foreign.py", "seed": seed, "pixel_m": PIXEL_M}) + "\n")
     return data
@@ -403,12 +406,14 @@ def main() -> None:
     parser.add_argument("out", type=Path)
     parser.add_argument("--chips", type=int, default=800)
     parser.add_argument("--seed", type=int, default=7)
+    parser.add_argument("--split", default="test", choices=["test", "train"], help="train: never with seed 7")
+    parser.add_argument("--threads", type=int)
     parser.add_argument("--sheet")
     args = parser.parse_args()
     jobs = [(args.seed, index, index % 2 == 0) for index in range(args.chips)]
-    with ProcessPoolExecutor() as pool:
+    with ProcessPoolExecutor(args.threads) as pool:
         scenes = list(pool.map(scene, jobs, chunksize=4))
-    data = write(args.out, scenes, args.seed)
+    data = write(args.out, scenes, args.seed, args.split)
     asked = [box for box in data["annotations"] if not box["iscrowd"]]
     hectares = args.chips * (SIDE * PIXEL_M) ** 2 / 1e4
     print(f"{len(asked)} objects asked for, {len(data['annotations']) - len(asked)} not, {hectares:.1f} ha in {args.chips} chips")
