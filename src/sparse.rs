@@ -2,7 +2,7 @@
 
 mod order;
 
-pub use order::Neighbours;
+use order::Neighbours;
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::linalg::cholesky::{
@@ -13,9 +13,6 @@ use faer::{Conj, Mat, Par, Side as Triangle};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Steps of conjugate gradients at most, and the share of the error that is left when they end.
-const MOST_STEPS: usize = 12;
-const SOLVED: f64 = 1e-2;
 /// Columns of the inverse that a worker holds at a time.
 const COLUMNS_AT_ONCE: usize = 64;
 
@@ -192,17 +189,11 @@ impl Pattern {
         Self::new(of_unknown, neighbours, order, &places)
     }
 
-    /// The same with unknowns eliminated in the order that `order` makes of which unknowns occur together; `None` too where that is none.
-    pub fn in_order(
-        equations: &Equations,
-        unknowns: usize,
-        order: impl FnOnce(&Neighbours) -> Vec<u32>,
-    ) -> Option<Self> {
+    /// The same with unknowns eliminated in some order; `None` too where that is none.
+    pub fn in_order(equations: &Equations, order: Vec<u32>) -> Option<Self> {
+        let unknowns = order.len();
         let of_unknown = Occurrences::new(equations, unknowns);
         let neighbours = Neighbours::new(equations, &of_unknown, unknowns);
-        let order = order(&neighbours);
-        let places = order::places(&order, unknowns)?;
-        let order = neighbours.side_by_side(&order, &places);
         let places = order::places(&order, unknowns)?;
         Self::new(of_unknown, neighbours, order, &places)
     }
@@ -322,47 +313,6 @@ impl Factor {
         columns
     }
 
-    /// Betters the values of the unknowns of equations that differ little from those that were factorised, by conjugate gradients with the factor as the
-    /// preconditioner.
-    pub fn better(&self, equations: &Equations, mut values: Vec<f64>) -> Vec<f64> {
-        let unknowns = values.len();
-        let mut left = vec![0.0; unknowns];
-        let over = |equation: usize| -equations.residual(equation, &values);
-        equations.add_transposed(over, &mut left);
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let mut way: Vec<f64> = Vec::new();
-        let (mut before, mut first) = (1.0, 0.0);
-        for step in 0..MOST_STEPS {
-            let mut towards = [left.clone()];
-            self.solve_for(&mut towards);
-            let [towards] = towards;
-            let size = dot(&left, &towards);
-            if step == 0 {
-                first = size;
-                way = towards;
-            } else if size.is_nan() || size <= SOLVED * SOLVED * first {
-                break;
-            } else {
-                let times = size / before;
-                way.iter_mut()
-                    .zip(&towards)
-                    .for_each(|(way, towards)| *way = towards + times * *way);
-            }
-            before = size;
-            let mut changed = vec![0.0; unknowns];
-            equations.add_transposed(|equation| equations.times(equation, &way), &mut changed);
-            let length = size / dot(&way, &changed);
-            if !length.is_finite() {
-                break;
-            }
-            for unknown in 0..unknowns {
-                values[unknown] += length * way[unknown];
-                left[unknown] -= length * changed[unknown];
-            }
-        }
-        values
-    }
-
     /// Replaces the right sides of some equations `A x = b`, where `A` is the normal matrix, by their solutions.
     pub fn solve_for(&self, columns: &mut [Vec<f64>]) {
         let Elimination { order, symbolic } = &*self.elimination;
@@ -443,34 +393,6 @@ impl Normal {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_factor_solves_equations_that_differ_a_little() {
-        let made = |factor: f64| {
-            let mut equations = Equations::default();
-            for unknown in 0..40 {
-                equations.add([(unknown, factor), ((unknown + 1) % 40, -1.0)], 0.1, 0.5);
-                equations.add([(unknown, 1.0)], unknown as f64, 1.0);
-            }
-            let pattern = Pattern::of(&equations, 40).unwrap();
-            let factor = pattern.factorise(&equations).unwrap();
-            let values = factor.solve(&pattern, &equations, 0, || 0.0).swap_remove(0);
-            (equations, factor, values)
-        };
-        let (_, factor, start) = made(1.0);
-        let (equations, _, expected) = made(1.1);
-        let found = factor.better(&equations, start.clone());
-        let off = |values: &[f64]| {
-            let pairs = values.iter().zip(&expected);
-            pairs.map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
-        };
-        assert!(
-            off(&found) < 0.02 * off(&start),
-            "{} {}",
-            off(&found),
-            off(&start)
-        );
-    }
 
     #[test]
     fn equations_are_solved_and_what_is_unknown_is_drawn() {

@@ -42,8 +42,8 @@ pub enum LevelsRefused {
     TooFewEchoes,
     /// Too little of the ground is seen from two sides.
     OneSide,
-    /// The logs have too many range settings between them to learn the curves of each.
-    TooManyLogs,
+    /// The logs have too many recorders and range settings between them to learn the curves of each.
+    TooManySettings,
     /// The survey has too many cells.
     TooLarge,
     /// The equations have no solution in numbers.
@@ -68,8 +68,8 @@ impl fmt::Display for LevelsRefused {
             Self::OneSide => {
                 "too little of the ground is seen from two sides, as from neighbouring lines"
             }
-            Self::TooManyLogs => {
-                "the logs have more than eight range settings between them; `surface.swath` = `always` uses them all the same, slowly"
+            Self::TooManySettings => {
+                "the logs have more than eight recorders and range settings between them; `surface.swath` = `always` uses them all the same, slowly"
             }
             Self::TooLarge => "the survey is too large",
             Self::NotSolved => "the equations have no solution",

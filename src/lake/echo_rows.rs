@@ -126,7 +126,7 @@ impl<'a> EchoesByTile<'a> {
             ),
             Column::new("chunk", of_chunks(&|chunk| chunk.number as i32)),
             Column::new("range_setting", of_chunks(&|chunk| chunk.range_setting)),
-            Column::new("gain_segment", of_chunks(&|chunk| chunk.segment as i32)),
+            Column::new("gain_segment", of_chunks(&|chunk| chunk.stretch as i32)),
             Column::new(
                 "gain",
                 of_rows(&|row| chunk(row).map_or(f64::NAN, |chunk| chunk.gain)),
@@ -322,7 +322,7 @@ fn read(path: &Path) -> Result<Vec<EchoRow>, LakeError> {
                 number: u32::try_from(number).ok()?,
                 pings: 0..0,
                 range_setting,
-                segment: u32::try_from(segment).ok()?,
+                stretch: u32::try_from(segment).ok()?,
                 gain: number_at(12, index),
             }),
             _ => None,

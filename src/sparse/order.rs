@@ -5,11 +5,11 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
 
-/// Marks what has no parent, no child and no sibling.
+/// Marks what has no place yet.
 const NONE: u32 = u32::MAX;
 
 /// Which unknowns occur together in an equation.
-pub struct Neighbours {
+pub(super) struct Neighbours {
     starts: Vec<usize>,
     unknowns: Vec<u32>,
 }
@@ -40,12 +40,12 @@ impl Neighbours {
     }
 
     /// Those of an unknown, itself left out, each once.
-    pub fn of(&self, unknown: usize) -> &[u32] {
+    pub(super) fn of(&self, unknown: usize) -> &[u32] {
         &self.unknowns[self.starts[unknown]..self.starts[unknown + 1]]
     }
 
     /// Number of unknowns.
-    pub fn unknowns(&self) -> usize {
+    fn unknowns(&self) -> usize {
         self.starts.len() - 1
     }
 
@@ -88,55 +88,6 @@ impl Neighbours {
         .ok()?;
         Some(order.into_iter().map(|unknown| unknown as u32).collect())
     }
-
-    /// An order that fills in as much as another one, and has each unknown right before the one that it is first eliminated into, where that is
-    /// possible: columns of like rows then lie side by side and are worked on as one block.
-    pub(super) fn side_by_side(&self, order: &[u32], places: &[u32]) -> Vec<u32> {
-        let parents = self.parents(order, places);
-        let mut child = vec![NONE; order.len()];
-        let mut sibling = vec![NONE; order.len()];
-        for (place, parent) in parents.iter().enumerate().rev() {
-            if let Some(first) = child.get_mut(*parent as usize) {
-                sibling[place] = std::mem::replace(first, place as u32);
-            }
-        }
-        let mut sorted = Vec::with_capacity(order.len());
-        let mut path: Vec<u32> = Vec::new();
-        for root in (0..order.len()).filter(|place| parents[*place] == NONE) {
-            path.push(root as u32);
-            while let Some(&last) = path.last() {
-                let next = child[last as usize];
-                if next == NONE {
-                    path.pop();
-                    sorted.push(order[last as usize]);
-                } else {
-                    child[last as usize] = sibling[next as usize];
-                    path.push(next);
-                }
-            }
-        }
-        sorted
-    }
-
-    /// The elimination tree (Liu 1990): of each place in an order the next one that its elimination changes.
-    fn parents(&self, order: &[u32], places: &[u32]) -> Vec<u32> {
-        let mut parents = vec![NONE; order.len()];
-        // A later one on the way to the root, so that no way is gone twice.
-        let mut ahead = parents.clone();
-        for (place, unknown) in (0..).zip(order) {
-            for other in self.of(*unknown as usize) {
-                let mut at = places[*other as usize];
-                while at < place {
-                    let next = std::mem::replace(&mut ahead[at as usize], place);
-                    if next == NONE {
-                        parents[at as usize] = place;
-                    }
-                    at = next;
-                }
-            }
-        }
-        parents
-    }
 }
 
 /// The place of each unknown in an order; `None` where it is none of so many unknowns.
@@ -162,20 +113,5 @@ mod tests {
         for order in [&[0, 1][..], &[0, 1, 1], &[0, 1, 3], &[0, 1, 2, 3]] {
             assert_eq!(places(order, 3), None);
         }
-    }
-
-    #[test]
-    fn an_unknown_comes_right_before_the_one_that_it_is_eliminated_into() {
-        let mut equations = Equations::default();
-        // Two chains of even and of odd unknowns, tied by the last.
-        for unknown in 0..6 {
-            equations.add([(unknown, 1.0), (unknown + 2, 1.0)], 0.0, 1.0);
-        }
-        equations.add([(6, 1.0), (7, 1.0)], 0.0, 1.0);
-        let of_unknown = Occurrences::new(&equations, 8);
-        let neighbours = Neighbours::new(&equations, &of_unknown, 8);
-        let order: Vec<u32> = (0..8).collect();
-        let sorted = neighbours.side_by_side(&order, &order);
-        assert_eq!(sorted, [1, 3, 5, 0, 2, 4, 6, 7]);
     }
 }

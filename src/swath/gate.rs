@@ -1,11 +1,12 @@
 //! Whether levels tell depths: stretches of the soundings are left out and predicted with levels and without.
 
-use super::depths::{Input, LEARNING_ROUNDS};
+use super::depths::{Input, LEARNING_ROUNDS, Sample, merged};
 use super::looks::Sides;
-use super::nodes::Nodes;
-use super::solve::{Anchor, Brightness, Prior, TileState};
+use super::model::Curves;
+use super::readings::Bed;
+use super::solve::{Brightness, Prior, TileState};
 use super::tiling::Tiling;
-use crate::bathymetry::{Between, DepthPoint, Tin, merge_repeated};
+use crate::bathymetry::{Between, DepthPoint, Tin};
 use crate::progress::{Cancelled, Progress};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
@@ -18,9 +19,6 @@ const END_M: f64 = 1.0;
 const LEAST_TWICE: f64 = 0.2;
 /// Fewer left-out soundings tell nothing.
 const LEAST_SOUNDINGS: usize = 40;
-/// Side of the squares that measured depths are merged in, metres, and the least standard deviation of one.
-pub const ANCHOR_M: f64 = 0.5;
-const SD_ANCHOR_M: f64 = 0.025;
 /// How the brightness of the bed may change: what is tried.
 const TRIED: [Brightness; 3] = [
     Brightness::Slow(0.05),
@@ -35,6 +33,8 @@ pub struct LeftOut {
     pub without_m: f64,
     /// The same with levels.
     pub with_m: f64,
+    /// The geometric mean of both in standard deviations of what the equations leave unknown there.
+    pub error_sds: f64,
 }
 
 /// Whether enough of the ground in some tiles is seen from two sides: one alone cannot tell a slope from what the bed is made of.
@@ -57,17 +57,6 @@ pub fn is_seen_from_two_sides(input: &Input<'_>, tiling: &Tiling, tiles: &[usize
         twice += from.iter().filter(|from| from.are_two()).count();
     }
     twice as f64 >= LEAST_TWICE * seen as f64
-}
-
-/// The measured depths as anchors, one a square.
-pub fn anchors(measured: &[DepthPoint]) -> Vec<Anchor> {
-    let merged = merge_repeated(measured, ANCHOR_M);
-    let anchor = |node: &crate::bathymetry::Node| Anchor {
-        place_m: [node.east_m, node.north_m],
-        depth_m: node.depth_m,
-        sd_m: SD_ANCHOR_M.max(0.6 * node.spread_m),
-    };
-    merged.iter().map(anchor).collect()
 }
 
 /// What is left out and what stays.
@@ -120,70 +109,99 @@ impl Split {
 const RELIEF_SHARE: f64 = 1.1;
 const RELIEF_M: [f64; 2] = [0.15, 0.4];
 
-/// What is known of the bed beforehand, as it predicts left-out soundings best, with how it does; `None` where too few can be left out.
+/// What was found best.
+pub struct Choice {
+    /// What is known of the bed beforehand, as it predicts left-out soundings best.
+    pub prior: Prior,
+    /// How it does.
+    pub left_out: LeftOut,
+    /// The curves that it predicts them by.
+    pub curves: Vec<Option<Curves>>,
+}
+
+/// The best of what is tried; `None` where too few soundings can be left out.
 pub fn choose(
     input: &Input<'_>,
     measured: &[DepthPoint],
     tiling: &Tiling,
     tiles: &[usize],
     progress: &Progress,
-) -> Result<Option<(Prior, LeftOut)>, Cancelled> {
+) -> Result<Option<Choice>, Cancelled> {
     let Some(split) = Split::of(input, measured) else {
         return Ok(None);
     };
-    let Some(tin) = Tin::new(merge_repeated(&split.kept, ANCHOR_M)) else {
+    let kept = merged(&split.kept);
+    let mut sample = Sample::new(input, tiling, tiles, &kept);
+    let Some(tin) = Tin::new(kept) else {
         return Ok(None);
     };
     let mut triangles = tin.sampler(Between::Linear);
-    let parts: Vec<Nodes> = tiles
-        .iter()
-        .map(|tile| tiling.tiles[*tile].core_nodes())
-        .collect();
-    let mut asked: Vec<(DepthPoint, f64)> = Vec::new();
+    let mut asked: Vec<Asked> = Vec::new();
     for point in split.asked {
         let place = [point.east_m, point.north_m];
-        if parts.iter().any(|nodes| nodes.holds(place)) {
-            asked.extend(triangles.depth_at(place).map(|depth_m| (point, depth_m)));
+        let is_in_core = |state: &TileState| tiling.tiles[state.tile].core_nodes().holds(place);
+        if let Some(state) = sample.states.iter().position(is_in_core) {
+            asked.extend(triangles.depth_at(place).map(|triangles_m| Asked {
+                place,
+                depth_m: point.depth_m,
+                triangles_m,
+                state,
+            }));
         }
     }
     if asked.len() < LEAST_SOUNDINGS {
         return Ok(None);
     }
-    progress.start((TRIED.len() * LEARNING_ROUNDS * tiles.len()) as u64);
-    let anchors = anchors(&split.kept);
-    let without_m = rms(asked.iter().map(|(point, depth_m)| depth_m - point.depth_m));
+    let without_m = rms(asked.iter().map(|one| one.triangles_m - one.depth_m));
     let relief_m = (RELIEF_SHARE * without_m).clamp(RELIEF_M[0], RELIEF_M[1]);
-    let mut best: Option<(Prior, LeftOut)> = None;
+    let [first, further] = LEARNING_ROUNDS;
+    let rounds = first + (TRIED.len() - 1) * further;
+    progress.start((rounds * tiles.len()) as u64);
+    let mut best: Option<Choice> = None;
     for brightness in TRIED {
         let prior = Prior {
             brightness,
             relief_m,
         };
-        let Some((_, states)) = input.learn(tiling, tiles, &anchors, prior, progress)? else {
-            continue;
+        if !sample.learn(input, prior, progress)? {
+            break;
+        }
+        let at = |one: &Asked, values: fn(&Bed) -> &[f64]| {
+            let bed = &sample.states[one.state].bed;
+            bed.nodes.value_at(values(bed), one.place)
         };
-        let predicted_m = |point: &DepthPoint| {
-            let place = [point.east_m, point.north_m];
-            let holds = |state: &&TileState| tiling.tiles[state.tile].core_nodes().holds(place);
-            let bed = &states.iter().find(holds)?.bed;
-            Some(bed.nodes.value_at(&bed.depth_m, place))
-        };
-        let errors: Vec<f64> = asked
+        let with_m = rms(asked
             .iter()
-            .map(|(point, triangles_m)| predicted_m(point).unwrap_or(*triangles_m) - point.depth_m)
-            .collect();
-        let found = LeftOut {
+            .map(|one| at(one, |bed| &bed.depth_m) - one.depth_m));
+        let sd_m = rms(asked.iter().map(|one| at(one, |bed| &bed.sd_m)));
+        let left_out = LeftOut {
             without_m,
-            with_m: rms(errors.into_iter()),
+            with_m,
+            error_sds: (with_m * without_m).sqrt() / sd_m,
         };
-        if best.is_none_or(|(_, best)| found.with_m < best.with_m) {
-            best = Some((prior, found));
+        let before = best.as_ref().map(|best| best.left_out.with_m);
+        if before.is_none_or(|before| with_m < before) {
+            best = Some(Choice {
+                prior,
+                left_out,
+                curves: sample.curves.clone(),
+            });
         }
     }
     Ok(best)
 }
 
+/// A sounding that was left out.
+struct Asked {
+    place: [f64; 2],
+    depth_m: f64,
+    /// What triangles say, metres.
+    triangles_m: f64,
+    /// The tile of the sample in whose core it lies.
+    state: usize,
+}
+
 fn rms(errors: impl ExactSizeIterator<Item = f64>) -> f64 {
-    let count = errors.len().max(1) as f64;
+    let count = errors.len() as f64;
     (errors.map(|error| error * error).sum::<f64>() / count).sqrt()
 }

@@ -39,6 +39,8 @@ const LEAST_GRAIN: f64 = 1.3;
 const LAGS: usize = 12;
 /// Correlations below this are chance.
 const LEAST_CORRELATION: f64 = 0.03;
+/// Laws that differ by less than this share are those of one recorder.
+const SAME_LAW: f64 = 0.15;
 /// Power 0 has no logarithm: levels count as at least this.
 const LEAST_LEVEL: f64 = 0.05;
 
@@ -73,6 +75,29 @@ impl Law {
                 LawKind::Power(exponent) => mean_ln(level - 0.5, level + 0.5) / exponent,
             }) as f32
         })
+    }
+}
+
+/// The first log of the same recorder, of each: of one whose law is about the same.
+pub fn recorders(laws: impl Iterator<Item = Option<Law>>) -> Vec<u32> {
+    let mut found: Vec<(u32, Option<Law>)> = Vec::new();
+    for (number, law) in (0..).zip(laws) {
+        let is_like = |other: &Law| law.is_some_and(|law| law.kind.is_like(other.kind));
+        let before = found
+            .iter()
+            .find(|(_, law)| law.as_ref().is_some_and(is_like));
+        found.push(before.copied().unwrap_or((number, law)));
+    }
+    found.into_iter().map(|(first, _)| first).collect()
+}
+
+impl LawKind {
+    fn is_like(self, other: Self) -> bool {
+        let near = |a: f64, b: f64| (a / b).ln().abs() < SAME_LAW;
+        match (self, other) {
+            (Self::Decibels(a), Self::Decibels(b)) | (Self::Power(a), Self::Power(b)) => near(a, b),
+            _ => false,
+        }
     }
 }
 
@@ -372,6 +397,27 @@ mod tests {
                 assert!((found / exponent - 1.0).abs() < 0.1, "{found}");
             }
         }
+    }
+
+    #[test]
+    fn logs_of_about_one_law_are_one_recorder_s() {
+        let law = |kind| {
+            Some(Law {
+                kind,
+                grain_samples: 1.0,
+                most_level: 255,
+            })
+        };
+        let laws = [
+            None,
+            law(LawKind::Decibels(0.06)),
+            law(LawKind::Power(0.5)),
+            law(LawKind::Decibels(0.063)),
+            None,
+            law(LawKind::Power(0.25)),
+            law(LawKind::Power(0.52)),
+        ];
+        assert_eq!(recorders(laws.into_iter()), [0, 1, 2, 1, 4, 5, 2]);
     }
 
     #[test]

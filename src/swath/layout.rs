@@ -10,8 +10,9 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Pings of a chunk.
+/// Pings of a chunk, and at most of a stretch of one gain.
 const CHUNK_PINGS: usize = 3;
+const STRETCH_PINGS: usize = 30;
 /// Ranges that differ by less than this share count as one setting of the recorder.
 const SAME_RANGE: f64 = 0.02;
 /// A longer pause parts chunks, seconds.
@@ -36,9 +37,9 @@ pub struct Chunk {
     pub pings: Range<usize>,
     /// Which range setting of the recorder: the length of a sample in steps of [`SAME_RANGE`], the same whatever the recorder rounds.
     pub range_setting: i32,
-    /// Which stretch of the log without a step of the gain.
-    pub segment: u32,
-    /// Gain of the stretch, natural logarithm of power over the usual one.
+    /// Which stretch of the log: its gain is taken for one. Those next to each other without a step of the gain have numbers in a row.
+    pub stretch: u32,
+    /// Gain, natural logarithm of power over the usual one.
     pub gain: f64,
 }
 
@@ -50,8 +51,8 @@ impl Chunk {
             match joined.last_mut() {
                 Some(last)
                     if chunk.number / together as u32 == last.number / together as u32
-                        && (chunk.pings.start, chunk.range_setting, chunk.segment)
-                            == (last.pings.end, last.range_setting, last.segment) =>
+                        && (chunk.pings.start, chunk.range_setting, chunk.stretch)
+                            == (last.pings.end, last.range_setting, last.stretch) =>
                 {
                     last.pings.end = chunk.pings.end;
                 }
@@ -60,15 +61,6 @@ impl Chunk {
         }
         joined
     }
-}
-
-/// A chunk among those of all logs, in the order of the logs and of time.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct ChunkId {
-    /// The place of its log among all.
-    pub log: u32,
-    /// Which chunk of its log.
-    pub number: u32,
 }
 
 /// A log whose echoes can be used, all of it or a part.
@@ -271,11 +263,13 @@ fn chunks(pings: &[PingPlace], gains: &Gains, is_weed: &[bool]) -> Vec<Chunk> {
         if !(gains.is_usable[ping] && place.is_placed() && !is_weed[ping]) {
             continue;
         }
-        let (setting, segment) = (range_setting(place), gains.segment[ping]);
+        let setting = range_setting(place);
+        // Neither ever falls, so the sum tells both; a step of the gain leaves a number out.
+        let stretch = 2 * gains.segment[ping] + (ping / STRETCH_PINGS) as u32;
         let goes_on = |chunk: &Chunk| {
             chunk.pings.end == ping
                 && chunk.pings.len() < CHUNK_PINGS
-                && (chunk.range_setting, chunk.segment) == (setting, segment)
+                && (chunk.range_setting, chunk.stretch) == (setting, stretch)
                 && place.time_s - pings[ping - 1].time_s <= LONGEST_PAUSE_S
         };
         match found.last_mut() {
@@ -287,7 +281,7 @@ fn chunks(pings: &[PingPlace], gains: &Gains, is_weed: &[bool]) -> Vec<Chunk> {
                     number: number as u32,
                     pings: ping..ping + 1,
                     range_setting: setting,
-                    segment,
+                    stretch,
                     gain: gains.gain[ping],
                 });
             }

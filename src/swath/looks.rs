@@ -1,7 +1,7 @@
 //! The levels of a chunk of pings on one side, averaged in ranges so short that the bed under each is even: what is read of a log once, and placed
 //! on the bed again as that becomes known.
 
-use super::layout::{Chunk, ChunkId, LaidOutLog};
+use super::layout::{Chunk, LaidOutLog};
 use crate::survey::Side;
 
 /// Share of clipped samples from which on a range says nothing.
@@ -12,10 +12,8 @@ const LEAST_STRAIGHT: f64 = 0.997;
 /// A chunk of pings on one side.
 #[derive(Clone, Debug)]
 pub struct Look {
-    /// Which chunk.
-    pub chunk: ChunkId,
-    /// Which stretch of the log without a step of the gain.
-    pub segment: u32,
+    /// The place of its log among all, and which stretch of it.
+    pub stretch: (u32, u32),
     /// The place of its curves among all.
     pub curves: usize,
     /// -1 to port, 1 to starboard.
@@ -109,11 +107,7 @@ impl Look {
             false => sum / count as f32 - chunk.gain as f32,
         };
         Some(Self {
-            chunk: ChunkId {
-                log: number as u32,
-                number: chunk.number,
-            },
-            segment: chunk.segment,
+            stretch: (number as u32, chunk.stretch),
             curves,
             side: if side == Side::Port { -1.0 } else { 1.0 },
             place_m,

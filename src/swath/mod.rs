@@ -29,11 +29,11 @@ pub use layout::{Chunk, LaidOutLog};
 pub use tiling::{PART_DEPTHS_M, PART_PINGS_M, PART_STEP_M};
 
 use crate::bathymetry::{
-    CellSource, DepthPoint, FromLevels, Grid, LevelsRefused, Surface, SwathDepth,
+    CellSource, DepthPoint, FromLevels, Grid, LevelsRefused, Spread, Surface, SwathDepth,
 };
 use crate::progress::{Cancelled, Progress};
 use crate::statistics::median;
-use depths::{Found, Input};
+use depths::{Found, Input, Sample};
 use model::Curves;
 use serde::{Deserialize, Serialize};
 use solve::{Brightness, Prior};
@@ -41,10 +41,9 @@ use tiling::{Resolution, Tiling};
 
 /// Tiles that curves are learnt on, and left-out soundings predicted, at most.
 const MOST_LEARNT: usize = 2;
-/// Levels are used where the error of left-out soundings is at most so many times that of triangles: under the boat, where soundings are, no second
-/// line looks, and between the lines one does.
-const MOST_RATIO: f64 = 0.85;
-/// Sets of curves, one for each log and range setting, that `auto` learns at most: the time grows with their square.
+/// Levels are used where the error of left-out soundings is at most so many times that of triangles. From place to place the smaller error counts more.
+const MOST_RATIO: f64 = 0.95;
+/// Sets of curves, one for each recorder and range setting, that `auto` learns at most: the time grows with their square.
 const MOST_SETS: usize = 8;
 /// Distances from a measured depth up to which the surface holds it alone, and from which on levels count in full, metres.
 const HELD_M: [f64; 2] = [0.5, 1.5];
@@ -56,11 +55,10 @@ const UNTESTED: Prior = Prior {
 /// Standard deviations, in usual ones, from which on levels count less, and from which on for nothing: at the edge of a survey, where one line looks and no
 /// depth was measured beyond.
 const UNSURE_SDS: [f64; 2] = [2.2, 3.2];
-/// The usual standard deviation that is stated, in geometric means of the errors of left-out soundings with levels and by triangles: what the equations
-/// leave unknown says where a depth is worth more or less, but not what the model lacks. On ponds of both simulators this holds. And that mean
-/// where it was not tested, metres.
-const STATED: f64 = 0.74;
-const UNTESTED_M: f64 = 0.08;
+/// The error that is stated of depths from levels, in geometric means of the errors of left-out soundings with levels and by triangles: on ponds of both
+/// simulators this holds. And in standard deviations of what the equations leave unknown, where it was not tested.
+const STATED: f64 = 1.15;
+const UNTESTED_SDS: f64 = 0.7;
 
 /// Corrects the depths of a surface between those measured by the levels of the echoes of its logs, in the surface's plane, and says in
 /// [`Surface::levels`] what became of it. `measured` are the depths that the surface was made of.
@@ -80,8 +78,8 @@ pub fn correct(
         .collect::<Result<Vec<_>, _>>()?;
     surface.levels = match found(surface, &laid_out, measured, progress, mode)? {
         Ok((found, left_out)) => {
-            let error_m = left_out.map_or(UNTESTED_M, |one| (one.with_m * one.without_m).sqrt());
-            add(&found, error_m, surface);
+            let error_sds = left_out.map_or(UNTESTED_SDS, |one| STATED * one.error_sds);
+            add(&found, error_sds, surface);
             surface.hardness_db = hardness_db(&found, surface);
             FromLevels::Used {
                 left_out_m: left_out.map(|one| [one.without_m, one.with_m]),
@@ -114,19 +112,20 @@ fn found(
         return Ok(Err(LevelsRefused::TooLarge));
     };
     let learning = Tiling::at(&surface.grid, tiling.resolution.of_learning());
-    let input = Input::new(logs, gate::anchors(measured), learning.resolution, progress)?;
+    let recorders = law::recorders(logs.iter().map(|log| log.law));
+    let input = Input::new(logs, &recorders, measured, learning.resolution, progress)?;
     let tiles = input.busiest(&learning, MOST_LEARNT);
-    if tiles.is_empty() || input.anchors.is_empty() {
+    if tiles.is_empty() || input.measured.is_empty() {
         return Ok(Err(LevelsRefused::TooFewEchoes));
     }
     if mode == SwathDepth::Auto && input.sets.len() > MOST_SETS {
-        return Ok(Err(LevelsRefused::TooManyLogs));
+        return Ok(Err(LevelsRefused::TooManySettings));
     }
     if mode == SwathDepth::Auto && !gate::is_seen_from_two_sides(&input, &learning, &tiles) {
         return Ok(Err(LevelsRefused::OneSide));
     }
-    let chosen = gate::choose(&input, measured, &learning, &tiles, progress)?;
-    let left_out = chosen.map(|(_, left_out)| left_out);
+    let choice = gate::choose(&input, measured, &learning, &tiles, progress)?;
+    let left_out = choice.as_ref().map(|choice| choice.left_out);
     if mode == SwathDepth::Auto {
         match left_out {
             None => return Ok(Err(LevelsRefused::NoTest)),
@@ -139,11 +138,16 @@ fn found(
             Some(_) => {}
         }
     }
-    let prior = chosen.map_or(UNTESTED, |(prior, _)| prior);
-    let Some((curves, _)) = input.learn(&learning, &tiles, &input.anchors, prior, progress)? else {
+    let mut sample = Sample::new(&input, &learning, &tiles, &input.measured);
+    let mut prior = UNTESTED;
+    if let Some(choice) = choice {
+        prior = choice.prior;
+        sample.curves = choice.curves;
+    }
+    if !sample.learn(&input, prior, progress)? {
         return Ok(Err(LevelsRefused::TooFewEchoes));
-    };
-    let found = input.find(&tiling, &curves, prior, progress)?;
+    }
+    let found = input.find(&tiling, &sample.curves, prior, progress)?;
     Ok(found
         .map(|found| (found, left_out))
         .ok_or(LevelsRefused::NotSolved))
@@ -173,15 +177,20 @@ impl LearntLevels {
         };
         let logs = std::slice::from_ref(log);
         let tiling = Tiling::at(&grid, Resolution::COARSE);
-        let input = Input::new(logs, gate::anchors(measured), tiling.resolution, progress)?;
+        let input = Input::new(logs, &[0], measured, tiling.resolution, progress)?;
         let tiles = input.busiest(&tiling, MOST_LEARNT);
-        let Some((curves, _)) = input.learn(&tiling, &tiles, &input.anchors, UNTESTED, progress)?
-        else {
+        let mut sample = Sample::new(&input, &tiling, &tiles, &input.measured);
+        if !sample.learn(&input, UNTESTED, progress)? {
             return Ok(None);
-        };
+        }
         let of_set =
             |(set, curves): (&(u32, i32), Option<Curves>)| Some((set.1, curves?.0.to_vec()));
-        let curves: Vec<_> = input.sets.iter().zip(curves).filter_map(of_set).collect();
+        let curves: Vec<_> = input
+            .sets
+            .iter()
+            .zip(sample.curves)
+            .filter_map(of_set)
+            .collect();
         Ok((!curves.is_empty()).then_some(Self { law, curves }))
     }
 
@@ -212,12 +221,13 @@ pub fn correct_part(
     progress: &Progress,
 ) -> Result<(), Cancelled> {
     let tiling = Tiling::of_part(edges_m);
-    let input = Input::new(logs, gate::anchors(measured), tiling.resolution, progress)?;
+    let each: Vec<u32> = (0..logs.len() as u32).collect();
+    let input = Input::new(logs, &each, measured, tiling.resolution, progress)?;
     let of_set = |(log, setting): &(u32, i32)| learnt.get(*log as usize)?.of_setting(*setting);
     let curves: Vec<Option<Curves>> = input.sets.iter().map(of_set).collect();
     around.levels = match input.find(&tiling, &curves, UNTESTED, progress)? {
         Some(found) => {
-            add(&found, UNTESTED_M, around);
+            add(&found, UNTESTED_SDS, around);
             FromLevels::Used { left_out_m: None }
         }
         None => FromLevels::Refused(LevelsRefused::TooFewEchoes),
@@ -236,14 +246,12 @@ fn rise(value: f64, [from, to]: [f64; 2]) -> f64 {
     along * along * (3.0 - 2.0 * along)
 }
 
-/// Takes the depths that were found over into a surface; `error_m` is what they usually miss by.
-fn add(found: &Found, error_m: f64, surface: &mut Surface) {
+/// Takes the depths that were found over into a surface, whose own count the more the smaller their error is; `error_sds` is how many standard
+/// deviations the depths that were found miss by.
+fn add(found: &Found, error_sds: f64, surface: &mut Surface) {
     let nodes = &found.nodes;
-    let seen = found
-        .sd_m
-        .iter()
-        .zip(&found.seen)
-        .filter(|(_, seen)| **seen > 0.5);
+    let both = found.sd_m.iter().zip(&found.seen);
+    let seen = both.filter(|(_, seen)| **seen > 0.5);
     let usual_sd_m = median(&mut seen.map(|(sd_m, _)| *sd_m).collect::<Vec<_>>());
     let columns = surface.grid.columns.max(1);
     for cell in 0..surface.depth_m.len() {
@@ -252,18 +260,23 @@ fn add(found: &Found, error_m: f64, surface: &mut Surface) {
             continue;
         }
         let centre = surface.grid.centre(cell / columns, cell % columns);
-        let sds = nodes.value_at(&found.sd_m, centre) / usual_sd_m;
-        let share = share_of_levels(f64::from(surface.distance_m[cell]))
-            * (1.0 - rise(sds, UNSURE_SDS))
+        let sd_m = nodes.value_at(&found.sd_m, centre);
+        let error_m = error_sds * sd_m;
+        let without_error_m = f64::from(surface.spread_m[cell]);
+        let mut share = share_of_levels(f64::from(surface.distance_m[cell]))
+            * (1.0 - rise(sd_m / usual_sd_m, UNSURE_SDS))
             * nodes.value_at(&found.seen, centre);
-        if share <= 0.0 {
+        if surface.spread_is == Spread::OfError {
+            let [own, other] = [without_error_m, error_m].map(|error_m| error_m * error_m);
+            // Levels hold to the triangles already: their own part counts half.
+            share *= own / (own + 0.5 * other);
+        }
+        if share.is_nan() || share <= 0.0 {
             continue;
         }
         let depth_m = nodes.value_at(&found.depth_m, centre);
-        let sd_m = STATED * error_m * sds;
         surface.depth_m[cell] = (without_m + share * (depth_m - without_m)) as f32;
-        let without_sd_m = f64::from(surface.spread_m[cell]);
-        surface.spread_m[cell] = (share * sd_m + (1.0 - share) * without_sd_m) as f32;
+        surface.spread_m[cell] = (share * error_m + (1.0 - share) * without_error_m) as f32;
         if surface.source[cell] == CellSource::Interpolated && share > 0.5 {
             surface.source[cell] = CellSource::FromLevels;
         }
@@ -353,6 +366,36 @@ mod tests {
             assert_eq!(surface.levels, FromLevels::Refused(why));
             assert_eq!(surface.depth_m, before.depth_m);
         }
+    }
+
+    #[test]
+    fn the_smaller_error_counts_more() {
+        let grid = Grid {
+            west_m: 0.0,
+            north_m: 10.0,
+            cell_m: 1.0,
+            columns: 10,
+            rows: 10,
+        };
+        let nodes = nodes::Nodes::over(&grid, 1.0);
+        let all = |value: f64| vec![value; nodes.len()];
+        let found = Found {
+            nodes,
+            depth_m: all(3.0),
+            ln_brightness: all(0.0),
+            sd_m: all(0.05),
+            seen: all(1.0),
+        };
+        let depth_m = |triangles_error_m: f32| {
+            let mut surface = Surface::of_depths(grid, vec![2.0; 100]);
+            surface.spread_is = Spread::OfError;
+            surface.spread_m.fill(triangles_error_m);
+            surface.distance_m.fill(3.0);
+            add(&found, 1.0, &mut surface);
+            surface.depth_m[55]
+        };
+        assert!((depth_m(0.005) - 2.02).abs() < 1e-3, "{}", depth_m(0.005));
+        assert!((depth_m(0.5) - 2.995).abs() < 1e-3, "{}", depth_m(0.5));
     }
 
     #[test]

@@ -203,11 +203,10 @@ impl Curves {
         }
     }
 
-    /// The same a step on, which is at most `most` in each parameter.
+    /// The same a step on.
     #[must_use]
-    pub fn stepped(&self, step: &[f64], most: f64) -> Self {
-        let step = |at: usize| step[at].clamp(-most, most);
-        Self(std::array::from_fn(|at| self.0[at] + step(at)))
+    pub fn stepped(&self, step: &[f64]) -> Self {
+        Self(std::array::from_fn(|at| self.0[at] + step[at]))
     }
 
     /// The curves that fit the mean levels of some places of many samples best, by a damped Gauss-Newton method with robust weights.
@@ -224,8 +223,11 @@ impl Curves {
         let mut damping = 1.0;
         let mut cost = curves.cost(places);
         for _ in 0..FIT_STEPS {
-            let step = curves.fit_step(places, damping)?;
-            let tried = curves.stepped(&step, MOST_FIT_STEP);
+            let mut step = curves.fit_step(places, damping)?;
+            for step in &mut step {
+                *step = step.clamp(-MOST_FIT_STEP, MOST_FIT_STEP);
+            }
+            let tried = curves.stepped(&step);
             let tried_cost = tried.cost(places);
             if tried_cost < cost {
                 let gain = 1.0 - tried_cost / cost;
@@ -352,7 +354,7 @@ mod tests {
             for (parameter, expected) in derivatives.into_iter().enumerate() {
                 let mut step_on = [0.0; PARAMETERS];
                 step_on[parameter] = step;
-                let moved = curves.stepped(&step_on, 1.0);
+                let moved = curves.stepped(&step_on);
                 let found = (moved.expected(&at(depth_m, range_m, slope), 0.3).ln_power
                     - here.ln_power)
                     / step;

@@ -60,17 +60,8 @@ impl Blend {
 
     /// The values at all nodes; 0 where no tile was added.
     pub fn values(self) -> Vec<f64> {
-        let none = vec![0.0; self.sums.len()];
-        self.values_or(&none)
-    }
-
-    /// The values at all nodes; those of `others` where no tile was added.
-    pub fn values_or(self, others: &[f64]) -> Vec<f64> {
-        let both = self.sums.into_iter().zip(self.weights).zip(others);
-        let value = |((sum, weight), other): ((f64, f64), &f64)| match weight > 0.0 {
-            true => sum / weight,
-            false => *other,
-        };
+        let both = self.sums.into_iter().zip(self.weights);
+        let value = |(sum, weight)| if weight > 0.0 { sum / weight } else { 0.0 };
         both.map(value).collect()
     }
 }
@@ -168,28 +159,28 @@ impl Nodes {
         ]
     }
 
-    /// Parts with cores of at most `core` nodes a side and a halo of `halo` nodes around each; one part where all nodes are at most
-    /// `most`.
+    /// Parts with cores of about even size and at most `core` nodes a side, and a halo of `halo` nodes around each; one part where all nodes are at
+    /// most `most`.
     pub fn tiles(&self, most: usize, core: usize, halo: usize) -> Vec<Tile> {
-        let core = match self.len() <= most {
-            true => self.counts.into_iter().max().unwrap_or(core),
-            false => core,
-        };
-        self.tiles_within(0, core, halo)
+        let cores = self.counts.map(|count| match self.len() <= most {
+            true => count,
+            false => count.div_ceil(count.div_ceil(core)),
+        });
+        self.tiles_within(0, cores, halo)
     }
 
-    /// Parts with cores of at most `core` nodes a side, the outermost `margin` nodes being in no core, and a halo of `halo` nodes around each.
-    pub fn tiles_within(&self, margin: usize, core: usize, halo: usize) -> Vec<Tile> {
-        let spans = |count: usize| -> Vec<[usize; 4]> {
+    /// Parts with cores of so many nodes in a row and rows, the outermost `margin` nodes being in no core, and a halo of `halo` nodes around each.
+    pub fn tiles_within(&self, margin: usize, cores: [usize; 2], halo: usize) -> Vec<Tile> {
+        let spans = |axis: usize| -> Vec<[usize; 4]> {
+            let count = self.counts[axis];
             let end = count.saturating_sub(margin);
-            let from = (margin..end).step_by(core.max(1));
-            from.map(|from| {
-                let to = (from + core.max(1)).min(end);
+            let of_core = |from: usize| {
+                let to = (from + cores[axis]).min(end);
                 [from.saturating_sub(halo), from, to, (to + halo).min(count)]
-            })
-            .collect()
+            };
+            (margin..end).step_by(cores[axis]).map(of_core).collect()
         };
-        let [across, along] = self.counts.map(spans);
+        let [across, along] = [0, 1].map(spans);
         let both = along
             .iter()
             .flat_map(|rows| across.iter().map(move |columns| [columns, rows]));
@@ -301,7 +292,7 @@ mod tests {
 
     #[test]
     fn a_part_has_the_same_nodes_as_the_whole() {
-        let parts = NODES.tiles_within(3, 5, 2);
+        let parts = NODES.tiles_within(3, [5; 2], 2);
         assert_eq!(parts.len(), 7 * 4);
         let place = [7.21, 3.37];
         let values: Vec<f64> = (0..NODES.len()).map(|node| (node as f64).cos()).collect();

@@ -4,6 +4,7 @@
 use super::looks::Look;
 use super::model::{Curves, Incidence};
 use super::nodes::Nodes;
+use crate::bathymetry::{Between, Node, Tin};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
 /// Ground range from which on pieces lie, metres: nearer the beam looks straight down, and depths were measured.
@@ -25,6 +26,11 @@ const MOST_STEP_M: f64 = 0.4;
 /// Least altitude over the bed that a slant range is turned into an angle by, metres.
 const LEAST_ALTITUDE_M: f64 = 0.1;
 
+/// East and north of a measured depth, metres.
+pub fn place(measured: &Node) -> [f64; 2] {
+    [measured.east_m, measured.north_m]
+}
+
 /// Depth and brightness of the bed at nodes.
 #[derive(Clone, Debug)]
 pub struct Bed {
@@ -34,30 +40,42 @@ pub struct Bed {
     pub depth_m: Vec<f64>,
     /// Natural logarithm of the bed's own brightness at each.
     pub ln_brightness: Vec<f64>,
+    /// Standard deviation of the depth by what the equations leave unknown of it at each, metres; 0 before they were solved.
+    pub sd_m: Vec<f64>,
+    /// Depth by triangles between the measured depths at each, metres; the nearest one beyond them.
+    pub triangles_m: Vec<f64>,
     /// Whether a measured depth is near enough to each for anything to be known.
     pub is_known: Vec<bool>,
 }
 
 impl Bed {
-    /// Of depths at nodes, near some places where depths were measured.
-    pub fn new(nodes: Nodes, depth_m: Vec<f64>, measured: Vec<[f64; 2]>) -> Self {
-        let near = ImmutableKdTree::<f64, 2>::new_from_slice(&measured).ok();
-        let is_known = |node: usize| {
-            let place = nodes.place_m(node);
-            near.as_ref().is_some_and(|near| {
-                let nearest = near
-                    .query(&place)
-                    .nearest_one::<SquaredEuclidean<f64>>()
-                    .execute();
-                nearest.distance <= KNOWN_M * KNOWN_M
-            })
-        };
-        Self {
-            is_known: (0..nodes.len()).map(is_known).collect(),
-            ln_brightness: vec![0.0; nodes.len()],
-            nodes,
-            depth_m,
+    /// Of the triangles between some measured depths, and the nearest one beyond them; `None` without any.
+    pub fn new(nodes: Nodes, measured: &[Node]) -> Option<Self> {
+        if measured.is_empty() {
+            return None;
         }
+        let places: Vec<[f64; 2]> = measured.iter().map(place).collect();
+        let tree = ImmutableKdTree::<f64, 2>::new_from_slice(&places).ok()?;
+        let tin = Tin::new(measured.to_vec());
+        let mut triangles = tin.as_ref().map(|tin| tin.sampler(Between::Linear));
+        let mut bed = Self {
+            ln_brightness: vec![0.0; nodes.len()],
+            sd_m: vec![0.0; nodes.len()],
+            nodes,
+            depth_m: Vec::new(),
+            triangles_m: Vec::new(),
+            is_known: Vec::new(),
+        };
+        for place in (0..nodes.len()).map(|node| nodes.place_m(node)) {
+            let query = tree.query(&place);
+            let nearest = query.nearest_one::<SquaredEuclidean<f64>>().execute();
+            let between_m = triangles.as_mut().and_then(|tin| tin.depth_at(place));
+            let nearest_m = measured[nearest.item as usize].depth_m;
+            bed.triangles_m.push(between_m.unwrap_or(nearest_m));
+            bed.is_known.push(nearest.distance <= KNOWN_M * KNOWN_M);
+        }
+        bed.depth_m = bed.triangles_m.clone();
+        Some(bed)
     }
 
     /// Takes over the values of a solution: depths at all nodes, then brightness.

@@ -1,34 +1,34 @@
 //! One round: depth, brightness, gain and, where they are to be learnt, the curves, from all readings and all measured depths together, by least
 //! squares.
 //!
-//! Unknown are depth `d` and logarithm of brightness `a` at the nodes and the gain of every chunk. A reading at `x` that looks outward
+//! Unknown are depth `d` and logarithm of brightness `a` at the nodes and the gain of every stretch of a log. A reading at `x` that looks outward
 //! along `o` says `J_s (d(x + u o) - d(x - u o)) / 2u + J_d d(x) + q a(x) + gain + J_c c = over + J d' + q a'` with the values `'` of the round before. The
 //! curves `c` occur in every reading, so they are solved for by the Schur complement.
 
 use super::elimination;
-use super::layout::ChunkId;
 use super::looks::Look;
 use super::model::{Curves, PARAMETERS, solve_dense};
 use super::nodes::{Nodes, Shares};
-use super::readings::{Bed, Reading};
+use super::readings::{Bed, Reading, place};
+use crate::bathymetry::Node;
 use crate::sparse::{Equations, Factor, Normal, Pattern};
 use crate::statistics::median;
 use faer::Mat;
 use std::collections::BTreeMap;
+use std::f64::consts::PI;
 
 /// Standard deviation of what the model lacks, natural logarithm of power, and variance of the logarithm of a single echo's power.
 const SD_MODEL: f64 = 0.12;
 const SPECKLE_VARIANCE: f64 = 1.7;
-/// Reciprocal of the length over which the depth about the plate hangs together, a metre.
+/// Least standard deviation of a measured depth, metres.
+const SD_MEASURED_M: f64 = 0.025;
+/// Reciprocal of the length over which the depth about the triangles hangs together, a metre.
 const KAPPA_PER_M: f64 = 0.6;
-/// Standard deviation of the plate's curvature at a square metre, a metre.
-const PLATE_BEND_PER_M: f64 = 0.11;
 /// Standard deviation of the brightness itself.
 const SD_BRIGHTNESS: f64 = 1.0;
-/// Standard deviations of the gain from one chunk to the next, and of itself. Chunks farther apart than this are not tied.
-const SD_GAIN_STEP: f64 = 0.01;
-const SD_GAIN: f64 = 0.3;
-const FARTHEST_TIE: u32 = 50;
+/// Standard deviations of the gain of a stretch of a log, and from one to the next.
+const SD_GAIN_STEP: f64 = 0.05;
+const SD_GAIN: f64 = 1.0;
 /// Misfits beyond so many of their standard deviations count less.
 const ROBUST: f64 = 2.5;
 /// Most that a parameter of a curve changes in a round.
@@ -52,7 +52,7 @@ pub enum Brightness {
 pub struct Prior {
     /// How its brightness may change.
     pub brightness: Brightness,
-    /// Standard deviation of its depth about the plate through the measured depths, metres.
+    /// Standard deviation of its depth about the triangles between the measured depths, metres.
     pub relief_m: f64,
 }
 
@@ -60,17 +60,6 @@ pub struct Prior {
 const PATCH_M: f64 = 3.0;
 /// The length that [`Brightness::Slow`] counts by, metres.
 const SLOW_M: f64 = 0.5;
-
-/// A depth that was measured.
-#[derive(Clone, Copy, Debug)]
-pub struct Anchor {
-    /// East and north, metres.
-    pub place_m: [f64; 2],
-    /// Depth, metres.
-    pub depth_m: f64,
-    /// Its standard deviation, metres.
-    pub sd_m: f64,
-}
 
 /// What a tile is solved from.
 #[derive(Clone, Copy)]
@@ -99,41 +88,13 @@ pub struct Solved {
 
 /// What a tile says of the curves, and what they change in it.
 pub struct Border {
-    /// The curves that occur in it.
-    pub curves: Vec<usize>,
-    /// The Schur complement, of all parameters of these, and the right side.
-    pub normal: Mat<f64>,
-    /// See `normal`.
-    pub right: Vec<f64>,
+    /// The Schur complement, of the parameters of all sets of curves in a row.
+    normal: Mat<f64>,
+    /// Its right side.
+    right: Vec<f64>,
     /// What depth and brightness lose for a step of each parameter.
     columns: Vec<Vec<f64>>,
 }
-
-/// The depths of a plate that bends least through the measured depths, at the nodes of a tile; `None` without any.
-pub fn plate(nodes: &Nodes, anchors: &[Anchor]) -> Option<Vec<f64>> {
-    let mut equations = Equations::default();
-    add_anchors(&mut equations, nodes, anchors);
-    if equations.len() == 0 {
-        return None;
-    }
-    for node in 0..nodes.len() {
-        equations.add(laplacian(nodes, node), 0.0, PLATE_BEND_PER_M / nodes.step_m);
-    }
-    // Far from all depths a plate is as good as any.
-    for node in 0..nodes.len() {
-        let middle_m =
-            anchors.iter().map(|anchor| anchor.depth_m).sum::<f64>() / anchors.len() as f64;
-        equations.add([(node, 1.0)], middle_m, FAR_SD_M);
-    }
-    let pattern = Pattern::in_order(&equations, nodes.len(), |neighbours| {
-        elimination::order(nodes, 1, neighbours)
-    })?;
-    let factor = pattern.factorise(&equations)?;
-    Some(factor.solve(&pattern, &equations, 0, || 0.0).swap_remove(0))
-}
-
-/// Standard deviation of a plate about the mean depth, metres: it only keeps the equations solvable.
-const FAR_SD_M: f64 = 100.0;
 
 /// A tile between its rounds.
 pub struct TileState {
@@ -141,55 +102,33 @@ pub struct TileState {
     pub tile: usize,
     /// Its bed as it is known so far.
     pub bed: Bed,
-    anchors: Vec<Anchor>,
-    plate_m: Vec<f64>,
+    measured: Vec<Node>,
     looks: Vec<usize>,
-    solver: Option<Solver>,
-}
-
-/// What a round leaves to the next.
-struct Solver {
-    factor: Factor,
-    values: Vec<f64>,
-    /// Standard deviation of the depth at every node by what is unknown of it, metres; empty without draws.
-    sd_m: Vec<f64>,
 }
 
 impl TileState {
     /// Of a tile before its first round; `None` where no depth was measured in it.
-    pub fn new(tile: usize, nodes: &Nodes, anchors: &[Anchor], looks: &[Look]) -> Option<Self> {
-        let anchors: Vec<Anchor> = anchors
-            .iter()
-            .filter(|anchor| nodes.holds(anchor.place_m))
-            .copied()
-            .collect();
-        let plate_m = plate(nodes, &anchors)?;
-        let touching = looks
-            .iter()
-            .enumerate()
-            .filter(|(_, look)| look.within(nodes).is_some());
+    pub fn new(tile: usize, nodes: &Nodes, measured: &[Node], looks: &[Look]) -> Option<Self> {
+        let inside = measured.iter().filter(|depth| nodes.holds(place(depth)));
+        let measured: Vec<Node> = inside.copied().collect();
+        let bed = Bed::new(*nodes, &measured)?;
+        let all = looks.iter().enumerate();
+        let touching = all.filter(|(_, look)| look.within(nodes).is_some());
         Some(Self {
             tile,
-            bed: Bed::new(
-                *nodes,
-                plate_m.clone(),
-                anchors.iter().map(|anchor| anchor.place_m).collect(),
-            ),
             looks: touching.map(|(look, _)| look).collect(),
-            anchors,
-            plate_m,
-            solver: None,
+            measured,
+            bed,
         })
     }
 
-    /// The next round; `None` where no reading lies in the tile, or where the equations have no solution. From the second on the factor of the first
-    /// serves, unless the curves are learnt.
+    /// The next round; `None` where no reading lies in the tile, or where the equations have no solution.
     pub fn solve(&mut self, given: &Given<'_>, learns: bool) -> Option<Solved> {
         let nodes = self.bed.nodes;
         let mut system = System::new(&nodes);
         for look in self.looks.iter().map(|look| &given.looks[*look]) {
             if let Some(curves) = &given.curves[look.curves] {
-                system.gains.insert((look.chunk, look.segment), 0);
+                system.gains.insert(look.stretch, 0);
                 look.read(&self.bed, &nodes, Some(curves), given.piece_m, |reading| {
                     if (given.is_bed)(reading.place_m) {
                         system.readings.push((look, reading));
@@ -201,51 +140,41 @@ impl TileState {
             return None;
         }
         system.add_readings(&self.bed, given.piece_m, given.is_robust);
-        add_anchors(&mut system.equations, &nodes, &self.anchors);
-        system.add_relief(&self.plate_m, given.prior.relief_m);
+        for depth in &self.measured {
+            let sd_m = SD_MEASURED_M.max(0.6 * depth.spread_m);
+            let shares = nodes.shares(place(depth));
+            system.equations.add(shares, depth.depth_m, sd_m);
+        }
+        system.add_relief(&self.bed.triangles_m, given.prior.relief_m);
         system.add_brightness(given.prior.brightness);
         system.add_gains();
-        let solver = match self.solver.take() {
-            Some(before) if !learns && before.values.len() == system.unknowns() => Solver {
-                values: before.factor.better(&system.equations, before.values),
-                ..before
-            },
-            _ => system.solver(if learns { 0 } else { DRAWS })?,
-        };
-        if solver.values.iter().any(|value| !value.is_finite()) {
+        let order = elimination::order(&nodes, 2, system.unknowns());
+        let pattern = Pattern::in_order(&system.equations, order)?;
+        let factor = pattern.factorise(&system.equations)?;
+        let mut normal = Normal::new(1);
+        let mut drawn = factor.solve(&pattern, &system.equations, DRAWS, || normal.draw());
+        let values = drawn.swap_remove(0);
+        if values.iter().any(|value| !value.is_finite()) {
             return None;
         }
-        let solved = Solved {
-            is_seen: system.is_seen(),
-            border: learns.then(|| system.border(&solver)),
+        let sd_m = |node: usize| {
+            let squares = drawn.iter().map(|draw| draw[node].powi(2));
+            (squares.sum::<f64>() / DRAWS as f64).sqrt()
         };
-        self.bed.step(&solver.values);
-        self.solver = Some(solver);
-        Some(solved)
+        self.bed.step(&values);
+        self.bed.sd_m = (0..nodes.len()).map(sd_m).collect();
+        Some(Solved {
+            is_seen: system.is_seen(),
+            border: learns.then(|| system.border(given.curves.len(), &factor, &values)),
+        })
     }
 
     /// Takes over a step of the curves.
-    pub fn follow(&mut self, border: &Border, steps: &BTreeMap<usize, Vec<f64>>) {
-        for (at, curves) in border.curves.iter().enumerate() {
-            for (parameter, step) in steps.get(curves).into_iter().flatten().enumerate() {
-                self.bed
-                    .add(&border.columns[at * PARAMETERS + parameter], -step);
-            }
+    pub fn follow(&mut self, border: &Border, steps: &[f64]) {
+        for (column, step) in border.columns.iter().zip(steps) {
+            self.bed.add(column, -step);
         }
     }
-
-    /// Standard deviation of the depth at every node by what is unknown of it, metres; empty where the curves were learnt.
-    pub fn sd_m(&self) -> &[f64] {
-        self.solver.as_ref().map_or(&[], |solver| &solver.sd_m)
-    }
-}
-
-/// The terms of the Laplacian at a node, a square metre.
-fn laplacian(nodes: &Nodes, node: usize) -> impl Iterator<Item = (usize, f64)> {
-    let per_m2 = 1.0 / nodes.step_m.powi(2);
-    let own = [(node, -4.0 * per_m2)];
-    own.into_iter()
-        .chain(nodes.neighbours(node).map(move |other| (other, per_m2)))
 }
 
 /// The terms of `(kappa^2 - Laplace)` at a node, whose values are independent in a Matern field (Lindgren et al. 2011, doi
@@ -256,26 +185,20 @@ fn innovation(
     kappa_per_m: f64,
     sd: f64,
 ) -> (impl Iterator<Item = (usize, f64)>, f64) {
-    let terms = laplacian(nodes, node).map(|(other, factor)| (other, -factor));
-    let terms = terms.chain([(node, kappa_per_m * kappa_per_m)]);
-    (
-        terms,
-        sd * (4.0 * std::f64::consts::PI).sqrt() * kappa_per_m / nodes.step_m,
-    )
-}
-
-fn add_anchors(equations: &mut Equations, nodes: &Nodes, anchors: &[Anchor]) {
-    for anchor in anchors {
-        equations.add(nodes.shares(anchor.place_m), anchor.depth_m, anchor.sd_m);
-    }
+    let per_m2 = 1.0 / nodes.step_m.powi(2);
+    let around = nodes.neighbours(node).map(|other| (other, -per_m2));
+    let terms = around
+        .into_iter()
+        .chain([(node, 4.0 * per_m2 + kappa_per_m.powi(2))]);
+    (terms, sd * (4.0 * PI).sqrt() * kappa_per_m / nodes.step_m)
 }
 
 struct System<'a> {
     nodes: Nodes,
     equations: Equations,
     readings: Vec<(&'a Look, Reading)>,
-    /// The unknown of the gain of each chunk.
-    gains: BTreeMap<(ChunkId, u32), usize>,
+    /// The unknown of the gain of each stretch of a log.
+    gains: BTreeMap<(u32, u32), usize>,
 }
 
 impl<'a> System<'a> {
@@ -326,7 +249,7 @@ impl<'a> System<'a> {
                 .chain(times(inner, -per_m, 0))
                 .chain(times(here, reading.per_depth, 0))
                 .chain(times(here, reading.share, count))
-                .chain([(self.gains[&(look.chunk, look.segment)], 1.0)]);
+                .chain([(self.gains[&look.stretch], 1.0)]);
             let mut sd = (SPECKLE_VARIANCE / reading.independent)
                 .sqrt()
                 .hypot(SD_MODEL);
@@ -338,15 +261,12 @@ impl<'a> System<'a> {
         }
     }
 
-    fn add_relief(&mut self, plate_m: &[f64], relief_m: f64) {
-        for node in 0..self.nodes.len() {
+    /// The depth varies about the triangles: their own bends are not asked for.
+    fn add_relief(&mut self, triangles_m: &[f64], relief_m: f64) {
+        for (node, depth_m) in triangles_m.iter().enumerate() {
             let (terms, sd) = innovation(&self.nodes, node, KAPPA_PER_M, relief_m);
-            let terms: Vec<(usize, f64)> = terms.collect();
-            let goal = terms
-                .iter()
-                .map(|(node, factor)| factor * plate_m[*node])
-                .sum();
-            self.equations.add(terms, goal, sd);
+            self.equations
+                .add(terms, KAPPA_PER_M * KAPPA_PER_M * depth_m, sd);
         }
     }
 
@@ -374,46 +294,14 @@ impl<'a> System<'a> {
         }
     }
 
-    /// Ties every chunk to the one before, unless the gain steps between them.
     fn add_gains(&mut self) {
-        let mut last: Option<(ChunkId, u32, usize)> = None;
-        for (&(chunk, segment), &gain) in &self.gains {
-            self.equations.add([(gain, 1.0)], 0.0, SD_GAIN);
-            if let Some((before, before_segment, before_gain)) = last {
-                let apart = chunk.number.saturating_sub(before.number);
-                if (before.log, before_segment) == (chunk.log, segment)
-                    && (1..=FARTHEST_TIE).contains(&apart)
-                {
-                    let sd = SD_GAIN_STEP * f64::from(apart).sqrt();
-                    self.equations
-                        .add([(gain, 1.0), (before_gain, -1.0)], 0.0, sd);
-                }
+        for (&(log, stretch), gain) in &self.gains {
+            self.equations.add([(*gain, 1.0)], 0.0, SD_GAIN);
+            if let Some(next) = self.gains.get(&(log, stretch + 1)) {
+                let terms = [(*gain, 1.0), (*next, -1.0)];
+                self.equations.add(terms, 0.0, SD_GAIN_STEP);
             }
-            last = Some((chunk, segment, gain));
         }
-    }
-
-    fn solver(&self, draws: usize) -> Option<Solver> {
-        let pattern = Pattern::in_order(&self.equations, self.unknowns(), |neighbours| {
-            elimination::order(&self.nodes, 2, neighbours)
-        })?;
-        let factor = pattern.factorise(&self.equations)?;
-        let mut normal = Normal::new(1);
-        let mut columns = factor.solve(&pattern, &self.equations, draws, || normal.draw());
-        let values = columns.swap_remove(0);
-        let sd = |node: usize| {
-            let squares = columns.iter().map(|draw| draw[node].powi(2));
-            (squares.sum::<f64>() / draws as f64).sqrt()
-        };
-        Some(Solver {
-            sd_m: if draws > 0 {
-                (0..self.nodes.len()).map(sd).collect()
-            } else {
-                Vec::new()
-            },
-            factor,
-            values,
-        })
     }
 
     fn is_seen(&self) -> Vec<bool> {
@@ -424,12 +312,9 @@ impl<'a> System<'a> {
         is_seen
     }
 
-    /// What the readings, which are the first of the equations, say of the curves.
-    fn border(&self, Solver { factor, values, .. }: &Solver) -> Border {
-        let mut curves: Vec<usize> = self.readings.iter().map(|(look, _)| look.curves).collect();
-        curves.sort_unstable();
-        curves.dedup();
-        let parameters = curves.len() * PARAMETERS;
+    /// What the readings, which are the first of the equations, say of so many sets of curves.
+    fn border(&self, sets: usize, factor: &Factor, values: &[f64]) -> Border {
+        let parameters = sets * PARAMETERS;
         let mut normal = Mat::<f64>::zeros(parameters, parameters);
         let mut right = vec![0.0; parameters];
         let mut columns = vec![vec![0.0; self.unknowns()]; parameters];
@@ -437,7 +322,7 @@ impl<'a> System<'a> {
             let mut by = [0.0; PARAMETERS];
             Curves::add_derivatives(&reading.at, reading.share, &mut by);
             let weight = self.equations.weight(equation).powi(2);
-            let first = PARAMETERS * curves.partition_point(|one| *one < look.curves);
+            let first = PARAMETERS * look.curves;
             // What the solution without a step of the curves leaves.
             let left = -self.equations.residual(equation, values) / self.equations.weight(equation);
             for (row, of_row) in by.iter().enumerate().filter(|(_, by)| **by != 0.0) {
@@ -451,21 +336,15 @@ impl<'a> System<'a> {
         }
         let ties = columns.clone();
         factor.solve_for(&mut columns);
-        for row in 0..parameters {
-            for column in 0..parameters {
-                let product: f64 = ties[row]
-                    .iter()
-                    .zip(&columns[column])
-                    .map(|(a, b)| a * b)
-                    .sum();
-                normal[(row, column)] -= product;
+        for (row, tie) in ties.iter().enumerate() {
+            for (column, solved) in columns.iter().enumerate() {
+                normal[(row, column)] -= tie.iter().zip(solved).map(|(a, b)| a * b).sum::<f64>();
             }
         }
         for column in &mut columns {
             column.truncate(2 * self.nodes.len());
         }
         Border {
-            curves,
             normal,
             right,
             columns,
@@ -473,56 +352,42 @@ impl<'a> System<'a> {
     }
 }
 
-/// The step of all curves that the tiles of a sample say together, by curves; the curves a step on are put in their place. `logs` are the logs of
-/// the curves.
+/// The step of the parameters of all sets of curves that the tiles of a sample say together; the curves a step on are put in their place.
+/// `recorders` are those of the curves.
 pub fn learn(
     curves: &mut [Option<Curves>],
-    logs: &[u32],
+    recorders: &[u32],
     borders: &[&Border],
-) -> Option<BTreeMap<usize, Vec<f64>>> {
-    let mut occurring: Vec<usize> = borders
-        .iter()
-        .flat_map(|border| border.curves.iter().copied())
-        .collect();
-    occurring.sort_unstable();
-    occurring.dedup();
-    let place = |one: usize| PARAMETERS * occurring.partition_point(|other| *other < one);
-    let count = occurring.len() * PARAMETERS;
+) -> Option<Vec<f64>> {
+    let count = curves.len() * PARAMETERS;
     let mut normal = Mat::<f64>::zeros(count, count);
     let mut right = vec![0.0; count];
     for border in borders {
-        let to = |at: usize| place(border.curves[at / PARAMETERS]) + at % PARAMETERS;
-        for row in 0..border.right.len() {
-            right[to(row)] += border.right[row];
-            for column in 0..border.right.len() {
-                normal[(to(row), to(column))] += border.normal[(row, column)];
-            }
-        }
+        normal += &border.normal;
+        right
+            .iter_mut()
+            .zip(&border.right)
+            .for_each(|(sum, value)| *sum += value);
     }
-    for one in &occurring {
-        let before = curves[*one].as_ref()?;
-        before.add_prior(&mut normal, &mut right, place(*one), 1.0);
+    let known = (0..curves.len()).filter_map(|set| Some((set, curves[set].as_ref()?)));
+    let known: Vec<(usize, &Curves)> = known.collect();
+    for (set, curves) in &known {
+        curves.add_prior(&mut normal, &mut right, PARAMETERS * set, 1.0);
     }
-    for pair in occurring
-        .windows(2)
-        .filter(|pair| logs[pair[0]] == logs[pair[1]])
-    {
-        let set = |one: usize| Some((curves[one].as_ref()?, place(one)));
-        Curves::add_tie(set(pair[0])?, set(pair[1])?, &mut normal, &mut right);
+    let ends = known.iter().zip(known.iter().skip(1));
+    for ((one, before), (other, after)) in ends.filter(|(a, b)| recorders[a.0] == recorders[b.0]) {
+        let (one, other) = ((*before, PARAMETERS * one), (*after, PARAMETERS * other));
+        Curves::add_tie(one, other, &mut normal, &mut right);
     }
     for at in 0..count {
         normal[(at, at)] += CURVE_DAMPING;
     }
-    let step = solve_dense(&normal, &right)?;
-    let mut steps = BTreeMap::new();
-    for one in &occurring {
-        let own: Vec<f64> = step[place(*one)..place(*one) + PARAMETERS]
-            .iter()
-            .map(|step| step.clamp(-MOST_CURVE_STEP, MOST_CURVE_STEP))
-            .collect();
-        let before = curves[*one].take()?;
-        curves[*one] = Some(before.stepped(&own, MOST_CURVE_STEP));
-        steps.insert(*one, own);
+    let mut steps = solve_dense(&normal, &right)?;
+    for step in &mut steps {
+        *step = step.clamp(-MOST_CURVE_STEP, MOST_CURVE_STEP);
+    }
+    for (curves, step) in curves.iter_mut().zip(steps.chunks(PARAMETERS)) {
+        *curves = curves.take().map(|curves| curves.stepped(step));
     }
     Some(steps)
 }

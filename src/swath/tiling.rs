@@ -113,7 +113,7 @@ impl Tiling {
         };
         Self {
             resolution,
-            tiles: nodes.tiles_within(HALO, CORE, HALO),
+            tiles: nodes.tiles_within(HALO, [CORE; 2], HALO),
             nodes,
         }
     }

@@ -136,7 +136,8 @@ fn check_sources(plain: &Surface, from_levels: &Surface) {
     }
     let [before, left] = [plain, from_levels].map(|map| share(map, CellSource::Interpolated));
     assert_eq!(share(plain, CellSource::FromLevels), 0.0);
-    assert!(left < 0.5 * before && left > 0.0, "{before} {left}");
+    // Near the lines triangles count more.
+    assert!(left < 0.6 * before && left > 0.0, "{before} {left}");
 }
 
 /// The brightness that levels leave to the bed is that of its patches, smoothed as far as predicts depths best.

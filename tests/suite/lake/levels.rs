@@ -188,10 +188,10 @@ fn a_lake_from_levels_is_corrected_as_the_same_logs_processed_together() {
     let correlation = sum(&|cell| together(cell) * of_lake(cell))
         / (sum(&|cell| together(cell).powi(2)) * sum(&|cell| of_lake(cell).powi(2))).sqrt();
     println!("errors {errors_m:.4?} m, corrections correlate {correlation:.3}");
-    // The corner of four tiles lies in the middle: each has a quarter of the echoes.
-    assert!(correlation > 0.3, "{correlation}");
-    assert!(errors_m[2] < 1.05 * errors_m[0], "{errors_m:?}");
-    assert!(errors_m[2] < errors_m[3], "{errors_m:?}");
+    // The corner of four tiles lies in the middle: each has a quarter of the echoes. A lake learns the curves of each log alone.
+    assert!(correlation > 0.6, "{correlation}");
+    assert!(errors_m[0] < 0.7 * errors_m[1], "{errors_m:?}");
+    assert!(errors_m[2] < 0.95 * errors_m[3], "{errors_m:?}");
 }
 
 #[test]
