@@ -314,16 +314,17 @@ mod tests {
     use super::*;
     use crate::survey::Survey;
 
+    const GRID: Grid = Grid {
+        west_m: 0.0,
+        north_m: 10.0,
+        cell_m: 1.0,
+        columns: 10,
+        rows: 10,
+    };
+
     #[test]
     fn a_surface_without_echoes_stays_as_it_is_and_says_why() {
-        let grid = Grid {
-            west_m: 0.0,
-            north_m: 10.0,
-            cell_m: 1.0,
-            columns: 10,
-            rows: 10,
-        };
-        let before = Surface::of_depths(grid, vec![2.0; 100]);
+        let before = Surface::of_depths(GRID, vec![2.0; 100]);
         let measured = DepthPoint {
             east_m: 3.0,
             north_m: 3.0,
@@ -370,14 +371,7 @@ mod tests {
 
     #[test]
     fn the_smaller_error_counts_more() {
-        let grid = Grid {
-            west_m: 0.0,
-            north_m: 10.0,
-            cell_m: 1.0,
-            columns: 10,
-            rows: 10,
-        };
-        let nodes = nodes::Nodes::over(&grid, 1.0);
+        let nodes = nodes::Nodes::over(&GRID, 1.0);
         let all = |value: f64| vec![value; nodes.len()];
         let found = Found {
             nodes,
@@ -387,7 +381,7 @@ mod tests {
             seen: all(1.0),
         };
         let depth_m = |triangles_error_m: f32| {
-            let mut surface = Surface::of_depths(grid, vec![2.0; 100]);
+            let mut surface = Surface::of_depths(GRID, vec![2.0; 100]);
             surface.spread_is = Spread::OfError;
             surface.spread_m.fill(triangles_error_m);
             surface.distance_m.fill(3.0);
