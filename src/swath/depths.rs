@@ -200,14 +200,20 @@ pub struct Sample {
 }
 
 impl Sample {
-    /// Of some tiles, with the curves that fit the levels on triangles between the measured depths.
-    pub fn new(input: &Input<'_>, tiling: &Tiling, tiles: &[usize], measured: &[Node]) -> Self {
+    /// Of some tiles, with some curves, or those that fit the levels on triangles between the measured depths.
+    pub fn new(
+        input: &Input<'_>,
+        tiling: &Tiling,
+        tiles: &[usize],
+        measured: &[Node],
+        curves: Option<Vec<Option<Curves>>>,
+    ) -> Self {
         let state = |tile: &usize| {
             TileState::new(*tile, &tiling.tiles[*tile].nodes, measured, &input.looks)
         };
         let states: Vec<TileState> = tiles.par_iter().filter_map(state).collect();
         Self {
-            curves: first_curves(input, &states, tiling.resolution),
+            curves: curves.unwrap_or_else(|| first_curves(input, &states, tiling.resolution)),
             states,
             resolution: tiling.resolution,
             is_learnt: false,

@@ -131,7 +131,7 @@ pub fn choose(
         return Ok(None);
     };
     let kept = merged(&split.kept);
-    let mut sample = Sample::new(input, tiling, tiles, &kept);
+    let mut sample = Sample::new(input, tiling, tiles, &kept, None);
     let Some(tin) = Tin::new(kept) else {
         return Ok(None);
     };

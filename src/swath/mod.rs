@@ -138,12 +138,11 @@ fn found(
             Some(_) => {}
         }
     }
-    let mut sample = Sample::new(&input, &learning, &tiles, &input.measured);
-    let mut prior = UNTESTED;
-    if let Some(choice) = choice {
-        prior = choice.prior;
-        sample.curves = choice.curves;
-    }
+    let (prior, curves) = match choice {
+        Some(choice) => (choice.prior, Some(choice.curves)),
+        None => (UNTESTED, None),
+    };
+    let mut sample = Sample::new(&input, &learning, &tiles, &input.measured, curves);
     if !sample.learn(&input, prior, progress)? {
         return Ok(Err(LevelsRefused::TooFewEchoes));
     }
@@ -179,7 +178,7 @@ impl LearntLevels {
         let tiling = Tiling::at(&grid, Resolution::COARSE);
         let input = Input::new(logs, &[0], measured, tiling.resolution, progress)?;
         let tiles = input.busiest(&tiling, MOST_LEARNT);
-        let mut sample = Sample::new(&input, &tiling, &tiles, &input.measured);
+        let mut sample = Sample::new(&input, &tiling, &tiles, &input.measured, None);
         if !sample.learn(&input, UNTESTED, progress)? {
             return Ok(None);
         }

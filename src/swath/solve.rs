@@ -92,8 +92,8 @@ pub struct Border {
     normal: Mat<f64>,
     /// Its right side.
     right: Vec<f64>,
-    /// What depth and brightness lose for a step of each parameter.
-    columns: Vec<Vec<f64>>,
+    /// What depth and brightness lose for a step of each parameter that occurs.
+    columns: Vec<(usize, Vec<f64>)>,
 }
 
 /// A tile between its rounds.
@@ -171,8 +171,8 @@ impl TileState {
 
     /// Takes over a step of the curves.
     pub fn follow(&mut self, border: &Border, steps: &[f64]) {
-        for (column, step) in border.columns.iter().zip(steps) {
-            self.bed.add(column, -step);
+        for (parameter, column) in &border.columns {
+            self.bed.add(column, -steps[*parameter]);
         }
     }
 }
@@ -317,7 +317,8 @@ impl<'a> System<'a> {
         let parameters = sets * PARAMETERS;
         let mut normal = Mat::<f64>::zeros(parameters, parameters);
         let mut right = vec![0.0; parameters];
-        let mut columns = vec![vec![0.0; self.unknowns()]; parameters];
+        // Of sets that no reading of the tile belongs to there is no column to solve for.
+        let mut occurring: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
         for (equation, (look, reading)) in self.readings.iter().enumerate() {
             let mut by = [0.0; PARAMETERS];
             Curves::add_derivatives(&reading.at, reading.share, &mut by);
@@ -330,15 +331,17 @@ impl<'a> System<'a> {
                 for (column, of_column) in by.iter().enumerate() {
                     normal[(first + row, first + column)] += weight * of_row * of_column;
                 }
-                self.equations
-                    .add_times(equation, weight * of_row, &mut columns[first + row]);
+                let column = occurring.entry(first + row);
+                let column = column.or_insert_with(|| vec![0.0; self.unknowns()]);
+                self.equations.add_times(equation, weight * of_row, column);
             }
         }
+        let (places, mut columns): (Vec<usize>, Vec<Vec<f64>>) = occurring.into_iter().unzip();
         let ties = columns.clone();
         factor.solve_for(&mut columns);
-        for (row, tie) in ties.iter().enumerate() {
-            for (column, solved) in columns.iter().enumerate() {
-                normal[(row, column)] -= tie.iter().zip(solved).map(|(a, b)| a * b).sum::<f64>();
+        for (row, tie) in places.iter().zip(&ties) {
+            for (column, solved) in places.iter().zip(&columns) {
+                normal[(*row, *column)] -= tie.iter().zip(solved).map(|(a, b)| a * b).sum::<f64>();
             }
         }
         for column in &mut columns {
@@ -347,7 +350,7 @@ impl<'a> System<'a> {
         Border {
             normal,
             right,
-            columns,
+            columns: places.into_iter().zip(columns).collect(),
         }
     }
 }
