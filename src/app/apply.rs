@@ -8,7 +8,6 @@ use super::{
     Action, App, Command, LogId, MapLayer, Mark, Orientation, Origin, Reveal, SideColours,
     ThemeChoice, Tool,
 };
-use crate::calibration::PingRange;
 use crate::detection::review::Edit;
 use crate::geo::CoordinateFormat;
 use crate::pipeline::settings::row;
@@ -36,10 +35,6 @@ impl App {
                 let place = Place::Beside { shown: true };
                 self.load(paths.into_iter().map(Origin::Path), place);
             }
-            Command::MatchHeights => self.match_heights(),
-            Command::ApplyHeights => self.apply_heights(),
-            Command::MatchPositions => self.match_positions(),
-            Command::ApplyPositions => self.apply_positions(),
             Command::ShowLog(id) => self.show_log(id),
             Command::CloseLog(id) => self.close_log(id),
             Command::MoveLog(id, by) => self.move_log(id, by),
@@ -56,7 +51,7 @@ impl App {
                 live,
             } => self.change(*settings, label, live),
             Command::UsePreset(preset) => self.use_preset(preset),
-            Command::CalibrateAt(pings) => self.calibrate_at(pings),
+            Command::ProposeStretch(pings) => self.propose_stretch(pings),
             Command::Show(options) => self.options = *options,
             Command::Hover(mark) => self.hover = mark,
             Command::Select(mark) => {
@@ -84,6 +79,10 @@ impl App {
             Command::Export(folder) => self.export(folder),
             Command::Edit { edit, live } => self.edit(&edit, live),
             Command::MarkTarget(mark) => self.mark_target(mark),
+            Command::SetClasses(classes) => {
+                self.set_classes(crate::detection::ReviewSettings { classes })
+            }
+            Command::RenameClass { from, to } => self.rename_class(&from, to.trim()),
             Command::EditIn(log, edit) => {
                 self.with_log(log, |app| app.edit(&edit, false));
             }
@@ -92,6 +91,11 @@ impl App {
             Command::FlyTo(id) => self.fly_to(id),
             Command::Nudge(nudge) => self.nudge_box(nudge),
             Command::LeaveOut { log, part, leave } => self.leave_out(log, part, leave),
+            Command::AcceptBottom {
+                side,
+                pings,
+                accept,
+            } => self.accept_bottom(side, pings, accept),
             Command::DrawBottom(stroke) => self.draw_bottom(&stroke),
             Command::NudgeBottom(samples) => self.nudge_bottom(samples),
             Command::LineUp(queue) => self.set_queue(&queue),
@@ -103,8 +107,13 @@ impl App {
             Command::SaveReview(path) => self.save_review(path),
             Command::SaveReviews => self.save_reviews(),
             Command::ExportBoxes(folder) => self.export_boxes(folder),
-            // Views and their arrangement belong to the shell.
-            Command::Focus(_) | Command::Layout(_) | Command::PrintInto(_) => {}
+            // Views, their arrangement and the keyboard belong to the shell.
+            Command::ByKey { .. }
+            | Command::ShowSetting(_)
+            | Command::Focus(_)
+            | Command::Layout(_)
+            | Command::ChooseExportFolder(_)
+            | Command::PrintInto(_) => {}
         }
     }
 
@@ -184,7 +193,7 @@ impl App {
         if changed {
             self.log.settings = Arc::new(settings);
         }
-        let shows_only = self.log.take_picture_settings();
+        let shows_only = self.log.take_settings_of_no_result();
         if !live {
             self.keep_bottom();
         }
@@ -233,12 +242,6 @@ impl App {
         self.change(settings, "preset", false);
     }
 
-    fn calibrate_at(&mut self, pings: PingRange) {
-        let mut settings = Settings::clone(&self.log.settings);
-        settings.calibration.pings = Some(pings);
-        self.change(settings, "flat spot", false);
-    }
-
     pub(super) fn reveal(&mut self, mark: Mark) {
         let serial = self.reveal.map_or(0, |reveal| reveal.serial) + 1;
         self.selection = Some(mark);
@@ -258,6 +261,7 @@ impl App {
             Action::Update => self.update(),
             Action::NextLog => self.step_log(1),
             Action::PreviousLog => self.step_log(-1),
+            Action::ShowTogether => self.show_together(),
             Action::CloseLog => self.close_log(self.log.id),
             Action::Cancel => {
                 self.cancel();
@@ -323,12 +327,15 @@ impl App {
             Action::UnitsFathoms => self.options.units.length = LengthUnit::Fathoms,
             Action::SpeedMetres => self.options.units.speed = SpeedUnit::MetresPerSecond,
             Action::SpeedKnots => self.options.units.speed = SpeedUnit::Knots,
-            Action::CalibrateHere => self.calibrate_here(),
-            Action::CalibrationReset => {
-                let mut settings = Settings::clone(&self.log.settings);
-                settings.calibration.pings = None;
-                self.change(settings, "flat spot", false);
-            }
+            Action::CompareHeights => self.match_heights(),
+            Action::ApplyHeights => self.apply_heights(),
+            Action::ComparePositions => self.match_positions(),
+            Action::ApplyPositions => self.apply_positions(),
+            Action::Calibrate => self.take_calibration_tool(),
+            Action::UseScale => self.use_scale(),
+            Action::KeepRecordedRange => self.keep_recorded_range(),
+            Action::DropProposal => self.drop_proposal(),
+            Action::UseFlatterStretch => self.use_offered_stretch(),
             Action::OutlierPreview => {
                 self.options.cloud.outlier_preview = !self.options.cloud.outlier_preview;
             }
@@ -385,7 +392,7 @@ impl App {
             Action::AcceptObject => self.decide_object(Edit::Accept, "accept object"),
             Action::RejectObject => self.decide_object(Edit::Reject, "reject object"),
             Action::UndecideObject => {
-                self.edit_object(Edit::Undecide, "take decisions on object back");
+                self.edit_object(Edit::Undecide, "mark object as undecided");
             }
             Action::NextSighting => self.step_sighting(),
             Action::FlyToBox => match self.selected_log_box() {
@@ -407,9 +414,11 @@ impl App {
                 let both = &mut self.options.waterfall.bottom_both_sides;
                 *both = !*both;
             }
+            Action::AcceptBottom => self.take_tool(Tool::Accept),
             Action::ForgetBottom => self.forget_bottom(),
             Action::LeaveTool if self.leave_measuring() => {}
             Action::LeaveTool if self.log.reviewing.is_in_use() => self.leave_tool(),
+            Action::LeaveTool if self.log.proposed_stretch().is_some() => self.drop_proposal(),
             Action::LeaveTool => self.remove_figure(),
             Action::MeasureDistance => self.take_measuring_tool(MeasurementKind::Distance),
             Action::MeasureArea => self.take_measuring_tool(MeasurementKind::Area),
@@ -468,25 +477,5 @@ impl App {
         // Steps of a hundredth stay hundredths.
         settings.first_return.threshold = ((threshold * 100.0).round() / 100.0).clamp(0.0, 1.0);
         self.change(settings, "threshold", false);
-    }
-
-    /// The stretch of pings that a click calibrates on: 50 to either side, as far as the survey goes.
-    pub fn stretch_around(&self, ping: usize) -> Option<PingRange> {
-        let count = self.log.survey.as_ref()?.side_scan.len();
-        let range = PingRange {
-            start: ping.saturating_sub(50),
-            end: (ping + 51).min(count),
-        };
-        (range.start < range.end).then_some(range)
-    }
-
-    fn calibrate_here(&mut self) {
-        let pings = self
-            .selection
-            .and_then(|mark| self.stretch_around(mark.ping));
-        match pings {
-            Some(pings) => self.calibrate_at(pings),
-            None => self.notify("select a ping first, then calibrate there".to_owned(), true),
-        }
     }
 }

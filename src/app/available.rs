@@ -1,11 +1,14 @@
 //! Which actions make sense now: menus grey the others, and the palette leaves them out.
 
 use super::{Action, App};
+use crate::calibration::ScaleMode;
 
 impl App {
     /// Whether there is what an action takes away or leaves. All other actions say themselves what they lack.
     pub fn has_what_it_takes(&self, action: Action) -> bool {
         match action {
+            Action::ShowTogether => self.logs().any(|log| log.apart.is_some()),
+            Action::OpenExported => self.written_into.is_some(),
             Action::CloseBaseMap => self.base_map.is_some(),
             Action::RemoveIsobathArea => self.log.settings.isobaths.clip.is_some(),
             Action::RemoveWaterLevels => self.log.settings.water_level.file.is_some(),
@@ -18,7 +21,17 @@ impl App {
             Action::RemoveFigure => self.measuring.figure.is_some(),
             Action::RemovePlan | Action::SavePlan => self.planning.lines.is_some(),
             Action::RemoveLine => self.planning.selected.is_some(),
-            Action::CalibrationReset => self.log.settings.calibration.pings.is_some(),
+            Action::CompareHeights => self.log_count() > 1,
+            Action::ApplyHeights => self.height_offsets().is_some(),
+            Action::ApplyPositions => {
+                (self.position_offsets()).is_some_and(super::FoundPositions::tells)
+            }
+            Action::UseScale | Action::DropProposal => self.log.proposed_stretch().is_some(),
+            Action::KeepRecordedRange => {
+                self.log.settings.calibration.mode == ScaleMode::FlatSpot
+                    || self.log.proposed_stretch().is_some()
+            }
+            Action::UseFlatterStretch => (self.logs()).any(|log| log.calibrating.offered.is_some()),
             _ => true,
         }
     }

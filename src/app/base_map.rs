@@ -23,7 +23,10 @@ impl App {
         if path.is_file() {
             self.start_base_map(path, true);
         } else {
-            let text = format!("The base map of last time is gone: {}", path.display());
+            let text = format!(
+                "The base map that was open last is missing: {}",
+                path.display()
+            );
             self.notify(text, false);
         }
     }

@@ -1,7 +1,7 @@
 //! Bottom edits: strokes of the pen and steps of the keys become settings, which undo takes back, and are kept
 //! in the sidecar file `LOG.bottom.toml` as they are made.
 
-use super::{App, Mark};
+use super::{Action, App, Mark};
 use crate::export;
 use crate::first_return::{BottomEdit, BottomSettings};
 use crate::pipeline::Settings;
@@ -78,6 +78,41 @@ impl App {
         self.set_bottom(bottom);
     }
 
+    /// Accepts the first returns of some pings as bottom where they were found, or takes that back, as an undo step; with both sides asked for, on
+    /// the other side too.
+    pub(super) fn accept_bottom(&mut self, side: Side, pings: [usize; 2], accept: bool) {
+        let Some(survey) = &self.log.survey else {
+            return;
+        };
+        let last = survey.side_scan.len().saturating_sub(1);
+        let pings = pings.map(|ping| ping.min(last));
+        let [first, last] = pings;
+        let mut bottom = self.bottom_of(survey);
+        for side in self.sides_of(side) {
+            bottom = match accept {
+                true => bottom.accepting(side, pings),
+                false => bottom.not_accepting(side, pings),
+            };
+        }
+        if bottom == self.log.settings.bottom {
+            return;
+        }
+        self.set_bottom(bottom);
+        let what = match accept {
+            true => "Accepted as bottom",
+            false => "No longer accepted as bottom",
+        };
+        let sides = match self.options.waterfall.bottom_both_sides {
+            true => "both sides".to_owned(),
+            false => side.name().to_owned(),
+        };
+        self.withdraw(Action::Undo);
+        self.offer(
+            format!("{what}: pings {first} to {last}, {sides}"),
+            Action::Undo,
+        );
+    }
+
     fn sides_of(&self, side: Side) -> impl Iterator<Item = Side> + use<> {
         let both = self.options.waterfall.bottom_both_sides;
         (Side::BOTH.into_iter()).filter(move |&one| both || one == side)
@@ -105,6 +140,7 @@ impl App {
                 side,
                 pings: [mark.ping, mark.ping],
                 corners: vec![[mark.ping as f64, range_m]],
+                accepted: false,
             };
             bottom = bottom.with(line);
         }
@@ -169,7 +205,7 @@ impl App {
             .as_ref()
             .is_some_and(|one| one.swapped_sides);
         let kept = kept.with_sides(swapped);
-        let pings = kept.ping_count();
+        let pings = kept.edited_count();
         self.log.bottom_file.written = kept.clone();
         Arc::make_mut(&mut self.log.own).bottom = kept.clone();
         Arc::make_mut(&mut self.log.settings).bottom = kept;

@@ -2,15 +2,15 @@
 
 use super::planning::PlanRequest;
 use super::{
-    Action, BottomStroke, LayoutPreset, Leave, LogBox, LogId, Mark, Measure, MistakeSort, Nudge,
-    ReferenceBy, View, ViewOptions,
+    Action, BottomStroke, KeyFocus, Keys, LayoutPreset, Leave, LogBox, LogId, Mark, Measure,
+    MistakeSort, Nudge, ReferenceBy, View, ViewOptions,
 };
 use crate::calibration::PingRange;
 use crate::detection::review::{BoxId, Edit, Queue};
 use crate::detection::truth::Mistake;
 use crate::geo::LonLat;
 use crate::pipeline::{Preset, Settings};
-use crate::survey::LogPart;
+use crate::survey::{LogPart, Side};
 use std::ops::Range;
 use std::path::PathBuf;
 
@@ -20,6 +20,15 @@ use std::path::PathBuf;
 pub enum Command {
     /// One of the commands of the table: menu, palette or key.
     Do(Action),
+    /// What a bare key asks for: what it changes is said, with undo.
+    ByKey {
+        /// The key, as the table of commands writes it.
+        keys: Keys,
+        /// What it asks for.
+        command: Box<Command>,
+        /// What had the keyboard.
+        focus: KeyFocus,
+    },
     /// Open a log.
     Open(PathBuf),
     /// Open several logs in the place of those that are open; the first of them is shown.
@@ -32,14 +41,6 @@ pub enum Command {
     SaveProjectAs(PathBuf),
     /// Write the project into its file.
     SaveProject,
-    /// Find by how much the heights of the logs differ.
-    MatchHeights,
-    /// Add the height offsets that were found to the elevations of their logs.
-    ApplyHeights,
-    /// Find how far the positions of the logs are off, and how late they are.
-    MatchPositions,
-    /// Put positions right as was found.
-    ApplyPositions,
     /// Close a log.
     CloseLog(LogId),
     /// Move a log down the list by so many places, or up.
@@ -70,8 +71,8 @@ pub enum Command {
     },
     /// Take all settings of a preset.
     UsePreset(Preset),
-    /// Calibrate at these side-scan pings.
-    CalibrateAt(PingRange),
+    /// Propose these side-scan pings for the scale; nothing changes yet.
+    ProposeStretch(PingRange),
     /// Change how things are shown.
     Show(Box<ViewOptions>),
     /// What the pointer is over; `None` when it left.
@@ -97,12 +98,16 @@ pub enum Command {
         /// How far the nearest point may be, metres.
         radius_m: f64,
     },
+    /// Bring the control of a setting into view, by its key, and move the keyboard to it.
+    ShowSetting(&'static str),
     /// Move the keyboard focus to a view.
     Focus(View),
     /// Arrange the views.
     Layout(LayoutPreset),
-    /// Write all products into a folder.
+    /// Write the ticked products into a folder.
     Export(PathBuf),
+    /// Take this folder in the dialog of the products.
+    ChooseExportFolder(PathBuf),
     /// Decide about a box or correct it. One undo step ends with the first edit that is not `live`.
     Edit {
         /// What is done.
@@ -114,6 +119,15 @@ pub enum Command {
     MarkTarget(Mark),
     /// Decide about a box of any log, or write about it.
     EditIn(LogId, Edit),
+    /// The classes that boxes are given became these.
+    SetClasses(Vec<String>),
+    /// A class has another name, in the list and for all boxes of all logs.
+    RenameClass {
+        /// Its name.
+        from: String,
+        /// Its new name.
+        to: String,
+    },
     /// Select a box and bring it into all views, or select none.
     SelectBox(Option<BoxId>),
     /// Show the log of a box, if it is another one, and bring the box into all views.
@@ -138,6 +152,15 @@ pub enum Command {
         part: LogPart,
         /// What becomes of it.
         leave: Leave,
+    },
+    /// Accept the first returns of these pings, the first and the last, as bottom where they were found, or take that back.
+    AcceptBottom {
+        /// The side.
+        side: Side,
+        /// First and last ping.
+        pings: [usize; 2],
+        /// Whether they are accepted.
+        accept: bool,
     },
     /// Draw the bottom over the waterfall.
     DrawBottom(BottomStroke),

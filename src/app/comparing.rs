@@ -101,7 +101,7 @@ impl App {
     pub(super) fn compare_with(&mut self, path: PathBuf) {
         let logs = self.processed_logs();
         let Some(first) = logs.first() else {
-            let text = "open a log first, then what it is to be compared with";
+            let text = "open a log first, then its reference";
             self.notify(format!("{text}: {}", path.display()), true);
             return;
         };
@@ -177,7 +177,7 @@ fn words_about(agreement: &Agreement) -> String {
     let mut words = Vec::new();
     if let Some(found) = &agreement.comparison.residuals {
         words.push(format!(
-            "Compared {} points: mean {:+.3} m, 95 % within {:.3} m, above 0 is shallower than the reference",
+            "Compared {} points: mean {:+.3} m (above 0 is shallower than the reference), 95 % within {:.3} m",
             found.n, found.mean_m, found.p95_m
         ));
     }

@@ -1,8 +1,8 @@
 //! Products and reviewed boxes on their way into a folder.
 
-use super::{App, Jobs, LogId, OpenLog, Outcome, Task};
+use super::{Action, App, Jobs, LogId, OpenLog, Outcome, Task};
 use crate::detection::review::Review;
-use crate::outputs::{self, EarlierRun, Order, OutputFile, Product};
+use crate::outputs::{self, Amounts, EarlierRun, Order, OutputFile, Product};
 use crate::progress::Progress;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -11,6 +11,8 @@ use std::sync::Arc;
 pub(super) struct Exporting {
     /// What was written, in a sentence.
     task: Task<Result<String, String>>,
+    /// The folder it is written into, where it is one.
+    into: Option<PathBuf>,
     /// Where the files of a run go, and of which log.
     run: Option<(LogId, PathBuf)>,
 }
@@ -30,6 +32,7 @@ impl Exporting {
     ) -> Self {
         Self {
             task: Task::start(jobs, write),
+            into: None,
             run: None,
         }
     }
@@ -60,6 +63,7 @@ impl App {
         let against = against.filter(|_| requested.contains(&Product::Residuals));
         let reviews = self.reviews_of_shown();
         let run = (logs.len() == 1).then(|| (self.log.id, folder.clone()));
+        let into = folder.clone();
         let derived = self.deriving.results.clone();
         let exporting = Exporting::start(&self.jobs, move |progress| {
             let reference = against.as_ref().map(|(reference, _)| &**reference);
@@ -77,9 +81,13 @@ impl App {
             };
             let written =
                 outputs::write(&order, run, progress, |_| ()).map_err(|error| error.to_string())?;
-            Ok(written.summary(&folder).replacen("wrote", "Wrote", 1))
+            Ok(written.summary(&folder))
         });
-        self.exporting = Some(Exporting { run, ..exporting });
+        self.exporting = Some(Exporting {
+            run,
+            into: Some(into),
+            ..exporting
+        });
     }
 
     /// What is decided about the boxes of each of [`App::processed_logs`].
@@ -100,6 +108,28 @@ impl App {
         all.filter(|one| !left_out.contains(one)).collect()
     }
 
+    /// The folder that products go into unless another is named: the one that was written last, else one beside the project or the log.
+    pub fn export_folder(&self) -> PathBuf {
+        if let Some(folder) = &self.written_into {
+            return folder.clone();
+        }
+        let survey = self.log.survey.as_ref();
+        let log = survey.and_then(|survey| survey.source.files.first());
+        let beside = self.project_path().or(log.map(PathBuf::as_path));
+        let name = beside.and_then(Path::file_stem).unwrap_or_default();
+        let name = format!("{}-products", name.to_string_lossy());
+        beside
+            .and_then(Path::parent)
+            .unwrap_or(Path::new(""))
+            .join(name)
+    }
+
+    /// What the sizes of the products follow from.
+    pub fn amounts(&self) -> Amounts {
+        let depth_map = self.depth_map().flatten();
+        Amounts::of(&self.processed_logs(), depth_map.map(|map| &**map))
+    }
+
     /// Files that were written last of the log at hand and would be others with its settings of now, and their folder.
     pub fn out_of_date(&self) -> Option<(&Path, Vec<&'static OutputFile>)> {
         let Exported { log, folder, run } = self.exported.as_ref()?;
@@ -117,15 +147,20 @@ impl App {
             Outcome::Done(written) => written,
             Outcome::Failed => Err("the export failed unexpectedly".to_owned()),
         };
-        let run = exporting.run.clone();
+        let (run, into) = (exporting.run.clone(), exporting.into.clone());
         self.exporting = None;
+        self.withdraw(Action::OpenExported);
         match written {
             Ok(text) => {
                 if let Some((log, folder)) = run {
                     let run = EarlierRun::read(&folder);
                     self.exported = run.map(|run| Exported { log, folder, run });
                 }
-                self.notify(text, false);
+                self.written_into = into;
+                match self.written_into {
+                    Some(_) => self.offer(text, Action::OpenExported),
+                    None => self.notify(text, false),
+                }
             }
             Err(text) => self.notify(text, true),
         }

@@ -87,7 +87,7 @@ impl App {
     /// Starts reading a file of an instrument, or of the one that its columns identify.
     pub(super) fn read_external(&mut self, path: PathBuf, instrument: Option<Instrument>) {
         if self.log.survey.is_none() {
-            let text = "open the log first, then the water levels or the track that belong to it";
+            let text = "open the log first, then its water levels or its track";
             return self.notify(text.to_owned(), true);
         }
         let work = move |_: &Progress| match instrument.or_else(|| instrument_of(&path)) {
@@ -227,7 +227,8 @@ impl App {
                 survey.track.projected.is_none() || system_of(survey).is_some()
             })
         };
-        let first = self.logs().filter(placed).find(on_earth);
+        let visible = || self.visible_logs().filter(placed);
+        let first = visible().find(on_earth).or_else(|| visible().next());
         let first = first.or_else(|| self.logs().find(placed));
         let fix = first.and_then(|log| log.survey.as_ref()?.track.fixes.first());
         let Some(fix) = fix else {

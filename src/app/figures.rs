@@ -1,5 +1,6 @@
 //! Counts of a result, taken once on a worker so that no panel counts points in a frame.
 
+use super::above_bottom::AboveBottom;
 use crate::cloud::{ClassCounts, Residuals, residuals};
 use crate::first_return::FirstReturns;
 use crate::pipeline::Products;
@@ -13,8 +14,8 @@ pub struct Figures {
     pub port_picks: usize,
     /// First returns found to starboard.
     pub starboard_picks: usize,
-    /// Above-bottom returns, both sides.
-    pub above_bottom: usize,
+    /// The first returns above the recorded depth.
+    pub above_bottom: AboveBottom,
     /// Points of the cloud by their classes.
     pub classes: ClassCounts,
     /// Elevation of side-scan points minus that of the recorded depth at the same ping.
@@ -33,9 +34,7 @@ impl Figures {
         Ok(Self {
             port_picks: found(Side::Port),
             starboard_picks: found(Side::Starboard),
-            above_bottom: (products.cloud.points.iter())
-                .filter(|point| point.above_bottom)
-                .count(),
+            above_bottom: AboveBottom::of(survey, products),
             classes: ClassCounts::of(&products.cloud, &products.classes),
             residuals: residuals(
                 survey,

@@ -85,7 +85,7 @@ impl App {
                     .height_offsets()
                     .is_some_and(|found| found.logs().any(meets))
                 {
-                    let text = "the tracks of these logs meet nowhere, so their heights cannot be compared";
+                    let text = "the tracks of these logs do not cross, so their heights cannot be compared";
                     self.notify(text.to_owned(), true);
                 }
             }

@@ -1,12 +1,13 @@
 //! The history of what an analyst changes: what each step is called, and going to any of them.
 
+use super::project::kept_figure;
 use super::reviewing::{LogStep, Step};
-use super::{App, LogId};
+use super::{Action, App, LogId};
 use crate::pipeline::settings::{Kind, Number, row};
 use crate::pipeline::{Settings, setting_values};
 use crate::presentation::units::Units;
 use crate::printable::quoted;
-use crate::project;
+use crate::project::{self, History, PastStep, Project, UNDONE};
 use std::borrow::Cow;
 use std::sync::Arc;
 use toml::Value;
@@ -33,6 +34,8 @@ impl App {
         label: impl Into<Cow<'static, str>>,
         live: bool,
     ) {
+        // What was offered to be taken back is not the last step any more.
+        self.withdraw(Action::Undo);
         let label = label.into();
         let start = self.history.start_of(&label, before).clone();
         self.history.record(before, after, label.clone(), live);
@@ -48,6 +51,7 @@ impl App {
 
     /// Notes a change whose name says all.
     pub(super) fn record_named(&mut self, before: &Step, after: &Step, title: String) {
+        self.withdraw(Action::Undo);
         self.history.record(before, after, title.clone(), false);
         self.keep_project(&title);
     }
@@ -69,23 +73,91 @@ impl App {
 
     /// Takes the last step back.
     pub(super) fn undo(&mut self) {
+        self.withdraw(Action::Undo);
         if let Some(step) = self.history.undo(&self.step_now()) {
-            self.take_step(step);
+            self.take_step(step, UNDONE);
         }
     }
 
     /// Does again what was taken back last.
     pub(super) fn redo(&mut self) {
+        self.withdraw(Action::Undo);
         if let Some(step) = self.history.redo(&self.step_now()) {
-            self.take_step(step);
+            let label = self.redone_label();
+            self.take_step(step, &label);
         }
     }
 
     /// Goes to the state after so many of the steps.
     pub(super) fn go_to_step(&mut self, count: usize) {
+        let is_back = count < self.history.steps().filter(|step| !step.is_undone).count();
+        self.withdraw(Action::Undo);
         if let Some(step) = self.history.go_to(count, &self.step_now()) {
-            self.take_step(step);
+            let label = match is_back {
+                true => UNDONE.to_owned(),
+                false => self.redone_label(),
+            };
+            self.take_step(step, &label);
         }
+    }
+
+    fn redone_label(&self) -> String {
+        self.undo_label().unwrap_or_default().to_owned()
+    }
+
+    /// The steps that led to a project, as far back as its logs are those that are open.
+    pub(super) fn take_past(&mut self, past: Vec<PastStep>) {
+        let mut after = self.step_now();
+        let mut steps = Vec::new();
+        for PastStep { label, before } in past.into_iter().rev() {
+            let Some(step) = self.step_of(&before, &after) else {
+                break;
+            };
+            if step != after {
+                steps.push((step.clone(), Cow::Owned(label)));
+                after = step;
+            }
+        }
+        steps.reverse();
+        self.history = History::of_past(steps);
+    }
+
+    /// The step that a version of the open project is; what it has in common with the one `after` it is the same in memory. `None` where
+    /// it holds other logs.
+    fn step_of(&self, project: &Project, after: &Step) -> Option<Step> {
+        let mut step = after.clone();
+        if project.settings != *after.shared {
+            let mut shared = project.settings.clone();
+            shared.load_files().ok()?;
+            step.shared = Arc::new(shared);
+        }
+        for log in &mut step.logs {
+            let open = self.open_log(log.id)?;
+            let was = project.log_like(open.file.as_ref()?)?;
+            log.is_visible = was.is_visible;
+            if was.settings != *log.own {
+                let mut settings = was.settings.compose(&step.shared).ok()?;
+                settings.load_files().ok()?;
+                log.own = Arc::new(was.settings.clone().with_files_of(&settings));
+            }
+            if was.review != log.review {
+                log.review = was.review.clone();
+            }
+        }
+        if project.logs().len() != step.logs.len() {
+            return None;
+        }
+        let place = |id: LogId| {
+            let file = self.open_log(id).and_then(|log| log.file.as_ref());
+            let was = file.and_then(|file| project.log_like(file));
+            project
+                .logs()
+                .iter()
+                .position(|log| was.is_some_and(|was| Arc::ptr_eq(log, was)))
+        };
+        step.logs.sort_by_key(|log| place(log.id));
+        step.figure = kept_figure(project, after.figure.as_ref());
+        Some(step)
     }
 
     fn title(&self, label: &str, before: &Step, after: &Step) -> String {

@@ -19,12 +19,12 @@ pub enum Leave {
 }
 
 impl Leave {
-    /// Undo's name for it: `leave out pings 120..240`.
+    /// Undo's name for it: `exclude pings 120..240`.
     fn label(self, part: LogPart) -> String {
         let what = match self {
-            Self::Out => "leave out",
-            Self::In => "take back in",
-            Self::AsFound => "leave to the search",
+            Self::Out => "exclude",
+            Self::In => "include again",
+            Self::AsFound => "reset",
         };
         match part {
             LogPart::Pings([first, last]) => format!("{what} pings {first}..{last}"),
@@ -175,7 +175,7 @@ impl App {
             Some(stretch) => self.leave_out(self.log.id, stretch.part(), Leave::In),
             None => {
                 let text =
-                    "nothing is left out at the selected ping; select a ping of a left-out stretch";
+                    "the selected ping is not excluded; select a ping of an excluded stretch";
                 self.notify(text.to_owned(), true);
             }
         }

@@ -9,7 +9,7 @@ use super::{App, LogId, Mark, OpenLog};
 use crate::pipeline::{EngineStatus, ProcessedLog, Products, Settings};
 use crate::printable::quoted;
 use crate::project::History;
-use crate::survey::{Identity, Survey};
+use crate::survey::{Identity, Survey, distinct_names};
 use std::sync::Arc;
 
 /// Reviews of closed logs kept at hand while the window is open.
@@ -22,6 +22,8 @@ const CLOSED: usize = 10;
 pub struct ShownLog {
     /// Which it is.
     pub id: LogId,
+    /// Its name: [`OpenLog::name`].
+    pub name: String,
     /// Its colour where logs are told apart.
     pub colour: [u8; 3],
     /// The recording and what was made of it.
@@ -37,6 +39,8 @@ pub(super) struct Logs {
     /// The one that is shown. [`App::log`] is another one only inside [`App::with_log`].
     pub shown: LogId,
     last: u64,
+    /// Those that were opened since nothing was being opened.
+    pub arrived: Vec<LogId>,
     /// Logs that were closed, the last one at the end: undo opens them again.
     pub closed: Vec<OpenLog>,
     /// What was decided about boxes of logs that are closed and have no file.
@@ -92,6 +96,7 @@ impl App {
         let shown = |log: &OpenLog| {
             Some(ShownLog {
                 id: log.id,
+                name: log.name(),
                 colour: log.colour,
                 log: ProcessedLog {
                     survey: log.survey.clone()?,
@@ -134,9 +139,10 @@ impl App {
         &self.shared
     }
 
-    /// Begins with these settings, but for those that belong to one survey.
+    /// Has new surveys start from these settings, but for those that belong to one survey.
     pub fn use_settings(&mut self, settings: &Settings) {
-        self.shared = Arc::new(settings.with_survey_of(&Settings::default()));
+        self.start = Arc::new(settings.with_survey_of(&Settings::default()));
+        self.shared = self.start.clone();
         self.log.settings = self.shared.clone();
     }
 
@@ -151,14 +157,15 @@ impl App {
     pub(super) fn replace_logs(&mut self, survey: Arc<Survey>) {
         self.leave_project();
         self.close_all();
-        // The speed of sound is that of the water that was surveyed before.
-        self.shared = Arc::new(self.shared.with_survey_of(&Settings::default()));
+        // Those of before belong to the survey that was open.
+        self.shared = self.start.clone();
         self.open_first(survey);
     }
 
     /// Closes all logs.
     pub(super) fn close_all(&mut self) {
         self.each_log(App::keep_decisions);
+        self.each_log(App::remember_settings);
         let mut last = std::mem::take(&mut self.log);
         self.logs.park(&mut last);
         for mut other in std::mem::take(&mut self.logs.others) {
@@ -197,6 +204,7 @@ impl App {
         let log = self.opened(survey);
         let mut last = std::mem::replace(&mut self.log, log);
         self.take_over(&mut last);
+        self.name_logs();
         self.meet_log();
     }
 
@@ -221,6 +229,7 @@ impl App {
         let log = self.opened(Arc::new(survey.in_frame(&self.plane)));
         let id = log.id;
         self.logs.others.push(log);
+        self.name_logs();
         id
     }
 
@@ -289,7 +298,10 @@ impl App {
 
     /// Takes a log out of the open ones; another one is shown where it was.
     fn put_away(&mut self, id: LogId) {
-        self.with_log(id, App::keep_decisions);
+        self.with_log(id, |app| {
+            app.keep_decisions();
+            app.remember_settings();
+        });
         self.search.leave(id);
         let order = &self.logs.order;
         let Some(place) = order.iter().position(|one| *one == id) else {
@@ -303,6 +315,7 @@ impl App {
             Some(_) => {}
             None => {
                 let mut last = std::mem::take(&mut self.log);
+                self.shared = self.start.clone();
                 self.log.settings = self.shared.clone();
                 self.take_over(&mut last);
                 self.logs.close(last);
@@ -314,6 +327,21 @@ impl App {
         if let Some(closed) = closed {
             let closed = self.logs.others.remove(closed);
             self.logs.close(closed);
+        }
+        self.name_logs();
+    }
+
+    /// Gives the open logs names that tell them apart.
+    fn name_logs(&mut self) {
+        let read = |log: &OpenLog| Some((log.id, log.survey.clone()?));
+        let logs: Vec<(LogId, Arc<Survey>)> = self.logs().filter_map(read).collect();
+        let names = distinct_names(logs.iter().map(|(_, survey)| &**survey));
+        for ((id, _), name) in logs.into_iter().zip(names) {
+            let others = self.logs.others.iter_mut();
+            let mut all = others.chain([&mut self.log]);
+            if let Some(log) = all.find(|log| log.id == id) {
+                log.name = name;
+            }
         }
     }
 
@@ -350,12 +378,16 @@ impl App {
             }
             false => self.logs.others.push(log),
         }
+        self.name_logs();
     }
 
     /// Lets a log take part in maps, clouds and products, or leaves it out, as an undo step.
     pub(super) fn set_log_visible(&mut self, id: LogId, is_visible: bool) {
         let before = self.step_now();
-        self.with_log(id, |app| app.log.is_visible = is_visible);
+        self.with_log(id, |app| {
+            app.log.is_visible = is_visible;
+            app.log.apart = None;
+        });
         let after = self.step_now();
         let what = if is_visible { "show" } else { "hide" };
         self.record_named(&before, &after, format!("{what} {}", self.name_of(id)));

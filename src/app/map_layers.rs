@@ -12,7 +12,7 @@ pub enum MapLayer {
     DepthMap,
     /// The depth map lit from the side.
     HillShade,
-    /// All side-scan echoes at their place on the ground.
+    /// Side-scan echoes at their positions on the ground.
     Mosaic,
     /// Lines of equal depth.
     Isobaths,
@@ -60,12 +60,10 @@ impl MapLayer {
         match self {
             MapLayer::BaseMap => "A GeoTIFF of your own: File > Open base map.",
             MapLayer::DepthMap => "Depths between the soundings, interpolated.",
-            MapLayer::HillShade => {
-                "The depth map lit from the north-west: small relief stands out over what lies below."
-            }
-            MapLayer::Mosaic => "All side-scan echoes at their place on the ground.",
+            MapLayer::HillShade => "Relief of the depth map, lit from the north-west.",
+            MapLayer::Mosaic => "Side-scan echoes at their positions on the ground.",
             MapLayer::Isobaths => "Lines of equal depth, with their depths.",
-            MapLayer::Points => "Where on the ground the points of the cloud lie, by side.",
+            MapLayer::Points => "Points of the cloud, coloured by side.",
             MapLayer::Residuals => {
                 "How each point differs from a reference: red is shallower, blue deeper."
             }

@@ -16,9 +16,9 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-const NO_BOX: &str = "no box has a height to take: measure a shadow (H) on one of the pings of a box, and select the box";
+const NO_BOX: &str = "no height is measured on a box: measure a shadow (H) on the pings of a box, and select that box";
 const NO_PLACE: &str =
-    "there is no place to measure here: the track or the results of the log are missing";
+    "nothing can be measured here: the track or the results of the log are missing";
 
 /// What is drawn.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,11 +3,15 @@
 //! The window reads [`App`] and pushes [`Command`]s; [`App::apply`] is the only place that changes state, and
 //! [`App::poll`] collects what the workers finished.
 
+mod above_bottom;
 mod action;
+mod apart;
 mod apply;
 mod available;
 mod base_map;
 mod bottom;
+mod by_key;
+mod calibrating;
 mod clip_box;
 mod command;
 mod comparing;
@@ -16,9 +20,11 @@ mod exporting;
 mod external;
 mod figures;
 mod following;
+mod given;
 mod heights;
 mod history;
 mod isobath_area;
+mod key_scope;
 mod leaving_out;
 mod loader;
 mod logs;
@@ -47,15 +53,19 @@ mod swipe;
 mod tabulating;
 mod work;
 
+pub use above_bottom::{AboveBottom, AboveStretch};
 pub use action::{Action, Keys};
 pub use bottom::{BottomStroke, Ink};
+pub use by_key::BeforeKey;
 pub use clip_box::ClipBox;
 pub use command::Command;
 pub use comparing::{Comparing, ReferenceBy};
 pub use deriving::DrawnIsobaths;
 pub use figures::Figures;
 pub use following::FollowStatus;
+pub use given::GivenSettings;
 pub use heights::FoundHeights;
+pub use key_scope::{KeyFocus, KeyScope, is_bare};
 pub use leaving_out::{Extent, FoundLeftOut, Leave};
 pub use loader::{LoadStatus, Origin};
 pub use logs::ShownLog;

@@ -64,7 +64,7 @@ impl App {
         let (name, recorder) = (self.log.name(), self.recorder());
         match self.mount(mounting) {
             Ok(()) => self.notify(
-                format!("{name} is mounted as the default of its recorder says: {recorder}"),
+                format!("{name} has the default mounting of {recorder}"),
                 false,
             ),
             Err(text) => self.notify(text, true),

@@ -26,6 +26,8 @@ pub struct Notice {
 #[derive(Default)]
 pub(super) struct Said {
     all: VecDeque<Notice>,
+    /// The newest one offers undo: the next of its kind takes its place.
+    ends_with_undo: bool,
 }
 
 impl App {
@@ -44,6 +46,16 @@ impl App {
         self.say(&text, false, Some(action));
     }
 
+    /// Notifies the analyst of a change that undo takes back, in the place of the last notice of this kind: a row of keys leaves one.
+    pub(super) fn offer_undo(&mut self, text: String) {
+        self.withdraw(Action::Undo);
+        if self.said.ends_with_undo {
+            self.said.all.pop_back();
+        }
+        self.offer(text, Action::Undo);
+        self.said.ends_with_undo = true;
+    }
+
     fn say(&mut self, text: &str, is_error: bool, offer: Option<Action>) {
         let notice = Notice {
             text: one_line(text),
@@ -51,6 +63,7 @@ impl App {
             offer,
             at: SystemTime::now(),
         };
+        self.said.ends_with_undo = false;
         self.said.all.push_back(notice.clone());
         if self.said.all.len() > KEPT {
             self.said.all.pop_front();
@@ -78,6 +91,24 @@ impl App {
 mod tests {
     use super::*;
     use crate::app::{Command, Jobs};
+
+    #[test]
+    fn changes_in_a_row_leave_one_notice_with_undo() {
+        let mut app = App::new(Jobs::Inline);
+        app.notify("one".to_owned(), false);
+        app.offer_undo("two".to_owned());
+        app.offer_undo("three".to_owned());
+        let said = |app: &App| -> Vec<String> { app.said().map(|one| one.text.clone()).collect() };
+        assert_eq!(said(&app), ["three", "one"]);
+        assert_eq!(app.notices.len(), 2);
+        assert_eq!(app.notices[1].offer, Some(Action::Undo));
+        // The next step makes the offer void, but what was said is still listed.
+        app.withdraw(Action::Undo);
+        app.notify("four".to_owned(), false);
+        app.offer_undo("five".to_owned());
+        assert_eq!(said(&app), ["five", "four", "three", "one"]);
+        assert_eq!(app.notices.len(), 3);
+    }
 
     #[test]
     fn what_was_dismissed_is_still_listed_and_an_offer_is_taken_back() {

@@ -92,7 +92,8 @@ pub enum ObjectColumn {
     /// How far the decisions are.
     State,
     /// How sure the analyst is, and then the detector.
-    Sure,
+    #[serde(alias = "Sure")]
+    Confidence,
     /// Metres along the track.
     Length,
     /// Metres across the track.
@@ -101,26 +102,32 @@ pub enum ObjectColumn {
     Height,
     /// Metres of the bottom below the level that depths count from.
     Depth,
-    /// Boxes that show it: what is seen every time is rarely a false alarm.
+    /// Passes of the boat that saw it: what is seen every time is rarely a false alarm.
     Seen,
     /// Logs that saw it.
     Logs,
+    /// Where it lies, from south to north.
+    Position,
+    /// What is noted on its boxes.
+    Remarks,
 }
 
 impl ObjectColumn {
     /// All columns, from left to right.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 13] = [
         Self::Number,
         Self::Name,
         Self::Class,
         Self::State,
-        Self::Sure,
+        Self::Confidence,
         Self::Length,
         Self::Width,
         Self::Height,
         Self::Depth,
         Self::Seen,
         Self::Logs,
+        Self::Position,
+        Self::Remarks,
     ];
 
     /// Its heading.
@@ -130,19 +137,24 @@ impl ObjectColumn {
             Self::Name => "name",
             Self::Class => "class",
             Self::State => "state",
-            Self::Sure => "sure",
+            Self::Confidence => "confidence",
             Self::Length => "length",
             Self::Width => "width",
             Self::Height => "height",
             Self::Depth => "depth",
             Self::Seen => "seen",
             Self::Logs => "logs",
+            Self::Position => "position",
+            Self::Remarks => "remarks",
         }
     }
 
     /// Whether a first click on its heading sorts from the largest down: what is seen most often and what is largest comes first.
     fn begins_with_largest(self) -> bool {
-        !matches!(self, Self::Number | Self::Name | Self::Class | Self::State)
+        !matches!(
+            self,
+            Self::Number | Self::Name | Self::Class | Self::State | Self::Remarks
+        )
     }
 }
 
@@ -220,7 +232,7 @@ impl ObjectTable {
     fn order(&self, a: &SurveyObject, b: &SurveyObject) -> Ordering {
         let turned = |order: Ordering| if self.falling { order.reverse() } else { order };
         let (left, right) = (&a.summary, &b.summary);
-        let metres = |left: f64, right: f64| match (left.is_nan(), right.is_nan()) {
+        let numbers = |left: f64, right: f64| match (left.is_nan(), right.is_nan()) {
             (false, false) => turned(left.total_cmp(&right)),
             (left, right) => left.cmp(&right),
         };
@@ -233,15 +245,17 @@ impl ObjectTable {
             ObjectColumn::Name => texts(&left.name, &right.name),
             ObjectColumn::Class => texts(&a.joint.class, &b.joint.class),
             ObjectColumn::State => turned(state_place(left.state).cmp(&state_place(right.state))),
-            ObjectColumn::Sure => turned(
+            ObjectColumn::Confidence => turned(
                 (left.confidence.cmp(&right.confidence)).then(score(left).total_cmp(&score(right))),
             ),
-            ObjectColumn::Length => metres(left.length_m, right.length_m),
-            ObjectColumn::Width => metres(left.width_m, right.width_m),
-            ObjectColumn::Height => metres(a.joint.height_m, b.joint.height_m),
-            ObjectColumn::Depth => metres(left.depth_m, right.depth_m),
-            ObjectColumn::Seen => turned(a.boxes.len().cmp(&b.boxes.len())),
+            ObjectColumn::Length => numbers(left.length_m, right.length_m),
+            ObjectColumn::Width => numbers(left.width_m, right.width_m),
+            ObjectColumn::Height => numbers(a.joint.height.mean_m, b.joint.height.mean_m),
+            ObjectColumn::Depth => numbers(left.depth_m, right.depth_m),
+            ObjectColumn::Seen => turned(a.sightings.cmp(&b.sightings)),
             ObjectColumn::Logs => turned(a.logs().len().cmp(&b.logs().len())),
+            ObjectColumn::Position => numbers(a.position.lat_deg, b.position.lat_deg),
+            ObjectColumn::Remarks => texts(&left.notes, &right.notes),
         }
     }
 }
@@ -335,6 +349,7 @@ mod tests {
             ],
             position: boxes[0].1.position,
             joint: joint[0].clone(),
+            sightings: boxes.len(),
             summary: ObjectSummary::of(boxes.iter().map(|(one, target)| (one, target))),
         }
     }
@@ -382,7 +397,7 @@ mod tests {
         assert_eq!(table.list(&objects), [3, 2, 1]);
         table.sort_by(ObjectColumn::State);
         assert_eq!(table.list(&objects), [2, 1, 3]);
-        table.sort_by(ObjectColumn::Sure);
+        table.sort_by(ObjectColumn::Confidence);
         assert_eq!(table.list(&objects), [2, 3, 1]);
         table.text = "ROC".to_owned();
         assert_eq!(table.list(&objects), [2]);

@@ -6,7 +6,9 @@
 use super::reviewing::{Entries, Placed};
 use super::{App, LogBox, LogId, ObjectSummary, ObjectTable, OpenLog};
 use crate::detection::review::{Review, Reviewed, State};
-use crate::detection::targets::{FittedShape, GroupSettings, ShapeError, Target};
+use crate::detection::targets::{
+    FittedShape, GroupSettings, PassCount, PassLog, ShapeError, Target,
+};
 use crate::geo::LonLat;
 use crate::pipeline::joint::{JointObject, PlacedBox, joint_objects, object_shape};
 use crate::pipeline::{Background, ProcessedLog, Same};
@@ -25,6 +27,8 @@ pub struct SurveyObject {
     pub position: LonLat,
     /// Class, place in the plane of the survey, and height.
     pub joint: JointObject,
+    /// Passes of the boat that saw it: at most as many as boxes, since both sides may see it in one pass, and two recorders too.
+    pub sightings: usize,
     /// Name, state and size for a row of the table.
     pub summary: ObjectSummary,
 }
@@ -81,6 +85,10 @@ impl LogBoxes {
         self.review.boxes().filter(counts)
     }
 
+    fn pass_log(&self) -> PassLog<'_> {
+        (&self.survey, &self.navigation)
+    }
+
     fn placed<'a>(&'a self, log: usize, one: &'a Reviewed) -> Option<PlacedBox<'a>> {
         // One that was moved since is placed again in a moment; until then it counts where it was.
         let (_, placed) = self.entries.get(&one.id)?;
@@ -133,6 +141,7 @@ impl Grouped {
                 (boxes.collect::<Vec<LogBox>>(), joint, summary)
             }));
         }
+        let pass_logs: Vec<PassLog<'_>> = logs.iter().map(LogBoxes::pass_log).collect();
         let mut numbers = before.clone();
         let numbered = numbers.give(found.iter().map(|(boxes, ..)| boxes.as_slice()));
         let mut objects: Vec<SurveyObject> = found
@@ -147,6 +156,7 @@ impl Grouped {
                     number,
                     boxes,
                     position: navigation.to_lon_lat(&survey.track, east_m, north_m),
+                    sightings: joint.sightings(&pass_logs),
                     joint,
                     summary,
                 })
@@ -210,10 +220,11 @@ impl Numbers {
     }
 }
 
-/// The place whose passes are counted, and the logs that they are of.
+/// The object whose passes are counted, and the logs that they are of.
 #[derive(Clone, PartialEq)]
 struct PassesOf {
     number: u32,
+    boxes: Vec<LogBox>,
     place_m: [f64; 2],
     logs: Vec<(LogId, Same<Navigation>)>,
 }
@@ -227,7 +238,7 @@ type ShapeFound = (Vec<LogBox>, Result<FittedShape, ShapeError>);
 #[derive(Default)]
 pub(super) struct Objects {
     grouping: Background<Vec<LogBoxes>, Grouped>,
-    passes: Background<PassesOf, (u32, usize)>,
+    passes: Background<PassesOf, (u32, PassCount)>,
     shape: Background<ShapeOf, ShapeFound>,
     listing: Background<(Same<Vec<SurveyObject>>, ObjectTable), Vec<u32>>,
 }
@@ -267,6 +278,19 @@ impl App {
         grouped.objects.get(*grouped.of.get(&id)?)
     }
 
+    /// The box that shows an object first: one of the log that is shown, and of several the surest.
+    pub fn best_box(&self, object: &SurveyObject) -> Option<LogBox> {
+        let rank = |id: &LogBox| {
+            let score = self.log_box(*id).and_then(|one| one.score);
+            (id.log == self.log.id, score.unwrap_or(1.0))
+        };
+        let best = object.boxes.iter().max_by(|a, b| {
+            let (a, b) = (rank(a), rank(b));
+            a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+        });
+        best.copied()
+    }
+
     /// The object of the selected box.
     pub fn selected_object(&self) -> Option<&SurveyObject> {
         self.object_of(self.selected_log_box()?)
@@ -279,12 +303,12 @@ impl App {
         (*boxes == object.boxes).then_some(shape)
     }
 
-    /// How many passes of the boat over all visible logs covered the selected object, once they are counted.
-    pub fn selected_object_passes(&self) -> Option<usize> {
+    /// How many passes of the boat over all visible logs saw the selected object, and how many covered its place, once they are counted.
+    pub fn selected_object_passes(&self) -> Option<PassCount> {
         let (number, passes) = self.objects.passes.result()?;
         let object = self.selected_object()?;
-        // Passes of a moment ago may be fewer than the boxes of now.
-        (*number == object.number).then_some((*passes).max(object.boxes.len()))
+        // Those of a moment ago are of other boxes.
+        (*number == object.number && passes.seen == object.sightings).then_some(*passes)
     }
 
     /// Has the objects put together again where what they are made of has changed.
@@ -368,12 +392,13 @@ impl App {
         let track = |one: &LogBoxes| (one.id, Same(one.navigation.clone()));
         let of = PassesOf {
             number,
+            boxes: object.boxes.clone(),
             place_m: joint.place_m,
             logs: logs.iter().map(track).collect(),
         };
         self.objects.passes.ask(of, &self.jobs, move |_| {
-            let logs = logs.iter().map(|one| (&*one.survey, &*one.navigation));
-            Some((number, joint.passes(logs)))
+            let logs: Vec<PassLog<'_>> = logs.iter().map(LogBoxes::pass_log).collect();
+            Some((number, joint.passes(&logs)))
         });
     }
 }

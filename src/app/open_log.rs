@@ -1,6 +1,7 @@
 //! A log that is open: what belongs to it alone, beside what all logs of the window share.
 
 use super::bottom::BottomFile;
+use super::calibrating::Calibrating;
 use super::external::External;
 use super::leaving_out::LeavingOut;
 use super::reviewing::Reviewing;
@@ -9,7 +10,7 @@ use crate::detection::review::BoxId;
 use crate::first_return::FirstReturns;
 use crate::pipeline::{LogSettings, ProcessedLog, Products, Settings, SourceKey, Stage};
 use crate::project::LogFile;
-use crate::survey::Survey;
+use crate::survey::{Apart, Survey};
 use std::sync::Arc;
 
 /// Tells the open logs of a window apart; never used again for another one.
@@ -45,6 +46,7 @@ pub(super) fn log_colour(number: usize) -> [u8; 3] {
 pub struct OpenLog {
     /// Which it is.
     pub id: LogId,
+    pub(super) name: String,
     /// The recording as its settings have it; `None` in an empty window.
     pub survey: Option<Arc<Survey>>,
     /// The recording as it was read, while something of its source is put right.
@@ -55,6 +57,8 @@ pub struct OpenLog {
     pub colour: [u8; 3],
     /// Whether it takes part in maps, clouds and products.
     pub is_visible: bool,
+    /// Why it was left off the map when it was opened, until the analyst decides.
+    pub apart: Option<Apart>,
     /// Shallowest and deepest sounding that the recorder had the bottom for, metres.
     pub depth_span_m: Option<[f32; 2]>,
     /// Soundings after the recorder had lost the bottom.
@@ -81,17 +85,20 @@ pub struct OpenLog {
     pub(super) counting: Option<Task<Option<Figures>>>,
     pub(super) bottom_file: BottomFile,
     pub(super) leaving_out: LeavingOut,
+    pub(super) calibrating: Calibrating,
 }
 
 impl Default for OpenLog {
     fn default() -> Self {
         Self {
             id: LogId::default(),
+            name: String::new(),
             survey: None,
             as_read: None,
             source: SourceKey::default(),
             colour: log_colour(0),
             is_visible: true,
+            apart: None,
             depth_span_m: None,
             lost_soundings: 0,
             file: None,
@@ -106,6 +113,7 @@ impl Default for OpenLog {
             counting: None,
             bottom_file: BottomFile::default(),
             leaving_out: LeavingOut::default(),
+            calibrating: Calibrating::default(),
         }
     }
 }
@@ -115,6 +123,7 @@ impl OpenLog {
     pub(super) fn new(id: LogId, survey: Arc<Survey>, settings: Arc<Settings>) -> Self {
         let mut log = Self {
             id,
+            name: survey.name(),
             settings,
             ..Self::default()
         };
@@ -142,9 +151,9 @@ impl OpenLog {
         self.whole.clone().or_else(now)
     }
 
-    /// Its name for people; empty in an empty window.
+    /// Its name for people, which no other open log has; empty in an empty window.
     pub fn name(&self) -> String {
-        (self.survey.as_ref()).map_or_else(String::new, |survey| survey.name())
+        self.name.clone()
     }
 
     /// The first returns to draw: those under the slider if there are any, else those of the last result, but for those of the other
@@ -177,16 +186,19 @@ impl OpenLog {
         self.survey.is_some() && !self.products.as_ref().is_some_and(is_current)
     }
 
-    /// Has the results say that they were made with the picture settings in force: none depends on these. Returns whether the results
-    /// are those of all settings then.
-    pub(super) fn take_picture_settings(&mut self) -> bool {
+    /// Has the results say that they were made with the picture settings and the classes in force: none depends on these. Returns whether
+    /// the results are those of all settings then.
+    pub(super) fn take_settings_of_no_result(&mut self) -> bool {
         let Some(products) = &mut self.products else {
             return false;
         };
-        if products.settings.picture == self.settings.picture {
+        let (made, now) = (&products.settings, &self.settings);
+        if made.picture == now.picture && made.review == now.review {
             return false;
         }
-        Arc::make_mut(&mut products.settings).picture = self.settings.picture.clone();
+        let made = Arc::make_mut(&mut products.settings);
+        made.picture = now.picture.clone();
+        made.review = now.review.clone();
         products.settings == self.settings
     }
 
@@ -196,17 +208,20 @@ impl OpenLog {
             || self.external.is_reading()
             || self.reviewing.is_busy()
             || self.leaving_out.is_busy()
+            || self.calibrating.is_busy()
     }
 
     /// The same log without its results and what is under way: what is kept of one that is closed.
     pub(super) fn at_rest(self) -> Self {
         Self {
             id: self.id,
+            name: self.name,
             survey: self.survey,
             as_read: self.as_read,
             source: self.source,
             colour: self.colour,
             is_visible: self.is_visible,
+            apart: self.apart,
             depth_span_m: self.depth_span_m,
             lost_soundings: self.lost_soundings,
             file: self.file,
@@ -223,9 +238,11 @@ impl OpenLog {
     pub(super) fn for_picture(&self) -> Self {
         Self {
             id: self.id,
+            name: self.name.clone(),
             survey: self.survey.clone(),
             colour: self.colour,
             is_visible: self.is_visible,
+            apart: self.apart,
             depth_span_m: self.depth_span_m,
             lost_soundings: self.lost_soundings,
             own: self.own.clone(),

@@ -18,11 +18,15 @@ pub enum View {
     Map,
     /// Point cloud.
     Cloud,
+    /// Table of the objects.
+    Objects,
 }
 
 impl View {
     /// All views in the order of their number keys.
-    pub const ALL: [View; 3] = [View::Waterfall, View::Map, View::Cloud];
+    pub const ALL: [View; 4] = [View::Waterfall, View::Map, View::Cloud, View::Objects];
+    /// The views that are pictures, and can be printed.
+    pub const PICTURES: [View; 3] = [View::Waterfall, View::Map, View::Cloud];
 
     /// Title on the tab.
     pub fn title(self) -> &'static str {
@@ -30,6 +34,7 @@ impl View {
             View::Waterfall => "Waterfall",
             View::Map => "Map",
             View::Cloud => "3D cloud",
+            View::Objects => "Objects",
         }
     }
 }
@@ -419,6 +424,25 @@ pub struct ViewOptions {
 }
 
 impl ViewOptions {
+    /// What a person likes, for a survey that is opened anew: what hides or transforms a part of the one before is as it is by default.
+    #[must_use]
+    pub fn for_new_survey(&self) -> Self {
+        let usual = WaterfallOptions::default();
+        let mut options = self.clone();
+        options.waterfall = WaterfallOptions {
+            ground_range: usual.ground_range,
+            echogram: usual.echogram,
+            echogram_alone: usual.echogram_alone,
+            water_column: usual.water_column,
+            bottom_both_sides: usual.bottom_both_sides,
+            ..options.waterfall
+        };
+        options.map.swipe = Swipe::default();
+        options.show_boxes(true);
+        options.objects.state = None;
+        options
+    }
+
     /// Whether boxes are drawn in any view.
     pub fn shows_boxes(&self) -> bool {
         self.waterfall.boxes || self.cloud.boxes || self.map.layers.is_visible(MapLayer::Boxes)

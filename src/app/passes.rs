@@ -6,7 +6,7 @@ use crate::geo::LonLat;
 use crate::pipeline::{Derived, Pass, passes_over, place_of};
 use crate::progress::{Cancelled, Progress};
 
-const NO_PLACE: &str = "select a place beside the track first, with a click in the waterfall, to see it in its other passes";
+const NO_PLACE: &str = "select a place to port or starboard first, with a click in the waterfall";
 const NO_OTHER: &str = "no other pass of the visible logs saw this place";
 const NO_PASS: &str = "no pass of the visible logs saw this place";
 

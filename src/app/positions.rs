@@ -23,7 +23,7 @@ pub struct FoundPositions {
 
 impl FoundPositions {
     /// What is said where nothing of it is worth applying.
-    pub const NOTHING_TOLD: &str = "Nothing shows that positions are off as they are in force: tracks cross too rarely, or over too level a bottom, or agree.";
+    pub const NOTHING_TOLD: &str = "No position error was found: the tracks agree, cross too rarely, or cross over a level bottom.";
 
     /// Whether anything of it differs from what was in force by more than crossings leave open.
     pub fn tells(&self) -> bool {

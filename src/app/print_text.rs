@@ -81,7 +81,7 @@ impl App {
         let lengths = self.options.units.length.name();
         Some(match view {
             View::Map => format!("Coordinates: {positions}. Lengths in {lengths}."),
-            View::Waterfall | View::Cloud => {
+            View::Waterfall | View::Cloud | View::Objects => {
                 format!("Lengths in {lengths}. Positions: {positions}.")
             }
         })

@@ -138,7 +138,7 @@ impl App {
             .any(|(_, survey, _)| survey.source.files.is_empty())
             || logs.is_empty()
         {
-            let text = "a project is kept of logs that are files; open one or more first";
+            let text = "a project needs at least one log; open one first";
             return self.notify(text.to_owned(), true);
         }
         let task = Task::start(&self.jobs, move |progress| {
@@ -158,7 +158,7 @@ impl App {
     pub(super) fn save_project(&mut self) {
         self.keep_project("save");
         let Some(store) = &mut self.keeping.store else {
-            let text = "nothing is kept as a project yet; save it under a name first";
+            let text = "there is no project file yet; use Save project as";
             return self.notify(text.to_owned(), true);
         };
         if self.keeping.saving.is_some() {
@@ -386,6 +386,7 @@ impl App {
             store,
             project,
             notes: told,
+            past,
         } = opened;
         self.missing = (project.logs().iter())
             .filter(|log| logs.iter().all(|(found, ..)| found.key != log.key))
@@ -411,13 +412,10 @@ impl App {
         if let Some(queue) = queue.filter(|kept| (0.0..=1.0).contains(&kept.threshold)) {
             self.set_queue(&queue.into_queue());
         }
-        let measured = project.measurements.get(&MEASUREMENT).cloned();
-        self.measuring.figure = measured.map(|measurement| {
-            let done = true;
-            Arc::new(Figure { measurement, done })
-        });
+        self.measuring.figure = kept_figure(&project, None);
         self.keeping.project = project;
         self.keeping.store = Some(store);
+        self.take_past(past);
         self.is_waiting = false;
         if let Some(path) = self.keeping.project.files.get(BASE_MAP).cloned() {
             self.reopen_base_map(path);
@@ -450,6 +448,18 @@ impl App {
         self.log.bottom_file = super::bottom::BottomFile::default();
         self.log.reviewing.keep_elsewhere();
     }
+}
+
+/// What a project holds that was measured on the map; the same in memory where it is what was measured `before`.
+pub(super) fn kept_figure(project: &Project, before: Option<&Arc<Figure>>) -> Option<Arc<Figure>> {
+    let measurement = project.measurements.get(&MEASUREMENT)?;
+    let same = before.filter(|figure| figure.done && figure.measurement == *measurement);
+    Some(same.cloned().unwrap_or_else(|| {
+        Arc::new(Figure {
+            measurement: measurement.clone(),
+            done: true,
+        })
+    }))
 }
 
 /// What a project keeps of the queue of boxes: a filter is of the moment.
@@ -499,7 +509,7 @@ fn read(path: &Path, progress: &Progress) -> Result<OpenedLogs, String> {
             }
             Found::Missing | Found::Replaced => {
                 notes.push(format!(
-                    "the log {} is not there any more; put it back, or below the folder of the project, and open the project again: {}",
+                    "the log {} is missing; put it back, or below the folder of the project, and open the project again: {}",
                     quoted(&log.name),
                     log.file.path.display()
                 ));

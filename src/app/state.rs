@@ -20,7 +20,7 @@ use super::preview::Previewer;
 use super::project::Keeping;
 use super::reviewing::{Search, Step};
 use super::tabulating::Tabulating;
-use super::{Jobs, LoadStatus, LogId, OpenLog, ViewOptions};
+use super::{GivenSettings, Jobs, LoadStatus, LogId, OpenLog, ViewOptions};
 use crate::base_map::BaseMap;
 use crate::first_return::FirstReturns;
 use crate::geo::LocalFrame;
@@ -79,6 +79,8 @@ pub enum Enlarged {
     /// A sample of the picture is a point of the screen; what does not fit in so, with what lies around it, is smaller. For the
     /// waterfall alone: the other views only bring it into view.
     OneToOne,
+    /// The scale stays; the box comes into the middle where it is not well in view. For the waterfall alone as well.
+    AsItIs,
 }
 
 /// An object that the views enlarge.
@@ -101,6 +103,10 @@ pub struct App {
     /// The log that waterfall, profile and panels show: the one under the selection.
     pub log: OpenLog,
     pub(super) logs: Logs,
+    /// The settings that a new survey starts from: the preset, or those that the program was started with.
+    pub(super) start: Arc<Settings>,
+    /// The settings that logs were last given.
+    pub(super) given: GivenSettings,
     /// The settings that all logs share.
     pub(super) shared: Arc<Settings>,
     /// The plane that all logs lie in.
@@ -160,6 +166,8 @@ pub struct App {
     pub(super) missing: Vec<LogKey>,
     pub(super) exporting: Option<Exporting>,
     pub(super) exported: Option<Exported>,
+    /// The folder that was written last.
+    pub written_into: Option<PathBuf>,
     pub(super) opening_base_map: Option<OpeningBaseMap>,
     pub(super) reading_area: ReadingArea,
     pub(super) jobs: Jobs,
@@ -171,6 +179,8 @@ impl App {
         Self {
             log: OpenLog::default(),
             logs: Logs::default(),
+            start: Arc::default(),
+            given: GivenSettings::default(),
             shared: Arc::default(),
             plane: Track::default().frame,
             survey_serial: 0,
@@ -209,6 +219,7 @@ impl App {
             missing: Vec::new(),
             exporting: None,
             exported: None,
+            written_into: None,
             opening_base_map: None,
             reading_area: ReadingArea::default(),
             jobs,

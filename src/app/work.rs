@@ -64,6 +64,7 @@ impl App {
         self.poll_places();
         self.poll_external();
         self.poll_left_out();
+        self.poll_calibrating();
     }
 
     fn poll_engine(&mut self) {
@@ -127,7 +128,11 @@ impl App {
         self.withdraw(Action::TakeUpUnsaved);
         let id = match place {
             Place::Instead => {
+                if self.log.survey.is_some() {
+                    self.options = self.options.for_new_survey();
+                }
                 self.replace_logs(Arc::new(survey));
+                self.logs.arrived.clear();
                 self.log.id
             }
             Place::Beside { shown } => {
@@ -138,6 +143,7 @@ impl App {
                 id
             }
         };
+        self.logs.arrived.push(id);
         self.with_log(id, |app| {
             let log = app.log.survey.as_ref();
             let log = log.and_then(|survey| survey.source.files.first().cloned());
@@ -149,6 +155,9 @@ impl App {
             }
             app.look_for_truth(is_file);
             app.log.file = file;
+            if is_file {
+                app.take_up_settings();
+            }
         });
         self.keep_project("add log");
         self.is_waiting = false;
@@ -165,6 +174,7 @@ impl App {
 
     pub(super) fn take_products(&mut self, products: Products) {
         self.log.preview = None;
+        self.tell_change(&products);
         if let Some(survey) = self.log.survey.clone() {
             self.log.reviewing.follow(&survey, &products.navigation);
             self.count_figures(survey, products.clone());
@@ -272,6 +282,9 @@ impl App {
             };
             let in_project = self.project_path().is_some();
             self.loading = Some(Loading::start(request, open, in_project, &self.jobs));
+        }
+        if self.loading.is_none() && self.to_load.is_empty() {
+            self.set_apart();
         }
     }
 }

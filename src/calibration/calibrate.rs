@@ -1,5 +1,6 @@
 //! All scales side by side, the one in force, and what does not agree.
 
+use super::objections::VERY_WIDE;
 use super::offset::{RangeOffset, TOLERANCE_M, blocks};
 use super::robust::robust_line;
 use super::scale::{Usable, header_scale, picks_at_depths, range_changes, usable_picks};
@@ -10,7 +11,7 @@ use super::{
 use crate::first_return::FirstReturns;
 use crate::progress::{Cancelled, Progress};
 use crate::statistics::{median, spread_about};
-use crate::survey::{Navigation, RangeSource, Side, Survey};
+use crate::survey::{Navigation, RangeSource, Survey};
 
 /// The note of an offset that is not taken off for what the log shows.
 const REFUSED: &str = "refused";
@@ -36,7 +37,10 @@ pub fn calibrate(
     progress.advance(1);
     progress.check()?;
     let flat_spot = match settings.pings {
-        Some(chosen) => flat_spots::describe(survey, navigation, &picks, chosen.start..chosen.end),
+        Some(chosen) => {
+            let pings = chosen.start..chosen.end;
+            Some(flat_spots::describe(survey, navigation, &picks, pings))
+        }
         None => spots.first().cloned(),
     };
     let measured = flat_spot.as_ref().is_some_and(|spot| spot.ppd.is_some());
@@ -52,7 +56,7 @@ pub fn calibrate(
         .and_then(|(measured, header)| measured.objection(1.0 / header.px_per_m));
     let mut warnings = Vec::new();
     let (offset_m, offset_note) = match (mode, settings.offset, survey.range_source) {
-        (ScaleMode::FlatSpot, ..) => (0.0, Some("the flat spot's scale holds it")),
+        (ScaleMode::FlatSpot, ..) => (0.0, Some("scaled on the flat stretch")),
         (_, OffsetMode::None, _) => (0.0, Some("switched off")),
         (_, OffsetMode::Auto, RangeSource::SurveyRecorder) => {
             let sample_m = header.map(|header| 1.0 / header.px_per_m);
@@ -70,15 +74,18 @@ pub fn calibrate(
         },
     };
     if mode != settings.mode {
-        warnings.push("There is no flat spot with usable first returns, so the scale of the log's headers is in force.".to_owned());
+        warnings.push("No flat stretch gives a scale, so the recorded range is in use.".to_owned());
     }
     // A constant is said by itself where it is left in the ranges; what would be refused may be none.
     let constant = measured_offset.filter(|_| objection.is_none());
     let lead_m = constant.map_or(0.0, |measured| measured.offset_m);
     let spot = flat_spot.as_ref();
     warnings.extend(spot.and_then(|spot| disagreement(spot, lead_m)));
+    if settings.mode == ScaleMode::FlatSpot {
+        let objections = spot.map(|spot| spot.objections(survey, spots.first()));
+        warnings.extend(objections.unwrap_or_default());
+    }
     if mode == ScaleMode::FlatSpot {
-        warnings.extend(flat_spot.as_ref().and_then(|spot| selection(survey, spot)));
         warnings.extend(changing_range(survey, settings.ppd));
     }
     let mut made = Calibration {
@@ -126,14 +133,14 @@ fn depth_fit(picks: &[Usable]) -> Option<DepthFit> {
 
 /// What the header's scale makes of the first returns at the flat spot, less the constant `lead_m` that ranges have over depths: an offset
 /// of a few centimetres moves the flat spot's scale, and is none of the header's. Over a log whose range was changed there are no other
-/// picks to compare. Silent where a depth would change by less than it scatters by.
+/// picks to compare. Silent where a depth would change by less than it scatters by, but never because it scatters by much.
 fn disagreement(spot: &FlatSpot, lead_m: f64) -> Option<String> {
-    let (ppd, factor) = (spot.ppd?, spot.factor?);
+    let (spread, factor) = (spot.spread()?, spot.factor?);
     let change_m = spot.depth_m / factor - lead_m - spot.depth_m;
-    let sigma_m = spot.depth_m * ppd.spread_px_per_m / ppd.px_per_m;
-    (change_m.abs() > sigma_m).then(|| {
+    let sigma_m = spot.depth_m * spread;
+    (change_m.abs() > sigma_m.min(spot.depth_m * VERY_WIDE)).then(|| {
         format!(
-            "At the flat spot, {:.2} m deep, ranges as recorded give depths {:.1} cm {} than the soundings, where single depths scatter by {:.1} cm: compare the residuals with either scale.",
+            "At the flat stretch, {:.2} m deep, recorded ranges give depths {:.1} cm {} than the soundings; single depths scatter by {:.1} cm. Compare the residuals with either scale.",
             spot.depth_m,
             100.0 * change_m.abs(),
             if change_m > 0.0 { "greater" } else { "less" },
@@ -155,28 +162,9 @@ fn remaining(made: &Calibration) -> Option<String> {
     })
 }
 
-/// Where half the pings of a flat spot give no usable pick on a side that was recorded.
-fn selection(survey: &Survey, spot: &FlatSpot) -> Option<String> {
-    let recorded = survey.side_scan.get(spot.pings.start)?;
-    let poorer = Side::BOTH
-        .into_iter()
-        .zip(spot.picks)
-        .filter(|(side, _)| recorded.side(*side).is_some())
-        .min_by_key(|(_, picks)| *picks);
-    poorer
-        .filter(|(_, picks)| 2 * picks < spot.pings.len())
-        .map(|(side, picks)| {
-            format!(
-                "Only {picks} of {} pings of the flat spot have a usable first return to {}: its scale rests on a selection; choose another stretch.",
-                spot.pings.len(),
-                side.name(),
-            )
-        })
-}
-
 fn changing_range(survey: &Survey, reach: PpdReach) -> Option<String> {
     let changes = range_changes(survey);
     (reach == PpdReach::Constant && changes > 0).then(|| {
-        format!("The recorded range changes {changes} times along the log: one constant from the flat spot is wrong outside its own range; use calibration.ppd = factor.")
+        format!("The recorded range changes {changes} times along the log: one constant from the flat stretch is wrong outside its own range; use calibration.ppd = factor.")
     })
 }

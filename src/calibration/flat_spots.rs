@@ -73,17 +73,44 @@ fn apart(ranked: impl Iterator<Item = Range<usize>>, count: usize) -> Vec<Range<
     best
 }
 
-/// What there is to know about a stretch that the user chose; `None` when it holds no recorded depth.
+/// Pings about one that are as long as a ranked stretch; 20 where the boat is at rest.
+pub fn stretch_around(survey: &Survey, navigation: &Navigation, ping: usize) -> Range<usize> {
+    let profile = Profile::new(survey, navigation);
+    let last = profile.len().saturating_sub(1);
+    let ping = ping.min(last);
+    let margin_m = 0.5 * LENGTH_M.min(profile.length_m() / 6.0);
+    let half = MIN_PINGS / 2;
+    let least = ping.saturating_sub(half)..(ping + half).min(profile.len());
+    match profile.len() {
+        0 => 0..0,
+        _ => {
+            let wide = profile.around(&(ping..ping + 1), margin_m);
+            wide.start.min(least.start)..wide.end.max(least.end)
+        }
+    }
+}
+
+/// What there is to know about a stretch that the user chose, whatever it is good for.
+pub fn stretch(
+    survey: &Survey,
+    navigation: &Navigation,
+    returns: &FirstReturns,
+    pings: Range<usize>,
+) -> FlatSpot {
+    let picks = usable_picks(survey, returns);
+    describe(survey, navigation, &picks, pings)
+}
+
+/// As [`stretch`], of the usable picks.
 pub(super) fn describe(
     survey: &Survey,
     navigation: &Navigation,
     picks: &[Usable],
     pings: Range<usize>,
-) -> Option<FlatSpot> {
+) -> FlatSpot {
     let profile = Profile::new(survey, navigation);
     let end = pings.end.min(profile.len());
-    let spot = of_stretch(survey, &profile, picks, pings.start..end);
-    spot.depth_m.is_finite().then_some(spot)
+    of_stretch(survey, &profile, picks, pings.start.min(end)..end)
 }
 
 fn of_stretch(
@@ -94,15 +121,22 @@ fn of_stretch(
 ) -> FlatSpot {
     let (slope, scatter_m) = profile.line(&pings);
     let recorded = survey.side_scan.get(pings.clone()).unwrap_or_default();
-    let mut depths_m: Vec<f64> = recorded
-        .iter()
-        .map(|ping| f64::from(ping.depth_m))
-        .filter(|&depth_m| depth_m > 0.0)
-        .collect();
+    let with_depth = || recorded.iter().filter(|ping| ping.depth_m > 0.0);
+    let locked = with_depth().filter(|ping| ping.depth_locked).count();
+    // A false value of a recorder that lost the bottom is the depth of a stretch only where there is no other.
+    let depths = with_depth().filter(|ping| ping.depth_locked || locked == 0);
+    let mut depths_m: Vec<f64> = depths.map(|ping| f64::from(ping.depth_m)).collect();
+    let least_m = depths_m.iter().copied().reduce(f64::min);
+    let greatest_m = depths_m.iter().copied().reduce(f64::max);
     let spot_picks = inside(picks, &pings);
     let ppd = pixels_per_metre(spot_picks, pings.len());
     FlatSpot {
+        length_m: profile.way_m(&pings),
         depth_m: median(&mut depths_m),
+        relief_m: greatest_m
+            .zip(least_m)
+            .map_or(f64::NAN, |(most, least)| most - least),
+        lost: with_depth().count() - locked,
         slope,
         scatter_m,
         picks: Side::BOTH.map(|side| spot_picks.iter().filter(|pick| pick.side == side).count()),

@@ -1,21 +1,22 @@
 //! From samples to metres: the flat spot and its pixels per metre, the header's scale, the fit over the whole log.
 //!
-//! `flat_spots` ranks the level stretches of the track, `scale` measures pixels per metre on them and reads the header's,
-//! `offset` finds the constant between ranges and recorded depths, `robust` fits the line over the log, and `calibrate` lays
+//! `flat_spots` ranks the level stretches of the track, `objections` says what is wrong with one, `scale` measures pixels per metre on them
+//! and reads the header's, `offset` finds the constant between ranges and recorded depths, `robust` fits the line over the log, and `calibrate` lays
 //! them side by side and chooses.
 
 mod agreement;
 mod calibrate;
 mod flat_spots;
+mod objections;
 mod offset;
 mod profile;
 mod robust;
 mod scale;
 
 pub use calibrate::calibrate;
-pub use flat_spots::flat_spots;
+pub use flat_spots::{flat_spots, stretch, stretch_around};
 pub use offset::RangeOffset;
-pub use scale::header_scale;
+pub use scale::{RangeAtDepth, header_scale, ranges_at_depths};
 
 #[cfg(doc)]
 use crate::survey::RangeSource;
@@ -123,8 +124,14 @@ impl TryFrom<String> for PingRange {
 pub struct FlatSpot {
     /// Side-scan pings of the stretch.
     pub pings: Range<usize>,
-    /// Median recorded depth, metres.
+    /// Its length along the track, metres.
+    pub length_m: f64,
+    /// Median recorded depth, metres; NaN where none was recorded.
     pub depth_m: f64,
+    /// Greatest less least recorded depth, metres; NaN where none was recorded.
+    pub relief_m: f64,
+    /// Pings with a recorded depth at which the recorder had lost the bottom.
+    pub lost: usize,
     /// Slope of the recorded depth along the track, metres a metre.
     pub slope: f64,
     /// Standard deviation of the recorded depth about its line, metres.
@@ -138,24 +145,39 @@ pub struct FlatSpot {
 }
 
 impl FlatSpot {
+    /// Its pings as a setting has them.
+    pub fn range(&self) -> PingRange {
+        PingRange {
+            start: self.pings.start,
+            end: self.pings.end,
+        }
+    }
+
     /// How flat it is and what its first returns say, in three lines.
     pub fn summary(&self) -> String {
         let [port, starboard] = self.picks;
         let scale = match self.ppd.zip(self.factor) {
             Some((ppd, factor)) => format!(
-                "PPD {:.2} ±{:.2} px/m, the recorded range times {factor:.3}",
+                "recorded range ×{factor:.3}, {:.2} ±{:.2} pixels/m",
                 ppd.px_per_m, ppd.spread_px_per_m
             ),
-            None => "too few for a scale".to_owned(),
+            None => "no scale".to_owned(),
         };
         format!(
-            "pings {}..{}, {:.2} m deep as recorded, slope {:.1} %, scatter {:.1} cm\n{scale}\n{port} first returns to port, {starboard} to starboard",
+            "pings {}..{}, {:.1} m long, {:.2} m deep, relief {:.0} cm, slope {:.1} %\n{scale}\n{port} first returns to port, {starboard} to starboard",
             self.pings.start,
             self.pings.end,
+            self.length_m,
             self.depth_m,
+            100.0 * self.relief_m,
             100.0 * self.slope.abs(),
-            100.0 * self.scatter_m,
         )
+    }
+
+    /// Standard deviation of the scale of single pings as a share of it; `None` without a scale.
+    pub fn spread(&self) -> Option<f64> {
+        let ppd = self.ppd?;
+        Some(ppd.spread_px_per_m / ppd.px_per_m)
     }
 }
 
@@ -234,13 +256,13 @@ impl Calibration {
     pub fn range_change(&self) -> Option<String> {
         match (self.mode, self.reach, self.ppd(), self.factor()) {
             (ScaleMode::FlatSpot, PpdReach::Constant, Some(ppd), _) => {
-                Some(format!("ranges by {:.2} px/m", ppd.px_per_m))
+                Some(format!("scale {:.2} pixels/m", ppd.px_per_m))
             }
             (ScaleMode::FlatSpot, PpdReach::Factor, _, Some(factor)) => {
-                Some(format!("ranges ×{factor:.3}"))
+                Some(format!("scale ×{factor:.3}"))
             }
             _ if self.offset_m.abs() < 0.005 => None,
-            _ => Some(format!("ranges {:+.2} m", -self.offset_m)),
+            _ => Some(format!("range offset {:+.2} m", -self.offset_m)),
         }
     }
 

@@ -105,6 +105,13 @@ impl Profile {
         slope.abs() * length_m + 2.0 * scatter_m
     }
 
+    /// Length of a stretch along the track, metres.
+    pub(super) fn way_m(&self, pings: &Range<usize>) -> f64 {
+        let ends = self.along_m.get(pings.start..pings.end).unwrap_or_default();
+        let ends = ends.first().zip(ends.last());
+        ends.map_or(0.0, |(from_m, to_m)| to_m - from_m)
+    }
+
     /// Least-squares slope of the depth, metres a metre, and the standard deviation about its line, metres; NaN for no pings.
     pub(super) fn line(&self, pings: &Range<usize>) -> (f64, f64) {
         if pings.is_empty() {

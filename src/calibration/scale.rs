@@ -34,6 +34,28 @@ impl Usable {
     }
 }
 
+/// A first return where the recorder had the bottom.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RangeAtDepth {
+    /// The side-scan ping.
+    pub ping: usize,
+    /// Recorded depth, metres.
+    pub depth_m: f64,
+    /// Slant range of the first return by the recorder's scale, metres.
+    pub range_m: f64,
+}
+
+/// The first returns of the log that may calibrate, in ping order.
+pub fn ranges_at_depths(survey: &Survey, returns: &FirstReturns) -> Vec<RangeAtDepth> {
+    let picks = usable_picks(survey, returns).into_iter();
+    let of = |pick: Usable| RangeAtDepth {
+        ping: pick.ping,
+        depth_m: pick.depth_m,
+        range_m: pick.range_m,
+    };
+    picks.map(of).collect()
+}
+
 /// The picks of the log that may calibrate, in ping order: no above-bottom return, not at the search limit, not at the dead zone, and
 /// not where the recorder had lost the bottom.
 pub(super) fn usable_picks(survey: &Survey, returns: &FirstReturns) -> Vec<Usable> {

@@ -10,6 +10,7 @@ mod by_source;
 mod class;
 mod confirmed;
 pub mod correction;
+mod depth_change;
 mod geometry;
 mod level;
 pub mod outliers;
@@ -23,13 +24,14 @@ pub use build::{build, slant_range_m};
 pub use by_source::BySource;
 pub use class::{ClassCounts, ClassRules, PointClass, classify};
 pub use correction::{Correction, DepthReference, DepthSettings};
+pub use depth_change::DepthChange;
 pub use geometry::{BottomPoint, across_track, fixed_bottom_point};
 pub use ping_depth::{DepthSource, PingDepth, TrackShare, leave_depths_out, ping_depths};
 pub use reduction::Reduction;
 pub use residuals::{Residuals, residuals, same_ping_differences};
 pub use scales::PointScales;
 
-use crate::first_return::ABOVE_BOTTOM_SHARE;
+use crate::first_return::ground_confidence;
 use crate::survey::LeftOut;
 use serde::{Deserialize, Serialize};
 use std::num::NonZero;
@@ -235,9 +237,6 @@ impl PointCloud {
 impl CloudPoint {
     /// The confidence if what lies above the recorded depth is ground, as where it goes on for long; that of any other point is its own.
     pub fn ground_confidence(&self) -> f32 {
-        match self.above_bottom {
-            true => (self.confidence / ABOVE_BOTTOM_SHARE).min(1.0),
-            false => self.confidence,
-        }
+        ground_confidence(self.confidence, self.above_bottom)
     }
 }

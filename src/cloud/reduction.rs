@@ -81,6 +81,11 @@ impl<'a> Reduction<'a> {
         }
     }
 
+    /// The depth of a bottom so far below the transducer at a time of the log, metres below [`Reduction::reference`].
+    pub fn depth_below_m(&self, time_s: f64, altitude_m: f64) -> f64 {
+        self.depth_m(time_s, altitude_m / self.factor())
+    }
+
     /// What depths count from.
     pub fn reference(&self) -> DepthReference {
         self.correction

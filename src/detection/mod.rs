@@ -34,7 +34,7 @@ mod testing;
 pub mod truth;
 mod vote;
 
-pub use class::{NAMELESS_CLASS, class_index};
+pub use class::{NAMELESS_CLASS, ReviewSettings, class_index};
 pub use extent::{MeasuredShadow, ObjectExtent};
 pub use find::{DetectorSettings, SoFar, find, find_in_picture};
 pub use level::level;

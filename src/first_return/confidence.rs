@@ -61,6 +61,14 @@ pub const ABOVE_BOTTOM_SHARE: f32 = 0.03;
 /// The same by the height above the recorded depth, metres: 98 % of 60 picks from 0.20 to 0.25 m, 33 % of 80 to 0.30 m, 6 % of 330 to 0.35 m.
 const ABOVE_BOTTOM: [(f32, f32); 3] = [(0.24, 1.0), (0.28, 0.25), (0.34, ABOVE_BOTTOM_SHARE)];
 
+/// The confidence if what lies above the recorded depth is ground; that of any other return is its own.
+pub fn ground_confidence(confidence: f32, above_bottom: bool) -> f32 {
+    match above_bottom {
+        true => (confidence / ABOVE_BOTTOM_SHARE).min(1.0),
+        false => confidence,
+    }
+}
+
 /// The picks around a stretch of the log, of both sides.
 pub(super) struct Gathering<'a> {
     pub survey: &'a Survey,

@@ -33,6 +33,9 @@ pub struct BottomEdit {
     /// bottom is detected.
     #[serde(default)]
     pub corners: Vec<[f64; 2]>,
+    /// The first returns stay where they were found, and are bottom whatever the recorded depth. Such a stretch has no corners.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub accepted: bool,
 }
 
 /// More edits than this were not made by a person.
@@ -77,6 +80,7 @@ impl BottomEdit {
             side,
             pings: [from, to],
             corners: simplified(&corners.collect::<Vec<_>>(), tolerance_m),
+            accepted: false,
         })
     }
 
@@ -102,7 +106,7 @@ impl BottomEdit {
     }
 
     /// What is left of it outside of some pings.
-    fn outside(&self, pings: [usize; 2]) -> impl Iterator<Item = BottomEdit> + use<> {
+    pub(super) fn outside(&self, pings: [usize; 2]) -> impl Iterator<Item = BottomEdit> + use<> {
         let [first, last] = self.pings;
         let before = (first < pings[0]).then(|| [first, last.min(pings[0].saturating_sub(1))]);
         let after = (last > pings[1]).then(|| [first.max(pings[1] + 1), last]);
@@ -219,19 +223,43 @@ impl BottomSettings {
         self.lines.iter().find(|line| line.covers(side, ping))
     }
 
-    /// Edited pings, both sides counted.
+    /// Pings that were drawn, both sides counted.
     pub fn ping_count(&self) -> usize {
-        let counts = self.lines.iter().map(|line| line.span().count());
-        counts.sum()
+        self.count(false)
     }
 
-    /// The number of manual picks of this log, in a sentence for its report; empty where there is none.
+    /// Pings that were drawn or accepted.
+    pub fn edited_count(&self) -> usize {
+        self.ping_count() + self.accepted_count()
+    }
+
+    pub(super) fn count(&self, accepted: bool) -> usize {
+        let lines = self.lines.iter().filter(|line| line.accepted == accepted);
+        lines.map(|line| line.span().count()).sum()
+    }
+
+    /// How many first returns of this log were drawn and accepted, in sentences for its report; empty where none was.
     pub fn statement(&self, survey: &Survey) -> String {
         // A drawing of another log is not even counted: it may claim any number of pings.
         if self.is_empty() || self.belongs_to(survey).is_err() {
             return String::new();
         }
-        format!("{} first returns are manual picks.", self.ping_count())
+        let drawn = match self.ping_count() {
+            0 => String::new(),
+            count => format!("{count} first returns are manual picks."),
+        };
+        let accepted = match self.accepted_count() {
+            0 => String::new(),
+            count => format!(
+                "At {count} pings first returns above the recorded depth are accepted as bottom."
+            ),
+        };
+        let gap = if drawn.is_empty() || accepted.is_empty() {
+            ""
+        } else {
+            " "
+        };
+        drawn + gap + &accepted
     }
 
     /// Refuses edits that cannot be, in one sentence.
@@ -249,6 +277,9 @@ impl BottomSettings {
                     "pings of bottom.lines must be the first and the last ping, below bottom.pings",
                 );
             }
+            if line.accepted && !line.corners.is_empty() {
+                return Err("an accepted stretch of bottom.lines has no corners");
+            }
             let rises = line.corners.windows(2).all(|pair| pair[0][0] < pair[1][0]);
             let is_place = |[ping, range_m]: &[f64; 2]| {
                 ping.is_finite() && range_m.is_finite() && *range_m >= 0.0
@@ -262,8 +293,8 @@ impl BottomSettings {
         Ok(())
     }
 
-    /// Applies the edits to what was found; a manual pick is certain, and no above-bottom return. Drawn on another log, it is left out
-    /// with a warning.
+    /// Applies the edits to what was found; a manual pick is certain, and neither it nor an accepted one is an above-bottom return. Drawn on
+    /// another log, they are left out with a warning.
     pub fn apply(&self, survey: &Survey, returns: &mut FirstReturns) {
         if self.is_empty() {
             return;
@@ -274,12 +305,18 @@ impl BottomSettings {
         }
         let own = self.clone().with_sides(survey.swapped_sides);
         for line in &own.lines {
-            returns.drawn.push((line.side, line.pings));
             let picks = match line.side {
                 Side::Port => &mut returns.port,
                 Side::Starboard => &mut returns.starboard,
             };
             let picks = Arc::make_mut(picks);
+            if line.accepted {
+                let end = (line.pings[1] + 1).min(picks.len());
+                let stretch = picks.get_mut(line.pings[0]..end).unwrap_or_default();
+                stretch.iter_mut().for_each(Pick::accept);
+                continue;
+            }
+            returns.drawn.push((line.side, line.pings));
             for ping in line.span() {
                 if let (Some(pick), Some(span)) =
                     (picks.get_mut(ping), survey.span(ping, line.side))
@@ -332,6 +369,7 @@ mod tests {
             side,
             pings,
             corners: vec![[pings[0] as f64, range_m], [pings[1] as f64 + 1.0, range_m]],
+            accepted: false,
         }
     }
 

@@ -2,9 +2,10 @@
 //!
 //! `normalise` scales the picture, `int32_image` is the published int32 picture, `threshold` the plain method, `tracker` the one
 //! that follows the bottom as a whole line, `confidence` says how sure a pick is, `above_bottom` which lie above the recorded depth,
-//! `manual_picks` holds what the analyst drew instead, `bottom_line` which bottom the picture is laid out by.
+//! `manual_picks` holds what the analyst drew instead, `accepted` what was accepted as it was found, `bottom_line` which bottom the picture is laid out by.
 
 mod above_bottom;
+mod accepted;
 mod bottom_line;
 mod confidence;
 mod int32_image;
@@ -14,7 +15,7 @@ mod threshold;
 mod tracker;
 
 pub use bottom_line::{BottomLine, at_recorded_depth};
-pub use confidence::{ABOVE_BOTTOM_SHARE, Evidence};
+pub use confidence::{ABOVE_BOTTOM_SHARE, Evidence, ground_confidence};
 pub use manual_picks::{BottomEdit, BottomSettings};
 pub use normalise::Normalisation;
 pub use threshold::ThresholdIndex;
@@ -120,6 +121,12 @@ impl Pick {
         confidence: 0.0,
         above_bottom: false,
     };
+
+    /// Takes the return for the bottom although it lies above the recorded depth: its confidence is then that of ground.
+    fn accept(&mut self) {
+        self.confidence = ground_confidence(self.confidence, self.above_bottom);
+        self.above_bottom = false;
+    }
 
     /// Whether a return was found.
     pub fn is_some(&self) -> bool {

@@ -26,6 +26,7 @@ mod targets;
 pub use document::document;
 
 use crate::detection::Raster;
+use crate::detection::targets::{ObjectHeight, PassCount};
 use crate::export::ObjectRow;
 use crate::geo::{LonLat, MapPlane};
 use crate::pipeline::joint::LogLatency;
@@ -78,12 +79,10 @@ pub struct SeenObject {
     pub position: LonLat,
     /// Standard deviation of that place, metres.
     pub sigma_m: f64,
-    /// Height above the bottom, metres; NaN where no sighting has one.
-    pub height_m: f64,
-    /// How often it was seen.
-    pub sightings: usize,
-    /// Passes of the boat that covered its place, over all logs.
-    pub passes: usize,
+    /// Height above the bottom.
+    pub height: ObjectHeight,
+    /// Passes of the boat that saw it, and that covered its place, over all logs.
+    pub passes: PassCount,
     /// Logs that saw it.
     pub logs: usize,
 }

@@ -3,7 +3,7 @@
 use super::frame::Frame;
 use super::{ReportData, SeenObject, raster};
 use crate::detection::review::State;
-use crate::detection::targets::Target;
+use crate::detection::targets::{ObjectHeight, PassCount, Target};
 use crate::export::{ObjectRow, chip};
 use crate::presentation::text::{decimal, plural, position, typeset_count};
 use crate::printable::xml;
@@ -110,14 +110,15 @@ fn seen_line(
         known.map_or_else(String::new, |metres| decimal(metres, 2))
     };
     let SeenObject {
-        sightings,
-        passes,
+        passes: PassCount { seen, covered },
+        height,
         logs,
         ..
     } = object;
+    let of_passes = plural(*covered, "pass", "passes");
     let in_logs = plural(*logs, "log", "logs");
     format!(
-        "<tr><td>{number}</td><td class=\"text\">{}</td><td class=\"text\">{}</td><td>{}</td><td class=\"text\">{}</td><td class=\"text\">{sightings} of {passes} passes, in {in_logs}</td><td class=\"text\">{}</td><td>{}</td><td>{}</td><td>{}</td><td class=\"text\">{}</td><td>{}</td><td>{}</td><td class=\"text\">{}</td></tr>\n",
+        "<tr><td>{number}</td><td class=\"text\">{}</td><td class=\"text\">{}</td><td>{}</td><td class=\"text\">{}</td><td class=\"text\">{seen} of {of_passes}, in {in_logs}</td><td class=\"text\">{}</td><td>{}</td><td>{}</td><td>{}</td><td class=\"text\">{}</td><td>{}</td><td>{}</td><td class=\"text\">{}</td></tr>\n",
         picture(from, surest, LISTED_WIDTH),
         xml(&object.class),
         (surest.score).map_or(String::new(), |score| format!("{score:.2}")),
@@ -125,12 +126,31 @@ fn seen_line(
         position(object.position),
         of_target(|target| target.length_m),
         of_target(|target| target.width_m),
-        decimal(object.height_m, 2),
+        height_cell(*height),
         shape(surest),
         of_target(|target| target.depth_m),
         decimal(object.sigma_m, 2),
         xml(surest.note),
     )
+}
+
+/// `1.52 ± 0.12`, in metres.
+fn height_cell(height: ObjectHeight) -> String {
+    let mean = decimal(height.mean_m, 2);
+    match height.sigma_m.is_finite() {
+        true => format!("{mean} ± {:.2}", height.sigma_m),
+        false => mean,
+    }
+}
+
+/// The height of the object that a box shows; of a box without an object its own.
+fn height_of(from: &ReportData<'_>, row: &ObjectRow<'_>) -> ObjectHeight {
+    let objects = from.objects.as_ref();
+    let object = objects.and_then(|objects| objects.seen.get(row.object?.checked_sub(1)?));
+    match object {
+        Some(object) => object.height,
+        None => ObjectHeight::of(row.target.iter()),
+    }
 }
 
 /// The section; empty where nobody searched.
@@ -234,11 +254,11 @@ fn shown_width(width: usize, height: usize, room: usize) -> usize {
     }
 }
 
-/// `block, 0.99 x 0.75 x 0.78`; empty where no shape fits.
+/// `block, 0.99 x 0.75`; empty where no shape fits.
 fn shape(row: &ObjectRow<'_>) -> String {
     row.shape.as_ref().map_or_else(String::new, |shape| {
         let solid = &shape.posed.solid;
-        let sizes = [solid.length_m, solid.width_m, solid.height_m];
+        let sizes = [solid.length_m, solid.width_m];
         let sizes = sizes.map(|size_m| decimal(size_m, 2)).join(" x ");
         format!("{}, {sizes}", solid.kind.name())
     })
@@ -261,9 +281,10 @@ fn line(from: &ReportData<'_>, row: &ObjectRow<'_>) -> String {
                 sizes.iter().map(cell).collect()
             };
             format!(
-                "<td class=\"text\">{}</td>{}<td class=\"text\">{}</td>{}",
+                "<td class=\"text\">{}</td>{}<td>{}</td><td class=\"text\">{}</td>{}",
                 position(target.position),
-                cells(&[target.length_m, target.width_m, target.height_m]),
+                cells(&[target.length_m, target.width_m]),
+                height_cell(height_of(from, row)),
                 shape(row),
                 cells(&[target.depth_m, target.sigma_m])
             )

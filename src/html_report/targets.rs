@@ -3,7 +3,7 @@
 use super::objects::{is_reviewed, is_undecided, picture, rows};
 use super::{ReportData, SeenObject};
 use crate::detection::ObjectExtent;
-use crate::detection::targets::Target;
+use crate::detection::targets::{ObjectHeight, Target};
 use crate::export::ObjectRow;
 use crate::presentation::text::{NONE, plural, position};
 use crate::presentation::units::Units;
@@ -120,12 +120,12 @@ fn of_object(from: &ReportData<'_>, shown: &Shown<'_>) -> String {
     facts.add("Position", &position(object.position));
     facts.add("Within", &Units::default().measure(object.sigma_m, 2));
     if let Some(target) = &best.target {
-        sizes(&mut facts, target, Some(object.height_m));
+        sizes(&mut facts, target, object.height);
     }
     let seen = format!(
         "{} of {}, in {}",
-        object.sightings,
-        plural(object.passes, "pass", "passes"),
+        object.passes.seen,
+        plural(object.passes.covered, "pass", "passes"),
         plural(object.logs, "log", "logs")
     );
     facts.add("Seen", &seen);
@@ -141,7 +141,11 @@ fn of_proposal(from: &ReportData<'_>, row: &ObjectRow<'_>) -> String {
     if let Some(target) = &row.target {
         facts.add("Position", &position(target.position));
         facts.add("Within", &Units::default().measure(target.sigma_m, 2));
-        sizes(&mut facts, target, None);
+        sizes(
+            &mut facts,
+            target,
+            ObjectHeight::of(std::iter::once(target)),
+        );
     }
     decided(&mut facts, &[row]);
     of_box(from, &mut facts, row);
@@ -153,8 +157,9 @@ fn of_proposal(from: &ReportData<'_>, row: &ObjectRow<'_>) -> String {
     )
 }
 
-/// Length, width, height with what it is computed from, and depth. `mean_m` is the mean height of all sightings.
-fn sizes(facts: &mut Facts, target: &Target, mean_m: Option<f64>) {
+/// Length and width of a sighting, the height of its object, the shadow in the sighting, and the depth there.
+fn sizes(facts: &mut Facts, target: &Target, height: ObjectHeight) {
+    let units = Units::default();
     let size = match target.length_m.is_finite() && target.width_m.is_finite() {
         true => format!(
             "{:.2} m along the track, {:.2} m across it",
@@ -167,32 +172,28 @@ fn sizes(facts: &mut Facts, target: &Target, mean_m: Option<f64>) {
         ObjectExtent::Found | ObjectExtent::Point => "",
     };
     facts.add("Size", &format!("{size}{edges}"));
-    facts.add("Height", &height(target));
-    if let Some(mean_m) = mean_m.filter(|mean_m| (mean_m - target.height_m).abs() > 0.005) {
-        facts.add("Mean height", &Units::default().measure(mean_m, 2));
-    }
-    facts.add("Depth there", &Units::default().measure(target.depth_m, 2));
+    facts.add(
+        "Height",
+        &units.with_sigma(height.mean_m, height.sigma_m, 2),
+    );
+    facts.add("Shadow", &shadow(target));
+    facts.add("Depth there", &units.measure(target.depth_m, 2));
 }
 
-/// `1.52 ± 0.12 m: altitude 8.01 m, shadow from 17.20 to 22.90 m slant range, H (r_e - r_t) / r_e`.
-fn height(target: &Target) -> String {
+/// `from r_t = 17.20 to r_e = 22.90 m of slant range, altitude H = 8.01 m; h = H (r_e - r_t) / r_e`.
+fn shadow(target: &Target) -> String {
     let [start_m, end_m] = target.shadow_m;
-    if target.height_m.is_finite() {
-        return format!(
-            "{:.2} ± {:.2} m: altitude H = {:.2} m, {}shadow from r<sub>t</sub> = {start_m:.2} to r<sub>e</sub> = {end_m:.2} m of slant range, h = H (r<sub>e</sub> − r<sub>t</sub>) / r<sub>e</sub>",
-            target.height_m,
-            target.height_sigma_m,
-            target.altitude_m,
-            if target.measured_shadow.is_some() {
-                "measured "
-            } else {
-                ""
-            }
-        );
-    }
-    match start_m.is_finite() {
-        true => format!("{NONE}: the shadow from {start_m:.2} m runs off the range"),
-        false => format!("{NONE}: no shadow"),
+    let measured = match target.measured_shadow {
+        Some(_) => "measured, ",
+        None => "",
+    };
+    match (start_m.is_finite(), end_m.is_finite()) {
+        (true, true) => format!(
+            "{measured}from r<sub>t</sub> = {start_m:.2} to r<sub>e</sub> = {end_m:.2} m of slant range, altitude H = {:.2} m; height h = H (r<sub>e</sub> − r<sub>t</sub>) / r<sub>e</sub>",
+            target.altitude_m
+        ),
+        (true, false) => format!("{measured}from {start_m:.2} m, runs off the range"),
+        (false, _) => NONE.to_owned(),
     }
 }
 

@@ -121,15 +121,18 @@ fn cells(line: &str) -> Vec<Vec<Span>> {
     cells.map(|cell| spans(&cell)).collect()
 }
 
-/// Text between backticks is code.
+/// Text between backticks is code. Asterisks of strong text are left out: the window and the terminal have one weight.
 fn spans(text: &str) -> Vec<Span> {
-    let pieces = text.split('`').enumerate();
-    let kept = pieces.filter(|(_, piece)| !piece.is_empty());
-    kept.map(|(index, piece)| Span {
-        text: piece.to_owned(),
-        is_code: index % 2 == 1,
-    })
-    .collect()
+    let span = |(index, piece): (usize, &str)| {
+        let is_code = index % 2 == 1;
+        let text = match is_code {
+            true => piece.to_owned(),
+            false => piece.replace("**", ""),
+        };
+        Span { text, is_code }
+    };
+    let spans = text.split('`').enumerate().map(span);
+    spans.filter(|span| !span.text.is_empty()).collect()
 }
 
 #[cfg(test)]
@@ -139,7 +142,7 @@ mod tests {
     #[test]
     fn a_page_becomes_blocks() {
         let found = blocks(
-            "# Title\n\nOne line\nand `code`.\n\n- an entry\n  goes on\n- another\n\n```sh\na  b\n```\n| x | `y` |\n|---|---|\n| 1 | 2\\|3 |\n",
+            "# Title\n\nOne **line**\nand `code`.\n\n- an entry\n  goes on\n- another\n\n```sh\na  b\n```\n| x | `y` |\n|---|---|\n| 1 | 2\\|3 |\n",
         );
         let code = |text: &str| Span {
             text: text.to_owned(),

@@ -23,7 +23,7 @@ pub enum Topic {
     Bottom,
     /// Depth maps, corrections, residuals, comparison
     Depth,
-    /// Where to sail next
+    /// Planning of survey lines
     Plan,
     /// The side-scan mosaic
     Mosaic,

@@ -6,13 +6,15 @@ use std::fmt::Write as _;
 
 /// Every command of the window, with its key.
 pub(super) fn keys() -> String {
-    let mut table = String::from("| command | key | does |\n|---|---|---|\n");
+    let mut table = String::from("| command | key | acts in | does |\n|---|---|---|---|\n");
     for action in Action::ALL {
         let keys: Vec<String> = action.all_keys().map(|keys| format!("`{keys}`")).collect();
         let keys = keys.join(" or ");
         let (label, hint) = (action.label(), action.hint());
+        let scope =
+            (action.key_scope()).map_or_else(String::new, |scope| format!(", {}", scope.name()));
         // Writing to a string cannot fail.
-        writeln!(table, "| {label} | {keys} | {hint} |").ok();
+        writeln!(table, "| {label} | {keys}{scope} | {hint} |").ok();
     }
     table
 }

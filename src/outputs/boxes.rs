@@ -4,8 +4,8 @@ use super::logs::{log_names, survey_name};
 use super::objects::ObjectRows;
 use super::training_tiles::TrainingTiles;
 use crate::detection::Raster;
-use crate::detection::review::{PIXEL_M, Review, ReviewedTile, State};
-use crate::export::{self, ObjectLog, ObjectRow, Part};
+use crate::detection::review::{PIXEL_M, Review, ReviewedTile};
+use crate::export::{self, ObjectLog, Part};
 use crate::outputs::OutputError;
 use crate::pipeline::ProcessedLog;
 use crate::progress::Progress;
@@ -53,8 +53,8 @@ struct LogBoxes<'a> {
 }
 
 /// Writes the boxes of the logs of a survey into `folder`, which is made when it is missing; `reviews` has what was decided about each log,
-/// if anything. `objects.csv` and `objects.geojson` have every box with its state, `objects.kml`, `objects.gpx` and `objects.gpkg` the
-/// accepted and added ones, `shapes.ply` the solids that those are like; sightings of one object in whatever log have its number. Beside them lie the review itself, and `dataset/` with a picture around
+/// if anything. `objects.csv` and `objects.geojson` have every box with its state, `objects.gpkg` the accepted and added ones, `objects.kml` and `objects.gpx` a point for
+/// each object that those show, `shapes.ply` the solids that those are like; sightings of one object in whatever log have its number. Beside them lie the review itself, and `dataset/` with a picture around
 /// each decided box and its labels as YOLO, COCO and Pascal VOC, in the layout that detectors are trained on
 /// ([`export::DatasetFolder`]); a whole log is one part of it, for its pictures overlap. A picture in which all was rejected has no
 /// label: a hard negative. Undecided boxes are marked as to be neither found nor missed (COCO `iscrowd`, VOC `difficult`).
@@ -100,9 +100,10 @@ pub fn write_boxes(
     let shapes = all.find_shapes(logs, progress)?;
     all.set_shapes(&shapes);
     let names = log_names(logs);
-    tables(logs, &names, &all.rows, folder)?;
+    let boxes_written = all.rows.len();
+    tables(logs, &names, all, folder)?;
     let mut written = BoxesWritten {
-        boxes: all.rows.len(),
+        boxes: boxes_written,
         pictures: 0,
         negatives: 0,
     };
@@ -118,6 +119,7 @@ pub fn write_boxes(
         let training_tiles = TrainingTiles {
             survey: &one.log.survey,
             review: one.review,
+            classes: &one.log.products.settings.review.classes,
             raster: &one.raster,
             tiles: &one.tiles,
             part,
@@ -132,7 +134,7 @@ pub fn write_boxes(
 fn tables(
     logs: &[ProcessedLog],
     names: &[String],
-    rows: &[ObjectRow<'_>],
+    mut all: ObjectRows<'_>,
     folder: &Path,
 ) -> Result<(), export::ExportError> {
     let named: Vec<ObjectLog<'_>> = (names.iter().zip(logs))
@@ -141,16 +143,15 @@ fn tables(
             survey: &log.survey,
         })
         .collect();
-    let is_object =
-        |row: &&ObjectRow<'_>| [State::Accepted.name(), State::Added.name()].contains(&row.state);
-    let objects: Vec<ObjectRow<'_>> = rows.iter().filter(is_object).cloned().collect();
-    export::objects_csv(&folder.join("objects.csv"), &named, rows)?;
-    export::objects_geojson(&folder.join("objects.geojson"), &named, rows)?;
+    export::objects_csv(&folder.join("objects.csv"), &named, &all.rows)?;
+    export::objects_geojson(&folder.join("objects.geojson"), &named, &all.rows)?;
+    all.retain_decided();
+    let points = all.points(logs);
     let title = survey_name(names);
-    export::objects_kml(&folder.join("objects.kml"), &title, &named, &objects)?;
-    export::objects_gpx(&folder.join("objects.gpx"), &named, &objects)?;
-    export::objects_gpkg(&folder.join("objects.gpkg"), &named, &objects)?;
-    export::shapes_ply(&folder.join("shapes.ply"), &objects).map(|_| ())
+    export::objects_kml(&folder.join("objects.kml"), &title, &points)?;
+    export::objects_gpx(&folder.join("objects.gpx"), &points)?;
+    export::objects_gpkg(&folder.join("objects.gpkg"), &named, &all.rows)?;
+    export::shapes_ply(&folder.join("shapes.ply"), &all.rows).map(|_| ())
 }
 
 /// A log's name as that of a file: the name of a recording is that of its own file, but for a log out of memory.

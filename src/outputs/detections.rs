@@ -119,9 +119,9 @@ pub fn geojson(results: &Results<'_>, path: &Path) -> Result<FileContent, Output
 
 /// Writes `detections.gpx`.
 pub fn gpx(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
-    let rows = found_rows(results)?.unwrap_or_default().rows;
-    let logs = results.object_logs();
-    content(placed_in(&rows), export::objects_gpx(path, &logs, &rows))
+    let found = found_rows(results)?.unwrap_or_default();
+    let points = found.points(results.order.logs);
+    in_degrees(export::objects_gpx(path, &points))
 }
 
 /// Writes `shapes.ply`.
@@ -149,14 +149,24 @@ pub fn chips(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputEr
     Ok(FileContent::new(Coordinates::None, Summary::default()))
 }
 
-fn content(summary: Summary, written: Result<(), ExportError>) -> Result<FileContent, OutputError> {
+pub(super) fn in_degrees(
+    written: Result<Summary, ExportError>,
+) -> Result<FileContent, OutputError> {
+    let summary = written.map_err(OutputError::from)?;
+    Ok(FileContent::new(Coordinates::Degrees, summary))
+}
+
+pub(super) fn content(
+    summary: Summary,
+    written: Result<(), ExportError>,
+) -> Result<FileContent, OutputError> {
     written
         .map(|()| FileContent::new(Coordinates::Degrees, summary))
         .map_err(OutputError::from)
 }
 
 /// The places of the boxes, counted.
-fn placed_in(rows: &[ObjectRow<'_>]) -> Summary {
+pub(super) fn placed_in(rows: &[ObjectRow<'_>]) -> Summary {
     let mut summary = Summary::default();
     for target in rows.iter().filter_map(|row| row.target.as_ref()) {
         let at = target.position;

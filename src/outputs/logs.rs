@@ -2,19 +2,11 @@
 
 use crate::export::LogPoints;
 use crate::pipeline::ProcessedLog;
+use crate::survey::distinct_names;
 
-/// What the logs are called, each otherwise: two recorders both begin with `Rec00001`.
+/// What the logs are called: [`distinct_names`].
 pub fn log_names(logs: &[ProcessedLog]) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
-    for name in logs.iter().map(|log| log.survey.name()) {
-        let same = |taken: &&String| taken.split(" (").next() == Some(name.as_str());
-        let count = names.iter().filter(same).count();
-        names.push(match count {
-            0 => name,
-            count => format!("{name} ({})", count + 1),
-        });
-    }
-    names
+    distinct_names(logs.iter().map(|log| &*log.survey))
 }
 
 /// What a survey is called: by its log, or by all of them.

@@ -4,7 +4,7 @@
 //! `overwrite` keeps them from taking the place of what they are made from, `earlier_run` tells which are
 //! out of date. `clouds` writes the files of points, `track` those of the
 //! boat's way, `depth` the depth map and what follows from it, `residuals` and `comparison` how the depths agree, `mosaic` the
-//! side-scan mosaic, `detections` what a search proposes, `objects` makes one object of its sightings in all logs, `page` writes the report; `manifest` lists the files with what each is. `boxes` writes
+//! side-scan mosaic, `detections` what a search proposes, `targets` what a review decided, `objects` makes one object of its sightings in all logs, `page` writes the report; `manifest` lists the files with what each is. `boxes` writes
 //! what was decided about boxes, `training_tiles` as pictures for training, `raster` says where a raster lies.
 
 mod boxes;
@@ -27,6 +27,8 @@ mod registry;
 mod residuals;
 mod results;
 mod run_folder;
+mod sizes;
+mod targets;
 mod track;
 mod training_tiles;
 mod write;
@@ -42,6 +44,7 @@ pub use product::{Product, files_in_words};
 pub use registry::{Described, OUTPUT_FILES, OutputFile, When, row_of};
 pub use results::Need;
 pub use run_folder::{Replaced, RunFolder};
+pub use sizes::{Amounts, about_bytes};
 pub use write::{Order, Written, write};
 
 /// The file that names all files of a run, in place last.

@@ -1,9 +1,9 @@
 //! The boxes of a survey as rows of tables, and the objects that they are sightings of, over all logs.
 
 use crate::detection::review::{Confidence, Review, State};
-use crate::detection::targets::{FittedShape, GroupSettings, Target};
+use crate::detection::targets::{FittedShape, GroupSettings, PassLog, Target};
 use crate::detection::{Detection, Mark};
-use crate::export::ObjectRow;
+use crate::export::{ObjectPoint, ObjectRow};
 use crate::geo::LonLat;
 use crate::outputs::OutputError;
 use crate::pipeline::joint::{JointObject, PlacedBox, joint_objects, object_shape};
@@ -94,10 +94,9 @@ impl<'a> ObjectRows<'a> {
     pub fn group(&mut self) {
         let proposed = State::Proposed.name();
         let is_decided = self.rows.iter().any(|row| row.state != proposed);
-        let objects = [State::Accepted, State::Added].map(State::name);
         let (members, boxes): (Vec<usize>, Vec<PlacedBox<'_>>) = (self.rows.iter())
             .enumerate()
-            .filter(|(_, row)| !is_decided || objects.contains(&row.state))
+            .filter(|(_, row)| !is_decided || is_decided_object(row.state))
             .filter_map(|(index, row)| {
                 let placed = PlacedBox {
                     log: row.log,
@@ -116,6 +115,38 @@ impl<'a> ObjectRows<'a> {
             }
         }
         self.objects = objects;
+    }
+
+    /// Leaves the boxes that an analyst accepted or added, and their objects.
+    pub fn retain_decided(&mut self) {
+        self.rows.retain(|row| is_decided_object(row.state));
+        self.group();
+    }
+
+    /// The objects as points of a map.
+    pub fn points(&self, logs: &[ProcessedLog]) -> Vec<ObjectPoint> {
+        let Some(ProcessedLog { survey, products }) = logs.first() else {
+            return Vec::new();
+        };
+        let pass_logs: Vec<PassLog<'_>> = logs.iter().map(pass_log).collect();
+        let point = |(number, object): (usize, &JointObject)| {
+            let boxes: Vec<&ObjectRow<'_>> = (object.members.iter())
+                .map(|member| &self.rows[*member])
+                .collect();
+            let [east_m, north_m] = object.place_m;
+            let place = products
+                .navigation
+                .to_lon_lat(&survey.track, east_m, north_m);
+            Some(ObjectPoint {
+                class: object.class.clone(),
+                position: place,
+                sigma_m: object.sigma_m,
+                height: object.height,
+                sightings: object.sightings(&pass_logs),
+                ..ObjectPoint::new(number, &boxes)?
+            })
+        };
+        (1..).zip(&self.objects).filter_map(point).collect()
     }
 
     /// The shapes of the objects, in their order.
@@ -146,6 +177,18 @@ impl<'a> ObjectRows<'a> {
             }
         }
     }
+}
+
+/// Whether a state says that an analyst accepted or added the box.
+fn is_decided_object(state: &str) -> bool {
+    [State::Accepted, State::Added]
+        .map(State::name)
+        .contains(&state)
+}
+
+/// A log whose passes are counted.
+pub(super) fn pass_log(log: &ProcessedLog) -> PassLog<'_> {
+    (&log.survey, &log.products.navigation)
 }
 
 /// The shape of each object; `None` of one that has none.

@@ -1,12 +1,13 @@
 //! `report.html`: what was made, on one page.
 
 use super::detections::known_rows;
-use super::objects::ObjectRows;
+use super::objects::{ObjectRows, pass_log};
 use super::registry::When;
 use super::results::Results;
 use super::write::Run;
 use crate::detection::Raster;
 use crate::detection::review::{PIXEL_M, Review, State};
+use crate::detection::targets::PassLog;
 use crate::export::write_aside;
 use crate::html_report::{self, FileLine, Objects, ReportData, SeenObject};
 use crate::outputs::OutputError;
@@ -104,6 +105,7 @@ impl<'a> Boxes<'a> {
 /// What is known of an object from all its sightings.
 fn seen(results: &Results<'_>, all: &ObjectRows<'_>, object: &JointObject) -> SeenObject {
     let track = &results.survey.track;
+    let pass_logs: Vec<PassLog<'_>> = results.order.logs.iter().map(pass_log).collect();
     let [east_m, north_m] = object.place_m;
     let logs: BTreeSet<usize> = (object.members.iter())
         .map(|member| all.rows[*member].log)
@@ -112,10 +114,8 @@ fn seen(results: &Results<'_>, all: &ObjectRows<'_>, object: &JointObject) -> Se
         class: object.class.clone(),
         position: (results.products.navigation).to_lon_lat(track, east_m, north_m),
         sigma_m: object.sigma_m,
-        height_m: object.height_m,
-        sightings: object.members.len(),
-        passes: object
-            .passes((results.logs()).map(|(survey, products)| (survey, &*products.navigation))),
+        height: object.height,
+        passes: object.passes(&pass_logs),
         logs: logs.len(),
     }
 }

@@ -26,6 +26,8 @@ pub enum Product {
     Mosaic,
     /// How the depths agree.
     Residuals,
+    /// The objects of the review.
+    Targets,
     /// All lines, areas and objects in one file.
     Geopackage,
     /// The page that shows what was made.
@@ -34,7 +36,7 @@ pub enum Product {
 
 impl Product {
     /// All of them.
-    pub const ALL: [Product; 11] = [
+    pub const ALL: [Product; 12] = [
         Product::Cloud,
         Product::Track,
         Product::Depth,
@@ -44,6 +46,7 @@ impl Product {
         Product::MapTiles,
         Product::Mosaic,
         Product::Residuals,
+        Product::Targets,
         Product::Geopackage,
         Product::Report,
     ];
@@ -60,8 +63,27 @@ impl Product {
             Product::MapTiles => "map-tiles",
             Product::Mosaic => "mosaic",
             Product::Residuals => "residuals",
+            Product::Targets => "targets",
             Product::Geopackage => "geopackage",
             Product::Report => "report",
+        }
+    }
+
+    /// What people call it.
+    pub fn title(self) -> &'static str {
+        match self {
+            Product::Cloud => "Point cloud",
+            Product::Track => "Track and coverage",
+            Product::Depth => "Depth map (GeoTIFF)",
+            Product::Xyz => "Depth grid as text (XYZ)",
+            Product::Bottom => "Bottom for 3D programs",
+            Product::Isobaths => "Isobaths, depth areas, volumes",
+            Product::MapTiles => "Depth map for plotters and the web",
+            Product::Mosaic => "Side-scan mosaic (GeoTIFF)",
+            Product::Residuals => "Residuals",
+            Product::Targets => "Objects that were accepted",
+            Product::Geopackage => "All lines and areas (GeoPackage)",
+            Product::Report => "Report (HTML)",
         }
     }
 

@@ -7,13 +7,14 @@ use super::manifest::FileContent;
 use super::results::{Need, Results};
 use super::write::Run;
 use super::{
-    Product, clouds, comparison, depth, detections, geopackage, mosaic, page, residuals, track,
+    Product, clouds, comparison, depth, detections, geopackage, mosaic, page, residuals, targets,
+    track,
 };
 use crate::outputs::OutputError;
 use kinds::{
     CLASSED_POINTS, KEPT_POINTS, LAS_POINTS, NOT_OF_BODY, NOT_OF_CLOUD, NOT_OF_DEPTHS,
     NOT_OF_MOSAIC, NOT_OF_POINTS, boxes, cloud, compared, contours, described, footprint,
-    map_tiles, raster, row, track_file,
+    map_tiles, raster, row, target_file, track_file,
 };
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -127,7 +128,7 @@ pub(super) fn row_of_beside(name: &str) -> Option<&'static OutputFile> {
 }
 
 /// All files of a run, in the order of writing.
-pub const OUTPUT_FILES: [OutputFile; 44] = [
+pub const OUTPUT_FILES: [OutputFile; 48] = [
     OutputFile {
         regardless_of: NOT_OF_POINTS,
         brief: "first sonar return of every ping on both sides",
@@ -221,7 +222,7 @@ pub const OUTPUT_FILES: [OutputFile; 44] = [
         &["depth/uncertainty.qml"],
         "Standard deviation in metres of the depths that carry a cell",
         "standard_deviation_m",
-        "how far the depths that carry a cell disagree, metres",
+        "standard deviation of the depths in a cell, metres",
         Writer::Results(depth::rasters::uncertainty),
     ),
     raster(
@@ -243,9 +244,9 @@ pub const OUTPUT_FILES: [OutputFile; 44] = [
     raster(
         "depth/source.tif",
         &["depth/source.qml"],
-        "What the depth of a cell rests on: 4 a sounding, 3 a first return, 2 echo levels, 1 interpolated",
+        "Source of the depth in each cell: 4 a sounding, 3 a first return, 2 echo levels, 1 interpolated",
         "class",
-        "what the depth of a cell rests on",
+        "source of the depth in each cell",
         Writer::Results(depth::rasters::source),
     ),
     OutputFile {
@@ -289,7 +290,7 @@ pub const OUTPUT_FILES: [OutputFile; 44] = [
             &[],
             "The cells of the depth map as points: z is minus the depth, source as in source.tif; what nothing measured is marked synthetic",
             "z_m",
-            "cells of the depth map as points, with what each rests on",
+            "cells of the depth map as points, with the source of each depth",
             Writer::Results(depth::cells::points),
         )
     },
@@ -419,6 +420,26 @@ pub const OUTPUT_FILES: [OutputFile; 44] = [
         "difference_m",
         Writer::Results(comparison::csv),
     ),
+    target_file(
+        "objects/targets.csv",
+        "boxes",
+        Writer::Results(targets::csv),
+    ),
+    target_file(
+        "objects/targets.geojson",
+        "boxes",
+        Writer::Results(targets::geojson),
+    ),
+    target_file(
+        "objects/targets.gpx",
+        "objects",
+        Writer::Results(targets::gpx),
+    ),
+    target_file(
+        "objects/targets.kml",
+        "objects",
+        Writer::Results(targets::kml),
+    ),
     boxes(
         "objects/detections.csv",
         "objects with place and size",
@@ -429,11 +450,18 @@ pub const OUTPUT_FILES: [OutputFile; 44] = [
         "objects with place and size",
         Writer::Results(detections::geojson),
     ),
-    boxes(
-        "objects/detections.gpx",
-        "objects for maps and plotters",
-        Writer::Results(detections::gpx),
-    ),
+    OutputFile {
+        described: described(
+            "Objects that the detector proposes, not reviewed",
+            "objects",
+            "",
+        ),
+        ..boxes(
+            "objects/detections.gpx",
+            "objects for maps and plotters",
+            Writer::Results(detections::gpx),
+        )
+    },
     OutputFile {
         described: described(
             "Solids that the detector's objects are like, fitted to echo and shadow: inferred, not measured",

@@ -51,6 +51,8 @@ pub enum Need {
     SideScan,
     /// Side-scan with a place, in a map of a size that can be drawn.
     Mosaic,
+    /// A box that an analyst accepted or added.
+    Targets,
     /// What the depths are compared with besides.
     Reference,
 }
@@ -192,6 +194,7 @@ impl<'a> Results<'a> {
                 Err(why) => told(&why),
                 Ok(_) => None,
             },
+            Need::Targets if !self.has_targets() => silent(),
             Need::Reference if self.order.reference.is_none() => silent(),
             Need::PlainLas
             | Need::Track
@@ -200,6 +203,7 @@ impl<'a> Results<'a> {
             | Need::Hardness
             | Need::Agreement
             | Need::SideScan
+            | Need::Targets
             | Need::Reference => None,
         })
     }
@@ -226,6 +230,11 @@ impl<'a> Results<'a> {
 
     fn has_soundings(&self) -> bool {
         self.logs().any(|(survey, _)| !survey.soundings.is_empty())
+    }
+
+    fn has_targets(&self) -> bool {
+        let mut boxes = (self.order.reviews.iter().flatten()).flat_map(|review| review.boxes());
+        boxes.any(|one| one.state.is_object())
     }
 
     /// What the survey is called: by its log, or by all of them.

@@ -18,6 +18,8 @@ const PROGRAM: &str = "bathyscope review";
 pub struct TrainingTiles<'a> {
     pub survey: &'a Survey,
     pub review: &'a Review,
+    /// The analyst's classes, in the order of their numbers in labels.
+    pub classes: &'a [String],
     pub raster: &'a Raster,
     pub tiles: &'a [ReviewedTile],
     /// The part that all of the log belongs to.
@@ -49,7 +51,7 @@ impl TrainingTiles<'_> {
     /// Writes the pictures with their labels; returns how many are hard negatives.
     pub fn write(&self, root: &Path, progress: &Progress) -> Result<usize, OutputError> {
         self.clear(root)?;
-        let (classes, places) = self.review.training_classes();
+        let (classes, places) = self.review.training_classes(self.classes);
         let folder = DatasetFolder::new(root, &classes).map_err(OutputError::from)?;
         let (mut all, mut hard_negatives) = (Vec::with_capacity(self.tiles.len()), 0);
         for (number, tile) in self.tiles.iter().enumerate() {

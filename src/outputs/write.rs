@@ -3,7 +3,7 @@
 use super::detections::Proposed;
 use super::manifest::{FileContent, write_json, write_manifest};
 use super::overwrite::refuse_overwrite;
-use super::product::{Product, files_in_words};
+use super::product::Product;
 use super::registry::{OUTPUT_FILES, OutputFile, When, Writer};
 use super::results::{Missing, Need, Results};
 use super::run_folder::{Replaced, RunFolder};
@@ -13,6 +13,7 @@ use crate::detection::review::Review;
 use crate::outputs::OutputError;
 use crate::pipeline::joint::{RequestedCorrection, joint_report};
 use crate::pipeline::{Derived, Fingerprint, ProcessedLog, Reference, Report};
+use crate::presentation::text::bytes;
 use crate::progress::{Cancelled, Progress};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -62,6 +63,10 @@ impl Order<'_> {
 pub struct Written {
     /// The files, in the order of writing.
     pub files: Vec<&'static OutputFile>,
+    /// How many files were made of the results, with those that belong to them and the pictures.
+    pub file_count: usize,
+    /// Bytes of all of them.
+    pub byte_count: u64,
     /// What became of files of an earlier run.
     pub replaced: Replaced,
     /// The report, as written to `report.json`.
@@ -73,11 +78,11 @@ pub struct Written {
 impl Written {
     /// What was written and removed, in a sentence or two.
     pub fn summary(&self, folder: &Path) -> String {
-        // Where comes first: the list of files is long, and the window shows a few lines of it.
         format!(
-            "wrote into {}: {}{}",
+            "Wrote {} files, {}, into {}{}",
+            self.file_count,
+            bytes(self.byte_count),
             folder.display(),
-            files_in_words(self.files.iter().copied()),
             self.replaced.in_words()
         )
     }
@@ -157,9 +162,11 @@ pub fn write(
         true => Proposed::of(&run.results)?,
         false => None,
     };
-    let report = run.report;
+    let (report, hashed) = (run.report, run.hashed);
     drop(run.results);
     Ok(Written {
+        file_count: hashed.len(),
+        byte_count: hashed.iter().map(|file| file.bytes).sum(),
         files,
         replaced: folder.commit(super::MANIFEST)?,
         report,
@@ -258,7 +265,7 @@ fn step(when: When) -> &'static str {
             | Product::Residuals,
         ) => "depths",
         When::Compared => "comparing",
-        When::Searched => "objects",
+        When::Searched | When::Chosen(Product::Targets) => "objects",
     }
 }
 

@@ -363,6 +363,7 @@ mod tests {
             side: Side::Port,
             pings: [1, 2],
             corners: Vec::new(),
+            accepted: false,
         });
         after.left_out.log = Some(Identity {
             file: "pond.sl2".to_owned(),

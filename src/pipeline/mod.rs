@@ -4,7 +4,7 @@
 //! stages and what they made, `engine` runs them on a worker for the window, `growing` over what was added to a log that is being written,
 //! `task` and `background` are how all work runs off its thread. `derived` makes what all logs give together, once and on demand. `depth` makes the depth map and what follows from it,
 //! `agreement` compares points with a reference, `mosaic` where echoes lie, `placing` where objects do, `report` sums a run
-//! up, `fingerprint` tells versions of files apart, `source` puts right what a log does not say of itself, `surveyed` what a plan of further lines starts from, `joint` what all logs of a survey give together. Nothing is written here: see `outputs`.
+//! up, `scale_trial` what another scale would change, `fingerprint` tells versions of files apart, `source` puts right what a log does not say of itself, `surveyed` what a plan of further lines starts from, `joint` what all logs of a survey give together. Nothing is written here: see `outputs`.
 
 mod agreement;
 mod background;
@@ -23,6 +23,7 @@ mod processed_log;
 mod products;
 mod relief;
 mod report;
+mod scale_trial;
 pub mod settings;
 mod source;
 mod surveyed;
@@ -53,6 +54,7 @@ pub use placing::Placing;
 pub use processed_log::ProcessedLog;
 pub use products::{Products, Stage, colour_range_m, run};
 pub use report::{CalibrationReport, Report, warnings};
+pub use scale_trial::{ScaleEffect, ScaleTrial};
 pub use settings::{Preset, Settings, SettingsError};
 pub use source::{SourceError, SourceKey, as_mounted, as_set};
 pub use surveyed::{seen_objects, surveyed};

@@ -124,6 +124,21 @@ impl Products {
         Reduction::new(&self.calibration, &self.correction)
     }
 
+    /// The first returns that count: those of left-out pings do not.
+    pub(super) fn counted_returns(&self) -> Arc<FirstReturns> {
+        match self.left_out.is_empty() {
+            true => self.returns.clone(),
+            false => Arc::new(self.returns.without(&self.left_out)),
+        }
+    }
+
+    /// The first returns that a calibration may rest on.
+    pub(super) fn judged_returns(&self, survey: &Survey) -> Arc<FirstReturns> {
+        judged(survey, &self.settings, &self.found, &self.left_out, || {
+            self.counted_returns()
+        })
+    }
+
     /// The points that count for the map, in the order of the cloud.
     pub fn kept_points(&self) -> impl Iterator<Item = &CloudPoint> + Clone {
         self.cloud.kept(&self.classes).map(|(_, point)| point)
@@ -223,10 +238,10 @@ pub fn run(
             let previous = previous.filter(|old| {
                 Arc::ptr_eq(&old.returns, &returns) && Arc::ptr_eq(&old.left_out, &left_out)
             });
-            let spots = rank(survey, previous, &navigation, &counted, progress)?;
+            let judged = judged(survey, settings, &found, &left_out, || counted.clone());
+            let spots = rank(survey, previous, &navigation, &judged, progress)?;
             let how = &settings.calibration;
-            let made =
-                calibration::calibrate(survey, &navigation, &counted, &spots, how, progress)?;
+            let made = calibration::calibrate(survey, &navigation, &judged, &spots, how, progress)?;
             (spots, Arc::new(made))
         }
     };
@@ -330,6 +345,23 @@ fn with_bottom(
     let mut returns = FirstReturns::clone(found);
     settings.bottom.apply(survey, &mut returns);
     Arc::new(returns)
+}
+
+/// The first returns that a calibration may rest on. What was accepted as bottom is flagged there as it was found: it is bottom beside the
+/// boat, at another depth than that of the soundings. `counted` are all that count.
+fn judged(
+    survey: &Survey,
+    settings: &Settings,
+    found: &FirstReturns,
+    left_out: &LeftOut,
+    counted: impl FnOnce() -> Arc<FirstReturns>,
+) -> Arc<FirstReturns> {
+    if !settings.bottom.has_accepted() {
+        return counted();
+    }
+    let mut returns = found.clone();
+    settings.bottom.drawn_only().apply(survey, &mut returns);
+    Arc::new(returns.without(left_out))
 }
 
 /// The bottom line by the settings.

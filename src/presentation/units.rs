@@ -155,6 +155,19 @@ impl Units {
         }
     }
 
+    /// A length and its standard deviation with one unit: `0.51 ± 0.12 m`; a dash where there is no length.
+    pub fn with_sigma(self, value_m: f64, sigma_m: f64, decimals_of_metres: usize) -> String {
+        let measure = self.measure(value_m, decimals_of_metres);
+        match value_m.is_finite() && sigma_m.is_finite() {
+            true => format!(
+                "{} ± {}",
+                self.number(value_m, decimals_of_metres),
+                self.measure(sigma_m, decimals_of_metres)
+            ),
+            false => measure,
+        }
+    }
+
     /// A small length with its sign also above 0.
     pub fn signed(self, value_m: f64, decimals_of_metres: usize) -> String {
         let decimals = self.length.fine_decimals(decimals_of_metres);

@@ -39,6 +39,14 @@ impl<T> Default for History<T> {
 }
 
 impl<T: Clone + PartialEq> History<T> {
+    /// The history of changes that were made before: each state with the name of the change that led away from it, the oldest first.
+    pub fn of_past(past: impl IntoIterator<Item = (T, Label)>) -> Self {
+        Self {
+            undo: past.into_iter().collect(),
+            ..Self::default()
+        }
+    }
+
     /// Notes that `before` became `after`. `live` changes belong to the step that the next change of the same name ends.
     pub fn record(&mut self, before: &T, after: &T, label: impl Into<Label>, live: bool) {
         let label = label.into();

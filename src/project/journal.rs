@@ -71,13 +71,13 @@ impl Entry {
         }
     }
 
-    fn to_line(&self) -> String {
+    pub(super) fn to_line(&self) -> String {
         // Texts and whole numbers, which can be written.
         let json = serde_json::to_string(self).unwrap_or_default();
         format!("{} {json}\n", check(&json))
     }
 
-    fn from_line(line: &str) -> Option<Self> {
+    pub(super) fn from_line(line: &str) -> Option<Self> {
         let (sum, json) = line.split_once(' ')?;
         (sum == check(json))
             .then(|| serde_json::from_str(json).ok())

@@ -1,6 +1,6 @@
 //! A survey as a project: its logs and all that was decided about them, as one text file that lasts.
 //!
-//! `log` is one log, `change` what an analyst changes and `history` what undo goes back to. `rows` turns a project into lines and
+//! `log` is one log, `change` what an analyst changes, `history` what undo goes back to, and `past` keeps that on disk. `rows` turns a project into lines and
 //! back, `row` is one line, `text` the file of them, `migrate` takes in what older versions wrote, `paths` how files are named in it.
 //! `store` keeps the file: saved aside and renamed, every gesture in a `journal` beside it, guarded by a `lock`. `find` looks for logs
 //! that were moved, `inputs` hands them to work without a window, `sidecar` takes in the files that earlier versions kept beside a log. No log is ever written.
@@ -44,6 +44,8 @@
 //!
 //! port.1200 = { corners = [[1200.0, 4.2], [1260.0, 4.4]], last = 1260 }
 //!
+//! port.1300 = { accepted = true, last = 1340 }      # first returns that are bottom where they were found
+//!
 //! [log.chart_1-3f9a2c41.left_out]          # a stretch that counts for nothing, or is kept: pings or time_s, first and last
 //!
 //! pings.2000 = { last = 2150, reason = "turn" }
@@ -77,6 +79,7 @@ mod lock;
 mod log;
 mod measurement;
 mod migrate;
+mod past;
 mod paths;
 mod row;
 mod rows;
@@ -90,6 +93,7 @@ pub use history::{History, Step};
 pub use inputs::{Input, inputs};
 pub use log::{LogFile, LogKey, ProjectLog};
 pub use measurement::{Measurement, MeasurementKind, Pick};
+pub use past::{PastStep, UNDONE};
 pub use row::Key;
 pub use sidecar::{Sidecars, read_bottom, read_sidecars};
 pub use store::{ENDING, Opened, Owner, Saving, Store, StoreError, Written, read};

@@ -43,7 +43,7 @@ const BOX_FIELDS: [&str; 15] = [
     "state",
 ];
 /// Fields of the row of a stretch of the bottom.
-const BOTTOM_FIELDS: [&str; 2] = ["corners", "last"];
+const BOTTOM_FIELDS: [&str; 3] = ["accepted", "corners", "last"];
 /// The setting that holds the stretches that are left out of a log, and the one that says of which log.
 const LEFT_OUT: &str = "left_out.stretches";
 const LEFT_OUT_LOG: &str = "left_out.log";
@@ -186,10 +186,11 @@ fn put_log(
             ];
             let corners = line.corners.iter();
             let corners = corners.map(|corner| Value::from(corner.to_vec()));
-            let row = Table::from_iter([
-                ("last".to_owned(), whole(line.pings[1] as u64)),
-                ("corners".to_owned(), Value::Array(corners.collect())),
-            ]);
+            let what = match line.accepted {
+                true => ("accepted".to_owned(), Value::Boolean(true)),
+                false => ("corners".to_owned(), Value::Array(corners.collect())),
+            };
+            let row = Table::from_iter([("last".to_owned(), whole(line.pings[1] as u64)), what]);
             put(Key::new(parts), &Value::Table(row));
         }
     }

@@ -40,7 +40,7 @@ pub fn read_sidecars(log: &Path, survey: &Survey) -> Sidecars {
     let mut sidecars = Sidecars::default();
     match read_bottom(log, survey) {
         Some(Ok(bottom)) => {
-            let (pings, path) = (bottom.ping_count(), bottom_path(log));
+            let (pings, path) = (bottom.edited_count(), bottom_path(log));
             let text = format!(
                 "took in the bottom of {pings} pings that was drawn by hand: {}",
                 path.display()

@@ -8,6 +8,7 @@
 
 use super::journal::{Entry, Journal, NoJournal, Read, Syncing};
 use super::migrate::{VERSION, migrate};
+use super::past::{Past, PastStep};
 use super::row::Rows;
 use super::{Project, ProjectError, paths, rows, text};
 use crate::export::{self, is_same_file};
@@ -86,6 +87,8 @@ pub struct Opened {
     pub project: Project,
     /// What to tell the analyst, in sentences: gestures that were taken in, or could not be.
     pub notes: Vec<String>,
+    /// The changes that led to it, the oldest first, as far as they are known.
+    pub past: Vec<PastStep>,
 }
 
 /// Where an open project is kept. Dropped, it leaves the journal where something in it is not saved.
@@ -100,6 +103,8 @@ pub struct Store {
     recorded: Project,
     /// The project that the file holds; `None` where it is not the whole of what was opened.
     saved: Option<Project>,
+    /// The changes that led to what was recorded.
+    past: Past,
 }
 
 /// Reads a project without keeping it: to look at it, or to process it. What is in a journal beside it does not count.
@@ -140,11 +145,15 @@ impl Store {
             rows::read(migrate(written.clone(), version, VERSION), &folder).map_err(wrong)?;
         let mut notes = Vec::new();
         let mut project = saved.clone();
+        let rows = migrate(written.clone(), version, VERSION);
+        let mut past = Past::read(&path, (&saved, rows), &sha256, &folder);
         match unsaved(&read, &sha256) {
             Some((entries, entry_version)) if !entries.is_empty() => {
-                match replayed(written, version, entries, entry_version, &folder) {
+                match replayed(written.clone(), version, entries, entry_version, &folder) {
                     Ok(with_unsaved) => {
                         project = with_unsaved;
+                        let rows = migrate(written, version, entry_version);
+                        past.replay(&saved, (rows, entry_version), entries, &folder);
                         notes.extend(taken_in(entries, read.damaged));
                     }
                     Err(error) => {
@@ -177,12 +186,14 @@ impl Store {
             sha256,
             recorded: project.clone(),
             saved: Some(saved),
+            past: past.clone(),
             path,
         };
         Ok(Opened {
             store,
             project,
             notes,
+            past: past.into_steps().collect(),
         })
     }
 
@@ -223,6 +234,7 @@ impl Store {
             sha256: String::new(),
             recorded: project.clone(),
             saved: None,
+            past: Past::default(),
             path,
         };
         let saving = store.saving(project, None)?;
@@ -262,6 +274,7 @@ impl Store {
                     path: path.clone(),
                     source,
                 })?;
+            self.past.note(label, &self.recorded, project);
         }
         self.recorded = project.clone();
         Ok(())
@@ -335,6 +348,7 @@ impl Store {
             text,
             sha256,
             project: project.clone(),
+            past: self.past.clone(),
         })
     }
 
@@ -355,6 +369,7 @@ pub struct Saving {
     text: String,
     sha256: String,
     project: Project,
+    past: Past,
     journal: Syncing,
 }
 
@@ -391,6 +406,7 @@ impl Saving {
         });
         written.map_err(|error| not_writable(path)(error.source))?;
         sync_folder(&folder_of(path));
+        (self.past).write(path, &self.project, &self.sha256, &folder_of(path));
         Ok(())
     }
 }

@@ -48,6 +48,7 @@ fn line(side: Side, pings: [usize; 2]) -> BottomEdit {
         side,
         pings,
         corners: vec![[pings[0] as f64, 4.2], [pings[1] as f64 + 1.0, 4.45]],
+        accepted: false,
     }
 }
 

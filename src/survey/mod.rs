@@ -4,6 +4,7 @@
 //! be believed, `mounting` says how the recorder is mounted on its boat, `identity` identifies a log, `tracks_apart` how far two tracks of one boat lie apart, `turn_rate` how fast it turns,
 //! `left_out` which stretches count for nothing, `relief` how the bottom lies across the track, `growing` what becomes of a log that is still being written, `echogram` holds the channels that look down. [`navigate`] places every ping on the ground, by `fitted_track` and its `local_fit` where a track is fitted.
 
+mod apart;
 mod area;
 mod bottom_lock;
 mod echogram;
@@ -14,6 +15,7 @@ mod identity;
 mod left_out;
 mod local_fit;
 mod mounting;
+mod names;
 mod navigation;
 mod nearest;
 mod position_shift;
@@ -23,6 +25,7 @@ mod track;
 mod tracks_apart;
 mod turn_rate;
 
+pub use apart::{Apart, apart};
 pub use area::WaterArea;
 pub use bottom_lock::{give_depths, mark_bottom_lock};
 pub use echogram::{Echogram, EchogramPing};
@@ -32,6 +35,7 @@ pub use growing::{Seam, SurveyVersions};
 pub use identity::Identity;
 pub use left_out::{LeftOut, LeftOutReason, LeftOutSettings, LeftOutStretch, LogPart, Stretch};
 pub use mounting::{MountingSettings, arm_in_words};
+pub use names::distinct_names;
 pub use navigation::{
     HeadingSettings, HeadingSource, Navigation, PingNav, Placing, Projection, navigate,
     navigate_placed,

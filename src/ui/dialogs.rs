@@ -88,6 +88,8 @@ pub(super) struct Dialogs {
     field: Option<Field>,
     /// Name that a file to be written gets unless another is chosen.
     proposed: Option<PathBuf>,
+    /// What was typed while the system's dialog was waited for. Where there is none, it is the beginning of the path.
+    typed: String,
 }
 
 /// The path field: what for, what was typed, and whether it stands in for the system's dialog.
@@ -97,6 +99,8 @@ struct Field {
     instead: bool,
     /// It has been given the keyboard.
     focused: bool,
+    /// What it holds was typed: what is typed next goes on from there.
+    goes_on: bool,
 }
 
 impl Field {
@@ -108,6 +112,7 @@ impl Field {
             path: proposed.map_or_else(String::new, |path| path.display().to_string()),
             instead,
             focused: false,
+            goes_on: false,
         })
     }
 }
@@ -129,6 +134,27 @@ impl Dialogs {
         self.field.is_some()
     }
 
+    /// Whether the system's dialog is shown or about to be.
+    pub fn is_waiting(&self) -> bool {
+        self.waiting.is_some()
+    }
+
+    /// Keeps what is typed while the system's dialog is waited for, into no field of the window: it is meant for the dialog.
+    pub fn take_typed(&mut self, ui: &egui::Ui) {
+        if self.waiting.is_none() || ui.text_edit_focused() {
+            return;
+        }
+        ui.input_mut(|input| {
+            input.events.retain(|event| match event {
+                egui::Event::Text(text) => {
+                    self.typed += text;
+                    false
+                }
+                _ => true,
+            });
+        });
+    }
+
     /// Asks for a file or a folder that is there; one dialog at a time.
     pub fn ask(&mut self, purpose: Purpose, jobs: &Jobs) {
         if self.waiting.is_some() {
@@ -138,6 +164,7 @@ impl Dialogs {
             // Tests and pictures never reach the system's dialog: it would wait for somebody.
             Jobs::Inline => self.field = Field::new(purpose, false, self.proposed.as_ref()),
             Jobs::Threads(_) => {
+                self.typed.clear();
                 let proposed = self.proposed.clone();
                 self.waiting = Some(Waiting {
                     purpose,
@@ -170,7 +197,13 @@ impl Dialogs {
             }
             Some(chosen) if chosen.took >= TOO_FAST => {}
             // There was no dialog, or its worker died.
-            Some(_) | None => self.field = Field::new(purpose, true, self.proposed.as_ref()),
+            Some(_) | None => {
+                self.field = Field::new(purpose, true, self.proposed.as_ref());
+                if let Some(field) = self.field.as_mut().filter(|_| !self.typed.is_empty()) {
+                    field.path = std::mem::take(&mut self.typed);
+                    field.goes_on = true;
+                }
+            }
         }
     }
 
@@ -185,10 +218,10 @@ impl Dialogs {
             Purpose::OpenFolder => ("Open a folder", "Path of a folder of logs", "Open"),
             Purpose::AddLogs => ("Add a survey", "Path of a log or its folder", "Add"),
             Purpose::OpenLogs => ("Open by path", "Path of a log or its folder", "Open"),
-            Purpose::ExportInto => ("Export products", "Folder to write into", "Export"),
+            Purpose::ExportInto => ("Choose a folder", "Path of the folder", "Choose"),
             Purpose::OpenReview => ("Open a review", "Path of a review of boxes", "Open"),
             Purpose::OpenTruth => (
-                "Open the truth",
+                "Open known objects",
                 "Path of a table of objects or a review",
                 "Open",
             ),
@@ -240,9 +273,13 @@ impl Dialogs {
             let line = egui::TextEdit::singleline(path).desired_width(f32::INFINITY);
             let mut shown = line.show(ui);
             if is_new {
+                let end = CCursor::new(path.chars().count());
                 // Typing replaces what was proposed.
-                let all = CCursorRange::two(CCursor::new(0), CCursor::new(path.chars().count()));
-                shown.state.cursor.set_char_range(Some(all));
+                let marked = match field.goes_on {
+                    true => CCursorRange::one(end),
+                    false => CCursorRange::two(CCursor::new(0), end),
+                };
+                shown.state.cursor.set_char_range(Some(marked));
                 shown.state.store(ctx, shown.response.id);
             }
             let line = shown.response.response.labelled_by(label.id);
@@ -275,7 +312,7 @@ fn command(purpose: Purpose, paths: Vec<PathBuf>) -> Option<Command> {
     Some(match purpose {
         Purpose::OpenLogs | Purpose::OpenFolder => Command::OpenAll(paths),
         Purpose::AddLogs => Command::Add(paths),
-        Purpose::ExportInto => Command::Export(path),
+        Purpose::ExportInto => Command::ChooseExportFolder(path),
         Purpose::OpenReview => Command::OpenReview(path),
         Purpose::OpenTruth => Command::OpenTruth(path),
         Purpose::SaveProject => Command::SaveProjectAs(path),
@@ -370,7 +407,7 @@ fn choose_path(purpose: Purpose, proposed: Option<PathBuf>) -> Option<PathBuf> {
             .add_filter("Reviews", &["json"])
             .pick_file(),
         Purpose::OpenTruth => rfd::FileDialog::new()
-            .set_title("Open what is known to lie in the log")
+            .set_title("Open the objects that are known to lie in the log")
             .add_filter("Objects and reviews", &["csv", "json"])
             .pick_file(),
         Purpose::SaveProject

@@ -18,22 +18,22 @@ pub fn extent(extent: &Extent, units: Units) -> String {
 /// What a drag with the tool will do.
 pub fn of_drag(leave: Leave, covered: &Extent, units: Units) -> String {
     let what = match leave {
-        Leave::Out => "leave out",
-        Leave::In => "take back in",
-        Leave::AsFound => "as found",
+        Leave::Out => "exclude",
+        Leave::In => "include again",
+        Leave::AsFound => "reset",
     };
     format!("{what} {}", extent(covered, units))
 }
 
-/// Why a ping does not count, `left out: turn`; `None` where it does.
+/// Why a ping does not count, `excluded: turn`; `None` where it does.
 pub fn at(app: &App, log: LogId, ping: usize) -> Option<String> {
     let stretch = app.left_out_at(log, ping)?;
-    Some(format!("left out: {}", stretch.reason.name()))
+    Some(format!("excluded: {}", stretch.reason.name()))
 }
 
 /// An entry of a view's menu that takes a stretch back in; whether it was chosen.
 pub fn take_back_in(ui: &mut egui::Ui, stretch: &LeftOutStretch) -> bool {
-    let hint = format!("Left out: {}.", stretch.reason.name());
+    let hint = format!("Excluded: {}.", stretch.reason.name());
     let chosen = ui.button(Action::TakeBackIn.label()).on_hover_text(hint);
     if chosen.clicked() {
         ui.close();
@@ -49,6 +49,6 @@ pub fn and_stretches(app: &App) -> String {
         .map_or(0, |found| found.left_out.stretches.len());
     match count {
         0 => String::new(),
-        count => format!(", {} left out", text::plural(count, "stretch", "stretches")),
+        count => format!(", {} excluded", text::plural(count, "stretch", "stretches")),
     }
 }

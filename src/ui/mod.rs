@@ -1,7 +1,10 @@
 //! The window: egui only. Reads [`crate::app::App`], pushes [`crate::app::Command`]s, owns nothing but how it looks.
 
 mod dialogs;
+mod drop_down;
+mod flat_spot_words;
 mod left_out_words;
+mod list_keys;
 pub mod offscreen;
 mod panels;
 mod place;
@@ -23,7 +26,7 @@ pub struct ViewContext<'a> {
     pub app: &'a App,
     /// The GPU of the window; `None` in a harness without one, where views say so instead of drawing.
     pub render_state: Option<&'a eframe::egui_wgpu::RenderState>,
-    /// The view that keys are about: under the pointer, or the one that has the keyboard.
+    /// The view that keys act in.
     pub target: View,
     /// Commands, applied after the frame.
     pub commands: &'a mut Vec<Command>,

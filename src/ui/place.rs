@@ -5,7 +5,7 @@ use crate::cloud::Reduction;
 use crate::detection;
 use crate::geo::{LonLat, UtmZone};
 use crate::pipeline::Products;
-use crate::survey::{HeadingSource, Side, SidePing};
+use crate::survey::{HeadingSource, Side};
 use crate::ui::text;
 
 /// What samples and recorded depths are in metres by the last results; as recorded while there are none.
@@ -34,27 +34,84 @@ pub fn ranges_m(app: &App, mark: &detection::Mark) -> [f64; 2] {
     })
 }
 
-/// The recorded depth at a ping as the map has it, metres; NaN where there is none.
-pub fn depth_m(app: &App, ping: &SidePing) -> f64 {
-    reduction(app).depth_m(ping.time_s, f64::from(ping.depth_m))
+/// What says how deep it is under the boat.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DepthBy {
+    /// The recorder's own sounding.
+    Sounding,
+    /// The first return of the side-scan: the recorder had lost the bottom, or has no depth.
+    FirstReturn,
 }
 
-/// [`depth_m`] with what it counts from; a dash where there is none.
-pub fn depth(app: &App, ping: &SidePing) -> String {
-    let depth_m = depth_m(app, ping);
-    match depth_m.is_finite() {
-        true => format!(
-            "{} {}",
-            app.options.units.measure(depth_m, 2),
-            reduction(app).reference().name()
-        ),
-        false => text::NONE.to_owned(),
+impl DepthBy {
+    /// `sounding` or `first return`.
+    pub fn name(self) -> &'static str {
+        match self {
+            DepthBy::Sounding => "sounding",
+            DepthBy::FirstReturn => "first return",
+        }
     }
 }
 
-/// Height of the transducer over the bottom by the recorded depth, metres; NaN where there is none.
-pub fn altitude_m(app: &App, ping: &SidePing) -> f64 {
-    reduction(app).altitude_m(f64::from(ping.depth_m))
+/// The bottom under the boat at a ping. Every read-out takes it from here.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BottomBelow {
+    /// Height of the transducer over the bottom, metres.
+    pub altitude_m: f64,
+    /// Depth as the map has it, metres.
+    pub depth_m: f64,
+    /// What it is measured by.
+    pub by: DepthBy,
+}
+
+/// The bottom under the boat at a ping: by the sounding where the recorder had the bottom, else by the first returns of both sides.
+/// `None` without either.
+pub fn bottom(app: &App, ping: usize) -> Option<BottomBelow> {
+    let survey = app.log.survey.as_ref()?;
+    let recorded = survey.side_scan.get(ping)?;
+    let reduction = reduction(app);
+    let sounded_m = reduction.altitude_m(f64::from(recorded.locked_depth_m()));
+    let (altitude_m, by) = match sounded_m > 0.0 {
+        true => (sounded_m, DepthBy::Sounding),
+        false => {
+            let altitudes_m = Side::BOTH.map(|side| first_return_altitude_m(app, side, ping));
+            let known: Vec<f64> = altitudes_m.into_iter().flatten().collect();
+            let mean_m = known.iter().sum::<f64>() / known.len() as f64;
+            (mean_m, DepthBy::FirstReturn)
+        }
+    };
+    let depth_m = reduction.depth_below_m(recorded.time_s, altitude_m);
+    depth_m.is_finite().then_some(BottomBelow {
+        altitude_m,
+        depth_m,
+        by,
+    })
+}
+
+/// Height of the transducer over the bottom under the boat by the first return of a side, metres.
+fn first_return_altitude_m(app: &App, side: Side, ping: usize) -> Option<f64> {
+    let survey = app.log.survey.as_ref()?;
+    let across = app.log.products.as_ref()?.relief.across(side, ping);
+    let pick = app.bottom_line()?.side(side).get(ping)?;
+    let range_m = reduction(app).range_at_m(survey, ping, side, pick.sample);
+    let altitude_m = across.altitude_m(range_m);
+    (pick.is_some() && altitude_m > 0.0).then_some(altitude_m)
+}
+
+/// The depth at a ping with what it counts from and what it is measured by; a dash where there is none.
+pub fn depth(app: &App, ping: usize) -> String {
+    let bottom = bottom(app, ping);
+    bottom.map_or_else(
+        || format!("{}, bottom lost", text::NONE),
+        |bottom| {
+            format!(
+                "{} {}, {}",
+                app.options.units.measure(bottom.depth_m, 2),
+                reduction(app).reference().name(),
+                bottom.by.name()
+            )
+        },
+    )
 }
 
 /// Heading of the boat at a ping in a few letters: a course over ground, or the compass.
@@ -149,20 +206,17 @@ pub fn east_north(app: &App, mark: Mark) -> Option<[f64; 2]> {
     (east_m.is_finite() && north_m.is_finite()).then_some([east_m, north_m])
 }
 
-/// Distance of a mark from the track on the bottom, metres; under the boat that lies at the recorded depth, or where the first return of the
-/// side says. `None` where neither is known.
+/// Distance of a mark from the track on the bottom, metres. Under the boat that lies where the sounding says, or else the first return of
+/// the side. `None` where neither is known.
 pub fn ground_m(app: &App, mark: Mark) -> Option<f64> {
     let (slant_m, side) = (range_m(app, mark)?, mark.side?);
     let survey = app.log.survey.as_ref()?;
     let across = app.log.products.as_ref()?.relief.across(side, mark.ping);
-    let first_return_m = || {
-        let pick = app.bottom_line()?.side(side).get(mark.ping)?;
-        Some(reduction(app).range_at_m(survey, mark.ping, side, pick.sample))
+    let recorded_m = f64::from(survey.side_scan.get(mark.ping)?.locked_depth_m());
+    let sounded_m = reduction(app).altitude_m(recorded_m);
+    let altitude_m = match sounded_m > 0.0 {
+        true => sounded_m,
+        false => first_return_altitude_m(app, side, mark.ping)?,
     };
-    let recorded_m = altitude_m(app, survey.side_scan.get(mark.ping)?);
-    let altitude_m = match recorded_m > 0.0 {
-        true => recorded_m,
-        false => across.altitude_m(first_return_m()?),
-    };
-    (altitude_m > 0.0).then(|| across.ground_m(altitude_m, slant_m))
+    Some(across.ground_m(altitude_m, slant_m))
 }

@@ -120,6 +120,19 @@ pub fn calibration_colour() -> Color32 {
     Color32::from_rgb(255, 105, 180)
 }
 
+/// A stretch that is proposed for the calibration.
+pub fn proposal_colour() -> Color32 {
+    Color32::from_rgb(255, 196, 60)
+}
+
+/// The same on the ground of a panel.
+pub fn proposal_ink(options: &ViewOptions) -> Color32 {
+    match options.theme {
+        ThemeChoice::Dark => proposal_colour(),
+        ThemeChoice::Light => Color32::from_rgb(176, 108, 0),
+    }
+}
+
 /// What is under way or in force: numbers of steps, the focused view, progress.
 pub fn accent_colour(theme: ThemeChoice) -> Color32 {
     match theme {
@@ -162,6 +175,8 @@ pub fn speed_strip_colour(theme: ThemeChoice) -> Color32 {
 
 /// Width of the panels left and right of the views, points.
 pub const SIDE_PANEL_WIDTH: f32 = 300.0;
+/// Size of the button of a dialog that does what the dialog is for, points.
+pub const DIALOG_BUTTON: egui::Vec2 = egui::vec2(96.0, 22.0);
 /// Width of the names in front of controls and values, points.
 pub const LABEL_WIDTH: f32 = 96.0;
 /// Small print: hints, legends, section titles.

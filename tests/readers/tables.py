@@ -114,11 +114,19 @@ def check_found(folder, made):
             waypoints = gpxpy.parse(file).waypoints
         places = [feature["geometry"]["coordinates"] for feature in features]
         assert 0 < len(places) <= len(found)
-        for name, count in (("csv", len(found)), ("geojson", len(places)), ("gpx", len(waypoints))):
+        for name, count in (("csv", len(found)), ("geojson", len(places))):
             check_count(f"detections.{name}", made[f"detections.{name}"], "boxes", count)
-        check_extent("detections.gpx", made["detections.gpx"], numpy.min(places, axis=0), numpy.max(places, axis=0), 0.001)
-        for (lon, lat), waypoint in zip(places, waypoints):
-            assert max(abs(lon - waypoint.longitude), abs(lat - waypoint.latitude)) < 1e-8
+        # A waypoint for each object, at the mean of the places of its boxes.
+        check_count("detections.gpx", made["detections.gpx"], "objects", len(waypoints))
+        objects = {}
+        for feature in features:
+            number = feature["properties"]["object"]
+            objects.setdefault(number, []).append(feature["geometry"]["coordinates"])
+        assert len(waypoints) == len(objects)
+        for number, waypoint in enumerate(waypoints, 1):
+            boxes = numpy.array(objects[number])
+            at = numpy.array([waypoint.longitude, waypoint.latitude])
+            assert (boxes.min(axis=0) - 1e-8 <= at + 1e-5).all() and (at - 1e-5 <= boxes.max(axis=0) + 1e-8).all()
         assert len(list((folder / "objects/chips").glob("*.png"))) == len(found), "a box without a chip"
         check_shapes(folder / "objects/shapes.ply", made["shapes.ply"], found)
     page = folder / "report.html"

@@ -91,7 +91,7 @@ fn the_pen_draws_the_bottom_takes_it_away_and_gives_it_back() {
     press(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
     assert!(near(range_m(app(&window), Side::Port, 350), 5.0));
     window
-        .get_by_label("Forget the drawn bottom")
+        .get_by_label("Remove the bottom edits")
         .click_accesskit();
     window.run();
     assert_eq!(range_m(app(&window), Side::Port, 350), before);

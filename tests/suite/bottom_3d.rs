@@ -379,6 +379,7 @@ fn the_bottom_is_shown_coloured_lit_and_hidden_by_keys() {
     let mut window = demo_window();
     let shown = |window: &Window| app(window).bottom().map(|bottom| bottom.colour);
     assert_eq!(shown(&window), Some(BottomColour::Depth));
+    press(&mut window, Modifiers::NONE, Key::Num3);
     press(&mut window, Modifiers::SHIFT, Key::M);
     assert_eq!(shown(&window), Some(BottomColour::Mosaic));
     press(&mut window, Modifiers::SHIFT, Key::L);

@@ -122,6 +122,7 @@ fn the_mosaic_is_laid_out_by_it_and_edits_stay_on_top() {
         side: Side::Port,
         pings: [200, 260],
         corners: vec![[200.0, 5.0]],
+        accepted: false,
     });
     let drawn = run(&survey, &settings, Some(&recorded));
     let range_m = |side: Side, ping: usize| {

@@ -137,7 +137,7 @@ fn a_flat_spot_gives_the_scale_though_a_third_of_its_picks_ran_into_the_limit() 
     );
     // A slope across the track makes a first return nearer than the bottom below the boat is deep.
     let warnings = &calibration.warnings;
-    let of_scale = |warning: &String| warning.starts_with("At the flat spot");
+    let of_scale = |warning: &String| warning.starts_with("At the flat stretch");
     assert!(warnings.iter().all(of_scale), "{warnings:?}");
 }
 

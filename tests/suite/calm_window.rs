@@ -230,7 +230,7 @@ fn each_tool_has_a_banner_in_the_views_that_it_is_of_use_in() {
         (Modifiers::NONE, Key::N, "New box: ", 1),
         (Modifiers::NONE, Key::T, "Mark target: ", 1),
         (Modifiers::NONE, Key::M, "Draw the bottom: ", 1),
-        (Modifiers::NONE, Key::K, "Leave stretches out: ", 2),
+        (Modifiers::NONE, Key::K, "Exclude stretches: ", 2),
     ] {
         press(&mut window, modifiers, key);
         let banners: Vec<Rect> = (window.query_all_by_label_contains(name))
@@ -242,10 +242,9 @@ fn each_tool_has_a_banner_in_the_views_that_it_is_of_use_in() {
         press(&mut window, Modifiers::NONE, Key::Escape);
         assert!(window.query_by_label_contains(name).is_none(), "{name}");
     }
-    window.get_by_label("Calibrate by click").click();
-    window.run();
-    let banner = "Calibrate by click: click the track";
-    assert!(window.query_by_label_contains(banner).is_some());
+    press(&mut window, Modifiers::NONE, Key::C);
+    let banner = "Calibrate on a stretch: drag along level bottom";
+    assert_eq!(window.query_all_by_label_contains(banner).count(), 2);
     press(&mut window, Modifiers::NONE, Key::Escape);
     assert!(window.query_by_label_contains(banner).is_none());
 }
@@ -258,7 +257,7 @@ fn zero_that_stands_for_no_value_says_so() {
     window.run();
     let says = |window: &Window, word: &str| painted(window).iter().any(|(text, _)| text == word);
     assert!(says(&window, "automatic"), "the interval of the isobaths");
-    assert!(says(&window, "none"), "no turn is left out");
+    assert!(says(&window, "none"), "no turn is excluded");
     let stops = window.get_by_role_and_label(Role::Slider, "Stops below");
     stops.set_value_accesskit(0.5);
     window.run();
@@ -267,7 +266,7 @@ fn zero_that_stands_for_no_value_says_so() {
         shown.iter().any(|(text, _)| text.starts_with("0.5")),
         "{shown:?}"
     );
-    assert_eq!(app(&window).undo_label(), Some("stops left out 0.50 m/s"));
+    assert_eq!(app(&window).undo_label(), Some("stops to exclude 0.50 m/s"));
 }
 
 #[test]

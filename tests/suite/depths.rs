@@ -62,19 +62,16 @@ fn draft_and_sound_speed_reach_map_status_bar_selection_and_time_line_alike() {
         window.state_mut().app.apply(Command::Select(Some(mark)));
         window.run();
         // Status bar and selection: the sounding of the cloud, to the centimetre that is written.
-        let depth = format!("{depth_m:.2} m {reference}");
+        let depth = format!("{depth_m:.2} m {reference}, sounding");
         assert!(
             window.query_by_label(&format!("depth {depth}")).is_some(),
             "status bar: {depth}, {:?}",
             names(&window, "depth ")
         );
-        let shown = format!("{depth_m:.2} m");
         assert!(
-            window.query_by_label(&shown).is_some(),
-            "selection: {shown}"
+            window.query_by_label(&depth).is_some(),
+            "selection: {depth}"
         );
-        let below = reference.trim_start_matches("below ");
-        assert!(window.query_by_label(below).is_some(), "selection: {below}");
         // Time line: the deepest of them.
         let deepest_m = depths
             .iter()
@@ -275,8 +272,9 @@ fn the_offset_in_use_stands_in_panel_picture_report_and_page() {
     let added_m = -products.calibration.offset_m;
     assert!(added_m > 0.02, "the demo has an offset: {added_m}");
     let added = format!("{added_m:+.2} m");
-    assert!(window.query_by_label(&added).is_some(), "panel: {added}");
-    let picture = format!("ranges {added}");
+    let shown = format!("recorded {added}");
+    assert!(window.query_by_label(&shown).is_some(), "panel: {shown}");
+    let picture = format!("range offset {added}");
     assert!(
         names(&window, "Waterfall, pings")
             .iter()

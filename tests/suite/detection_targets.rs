@@ -3,7 +3,8 @@
 use bathyscope::calibration::{Calibration, CalibrationSettings, calibrate};
 use bathyscope::detection::Mark;
 use bathyscope::detection::targets::{
-    Group, GroupSettings, Placer, Sighting as Claim, Target, group, passes_over,
+    Group, GroupSettings, LogPings, PassCount, Placer, Sighting as Claim, Target, group,
+    passes_over,
 };
 use bathyscope::first_return::{
     self, BottomEdit, BottomSettings, FirstReturnSettings, FirstReturns, ImageSettings,
@@ -108,6 +109,7 @@ fn objects_lie_by_the_bottom_that_was_drawn_over_them() {
                 side,
                 pings: whole,
                 corners: vec![[whole[0] as f64, range_m]],
+                accepted: false,
             };
             let mut returns = sailed.returns.clone();
             let bottom = BottomSettings::of(survey).with(line);
@@ -413,7 +415,11 @@ fn an_object_seen_from_several_lines_is_one() {
         all_mixed += mixed;
         assert!(classed + 1 >= repeated && off_m < 0.4);
         for group in &groups {
-            assert!(group.covered([(&sailed.survey, &sailed.navigation)]) >= group.members.len());
+            let pings = |member: &usize| (0, placed[*member].1.mark.pings.clone());
+            let seen: Vec<LogPings> = group.members.iter().map(pings).collect();
+            let place = [group.east_m, group.north_m];
+            let passes = PassCount::new(&seen, place, &[(&sailed.survey, &sailed.navigation)]);
+            assert!(passes.seen <= group.members.len() && passes.covered >= passes.seen);
         }
     }
     // The end of a pipe beside a rock, taken for something else.

@@ -102,7 +102,7 @@ fn the_panel_has_a_control_for_each_setting_of_the_isobaths() {
         let found = window.query_by_role_and_label(Role::Slider, name);
         assert!(found.is_some(), "{name}");
     }
-    for (list, name) in [("Unit", "feet"), ("Shoals", "never understated")] {
+    for (list, name) in [("Unit", "feet"), ("Shoals", "shoal-safe")] {
         window.get_by_role_and_label(Role::ComboBox, list).click();
         window.run();
         window.get_by_label(name).click();

@@ -30,7 +30,7 @@ fn repeat(window: &mut Window, times: usize, modifiers: Modifiers, key: Key) {
 }
 
 /// A log with the proposals of a detector beside it.
-fn log_with_boxes(folder: &Path, count: usize) -> std::path::PathBuf {
+pub(crate) fn log_with_boxes(folder: &Path, count: usize) -> std::path::PathBuf {
     let mut window = demo_window();
     let found = detections(&window, count);
     propose(&mut window, &found, folder);

@@ -92,7 +92,7 @@ fn a_drag_along_the_waterfall_leaves_pings_out_of_everything_as_one_step() {
     assert!(before > 100 && pings(&window).is_empty());
     press(&mut window, Modifiers::NONE, Key::K);
     assert_eq!(app(&window).log.reviewing.tool, Tool::LeaveOut);
-    window.get_by_label_contains(", leaving stretches out");
+    window.get_by_label_contains(", excluding stretches");
     // Backwards as well as forwards.
     draw(&mut window, Modifiers::NONE, (400.0, -4.0), (300.0, 5.0));
     let [stretch] = pings(&window)[..] else {
@@ -105,10 +105,10 @@ fn a_drag_along_the_waterfall_leaves_pings_out_of_everything_as_one_step() {
     assert_eq!(products.left_out.stretches, left_out(&window));
     for view in ["Waterfall, pings", "Time line, ping"] {
         let name = name_of(&window, view);
-        assert!(name.contains(", 1 stretch left out"), "{name}");
+        assert!(name.contains(", 1 stretch excluded"), "{name}");
     }
     let name = name_of(&window, "Map, track of");
-    let count = format!(" of which {} left out", stretch[1] + 1 - stretch[0]);
+    let count = format!(" of which {} excluded", stretch[1] + 1 - stretch[0]);
     assert!(name.contains(&count), "{name}");
 
     // With Ctrl a part of it counts again; what touches it joins it.
@@ -185,17 +185,17 @@ fn turns_are_found_listed_and_taken_back_in() {
     settle(&mut window);
     let shown = app(&window).selection.expect("a ping").ping;
     assert!((first..=last).contains(&shown));
-    window.get_by_label_contains(", left out: turn");
+    window.get_by_label_contains(", excluded: turn");
 
     window
-        .get_by_label(&format!("Take back in: turn {first}..{last}"))
+        .get_by_label(&format!("Include again: turn {first}..{last}"))
         .click_accesskit();
     settle(&mut window);
     assert_eq!(left_out(&window), found[1..]);
     assert!(points_in(&window, [first, last]) > 0);
     // It is listed as kept, and left to the search again.
     window
-        .get_by_label(&format!("Leave to the search: kept {first}..{last}"))
+        .get_by_label(&format!("Reset: kept {first}..{last}"))
         .click_accesskit();
     settle(&mut window);
     assert_eq!(left_out(&window), found);
@@ -206,7 +206,7 @@ fn turns_are_found_listed_and_taken_back_in() {
     press(&mut window, Modifiers::SHIFT, Key::K);
     assert!(
         window
-            .query_by_label_contains("nothing is left out at the selected ping")
+            .query_by_label_contains("the selected ping is not excluded")
             .is_some()
     );
 }
@@ -233,7 +233,7 @@ fn a_drag_along_a_track_of_the_map_leaves_out_pings_of_its_log() {
     let products = other.products.as_ref().expect("results");
     assert_eq!(products.left_out.stretches, [stretch]);
     let name = name_of(&window, "Map, track of");
-    assert!(name.contains(" left out"), "{name}");
+    assert!(name.contains(" excluded"), "{name}");
     // A click with the tool takes it back in; without it a drag moves the map.
     let inside = on_map_again(&mut window, ids[1], 90);
     click(&mut window, inside);
@@ -258,7 +258,7 @@ fn left_out_stretches_look_as_they_did() {
     press(&mut window, Modifiers::NONE, Key::F);
     press(&mut window, Modifiers::NONE, Key::K);
     draw(&mut window, Modifiers::NONE, (300.0, -4.0), (380.0, -4.0));
-    window.get_by_label("Leave stretches out").scroll_to_me();
+    window.get_by_label("Exclude stretches").scroll_to_me();
     window.run();
     drawn(&mut window);
     window.snapshot("window_left_out");

@@ -262,7 +262,7 @@ fn heights_are_compared_and_applied_as_one_step() {
     window.get_by_label("Compare heights").click_accesskit();
     settle(&mut window);
     assert!(app(&window).height_offsets().is_some());
-    window.get_by_label("Apply").click_accesskit();
+    window.get_by_label("Apply heights").click_accesskit();
     settle(&mut window);
     let applied: Vec<f64> = app(&window)
         .logs()

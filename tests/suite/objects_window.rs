@@ -3,11 +3,12 @@
 use crate::logs_window::{ids, names, opened, opened_in, settle};
 use crate::many_logs::{sailed, true_box, write_logs};
 use crate::review::search::{model, until};
+use crate::support::real_data;
 use crate::window::{Window, app, drawn_window, press, settle as drawn};
 use bathyscope::app::{Action, App, Command, Jobs, LogBox, LogId, ObjectState, SurveyObject};
 use bathyscope::detection::Detection;
 use bathyscope::detection::review::{Edit, Review, State};
-use bathyscope::survey::Identity;
+use bathyscope::survey::{Identity, Side};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
@@ -102,11 +103,13 @@ fn an_object_of_two_logs_is_one_in_the_list_and_leads_to_both() {
     }
     let object = object_of(&window, 1);
     let (first, second) = (ids(&window)[0], ids(&window)[1]);
-    let times = object.boxes.len();
+    let (times, boxes) = (object.sightings, object.boxes.len());
+    assert!(times <= boxes, "a pass that both sides saw counts once");
     let name = format!(
         "Object {}, block, seen {times} times, undecided",
         object.number
     );
+    press(&mut window, Modifiers::NONE, Key::Num4);
     window.get_by_label(&name).click_accesskit();
     settle(&mut window);
     assert_eq!(
@@ -115,7 +118,11 @@ fn an_object_of_two_logs_is_one_in_the_list_and_leads_to_both() {
         "first in the log that is shown"
     );
     assert!(object.boxes.contains(&selected(&window)));
-    let seen = format!("{times} of {times} times, in 2 logs");
+    let passes = app(&window)
+        .selected_object_passes()
+        .expect("they are counted");
+    assert!(passes.seen == times && passes.covered >= times);
+    let seen = format!("{times} of {} passes, in 2 logs", passes.covered);
     window.get_by_label_contains(&seen);
 
     // Its pictures are of both logs; one of the other log leads there.
@@ -136,7 +143,7 @@ fn an_object_of_two_logs_is_one_in_the_list_and_leads_to_both() {
 
     // The key walks through them all, and around.
     let mut walked = vec![selected(&window)];
-    for _ in 1..times {
+    for _ in 1..boxes {
         press(&mut window, Modifiers::NONE, Key::J);
         walked.push(selected(&window));
     }
@@ -221,6 +228,8 @@ fn an_object_is_decided_in_all_its_logs_as_one_step() {
 #[test]
 fn the_list_is_sorted_by_how_often_an_object_was_seen() {
     let (_folder, mut window) = proposed();
+    press(&mut window, Modifiers::NONE, Key::Num4);
+    settle(&mut window);
     let times = |window: &Window| -> Vec<usize> {
         let mut rows: Vec<(f32, usize)> = app(window)
             .objects()
@@ -228,14 +237,14 @@ fn the_list_is_sorted_by_how_often_an_object_was_seen() {
             .map(|object| {
                 let name = format!("Object {}, ", object.number);
                 let row = window.get_by_label_contains(&name);
-                (row.rect().top(), object.boxes.len())
+                (row.rect().top(), object.sightings)
             })
             .collect();
         rows.sort_by(|a, b| a.0.total_cmp(&b.0));
         rows.into_iter().map(|(_, times)| times).collect()
     };
     let by_number: Vec<usize> = (app(&window).objects().iter())
-        .map(|object| object.boxes.len())
+        .map(|object| object.sightings)
         .collect();
     assert_eq!(times(&window), by_number);
     assert!(!by_number.is_sorted_by(|a, b| a >= b), "{by_number:?}");
@@ -267,6 +276,45 @@ fn the_list_is_sorted_by_how_often_an_object_was_seen() {
     let name = format!("Object {}, Anna, block", object.number);
     window.get_by_label_contains(&name);
     window.get_by_label_contains("by the filter");
+}
+
+#[test]
+fn the_table_is_walked_through_by_keys() {
+    let (_folder, mut window) = proposed();
+    press(&mut window, Modifiers::NONE, Key::Num4);
+    settle(&mut window);
+    let rows = app(&window).listed_objects().to_vec();
+    let last = rows[rows.len() - 1];
+    window.get_by_label(&format!("Objects, {} rows, none selected", rows.len()));
+    let walk = [
+        (Key::ArrowDown, rows[0]),
+        (Key::ArrowDown, rows[1]),
+        (Key::ArrowUp, rows[0]),
+        (Key::End, last),
+        (Key::ArrowDown, last),
+        (Key::Home, rows[0]),
+    ];
+    for (key, expected) in walk {
+        press(&mut window, Modifiers::NONE, key);
+        settle(&mut window);
+        let object = app(&window).selected_object().expect("an object");
+        assert_eq!(object.number, expected, "{key:?}");
+        // Its box is revealed in the views.
+        let ping = app(&window).selection.expect("a selected ping").ping;
+        let mark = &app(&window).log_box(selected(&window)).expect("a box").mark;
+        assert!(mark.pings.contains(&ping), "{key:?}");
+    }
+    let waterfall = "Waterfall, pings";
+    assert!(window.query_by_label_contains(waterfall).is_none());
+    press(&mut window, Modifiers::NONE, Key::Enter);
+    settle(&mut window);
+    assert!(window.query_by_label_contains(waterfall).is_some());
+    let reveal = app(&window).reveal.expect("a place");
+    assert!(reveal.close_up.is_some(), "it is enlarged");
+    // A digit would name the class of the box now.
+    press(&mut window, Modifiers::COMMAND, Key::T);
+    settle(&mut window);
+    window.get_by_label(&format!("Objects, row 1 of {} selected", rows.len()));
 }
 
 #[test]
@@ -417,7 +465,7 @@ fn a_search_that_is_stopped_in_the_second_log_keeps_what_it_found() {
     );
     app.apply(Command::ShowLog(ids[1]));
     let note = app.search_note().expect("it waits");
-    assert!(note.contains("not come to this log yet"), "{note}");
+    assert!(note.contains("has not been searched yet"), "{note}");
     until(&mut app, &|app| {
         let status = app.search_status();
         status.is_some_and(|status| status.log == Some(ids[1]))
@@ -440,6 +488,42 @@ fn a_search_that_is_stopped_in_the_second_log_keeps_what_it_found() {
         assert_eq!(review(&app, index).boxes().len(), 0);
     }
     assert_ne!(app.undo_label(), Some("find objects"));
+}
+
+/// The river in two formats, with a mark on either side of its boat.
+fn marked_river(mut window: Window) -> Option<Window> {
+    let folder = real_data()?.join("lowrance");
+    let logs = ["glencanyon-transcoded.sl2", "glencanyon-transcoded.sl3"];
+    let logs = logs.map(|name| folder.join(name)).to_vec();
+    (window.state_mut().app).apply(Command::OpenAll(logs));
+    settle(&mut window);
+    for (ping, side) in [(1344, Side::Port), (1345, Side::Starboard)] {
+        let survey = app(&window).log.survey.clone().expect("a log");
+        let depth_m = f64::from(survey.locked_depth_m(ping));
+        let edit = Edit::AddPoint {
+            side,
+            ping,
+            range_m: 1.01 * depth_m,
+            class: 0,
+        };
+        let live = false;
+        (window.state_mut().app).apply(Command::Edit { edit, live });
+        settle(&mut window);
+    }
+    Some(window)
+}
+
+#[test]
+fn marks_on_both_sides_of_one_pass_are_one_sighting_also_where_two_logs_have_the_pass() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let Some(window) = marked_river(opened(folder.path(), 1)) else {
+        return;
+    };
+    let object = app(&window).selected_object().expect("an object");
+    assert_eq!((object.boxes.len(), object.sightings), (2, 1));
+    let passes = app(&window).selected_object_passes().expect("counted");
+    assert_eq!([passes.seen, passes.covered], [1, 1]);
+    window.get_by_label_contains("1 of 1 pass, in 1 log, 2 boxes");
 }
 
 #[test]

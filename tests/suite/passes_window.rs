@@ -77,7 +77,7 @@ fn every_pass_has_the_place_where_it_says_and_the_selection_goes_from_one_to_the
     assert!(looked > 100, "{looked}");
     let (at, passes) = of_several.expect("lines of the demo overlap");
     press(&mut window, Modifiers::SHIFT, Key::T);
-    let asked = "select a place beside the track first";
+    let asked = "select a place to port or starboard first";
     assert!(window.query_by_label_contains(asked).is_some());
     let (id, first) = passes[0];
     let reveal = Command::RevealIn(id, mark_of(&first));

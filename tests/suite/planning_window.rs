@@ -23,7 +23,8 @@ fn plan(window: &mut Window) {
     };
     let ask = Command::Plan(PlanRequest::Ask(asked));
     window.state_mut().app.apply(ask);
-    press(window, Modifiers::SHIFT, Key::N);
+    let plan = Command::Do(Action::PlanLines);
+    window.state_mut().app.apply(plan);
     window.run();
     window.run();
 }

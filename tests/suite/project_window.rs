@@ -112,6 +112,45 @@ fn a_project_comes_back_as_it_was_left_and_the_logs_are_untouched() {
 }
 
 #[test]
+fn a_project_that_is_opened_again_can_be_undone_whether_it_was_saved_or_not() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut window = opened(folder.path(), 2);
+    let path = folder.path().join("lake.bathyscope");
+    save_as(&mut window, &path);
+    change(&mut window, "first_return.threshold=0.36");
+    let first = decisions(&window);
+    change(&mut window, "draft_m=0.4");
+    draw_bottom(&mut window);
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    draw_bottom(&mut window);
+    let saved = decisions(&window);
+    press(&mut window, Modifiers::COMMAND, Key::S);
+    change(&mut window, "first_return.threshold=0.38");
+    let last = decisions(&window);
+    drop(window);
+
+    let mut again = open(&path);
+    let steps = app(&again).history().count();
+    assert_eq!(steps, 4, "what was taken back is no step");
+    assert_eq!(decisions(&again), last);
+    let undo = |window: &mut Window| {
+        press(window, Modifiers::COMMAND, Key::Z);
+        settle(window);
+    };
+    undo(&mut again);
+    assert_eq!(decisions(&again), saved, "from the journal");
+    undo(&mut again);
+    undo(&mut again);
+    assert_eq!(decisions(&again), first, "from the history beside the file");
+    undo(&mut again);
+    let threshold = app(&again).log.settings.first_return.threshold;
+    assert!((threshold - 0.3).abs() < 1e-6, "{threshold}");
+    press(&mut again, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    settle(&mut again);
+    assert_eq!(decisions(&again), first);
+}
+
+#[test]
 fn a_log_keeps_its_water_levels_when_a_setting_of_all_logs_changes() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut window = opened(folder.path(), 2);
@@ -198,7 +237,7 @@ fn a_log_that_was_moved_is_found_and_one_that_is_gone_is_named_and_kept() {
 
     let mut window = open(&path);
     assert_eq!(names(&window), ["lake-0", "renamed"]);
-    let said = window.query_by_label_contains("the log lake-2 is not there any more");
+    let said = window.query_by_label_contains("the log lake-2 is missing");
     assert!(said.is_some());
     press(&mut window, Modifiers::COMMAND, Key::S);
     drop(window);

@@ -18,7 +18,7 @@ use bathyscope::survey::{
 use bathyscope::ui::views::{CloudView, MapView};
 use bathyscope::ui::{ViewContext, ViewRequest};
 use eframe::egui_wgpu::{RenderState, RendererOptions};
-use egui::{Key, Pos2, Vec2, vec2};
+use egui::{Pos2, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use egui_kittest::wgpu::{WgpuTestRenderer, create_render_state, default_wgpu_setup};
@@ -144,7 +144,10 @@ fn products(
     let depths = ping_depths(survey, &cloud, &classes, &correction);
     let spot = |start: usize, depth_m| FlatSpot {
         pings: start..start + 41,
+        length_m: 10.2,
         depth_m,
+        relief_m: 0.04,
+        lost: 0,
         slope: 0.004,
         scatter_m: 0.012,
         picks: [38, 40],
@@ -376,63 +379,45 @@ fn the_pointer_on_the_map_finds_the_nearest_ping() {
     assert_eq!(window.state().app.hover, None);
 }
 
-#[test]
-fn a_click_with_the_tool_calibrates_at_the_stretch_around_it() {
-    let mut window = open(Room::map());
-    window.get_by_label("Calibrate by click").click();
-    window.run();
-    let at = pond_middle(&window) + vec2(10.0, 0.0);
-    click(&mut window, at);
-    let ping = window.state().app.hover.unwrap().ping;
-    let expected = PingRange {
-        start: ping - 50,
-        end: ping + 51,
-    };
-    let calibrated = Command::CalibrateAt(expected);
-    assert!(
-        window.state().pushed.contains(&calibrated),
-        "{:?}",
-        window.state().pushed
-    );
-    // The tool is laid down: the next click selects.
-    click(&mut window, at);
-    let calibrations = window.state().pushed.iter();
-    let count = calibrations
-        .filter(|c| matches!(c, Command::CalibrateAt(_)))
-        .count();
-    assert_eq!(count, 1);
+fn proposals(window: &Window) -> Vec<PingRange> {
+    let pushed = window.state().pushed.iter();
+    let proposed = pushed.filter_map(|command| match command {
+        Command::ProposeStretch(pings) => Some(*pings),
+        _ => None,
+    });
+    proposed.collect()
 }
 
 #[test]
-fn a_numbered_stretch_offers_itself() {
+fn a_click_with_the_tool_proposes_the_stretch_around_it() {
+    let mut window = open(Room::map());
+    let at = pond_middle(&window) + vec2(10.0, 0.0);
+    click(&mut window, at);
+    assert_eq!(proposals(&window), [], "without the tool a click selects");
+    window.get_by_label("Calibrate on a stretch").click();
+    window.run();
+    click(&mut window, at);
+    let ping = window.state().app.hover.unwrap().ping;
+    let [proposed] = proposals(&window)[..] else {
+        panic!("one proposal: {:?}", window.state().pushed);
+    };
+    assert!(
+        (proposed.start..proposed.end).contains(&ping),
+        "{proposed:?}"
+    );
+}
+
+#[test]
+fn a_numbered_stretch_says_how_flat_it_is_and_is_proposed_by_a_click() {
     let mut window = open(Room::map());
     let badge = pond_middle(&window) - vec2(0.0, 15.5);
     click(&mut window, badge);
-    window.get_by_label_contains("flat stretch 2: pings 333..374, 2.90 m deep");
-    window.get_by_label("Calibrate here").click();
-    window.run();
-    let expected = Command::CalibrateAt(PingRange {
+    let expected = PingRange {
         start: 333,
         end: 374,
-    });
-    assert!(
-        window.state().pushed.contains(&expected),
-        "{:?}",
-        window.state().pushed
-    );
-}
-
-#[test]
-fn escape_leaves_the_tool() {
-    let mut window = open(Room::map());
-    window.get_by_label("Calibrate by click").click();
-    window.run();
-    window.key_press(Key::Escape);
-    window.run();
-    let at = pond_middle(&window);
-    click(&mut window, at);
-    let calibrates = |command: &Command| matches!(command, Command::CalibrateAt(_));
-    assert!(!window.state().pushed.iter().any(calibrates));
+    };
+    assert_eq!(proposals(&window), [expected]);
+    assert_eq!(window.state().app.log.proposed_stretch(), Some(expected));
 }
 
 #[test]

@@ -193,7 +193,7 @@ fn four_logs_from_the_folder_to_the_products() {
     drop_file(&mut window, project);
     settle(&mut window);
     assert_eq!(decisions(&window), left);
-    assert_eq!(app(&window).undo_label(), None);
+    assert_eq!(app(&window).undo_label(), Some("threshold 0.31"));
 
     press(&mut window, Modifiers::COMMAND, Key::E);
     let out = folder.join("products");
@@ -228,7 +228,7 @@ fn leave_a_turn_out(window: &mut Window) -> [usize; 2] {
     // What the analyst sees of it: the list, the count, the waterfall.
     window.get_by_label(&format!("Stretch drawn {}..{}", turn[0], turn[1]));
     window.get_by_label_contains("1 drawn stretch: ");
-    window.get_by_label_contains(", 1 stretch left out, leaving stretches out");
+    window.get_by_label_contains(", 1 stretch excluded, excluding stretches");
 
     // Another turn on the map, of a log that is not shown; a slip, taken back with a click.
     let id = log(window, "lake-3").id;
@@ -260,6 +260,7 @@ fn leave_a_turn_out(window: &mut Window) -> [usize; 2] {
 
 fn correct_a_bottom(window: &mut Window) {
     show(window, "lake-2");
+    press(window, Modifiers::NONE, Key::Num1);
     press(window, Modifiers::NONE, Key::M);
     draw(window, Modifiers::NONE, (30.0, -5.0), (70.0, -5.5));
     settle(window);
@@ -287,7 +288,7 @@ fn compare_heights(window: &mut Window) -> Vec<f64> {
     window.get_by_label("Compare heights").click();
     settle(window);
     window.get_by_label("offset");
-    window.get_by_label("Apply").click();
+    window.get_by_label("Apply heights").click();
     settle(window);
     assert_eq!(app(window).undo_label(), Some("height offsets of 4 logs"));
     let offsets: Vec<f64> = app(window)

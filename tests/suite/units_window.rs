@@ -194,6 +194,7 @@ fn nothing_in_the_window_is_left_in_metres() {
     press(&mut window, Modifiers::NONE, Key::Escape);
     let waterfall = view(&window, "Waterfall, pings");
     window.hover_at(waterfall.center());
+    press(&mut window, Modifiers::NONE, Key::Num1);
     press(&mut window, Modifiers::NONE, Key::F);
     press(&mut window, Modifiers::NONE, Key::H);
     draw(&mut window, Modifiers::NONE, (300.0, 6.0), (300.0, 7.5));

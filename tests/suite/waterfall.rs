@@ -282,10 +282,10 @@ fn hover_and_click_name_ping_side_and_sample() {
 }
 
 #[test]
-fn the_menu_calibrates_and_reveals_where_it_was_opened() {
+fn the_menu_proposes_a_stretch_and_reveals_where_it_was_opened() {
     let mut window = window(app_with(even_bottom(1000)), [400.0, 300.0]);
     settle(&mut window);
-    for (label, index) in [("Calibrate here", 0), ("Show in map and 3D", 1)] {
+    for (label, index) in [("Propose for the scale", 0), ("Show in map and 3D", 1)] {
         let at = pos2(200.5, 200.0);
         window.hover_at(at);
         for pressed in [true, false] {
@@ -303,7 +303,7 @@ fn the_menu_calibrates_and_reveals_where_it_was_opened() {
         window.run_steps(2);
         let pushed = &window.state().pushed;
         let found = pushed.iter().find(|command| match command {
-            Command::CalibrateAt(pings) => index == 0 && (pings.start, pings.end) == (451, 552),
+            Command::ProposeStretch(pings) => index == 0 && (pings.start..pings.end).contains(&501),
             Command::Reveal(mark) => index == 1 && mark.ping == 501,
             _ => false,
         });

@@ -1,8 +1,9 @@
 //! The window, driven through its accessibility tree as a screen reader or an analyst would, without a display.
 
 use crate::support::{demo_log, manifest_entry, snapshot_options};
-use bathyscope::app::{App, Command, Jobs, Mark, ThemeChoice};
+use bathyscope::app::{Action, App, Command, Jobs, Mark, ThemeChoice};
 use bathyscope::geo::CrsChoice;
+use bathyscope::outputs::Product;
 use bathyscope::pipeline::Preset;
 use bathyscope::pipeline::Settings;
 use bathyscope::ui::Shell;
@@ -154,6 +155,7 @@ fn the_first_return_follows_the_threshold_while_it_is_dragged_and_the_drag_is_on
 #[test]
 fn presets_are_one_click_back_and_can_be_undone() {
     let mut window = demo_window();
+    press(&mut window, Modifiers::NONE, Key::End);
     press(&mut window, Modifiers::NONE, Key::CloseBracket);
     assert_eq!(threshold(&window), 0.31);
     assert!(window.query_by_label("changed").is_some());
@@ -179,53 +181,6 @@ fn presets_are_one_click_back_and_can_be_undone() {
 }
 
 #[test]
-fn a_flat_stretch_is_accepted_from_the_list_and_forgotten_again() {
-    let mut window = demo_window();
-    let products = app(&window).log.products.as_ref().expect("results");
-    let count = products.flat_spots.len();
-    let second = products.flat_spots[1].clone();
-    window
-        .get_by_label(&format!("{count} flat stretches"))
-        .click();
-    window.run();
-    let name = format!(
-        "Flat stretch 2, pings {}..{}",
-        second.pings.start, second.pings.end
-    );
-    window.get_by_label_contains(&name).click();
-    window.run();
-    let products = app(&window).log.products.as_ref().expect("results");
-    let used = products
-        .calibration
-        .flat_spot
-        .as_ref()
-        .expect("a flat spot");
-    assert_eq!(used.pings, second.pings);
-    window
-        .get_by_label("Calibrate at the flattest stretch")
-        .click();
-    window.run();
-    assert_eq!(app(&window).log.settings.calibration.pings, None);
-}
-
-#[test]
-fn the_ping_under_the_selection_becomes_the_flat_spot_by_key() {
-    let mut window = demo_window();
-    window
-        .state_mut()
-        .app
-        .apply(Command::Select(Some(Mark::ping(400))));
-    press(&mut window, Modifiers::NONE, Key::C);
-    let pings = app(&window)
-        .log
-        .settings
-        .calibration
-        .pings
-        .expect("a picked stretch");
-    assert_eq!((pings.start, pings.end), (350, 451));
-}
-
-#[test]
 fn outliers_are_shown_before_they_go() {
     let mut window = demo_window();
     window
@@ -233,6 +188,7 @@ fn outliers_are_shown_before_they_go() {
         .click_accesskit();
     window.run();
     assert!(app(&window).options.cloud.outlier_preview);
+    press(&mut window, Modifiers::NONE, Key::Num3);
     press(&mut window, Modifiers::NONE, Key::O);
     assert!(!app(&window).options.cloud.outlier_preview);
 }
@@ -366,11 +322,6 @@ fn products_are_written_where_the_path_field_says() {
 #[test]
 fn what_is_unticked_is_not_written_and_the_system_is_the_one_chosen() {
     let mut window = demo_window();
-    for product in ["mosaic", "report", "isobaths"] {
-        let tick = window.get_by_role_and_label(Role::CheckBox, product);
-        tick.click_accesskit();
-        window.run();
-    }
     let mut settings = Settings::clone(&window.state().app.log.settings);
     settings.crs = CrsChoice::Wgs84;
     window.state_mut().app.apply(Command::Change {
@@ -381,6 +332,11 @@ fn what_is_unticked_is_not_written_and_the_system_is_the_one_chosen() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let into = folder.path().join("out");
     type_export_folder(&mut window, &into);
+    for product in [Product::Mosaic, Product::Report, Product::Isobaths] {
+        let tick = window.get_by_role_and_label(Role::CheckBox, product.title());
+        tick.click_accesskit();
+        window.run();
+    }
     window.get_by_label("Export").click();
     window.run();
     for (product, made) in [
@@ -417,23 +373,22 @@ impl eframe::Storage for Store {
 }
 
 #[test]
-fn settings_options_and_arrangement_come_back_but_no_flat_spot() {
+fn options_and_arrangement_come_back_but_no_setting_of_a_survey() {
     let mut window = demo_window();
     press(&mut window, Modifiers::NONE, Key::L);
+    let app = &mut window.state_mut().app;
+    app.apply(Command::Select(Some(Mark::ping(400))));
+    app.apply(Command::Do(Action::Calibrate));
+    app.apply(Command::Do(Action::UseScale));
     press(&mut window, Modifiers::NONE, Key::CloseBracket);
-    window
-        .state_mut()
-        .app
-        .apply(Command::Select(Some(Mark::ping(400))));
-    press(&mut window, Modifiers::NONE, Key::C);
+    assert_ne!(*window.state().app.log.settings, Settings::default());
     let mut store = Store::default();
     eframe::App::save(window.state_mut(), &mut store);
 
     let mut next = Shell::new(App::new(Jobs::Inline));
     next.restore(&store);
     assert_eq!(next.app.options.theme, ThemeChoice::Light);
-    assert_eq!(next.app.log.settings.first_return.threshold, 0.31);
-    assert_eq!(next.app.log.settings.calibration.pings, None);
+    assert_eq!(*next.app.log.settings, Settings::default());
 
     for text in store.0.values_mut() {
         text.truncate(text.len() / 2);
@@ -478,7 +433,7 @@ fn the_base_map_comes_back_or_is_said_to_be_gone() {
     let next = again(&store);
     assert!(next.base_map.is_none());
     assert!(
-        next.notices[0].text.contains("is gone"),
+        next.notices[0].text.contains("is missing"),
         "{:?}",
         next.notices
     );

@@ -5,7 +5,7 @@ use crate::support::{demo_log, real_data};
 use crate::window::{
     Window, app, demo_window, drop_file, empty_window, press, threshold, type_export_folder,
 };
-use bathyscope::app::{Action, Command, Mark};
+use bathyscope::app::{Action, Command, Mark, Notice};
 use bathyscope::pipeline::Preset;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
@@ -32,13 +32,17 @@ fn the_main_job_is_done_by_keys_alone() {
     let mut window = empty_window();
     run_by_palette(&mut window, "demo");
     assert!(app(&window).log.products.is_some());
-    press(&mut window, Modifiers::NONE, Key::CloseBracket);
     press(&mut window, Modifiers::NONE, Key::End);
     press(&mut window, Modifiers::SHIFT, Key::ArrowLeft);
+    press(&mut window, Modifiers::NONE, Key::CloseBracket);
     press(&mut window, Modifiers::NONE, Key::C);
+    assert_eq!(app(&window).log.settings.calibration.pings, None);
+    assert!(app(&window).log.proposed_stretch().is_some());
+    run_by_palette(&mut window, "use this scale");
+    assert!(app(&window).log.settings.calibration.pings.is_some());
+    press(&mut window, Modifiers::NONE, Key::Num3);
     press(&mut window, Modifiers::NONE, Key::O);
     assert!(app(&window).options.cloud.outlier_preview);
-    assert!(app(&window).log.settings.calibration.pings.is_some());
     let folder = tempfile::tempdir().expect("a temporary folder");
     let into = folder.path().join("out");
     type_export_folder(&mut window, &into);
@@ -50,7 +54,9 @@ fn the_main_job_is_done_by_keys_alone() {
 #[test]
 fn keys_belong_to_the_path_field_while_it_is_open() {
     let mut window = demo_window();
+    press(&mut window, Modifiers::NONE, Key::End);
     press(&mut window, Modifiers::NONE, Key::CloseBracket);
+    press(&mut window, Modifiers::NONE, Key::Num3);
     press(&mut window, Modifiers::COMMAND, Key::E);
     press(&mut window, Modifiers::COMMAND, Key::Z);
     press(&mut window, Modifiers::NONE, Key::O);
@@ -79,6 +85,8 @@ fn a_second_survey_takes_nothing_over_from_the_first() {
     let mut window = demo_window();
     press(&mut window, Modifiers::NONE, Key::End);
     press(&mut window, Modifiers::NONE, Key::C);
+    run_by_palette(&mut window, "use this scale");
+    assert!(app(&window).log.settings.calibration.pings.is_some());
     window.key_press(Key::Home);
     window.key_press(Key::Space);
     window.run_steps(4);
@@ -119,7 +127,7 @@ fn each_drag_of_a_slider_is_one_step_back() {
         for name in [
             "Threshold",
             "Dead zone",
-            "Above bottom",
+            "Shallower by",
             "Radius",
             "Neighbours",
         ] {
@@ -155,8 +163,8 @@ fn what_was_stopped_is_marked_and_taken_up_again() {
     app_now.apply(Command::Do(Action::Cancel));
     window.run();
     assert!(app(&window).stale().is_some());
-    window.get_by_label("Cloud section, older than its settings");
-    window.get_by_label_contains("What is written are the last results");
+    window.get_by_label("Cloud section, out of date");
+    window.get_by_label_contains("The last results are written");
     window.get_by_label("Update results").click();
     window.run();
     assert_eq!(app(&window).stale(), None);
@@ -172,7 +180,7 @@ fn what_was_stopped_is_marked_and_taken_up_again() {
 #[test]
 fn the_published_formula_says_what_it_makes_of_the_depth() {
     let mut window = demo_window();
-    let note = "comes out as d cos(α2), -3.87 %";
+    let note = "is multiplied by cos(α2), -3.87 %";
     assert!(window.query_by_label_contains(note).is_none());
     window.get_by_label("Preset published").click();
     window.run();
@@ -192,7 +200,7 @@ fn logs_with_something_missing_say_what() {
         ("lowrance/hobart-20m.sl3", "no side-scan: range ±1.5 m"),
         (
             "lowrance/elite4-stray-bytes.sl2",
-            "There is no side-scan to search.",
+            "This log has no side-scan.",
         ),
         ("xtf/000_1236.xtf", "records no depth"),
     ] {
@@ -202,7 +210,9 @@ fn logs_with_something_missing_say_what() {
             .app
             .apply(Command::Select(Some(Mark::ping(1000))));
         drop_file(&mut window, data.join(log));
-        assert!(app(&window).notices.is_empty(), "{log}");
+        let notices = &app(&window).notices;
+        let is_far = |notice: &Notice| notice.offer == Some(Action::ShowTogether);
+        assert!(notices.iter().all(is_far), "{log}: {notices:?}");
         assert!(app(&window).log.products.is_some(), "{log}");
         assert!(
             window.query_all_by_label_contains(said).next().is_some(),

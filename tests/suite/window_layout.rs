@@ -1,8 +1,8 @@
 //! What stays in its place in the window, whatever comes and goes in it.
 
 use crate::window::{Window, app, demo_window, drawn_window, press, settle};
-use bathyscope::app::Command;
-use bathyscope::pipeline::Preset;
+use bathyscope::app::{Action, Command};
+use bathyscope::pipeline::{Preset, Settings};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
@@ -44,14 +44,16 @@ fn notices_lie_over_the_views_and_move_nothing() {
     window.run();
     assert!(window.query_by_label("another thing").is_some());
     assert_eq!(places(&window), before);
-    // A list of files does not hide the folder that they are in.
+    // The folder is named, and a button opens it.
     let folder = tempfile::tempdir().expect("a temporary folder");
     let out = folder.path().join("products");
     window.state_mut().app.apply(Command::Export(out.clone()));
     window.run();
     let notice = app(&window).notices.last().expect("what was written");
-    let start = format!("Wrote into {}: ", out.display());
-    assert!(notice.text.starts_with(&start), "{}", notice.text);
+    let end = format!(", into {}", out.display());
+    assert!(notice.text.ends_with(&end), "{}", notice.text);
+    assert_eq!(notice.offer, Some(Action::OpenExported));
+    assert!(window.query_by_label("Open folder").is_some());
 }
 
 #[test]
@@ -114,7 +116,8 @@ fn the_cloud_is_in_view_after_a_change_of_preset() {
     use bathyscope::ui::Alone;
     let picture = |first: Preset, then: Option<Preset>| {
         let mut window = drawn_window([500.0, 400.0]);
-        window.state_mut().app.apply(Command::UsePreset(first));
+        // A new survey starts from these.
+        (window.state_mut().app).use_settings(&Settings::preset(first));
         window.state_mut().app.apply(Command::OpenDemo);
         window.state_mut().show_alone(Alone::View(View::Cloud));
         settle(&mut window);

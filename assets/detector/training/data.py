@@ -133,8 +133,8 @@ def pad_boxes(boxes: list[np.ndarray]) -> torch.Tensor:
     return torch.from_numpy(padded)
 
 
-def read_split(root: Path, split: str, limit: int | None = None) -> Chips:
-    """All chips of one split, decoded by every core."""
+def read_split(root: Path, split: str, limit: int | None = None, names: list[str] | None = None) -> Chips:
+    """All chips of one split, decoded by every core; with `names` the classes are numbered by their place there."""
     paths = sorted((root / "images" / split).glob("*.png"))[:limit]
     if not paths:
         raise SystemExit(
@@ -142,12 +142,18 @@ def read_split(root: Path, split: str, limit: int | None = None) -> Chips:
         )
     ignored, nothing = read_ignored(root / f"{split}.json"), np.zeros((0, 5), np.float32)
     outlines = read_outlines(root / f"{split}.json")
+    if unknown := [name for name in used_names(root) if names and name not in names]:
+        raise SystemExit(f"classes that no data trains: {', '.join(unknown)}: {root / 'classes.txt'}")
+    own = read_names(root) if names else []
+    number = np.array([names.index(name) if name in names else -1 for name in own], np.float32)
     images = torch.empty(len(paths), *read_picture(paths[0]).shape, dtype=torch.uint8)
 
     def read(index: int) -> np.ndarray:
         images[index] = torch.from_numpy(read_picture(paths[index]).copy())
         stem = paths[index].stem
         label = read_label(root / "labels" / split / f"{stem}.txt", images.shape[-1])
+        if names:
+            label[:, 0] = number[label[:, 0].astype(int)]
         return np.concatenate([label, ignored.get(stem, nothing)])
 
     # Decoding a PNG releases Python's lock, so threads are enough, and no picture is copied between processes.
@@ -184,6 +190,13 @@ def join(parts: list[Chips]) -> Chips:
 def read_names(root: Path) -> list[str]:
     """The class names, in the order of the labels' numbers."""
     return (root / "classes.txt").read_text().splitlines()
+
+
+def used_names(root: Path) -> list[str]:
+    """The names of the classes that boxes have, in the order of their numbers."""
+    lines = (line for path in root.glob("labels/*/*.txt") for line in path.read_text().splitlines())
+    used = {int(line.split()[0]) for line in lines if line.strip()}
+    return [name for number, name in enumerate(read_names(root)) if number in used]
 
 
 def read_manifest(root: Path) -> dict:

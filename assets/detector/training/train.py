@@ -25,7 +25,7 @@ from anchors import per_head, size_iou
 from augment import Augmenter, Strength
 from boulders import ROCK
 from darknet_weights import load_coco
-from data import DEFAULT_PIXEL_M, Chips, has_split, holding, join, read_manifest, read_names, read_split
+from data import DEFAULT_PIXEL_M, Chips, has_split, holding, join, read_manifest, read_names, read_split, used_names
 from detect import detect, judged, suppress, truths
 from evaluate import evaluate
 from export import export
@@ -301,13 +301,13 @@ def arguments() -> argparse.Namespace:
 def prepare(args) -> tuple[Chips, Chips, Chips, "real.Tiles | None", dict]:
     """Reads all data and settles what the network must know: names, anchors, resolution."""
     began = time.monotonic()
+    # Classes are the same where their names are. Every analyst has a list of their own: of the others' classes those count that boxes have.
     names = read_names(args.data[0])
-    for root in args.data[1:]:
-        if read_names(root) != names:
-            raise SystemExit(f"these are other classes than those of {args.data[0]}, or in another order: {root / 'classes.txt'}")
-    train, val = (join([read_split(root, split, args.limit) for root in holding(args.data, split)]) for split in ("train", "val"))
+    names += [name for root in args.data[1:] for name in used_names(root) if name not in names]
+    names = list(dict.fromkeys(names))
+    train, val = (join([read_split(root, split, args.limit, names) for root in holding(args.data, split)]) for split in ("train", "val"))
     held = args.test or args.data[0]
-    test = read_split(held, "test", args.limit) if has_split(held, "test") else val
+    test = read_split(held, "test", args.limit, names) if has_split(held, "test") else val
     if test is val:
         print("no test chips there: the validation chips are measured in their place", flush=True)
     tiles = real.read_tiles(args.real) if args.real else None

@@ -1,16 +1,19 @@
 //! Following a log while its recorder writes it: new pings appear as they come, what is there stays, and from time to time everything is
 //! made anew from the whole log, so that at the end the results are those of the finished file.
 //!
-//! `step` is what is done off the window's thread, `publish` shows what came of it, `whole` says when everything is made anew. Its results for the new pings are provisional: they go by the calibration of the last
+//! `step` is what is done off the window's thread, `publish` shows what came of it, `scale` keeps the scale that was in
+//! force, `whole` says when everything is made anew. Its results for the new pings are provisional: they go by the calibration of the last
 //! run over the whole log ([`crate::pipeline::extend`]). That run is repeated whenever the log grew by a quarter, so the work for each ping
 //! does not grow with the log. Where objects were searched for, what is new is searched too. The log is only ever read, as a private copy
 //! ([`crate::formats::GrowingLog`]).
 
 mod publish;
+mod scale;
 mod step;
 mod whole;
 
 use super::{App, LogId, OpenLog, Outcome, Task};
+use crate::calibration::PingRange;
 use crate::pipeline::EngineStatus;
 use crate::presentation::text::count;
 use crate::printable::quoted;
@@ -61,6 +64,8 @@ struct Active {
     ends: Option<End>,
     /// That reading has begun.
     is_last: bool,
+    /// The stretch that its scale is measured on, where it is one.
+    stretch: Option<PingRange>,
 }
 
 /// A step under way.
@@ -205,6 +210,7 @@ impl App {
             waiting: None,
             ends: None,
             is_last: false,
+            stretch: None,
         });
     }
 
@@ -220,6 +226,7 @@ impl App {
         if survey.is_some_and(|survey| survey.track.external.is_some()) {
             return self.leave_following(active.log);
         }
+        self.hold_scale(&mut active);
         self.collect_start(&mut active);
         self.collect_step(&mut active);
         self.collect_whole(&mut active);
@@ -417,7 +424,7 @@ impl App {
             app.leave_provisional();
             let name = quoted(&app.log.name());
             let text =
-                format!("{name} is not followed any more: its track is another receiver's now");
+                format!("{name} is no longer followed: its track is that of another receiver now");
             app.notify(text, true);
         });
         self.process();
@@ -435,7 +442,7 @@ impl App {
         active.ends = Some(End::Failed);
         active.fresh = None;
         let pings = count(pings);
-        let text = format!("{name} is not followed any more, its {pings} pings stay: {why}");
+        let text = format!("{name} is no longer followed; its {pings} pings stay: {why}");
         self.notify(text, true);
     }
 }

@@ -57,9 +57,17 @@ impl App {
                 app.log.reviewing.grow(&survey, &products.navigation);
                 app.take_growing_products(products);
             } else {
+                if let Some(before) = &app.log.products {
+                    let (before, after) =
+                        (before.calibration.clone(), products.calibration.clone());
+                    app.tell_drift(&survey, &before, &after);
+                }
                 app.take_products(products);
             }
         });
+        if !is_provisional {
+            self.offer_flatter(id);
+        }
         if !is_as_set {
             self.schedule();
         }

@@ -189,7 +189,7 @@ impl App {
     fn cannot_keep(&mut self, why: &str) {
         self.log.reviewing.autosave.failed = true;
         let text = format!(
-            "decisions cannot be kept as you go, save the review in the Review menu: {why}"
+            "decisions cannot be saved automatically; save the review in the Review menu: {why}"
         );
         self.notify(text, true);
     }
@@ -249,7 +249,7 @@ impl App {
             return self.notify(text.to_owned(), true);
         };
         self.log.reviewing.autosave.written = Some(left.clone());
-        self.take_review(left, "take up decisions", false);
+        self.take_review(left, "restore decisions", false);
         self.withdraw(Action::TakeUpUnsaved);
     }
 }

@@ -32,8 +32,8 @@ impl Reviewing {
 }
 
 impl App {
-    /// Goes back or forward to a step, and to the box that it is about.
-    pub(in crate::app) fn take_step(&mut self, step: Step) {
+    /// Goes back or forward to a step, and to the box that it is about. The label is what the project's journal has for it.
+    pub(in crate::app) fn take_step(&mut self, step: Step, label: &str) {
         self.measuring.figure = step.figure;
         self.take_planned(step.planned);
         self.mountings = step.mountings;
@@ -61,10 +61,10 @@ impl App {
             changed_box = changed_box.or(changed.flatten().map(|id| (log.id, id)));
         }
         if let Some((log, id)) = changed_box {
-            self.select_log_box(LogBox { log, id });
+            self.bring_in(LogBox { log, id });
         }
         self.settle_plane();
-        self.keep_project("undo or redo");
+        self.keep_project(label);
         self.process();
     }
 

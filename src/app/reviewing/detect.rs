@@ -123,7 +123,7 @@ impl App {
     /// Starts a search for objects in all visible logs, first in the one that is shown; a search that runs is replaced.
     pub(in crate::app) fn detect(&mut self) {
         if self.log.products.is_none() {
-            let text = "open a log first; its objects can be found once its track is placed";
+            let text = "open a log first, and wait for its results";
             return self.notify(text.to_owned(), true);
         }
         let has_side_scan =
@@ -163,7 +163,7 @@ impl App {
             let names: Vec<String> = names.map(OpenLog::name).collect();
             self.stop_detecting();
             let text = format!(
-                "not searched, for they have no results yet: {}",
+                "not searched, since they have no results yet: {}",
                 names.join(", ")
             );
             self.notify(text, true);
@@ -220,7 +220,7 @@ impl App {
                 review.identity().pings
             )),
             None if self.search.ahead.contains(&self.log.id) => {
-                Some("The search has not come to this log yet.".to_owned())
+                Some("This log has not been searched yet.".to_owned())
             }
             None => {
                 (review.coverage()).map(|part| format!("The search was stopped: it covers {part}."))
@@ -309,7 +309,7 @@ impl App {
             return self.search_next();
         }
         if self.search.found == 0 {
-            let text = "no objects were found; draw what you see with N, or choose another model";
+            let text = "no objects were found; draw boxes with N, or choose another model";
             self.notify(text.to_owned(), false);
         }
     }

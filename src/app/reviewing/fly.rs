@@ -19,9 +19,16 @@ impl App {
     /// wished for.
     pub(in crate::app) fn come_to(&mut self, id: LogBox) {
         self.select_log_box(id);
-        if self.options.waterfall.zooms_to_boxes {
-            self.enlarge(Enlarged::OneToOne);
-        }
+        self.enlarge(match self.options.waterfall.zooms_to_boxes {
+            true => Enlarged::OneToOne,
+            false => Enlarged::AsItIs,
+        });
+    }
+
+    /// Shows the log of a box, if it is another one, and the box with what lies around it, in the scale that each view has.
+    pub(in crate::app) fn bring_in(&mut self, id: LogBox) {
+        self.select_log_box(id);
+        self.enlarge(Enlarged::AsItIs);
     }
 
     /// Has the boxes of the queue come one to one, or in the scale that the waterfall has.

@@ -216,7 +216,7 @@ impl App {
 
     fn read_truth(&mut self, source: Source, unasked: bool) {
         let Some(survey) = &self.log.survey else {
-            let text = "open the log first, then the truth about it";
+            let text = "open the log first, then its known objects";
             return self.notify(text.to_owned(), true);
         };
         let (identity, from) = (Identity::of(survey), source.clone());
@@ -259,7 +259,9 @@ impl App {
         let judging = &mut self.log.reviewing.judging;
         let read = match judging.opening.as_ref().map(|opening| opening.task.poll()) {
             Some(Outcome::Done(read)) => read,
-            Some(Outcome::Failed) => Err("reading the truth failed unexpectedly".to_owned()),
+            Some(Outcome::Failed) => {
+                Err("reading the known objects failed unexpectedly".to_owned())
+            }
             Some(Outcome::Pending) | None => return,
         };
         let Some(opening) = judging.opening.take() else {
@@ -276,7 +278,7 @@ impl App {
                     && !opening.unasked
                 {
                     let path = path.display();
-                    let text = format!("Opened the truth about {objects} objects: {path}");
+                    let text = format!("Opened {objects} known objects: {path}");
                     self.notify(text, false);
                 }
             }
@@ -324,9 +326,11 @@ impl App {
         let count = mistakes.len() as isize;
         if count == 0 || !self.log.reviewing.has_boxes() {
             let text = match judging.standing() {
-                Some(_) if count == 0 => "there is no mistake at this confidence",
-                Some(_) => "there are no boxes yet to compare with the truth; find objects first",
-                None => "mistakes are known once there is truth: open it in the Review menu",
+                Some(_) if count == 0 => "there are no mistakes at this confidence",
+                Some(_) => {
+                    "there are no boxes yet to compare with known objects; find objects first"
+                }
+                None => "mistakes need known objects: open them in the Review menu",
             };
             return self.notify(text.to_owned(), false);
         }

@@ -41,9 +41,11 @@ impl App {
         )
     }
 
-    /// Names of the classes that boxes of the reviewed logs can have, each once.
-    pub fn review_classes(&self) -> Vec<&str> {
-        let mut names: Vec<&str> = Vec::new();
+    /// Names of the classes that boxes can have, each once: the survey's list, whose first nine the digits name, and what else boxes of the
+    /// reviewed logs have.
+    pub fn class_names(&self) -> Vec<&str> {
+        let list = self.log.settings.review.classes.iter();
+        let mut names: Vec<&str> = list.map(String::as_str).collect();
         for log in self.reviewed_logs() {
             for name in log.reviewing.review.classes() {
                 if !names.contains(&name.as_str()) {

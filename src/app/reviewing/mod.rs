@@ -1,11 +1,12 @@
 //! The boxes of the open survey: which one is selected, how they are lined up, which tool is in hand.
 //!
-//! `autosave` keeps decisions as they are made, `decide` carries out edits and moves on to the next box, `edges` moves single edges and
+//! `autosave` keeps decisions as they are made, `classes` changes the list of classes, `decide` carries out edits and moves on to the next box, `edges` moves single edges and
 //! marks points, `detect` asks a model, `line` is
 //! the queue over all logs, `places` puts boxes on the
 //! ground, `judging` compares them with the truth where it is known, `fly` enlarges a box in all views, `files` keeps the review and writes what other programs read.
 
 mod autosave;
+mod classes;
 mod decide;
 mod detect;
 mod edges;
@@ -57,6 +58,10 @@ pub enum Tool {
     Bottom,
     /// Leaves stretches out; on the map too.
     LeaveOut,
+    /// Proposes a stretch for the scale; on the map too.
+    Calibrate,
+    /// Accepts first returns above the recorded depth as bottom.
+    Accept,
 }
 
 /// What undo goes back to: everything that an analyst changes.

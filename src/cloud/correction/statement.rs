@@ -32,15 +32,6 @@ impl DepthReference {
         }
     }
 
-    /// In a table.
-    pub fn noun(self) -> &'static str {
-        match self {
-            Self::Transducer => "transducer",
-            Self::Surface => "surface",
-            Self::Level => "water level zero",
-        }
-    }
-
     /// In a sentence.
     fn in_words(self) -> &'static str {
         match self {

@@ -19,6 +19,7 @@ pub use queue::{Counts, Filter, Queue, Sort};
 pub use searched::Searched;
 pub use tiles::ReviewedTile;
 
+use super::class::is_name;
 use super::{Mark, MeasuredShadow, ObjectExtent};
 use crate::survey::Identity;
 use serde::{Deserialize, Serialize};
@@ -195,6 +196,23 @@ impl Review {
         self.classes.get(class).map_or("", String::as_str)
     }
 
+    /// The review with a class under another name, which all its boxes have then; `None` where it has no such class. Boxes of two
+    /// classes that have one name then are of one class.
+    pub fn with_class_renamed(&self, from: &str, to: &str) -> Option<Review> {
+        let place = |name: &str| self.classes.iter().position(|class| class == name);
+        let of = place(from).filter(|_| from != to && is_name(to))?;
+        let mut after = self.clone();
+        match place(to) {
+            None => to.clone_into(&mut after.classes[of]),
+            Some(known) => {
+                for one in after.boxes.iter_mut().filter(|one| one.class == of) {
+                    Arc::make_mut(one).class = known;
+                }
+            }
+        }
+        Some(after)
+    }
+
     /// The boxes in the order of their numbers.
     pub fn boxes(&self) -> impl ExactSizeIterator<Item = &Reviewed> {
         self.boxes.iter().map(AsRef::as_ref)
@@ -224,15 +242,6 @@ impl Review {
         self.next_id = self.next_id.saturating_add(1);
         id
     }
-}
-
-/// Letters of the name of a class, a model or an object.
-const LONGEST_NAME: usize = 200;
-
-/// Whether a text can be a name: something on one line, and not too long.
-fn is_name(name: &str) -> bool {
-    let is_usual = name.chars().count() <= LONGEST_NAME && !name.contains(char::is_control);
-    is_usual && !name.is_empty()
 }
 
 /// The mark held to the survey: at least one ping and a range that is positive; `None` when nothing is left of it.

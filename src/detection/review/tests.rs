@@ -1,3 +1,5 @@
+mod classes;
+
 use super::*;
 use crate::detection::testing::navigation_of;
 use crate::detection::{Detection, NAMELESS_CLASS, Raster};
@@ -389,24 +391,6 @@ fn every_decided_box_is_in_a_tile_that_tells_the_truth_about_it() {
     );
     let tiles = moved.tiles(&raster);
     assert_eq!(tiles[2].boxes.ignored.len(), 1);
-}
-
-#[test]
-fn nameless_boxes_come_last_in_training_and_only_where_there_are_any() {
-    let empty = Review::new(identity(), names(&[NAMELESS_CLASS]));
-    let found = [detection(0, 0.6, mark(Side::Port, 100, 5.0))];
-    let review = empty.adopt("first", &names(&["rock", "tyre"]), &found, &raster());
-    let (classes, places) = review.training_classes();
-    assert_eq!(classes, ["rock", "tyre"]);
-    assert_eq!(places, [None, Some(0), Some(1)]);
-    let drawn = Edit::Add {
-        mark: mark(Side::Port, 500, 5.0),
-        class: 0,
-    };
-    let review = review.apply(&drawn).expect("a box");
-    let (classes, places) = review.training_classes();
-    assert_eq!(classes, ["rock", "tyre", "object"]);
-    assert_eq!(places, [Some(2), Some(0), Some(1)]);
 }
 
 #[test]

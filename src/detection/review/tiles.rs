@@ -30,20 +30,19 @@ pub struct ReviewedTile {
 }
 
 impl Review {
-    /// Class names to train with, and which of them each class of the review is: the review's own, but the class of boxes that
-    /// no model has named comes last, and only where a box has it. So data of the same model's classes can be joined.
-    pub fn training_classes(&self) -> (Vec<String>, Vec<Option<usize>>) {
-        let nameless = self.classes.iter().position(|name| name == NAMELESS_CLASS);
-        let is_nameless = |class: usize| Some(class) == nameless;
-        let is_used = self.boxes().any(|one| is_nameless(one.class));
-        let named = (0..self.classes.len()).filter(|&class| !is_nameless(class));
-        let order: Vec<usize> = named.chain(nameless.filter(|_| is_used)).collect();
-        let names = order.iter().map(|&class| self.classes[class].clone());
-        let place = |class| order.iter().position(|&one| one == class);
-        (
-            names.collect(),
-            (0..self.classes.len()).map(place).collect(),
-        )
+    /// Class names to train with, and which of them each class of the review is: the analyst's list, and what else boxes have, those that
+    /// no model has named last. So the data of all logs of a survey have the same numbers for the classes of its list.
+    pub fn training_classes(&self, list: &[String]) -> (Vec<String>, Vec<Option<usize>>) {
+        let is_used = |class: usize| self.boxes().any(|one| one.class == class);
+        let others = self.classes.iter().enumerate();
+        let others = others.filter(|(class, name)| !list.contains(name) && is_used(*class));
+        let (nameless, named): (Vec<_>, Vec<_>) =
+            others.partition(|(_, name)| *name == NAMELESS_CLASS);
+        let others = named.into_iter().chain(nameless).map(|(_, name)| name);
+        let names: Vec<String> = list.iter().chain(others).cloned().collect();
+        let place = |class: &String| names.iter().position(|name| name == class);
+        let places = self.classes.iter().map(place).collect();
+        (names, places)
     }
 
     /// Tiles that hold every decided box, as few as a walk along the track needs. Undecided boxes alone make no tile.

@@ -20,8 +20,8 @@ mod shape;
 mod spread;
 
 pub use echo::{Parts, Shadow, parts};
-pub use group::{Group, GroupSettings, Sighting, group};
-pub use passes::{Pass, passes_over};
+pub use group::{Group, GroupSettings, ObjectHeight, Sighting, group};
+pub use passes::{LogPings, Pass, PassCount, PassLog, count_seen, passes_over};
 pub use place::Placer;
 pub use shadow::{ShadowError, ShadowHeight};
 pub use shape::{

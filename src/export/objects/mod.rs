@@ -5,6 +5,7 @@ mod geojson;
 mod geopackage;
 mod gpx;
 mod kml;
+mod object_point;
 mod shapes_ply;
 
 pub use csv_table::objects_csv;
@@ -12,6 +13,7 @@ pub use geojson::objects_geojson;
 pub use geopackage::{object_layers, objects_gpkg};
 pub use gpx::objects_gpx;
 pub use kml::objects_kml;
+pub use object_point::ObjectPoint;
 pub use shapes_ply::shapes_ply;
 
 use crate::detection::Mark;
@@ -64,51 +66,6 @@ pub struct ObjectRow<'a> {
     pub name: &'a str,
     /// How sure the analyst is: `unsure`, `probable` or `certain`; empty where nobody has said.
     pub confidence: &'a str,
-}
-
-impl ObjectRow<'_> {
-    /// `rock 12`, or `rock 12, lake-1` of several logs: plotters take places of one name for one. `Anna, rock 12` of one that has a name.
-    fn title(&self, log: Option<&str>) -> String {
-        let log = log.map_or_else(String::new, |log| format!(", {log}"));
-        let name = match self.name.is_empty() {
-            true => String::new(),
-            false => format!("{}, ", self.name),
-        };
-        format!("{name}{} {}{log}", self.class, self.id)
-    }
-
-    /// What a plotter shows beside the name: size, height, depth, score, confidence, note; what is not known is left out.
-    fn description(&self) -> String {
-        let mut parts = vec![self.state.to_owned()];
-        if let Some(score) = self.score {
-            parts.push(format!("score {score:.2}"));
-        }
-        if !self.confidence.is_empty() {
-            parts.push(self.confidence.to_owned());
-        }
-        if let Some(target) = &self.target {
-            if target.length_m.is_finite() && target.width_m.is_finite() {
-                parts.push(format!("{:.2} x {:.2} m", target.length_m, target.width_m));
-            }
-            let known = [
-                ("height", target.height_m),
-                ("depth", target.depth_m),
-                ("position within", target.sigma_m),
-            ];
-            let known = known.iter().filter(|(_, metres)| metres.is_finite());
-            parts.extend(known.map(|(what, metres)| format!("{what} {metres:.2} m")));
-        }
-        parts.push(format!(
-            "{}, pings {} to {}",
-            self.mark.side.name(),
-            self.mark.pings.start,
-            self.mark.pings.end.saturating_sub(1)
-        ));
-        if !self.note.is_empty() {
-            parts.push(self.note.to_owned());
-        }
-        parts.join("; ")
-    }
 }
 
 #[cfg(test)]

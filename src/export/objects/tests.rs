@@ -122,14 +122,57 @@ fn geojson_has_a_point_for_each_box_with_a_place() {
     assert_eq!(features[0]["properties"]["score"], 0.875);
 }
 
+/// The object that some boxes show, number 3.
+fn point(boxes: &[&ObjectRow<'_>]) -> ObjectPoint {
+    ObjectPoint {
+        sightings: 2,
+        ..ObjectPoint::new(3, boxes).expect("boxes")
+    }
+}
+
+#[test]
+fn an_object_is_one_waypoint_with_name_class_and_remarks_of_all_its_boxes() {
+    let (mark, elsewhere) = (
+        mark(),
+        super::Mark {
+            pings: 400..410,
+            ..mark()
+        },
+    );
+    let first = ObjectRow {
+        note: "",
+        ..rows(&mark)[0].clone()
+    };
+    let second = ObjectRow {
+        name: "Anna",
+        score: Some(0.5),
+        target: Some(Target {
+            height_m: 0.5,
+            height_sigma_m: 0.25,
+            sailed_m: 300.0,
+            ..target(&elsewhere)
+        }),
+        ..rows(&mark)[0].clone()
+    };
+    let named = point(&[&first, &second]);
+    let gpx = written(|path| objects_gpx(path, &[named.clone(), named.clone()]).map(|_| ()));
+    assert_eq!(gpx.matches("<wpt ").count(), 2);
+    assert_eq!(gpx.matches("<name>Anna 3</name>").count(), 2, "told apart");
+    let gpx = written(|path| objects_gpx(path, &[named]).map(|_| ()));
+    assert!(gpx.contains("<name>Anna</name><cmt>=cmd &amp;"), "{gpx}");
+    assert!(gpx.contains("<type>tyre &lt;old&gt;</type>"));
+    assert!(gpx.contains("height 0.50 ± 0.25 m"), "{gpx}");
+    assert!(gpx.contains("score 0.88") && gpx.contains("seen on 2 passes"));
+}
+
 #[test]
 fn markup_in_names_and_notes_is_escaped() {
-    let (mark, survey) = (mark(), Survey::default());
-    let logs = &logs(&survey)[..1];
-    let kml = written(|path| objects_kml(path, "a & b", logs, &rows(&mark)));
-    let gpx = written(|path| objects_gpx(path, logs, &rows(&mark)));
+    let mark = mark();
+    let points = [point(&[&rows(&mark)[0]])];
+    let kml = written(|path| objects_kml(path, "a & b", &points).map(|_| ()));
+    let gpx = written(|path| objects_gpx(path, &points).map(|_| ()));
     for text in [&kml, &gpx] {
-        assert!(text.contains("<name>tyre &lt;old&gt; 7</name>"), "{text}");
+        assert!(text.contains("<name>tyre &lt;old&gt; 3</name>"), "{text}");
         assert!(text.contains("=cmd &amp; &quot;two&quot;, see\nbelow"));
         assert!(!text.contains("height"), "it is not known");
     }
@@ -158,8 +201,6 @@ fn boxes_of_several_logs_say_which() {
     let second = &read["features"][1];
     assert_eq!(second["properties"]["log"], "=second");
     assert_ne!(read["features"][0]["id"], second["id"]);
-    let gpx = written(|path| objects_gpx(path, &logs, &rows));
-    assert!(gpx.contains("<name>tyre &lt;old&gt; 7, =second</name>"));
 }
 
 /// A block of 2 x 1 x 0.5 m that lies to the north-east, on a bottom 3 m deep.

@@ -5,7 +5,7 @@ use crate::outputs::Product;
 use crate::outputs::results::Need;
 
 /// What no table of pings depends on.
-pub(super) const NOT_OF_POINTS: &[&str] = &["detector", "isobaths", "mosaic", "surface"];
+pub(super) const NOT_OF_POINTS: &[&str] = &["detector", "isobaths", "mosaic", "review", "surface"];
 /// What no cloud depends on: above which bottom a point lies is a setting of the surface.
 pub(super) const NOT_OF_CLOUD: &[&str] = NOT_OF_DEPTHS;
 const NOT_OF_TRACK: &[&str] = &[
@@ -19,17 +19,18 @@ const NOT_OF_TRACK: &[&str] = &[
     "isobaths",
     "mosaic",
     "outliers",
+    "review",
     "sound_speed",
     "surface",
     "water_level",
 ];
-const NOT_OF_FOOTPRINT: &[&str] = &["detector", "isobaths"];
-pub(super) const NOT_OF_DEPTHS: &[&str] = &["detector", "isobaths", "mosaic"];
-pub(super) const NOT_OF_BODY: &[&str] = &["detector", "isobaths"];
-const NOT_OF_ISOBATHS: &[&str] = &["detector", "mosaic"];
+const NOT_OF_FOOTPRINT: &[&str] = &["detector", "isobaths", "review"];
+pub(super) const NOT_OF_DEPTHS: &[&str] = &["detector", "isobaths", "mosaic", "review"];
+pub(super) const NOT_OF_BODY: &[&str] = &["detector", "isobaths", "review"];
+const NOT_OF_ISOBATHS: &[&str] = &["detector", "mosaic", "review"];
 // Echoes and boxes lie on the bottom that the points tell.
-pub(super) const NOT_OF_MOSAIC: &[&str] = &["detector", "isobaths"];
-const NOT_OF_BOXES: &[&str] = &["crs", "isobaths", "mosaic"];
+pub(super) const NOT_OF_MOSAIC: &[&str] = &["detector", "isobaths", "review"];
+const NOT_OF_BOXES: &[&str] = &["crs", "isobaths", "mosaic", "review"];
 
 const TRACK: &str = "The boat's track, thinned to half a metre, broken where the log paused";
 const FOOTPRINT: &str = "The ground that the side-scan insonified, without turns";
@@ -38,6 +39,7 @@ pub(super) const KEPT_POINTS: &str =
 pub(super) const CLASSED_POINTS: &str =
     "All points with their classes; z is elevation above the transducer";
 pub(super) const LAS_POINTS: &str = "All points with their classes; z is elevation above the transducer, intensity the echo level of the first return times 257";
+const TARGETS: &str = "Targets that an analyst accepted, drew or marked";
 const BOXES: &str = "Boxes that the detector proposes, not reviewed";
 
 /// A row with the columns that most rows share.
@@ -166,6 +168,20 @@ pub(super) const fn compared(
         brief: "agreement of depths with the reference",
         described: described(what, "points", measured),
         ..row(name, When::Compared, writer)
+    }
+}
+
+pub(super) const fn target_file(
+    name: &'static str,
+    counted: &'static str,
+    writer: Writer,
+) -> OutputFile {
+    OutputFile {
+        needs: &[Need::Targets],
+        regardless_of: NOT_OF_BOXES,
+        brief: "reviewed targets for maps and plotters",
+        described: described(TARGETS, counted, ""),
+        ..row(name, When::Chosen(Product::Targets), writer)
     }
 }
 

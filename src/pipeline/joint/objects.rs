@@ -1,8 +1,9 @@
 //! Objects over all logs of a survey: what several logs saw of one object is one.
 
-use crate::detection::targets::{Group, GroupSettings, Sighting, Target, group};
+use crate::detection::targets::{
+    GroupSettings, LogPings, ObjectHeight, PassCount, PassLog, Sighting, Target, count_seen, group,
+};
 use crate::detection::{NAMELESS_CLASS, class_index};
-use crate::survey::{Navigation, Survey};
 
 /// A box of a log with its place.
 #[derive(Clone, Copy, Debug)]
@@ -28,18 +29,21 @@ pub struct JointObject {
     pub place_m: [f64; 2],
     /// Standard deviation of that place in the worse direction, metres.
     pub sigma_m: f64,
-    /// Mean of the heights that are known, weighted by their certainty, metres; NaN without any.
-    pub height_m: f64,
-    group: Group,
+    /// Its height above the bottom, of all boxes together: the one height that every table and panel shows.
+    pub height: ObjectHeight,
+    /// The pings of each box.
+    seen_on: Vec<LogPings>,
 }
 
 impl JointObject {
-    /// How many passes of the boat over these logs covered its place, those that saw it included. It goes through all pings.
-    pub fn passes<'a>(
-        &self,
-        logs: impl IntoIterator<Item = (&'a Survey, &'a Navigation)>,
-    ) -> usize {
-        self.group.covered(logs)
+    /// How many passes of the boat saw it; `logs` are those that the boxes count.
+    pub fn sightings(&self, logs: &[PassLog<'_>]) -> usize {
+        count_seen(self.seen_on.iter().cloned(), logs)
+    }
+
+    /// How many passes of the boat saw it, of those over these logs that covered its place. It goes through all pings.
+    pub fn passes(&self, logs: &[PassLog<'_>]) -> PassCount {
+        PassCount::new(&self.seen_on, self.place_m, logs)
     }
 }
 
@@ -59,14 +63,16 @@ pub fn joint_objects(boxes: &[PlacedBox<'_>], settings: &GroupSettings) -> Vec<J
     let groups = group(&sightings, settings).into_iter();
     groups
         .map(|group| JointObject {
-            members: group.members.clone(),
+            seen_on: (group.members.iter())
+                .map(|member| (boxes[*member].log, boxes[*member].target.mark.pings.clone()))
+                .collect(),
             class: (group.class)
                 .map_or(NAMELESS_CLASS, |class| &names[class])
                 .to_owned(),
             place_m: [group.east_m, group.north_m],
             sigma_m: group.sigma_m,
-            height_m: group.height_m,
-            group,
+            height: group.height,
+            members: group.members,
         })
         .collect()
 }

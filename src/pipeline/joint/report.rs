@@ -9,7 +9,7 @@ use crate::pipeline::{
     CalibrationReport, CommonUncertainty, Input, ProcessedLog, Report, Settings, setting_values,
 };
 use crate::progress::{Cancelled, Progress};
-use crate::survey::LeftOutStretch;
+use crate::survey::{LeftOutStretch, Survey, apart};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -122,6 +122,7 @@ pub fn joint_report(
     }
     all.positions = String::new();
     all.statement = statement(&listed);
+    all.warnings.extend(not_one_survey(logs, names));
     all.warnings.extend(not_connected(&listed));
     all.warnings.extend(contradictions(&found.pairs, names));
     all.logs = Some(LogsReport {
@@ -183,6 +184,22 @@ fn not_connected(logs: &[LogReport]) -> Option<String> {
             "heights cannot be compared with the first log, since no track leads there by crossings: {}",
             apart.join(", ")
         )
+    })
+}
+
+/// A warning for every log that makes no survey with the others; `names` are what the logs are called.
+fn not_one_survey<'a>(
+    logs: &[ProcessedLog],
+    names: &'a [String],
+) -> impl Iterator<Item = String> + 'a {
+    let surveys: Vec<&Survey> = logs.iter().map(|log| log.survey.as_ref()).collect();
+    let why = apart(&surveys, &vec![false; surveys.len()]);
+    let why = names.iter().zip(why);
+    why.filter_map(|(name, why)| {
+        Some(format!(
+            "{name} is no part of this survey, {}: process it by itself",
+            why?
+        ))
     })
 }
 

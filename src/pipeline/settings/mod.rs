@@ -20,7 +20,7 @@ use crate::bathymetry::isobaths::IsobathSettings;
 use crate::calibration::{CalibrationSettings, OffsetMode, PpdReach, ScaleMode};
 use crate::cloud::correction::{SoundSpeedSettings, WaterLevelSettings};
 use crate::cloud::{ClassRules, CloudSettings, DepthSettings, DownScan, Geometry, OutlierSettings};
-use crate::detection::DetectorSettings;
+use crate::detection::{DetectorSettings, ReviewSettings};
 use crate::first_return::{BottomSettings, FirstReturnSettings, ImageSettings, Method, SampleMode};
 use crate::formats::{read_area, read_gauge};
 use crate::geo::{CrsChoice, SourceCrs};
@@ -106,6 +106,8 @@ pub struct Settings {
     pub outliers: OutlierSettings,
     /// `detector.*`, for `process`. The window has its own choice of model and confidence.
     pub detector: DetectorSettings,
+    /// `review.*`: the analyst's classes. What is detected does not depend on them.
+    pub review: ReviewSettings,
     /// `picture.*`, for the waterfall and the pictures that are written of it; no result depends on it.
     pub picture: PictureSettings,
     /// `mosaic.*`.
@@ -253,7 +255,7 @@ impl Settings {
     }
 
     /// These settings, with what holds for one survey only (its bottom, its flat spot, its water and shore, its transducer, its
-    /// picture) from others.
+    /// classes of objects, its picture) from others.
     pub fn with_survey_of(&self, other: &Self) -> Self {
         let mut settings = self.clone();
         settings.bottom = other.bottom.clone();
@@ -269,6 +271,7 @@ impl Settings {
         settings.water_level = other.water_level.clone();
         settings.height_offset_m = other.height_offset_m;
         settings.sound_speed = other.sound_speed.clone();
+        settings.review = other.review.clone();
         settings.picture = other.picture.clone();
         settings.isobaths.clip = other.isobaths.clip.clone();
         settings.isobaths.area = other.isobaths.area.clone();
@@ -302,6 +305,7 @@ impl Settings {
         rows::ROWS.iter().try_for_each(|row| row.check(self))?;
         let rules = self.sound_speed.check().and_then(|()| self.bottom.check());
         let rules = rules.and_then(|()| self.left_out.check());
+        let rules = rules.and_then(|()| self.review.check());
         rules.map_err(|rule| SettingsError(rule.to_owned()))?;
         let crs = self.crs.check();
         let source = self.source.crs.map(SourceCrs::system).transpose();

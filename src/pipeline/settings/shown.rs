@@ -1,7 +1,7 @@
 //! A number of the settings in the unit that the window shows: what its control spans, and what comes back from it. The setting itself
 //! stays in metres.
 
-use super::{Number, Settings};
+use super::{Kind, Number, Row, Settings};
 use crate::presentation::units::Units;
 
 /// The slowest speed that is one of sound, metres a second: no boat reaches it.
@@ -83,11 +83,29 @@ impl ShownNumber<'_> {
     }
 }
 
+impl Row {
+    /// Its value as its control writes it, in the units that are shown; empty where a file or a list is none.
+    pub fn value_in_words(&self, settings: &Settings, units: Units) -> String {
+        match &self.kind {
+            Kind::Number(number) => match (number.get)(settings) {
+                Some(value) => number.shown_in(units).said(value),
+                None => number.none_word().unwrap_or_default().to_owned(),
+            },
+            Kind::Choice(choice) => {
+                let value = (choice.get)(settings);
+                let named = choice.names.iter().find(|name| name.value == value);
+                named.map_or(value, |name| name.label.to_owned())
+            }
+            Kind::Numbers { .. } | Kind::Text(_) => String::new(),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::pipeline::settings::rows;
     use crate::pipeline::settings::rows::ROWS;
-    use crate::pipeline::settings::{Kind, rows};
     use crate::presentation::units::{LengthUnit, SpeedUnit};
 
     fn number(row: &'static crate::pipeline::settings::Row) -> &'static Number {
@@ -119,6 +137,20 @@ mod tests {
         recorder.take(&mut settings, 4800.0);
         assert!((settings.sound_speed.recorder_m_s - 1463.04).abs() < 1e-9);
         assert_eq!(recorder.suffix, " ft/s");
+    }
+
+    #[test]
+    fn a_value_is_written_as_its_control_writes_it() {
+        let units = Units::default();
+        let mut settings = Settings {
+            draft_m: 0.3,
+            ..Settings::default()
+        };
+        assert_eq!(rows::DRAFT.value_in_words(&settings, units), "0.30 m");
+        let scale = rows::SCALE.value_in_words(&settings, units);
+        assert_eq!(scale, "recorded range");
+        settings.left_out.min_speed_mps = None;
+        assert_eq!(rows::MIN_SPEED.value_in_words(&settings, units), "none");
     }
 
     #[test]

@@ -337,6 +337,8 @@ impl Reading<'_> {
             last: usize,
             #[serde(default)]
             corners: Vec<[f64; 2]>,
+            #[serde(default)]
+            accepted: bool,
         }
         let mut all = BottomSettings {
             log_bytes: of.byte_count,
@@ -349,12 +351,17 @@ impl Reading<'_> {
                 continue;
             };
             let key = Key::new(["log", log_key, "bottom", side, first]);
-            let Stretch { last, corners } = self.fields(&key, row, &BOTTOM_FIELDS)?;
+            let Stretch {
+                last,
+                corners,
+                accepted,
+            } = self.fields(&key, row, &BOTTOM_FIELDS)?;
             let side = Side::BOTH.into_iter().find(|one| one.name() == side);
             let line = BottomEdit {
                 side: side.unwrap_or(Side::Port),
                 pings: [first.parse().unwrap_or(usize::MAX), last],
                 corners,
+                accepted,
             };
             let meets =
                 |before: &&BottomEdit| before.side == line.side && before.pings[1] >= line.pings[0];

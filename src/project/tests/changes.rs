@@ -47,6 +47,7 @@ fn change_from((kind, a, b): (u8, usize, usize), project: &Project) -> Option<Ch
             };
             let pings = [a.min(b), a.max(b)];
             let after = match kind {
+                8 if a % 3 == 0 => of_log.accepting(side, pings),
                 8 => of_log.with(line(side, pings)),
                 _ => of_log.without(side, pings),
             };

@@ -12,9 +12,9 @@ use crate::ui::{ViewContext, text};
 use egui::Ui;
 
 /// How the side-scan points lie over the soundings of their own pings: named alike wherever it stands.
-pub(super) const SAME_PING: &str = "At same ping";
+pub(super) const SAME_PING: &str = "Minus sounding";
 /// What it is.
-pub(super) const SAME_PING_HINT: &str = "Elevation of side-scan points minus that of the sounding at the same ping, over all points that are kept: median, where above 0 is shallower than the sounding, and 95th percentile of the absolute difference. On a slope part of it is real.";
+pub(super) const SAME_PING_HINT: &str = "Elevation of side-scan points minus that of the sounding at the same ping: median (above 0 is shallower) and 95 % limit.";
 
 /// Its figures.
 pub(super) fn same_ping(residuals: &Residuals, units: Units) -> String {
@@ -46,7 +46,7 @@ fn found(ui: &mut Ui, products: &Products, figures: &Figures, units: Units) {
     fact(
         ui,
         "Points",
-        "All points of the cloud, and how many of them are side-scan points; the rest are soundings under the boat.",
+        "All points of the cloud, and how many of them are side-scan points; the others are soundings.",
         format!(
             "{} · {} side-scan",
             text::count(figures.classes.all()),
@@ -90,6 +90,6 @@ fn controls(ui: &mut Ui, context: &mut ViewContext<'_>) {
 fn published_depth(alpha2_deg: f64) -> String {
     let percent = 100.0 * (alpha2_deg.to_radians().cos() - 1.0);
     format!(
-        "Published formula: the depth d at the calibration spot comes out as d cos(α2), {percent:+.2} %."
+        "Published formula: the depth at the flat stretch is multiplied by cos(α2), {percent:+.2} %."
     )
 }

@@ -44,8 +44,8 @@ fn clock(ui: &mut Ui, context: &mut ViewContext<'_>) {
     setting(ui, context, &rows::TRACK_OFFSET);
     let apart = &context.app.log.external.apart;
     if !apart.pairs.is_empty() {
-        let hint = "Median distance between the places that recorder and receiver have at the same times: \
-                    least where their clocks agree.";
+        let hint = "Median distance between the positions of recorder and receiver at the same times: \
+                    smallest where their clocks agree.";
         let text = format!(
             "{} from the recorder's",
             context.app.options.units.measure(apart.median_m, 2)
@@ -54,6 +54,6 @@ fn clock(ui: &mut Ui, context: &mut ViewContext<'_>) {
     }
     remark(
         ui,
-        "The recorder's track stays on the map as a thin line; short strokes join the two at the same times.",
+        "The map shows the recorder's track as a thin line; short lines join positions of the same time.",
     );
 }

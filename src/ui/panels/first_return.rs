@@ -1,5 +1,7 @@
 //! Step 1: where the bottom is first detected.
 
+mod above_bottom;
+
 use super::parts::{self, setting};
 use super::section::{Section, section};
 use crate::app::{Action, Command, Tool};
@@ -19,7 +21,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     };
     section(ui, context, &heading, |ui, context| {
         if !has_side_scan(context) {
-            parts::remark(ui, "There is no side-scan to search.");
+            parts::remark(ui, "This log has no side-scan.");
             return;
         }
         found(ui, context);
@@ -37,9 +39,9 @@ fn has_side_scan(context: &ViewContext<'_>) -> bool {
         .is_some_and(|survey| survey.has_side_scan())
 }
 
-fn found(ui: &mut Ui, context: &ViewContext<'_>) {
-    let (Some(products), Some(figures)) = (&context.app.log.products, &context.app.log.figures)
-    else {
+fn found(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let app = context.app;
+    let (Some(products), Some(figures)) = (&app.log.products, &app.log.figures) else {
         parts::remark(
             ui,
             match context.app.is_stopped() {
@@ -65,14 +67,14 @@ fn found(ui: &mut Ui, context: &ViewContext<'_>) {
             ui.label(text.color(theme::side_colour(options, side)))
                 .on_hover_text(hint(side.name(), found));
         }
-        ui.label(format!("{} above bottom", text::count(figures.above_bottom)))
-            .on_hover_text("Returns nearer than the recorded depth by more than the margin: weed, fish, obstacles. Where they do not go on for long, they count neither for the map nor as points of the bottom.");
     });
+    let found = figures.port_picks + figures.starboard_picks;
+    above_bottom::ui(ui, context, &figures.above_bottom, found);
     let unsure = figures.classes.count(PointClass::Unclassified);
     if unsure > 0 {
         let share = 100.0 * unsure as f64 / figures.classes.side_scan.max(1) as f64;
-        ui.label(format!("{} not kept for their confidence", text::count(unsure)))
-            .on_hover_text(format!("First returns that are less sure than the least confidence, {share:.1} % of all: their points are neither in the cloud nor in the map."));
+        ui.label(format!("{} below minimum confidence", text::count(unsure)))
+            .on_hover_text(format!("{share:.1} % of all first returns are below the minimum confidence; neither cloud nor map uses them."));
     }
     for text in &products.bottom_line.warnings {
         parts::warning(ui, context, &context.app.options.units.sentence(text));
@@ -82,7 +84,8 @@ fn found(ui: &mut Ui, context: &ViewContext<'_>) {
 /// The pen, and what was drawn with it.
 fn bottom_edits(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let app = context.app;
-    let drawn = app.log.settings.bottom.ping_count();
+    let bottom = &app.log.settings.bottom;
+    let (drawn, accepted) = (bottom.ping_count(), bottom.accepted_count());
     let mut requested = None;
     ui.horizontal(|ui| {
         let holds = app.log.reviewing.tool == Tool::Bottom;
@@ -97,10 +100,17 @@ fn bottom_edits(ui: &mut Ui, context: &mut ViewContext<'_>) {
             .into_iter()
             .find_map(|(response, action)| response.clicked().then_some(action));
     });
-    if drawn > 0 {
-        ui.horizontal(|ui| {
-            ui.label(format!("{} edited", text::plural(drawn, "ping", "pings")))
-                .on_hover_text("Pings whose first return was drawn, both sides counted.");
+    if drawn + accepted > 0 {
+        ui.horizontal_wrapped(|ui| {
+            if drawn > 0 {
+                ui.label(format!("{} edited", text::plural(drawn, "ping", "pings")))
+                    .on_hover_text("Pings whose first return was drawn, both sides counted.");
+            }
+            if accepted > 0 {
+                let pings = text::plural(accepted, "ping", "pings");
+                ui.label(format!("{pings} accepted as bottom"))
+                    .on_hover_text("Pings whose first return counts as bottom where it was found, both sides counted.");
+            }
             if action(ui.button("Forget"), Action::ForgetBottom).clicked() {
                 requested = Some(Action::ForgetBottom);
             }

@@ -6,8 +6,9 @@ use crate::app::{Action, Command, FoundLeftOut, Leave, Mark, OpenLog, Tool};
 use crate::pipeline::Stage;
 use crate::pipeline::settings::rows;
 use crate::survey::{LeftOutReason, LeftOutStretch, LogPart, Stretch, Survey};
+use crate::ui::list_keys::ListKeys;
 use crate::ui::{ViewContext, left_out_words, text};
-use egui::{Align, Button, Layout, ScrollArea, Ui};
+use egui::{Align, Button, Layout, Response, ScrollArea, Ui};
 
 /// Height of a row of the list, points.
 const ROW: f32 = 18.0;
@@ -18,7 +19,7 @@ const ROWS: f32 = 7.0;
 pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let heading = Section {
         number: None,
-        title: "Left out",
+        title: "Excluded",
         stage: Some(Stage::Calibration),
     };
     section(ui, context, &heading, |ui, context| {
@@ -45,7 +46,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 fn tool(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let action = Action::LeaveOut;
     let holds = context.app.log.reviewing.tool == Tool::LeaveOut;
-    let button = ui.add(Button::new("Leave stretches out").selected(holds));
+    let button = ui.add(Button::new("Exclude stretches").selected(holds));
     let hint = format!("{} ({})", action.hint(), action.keys().unwrap_or_default());
     let button = button.accessible_name(action.label()).on_hover_text(hint);
     if button.clicked() {
@@ -58,7 +59,7 @@ fn counts(ui: &mut Ui, context: &ViewContext<'_>, found: &FoundLeftOut) {
     use LeftOutReason::{Bad, Drawn, Stop, Turn};
     let units = context.app.options.units;
     if found.left_out.is_empty() {
-        return remark(ui, "Nothing is left out of this log.");
+        return remark(ui, "No part of this log is excluded.");
     }
     for (reason, one, many) in [
         (Turn, "turn", "turns"),
@@ -91,25 +92,24 @@ fn list(ui: &mut Ui, context: &mut ViewContext<'_>, found: &FoundLeftOut) {
     let Some(survey) = context.app.log.survey.clone() else {
         return;
     };
-    let height = ROWS * (ROW + ui.spacing().item_spacing.y);
-    ScrollArea::vertical()
+    let each = ROW + ui.spacing().item_spacing.y;
+    let area = ScrollArea::vertical()
         .id_salt("left-out stretches")
-        .max_height(height)
-        .min_scrolled_height(height)
+        .max_height(ROWS * each)
+        .min_scrolled_height(ROWS * each);
+    let keys = ListKeys::read(ui, "left-out stretches", stretches.len());
+    keys.scroll(area, each, ROWS)
         .show_rows(ui, ROW, stretches.len(), |ui, range| {
-            for (stretch, length_m) in &stretches[range] {
+            let first = range.start;
+            for (index, (stretch, length_m)) in stretches[range].iter().enumerate() {
                 let way = context.app.options.units.way(*length_m);
                 let part = stretch.part();
                 let where_at = place(&survey, part);
                 let label = format!("{}  {where_at}  {way}", stretch.reason.name());
                 let name = format!("{} {where_at}", stretch.reason.name());
-                row(
-                    ui,
-                    context,
-                    [&label, &name],
-                    part,
-                    ("Take back in", Leave::In),
-                );
+                let back = ("Include again", Leave::In);
+                let row = row(ui, context, [&label, &name], part, back);
+                keys.row(ui, first + index, &row);
             }
         });
 }
@@ -134,40 +134,45 @@ fn kept(ui: &mut Ui, context: &mut ViewContext<'_>) {
         let where_at = place(&survey, part);
         let label = format!("kept  {where_at}");
         let name = format!("kept {where_at}");
-        let search = ("Leave to the search", Leave::AsFound);
+        let search = ("Reset", Leave::AsFound);
         row(ui, context, [&label, &name], part, search);
     }
 }
 
-/// A stretch with a button that does something about it.
+/// A stretch with a button that does something about it; the response is that of the stretch.
 fn row(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,
     [label, name]: [&str; 2],
     part: LogPart,
     (what, leave): (&str, Leave),
-) {
+) -> Response {
     let log = context.app.log.id;
-    ui.horizontal(|ui| {
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+    let row = ui.horizontal(|ui| {
+        let row = ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let button = ui.add(Button::new("×").small().frame(false));
             let button = button.accessible_name(format!("{what}: {name}"));
             if button.on_hover_text(what).clicked() {
                 context.push(Command::LeaveOut { log, part, leave });
             }
-            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+            let row = ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 let is_here = context.app.selection.is_some_and(|mark| holds(part, mark));
                 let label = ui.add(Button::selectable(is_here, label).truncate());
                 let label = label.accessible_name(format!("Stretch {name}"));
-                if label.on_hover_text("Shows it in all views.").clicked()
+                let label = label.on_hover_text("Shows it in all views.");
+                if label.clicked()
                     && let LogPart::Pings([first, last]) = part
                 {
                     let middle = usize::midpoint(first, last);
                     context.push(Command::Reveal(Mark::ping(middle)));
                 }
+                label
             });
+            row.inner
         });
+        row.inner
     });
+    row.inner
 }
 
 fn holds(part: LogPart, mark: Mark) -> bool {

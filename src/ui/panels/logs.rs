@@ -5,6 +5,7 @@ use super::positions;
 use super::section::{Section, section};
 use crate::app::{Action, App, Command, LogId, OpenLog};
 use crate::presentation::units::Units;
+use crate::ui::list_keys::ListKeys;
 use crate::ui::{ViewContext, left_out_words, text, theme, toggle};
 use egui::{Button, Color32, RichText, Sense, Ui};
 
@@ -18,9 +19,19 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(ui, context, &heading, |ui, context| {
         let app = context.app;
         let last = app.log_count().saturating_sub(1);
+        let keys = ListKeys::read(ui, "logs", app.log_count());
         for (place, log) in app.logs().enumerate() {
-            let commands = row(ui, app, log, [place > 0, place < last]);
+            let walked = (&keys, place);
+            let commands = row(ui, app, log, [place > 0, place < last], walked);
             context.commands.extend(commands);
+            if let Some(why) = &log.apart {
+                remark(
+                    ui,
+                    app.options
+                        .units
+                        .sentence(&format!("Not on the map: {why}.")),
+                );
+            }
         }
         add(ui, context);
         if app.log_count() > 1 {
@@ -41,7 +52,13 @@ fn add(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 /// One log; what was asked for on its row.
-fn row(ui: &mut Ui, app: &App, log: &OpenLog, [can_rise, can_sink]: [bool; 2]) -> Option<Command> {
+fn row(
+    ui: &mut Ui,
+    app: &App,
+    log: &OpenLog,
+    [can_rise, can_sink]: [bool; 2],
+    (keys, place): (&ListKeys, usize),
+) -> Option<Command> {
     let (id, name) = (log.id, log.name());
     let mut command = None;
     let mut ask = |clicked: bool, requested: Command| {
@@ -57,7 +74,7 @@ fn row(ui: &mut Ui, app: &App, log: &OpenLog, [can_rise, can_sink]: [bool; 2]) -
             egui::Role::CheckBox,
             &format!("Show {name} on the map"),
         );
-        let hint = "Takes part in map, cloud, depth map, mosaic and products.";
+        let hint = "Uses this log in map, cloud, depth map, mosaic and products.";
         ask(
             tick.on_hover_text(hint).changed(),
             Command::SetLogVisible(id, visible),
@@ -100,6 +117,7 @@ fn row(ui: &mut Ui, app: &App, log: &OpenLog, [can_rise, can_sink]: [bool; 2]) -
                 let label = toggle::underline(ui, is_it, label);
                 let label = accessible(label, egui::Role::Button, &format!("Log {name}"));
                 let shown = label.on_hover_ui(|ui| describe(ui, log, app.options.units));
+                keys.row(ui, place, &shown);
                 ask(shown.clicked(), Command::ShowLog(id));
             });
         });
@@ -138,7 +156,7 @@ fn describe(ui: &mut Ui, log: &OpenLog, units: Units) {
     fact(ui, "Depths", "", depths.unwrap_or(text::NONE.to_owned()));
     if let Some(found) = log.left_out().filter(|found| !found.left_out.is_empty()) {
         let extent = left_out_words::extent(&found.extent(None), units);
-        fact(ui, "Left out", "", extent);
+        fact(ui, "Excluded", "", extent);
     }
     for file in &survey.source.files {
         ui.label(file.display().to_string());
@@ -152,20 +170,10 @@ fn describe(ui: &mut Ui, log: &OpenLog, units: Units) {
 fn heights(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let app = context.app;
     ui.horizontal(|ui| {
-        let find = ui.add_enabled(
-            !app.is_matching_heights(),
-            Button::new("Compare heights").small(),
-        );
-        let hint = "Finds from where the tracks meet by how much each log lies too high or too deep: another draft, another water level.";
-        if find.on_hover_text(hint).clicked() {
-            context.commands.push(Command::MatchHeights);
-        }
-        let known = app.height_offsets().is_some();
-        let apply = ui.add_enabled(known, Button::new("Apply").small());
-        let hint = "Takes the offsets off the depths of the logs (height_offset_m); every record says so, and undo takes it back.";
-        if apply.on_hover_text(hint).clicked() {
-            context.commands.push(Command::ApplyHeights);
-        }
+        let can_compare = !app.is_matching_heights();
+        press(ui, context, Action::CompareHeights, can_compare);
+        let is_known = app.height_offsets().is_some();
+        press(ui, context, Action::ApplyHeights, is_known);
         if app.is_matching_heights() {
             ui.add(egui::Spinner::new().size(12.0));
         }
@@ -182,13 +190,10 @@ fn heights(ui: &mut Ui, context: &mut ViewContext<'_>) {
                 ("Log", ""),
                 (
                     "offset",
-                    "How much deeper the log's depths are than the common level.",
+                    "How much deeper the depths of the log are than those of all logs.",
                 ),
                 ("±", "Standard error of the offset."),
-                (
-                    "meets",
-                    "Places at which its track meets those of other logs.",
-                ),
+                ("crossings", "Crossings of its track with other tracks."),
             ] {
                 ui.label(RichText::new(title).small().strong())
                     .on_hover_text(hint);
@@ -213,13 +218,21 @@ fn heights(ui: &mut Ui, context: &mut ViewContext<'_>) {
         remark(
             ui,
             format!(
-                "The logs fall into {} groups whose tracks never meet: each has a level of its own.",
+                "The tracks form {} groups that never cross: heights can be compared within each group only.",
                 found.groups()
             ),
         );
     }
     for text in app.height_contradictions() {
         warning(ui, context, &app.options.units.sentence(&text));
+    }
+}
+
+/// A small button of an action.
+pub(super) fn press(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action, is_enabled: bool) {
+    let button = ui.add_enabled(is_enabled, Button::new(action.label()).small());
+    if button.on_hover_text(action.hint()).clicked() {
+        context.push(Command::Do(action));
     }
 }
 

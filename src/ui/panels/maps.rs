@@ -73,15 +73,15 @@ fn worth(ui: &mut Ui, context: &ViewContext<'_>) {
     let Some(map) = context.app.depth_map().flatten() else {
         return;
     };
-    let hint = "What the depths of the map between those measured were found by.";
-    fact(ui, "Found by", hint, map.surface.method_in_words());
-    let hint = "What the depths between the lines are: interpolated, or from the levels of the side-scan echoes where these predict left-out soundings.";
+    let hint = "Method that gives the depths between measured ones.";
+    fact(ui, "Interpolation", hint, map.surface.method_in_words());
+    let hint = "Whether depths between the lines are interpolated, or come from echo levels where these predict withheld soundings.";
     let units = context.app.options.units;
     let text = between_lines(map.surface.levels, units);
     fact(ui, "Between lines", hint, text);
     if let Some([half_m, most_m]) = map.usual_error_m {
         let units = context.app.options.units;
-        let hint = "Standard deviation of a depth of the map, as depths that were left out show it: half of the map is at least as good as the first, nine tenths of it as the second.";
+        let hint = "Standard deviation of mapped depths, from withheld depths: the median, and what 90 % of the map do not exceed.";
         let [half, most] = [half_m, most_m].map(|sigma_m| units.spread(sigma_m, 2));
         let text = format!("±{half} to ±{most} {}", units.symbol());
         fact(ui, "Error", hint, text);
@@ -93,7 +93,7 @@ fn between_lines(levels: FromLevels, units: Units) -> String {
     let figures = |errors_m: [f64; 2]| {
         let [without, with] = errors_m.map(|error_m| units.spread(error_m, 2));
         let symbol = units.symbol();
-        format!("left-out soundings are missed by {with} {symbol} with them, by {without} without")
+        format!("error at withheld soundings: {with} {symbol} with levels, {without} without")
     };
     match levels {
         FromLevels::Used {

@@ -4,6 +4,7 @@ pub mod axes;
 mod calibration;
 pub mod cloud;
 pub mod external_track;
+pub mod find_setting;
 pub mod first_return;
 pub mod left_out;
 pub mod logs;

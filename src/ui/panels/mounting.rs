@@ -1,5 +1,6 @@
 //! How the recorder is mounted on its boat, what its default is, and whose metres its positions are.
 
+use super::find_setting;
 use super::parts::{name_cell, remark, setting, warning};
 use super::section::{Section, section};
 use crate::app::{Action, Command};
@@ -48,11 +49,11 @@ fn effect(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
         remark(ui, format!("The transducer is {arm} of the antenna."));
     }
     if mounting.heading_offset_deg != 0.0 && settings.heading.source != HeadingSource::Compass {
-        let text = "Headings do not come from the compass: its offset is not in force.";
+        let text = "Headings do not come from the compass, so its offset has no effect.";
         warning(ui, context, text);
     }
     if mounting.clock_offset_s != 0.0 && survey.start_unix_s.is_none() {
-        let text = "The log does not know the time: there is no clock to put right.";
+        let text = "The log has no clock times, so a clock offset has no effect.";
         warning(ui, context, text);
     }
 }
@@ -86,8 +87,8 @@ fn usual(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.horizontal_wrapped(|ui| {
         for &action in actions {
             let label = match action {
-                Action::UseMounting => "Use for all logs of this recorder",
-                _ => "Forget the default",
+                Action::UseMounting => "Make default",
+                _ => "Remove default",
             };
             let button = ui.small_button(label).accessible_name(action.label());
             if button.on_hover_text(action.hint()).clicked() {
@@ -112,7 +113,9 @@ fn system(ui: &mut Ui, context: &mut ViewContext<'_>, survey: &Survey) {
             let field = TextEdit::singleline(&mut text)
                 .hint_text("EPSG:32633")
                 .desired_width(f32::INFINITY);
-            ui.add(field).labelled_by(label.id).on_hover_text(row.hint)
+            let field = ui.add(field).labelled_by(label.id).on_hover_text(row.hint);
+            find_setting::answer(ui, context, row.key, &field);
+            field
         })
         .inner;
     if field.changed() {
@@ -128,7 +131,7 @@ fn system(ui: &mut Ui, context: &mut ViewContext<'_>, survey: &Survey) {
         None => warning(
             ui,
             context,
-            "Positions are metres of a system that the log does not name: they are shown around longitude 0, latitude 0. Name the system by its EPSG number.",
+            "The log does not name the system of its positions, so they are drawn at longitude 0, latitude 0. Enter its EPSG number.",
         ),
     }
 }

@@ -3,7 +3,7 @@
 //! their own: one that came and went would move what is being clicked.
 
 use super::parts::severity;
-use crate::app::{Command, Notice};
+use crate::app::{Action, Command, Notice};
 use crate::ui::ViewContext;
 use egui::text::{LayoutJob, TextWrapping};
 use egui::{
@@ -58,7 +58,9 @@ fn forget_old(ctx: &egui::Context, context: &mut ViewContext<'_>) {
     let mut next = None;
     // From the last: an index holds while those behind it go.
     for (index, notice) in context.app.notices.iter().enumerate().rev() {
-        if notice.is_error || notice.offer.is_some() {
+        // What can be taken back stays so: the Edit menu and Ctrl+Z do that as well.
+        let waits = notice.offer.is_some_and(|offer| offer != Action::Undo);
+        if notice.is_error || waits {
             continue;
         }
         // A clock that was set back says nothing: the notice stays until it has caught up.

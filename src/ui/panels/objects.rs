@@ -19,8 +19,8 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
             parts::warning(ui, context, &note);
         }
         let hint = context.app.model_description().map_or_else(
-            || "The detector that is asked.".to_owned(),
-            |known| format!("The detector that is asked: {known}"),
+            || "The detector in use.".to_owned(),
+            |known| format!("The detector in use: {known}"),
         );
         fact(ui, "Model", &hint, context.app.model_name());
         search(ui, context);

@@ -32,9 +32,9 @@ fn removed(ui: &mut Ui, context: &ViewContext<'_>) {
     fact(
         ui,
         "Removed",
-        "Side-scan points that the filter takes out, and their share of all side-scan points; in the paper it was about a tenth.",
+        "Side-scan points that the filter removes, and their share; about 10 % in the paper (Pulido et al.).",
         format!(
-            "{} ({:.1} %; paper 10 %)",
+            "{} ({:.1} %)",
             text::count(classes.noise()),
             100.0 * classes.noise_share()
         ),
@@ -44,7 +44,7 @@ fn removed(ui: &mut Ui, context: &ViewContext<'_>) {
 fn preview(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let action = Action::OutlierPreview;
     let mut on = context.app.options.cloud.outlier_preview;
-    let toggle = ui.checkbox(&mut on, "Show in the cloud what does not count");
+    let toggle = ui.checkbox(&mut on, "Show unused points in 3D");
     if toggle
         .accessible_name(action.label())
         .on_hover_text(action.hint())

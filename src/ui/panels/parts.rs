@@ -1,8 +1,11 @@
 //! The few parts that all panels are made of: rows, facts, and controls that change a setting.
 
+use super::find_setting;
 use crate::app::{Action, Command};
 use crate::pipeline::Settings;
 use crate::pipeline::settings::{Choice, Control, Kind, Number, Row, ShownNumber};
+use crate::ui::drop_down::DropDown;
+use crate::ui::list_keys::ListKeys;
 use crate::ui::{ViewContext, theme};
 use egui::{Align, DragValue, Layout, Response, RichText, Ui, WidgetText};
 
@@ -95,6 +98,9 @@ pub fn file(
 ) {
     let mut press = |ui: &mut Ui, label: &str, action: Action| {
         let button = ui.small_button(label).accessible_name(action.label());
+        if action == open {
+            find_setting::answer(ui, context, setting.key, &button);
+        }
         if button.on_hover_text(action.hint()).clicked() {
             context.push(Command::Do(action));
         }
@@ -123,7 +129,7 @@ pub fn list_rows(
     name: &'static str,
     count: usize,
     here: Option<usize>,
-    mut add: impl FnMut(&mut Ui, usize),
+    mut add: impl FnMut(&mut Ui, usize) -> Option<Response>,
 ) {
     const ROWS: f32 = 8.0;
     let height = ui.spacing().interact_size.y;
@@ -141,9 +147,13 @@ pub fn list_rows(
             area = area.vertical_scroll_offset(offset.max(0.0));
         }
     }
+    let keys = ListKeys::read(ui, name, count);
+    let area = keys.scroll(area, each, ROWS);
     area.show_rows(ui, height, count, |ui, rows| {
         for index in rows {
-            add(ui, index);
+            if let Some(row) = add(ui, index) {
+                keys.row(ui, index, &row);
+            }
         }
     });
 }
@@ -199,11 +209,14 @@ pub fn within(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
 pub fn setting(ui: &mut Ui, context: &mut ViewContext<'_>, row: &'static Row) {
     // A figure above that comes or goes with the results must not end a drag.
     let own = egui::UiBuilder::new().scope_id(egui::Id::unique(("setting", row.key)));
-    ui.scope_builder(own, |ui| match &row.kind {
-        Kind::Number(setting) => number(ui, context, row, setting),
-        Kind::Choice(setting) => choice(ui, context, row, setting),
-        // Files have [`file`]; what else is not a number or a name is chosen in a view.
-        Kind::Numbers { .. } | Kind::Text(_) => {}
+    ui.scope_builder(own, |ui| {
+        let control = match &row.kind {
+            Kind::Number(setting) => number(ui, context, row, setting),
+            Kind::Choice(setting) => choice(ui, context, row, setting),
+            // Files have [`file`]; what else is not a number or a name is chosen in a view.
+            Kind::Numbers { .. } | Kind::Text(_) => return,
+        };
+        find_setting::answer(ui, context, row.key, &control);
     });
 }
 
@@ -212,7 +225,7 @@ fn number(
     context: &mut ViewContext<'_>,
     setting: &'static Row,
     number: &'static Number,
-) {
+) -> Response {
     let units = context.app.options.units;
     let shown = number.shown_in(units);
     let [least, most] = shown.ends;
@@ -280,6 +293,7 @@ fn number(
             live: response.dragged() && !response.drag_stopped(),
         });
     }
+    response
 }
 
 fn choice(
@@ -287,24 +301,22 @@ fn choice(
     context: &mut ViewContext<'_>,
     setting: &'static Row,
     choice: &'static Choice,
-) {
+) -> Response {
     let current = (choice.get)(&context.app.log.settings);
     let shown = choice.names.iter().find(|name| name.value == current);
     let mut picked = None;
-    row(ui, setting.label, setting.hint, |ui| {
-        egui::ComboBox::from_id_salt(setting.key)
+    let response = row(ui, setting.label, setting.hint, |ui| {
+        let shown = shown.map_or(current.as_str(), |name| name.label);
+        DropDown::new(setting.key, shown)
             .width(ui.available_width() - 2.0)
-            .truncate()
-            .selected_text(shown.map_or(current.as_str(), |name| name.label))
-            .show_ui(ui, |ui| {
+            .show(ui, |choices| {
                 for name in choice.names {
-                    let item = ui.selectable_label(name.value == current, name.label);
+                    let item = choices.choice(name.value == current, name.label);
                     if item.on_hover_text(name.meaning).clicked() {
                         picked = Some(name.value);
                     }
                 }
             })
-            .response
     });
     if let Some(value) = picked {
         let mut settings = Settings::clone(&context.app.log.settings);
@@ -315,6 +327,7 @@ fn choice(
             live: false,
         });
     }
+    response
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Where to sail next: how long, how fast, how tight.
+//! Survey planning: how long, how fast, how tight.
 
 use super::parts::{remark, row};
 use super::section::{Section, section};
@@ -10,7 +10,7 @@ use egui::{DragValue, Ui};
 pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let heading = Section {
         number: None,
-        title: "Where to sail next",
+        title: "Survey planning",
         stage: None,
     };
     section(ui, context, &heading, plan);
@@ -43,7 +43,7 @@ fn plan(ui: &mut Ui, context: &mut ViewContext<'_>) {
     asked.speed_mps = Some(speed * of_speed).filter(|speed_mps| *speed_mps >= 0.1);
     let of_length = units.length.metres();
     let mut radius = asked.turn_radius_m / of_length;
-    let hint = "Least radius that the boat turns with.";
+    let hint = "Smallest turning radius of the boat.";
     row(ui, "Turn radius", hint, |ui| {
         let value = DragValue::new(&mut radius).range(0.5 / of_length..=500.0 / of_length);
         let suffix = format!(" {}", units.symbol());
@@ -76,6 +76,6 @@ fn plan(ui: &mut Ui, context: &mut ViewContext<'_>) {
     });
     remark(
         ui,
-        "Lines stay within the outline of what was sailed, gaps in it included: look at them over a chart first.",
+        "Lines stay within the outline of the survey, including its gaps: check them on a chart first.",
     );
 }

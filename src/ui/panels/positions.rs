@@ -1,30 +1,20 @@
 //! How far the positions of the logs are off, and how late they are.
 
-use super::logs::name_of;
+use super::logs::{name_of, press};
 use super::parts::remark;
-use crate::app::{App, Command, FoundPositions};
+use crate::app::{Action, App, FoundPositions};
 use crate::bathymetry::position_offsets::FoundShift;
 use crate::ui::{ViewContext, text};
-use egui::{Button, RichText, Ui};
+use egui::{RichText, Ui};
 
 /// Draws the buttons, and what was found.
 pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let app = context.app;
     ui.horizontal(|ui| {
-        let find = ui.add_enabled(
-            !app.is_matching_positions(),
-            Button::new("Compare positions").small(),
-        );
-        let hint = "Finds from where tracks cross over a slope how far the positions of each log are off those of the others, and how late they are.";
-        if find.on_hover_text(hint).clicked() {
-            context.commands.push(Command::MatchPositions);
-        }
+        let can_compare = !app.is_matching_positions();
+        press(ui, context, Action::ComparePositions, can_compare);
         let tells = app.position_offsets().is_some_and(FoundPositions::tells);
-        let apply = ui.add_enabled(tells, Button::new("Apply positions").small());
-        let hint = "Moves the logs (position_shift) and sets their latency (mounting.latency_s) where what was found differs from what is in force by more than twice its standard error; every record says so, and undo takes it back.";
-        if apply.on_hover_text(hint).clicked() {
-            context.commands.push(Command::ApplyPositions);
-        }
+        press(ui, context, Action::ApplyPositions, tells);
         if app.is_matching_positions() {
             ui.add(egui::Spinner::new().size(12.0));
         }
@@ -40,11 +30,11 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 
 const COLUMNS: [(&str, &str); 6] = [
     ("Log", ""),
-    ("east", "What is to be added to its positions, to the east."),
-    ("north", "The same to the north."),
+    ("east", "Shift of its positions to the east."),
+    ("north", "Shift of its positions to the north."),
     (
         "\u{b1}",
-        "Standard error of both: some 2 m where crossings say nothing.",
+        "Standard error of both shifts; about 2 m where no crossing shows them.",
     ),
     (
         "late, s",
@@ -52,7 +42,7 @@ const COLUMNS: [(&str, &str); 6] = [
     ),
     (
         "\u{b1} s",
-        "Standard error of that: some 1 s where crossings say nothing.",
+        "Standard error of the latency; about 1 s where no crossing shows it.",
     ),
 ];
 

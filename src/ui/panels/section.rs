@@ -19,7 +19,10 @@ pub struct Section {
 #[derive(Clone, Copy, PartialEq)]
 enum Freshness {
     Fresh,
-    Stale,
+    /// Made with other settings, and nothing is under way to change that.
+    OutOfDate,
+    /// Made anew as soon as the stages before it are.
+    Waiting,
     Running(f32),
 }
 
@@ -36,11 +39,12 @@ fn freshness(context: &ViewContext<'_>, stage: Option<Stage>) -> Freshness {
             return Freshness::Running(fraction);
         }
         if running < stage {
-            return Freshness::Stale;
+            return Freshness::Waiting;
         }
     }
     match context.app.stale() {
-        Some(first) if first <= stage => Freshness::Stale,
+        Some(first) if first <= stage && context.app.is_stopped() => Freshness::OutOfDate,
+        Some(first) if first <= stage => Freshness::Waiting,
         _ => Freshness::Fresh,
     }
 }
@@ -141,10 +145,8 @@ fn heading(
     let mark = match freshness {
         _ if folded => Some(("folded".to_owned(), ui.visuals().weak_text_color())),
         Freshness::Fresh => None,
-        Freshness::Stale => Some((
-            "older than its settings".to_owned(),
-            theme::stale_colour(look),
-        )),
+        Freshness::OutOfDate => Some(("out of date".to_owned(), theme::stale_colour(look))),
+        Freshness::Waiting => Some(("updating".to_owned(), theme::accent_colour(look))),
         Freshness::Running(share) => Some((
             format!("{:.0} %", f64::from(share) * 100.0),
             theme::accent_colour(look),
@@ -160,8 +162,9 @@ fn heading(
         );
     }
     let state = match freshness {
-        Freshness::Stale => ", older than its settings",
-        _ => "",
+        Freshness::OutOfDate => ", out of date",
+        Freshness::Waiting => ", updating",
+        Freshness::Fresh | Freshness::Running(_) => "",
     };
     let name = format!("{} section{state}", section.title);
     response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, !folded, &name));

@@ -4,7 +4,7 @@ use super::parts::{fact, remark};
 use super::section::{Section, section};
 use crate::app::{Command, Mark};
 use crate::cloud::{PointClass, PointSource};
-use crate::survey::{Side, Survey, arm_in_words, nearest_in_time};
+use crate::survey::{Side, arm_in_words};
 use crate::ui::{ViewContext, place, text, theme};
 use egui::{RichText, Ui};
 
@@ -48,35 +48,21 @@ fn selected(ui: &mut Ui, context: &mut ViewContext<'_>, mark: Mark) {
     fact(
         ui,
         "Depth",
-        "By the recorder's own bottom lock at the time of this ping, with the depth correction, as on the map.",
-        format!(
-            "{}{}",
-            units.measure(place::depth_m(context.app, ping), 2),
-            if had_bottom(&survey, ping.time_s) {
-                ""
-            } else {
-                ", bottom lost"
-            }
-        ),
-    );
-    fact(
-        ui,
-        "Below",
-        "What depths count from: the transducer, the water's surface where a draft is given, or the zero of the water level.",
-        place::reduction(context.app).reference().noun(),
+        "Corrected depth under the boat: the sounding, or the first return where the recorder lost the bottom.",
+        place::depth(context.app, mark.ping),
     );
     if let Some(range) = place::range_m(context.app, mark) {
         let side = mark.side.map_or("", Side::name);
         fact(
             ui,
             "Range here",
-            "Slant range of the selected place by the calibration and the speed of sound in force.",
+            "Calibrated slant range of the selected place.",
             format!("{} {side}", units.measure(range, 2)),
         );
     }
     if let Some(stretch) = context.app.left_out_at(context.app.log.id, mark.ping) {
-        let hint = "Why the ping counts for nothing: no point, depth, echo or box comes from it.";
-        fact(ui, "Left out", hint, stretch.reason.name());
+        let hint = "Why the ping is excluded: no point, depth, echo or box comes from it.";
+        fact(ui, "Excluded", hint, stretch.reason.name());
     }
     for side in Side::BOTH {
         first_return(ui, context, mark.ping, side);
@@ -92,12 +78,6 @@ fn selected(ui: &mut Ui, context: &mut ViewContext<'_>, mark: Mark) {
     {
         context.push(Command::Reveal(mark));
     }
-}
-
-/// Whether the recorder had the bottom at its sounding nearest in time.
-fn had_bottom(survey: &Survey, time_s: f64) -> bool {
-    nearest_in_time(&survey.soundings, time_s, |sounding| sounding.time_s)
-        .is_none_or(|nearest| survey.soundings[nearest].locked)
 }
 
 fn first_return(ui: &mut Ui, context: &ViewContext<'_>, ping: usize, side: Side) {
@@ -171,11 +151,11 @@ fn mounting(ui: &mut Ui, context: &ViewContext<'_>, ping: usize) {
     if let Some(arm_m) = mounting.lever_arm_m().filter(|_| is_apart) {
         let units = context.app.options.units;
         let arm = arm_in_words(arm_m, |metres| units.measure(metres, 2));
-        let hint = "Where the transducer is, which positions are those of.";
+        let hint = "Position of the transducer, which positions refer to.";
         fact(ui, "Transducer", hint, format!("{arm} of the antenna"));
     }
     if mounting.swap_sides {
-        let hint = "Port is what the recorder has as starboard (Mounting).";
+        let hint = "Port and starboard of the recorder are exchanged (Mounting).";
         fact(ui, "Sides", hint, "exchanged");
     }
 }
@@ -206,7 +186,7 @@ fn point(ui: &mut Ui, context: &ViewContext<'_>, mark: Mark) {
     fact(
         ui,
         "Point",
-        "What measured the selected point of the cloud, its depth, and the level of its echo from 0 to 255.",
+        "The selected point of the cloud: its source, depth and echo level (0 to 255).",
         format!(
             "{source} · {} deep{level}{class}",
             context.app.options.units.measure(-point.z_m, 2),

@@ -27,7 +27,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     };
     let found = context.app.measured_height();
     section(ui, context, &heading, |ui, context| match found {
-        None => remark(ui, "Drag in the waterfall on to the end of the shadow."),
+        None => remark(ui, "Drag in the waterfall to the end of the shadow."),
         Some(Err(error)) => {
             let why = context.app.options.units.sentence(&error.to_string());
             remark(ui, format!("There is no height: {why}."));
@@ -42,31 +42,31 @@ fn inputs(ui: &mut Ui, context: &mut ViewContext<'_>, shadow: &ShadowHeight) {
     fact(
         ui,
         "Height h",
-        "h = H (e - t) / e. The standard deviation holds the pulse and sample at both ends, 5 % of the altitude, and a bottom that slopes by 2 degrees.",
+        "h = H (e - t) / e. The standard deviation includes pulse length, sample size, 5 % of the altitude and 2 degrees of bottom slope.",
         measured::height(&Ok(*shadow), units),
     );
     fact(
         ui,
         "Altitude H",
-        "Height of the transducer above the bottom: the median over 13 pings of the drawn bottom, the recorded depth or the first return.",
+        "Height of the transducer above the bottom, the median of 13 pings.",
         units.measure(shadow.altitude_m, 2),
     );
     fact(
         ui,
         "Top t",
-        "Slant range where the shadow begins: of the object's top, not of its foot.",
+        "Slant range of the top of the object, where the shadow begins.",
         units.measure(shadow.top_m, 2),
     );
     fact(
         ui,
         "End e",
-        "Slant range of the shadow's end on the bottom.",
+        "Slant range of the end of the shadow.",
         units.measure(shadow.end_m, 2),
     );
     if shadow.is_least {
         remark(
             ui,
-            "The shadow runs off the recorded range: the object is at least so high.",
+            "The shadow ends beyond the recorded range, so the height is a minimum.",
         );
     }
     ui.horizontal(|ui| {

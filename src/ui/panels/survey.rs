@@ -73,7 +73,7 @@ fn summary(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
     fact(
         ui,
         "Side-scan",
-        "Pings with both sides joined, and the time that they cover.",
+        "Side-scan pings, and the time that they cover.",
         match pings {
             0 => "none".to_owned(),
             _ => format!("{} · {length}", text::plural(pings, "ping", "pings")),
@@ -82,14 +82,14 @@ fn summary(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
     fact(
         ui,
         "Soundings",
-        "Depths of the recorder's own bottom lock, below the transducer as recorded; repeated ones are left out.",
+        "Depths that the recorder found, below the transducer; repeated ones are not counted.",
         soundings(context, survey),
     );
     if context.app.log.lost_soundings > 0 {
         fact(
             ui,
             "Bottom lost",
-            "Soundings after the recorder had lost the bottom: shown faded; they count only where a first return confirms them.",
+            "Soundings after the recorder lost the bottom: drawn faded, used only where a first return confirms them.",
             text::plural(context.app.log.lost_soundings, "sounding", "soundings"),
         );
     }
@@ -97,7 +97,7 @@ fn summary(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
         fact(
             ui,
             "Start, UTC",
-            "Start of the log in UTC, by the recorder's clock with the offset of its mounting.",
+            "Start of the log by the recorder's clock, corrected by the clock offset.",
             format!(
                 "{} {}",
                 calendar::date(start + from),
@@ -222,12 +222,12 @@ fn preset_line(ui: &mut Ui, context: &mut ViewContext<'_>) {
             (
                 Preset::Recommended,
                 "recommended",
-                "What measures best on surveys of known truth.",
+                "The settings with the smallest depth errors on simulated surveys.",
             ),
             (
                 Preset::Published,
                 "published",
-                "The paper's formulas to the digit, so that its figures can be reproduced.",
+                "The formulas of the paper (Pulido et al.), to reproduce its figures.",
             ),
         ] {
             let chip = toggle::chip(ui, in_force == Some(preset), label);
@@ -239,7 +239,7 @@ fn preset_line(ui: &mut Ui, context: &mut ViewContext<'_>) {
         if in_force.is_none() {
             let colour = crate::ui::theme::stale_colour(context.app.options.theme);
             ui.colored_label(colour, "changed").on_hover_text(
-                "The settings are those of no preset; one click on a preset takes them back.",
+                "Some settings differ from the preset; a click on a preset restores all of its settings.",
             );
         }
     });

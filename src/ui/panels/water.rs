@@ -49,7 +49,7 @@ fn sound_speed(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let toggle = ui
         .checkbox(&mut requested, "Correct the speed of sound")
         .on_hover_text(
-            "Scales every range and depth by the speed of sound in this water over that which the recorder assumed.",
+            "Multiplies ranges and depths by the ratio of this sound speed to that of the recorder.",
         );
     if toggle.changed() {
         let mut settings = Settings::clone(&context.app.log.settings);

@@ -2,9 +2,10 @@
 
 use super::sides::SidePanel;
 use super::{Shell, ViewRequest};
-use crate::app::{Action, Command, LayoutPreset, View};
+use crate::app::{Action, Command, Jobs, KeyFocus, Keys, LayoutPreset, View};
+use crate::pipeline::settings;
 use crate::ui::dialogs::Purpose;
-use crate::ui::panels;
+use crate::ui::panels::{self, find_setting, find_setting::Place};
 use std::path::PathBuf;
 
 /// Said when there is nothing to save or write.
@@ -14,16 +15,36 @@ const NO_BOXES: &str = "there are no boxes yet; find objects, or draw a box with
 const NO_PROFILE: &str =
     "there is no depth profile yet; draw a line over the depth map with P first";
 
+/// Frames within which the control of a setting is drawn, if it is: a list that drops down needs a few.
+const SEEK_FRAMES: u8 = 6;
+
 impl Shell {
     /// Carries out a command.
     pub(super) fn carry_out(&mut self, ctx: &egui::Context, command: Command) {
         match command {
             Command::Do(action) => self.act(ctx, action),
+            Command::ByKey {
+                keys,
+                command,
+                focus,
+            } => self.act_by_key(ctx, keys, *command, focus),
+            Command::ShowSetting(key) => self.show_setting(ctx, key),
             Command::Focus(view) => self.layout.focus(view),
             Command::PrintInto(path) => self.print_into(path),
+            Command::ChooseExportFolder(path) => self.export.take_folder(&path),
             Command::Layout(preset) => self.layout.arrange(preset),
             other => self.app.apply(other),
         }
+    }
+
+    /// Carries out what a bare key asks for, unless that needs more than a key, and says what it changed.
+    fn act_by_key(&mut self, ctx: &egui::Context, keys: Keys, command: Command, focus: KeyFocus) {
+        if self.app.holds_key_back(keys, &command, focus) {
+            return ctx.request_repaint();
+        }
+        let before = self.app.before_key();
+        self.carry_out(ctx, command);
+        self.app.say_changed_by_key(keys, &before);
     }
 
     fn act(&mut self, ctx: &egui::Context, action: Action) {
@@ -40,7 +61,11 @@ impl Shell {
                 let text = "products are still being written; wait, or cancel that first";
                 self.app.apply(Command::Notify(text.to_owned()));
             }
-            Action::Export => self.dialogs.ask(Purpose::ExportInto, self.app.jobs()),
+            Action::Export => {
+                let (folder, amounts) = (self.app.export_folder(), self.app.amounts());
+                self.export.ask(&folder, amounts);
+            }
+            Action::OpenExported => self.open_exported(),
             Action::PrintView => self.ask_to_print(),
             Action::OpenReview if self.app.log.survey.is_some() => {
                 self.dialogs.ask(Purpose::OpenReview, self.app.jobs());
@@ -49,7 +74,7 @@ impl Shell {
                 self.dialogs.ask(Purpose::OpenTruth, self.app.jobs());
             }
             Action::CompareWith if self.app.log.products.is_none() => {
-                let text = "open a log first, then what it is to be compared with";
+                let text = "open a log first, then its reference";
                 self.app.apply(Command::Notify(text.to_owned()));
             }
             Action::CompareWith => self.dialogs.ask(Purpose::OpenReference, self.app.jobs()),
@@ -62,6 +87,11 @@ impl Shell {
             Action::SaveProject | Action::SaveProjectAs => self.name_project(),
             Action::SaveReview => self.save_review(),
             Action::ExportBoxes => self.export_boxes(),
+            Action::FindObjects => {
+                // What is found is reviewed in the views: the next Tab goes to the first box, not to the next control.
+                leave_control(ctx);
+                self.app.apply(Command::Do(action));
+            }
             Action::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
             Action::Palette => self.palette.open(),
             Action::Manual => self.manual.open = !self.manual.open,
@@ -78,6 +108,10 @@ impl Shell {
             Action::FocusWaterfall => self.layout.focus(View::Waterfall),
             Action::FocusMap => self.layout.focus(View::Map),
             Action::FocusCloud => self.layout.focus(View::Cloud),
+            Action::FocusObjects => {
+                self.layout.focus(View::Objects);
+                self.views.objects.take_keyboard();
+            }
             Action::Maximise => self.layout.toggle_maximised(self.layout.target()),
             Action::LayoutSurvey => self.layout.arrange(LayoutPreset::Survey),
             Action::LayoutReview => self.layout.arrange(LayoutPreset::Review),
@@ -93,7 +127,7 @@ impl Shell {
             Action::OpenTrack => self.dialogs.ask(Purpose::OpenTrack, self.app.jobs()),
             Action::SetCorner => match self.target() {
                 View::Waterfall => self.views.waterfall.set_corner(),
-                View::Map | View::Cloud => self.views.map.set_corner(),
+                View::Map | View::Cloud | View::Objects => self.views.map.set_corner(),
             },
             Action::SaveFigure => self.save_figure(),
             Action::SavePlan => self.save_plan(),
@@ -108,6 +142,20 @@ impl Shell {
             other => self.app.apply(Command::Do(other)),
         }
         ctx.request_repaint();
+    }
+
+    /// Shows the folder that was written last.
+    fn open_exported(&mut self) {
+        let Some(folder) = &self.app.written_into else {
+            return;
+        };
+        // Nobody looks at a file manager in a test.
+        if matches!(self.app.jobs(), Jobs::Threads(_))
+            && let Err(error) = open::that_detached(folder)
+        {
+            let text = format!("no file manager opens {}: {error}", folder.display());
+            self.app.apply(Command::Notify(text));
+        }
     }
 
     fn toggle_panel(&mut self, panel: SidePanel, ctx: &egui::Context) {
@@ -133,12 +181,49 @@ impl Shell {
             Some(SidePanel::Steps) => "Survey",
             Some(SidePanel::Details) if self.app.has_boxes() => "Review",
             Some(SidePanel::Details) => "Selection",
-            None => {
-                let leave = |id| ctx.memory_mut(|memory| memory.surrender_focus(id));
-                return focused.map_or((), leave);
-            }
+            None => return leave_control(ctx),
         };
         panels::focus_section(ctx, title);
+    }
+
+    /// Opens where the control of a setting is, and moves the keyboard to it.
+    fn show_setting(&mut self, ctx: &egui::Context, key: &'static str) {
+        match find_setting::place_of(key) {
+            Some(Place::Section(title)) => {
+                let (panels, width) = (self.app.options.panels, ctx.content_rect().width());
+                if !SidePanel::Steps.is_shown(panels, width) {
+                    self.app.options.panels = SidePanel::Steps.set_shown(panels, true, width);
+                }
+                panels::unfold_section(ctx, title);
+            }
+            Some(Place::Levels) => self.layout.focus(View::Waterfall),
+            None => return,
+        }
+        find_setting::seek(ctx, key);
+        self.seeking = SEEK_FRAMES;
+        ctx.request_repaint();
+    }
+
+    /// Says where the control of a setting would be that was sought and is not drawn: other settings decide about it.
+    pub(super) fn give_up_seeking(&mut self, ctx: &egui::Context) {
+        let Some(key) = find_setting::sought(ctx) else {
+            return;
+        };
+        self.seeking = self.seeking.saturating_sub(1);
+        if self.seeking > 0 {
+            return ctx.request_repaint();
+        }
+        find_setting::give_up(ctx);
+        let name = settings::row(key).map_or(key, |row| row.name);
+        let text = match find_setting::place_of(key) {
+            Some(Place::Section(title)) => {
+                panels::focus_section(ctx, title);
+                ctx.request_repaint();
+                format!("{name} has no control now: other settings of {title} decide about it")
+            }
+            _ => format!("{name} has no control now: see Levels in the options of the waterfall"),
+        };
+        self.app.apply(Command::Notify(text));
     }
 
     /// Moves the keyboard to the name of the selected box.
@@ -243,6 +328,13 @@ impl Shell {
 
     fn request(&mut self, request: ViewRequest) {
         self.views.request(self.layout.target(), request);
+    }
+}
+
+/// Takes the keyboard from the control that has it, and gives it back to the views.
+fn leave_control(ctx: &egui::Context) {
+    if let Some(focused) = ctx.memory(|memory| memory.focused()) {
+        ctx.memory_mut(|memory| memory.surrender_focus(focused));
     }
 }
 

@@ -1,8 +1,9 @@
 //! The history as a list: what was changed, where we are in it, and a click that goes anywhere.
 
 use crate::app::Command;
+use crate::ui::list_keys::ListKeys;
 use crate::ui::{ViewContext, theme};
-use egui::{Button, RichText, ScrollArea, Ui, Window};
+use egui::{Button, Response, RichText, ScrollArea, Ui, Window};
 
 const WIDTH: f32 = 320.0;
 const HEIGHT: f32 = 420.0;
@@ -50,10 +51,15 @@ impl HistoryList {
             let middle = (ROW + spacing) * done as f32 - 0.5 * ui.available_height();
             area = area.vertical_scroll_offset(middle.max(0.0));
         }
+        let keys = ListKeys::read(ui, "steps", rows.len());
+        let each = ROW + ui.spacing().item_spacing.y;
+        let area = keys.scroll(area, each, ui.available_height() / each);
         area.show_rows(ui, ROW, rows.len(), |ui, range| {
             for (count, (label, is_undone)) in rows[range.clone()].iter().enumerate() {
                 let count = range.start + count;
-                if row(ui, context, (label, *is_undone), count == done) && count != done {
+                let row = row(ui, context, (label, *is_undone), count == done);
+                keys.row(ui, count, &row);
+                if row.clicked() && count != done {
                     context.push(Command::GoToStep(count));
                 }
             }
@@ -61,13 +67,13 @@ impl HistoryList {
     }
 }
 
-/// A step, weak where it was taken back; whether it was clicked.
+/// A step, weak where it was taken back.
 fn row(
     ui: &mut Ui,
     context: &ViewContext<'_>,
     (label, is_undone): (&str, bool),
     is_here: bool,
-) -> bool {
+) -> Response {
     let text = RichText::new(label);
     let text = match (is_here, is_undone) {
         (true, _) => text
@@ -84,7 +90,5 @@ fn row(
     };
     let button = ui.add(Button::selectable(is_here, text).min_size(size).truncate());
     let button = button.accessible_name(format!("Step {label}, {state}"));
-    button
-        .on_hover_text("Goes back or forward to after this step.")
-        .clicked()
+    button.on_hover_text("Goes back or forward to this step.")
 }

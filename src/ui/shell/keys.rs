@@ -1,19 +1,33 @@
 //! Keys of the command table, turned into commands.
 
-use crate::app::{Action, App, Command, Nudge, Tool};
+use crate::app::{Action, App, Command, KeyFocus, Keys, Nudge, Tool, View, is_bare};
 use crate::detection::review::Edit;
 use egui::{Event, FocusDirection, Key, KeyboardShortcut, Modifiers, Ui};
 use std::sync::LazyLock;
 
-/// All shortcuts, those with most modifiers first: `Z` with Ctrl would otherwise eat `Z` with Ctrl and Shift.
-static SHORTCUTS: LazyLock<Vec<(KeyboardShortcut, Action)>> = LazyLock::new(|| {
+/// A key of the command table.
+struct Bound {
+    /// As the table writes it.
+    keys: Keys,
+    shortcut: KeyboardShortcut,
+    action: Action,
+}
+
+/// All keys, those with most modifiers first: `Z` with Ctrl would otherwise eat `Z` with Ctrl and Shift.
+static BOUND: LazyLock<Vec<Bound>> = LazyLock::new(|| {
     let of = |action: Action| {
-        let keys = action.all_keys().filter_map(parse);
-        keys.map(move |shortcut| (shortcut, action))
+        let bound = move |keys| {
+            Some(Bound {
+                keys,
+                shortcut: parse(keys)?,
+                action,
+            })
+        };
+        action.all_keys().filter_map(bound)
     };
-    let mut shortcuts: Vec<_> = Action::ALL.iter().copied().flat_map(of).collect();
-    shortcuts.sort_by_key(|(shortcut, _)| {
-        let held = shortcut.modifiers;
+    let mut bound: Vec<_> = Action::ALL.iter().copied().flat_map(of).collect();
+    bound.sort_by_key(|one| {
+        let held = one.shortcut.modifiers;
         std::cmp::Reverse(
             [held.command, held.shift, held.alt]
                 .iter()
@@ -21,7 +35,7 @@ static SHORTCUTS: LazyLock<Vec<(KeyboardShortcut, Action)>> = LazyLock::new(|| {
                 .count(),
         )
     });
-    shortcuts
+    bound
 });
 
 /// Turns the table's text into a shortcut: `Ctrl+Shift+Z`, `[`, `F11`, `+`.
@@ -42,13 +56,6 @@ fn parse(keys: &str) -> Option<KeyboardShortcut> {
     Some(KeyboardShortcut::new(modifiers, Key::from_name(key)?))
 }
 
-/// Whether a control may want this key for itself: typing, stepping a slider.
-fn is_plain(shortcut: &KeyboardShortcut) -> bool {
-    let function_key =
-        shortcut.logical_key.name().starts_with('F') && shortcut.logical_key.name().len() > 1;
-    !shortcut.modifiers.command && !shortcut.modifiers.alt && !function_key
-}
-
 /// Whether a text field has a meaning of its own for it: taking back what was typed.
 fn is_of_text(action: Action) -> bool {
     matches!(action, Action::Undo | Action::Redo)
@@ -62,12 +69,12 @@ fn may_repeat(key: Key, held: Modifiers) -> bool {
         Key::ArrowUp,
         Key::ArrowDown,
     ];
-    let is_of = |(shortcut, action): &(KeyboardShortcut, Action)| {
-        shortcut.logical_key == key
-            && held.matches_logically(shortcut.modifiers)
-            && action.repeats()
+    let is_of = |one: &Bound| {
+        one.shortcut.logical_key == key
+            && held.matches_logically(one.shortcut.modifiers)
+            && one.action.repeats()
     };
-    arrows.contains(&key) || SHORTCUTS.iter().any(is_of)
+    arrows.contains(&key) || BOUND.iter().any(is_of)
 }
 
 /// Removes the presses that a held key sends again, where its action is done once per press. That holds for a focused button as
@@ -86,8 +93,9 @@ fn drop_repeats(ui: &Ui) {
     ui.input_mut(|input| input.events.retain(|event| !is_repeat(event)));
 }
 
-/// Pushes a command for each key of the table that was pressed, and for those of the selected box, which go first.
-pub fn collect(ui: &mut Ui, app: &App, manual_open: bool, commands: &mut Vec<Command>) {
+/// Pushes a command for each key of the table that was pressed, and for those of the selected box, which go first. A bare key counts only
+/// where it has a meaning for `focus`, what has the keyboard; `None` while a field, a dialog or a list of its own has it.
+pub fn collect(ui: &mut Ui, app: &App, focus: Option<KeyFocus>, commands: &mut Vec<Command>) {
     if asks_for_palette(ui) {
         // What was typed after it in the same frame, on a busy machine, is for its field.
         return commands.push(Command::Do(Action::Palette));
@@ -97,41 +105,96 @@ pub fn collect(ui: &mut Ui, app: &App, manual_open: bool, commands: &mut Vec<Com
     let control_focused = ui.memory(|memory| memory.focused().is_some());
     if !typing {
         drop_repeats(ui);
-        name_box(ui, app, commands);
-        if !control_focused {
-            move_box(ui, app, commands);
-            move_bottom(ui, app, commands);
+    }
+    if let Some(focus) = focus {
+        let mut by_key = |keys: Keys, command: Command| {
+            let command = Box::new(command);
+            commands.push(Command::ByKey {
+                keys,
+                command,
+                focus,
+            });
+        };
+        name_box(ui, app, &mut by_key);
+        if focus == KeyFocus::View(View::Waterfall) {
+            move_box(ui, app, &mut by_key);
+            move_bottom(ui, app, &mut by_key);
         }
     }
-    for (shortcut, action) in SHORTCUTS.iter() {
+    for Bound {
+        keys,
+        shortcut,
+        action,
+    } in BOUND.iter()
+    {
         if typing && is_of_text(*action) {
             continue;
         }
-        if is_plain(shortcut) && (typing || (control_focused && is_control_key(shortcut))) {
+        let is_bare = is_bare(keys);
+        let focus = focus.filter(|focus| {
+            let scope = action.key_scope();
+            scope.is_some_and(|scope| scope.holds(*focus))
+                && !(control_focused && is_control_key(shortcut))
+        });
+        if is_bare && focus.is_none() || !has_meaning(app, *action, control_focused) {
             continue;
         }
-        if !has_meaning(app, *action, control_focused, manual_open) {
-            continue;
-        }
-        if ui.input_mut(|input| input.consume_shortcut(shortcut)) {
-            commands.push(Command::Do(*action));
+        if consume(ui, shortcut) {
+            let command = Command::Do(*action);
+            commands.push(match focus.filter(|_| is_bare) {
+                Some(focus) => Command::ByKey {
+                    keys,
+                    command: Box::new(command),
+                    focus,
+                },
+                None => command,
+            });
             if shortcut.logical_key == Key::Tab {
                 // egui has seen it too, and would walk to the next control.
                 ui.memory_mut(|memory| memory.move_focus(FocusDirection::None));
             }
         }
     }
-    if !control_focused && !manual_open && leaves_full_screen(ui) {
+    if !control_focused && focus.is_some() && leaves_full_screen(ui) {
         commands.push(Command::Do(Action::FullScreen));
     }
+}
+
+/// Whether a key was pressed, which then nobody else sees. A letter with Shift is another key than the letter: where one of them has no
+/// meaning, the other one must not act in its place. Of a sign only its keyboard knows whether it takes Shift.
+fn consume(ui: &Ui, shortcut: &KeyboardShortcut) -> bool {
+    let is_letter = shortcut.logical_key.name().len() == 1
+        && shortcut
+            .logical_key
+            .name()
+            .starts_with(|letter: char| letter.is_ascii_alphabetic());
+    if !is_letter {
+        return ui.input_mut(|input| input.consume_shortcut(shortcut));
+    }
+    let is_it = |event: &Event| match event {
+        Event::Key {
+            key,
+            pressed: true,
+            modifiers,
+            ..
+        } => {
+            *key == shortcut.logical_key
+                && modifiers.shift == shortcut.modifiers.shift
+                && modifiers.matches_logically(shortcut.modifiers)
+        }
+        _ => false,
+    };
+    ui.input_mut(|input| {
+        let before = input.events.len();
+        input.events.retain(|event| !is_it(event));
+        input.events.len() < before
+    })
 }
 
 /// Whether Escape, which no tool, field or menu has a use for now, gives the screen back.
 fn leaves_full_screen(ui: &Ui) -> bool {
     let is_full = ui.input(|input| input.viewport().fullscreen == Some(true));
-    is_full
-        && !egui::Popup::is_any_open(ui.ctx())
-        && ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape))
+    is_full && ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape))
 }
 
 /// Whether the palette's key was pressed, with nothing else held: other keys with more modifiers hold its letter too.
@@ -156,14 +219,15 @@ fn asks_for_palette(ui: &Ui) -> bool {
 }
 
 /// Whether a key that others want too is for boxes now: Tab walks through the controls while there are no boxes, or once a
-/// control has the keyboard; Escape closes the manual.
-fn has_meaning(app: &App, action: Action, control_focused: bool, manual_open: bool) -> bool {
+/// control has the keyboard.
+fn has_meaning(app: &App, action: Action, control_focused: bool) -> bool {
     let reviewing = &app.log.reviewing;
     match action {
         Action::NextBox | Action::PreviousBox => app.has_boxes() && !control_focused,
         Action::LeaveTool => {
             let drawn = app.measuring.tool.is_some() || app.measuring.figure.is_some();
-            !manual_open && (reviewing.is_in_use() || drawn)
+            let is_in_use = reviewing.is_in_use() || app.log.proposed_stretch().is_some();
+            is_in_use || drawn
         }
         Action::SetCorner | Action::EndFigure => app.measuring.tool.is_some(),
         Action::TakeCornerBack => app.measuring.tool.is_some() && app.measuring.figure.is_some(),
@@ -175,45 +239,43 @@ fn has_meaning(app: &App, action: Action, control_focused: bool, manual_open: bo
     }
 }
 
-const DIGITS: [Key; 9] = [
-    Key::Num1,
-    Key::Num2,
-    Key::Num3,
-    Key::Num4,
-    Key::Num5,
-    Key::Num6,
-    Key::Num7,
-    Key::Num8,
-    Key::Num9,
+const DIGITS: [(Key, Keys); 9] = [
+    (Key::Num1, "1"),
+    (Key::Num2, "2"),
+    (Key::Num3, "3"),
+    (Key::Num4, "4"),
+    (Key::Num5, "5"),
+    (Key::Num6, "6"),
+    (Key::Num7, "7"),
+    (Key::Num8, "8"),
+    (Key::Num9, "9"),
 ];
 
 /// While a box is selected the digits name its class, and no view.
-fn name_box(ui: &mut Ui, app: &App, commands: &mut Vec<Command>) {
+fn name_box(ui: &mut Ui, app: &App, push: &mut impl FnMut(Keys, Command)) {
     let Some(id) = app.log.reviewing.selected else {
         return;
     };
-    let classes = app.log.reviewing.review.classes().len();
-    for (class, key) in DIGITS.into_iter().enumerate() {
+    let classes = app.class_names();
+    for (class, (key, keys)) in DIGITS.into_iter().enumerate() {
         let pressed = ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
-        if pressed && class < classes {
-            commands.push(Command::Edit {
-                edit: Edit::Relabel(id, class),
-                live: false,
-            });
+        if let Some(name) = classes.get(class).filter(|_| pressed) {
+            let edit = Edit::Classify(id, (*name).to_owned());
+            push(keys, Command::Edit { edit, live: false });
         }
     }
 }
 
 /// While a box is edited the arrows move it, and no ping.
-fn move_box(ui: &mut Ui, app: &App, commands: &mut Vec<Command>) {
+fn move_box(ui: &mut Ui, app: &App, push: &mut impl FnMut(Keys, Command)) {
     if app.log.reviewing.tool != Tool::Edit || app.log.reviewing.selected.is_none() {
         return;
     }
     let arrows = [
-        (Key::ArrowLeft, -1, 0),
-        (Key::ArrowRight, 1, 0),
-        (Key::ArrowUp, 0, -1),
-        (Key::ArrowDown, 0, 1),
+        (Key::ArrowLeft, "Left", -1, 0),
+        (Key::ArrowRight, "Right", 1, 0),
+        (Key::ArrowUp, "Up", 0, -1),
+        (Key::ArrowDown, "Down", 0, 1),
     ];
     // Those with most modifiers first: a plain arrow would match with Shift held too.
     let held = [
@@ -222,32 +284,33 @@ fn move_box(ui: &mut Ui, app: &App, commands: &mut Vec<Command>) {
         (Modifiers::SHIFT, 10, false),
         (Modifiers::NONE, 1, false),
     ];
-    for (key, right, down) in arrows {
+    for (key, keys, right, down) in arrows {
         for (modifiers, steps, resize) in held {
             if ui.input_mut(|input| input.consume_key(modifiers, key)) {
                 // egui has seen it too, and would walk to a control.
                 ui.memory_mut(|memory| memory.move_focus(FocusDirection::None));
-                commands.push(Command::Nudge(Nudge {
+                let nudge = Nudge {
                     right: right * steps,
                     down: down * steps,
                     resize,
-                }));
+                };
+                push(keys, Command::Nudge(nudge));
             }
         }
     }
 }
 
 /// While the bottom is drawn, Up and Down make it shallower and deeper at the selected ping.
-fn move_bottom(ui: &mut Ui, app: &App, commands: &mut Vec<Command>) {
+fn move_bottom(ui: &mut Ui, app: &App, push: &mut impl FnMut(Keys, Command)) {
     if app.log.reviewing.tool != Tool::Bottom {
         return;
     }
-    for (key, outward) in [(Key::ArrowUp, -1), (Key::ArrowDown, 1)] {
+    for (key, keys, outward) in [(Key::ArrowUp, "Up", -1), (Key::ArrowDown, "Down", 1)] {
         for (modifiers, samples) in [(Modifiers::SHIFT, 10), (Modifiers::NONE, 1)] {
             if ui.input_mut(|input| input.consume_key(modifiers, key)) {
                 // egui has seen it too, and would walk to a control.
                 ui.memory_mut(|memory| memory.move_focus(FocusDirection::None));
-                commands.push(Command::NudgeBottom(outward * samples));
+                push(keys, Command::NudgeBottom(outward * samples));
             }
         }
     }
@@ -285,9 +348,10 @@ mod tests {
     #[test]
     fn no_two_actions_share_a_shortcut() {
         let mut seen = std::collections::HashMap::new();
-        for (shortcut, action) in SHORTCUTS.iter() {
-            let other = seen.insert(*shortcut, action.label());
-            assert_eq!(other, None, "{shortcut:?} is {} too", action.label());
+        for one in BOUND.iter() {
+            let (label, keys) = (one.action.label(), one.keys);
+            let other = seen.insert(one.shortcut, label);
+            assert_eq!(other, None, "{keys} is {label} too");
         }
     }
 
@@ -311,11 +375,7 @@ mod tests {
 
     #[test]
     fn more_modifiers_come_first() {
-        let place = |requested: Action| {
-            SHORTCUTS
-                .iter()
-                .position(|(_, action)| *action == requested)
-        };
+        let place = |requested: Action| BOUND.iter().position(|one| one.action == requested);
         assert!(place(Action::Redo) < place(Action::Undo));
         assert!(place(Action::Forward25) < place(Action::NextPing));
     }

@@ -1,9 +1,9 @@
 //! The tiles of the centre: which view lies where, which one has the keyboard, and which one fills the centre.
 
 use super::{Views, toolbar};
-use crate::app::{LayoutPreset, View};
+use crate::app::{App, LayoutPreset, View};
 use crate::ui::{ViewContext, theme};
-use egui::{Color32, Stroke, Ui, Vec2};
+use egui::{Color32, Stroke, Ui};
 use egui_tiles::{
     Behavior, Container, EditAction, Linear, LinearDir, SimplificationOptions, TabState, Tabs,
     Tile, TileId, Tiles, Tree, UiResponse,
@@ -19,12 +19,6 @@ pub(super) struct Layout {
     /// Nobody has arranged the views: they lie as the window has room.
     #[serde(default)]
     is_automatic: bool,
-    /// The view under the pointer in the last frame; none from when a view was chosen by key until the pointer moves.
-    #[serde(skip)]
-    hovered: Option<View>,
-    /// A view was chosen, and the pointer has not moved since.
-    #[serde(skip)]
-    is_chosen: bool,
 }
 
 /// Height of the centre from which three views lie side by side; below it each has the whole of it, and they are chosen by their titles.
@@ -37,8 +31,6 @@ impl Default for Layout {
             focus: View::Waterfall,
             maximised: None,
             is_automatic: true,
-            hovered: None,
-            is_chosen: false,
         }
     }
 }
@@ -61,7 +53,9 @@ fn tree(preset: LayoutPreset) -> Tree<View> {
     let root = match preset {
         LayoutPreset::Only(view) => tab(view, &mut tiles),
         LayoutPreset::Survey | LayoutPreset::Review => {
-            let waterfall = tab(View::Waterfall, &mut tiles);
+            // The table is as wide as the waterfall, behind it.
+            let panes = [View::Waterfall, View::Objects].map(|view| tiles.insert_pane(view));
+            let waterfall = tiles.insert_tab_tile(panes.to_vec());
             let map = tab(View::Map, &mut tiles);
             let cloud = tab(View::Cloud, &mut tiles);
             let share = if preset == LayoutPreset::Review {
@@ -91,15 +85,36 @@ impl Layout {
     /// Gives a view the keyboard, and brings it to the front.
     pub fn focus(&mut self, view: View) {
         self.focus = view;
-        (self.hovered, self.is_chosen) = (None, true);
         if self.maximised.is_some() {
             self.maximised = Some(view);
         } else if self.tree.tiles.find_pane(&view).is_none() {
-            // The arrangement does not hold this view: show it alone rather than do nothing.
-            self.arrange(LayoutPreset::Only(view));
+            // An arrangement of one view, or of an earlier version, does not hold this one.
+            self.add(view);
         } else {
-            self.tree
-                .make_active(|_, tile| matches!(tile, Tile::Pane(pane) if *pane == view));
+            self.bring_to_front(view);
+        }
+    }
+
+    fn bring_to_front(&mut self, view: View) {
+        self.tree
+            .make_active(|_, tile| matches!(tile, Tile::Pane(pane) if *pane == view));
+    }
+
+    /// Adds a view as a tab beside the waterfall, or else beside the first view on screen.
+    fn add(&mut self, view: View) {
+        let beside = (self.tree.tiles.find_pane(&View::Waterfall)).or_else(|| {
+            let mut active = self.tree.active_tiles().into_iter();
+            active.find(|tile| self.tree.tiles.get_pane(tile).is_some())
+        });
+        let tabs = beside.and_then(|pane| self.tree.tiles.parent_of(pane));
+        let pane = self.tree.tiles.insert_pane(view);
+        match tabs.and_then(|tabs| self.tree.tiles.get_mut(tabs)) {
+            Some(Tile::Container(Container::Tabs(tabs))) => {
+                tabs.add_child(pane);
+                self.bring_to_front(view);
+            }
+            // Each view lies in tabs; a saved arrangement that says otherwise is started over.
+            _ => self.arrange(LayoutPreset::Only(view)),
         }
     }
 
@@ -112,9 +127,13 @@ impl Layout {
         };
     }
 
-    /// The view that keys act on: the one under the pointer, or else the focused one; a view chosen by key until the pointer moves.
+    /// The view that keys act in: the one that was clicked or chosen last, or the first on screen where that one lies behind another.
     pub fn target(&self) -> View {
-        self.hovered.unwrap_or(self.focus)
+        let shown = self.shown();
+        match shown.first() {
+            Some(first) if !shown.contains(&self.focus) => *first,
+            _ => self.focus,
+        }
     }
 
     /// The views on screen.
@@ -140,9 +159,7 @@ impl Layout {
             true => Tree::new_tabs(egui::Id::unique("views"), View::ALL.to_vec()),
             false => tree(LayoutPreset::Survey),
         };
-        let focus = self.focus;
-        self.tree
-            .make_active(|_, tile| matches!(tile, Tile::Pane(pane) if *pane == focus));
+        self.bring_to_front(self.focus);
     }
 
     /// Draws the tiles.
@@ -151,8 +168,7 @@ impl Layout {
         let mut panes = Panes {
             views,
             context,
-            focus: self.focus,
-            hovered: None,
+            focus: self.target(),
             pressed: None,
             maximise: None,
             is_edited: false,
@@ -164,10 +180,8 @@ impl Layout {
             }
             None => self.tree.ui(&mut panes, ui),
         }
-        let (hovered, pressed, maximise) = (panes.hovered, panes.pressed, panes.maximise);
+        let (pressed, maximise) = (panes.pressed, panes.maximise);
         self.is_automatic &= !panes.is_edited;
-        self.is_chosen &= ui.input(|input| input.pointer.delta() == Vec2::ZERO);
-        self.hovered = hovered.filter(|_| !self.is_chosen);
         if let Some(view) = pressed {
             self.focus = view;
         }
@@ -182,33 +196,35 @@ struct Panes<'a, 'c> {
     views: &'a mut Views,
     context: &'a mut ViewContext<'c>,
     focus: View,
-    hovered: Option<View>,
     pressed: Option<View>,
     maximise: Option<View>,
     /// A view was moved, or a border between two.
     is_edited: bool,
 }
 
+/// What the title of a view's tab says of its results.
+fn state_of(view: View, app: &App) -> &'static str {
+    match view {
+        View::Waterfall if app.is_following() => " (following the recording)",
+        View::Waterfall => "",
+        _ if app.stale().is_none() => "",
+        _ if app.is_stopped() => " (out of date)",
+        _ => " (updating)",
+    }
+}
+
 impl Behavior<View> for Panes<'_, '_> {
     fn pane_ui(&mut self, ui: &mut Ui, _: TileId, view: &mut View) -> UiResponse {
-        if ui.rect_contains_pointer(ui.max_rect()) {
-            self.hovered = Some(*view);
-            if ui.input(|input| input.pointer.any_pressed()) {
-                self.pressed = Some(*view);
-            }
+        let is_pressed = ui.input(|input| input.pointer.any_pressed());
+        if is_pressed && ui.rect_contains_pointer(ui.max_rect()) {
+            self.pressed = Some(*view);
         }
         self.views.ui(*view, ui, self.context);
         UiResponse::None
     }
 
     fn tab_title_for_pane(&mut self, view: &View) -> egui::WidgetText {
-        let stale = *view != View::Waterfall && self.context.app.stale().is_some();
-        let mark = if stale {
-            " (older than its settings)"
-        } else {
-            ""
-        };
-        format!("{}{mark}", view.title()).into()
+        format!("{}{}", view.title(), state_of(*view, self.context.app)).into()
     }
 
     fn on_tab_button(
@@ -337,6 +353,26 @@ mod tests {
         let mut layout = Layout::default();
         layout.arrange(LayoutPreset::Only(View::Map));
         layout.focus(View::Cloud);
-        assert!(layout.tree.tiles.find_pane(&View::Cloud).is_some());
+        assert_eq!(layout.shown(), [View::Cloud]);
+        // The other one stays behind it.
+        layout.focus(View::Map);
+        assert_eq!(layout.shown(), [View::Map]);
+    }
+
+    #[test]
+    fn the_table_of_objects_joins_an_arrangement_that_was_saved_without_it() {
+        let mut layout = Layout::default();
+        let table = layout.tree.tiles.find_pane(&View::Objects).expect("a tab");
+        layout.tree.remove_recursively(table);
+        let text = serde_json::to_string(&layout).unwrap();
+        let mut saved: Layout = serde_json::from_str(&text).unwrap();
+        assert_eq!(saved.tree.tiles.find_pane(&View::Objects), None);
+        saved.focus(View::Objects);
+        // In front of the waterfall; map and cloud stay where they are.
+        let shown = saved.shown();
+        assert_eq!(shown.len(), 3, "{shown:?}");
+        assert!(shown.contains(&View::Objects) && !shown.contains(&View::Waterfall));
+        saved.focus(View::Waterfall);
+        assert!(saved.shown().contains(&View::Waterfall));
     }
 }

@@ -4,7 +4,7 @@ use crate::app::{Action, Command};
 use crate::picture::Histogram;
 use crate::pipeline::Settings;
 use crate::pipeline::settings::{Kind, Row, rows};
-use crate::ui::panels::parts;
+use crate::ui::panels::{find_setting, parts};
 use crate::ui::{ViewContext, theme, toggle};
 use egui::{Color32, CursorIcon, Painter, Pos2, Rect, Response, Sense, Stroke, Ui, pos2, vec2};
 
@@ -64,6 +64,9 @@ fn names(ui: &mut Ui, context: &mut ViewContext<'_>, setting: &'static Row) {
         let names = ui.horizontal(|ui| {
             for name in choice.names {
                 let item = toggle::chip(ui, name.value == current, name.label);
+                if name.value == current {
+                    find_setting::answer(ui, context, setting.key, &item);
+                }
                 let hint = format!("{} {}", setting.hint, name.meaning);
                 if item.on_hover_text(hint).clicked() && name.value != current {
                     let mut settings = Settings::clone(&context.app.log.settings);
@@ -96,8 +99,8 @@ fn shown(context: &ViewContext<'_>, counted: &Histogram) -> [f64; 2] {
 fn automatic(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let picture = &context.app.log.settings.picture;
     let mut is_automatic = picture.black.is_none() && picture.white.is_none();
-    let hint = "Fills the colours with the echoes of this log: 1 % of them are black, 99 % lie a little below white. \
-                Off: black and white stay where they are put.";
+    let hint = "Black at the 1st percentile of the echoes, white a little above the 99th. \
+                Off: black and white stay as they are set.";
     let levels = context
         .app
         .histogram()

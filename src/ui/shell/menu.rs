@@ -18,6 +18,7 @@ const FILE: &[Action] = &[
     Action::SaveProjectAs,
     Action::AddLog,
     Action::FollowRecording,
+    Action::ShowTogether,
     Action::CloseLog,
 ];
 /// What else the map is drawn with.
@@ -46,6 +47,7 @@ const LAYOUTS: &[Action] = &[
     Action::LayoutWaterfall,
     Action::LayoutMap,
     Action::LayoutCloud,
+    Action::FocusObjects,
     Action::FullScreen,
     Action::Maximise,
     Action::FocusPanels,
@@ -108,9 +110,16 @@ const PROCESSING: &[Action] = &[
     Action::TakeBackIn,
     Action::DrawBottom,
     Action::BottomBothSides,
+    Action::AcceptBottom,
     Action::ForgetBottom,
-    Action::CalibrateHere,
-    Action::CalibrationReset,
+    Action::Calibrate,
+    Action::UseScale,
+    Action::KeepRecordedRange,
+    Action::DropProposal,
+    Action::CompareHeights,
+    Action::ApplyHeights,
+    Action::ComparePositions,
+    Action::ApplyPositions,
     Action::OutlierPreview,
     Action::Update,
     Action::Cancel,
@@ -357,7 +366,7 @@ fn survey(ui: &mut Ui, context: &mut ViewContext<'_>) {
     entries(ui, context, PROCESSING);
     ui.separator();
     ui.menu_button("Measure", |ui| entries(ui, context, MEASURING));
-    ui.menu_button("Where to sail next", |ui| entries(ui, context, PLANNING));
+    ui.menu_button("Survey planning", |ui| entries(ui, context, PLANNING));
     ui.menu_button("Mounting", |ui| mounting(ui, context));
     for &action in COMPARING {
         let enabled = match action {
@@ -433,7 +442,10 @@ fn theme_button(ui: &mut Ui, context: &mut ViewContext<'_>) {
         ThemeChoice::Light => "Dark",
     };
     let button = ui.button(label).accessible_name(Action::Theme.label());
-    if button.on_hover_text("Switches the theme (L).").clicked() {
+    if button
+        .on_hover_text("Switches between light and dark (L).")
+        .clicked()
+    {
         context.push(Command::Do(Action::Theme));
     }
 }

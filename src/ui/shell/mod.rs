@@ -2,6 +2,7 @@
 
 mod commands;
 mod drop;
+mod export;
 mod history;
 mod keys;
 mod layout;
@@ -18,13 +19,14 @@ mod sides;
 mod swipe;
 mod toolbar;
 
-use super::dialogs::Dialogs;
+use super::dialogs::{Dialogs, Purpose};
 use super::panels::{self, Section, review::ReviewPanel, timeline::TimeLine};
-use super::views::{CloudView, MapView, ProfileView, WaterfallView};
+use super::views::{CloudView, MapView, ObjectsView, ProfileView, WaterfallView};
 use super::{ViewContext, ViewRequest, theme};
-use crate::app::{Action, App, Command, PrintText, View};
+use crate::app::{Action, App, Command, KeyFocus, PrintText, View};
 use eframe::egui_wgpu::RenderState;
-use egui::{CentralPanel, Frame, Panel, Ui};
+use egui::{CentralPanel, Frame, LayerId, Panel, Rect, Response, Ui};
+use export::ExportDialog;
 use history::HistoryList;
 use layout::Layout;
 use manual::Manual;
@@ -49,18 +51,20 @@ struct Views {
     waterfall: WaterfallView,
     map: MapView,
     cloud: CloudView,
+    objects: ObjectsView,
     profile: ProfileView,
-    /// Widths and heights of the last frame, points, in the order of [`View::ALL`].
-    sizes: [[f32; 2]; View::ALL.len()],
+    /// Where each was drawn last, in the order of [`View::ALL`].
+    areas: [Option<Rect>; View::ALL.len()],
 }
 
 impl Views {
     fn ui(&mut self, view: View, ui: &mut Ui, context: &mut ViewContext<'_>) {
-        self.sizes[view as usize] = ui.available_size().into();
+        self.areas[view as usize] = Some(ui.available_rect_before_wrap());
         match view {
             View::Waterfall => self.waterfall.ui(ui, context),
             View::Map => self.map.ui(ui, context),
             View::Cloud => self.cloud.ui(ui, context),
+            View::Objects => self.objects.ui(ui, context),
         }
     }
 
@@ -69,13 +73,28 @@ impl Views {
             View::Waterfall => self.waterfall.request(request),
             View::Map => self.map.request(request),
             View::Cloud => self.cloud.request(request),
+            // It has no scale.
+            View::Objects => {}
         }
     }
 
     /// Width and height of a view, points; those of a small window while it has not been shown.
     fn size(&self, view: View) -> [f32; 2] {
-        let size = self.sizes[view as usize];
-        if size[0] > 0.0 { size } else { [800.0, 500.0] }
+        let area = self.areas[view as usize].filter(|area| area.width() > 0.0);
+        area.map_or([800.0, 500.0], |area| area.size().into())
+    }
+
+    /// The one of these views that a control lies in.
+    fn around(&self, shown: &[View], control: &Response) -> Option<View> {
+        // What lies over the views is none of them.
+        if control.layer_id != LayerId::background() {
+            return None;
+        }
+        let holds = |view: &View| {
+            let area = self.areas[*view as usize];
+            area.is_some_and(|area| area.contains(control.rect.center()))
+        };
+        shown.iter().copied().find(holds)
     }
 
     /// Views that look at the same places, for a picture.
@@ -93,6 +112,7 @@ impl Views {
             View::Waterfall => self.waterfall.is_settled(),
             View::Map => self.map.is_settled(),
             View::Cloud => self.cloud.is_settled(),
+            View::Objects => self.objects.is_settled(),
         }
     }
 }
@@ -109,6 +129,7 @@ pub struct Shell {
     dialogs: Dialogs,
     play: Play,
     printing: Printing,
+    export: ExportDialog,
     manual: Manual,
     history: HistoryList,
     notices: NoticeList,
@@ -118,6 +139,8 @@ pub struct Shell {
     started: bool,
     /// The panel that the keyboard was moved to.
     keyboard_in: Option<SidePanel>,
+    /// Frames in which the control of a setting is sought still.
+    seeking: u8,
     /// The analyst knows that closing loses decisions.
     warned_of_loss: bool,
     /// The survey that the play head ran over.
@@ -139,6 +162,7 @@ impl Shell {
             dialogs: Dialogs::default(),
             play: Play::default(),
             printing: Printing::default(),
+            export: ExportDialog::default(),
             manual: Manual::default(),
             history: HistoryList::default(),
             notices: NoticeList::default(),
@@ -146,6 +170,7 @@ impl Shell {
             text_around: None,
             started: false,
             keyboard_in: None,
+            seeking: 0,
             warned_of_loss: false,
             met: 0,
             title: String::new(),
@@ -200,19 +225,30 @@ impl Shell {
         let mut commands = Vec::new();
         self.dialogs.poll(&mut commands);
         drop::collect(ui, self.app.log_count() > 0, &mut commands);
-        if !self.palette.is_open() && !self.dialogs.is_open() && !self.printing.is_open() {
-            keys::collect(ui, &self.app, self.manual.open, &mut commands);
+        forget_vanished_control(ui.ctx());
+        self.dialogs.take_typed(ui);
+        let asks = [
+            self.palette.is_open(),
+            self.dialogs.is_open(),
+            self.printing.is_open(),
+            self.export.is_open(),
+        ];
+        if !asks.contains(&true) {
+            keys::collect(ui, &self.app, self.key_focus(ui), &mut commands);
         }
         if commands.contains(&Command::Do(Action::Palette)) {
             commands.retain(|command| *command != Command::Do(Action::Palette));
             self.palette.open();
         }
         self.play.advance(ui, &self.app, &mut commands);
-        let names_print = self.draw(ui, render_state, &mut commands);
-        if names_print {
-            self.name_print();
+        let asked = self.draw(ui, render_state, &mut commands);
+        match asked {
+            Some(Purpose::PrintInto) => self.name_print(),
+            Some(purpose) => self.dialogs.ask(purpose, self.app.jobs()),
+            None => {}
         }
         let ctx = ui.ctx().clone();
+        self.give_up_seeking(&ctx);
         if !self.started {
             // The first frame was laid out in sizes that were not ours yet.
             self.started = true;
@@ -269,8 +305,29 @@ impl Shell {
         if closes && !self.warned_of_loss {
             self.warned_of_loss = true;
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
-            let text = "decisions about boxes are not saved; save the project with Ctrl+S or the review in the Review menu, or close again to leave them";
+            let text = "decisions about boxes are not saved; save the project with Ctrl+S or the review in the Review menu, or close again to discard them";
             self.app.apply(Command::Notify(text.to_owned()));
+        }
+    }
+
+    /// What bare keys act in; `None` while a dialog, a list that has dropped down, the manual or a control outside of views and review
+    /// has the keyboard.
+    fn key_focus(&self, ui: &Ui) -> Option<KeyFocus> {
+        let ctx = ui.ctx();
+        if self.dialogs.is_waiting() || self.manual.open || egui::Popup::is_any_open(ctx) {
+            return None;
+        }
+        match ctx.memory(|memory| memory.focused()) {
+            None => Some(KeyFocus::View(self.target())),
+            Some(_) if ui.text_edit_focused() => None,
+            Some(control) => {
+                let control = ctx.read_response(control)?;
+                if self.review.holds(&control) {
+                    return Some(KeyFocus::Review);
+                }
+                let view = self.views.around(&self.layout.shown(), &control);
+                view.map(KeyFocus::View)
+            }
         }
     }
 
@@ -282,13 +339,13 @@ impl Shell {
         }
     }
 
-    /// Whether a view is to be printed, and its file to be named.
+    /// Draws everything; what the analyst wants to name in the system's dialog.
     fn draw(
         &mut self,
         ui: &mut Ui,
         render_state: Option<&RenderState>,
         commands: &mut Vec<Command>,
-    ) -> bool {
+    ) -> Option<Purpose> {
         let mut context = ViewContext {
             app: &self.app,
             render_state,
@@ -300,7 +357,7 @@ impl Shell {
                 printing::frame(ui, context.app, text);
             }
             draw_alone(ui, &mut self.views, &mut context, alone);
-            return false;
+            return None;
         }
         let bar = Frame::new()
             .fill(ui.visuals().panel_fill)
@@ -341,7 +398,18 @@ impl Shell {
         self.notices.ui(ui.ctx(), &mut context);
         self.dialogs.ui(ui.ctx(), &mut context);
         drop::overlay(ui);
-        self.printing.ui(ui.ctx(), &mut context, &self.views)
+        let names_print = self.printing.ui(ui.ctx(), &mut context, &self.views);
+        let asked = self.export.ui(ui.ctx(), &mut context);
+        asked.or(names_print.then_some(Purpose::PrintInto))
+    }
+}
+
+/// Gives the keyboard back to the views where the control that had it was not drawn any more: the first key would do nothing else.
+fn forget_vanished_control(ctx: &egui::Context) {
+    if let Some(focused) = ctx.memory(|memory| memory.focused())
+        && ctx.read_response(focused).is_none()
+    {
+        ctx.memory_mut(|memory| memory.surrender_focus(focused));
     }
 }
 

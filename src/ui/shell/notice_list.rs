@@ -39,7 +39,7 @@ impl NoticeList {
 fn list(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let app = context.app;
     if app.said().len() == 0 {
-        parts::remark(ui, "Nothing has been said yet.");
+        parts::remark(ui, "There are no messages yet.");
     }
     ScrollArea::vertical()
         .auto_shrink([false, false])

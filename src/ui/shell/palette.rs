@@ -1,7 +1,9 @@
-//! The command palette: a few letters of a name find any command or recent log.
+//! The command palette: a few letters of a name find any command, any setting of the panels, or a recent log.
 
 use crate::app::{Action, Command};
+use crate::pipeline::settings::Row;
 use crate::ui::ViewContext;
+use crate::ui::panels::find_setting::{self, Place};
 use egui::text::{CCursor, CCursorRange};
 use egui::{Event, Key, Modal, RichText, ScrollArea, TextEdit, Ui};
 
@@ -15,10 +17,13 @@ pub(super) struct Palette {
     has_keyboard: bool,
 }
 
-/// What can be run.
+/// What can be run, or gone to.
 struct Item {
     label: String,
-    keys: &'static str,
+    /// Another name that it is found by.
+    alias: &'static str,
+    /// Its key, or the value of the setting.
+    aside: String,
     hint: String,
     command: Command,
 }
@@ -80,7 +85,7 @@ impl Palette {
         }
         let mut field = TextEdit::singleline(&mut self.query)
             .id(id)
-            .hint_text("Type a command")
+            .hint_text("Command or setting")
             .desired_width(f32::INFINITY)
             .show(ui);
         if !self.has_keyboard {
@@ -102,7 +107,7 @@ impl Palette {
             .min(last);
         ui.add_space(4.0);
         if found.is_empty() {
-            ui.label(RichText::new("No command has these letters.").weak());
+            ui.label(RichText::new("No command or setting has these letters.").weak());
         }
         let mut run = None;
         let height = (ui.content_rect().height() - 140.0).clamp(80.0, 360.0);
@@ -124,7 +129,7 @@ impl Palette {
 
 fn line(ui: &mut Ui, item: &Item, chosen: bool, moved: bool) -> bool {
     let button = egui::Button::selectable(chosen, item.label.as_str())
-        .shortcut_text(item.keys)
+        .shortcut_text(item.aside.as_str())
         .min_size(egui::vec2(ui.available_width(), 22.0));
     let response = ui.add(button);
     if chosen && moved {
@@ -138,17 +143,38 @@ fn items(context: &ViewContext<'_>) -> Vec<Item> {
     let actions = actions.filter(|action| context.app.has_what_it_takes(**action));
     let actions = actions.map(|&action| Item {
         label: action.label().to_owned(),
-        keys: action.keys().unwrap_or_default(),
+        alias: "",
+        aside: action.keys().unwrap_or_default().to_owned(),
         hint: action.hint().to_owned(),
         command: Command::Do(action),
     });
     let recent = context.app.recent.iter().map(|path| Item {
         label: format!("Open {}", path.display()),
-        keys: "",
+        alias: "",
+        aside: String::new(),
         hint: "Opens this log again.".to_owned(),
         command: Command::Open(path.clone()),
     });
-    actions.chain(recent).collect()
+    actions.chain(settings(context)).chain(recent).collect()
+}
+
+/// The settings that have a control, with their values; none while no log is open, and no panel has its controls.
+fn settings(context: &ViewContext<'_>) -> Vec<Item> {
+    let app = context.app;
+    if app.log.survey.is_none() {
+        return Vec::new();
+    }
+    let units = app.options.units;
+    let item = |place: Place, row: &'static Row| Item {
+        label: format!("{}: {}", place.name(), row.name),
+        alias: row.label,
+        aside: row.value_in_words(&app.log.settings, units),
+        hint: format!("{} Goes to its control.", units.sentence(row.hint)),
+        command: Command::ShowSetting(row.key),
+    };
+    let places = find_setting::CONTROLS.iter();
+    let all = places.flat_map(|(place, rows)| rows.iter().map(|row| item(*place, row)));
+    all.collect()
 }
 
 /// Items whose labels contain the letters of the query in order, best first; all of them in the table's order while
@@ -159,7 +185,10 @@ fn search(items: Vec<Item>, query: &str) -> Vec<Item> {
     }
     let mut found: Vec<(i32, Item)> = items
         .into_iter()
-        .filter_map(|item| Some((score(&item.label, query)?, item)))
+        .filter_map(|item| {
+            let scores = [score(&item.label, query), score(item.alias, query)];
+            Some((scores.into_iter().flatten().max()?, item))
+        })
         .collect();
     found.sort_by_key(|(score, _)| std::cmp::Reverse(*score));
     found.into_iter().map(|(_, item)| item).collect()
@@ -201,6 +230,116 @@ fn score(label: &str, query: &str) -> Option<i32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::{App, Jobs};
+    use crate::ui::Shell;
+    use egui_kittest::Harness;
+
+    /// Settings whose controls are drawn once another setting has another value than in a survey just opened.
+    const DEPEND: [&str; 10] = [
+        "calibration.ppd",
+        "cloud.alpha2_deg",
+        "left_out.min_duration_s",
+        "picture.black",
+        "picture.white",
+        "source.crs",
+        "sound_speed.recorder_m_s",
+        "sound_speed.salinity_psu",
+        "sound_speed.temperature_c",
+        "track.offset_s",
+    ];
+
+    fn demo_window() -> Harness<'static, Shell> {
+        let mut window = Harness::builder()
+            .with_size([1400.0, 900.0])
+            .with_max_steps(32)
+            .build_eframe(|_| Shell::new(App::new(Jobs::Inline)));
+        window.state_mut().app.apply(Command::OpenDemo);
+        window.run();
+        window
+    }
+
+    fn press(window: &mut Harness<'static, Shell>, held: egui::Modifiers, key: Key) {
+        window.key_press_modifiers(held, key);
+        window.run();
+    }
+
+    #[test]
+    fn every_setting_of_the_panels_is_gone_to_and_gets_the_keyboard() {
+        let mut window = demo_window();
+        let ctx = window.ctx.clone();
+        for row in find_setting::CONTROLS.iter().flat_map(|(_, rows)| *rows) {
+            window.state_mut().app.notices.clear();
+            window
+                .state_mut()
+                .carry_out(&ctx, Command::ShowSetting(row.key));
+            window.run();
+            let said = window
+                .state()
+                .app
+                .notices
+                .last()
+                .map(|one| one.text.clone());
+            if DEPEND.contains(&row.key) {
+                let said = said.expect(row.key);
+                assert!(said.contains("has no control now"), "{}: {said}", row.key);
+                continue;
+            }
+            assert_eq!(said, None, "{}", row.key);
+            assert_eq!(find_setting::marked(&ctx).as_deref(), Some(row.key));
+            let focused = ctx.memory(|memory| memory.focused()).expect(row.key);
+            let control = ctx.read_response(focused).expect(row.key);
+            let screen = ctx.content_rect();
+            assert!(
+                screen.contains_rect(control.rect),
+                "{}: {control:?}",
+                row.key
+            );
+            press(&mut window, egui::Modifiers::NONE, Key::Escape);
+        }
+    }
+
+    #[test]
+    fn a_few_letters_lead_to_a_setting_and_its_value_is_changed_by_keys() {
+        let mut window = demo_window();
+        for (typed, key) in [
+            ("scale", "calibration.mode"),
+            ("draft", "draft_m"),
+            ("mosaic", "mosaic.gain"),
+            ("threshold", "first_return.threshold"),
+        ] {
+            press(&mut window, egui::Modifiers::COMMAND, Key::P);
+            window.event(Event::Text(typed.to_owned()));
+            window.run();
+            let mut found = search(
+                items(&ViewContext {
+                    app: &window.state().app,
+                    render_state: None,
+                    target: crate::app::View::Waterfall,
+                    commands: &mut Vec::new(),
+                }),
+                typed,
+            );
+            let leads = |item: &Item| item.command == Command::ShowSetting(key);
+            found.truncate(8);
+            assert!(found.iter().any(leads), "{typed}");
+            if leads(&found[0]) {
+                press(&mut window, egui::Modifiers::NONE, Key::Enter);
+                let marked = find_setting::marked(&window.ctx);
+                assert_eq!(marked.as_deref(), Some(key));
+            }
+            press(&mut window, egui::Modifiers::NONE, Key::Escape);
+        }
+        let ctx = window.ctx.clone();
+        let before = window.state().app.log.settings.calibration.offset;
+        let show = Command::ShowSetting("calibration.offset");
+        window.state_mut().carry_out(&ctx, show);
+        window.run();
+        for key in [Key::ArrowDown, Key::ArrowDown, Key::Enter] {
+            press(&mut window, egui::Modifiers::NONE, key);
+        }
+        let after = window.state().app.log.settings.calibration.offset;
+        assert_ne!(before, after);
+    }
 
     fn best(query: &str) -> &'static str {
         let scored = Action::ALL

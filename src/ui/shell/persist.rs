@@ -1,9 +1,9 @@
-//! What is kept between runs: settings, display options, arrangement, recent logs, the base map's file. Never data.
+//! What is kept between runs: what a person likes (display options, arrangement, mountings), recent logs with the settings that each was
+//! last given, the base map's file. Never data; and no setting of one survey for the next.
 
 use super::Shell;
 use super::layout::Layout;
-use crate::app::{Mountings, ViewOptions};
-use crate::pipeline::Settings;
+use crate::app::{GivenSettings, Mountings, ViewOptions};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -13,8 +13,6 @@ const KEY: &str = "bathyscope window 1";
 /// Everything that is kept.
 #[derive(Serialize, Deserialize)]
 struct Saved {
-    /// Settings of another version may not be known here; the rest is taken all the same.
-    settings: serde_json::Value,
     options: ViewOptions,
     layout: Layout,
     recent: Vec<PathBuf>,
@@ -23,28 +21,30 @@ struct Saved {
     /// How recorders are mounted as a rule.
     #[serde(default)]
     mountings: Mountings,
+    /// Settings of another version may not be known here; the rest is taken all the same.
+    #[serde(default)]
+    given: serde_json::Value,
 }
 
 #[derive(Serialize)]
 struct Saving<'a> {
-    settings: Settings,
     options: &'a ViewOptions,
     layout: &'a Layout,
     recent: &'a [PathBuf],
     base_map: Option<&'a Path>,
     mountings: &'a Mountings,
+    given: GivenSettings,
 }
 
 /// Writes the window's state into the store.
 pub fn save(shell: &Shell, storage: &mut dyn eframe::Storage) {
-    let settings = shell.app.log.settings.with_survey_of(&Settings::default());
     let saving = Saving {
-        settings,
         options: &shell.app.options,
         layout: &shell.layout,
         recent: &shell.app.recent,
         base_map: shell.app.base_map.as_ref().map(|map| map.path.as_path()),
         mountings: shell.app.mountings(),
+        given: shell.app.given_settings(),
     };
     if let Ok(text) = serde_json::to_string(&saving) {
         storage.set_string(KEY, text);
@@ -58,12 +58,10 @@ impl Shell {
             return;
         };
         if let Ok(saved) = serde_json::from_str::<Saved>(&text) {
-            let settings = serde_json::from_value::<Settings>(saved.settings).ok();
-            if let Some(settings) = settings.filter(|settings| settings.check().is_ok()) {
-                self.app.use_settings(&settings);
-            }
+            let given = serde_json::from_value(saved.given);
+            self.app.use_given_settings(given.unwrap_or_default());
             self.app.use_mountings(saved.mountings);
-            self.app.options = saved.options;
+            self.app.options = saved.options.for_new_survey();
             self.app.recent = saved.recent;
             self.layout = saved.layout;
             if let Some(path) = saved.base_map {

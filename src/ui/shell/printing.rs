@@ -5,9 +5,10 @@ use crate::app::{App, Command, Paper, PrintOptions, PrintText, Sheet, ThemeChoic
 use crate::progress::Progress;
 use crate::ui::ViewContext;
 use crate::ui::dialogs::Purpose;
+use crate::ui::drop_down::DropDown;
 use crate::ui::offscreen::{Studio, write_picture};
 use crate::ui::theme;
-use egui::{ComboBox, DragValue, Id, Label, Modal, Panel, RichText, Ui};
+use egui::{DragValue, Id, Label, Modal, Panel, RichText, Ui};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
@@ -75,25 +76,21 @@ fn choices(ui: &mut Ui, view: &mut View, options: &mut PrintOptions) {
         .spacing([12.0, 6.0])
         .show(ui, |ui| {
             ui.label("View");
-            ComboBox::from_id_salt("printed view")
-                .selected_text(view.title())
-                .show_ui(ui, |ui| {
-                    for one in View::ALL {
-                        ui.selectable_value(view, one, one.title());
+            DropDown::new("printed view", view.title())
+                .show(ui, |choices| {
+                    for one in View::PICTURES {
+                        choices.value(view, one, one.title());
                     }
                 })
-                .response
                 .accessible_name("View to print");
             ui.end_row();
             ui.label("Size");
-            ComboBox::from_id_salt("paper")
-                .selected_text(options.paper.name())
-                .show_ui(ui, |ui| {
+            DropDown::new("paper", options.paper.name())
+                .show(ui, |choices| {
                     for paper in Paper::ALL {
-                        ui.selectable_value(&mut options.paper, paper, paper.name());
+                        choices.value(&mut options.paper, paper, paper.name());
                     }
                 })
-                .response
                 .accessible_name("Paper");
             ui.end_row();
             if options.paper == Paper::Pixels {
@@ -142,9 +139,11 @@ fn scale(app: &App, view: View, sheet: Sheet, views: &Views) -> String {
         View::Map => match map_scale(sheet, views).filter(|_| is_paper) {
             Some(denominator) => {
                 let paper = app.options.print.paper.name();
-                format!("Scale about 1 : {denominator:.0} on {paper}; the bar holds in any size.")
+                format!(
+                    "Scale about 1 : {denominator:.0} on {paper}; the scale bar is right at any size."
+                )
             }
-            None => "Scale as the bar says.".to_owned(),
+            None => "The scale bar gives the scale.".to_owned(),
         },
         View::Waterfall => {
             let across = match app.options.waterfall.ground_range {
@@ -152,13 +151,14 @@ fn scale(app: &App, view: View, sheet: Sheet, views: &Views) -> String {
                 false => "slant range",
             };
             format!(
-                "Scale across the track as the range lines say, {across}; along it by ping and time."
+                "Range lines give the scale across the track, {across}; ping and time that along it."
             )
         }
         View::Cloud => format!(
-            "Seen in perspective: scale as the axes say, elevations x{}.",
+            "Perspective view: the axes give the scale, elevations x{}.",
             app.options.cloud.vertical_exaggeration
         ),
+        View::Objects => String::new(),
     }
 }
 
@@ -202,7 +202,10 @@ impl Shell {
         } else if self.app.export_fraction().is_some() {
             self.app.apply(Command::Notify(BUSY.to_owned()));
         } else {
-            self.printing.ask(self.layout.target());
+            let target = self.layout.target();
+            let is_picture = View::PICTURES.contains(&target);
+            self.printing
+                .ask(if is_picture { target } else { View::Map });
         }
     }
 
@@ -212,7 +215,7 @@ impl Shell {
         let ending = match view {
             View::Waterfall => "waterfall.png",
             View::Map => "map.png",
-            View::Cloud => "cloud.png",
+            View::Cloud | View::Objects => "cloud.png",
         };
         let proposed = self.sidecar_path(ending);
         self.dialogs

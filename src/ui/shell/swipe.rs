@@ -1,14 +1,15 @@
 //! Which layers of the map lie left, and which right of its divider.
 
 use crate::app::{MapOptions, SwipeSide};
-use egui::{ComboBox, RichText, Ui};
+use crate::ui::drop_down::DropDown;
+use egui::{RichText, Ui};
 
 /// Divides the map, and a row for each layer that is shown.
 pub fn control(ui: &mut Ui, map: &mut MapOptions) {
     let mut on = map.swipe.on;
     let check = ui.checkbox(&mut on, "Swipe");
     if check
-        .on_hover_text("Draws some layers only left, others only right of a divider (W).")
+        .on_hover_text("Draws some layers left and others right of a divider (W).")
         .changed()
     {
         map.swipe.toggle(&mut map.layers);
@@ -32,15 +33,13 @@ pub fn control(ui: &mut Ui, map: &mut MapOptions) {
             {
                 ui.label(RichText::new(layer.name()).small());
                 let mut side = map.swipe.side(layer);
-                ComboBox::from_id_salt(("side", layer))
+                DropDown::new(("side", layer), RichText::new(side.name()).small())
                     .width(64.0)
-                    .selected_text(RichText::new(side.name()).small())
-                    .show_ui(ui, |ui| {
+                    .show(ui, |choices| {
                         for one in SwipeSide::ALL {
-                            ui.selectable_value(&mut side, one, one.name());
+                            choices.value(&mut side, one, one.name());
                         }
                     })
-                    .response
                     .accessible_name(format!("Side of {}", layer.name()));
                 if side != map.swipe.side(layer) {
                     map.swipe.set_side(layer, side);

@@ -6,9 +6,11 @@ use crate::app::{
     WaterfallOptions,
 };
 use crate::pipeline::BottomColour;
+use crate::ui::drop_down::DropDown;
+use crate::ui::panels::find_setting;
 use crate::ui::{ViewContext, toggle};
-use egui::Ui;
 use egui::containers::menu::{MenuButton, MenuConfig};
+use egui::{Popup, Ui};
 
 /// Width that the title and all controls of a view need side by side; below it they go into a menu.
 fn room(view: View) -> f32 {
@@ -16,6 +18,7 @@ fn room(view: View) -> f32 {
         View::Waterfall => 640.0,
         View::Map => 220.0,
         View::Cloud => 570.0,
+        View::Objects => 0.0,
     }
 }
 
@@ -45,6 +48,8 @@ fn controls(ui: &mut Ui, view: View, context: &mut ViewContext<'_>, options: &mu
         View::Waterfall => waterfall(ui, context, options),
         View::Map => map(ui, context, options),
         View::Cloud => cloud(ui, context, options),
+        // Its filter lies over its rows.
+        View::Objects => {}
     }
 }
 
@@ -86,18 +91,22 @@ fn waterfall(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptio
         "Distance on level ground instead of slant range (G).",
     );
     button(ui, context, Action::OneToOne, "1:1");
-    menu(egui::RichText::new("Levels").small()).ui(ui, |ui| levels::ui(ui, context));
+    let title = egui::RichText::new("Levels").small();
+    let (button, _) = menu(title).ui(ui, |ui| levels::ui(ui, context));
+    let sought = find_setting::sought(ui.ctx()).and_then(find_setting::place_of);
+    if sought == Some(find_setting::Place::Levels) {
+        Popup::open_id(ui.ctx(), Popup::default_response_id(&button));
+    }
     channels(ui, context, &mut options.waterfall);
     let shown = &mut options.waterfall;
-    egui::ComboBox::from_id_salt("colour map")
+    let name = egui::RichText::new(shown.colour_map.name()).small();
+    DropDown::new("colour map", name)
         .width(92.0)
-        .selected_text(egui::RichText::new(shown.colour_map.name()).small())
-        .show_ui(ui, |ui| {
+        .show(ui, |choices| {
             for map in ColourMap::ALL {
-                ui.selectable_value(&mut shown.colour_map, map, map.name());
+                choices.value(&mut shown.colour_map, map, map.name());
             }
         })
-        .response
         .accessible_name("Colour map")
         .on_hover_text("Colours of echo strength.");
 }
@@ -118,13 +127,12 @@ pub fn channels(ui: &mut Ui, context: &ViewContext<'_>, shown: &mut WaterfallOpt
         (channel, true) => channel.name().to_owned(),
         (channel, false) => format!("+ {}", channel.name()),
     };
-    egui::ComboBox::from_id_salt("channels")
+    DropDown::new("channels", egui::RichText::new(name).small())
         .width(92.0)
-        .selected_text(egui::RichText::new(name).small())
-        .show_ui(ui, |ui| {
+        .show(ui, |choices| {
             for channel in there {
                 if channel == EchogramChannel::None {
-                    ui.selectable_value(&mut shown.echogram, channel, "side-scan");
+                    choices.value(&mut shown.echogram, channel, "side-scan");
                     continue;
                 }
                 for alone in [false, true] {
@@ -133,15 +141,14 @@ pub fn channels(ui: &mut Ui, context: &ViewContext<'_>, shown: &mut WaterfallOpt
                         false => format!("side-scan and {}", channel.name()),
                         true => format!("{} alone", channel.name()),
                     };
-                    if ui.selectable_label(is_it, label).clicked() {
+                    if choices.choice(is_it, label).clicked() {
                         (shown.echogram, shown.echogram_alone) = (channel, alone);
                     }
                 }
             }
         })
-        .response
         .accessible_name("Channels")
-        .on_hover_text("Side-scan, or a channel that looks down with its bottom.");
+        .on_hover_text("Side-scan, or a down-looking channel with its bottom.");
 }
 
 /// A menu that stays open while its sliders are dragged.
@@ -157,14 +164,14 @@ fn map(ui: &mut Ui, context: &ViewContext<'_>, options: &mut ViewOptions) {
             ui,
             &mut shown.track_by_log,
             "By log",
-            "Colours the tracks by the log that they are of, instead of by depth.",
+            "Colours each track by its log, not by depth.",
         );
     }
     switch(
         ui,
         &mut shown.flat_spots,
         "Flat stretches",
-        "The ranked stretches to calibrate on.",
+        "The flat stretches for the calibration, ranked.",
     );
     menu(egui::RichText::new("Layers").small())
         .ui(ui, |ui| {
@@ -173,7 +180,7 @@ fn map(ui: &mut Ui, context: &ViewContext<'_>, options: &mut ViewOptions) {
             swipe::control(ui, shown);
         })
         .0
-        .on_hover_text("What the map shows, in which order, and how strongly.");
+        .on_hover_text("Layers of the map, their order and opacity.");
 }
 
 fn cloud(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptions) {
@@ -184,14 +191,14 @@ fn cloud(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptions) 
         ui,
         &mut shown.outlier_preview,
         "Outliers",
-        "Shows the points that the filter removes in a third colour (O).",
+        "Shows points that the depth map does not use (O).",
     );
     let mut is_clipped = shown.clip.is_some();
     switch(
         ui,
         &mut is_clipped,
         "Clip box",
-        "Draws what lies in a box alone (Shift+X).",
+        "Shows only what lies in a box (Shift+X).",
     );
     if is_clipped != shown.clip.is_some() {
         shown.toggle_clip();
@@ -218,19 +225,17 @@ fn point_colours(ui: &mut Ui, context: &ViewContext<'_>, shown: &mut CloudOption
         true => format!("points by {}", shown.colour.name()),
         false => "no points".to_owned(),
     };
-    egui::ComboBox::from_id_salt("colours of points")
+    DropDown::new("colours of points", egui::RichText::new(selected).small())
         .width(116.0)
-        .selected_text(egui::RichText::new(selected).small())
-        .show_ui(ui, |ui| {
-            ui.checkbox(&mut shown.points, "points");
-            ui.separator();
+        .show(ui, |choices| {
+            choices.ui().checkbox(&mut shown.points, "points");
+            choices.ui().separator();
             for colour in CloudColour::ALL {
                 if colour != CloudColour::Log || several_logs {
-                    ui.selectable_value(&mut shown.colour, colour, colour.name());
+                    choices.value(&mut shown.colour, colour, colour.name());
                 }
             }
         })
-        .response
         .accessible_name("Colours of points")
         .on_hover_text(hint);
 }
@@ -244,19 +249,18 @@ fn bottom_colours(ui: &mut Ui, shown: &mut CloudOptions) {
         true => format!("bottom by {}", shown.bottom_colour.name()),
         false => "no bottom".to_owned(),
     };
-    egui::ComboBox::from_id_salt("colours of the bottom")
+    let selected = egui::RichText::new(selected).small();
+    DropDown::new("colours of the bottom", selected)
         .width(128.0)
-        .selected_text(egui::RichText::new(selected).small())
-        .show_ui(ui, |ui| {
-            ui.checkbox(&mut shown.bottom, "bottom");
-            ui.separator();
+        .show(ui, |choices| {
+            choices.ui().checkbox(&mut shown.bottom, "bottom");
+            choices.ui().separator();
             for colour in BottomColour::ALL {
-                ui.selectable_value(&mut shown.bottom_colour, colour, colour.name());
+                choices.value(&mut shown.bottom_colour, colour, colour.name());
             }
-            ui.separator();
-            ui.checkbox(&mut shown.isobaths, "isobaths");
+            choices.ui().separator();
+            choices.ui().checkbox(&mut shown.isobaths, "isobaths");
         })
-        .response
         .accessible_name("Colours of the bottom")
         .on_hover_text(hint);
 }

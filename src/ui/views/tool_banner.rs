@@ -30,16 +30,6 @@ impl Banner {
         }
     }
 
-    /// Of the tool that picks a flat spot on the map.
-    pub fn of_calibration() -> Self {
-        let next = "click the track, or a numbered stretch";
-        Self::new(
-            "Calibrate by click",
-            next,
-            "C: at the selected ping · Esc leaves",
-        )
-    }
-
     /// Of the tool in hand that is of use in a view; `None` without one.
     pub fn of(app: &App, view: View) -> Option<Self> {
         if let Some(kind) = app.measuring.tool {
@@ -47,9 +37,14 @@ impl Banner {
         }
         match (app.log.reviewing.tool, view) {
             (Tool::LeaveOut, View::Waterfall | View::Map) => Some(Self::new(
-                "Leave stretches out",
-                "drag along the pings; a click takes a stretch back in",
-                "Ctrl: they count whatever is found · Alt: as found · K or Esc leaves",
+                "Exclude stretches",
+                "drag along the pings; a click includes a stretch again",
+                "Ctrl: always include · Alt: reset · K or Esc ends",
+            )),
+            (Tool::Calibrate, View::Waterfall | View::Map) => Some(Self::new(
+                "Calibrate on a stretch",
+                "drag along level bottom, or click a numbered stretch",
+                "then Use this scale · C or Esc ends",
             )),
             (tool, View::Waterfall) => of_picture(app, tool),
             _ => None,
@@ -120,7 +115,7 @@ impl Placed {
 /// Of a tool that is of use in the waterfall alone.
 fn of_picture(app: &App, tool: Tool) -> Option<Banner> {
     Some(match tool {
-        Tool::Look | Tool::LeaveOut => return None,
+        Tool::Look | Tool::LeaveOut | Tool::Calibrate => return None,
         Tool::Edit => {
             let edge = app.log.reviewing.edge;
             let next = match edge {
@@ -130,23 +125,28 @@ fn of_picture(app: &App, tool: Tool) -> Option<Banner> {
             Banner::new(
                 "Edit box",
                 next,
-                "Arrows move it, Ctrl+arrows its edges · Shift+E: next edge · E or Esc leaves",
+                "Arrows move it, Ctrl+arrows its edges · Shift+E: next edge · E or Esc ends",
             )
         }
         Tool::Draw => Banner::new(
             "New box",
             "drag from one corner of echo and shadow to the other",
-            "Space or the middle button moves the picture · N or Esc leaves",
+            "Space or the middle button moves the picture · N or Esc ends",
         ),
         Tool::Point => Banner::new(
             "Mark target",
             "click the target",
-            "Arrows move the cross, T marks there or at the pointer · Esc leaves",
+            "Arrows move the cross, T marks there or at the pointer · Esc ends",
+        ),
+        Tool::Accept => Banner::new(
+            "Accept as bottom",
+            "drag along first returns that follow the bottom",
+            "Alt: no longer accepted · Esc ends",
         ),
         Tool::Bottom => Banner::new(
             "Draw the bottom",
             "drag along the first echo of the bottom",
-            "Ctrl: there is none · Alt: as found · Up, Down: at the selected ping · M or Esc leaves",
+            "Ctrl: mark as missing · Alt: automatic pick · Up, Down: at the selected ping · M or Esc ends",
         ),
     })
 }
@@ -154,7 +154,7 @@ fn of_picture(app: &App, tool: Tool) -> Option<Banner> {
 fn measuring(app: &App, kind: MeasurementKind, view: View) -> Option<Banner> {
     let is_drawing = app.measuring.is_drawing();
     let (name, next) = match (kind, view) {
-        (_, View::Cloud) => return None,
+        (_, View::Cloud | View::Objects) => return None,
         (MeasurementKind::Distance, _) => ("Measure distance", "click the corners of a line"),
         (MeasurementKind::Area, _) => ("Measure area", "click the corners around it"),
         (MeasurementKind::Profile, _) => ("Depth profile", "click the corners of a line"),
@@ -172,12 +172,12 @@ fn measuring(app: &App, kind: MeasurementKind, view: View) -> Option<Banner> {
     };
     let keys = match (kind, is_drawing) {
         (MeasurementKind::Height, _) => {
-            "Arrows move the cross, X sets an end · Backspace takes it back · H or Esc leaves"
+            "Arrows move the cross, X sets an end · Backspace removes it · H or Esc ends"
         }
         (_, true) => {
-            "Arrows and X: a corner by key · Enter or a double-click ends it · Backspace: one back · Esc leaves"
+            "Arrows and X: corner by key · Backspace: remove it · Enter or double-click: finish · Esc ends"
         }
-        (_, false) => "Arrows move the cross, X sets a corner · Esc leaves",
+        (_, false) => "Arrows move the cross, X sets a corner · Esc ends",
     };
     Some(Banner::new(name, next, keys))
 }
@@ -204,7 +204,9 @@ mod tests {
             (Action::NewBox, "New box"),
             (Action::MarkTarget, "Mark target"),
             (Action::DrawBottom, "Draw the bottom"),
-            (Action::LeaveOut, "Leave stretches out"),
+            (Action::LeaveOut, "Exclude stretches"),
+            (Action::AcceptBottom, "Accept as bottom"),
+            (Action::Calibrate, "Calibrate on a stretch"),
         ];
         let mut app = App::new(Jobs::Inline);
         app.apply(Command::OpenDemo);

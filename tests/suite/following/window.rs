@@ -5,6 +5,7 @@ use crate::support::{demo_log, real_data};
 use bathyscope::app::{
     Action, App, BottomStroke, Command, FollowStatus, Ink, Jobs, Leave, Mark, is_project,
 };
+use bathyscope::calibration::ScaleMode;
 use bathyscope::detection::review::{Edit, State};
 use bathyscope::formats::open_bytes;
 use bathyscope::progress::Progress;
@@ -464,4 +465,77 @@ fn a_project_of_a_log_that_grew_is_opened_again() {
     assert_eq!(boxes, [mark], "{:?}", again.notices);
     let whole = opened(&path);
     assert_eq!(pings(&again), pings(&whole));
+}
+
+/// Follows a log from a share on with the scale of a flat stretch and none chosen. The stretch that was in use when following began stays in
+/// use, at the end too; returns whether a flatter one was offered, with what it was taken for.
+fn follow_with_scale(whole: &[u8], name: &str, share: f64) -> (App, Option<String>) {
+    let scale = |app: &App| {
+        let made = &app.log.products.as_ref().expect("results").calibration;
+        assert_eq!(made.mode, ScaleMode::FlatSpot);
+        let pings = made.flat_spot.as_ref().map(|spot| spot.pings.clone());
+        (made.factor().expect("a scale"), pings.expect("a stretch"))
+    };
+    let mut at_start = None;
+    let (_folder, mut app) = follow(whole, name, share, |app| {
+        let mut settings = bathyscope::pipeline::Settings::clone(&app.log.settings);
+        settings.calibration.mode = ScaleMode::FlatSpot;
+        app.apply(Command::Change {
+            settings: Box::new(settings),
+            label: "scale",
+            live: false,
+        });
+        watch(app, |app| !app.log.is_behind());
+        at_start = Some(scale(app));
+    });
+    let (factor, pings) = at_start.expect("a scale");
+    let is_kept = |app: &App| {
+        let (now, stretch) = scale(app);
+        assert_eq!(stretch, pings, "another stretch");
+        // The level of the picture, and with it each first return, is that of the whole log.
+        assert!((now / factor - 1.0).abs() < 4e-3, "{now} for {factor}");
+    };
+    is_kept(&app);
+    end(&mut app);
+    is_kept(&app);
+    let named = app.log.settings.calibration.pings;
+    let named = named.map(|range| range.start..range.end);
+    assert_eq!(named, Some(pings.clone()), "a script uses the same stretch");
+    let best = app.log.products.as_ref().expect("results").flat_spots[0].clone();
+    println!(
+        "{name}: x{factor:.3} at {pings:?}, the whole log has x{:?} at {:?}",
+        best.factor, best.pings
+    );
+    assert_ne!(best.pings, pings, "the whole log has a flatter stretch");
+    let notices = app.notices.iter();
+    let mut offers = notices.filter(|notice| notice.offer == Some(Action::UseFlatterStretch));
+    let offer = offers.next_back().map(|notice| notice.text.clone());
+    if offer.is_some() {
+        app.apply(Command::Do(Action::UseFlatterStretch));
+        wait(&mut app);
+        assert_eq!(scale(&app).1, best.pings);
+        app.apply(Command::Do(Action::Undo));
+        wait(&mut app);
+        is_kept(&app);
+    }
+    (app, offer)
+}
+
+#[test]
+fn the_scale_in_force_stays_while_a_log_grows() {
+    let demo = std::fs::read(demo_log()).expect("the demo");
+    follow_with_scale(&demo, "pond.sl2", 0.1);
+}
+
+#[test]
+fn a_flatter_stretch_is_offered_while_a_log_grows_and_not_taken() {
+    let Some(data) = real_data() else {
+        return;
+    };
+    let whole = std::fs::read(data.join("lowrance/glencanyon-transcoded.sl2")).expect("a log");
+    let (_, offer) = follow_with_scale(&whole, "river.sl2", 0.25);
+    let offer = offer.expect("an offer");
+    println!("{offer}");
+    assert!(offer.contains("A flatter stretch was found"), "{offer}");
+    assert!(offer.contains("depths change by about"), "{offer}");
 }

@@ -162,6 +162,11 @@ fn boxes_and_strokes_stay_on_their_echoes_when_sides_are_exchanged() {
         .apply(Command::Select(Some(selected)));
     press(&mut window, Modifiers::SHIFT, Key::S);
     settle(&mut window);
+    assert!(!mounting(&window).swap_sides, "it asks");
+    window
+        .get_by_label("Exchange port and starboard")
+        .click_accesskit();
+    settle(&mut window);
     assert!(mounting(&window).swap_sides);
     assert_eq!(sides(&window), [Side::Starboard; 3]);
     assert_eq!(picks(&window), [starboard.clone(), port.clone()]);
@@ -219,8 +224,7 @@ fn boxes_and_strokes_stay_on_their_echoes_when_sides_are_exchanged() {
     let log = &app(&again).log;
     assert!(log.survey.as_ref().expect("a log").swapped_sides);
     // Back again, the boxes of the project come back to port.
-    press(&mut again, Modifiers::SHIFT, Key::S);
-    settle(&mut again);
+    act(&mut again, Action::SwapSides);
     assert_eq!(sides(&again), [Side::Port; 3]);
 }
 
@@ -308,7 +312,7 @@ fn a_recorder_has_a_default_that_its_logs_are_opened_with() {
     let notice = app(&window)
         .notices
         .iter()
-        .find(|one| one.text.contains("default of its recorder"));
+        .find(|one| one.text.contains("default mounting of"));
     assert!(notice.is_some_and(|one| one.text.contains("third")));
     act(&mut window, Action::Undo);
     assert_eq!(

@@ -130,7 +130,8 @@ fn what_was_not_saved_is_taken_in_when_the_project_is_opened() {
         .record(&renamed(&again.project, "third"), "rename")
         .expect("a line");
     store.close(false);
-    assert_eq!(names(folder), ["lake.bathyscope", "pond.sl2"]);
+    let kept = ["lake.bathyscope", "lake.bathyscope-history", "pond.sl2"];
+    assert_eq!(names(folder), kept);
     assert_eq!(
         name(&project::read(&path(folder)).expect("a project")),
         "second"

@@ -72,10 +72,10 @@ fn decisions_are_kept_every_few_seconds_and_at_the_end_and_taken_up_by_a_click()
         "offered, not taken"
     );
     window.get_by_label_contains("Decisions about 2 boxes were not saved");
-    window.get_by_label("Take up unsaved decisions").click();
+    window.get_by_label("Restore unsaved decisions").click();
     window.run();
     assert_eq!(review_of(&window).shared(), last.shared());
-    assert!(window.query_by_label("Take up unsaved decisions").is_none());
+    assert!(window.query_by_label("Restore unsaved decisions").is_none());
     press(&mut window, Modifiers::COMMAND, Key::Z);
     assert!(!app(&window).log.reviewing.has_boxes(), "one undo step");
     press(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
@@ -87,7 +87,7 @@ fn decisions_are_kept_every_few_seconds_and_at_the_end_and_taken_up_by_a_click()
     assert!(kept(folder.path()).is_none());
     let (_, window) = opened(folder.path());
     assert_eq!(review_of(&window).shared(), last.shared());
-    assert!(window.query_by_label("Take up unsaved decisions").is_none());
+    assert!(window.query_by_label("Restore unsaved decisions").is_none());
     assert!(
         fs::read(&log).expect("the log") == before,
         "the log is never written"
@@ -144,12 +144,12 @@ fn another_log_opened_meanwhile_costs_no_decision() {
     window.run();
     assert_eq!(decided(&kept(folder.path()).expect("kept")), 3);
     assert!(!app(&window).is_at_risk());
-    assert!(window.query_by_label("Take up unsaved decisions").is_none());
+    assert!(window.query_by_label("Restore unsaved decisions").is_none());
     app_mut(&mut window).apply(Command::Open(log));
     window.run();
     assert_eq!(decided(review_of(&window)), 3);
     assert!(
-        window.query_by_label("Take up unsaved decisions").is_none(),
+        window.query_by_label("Restore unsaved decisions").is_none(),
         "this run's own decisions are no news"
     );
 }

@@ -23,8 +23,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 const CLASSES: [&str; 3] = ["rock", "tyre", "log"];
-/// Class keys in the order of the classes.
-const CLASS_KEYS: [Key; 3] = [Key::Num1, Key::Num2, Key::Num3];
+/// The key of the third class of the usual list, and the class.
+const TREE: (Key, &str) = (Key::Num3, "tree");
 
 fn classes() -> Vec<String> {
     CLASSES.map(str::to_owned).to_vec()
@@ -111,7 +111,7 @@ fn fifty_boxes_are_reviewed_by_keys_alone_and_come_back() {
             State::Rejected
         } else {
             if index % 5 == 0 {
-                press(&mut window, Modifiers::NONE, CLASS_KEYS[2]);
+                press(&mut window, Modifiers::NONE, TREE.0);
                 presses += 1;
             }
             press(&mut window, Modifiers::NONE, Key::A);
@@ -127,8 +127,9 @@ fn fifty_boxes_are_reviewed_by_keys_alone_and_come_back() {
             Some(*state)
         );
     }
-    let logs = review_of(&window).boxes().filter(|one| one.class == 2);
-    assert_eq!(logs.count(), 6, "those that were named a log");
+    let named = review_of(&window);
+    let trees = (named.boxes()).filter(|one| named.class_name(one.class) == TREE.1);
+    assert_eq!(trees.count(), 6, "those that were named a tree");
     assert_eq!(app(&window).log.reviewing.counts().decided(), 50);
     let scores: Vec<_> = expected
         .iter()
@@ -255,6 +256,9 @@ fn a_held_key_decides_about_one_box_and_goes_on_stepping() {
     }
     let before = threshold(&window);
     hold(&mut window, Key::CloseBracket);
+    assert_eq!(threshold(&window), before, "the button has the keyboard");
+    press(&mut window, Modifiers::NONE, Key::Escape);
+    hold(&mut window, Key::CloseBracket);
     assert!((threshold(&window) - before - 0.05).abs() < 1e-6);
 }
 
@@ -263,15 +267,63 @@ fn digits_name_the_selected_box_and_otherwise_focus_a_view() {
     let (_folder, mut window) = proposed(4);
     press(&mut window, Modifiers::NONE, Key::Tab);
     let id = selected(&window);
+    let list = ["wreck", "anchor", "buoy"].map(str::to_owned).to_vec();
+    (window.state_mut().app).apply(Command::SetClasses(list));
     press(&mut window, Modifiers::NONE, Key::Num3);
-    assert_eq!(review_of(&window).get(id).map(|one| one.class), Some(2));
+    assert_eq!(class_of(&window, id), "buoy");
+    // Behind the list come the classes that boxes have besides.
+    press(&mut window, Modifiers::NONE, Key::Num5);
+    let fifth = app(&window).class_names()[4].to_owned();
+    assert_eq!(class_of(&window, id), fifth);
     press(&mut window, Modifiers::NONE, Key::Num9);
-    assert_eq!(review_of(&window).get(id).map(|one| one.class), Some(2));
+    assert_eq!(class_of(&window, id), fifth, "there is no ninth");
     press(&mut window, Modifiers::NONE, Key::Escape);
     assert_eq!(app(&window).log.reviewing.selected, None);
     let before = review_of(&window).clone();
     press(&mut window, Modifiers::NONE, Key::Num1);
     assert_eq!(*review_of(&window), before);
+}
+
+fn class_of(window: &Window, id: BoxId) -> String {
+    let review = review_of(window);
+    let one = review.get(id).expect("the box");
+    review.class_name(one.class).to_owned()
+}
+
+#[test]
+fn the_list_of_classes_is_edited_and_a_new_name_holds_for_all_boxes_as_one_step() {
+    let (_folder, mut window) = proposed(4);
+    press(&mut window, Modifiers::NONE, Key::Tab);
+    let id = selected(&window);
+    let list = |window: &Window| app(window).log.settings.review.classes.clone();
+    let first = list(&window);
+    assert_eq!(first[..2], ["wreck", "anchor"]);
+    window.get_by_label("Edit classes").click_accesskit();
+    window.run();
+    window.get_by_label("Move down wreck").click_accesskit();
+    window.run();
+    assert_eq!(list(&window)[..2], ["anchor", "wreck"]);
+    press(&mut window, Modifiers::NONE, Key::Num1);
+    assert_eq!(class_of(&window, id), "anchor");
+    let rename = Command::RenameClass {
+        from: "anchor".to_owned(),
+        to: "mooring".to_owned(),
+    };
+    (window.state_mut().app).apply(rename);
+    window.run();
+    assert_eq!(list(&window)[..2], ["mooring", "wreck"]);
+    assert_eq!(class_of(&window, id), "mooring");
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    assert_eq!(list(&window)[..2], ["anchor", "wreck"]);
+    assert_eq!(class_of(&window, id), "anchor");
+    // No result depends on the list.
+    assert!(app(&window).stale().is_none());
+    window.get_by_label("Remove class anchor").click_accesskit();
+    window.run();
+    assert!(!list(&window).contains(&"anchor".to_owned()));
+    assert_eq!(class_of(&window, id), "anchor", "its boxes keep it");
+    let kept = app(&window).class_names();
+    assert!(kept.contains(&"anchor"), "{kept:?}");
 }
 
 #[test]
@@ -379,7 +431,8 @@ fn the_confidence_slider_hides_proposals_but_no_decisions() {
     let counts = app(&window).log.reviewing.counts();
     assert_eq!((counts.rejected, counts.proposed), (1, sure));
     window.get_by_label_contains(&format!(", {} boxes in view", sure + 1));
-    window.get_by_label_contains(&format!("{} below the confidence", 9 - sure));
+    let below = bathyscope::presentation::text::plural(9 - sure, "proposal", "proposals");
+    window.get_by_label_contains(&format!("{below} below the minimum confidence"));
 }
 
 fn app_mut(window: &mut Window) -> &mut bathyscope::app::App {

@@ -166,6 +166,14 @@ fn a_wreck_is_named_kept_exported_and_has_its_page_in_the_report() {
     let products = folder.path().join("products");
     app.apply(Command::Export(products.clone()));
     settle(&mut app);
+    let targets = std::fs::read_to_string(products.join("objects/targets.gpx")).expect("waypoints");
+    for text in [
+        "<name>Anna &lt;Maria&gt;</name><cmt>boiler amidships</cmt>",
+        "<type>steam tug</type>",
+    ] {
+        assert!(targets.contains(text), "{text}: {targets}");
+    }
+    assert_eq!(targets.matches("<wpt ").count(), 1);
     let page = std::fs::read_to_string(products.join("report.html")).expect("a report");
     for text in [
         "Anna &lt;Maria&gt;",
@@ -219,7 +227,8 @@ fn check_tables(folder: &Path) {
     assert_eq!(properties["confidence"], "probable");
     for name in ["objects.kml", "objects.gpx"] {
         let text = read(name);
-        assert!(text.contains("Anna &lt;Maria&gt;, steam tug"), "{name}");
+        assert!(text.contains("<name>Anna &lt;Maria&gt;</name>"), "{name}");
+        assert!(text.contains("steam tug; "), "{name}");
         assert!(text.contains("probable"), "{name}");
     }
 }

@@ -23,7 +23,7 @@ fn the_profile_says_its_values() {
         name(&window),
         format!(
             "Profile of ping 100: port first return {bed_m:.2} m, starboard first return {bed_m:.2} m, threshold 0.30, \
-             recorded bottom 4.00 m below transducer"
+             bottom 4.00 m below transducer by sounding"
         )
     );
     window

@@ -73,6 +73,6 @@ fn a_dashed_first_return_is_explained() {
         window.run_steps(2);
         let said = window.get_by_role(Role::Image).accesskit_node().value();
         let said = said.expect("a read-out");
-        assert_eq!(said.contains("first return dashed"), dashed, "{said}");
+        assert_eq!(said.contains("first return above bottom"), dashed, "{said}");
     }
 }

@@ -43,7 +43,7 @@ pub fn ui(ui: &mut Ui, comparison: &Comparison, same_ping: Option<&Residuals>, u
             ),
             (
                 "MAE, 95 %",
-                "Mean absolute difference, and the one that 95 % do not exceed.",
+                "Mean absolute difference, and 95th percentile of the absolute difference.",
                 [found.mae_m, found.p95_m].map(|value_m| units.difference(value_m)),
             ),
         ];

@@ -36,8 +36,8 @@ impl Line {
     fn hint(self) -> &'static str {
         match self {
             Self::Name => "What you call it, in tables, maps and the report.",
-            Self::Class => "A class of your own: it joins the list of this log's classes.",
-            Self::Note => "Anything that is to be known about it.",
+            Self::Class => "A class of your own; Edit classes gives it a key.",
+            Self::Note => "Remarks, for table and report.",
         }
     }
 
@@ -126,9 +126,9 @@ impl Lines {
 
 /// How sure the analyst is; the word that is chosen already is taken back by a click.
 fn confidence(ui: &mut Ui, context: &mut ViewContext<'_>, id: LogBox, one: &Reviewed) {
-    let hint = "How sure you are, beside the score of the detector.";
+    let hint = "Your own confidence; the score is that of the detector.";
     ui.horizontal_wrapped(|ui| {
-        name_cell(ui, "Sure", hint);
+        name_cell(ui, "Confidence", hint);
         for word in Confidence::ALL {
             let chosen = one.confidence == Some(word);
             let button = toggle::chip(ui, chosen, word.name());

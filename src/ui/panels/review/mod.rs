@@ -1,22 +1,21 @@
 //! The review of the boxes of all logs: how far it is, the selected box enlarged with all that is known about it, the other boxes that
-//! show the same object, the queue, the list of objects, and where truth is known how the boxes stand to it.
+//! show the same object, the queue, and where truth is known how the boxes stand to it.
 
-mod chip;
+mod classes;
 mod judged;
 mod lines;
 mod object;
 mod queue;
 mod selected;
-mod table;
 
-use super::parts::{warning, within};
+use super::parts::{remark, warning, within};
 use super::section::{Section, section};
 use crate::app::{Action, Command};
 use crate::pipeline::Background;
 use crate::presentation::units::Units;
-use crate::ui::{ViewContext, theme};
-use chip::Chip;
-use egui::{Button, ProgressBar, RichText, Ui};
+use crate::ui::views::chip::{self, Chip};
+use crate::ui::{ViewContext, text, theme};
+use egui::{Button, LayerId, ProgressBar, Rect, Response, RichText, Ui};
 use object::ObjectPictures;
 
 /// State of the panel: the picture of the selected box, and what is being written about it.
@@ -24,13 +23,23 @@ use object::ObjectPictures;
 pub struct ReviewPanel {
     chip: Background<chip::Key, Chip>,
     lines: lines::Lines,
+    classes: classes::Classes,
     object: ObjectPictures,
+    /// Where it was drawn last, and in which layer; `None` while there are no boxes.
+    area: Option<(LayerId, Rect)>,
 }
 
 impl ReviewPanel {
     /// Whether the picture is that of the selected box.
     pub fn is_settled(&self) -> bool {
         !self.chip.is_running() && self.object.is_settled()
+    }
+
+    /// Whether a control is one of the panel.
+    pub fn holds(&self, control: &Response) -> bool {
+        self.area.is_some_and(|(layer, area)| {
+            control.layer_id == layer && area.contains(control.rect.center())
+        })
     }
 
     /// Moves the keyboard to the name of the selected box.
@@ -44,6 +53,7 @@ impl ReviewPanel {
             *self = Self::default();
             return;
         }
+        let top = ui.cursor().min;
         let heading = Section {
             number: None,
             title: "Review",
@@ -58,10 +68,12 @@ impl ReviewPanel {
             within(ui, |ui| self.object.ui(ui, context));
             within(ui, |ui| judged::at_slider(ui, context));
             queue::ui(ui, context);
+            objects(ui, context);
             files(ui, context);
         });
-        table::ui(ui, context);
         judged::ui(ui, context);
+        let end = egui::pos2(ui.max_rect().right(), ui.cursor().top());
+        self.area = Some((ui.layer_id(), Rect::from_min_max(top, end)));
     }
 }
 
@@ -82,26 +94,36 @@ fn progress(ui: &mut Ui, context: &ViewContext<'_>) {
             .fill(theme::accent_colour(context.app.options.theme));
         ui.add(bar);
     });
-    let mut parts = vec![
+    let parts = [
         format!("{} accepted", counts.accepted),
         format!("{} rejected", counts.rejected),
         format!("{} added", counts.added),
     ];
+    remark(ui, parts.join(" · "));
     if counts.hidden > 0 {
-        parts.push(format!("{} below the confidence", counts.hidden));
+        let proposals = text::plural(counts.hidden, "proposal", "proposals");
+        remark(ui, format!("{proposals} below the minimum confidence"));
     }
-    if context.app.has_unsaved_review() {
-        // What is kept on the way is safe, but not where the analyst put it.
-        let kept = match context.app.is_at_risk() {
-            true => "not saved",
-            false => "not saved, kept next to the log",
-        };
-        parts.push(kept.to_owned());
+    let app = context.app;
+    // One line whatever it says: all that is clicked lies below it.
+    let kept = match (app.has_unsaved_review(), app.is_at_risk()) {
+        (false, _) => "All decisions are saved.",
+        (true, true) => "Decisions are not saved.",
+        (true, false) => "Not saved; a copy lies next to the log.",
+    };
+    remark(ui, kept);
+}
+
+/// How many objects there are, and the way to their table.
+fn objects(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let count = context.app.objects().len();
+    if count == 0 {
+        return;
     }
-    // On one line whatever it says: all that is clicked lies below it.
-    let said = parts.join(" · ");
-    let words = RichText::new(&said).weak().small();
-    ui.add(egui::Label::new(words).truncate());
+    ui.horizontal_wrapped(|ui| {
+        ui.label(text::plural(count, "object", "objects"));
+        button(ui, context, Action::FocusObjects, "Table", true);
+    });
 }
 
 fn files(ui: &mut Ui, context: &mut ViewContext<'_>) {

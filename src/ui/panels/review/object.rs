@@ -1,10 +1,10 @@
 //! The object that the selected box shows, with the pictures of all boxes that show it side by side.
 
 use super::super::parts::{fact, remark};
-use super::chip::{self, Chip};
 use super::{button, size};
 use crate::app::{Action, App, Command, LogBox, SurveyObject};
 use crate::pipeline::Background;
+use crate::ui::views::chip::{self, Chip};
 use crate::ui::{ViewContext, place, text, theme};
 use egui::{Color32, RichText, Role, ScrollArea, Sense, Ui, WidgetInfo, vec2};
 
@@ -124,7 +124,7 @@ fn sighting(ui: &mut Ui, app: &App, id: LogBox, chip: &Chip) -> Option<Command> 
     response.clicked().then_some(Command::SelectLogBox(id))
 }
 
-pub(super) fn swatch(ui: &mut Ui, [r, g, b]: [u8; 3]) {
+fn swatch(ui: &mut Ui, [r, g, b]: [u8; 3]) {
     let (area, _) = ui.allocate_exact_size(vec2(9.0, 9.0), Sense::hover());
     let colour = Color32::from_rgb(r, g, b);
     ui.painter().rect_filled(area, 2.0, colour);
@@ -137,29 +137,40 @@ fn facts(ui: &mut Ui, context: &ViewContext<'_>, object: &SurveyObject) {
         name => format!("{name}, "),
     };
     let title = format!("Object {}, {name}{}", object.number, object.joint.class);
-    let hint = "What most of the boxes that show it take it for.";
+    let hint = "The class of most of its boxes.";
     ui.label(RichText::new(title).strong()).on_hover_text(hint);
-    let seen = match app.selected_object_passes() {
-        Some(passes) => format!("{} of {passes} times", object.boxes.len()),
-        None => text::plural(object.boxes.len(), "time", "times"),
-    };
-    let logs = object.logs().len();
-    let seen = match app.log_count() {
-        0 | 1 => seen,
-        _ => format!("{seen}, in {}", text::plural(logs, "log", "logs")),
-    };
-    let hint = "Boxes that show it, of the passes of the boat that covered its place. What is seen every time is rarely a false alarm.";
-    fact(ui, "Seen", hint, seen);
+    fact(ui, "Seen", SEEN, seen(app, object));
     shape(ui, context);
     if object.boxes.len() > 1 {
-        let hint = "Mean of the places of its boxes, weighted by their certainty, WGS84.";
+        let hint = "Weighted mean position of its boxes (WGS84).";
         let at = RichText::new(place::written(app, object.position)).monospace();
-        fact(ui, "Mean place", hint, at);
-        let hint = "Standard deviation of that place, and the mean of the heights that are known.";
-        let height = app.options.units.measure(object.joint.height_m, 2);
+        fact(ui, "Position", hint, at);
+        let hint = "Standard deviation of the position, without the error of the receiver.";
         let within = app.options.units.measure(object.joint.sigma_m, 2);
-        fact(ui, "Within", hint, format!("{within}, height {height}"));
+        fact(ui, "Uncertainty", hint, within);
     }
+}
+
+const SEEN: &str = "Passes that saw the object, of those that covered its position. Few sightings of many passes suggest a false alarm.";
+
+/// `2 of 3 passes, in 1 log, 3 boxes`; the boxes where they are more than the passes.
+fn seen(app: &App, object: &SurveyObject) -> String {
+    let mut seen = match app.selected_object_passes() {
+        Some(passes) => {
+            let covered = text::plural(passes.covered, "pass", "passes");
+            format!("{} of {covered}", passes.seen)
+        }
+        None => text::plural(object.sightings, "pass", "passes"),
+    };
+    if app.log_count() > 1 {
+        let logs = text::plural(object.logs().len(), "log", "logs");
+        seen += &format!(", in {logs}");
+    }
+    if object.boxes.len() > object.sightings {
+        let boxes = text::plural(object.boxes.len(), "box", "boxes");
+        seen += &format!(", {boxes}");
+    }
+    seen
 }
 
 /// The solid that explains echo and shadow best, or why there is none.
@@ -168,13 +179,12 @@ fn shape(ui: &mut Ui, context: &ViewContext<'_>) {
     let Some(found) = app.selected_object_shape() else {
         return;
     };
-    let hint = "The solid whose echo and shadow lie best over the picture of all its boxes, with its size. It is inferred: what faces away from the boat was never insonified. In percent what of the picture it explains.";
+    let hint = "Inferred solid whose echo and shadow fit the picture best: length, width, and the share of the picture that fits.";
     let words = match found {
         Ok(fitted) => {
             let solid = &fitted.posed.solid;
             let units = app.options.units;
             let size = size([solid.length_m, solid.width_m], units);
-            let height = units.measure(solid.height_m, 2);
             let rivals = match fitted.rivals.first() {
                 Some(rival) if rival.is_boat() != solid.kind.is_boat() || !rival.is_boat() => {
                     format!(", or {}", rival.name())
@@ -183,7 +193,7 @@ fn shape(ui: &mut Ui, context: &ViewContext<'_>) {
             };
             let explained = 100.0 * fitted.explained;
             format!(
-                "{}{rivals}, {size}, height {height}; explains {explained:.0} %",
+                "{}{rivals}, {size}; {explained:.0} % fits",
                 solid.kind.name()
             )
         }

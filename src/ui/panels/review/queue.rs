@@ -4,8 +4,9 @@ use super::super::parts::{remark, row};
 use crate::app::Command;
 use crate::detection::review::{Queue, Sort, State};
 use crate::presentation::units::Units;
+use crate::ui::drop_down::{Choices, DropDown};
 use crate::ui::{ViewContext, text};
-use egui::{ComboBox, DragValue, Response, Slider, Ui};
+use egui::{DragValue, Response, Slider, Ui};
 
 /// Size beyond which the filter means "any", metres.
 const ANY_M: f64 = 100.0;
@@ -25,7 +26,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     if line < all {
         remark(
             ui,
-            format!("The filter lets {} of {all} through.", text::count(line)),
+            format!("The filter shows {} of {all}.", text::count(line)),
         );
     }
     if queue != *before {
@@ -35,7 +36,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 
 /// The slider from which proposals are shown.
 pub fn confidence(ui: &mut Ui, queue: &mut Queue) {
-    let hint = "Proposals of less confidence are hidden; what was decided stays.";
+    let hint = "Hides proposals below this confidence; decided boxes stay.";
     row(ui, "Confidence", hint, |ui| {
         let value_width = 44.0;
         ui.spacing_mut().slider_width = (ui.available_width() - value_width - 8.0).max(40.0);
@@ -47,9 +48,9 @@ pub fn confidence(ui: &mut Ui, queue: &mut Queue) {
 
 fn sort(ui: &mut Ui, queue: &mut Queue) {
     row(ui, "Sort by", "The order of Tab and of Accept.", |ui| {
-        list(ui, "sort boxes", queue.sort.name(), |ui| {
+        list(ui, "sort boxes", queue.sort.name(), |choices| {
             for sort in Sort::ALL {
-                ui.selectable_value(&mut queue.sort, sort, sort.name());
+                choices.value(&mut queue.sort, sort, sort.name());
             }
         })
     });
@@ -59,10 +60,10 @@ fn class(ui: &mut Ui, context: &ViewContext<'_>, queue: &mut Queue) {
     let chosen = &mut queue.filter.class;
     let shown = chosen.clone().unwrap_or_else(|| "all".to_owned());
     row(ui, "Class", "Only boxes of this class.", |ui| {
-        list(ui, "class of boxes", &shown, |ui| {
-            ui.selectable_value(chosen, None, "all");
-            for name in context.app.review_classes() {
-                ui.selectable_value(chosen, Some(name.to_owned()), name);
+        list(ui, "class of boxes", &shown, |choices| {
+            choices.value(chosen, None, "all");
+            for name in context.app.class_names() {
+                choices.value(chosen, Some(name.to_owned()), name);
             }
         })
     });
@@ -72,10 +73,10 @@ fn state(ui: &mut Ui, queue: &mut Queue) {
     let chosen = &mut queue.filter.state;
     let shown = chosen.map_or("all", State::name);
     row(ui, "State", "Only boxes in this state.", |ui| {
-        list(ui, "state of boxes", shown, |ui| {
-            ui.selectable_value(chosen, None, "all");
+        list(ui, "state of boxes", shown, |choices| {
+            choices.value(chosen, None, "all");
             for state in State::ALL {
-                ui.selectable_value(chosen, Some(state), state.name());
+                choices.value(chosen, Some(state), state.name());
             }
         })
     });
@@ -132,11 +133,8 @@ fn between(ui: &mut Ui, name: &str, hint: &str, mut value: impl FnMut(&mut Ui, u
     });
 }
 
-fn list(ui: &mut Ui, id: &str, shown: &str, items: impl FnOnce(&mut Ui)) -> Response {
-    ComboBox::from_id_salt(id)
+fn list(ui: &mut Ui, id: &str, shown: &str, items: impl FnOnce(&mut Choices<'_>)) -> Response {
+    DropDown::new(id, shown)
         .width(ui.available_width() - 2.0)
-        .truncate()
-        .selected_text(shown)
-        .show_ui(ui, items)
-        .response
+        .show(ui, items)
 }

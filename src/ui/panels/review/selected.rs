@@ -1,18 +1,15 @@
 //! The selected box: picture, decision, class, and what is known of it.
 
 use super::super::parts::{fact, remark, within};
-use super::chip::Chip;
-use super::{ReviewPanel, button, chip, size};
-use crate::app::{Action, Command, Tool};
+use super::{ReviewPanel, button, size};
+use crate::app::{Action, App, LogBox, Tool};
 use crate::detection::ObjectExtent;
-use crate::detection::review::{Edit, Reviewed};
-use crate::detection::targets::Target;
+use crate::detection::review::{BoxId, Reviewed};
+use crate::detection::targets::{ObjectHeight, Target};
 use crate::presentation::units::Units;
-use crate::ui::{ViewContext, place, theme, toggle};
+use crate::ui::views::chip::{self, Chip};
+use crate::ui::{ViewContext, place, theme};
 use egui::{RichText, Ui};
-
-/// Classes that have a key.
-const KEYED: usize = 9;
 
 impl ReviewPanel {
     /// Draws the selected box, or how to select one.
@@ -36,7 +33,7 @@ impl ReviewPanel {
         self.picture(ui, context, &one);
         within(ui, |ui| title(ui, context, &one));
         decisions(ui, context, &one);
-        classes(ui, context, &one);
+        self.classes.ui(ui, context, &one);
         facts(ui, context, &one);
         self.lines.ui(ui, context, &one);
         ui.add_space(4.0);
@@ -101,7 +98,7 @@ fn decisions(ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
     ui.horizontal_wrapped(|ui| {
         let edits = if tool == Tool::Edit { "Done" } else { "Edit" };
         let draws = if tool == Tool::Draw {
-            "Leave it"
+            "Keep undecided"
         } else {
             "New box"
         };
@@ -121,34 +118,6 @@ fn decisions(ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
     });
 }
 
-fn classes(ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
-    let review = context.app.log.reviewing.review.clone();
-    ui.horizontal_wrapped(|ui| {
-        ui.spacing_mut().item_spacing.x = 4.0;
-        for (class, name) in review.classes().iter().enumerate() {
-            let (label, hint) = match class < KEYED {
-                true => (
-                    format!("{} {name}", class + 1),
-                    format!("Key {}", class + 1),
-                ),
-                false => (name.clone(), String::new()),
-            };
-            let chosen = class == one.class;
-            let chip = toggle::chip(ui, chosen, label).accessible_name(format!("Class {name}"));
-            let chip = match hint.is_empty() {
-                true => chip,
-                false => chip.on_hover_text(hint),
-            };
-            if chip.clicked() {
-                context.push(Command::Edit {
-                    edit: Edit::Relabel(one.id, class),
-                    live: false,
-                });
-            }
-        }
-    });
-}
-
 fn facts(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed) {
     let app = context.app;
     let mark = &one.mark;
@@ -163,30 +132,36 @@ fn facts(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed) {
         format!("{ranges} {}", mark.side.name())
     });
     if let Some(placed) = app.log.reviewing.placed(one.id) {
-        on_the_ground(ui, context, &placed.target);
+        on_the_ground(ui, context, one, &placed.target);
     }
     let model = one.model.as_deref().unwrap_or("drawn by hand");
     fact(ui, "From", "The model that proposed it.", model);
 }
 
 /// Where its object lies and how large it is.
-fn on_the_ground(ui: &mut Ui, context: &ViewContext<'_>, target: &Target) {
-    let units = context.app.options.units;
+fn on_the_ground(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed, target: &Target) {
+    let app = context.app;
+    let units = app.options.units;
     fact(
         ui,
-        "Place",
+        "Position",
         "The middle of the object on the bottom, WGS84.",
         RichText::new(place::written(context.app, target.position)).monospace(),
     );
     fact(
         ui,
-        "Within",
-        "Standard deviation of the place, without the receiver's own error.",
+        "Uncertainty",
+        "Standard deviation of the position, without the error of the receiver.",
         units.measure(target.sigma_m, 2),
     );
-    let hint = "Length along the track, width across it, and height from the shadow where it ends within the range.";
+    let hint = "Length along the track and width across it, of the echo without its shadow.";
     fact(ui, "Object", hint, extent(target, units));
-    let hint = "The height is H (end - start) / end, with the altitude H and the slant ranges of the shadow.";
+    let hint = "Height above the bottom from the shadows of all boxes, with its standard deviation; a shadow set by hand is preferred.";
+    let height = object_height(app, one.id, target);
+    let height = units.with_sigma(height.mean_m, height.sigma_m, 2);
+    fact(ui, "Height", hint, height);
+    let hint =
+        "Slant ranges where the shadow starts and ends. Height = altitude x (end - start) / end.";
     fact(ui, "Shadow", hint, shadow(target, units));
     fact(
         ui,
@@ -199,35 +174,42 @@ fn on_the_ground(ui: &mut Ui, context: &ViewContext<'_>, target: &Target) {
     );
 }
 
-/// Length, width and height, and whether they are of edges drawn by hand.
+/// The height of the object that a box shows; until its boxes are put together, by the box alone.
+fn object_height(app: &App, id: BoxId, target: &Target) -> ObjectHeight {
+    let log = app.log.id;
+    match app.object_of(LogBox { log, id }) {
+        Some(object) => object.joint.height,
+        None => ObjectHeight::of(std::iter::once(target)),
+    }
+}
+
+/// Length and width, and whether they are of edges drawn by hand.
 fn extent(target: &Target, units: Units) -> String {
-    let edges = match (target.extent, target.measured_shadow) {
-        (ObjectExtent::Point, None) => return "a point, of no known size".to_owned(),
-        (ObjectExtent::Drawn { .. }, None) => ", edges drawn",
-        (ObjectExtent::Drawn { .. }, Some(_)) => ", edges drawn, shadow measured",
-        (ObjectExtent::Found | ObjectExtent::Point, Some(_)) => ", shadow measured",
-        (ObjectExtent::Found, None) => "",
-    };
-    let height = match target.height_m.is_finite() {
-        true => {
-            let sigma = units.measure(target.height_sigma_m, 2);
-            format!("{} ± {sigma}", units.number(target.height_m, 2))
-        }
-        false => units.measure(target.height_m, 2),
+    let edges = match target.extent {
+        ObjectExtent::Point => return "a point, of no known size".to_owned(),
+        ObjectExtent::Drawn { .. } => ", edges drawn",
+        ObjectExtent::Found => "",
     };
     let size = size([target.length_m, target.width_m], units);
-    format!("{size}, height {height}{edges}")
+    format!("{size}{edges}")
 }
 
 /// What the height is computed from.
 fn shadow(target: &Target, units: Units) -> String {
     let [start_m, end_m] = target.shadow_m;
     let altitude = units.measure(target.altitude_m, 2);
+    let measured = match target.measured_shadow {
+        Some(_) => ", measured",
+        None => "",
+    };
     match (start_m.is_finite(), end_m.is_finite()) {
-        (true, true) => format!("{}, altitude {altitude}", units.span([start_m, end_m], 2)),
+        (true, true) => format!(
+            "{}, altitude {altitude}{measured}",
+            units.span([start_m, end_m], 2)
+        ),
         (true, false) => {
             let start = units.measure(start_m, 2);
-            format!("from {start} off the range, altitude {altitude}")
+            format!("from {start} off the range, altitude {altitude}{measured}")
         }
         (false, _) => format!("none, altitude {altitude}"),
     }

@@ -41,22 +41,20 @@ pub(super) fn of(app: &App, mark: Mark) -> Vec<Cell> {
     let here = products.and_then(|products| products.navigation.pings.get(mark.ping));
     let speed = here.map_or(f64::NAN, |here| here.speed_mps);
     let start_unix_s = survey.and_then(|survey| survey.start_unix_s);
+    let bottom = place::bottom(app, mark.ping);
+    let metres = |of: fn(place::BottomBelow) -> f64| units.measure(bottom.map_or(f64::NAN, of), 2);
     let depth = Cell {
-        text: format!("depth {}", place::depth(app, ping)),
-        short: Some(format!(
-            "depth {}",
-            units.measure(place::depth_m(app, ping), 2)
-        )),
+        text: format!("depth {}", place::depth(app, mark.ping)),
+        short: Some(format!("depth {}", metres(|bottom| bottom.depth_m))),
         rank: 1,
     };
-    let altitude_m = place::altitude_m(app, ping);
     let cells = [
         position,
         Some(Cell::new(4, format!("ping {}", mark.ping))),
         range,
         Some(Cell::new(
             3,
-            format!("altitude {}", units.measure(altitude_m, 2)),
+            format!("altitude {}", metres(|bottom| bottom.altitude_m)),
         )),
         Some(depth),
         Some(Cell::new(6, place::labelled_heading(app, mark.ping))),

@@ -146,7 +146,7 @@ fn numbers(
                 for (axis, (name, names)) in AXES.iter().enumerate() {
                     ui.small(*name).on_hover_text(match axis {
                         2 => format!("Below 0: {}.", reference.name()),
-                        _ => "In the plane of the survey, as the scale of the box.".to_owned(),
+                        _ => "Local metres of the survey, as on the scale of the box.".to_owned(),
                     });
                     for (end, end_name) in names.iter().enumerate() {
                         let local = part(scene, Some(clip))[end][axis];

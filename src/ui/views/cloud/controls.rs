@@ -11,7 +11,7 @@ use crate::presentation::units::Units;
 use crate::survey::{Side, SideScanState, Survey};
 use crate::ui::text::count;
 use crate::ui::views::legend::{self, Scale};
-use crate::ui::{ViewContext, ViewRequest, theme};
+use crate::ui::{ViewContext, ViewRequest, place, theme};
 use egui::{Align2, Color32, Painter, Rect, Slider, Ui, UiBuilder, pos2, vec2};
 
 /// Most logs that the legend names.
@@ -77,7 +77,7 @@ fn exaggeration(ui: &mut Ui, options: &mut ViewOptions) {
         .text("vertical");
     ui.spacing_mut().slider_width = 90.0;
     ui.add(slider)
-        .on_hover_text("Vertical exaggeration: elevations are drawn this many times too tall.");
+        .on_hover_text("Vertical exaggeration of the 3D view.");
 }
 
 /// The point under the pointer, in words, beside the button above.
@@ -107,14 +107,19 @@ pub fn paint_read_out(
         }
         _ => String::new(),
     };
+    let sample = match point.source {
+        PointSource::DownScan => String::new(),
+        _ => format!(", sample {:.0}", point.sample),
+    };
+    let navigation = &products.navigation;
+    let position = navigation.to_lon_lat(&survey.track, point.east_m, point.north_m);
     let text = format!(
-        "{}, ping {}: {} {}{coloured}, E {}  N {}{class}",
+        "{}, ping {}{sample}: {} {}{coloured}, {}{class}",
         point.source.name(),
         point.ping,
         units.measure(-point.z_m, 2),
         products.reduction().reference().name(),
-        units.measure(point.east_m, 1),
-        units.measure(point.north_m, 1),
+        place::written(app, position),
     );
     let at = rect.left_top() + vec2(50.0, 9.0);
     let colour = theme::canvas_text_colour(&app.options);
@@ -180,7 +185,7 @@ pub fn paint_legend(
         covered.push(plate);
     };
     if bottom.is_some_and(|one| one.has_level_bed) {
-        let text = "beside the depths the picture lies on a level bed";
+        let text = "mosaic on a level bed where no depth is known";
         note(text, theme::canvas_text_colour(options));
     }
     if let Some(text) = lack(survey, options.units) {
@@ -264,7 +269,7 @@ fn lines(options: &ViewOptions, scene: &CloudScene) -> Vec<(String, Color32)> {
         }
     }
     let (verb, colour) = match options.cloud.outlier_preview {
-        true => ("would go", theme::outlier_colour()),
+        true => ("to be removed", theme::outlier_colour()),
         false => ("removed", theme::outlier_colour().gamma_multiply(0.4)),
     };
     let classes = scene.classes;

@@ -12,6 +12,8 @@ const PROFILES: usize = 3;
 const PROFILE_POINTS: usize = 60;
 /// Least half of a footprint on the screen, points: one that is far away stays a mark.
 const LEAST: f32 = 3.0;
+/// Least half of its width: seen from the side, its outline would be one long line.
+const LEAST_WIDTH: f32 = 1.5;
 
 /// Draws the footprints of the boxes of all visible logs that are in the queue; those that were rejected only while they are selected.
 pub fn paint(painter: &Painter, app: &App, scene: &CloudScene, axes: &Axes<'_>) {
@@ -64,6 +66,16 @@ fn shape(painter: &Painter, app: &App, scene: &CloudScene, axes: &Axes<'_>) {
     }
 }
 
+/// Half of the width of a footprint across its longest diagonal, points.
+fn half_width(corners: &[Pos2]) -> f32 {
+    let [a, b, c, d] = corners else {
+        return 0.0;
+    };
+    let area = 0.5 * ((*c - *a).x * (*d - *b).y - (*c - *a).y * (*d - *b).x).abs();
+    let longest = a.distance(*c).max(b.distance(*d));
+    0.5 * area / longest.max(f32::MIN_POSITIVE)
+}
+
 fn boxes(
     painter: &Painter,
     reviewing: &Reviewing,
@@ -95,7 +107,8 @@ fn boxes(
         }
         let colour = theme::box_colour_on_panel(axes.options.theme, one.state);
         let stroke = Stroke::new(if is_selected { 2.5 } else { 1.5 }, colour);
-        if corners.iter().all(|at| at.distance(middle) < LEAST) {
+        let is_far = corners.iter().all(|at| at.distance(middle) < LEAST);
+        if is_far || half_width(&corners) < LEAST_WIDTH {
             painter.circle_stroke(middle, LEAST, stroke);
         } else {
             if one.state == State::Rejected {
@@ -108,5 +121,25 @@ fn boxes(
             let ring = Stroke::new(2.0, theme::selection_colour());
             painter.circle_stroke(middle, 9.0, ring);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui::pos2;
+
+    #[test]
+    fn an_outline_that_is_seen_from_the_side_is_no_line() {
+        let above = [
+            pos2(0.0, 0.0),
+            pos2(40.0, 0.0),
+            pos2(40.0, 20.0),
+            pos2(0.0, 20.0),
+        ];
+        assert!((8.0..=10.0).contains(&half_width(&above)));
+        let flat = above.map(|at| pos2(8.0 * at.x, 0.1 * at.y));
+        assert!(half_width(&flat) < LEAST_WIDTH, "320 points long, 2 high");
+        assert_eq!(half_width(&[pos2(3.0, 4.0); 4]), 0.0);
     }
 }

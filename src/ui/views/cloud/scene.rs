@@ -83,7 +83,7 @@ impl LogPoints {
         let products = &shown.log.products;
         Self {
             id: shown.id,
-            name: shown.log.survey.name(),
+            name: shown.name.clone(),
             cloud: products.cloud.clone(),
             classes: products.classes.clone(),
             ranging: Some(Ranging {

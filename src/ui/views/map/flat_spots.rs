@@ -1,4 +1,4 @@
-//! The ranked flat stretches, numbered, and the one that the calibration was measured on.
+//! The ranked flat stretches, numbered, the one that the calibration was measured on, and the one that is proposed.
 
 use super::overlay::Scene;
 use crate::calibration::{FlatSpot, ScaleMode};
@@ -34,6 +34,14 @@ pub fn paint(painter: &Painter, scene: &Scene<'_>) {
     if let Some(spot) = &calibration.flat_spot {
         stretch(painter, scene, &spot.pings, theme::calibration_colour());
     }
+    if let Some(pings) = scene.proposed {
+        stretch(
+            painter,
+            scene,
+            &(pings.start..pings.end),
+            theme::proposal_colour(),
+        );
+    }
 }
 
 /// Names the stretch that the calibration was measured on, beside it where nothing else stands; in a tile without such a
@@ -47,8 +55,8 @@ pub fn name_calibrated(painter: &Painter, scene: &Scene<'_>, covered: &[Rect]) {
         return;
     };
     let text = match calibration.mode {
-        ScaleMode::FlatSpot => "calibrated here",
-        ScaleMode::Header => "flat spot (header scale in use)",
+        ScaleMode::FlatSpot => "scale from here",
+        ScaleMode::Header => "flat stretch, not in use",
     };
     let colour = theme::calibration_colour();
     let size = legend::plate_size(painter, text);
@@ -72,11 +80,6 @@ fn badges_under(scene: &Scene<'_>, plate: Rect) -> usize {
         .filter_map(|spot| badge_at(scene, &spot.pings))
         .filter(|at| plate.expand(BADGE).contains(*at))
         .count()
-}
-
-/// The stretch that a click would calibrate on.
-pub fn preview(painter: &Painter, scene: &Scene<'_>, pings: &Range<usize>) {
-    stretch(painter, scene, pings, theme::calibration_colour());
 }
 
 /// The ranked stretch whose number is under the pointer.

@@ -106,7 +106,7 @@ impl TrackLayer {
             range_m: range_m.filter(|_| !by_log),
             side_scan_only: side_scan_only && !by_log,
             logs: named
-                .map(|shown| (shown.log.survey.name(), shown.colour))
+                .map(|shown| (shown.name.clone(), shown.colour))
                 .collect(),
             line,
             boxes: boxes.collect(),

@@ -1,130 +1,19 @@
-//! The left-out stretches of the tracks, and the tool that leaves them out: pressed on a track, dragged along it.
+//! The left-out stretches of the tracks.
 
-use super::layers::TrackLayer;
 use super::overlay::Scene;
-use super::pointer::REACH;
-use super::transform::MapTransform;
-use crate::app::{App, Command, Leave, LogId, MapLayer, OpenLog, Tool};
-use crate::survey::{LogPart, PingNav};
-use crate::ui::views::drag;
-use crate::ui::{ViewContext, left_out_words, theme};
-use egui::{CursorIcon, Painter, Pos2, Rect, Response, Shape};
-use egui::{Stroke, Ui, vec2};
+use crate::app::{App, MapLayer, OpenLog};
+use crate::survey::PingNav;
+use crate::ui::theme;
+use egui::{Painter, Pos2, Rect, Shape, Stroke};
 
 /// Places drawn along a stretch: enough for its bends at any scale that shows it whole.
 const MOST_PLACES: usize = 512;
 /// Width of what hides the track's own colour under the dashes, points: the track's casing.
-const CASING: f32 = 4.6;
+pub(super) const CASING: f32 = 4.6;
 /// Width of the dashes, points.
 const WIDTH: f32 = 1.8;
 /// Length of the dashes and of the room between them, points.
 const DASH: f32 = 3.0;
-
-/// The drag under way.
-#[derive(Default)]
-pub struct LeaveOutTool {
-    drag: Option<Drag>,
-}
-
-struct Drag {
-    log: LogId,
-    /// Pings where it began and where it is.
-    ends: [usize; 2],
-    leave: Leave,
-}
-
-impl Drag {
-    fn part(&self) -> LogPart {
-        let [one, other] = self.ends;
-        LogPart::Pings([one.min(other), one.max(other)])
-    }
-}
-
-/// Where the map lies on the screen.
-type View = (Rect, MapTransform);
-
-impl LeaveOutTool {
-    /// Follows a drag or a click with the tool in hand; returns whether a drag must not move the map. Beside the tracks, with the
-    /// middle button or with Space held, it moves the map in any tool.
-    pub fn follow(
-        &mut self,
-        ui: &Ui,
-        response: &Response,
-        (rect, transform): View,
-        track: &TrackLayer,
-        context: &mut ViewContext<'_>,
-    ) -> bool {
-        if !is_in_hand(context.app) {
-            self.drag = None;
-            return false;
-        }
-        let ground = |at: Pos2| transform.to_ground(rect, at);
-        let reach_m = f64::from(REACH) * transform.metres_per_point;
-        let under = |at: Pos2| track.nearest_ping(ground(at), reach_m, context.app.log.id);
-        if response.hover_pos().and_then(under).is_some() {
-            ui.set_cursor_icon(CursorIcon::Crosshair);
-        }
-        if let Some((log, ping)) = drag::begun(ui, response).and_then(under) {
-            self.drag = Some(Drag {
-                log,
-                ends: [ping, ping],
-                leave: drag::leave_by(ui.input(|input| input.modifiers)),
-            });
-        }
-        let clicked = response.clicked().then(|| response.interact_pointer_pos());
-        if let Some((log, ping)) = clicked.flatten().and_then(under)
-            && let Some(stretch) = context.app.left_out_at(log, ping)
-        {
-            let (part, leave) = (stretch.part(), Leave::In);
-            context.push(Command::LeaveOut { log, part, leave });
-        }
-        if drag::is_given_up(ui, response) {
-            self.drag = None;
-        }
-        let Some(drag) = &mut self.drag else {
-            return false;
-        };
-        let at = response.interact_pointer_pos().or(response.hover_pos());
-        if let Some(ping) = at.and_then(|at| track.ping_of(drag.log, ground(at))) {
-            drag.ends[1] = ping;
-        }
-        if response.drag_stopped()
-            && let Some(drag) = self.drag.take()
-        {
-            let (log, part, leave) = (drag.log, drag.part(), drag.leave);
-            context.push(Command::LeaveOut { log, part, leave });
-        }
-        true
-    }
-
-    /// Draws the drag under way, with what it covers.
-    pub fn draw(&self, painter: &Painter, scene: &Scene<'_>, app: &App) {
-        let Some((drag, log)) =
-            (self.drag.as_ref()).and_then(|drag| Some((drag, app.open_log(drag.log)?)))
-        else {
-            return;
-        };
-        let Some((survey, products)) = log.survey.as_ref().zip(log.products.as_ref()) else {
-            return;
-        };
-        let sailed = drag.part().places(survey, &products.navigation);
-        let line = places(scene, sailed);
-        let last = line.last().copied();
-        let stroke = Stroke::new(CASING, theme::hand_colour());
-        painter.add(Shape::line(line, stroke));
-        if let Some((at, extent)) = last.zip(app.extent_of(drag.log, drag.part())) {
-            let text = left_out_words::of_drag(drag.leave, &extent, app.options.units);
-            let (at, ink) = (at + vec2(14.0, 14.0), scene.text_colour());
-            let anchor = egui::Align2::LEFT_TOP;
-            crate::ui::views::legend::plate(painter, scene.options, at, anchor, &text, ink);
-        }
-    }
-}
-
-/// Whether the tool is in hand, on any of the open logs' tracks.
-pub fn is_in_hand(app: &App) -> bool {
-    app.log.reviewing.tool == Tool::LeaveOut
-}
 
 /// Draws the left-out stretches of all visible logs as fine grey dashes over their tracks.
 pub fn paint(painter: &Painter, scene: &Scene<'_>, app: &App) {
@@ -157,7 +46,7 @@ pub fn ping_count(app: &App) -> usize {
 }
 
 /// Where the boat's places lie on the screen.
-fn places(scene: &Scene<'_>, pings: &[PingNav]) -> Vec<Pos2> {
+pub(super) fn places(scene: &Scene<'_>, pings: &[PingNav]) -> Vec<Pos2> {
     let step = pings.len().div_ceil(MOST_PLACES).max(1);
     let last = pings.last();
     let shown = pings.iter().step_by(step).chain(last);

@@ -22,6 +22,7 @@ mod points;
 mod recorded_track;
 mod residuals;
 mod stack;
+mod stretch_tool;
 mod swipe;
 mod tiles;
 mod toolbar;
@@ -61,7 +62,7 @@ pub struct MapView {
     layers: Layers,
     pointer: pointer::Pointer,
     measure: measure::MeasureTool,
-    leave_out: left_out::LeaveOutTool,
+    stretch: stretch_tool::StretchTool,
     plan: plan::PlanTool,
     seen_plane: u64,
     seen_reveal: u64,
@@ -145,7 +146,7 @@ impl MapView {
             self.layers.forget();
             self.pointer = pointer::Pointer::default();
             self.measure = measure::MeasureTool::default();
-            self.leave_out = left_out::LeaveOutTool::default();
+            self.stretch = stretch_tool::StretchTool::default();
             self.plan = plan::PlanTool::default();
         }
     }
@@ -164,7 +165,7 @@ impl MapView {
             return "Map, empty".to_owned();
         };
         let Some(products) = context.app.log.products.clone() else {
-            let text = "The track is being placed on the ground.";
+            let text = "The track is being computed.";
             empty::wait(ui, context, rect, text);
             return "Map, waiting for the track".to_owned();
         };
@@ -186,7 +187,7 @@ impl MapView {
         };
         let draws = self.transform.is_some_and(|transform| {
             let view = (rect, transform);
-            self.leave_out.follow(ui, response, view, &track, context)
+            self.stretch.follow(ui, response, view, &track, context)
         });
         let taken = self.transform.map_or_else(Taken::default, |transform| {
             let place = plan::Place {
@@ -210,11 +211,12 @@ impl MapView {
             lost_soundings: context.app.log.lost_soundings,
             made_of: (context.app.log.whole.as_ref()).map(|whole| whole.survey.side_scan.len()),
             has_left_out: left_out::ping_count(context.app) > 0,
+            proposed: context.app.log.proposed_stretch(),
             options: &context.app.options,
         };
         paint(ui, context, &scene, &mut self.layers);
         let painter = ui.painter_at(rect);
-        self.leave_out.draw(&painter, &scene, context.app);
+        self.stretch.draw(&painter, &scene, context.app);
         if !taken.click {
             self.pointer.handle(ui, context, &scene, response);
         }
@@ -222,7 +224,7 @@ impl MapView {
         self.measure.ui(ui, context, &scene, response);
         swipe::ui(ui, context, &scene);
         if !context.app.is_picture {
-            toolbar::show(ui, context, rect, &mut self.request, &mut self.pointer);
+            toolbar::show(ui, context, rect, &mut self.request);
             self.banner(ui, context.app, rect);
         }
         let name = name(context.app, &products, &track) + &mounting::name(context.app);
@@ -231,10 +233,7 @@ impl MapView {
 
     /// The banner of the tool in hand below the buttons; what it covers lies above the read-out.
     fn banner(&mut self, ui: &mut Ui, app: &App, rect: Rect) {
-        let banner = match self.pointer.calibrating {
-            true => Some(Banner::of_calibration()),
-            false => Banner::of(app, View::Map),
-        };
+        let banner = Banner::of(app, View::Map);
         // Right of it stands the north arrow.
         let room = Rect::from_min_max(rect.min + vec2(4.0, 36.0), rect.max - vec2(56.0, 4.0));
         let shown = banner.filter(|_| legend::has_width(room));
@@ -388,7 +387,7 @@ fn name(app: &App, products: &Products, track: &TrackLayer) -> String {
     let pings = surveys.map(|survey| survey.side_scan.len()).sum();
     let left_out = match left_out::ping_count(app) {
         0 => String::new(),
-        count => format!(" of which {} left out", text::count(count)),
+        count => format!(" of which {} excluded", text::count(count)),
     };
     let depths = track.range_m.map_or_else(String::new, |[shallow, deep]| {
         let depths = [shallow, deep].map(f64::from);

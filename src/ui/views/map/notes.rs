@@ -36,12 +36,13 @@ fn notes(scene: &Scene<'_>) -> Vec<String> {
         notes.push(format!("layers: first\n{} pings", count(pings)));
     }
     if scene.has_left_out && scene.shows(MapLayer::Track) {
-        notes.push("fine dashes:\nleft out".to_owned());
+        notes.push("fine dashes:\nexcluded".to_owned());
     }
     if let Some(depth_map) = scene.depth_map.filter(|_| shows(MapLayer::DepthMap)) {
         notes.push(match depth_map {
             Some(made) => {
-                let gap = scene.options.units.chosen(made.gap_m);
+                let decimals = usize::from(made.gap_m < 10.0);
+                let gap = scene.options.units.measure(made.gap_m, decimals);
                 format!("faded: between\ndepths, to {gap}")
             }
             None => "no depth map:\nall on one line".to_owned(),

@@ -6,6 +6,7 @@ use super::notes;
 use super::residuals::ResidualLayer;
 use super::transform::MapTransform;
 use crate::app::{App, MapLayer, Mark, ViewOptions};
+use crate::calibration::PingRange;
 use crate::geo::LonLat;
 use crate::pipeline::{DepthMap, Products};
 use crate::survey::Survey;
@@ -36,6 +37,8 @@ pub struct Scene<'a> {
     pub made_of: Option<usize>,
     /// Whether some of the tracks is left out.
     pub has_left_out: bool,
+    /// The stretch that is proposed for the scale.
+    pub proposed: Option<PingRange>,
     pub options: &'a ViewOptions,
 }
 

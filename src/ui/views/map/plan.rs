@@ -79,7 +79,7 @@ impl PlanTool {
         context: &mut ViewContext<'_>,
     ) -> Taken {
         let app = context.app;
-        let has_other_tool = app.measuring.tool.is_some() || super::left_out::is_in_hand(app);
+        let has_other_tool = app.measuring.tool.is_some() || super::stretch_tool::is_in_hand(app);
         let Some(planned) = app.planning.lines.clone().filter(|_| !has_other_tool) else {
             self.drag = None;
             return Taken::default();
@@ -259,7 +259,7 @@ fn words(app: &App, planned: &PlannedLines) -> String {
     let outside = match plan.turns_outside {
         0 => String::new(),
         count => format!(
-            "; {} outside of what was sailed",
+            "; {} outside the survey",
             text::plural(count, "turn", "turns")
         ),
     };

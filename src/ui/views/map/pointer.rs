@@ -1,14 +1,14 @@
-//! What the pointer does on the map: move, read, select, calibrate.
+//! What the pointer does on the map: move, read, select, propose a stretch for the scale.
 
 use super::overlay::Scene;
 use super::transform::MapTransform;
-use super::{flat_spots, left_out, objects};
-use crate::app::{App, Command, Leave, LogId, Mark, PassesFound, mark_of};
-use crate::calibration::PingRange;
+use super::{flat_spots, objects};
+use crate::app::{App, Command, Leave, LogId, Mark, PassesFound, Tool, mark_of};
+use crate::calibration::{FlatSpot, PingRange};
 use crate::geo::{CoordinateFormat, LonLat};
 use crate::ui::views::legend;
 use crate::ui::{ViewContext, left_out_words, place, text, theme};
-use egui::{Align2, Key, PointerButton, Pos2, Response, Ui, vec2};
+use egui::{Align2, PointerButton, Pos2, Response, Ui, vec2};
 
 /// How near the pointer must come to the track, points.
 pub(super) const REACH: f32 = 30.0;
@@ -24,16 +24,12 @@ const ONE_LINE: f32 = 720.0;
 /// What the pointer is about.
 #[derive(Default)]
 pub struct Pointer {
-    /// The next click calibrates.
-    pub calibrating: bool,
     /// Room that the banner of a tool takes below the buttons, points.
     pub banner_height: f32,
     /// The hover in the app is ours to take back.
     hovering: bool,
     /// What the menu is about, as it was opened.
     menu_at: Option<MenuAt>,
-    /// The numbered stretch that was clicked.
-    offered: Option<usize>,
 }
 
 /// What is under the pointer.
@@ -69,9 +65,6 @@ impl Pointer {
         scene: &Scene<'_>,
         response: &Response,
     ) {
-        if self.calibrating && ui.input(|input| input.key_pressed(Key::Escape)) {
-            self.calibrating = false;
-        }
         let at = response.hover_pos();
         // A measuring tool in hand has a use of its own for the pointer.
         let is_measuring = context.app.measuring.tool.is_some();
@@ -88,7 +81,7 @@ impl Pointer {
         if let Some(at) = response.interact_pointer_pos()
             && response.clicked()
             && !is_measuring
-            && !left_out::is_in_hand(context.app)
+            && context.app.log.reviewing.tool != Tool::LeaveOut
         {
             self.click(context, scene, at);
         }
@@ -103,7 +96,6 @@ impl Pointer {
             }
         }
         self.menu(context, response);
-        self.offer(ui, context, scene);
     }
 
     fn hover(&mut self, context: &mut ViewContext<'_>, ping: Option<usize>) {
@@ -115,33 +107,25 @@ impl Pointer {
         self.hovering = hover.is_some();
     }
 
-    fn click(&mut self, context: &mut ViewContext<'_>, scene: &Scene<'_>, at: Pos2) {
+    /// A numbered stretch is proposed for the scale; with the tool in hand, any place of the track is.
+    fn click(&self, context: &mut ViewContext<'_>, scene: &Scene<'_>, at: Pos2) {
         let near = nearest(scene, context.app, at);
         let spot = flat_spots::under(scene, at);
-        if self.calibrating {
-            let pings = match spot {
-                Some(rank) => range_of(scene, rank),
-                None => {
-                    own_ping(context.app, near).and_then(|ping| context.app.stretch_around(ping))
-                }
-            };
-            if let Some(pings) = pings {
-                context.push(Command::CalibrateAt(pings));
-                self.calibrating = false;
-            }
+        let is_calibrating = context.app.log.reviewing.tool == Tool::Calibrate;
+        if is_calibrating || spot.is_some() {
+            let around = || context.app.stretch_around(own_ping(context.app, near)?);
+            let pings = spot.and_then(|rank| range_of(scene, rank)).or_else(around);
+            context.commands.extend(pings.map(Command::ProposeStretch));
             return;
         }
         if let Some(id) = objects::under(scene, context.app, at) {
             context.push(Command::SelectLogBox(id));
             return;
         }
-        self.offered = spot;
-        if spot.is_none() {
-            context.push(match near {
-                Some((log, ping)) => Command::RevealIn(log, Mark::ping(ping)),
-                None => Command::Select(None),
-            });
-        }
+        context.push(match near {
+            Some((log, ping)) => Command::RevealIn(log, Mark::ping(ping)),
+            None => Command::Select(None),
+        });
     }
 
     fn menu(&mut self, context: &mut ViewContext<'_>, response: &Response) {
@@ -163,9 +147,9 @@ impl Pointer {
             ui.separator();
             ui.label(named_ping(context.app, (log, ping)));
             let is_own = log == context.app.log.id;
-            if is_own && ui.button("Calibrate here").clicked() {
+            if is_own && ui.button("Propose for the scale").clicked() {
                 if let Some(pings) = context.app.stretch_around(ping) {
-                    context.push(Command::CalibrateAt(pings));
+                    context.push(Command::ProposeStretch(pings));
                 }
                 ui.close();
             }
@@ -182,43 +166,7 @@ impl Pointer {
         });
     }
 
-    /// A numbered stretch was clicked: says how flat it is and offers it.
-    fn offer(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>, scene: &Scene<'_>) {
-        let Some(rank) = self.offered else {
-            return;
-        };
-        let Some(spot) = scene.products.flat_spots.get(rank) else {
-            self.offered = None;
-            return;
-        };
-        let at = scene.rect.center_top() + vec2(0.0, 44.0);
-        let area = egui::Area::new(ui.scope_id().with("flat stretch"))
-            .fixed_pos(at)
-            .pivot(Align2::CENTER_TOP);
-        area.show(ui.ctx(), |ui| {
-            egui::Frame::popup(ui.style()).show(ui, |ui| {
-                let units = context.app.options.units;
-                ui.label(flat_spots::describe(rank, spot, units));
-                ui.horizontal(|ui| {
-                    if ui.button("Calibrate here").clicked() {
-                        if let Some(pings) = range_of(scene, rank) {
-                            context.push(Command::CalibrateAt(pings));
-                        }
-                        self.offered = None;
-                    }
-                    if ui.button("Show").clicked() {
-                        let middle = (spot.pings.start + spot.pings.end) / 2;
-                        context.push(Command::Reveal(Mark::ping(middle)));
-                    }
-                    if ui.button("Close").clicked() {
-                        self.offered = None;
-                    }
-                });
-            });
-        });
-    }
-
-    /// The read-out, and what the tool would do.
+    /// The read-out, and what is known of a numbered stretch.
     fn show_under(
         &self,
         ui: &Ui,
@@ -239,24 +187,19 @@ impl Pointer {
             &text,
             colour,
         );
-        if let Some(rank) = flat_spots::under(scene, at) {
-            if let Some(spot) = scene.products.flat_spots.get(rank) {
-                let below = plate.left_bottom() + vec2(0.0, 2.0);
-                let text = flat_spots::describe(rank, spot, context.app.options.units);
-                legend::plate(
-                    &painter,
-                    scene.options,
-                    below,
-                    Align2::LEFT_TOP,
-                    &text,
-                    colour,
-                );
-            }
-        } else if self.calibrating
-            && let Some(pings) =
-                own_ping(context.app, near).and_then(|ping| context.app.stretch_around(ping))
+        if let Some(rank) = flat_spots::under(scene, at)
+            && let Some(spot) = scene.products.flat_spots.get(rank)
         {
-            flat_spots::preview(&painter, scene, &(pings.start..pings.end));
+            let below = plate.left_bottom() + vec2(0.0, 2.0);
+            let text = flat_spots::describe(rank, spot, context.app.options.units);
+            legend::plate(
+                &painter,
+                scene.options,
+                below,
+                Align2::LEFT_TOP,
+                &text,
+                colour,
+            );
         }
     }
 }
@@ -325,11 +268,7 @@ fn named_ping(app: &App, (log, ping): (LogId, usize)) -> String {
 }
 
 fn range_of(scene: &Scene<'_>, rank: usize) -> Option<PingRange> {
-    let spot = scene.products.flat_spots.get(rank)?;
-    Some(PingRange {
-        start: spot.pings.start,
-        end: spot.pings.end,
-    })
+    scene.products.flat_spots.get(rank).map(FlatSpot::range)
 }
 
 fn read_out(app: &App, scene: &Scene<'_>, at: Pos2, near: Option<(LogId, usize)>) -> String {

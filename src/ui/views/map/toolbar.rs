@@ -1,7 +1,6 @@
 //! The buttons on the map. What is drawn is chosen in the view's title.
 
-use super::pointer::Pointer;
-use crate::app::{Action, Command};
+use crate::app::{Action, Command, Tool};
 use crate::project::MeasurementKind;
 use crate::ui::views::legend;
 use crate::ui::{ViewContext, ViewRequest, theme, toggle};
@@ -13,28 +12,19 @@ pub fn show(
     context: &mut ViewContext<'_>,
     rect: Rect,
     request: &mut Option<ViewRequest>,
-    pointer: &mut Pointer,
 ) {
     let bar = Rect::from_min_size(rect.min + vec2(4.0, 4.0), vec2(rect.width() - 60.0, 28.0));
     ui.scope_builder(UiBuilder::new().max_rect(bar), |ui| {
         legend::frame(&context.app.options).show(ui, |ui| {
             ui.horizontal(|ui| {
-                let takes_calibration = buttons(ui, request, pointer);
-                // The tool that was taken last is the one in hand.
-                if context.app.measuring.tool.is_some() {
-                    match takes_calibration {
-                        true => context.push(Command::Do(Action::LeaveTool)),
-                        false => pointer.calibrating = false,
-                    }
-                }
+                buttons(ui, context, request);
                 measure(ui, context);
             })
         });
     });
 }
 
-/// Whether the calibration tool was taken.
-fn buttons(ui: &mut Ui, request: &mut Option<ViewRequest>, pointer: &mut Pointer) -> bool {
+fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>, request: &mut Option<ViewRequest>) {
     ui.spacing_mut().item_spacing.x = 4.0;
     let fit = ui.button("Fit");
     if fit
@@ -43,14 +33,13 @@ fn buttons(ui: &mut Ui, request: &mut Option<ViewRequest>, pointer: &mut Pointer
     {
         *request = Some(ViewRequest::Fit);
     }
-    let tool = toggle::chip(ui, pointer.calibrating, "Calibrate by click");
-    let was_clicked = tool.clicked();
-    pointer.calibrating ^= was_clicked;
-    tool.on_hover_text(
-        "The next click on the track or on a numbered stretch measures the scale there. \
-         C does it at the selected ping; Esc leaves the tool.",
-    );
-    was_clicked && pointer.calibrating
+    let action = Action::Calibrate;
+    let holds = context.app.log.reviewing.tool == Tool::Calibrate;
+    let tool = toggle::chip(ui, holds, "Calibrate").accessible_name(action.label());
+    let hint = format!("{} ({})", action.hint(), action.keys().unwrap_or_default());
+    if tool.on_hover_text(hint).clicked() {
+        context.push(Command::Do(action));
+    }
 }
 
 fn measure(ui: &mut Ui, context: &mut ViewContext<'_>) {

@@ -1,4 +1,4 @@
-//! What is marked on the profile: threshold, dead zone, picks and recorded depth.
+//! What is marked on the profile: threshold, dead zone, picks and the bottom under the boat.
 
 use super::Shown;
 use super::plot::Plot;
@@ -16,7 +16,8 @@ pub(super) fn dead_zone(painter: &Painter, plot: &Plot, dead_zone_m: f64, option
 
 /// Depth, threshold and picks, the picks on top.
 pub(super) fn draw(painter: &Painter, plot: &Plot, shown: &Shown<'_>, options: &ViewOptions) {
-    for across_m in [-shown.altitude_m, shown.altitude_m] {
+    let altitude_m = shown.bottom.map_or(f64::NAN, |bottom| bottom.altitude_m);
+    for across_m in [-altitude_m, altitude_m] {
         vertical(
             painter,
             plot,
@@ -86,8 +87,13 @@ fn pick(painter: &Painter, plot: &Plot, shown: &Shown<'_>, side: Side, options: 
         Side::Port => Align2::RIGHT_BOTTOM,
         Side::Starboard => Align2::LEFT_BOTTOM,
     };
+    // At its line; a label that is too long for its side begins at the edge of the plot.
+    let galley = painter.layout_no_wrap(label, FontId::proportional(10.5), colour);
     let at = pos2(plot.x(across_m), plot.area.top() - 2.0);
-    painter.text(at, anchor, label, FontId::proportional(10.5), colour);
+    let text = anchor.anchor_size(at, galley.size());
+    let room = painter.clip_rect().x_range();
+    let x = text.left().min(room.max - galley.size().x).max(room.min);
+    painter.galley(pos2(x, text.top()), galley, colour);
 }
 
 /// A line at a range, if it is in view.

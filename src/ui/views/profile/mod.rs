@@ -48,8 +48,8 @@ struct Shown<'a> {
     reduction: Reduction<'a>,
     ping: usize,
     recorded: &'a SidePing,
-    /// Distance of the bottom below the transducer by the recorded depth, metres.
-    altitude_m: f64,
+    /// The bottom under the boat.
+    bottom: Option<place::BottomBelow>,
     picks: [Option<Found>; 2],
     threshold: f32,
     dead_zone_m: f64,
@@ -87,7 +87,7 @@ impl ProfileView {
                 &painter,
                 rect,
                 &response,
-                "move over the waterfall, or select a ping",
+                "move the pointer over the waterfall, or select a ping",
             );
             return;
         };
@@ -202,7 +202,7 @@ fn shown<'a>(survey: &'a Survey, ping: usize, context: &ViewContext<'a>) -> Opti
         reduction,
         ping,
         recorded,
-        altitude_m: reduction.altitude_m(f64::from(recorded.depth_m)),
+        bottom: place::bottom(context.app, ping),
         picks: Side::BOTH.map(found),
         threshold: context.app.log.settings.first_return.threshold,
         dead_zone_m: context.app.log.settings.first_return.dead_zone_m,
@@ -267,14 +267,13 @@ fn accessible_name(shown: &Shown<'_>, units: Units) -> String {
         let range = found.map_or("none".to_owned(), |found| units.measure(found.range_m, 2));
         format!("{} first return {range}", side.name())
     });
-    let depth = if shown.altitude_m.is_finite() {
+    let depth = shown.bottom.map_or_else(String::new, |bottom| {
         format!(
-            ", recorded bottom {} below transducer",
-            units.measure(shown.altitude_m, 2)
+            ", bottom {} below transducer by {}",
+            units.measure(bottom.altitude_m, 2),
+            bottom.by.name()
         )
-    } else {
-        String::new()
-    };
+    });
     let left_out = (shown.left_out.as_ref()).map_or_else(String::new, |why| format!(", {why}"));
     format!(
         "Profile of ping {}: {}, {}, threshold {:.2}{depth}{left_out}",

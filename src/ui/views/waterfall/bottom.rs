@@ -3,6 +3,7 @@
 use super::lens::{Lens, Place, across_m};
 use super::lines::Pen;
 use crate::app::{App, BottomStroke, Command, Ink, Tool};
+use crate::first_return::BottomEdit;
 use crate::survey::Side;
 use crate::ui::views::drag;
 use crate::ui::{ViewContext, theme};
@@ -131,6 +132,10 @@ pub(super) fn drawn(painter: &Painter, lens: &Lens, app: &App) {
         if last + 1.0 < seen.start || first > seen.end {
             continue;
         }
+        if line.accepted {
+            super::lines::hand(painter, lens, accepted(lens, app, line), pen);
+            continue;
+        }
         let corners = line.corners.iter().map(|[ping, _]| *ping);
         let within = corners.filter(|ping| (first..=last).contains(ping));
         let mut pings: Vec<f64> = [first].into_iter().chain(within).chain([last]).collect();
@@ -141,4 +146,26 @@ pub(super) fn drawn(painter: &Painter, lens: &Lens, app: &App) {
         });
         super::lines::hand(painter, lens, points.collect(), pen);
     }
+}
+
+/// First returns that were accepted as bottom, at so many pings of those in view as a line shows.
+fn accepted(lens: &Lens, app: &App, line: &BottomEdit) -> Vec<Pos2> {
+    const MOST_PLACES: usize = 512;
+    let Some((returns, survey)) = app.bottom_line().zip(app.log.survey.as_ref()) else {
+        return Vec::new();
+    };
+    let seen = lens.pings();
+    let first = line.pings[0].max(seen.start.max(0.0) as usize);
+    let last = line.pings[1].min(seen.end.max(0.0) as usize);
+    let step = (last.saturating_sub(first) / MOST_PLACES).max(1);
+    let picks = (first..=last).step_by(step).filter_map(|ping| {
+        let pick = returns.side(line.side).get(ping)?;
+        let range_m = survey
+            .span(ping, line.side)?
+            .range_m(f64::from(pick.sample));
+        range_m
+            .is_finite()
+            .then(|| at(lens, line.side, ping as f64 + 0.5, range_m))
+    });
+    picks.collect()
 }

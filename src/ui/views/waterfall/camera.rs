@@ -48,6 +48,14 @@ impl Axis {
         self.fitted = false;
     }
 
+    /// Brings a range into the middle, unless all of it lies in the inner part of the view, or the view shows all there is.
+    fn bring_in(&mut self, [from, to]: [f64; 2], points: f64) {
+        let inner = WELL_IN_VIEW * self.per_point * points / 2.0;
+        if !self.fitted && (from < self.centre - inner || to > self.centre + inner) {
+            self.centre = (from + to) / 2.0;
+        }
+    }
+
     /// Takes a scale from elsewhere; what is shorter than the view then stands in its middle.
     fn settle_at(&mut self, per_point: f64, to: f64, points: f64) {
         self.per_point = per_point;
@@ -75,6 +83,8 @@ impl Axis {
     }
 }
 
+/// Share of the view around its middle in which an object is well in view.
+const WELL_IN_VIEW: f64 = 0.7;
 /// Size of the view over that of an object that it shows close up.
 const CLOSE_UP: f64 = 3.0;
 /// Size of the view over that of an object that would not fit into it one to one, with what lies around it.
@@ -209,6 +219,12 @@ impl Camera {
             per_point = [larger_m / metres, larger_m];
         }
         self.centre_on(pings, across_m, per_point);
+    }
+
+    /// Brings these pings and ranges into the middle where they are not well in view; the scale stays.
+    pub fn bring_in(&mut self, pings: [f64; 2], across_m: [f64; 2], size: Size) {
+        self.along.bring_in(pings, size.along);
+        self.across.bring_in(across_m, size.across);
     }
 
     /// Brings these pings and ranges into the middle at a scale: pings and metres for each point.
@@ -375,6 +391,26 @@ mod tests {
         let after = Lens::new(camera, rect(), orientation).place_at(pointer);
         assert!((after.ping - before.ping).abs() < 1e-6);
         assert!((after.across_m - before.across_m).abs() < 1e-9);
+    }
+
+    #[test]
+    fn what_lies_near_an_edge_comes_into_the_middle_and_the_scale_stays() {
+        let size = size(Orientation::Horizontal);
+        let mut camera = Camera::default();
+        camera.show([1000.0, 1400.0, -10.0, 10.0], size);
+        let before = camera;
+        camera.bring_in([1190.0, 1202.0], [-4.0, -2.0], size);
+        assert_eq!(camera, before, "it is well in view");
+        // The last ping of the box lies in view, at its edge.
+        camera.bring_in([1380.0, 1392.0], [-4.0, -2.0], size);
+        assert_eq!(camera.seen(size), [1186.0, 1586.0, -10.0, 10.0]);
+        camera.bring_in([1380.0, 1392.0], [24.0, 28.0], size);
+        assert_eq!(camera.seen(size), [1186.0, 1586.0, 16.0, 36.0]);
+        // What shows the whole log goes on showing it.
+        camera.fit(&EXTENT, size);
+        let whole = camera;
+        camera.bring_in([3440.0, 3450.0], [24.0, 28.0], size);
+        assert_eq!(camera, whole);
     }
 
     #[test]

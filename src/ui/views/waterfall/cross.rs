@@ -27,7 +27,7 @@ impl Cross {
         }
         let moved = match context.target {
             View::Waterfall => measured::arrows(ui),
-            View::Map | View::Cloud => [0.0; 2],
+            View::Map | View::Cloud | View::Objects => [0.0; 2],
         };
         if moved == [0.0; 2] {
             return false;

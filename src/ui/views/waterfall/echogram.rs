@@ -176,7 +176,7 @@ impl EchogramPart {
         over.draw(&painter, &lens, context.app);
         let read_out = point(&response, &lens, survey, context);
         if let Some((at, text)) = response.hover_pos().zip(read_out.as_ref()) {
-            super::pointer::read_out(&painter, &lens, (at, false), text, &[]);
+            super::pointer::read_out(&painter, &lens, at, text, &[]);
         }
         let visible = lens.visible(survey.side_scan.len());
         let name = format!(

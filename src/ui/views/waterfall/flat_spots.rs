@@ -1,15 +1,18 @@
-//! The ranked flat stretches along the nadir, numbered as on the map, and the one that the calibration was measured on.
+//! The ranked flat stretches along the nadir, numbered as on the map, the one that the calibration was measured on, and the one that is
+//! proposed.
 
 use super::labels::Labels;
 use super::lens::{Lens, Place};
-use crate::app::App;
-use crate::calibration::ScaleMode;
-use crate::ui::theme;
-use egui::{Align2, Color32, Painter, Rect, Stroke, pos2, vec2};
+use crate::app::{App, Tool};
+use crate::calibration::{FlatSpot, PingRange, ScaleMode};
+use crate::ui::{flat_spot_words, theme};
+use egui::{Align2, Color32, Painter, Pos2, Rect, Stroke, vec2};
 use std::ops::Range;
 
 /// Thickness of a bar, points.
 const BAR: f32 = 2.0;
+/// How near the pointer must come to a bar, points.
+const REACH: f32 = 10.0;
 
 /// A stretch in view.
 pub(super) struct Stretch {
@@ -17,12 +20,19 @@ pub(super) struct Stretch {
     area: Rect,
     edges: [[egui::Pos2; 2]; 2],
     nadir: Rect,
-    /// `None` for the stretch of the calibration.
-    rank: Option<usize>,
+    kind: Kind,
     name: String,
 }
 
-/// The stretches that a lens sees: of the calibration, and the ranked ones if they are shown.
+/// What a stretch is.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    InUse,
+    Proposed,
+    Ranked,
+}
+
+/// The stretches that a lens sees: of the calibration, the proposed one, and the ranked ones if they are shown or one is to be chosen.
 pub(super) fn in_view(lens: &Lens, app: &App) -> Vec<Stretch> {
     let has_picture = app
         .log
@@ -34,26 +44,46 @@ pub(super) fn in_view(lens: &Lens, app: &App) -> Vec<Stretch> {
     };
     let calibration = &products.calibration;
     let name = match calibration.mode {
-        ScaleMode::FlatSpot => "calibrated here",
-        ScaleMode::Header => "flat spot",
+        ScaleMode::FlatSpot => "scale from here",
+        ScaleMode::Header => "flat stretch, not in use",
     };
     let used = calibration.flat_spot.iter();
-    let used = used.filter_map(|spot| stretch(lens, &spot.pings, None, name.to_owned()));
+    let used = used.filter_map(|spot| stretch(lens, &spot.pings, Kind::InUse, name.to_owned()));
+    let proposed = app
+        .log
+        .proposed_stretch()
+        .map(|pings| pings.start..pings.end);
+    let proposed = proposed.and_then(|pings| {
+        let name = "proposed for the scale".to_owned();
+        stretch(lens, &pings, Kind::Proposed, name)
+    });
+    let units = app.options.units;
     let ranked = products.flat_spots.iter().enumerate();
     let ranked = ranked
-        .filter(|_| app.options.waterfall.flat_stretches)
+        .filter(|_| shows_ranked(app))
         .filter_map(|(rank, spot)| {
-            stretch(lens, &spot.pings, Some(rank), format!("flat {}", rank + 1))
+            let name = format!("{}: {}", rank + 1, flat_spot_words::brief(spot, units));
+            stretch(lens, &spot.pings, Kind::Ranked, name)
         });
-    used.chain(ranked).collect()
+    proposed.into_iter().chain(used).chain(ranked).collect()
 }
 
-fn stretch(
-    lens: &Lens,
-    pings: &Range<usize>,
-    rank: Option<usize>,
-    name: String,
-) -> Option<Stretch> {
+fn shows_ranked(app: &App) -> bool {
+    app.options.waterfall.flat_stretches || app.log.reviewing.tool == Tool::Calibrate
+}
+
+/// The ranked stretch whose bar is under the pointer.
+pub(super) fn under(lens: &Lens, app: &App, at: Pos2) -> Option<PingRange> {
+    let spots = app.log.products.as_ref()?.flat_spots.iter();
+    let mut spots = spots.filter(|_| shows_ranked(app));
+    let is_here = |spot: &&FlatSpot| {
+        let found = stretch(lens, &spot.pings, Kind::Ranked, String::new());
+        found.is_some_and(|found| found.nadir.expand(REACH).contains(at))
+    };
+    spots.find(is_here).map(FlatSpot::range)
+}
+
+fn stretch(lens: &Lens, pings: &Range<usize>, kind: Kind, name: String) -> Option<Stretch> {
     let ends = [pings.start as f64, pings.end as f64];
     let edges = ends.map(|ping| lens.line_at_ping(ping));
     let area = Rect::from_two_pos(edges[0][0], edges[1][1]).intersect(lens.rect);
@@ -68,43 +98,52 @@ fn stretch(
         area,
         edges,
         nadir: nadir.intersect(lens.rect.expand(BAR)),
-        rank,
+        kind,
         name,
     })
 }
 
 impl Stretch {
-    /// Draws it: two lines across the picture for the calibration's, a bar along the nadir for the others. The echoes
-    /// between stay as they are.
+    /// Draws it: two lines across the picture for that of the calibration and the proposed one, a bar along the nadir for the others. The
+    /// echoes between stay as they are.
     pub fn draw(&self, painter: &Painter) {
         let colour = self.colour();
-        if self.rank.is_some() {
+        if self.kind == Kind::Ranked {
             painter.rect_filled(self.nadir.expand(1.0), 1.0, Color32::from_black_alpha(150));
             painter.rect_filled(self.nadir, 1.0, colour);
             return;
         }
         for edge in self.edges {
             painter.line_segment(edge, Stroke::new(3.0, Color32::from_black_alpha(110)));
-            painter.line_segment(edge, Stroke::new(1.0, colour));
+            let width = if self.kind == Kind::Proposed {
+                2.0
+            } else {
+                1.0
+            };
+            painter.line_segment(edge, Stroke::new(width, colour));
+        }
+        if self.kind == Kind::Proposed {
+            painter.rect_filled(self.nadir.expand(1.0), 1.0, colour);
         }
     }
 
     /// Writes its name at its beginning or, for a bar, on its middle.
     pub fn label(&self, labels: &mut Labels<'_>) {
-        let (at, anchor) = if self.rank.is_some() {
-            (self.nadir.center(), Align2::CENTER_CENTER)
-        } else {
-            let corner = self.area.left_top();
-            (pos2(corner.x, corner.y) + vec2(5.0, 4.0), Align2::LEFT_TOP)
+        let (at, anchor) = match self.kind {
+            Kind::Ranked => (self.nadir.center(), Align2::CENTER_CENTER),
+            Kind::InUse => (self.area.left_top() + vec2(5.0, 4.0), Align2::LEFT_TOP),
+            // Of the same stretch both have room.
+            Kind::Proposed => (self.area.left_top() + vec2(5.0, 22.0), Align2::LEFT_TOP),
         };
         labels.write(at, anchor, &self.name, self.colour());
     }
 
     fn colour(&self) -> Color32 {
-        match self.rank {
+        match self.kind {
             // White on any theme: it lies on the picture, which is dark or coloured.
-            Some(_) => Color32::from_gray(235),
-            None => theme::calibration_colour(),
+            Kind::Ranked => Color32::from_gray(235),
+            Kind::InUse => theme::calibration_colour(),
+            Kind::Proposed => theme::proposal_colour(),
         }
     }
 }

@@ -20,6 +20,7 @@ mod overlay;
 mod picture;
 mod pointer;
 mod scales;
+mod stretch_tool;
 mod tiles;
 mod tone;
 
@@ -57,7 +58,7 @@ pub struct WaterfallView {
     was_over: Option<Mark>,
     boxes: boxes::Boxes,
     pen: bottom::BottomPen,
-    leave_out: left_out::LeaveOutTool,
+    stretch: stretch_tool::StretchTool,
     measure: measure::MeasureTool,
     /// Where the arrow keys would mark a target.
     cross: cross::Cross,
@@ -101,11 +102,15 @@ impl WaterfallView {
         }
         if below.is_positive() {
             self.begin(below);
-            // Without side-scan nothing else moves it.
-            let along = self.camera.get_or_insert_default();
+            let mut along = self.camera.unwrap_or_default();
             let drawing = self.drawing.as_ref();
-            let settled = self.echogram.ui(ui, below, along, drawing, context);
+            let settled = self.echogram.ui(ui, below, &mut along, drawing, context);
             self.settled &= settled;
+            let survey = context.app.log.survey.as_ref();
+            // A side-scan that is still being read looks at its beginning when it is there; without one nothing else moves it.
+            if self.camera.is_some() || survey.is_some_and(|survey| !survey.has_side_scan()) {
+                self.camera = Some(along);
+            }
         }
     }
 
@@ -137,7 +142,7 @@ impl WaterfallView {
         let holds_box = before.is_some_and(|lens| self.boxes.follow(ui, &response, lens, context));
         let draws = before.is_some_and(|lens| self.pen.follow(ui, &response, lens, context));
         let draws =
-            draws | before.is_some_and(|lens| self.leave_out.follow(ui, &response, lens, context));
+            draws | before.is_some_and(|lens| self.stretch.follow(ui, &response, lens, context));
         let draws = draws
             | before.is_some_and(|lens| self.measure.follow(ui, &response, lens, &survey, context));
         if let Some(lens) = before {
@@ -177,7 +182,7 @@ impl WaterfallView {
         );
         self.boxes.draw(&painter, response.interact_pointer_pos());
         self.pen.draw(&painter, &lens, context.app);
-        self.leave_out.draw(&painter, &lens, context.app);
+        self.stretch.draw(&painter, &lens, context.app);
         self.measure.draw(&painter, &lens, context.app);
         self.cross.draw(&painter, &lens);
         self.measure.strip(ui, context, rect);
@@ -193,8 +198,7 @@ impl WaterfallView {
             let measured = self.measure.area(&lens, context.app);
             let clear: Vec<egui::Rect> =
                 covered.into_iter().chain(edited).chain(measured).collect();
-            let has_tool = banner.is_some();
-            pointer::read_out(&painter, &lens, (at, has_tool), text, &clear);
+            pointer::read_out(&painter, &lens, at, text, &clear);
         }
         let visible = lens.visible(survey.side_scan.len());
         let seen = boxes::words(&boxes, &missed, context.app);
@@ -293,7 +297,7 @@ impl WaterfallView {
             let had_failed = drawing.has_failed;
             drawing.poll(app.bottom_line());
             if drawing.has_failed && !had_failed {
-                let text = "drawing the waterfall failed unexpectedly; what is missing comes when the log is opened again";
+                let text = "a part of the waterfall could not be drawn; open the log again";
                 context.push(Command::Notify(text.to_owned()));
             }
         }
@@ -356,6 +360,7 @@ impl WaterfallView {
                     });
                     match close_up.enlarged {
                         Enlarged::Third => camera.close_up(pings, shown_m, metres, size),
+                        Enlarged::AsItIs => camera.bring_in(pings, shown_m, size),
                         Enlarged::OneToOne => {
                             camera.sample_to_point((pings, shown_m), metres, extent, size);
                         }

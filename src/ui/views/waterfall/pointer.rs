@@ -1,11 +1,11 @@
 //! What is under the pointer: the read-out, hover and selection, and the menu.
 
 use super::lens::{Lens, Place};
-use super::{boxes, labels};
-use crate::app::{App, Command, Leave, Mark, Tool};
+use super::{boxes, flat_spots, labels};
+use crate::app::{AboveStretch, App, Command, Leave, Mark, Tool};
 use crate::survey::{Side, SidePing, Survey};
 use crate::ui::{ViewContext, left_out_words, place, text, theme};
-use egui::{Align2, Painter, Pos2, Rect, Response, pos2, vec2};
+use egui::{Align2, Painter, Pos2, Rect, Response, Ui, pos2};
 
 /// The mark at a place; `None` before the first and after the last ping.
 pub(super) fn mark_at(survey: &Survey, place: Place) -> Option<Mark> {
@@ -62,7 +62,12 @@ pub(super) fn follow(
         let tool = context.app.log.reviewing.tool;
         let finds = !matches!(
             tool,
-            Tool::Draw | Tool::Point | Tool::Bottom | Tool::LeaveOut
+            Tool::Draw
+                | Tool::Point
+                | Tool::Bottom
+                | Tool::LeaveOut
+                | Tool::Calibrate
+                | Tool::Accept
         );
         match boxes::under(lens, context.app, at).filter(|_| finds) {
             Some(id) => context.push(Command::SelectBox(Some(id))),
@@ -71,7 +76,14 @@ pub(super) fn follow(
                     context.push(Command::MarkTarget(mark));
                 }
             }
-            None if matches!(tool, Tool::Look | Tool::Bottom | Tool::LeaveOut) => {
+            None if tool == Tool::Calibrate && response.clicked() => {
+                propose(context, lens, at);
+            }
+            None if matches!(
+                tool,
+                Tool::Look | Tool::Bottom | Tool::LeaveOut | Tool::Calibrate | Tool::Accept
+            ) =>
+            {
                 let mark = mark_at(survey, lens.place_at(at));
                 context.push(Command::Select(mark));
                 if let Some(mark) = mark.filter(|_| tool == Tool::LeaveOut && response.clicked()) {
@@ -96,12 +108,15 @@ fn menu(response: &Response, context: &mut ViewContext<'_>) -> Option<usize> {
             ui.label("no ping here");
             return;
         };
-        if ui.button("Calibrate here").clicked() {
+        let hint = "Proposes the stretch here for the scale; nothing changes yet.";
+        let button = ui.button("Propose for the scale").on_hover_text(hint);
+        if button.clicked() {
             if let Some(pings) = context.app.stretch_around(mark.ping) {
-                context.push(Command::CalibrateAt(pings));
+                context.push(Command::ProposeStretch(pings));
             }
             ui.close();
         }
+        accept(ui, context, mark);
         if let Some(stretch) = context.app.left_out_at(context.app.log.id, mark.ping)
             && left_out_words::take_back_in(ui, &stretch)
         {
@@ -112,7 +127,7 @@ fn menu(response: &Response, context: &mut ViewContext<'_>) -> Option<usize> {
             ui.close();
         }
         ui.separator();
-        let hint = "A metre along the track as long as a metre across, by the boat's speed here.";
+        let hint = "The same scale along and across the track, by the boat's speed here.";
         if ui.button("Equal scales").on_hover_text(hint).clicked() {
             equal_scales_at = Some(mark.ping);
             ui.close();
@@ -133,6 +148,38 @@ fn menu(response: &Response, context: &mut ViewContext<'_>) -> Option<usize> {
         }
     });
     equal_scales_at
+}
+
+/// Proposes the numbered stretch that was clicked, or the one about a ping.
+fn propose(context: &mut ViewContext<'_>, lens: &Lens, at: Pos2) {
+    let here = lens.place_at(at).ping;
+    let around = || context.app.stretch_around(here.max(0.0) as usize);
+    if let Some(pings) = flat_spots::under(lens, context.app, at).or_else(around) {
+        context.push(Command::ProposeStretch(pings));
+    }
+}
+
+/// An entry that accepts the first returns above the recorded depth about a place as bottom, where there are any.
+fn accept(ui: &mut Ui, context: &mut ViewContext<'_>, mark: Mark) {
+    let figures = context.app.log.figures.as_ref();
+    let stretch = (mark.side.zip(figures))
+        .and_then(|(side, figures)| figures.above_bottom.stretch_at(side, mark.ping));
+    let Some(&AboveStretch { side, pings, .. }) = stretch else {
+        return;
+    };
+    let [first, last] = pings;
+    let hint = format!(
+        "First returns of pings {first} to {last} to {} lie above the recorded depth; they then count as bottom.",
+        side.name()
+    );
+    if ui.button("Accept as bottom").on_hover_text(hint).clicked() {
+        context.push(Command::AcceptBottom {
+            side,
+            pings,
+            accept: true,
+        });
+        ui.close();
+    }
 }
 
 /// Takes the left-out stretch at a ping back in, if there is one.
@@ -165,16 +212,10 @@ pub(super) fn metres_per_ping(app: &App, survey: &Survey, ping: usize) -> Option
 /// Room between the read-out and what it keeps off, points.
 const APART: f32 = 10.0;
 
-/// The read-out beside the pointer, on the side where there is room, off what lies in `clear`. With a tool in hand, or where every side
-/// is taken, it stands in a corner of the view: a hand that works wants to see what it does.
-pub(super) fn read_out(
-    painter: &Painter,
-    lens: &Lens,
-    (at, has_tool): (Pos2, bool),
-    text: &str,
-    clear: &[Rect],
-) {
-    let (at, anchor) = read_out_place(lens.rect, at, has_tool, clear, |at, anchor| {
+/// The read-out in the corner of the view across from the pointer, or in another one where something in `clear` lies there: what it
+/// describes stays in sight.
+pub(super) fn read_out(painter: &Painter, lens: &Lens, pointer: Pos2, text: &str, clear: &[Rect]) {
+    let (at, anchor) = read_out_place(lens.rect, pointer, clear, |at, anchor| {
         labels::covered(painter, at, anchor, text)
     });
     labels::text(painter, at, anchor, text);
@@ -184,41 +225,31 @@ pub(super) fn read_out(
 fn read_out_place(
     view: Rect,
     pointer: Pos2,
-    has_tool: bool,
     clear: &[Rect],
     covered: impl Fn(Pos2, Align2) -> Rect,
 ) -> (Pos2, Align2) {
     let centre = view.center();
     let (right, below) = (pointer.x < centre.x, pointer.y < centre.y);
-    let sides = [
+    let inner = view.shrink(8.0);
+    // The corner across from the pointer first: it is the farthest.
+    let corners = [
         (right, below),
         (right, !below),
         (!right, below),
         (!right, !below),
-    ];
-    let beside = sides.map(|(right, below)| {
-        let shift = |on: bool| if on { 14.0 } else { -14.0 };
-        (
-            pointer + vec2(shift(right), shift(below)),
-            anchor(right, below),
-        )
-    });
-    // The corner across from the pointer first: it is the farthest.
-    let inner = view.shrink(8.0);
-    let corners = sides.map(|(right, below)| {
+    ]
+    .map(|(right, below)| {
         let x = if right { inner.right() } else { inner.left() };
         let y = if below { inner.bottom() } else { inner.top() };
         (pos2(x, y), anchor(!right, !below))
     });
-    let beside = beside.into_iter().filter(|_| !has_tool);
     let is_free = |(at, anchor): &(Pos2, Align2)| {
         let area = covered(*at, *anchor);
         let hides_pointer = area.expand(4.0).contains(pointer);
         let is_clear = |taken: &Rect| !taken.expand(APART).intersects(area);
         view.contains_rect(area) && !hides_pointer && clear.iter().all(is_clear)
     };
-    let free = beside.chain(corners).find(is_free);
-    free.unwrap_or(corners[0])
+    corners.into_iter().find(is_free).unwrap_or(corners[0])
 }
 
 /// The corner of a text that stands at a place, when the text lies right of it and below.
@@ -242,12 +273,7 @@ fn doubts(app: &App, ping: &SidePing, number: usize, side: Side) -> String {
         .bottom_line()
         .and_then(|returns| returns.side(side).get(number));
     if shown.first_return && pick.is_some_and(|pick| pick.above_bottom) {
-        lines += &format!(
-            "\nfirst return dashed: nearer than the depth\nby over {} (weed, fish, an obstacle)",
-            app.options
-                .units
-                .measure(app.log.settings.first_return.above_bottom_margin_m, 2)
-        );
+        lines += "\nfirst return above bottom";
     }
     lines
 }
@@ -282,9 +308,7 @@ pub(super) fn describe(app: &App, survey: &Survey, at: Place) -> Option<String> 
         };
         lines += &format!("\nsample {sample}, echo {echo}");
     }
-    if ping.depth_m.is_finite() {
-        lines += &format!("\ndepth {}", place::depth(app, ping));
-    }
+    lines += &format!("\ndepth {}", place::depth(app, mark.ping));
     lines += &doubts(app, ping, mark.ping, side);
     if let Some(why) = left_out_words::at(app, app.log.id, mark.ping) {
         lines += &format!("\n{why}");
@@ -298,25 +322,24 @@ pub(super) fn describe(app: &App, survey: &Survey, at: Place) -> Option<String> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use egui::vec2;
 
     #[test]
     fn the_read_out_keeps_off_the_pointer_and_what_is_edited() {
         let view = Rect::from_min_size(pos2(0.0, 0.0), vec2(800.0, 400.0));
         let size = vec2(160.0, 90.0);
         let covered = |at: Pos2, anchor: Align2| anchor.anchor_size(at, size);
-        let place = |pointer: Pos2, has_tool: bool, clear: &[Rect]| {
-            let (at, anchor) = read_out_place(view, pointer, has_tool, clear, covered);
+        let place = |pointer: Pos2, clear: &[Rect]| {
+            let (at, anchor) = read_out_place(view, pointer, clear, covered);
             covered(at, anchor)
         };
         let pointer = pos2(200.0, 100.0);
-        // Beside the pointer, towards the middle.
-        assert_eq!(place(pointer, false, &[]).min, pointer + vec2(14.0, 14.0));
-        // With a tool in hand across from it.
-        assert_eq!(place(pointer, true, &[]).max, pos2(792.0, 392.0));
-        let edited = Rect::from_min_size(pos2(210.0, 110.0), vec2(80.0, 60.0));
-        let there = place(pointer, false, &[edited]);
+        assert_eq!(place(pointer, &[]).max, pos2(792.0, 392.0));
+        let edited = Rect::from_min_size(pos2(700.0, 350.0), vec2(80.0, 60.0));
+        let there = place(pointer, &[edited]);
         assert!(!there.intersects(edited.expand(APART)), "{there}");
+        assert!(!there.contains(pointer), "{there}");
         // Whatever is taken, it stands in the view.
-        assert!(view.contains_rect(place(pointer, true, &[view])));
+        assert!(view.contains_rect(place(pointer, &[view])));
     }
 }

@@ -82,12 +82,12 @@ fn figures(ui: &mut Ui, counts: &Counts) {
     line(
         "Precision",
         share(counts.precision()),
-        "Share of the boxes shown that are right.",
+        "Precision: share of the shown boxes that are right.",
     );
     line(
         "Recall",
         share(counts.recall()),
-        "Share of the objects that a box shown has found.",
+        "Recall: share of the objects that a shown box found.",
     );
     line(
         "F1",
@@ -102,7 +102,7 @@ fn figures(ui: &mut Ui, counts: &Counts) {
     line(
         "False",
         text::count(counts.false_alarms),
-        "Boxes shown that found nothing, or what a surer box had found.",
+        "Shown boxes that found no object, or one that a box of more confidence found.",
     );
     line(
         "Missed",

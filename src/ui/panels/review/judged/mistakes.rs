@@ -4,8 +4,9 @@ use super::super::super::parts::{list_rows, remark, row};
 use crate::app::{Action, Command, MistakeSort};
 use crate::detection::metrics::Cause;
 use crate::detection::truth::{Comparison, Mistake};
+use crate::ui::drop_down::DropDown;
 use crate::ui::{ViewContext, theme};
-use egui::{Button, ComboBox, RichText, Ui};
+use egui::{Button, RichText, Ui};
 
 /// Draws the list, how it is sorted, and the buttons that walk along it.
 pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, comparison: &Comparison) {
@@ -18,15 +19,13 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, comparison: &Comparison) {
     let mut sort = reviewing.judging.sort();
     let before = sort;
     row(ui, "Sort by", "The order of the list.", |ui| {
-        ComboBox::from_id_salt("sort mistakes")
+        DropDown::new("sort mistakes", sort.name())
             .width(ui.available_width() - 2.0)
-            .selected_text(sort.name())
-            .show_ui(ui, |ui| {
+            .show(ui, |choices| {
                 for one in MistakeSort::ALL {
-                    ui.selectable_value(&mut sort, one, one.name());
+                    choices.value(&mut sort, one, one.name());
                 }
             })
-            .response
     });
     if sort != before {
         context.push(Command::SortMistakes(sort));
@@ -45,17 +44,17 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, comparison: &Comparison) {
 fn list(ui: &mut Ui, context: &mut ViewContext<'_>, comparison: &Comparison, mistakes: &[Mistake]) {
     let here = context.app.log.reviewing.mistake_at();
     list_rows(ui, "mistakes", mistakes.len(), here, |ui, index| {
-        let Some(mistake) = mistakes.get(index) else {
-            return;
-        };
+        let mistake = mistakes.get(index)?;
         let said = said(context, comparison, mistake);
         let colour = colour(context, mistake);
         let shown = RichText::new(&said).color(colour);
         let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
         let button = Button::selectable(here == Some(index), shown).min_size(size);
-        if ui.add(button).clicked() {
+        let row = ui.add(button);
+        if row.clicked() {
             context.push(Command::ShowMistake(*mistake));
         }
+        Some(row)
     });
 }
 

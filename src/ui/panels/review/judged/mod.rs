@@ -19,8 +19,9 @@ pub fn at_slider(ui: &mut Ui, context: &mut ViewContext<'_>) {
     };
     if comparison.unsearched() > 0 {
         let others = text::plural(comparison.unsearched(), "object", "objects");
-        let text =
-            format!("These figures are of what was searched; {others} of the truth lie elsewhere.");
+        let text = format!(
+            "The figures count the searched part; {others} of the known objects lie elsewhere."
+        );
         warning(ui, context, &text);
     }
     curve::ui(ui, context, comparison, standing);
@@ -50,17 +51,17 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
             text::plural(counted, "object", "objects")
         );
         if counted < all {
-            text += &format!(", {} more cannot be seen and do not count", all - counted);
+            text += &format!(", {} more are not visible and do not count", all - counted);
         }
         if unsearched > 0 {
-            text += &format!(", {unsearched} more lie where nothing was searched");
+            text += &format!(", {unsearched} more lie in unsearched parts");
         }
         remark(ui, text + ".");
         mistakes::ui(ui, context, comparison);
         matrix::ui(ui, context, comparison, standing);
         ui.horizontal(|ui| {
-            super::button(ui, context, Action::OpenTruth, "Open truth…", true);
-            super::button(ui, context, Action::ForgetTruth, "Leave it", true);
+            super::button(ui, context, Action::OpenTruth, "Open known objects…", true);
+            super::button(ui, context, Action::ForgetTruth, "Close", true);
         });
     });
 }

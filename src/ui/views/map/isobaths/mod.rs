@@ -73,7 +73,7 @@ impl IsobathLayer {
                 let within = made.clip.as_ref().map_or("", |_| "\nwithin their area");
                 note(settings, levels_m, units) + within
             }
-            Err(NoIsobaths::TooMany { .. }) => "no isobaths:\ntoo small a step".to_owned(),
+            Err(NoIsobaths::TooMany { .. }) => "no isobaths:\ninterval too small".to_owned(),
             Err(NoIsobaths::AreaNotRead { .. }) => "no isobaths:\narea not read".to_owned(),
             Err(NoIsobaths::AreaElsewhere { .. }) => "no isobaths:\narea elsewhere".to_owned(),
         };

@@ -127,7 +127,7 @@ fn head_line(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, frame: Opti
 fn lack(line: Option<&ProfileLine>) -> &'static str {
     match line {
         None => "Click the corners of a line on the map.",
-        Some(line) if line.lacks_map() => "There is no depth map to look at yet.",
+        Some(line) if line.lacks_map() => "There is no depth map yet.",
         Some(_) => "No depth is known along this line.",
     }
 }

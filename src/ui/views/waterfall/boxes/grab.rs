@@ -149,7 +149,12 @@ impl Boxes {
                 .reviewing
                 .selected_box()
                 .and_then(|one| cursor(app, lens, one, lens.place_at(at))),
-            Tool::Look | Tool::Point | Tool::Bottom | Tool::LeaveOut => None,
+            Tool::Look
+            | Tool::Point
+            | Tool::Bottom
+            | Tool::LeaveOut
+            | Tool::Calibrate
+            | Tool::Accept => None,
         };
         if let Some(icon) = icon {
             ui.ctx().set_cursor_icon(icon);

@@ -197,6 +197,8 @@ fn tool_in_hand(app: &App) -> &'static str {
         Tool::Point => ", marking a target",
         Tool::Draw => ", drawing a box",
         Tool::Bottom => ", drawing the bottom",
-        Tool::LeaveOut => ", leaving stretches out",
+        Tool::LeaveOut => ", excluding stretches",
+        Tool::Calibrate => ", choosing a stretch for the scale",
+        Tool::Accept => ", accepting first returns as bottom",
     }
 }

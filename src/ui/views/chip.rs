@@ -1,12 +1,12 @@
-//! The selected box enlarged: the bottom around it in square pixels, turned as the waterfall is.
+//! A box enlarged: the bottom around it in square pixels, turned as the waterfall is.
 
+use super::waterfall::{outline, palette};
 use crate::app::{ColourMap, OpenLog, Orientation, PIXEL_M, WaterfallOptions};
 use crate::detection::review::{Review, Reviewed};
 use crate::detection::{Mark, ObjectExtent, Raster, Rect as BoxRect, TILE_PX, level};
 use crate::pipeline::Same;
 use crate::presentation::units::Units;
 use crate::survey::{Navigation, Side, Survey};
-use crate::ui::views::waterfall::{outline, palette};
 use egui::{ColorImage, Pos2, Rect, Response, Role, Sense, TextureHandle, Ui, Vec2, WidgetInfo};
 use egui::{pos2, vec2};
 
@@ -132,7 +132,8 @@ impl Window {
     }
 }
 
-/// A picture of a box with what lies around it.
+/// A picture of a box with what lies around it. Copies share the texture.
+#[derive(Clone)]
 pub struct Chip {
     texture: TextureHandle,
     /// Width and height, pixels.
@@ -193,7 +194,7 @@ impl Chip {
         );
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
         let hint = format!(
-            "As in the waterfall: {}; square pixels.",
+            "As in the waterfall: {}; equal scales.",
             self.turned.words()
         );
         response.on_hover_text(hint);

@@ -1,0 +1,147 @@
+//! The first returns above the recorded depth: how many, why they may be there, and in which stretches, so that an analyst who sees the
+//! bottom there can accept one.
+
+use crate::cloud::{CloudPoint, PointSource};
+use crate::pipeline::Products;
+use crate::statistics::median;
+use crate::survey::{Side, Survey};
+
+/// Pings without such a return that part two stretches.
+const GAP_PINGS: u32 = 12;
+/// Stretches that are listed, those with most returns.
+const MOST_LISTED: usize = 40;
+/// Fewer returns are no stretch: a fish, a bubble.
+const LEAST_RETURNS: usize = 4;
+/// Of the returns so large a share lies on one side where the bottom slopes across the track.
+const ONE_SIDED: f64 = 0.75;
+
+/// First returns that lie above the recorded depth by more than the margin: dashed in the waterfall.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct AboveBottom {
+    /// How many, both sides.
+    pub count: usize,
+    /// Those that stand out from the bed, which the recorder follows less closely elsewhere nearby.
+    pub standing: usize,
+    /// Those of them that count as bottom all the same, because they go on for long.
+    pub counted: usize,
+    /// Median height of those that stand out above the recorded depth, metres; NaN without any.
+    pub height_m: f64,
+    /// The side on which most of these lie, where nearly all do.
+    pub one_side: Option<Side>,
+    /// Where such first returns follow each other, those with most that do not count first.
+    pub stretches: Vec<AboveStretch>,
+}
+
+/// A stretch of them on one side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AboveStretch {
+    /// The side.
+    pub side: Side,
+    /// First and last ping.
+    pub pings: [usize; 2],
+    /// First returns above the recorded depth in it.
+    pub count: usize,
+    /// Those of them that do not count for the map.
+    pub uncounted: usize,
+    /// Their median height above the recorded depth, metres.
+    pub height_m: f64,
+}
+
+/// A return of a stretch.
+struct Above {
+    ping: u32,
+    height_m: f64,
+    stands_out: bool,
+    counts: bool,
+}
+
+impl AboveBottom {
+    /// Of some results.
+    pub(super) fn of(survey: &Survey, products: &Products) -> Self {
+        let sides = Side::BOTH.map(|side| (side, of_side(survey, products, side)));
+        let standing = |side: usize| sides[side].1.iter().filter(|above| above.stands_out);
+        let [port, starboard] = [standing(0).count(), standing(1).count()];
+        let one_side = (Side::BOTH.into_iter())
+            .zip([port, starboard])
+            .find(|(_, of_side)| *of_side as f64 > ONE_SIDED * (port + starboard) as f64);
+        let mut heights_m: Vec<f64> = heights_m(standing(0).chain(standing(1))).collect();
+        let mut stretches: Vec<AboveStretch> = (sides.iter())
+            .flat_map(|(side, all)| {
+                let parted = |a: &Above, b: &Above| b.ping - a.ping <= GAP_PINGS;
+                let parts = all.chunk_by(parted);
+                parts.filter_map(|part| AboveStretch::of(*side, part))
+            })
+            .collect();
+        stretches.sort_by_key(|one| std::cmp::Reverse((one.uncounted, one.count)));
+        stretches.truncate(MOST_LISTED);
+        Self {
+            count: sides.iter().map(|(_, all)| all.len()).sum(),
+            standing: port + starboard,
+            counted: (standing(0).chain(standing(1)))
+                .filter(|above| above.counts)
+                .count(),
+            height_m: median(&mut heights_m),
+            one_side: one_side.map(|(side, _)| side),
+            stretches,
+        }
+    }
+
+    /// The stretch that a ping of a side lies in.
+    pub fn stretch_at(&self, side: Side, ping: usize) -> Option<&AboveStretch> {
+        let holds =
+            |one: &&AboveStretch| one.side == side && (one.pings[0]..=one.pings[1]).contains(&ping);
+        self.stretches.iter().find(holds)
+    }
+}
+
+impl AboveStretch {
+    fn of(side: Side, part: &[Above]) -> Option<Self> {
+        let (first, last) = part.first().zip(part.last())?;
+        (part.len() >= LEAST_RETURNS).then(|| Self {
+            side,
+            pings: [first.ping as usize, last.ping as usize],
+            count: part.len(),
+            uncounted: part.iter().filter(|above| !above.counts).count(),
+            height_m: median(&mut heights_m(part.iter()).collect::<Vec<_>>()),
+        })
+    }
+}
+
+fn heights_m<'a>(all: impl Iterator<Item = &'a Above>) -> impl Iterator<Item = f64> {
+    all.map(|above| above.height_m)
+        .filter(|height_m| height_m.is_finite())
+}
+
+/// Those of a side, in ping order.
+fn of_side(survey: &Survey, products: &Products, side: Side) -> Vec<Above> {
+    let source = match side {
+        Side::Port => PointSource::Port,
+        Side::Starboard => PointSource::Starboard,
+    };
+    let start = products.cloud.points.start(source);
+    let classes = products.classes.get(start..).unwrap_or_default();
+    let points = products.cloud.points.of(source).iter().zip(classes);
+    let picks = products.returns.side(side);
+    let is_above = |point: &CloudPoint| {
+        let pick = picks.get(point.ping as usize);
+        pick.is_some_and(|pick| pick.above_bottom)
+    };
+    let above = points.filter(|(point, _)| is_above(point));
+    above
+        .map(|(point, class)| Above {
+            ping: point.ping,
+            height_m: height_m(survey, products, point),
+            stands_out: point.above_bottom,
+            counts: class.is_kept(),
+        })
+        .collect()
+}
+
+/// How far a point lies above the recorded depth of its ping, metres; NaN without one.
+fn height_m(survey: &Survey, products: &Products, point: &CloudPoint) -> f64 {
+    let ping = survey.side_scan.get(point.ping as usize);
+    ping.map_or(f64::NAN, |ping| {
+        let depth_m = f64::from(ping.locked_depth_m());
+        point.z_m + products.correction.depth_m(ping.time_s, depth_m)
+    })
+}

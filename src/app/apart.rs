@@ -1,0 +1,67 @@
+//! Logs that make no survey with the others: they are opened, but not shown on the map until the analyst asks for them.
+
+use super::{Action, App, LogId};
+use crate::printable::quoted;
+use crate::survey::{Apart, Survey, apart};
+
+impl App {
+    /// Takes logs off the map that were opened together with others and make no survey with them.
+    pub(super) fn set_apart(&mut self) {
+        let arrived = std::mem::take(&mut self.logs.arrived);
+        let logs: Vec<(LogId, bool, &Survey)> = self
+            .visible_logs()
+            .filter_map(|log| {
+                let survey = log.survey.as_deref()?;
+                Some((log.id, !arrived.contains(&log.id), survey))
+            })
+            .collect();
+        let known: Vec<bool> = logs.iter().map(|(_, known, _)| *known).collect();
+        let surveys: Vec<&Survey> = logs.iter().map(|(.., survey)| *survey).collect();
+        let why = apart(&surveys, &known);
+        let found: Vec<(LogId, Option<Apart>)> = (logs.iter().zip(why))
+            .filter(|((_, known, _), _)| !known)
+            .map(|((id, ..), why)| (*id, why))
+            .collect();
+        let mut names = Vec::new();
+        for (id, why) in found.iter().filter_map(|(id, why)| Some((*id, (*why)?))) {
+            let name = self.with_log(id, |app| {
+                app.log.is_visible = false;
+                app.log.apart = Some(why);
+                app.log.name()
+            });
+            names.push(format!("{} ({why})", quoted(&name.unwrap_or_default())));
+        }
+        if names.is_empty() {
+            return;
+        }
+        let first = self.visible_logs().next().map(|log| log.id);
+        if let (false, Some(first)) = (self.log.is_visible, first) {
+            self.show_log(first);
+        }
+        // The plane of a log that is far away would bend the others.
+        self.is_plane_moved = true;
+        self.settle_plane();
+        let text = format!("Open, but not part of this survey: {}", names.join(", "));
+        self.offer(text, Action::ShowTogether);
+        self.keep_project("logs apart");
+        self.schedule();
+    }
+
+    /// Shows all logs on one map, whatever is between them, as an undo step.
+    pub(super) fn show_together(&mut self) {
+        let hidden: Vec<LogId> = (self.logs().filter(|log| log.apart.is_some()))
+            .map(|log| log.id)
+            .collect();
+        let before = self.step_now();
+        for id in &hidden {
+            self.with_log(*id, |app| {
+                app.log.is_visible = true;
+                app.log.apart = None;
+            });
+        }
+        let after = self.step_now();
+        self.record_named(&before, &after, "show all logs together".to_owned());
+        self.withdraw(Action::ShowTogether);
+        self.schedule();
+    }
+}

@@ -1,0 +1,119 @@
+//! What bare keys change is never silent: it is said, with undo. A slip of the hand, or a text typed into no field, is seen at once.
+
+use super::reviewing::{LogStep, Step};
+use super::{Action, App, Command, KeyFocus, LogBox, MapLayer, View};
+use crate::detection::review::BoxId;
+use crate::pipeline::{SettingValues, setting_values};
+use std::sync::Arc;
+
+/// Keys of settings that change how the waterfall looks, and no result.
+const PICTURE: &str = "picture.";
+
+/// What a bare key may change, as it is before the key acts.
+pub struct BeforeKey(Step);
+
+impl App {
+    /// Notes what a bare key may change.
+    pub fn before_key(&self) -> BeforeKey {
+        BeforeKey(self.step_now())
+    }
+
+    /// Says what a bare key has changed of depths and decisions since `before`, with undo. The next key takes the place of its notice.
+    pub fn say_changed_by_key(&mut self, keys: &str, before: &BeforeKey) {
+        if !changes_results(&before.0, &self.step_now()) {
+            return;
+        }
+        let done = self.undo_label().unwrap_or("settings").to_owned();
+        self.offer_undo(format!("key {keys}: {done}"));
+    }
+
+    /// Whether a bare key must not act, and says why: it asks first, or what it is about is not selected or not in sight.
+    pub fn holds_key_back(&mut self, keys: &str, command: &Command, focus: KeyFocus) -> bool {
+        match *command {
+            Command::Do(action) if action.asks_by_key() => self.ask_by_key(keys, action),
+            Command::Do(Action::ThresholdDown | Action::ThresholdUp) => {
+                let is_blind = self.selection.is_none();
+                if is_blind {
+                    let text = "select a ping first: its profile shows the threshold";
+                    self.notify(text.to_owned(), true);
+                }
+                is_blind
+            }
+            Command::Do(action) if action.is_about_selected_box() => self.misses_box(keys, focus),
+            Command::Edit { .. } | Command::Nudge(_) => self.misses_box(keys, focus),
+            _ => false,
+        }
+    }
+
+    /// Offers an action whose key alone must not carry it out.
+    fn ask_by_key(&mut self, keys: &str, action: Action) -> bool {
+        let consequence = match action {
+            Action::SwapSides if self.log.survey.is_some() => {
+                "exchange port and starboard of this log in every view and product"
+            }
+            // It says what it lacks.
+            _ => return false,
+        };
+        self.withdraw(action);
+        self.offer(format!("key {keys}: {consequence}?"), action);
+        true
+    }
+
+    /// Whether no box is selected, or the selected one is not to be seen where the key was pressed; then it comes into view.
+    fn misses_box(&mut self, keys: &str, focus: KeyFocus) -> bool {
+        let Some(one) = self.log.reviewing.selected_box() else {
+            self.ask_for_box();
+            return true;
+        };
+        let (BoxId(number), pings) = (one.id, one.mark.pings.clone());
+        let options = &self.options;
+        let is_drawn = match focus {
+            KeyFocus::View(View::Waterfall) => options.waterfall.boxes,
+            KeyFocus::View(View::Map) => options.map.layers.is_visible(MapLayer::Boxes),
+            KeyFocus::View(View::Cloud) => options.cloud.boxes,
+            KeyFocus::View(View::Objects) | KeyFocus::Review => true,
+        };
+        if !is_drawn {
+            let show = Action::Boxes.keys().unwrap_or_default();
+            self.notify(format!("boxes are hidden here; {show} shows them"), true);
+            return true;
+        }
+        let is_in_view = focus != KeyFocus::View(View::Waterfall)
+            || pings.start < self.visible.end && self.visible.start < pings.end;
+        if !is_in_view {
+            self.bring_in(LogBox {
+                log: self.log.id,
+                id: BoxId(number),
+            });
+            let text = format!("box {number} was out of view; press {keys} again");
+            self.notify(text, false);
+        }
+        !is_in_view
+    }
+}
+
+/// Whether depths, places or decisions differ between two steps.
+fn changes_results(before: &Step, after: &Step) -> bool {
+    let shared = !Arc::ptr_eq(&before.shared, &after.shared)
+        && results_of(&setting_values(&before.shared))
+            != results_of(&setting_values(&after.shared));
+    let logs = before.logs.len() != after.logs.len()
+        || (before.logs.iter().zip(&after.logs)).any(|(was, is)| changes_log(was, is));
+    shared || logs || before.closed != after.closed || before.mountings != after.mountings
+}
+
+fn changes_log(before: &LogStep, after: &LogStep) -> bool {
+    let own = !Arc::ptr_eq(&before.own, &after.own)
+        && (results_of(before.own.own()) != results_of(after.own.own())
+            || before.own.bottom != after.own.bottom);
+    own || !Arc::ptr_eq(&before.review, &after.review)
+        || before.id != after.id
+        || before.is_visible != after.is_visible
+}
+
+/// The settings that results depend on.
+fn results_of(values: &SettingValues) -> SettingValues {
+    let mut values = values.clone();
+    values.retain(|key, _| !key.starts_with(PICTURE));
+    values
+}

@@ -1,0 +1,232 @@
+//! The scale of a log: a stretch is proposed, what it would change is worked out, and the analyst takes it or keeps the recorded range.
+//! Nothing changes before that; afterwards it is said by how much the depths changed.
+
+use super::{Action, App, OpenLog};
+use crate::calibration::{self, CalibrationSettings, PingRange, ScaleMode};
+use crate::cloud::{DepthChange, PointClass, PointCloud};
+use crate::pipeline::{Background, Jobs, ProcessedLog, Products, Same, ScaleTrial, Settings};
+use crate::printable::quoted;
+use crate::survey::Survey;
+use std::sync::Arc;
+
+/// Setting of the scale in use.
+const MODE: &str = "calibration.mode";
+/// Pings to either side of one that are proposed before it is known where the pings lie.
+const PINGS_ASIDE: usize = 50;
+
+/// What a trial is made of; equal keys give the same.
+type Key = (Same<Survey>, Same<Settings>, PingRange);
+
+/// What is under way about the scale of a log.
+#[derive(Default)]
+pub(super) struct Calibrating {
+    /// The stretch that waits for the analyst.
+    proposal: Option<PingRange>,
+    trial: Background<Key, Arc<ScaleTrial>>,
+    change: Option<ScaleChange>,
+    /// The flatter stretch that was offered while the log is followed.
+    pub(super) offered: Option<PingRange>,
+}
+
+/// A change of scale whose results are on their way.
+struct ScaleChange {
+    /// What was done, at the beginning of a sentence.
+    what: String,
+    calibration: CalibrationSettings,
+    cloud: Arc<PointCloud>,
+    classes: Arc<Vec<PointClass>>,
+}
+
+impl Calibrating {
+    fn follow(&mut self, log: ProcessedLog, pings: PingRange, jobs: &Jobs) {
+        let ProcessedLog { survey, products } = log;
+        let key = (Same(survey.clone()), Same(products.settings.clone()), pings);
+        self.trial.ask(key, jobs, move |progress| {
+            let trial = ScaleTrial::new(&survey, &products, pings, progress).ok()?;
+            Some(Arc::new(trial))
+        });
+    }
+
+    pub fn is_busy(&self) -> bool {
+        self.trial.is_running()
+    }
+}
+
+impl OpenLog {
+    /// The stretch that is proposed for the scale; nothing depends on it before it is taken.
+    pub fn proposed_stretch(&self) -> Option<PingRange> {
+        self.calibrating.proposal
+    }
+
+    /// What the proposed stretch would change; `None` until that is known.
+    pub fn scale_trial(&self) -> Option<&Arc<ScaleTrial>> {
+        let proposal = self.calibrating.proposal?;
+        let trial = self.calibrating.trial.result();
+        trial.filter(|trial| trial.spot.range() == proposal)
+    }
+}
+
+impl App {
+    /// Proposes a stretch for the scale of the shown log.
+    pub(super) fn propose_stretch(&mut self, pings: PingRange) {
+        let count = (self.log.survey.as_ref()).map_or(0, |survey| survey.side_scan.len());
+        let (start, end) = (pings.start, pings.end.min(count));
+        if start < end {
+            self.log.calibrating.proposal = Some(PingRange { start, end });
+        }
+    }
+
+    /// Takes the tool that proposes stretches, or lays it down. Where nothing is proposed yet, the stretch at the selected ping is, or the
+    /// best one.
+    pub(super) fn take_calibration_tool(&mut self) {
+        self.take_tool(super::Tool::Calibrate);
+        let is_in_hand = self.log.reviewing.tool == super::Tool::Calibrate;
+        if !is_in_hand || self.log.calibrating.proposal.is_some() {
+            return;
+        }
+        let here = self
+            .selection
+            .and_then(|mark| self.stretch_around(mark.ping));
+        let products = self.log.products.as_ref();
+        let best = products.and_then(|products| products.flat_spots.first());
+        if let Some(pings) = here.or(best.map(|spot| spot.range())) {
+            self.propose_stretch(pings);
+        }
+    }
+
+    /// The stretch about a ping, as long as those that are ranked.
+    pub fn stretch_around(&self, ping: usize) -> Option<PingRange> {
+        let survey = self.log.survey.as_ref()?;
+        let pings = match &self.log.products {
+            Some(products) => calibration::stretch_around(survey, &products.navigation, ping),
+            None => {
+                let end = (ping + PINGS_ASIDE + 1).min(survey.side_scan.len());
+                ping.saturating_sub(PINGS_ASIDE)..end
+            }
+        };
+        let (start, end) = (pings.start, pings.end);
+        (start < end).then_some(PingRange { start, end })
+    }
+
+    /// Drops the proposal.
+    pub(super) fn drop_proposal(&mut self) {
+        self.log.calibrating.proposal = None;
+        self.log.calibrating.trial = Background::default();
+    }
+
+    /// Has the trial of the proposed stretch follow the results.
+    pub(super) fn poll_calibrating(&mut self) {
+        let proposal = self.log.calibrating.proposal;
+        if let Some((pings, log)) = proposal.zip(self.log.settled()) {
+            self.log.calibrating.follow(log, pings, &self.jobs);
+        }
+    }
+
+    /// Takes the scale of the proposed stretch, as an undo step.
+    pub(super) fn use_scale(&mut self) {
+        let Some(pings) = self.log.calibrating.proposal else {
+            let text = "no stretch is proposed; drag one with Calibrate on a stretch";
+            return self.notify(text.to_owned(), true);
+        };
+        let Some(trial) = self.log.scale_trial().cloned() else {
+            let text = "the scale of the proposed stretch is still being measured";
+            return self.notify(text.to_owned(), true);
+        };
+        if trial.spot.ppd.is_none() {
+            let why = trial.objections.first().cloned();
+            let why = why.unwrap_or_else(|| "Its first returns are too few.".to_owned());
+            let text = format!("the proposed stretch gives no scale. {why}");
+            return self.notify(text, true);
+        }
+        self.use_stretch(pings);
+    }
+
+    /// Takes the scale of a stretch of the log, as an undo step.
+    pub(super) fn use_stretch(&mut self, pings: PingRange) {
+        let (first, last) = (pings.start, pings.end.saturating_sub(1));
+        let what = format!("Scale from pings {first} to {last}");
+        self.set_scale(ScaleMode::FlatSpot, Some(pings), what);
+    }
+
+    /// Takes the recorder's own range as the scale, as an undo step, and drops the proposal.
+    pub(super) fn keep_recorded_range(&mut self) {
+        self.drop_proposal();
+        if self.log.settings.calibration.mode != ScaleMode::Header {
+            self.set_scale(ScaleMode::Header, None, "Scale: recorded range".to_owned());
+        }
+    }
+
+    /// Takes the flatter stretch that was offered for the log that is followed.
+    pub(super) fn use_offered_stretch(&mut self) {
+        self.withdraw(Action::UseFlatterStretch);
+        let offered = |log: &OpenLog| Some((log.id, log.calibrating.offered?));
+        let found = self.logs().find_map(offered);
+        if let Some((id, pings)) = found {
+            self.with_log(id, |app| app.use_stretch(pings));
+        }
+    }
+
+    /// Changes the scale of the shown log, as a setting of its own: a scale that is measured on its pings says nothing about another log.
+    fn set_scale(&mut self, mode: ScaleMode, pings: Option<PingRange>, what: String) {
+        let mut settings = Settings::clone(&self.log.settings);
+        settings.calibration.mode = mode;
+        settings.calibration.pings = pings;
+        let before = self.step_now();
+        let owning = self.log.own.owning(&self.shared, MODE, true);
+        let own = owning.unwrap_or_else(|| (*self.log.own).clone());
+        let (_, mut own) = match own.change(&self.shared, &settings) {
+            Ok(parts) => parts,
+            Err(error) => return self.notify(error.to_string(), true),
+        };
+        if pings.is_none() && mode == self.shared.calibration.mode {
+            own.unset(MODE);
+        }
+        self.expect_change(what.clone(), settings.calibration);
+        let own = Arc::new(own);
+        self.log.own = own.clone();
+        let after = self.step_now();
+        let title = match self.log_count() {
+            0 | 1 => what,
+            _ => format!("{what}, {}", quoted(&self.log.name())),
+        };
+        self.record_named(&before, &after, title);
+        self.drop_proposal();
+        if self.log.reviewing.tool == super::Tool::Calibrate {
+            self.leave_tool();
+        }
+        self.set_own(own, false);
+    }
+
+    /// Has it said what a change of scale did to the depths, once the results are there.
+    fn expect_change(&mut self, what: String, calibration: CalibrationSettings) {
+        let products = self.log.products.as_ref();
+        self.log.calibrating.change = products.map(|products| ScaleChange {
+            what,
+            calibration,
+            cloud: products.cloud.clone(),
+            classes: products.classes.clone(),
+        });
+    }
+
+    /// Says what a change of scale did to the depths, if `products` are the results of one.
+    pub(super) fn tell_change(&mut self, products: &Products) {
+        let change = self.log.calibrating.change.take();
+        let Some(change) =
+            change.filter(|change| change.calibration == products.settings.calibration)
+        else {
+            return;
+        };
+        let found = DepthChange::between(&change.cloud, &change.classes, &products.cloud);
+        let text = match found {
+            Some(found) => format!(
+                "{}: depths change by {:+.1} cm (median), {:+.1} cm at most",
+                change.what,
+                100.0 * found.median_m,
+                100.0 * found.largest_m
+            ),
+            None => format!("{}: no side-scan depth changes", change.what),
+        };
+        self.withdraw(Action::Undo);
+        self.offer(text, Action::Undo);
+    }
+}

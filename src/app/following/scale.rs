@@ -1,0 +1,143 @@
+//! The scale of a log while it is followed: what was in force stays until the analyst takes another one, and what changes is said.
+
+use super::Active;
+use crate::app::{Action, App, LogId};
+use crate::calibration::{Calibration, PingRange, ScaleMode};
+use crate::pipeline::{Products, Settings};
+use crate::survey::{Side, Survey};
+use std::sync::Arc;
+use toml::Value;
+
+/// Setting of the stretch that the scale is measured on.
+const STRETCH: &str = "calibration.pings";
+/// A scale that changes a depth by less than this is the same, metres.
+const SAME_M: f64 = 0.01;
+
+impl App {
+    /// Keeps the stretch that the scale of a followed log is measured on: the best-ranked one of a longer log is often another.
+    pub(super) fn hold_scale(&mut self, active: &mut Active) {
+        let Some(log) = self.open_log(active.log) else {
+            return;
+        };
+        let calibration = &log.settings.calibration;
+        if calibration.mode != ScaleMode::FlatSpot {
+            active.stretch = None;
+            return;
+        }
+        if calibration.pings.is_some() {
+            active.stretch = calibration.pings;
+            return;
+        }
+        // Undo brings settings back that name no stretch.
+        let in_use = || {
+            let products = log.products.as_ref()?;
+            let is_current = products.settings.calibration == *calibration;
+            let made = &products.calibration;
+            let is_measured = is_current && made.mode == ScaleMode::FlatSpot;
+            let spot = made.flat_spot.as_ref().filter(|_| is_measured)?;
+            Some(spot.range())
+        };
+        if let Some(pings) = active.stretch.or_else(in_use) {
+            active.stretch = Some(pings);
+            self.with_log(active.log, |app| app.name_stretch(pings));
+        }
+    }
+
+    /// Writes the stretch that the scale is measured on into the log's own settings. Results that were made with it, as the best-ranked
+    /// one, stay as they are.
+    fn name_stretch(&mut self, pings: PingRange) {
+        let mut own = (*self.log.own).clone();
+        own.set(STRETCH, Value::String(pings.into()));
+        self.log.own = Arc::new(own);
+        let name = |settings: &mut Arc<Settings>| {
+            Arc::make_mut(settings).calibration.pings = Some(pings);
+        };
+        name(&mut self.log.settings);
+        let whole = self.log.whole.as_mut().map(|whole| &mut whole.products);
+        for products in self.log.products.as_mut().into_iter().chain(whole) {
+            if is_measured_on(products, pings) {
+                name(&mut products.settings);
+            }
+        }
+        self.keep_project("flat stretch");
+    }
+
+    /// Offers the best-ranked stretch of a log that has grown where its scale is another than the one in force.
+    pub(super) fn offer_flatter(&mut self, id: LogId) {
+        self.with_log(id, |app| {
+            let found = app.log.products.as_ref().and_then(flatter);
+            let Some((pings, text)) = found else {
+                return;
+            };
+            if app.log.calibrating.offered.replace(pings) == Some(pings) {
+                return;
+            }
+            app.withdraw(Action::UseFlatterStretch);
+            app.offer(text, Action::UseFlatterStretch);
+        });
+    }
+
+    /// Says by how much depths changed with the results of the whole log, where its scale or its offset is another now.
+    pub(super) fn tell_drift(
+        &mut self,
+        survey: &Survey,
+        before: &Calibration,
+        after: &Calibration,
+    ) {
+        let Some(change_m) = depth_change_m(survey, before, after) else {
+            return;
+        };
+        if change_m.abs() >= SAME_M {
+            let ranges = |calibration: &Calibration| {
+                let change = calibration.range_change();
+                change.unwrap_or_else(|| "ranges as recorded".to_owned())
+            };
+            let text = format!(
+                "With more of the log, {} instead of {}: depths change by about {:+.0} cm",
+                ranges(after),
+                ranges(before),
+                100.0 * change_m
+            );
+            self.notify(text, false);
+        }
+    }
+}
+
+/// Whether results rest on the scale of these pings.
+fn is_measured_on(products: &Products, pings: PingRange) -> bool {
+    let made = &products.calibration;
+    let spot = made.flat_spot.as_ref();
+    made.mode == ScaleMode::FlatSpot && spot.is_some_and(|spot| spot.range() == pings)
+}
+
+/// The best-ranked stretch with what it would change, in a sentence; `None` where it is the one in force, or gives the same depths.
+fn flatter(products: &Products) -> Option<(PingRange, String)> {
+    let made = &products.calibration;
+    let used = made.flat_spot.as_ref();
+    let used = used.filter(|_| made.mode == ScaleMode::FlatSpot)?;
+    let best = products.flat_spots.first()?;
+    let (now, then) = used.factor.zip(best.factor)?;
+    let change_m = used.depth_m * (then / now - 1.0);
+    let is_other = best.pings != used.pings && change_m.abs() >= SAME_M;
+    is_other.then(|| {
+        let text = format!(
+            "A flatter stretch was found, pings {} to {}: ranges ×{then:.3} instead of ×{now:.3}; depths change by about {:+.0} cm",
+            best.pings.start,
+            best.pings.end - 1,
+            100.0 * change_m
+        );
+        (best.range(), text)
+    })
+}
+
+/// By how much one calibration puts a first return at the median depth deeper than another, metres.
+fn depth_change_m(survey: &Survey, before: &Calibration, after: &Calibration) -> Option<f64> {
+    let depth_m = after.measured_offset.or(before.measured_offset)?.depth_m;
+    let mut spans = Side::BOTH
+        .into_iter()
+        .filter_map(|side| survey.span(0, side));
+    let span = spans.next()?;
+    let sample = span.sample_at(depth_m);
+    let change_m = after.range_m(span, sample) - before.range_m(span, sample);
+    change_m.is_finite().then_some(change_m)
+}

@@ -1,0 +1,185 @@
+//! The settings that a log was last given, when it is kept in no project: they belong to the log, and to no other.
+//!
+//! A new survey starts from the preset. When a log is opened again, its own settings are taken up as one step that undo takes back.
+
+use super::{Action, App, OpenLog};
+use crate::pipeline::{
+    SettingValues, Settings, is_of_one_log, setting_values, settings::row, with_values,
+};
+use crate::printable::quoted;
+use crate::survey::{Identity, Survey};
+use serde::{Deserialize, Serialize};
+
+/// Logs whose settings are remembered.
+const KEPT: usize = 300;
+/// Names of settings in a sentence; what is more is counted.
+const NAMED: usize = 3;
+/// The track of another receiver is a file that is read by itself.
+const TRACK_FILE: &str = "track.file";
+
+/// A log, and those of its settings that are not the preset's.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Given {
+    log: Identity,
+    values: SettingValues,
+}
+
+/// The settings that logs were last given, by log, the newest first.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct GivenSettings(Vec<Given>);
+
+impl GivenSettings {
+    /// Remembers the settings of a log; of one that has the settings of the preset, that there are none.
+    fn remember(&mut self, survey: &Survey, settings: &Settings) {
+        self.0.retain(|given| !is_of(given, survey));
+        let usual = setting_values(&Settings::default());
+        let mut values = setting_values(settings);
+        values.retain(|key, value| usual.get(key) != Some(value));
+        if !values.is_empty() {
+            let log = Identity::of(survey);
+            self.0.insert(0, Given { log, values });
+            self.0.truncate(KEPT);
+        }
+    }
+
+    /// Those of a log.
+    fn of(&self, survey: &Survey) -> Option<&SettingValues> {
+        let given = self.0.iter().find(|given| is_of(given, survey))?;
+        Some(&given.values)
+    }
+}
+
+fn is_of(given: &Given, survey: &Survey) -> bool {
+    given.log.file == Identity::of(survey).file && survey.is_or_was(&given.log)
+}
+
+impl App {
+    /// The settings that logs were last given, with those of the open ones: what is kept between runs.
+    pub fn given_settings(&self) -> GivenSettings {
+        let mut given = self.given.clone();
+        if self.project_path().is_none() {
+            // The shown log is the newest.
+            for log in self.logs.others.iter().chain([&self.log]) {
+                remember(&mut given, log);
+            }
+        }
+        given
+    }
+
+    /// Begins with these settings by log.
+    pub fn use_given_settings(&mut self, given: GivenSettings) {
+        self.given = given;
+    }
+
+    /// Remembers the settings of the shown log, which is being closed.
+    pub(super) fn remember_settings(&mut self) {
+        if self.project_path().is_none() {
+            remember(&mut self.given, &self.log);
+        }
+    }
+
+    /// Takes up the settings that a log was last given, which was just opened: all of them where it is the only one, its own where it
+    /// joins others. Settings that the program was started with stay.
+    pub(super) fn take_up_settings(&mut self) {
+        let Some(survey) = &self.log.survey else {
+            return;
+        };
+        let Some(values) = self.given.of(survey) else {
+            return;
+        };
+        let (usual, start) = (
+            setting_values(&Settings::default()),
+            setting_values(&self.start),
+        );
+        let is_first = self.log_count() == 1;
+        let mut values = values.clone();
+        values
+            .retain(|key, _| (is_first || is_of_one_log(key)) && usual.get(key) == start.get(key));
+        let names = named(&values);
+        let track = values.remove(TRACK_FILE);
+        let made = with_values(&self.log.settings, &values).and_then(|mut settings| {
+            settings.load_files()?;
+            settings.check()?;
+            Ok(settings)
+        });
+        let name = quoted(&self.log.name());
+        match made {
+            Ok(settings) if settings != *self.log.settings => {
+                self.change(settings, "last settings of the log", false);
+                let text = format!("{name} opened with its last settings: {names}");
+                self.offer(text, Action::Undo);
+            }
+            Ok(_) => {}
+            Err(error) => {
+                let text = format!(
+                    "{name} opened with the settings of the preset; its last settings cannot be used: {error}"
+                );
+                self.notify(text, true);
+            }
+        }
+        if let Some(track) = track.as_ref().and_then(toml::Value::as_str) {
+            let receiver = super::external::Instrument::Receiver;
+            self.read_external(track.into(), Some(receiver));
+        }
+    }
+}
+
+/// Logs of files are remembered; the demo survey is none.
+fn remember(given: &mut GivenSettings, log: &OpenLog) {
+    let survey = log.as_read.as_ref().or(log.survey.as_ref());
+    if let Some(survey) = survey.filter(|survey| !survey.source.files.is_empty()) {
+        given.remember(survey, &log.settings);
+    }
+}
+
+/// The names of some settings in a sentence.
+fn named(values: &SettingValues) -> String {
+    let name = |key: &String| row(key).map_or(key.clone(), |row| row.name.to_owned());
+    let mut names: Vec<String> = values.keys().take(NAMED).map(name).collect();
+    if let Some(more) = values.len().checked_sub(NAMED).filter(|more| *more > 0) {
+        names.push(format!("{more} more"));
+    }
+    names.join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn log(file: &str) -> Survey {
+        let mut survey = Survey::default();
+        survey.source.files = vec![file.into()];
+        survey.source.byte_count = 10;
+        survey
+    }
+
+    #[test]
+    fn only_the_log_itself_has_its_settings_again() {
+        let mut given = GivenSettings::default();
+        let settings = Settings {
+            draft_m: 0.4,
+            ..Settings::default()
+        };
+        given.remember(&log("a.sl2"), &settings);
+        assert!(given.of(&log("b.sl2")).is_none());
+        let values = given.of(&log("a.sl2")).cloned().unwrap_or_default();
+        assert_eq!(values.len(), 1);
+        assert_eq!(named(&values), "draft");
+        given.remember(&log("a.sl2"), &Settings::default());
+        assert!(given.of(&log("a.sl2")).is_none());
+    }
+
+    #[test]
+    fn what_is_remembered_is_bounded_and_is_read_again() {
+        let mut given = GivenSettings::default();
+        let mut settings = Settings::default();
+        settings.first_return.threshold = 0.41;
+        for number in 0..2 * KEPT {
+            given.remember(&log(&format!("{number}.sl2")), &settings);
+        }
+        assert_eq!(given.0.len(), KEPT);
+        let text = serde_json::to_string(&given).expect("it can be written");
+        let read: GivenSettings = serde_json::from_str(&text).expect("it can be read");
+        assert_eq!(read, given);
+    }
+}

@@ -1,0 +1,43 @@
+//! The list of classes of a survey: changed and renamed as one undo step.
+
+use crate::app::{App, LogId};
+use crate::detection::ReviewSettings;
+use crate::pipeline::Settings;
+use std::sync::Arc;
+
+impl App {
+    /// Makes a list the classes of the survey.
+    pub(in crate::app) fn set_classes(&mut self, review: ReviewSettings) {
+        let settings = Settings {
+            review,
+            ..Settings::clone(&self.log.settings)
+        };
+        self.change(settings, "classes of objects", false);
+    }
+
+    /// Gives a class another name, in the list and for the boxes of all logs.
+    pub(in crate::app) fn rename_class(&mut self, from: &str, to: &str) {
+        let review = self.log.settings.review.renamed(from, to);
+        if let Err(why) = review.check() {
+            return self.notify(why.to_owned(), true);
+        }
+        let before = self.step_now();
+        let ids: Vec<LogId> = self.logs().map(|log| log.id).collect();
+        for id in ids {
+            self.with_log(id, |app| {
+                let reviewing = &mut app.log.reviewing;
+                if let Some(after) = reviewing.review.with_class_renamed(from, to) {
+                    reviewing.set(Arc::new(after));
+                }
+            });
+        }
+        let after = self.step_now();
+        // The list is part of the same step.
+        self.record_step(&before, &after, "name of class", true);
+        let settings = Settings {
+            review,
+            ..Settings::clone(&self.log.settings)
+        };
+        self.change(settings, "name of class", false);
+    }
+}

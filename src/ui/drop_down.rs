@@ -1,0 +1,193 @@
+//! Lists that drop down and obey the keyboard: arrow keys walk along the choices from the one in force, Return takes one, Escape leaves
+//! all as it is. A list that has the keyboard drops down with the arrow keys as well.
+
+use egui::{AsIdSalt, ComboBox, EventFilter, Id, IdSalt, Key, Popup, Response, Ui, WidgetText};
+
+/// A list that drops down.
+pub(in crate::ui) struct DropDown {
+    id_salt: IdSalt,
+    shown: WidgetText,
+    width: f32,
+}
+
+/// The choices of a list while it is down.
+pub(in crate::ui) struct Choices<'u> {
+    ui: &'u mut Ui,
+    /// The list has just dropped down: the choice in force is to get the keyboard.
+    is_new: bool,
+}
+
+impl DropDown {
+    /// A list with a name that no other one of its place has, which shows a text while it is up.
+    pub fn new(id_salt: impl AsIdSalt, shown: impl Into<WidgetText>) -> Self {
+        Self {
+            id_salt: IdSalt::new(id_salt),
+            shown: shown.into(),
+            width: 0.0,
+        }
+    }
+
+    /// Width at least, points.
+    pub fn width(self, width: f32) -> Self {
+        Self { width, ..self }
+    }
+
+    /// Draws it, and its choices while it is down.
+    pub fn show(self, ui: &mut Ui, add: impl FnOnce(&mut Choices<'_>)) -> Response {
+        // As the list of egui makes it.
+        let button = ui.make_persistent_id(IdSalt::new(self.id_salt));
+        let ctx = ui.ctx().clone();
+        let had_keyboard = ctx.memory(|memory| memory.has_focus(button));
+        let was_down = ComboBox::is_open(&ctx, button);
+        drop_by_arrow(ui, button);
+        let mut combo = ComboBox::from_id_salt(self.id_salt)
+            .truncate()
+            .selected_text(self.shown);
+        if self.width > 0.0 {
+            combo = combo.width(self.width);
+        }
+        let is_new = !ctx.data(|data| data.get_temp::<bool>(button).unwrap_or(false));
+        let mut is_drawn = false;
+        let mut is_taken = false;
+        let shown = combo.show_ui(ui, |ui| {
+            // Before its size is known nothing in it can have the keyboard.
+            is_drawn = !ui.is_sizing_pass();
+            let is_new = is_new && is_drawn;
+            add(&mut Choices { ui, is_new });
+            is_taken = is_drawn && !is_new && ui.input(|input| input.key_pressed(Key::Enter));
+            if is_taken {
+                ui.close();
+            }
+        });
+        let is_down = ComboBox::is_open(&ctx, button);
+        ctx.data_mut(|data| {
+            data.insert_temp(button, is_down && (is_drawn || !is_new));
+            if !was_down && is_down {
+                data.insert_temp(by_key(button), had_keyboard);
+            }
+        });
+        let by_key = ctx.data(|data| data.get_temp::<bool>(by_key(button)).unwrap_or(false));
+        let left = is_taken || ctx.input(|input| input.key_pressed(Key::Escape));
+        if was_down && by_key && left {
+            // It goes back where it came from.
+            ctx.memory_mut(|memory| memory.request_focus(button));
+        }
+        shown.response
+    }
+}
+
+impl Choices<'_> {
+    /// A choice, and whether it is the one in force.
+    pub fn choice(&mut self, is_it: bool, label: impl Into<WidgetText>) -> Response {
+        let label: WidgetText = label.into();
+        let choice = self.ui.selectable_label(is_it, label);
+        if is_it && self.is_new {
+            choice.request_focus();
+            choice.scroll_to_me(None);
+        }
+        choice
+    }
+
+    /// A choice that becomes the value when it is taken.
+    pub fn value<T: PartialEq>(&mut self, value: &mut T, one: T, label: impl Into<WidgetText>) {
+        if self.choice(*value == one, label).clicked() {
+            *value = one;
+        }
+    }
+
+    /// Room for what is no choice: a line between them, a box to tick.
+    pub fn ui(&mut self) -> &mut Ui {
+        self.ui
+    }
+}
+
+/// Drops a list down whose button has the keyboard when Up or Down is pressed; a panel would walk to another control.
+fn drop_by_arrow(ui: &Ui, button: Id) {
+    let ctx = ui.ctx();
+    if !ctx.memory(|memory| memory.has_focus(button)) || ComboBox::is_open(ctx, button) {
+        return;
+    }
+    ctx.memory_mut(|memory| {
+        let arrows = EventFilter {
+            vertical_arrows: true,
+            ..EventFilter::default()
+        };
+        memory.set_focus_lock_filter(button, arrows);
+    });
+    let is_pressed = |key| ctx.input_mut(|input| input.consume_key(Default::default(), key));
+    if is_pressed(Key::ArrowDown) || is_pressed(Key::ArrowUp) {
+        ctx.memory_mut(|memory| memory.move_focus(egui::FocusDirection::None));
+        Popup::open_id(ctx, button.with("popup"));
+    }
+}
+
+fn by_key(button: Id) -> Id {
+    button.with("dropped by key")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui_kittest::Harness;
+    use egui_kittest::kittest::Queryable as _;
+
+    const NAMES: [&str; 4] = ["north", "east", "south", "west"];
+
+    fn list(chosen: usize) -> Harness<'static, usize> {
+        let build = |ui: &mut Ui, chosen: &mut usize| {
+            ui.add(egui::Button::new("Before"));
+            DropDown::new("wind", NAMES[*chosen])
+                .width(120.0)
+                .show(ui, |choices| {
+                    for (index, name) in NAMES.into_iter().enumerate() {
+                        choices.value(chosen, index, name);
+                    }
+                })
+                .accessible_name("Wind");
+            ui.add(egui::Button::new("After"));
+        };
+        let mut harness = Harness::builder()
+            .with_size([240.0, 240.0])
+            .build_ui_state(build, chosen);
+        harness.run();
+        harness
+    }
+
+    fn press(harness: &mut Harness<'static, usize>, keys: &[Key]) {
+        for key in keys {
+            harness.key_press(*key);
+            harness.run();
+        }
+    }
+
+    #[test]
+    fn arrows_walk_from_the_choice_in_force_and_return_takes_one() {
+        let mut harness = list(1);
+        harness.get_by_label("Wind").click();
+        harness.run();
+        assert!(harness.query_by_label("west").is_some());
+        press(&mut harness, &[Key::ArrowDown, Key::ArrowDown, Key::Enter]);
+        assert_eq!(*harness.state(), 3);
+        assert!(harness.query_by_label("north").is_none(), "it is up again");
+        // It was dropped down by the pointer: the views have the keyboard again.
+        assert_eq!(harness.ctx.memory(|memory| memory.focused()), None);
+    }
+
+    #[test]
+    fn the_whole_of_it_goes_by_keys() {
+        let mut harness = list(2);
+        press(&mut harness, &[Key::Tab, Key::Tab, Key::ArrowDown]);
+        assert!(harness.query_by_label("west").is_some(), "it is down");
+        press(&mut harness, &[Key::ArrowUp, Key::Enter]);
+        assert_eq!(*harness.state(), 1);
+        assert!(harness.query_by_label("west").is_none());
+        // Its button has the keyboard again: Escape in the list leaves the choice.
+        press(&mut harness, &[Key::Enter, Key::ArrowUp]);
+        assert!(harness.query_by_label("west").is_some());
+        press(&mut harness, &[Key::Escape]);
+        assert_eq!(*harness.state(), 1);
+        assert!(harness.query_by_label("west").is_none());
+        press(&mut harness, &[Key::ArrowUp, Key::ArrowDown, Key::Enter]);
+        assert_eq!(*harness.state(), 2);
+    }
+}

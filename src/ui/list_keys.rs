@@ -1,0 +1,119 @@
+//! Lists obey the keyboard: while a row has it, the arrow keys walk along the rows, also to those that are scrolled out of sight, Home and
+//! End go to the ends, and Return presses the row.
+
+use egui::{AsIdSalt, FocusDirection, Id, Key, Modifiers, Response, ScrollArea, Ui};
+
+/// Rows that Page Up and Page Down pass.
+const PAGE: usize = 8;
+
+/// The keys of a list in this frame.
+pub(in crate::ui) struct ListKeys {
+    id: Id,
+    /// The row that is to get the keyboard.
+    next: Option<usize>,
+}
+
+impl ListKeys {
+    /// Reads the keys of a list of so many rows, before they are drawn.
+    pub fn read(ui: &Ui, name: impl AsIdSalt, count: usize) -> Self {
+        let id = ui.scope_id().with(name);
+        let known: Option<(usize, Id)> = ui.data(|data| data.get_temp(id));
+        let here = known.filter(|(_, row)| ui.memory(|memory| memory.has_focus(*row)));
+        let next = here.and_then(|(here, _)| moved(ui, here, count.checked_sub(1)?));
+        if next.is_some() {
+            // egui has seen the key too, and would walk to whatever lies there.
+            ui.memory_mut(|memory| memory.move_focus(FocusDirection::None));
+        }
+        Self { id, next }
+    }
+
+    /// Scrolls an area of rows of one height, points with their spacing, to the row that gets the keyboard.
+    pub fn scroll(&self, area: ScrollArea, row_height: f32, rows_in_sight: f32) -> ScrollArea {
+        match self.next {
+            Some(next) => {
+                let offset = (next as f32 - 0.5 * (rows_in_sight - 1.0)) * row_height;
+                area.vertical_scroll_offset(offset.max(0.0))
+            }
+            None => area,
+        }
+    }
+
+    /// Gives the keyboard to a row that was drawn, where the keys walked to it.
+    pub fn row(&self, ui: &Ui, index: usize, row: &Response) {
+        if self.next == Some(index) {
+            row.request_focus();
+            row.scroll_to_me(None);
+        }
+        if row.has_focus() {
+            ui.data_mut(|data| data.insert_temp(self.id, (index, row.id)));
+        }
+    }
+}
+
+/// Where the keys of this frame walk from a row.
+fn moved(ui: &Ui, here: usize, last: usize) -> Option<usize> {
+    let keys = [
+        (Key::ArrowUp, here.saturating_sub(1)),
+        (Key::ArrowDown, here + 1),
+        (Key::PageUp, here.saturating_sub(PAGE)),
+        (Key::PageDown, here + PAGE),
+        (Key::Home, 0),
+        (Key::End, last),
+    ];
+    let pressed = |key| ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
+    let next = keys.into_iter().find(|(key, _)| pressed(*key));
+    next.map(|(_, next)| next.min(last))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui_kittest::Harness;
+
+    #[test]
+    fn keys_reach_rows_out_of_sight_and_return_presses_one() {
+        let build = |ui: &mut Ui, pressed: &mut Option<usize>| {
+            let keys = ListKeys::read(ui, "rows", 40);
+            let area = keys.scroll(ScrollArea::vertical().max_height(100.0), 20.0, 5.0);
+            ui.spacing_mut().item_spacing.y = 0.0;
+            area.show_rows(ui, 20.0, 40, |ui, range| {
+                for index in range {
+                    let size = egui::vec2(80.0, 20.0);
+                    let button = egui::Button::new(format!("Row {index}")).min_size(size);
+                    let row = ui.add(button);
+                    keys.row(ui, index, &row);
+                    if row.clicked() {
+                        *pressed = Some(index);
+                    }
+                }
+            });
+        };
+        let mut list = Harness::builder()
+            .with_size([200.0, 200.0])
+            .with_max_steps(24)
+            .build_ui_state(build, None);
+        list.run();
+        let mut press = |keys: &[Key]| {
+            for key in keys {
+                list.key_press(*key);
+                list.run();
+            }
+            let row = list.ctx.memory(|memory| memory.focused());
+            let row = row.and_then(|row| list.ctx.read_response(row));
+            let offset = row.map(|row| row.rect.top());
+            (
+                offset.is_some_and(|top| (0.0..=100.0).contains(&top)),
+                *list.state(),
+            )
+        };
+        assert_eq!(
+            press(&[Key::Tab, Key::ArrowDown, Key::ArrowDown]),
+            (true, None)
+        );
+        assert_eq!(press(&[Key::Enter]), (true, Some(2)));
+        assert_eq!(press(&[Key::PageDown, Key::Enter]), (true, Some(10)));
+        assert_eq!(press(&[Key::End, Key::Enter]), (true, Some(39)));
+        assert_eq!(press(&[Key::ArrowUp, Key::Enter]), (true, Some(38)));
+        assert_eq!(press(&[Key::Home, Key::Enter]), (true, Some(0)));
+    }
+}

@@ -1,0 +1,148 @@
+//! The ranked flat stretches as a table: a click proposes one, and what speaks against it stands below.
+
+use crate::app::{Command, Mark, Tool};
+use crate::calibration::{FlatSpot, PingRange};
+use crate::pipeline::Products;
+use crate::survey::Survey;
+use crate::ui::list_keys::ListKeys;
+use crate::ui::panels::parts;
+use crate::ui::{ViewContext, flat_spot_words, text, theme};
+use egui::{Align2, Color32, FontId, Response, Role, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
+
+/// The headings, what each holds, and where its column ends as a share of the width.
+const COLUMNS: [(&str, &str, f32); 6] = [
+    ("No.", "Rank: 1 is the best stretch.", 0.09),
+    ("From ping", "First ping of the stretch.", 0.32),
+    ("Length", "Along the track.", 0.48),
+    ("Relief", "Greatest less least recorded depth.", 0.64),
+    (
+        "Range",
+        "Recorded depth over recorded range: the scale that ranges would be multiplied with.",
+        0.83,
+    ),
+    (
+        "Spread",
+        "How much the scale of single pings scatters: standard deviation.",
+        1.0,
+    ),
+];
+
+/// Draws the table.
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, survey: &Survey, products: &Products) {
+    let spots = &products.flat_spots;
+    if spots.is_empty() {
+        parts::remark(ui, "No flat stretch was found in this log.");
+        return;
+    }
+    let title = text::plural(spots.len(), "flat stretch", "flat stretches");
+    let log = &context.app.log;
+    let is_asked_for = log.reviewing.tool == Tool::Calibrate || log.proposed_stretch().is_some();
+    egui::CollapsingHeader::new(title)
+        .id_salt("ranked flat stretches")
+        .open(is_asked_for.then_some(true))
+        .show(ui, |ui| {
+            headings(ui);
+            let keys = ListKeys::read(ui, "flat stretches", spots.len());
+            for (rank, spot) in spots.iter().enumerate() {
+                let row = candidate(ui, context, (rank + 1, spot), survey, spots);
+                keys.row(ui, rank, &row);
+            }
+        });
+}
+
+fn headings(ui: &mut Ui) {
+    let size = vec2(ui.available_width(), 14.0);
+    let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
+    let ink = ui.visuals().weak_text_color();
+    let font = FontId::proportional(theme::SMALL);
+    for (heading, _, end) in COLUMNS {
+        let at = pos2(rect.left() + end * rect.width(), rect.center().y);
+        ui.painter()
+            .text(at, Align2::RIGHT_CENTER, heading, font.clone(), ink);
+    }
+    let names = COLUMNS.map(|(heading, ..)| heading).join(", ");
+    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &names));
+    let hints = COLUMNS.map(|(heading, hint, _)| format!("{heading}: {hint}"));
+    response.on_hover_text(hints.join("\n"));
+}
+
+fn candidate(
+    ui: &mut Ui,
+    context: &mut ViewContext<'_>,
+    (rank, spot): (usize, &FlatSpot),
+    survey: &Survey,
+    spots: &[FlatSpot],
+) -> Response {
+    let units = context.app.options.units;
+    let objections = spot.objections(survey, spots.first());
+    let range = spot.range();
+    let factor = flat_spot_words::factor(spot);
+    let cells = [
+        rank.to_string(),
+        range.start.to_string(),
+        units.measure(spot.length_m, 0),
+        flat_spot_words::relief(spot, units),
+        factor.unwrap_or_else(|| "none".to_owned()),
+        flat_spot_words::spread(spot).unwrap_or_default(),
+    ];
+    let is_proposed = context.app.log.proposed_stretch() == Some(range);
+    let worse = objections.first().map(|why| units.sentence(why));
+    let name = format!(
+        "Flat stretch {rank}, pings {}..{}, {} deep, {}",
+        range.start,
+        range.end,
+        units.measure(spot.depth_m, 2),
+        worse.as_ref().map_or_else(
+            || flat_spot_words::brief(spot, units),
+            |why| format!("worse: {why}")
+        )
+    );
+    let response = row(ui, &cells, is_proposed, &name);
+    let hint = format!(
+        "{}\n{}Click to propose it for the scale.",
+        units.sentence(&spot.summary()),
+        objections
+            .iter()
+            .map(|why| format!("{}\n", units.sentence(why)))
+            .collect::<String>()
+    );
+    let response = response.on_hover_text(hint);
+    if response.clicked() {
+        propose(context, range);
+    }
+    if let Some(why) = worse {
+        parts::warning(ui, context, &format!("Worse. {why}"));
+    }
+    response
+}
+
+/// Proposes a stretch and shows it in all views.
+fn propose(context: &mut ViewContext<'_>, range: PingRange) {
+    context.push(Command::ProposeStretch(range));
+    let middle = usize::midpoint(range.start, range.end);
+    context.push(Command::Reveal(Mark::ping(middle)));
+}
+
+/// A row of the table that is a button.
+fn row(ui: &mut Ui, cells: &[String; 6], is_chosen: bool, name: &str) -> Response {
+    let size = vec2(ui.available_width(), 18.0);
+    let (rect, response) = ui.allocate_exact_size(size, Sense::click());
+    let style = ui.style().interact_selectable(&response, is_chosen);
+    if is_chosen || response.hovered() || response.has_focus() {
+        ui.painter().rect_filled(rect, 2.0, style.weak_bg_fill);
+    }
+    if response.has_focus() {
+        let stroke = ui.visuals().widgets.hovered.fg_stroke;
+        let kind = egui::StrokeKind::Inside;
+        ui.painter().rect_stroke(rect, 2.0, stroke, kind);
+    }
+    let ink: Color32 = style.text_color();
+    let font = TextStyle::Small.resolve(ui.style());
+    for (cell, (_, _, end)) in cells.iter().zip(COLUMNS) {
+        let at = pos2(rect.left() + end * rect.width(), rect.center().y);
+        ui.painter()
+            .text(at, Align2::RIGHT_CENTER, cell, font.clone(), ink);
+    }
+    response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_chosen, name));
+    response
+}

@@ -1,0 +1,181 @@
+//! Step 2: from samples to metres. The scale in use, the flat stretches to measure one on, and the one that is proposed.
+
+mod candidates;
+mod plot;
+mod proposal;
+
+use super::find_setting;
+use super::parts::{self, fact, setting};
+use super::section::{Section, section, unfold_section};
+use crate::app::{Action, Command, Tool};
+use crate::calibration::{Calibration, PingRange, Scale, ScaleMode};
+use crate::pipeline::Stage;
+use crate::pipeline::settings::rows;
+use crate::presentation::units::Units;
+use crate::ui::{ViewContext, flat_spot_words, text, toggle};
+use egui::{Button, Ui};
+
+/// Title of the section.
+const TITLE: &str = "Calibration";
+
+/// Draws the section.
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let is_new = follow_proposal(ui, context);
+    let heading = Section {
+        number: Some(2),
+        title: TITLE,
+        stage: Some(Stage::Calibration),
+    };
+    section(ui, context, &heading, |ui, context| {
+        let Some(products) = context.app.log.products.clone() else {
+            parts::remark(ui, "No result yet.");
+            return;
+        };
+        let calibration = &products.calibration;
+        in_use(ui, calibration, context.app.options.units);
+        setting(
+            ui,
+            context,
+            match calibration.mode {
+                ScaleMode::FlatSpot => &rows::PPD_REACH,
+                ScaleMode::Header => &rows::OFFSET,
+            },
+        );
+        let survey = context.app.log.survey.clone();
+        let Some(survey) = survey.filter(|survey| !survey.soundings.is_empty()) else {
+            parts::remark(ui, "This log records no depth to measure a scale against.");
+            return;
+        };
+        for text in &calibration.warnings {
+            parts::warning(ui, context, &context.app.options.units.sentence(text));
+        }
+        tools(ui, context, calibration.mode);
+        proposal::ui(ui, context, &products, is_new);
+        candidates::ui(ui, context, &survey, &products);
+    });
+}
+
+/// Whether another stretch is proposed than in the frame before: the section opens for it.
+fn follow_proposal(ui: &Ui, context: &ViewContext<'_>) -> bool {
+    let id = egui::Id::unique("stretch proposed in the frame before");
+    let now = context.app.log.proposed_stretch();
+    let before: Option<PingRange> = ui.data(|data| data.get_temp(id)).flatten();
+    ui.data_mut(|data| data.insert_temp(id, now));
+    let is_new = now.is_some() && now != before;
+    if is_new {
+        unfold_section(ui.ctx(), TITLE);
+    }
+    is_new
+}
+
+fn scale(scale: Option<&Scale>) -> String {
+    scale.map_or_else(
+        || text::NONE.to_owned(),
+        |scale| {
+            format!(
+                "{:.2} ±{:.2} pixels/m",
+                scale.px_per_m, scale.spread_px_per_m
+            )
+        },
+    )
+}
+
+/// The scale in use, and those that there are.
+fn in_use(ui: &mut Ui, calibration: &Calibration, units: Units) {
+    let spot = calibration.flat_spot.as_ref();
+    let in_use = match (calibration.mode, spot) {
+        (ScaleMode::FlatSpot, Some(spot)) => format!("flat stretch, {}", pings(spot.range())),
+        _ => "recorded range".to_owned(),
+    };
+    fact(
+        ui,
+        "Scale in use",
+        "What turns samples into metres: the range that the recorder wrote, or a flat stretch where first returns are compared with soundings.",
+        in_use,
+    );
+    fact(
+        ui,
+        "Slant ranges",
+        &range_hint(calibration, units),
+        ranges(calibration, units),
+    );
+    fact(
+        ui,
+        "From recorder",
+        "Pixels per metre by the ranges that the recorder wrote: median over the log and robust spread.",
+        scale(calibration.header.as_ref()),
+    );
+    fact(
+        ui,
+        "From stretch",
+        "Pixels per metre (PPD of Pulido et al.) on the flat stretch: first return over recorded depth, median over its pings and robust spread.",
+        scale(calibration.ppd().as_ref()),
+    );
+    if let Some(fit) = calibration.fit {
+        let offset = units.signed(fit.b_m, 2);
+        let spread = units.spread(fit.spread_m, 2);
+        fact(
+            ui,
+            "Line fit",
+            &format!(
+                "Line of recorded first-return range against recorded depth over the whole log; they scatter by ±{spread} {} about it.",
+                units.symbol()
+            ),
+            format!("range = {:.3} × depth {offset}", fit.k),
+        );
+    }
+}
+
+/// What becomes of the recorded ranges.
+fn ranges(calibration: &Calibration, units: Units) -> String {
+    let factor = calibration.flat_spot.as_ref();
+    let factor = factor.and_then(flat_spot_words::factor);
+    match (calibration.mode, factor, calibration.offset_note) {
+        (ScaleMode::FlatSpot, Some(factor), _) => format!("recorded range {factor}"),
+        (_, _, Some(note)) => format!("as recorded; offset: {}", units.sentence(note)),
+        _ => format!("recorded {}", units.signed(-calibration.offset_m, 2)),
+    }
+}
+
+fn range_hint(calibration: &Calibration, units: Units) -> String {
+    let measured = calibration.measured_offset.map_or(String::new(), |found| {
+        format!(
+            " First returns differ from the soundings by {}.",
+            units.signed_within(found.offset_m, found.uncertainty_m, 2)
+        )
+    });
+    format!("What is done to every recorded range before depths are made of it.{measured}")
+}
+
+/// `pings 400 to 499`.
+fn pings(range: PingRange) -> String {
+    format!("pings {} to {}", range.start, range.end.saturating_sub(1))
+}
+
+/// The tool that proposes a stretch, and the way back to the recorded range.
+fn tools(ui: &mut Ui, context: &mut ViewContext<'_>, mode: ScaleMode) {
+    let action = Action::Calibrate;
+    let holds = context.app.log.reviewing.tool == Tool::Calibrate;
+    ui.horizontal_wrapped(|ui| {
+        let button = Button::new("Calibrate on a stretch").selected(holds);
+        let hint = format!("{} ({})", action.hint(), action.keys().unwrap_or_default());
+        let response = toggle::underline(ui, holds, button).on_hover_text(hint);
+        // The scale is chosen by what this begins.
+        find_setting::answer(ui, context, rows::SCALE.key, &response);
+        if response.clicked() {
+            context.push(Command::Do(action));
+        }
+        if mode == ScaleMode::FlatSpot && context.app.log.proposed_stretch().is_none() {
+            let keep = Action::KeepRecordedRange;
+            press(ui, context, keep, keep.label());
+        }
+    });
+}
+
+/// A button that does an action of the table.
+fn press(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action, label: &str) {
+    let button = ui.button(label);
+    if button.on_hover_text(action.hint()).clicked() {
+        context.push(Command::Do(action));
+    }
+}

@@ -1,0 +1,107 @@
+//! The stretch that is proposed for the scale: what it gives, what speaks against it, and what it would change.
+
+use super::{pings, plot, press};
+use crate::app::Action;
+use crate::pipeline::{Products, ScaleEffect, ScaleTrial};
+use crate::presentation::units::Units;
+use crate::ui::panels::parts::{self, fact};
+use crate::ui::{ViewContext, flat_spot_words, theme};
+use egui::{Align, Frame, RichText, Ui};
+use std::sync::Arc;
+
+/// Draws it, if there is one; a new one is brought into sight.
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, products: &Products, is_new: bool) {
+    let Some(range) = context.app.log.proposed_stretch() else {
+        return;
+    };
+    let trial = context.app.log.scale_trial().cloned();
+    let frame = Frame::group(ui.style()).show(ui, |ui| {
+        ui.set_width(ui.available_width());
+        let title = RichText::new(format!("Proposed: {}", pings(range)));
+        ui.label(
+            title
+                .strong()
+                .color(theme::accent_colour(context.app.options.theme)),
+        );
+        match &trial {
+            Some(trial) => found(ui, context, products, trial),
+            None => parts::remark(ui, "Measuring the scale."),
+        }
+        buttons(ui, context, trial.as_ref());
+    });
+    if is_new {
+        frame.response.scroll_to_me(Some(Align::Center));
+    }
+}
+
+fn found(ui: &mut Ui, context: &ViewContext<'_>, products: &Products, trial: &ScaleTrial) {
+    let units = context.app.options.units;
+    let spot = &trial.spot;
+    let place = format!(
+        "{} long, {} deep, relief {}",
+        units.measure(spot.length_m, 1),
+        units.measure(spot.depth_m, 2),
+        flat_spot_words::relief(spot, units)
+    );
+    parts::remark(ui, place);
+    for text in &trial.objections {
+        parts::warning(ui, context, &units.sentence(text));
+    }
+    let (Some(factor), Some(spread)) =
+        (flat_spot_words::factor(spot), flat_spot_words::spread(spot))
+    else {
+        return;
+    };
+    fact(
+        ui,
+        "Scale",
+        "What recorded ranges would be multiplied with: recorded depth over recorded range, median over the first returns of the stretch, with the spread of single pings.",
+        format!("range {factor} {spread}"),
+    );
+    plot::ui(ui, trial, products, &context.app.options);
+    match &trial.effect {
+        Some(effect) => changes(ui, effect, units),
+        None => parts::remark(ui, "The log has no side-scan depths that would change."),
+    }
+}
+
+/// What becomes of the depths.
+fn changes(ui: &mut Ui, effect: &ScaleEffect, units: Units) {
+    let change = &effect.change;
+    fact(
+        ui,
+        "Depth change",
+        "By how much side-scan depths that count for the map would change, in the median of the log; above 0 they become greater.",
+        format!("{} (median)", units.signed_difference(change.median_m)),
+    );
+    fact(
+        ui,
+        "At most",
+        "The largest change of a side-scan depth of the log.",
+        units.signed_difference(change.largest_m),
+    );
+    if let Some([now, then]) = &effect.residuals {
+        fact(
+            ui,
+            "To soundings",
+            "Side-scan minus sounding at the same ping, median over the log, with the scale in use and with this one: the nearer to 0 the better.",
+            format!(
+                "{} now, {} then",
+                units.signed_difference(now.median_m),
+                units.signed_difference(then.median_m)
+            ),
+        );
+    }
+}
+
+fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>, trial: Option<&Arc<ScaleTrial>>) {
+    let gives_scale = trial.is_some_and(|trial| trial.spot.ppd.is_some());
+    ui.horizontal_wrapped(|ui| {
+        ui.add_enabled_ui(gives_scale, |ui| {
+            press(ui, context, Action::UseScale, Action::UseScale.label());
+        });
+        let keep = Action::KeepRecordedRange;
+        press(ui, context, keep, keep.label());
+        press(ui, context, Action::DropProposal, "Drop");
+    });
+}

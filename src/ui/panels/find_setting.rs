@@ -1,0 +1,240 @@
+//! Where the window has the control of a setting, and going there: the palette finds settings by their names.
+
+use crate::pipeline::settings::{Row, rows};
+use crate::ui::{ViewContext, theme};
+use egui::{Context, Id, Response, Stroke, StrokeKind, Ui};
+
+/// Where the controls of some settings are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// In a section of the panel of steps.
+    Section(&'static str),
+    /// In the list Levels of the waterfall.
+    Levels,
+}
+
+impl Place {
+    /// Before the name of a setting in the palette.
+    pub fn name(self) -> &'static str {
+        match self {
+            Place::Section(title) => title,
+            Place::Levels => "Waterfall levels",
+        }
+    }
+}
+
+/// All settings that have a control in the window, by the place where it is.
+pub static CONTROLS: &[(Place, &[&Row])] = &[
+    (
+        Place::Section("First return"),
+        &[
+            &rows::METHOD,
+            &rows::SAMPLES,
+            &rows::THRESHOLD,
+            &rows::DEAD_ZONE,
+            &rows::ABOVE_BOTTOM_MARGIN,
+            &rows::MIN_CONFIDENCE,
+            &rows::BOTTOM_LINE,
+        ],
+    ),
+    (
+        Place::Section("Calibration"),
+        &[&rows::SCALE, &rows::PPD_REACH, &rows::OFFSET],
+    ),
+    (
+        Place::Section("Cloud"),
+        &[
+            &rows::GEOMETRY,
+            &rows::ALPHA2,
+            &rows::HEADING,
+            &rows::HEADING_WINDOW,
+            &rows::PROJECTION,
+        ],
+    ),
+    (
+        Place::Section("Outliers"),
+        &[&rows::RADIUS, &rows::MIN_NEIGHBOURS],
+    ),
+    (
+        Place::Section("Depth map"),
+        &[
+            &rows::SURFACE_METHOD,
+            &rows::SWATH,
+            &rows::SURFACE_CELL,
+            &rows::MAX_GAP,
+            &rows::SIDE_SCAN_WEIGHT,
+        ],
+    ),
+    (
+        Place::Section("Isobaths"),
+        &[
+            &rows::INTERVAL,
+            &rows::ISOBATH_UNIT,
+            &rows::SMOOTH,
+            &rows::SHOAL_SAFE,
+            &rows::SPOT_RADIUS,
+            &rows::CLIP,
+        ],
+    ),
+    (
+        Place::Section("Mosaic"),
+        &[
+            &rows::RELIEF,
+            &rows::OVERLAP,
+            &rows::GAIN,
+            &rows::MOSAIC_COLOURS,
+            &rows::WATER_COLUMN,
+            &rows::NADIR_GAP,
+            &rows::MOST_TURN,
+            &rows::MOSAIC_CELL,
+        ],
+    ),
+    (
+        Place::Section("Products"),
+        &[&rows::CRS, &rows::POINTS_LAS, &rows::REPORT_PROPOSALS],
+    ),
+    (
+        Place::Section("Depth correction"),
+        &[
+            &rows::DRAFT,
+            &rows::WATER_LEVEL,
+            &rows::WATER_LEVEL_FILE,
+            &rows::TEMPERATURE,
+            &rows::SALINITY,
+            &rows::RECORDER_SPEED,
+        ],
+    ),
+    (
+        Place::Section("Position"),
+        &[
+            &rows::TRACK_FILE,
+            &rows::TRACK_OFFSET,
+            &rows::SHIFT_EAST,
+            &rows::SHIFT_NORTH,
+        ],
+    ),
+    (
+        Place::Section("Mounting"),
+        &[
+            &rows::SWAP_SIDES,
+            &rows::ANTENNA_FORWARD,
+            &rows::ANTENNA_RIGHT,
+            &rows::HEADING_OFFSET,
+            &rows::CLOCK_OFFSET,
+            &rows::LATENCY,
+            &rows::SOURCE_CRS,
+        ],
+    ),
+    (
+        Place::Section("Excluded"),
+        &[&rows::MAX_TURN, &rows::MIN_SPEED, &rows::MIN_DURATION],
+    ),
+    (
+        Place::Levels,
+        &[
+            &rows::PICTURE_GAIN,
+            &rows::PICTURE_SPREADING,
+            &rows::PICTURE_ABSORPTION,
+            &rows::PICTURE_BALANCE,
+            &rows::PICTURE_STRIPES,
+            &rows::PICTURE_DESPECKLE,
+            &rows::PICTURE_BLACK,
+            &rows::PICTURE_WHITE,
+            &rows::PICTURE_GAMMA,
+            &rows::PICTURE_FLIP,
+            &rows::PICTURE_FIRST,
+        ],
+    ),
+];
+
+/// Where the control of a setting is.
+pub fn place_of(key: &str) -> Option<Place> {
+    let holds = |(_, rows): &&(Place, &[&Row])| rows.iter().any(|row| row.key == key);
+    CONTROLS.iter().find(holds).map(|(place, _)| *place)
+}
+
+fn sought_id() -> Id {
+    Id::unique("setting that gets the keyboard")
+}
+
+fn marked_id() -> Id {
+    Id::unique("setting that is marked")
+}
+
+/// Has the control of a setting take the keyboard when it is drawn next.
+pub fn seek(ctx: &Context, key: &'static str) {
+    ctx.data_mut(|data| data.insert_temp(sought_id(), key));
+}
+
+/// The setting whose control was sought and not drawn since.
+pub fn sought(ctx: &Context) -> Option<&'static str> {
+    ctx.data(|data| data.get_temp(sought_id()))
+}
+
+/// Gives up looking for a control.
+pub fn give_up(ctx: &Context) {
+    ctx.data_mut(|data| data.remove::<&'static str>(sought_id()));
+}
+
+/// Gives the keyboard to the control of a setting that is sought, brings it into view, and frames it while it has the keyboard.
+pub fn answer(ui: &Ui, context: &ViewContext<'_>, key: &str, control: &Response) {
+    let ctx = ui.ctx();
+    // Before its size is known a list cannot scroll to it.
+    if sought(ctx) == Some(key) && !ui.is_sizing_pass() {
+        ctx.data_mut(|data| data.insert_temp(marked_id(), key.to_owned()));
+        give_up(ctx);
+        control.request_focus();
+        control.scroll_to_me(Some(egui::Align::Center));
+    }
+    let is_marked = ctx.data(|data| data.get_temp(marked_id()) == Some(key.to_owned()));
+    if is_marked && (control.has_focus() || control.gained_focus()) {
+        let stroke = Stroke::new(1.5, theme::accent_colour(context.app.options.theme));
+        let frame = control.rect.expand(2.0);
+        ui.painter()
+            .rect_stroke(frame, 3.0, stroke, StrokeKind::Outside);
+    }
+}
+
+/// The setting whose control is framed while it has the keyboard.
+#[cfg(test)]
+pub fn marked(ctx: &Context) -> Option<String> {
+    ctx.data(|data| data.get_temp(marked_id()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pipeline::settings::rows::ROWS;
+
+    /// Settings without a control: they are drawn in a view, edited in a list of their own, found by a search, or for files and `--set`
+    /// alone.
+    const WITHOUT: [&str; 17] = [
+        "height_offset_m",
+        "sound_speed.m_s",
+        "sound_speed.depth_m",
+        "calibration.pings",
+        "cloud.down_scan",
+        "left_out.log",
+        "left_out.stretches",
+        "detector.model",
+        "detector.score",
+        "detector.iou",
+        "detector.name_score",
+        "surface.max_side",
+        "surface.down_scan_weight",
+        "surface.above_bottom",
+        "surface.longest_above_bottom_m",
+        "isobaths.depths_m",
+        "review.classes",
+    ];
+
+    #[test]
+    fn every_setting_has_one_place_or_no_control() {
+        for row in ROWS {
+            let places = CONTROLS.iter().flat_map(|(_, rows)| rows.iter());
+            let count = places.filter(|other| other.key == row.key).count();
+            let expected = usize::from(!WITHOUT.contains(&row.key));
+            assert_eq!(count, expected, "{}", row.key);
+        }
+    }
+}

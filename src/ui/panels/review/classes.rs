@@ -1,0 +1,167 @@
+//! The classes: one to choose for the selected box, and the list to edit.
+
+use crate::app::Command;
+use crate::detection::review::{Edit, Reviewed};
+use crate::ui::{ViewContext, toggle};
+use egui::{Button, CollapsingHeader, TextEdit, Ui};
+
+/// Classes that have a key.
+const KEYED: usize = 9;
+
+/// The texts that are being written in the list.
+#[derive(Default)]
+pub(super) struct Classes {
+    /// The list that the names below are of, and the names as they are written.
+    written: (Vec<String>, Vec<String>),
+    /// A class to add.
+    new: String,
+}
+
+impl Classes {
+    /// Draws the classes that the selected box can have, and the list.
+    pub fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
+        choose(ui, context, one);
+        CollapsingHeader::new("Edit classes")
+            .id_salt("list of classes")
+            .show(ui, |ui| self.list(ui, context));
+    }
+
+    /// The survey's list: a name, its place and whether it stays.
+    fn list(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
+        let list = context.app.log.settings.review.classes.clone();
+        if self.written.0 != list {
+            self.written = (list.clone(), list.clone());
+        }
+        for index in 0..list.len() {
+            ui.horizontal(|ui| {
+                let key = match index < KEYED {
+                    true => format!("{}", index + 1),
+                    false => String::new(),
+                };
+                ui.add_sized([14.0, 18.0], egui::Label::new(key).selectable(false));
+                self.name(ui, context, &list, index);
+                place(ui, context, &list, index);
+            });
+        }
+        ui.horizontal(|ui| {
+            ui.add_space(14.0 + ui.spacing().item_spacing.x);
+            let field = TextEdit::singleline(&mut self.new)
+                .hint_text("New class")
+                .desired_width(110.0);
+            let field = ui.add(field).accessible_name("New class");
+            let enter = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
+            let name = self.new.trim().to_owned();
+            let is_new = !name.is_empty() && !list.contains(&name);
+            let add = ui
+                .add_enabled(is_new, Button::new("Add"))
+                .accessible_name("Add class")
+                .on_hover_text("Adds the class to the end of the list.");
+            if is_new && (enter || add.clicked()) {
+                let mut list = list.clone();
+                list.push(name);
+                context.push(Command::SetClasses(list));
+                self.new.clear();
+            }
+        });
+    }
+
+    /// A name to write over: all boxes of the class get the new one.
+    fn name(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>, list: &[String], index: usize) {
+        let (Some(text), Some(now)) = (self.written.1.get_mut(index), list.get(index)) else {
+            return;
+        };
+        let field = TextEdit::singleline(text).desired_width(110.0);
+        let field = ui
+            .add(field)
+            .accessible_name(format!("Name of class {now}"))
+            .on_hover_text("Renames the class in the list and for its boxes in all logs.");
+        if !field.lost_focus() {
+            return;
+        }
+        match text.trim() {
+            "" => text.clone_from(now),
+            to if to == now => text.clone_from(now),
+            to => context.push(Command::RenameClass {
+                from: now.clone(),
+                to: to.to_owned(),
+            }),
+        }
+    }
+}
+
+/// The buttons that move a class in the list, and take it away.
+fn place(ui: &mut Ui, context: &mut ViewContext<'_>, list: &[String], index: usize) {
+    let name = &list[index];
+    let press = |ui: &mut Ui, label: &str, what: &str, hint: &str, enabled: bool| {
+        ui.add_enabled(enabled, Button::new(label).small())
+            .accessible_name(format!("{what} {name}"))
+            .on_hover_text(hint)
+            .clicked()
+    };
+    let mut after = list.to_vec();
+    if press(
+        ui,
+        "Up",
+        "Move up",
+        "Moves the class up by one: the keys 1 to 9 name the first nine.",
+        index > 0,
+    ) {
+        after.swap(index - 1, index);
+    }
+    let is_last = index + 1 == list.len();
+    if press(
+        ui,
+        "Down",
+        "Move down",
+        "Moves the class down by one.",
+        !is_last,
+    ) {
+        after.swap(index, index + 1);
+    }
+    if press(
+        ui,
+        "×",
+        "Remove class",
+        "Removes the class from the list; boxes keep it.",
+        true,
+    ) {
+        after.remove(index);
+    }
+    if after != list {
+        context.push(Command::SetClasses(after));
+    }
+}
+
+/// A button for each class; one gives its name to the selected box.
+fn choose(ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
+    let app = context.app;
+    let now = app.log.reviewing.review.class_name(one.class);
+    let mut chosen = None;
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        for (class, name) in app.class_names().into_iter().enumerate() {
+            let (label, hint) = match class < KEYED {
+                true => (
+                    format!("{} {name}", class + 1),
+                    format!("Key {}", class + 1),
+                ),
+                false => (name.to_owned(), String::new()),
+            };
+            let chip =
+                toggle::chip(ui, name == now, label).accessible_name(format!("Class {name}"));
+            let chip = match hint.is_empty() {
+                true => chip,
+                false => chip.on_hover_text(hint),
+            };
+            if chip.clicked() {
+                chosen = Some(name.to_owned());
+            }
+        }
+    });
+    if let Some(name) = chosen {
+        context.push(Command::Edit {
+            edit: Edit::Classify(one.id, name),
+            live: false,
+        });
+    }
+}

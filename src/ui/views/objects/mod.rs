@@ -1,0 +1,241 @@
+//! The table of the objects of all visible logs: a row for each with its picture, sorted, filtered, and walked through by keys.
+//!
+//! `columns` says what stands in a row and how wide, `header` sorts, `filter` looks for rows, `row` draws one, `thumbnails` makes the pictures
+//! of the rows in sight.
+
+mod columns;
+mod filter;
+mod header;
+mod row;
+mod thumbnails;
+
+use super::empty;
+use crate::app::{Action, Command, LogBox, SurveyObject, View};
+use crate::ui::{ViewContext, theme};
+use columns::Columns;
+use egui::{
+    Button, EventFilter, Frame, Id, Key, Margin, Modifiers, Rect, Response, RichText, Role,
+    ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2,
+};
+use std::ops::Range;
+use thumbnails::Thumbnails;
+
+/// Height of a row, points: a picture in which an object is recognised.
+const ROW_HEIGHT: f32 = 44.0;
+
+/// The table of objects: where it is scrolled to, and the pictures of its rows.
+#[derive(Default)]
+pub struct ObjectsView {
+    thumbnails: Thumbnails,
+    /// The rows get the keyboard.
+    wants_keyboard: bool,
+    /// The row that was selected in the last frame; another one is scrolled to.
+    last_selected: Option<usize>,
+    /// Rows in sight, for the keys that turn pages.
+    page: usize,
+}
+
+impl ObjectsView {
+    /// Moves the keyboard to the rows.
+    pub fn take_keyboard(&mut self) {
+        self.wants_keyboard = true;
+    }
+
+    /// Whether the pictures in sight are drawn.
+    pub fn is_settled(&self) -> bool {
+        !self.thumbnails.is_running()
+    }
+
+    /// Draws the table, or what would fill it.
+    pub fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
+        let rect = ui.available_rect_before_wrap();
+        if context.app.log.survey.is_none() {
+            ui.painter()
+                .rect_filled(rect, 0.0, theme::canvas_colour(&context.app.options));
+            let text = "The objects of a survey are listed here.";
+            return empty::offer_to_open(ui, context, rect, text);
+        }
+        ui.painter().rect_filled(rect, 0.0, ui.visuals().panel_fill);
+        Frame::new()
+            .inner_margin(Margin::symmetric(8, 6))
+            .show(ui, |ui| match context.app.objects().is_empty() {
+                true => no_objects(ui, context),
+                false => self.table(ui, context),
+            });
+    }
+
+    fn table(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
+        filter::ui(ui, context);
+        let columns = Columns::fit(ui.available_width(), context.app);
+        ScrollArea::horizontal()
+            .id_salt("wide table of objects")
+            .auto_shrink([false, false])
+            .show(ui, |ui| {
+                ui.set_min_width(columns.width());
+                ui.spacing_mut().item_spacing.y = 0.0;
+                header::ui(ui, context, &columns);
+                self.rows(ui, context, &columns);
+            });
+    }
+
+    fn rows(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>, columns: &Columns) {
+        let app = context.app;
+        let listed: Vec<&SurveyObject> = (app.listed_objects().iter())
+            .filter_map(|number| app.object(*number))
+            .collect();
+        let selected = app.selected_object().map(|object| object.number);
+        let selected = listed.iter().position(|one| Some(one.number) == selected);
+        let body = self.body(ui, listed.len(), selected);
+        context
+            .commands
+            .extend(self.keys(ui, context, &listed, selected, &body));
+        let is_new = selected != std::mem::replace(&mut self.last_selected, selected);
+        let mut in_sight = 0..0;
+        ScrollArea::vertical()
+            .id_salt("objects")
+            .auto_shrink([false, false])
+            .show_viewport(ui, |ui, viewport| {
+                let corner = ui.max_rect().min;
+                let size = vec2(columns.width(), ROW_HEIGHT);
+                let place = |index: usize| {
+                    let top = corner.y + ROW_HEIGHT * index as f32;
+                    Rect::from_min_size(pos2(corner.x, top), size)
+                };
+                let all = vec2(size.x, ROW_HEIGHT * listed.len() as f32);
+                ui.allocate_rect(Rect::from_min_size(corner, all), Sense::hover());
+                if let Some(index) = selected.filter(|_| is_new) {
+                    ui.scroll_to_rect(place(index), None);
+                }
+                self.page = (viewport.height() / ROW_HEIGHT) as usize;
+                in_sight = rows_in(viewport, listed.len());
+                for index in in_sight.clone() {
+                    let row = row::Row {
+                        object: listed[index],
+                        is_selected: selected == Some(index),
+                        is_odd: index % 2 == 1,
+                        place: place(index),
+                    };
+                    let commands = row.ui(ui, app, columns, &self.thumbnails);
+                    if !commands.is_empty() {
+                        body.request_focus();
+                        context.commands.extend(commands);
+                    }
+                }
+            });
+        self.thumbnails
+            .ask(app, ui.ctx(), listed[in_sight].iter().copied());
+    }
+
+    /// What has the keyboard: all rows as one control, which Tab comes to and leaves in one step.
+    fn body(&mut self, ui: &Ui, count: usize, selected: Option<usize>) -> Response {
+        let rect = ui.available_rect_before_wrap();
+        let body = ui.interact(rect, Id::unique("rows of objects"), Sense::click());
+        let name = match selected {
+            Some(index) => format!("Objects, row {} of {count} selected", index + 1),
+            None => format!("Objects, {count} rows, none selected"),
+        };
+        body.widget_info(|| WidgetInfo::labeled(Role::List, true, &name));
+        if std::mem::take(&mut self.wants_keyboard) {
+            body.request_focus();
+        }
+        if body.has_focus() {
+            let arrows = EventFilter {
+                vertical_arrows: true,
+                ..EventFilter::default()
+            };
+            ui.memory_mut(|memory| memory.set_focus_lock_filter(body.id, arrows));
+            let stroke = ui.visuals().selection.stroke;
+            let kind = egui::StrokeKind::Inside;
+            ui.painter().rect_stroke(rect, 2.0, stroke, kind);
+        }
+        body
+    }
+
+    /// What the keys ask for while the rows have the keyboard: another row, or the selected object in all views.
+    fn keys(
+        &self,
+        ui: &Ui,
+        context: &ViewContext<'_>,
+        listed: &[&SurveyObject],
+        selected: Option<usize>,
+        body: &Response,
+    ) -> Vec<Command> {
+        if !body.has_focus() {
+            return Vec::new();
+        }
+        let pressed = |key| ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
+        let to = |index: usize| -> Vec<Command> {
+            let object = listed.get(index.min(listed.len().saturating_sub(1)));
+            let id = object.and_then(|object| context.app.best_box(object));
+            id.map(Command::SelectLogBox).into_iter().collect()
+        };
+        let page = self.page.max(1);
+        let from = |step: usize| selected.map_or(0, |index| index + step);
+        let back = |step: usize| selected.map_or(0, |index| index.saturating_sub(step));
+        if pressed(Key::ArrowDown) {
+            to(from(1))
+        } else if pressed(Key::ArrowUp) {
+            to(back(1))
+        } else if pressed(Key::PageDown) {
+            to(from(page))
+        } else if pressed(Key::PageUp) {
+            to(back(page))
+        } else if pressed(Key::Home) {
+            to(0)
+        } else if pressed(Key::End) {
+            to(listed.len())
+        } else if pressed(Key::Enter) {
+            let id = context.app.selected_log_box();
+            id.filter(|_| selected.is_some())
+                .map_or_else(Vec::new, enlarged)
+        } else {
+            Vec::new()
+        }
+    }
+}
+
+/// Enlarges an object in all views, and brings the waterfall to the front.
+fn enlarged(id: LogBox) -> Vec<Command> {
+    vec![Command::FlyTo(id), Command::Focus(View::Waterfall)]
+}
+
+/// The rows that a viewport shows.
+fn rows_in(viewport: Rect, count: usize) -> Range<usize> {
+    let first = (viewport.top() / ROW_HEIGHT).max(0.0) as usize;
+    let end = ((viewport.bottom() / ROW_HEIGHT).ceil().max(0.0) as usize).min(count);
+    first.min(end)..end
+}
+
+/// Says what would fill the table, and offers it.
+fn no_objects(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    ui.set_min_size(ui.available_size());
+    ui.vertical_centered(|ui| {
+        ui.add_space(0.3 * ui.available_height());
+        let text = "There are no objects yet. Search for them, draw a box around one (N), or mark a point (T).";
+        ui.label(RichText::new(text).weak());
+        ui.add_space(6.0);
+        let action = Action::FindObjects;
+        let is_ready = context.app.log.products.is_some();
+        let button = ui.add_enabled(is_ready, Button::new(action.label()));
+        if button.on_hover_text(action.hint()).clicked() {
+            context.push(Command::Do(action));
+        }
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_in_sight_are_those_of_the_viewport() {
+        let seen = |top: f32, bottom: f32, count| {
+            let viewport = Rect::from_min_max(pos2(0.0, top), pos2(100.0, bottom));
+            rows_in(viewport, count)
+        };
+        assert_eq!(seen(0.0, 88.0, 10), 0..2);
+        assert_eq!(seen(43.0, 89.0, 10), 0..3);
+        assert_eq!(seen(400.0, 900.0, 10), 9..10);
+        assert_eq!(seen(400.0, 900.0, 3), 3..3);
+    }
+}

@@ -1,0 +1,134 @@
+//! One row: picture, texts, and what a click on it asks for.
+
+use super::columns::{Columns, ROOM, cell_text, decisions, is_number};
+use super::enlarged;
+use super::thumbnails::Thumbnails;
+use crate::app::{App, Command, ObjectColumn, SurveyObject};
+use crate::ui::{text, theme};
+use egui::{
+    Align2, Color32, Id, Rect, Response, Role, Sense, TextStyle, TextWrapMode, Ui, UiBuilder,
+    WidgetInfo, WidgetText, pos2, vec2,
+};
+
+/// A row to draw.
+pub(super) struct Row<'a> {
+    pub object: &'a SurveyObject,
+    pub is_selected: bool,
+    pub is_odd: bool,
+    pub place: Rect,
+}
+
+impl Row<'_> {
+    /// Draws it; a click selects the object and shows it in all views, a double-click enlarges it there.
+    pub fn ui(
+        &self,
+        ui: &mut Ui,
+        app: &App,
+        columns: &Columns,
+        thumbnails: &Thumbnails,
+    ) -> Vec<Command> {
+        let id = Id::unique(("row of object", self.object.number));
+        // Not focusable: the rows have the keyboard together.
+        let response = ui.interact(self.place, id, Sense::CLICK);
+        self.background(ui, &response);
+        let (picture, cells) = columns.cells(self.place);
+        self.picture(ui, app, picture.shrink(2.0), thumbnails);
+        let pointer = response.hover_pos();
+        let mut whole = None;
+        for (column, cell) in cells {
+            let is_under = pointer.is_some_and(|at| cell.contains(at));
+            let is_cut = self.cell(ui, app, column, cell);
+            if is_cut && is_under {
+                whole = Some(cell_text(app, self.object, column));
+            }
+        }
+        let name = self.name();
+        response.widget_info(|| WidgetInfo::selected(Role::Button, true, self.is_selected, &name));
+        let response = match whole {
+            Some(whole) => response.on_hover_text_at_pointer(whole),
+            None => response,
+        };
+        let Some(best) = app.best_box(self.object) else {
+            return Vec::new();
+        };
+        match (response.double_clicked(), response.clicked()) {
+            (true, _) => enlarged(best),
+            (false, true) => vec![Command::SelectLogBox(best)],
+            (false, false) => Vec::new(),
+        }
+    }
+
+    /// For screen readers and tests: `Object 3, Anna, wreck, seen 2 times, accepted`.
+    fn name(&self) -> String {
+        let object = self.object;
+        let times = text::plural(object.sightings, "time", "times");
+        let called = match object.summary.name.as_str() {
+            "" => String::new(),
+            name => format!("{name}, "),
+        };
+        let (number, class) = (object.number, &object.joint.class);
+        let state = decisions(object).0;
+        format!("Object {number}, {called}{class}, seen {times}, {state}")
+    }
+
+    fn background(&self, ui: &Ui, response: &Response) {
+        let visuals = ui.visuals();
+        let fill = match (self.is_selected, response.hovered(), self.is_odd) {
+            (true, _, _) => visuals.selection.bg_fill,
+            (false, true, _) => visuals.widgets.hovered.weak_bg_fill,
+            (false, false, true) => visuals.faint_bg_color,
+            (false, false, false) => Color32::TRANSPARENT,
+        };
+        ui.painter().rect_filled(self.place, 0.0, fill);
+    }
+
+    fn picture(&self, ui: &mut Ui, app: &App, area: Rect, thumbnails: &Thumbnails) {
+        let Some(id) = app.best_box(self.object) else {
+            return;
+        };
+        if let (Some(one), Some(chip)) = (app.log_box(id), thumbnails.of(id)) {
+            let mut inside = ui.new_child(UiBuilder::new().max_rect(area));
+            chip.draw(&mut inside, one, area.size(), Sense::hover());
+        }
+    }
+
+    /// Writes a cell; whether its text is longer than there is room.
+    fn cell(&self, ui: &Ui, app: &App, column: ObjectColumn, cell: Rect) -> bool {
+        let inner = cell.shrink2(vec2(ROOM, 0.0));
+        if column == ObjectColumn::Logs {
+            log_colours(ui, app, self.object, inner);
+            return false;
+        }
+        let colour = match column {
+            ObjectColumn::State => {
+                theme::box_colour_on_panel(app.options.theme, decisions(self.object).1)
+            }
+            _ if self.is_selected => ui.visuals().selection.stroke.color,
+            _ => ui.visuals().text_color(),
+        };
+        let said = WidgetText::from(cell_text(app, self.object, column));
+        let wrap = Some(TextWrapMode::Truncate);
+        let galley = said.into_galley(ui, wrap, inner.width(), TextStyle::Body);
+        let anchor = match is_number(column) {
+            true => Align2::RIGHT_CENTER,
+            false => Align2::LEFT_CENTER,
+        };
+        let at = anchor.align_size_within_rect(galley.size(), inner).min;
+        let is_cut = galley.elided;
+        ui.painter().galley(at, galley, colour);
+        is_cut
+    }
+}
+
+/// Squares in the colours of the logs that saw it.
+fn log_colours(ui: &Ui, app: &App, object: &SurveyObject, cell: Rect) {
+    let painter = ui.painter_at(cell);
+    let logs = object.logs();
+    let colours = logs.iter().filter_map(|id| app.open_log(*id));
+    for (place, log) in colours.enumerate() {
+        let left = cell.left() + 12.0 * place as f32;
+        let square = Rect::from_center_size(pos2(left + 4.5, cell.center().y), vec2(9.0, 9.0));
+        let [r, g, b] = log.colour;
+        painter.rect_filled(square, 2.0, Color32::from_rgb(r, g, b));
+    }
+}

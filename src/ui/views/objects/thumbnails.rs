@@ -1,0 +1,67 @@
+//! The pictures of rows: made in the background for the rows in sight, and kept while they are of use.
+
+use super::super::chip::{Chip, Key};
+use crate::app::{App, LogBox, SurveyObject};
+use crate::pipeline::Background;
+use std::collections::HashMap;
+
+/// Pictures that are kept; beyond, those out of sight are made again when they come back.
+const MOST: usize = 600;
+
+/// A box to draw, and what its picture is made of.
+type Wanted = (LogBox, Key);
+
+#[derive(Default)]
+pub(super) struct Thumbnails {
+    known: HashMap<LogBox, (Key, Chip)>,
+    making: Background<Vec<Wanted>, Vec<(Wanted, Chip)>>,
+}
+
+impl Thumbnails {
+    /// Whether pictures are being made.
+    pub fn is_running(&self) -> bool {
+        self.making.is_running()
+    }
+
+    /// The picture of a box, as it was made last.
+    pub fn of(&self, id: LogBox) -> Option<&Chip> {
+        self.known.get(&id).map(|(_, chip)| chip)
+    }
+
+    /// Has the pictures made that the objects in sight lack.
+    pub fn ask<'a>(
+        &mut self,
+        app: &App,
+        ctx: &egui::Context,
+        in_sight: impl Iterator<Item = &'a SurveyObject>,
+    ) {
+        let wanted = |object: &SurveyObject| -> Option<Wanted> {
+            let id = app.best_box(object)?;
+            let mark = &app.log_box(id)?.mark;
+            let key = Key::of(app.open_log(id.log)?, mark, &app.options.waterfall)?;
+            Some((id, key))
+        };
+        let wanted: Vec<Wanted> = in_sight.filter_map(wanted).collect();
+        if self.known.len() > MOST {
+            let is_wanted = |id: &LogBox| wanted.iter().any(|(other, _)| other == id);
+            self.known.retain(|id, _| is_wanted(id));
+        }
+        let is_missing = |(id, key): &Wanted| self.known.get(id).is_none_or(|(of, _)| of != key);
+        let missing: Vec<Wanted> = wanted.into_iter().filter(is_missing).collect();
+        if missing.is_empty() {
+            return;
+        }
+        let (of, ctx) = (missing.clone(), ctx.clone());
+        self.making.ask(missing, app.jobs(), move |progress| {
+            let mut made = Vec::with_capacity(of.len());
+            for wanted in of {
+                progress.check().ok()?;
+                made.extend(Chip::new(&wanted.1, &ctx).map(|chip| (wanted, chip)));
+            }
+            Some(made)
+        });
+        for ((id, key), chip) in self.making.result().into_iter().flatten() {
+            self.known.insert(*id, (key.clone(), chip.clone()));
+        }
+    }
+}
