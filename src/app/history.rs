@@ -1,13 +1,13 @@
 //! The history of what an analyst changes: what each step is called, and going to any of them.
 
-use super::project::kept_figure;
+use super::project::{keep_figure, kept_figure};
 use super::reviewing::{LogStep, Step};
 use super::{Action, App, LogId};
 use crate::pipeline::settings::{Kind, Number, row};
 use crate::pipeline::{Settings, setting_values};
 use crate::presentation::units::Units;
 use crate::printable::quoted;
-use crate::project::{self, History, PastStep, Project, UNDONE};
+use crate::project::{self, Change, History, PastStep, Project, ProjectLog, UNDONE};
 use std::borrow::Cow;
 use std::sync::Arc;
 use toml::Value;
@@ -120,6 +120,43 @@ impl App {
         }
         steps.reverse();
         self.history = History::of_past(steps);
+    }
+
+    /// The changes that led to a project that is kept for the first time, as far back as its logs are those that are open.
+    pub(super) fn past_of(&self, project: &Project) -> Vec<PastStep> {
+        let versions = self.history.past().rev().map_while(|(step, label)| {
+            Some(PastStep {
+                label: label.to_owned(),
+                before: self.project_of(step, project)?,
+            })
+        });
+        let mut steps: Vec<PastStep> = versions.collect();
+        steps.reverse();
+        steps
+    }
+
+    /// The version of a project that a step is, the reverse of [`App::step_of`]. `None` where other logs were open.
+    fn project_of(&self, step: &Step, project: &Project) -> Option<Project> {
+        if step.logs.len() != project.logs().len() {
+            return None;
+        }
+        let mut version = project.clone();
+        version.settings = Settings::clone(&step.shared);
+        for (place, log) in step.logs.iter().enumerate() {
+            let file = self.open_log(log.id)?.file.as_ref()?;
+            let mut entry = ProjectLog::clone(version.log_like(file)?);
+            entry.is_visible = log.is_visible;
+            entry.settings = log.own.as_ref().clone();
+            entry.review = log.review.clone();
+            let moved = Change::Move {
+                log: entry.key.clone(),
+                to: place,
+            };
+            version = version.with_changed(entry)?;
+            version = version.apply(&moved).unwrap_or(version);
+        }
+        keep_figure(&mut version, step.figure.as_ref());
+        Some(version)
     }
 
     /// The step that a version of the open project is; what it has in common with the one `after` it is the same in memory. `None` where

@@ -64,6 +64,9 @@ impl App {
             at: SystemTime::now(),
         };
         self.said.ends_with_undo = false;
+        // Said once more, it takes the place of itself on the screen.
+        self.notices
+            .retain(|shown| shown.text != notice.text || shown.offer != notice.offer);
         self.said.all.push_back(notice.clone());
         if self.said.all.len() > KEPT {
             self.said.all.pop_front();

@@ -282,15 +282,7 @@ impl App {
             };
             project = project.apply(&moved).unwrap_or(project);
         }
-        match self.measuring.figure.as_ref().filter(|figure| figure.done) {
-            Some(figure) => {
-                let measurement = figure.measurement.clone();
-                project.measurements.insert(MEASUREMENT, measurement);
-            }
-            None => {
-                project.measurements.remove(&MEASUREMENT);
-            }
-        }
+        keep_figure(&mut project, self.measuring.figure.as_ref());
         match &self.base_map {
             Some(map) => {
                 project.files.insert(BASE_MAP.to_owned(), map.path.clone());
@@ -344,7 +336,8 @@ impl App {
         }
         let project = self.as_project(&self.keeping.project);
         let (path, kept) = (path.to_owned(), project.clone());
-        let create = move |_: &Progress| Store::create(&path, &kept);
+        let past = self.past_of(&project);
+        let create = move |_: &Progress| Store::create_with_past(&path, &kept, past);
         self.keeping.creating = Some((project, Task::start(&self.jobs, create)));
         self.poll_creating();
     }
@@ -447,6 +440,19 @@ impl App {
     fn leave_sidecars(&mut self) {
         self.log.bottom_file = super::bottom::BottomFile::default();
         self.log.reviewing.keep_elsewhere();
+    }
+}
+
+/// Has a project hold what was measured on the map, once it is done.
+pub(super) fn keep_figure(project: &mut Project, figure: Option<&Arc<Figure>>) {
+    match figure.filter(|figure| figure.done) {
+        Some(figure) => {
+            let measurement = figure.measurement.clone();
+            project.measurements.insert(MEASUREMENT, measurement);
+        }
+        None => {
+            project.measurements.remove(&MEASUREMENT);
+        }
     }
 }
 

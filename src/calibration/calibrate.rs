@@ -155,7 +155,7 @@ fn remaining(made: &Calibration) -> Option<String> {
     let is_silent = matches!(made.offset_note, Some(note) if note != REFUSED);
     (is_silent && left_m.abs() > two_sigma_m.max(TOLERANCE_M)).then(|| {
         format!(
-            "Side-scan depths are {:.1} cm {} than the soundings, more than either is uncertain by: the map's stated error holds it, calibration.offset = fit takes it off where it is a constant.",
+            "Side-scan depths are {:.1} cm {} than the soundings, more than the uncertainty of either. The stated error of the map includes this; calibration.offset = fit subtracts it where it is a constant.",
             100.0 * left_m.abs(),
             if left_m > 0.0 { "greater" } else { "less" },
         )

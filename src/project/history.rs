@@ -47,6 +47,11 @@ impl<T: Clone + PartialEq> History<T> {
         }
     }
 
+    /// The changes that undo takes back: each state with the name of the change that led away from it, the oldest first.
+    pub fn past(&self) -> impl DoubleEndedIterator<Item = (&T, &str)> {
+        self.undo.iter().map(|(state, label)| (state, &**label))
+    }
+
     /// Notes that `before` became `after`. `live` changes belong to the step that the next change of the same name ends.
     pub fn record(&mut self, before: &T, after: &T, label: impl Into<Label>, live: bool) {
         let label = label.into();

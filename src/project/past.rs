@@ -39,6 +39,12 @@ pub struct PastStep {
 pub struct Past(VecDeque<PastStep>);
 
 impl Past {
+    /// These changes, the oldest first; of very many the last ones.
+    pub fn of_steps(steps: Vec<PastStep>) -> Self {
+        let surplus = steps.len().saturating_sub(KEPT);
+        Self(steps.into_iter().skip(surplus).collect())
+    }
+
     /// The changes, the oldest first.
     pub fn into_steps(self) -> impl Iterator<Item = PastStep> {
         self.0.into_iter()

@@ -202,6 +202,18 @@ impl Store {
     /// # Errors
     /// When another window has it open, when it is a log or not called `NAME.bathyscope`, or when it cannot be written.
     pub fn create(path: &Path, project: &Project) -> Result<Self, StoreError> {
+        Self::create_with_past(path, project, Vec::new())
+    }
+
+    /// [`Store::create`] of a project that these changes led to, the oldest first: undo takes them back when it is opened again.
+    ///
+    /// # Errors
+    /// As [`Store::create`].
+    pub fn create_with_past(
+        path: &Path,
+        project: &Project,
+        past: Vec<PastStep>,
+    ) -> Result<Self, StoreError> {
         let ends = path.extension().is_some_and(|ending| ending == ENDING);
         let is_log = || {
             project
@@ -234,7 +246,7 @@ impl Store {
             sha256: String::new(),
             recorded: project.clone(),
             saved: None,
-            past: Past::default(),
+            past: Past::of_steps(past),
             path,
         };
         let saving = store.saving(project, None)?;

@@ -116,9 +116,10 @@ fn a_project_that_is_opened_again_can_be_undone_whether_it_was_saved_or_not() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut window = opened(folder.path(), 2);
     let path = folder.path().join("lake.bathyscope");
-    save_as(&mut window, &path);
+    // What was done before it was a project counts as well.
     change(&mut window, "first_return.threshold=0.36");
     let first = decisions(&window);
+    save_as(&mut window, &path);
     change(&mut window, "draft_m=0.4");
     draw_bottom(&mut window);
     press(&mut window, Modifiers::COMMAND, Key::Z);

@@ -135,8 +135,8 @@ rows! {
     PPD_REACH: "calibration.ppd", "Other ranges", "scale at other ranges",
         "How the scale of the flat stretch applies to pings with another range setting.",
         choice!(calibration.ppd, [
-            "factor", "factor on range", "The flat stretch gives a factor for the recorded range, which holds for pings of every range.";
-            "constant", "same for all (paper)", "The same pixels per metre for all pings, as in the paper: wrong where the range was changed.";
+            "factor", "factor", "The flat stretch gives a factor for the recorded range, which holds for pings of every range.";
+            "constant", "constant", "The same pixels per metre for all pings, as in the paper: wrong where the range was changed.";
         ]);
     OFFSET: "calibration.offset", "Range offset", "range offset",
         "Whether a constant difference between first-return ranges and recorded depths is subtracted.",

@@ -136,7 +136,7 @@ fn help_and_manual_hold_every_key() {
         Some("outliers.radius_m = 0.01 to 100 m, default 3.011")
     );
     assert!(help.contains("\ncloud.geometry = slope | "));
-    assert!(help.contains("\n      nadir: z = r, y = 0"), "{help}");
+    assert!(help.contains("\n      nadir: Straight below the boat"), "{help}");
     let line = page.lines().find(|line| line.contains("`projection`"));
     let line = line.expect("a line");
     assert!(

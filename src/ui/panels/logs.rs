@@ -173,7 +173,7 @@ fn heights(ui: &mut Ui, context: &mut ViewContext<'_>) {
         let can_compare = !app.is_matching_heights();
         press(ui, context, Action::CompareHeights, can_compare);
         let is_known = app.height_offsets().is_some();
-        press(ui, context, Action::ApplyHeights, is_known);
+        press_short(ui, context, (Action::ApplyHeights, "Apply"), is_known);
         if app.is_matching_heights() {
             ui.add(egui::Spinner::new().size(12.0));
         }
@@ -230,7 +230,18 @@ fn heights(ui: &mut Ui, context: &mut ViewContext<'_>) {
 
 /// A small button of an action.
 pub(super) fn press(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action, is_enabled: bool) {
-    let button = ui.add_enabled(is_enabled, Button::new(action.label()).small());
+    press_short(ui, context, (action, action.label()), is_enabled);
+}
+
+/// A small button of an action with a label that the button before it explains.
+pub(super) fn press_short(
+    ui: &mut Ui,
+    context: &mut ViewContext<'_>,
+    (action, label): (Action, &str),
+    is_enabled: bool,
+) {
+    let button = ui.add_enabled(is_enabled, Button::new(label).small());
+    let button = button.accessible_name(action.label());
     if button.on_hover_text(action.hint()).clicked() {
         context.push(Command::Do(action));
     }

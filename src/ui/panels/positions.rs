@@ -1,6 +1,6 @@
 //! How far the positions of the logs are off, and how late they are.
 
-use super::logs::{name_of, press};
+use super::logs::{name_of, press, press_short};
 use super::parts::remark;
 use crate::app::{Action, App, FoundPositions};
 use crate::bathymetry::position_offsets::FoundShift;
@@ -14,7 +14,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         let can_compare = !app.is_matching_positions();
         press(ui, context, Action::ComparePositions, can_compare);
         let tells = app.position_offsets().is_some_and(FoundPositions::tells);
-        press(ui, context, Action::ApplyPositions, tells);
+        press_short(ui, context, (Action::ApplyPositions, "Apply"), tells);
         if app.is_matching_positions() {
             ui.add(egui::Spinner::new().size(12.0));
         }

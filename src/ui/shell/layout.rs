@@ -205,7 +205,7 @@ struct Panes<'a, 'c> {
 /// What the title of a view's tab says of its results.
 fn state_of(view: View, app: &App) -> &'static str {
     match view {
-        View::Waterfall if app.is_following() => " (following the recording)",
+        View::Waterfall if app.is_following() => " (following)",
         View::Waterfall => "",
         _ if app.stale().is_none() => "",
         _ if app.is_stopped() => " (out of date)",

@@ -218,7 +218,7 @@ mod tests {
             app.apply(Command::Do(action));
             let banner = Banner::of(&app, View::Waterfall).expect(name);
             assert_eq!(banner.name, name);
-            assert!(banner.keys.ends_with("Esc leaves"), "{}", banner.keys);
+            assert!(banner.keys.ends_with("Esc ends"), "{}", banner.keys);
             app.apply(Command::Do(Action::LeaveTool));
             assert_eq!(Banner::of(&app, View::Waterfall), None, "{name}");
         }

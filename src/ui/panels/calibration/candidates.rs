@@ -11,18 +11,22 @@ use egui::{Align2, Color32, FontId, Response, Role, Sense, TextStyle, Ui, Widget
 
 /// The headings, what each holds, and where its column ends as a share of the width.
 const COLUMNS: [(&str, &str, f32); 6] = [
-    ("No.", "Rank: 1 is the best stretch.", 0.09),
-    ("From ping", "First ping of the stretch.", 0.32),
-    ("Length", "Along the track.", 0.48),
-    ("Relief", "Greatest less least recorded depth.", 0.64),
+    ("No.", "Rank: 1 is the best stretch.", 0.08),
+    ("Ping", "First ping of the stretch.", 0.25),
+    ("Long", "Length along the track.", 0.40),
     (
-        "Range",
-        "Recorded depth over recorded range: the scale that ranges would be multiplied with.",
-        0.83,
+        "Relief",
+        "Difference between greatest and least recorded depth.",
+        0.60,
     ),
     (
-        "Spread",
-        "How much the scale of single pings scatters: standard deviation.",
+        "Scale",
+        "Recorded depth divided by recorded range: the factor for ranges.",
+        0.81,
+    ),
+    (
+        "SD",
+        "Standard deviation of the scale of single pings.",
         1.0,
     ),
 ];

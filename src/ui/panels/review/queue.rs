@@ -104,13 +104,13 @@ fn size(ui: &mut Ui, queue: &mut Queue, units: Units) {
     let any = units.from_m(ANY_M);
     let [mut low, mut high] = before;
     let hint = "Only boxes whose longer side is between these.";
-    between(ui, "Size", hint, |ui, which| {
+    let name = format!("Size, {}", units.symbol());
+    between(ui, &name, hint, |ui, which| {
         let value = if which == 0 { &mut low } else { &mut high };
         let value = DragValue::new(value)
             .range(0.0..=any)
             .speed(0.05)
-            .max_decimals(2)
-            .suffix(format!(" {}", units.symbol()));
+            .max_decimals(1);
         ui.add(value)
     });
     if [low, high] != before {
