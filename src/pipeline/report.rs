@@ -356,7 +356,7 @@ impl CalibrationReport {
         let second = second.map_or(String::new(), |second| format!("; not in force: {second}"));
         let offset = match self.offset_m {
             0.0 => String::new(),
-            offset_m => format!(", ranges {:+.2} m", -offset_m),
+            offset_m => format!(", range offset {:+.2} m", -offset_m),
         };
         Some(format!("scale: {first}{offset}{second}"))
     }
