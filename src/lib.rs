@@ -1,20 +1,22 @@
 //! Bathyscope: from the log of a low-cost side-scan fish-finder to a depth map and a 3D point cloud.
 //!
-//! Data flows one way, and so do the dependencies between the modules below (a test guards it):
+//! Data flows one way, and so do the dependencies between the modules below (a test guards it). Each module uses only those above it:
 //!
 //! ```text
-//! bytes --formats--> Survey --first_return--> FirstReturns --cloud--> PointCloud --export--> files
-//!   ^                 | |                                      ^
-//!   '-- simulation    | |                                      '-- calibration (pixels per metre)
-//!                     | |--bathymetry: surfaces, isobaths, and what they are worth against a reference
-//!                     | |--map_tiles: the depth map as pictures for plotters and the web
-//!                     | |--swath: depth between the lines, from the brightness of the echoes
-//!                     | |--planning: where to sail next, from what the soundings leave in doubt
-//!                     | '--detection: objects on the bottom
-//!                     '--waterfall: picture tiles, shown with gain and levels by picture
-//! pipeline runs the stages, lake keeps what many logs measured in tiles, html_report makes the report of the results, outputs writes all files of a run, project keeps what was decided about a survey, app holds what the analyst sees and decides, ui shows it, render draws it, cli is the program.
-//! base_map is a picture of the analyst's own under the map, manual holds the pages of the manual with tables derived from the program.
-//! geo (positions and planes), presentation (colours, numbers, plots), progress, statistics, calendar, catch_panic, outline, printable, regular_file, sparse, system_words and versions (lists that grow) serve them all.
+//! support      positions, colours, progress, statistics: serves all
+//! survey       one log as it was recorded: pings, samples, track
+//! formats      bytes -> Survey, and the files of other instruments
+//! simulation   scenes of known truth, written as logs
+//! sonar        Survey -> first returns, calibration
+//! bottom       -> points, surfaces, isobaths, depths from echo levels, planned lines
+//! imagery      -> waterfall, picture, mosaic
+//! detection    -> boxes, review, objects, shapes
+//! pipeline     runs the stages, keeps what is valid, knows what is out of date
+//! products     results -> files, report, map tiles, archives of many logs
+//! project      what was decided about a survey, on disk
+//! app          what the analyst sees and decides: state, commands, undo; the manual
+//! ui           the window (egui); render draws on the GPU and knows no survey
+//! cli          the program: arguments -> window or headless run
 //! ```
 //!
 //! From a log to its points, and to the depth map of all logs of a survey:
@@ -22,7 +24,7 @@
 //! ```
 //! use bathyscope::formats;
 //! use bathyscope::pipeline::{self, Derived, ProcessedLog, Settings};
-//! use bathyscope::progress::Progress;
+//! use bathyscope::support::progress::Progress;
 //! use std::{path::Path, sync::Arc};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -44,45 +46,20 @@
 //! as `Arc`. Coordinates inside are SI: metres east and north of the survey's origin, radians clockwise from north,
 //! depth positive down (`depth_m`), elevation positive up (`z_m`). Degrees and feet exist only at the edges.
 //!
-//! Without the feature `gui`, which is on by default, there is neither `ui` nor `render`, and no crate for windows and GPUs.
+//! Without the feature `gui`, which is on by default, there is no `ui`, and no crate for windows and GPUs.
 
 pub mod app;
-pub mod base_map;
-pub mod bathymetry;
-mod calendar;
-pub mod calibration;
-mod catch_panic;
+pub mod bottom;
 pub mod cli;
-pub mod cloud;
 pub mod detection;
-pub mod export;
-pub mod first_return;
 pub mod formats;
-pub mod geo;
-pub mod html_report;
-pub mod lake;
-pub mod manual;
-pub mod map_tiles;
-pub mod mosaic;
-mod outline;
-pub mod outputs;
-pub mod picture;
+pub mod imagery;
 pub mod pipeline;
-pub mod planning;
-pub mod presentation;
-mod printable;
-pub mod progress;
+pub mod products;
 pub mod project;
-mod regular_file;
-#[cfg(feature = "gui")]
-pub mod render;
 pub mod simulation;
-mod sparse;
-mod statistics;
+pub mod sonar;
+pub mod support;
 pub mod survey;
-pub mod swath;
-mod system_words;
 #[cfg(feature = "gui")]
 pub mod ui;
-mod versions;
-pub mod waterfall;

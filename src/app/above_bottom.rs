@@ -1,9 +1,9 @@
 //! The first returns above the recorded depth: how many, why they may be there, and in which stretches, so that an analyst who sees the
 //! bottom there can accept one.
 
-use crate::cloud::{CloudPoint, PointSource};
+use crate::bottom::cloud::{CloudPoint, PointSource};
 use crate::pipeline::Products;
-use crate::statistics::median;
+use crate::support::statistics::median;
 use crate::survey::{Side, Survey};
 
 /// Pings without such a return that part two stretches.

@@ -1,7 +1,7 @@
 //! Logs that make no survey with the others: they are opened, but not shown on the map until the analyst asks for them.
 
 use super::{Action, App, LogId};
-use crate::printable::quoted;
+use crate::support::printable::quoted;
 use crate::survey::{Apart, Survey, apart};
 
 impl App {

@@ -9,12 +9,12 @@ use super::{
     ThemeChoice, Tool,
 };
 use crate::detection::review::Edit;
-use crate::geo::CoordinateFormat;
 use crate::pipeline::settings::row;
 use crate::pipeline::{LogSettings, Preset, Settings};
-use crate::presentation::units::{LengthUnit, SpeedUnit};
-use crate::printable::quoted;
 use crate::project::MeasurementKind;
+use crate::support::geo::CoordinateFormat;
+use crate::support::presentation::units::{LengthUnit, SpeedUnit};
+use crate::support::printable::quoted;
 use std::borrow::Cow;
 use std::path::PathBuf;
 use std::sync::Arc;

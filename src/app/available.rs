@@ -1,7 +1,7 @@
 //! Which actions make sense now: menus grey the others, and the palette leaves them out.
 
 use super::{Action, App};
-use crate::calibration::ScaleMode;
+use crate::sonar::calibration::ScaleMode;
 
 impl App {
     /// Whether there is what an action takes away or leaves. All other actions say themselves what they lack.

@@ -1,7 +1,7 @@
 //! The analyst's own picture under the map: opened off the window's thread, kept from survey to survey.
 
 use super::{App, MapLayer, Outcome, Task};
-use crate::base_map::{self, BaseMap};
+use crate::formats::base_map::{self, BaseMap};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -34,7 +34,7 @@ impl App {
     fn start_base_map(&mut self, path: PathBuf, is_of_last_time: bool) {
         // It has to be found again from whatever folder the next run starts in.
         let path = std::path::absolute(&path).unwrap_or(path);
-        let open = move |progress: &crate::progress::Progress| {
+        let open = move |progress: &crate::support::progress::Progress| {
             base_map::open(&path, progress).map_err(|error| error.to_string())
         };
         self.opening_base_map = Some(OpeningBaseMap {

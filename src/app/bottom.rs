@@ -2,9 +2,9 @@
 //! in the sidecar file `LOG.bottom.toml` as they are made.
 
 use super::{Action, App, Mark};
-use crate::export;
-use crate::first_return::{BottomEdit, BottomSettings};
 use crate::pipeline::Settings;
+use crate::products::export;
+use crate::sonar::first_return::{BottomEdit, BottomSettings};
 use crate::survey::{Side, Survey};
 use serde::Serialize;
 use std::fs;

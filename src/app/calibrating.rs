@@ -2,10 +2,10 @@
 //! Nothing changes before that; afterwards it is said by how much the depths changed.
 
 use super::{Action, App, OpenLog};
-use crate::calibration::{self, CalibrationSettings, PingRange, ScaleMode};
-use crate::cloud::{DepthChange, PointClass, PointCloud};
+use crate::bottom::cloud::{DepthChange, PointClass, PointCloud};
 use crate::pipeline::{Background, Jobs, ProcessedLog, Products, Same, ScaleTrial, Settings};
-use crate::printable::quoted;
+use crate::sonar::calibration::{self, CalibrationSettings, PingRange, ScaleMode};
+use crate::support::printable::quoted;
 use crate::survey::Survey;
 use std::sync::Arc;
 

@@ -5,11 +5,11 @@ use super::{
     Action, BottomStroke, KeyFocus, Keys, LayoutPreset, Leave, LogBox, LogId, Mark, Measure,
     MistakeSort, Nudge, ReferenceBy, View, ViewOptions,
 };
-use crate::calibration::PingRange;
 use crate::detection::review::{BoxId, Edit, Queue};
 use crate::detection::truth::Mistake;
-use crate::geo::LonLat;
 use crate::pipeline::{Preset, Settings};
+use crate::sonar::calibration::PingRange;
+use crate::support::geo::LonLat;
 use crate::survey::{LogPart, Side};
 use std::ops::Range;
 use std::path::PathBuf;

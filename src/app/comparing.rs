@@ -2,9 +2,9 @@
 
 use super::tabulating::{Of, Tabulating};
 use super::{App, MapLayer, Outcome, Task};
-use crate::bathymetry::compare::Matching;
+use crate::bottom::bathymetry::compare::Matching;
 use crate::pipeline::{Agreement, ProcessedLog, Reference, Settings};
-use crate::progress::Progress;
+use crate::support::progress::Progress;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 

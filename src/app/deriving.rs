@@ -2,14 +2,14 @@
 //! and what the waterfall of the shown log is drawn with.
 
 use super::{App, LogId, MapLayer};
-use crate::bathymetry::isobaths::{IsobathSettings, NoIsobaths, evenly_apart_m};
-use crate::cloud::PointScales;
-use crate::picture::{Histogram, LogPicture, Tone};
+use crate::bottom::bathymetry::isobaths::{IsobathSettings, NoIsobaths, evenly_apart_m};
+use crate::bottom::cloud::PointScales;
+use crate::imagery::picture::{Histogram, LogPicture, Tone};
 use crate::pipeline::{
     Background, Bottom, BottomKey, DepthMap, DepthMapKey, Derived, IsobathKey, Isobaths, Mosaic,
     MosaicKey, MosaicPlane, PictureKey, ProcessedLog, Same, colour_range_m,
 };
-use crate::presentation::units::LengthUnit;
+use crate::support::presentation::units::LengthUnit;
 use std::sync::Arc;
 
 /// Layers that are drawn from the depth map.

@@ -2,8 +2,8 @@
 
 use super::{Action, App, Jobs, LogId, OpenLog, Outcome, Task};
 use crate::detection::review::Review;
-use crate::outputs::{self, Amounts, EarlierRun, Order, OutputFile, Product};
-use crate::progress::Progress;
+use crate::products::outputs::{self, Amounts, EarlierRun, Order, OutputFile, Product};
+use crate::support::progress::Progress;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 

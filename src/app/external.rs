@@ -4,13 +4,13 @@
 //! leaves everything as it was.
 
 use super::{App, OpenLog, Outcome, Task};
-use crate::cloud::Correction;
-use crate::cloud::correction::WaterLevelSettings;
+use crate::bottom::cloud::Correction;
+use crate::bottom::cloud::correction::WaterLevelSettings;
 use crate::formats::{TrackFile, read_gauge};
-use crate::geo::{Crs, LocalFrame};
 use crate::pipeline::{Settings, SourceError, SourceKey, as_set};
-use crate::progress::Progress;
-use crate::regular_file;
+use crate::support::geo::{Crs, LocalFrame};
+use crate::support::progress::Progress;
+use crate::support::regular_file;
 use crate::survey::{Gauge, Side, Survey, TrackSettings, TracksApart};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};

@@ -1,10 +1,10 @@
 //! Counts of a result, taken once on a worker so that no panel counts points in a frame.
 
 use super::above_bottom::AboveBottom;
-use crate::cloud::{ClassCounts, Residuals, residuals};
-use crate::first_return::FirstReturns;
+use crate::bottom::cloud::{ClassCounts, Residuals, residuals};
 use crate::pipeline::Products;
-use crate::progress::{Cancelled, Progress};
+use crate::sonar::first_return::FirstReturns;
+use crate::support::progress::{Cancelled, Progress};
 use crate::survey::{Side, Survey};
 
 /// How much of everything there is in a result.

@@ -6,7 +6,7 @@ use super::{Action, App, OpenLog};
 use crate::pipeline::{
     SettingValues, Settings, is_of_one_log, setting_values, settings::row, with_values,
 };
-use crate::printable::quoted;
+use crate::support::printable::quoted;
 use crate::survey::{Identity, Survey};
 use serde::{Deserialize, Serialize};
 

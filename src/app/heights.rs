@@ -2,7 +2,7 @@
 
 use super::logs_task::{LogsTask, Stands};
 use super::{App, LogId, OpenLog};
-use crate::bathymetry::height_offsets::{Datum, HeightOffsets, LogOffset};
+use crate::bottom::bathymetry::height_offsets::{Datum, HeightOffsets, LogOffset};
 use crate::pipeline::joint::{contradictions, height_offsets};
 use crate::pipeline::{LogSettings, ProcessedLog};
 use std::sync::Arc;

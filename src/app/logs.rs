@@ -7,8 +7,8 @@ use super::open_log::log_colour;
 use super::reviewing::Parked;
 use super::{App, LogId, Mark, OpenLog};
 use crate::pipeline::{EngineStatus, ProcessedLog, Products, Settings};
-use crate::printable::quoted;
 use crate::project::History;
+use crate::support::printable::quoted;
 use crate::survey::{Identity, Survey, distinct_names};
 use std::sync::Arc;
 

@@ -3,14 +3,14 @@
 
 use super::reviewing::{Step, Tool};
 use super::{App, OpenLog, ProfileLine};
-use crate::bathymetry::Station;
+use crate::bottom::bathymetry::Station;
 use crate::detection::MeasuredShadow;
 use crate::detection::review::{BoxId, Edit, Reviewed};
 use crate::detection::targets::{ShadowError, ShadowHeight};
-use crate::export;
-use crate::geo::LonLat;
 use crate::pipeline::Placing;
+use crate::products::export;
 use crate::project::{Measurement, MeasurementKind, Pick};
+use crate::support::geo::LonLat;
 use crate::survey::{Identity, Side};
 use std::collections::BTreeMap;
 use std::path::PathBuf;

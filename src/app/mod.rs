@@ -29,6 +29,7 @@ mod leaving_out;
 mod loader;
 mod logs;
 mod logs_task;
+pub mod manual;
 mod map_layers;
 mod measuring;
 mod mounting;

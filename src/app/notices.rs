@@ -1,8 +1,8 @@
 //! What the program says to the analyst: what is on screen, and all of it since the program was started.
 
 use super::{Action, App};
-use crate::printable::one_line;
-use crate::system_words::in_plain_words;
+use crate::support::printable::one_line;
+use crate::support::system_words::in_plain_words;
 use std::collections::VecDeque;
 use std::time::SystemTime;
 

@@ -287,8 +287,8 @@ mod tests {
     use crate::app::{LogBox, LogId};
     use crate::detection::review::BoxId;
     use crate::detection::targets::GroupSettings;
-    use crate::geo::LonLat;
     use crate::pipeline::joint::{PlacedBox, joint_objects};
+    use crate::support::geo::LonLat;
 
     fn target(length_m: f64) -> Target {
         let mark = crate::detection::Mark::point(crate::survey::Side::Port, 5, 6.0);

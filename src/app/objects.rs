@@ -9,9 +9,9 @@ use crate::detection::review::{Review, Reviewed, State};
 use crate::detection::targets::{
     FittedShape, GroupSettings, PassCount, PassLog, ShapeError, Target,
 };
-use crate::geo::LonLat;
 use crate::pipeline::joint::{JointObject, PlacedBox, joint_objects, object_shape};
 use crate::pipeline::{Background, ProcessedLog, Same};
+use crate::support::geo::LonLat;
 use crate::survey::{LeftOut, Navigation, Survey};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;

@@ -7,9 +7,9 @@ use super::leaving_out::LeavingOut;
 use super::reviewing::Reviewing;
 use super::{Figures, Task};
 use crate::detection::review::BoxId;
-use crate::first_return::FirstReturns;
 use crate::pipeline::{LogSettings, ProcessedLog, Products, Settings, SourceKey, Stage};
 use crate::project::LogFile;
+use crate::sonar::first_return::FirstReturns;
 use crate::survey::{Apart, Survey};
 use std::sync::Arc;
 

@@ -1,11 +1,11 @@
 //! How things are shown: saved between runs, never part of a result.
 
 use super::{ClipBox, LayerStack, MapLayer, ObjectTable, PrintOptions, Swipe};
-use crate::geo::CoordinateFormat;
-use crate::outputs::Product;
-use crate::picture::Geometry;
+use crate::imagery::picture::Geometry;
 use crate::pipeline::BottomColour;
-use crate::presentation::units::Units;
+use crate::products::outputs::Product;
+use crate::support::geo::CoordinateFormat;
+use crate::support::presentation::units::Units;
 use crate::survey::ChannelKind;
 use serde::{Deserialize, Serialize};
 

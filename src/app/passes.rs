@@ -2,9 +2,9 @@
 //! window's thread; a search that nobody waits for any more is dropped.
 
 use super::{App, LogId, Mark, Outcome, ShownLog, Task};
-use crate::geo::LonLat;
 use crate::pipeline::{Derived, Pass, passes_over, place_of};
-use crate::progress::{Cancelled, Progress};
+use crate::support::geo::LonLat;
+use crate::support::progress::{Cancelled, Progress};
 
 const NO_PLACE: &str = "select a place to port or starboard first, with a click in the waterfall";
 const NO_OTHER: &str = "no other pass of the visible logs saw this place";

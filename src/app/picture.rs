@@ -1,8 +1,8 @@
 //! How the picture of the shown log is to be shown: keys and menus for `picture.*`.
 
 use super::{App, EchogramChannel};
-use crate::mosaic::Gain;
-use crate::picture::PictureSettings;
+use crate::imagery::mosaic::Gain;
+use crate::imagery::picture::PictureSettings;
 use crate::pipeline::Settings;
 
 impl App {

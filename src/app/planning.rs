@@ -1,12 +1,12 @@
 //! Lines to sail next: planned off the window's thread, changed by hand, written for plotters and autopilots.
 
 use super::{App, Outcome, Task};
-use crate::export::{PlanFormat, PlannedWay};
-use crate::geo::{LocalFrame, LonLat};
+use crate::bottom::planning::{Leg, Plan, PlanSettings, plan};
 use crate::pipeline::{seen_objects, surveyed};
-use crate::planning::{Leg, Plan, PlanSettings, plan};
-use crate::printable::quoted;
-use crate::progress::Progress;
+use crate::products::export::{PlanFormat, PlannedWay};
+use crate::support::geo::{LocalFrame, LonLat};
+use crate::support::printable::quoted;
+use crate::support::progress::Progress;
 use std::path::PathBuf;
 use std::sync::Arc;
 

@@ -3,7 +3,7 @@
 
 use super::logs_task::{LogsTask, Stands};
 use super::{App, LogId};
-use crate::bathymetry::position_offsets::Wanted;
+use crate::bottom::bathymetry::position_offsets::Wanted;
 use crate::pipeline::joint::{LogPositions, position_offsets};
 use crate::pipeline::{LogSettings, ProcessedLog};
 use std::sync::Arc;

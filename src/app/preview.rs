@@ -5,12 +5,12 @@
 //! during a long drag.
 
 use super::{Jobs, Outcome, Task};
-use crate::first_return::{
+use crate::pipeline::Settings;
+use crate::sonar::first_return::{
     BottomSettings, FirstReturnSettings, FirstReturns, ImageSettings, Method, Normalisation,
     SampleMode, ThresholdIndex, track_range,
 };
-use crate::pipeline::Settings;
-use crate::progress::{Cancelled, Progress};
+use crate::support::progress::{Cancelled, Progress};
 use crate::survey::Survey;
 use std::ops::Range;
 use std::sync::Arc;

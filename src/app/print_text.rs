@@ -1,10 +1,10 @@
 //! What stands around a printed view: title, dates, coordinate system, what depths count from, scale.
 
 use super::{App, View};
-use crate::calendar;
-use crate::geo::{CoordinateFormat, UtmZone};
 use crate::pipeline::Products;
-use crate::printable::one_line;
+use crate::support::calendar;
+use crate::support::geo::{CoordinateFormat, UtmZone};
+use crate::support::printable::one_line;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 /// Logs that a title names; of more it says how many.

@@ -1,10 +1,10 @@
 //! The depths along the line of a depth profile, taken from the depth map.
 
 use super::App;
-use crate::bathymetry::{Corner, Station, transect};
-use crate::geo::LonLat;
+use crate::bottom::bathymetry::{Corner, Station, transect};
 use crate::pipeline::DepthMap;
 use crate::project::{Measurement, MeasurementKind};
+use crate::support::geo::LonLat;
 use std::sync::Arc;
 
 /// Most places that a line is looked at at.

@@ -5,14 +5,14 @@ use super::loader::hold_log;
 use super::measuring::Figure;
 use super::{App, LogId, OpenLog, Outcome, Task, ViewOptions};
 use crate::detection::review::{Queue, Sort};
-use crate::export::is_same_file;
-use crate::geo::LocalFrame;
 use crate::pipeline::Settings;
-use crate::printable::quoted;
-use crate::progress::Progress;
+use crate::products::export::is_same_file;
 use crate::project::{
     ENDING, Found, LogFile, Opened, Project, ProjectLog, Store, StoreError, Written, find,
 };
+use crate::support::geo::LocalFrame;
+use crate::support::printable::quoted;
+use crate::support::progress::Progress;
 use crate::survey::Survey;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};

@@ -1,7 +1,7 @@
 //! What was measured, on its way into a file.
 
 use super::App;
-use crate::export::{self, MeasuredFigure};
+use crate::products::export::{self, MeasuredFigure};
 use crate::project::MeasurementKind;
 use std::path::{Path, PathBuf};
 

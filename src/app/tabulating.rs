@@ -1,9 +1,9 @@
 //! How points agree with a reference: found out when somebody looks, for it takes a triangulation of all soundings.
 
 use super::{App, Outcome, Task};
-use crate::bathymetry::SurfaceSettings;
-use crate::bathymetry::compare::Matching;
-use crate::cloud::PointClass;
+use crate::bottom::bathymetry::SurfaceSettings;
+use crate::bottom::bathymetry::compare::Matching;
+use crate::bottom::cloud::PointClass;
 use crate::pipeline::{Agreement, ProcessedLog, Reference};
 use std::sync::Arc;
 

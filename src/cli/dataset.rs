@@ -4,12 +4,12 @@ use super::status_line::StatusLine;
 use super::{output, simulate};
 use crate::detection::dataset::{Boxes, Chip, Known, Slice};
 use crate::detection::{Mark, Raster, TILE_PX};
-use crate::export::{DatasetFolder, ExportError, Part, PartSummary};
 use crate::formats;
-use crate::progress::Progress;
+use crate::products::export::{DatasetFolder, ExportError, Part, PartSummary};
 use crate::simulation::{
     self, Look, ObjectKind, Sighting, Simulated, TrainingScene, training_scene, training_seed,
 };
+use crate::support::progress::Progress;
 use crate::survey::{HeadingSettings, Projection, Survey, navigate};
 use rayon::prelude::*;
 use serde::Serialize;

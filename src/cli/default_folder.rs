@@ -3,7 +3,7 @@
 
 use super::survey_logs::OpenedLog;
 use crate::app::is_project;
-use crate::outputs;
+use crate::products::outputs;
 use crate::survey::Survey;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -120,8 +120,8 @@ fn common(names: &[String]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::outputs::MANIFEST;
     use crate::pipeline::Settings;
+    use crate::products::outputs::MANIFEST;
     use crate::survey::Bytes;
     use std::fs;
     use std::sync::Arc;

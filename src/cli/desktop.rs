@@ -5,7 +5,7 @@
 mod share;
 
 use super::output;
-use crate::export::write_aside;
+use crate::products::export::write_aside;
 use share::{APPLICATIONS, MIME, ShareFile};
 use std::fs;
 use std::io::Write as _;

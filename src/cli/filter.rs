@@ -2,10 +2,10 @@
 
 use super::output;
 use super::status_line::StatusLine;
-use crate::cloud::outliers;
-use crate::export::kept_points;
+use crate::bottom::cloud::outliers;
 use crate::formats::points::{self, PointFormat, split_columns};
-use crate::progress::Progress;
+use crate::products::export::kept_points;
+use crate::support::progress::Progress;
 use std::ffi::OsString;
 use std::path::PathBuf;
 

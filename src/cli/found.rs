@@ -1,6 +1,6 @@
 //! What a search found, in words.
 
-use crate::outputs::Proposed;
+use crate::products::outputs::Proposed;
 use std::collections::BTreeMap;
 
 /// `7 boxes (4 rock, 3 tyre)`, of the classes' names.

@@ -1,10 +1,10 @@
 //! `bathyscope info`: what is in a log.
 
 use super::output;
-use crate::calendar;
-use crate::calibration::header_scale;
 use crate::formats;
-use crate::progress::Progress;
+use crate::sonar::calibration::header_scale;
+use crate::support::calendar;
+use crate::support::progress::Progress;
 use crate::survey::{Channel, SideScanState, Survey};
 use serde_json::{Value, json};
 use std::fmt::Write as _;

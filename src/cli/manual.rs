@@ -1,7 +1,7 @@
 //! `bathyscope manual`: the manual, or one page of it, as Markdown.
 
 use super::output;
-use crate::manual::{self, Topic};
+use crate::app::manual::{self, Topic};
 
 /// `bathyscope manual [TOPIC]`.
 #[derive(Debug, clap::Args)]

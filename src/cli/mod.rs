@@ -41,10 +41,10 @@ mod window;
 
 pub use dataset::known_objects;
 
-pub use crate::catch_panic::is_to_be_printed;
+pub use crate::support::catch_panic::is_to_be_printed;
 
-use crate::catch_panic::panic_as_error;
 use crate::pipeline::settings::slips;
+use crate::support::catch_panic::panic_as_error;
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 use std::path::{Path, PathBuf};

@@ -1,8 +1,8 @@
 //! Text for stdout and stderr. The standard macros panic where nobody reads any more or the disk is full. Whatever a file holds,
 //! what reaches a terminal from here is text that it shows and no command to it.
 
-use crate::printable;
-use crate::system_words::in_plain_words;
+use crate::support::printable;
+use crate::support::system_words::in_plain_words;
 use serde::Serialize;
 use std::fmt::Display;
 use std::io::{self, ErrorKind, Write as _};

@@ -6,9 +6,9 @@ use super::settings::SettingsArgs;
 use super::status_line::StatusLine;
 use super::survey_logs::{OpenedLog, all_or, inputs, open_all, take_reviews};
 use crate::detection::review::Review;
-use crate::export::Part;
-use crate::outputs;
-use crate::progress::Progress;
+use crate::products::export::Part;
+use crate::products::outputs;
+use crate::support::progress::Progress;
 use std::path::PathBuf;
 use std::sync::Arc;
 

@@ -2,12 +2,12 @@
 
 use super::status_line::StatusLine;
 use super::{LONGEST_TEXT, output};
-use crate::cloud::Correction;
-use crate::first_return::BottomSettings;
+use crate::bottom::cloud::Correction;
 use crate::formats::{self, TrackFile};
 use crate::pipeline::{self, Preset, Products, Settings, SourceError};
-use crate::progress::Progress;
-use crate::regular_file;
+use crate::sonar::first_return::BottomSettings;
+use crate::support::progress::Progress;
+use crate::support::regular_file;
 use crate::survey::Survey;
 use std::path::{Path, PathBuf};
 

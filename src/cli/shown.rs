@@ -2,10 +2,10 @@
 
 use super::settings::{SettingsArgs, check_against};
 use crate::app::{App, Command, Jobs, Origin};
-use crate::calibration::PingRange;
+use crate::imagery::waterfall::RangeAxis;
 use crate::pipeline::{self, Settings};
+use crate::sonar::calibration::PingRange;
 use crate::survey::Survey;
-use crate::waterfall::RangeAxis;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;

@@ -3,10 +3,10 @@
 use super::dataset::{self, DatasetArgs};
 use super::status_line::StatusLine;
 use super::{LONGEST_TEXT, output};
-use crate::export::write_aside;
-use crate::progress::Progress;
-use crate::regular_file;
+use crate::products::export::write_aside;
 use crate::simulation::{Scene, Simulated, simulate};
+use crate::support::progress::Progress;
+use crate::support::regular_file;
 use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};

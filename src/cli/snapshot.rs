@@ -6,10 +6,10 @@ use super::{output, quiet_driver};
 use crate::app::{
     Action, App, CloudColour, Command, Jobs, MapLayer, Mark, Origin, ThemeChoice, View, ViewOptions,
 };
-use crate::calibration::PingRange;
-use crate::geo::CoordinateFormat;
 use crate::pipeline::BottomColour;
-use crate::progress::Progress;
+use crate::sonar::calibration::PingRange;
+use crate::support::geo::CoordinateFormat;
+use crate::support::progress::Progress;
 use crate::ui::{
     Alone, Shell,
     offscreen::{Studio, write_picture},

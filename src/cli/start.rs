@@ -6,9 +6,9 @@ use super::process::How;
 use super::survey_logs::OpenedLog;
 use super::{output, quiet_driver, snapshot, window};
 use crate::app::Origin;
-use crate::outputs::Product;
 use crate::pipeline::Settings;
-use crate::progress::Progress;
+use crate::products::outputs::Product;
+use crate::support::progress::Progress;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 

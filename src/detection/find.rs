@@ -2,7 +2,7 @@
 
 use super::merge::{Seen, merge};
 use super::{DetectError, Detection, Model, Nms, Picture, Raster, Rect, Scored, TILE_PX};
-use crate::progress::Progress;
+use crate::support::progress::Progress;
 use crate::survey::{Navigation, Side, Survey};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};

@@ -1,8 +1,8 @@
 //! A polygon of water: GeoJSON, KML or GPX.
 
 use super::xml::{attribute, is, text_of};
-use crate::geo::LonLat;
-use crate::regular_file;
+use crate::support::geo::LonLat;
+use crate::support::regular_file;
 use crate::survey::WaterArea;
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};

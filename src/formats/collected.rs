@@ -2,7 +2,7 @@
 
 use super::reading::Reading;
 use super::report::Report;
-use crate::geo::LonLat;
+use crate::support::geo::LonLat;
 use crate::survey::{
     Bytes, Channel, ChannelKind, Echogram, EchogramPing, Fix, ProjectedTrack, RangeSource,
     SidePing, SideSpan, Sounding, Source,

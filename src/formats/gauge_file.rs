@@ -1,7 +1,7 @@
 //! Tables of water levels: CSV with the columns `time` and `level_m`.
 
-use crate::calendar::unix_from_text;
-use crate::regular_file;
+use crate::support::calendar::unix_from_text;
+use crate::support::regular_file;
 use crate::survey::{Gauge, WATER_LEVELS_M};
 use sha2::{Digest as _, Sha256};
 use std::path::{Path, PathBuf};

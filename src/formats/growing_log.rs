@@ -5,8 +5,8 @@
 //! log itself is only ever read.
 
 use super::map;
-use crate::progress::{Cancelled, Progress};
-use crate::regular_file;
+use crate::support::progress::{Cancelled, Progress};
+use crate::support::regular_file;
 use crate::survey::{Bytes, Survey};
 use std::fs::File;
 use std::io::{self, Read, Seek as _, SeekFrom, Write as _};

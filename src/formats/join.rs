@@ -1,7 +1,7 @@
 //! Joins the port and the starboard half of a ping where a recorder writes them apart.
 
 use super::collected::HalfPing;
-use crate::statistics::upper_median;
+use crate::support::statistics::upper_median;
 use crate::survey::SidePing;
 
 /// Two halves without any other measure of the ping rate belong together within this time, seconds.

@@ -1,6 +1,6 @@
 //! The read-only memory map of a log.
 
-use crate::regular_file;
+use crate::support::regular_file;
 use crate::survey::Bytes;
 use std::fs::File;
 use std::io;

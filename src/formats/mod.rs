@@ -8,6 +8,7 @@
 
 mod area_file;
 mod assemble;
+pub mod base_map;
 mod clock;
 mod collected;
 mod depths;
@@ -41,7 +42,7 @@ pub use removable::load_removable_into_memory;
 pub use scalar::ByteOrder;
 pub use track_file::{TrackError, TrackFile};
 
-use crate::progress::Progress;
+use crate::support::progress::Progress;
 use crate::survey::{Bytes, Seam, Source, Survey};
 use file_source::FileSource;
 use reading::Reading;
@@ -100,7 +101,7 @@ pub enum OpenError {
     },
     /// The user stopped it.
     #[error(transparent)]
-    Cancelled(#[from] crate::progress::Cancelled),
+    Cancelled(#[from] crate::support::progress::Cancelled),
 }
 
 /// A file whose bytes are at hand.

@@ -2,7 +2,7 @@
 
 use super::OpenError;
 use super::points::{Elevations, PointFileError, is_named_as_elevations, read_elevations};
-use crate::progress::Progress;
+use crate::support::progress::Progress;
 use crate::survey::Survey;
 use std::ffi::OsStr;
 use std::path::Path;

@@ -3,7 +3,7 @@
 //! A mapped log is read where it lies, and when its medium is gone the next touch of a page that is not in memory ends the
 //! program (`map`). Whoever works with a log for long takes one on such a medium into memory first, where it fits.
 
-use crate::progress::{Cancelled, Progress};
+use crate::support::progress::{Cancelled, Progress};
 use crate::survey::{Bytes, Survey, Warning};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

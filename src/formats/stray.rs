@@ -1,6 +1,6 @@
 //! Positions that cannot be: far from all others of their track.
 
-use crate::statistics::upper_median;
+use crate::support::statistics::upper_median;
 use crate::survey::Fix;
 
 /// A fix this far from the track's median position is damage, degrees (some 200 km).
@@ -41,7 +41,7 @@ pub(super) fn drop_stray(fixes: &mut Vec<Fix>) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geo::LonLat;
+    use crate::support::geo::LonLat;
 
     fn fixes(places: &[[f64; 2]]) -> Vec<Fix> {
         let fix = |(index, &[lon_deg, lat_deg]): (usize, &[f64; 2])| Fix {

@@ -2,9 +2,9 @@
 
 use super::gpx::gpx_points;
 use super::stray::drop_stray;
-use crate::calendar::unix_from_text;
-use crate::geo::LonLat;
-use crate::regular_file;
+use crate::support::calendar::unix_from_text;
+use crate::support::geo::LonLat;
+use crate::support::regular_file;
 use crate::survey::{Bytes, ExternalTrack, Fix, Survey, Track};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

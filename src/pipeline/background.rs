@@ -1,7 +1,7 @@
 //! Work off the window's thread for what is on the screen: the newest request wins, the last result stays.
 
 use super::{Jobs, Outcome, Task};
-use crate::progress::Progress;
+use crate::support::progress::Progress;
 
 /// One kind of work. `K` says what a result was made of; the same key is not worked on twice.
 pub struct Background<K, T> {

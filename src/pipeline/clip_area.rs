@@ -1,7 +1,7 @@
 //! The area that isobaths end at, brought from degrees into the plane of a map.
 
-use crate::bathymetry::isobaths::{ClipArea, IsobathSettings, NoIsobaths};
-use crate::geo::{LonLat, bounds_deg};
+use crate::bottom::bathymetry::isobaths::{ClipArea, IsobathSettings, NoIsobaths};
+use crate::support::geo::{LonLat, bounds_deg};
 
 /// Edges are straight in degrees; pieces so long, metres, are off that by less than a millimetre where they are straight in the plane.
 const PIECE_M: f64 = 50.0;

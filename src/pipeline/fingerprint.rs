@@ -1,8 +1,8 @@
 //! Identifies one version of a file.
 
 use super::Settings;
-use crate::progress::{Cancelled, Progress};
-use crate::regular_file;
+use crate::support::progress::{Cancelled, Progress};
+use crate::support::regular_file;
 use crate::survey::Survey;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};

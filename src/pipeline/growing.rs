@@ -6,16 +6,16 @@
 
 use super::Products;
 use super::products::bottom_line;
-use crate::bathymetry;
-use crate::cloud::{
+use crate::bottom::bathymetry;
+use crate::bottom::cloud::{
     self, BySource, CloudPoint, PingDepth, PointClass, PointCloud, PointScales, Reduction,
     SoundingIndex,
 };
-use crate::first_return::{self, FirstReturns, Normalisation, Pick};
 use crate::pipeline::Settings;
-use crate::progress::{Cancelled, Progress};
+use crate::sonar::first_return::{self, FirstReturns, Normalisation, Pick};
+use crate::support::progress::{Cancelled, Progress};
+use crate::support::versions::Versions;
 use crate::survey::{LeftOut, Navigation, PingNav, Side, Survey, navigate_placed};
-use crate::versions::Versions;
 use std::ops::Range;
 use std::sync::Arc;
 

@@ -5,7 +5,7 @@
 
 use super::settings::row;
 use super::{Settings, SettingsError};
-use crate::first_return::BottomSettings;
+use crate::sonar::first_return::BottomSettings;
 use crate::survey::{Gauge, Identity, Survey, WaterArea};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -337,8 +337,8 @@ pub fn from_values(values: &SettingValues) -> Result<Settings, SettingsError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::first_return::BottomEdit;
     use crate::pipeline::Preset;
+    use crate::sonar::first_return::BottomEdit;
     use crate::survey::{LeftOutReason, Side, Stretch};
 
     fn settings(assignments: &[&str]) -> Settings {

@@ -60,7 +60,7 @@ pub use source::{SourceError, SourceKey, as_mounted, as_set};
 pub use surveyed::{seen_objects, surveyed};
 pub use task::{Jobs, Outcome, Task};
 
-use crate::geo::MapPlane;
+use crate::support::geo::MapPlane;
 use crate::survey::Survey;
 
 /// The plane of the system that `crs` names.

@@ -1,8 +1,8 @@
 //! Where the echoes of a survey lie on the ground.
 
 use super::Products;
-use crate::geo::MapPlane;
-use crate::mosaic::Layout;
+use crate::imagery::mosaic::Layout;
+use crate::support::geo::MapPlane;
 use crate::survey::Survey;
 
 /// Where the echoes of a result fall in the plane of a map.

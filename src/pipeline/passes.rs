@@ -1,8 +1,8 @@
 //! Which passes of a log saw a place: pings in a row that have it on one side.
 
 use super::{Derived, ProcessedLog};
-use crate::mosaic::{Layout, Ray};
-use crate::progress::{Cancelled, Progress};
+use crate::imagery::mosaic::{Layout, Ray};
+use crate::support::progress::{Cancelled, Progress};
 use crate::survey::Side;
 
 /// Calibration may make ranges longer by a few percent.

@@ -1,7 +1,7 @@
 //! Objects on the bottom, with what is known of water and transducer: as the points of the cloud are.
 
 use super::Products;
-use crate::cloud::Correction;
+use crate::bottom::cloud::Correction;
 use crate::detection::targets::{Placer, Target};
 use crate::detection::{Mark, MeasuredShadow, ObjectExtent};
 use crate::survey::Survey;

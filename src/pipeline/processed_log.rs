@@ -15,7 +15,7 @@ pub struct ProcessedLog {
 
 impl ProcessedLog {
     /// The kept points, in the order of the cloud.
-    pub fn kept_points(&self) -> impl Iterator<Item = &crate::cloud::CloudPoint> {
+    pub fn kept_points(&self) -> impl Iterator<Item = &crate::bottom::cloud::CloudPoint> {
         self.products.kept_points()
     }
 }

@@ -2,13 +2,13 @@
 
 use super::Settings;
 use super::relief::relief;
-use crate::bathymetry;
-use crate::calibration::{self, Calibration, FlatSpot};
-use crate::cloud::{
+use crate::bottom::bathymetry;
+use crate::bottom::cloud::{
     self, CloudPoint, Correction, PingDepth, PointClass, PointCloud, PointScales, Reduction,
 };
-use crate::first_return::{self, BottomLine, FirstReturns};
-use crate::progress::{Cancelled, Progress};
+use crate::sonar::calibration::{self, Calibration, FlatSpot};
+use crate::sonar::first_return::{self, BottomLine, FirstReturns};
+use crate::support::progress::{Cancelled, Progress};
 use crate::survey::{LeftOut, Navigation, Relief, SideSpan, Sounding, Survey, navigate_placed};
 use std::sync::Arc;
 

@@ -1,10 +1,10 @@
 //! How the bottom lies across the track, by the depths that the log itself measured.
 
 use super::depth::depth_points;
-use crate::bathymetry::{Surface, SurfaceMethod, SurfaceSettings, surface_of_depths};
-use crate::cloud::{PointClass, PointCloud};
-use crate::progress::{Cancelled, Progress};
-use crate::statistics::{median, quantile};
+use crate::bottom::bathymetry::{Surface, SurfaceMethod, SurfaceSettings, surface_of_depths};
+use crate::bottom::cloud::{PointClass, PointCloud};
+use crate::support::progress::{Cancelled, Progress};
+use crate::support::statistics::{median, quantile};
 use crate::survey::{Navigation, Relief, Side, Survey};
 
 /// Cells of the surface that it is read from are this share of the median depth, and this long at least, metres: what is smaller is noise as

@@ -3,12 +3,12 @@
 use super::fingerprint::{Fingerprint, Input, hash_inputs, in_hexadecimal};
 use super::joint::{LogsReport, RequestedCorrection};
 use super::{CommonUncertainty, Preset, Products, Settings};
-use crate::calibration::{Calibration, PingRange, ScaleMode};
-use crate::cloud::{
+use crate::bottom::cloud::{
     ClassCounts, PointClass, PointCloud, PointSource, Residuals, SoundingIndex, TrackShare,
     residuals,
 };
-use crate::progress::{Cancelled, Progress};
+use crate::sonar::calibration::{Calibration, PingRange, ScaleMode};
+use crate::support::progress::{Cancelled, Progress};
 use crate::survey::{HeadingSource, LeftOutStretch, Side, Survey, Track};
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};

@@ -1,12 +1,12 @@
 //! What would become of a log with another scale, before anything is changed.
 
 use super::{Products, Settings};
-use crate::calibration::{
+use crate::bottom::cloud::{self, DepthChange, Residuals};
+use crate::sonar::calibration::{
     self, Calibration, CalibrationSettings, FlatSpot, PingRange, RangeAtDepth, ScaleMode,
 };
-use crate::cloud::{self, DepthChange, Residuals};
-use crate::first_return::FirstReturns;
-use crate::progress::{Cancelled, Progress};
+use crate::sonar::first_return::FirstReturns;
+use crate::support::progress::{Cancelled, Progress};
 use crate::survey::Survey;
 
 /// The scale that a stretch of pings gives, and what it changes.

@@ -3,7 +3,7 @@
 
 use super::Settings;
 use crate::formats::{TrackError, TrackFile};
-use crate::geo::{CrsError, SourceCrs};
+use crate::support::geo::{CrsError, SourceCrs};
 use crate::survey::{MountingSettings, Survey, TrackSettings};
 
 /// Why a log cannot be taken as the settings say: one sentence.

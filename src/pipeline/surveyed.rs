@@ -2,14 +2,14 @@
 
 use super::joint::{PlacedBox, joint_objects, track_depths};
 use super::{Placing, ProcessedLog};
-use crate::bathymetry::crosslines::{TrackDepth, crossings};
-use crate::bathymetry::{DepthPoint, sigma_by_distance};
+use crate::bottom::bathymetry::crosslines::{TrackDepth, crossings};
+use crate::bottom::bathymetry::{DepthPoint, sigma_by_distance};
+use crate::bottom::planning::{Doubt, Look, SeenObject, SigmaLaw, Surveyed};
 use crate::detection::review::Review;
 use crate::detection::targets::{GroupSettings, Target};
-use crate::geo::LocalFrame;
-use crate::planning::{Doubt, Look, SeenObject, SigmaLaw, Surveyed};
-use crate::progress::{Cancelled, Progress};
-use crate::statistics::{median, spread_about};
+use crate::support::geo::LocalFrame;
+use crate::support::progress::{Cancelled, Progress};
+use crate::support::statistics::{median, spread_about};
 use crate::survey::{Projection, Side};
 use std::f64::consts::FRAC_PI_3;
 use std::sync::Arc;

@@ -1,6 +1,6 @@
 //! One piece of work off the window's thread.
 
-use crate::progress::Progress;
+use crate::support::progress::Progress;
 use std::sync::{Arc, mpsc};
 
 /// How work off the window's thread is run.

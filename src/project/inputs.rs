@@ -3,9 +3,9 @@
 use super::find::{Found, find};
 use super::log::ProjectLog;
 use super::store::read;
-use crate::geo::LocalFrame;
 use crate::pipeline::Settings;
-use crate::progress::Progress;
+use crate::support::geo::LocalFrame;
+use crate::support::progress::Progress;
 use std::path::Path;
 use std::sync::Arc;
 

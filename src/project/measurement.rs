@@ -1,6 +1,6 @@
 //! What was measured on the map and in the waterfall.
 
-use crate::geo::{LonLat, area_m2, distance_m};
+use crate::support::geo::{LonLat, area_m2, distance_m};
 use crate::survey::{Identity, Side, Survey};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

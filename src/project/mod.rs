@@ -98,8 +98,8 @@ pub use row::Key;
 pub use sidecar::{Sidecars, read_bottom, read_sidecars};
 pub use store::{ENDING, Opened, Owner, Saving, Store, StoreError, Written, read};
 
-use crate::geo::LonLat;
 use crate::pipeline::{Settings, SettingsError};
+use crate::support::geo::LonLat;
 use row::Rows;
 use serde::Serialize;
 use serde::de::DeserializeOwned;

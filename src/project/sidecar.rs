@@ -3,8 +3,8 @@
 
 use super::log::ProjectLog;
 use crate::detection::review::Review;
-use crate::first_return::BottomSettings;
-use crate::regular_file;
+use crate::sonar::first_return::BottomSettings;
+use crate::support::regular_file;
 use crate::survey::Survey;
 use serde::Deserialize;
 use std::fs;

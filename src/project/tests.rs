@@ -1,8 +1,8 @@
 use super::*;
 use crate::detection::Mark;
 use crate::detection::review::{BoxId, Confidence, Edit, Review};
-use crate::first_return::{BottomEdit, BottomSettings};
-use crate::geo::LonLat;
+use crate::sonar::first_return::{BottomEdit, BottomSettings};
+use crate::support::geo::LonLat;
 use crate::survey::Side;
 use std::process::Command;
 

@@ -2,7 +2,7 @@
 //! bytes, all little-endian.
 
 use crate::formats::lowrance::sl2::Header;
-use crate::geo::{METRES_PER_FOOT, MPS_PER_KNOT};
+use crate::support::geo::{METRES_PER_FOOT, MPS_PER_KNOT};
 use bytemuck::Zeroable as _;
 use std::io::{self, Write};
 

@@ -3,7 +3,7 @@
 use super::echo::Seen;
 use super::objects::ObjectKind;
 use super::shown::Shown;
-use crate::geo::LonLat;
+use crate::support::geo::LonLat;
 use crate::survey::Side;
 use std::io::{self, Write};
 use std::ops::Range;

@@ -1,7 +1,7 @@
 //! Which logs make no survey with the others: they lie too far away, or are too short to say anything.
 
 use super::Survey;
-use crate::geo::{LonLat, distance_m};
+use crate::support::geo::{LonLat, distance_m};
 
 /// Logs farther apart than this are of different waters, metres.
 const FAR_M: f64 = 50_000.0;

@@ -1,6 +1,6 @@
 //! An area of water, as somebody drew it.
 
-use crate::geo::LonLat;
+use crate::support::geo::LonLat;
 use std::path::PathBuf;
 
 /// The rings of an area: a place is in it where an odd number of them go around it, so that islands are rings too.

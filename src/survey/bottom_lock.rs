@@ -4,7 +4,7 @@
 //! jumps between one and four times the depth within a second. Nothing may lean on such depths, but they stay visible.
 
 use super::{SidePing, Sounding, nearest_in_time};
-use crate::statistics::upper_median;
+use crate::support::statistics::upper_median;
 
 /// A step between soundings is a jump beyond this many metres and this share of the depth: at any boat's speed a bed that
 /// rises so from one sounding to the next stands upright.

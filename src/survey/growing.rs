@@ -5,7 +5,7 @@ use super::{
     Channel, ChannelKind, Echogram, EchogramPing, Encoding, Fix, Identity, Side, SidePing,
     SideScanState, SideSpan, Sounding, Survey, give_depths,
 };
-use crate::versions::Versions;
+use crate::support::versions::Versions;
 use std::collections::BTreeMap;
 use std::mem::discriminant;
 use std::sync::Arc;

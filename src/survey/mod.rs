@@ -48,7 +48,7 @@ pub use track::{ExternalTrack, Fix, ProjectedTrack, Track, TrackSettings};
 pub use tracks_apart::TracksApart;
 pub use turn_rate::turn_rates_deg_s;
 
-use crate::geo::{LocalFrame, distance_m};
+use crate::support::geo::{LocalFrame, distance_m};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::Arc;

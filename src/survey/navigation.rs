@@ -2,8 +2,8 @@
 
 use super::fitted_track::{FittedTrack, Motion};
 use super::{Fix, MountingSettings, PositionShift, Survey, Track};
-use crate::geo::{LonLat, metres_per_degree, web_mercator, web_mercator_inverse};
-use crate::progress::{Cancelled, Progress};
+use crate::support::geo::{LonLat, metres_per_degree, web_mercator, web_mercator_inverse};
+use crate::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;

@@ -1,6 +1,6 @@
 //! Where the boat was: the fixes as recorded.
 
-use crate::geo::{Crs, CrsError, LocalFrame, LonLat};
+use crate::support::geo::{Crs, CrsError, LocalFrame, LonLat};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -166,7 +166,7 @@ impl Track {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geo::distance_m;
+    use crate::support::geo::distance_m;
 
     #[test]
     fn a_log_twenty_kilometres_off_keeps_its_lengths_to_a_few_millimetres_a_kilometre() {

@@ -1,8 +1,8 @@
 //! How far the tracks that two receivers recorded of one boat lie apart at the same times: least where their clocks agree.
 
 use super::Track;
-use crate::geo::{LonLat, distance_m};
-use crate::statistics;
+use crate::support::geo::{LonLat, distance_m};
+use crate::support::statistics;
 
 /// Most places of [`TracksApart::line`].
 const PLACES: usize = 2000;

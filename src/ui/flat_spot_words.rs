@@ -1,8 +1,8 @@
 //! What is said of flat stretches, the same in all views and panels.
 
-use crate::calibration::FlatSpot;
-use crate::presentation::text;
-use crate::presentation::units::Units;
+use crate::sonar::calibration::FlatSpot;
+use crate::support::presentation::text;
+use crate::support::presentation::units::Units;
 
 /// `10 m, relief 4 cm, ±1.2 %`.
 pub fn brief(spot: &FlatSpot, units: Units) -> String {

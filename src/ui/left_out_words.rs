@@ -1,7 +1,7 @@
 //! What is said of left-out stretches, the same in all views and panels.
 
 use crate::app::{Action, App, Extent, Leave, LogId};
-use crate::presentation::units::Units;
+use crate::support::presentation::units::Units;
 use crate::survey::LeftOutStretch;
 use crate::ui::text;
 

@@ -8,6 +8,7 @@ mod list_keys;
 pub mod offscreen;
 mod panels;
 mod place;
+pub mod render;
 mod shell;
 pub mod theme;
 mod toggle;
@@ -18,7 +19,7 @@ pub use shell::{Alone, Shell};
 pub use window::open_window;
 
 use crate::app::{App, Command, View};
-use crate::presentation::text;
+use crate::support::presentation::text;
 
 /// What a panel or view gets: the state to read, the list to push commands to.
 pub struct ViewContext<'a> {

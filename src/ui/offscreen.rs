@@ -1,8 +1,8 @@
 //! The window without a window: frames are drawn into a texture and read back, on a GPU or on lavapipe.
 
 use super::Shell;
-use crate::export::write_aside;
-use crate::progress::Progress;
+use crate::products::export::write_aside;
+use crate::support::progress::Progress;
 use eframe::egui_wgpu::{
     RenderState, RendererOptions, ScreenDescriptor, WgpuConfiguration, WgpuSetup, wgpu,
 };

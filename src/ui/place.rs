@@ -1,10 +1,10 @@
 //! Where a mark lies on the ground.
 
 use crate::app::{App, Mark};
-use crate::cloud::Reduction;
+use crate::bottom::cloud::Reduction;
 use crate::detection;
-use crate::geo::{LonLat, UtmZone};
 use crate::pipeline::Products;
+use crate::support::geo::{LonLat, UtmZone};
 use crate::survey::{HeadingSource, Side};
 use crate::ui::text;
 

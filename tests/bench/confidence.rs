@@ -1,11 +1,11 @@
 //! What the confidence of a first return is worth: the share of picks within 25 cm of the true first return at each level.
 
 use super::truth::KnownSurvey;
-use bathyscope::first_return::{
+use bathyscope::simulation::Scene;
+use bathyscope::sonar::first_return::{
     Evidence, FirstReturnSettings, ImageSettings, Method, SampleMode, evidence,
 };
-use bathyscope::progress::Progress;
-use bathyscope::simulation::Scene;
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::Side;
 use std::fs::File;
 use std::io::{BufWriter, Write};

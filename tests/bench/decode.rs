@@ -1,7 +1,7 @@
 //! Opening a 500 MB SL2, beside a plain read of the same bytes; and the memory that a 2 GB log takes while open.
 
 use crate::large_log;
-use bathyscope::progress::Progress;
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::{Side, Survey};
 use std::fs::File;
 use std::io::Read as _;

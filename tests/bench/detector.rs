@@ -3,8 +3,8 @@
 use crate::resources::{peak_from_here_mb, peak_mb, processor_s};
 use bathyscope::detection::{DetectorSettings, Model, Picture, TILE_PX, find, model::shipped};
 use bathyscope::formats;
-use bathyscope::progress::Progress;
 use bathyscope::simulation::{Scene, simulate};
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::{HeadingSettings, Projection, Survey, navigate};
 use std::hint::black_box;
 use std::path::Path;

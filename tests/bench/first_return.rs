@@ -1,11 +1,11 @@
 //! First returns over 100 000 pings: a step of the threshold slider, and the tracker.
 
-use bathyscope::first_return::{
+use bathyscope::formats;
+use bathyscope::simulation::{Scene, simulate};
+use bathyscope::sonar::first_return::{
     FirstReturnSettings, FirstReturns, ImageSettings, Normalisation, ThresholdIndex, track_range,
 };
-use bathyscope::formats;
-use bathyscope::progress::Progress;
-use bathyscope::simulation::{Scene, simulate};
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::{Side, Survey};
 use std::hint::black_box;
 use std::time::Instant;

@@ -7,8 +7,8 @@
 use crate::large_log;
 use bathyscope::formats::{GrowingLog, open_tail};
 use bathyscope::pipeline::{self, GrowingResults, Products, Settings, extend};
-use bathyscope::progress::Progress;
 use bathyscope::simulation::{Scene, simulate};
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::{Survey, SurveyVersions};
 use std::fs::OpenOptions;
 use std::io::Write as _;

@@ -2,8 +2,8 @@
 //! offset and a time that goes on, each survey beside the one before: a lake in patches.
 
 use bathyscope::formats::lowrance::{FILE_HEADER, sl2::Header};
-use bathyscope::progress::Progress;
 use bathyscope::simulation::{Scene, simulate};
+use bathyscope::support::progress::Progress;
 use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
 use std::mem::offset_of;

@@ -6,14 +6,14 @@
 use super::missions::Mission;
 use super::surface::{BETWEEN_M, KINDS, errors_of, from_levels, scene};
 use super::truth::{kept, map, map_with};
-use bathyscope::bathymetry::{FromLevels, Surface, SurfaceSettings, SwathDepth};
-use bathyscope::cloud::{CloudPoint, PointSource, Residuals};
+use bathyscope::bottom::bathymetry::{FromLevels, Surface, SurfaceSettings, SwathDepth};
+use bathyscope::bottom::cloud::{CloudPoint, PointSource, Residuals};
+use bathyscope::bottom::swath::PingPlace;
 use bathyscope::formats;
 use bathyscope::pipeline::{self, Products, Settings, log_echoes};
-use bathyscope::progress::Progress;
 use bathyscope::simulation::{Curve, Scene};
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::Survey;
-use bathyscope::swath::PingPlace;
 use std::path::{Path, PathBuf};
 
 /// Ponds of each kind and change; `BATHYSCOPE_SEEDS` takes another number.

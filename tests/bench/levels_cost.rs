@@ -2,10 +2,10 @@
 
 use crate::lines::ten_lines;
 use crate::resources::{peak_from_here_mb, peak_mb, processor_s};
-use bathyscope::bathymetry::SwathDepth;
-use bathyscope::geo::{Crs, MapPlane};
+use bathyscope::bottom::bathymetry::SwathDepth;
 use bathyscope::pipeline::{self, ProcessedLog, Settings, joint_depth_surface};
-use bathyscope::progress::Progress;
+use bathyscope::support::geo::{Crs, MapPlane};
+use bathyscope::support::progress::Progress;
 use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Instant;

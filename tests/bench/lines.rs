@@ -1,8 +1,8 @@
 //! A survey of ten lines side by side.
 
 use bathyscope::formats;
-use bathyscope::progress::Progress;
 use bathyscope::simulation::{Scene, simulate};
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::Survey;
 
 const LINES: u32 = 10;

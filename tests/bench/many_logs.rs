@@ -3,8 +3,8 @@
 use crate::large_log;
 use crate::resources::anonymous_mb;
 use bathyscope::app::{App, Command, Jobs};
-use bathyscope::progress::Progress;
 use bathyscope::simulation::{Scene, simulate};
+use bathyscope::support::progress::Progress;
 use bathyscope::ui::Shell;
 use eframe::egui_wgpu::{RenderState, RendererOptions};
 use egui_kittest::wgpu::{create_render_state, default_wgpu_setup};

@@ -2,13 +2,13 @@
 
 use crate::resources::processor_s;
 use bathyscope::app::{App, Jobs, MapLayer, View};
-use bathyscope::calibration::{Calibration, PpdReach, ScaleMode};
-use bathyscope::cloud::{Correction, PointCloud, ping_depths};
-use bathyscope::first_return;
+use bathyscope::bottom::cloud::{Correction, PointCloud, ping_depths};
 use bathyscope::formats;
 use bathyscope::pipeline::{self, Products, Settings};
-use bathyscope::progress::Progress;
 use bathyscope::simulation::{Scene, simulate};
+use bathyscope::sonar::calibration::{Calibration, PpdReach, ScaleMode};
+use bathyscope::sonar::first_return;
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::{
     Navigation, PingNav, Projection, SidePing, SideScanState, Sounding, Survey,
 };

@@ -3,7 +3,7 @@
 use crate::large_log;
 use crate::resources::anonymous_mb;
 use bathyscope::app::{App, Command, Jobs};
-use bathyscope::progress::Progress;
+use bathyscope::support::progress::Progress;
 use bathyscope::ui::{Shell, offscreen::Studio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

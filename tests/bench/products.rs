@@ -2,10 +2,10 @@
 
 use crate::lines::ten_lines;
 use crate::resources::{peak_from_here_mb, peak_mb, processor_s};
-use bathyscope::first_return;
-use bathyscope::outputs::{self, Order, Product, RunFolder};
 use bathyscope::pipeline::{self, Derived, ProcessedLog, Settings};
-use bathyscope::progress::Progress;
+use bathyscope::products::outputs::{self, Order, Product, RunFolder};
+use bathyscope::sonar::first_return;
+use bathyscope::support::progress::Progress;
 use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Instant;

@@ -8,8 +8,8 @@
 
 use super::missions::{Mission, repeatability};
 use super::truth::MapError;
-use bathyscope::bathymetry::{Surface, SurfaceMethod, SurfaceSettings, SwathDepth};
-use bathyscope::cloud::Residuals;
+use bathyscope::bottom::bathymetry::{Surface, SurfaceMethod, SurfaceSettings, SwathDepth};
+use bathyscope::bottom::cloud::Residuals;
 use bathyscope::simulation::{Mound, Scene};
 
 /// Ponds of each kind; `BATHYSCOPE_SEEDS` takes fewer.

@@ -1,7 +1,7 @@
 //! A frame of the waterfall must cost the window's thread the same for a short log and for a very long one.
 
 use bathyscope::app::{App, Jobs, Mark, View};
-use bathyscope::first_return::{FirstReturns, Pick};
+use bathyscope::sonar::first_return::{FirstReturns, Pick};
 use bathyscope::survey::{Bytes, Encoding, Order, SidePing, SideScanState, SideSpan, Survey};
 use bathyscope::ui::views::WaterfallView;
 use bathyscope::ui::{ViewContext, ViewRequest};

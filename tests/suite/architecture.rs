@@ -5,169 +5,190 @@ use std::path::{Path, PathBuf};
 
 /// Modules in the order of the data; a module may name those in its own row, never the others.
 const MAY_USE: &[(&str, &[&str])] = &[
-    ("geo", &[]),
-    ("presentation", &["geo"]),
-    ("survey", &["geo"]),
-    ("formats", &["survey", "geo"]),
-    ("base_map", &["geo", "formats"]),
-    ("simulation", &["survey", "geo", "formats"]),
-    ("first_return", &["survey"]),
-    ("waterfall", &["survey", "geo", "first_return"]),
-    ("calibration", &["survey", "first_return"]),
-    ("cloud", &["survey", "first_return", "calibration"]),
-    ("bathymetry", &["survey", "cloud", "presentation"]),
-    ("map_tiles", &["geo", "bathymetry", "presentation"]),
-    ("planning", &["bathymetry"]),
-    ("swath", &["survey", "bathymetry"]),
+    ("support::geo", &[]),
+    ("support::presentation", &["support::geo"]),
+    ("survey", &["support::geo"]),
+    ("formats", &["survey", "support::geo"]),
+    ("formats::base_map", &["support::geo", "formats"]),
+    ("simulation", &["survey", "support::geo", "formats"]),
+    ("sonar::first_return", &["survey"]),
     (
-        "mosaic",
+        "imagery::waterfall",
+        &["survey", "support::geo", "sonar::first_return"],
+    ),
+    ("sonar::calibration", &["survey", "sonar::first_return"]),
+    (
+        "bottom::cloud",
+        &["survey", "sonar::first_return", "sonar::calibration"],
+    ),
+    (
+        "bottom::bathymetry",
+        &["survey", "bottom::cloud", "support::presentation"],
+    ),
+    (
+        "products::map_tiles",
+        &[
+            "support::geo",
+            "bottom::bathymetry",
+            "support::presentation",
+        ],
+    ),
+    ("bottom::planning", &["bottom::bathymetry"]),
+    ("bottom::swath", &["survey", "bottom::bathymetry"]),
+    (
+        "imagery::mosaic",
         &[
             "survey",
-            "first_return",
-            "calibration",
-            "bathymetry",
-            "presentation",
+            "sonar::first_return",
+            "sonar::calibration",
+            "bottom::bathymetry",
+            "support::presentation",
         ],
     ),
     (
-        "picture",
+        "imagery::picture",
         &[
             "survey",
-            "first_return",
-            "calibration",
-            "mosaic",
-            "waterfall",
+            "sonar::first_return",
+            "sonar::calibration",
+            "imagery::mosaic",
+            "imagery::waterfall",
         ],
     ),
     (
         "detection",
-        &["survey", "geo", "first_return", "calibration"],
-    ),
-    (
-        "export",
         &[
             "survey",
-            "geo",
+            "support::geo",
+            "sonar::first_return",
+            "sonar::calibration",
+        ],
+    ),
+    (
+        "products::export",
+        &[
+            "survey",
+            "support::geo",
             "formats",
-            "first_return",
-            "calibration",
-            "cloud",
-            "bathymetry",
-            "planning",
+            "sonar::first_return",
+            "sonar::calibration",
+            "bottom::cloud",
+            "bottom::bathymetry",
+            "bottom::planning",
             "detection",
-            "map_tiles",
-            "presentation",
+            "products::map_tiles",
+            "support::presentation",
         ],
     ),
     (
         "pipeline",
         &[
             "survey",
-            "first_return",
-            "calibration",
-            "cloud",
-            "bathymetry",
-            "planning",
-            "swath",
+            "sonar::first_return",
+            "sonar::calibration",
+            "bottom::cloud",
+            "bottom::bathymetry",
+            "bottom::planning",
+            "bottom::swath",
             "detection",
-            "mosaic",
-            "picture",
-            "geo",
+            "imagery::mosaic",
+            "imagery::picture",
+            "support::geo",
             "formats",
-            "presentation",
+            "support::presentation",
         ],
     ),
     (
-        "html_report",
+        "products::html_report",
         &[
             "survey",
-            "geo",
-            "first_return",
-            "calibration",
-            "waterfall",
-            "cloud",
-            "bathymetry",
+            "support::geo",
+            "sonar::first_return",
+            "sonar::calibration",
+            "imagery::waterfall",
+            "bottom::cloud",
+            "bottom::bathymetry",
             "detection",
-            "mosaic",
-            "export",
+            "imagery::mosaic",
+            "products::export",
             "pipeline",
-            "presentation",
+            "support::presentation",
         ],
     ),
     (
-        "outputs",
+        "products::outputs",
         &[
             "survey",
-            "geo",
-            "first_return",
-            "calibration",
-            "cloud",
-            "bathymetry",
+            "support::geo",
+            "sonar::first_return",
+            "sonar::calibration",
+            "bottom::cloud",
+            "bottom::bathymetry",
             "detection",
-            "mosaic",
+            "imagery::mosaic",
             "formats",
-            "export",
+            "products::export",
             "pipeline",
-            "presentation",
-            "html_report",
-            "map_tiles",
+            "support::presentation",
+            "products::html_report",
+            "products::map_tiles",
         ],
     ),
     (
-        "lake",
+        "products::lake",
         &[
             "survey",
-            "geo",
-            "cloud",
-            "bathymetry",
+            "support::geo",
+            "bottom::cloud",
+            "bottom::bathymetry",
             "formats",
-            "export",
-            "swath",
-            "mosaic",
+            "products::export",
+            "bottom::swath",
+            "imagery::mosaic",
             "pipeline",
-            "presentation",
-            "map_tiles",
+            "support::presentation",
+            "products::map_tiles",
         ],
     ),
     (
         "project",
         &[
             "survey",
-            "geo",
+            "support::geo",
             "formats",
-            "first_return",
+            "sonar::first_return",
             "detection",
-            "export",
+            "products::export",
             "pipeline",
         ],
     ),
     (
         "app",
         &[
-            "planning",
+            "bottom::planning",
             "project",
-            "outputs",
-            "base_map",
+            "products::outputs",
+            "formats::base_map",
             "survey",
-            "geo",
-            "first_return",
-            "calibration",
-            "cloud",
-            "bathymetry",
+            "support::geo",
+            "sonar::first_return",
+            "sonar::calibration",
+            "bottom::cloud",
+            "bottom::bathymetry",
             "detection",
-            "mosaic",
-            "export",
+            "imagery::mosaic",
+            "products::export",
             "formats",
             "pipeline",
-            "html_report",
-            "waterfall",
-            "picture",
+            "products::html_report",
+            "imagery::waterfall",
+            "imagery::picture",
             "simulation",
-            "presentation",
+            "support::presentation",
         ],
     ),
-    ("manual", &["app", "outputs", "pipeline"]),
-    ("render", &[]),
+    ("app::manual", &["app", "products::outputs", "pipeline"]),
+    ("ui::render", &[]),
 ];
 
 /// Files that any module may name.
@@ -206,6 +227,11 @@ fn source() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("src")
 }
 
+/// The folder of a module: `bottom::cloud` lies in `bottom/cloud`.
+fn folder_of(module: &str) -> PathBuf {
+    source().join(module.replace("::", "/"))
+}
+
 /// The code of a file without its line comments.
 fn code(path: &Path) -> String {
     let text = fs::read_to_string(path).expect("a readable source file");
@@ -224,13 +250,14 @@ fn modules_name_only_modules_before_them() {
         .collect();
     let mut offences = Vec::new();
     for file in SERVE_ALL {
-        if code(&source().join(file)).contains("crate::") {
+        if code(&source().join("support").join(file)).contains("crate::") {
             offences.push(format!("{file} depends on a module"));
         }
     }
     for (module, may_use) in MAY_USE {
-        for path in rust_files(&source().join(module)) {
-            let code = code(&path);
+        for path in rust_files(&folder_of(module)) {
+            // What a module says of itself names no other.
+            let code = code(&path).replace(&format!("crate::{module}::"), "");
             for other in &modules {
                 let names_it = code.contains(&format!("crate::{other}::"))
                     || code.contains(&format!("crate::{other};"))
@@ -245,7 +272,7 @@ fn modules_name_only_modules_before_them() {
 }
 
 #[test]
-fn only_ui_names_egui_and_only_ui_and_render_name_wgpu() {
+fn only_ui_names_egui_and_wgpu_and_render_names_no_egui() {
     let mut offences = Vec::new();
     for path in rust_files(&source()) {
         let relative = path
@@ -261,8 +288,11 @@ fn only_ui_names_egui_and_only_ui_and_render_name_wgpu() {
         if names_egui && !in_ui {
             offences.push(format!("{relative} names egui"));
         }
-        if code.contains("wgpu::") && !in_ui && !relative.starts_with("render/") {
+        if code.contains("wgpu::") && !in_ui {
             offences.push(format!("{relative} names wgpu"));
+        }
+        if names_egui && relative.starts_with("ui/render/") {
+            offences.push(format!("{relative} names egui"));
         }
     }
     assert!(offences.is_empty(), "{offences:#?}");
@@ -290,15 +320,15 @@ fn the_pipeline_computes_and_writes_nothing() {
 
 /// What makes results: the window asks the state for them.
 const MAKES_RESULTS: [&str; 9] = [
-    "bathymetry",
-    "calibration",
-    "cloud",
-    "first_return",
-    "mosaic",
+    "bottom::bathymetry",
+    "sonar::calibration",
+    "bottom::cloud",
+    "sonar::first_return",
+    "imagery::mosaic",
     "pipeline",
-    "planning",
-    "statistics",
-    "swath",
+    "bottom::planning",
+    "support::statistics",
+    "bottom::swath",
 ];
 
 /// The table of settings makes nothing.
@@ -335,7 +365,7 @@ fn names_of(code: &str, module: &str) -> Vec<String> {
     let mut found: Vec<String> = (code.split(&path).skip(1)).flat_map(within).collect();
     let whole = format!("use crate::{module};");
     if code.contains(&whole) {
-        let inline = format!("{module}::");
+        let inline = format!("{}::", module.rsplit("::").next().unwrap_or(module));
         found.extend(code.split(&inline).skip(1).flat_map(within));
     }
     found
@@ -366,15 +396,17 @@ fn ui_computes_no_result() {
     }
     assert!(offences.is_empty(), "{offences:#?}");
     // The check itself: it sees functions however they are named.
-    let seen = |code: &str| names_of(code, "bathymetry").iter().any(is_function);
-    assert!(seen("use crate::bathymetry::{Grid, hill_shade};"));
+    let seen = |code: &str| names_of(code, "bottom::bathymetry").iter().any(is_function);
+    assert!(seen("use crate::bottom::bathymetry::{Grid, hill_shade};"));
     assert!(seen(
-        "use crate::bathymetry;\nlet x = bathymetry::depth_range(y);"
+        "use crate::bottom::bathymetry;\nlet x = bathymetry::depth_range(y);"
     ));
     assert!(seen(
-        "let x = crate::bathymetry::isobaths::smoothed(line, 2);"
+        "let x = crate::bottom::bathymetry::isobaths::smoothed(line, 2);"
     ));
-    assert!(!seen("use crate::bathymetry::isobaths::IsobathSettings;"));
+    assert!(!seen(
+        "use crate::bottom::bathymetry::isobaths::IsobathSettings;"
+    ));
 }
 
 #[test]

@@ -5,8 +5,8 @@ use crate::review::mouse::{at, drag, pull};
 use crate::support;
 use crate::window::{Window, app, demo_window, drawn_window, empty_window, press, settle};
 use bathyscope::app::{Action, App, BottomStroke, Command, Ink};
-use bathyscope::first_return::Pick;
-use bathyscope::progress::Progress;
+use bathyscope::sonar::first_return::Pick;
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::Side;
 use egui::{Event, Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
@@ -101,7 +101,10 @@ fn the_pen_draws_the_bottom_takes_it_away_and_gives_it_back() {
     assert!(app(&window).log.settings.bottom.is_empty());
 }
 
-fn starboard(returns: &bathyscope::first_return::FirstReturns, window: &Window) -> Option<f64> {
+fn starboard(
+    returns: &bathyscope::sonar::first_return::FirstReturns,
+    window: &Window,
+) -> Option<f64> {
     let pick = returns.starboard[350];
     let survey = app(window).log.survey.as_ref().expect("a survey");
     let span = survey.span(350, Side::Starboard).expect("a side");

@@ -5,10 +5,10 @@ use crate::map_tools::click;
 use crate::review::mouse::drag;
 use crate::window::{Window, app, demo_window, drawn_window, press, settle};
 use bathyscope::app::{Action, ClipBox, Command, Measure};
-use bathyscope::bathymetry::CellSource;
+use bathyscope::bottom::bathymetry::CellSource;
 use bathyscope::pipeline::{BottomColour, Derived, ProcessedLog, place_of};
-use bathyscope::progress::Progress;
-use bathyscope::render::{
+use bathyscope::support::progress::Progress;
+use bathyscope::ui::render::{
     BOTTOM_TILE, BottomBuffers, BottomDraw, BottomPart, BottomRenderer, BottomVertex, Cut,
     OrbitCamera, Part, Target, Uploader, towards_light,
 };

@@ -3,13 +3,15 @@
 use crate::river::processed;
 use crate::support::real_data;
 use crate::truth::KnownSurvey;
-use bathyscope::calibration::{Calibration, FlatSpot, PingRange, ScaleMode, calibrate, flat_spots};
-use bathyscope::cloud::{CloudPoint, PointClass, PointSource, Residuals};
-use bathyscope::first_return::{FirstReturns, Pick};
-use bathyscope::geo::LonLat;
+use bathyscope::bottom::cloud::{CloudPoint, PointClass, PointSource, Residuals};
 use bathyscope::pipeline::{self, Preset, Products, Settings};
-use bathyscope::progress::Progress;
 use bathyscope::simulation::{Artefacts, Scene, Terrace};
+use bathyscope::sonar::calibration::{
+    Calibration, FlatSpot, PingRange, ScaleMode, calibrate, flat_spots,
+};
+use bathyscope::sonar::first_return::{FirstReturns, Pick};
+use bathyscope::support::geo::LonLat;
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::{Projection, Side, navigate};
 use std::sync::Arc;
 
@@ -224,14 +226,14 @@ fn the_published_preset_returns_its_own_calibration_depth_too_shallow() {
                 if pick.above_bottom {
                     continue;
                 }
-                let range_m = bathyscope::cloud::slant_range_m(
+                let range_m = bathyscope::bottom::cloud::slant_range_m(
                     &pond.survey,
                     &products.calibration,
                     ping,
                     side,
                     pick.sample,
                 );
-                let bottom_point = bathyscope::cloud::fixed_bottom_point(
+                let bottom_point = bathyscope::bottom::cloud::fixed_bottom_point(
                     settings.cloud.geometry,
                     range_m,
                     settings.cloud.alpha2_deg,
@@ -281,8 +283,13 @@ fn the_rivers_side_scan_agrees_with_its_depths_where_the_recorder_had_the_bottom
     // Boulders stand on the first half of the river's bed; the sand after them is smooth.
     let sand = of_pings(&products, |ping| (1700..2300).contains(&ping));
     let agreement = |classes: &[PointClass]| {
-        bathyscope::cloud::residuals(&survey, &products.cloud, &products.correction, classes)
-            .expect("residuals")
+        bathyscope::bottom::cloud::residuals(
+            &survey,
+            &products.cloud,
+            &products.correction,
+            classes,
+        )
+        .expect("residuals")
     };
     let (all, sand) = (agreement(&products.classes), agreement(&sand));
     println!("river: all {all:?}, sand {sand:?}");

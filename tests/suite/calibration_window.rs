@@ -3,8 +3,8 @@
 use crate::support::real_data;
 use crate::window::{Window, app, demo_window, drop_file, empty_window, press};
 use bathyscope::app::{Action, Command, Mark, Tool};
-use bathyscope::calibration::{PingRange, ScaleMode};
-use bathyscope::cloud::PointClass;
+use bathyscope::bottom::cloud::PointClass;
+use bathyscope::sonar::calibration::{PingRange, ScaleMode};
 use bathyscope::survey::Side;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
@@ -268,7 +268,7 @@ fn a_stretch_is_accepted_as_bottom_with_one_action() {
         ..Default::default()
     };
     let survey = app(&window).log.survey.clone().expect("the demo");
-    let progress = bathyscope::progress::Progress::new();
+    let progress = bathyscope::support::progress::Progress::new();
     let made = bathyscope::pipeline::run(&survey, &settings, None, &progress, |_| ());
     let made = made.expect("not cancelled");
     assert_eq!(made.kept_points().count(), after.1);

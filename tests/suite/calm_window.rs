@@ -6,7 +6,7 @@ use crate::support::snapshot_options;
 use crate::units_window::painted;
 use crate::window::{Window, app, demo_window, drop_file, empty_window, press, settle};
 use bathyscope::app::{Action, App, Command, Jobs, ThemeChoice, View};
-use bathyscope::presentation::units::{LengthUnit, Units};
+use bathyscope::support::presentation::units::{LengthUnit, Units};
 use bathyscope::ui::Shell;
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, Rect};

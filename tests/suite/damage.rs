@@ -3,7 +3,7 @@
 
 use crate::{handmade, support};
 use bathyscope::formats::{self, OpenError};
-use bathyscope::progress::Progress;
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::{Side, SideSpan, Survey};
 use std::fs::{self, OpenOptions};
 use std::io::{Seek, SeekFrom, Write};

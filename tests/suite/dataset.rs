@@ -4,10 +4,10 @@ use bathyscope::cli::known_objects;
 use bathyscope::detection::dataset::Chip;
 use bathyscope::detection::{Raster, Rect, TILE_PX};
 use bathyscope::formats;
-use bathyscope::progress::Progress;
 use bathyscope::simulation::{
     Scene, Simulated, TrainingScene, simulate, training_scene, training_seed,
 };
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::{HeadingSettings, Projection, Survey, navigate};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};

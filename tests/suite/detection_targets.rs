@@ -1,20 +1,20 @@
 //! Objects in the world: boxes on simulated surveys against where the objects really were.
 
-use bathyscope::calibration::{Calibration, CalibrationSettings, calibrate};
 use bathyscope::detection::Mark;
 use bathyscope::detection::targets::{
     Group, GroupSettings, LogPings, PassCount, Placer, Sighting as Claim, Target, group,
     passes_over,
 };
-use bathyscope::first_return::{
-    self, BottomEdit, BottomSettings, FirstReturnSettings, FirstReturns, ImageSettings,
-};
 use bathyscope::formats;
 use bathyscope::pipeline::{Placing, Settings, run};
-use bathyscope::progress::Progress;
 use bathyscope::simulation::{
     Bank, ObjectKind, ObjectSettings, Scene, Sighting, Simulated, simulate,
 };
+use bathyscope::sonar::calibration::{Calibration, CalibrationSettings, calibrate};
+use bathyscope::sonar::first_return::{
+    self, BottomEdit, BottomSettings, FirstReturnSettings, FirstReturns, ImageSettings,
+};
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::{HeadingSettings, Navigation, Projection, Side, Survey, navigate};
 
 struct Sailed {

@@ -2,7 +2,7 @@
 //! cannot be used is refused with a sentence that says what to do; and no file takes the program down.
 
 use bathyscope::detection::{DetectorSettings, Model, Picture, Scored, find_in_picture};
-use bathyscope::progress::Progress;
+use bathyscope::support::progress::Progress;
 use proptest::prelude::*;
 use std::collections::BTreeMap;
 use std::fs;

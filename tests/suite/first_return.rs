@@ -3,10 +3,10 @@
 mod ponds;
 mod real;
 
-use bathyscope::first_return::{
+use bathyscope::sonar::first_return::{
     FirstReturnSettings, ImageSettings, Method, Pick, SampleMode, ThresholdIndex, detect,
 };
-use bathyscope::progress::Progress;
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::{Bytes, Encoding, Order, Side, SidePing, SideScanState, SideSpan, Survey};
 
 /// A survey of composite rows (port far to near, then starboard near to far) over `far_m` of range on each side.

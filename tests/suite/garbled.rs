@@ -2,16 +2,16 @@
 //! comes out may be empty, but it is whole, holds numbers only, and nothing panics.
 
 use crate::handmade::{self, Frame};
-use bathyscope::cloud::Geometry;
-use bathyscope::export::kept_points;
-use bathyscope::first_return::{Method, SampleMode};
+use bathyscope::bottom::cloud::Geometry;
 use bathyscope::formats::{
     self,
     points::{self, PointFormat},
 };
-use bathyscope::outputs::{self, Order, Product, RunFolder};
 use bathyscope::pipeline::{self, Derived, Preset, ProcessedLog, Settings};
-use bathyscope::progress::Progress;
+use bathyscope::products::export::kept_points;
+use bathyscope::products::outputs::{self, Order, Product, RunFolder};
+use bathyscope::sonar::first_return::{Method, SampleMode};
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::{HeadingSource, Projection, Survey};
 use proptest::prelude::*;
 use std::fs;

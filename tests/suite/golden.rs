@@ -1,7 +1,7 @@
 //! Numbers that we did not compute: projections (pyproj 3.7.2 / PROJ 9.5.1) and the published geometry.
 
-use bathyscope::cloud::{Geometry, across_track, fixed_bottom_point};
-use bathyscope::geo::{
+use bathyscope::bottom::cloud::{Geometry, across_track, fixed_bottom_point};
+use bathyscope::support::geo::{
     LocalFrame, LonLat, UtmZone, humminbird_mercator_inverse, lowrance_mercator,
     lowrance_mercator_inverse, web_mercator, web_mercator_inverse,
 };

@@ -2,9 +2,9 @@
 
 use crate::window::{Window, app, demo_window, press, settle};
 use bathyscope::app::{Action, Command};
-use bathyscope::geo::LonLat;
 use bathyscope::pipeline::Preset;
-use bathyscope::presentation::units::LengthUnit;
+use bathyscope::support::geo::LonLat;
+use bathyscope::support::presentation::units::LengthUnit;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;

@@ -5,10 +5,10 @@ use crate::many_logs::{HIGHER_M, OBJECTS, sailed, true_boxes, true_offsets_m, wr
 use crate::support::{manifest, manifest_entry};
 use bathyscope::detection::review::{Edit, Review};
 use bathyscope::formats;
-use bathyscope::geo::{LocalFrame, LonLat};
-use bathyscope::outputs::{OUTPUT_FILES, Product, When};
-use bathyscope::progress::Progress;
+use bathyscope::products::outputs::{OUTPUT_FILES, Product, When};
 use bathyscope::simulation::Scene;
+use bathyscope::support::geo::{LocalFrame, LonLat};
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::Identity;
 use serde_json::Value;
 use std::collections::BTreeMap;

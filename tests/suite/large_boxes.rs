@@ -1,11 +1,11 @@
 //! Boxes that an analyst draws around a hull: the object is what was drawn, and its picture shows all of it.
 
-use bathyscope::calibration::{Calibration, CalibrationSettings, calibrate};
 use bathyscope::detection::targets::{Placer, Target};
 use bathyscope::detection::{Mark, Raster};
-use bathyscope::export;
-use bathyscope::first_return::{FirstReturns, Pick};
-use bathyscope::progress::Progress;
+use bathyscope::products::export;
+use bathyscope::sonar::calibration::{Calibration, CalibrationSettings, calibrate};
+use bathyscope::sonar::first_return::{FirstReturns, Pick};
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::{
     Bytes, Encoding, Navigation, Order, PingNav, Projection, Side, SidePing, SideSpan, Survey,
 };

@@ -3,9 +3,9 @@
 use crate::cli::{refusal, run};
 use crate::window::{app, empty_window, press};
 use bathyscope::app::Action;
-use bathyscope::manual::{Topic, whole};
-use bathyscope::outputs::{OUTPUT_FILES, row_of};
+use bathyscope::app::manual::{Topic, whole};
 use bathyscope::pipeline::settings::rows::ROWS;
+use bathyscope::products::outputs::{OUTPUT_FILES, row_of};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;

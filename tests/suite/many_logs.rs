@@ -1,13 +1,12 @@
 //! Several logs over one lake, with their own drafts, clocks and water levels, as one survey.
 
-use bathyscope::bathymetry::Surface;
-use bathyscope::bathymetry::height_offsets::{Datum, HeightOffsets};
-use bathyscope::cloud::DepthSource;
+use bathyscope::bottom::bathymetry::Surface;
+use bathyscope::bottom::bathymetry::height_offsets::{Datum, HeightOffsets};
+use bathyscope::bottom::cloud::DepthSource;
 use bathyscope::detection::Mark;
 use bathyscope::detection::targets::{GroupSettings, PassLog, Target};
 use bathyscope::formats;
-use bathyscope::geo::{Crs, MapPlane};
-use bathyscope::mosaic::{
+use bathyscope::imagery::mosaic::{
     MosaicLog, MosaicSettings, TileIndex, joint_grid, joint_tile, match_levels, window,
 };
 use bathyscope::pipeline::joint::{PlacedBox, crossline_analysis, height_offsets, joint_objects};
@@ -15,11 +14,12 @@ use bathyscope::pipeline::{
     self, Derived, Mosaic, MosaicPlane, Placing, ProcessedLog, Settings, joint_depth_surface,
     mosaic_layout,
 };
-use bathyscope::progress::Progress;
 use bathyscope::simulation::{
     Artefacts, BedKind, BedSettings, ObjectKind, ObjectSettings, Scene, Simulated, TrackSettings,
     simulate,
 };
+use bathyscope::support::geo::{Crs, MapPlane};
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::{LeftOutReason, Side, Stretch, Survey};
 use std::path::Path;
 use std::sync::{Arc, OnceLock};

@@ -4,7 +4,7 @@ use crate::base_map;
 use crate::printing::name_file;
 use crate::window::{Window, app, demo_window, drawn_window, drop_file, press, settle};
 use bathyscope::app::{Action, Command, MapLayer, Mark, Measure, View};
-use bathyscope::geo::{CoordinateFormat, LonLat};
+use bathyscope::support::geo::{CoordinateFormat, LonLat};
 use bathyscope::ui::Alone;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Pos2, pos2};

@@ -1,15 +1,15 @@
 //! The mosaic of simulated surveys: objects at their true places, no holes, no seams, even levels.
 
 use crate::detection_targets::trough;
-use bathyscope::bathymetry::Grid;
+use bathyscope::bottom::bathymetry::Grid;
 use bathyscope::formats;
-use bathyscope::mosaic::{
+use bathyscope::imagery::mosaic::{
     Gain, GainTable, Layout, MosaicSettings, Overlap, TILE_CELLS, TileIndex, gain_table, tile,
     window,
 };
 use bathyscope::pipeline::{self, Products, Settings};
-use bathyscope::progress::Progress;
 use bathyscope::simulation::{ObjectKind, ObjectSettings, Scene, Sighting, Simulated, simulate};
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::{Side, Survey};
 use std::sync::Arc;
 

@@ -2,10 +2,10 @@
 
 use crate::{river, support};
 use bathyscope::formats;
-use bathyscope::mosaic::{Gain, Layout, MosaicSettings, gain_table, window};
+use bathyscope::imagery::mosaic::{Gain, Layout, MosaicSettings, gain_table, window};
 use bathyscope::pipeline::{self, Products, Settings};
-use bathyscope::progress::Progress;
 use bathyscope::simulation::{Artefacts, Scene, simulate};
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::{Bytes, Order, Side, Survey};
 use std::ops::Range;
 use std::sync::Arc;

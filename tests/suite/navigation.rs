@@ -1,10 +1,10 @@
 //! Position and heading from coarse, repeated fixes.
 
 use crate::truth::KnownSurvey;
-use bathyscope::geo::{LocalFrame, LonLat, lowrance_mercator, lowrance_mercator_inverse};
 use bathyscope::pipeline::{Preset, Settings};
-use bathyscope::progress::Progress;
 use bathyscope::simulation::{Scene, TrackSettings};
+use bathyscope::support::geo::{LocalFrame, LonLat, lowrance_mercator, lowrance_mercator_inverse};
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::{
     Fix, HeadingSettings, HeadingSource, Navigation, Projection, SidePing, SideScanState, Survey,
     Track, navigate,

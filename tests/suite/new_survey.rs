@@ -5,9 +5,9 @@ use bathyscope::app::{Action, App, Command, Jobs, ViewOptions};
 use bathyscope::pipeline::settings::rows::ROWS;
 use bathyscope::pipeline::settings::{Kind, Row};
 use bathyscope::pipeline::{Settings, setting_values};
-use bathyscope::presentation::units::LengthUnit;
-use bathyscope::progress::Progress;
 use bathyscope::simulation::{Scene, TrackSettings, simulate};
+use bathyscope::support::presentation::units::LengthUnit;
+use bathyscope::support::progress::Progress;
 use std::path::{Path, PathBuf};
 
 /// Lets everything that is asked for come to its end.

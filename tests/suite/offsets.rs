@@ -1,13 +1,13 @@
 //! Whether the constant that is taken off the ranges is the true one, on logs of any range, depth, pulse and sounding.
 
 use crate::truth::KnownSurvey;
-use bathyscope::calibration::{Calibration, calibrate};
-use bathyscope::first_return::{FirstReturns, detect};
 use bathyscope::pipeline::Settings;
-use bathyscope::progress::Progress;
 use bathyscope::simulation::{
     Artefacts, BedKind, BedSettings, Curve, RecorderSettings, Scene, TrackSettings,
 };
+use bathyscope::sonar::calibration::{Calibration, calibrate};
+use bathyscope::sonar::first_return::{FirstReturns, detect};
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::{Projection, RangeSource, Side, Survey, navigate};
 use std::sync::Arc;
 

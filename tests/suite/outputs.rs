@@ -3,12 +3,12 @@
 use crate::cli::run;
 use crate::truth::KnownSurvey;
 use bathyscope::app::{App, Command, Jobs};
-use bathyscope::outputs::{
+use bathyscope::pipeline::{self, Derived, ProcessedLog, Settings};
+use bathyscope::products::outputs::{
     self, EarlierRun, OUTPUT_FILES, Order, OutputFile, Product, RunFolder, When, row_of,
 };
-use bathyscope::pipeline::{self, Derived, ProcessedLog, Settings};
-use bathyscope::progress::Progress;
 use bathyscope::simulation::Scene;
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::Survey;
 use std::collections::BTreeSet;
 use std::fs;

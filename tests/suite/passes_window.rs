@@ -3,9 +3,9 @@
 use crate::support::Moments;
 use crate::window::{Window, app, demo_window, press, settle};
 use bathyscope::app::{Action, Command, LogPass, Mark, PassesFound, mark_of};
-use bathyscope::geo::LonLat;
 use bathyscope::pipeline::{Derived, Pass, ProcessedLog, place_of};
-use bathyscope::progress::Progress;
+use bathyscope::support::geo::LonLat;
+use bathyscope::support::progress::Progress;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 

@@ -3,7 +3,7 @@
 use crate::left_out_window::{click, places_on_map};
 use crate::window::{Window, app, demo_window, drawn_window, press, settle};
 use bathyscope::app::{Action, Command, PlanRequest, View};
-use bathyscope::planning::{Leg, PlanSettings};
+use bathyscope::bottom::planning::{Leg, PlanSettings};
 use bathyscope::ui::Alone;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;

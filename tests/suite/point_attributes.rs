@@ -5,7 +5,7 @@ use crate::river::processed;
 use crate::support::{demo_log, real_data};
 use crate::window::{app, demo_window, press};
 use bathyscope::app::CloudColour;
-use bathyscope::cloud::{CloudPoint, PointSource};
+use bathyscope::bottom::cloud::{CloudPoint, PointSource};
 
 use bathyscope::survey::{Side, Survey};
 use egui::{Key, Modifiers};

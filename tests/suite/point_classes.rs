@@ -1,12 +1,12 @@
 //! Each point has one class: the map, every file of points, the report and its page count them alike.
 
 use crate::truth::KnownSurvey;
-use bathyscope::cloud::{ClassCounts, PointClass, PointSource};
-use bathyscope::outputs::{self, Order, Product, RunFolder};
+use bathyscope::bottom::cloud::{ClassCounts, PointClass, PointSource};
 use bathyscope::pipeline::{self, Derived, Preset, ProcessedLog, Settings, joint_depth_points};
-use bathyscope::presentation::text::typeset_count;
-use bathyscope::progress::Progress;
+use bathyscope::products::outputs::{self, Order, Product, RunFolder};
 use bathyscope::simulation::Scene;
+use bathyscope::support::presentation::text::typeset_count;
+use bathyscope::support::progress::Progress;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;

@@ -1,10 +1,10 @@
 //! The real river through the whole pipeline: three containers of one recording must give one cloud.
 
 use crate::support;
-use bathyscope::cloud::slant_range_m;
+use bathyscope::bottom::cloud::slant_range_m;
 use bathyscope::formats;
 use bathyscope::pipeline::{self, Products, Settings};
-use bathyscope::progress::Progress;
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::{Side, Survey};
 use std::path::Path;
 

@@ -1,10 +1,10 @@
 //! Simulated surveys: what the log says against what was simulated, and the truth against geometry worked out apart.
 
 use bathyscope::formats;
-use bathyscope::progress::{Cancelled, Progress};
 use bathyscope::simulation::{
     Artefacts, ObjectKind, ObjectSettings, Scene, Simulated, Terrace, TrackSettings, simulate,
 };
+use bathyscope::support::progress::{Cancelled, Progress};
 use bathyscope::survey::{Side, SideScanState, Survey};
 use std::f64::consts::PI;
 use std::path::Path;

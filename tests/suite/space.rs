@@ -2,15 +2,15 @@
 
 use crate::support;
 use bathyscope::app::{Action, App, CloudColour, Command, Jobs, Mark, ThemeChoice, View};
-use bathyscope::bathymetry::{SurfaceSettings, depth_points, depth_range, surface};
-use bathyscope::calibration::{Calibration, FlatSpot, PingRange, PpdReach, ScaleMode};
-use bathyscope::cloud::{
+use bathyscope::bottom::bathymetry::{SurfaceSettings, depth_points, depth_range, surface};
+use bathyscope::bottom::cloud::{
     CloudPoint, Correction, PointClass, PointCloud, PointSource, SoundingIndex, ping_depths,
 };
 use bathyscope::formats;
-use bathyscope::geo::LonLat;
 use bathyscope::pipeline::Products;
-use bathyscope::progress::Progress;
+use bathyscope::sonar::calibration::{Calibration, FlatSpot, PingRange, PpdReach, ScaleMode};
+use bathyscope::support::geo::LonLat;
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::{
     Fix, HeadingSettings, Navigation, PingNav, Projection, SidePing, SideScanState, Sounding,
     Survey, Track, navigate,

@@ -3,7 +3,7 @@
 use crate::calm_window::window_of;
 use crate::window::{Window, app, demo_window};
 use bathyscope::app::{Command, Mark};
-use bathyscope::geo::CoordinateFormat;
+use bathyscope::support::geo::CoordinateFormat;
 use bathyscope::survey::{HeadingSource, Side};
 use egui::Rect;
 use egui_kittest::kittest::Queryable as _;

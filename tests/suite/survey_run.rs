@@ -14,7 +14,7 @@ use bathyscope::detection::review::{Review, State};
 use bathyscope::detection::{Detection, Mark, Raster};
 use bathyscope::formats;
 use bathyscope::pipeline::{self, Settings};
-use bathyscope::progress::Progress;
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::{Identity, LeftOutReason, Side, turn_rates_deg_s};
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;

@@ -2,11 +2,13 @@
 //! recorded depth.
 
 use crate::truth::KnownSurvey;
-use bathyscope::cloud::{ClassRules, DepthSource, PointClass, PointSource, TrackShare, classify};
-use bathyscope::first_return::Method;
+use bathyscope::bottom::cloud::{
+    ClassRules, DepthSource, PointClass, PointSource, TrackShare, classify,
+};
 use bathyscope::pipeline::{self, Preset, Products, Report, Settings};
-use bathyscope::progress::Progress;
 use bathyscope::simulation::Scene;
+use bathyscope::sonar::first_return::Method;
+use bathyscope::support::progress::Progress;
 use std::sync::Arc;
 
 fn processed(pond: &KnownSurvey, settings: &Settings) -> Products {

@@ -1,13 +1,13 @@
 //! Results held against what a simulated survey hides.
 
-use bathyscope::bathymetry::{DepthPoint, Surface, SurfaceSettings, SwathDepth, surface};
-use bathyscope::cloud::{ClassRules, CloudPoint, PointSource, classify};
+use bathyscope::bottom::bathymetry::{DepthPoint, Surface, SurfaceSettings, SwathDepth, surface};
+use bathyscope::bottom::cloud::{ClassRules, CloudPoint, PointSource, classify};
+use bathyscope::bottom::swath::{LogEchoes, correct};
 use bathyscope::formats;
 use bathyscope::pipeline::{Products, log_echoes};
-use bathyscope::progress::Progress;
 use bathyscope::simulation::{Scene, Simulated, simulate};
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::{Side, Survey};
-use bathyscope::swath::{LogEchoes, correct};
 
 /// What is wrong with a cell of a map.
 #[derive(Clone, Copy)]

@@ -7,7 +7,7 @@ use crate::review::{detections, propose};
 use crate::window::{Window, app, demo_window, drawn_window, press, settle};
 use bathyscope::app::{Action, Command, MapLayer, Mark};
 use bathyscope::pipeline::settings::rows::ROWS;
-use bathyscope::presentation::units::{LengthUnit, SpeedUnit, Units};
+use bathyscope::support::presentation::units::{LengthUnit, SpeedUnit, Units};
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, Pos2, Rect, Shape, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};

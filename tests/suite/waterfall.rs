@@ -8,7 +8,7 @@ mod tone;
 
 use crate::support;
 use bathyscope::app::{Action, App, Command, Jobs, Mark, Orientation, View};
-use bathyscope::progress::Progress;
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::{Side, SideScanState, Survey};
 use bathyscope::ui::views::{ProfileView, WaterfallView};
 use bathyscope::ui::{ViewContext, ViewRequest};

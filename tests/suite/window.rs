@@ -2,10 +2,10 @@
 
 use crate::support::{demo_log, manifest_entry, snapshot_options};
 use bathyscope::app::{Action, App, Command, Jobs, Mark, ThemeChoice};
-use bathyscope::geo::CrsChoice;
-use bathyscope::outputs::Product;
 use bathyscope::pipeline::Preset;
 use bathyscope::pipeline::Settings;
+use bathyscope::products::outputs::Product;
+use bathyscope::support::geo::CrsChoice;
 use bathyscope::ui::Shell;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};

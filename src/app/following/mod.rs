@@ -13,10 +13,10 @@ mod step;
 mod whole;
 
 use super::{App, LogId, OpenLog, Outcome, Task};
-use crate::calibration::PingRange;
 use crate::pipeline::EngineStatus;
-use crate::presentation::text::count;
-use crate::printable::quoted;
+use crate::sonar::calibration::PingRange;
+use crate::support::presentation::text::count;
+use crate::support::printable::quoted;
 use crate::survey::{Bytes, Survey};
 use std::sync::Arc;
 use std::time::{Duration, Instant};

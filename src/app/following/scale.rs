@@ -2,8 +2,8 @@
 
 use super::Active;
 use crate::app::{Action, App, LogId};
-use crate::calibration::{Calibration, PingRange, ScaleMode};
 use crate::pipeline::{Products, Settings};
+use crate::sonar::calibration::{Calibration, PingRange, ScaleMode};
 use crate::survey::{Side, Survey};
 use std::sync::Arc;
 use toml::Value;

@@ -1,12 +1,12 @@
 //! What is done off the window's thread about a log that is followed: its new bytes are taken in, and its results made of them.
 
 use crate::formats::{GrowingError, GrowingLog, OpenError, open_at_hand, open_growing, open_tail};
-use crate::geo::LocalFrame;
 use crate::pipeline::{
     GrowingResults, LogSettings, ProcessedLog, Products, Settings, SettingsError, SourceError,
     SourceKey, as_set, extend, run,
 };
-use crate::progress::{Cancelled, Progress};
+use crate::support::geo::LocalFrame;
+use crate::support::progress::{Cancelled, Progress};
 use crate::survey::{Bytes, Survey, SurveyVersions};
 use std::path::PathBuf;
 use std::sync::Arc;

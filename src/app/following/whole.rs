@@ -4,10 +4,10 @@ use super::step;
 use super::{Active, App, BETWEEN_WHOLE, End, QUIET, WHOLE_AGAIN};
 use crate::app::Task;
 use crate::formats::{GrowingError, GrowingLog};
-use crate::picture::PictureSettings;
+use crate::imagery::picture::PictureSettings;
 use crate::pipeline::Settings;
-use crate::presentation::text::count;
-use crate::printable::quoted;
+use crate::support::presentation::text::count;
+use crate::support::printable::quoted;
 
 impl App {
     /// Has results made of the whole log, when it has grown by enough, or has come to rest.

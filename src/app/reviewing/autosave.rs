@@ -4,7 +4,7 @@
 use super::{Parked, Reviewing, is_touched};
 use crate::app::{Action, App, Outcome, Task};
 use crate::detection::review::{Review, Reviewed};
-use crate::export;
+use crate::products::export;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -2,9 +2,9 @@
 
 use crate::app::{App, LogId, OpenLog, Outcome, Task};
 use crate::detection::review::Review;
-use crate::export;
-use crate::outputs::write_boxes;
-use crate::printable::quoted;
+use crate::products::export;
+use crate::products::outputs::write_boxes;
+use crate::support::printable::quoted;
 use std::io::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;

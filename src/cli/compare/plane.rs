@@ -1,7 +1,7 @@
 //! Two files of points in one plane.
 
 use crate::formats::points::{Elevations, Plane};
-use crate::geo::{Crs, LocalFrame, LonLat};
+use crate::support::geo::{Crs, LocalFrame, LonLat};
 
 /// Puts both files into one plane: metres that say nothing else of themselves are taken as those of the other file; degrees, and metres
 /// of different systems, become metres about the first reference point.

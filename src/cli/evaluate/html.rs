@@ -3,8 +3,8 @@
 use super::{Outcome, table};
 use crate::detection::Rect;
 use crate::detection::metrics::CurvePoint;
-use crate::presentation::plot::{Axis, Curve, Plot};
-use crate::printable::xml;
+use crate::support::presentation::plot::{Axis, Curve, Plot};
+use crate::support::printable::xml;
 use std::fmt::Write as _;
 
 /// Area of the curves, pixels.

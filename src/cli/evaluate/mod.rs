@@ -8,7 +8,7 @@ mod table;
 use super::output;
 use crate::detection::labels::{self, LabelSet, Paired};
 use crate::detection::metrics::{ApMethod, Evaluation, Image, MetricSettings, evaluate};
-use crate::export::write_aside;
+use crate::products::export::write_aside;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 

@@ -10,7 +10,7 @@ use crate::detection::truth::{self, RasterTruth, Truth};
 use crate::detection::{DetectorSettings, Model, Nms, Raster, Scored, find};
 use crate::formats;
 use crate::pipeline::Settings;
-use crate::progress::Progress;
+use crate::support::progress::Progress;
 use crate::survey::{Identity, Navigation, Side, Survey, navigate};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -1,11 +1,11 @@
 //! `bathyscope adjust`: the height offsets of the logs of a lake, and how their positions are corrected.
 
-use crate::bathymetry::position_offsets::Wanted;
+use crate::bottom::bathymetry::position_offsets::Wanted;
 use crate::cli::output;
 use crate::cli::status_line::StatusLine;
-use crate::lake::{Adjusted, Lake, OffsetRow, adjust};
-use crate::presentation::text;
-use crate::progress::Progress;
+use crate::products::lake::{Adjusted, Lake, OffsetRow, adjust};
+use crate::support::presentation::text;
+use crate::support::progress::Progress;
 use serde::Serialize;
 use std::path::PathBuf;
 

@@ -2,15 +2,15 @@
 
 use super::adjust::{adjusted, summary, tell};
 use super::make_maps;
-use crate::bathymetry::position_offsets::Wanted;
+use crate::bottom::bathymetry::position_offsets::Wanted;
 use crate::cli::output;
 use crate::cli::status_line::StatusLine;
-use crate::lake::{
+use crate::products::lake::{
     Lake, LakeError, MapTilesState, TileId, TileState, contents, remove_left_over, tile_state,
     write_index, write_map_tiles,
 };
-use crate::presentation::text;
-use crate::progress::Progress;
+use crate::support::presentation::text;
+use crate::support::progress::Progress;
 use std::path::PathBuf;
 
 /// `bathyscope lake DIR`.

@@ -15,9 +15,9 @@ pub use who::{WhoArgs, run as run_who};
 use crate::cli::output;
 use crate::cli::parallel::each_in_parallel;
 use crate::cli::status_line::StatusLine;
-use crate::lake::{Lake, LogRecord, Offsets, TileId, TileRecord, write_tile};
-use crate::presentation::text;
-use crate::progress::Progress;
+use crate::products::lake::{Lake, LogRecord, Offsets, TileId, TileRecord, write_tile};
+use crate::support::presentation::text;
+use crate::support::progress::Progress;
 
 /// Tiles of which each worker has one in memory.
 const MOST_AT_ONCE: usize = 4;

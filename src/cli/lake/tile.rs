@@ -1,7 +1,7 @@
 //! `bathyscope tile`: the map of some tiles.
 
 use super::{make_maps, tell_of_missing};
-use crate::lake::{Lake, LakeError, Offsets, TileId};
+use crate::products::lake::{Lake, LakeError, Offsets, TileId};
 use std::path::PathBuf;
 
 /// `bathyscope tile DIR TILE...`.

@@ -1,8 +1,8 @@
 //! `bathyscope tiles`: what exists of a lake.
 
 use crate::cli::output;
-use crate::lake::{Lake, Offsets, TileState, contents, tile_state};
-use crate::presentation::text;
+use crate::products::lake::{Lake, Offsets, TileState, contents, tile_state};
+use crate::support::presentation::text;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -31,7 +31,7 @@ struct Printed {
 
 /// Prints a line for each tile.
 pub fn run(args: &TilesArgs) -> Result<(), String> {
-    let in_words = |error: crate::lake::LakeError| error.to_string();
+    let in_words = |error: crate::products::lake::LakeError| error.to_string();
     let lake = Lake::open(&args.lake).map_err(in_words)?;
     let logs = lake.logs().map_err(in_words)?;
     let offsets = Offsets::read(&lake).map_err(in_words)?;

@@ -1,13 +1,13 @@
 //! `bathyscope who`: which recording saw this place.
 
-use crate::calendar;
 use crate::cli::output;
 use crate::cli::status_line::StatusLine;
 use crate::formats::read_area;
-use crate::geo::LonLat;
-use crate::lake::{Asked, Lake, Sighting, who};
-use crate::presentation::text;
-use crate::progress::Progress;
+use crate::products::lake::{Asked, Lake, Sighting, who};
+use crate::support::calendar;
+use crate::support::geo::LonLat;
+use crate::support::presentation::text;
+use crate::support::progress::Progress;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::str::FromStr;

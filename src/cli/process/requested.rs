@@ -1,6 +1,6 @@
 //! What `--products` can name.
 
-use crate::outputs::Product;
+use crate::products::outputs::Product;
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
 

@@ -1,16 +1,16 @@
 //! The logs of one survey, one or several: processed and written.
 
-use crate::bathymetry::compare::Matching;
-use crate::bathymetry::height_offsets::{Datum, LogOffset};
-use crate::bathymetry::position_offsets::Wanted;
+use crate::bottom::bathymetry::compare::Matching;
+use crate::bottom::bathymetry::height_offsets::{Datum, LogOffset};
+use crate::bottom::bathymetry::position_offsets::Wanted;
 use crate::cli::status_line::StatusLine;
 use crate::cli::survey_logs::{OpenedLog, open_reference};
 use crate::cli::{found, output};
 use crate::detection::Model;
-use crate::outputs::{self, Order, Product};
 use crate::pipeline::joint::{LogPositions, RequestedCorrection, height_offsets, position_offsets};
 use crate::pipeline::{self, Derived, ProcessedLog, Settings};
-use crate::progress::Progress;
+use crate::products::outputs::{self, Order, Product};
+use crate::support::progress::Progress;
 use crate::survey::Survey;
 use std::ffi::OsStr;
 use std::path::Path;

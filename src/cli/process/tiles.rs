@@ -5,9 +5,9 @@ use crate::cli::output;
 use crate::cli::parallel::each_in_parallel;
 use crate::cli::status_line::StatusLine;
 use crate::cli::survey_logs::{LogInput, all_or};
-use crate::lake::{Added, Lake, LogRecord, add};
-use crate::presentation::text;
-use crate::progress::Progress;
+use crate::products::lake::{Added, Lake, LogRecord, add};
+use crate::support::presentation::text;
+use crate::support::progress::Progress;
 
 /// Logs of which each worker has one in memory: more of them at once than this only take memory, since the work on a log is parallel
 /// too.

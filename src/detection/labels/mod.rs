@@ -11,7 +11,7 @@ mod yolo;
 pub use pairing::{Paired, pair};
 
 use super::Rect;
-use crate::regular_file;
+use crate::support::regular_file;
 use std::collections::{BTreeMap, HashMap};
 use std::fs;
 use std::io::ErrorKind;

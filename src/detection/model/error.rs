@@ -1,6 +1,6 @@
 //! Why a model cannot be used, in sentences that say what to do.
 
-use crate::progress::Cancelled;
+use crate::support::progress::Cancelled;
 use std::path::PathBuf;
 
 /// A model that cannot be used.

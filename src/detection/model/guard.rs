@@ -1,7 +1,7 @@
 //! Work on a file that may be made to harm: it may fail, stop half way or never end, and only that work ends.
 
 use super::Unusable;
-use crate::catch_panic::catch_panic;
+use crate::support::catch_panic::catch_panic;
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread;
 use std::time::Duration;

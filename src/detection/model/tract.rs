@@ -5,7 +5,7 @@ use super::constants::check_constants;
 use super::cost::check_cost;
 use super::screen::Declared;
 use super::{Inference, Output, Unusable};
-use crate::catch_panic::catch_panic;
+use crate::support::catch_panic::catch_panic;
 use std::path::Path;
 use std::sync::Arc;
 use tract_onnx::pb::ModelProto;

@@ -2,7 +2,7 @@
 
 use super::{BoxId, Confidence, Review, Reviewed, State, held, is_name};
 use crate::detection::{Mark, MeasuredShadow, ObjectExtent};
-use crate::regular_file;
+use crate::support::regular_file;
 use crate::survey::{Identity, Side, Survey};
 use serde::{Deserialize, Serialize};
 use std::collections::HashSet;

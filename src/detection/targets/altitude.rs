@@ -1,8 +1,8 @@
 //! Height of the transducer above the bottom over a few pings.
 
-use crate::calibration::Calibration;
-use crate::first_return::FirstReturns;
-use crate::statistics::median;
+use crate::sonar::calibration::Calibration;
+use crate::sonar::first_return::FirstReturns;
+use crate::support::statistics::median;
 use crate::survey::{Side, Survey};
 use std::ops::Range;
 

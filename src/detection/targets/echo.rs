@@ -3,7 +3,7 @@
 use super::profile::{Background, Grid};
 use super::runs::{self, Runs, runs};
 use crate::detection::Mark;
-use crate::statistics::median;
+use crate::support::statistics::median;
 use crate::survey::Survey;
 use std::ops::Range;
 

@@ -220,7 +220,7 @@ fn joined(sightings: &[Sighting<'_>], mut members: Vec<usize>, settings: &GroupS
 mod tests {
     use super::*;
     use crate::detection::Mark;
-    use crate::geo::LonLat;
+    use crate::support::geo::LonLat;
     use crate::survey::Side;
 
     /// Pings from the beginning of a log to that of the next.

@@ -29,7 +29,7 @@ pub use shape::{
 };
 
 use super::{Mark, MeasuredShadow, ObjectExtent};
-use crate::geo::LonLat;
+use crate::support::geo::LonLat;
 
 /// One box in the world. Metres; what cannot be known is NaN.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! Levels by slant range in some pings of one side.
 
 use crate::detection::Mark;
-use crate::statistics::median;
+use crate::support::statistics::median;
 use crate::survey::{Side, Survey};
 use std::ops::Range;
 

@@ -2,8 +2,8 @@
 
 use super::metadata::counts_downwards;
 use super::placing::{GeoKeys, Placing};
-use crate::catch_panic::catch_panic;
-use crate::regular_file;
+use crate::support::catch_panic::catch_panic;
+use crate::support::regular_file;
 use std::fs::File;
 use std::io::{self, BufReader};
 use std::ops::Range;

@@ -3,7 +3,7 @@
 use super::statistics::Statistics;
 use super::{Band, RasterSpec};
 use crate::formats::xml::{attribute, is, text_of};
-use crate::printable::xml;
+use crate::support::printable::xml;
 use quick_xml::Reader;
 use quick_xml::events::Event;
 use std::fmt::Write as _;

@@ -27,8 +27,8 @@ pub use cells::{CellsError, RasterPoints, RasterValues, read_cells, read_values}
 pub use placing::{GeoKeys, Placing};
 pub use tiles::RasterTiles;
 
-use crate::geo::Crs;
-use crate::progress::Progress;
+use crate::support::geo::Crs;
+use crate::support::progress::Progress;
 use scratch::Scratch;
 use std::fs::File;
 use std::io;

@@ -2,8 +2,8 @@
 
 use super::RASTER_TILE;
 use super::cells::CellsError;
-use crate::catch_panic::catch_panic;
-use crate::regular_file;
+use crate::support::catch_panic::catch_panic;
+use crate::support::regular_file;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::BufReader;

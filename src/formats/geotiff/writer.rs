@@ -5,7 +5,7 @@ use super::pack::{pack, unpack};
 use super::scratch::{Block, Blocks, Scratch};
 use super::statistics::Statistics;
 use super::{RASTER_TILE, RasterSpec, overview};
-use crate::progress::Progress;
+use crate::support::progress::Progress;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::fs::File;

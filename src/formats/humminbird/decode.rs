@@ -5,7 +5,7 @@ use super::ping::PingHeader;
 use crate::formats::clock::{Clock, Verdict};
 use crate::formats::collected::{Collected, Counted, HalfPing, is_sound};
 use crate::formats::report::Kind;
-use crate::geo::{LonLat, humminbird_mercator_inverse};
+use crate::support::geo::{LonLat, humminbird_mercator_inverse};
 use crate::survey::{ChannelKind, Encoding, Fix, Order, SideSpan};
 use std::f64::consts::PI;
 

@@ -10,7 +10,7 @@ pub(super) use recording::{Recording, find_in_folder, is_recording, sniff};
 
 use super::reading::Reading;
 use super::{OpenError, Opened, assemble, collected::Collected};
-use crate::progress::{Cancelled, Progress};
+use crate::support::progress::{Cancelled, Progress};
 use crate::survey::{Source, Survey};
 use dat::{Dat, Family};
 

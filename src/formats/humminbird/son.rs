@@ -3,7 +3,7 @@
 use super::ping::{MAGIC, PingHeader};
 use crate::formats::ByteOrder;
 use crate::formats::report::{Kind, Report};
-use crate::progress::{Cancelled, Progress};
+use crate::support::progress::{Cancelled, Progress};
 
 /// Pings between two looks at the progress.
 const PINGS_A_CHECK: usize = 1024;

@@ -5,7 +5,7 @@ use super::sides;
 use crate::formats::clock::{Clock, Verdict};
 use crate::formats::collected::{Collected, Counted};
 use crate::formats::report::Kind;
-use crate::geo::{self, LonLat, METRES_PER_FOOT, MPS_PER_KNOT};
+use crate::support::geo::{self, LonLat, METRES_PER_FOOT, MPS_PER_KNOT};
 use crate::survey::{ChannelKind, Fix};
 
 /// Unix seconds below this (year 2000) are a counter, not a time; above the other (2100), damage.

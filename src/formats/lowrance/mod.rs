@@ -9,7 +9,7 @@ mod walk;
 
 use super::reading::Reading;
 use super::{OpenError, Opened, assemble, collected::Collected, scalar};
-use crate::progress::{Cancelled, Progress};
+use crate::support::progress::{Cancelled, Progress};
 use crate::survey::Survey;
 use frame::{Found, Layout};
 

@@ -2,7 +2,7 @@
 
 use super::frame::{self, Found, Frame, Layout};
 use crate::formats::report::{Kind, Report};
-use crate::progress::{Cancelled, Progress};
+use crate::support::progress::{Cancelled, Progress};
 use std::ops::Range;
 
 /// Frames between two looks at the progress.

@@ -9,7 +9,7 @@ mod write;
 pub use read::{ParquetError, read_parquet};
 pub use write::write_parquet;
 
-use crate::geo::LonLat;
+use crate::support::geo::LonLat;
 use serde_json::json;
 
 /// The values of a column. What is not known is null in the file.

@@ -1,8 +1,8 @@
 //! Reading columns by their names.
 
 use super::Values;
-use crate::catch_panic::catch_panic;
-use crate::regular_file;
+use crate::support::catch_panic::catch_panic;
+use crate::support::regular_file;
 use parquet::basic::Type as Physical;
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::DataType;

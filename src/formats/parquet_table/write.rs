@@ -1,7 +1,7 @@
 //! Writing: rows in groups, one chunk a column.
 
 use super::{Column, Values};
-use crate::geo::LonLat;
+use crate::support::geo::LonLat;
 use parquet::basic::{Compression, LogicalType, Repetition, TimeUnit, Type as Physical};
 use parquet::data_type::{
     BoolType, ByteArray, ByteArrayType, DoubleType, FloatType, Int32Type, Int64Type,

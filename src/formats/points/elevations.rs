@@ -3,7 +3,7 @@
 use super::text_file::{ColumnRequest, KNOWN_NAMES};
 use super::{PointFile, PointFileError, geojson_file, read_columns, split_columns, suffix};
 use crate::formats::geotiff;
-use crate::geo::UtmZone;
+use crate::support::geo::UtmZone;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 

@@ -1,6 +1,6 @@
 //! Points of a GeoJSON file (RFC 7946): longitude, latitude, and a height from the third coordinate or a property.
 
-use crate::regular_file;
+use crate::support::regular_file;
 use serde_json::Value;
 use std::io::ErrorKind;
 use std::path::Path;

@@ -1,6 +1,6 @@
 //! What a LAS header claims, held against the size of the file before the las crate allocates by it.
 
-use crate::regular_file;
+use crate::support::regular_file;
 use std::fs::File;
 use std::io::{self, Read as _, Seek as _, SeekFrom};
 use std::path::Path;

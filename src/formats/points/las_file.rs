@@ -4,7 +4,7 @@ use super::PointFormat;
 use super::copc::{remove_packing, write_copc};
 use super::las_claims;
 use super::las_writer::{LasWriter, transforms};
-use crate::catch_panic::catch_panic;
+use crate::support::catch_panic::catch_panic;
 use las::point::Format;
 use las::{Builder, Header, Point, PointData, PointDataBuilder, Reader};
 use std::fs::File;

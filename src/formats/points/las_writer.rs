@@ -1,6 +1,6 @@
 //! Points into LAS and LAZ, as far as their 32-bit numbers reach.
 
-use crate::catch_panic::catch_panic;
+use crate::support::catch_panic::catch_panic;
 use las::{Header, Point, PointData, Transform, Vector, Writer};
 use std::fs::File;
 use std::io::{self, BufWriter, Write as _};

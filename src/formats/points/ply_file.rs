@@ -1,6 +1,6 @@
 //! Points in PLY: text, little-endian and big-endian.
 
-use crate::regular_file;
+use crate::support::regular_file;
 use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
 use std::ops::Range;

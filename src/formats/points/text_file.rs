@@ -1,7 +1,7 @@
 //! Points in lines of text: xyz, csv, txt.
 
-use crate::printable::one_line;
-use crate::regular_file;
+use crate::support::printable::one_line;
+use crate::support::regular_file;
 use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
 use std::path::Path;

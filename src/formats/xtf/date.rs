@@ -1,7 +1,7 @@
 //! The date and time of a ping.
 
 use super::raw::PingHeader;
-use crate::calendar::moment;
+use crate::support::calendar::moment;
 use chrono::{Datelike as _, NaiveDate};
 
 /// Years in which a log can have been recorded: side-scan went to disk from the eighties on. Zeros and counters that never were

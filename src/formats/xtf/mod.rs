@@ -11,7 +11,7 @@ mod walk;
 
 use super::reading::Reading;
 use super::{OpenError, Opened, assemble, collected::Collected};
-use crate::progress::{Cancelled, Progress};
+use crate::support::progress::{Cancelled, Progress};
 use crate::survey::{Source, Survey};
 use raw::{FileHeader, record};
 

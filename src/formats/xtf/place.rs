@@ -1,7 +1,7 @@
 //! The position of a ping, in degrees or in metres of an unknown projection.
 
 use super::raw::PingHeader;
-use crate::geo::{LonLat, MPS_PER_KNOT};
+use crate::support::geo::{LonLat, MPS_PER_KNOT};
 use crate::survey::{Fix, ProjectedTrack};
 
 /// Navigation units of the file header that are degrees.

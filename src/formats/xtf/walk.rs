@@ -2,7 +2,7 @@
 
 use super::raw::{PacketHeader, record};
 use crate::formats::report::{Kind, Report};
-use crate::progress::{Cancelled, Progress};
+use crate::support::progress::{Cancelled, Progress};
 
 /// The number that every packet begins with.
 const MAGIC: u16 = 0xFACE;

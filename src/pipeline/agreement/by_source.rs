@@ -1,8 +1,8 @@
 //! The agreement of each source of points.
 
 use super::{Agreement, matching_in_words};
-use crate::bathymetry::compare::{Comparison, Match};
-use crate::cloud::{CloudPoint, PointSource};
+use crate::bottom::bathymetry::compare::{Comparison, Match};
+use crate::bottom::cloud::{CloudPoint, PointSource};
 use crate::pipeline::{NamedComparison, ProcessedLog};
 
 const PARTS: [(&str, &[PointSource]); 5] = [

@@ -11,10 +11,10 @@ pub use reference::{MissionLog, Reference, positions};
 pub use tables::ResidualTables;
 
 use super::{ProcessedLog, Products};
-use crate::bathymetry::compare::{self, Comparison, Match, Matching};
-use crate::cloud::{CloudPoint, PointCloud, PointSource};
-use crate::presentation::text::way;
-use crate::progress::{Cancelled, Progress};
+use crate::bottom::bathymetry::compare::{self, Comparison, Match, Matching};
+use crate::bottom::cloud::{CloudPoint, PointCloud, PointSource};
+use crate::support::presentation::text::way;
+use crate::support::progress::{Cancelled, Progress};
 use reference::{bounds, distance_m};
 use std::sync::Arc;
 

@@ -1,13 +1,13 @@
 //! What a survey can be held against: points of a file, or another mission over the same water.
 
-use crate::cloud::Correction;
-use crate::first_return::BottomSettings;
+use crate::bottom::cloud::Correction;
 use crate::formats::points::{Elevations, Plane};
 use crate::formats::{ReferenceFile, open_reference};
-use crate::geo::{Crs, LocalFrame, LonLat};
 use crate::pipeline::fingerprint::{Input, hash_file, hash_inputs};
 use crate::pipeline::{ProcessedLog, Products, Settings, as_mounted, run};
-use crate::progress::{Cancelled, Progress};
+use crate::sonar::first_return::BottomSettings;
+use crate::support::geo::{Crs, LocalFrame, LonLat};
+use crate::support::progress::{Cancelled, Progress};
 use crate::survey::Survey;
 use rayon::prelude::*;
 use std::ffi::OsStr;

@@ -1,7 +1,7 @@
 //! What differences hang on, and how they spread.
 
-use crate::bathymetry::compare::{Bin, Histogram, Match, binned, suited_width};
-use crate::cloud::CloudPoint;
+use crate::bottom::bathymetry::compare::{Bin, Histogram, Match, binned, suited_width};
+use crate::bottom::cloud::CloudPoint;
 use crate::pipeline::Products;
 use crate::survey::PingNav;
 use serde::Serialize;

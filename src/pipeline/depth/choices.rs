@@ -1,11 +1,11 @@
 //! What each choice of geometry and calibration costs: the same picks, held against the same soundings.
 
 use super::residuals::{kept_of, place};
-use crate::bathymetry::compare::{Matching, Reference};
-use crate::calibration::{OffsetMode, PpdReach, ScaleMode};
-use crate::cloud::{Geometry, PointSource, Residuals};
+use crate::bottom::bathymetry::compare::{Matching, Reference};
+use crate::bottom::cloud::{Geometry, PointSource, Residuals};
 use crate::pipeline::{Products, Settings, run};
-use crate::progress::{Cancelled, Progress};
+use crate::sonar::calibration::{OffsetMode, PpdReach, ScaleMode};
+use crate::support::progress::{Cancelled, Progress};
 use crate::survey::Survey;
 use serde::Serialize;
 

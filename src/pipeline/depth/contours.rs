@@ -1,9 +1,9 @@
 //! What is drawn of a depth map: lines of equal depth, the areas between them and what lies below each.
 
-use crate::bathymetry::Surface;
-use crate::bathymetry::isobaths::{DepthArea, Storage, depth_areas, storage};
+use crate::bottom::bathymetry::Surface;
+use crate::bottom::bathymetry::isobaths::{DepthArea, Storage, depth_areas, storage};
 use crate::pipeline::{DepthMap, Isobaths};
-use crate::progress::{Cancelled, Progress};
+use crate::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::sync::Arc;
 

@@ -1,10 +1,12 @@
 //! Crossline analysis: depths where tracks cross themselves and each other.
 
-use crate::bathymetry::crosslines::{Crossing, LEAST_ANGLE_DEG, REACH_M, TrackDepth, crossings};
-use crate::cloud::Residuals;
+use crate::bottom::bathymetry::crosslines::{
+    Crossing, LEAST_ANGLE_DEG, REACH_M, TrackDepth, crossings,
+};
+use crate::bottom::cloud::Residuals;
 use crate::pipeline::ProcessedLog;
 use crate::pipeline::joint::{LogLatency, latencies, track_depths};
-use crate::progress::{Cancelled, Progress};
+use crate::support::progress::{Cancelled, Progress};
 use serde::Serialize;
 
 /// The differences at the crossings, and their statistics.

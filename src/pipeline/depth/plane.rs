@@ -1,10 +1,10 @@
 //! The cloud in the metres of a map.
 
-use crate::bathymetry::{DepthPoint, SurfaceSettings};
-use crate::cloud::{CloudPoint, PointClass, PointCloud, PointSource};
-use crate::geo::{Crs, LonLat, MapPlane};
+use crate::bottom::bathymetry::{DepthPoint, SurfaceSettings};
+use crate::bottom::cloud::{CloudPoint, PointClass, PointCloud, PointSource};
 use crate::pipeline::Products;
 use crate::pipeline::map_plane;
+use crate::support::geo::{Crs, LonLat, MapPlane};
 use crate::survey::{Navigation, Survey, Track};
 
 /// The cloud and the plane that its maps are drawn in.

@@ -1,11 +1,11 @@
 //! Side-scan points against the soundings of the same survey.
 
 use super::plane::Plane;
-use crate::bathymetry::compare::{Comparison, Matching, match_points};
-use crate::cloud::{CloudPoint, PointSource};
-use crate::geo::MapPlane;
+use crate::bottom::bathymetry::compare::{Comparison, Matching, match_points};
+use crate::bottom::cloud::{CloudPoint, PointSource};
 use crate::pipeline::{ProcessedLog, Products};
-use crate::progress::{Cancelled, Progress};
+use crate::support::geo::MapPlane;
+use crate::support::progress::{Cancelled, Progress};
 use crate::survey::Survey;
 use serde::Serialize;
 

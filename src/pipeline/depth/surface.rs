@@ -2,11 +2,11 @@
 
 use super::plane::Plane;
 use super::swath::log_echoes;
-use crate::bathymetry::{DepthPoint, Surface, SwathDepth, surface};
-use crate::geo::MapPlane;
+use crate::bottom::bathymetry::{DepthPoint, Surface, SwathDepth, surface};
+use crate::bottom::swath::{LogEchoes, correct};
 use crate::pipeline::ProcessedLog;
-use crate::progress::{Cancelled, Progress};
-use crate::swath::{LogEchoes, correct};
+use crate::support::geo::MapPlane;
+use crate::support::progress::{Cancelled, Progress};
 
 /// The surface of the kept points of all logs of a survey in the plane of a map, by the `surface.*` settings of the first. Each log's
 /// points weigh what its own settings give them; where logs meet in a cell the weighted median stands, so that a log with many points

@@ -1,8 +1,8 @@
 //! The echoes of a log in the plane of a map, for the depth between the lines.
 
+use crate::bottom::swath::{LogEchoes, PingPlace, SideEchoes};
 use crate::pipeline::Products;
 use crate::survey::{PingNav, Side, Survey};
-use crate::swath::{LogEchoes, PingPlace, SideEchoes};
 
 /// What depths from levels read of a log; `place` gives east and north in the plane for those of the survey, metres. Pings that count for
 /// nothing have no place. Without usable side-scan there is none.

@@ -1,10 +1,10 @@
 //! What is uncertain in all depths of a survey alike. Depths that are left out do not show it, since the others have it, too.
 
-use crate::bathymetry::{Spread, Surface};
-use crate::calibration::Calibration;
+use crate::bottom::bathymetry::{Spread, Surface};
 use crate::pipeline::joint::crossline_analysis;
 use crate::pipeline::{ProcessedLog, Products};
-use crate::progress::{Cancelled, Progress};
+use crate::sonar::calibration::Calibration;
+use crate::support::progress::{Cancelled, Progress};
 use crate::survey::{Survey, position_resolution_m};
 use rayon::prelude::*;
 use serde::Serialize;

@@ -1,14 +1,14 @@
 //! The bottom of a survey as a body: the depth map with so many corners at most, and a colour for each.
 
 use super::{DepthMap, Derived, MosaicKey, MosaicPlane};
-use crate::bathymetry::{CellSource, Grid, Surface};
-use crate::mosaic::Colours;
+use crate::bottom::bathymetry::{CellSource, Grid, Surface};
+use crate::imagery::mosaic::Colours;
 use crate::pipeline::relief::farthest_m;
 use crate::pipeline::{ProcessedLog, Same};
-use crate::presentation::colours::{
+use crate::support::presentation::colours::{
     Rgb, SOURCES, depth_colour, depth_share, distance_colour, share_colour, uncertainty_colour,
 };
-use crate::progress::{Cancelled, Progress};
+use crate::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;

@@ -1,14 +1,14 @@
 //! The depth map of a survey, as the files hold it and the window draws it.
 
-use crate::bathymetry::isobaths::{ClipArea, IsobathSettings, NoIsobaths, with_shoalest};
-use crate::bathymetry::{self, DepthPoint, Light, Surface, SurfaceSettings, hill_shade};
-use crate::cloud::{PointClass, PointCloud};
-use crate::geo::{CrsChoice, MapPlane, bounds_deg};
+use crate::bottom::bathymetry::isobaths::{ClipArea, IsobathSettings, NoIsobaths, with_shoalest};
+use crate::bottom::bathymetry::{self, DepthPoint, Light, Surface, SurfaceSettings, hill_shade};
+use crate::bottom::cloud::{PointClass, PointCloud};
 use crate::pipeline::{
     CommonUncertainty, Plane, ProcessedLog, Same, clip_area, colour_range_m, joint_depth_points,
     joint_depth_surface,
 };
-use crate::progress::{Cancelled, Progress};
+use crate::support::geo::{CrsChoice, MapPlane, bounds_deg};
+use crate::support::progress::{Cancelled, Progress};
 use crate::survey::{Navigation, Survey};
 use std::sync::{Arc, OnceLock};
 

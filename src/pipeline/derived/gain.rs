@@ -1,10 +1,10 @@
 //! The gain normalisation of one log, which the mosaic and the waterfall share.
 
-use crate::calibration::Calibration;
-use crate::first_return::FirstReturns;
-use crate::mosaic::{GainTable, Layout, gain_table};
+use crate::imagery::mosaic::{GainTable, Layout, gain_table};
 use crate::pipeline::{ProcessedLog, Same, mosaic_layout_by};
-use crate::progress::{Cancelled, Progress};
+use crate::sonar::calibration::Calibration;
+use crate::sonar::first_return::FirstReturns;
+use crate::support::progress::{Cancelled, Progress};
 use crate::survey::{LeftOut, Navigation, Survey};
 
 /// What the side-scan of a log is laid out by on the ground; equal keys give equal layouts.

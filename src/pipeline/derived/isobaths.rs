@@ -1,12 +1,12 @@
 //! Lines of equal depth through a depth map.
 
 use super::DepthMap;
-use crate::bathymetry::Surface;
-use crate::bathymetry::isobaths::{
+use crate::bottom::bathymetry::Surface;
+use crate::bottom::bathymetry::isobaths::{
     ClipArea, Isobath, IsobathSettings, NoIsobaths, isobaths, smoothed,
 };
 use crate::pipeline::Same;
-use crate::progress::{Cancelled, Progress};
+use crate::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::sync::Arc;
 

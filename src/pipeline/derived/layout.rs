@@ -1,7 +1,7 @@
 //! Where the echoes of one log lie in its own plane, which the mosaic on the screen and the search for passes share.
 
 use super::gain::SideScanKey;
-use crate::mosaic::Layout;
+use crate::imagery::mosaic::Layout;
 use crate::pipeline::{ProcessedLog, Same, mosaic_layout_by};
 use crate::survey::Relief;
 

@@ -26,11 +26,11 @@ pub use isobaths::{IsobathKey, Isobaths};
 pub use mosaic::{FINEST, Mosaic, MosaicKey, MosaicPlane};
 pub use picture::PictureKey;
 
-use crate::bathymetry::isobaths::{IsobathSettings, NoIsobaths};
-use crate::mosaic::{GainTable, Layout};
-use crate::picture::LogPicture;
+use crate::bottom::bathymetry::isobaths::{IsobathSettings, NoIsobaths};
+use crate::imagery::mosaic::{GainTable, Layout};
+use crate::imagery::picture::LogPicture;
 use crate::pipeline::ProcessedLog;
-use crate::progress::{Cancelled, Progress};
+use crate::support::progress::{Cancelled, Progress};
 use gain::GainKey;
 use layout::LayoutKey;
 use node::Node;

@@ -2,13 +2,13 @@
 
 use super::Derived;
 use super::gain::SideScanKey;
-use crate::bathymetry::Grid;
-use crate::geo::MapPlane;
-use crate::mosaic::{
+use crate::bottom::bathymetry::Grid;
+use crate::imagery::mosaic::{
     Bounds, GainTable, Layout, MosaicLog, MosaicSettings, joint_bounds, joint_window, match_levels,
 };
 use crate::pipeline::{ProcessedLog, Same, mosaic_layout};
-use crate::progress::{Cancelled, Progress};
+use crate::support::geo::MapPlane;
+use crate::support::progress::{Cancelled, Progress};
 use crate::survey::Relief;
 use std::sync::{Arc, OnceLock};
 

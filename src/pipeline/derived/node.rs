@@ -1,6 +1,6 @@
 //! A result that is made when it is first asked for and kept with what it was made of.
 
-use crate::progress::{Cancelled, Progress};
+use crate::support::progress::{Cancelled, Progress};
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 use std::time::Duration;
 

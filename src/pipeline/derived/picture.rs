@@ -1,10 +1,10 @@
 //! What the picture of one log is shown with.
 
 use super::gain::GainKey;
-use crate::mosaic::{Gain, GainTable};
-use crate::picture::{LogPicture, PingScales, stripe_factors};
+use crate::imagery::mosaic::{Gain, GainTable};
+use crate::imagery::picture::{LogPicture, PingScales, stripe_factors};
 use crate::pipeline::ProcessedLog;
-use crate::progress::{Cancelled, Progress};
+use crate::support::progress::{Cancelled, Progress};
 use std::sync::Arc;
 
 /// What a log is shown with depends on this alone; levels, balance and time-varied gain are numbers that act on top.

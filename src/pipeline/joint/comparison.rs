@@ -1,8 +1,8 @@
 //! Logs of one survey held against each other by their points.
 
-use crate::bathymetry::compare::{Comparison, Matching, Reference};
+use crate::bottom::bathymetry::compare::{Comparison, Matching, Reference};
 use crate::pipeline::ProcessedLog;
-use crate::progress::{Cancelled, Progress};
+use crate::support::progress::{Cancelled, Progress};
 
 /// How the points of some logs agree with the triangulated points of others, all in one plane: one log against the rest, a boat against
 /// another, a day against the next. Points count that the depth map takes, and `surface.max_gap_m` of the first measured log says how

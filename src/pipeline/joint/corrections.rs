@@ -1,7 +1,7 @@
 //! Corrections of a log's positions and heights that were asked for: what was found, and why it is not in force where it is not.
 
 use super::LogPositions;
-use crate::bathymetry::position_offsets::{Shift, Wanted};
+use crate::bottom::bathymetry::position_offsets::{Shift, Wanted};
 use serde::Serialize;
 use std::fmt::{self, Display, Formatter};
 
@@ -161,7 +161,7 @@ impl Display for RequestedCorrection {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bathymetry::position_offsets::FoundShift;
+    use crate::bottom::bathymetry::position_offsets::FoundShift;
 
     fn positions(east_m: f64, error: f64) -> LogPositions {
         LogPositions {

@@ -1,13 +1,13 @@
 //! What crossing tracks say about the depths of one log and of several.
 
-use crate::bathymetry::crosslines::{Crossing, TrackDepth, crossings};
-use crate::bathymetry::height_offsets::{self as offsets, Datum, HeightOffsets};
-use crate::bathymetry::position_offsets::{
+use crate::bottom::bathymetry::crosslines::{Crossing, TrackDepth, crossings};
+use crate::bottom::bathymetry::height_offsets::{self as offsets, Datum, HeightOffsets};
+use crate::bottom::bathymetry::position_offsets::{
     FoundShift, Placed, Shift, Wanted, settled_offsets, shifted,
 };
-use crate::cloud::{PointSource, Residuals};
+use crate::bottom::cloud::{PointSource, Residuals};
 use crate::pipeline::ProcessedLog;
-use crate::progress::{Cancelled, Progress};
+use crate::support::progress::{Cancelled, Progress};
 use crate::survey::PositionShift;
 use serde::Serialize;
 

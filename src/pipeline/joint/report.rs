@@ -1,14 +1,14 @@
 //! What `report.json` says of a survey of several logs.
 
 use super::{CrosslineAnalysis, compare_logs, crossline_analysis, height_offsets};
-use crate::bathymetry::compare::Comparison;
-use crate::bathymetry::height_offsets::{Datum, LogOffset, PairDifference};
-use crate::cloud::{Residuals, TrackShare, same_ping_differences};
+use crate::bottom::bathymetry::compare::Comparison;
+use crate::bottom::bathymetry::height_offsets::{Datum, LogOffset, PairDifference};
+use crate::bottom::cloud::{Residuals, TrackShare, same_ping_differences};
 use crate::pipeline::report::Counts;
 use crate::pipeline::{
     CalibrationReport, CommonUncertainty, Input, ProcessedLog, Report, Settings, setting_values,
 };
-use crate::progress::{Cancelled, Progress};
+use crate::support::progress::{Cancelled, Progress};
 use crate::survey::{LeftOutStretch, Survey, apart};
 use serde::Serialize;
 use std::collections::BTreeMap;

@@ -204,7 +204,7 @@ pub(crate) fn slips(from: &str, to: &str) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::first_return::Method;
+    use crate::sonar::first_return::Method;
 
     #[test]
     fn assignments_take_bare_words_numbers_and_ranges() {

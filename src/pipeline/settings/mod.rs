@@ -15,17 +15,21 @@ pub(crate) use keys::slips;
 pub use shown::ShownNumber;
 pub use table::{Choice, Control, Kind, Named, Number, Row, help, markdown, row};
 
-use crate::bathymetry::SurfaceSettings;
-use crate::bathymetry::isobaths::IsobathSettings;
-use crate::calibration::{CalibrationSettings, OffsetMode, PpdReach, ScaleMode};
-use crate::cloud::correction::{SoundSpeedSettings, WaterLevelSettings};
-use crate::cloud::{ClassRules, CloudSettings, DepthSettings, DownScan, Geometry, OutlierSettings};
+use crate::bottom::bathymetry::SurfaceSettings;
+use crate::bottom::bathymetry::isobaths::IsobathSettings;
+use crate::bottom::cloud::correction::{SoundSpeedSettings, WaterLevelSettings};
+use crate::bottom::cloud::{
+    ClassRules, CloudSettings, DepthSettings, DownScan, Geometry, OutlierSettings,
+};
 use crate::detection::{DetectorSettings, ReviewSettings};
-use crate::first_return::{BottomSettings, FirstReturnSettings, ImageSettings, Method, SampleMode};
 use crate::formats::{read_area, read_gauge};
-use crate::geo::{CrsChoice, SourceCrs};
-use crate::mosaic::MosaicSettings;
-use crate::picture::PictureSettings;
+use crate::imagery::mosaic::MosaicSettings;
+use crate::imagery::picture::PictureSettings;
+use crate::sonar::calibration::{CalibrationSettings, OffsetMode, PpdReach, ScaleMode};
+use crate::sonar::first_return::{
+    BottomSettings, FirstReturnSettings, ImageSettings, Method, SampleMode,
+};
+use crate::support::geo::{CrsChoice, SourceCrs};
 use crate::survey::{
     HeadingSettings, HeadingSource, LeftOutSettings, MountingSettings, Placing, PositionShift,
     Projection, TrackSettings,

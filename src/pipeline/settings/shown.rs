@@ -2,7 +2,7 @@
 //! stays in metres.
 
 use super::{Kind, Number, Row, Settings};
-use crate::presentation::units::Units;
+use crate::support::presentation::units::Units;
 
 /// The slowest speed that is one of sound, metres a second: no boat reaches it.
 const SLOWEST_SOUND_MPS: f64 = 1000.0;
@@ -106,7 +106,7 @@ mod tests {
     use super::*;
     use crate::pipeline::settings::rows;
     use crate::pipeline::settings::rows::ROWS;
-    use crate::presentation::units::{LengthUnit, SpeedUnit};
+    use crate::support::presentation::units::{LengthUnit, SpeedUnit};
 
     fn number(row: &'static crate::pipeline::settings::Row) -> &'static Number {
         match &row.kind {

@@ -2,7 +2,7 @@
 
 use super::rows::{self, ROWS};
 use super::{Kind, Preset, Settings, help, markdown, row};
-use crate::presentation::units::Units;
+use crate::support::presentation::units::Units;
 use std::collections::BTreeSet;
 
 /// What serde expected in place of a name that does not exist.
@@ -136,7 +136,10 @@ fn help_and_manual_hold_every_key() {
         Some("outliers.radius_m = 0.01 to 100 m, default 3.011")
     );
     assert!(help.contains("\ncloud.geometry = slope | "));
-    assert!(help.contains("\n      nadir: Straight below the boat"), "{help}");
+    assert!(
+        help.contains("\n      nadir: Straight below the boat"),
+        "{help}"
+    );
     let line = page.lines().find(|line| line.contains("`projection`"));
     let line = line.expect("a line");
     assert!(

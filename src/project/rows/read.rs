@@ -10,10 +10,10 @@ use super::{
 };
 use crate::detection::NAMELESS_CLASS;
 use crate::detection::review::{BoxRow, Review, ReviewRows, SearchRow};
-use crate::first_return::{BottomEdit, BottomSettings};
-use crate::geo::LonLat;
 use crate::pipeline::settings::renamed;
 use crate::pipeline::{LogSettings, SettingValues, Settings, from_values, is_setting};
+use crate::sonar::first_return::{BottomEdit, BottomSettings};
+use crate::support::geo::LonLat;
 use crate::survey::{Identity, LeftOutSettings, Side, Stretch};
 use serde::de::DeserializeOwned;
 use std::collections::BTreeMap;

@@ -1,6 +1,6 @@
 //! The axes of a plot in a panel: where values lie, and their lines and numbers.
 
-use crate::presentation::plot::Axis;
+use crate::support::presentation::plot::Axis;
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, pos2, vec2};
 
 /// Room for numbers and a name below, points.

@@ -3,10 +3,10 @@
 use super::parts::{self, fact, setting};
 use super::section::{Section, section};
 use crate::app::Figures;
-use crate::cloud::{Geometry, Residuals};
+use crate::bottom::cloud::{Geometry, Residuals};
 use crate::pipeline::settings::rows;
 use crate::pipeline::{Products, Stage};
-use crate::presentation::units::Units;
+use crate::support::presentation::units::Units;
 use crate::survey::{HeadingSource, Projection};
 use crate::ui::{ViewContext, text};
 use egui::Ui;

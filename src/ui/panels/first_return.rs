@@ -5,7 +5,7 @@ mod above_bottom;
 use super::parts::{self, setting};
 use super::section::{Section, section};
 use crate::app::{Action, Command, Tool};
-use crate::cloud::PointClass;
+use crate::bottom::cloud::PointClass;
 use crate::pipeline::Stage;
 use crate::pipeline::settings::rows;
 use crate::survey::Side;

@@ -4,7 +4,7 @@ use super::parts::{fact, remark, warning};
 use super::positions;
 use super::section::{Section, section};
 use crate::app::{Action, App, Command, LogId, OpenLog};
-use crate::presentation::units::Units;
+use crate::support::presentation::units::Units;
 use crate::ui::list_keys::ListKeys;
 use crate::ui::{ViewContext, left_out_words, text, theme, toggle};
 use egui::{Button, Color32, RichText, Sense, Ui};
@@ -136,7 +136,7 @@ fn describe(ui: &mut Ui, log: &OpenLog, units: Units) {
         return;
     };
     if let Some(start) = survey.start_unix_s {
-        let day = crate::calendar::date(start);
+        let day = crate::support::calendar::date(start);
         fact(
             ui,
             "Start, UTC",

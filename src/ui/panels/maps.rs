@@ -3,9 +3,9 @@
 use super::parts::{self, fact, setting};
 use super::section::{Section, section};
 use crate::app::{Action, Command, MapLayer};
-use crate::bathymetry::{FromLevels, LevelsRefused};
+use crate::bottom::bathymetry::{FromLevels, LevelsRefused};
 use crate::pipeline::settings::rows;
-use crate::presentation::units::Units;
+use crate::support::presentation::units::Units;
 use crate::ui::ViewContext;
 use egui::Ui;
 

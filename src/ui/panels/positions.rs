@@ -3,7 +3,7 @@
 use super::logs::{name_of, press, press_short};
 use super::parts::remark;
 use crate::app::{Action, App, FoundPositions};
-use crate::bathymetry::position_offsets::FoundShift;
+use crate::bottom::bathymetry::position_offsets::FoundShift;
 use crate::ui::{ViewContext, text};
 use egui::{RichText, Ui};
 

@@ -3,8 +3,8 @@
 use super::parts::{self, setting};
 use super::section::{Section, section};
 use crate::app::{Action, Command};
-use crate::outputs::files_in_words;
 use crate::pipeline::settings::rows;
+use crate::products::outputs::files_in_words;
 use crate::ui::ViewContext;
 use egui::Ui;
 

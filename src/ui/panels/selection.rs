@@ -3,7 +3,7 @@
 use super::parts::{fact, remark};
 use super::section::{Section, section};
 use crate::app::{Command, Mark};
-use crate::cloud::{PointClass, PointSource};
+use crate::bottom::cloud::{PointClass, PointSource};
 use crate::survey::{Side, arm_in_words};
 use crate::ui::{ViewContext, place, text, theme};
 use egui::{RichText, Ui};

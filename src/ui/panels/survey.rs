@@ -3,10 +3,10 @@
 use super::parts::{fact, remark, warning};
 use super::section::{Section, section};
 use crate::app::{Action, Command};
-use crate::calendar;
 use crate::pipeline::Preset;
-use crate::presentation::units::Units;
-use crate::printable::one_line;
+use crate::support::calendar;
+use crate::support::presentation::units::Units;
+use crate::support::printable::one_line;
 use crate::survey::{SideScanState, Survey};
 use crate::ui::{ViewContext, text, toggle};
 use egui::Ui;

@@ -1,8 +1,10 @@
 //! The dialog that asks which products are written, and into which folder.
 
 use crate::app::{App, Command};
-use crate::outputs::{Amounts, MANIFEST, OUTPUT_FILES, Product, When, about_bytes, files_in_words};
-use crate::presentation::text::bytes;
+use crate::products::outputs::{
+    Amounts, MANIFEST, OUTPUT_FILES, Product, When, about_bytes, files_in_words,
+};
+use crate::support::presentation::text::bytes;
 use crate::ui::dialogs::Purpose;
 use crate::ui::{ViewContext, theme};
 use egui::text::{CCursor, CCursorRange};

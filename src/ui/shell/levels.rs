@@ -1,7 +1,7 @@
 //! Gain, filters and levels of the waterfall, with the histogram that black and white are dragged in.
 
 use crate::app::{Action, Command};
-use crate::picture::Histogram;
+use crate::imagery::picture::Histogram;
 use crate::pipeline::Settings;
 use crate::pipeline::settings::{Kind, Row, rows};
 use crate::ui::panels::{find_setting, parts};

@@ -1,7 +1,7 @@
 //! The manual in the window: a list of pages, the page, and a search over all of them.
 
-use crate::manual::Topic;
-use crate::manual::markdown::{Block, Span, blocks, sections};
+use crate::app::manual::Topic;
+use crate::app::manual::markdown::{Block, Span, blocks, sections};
 use crate::ui::theme;
 use egui::text::LayoutJob;
 use egui::{

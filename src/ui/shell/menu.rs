@@ -3,9 +3,9 @@
 use super::sides::SidePanel;
 use super::{levels, map_layers, swipe};
 use crate::app::{Action, CloudColour, ColourMap, Command, SideColours, ThemeChoice};
-use crate::geo::CoordinateFormat;
 use crate::pipeline::BottomColour;
-use crate::presentation::units::{LengthUnit, SpeedUnit};
+use crate::support::geo::CoordinateFormat;
+use crate::support::presentation::units::{LengthUnit, SpeedUnit};
 use crate::ui::ViewContext;
 use egui::{Button, Ui};
 

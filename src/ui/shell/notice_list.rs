@@ -1,7 +1,7 @@
 //! All that the program has said since it was started: when, what, and what can be done about it.
 
 use crate::app::{Command, Notice};
-use crate::presentation::text;
+use crate::support::presentation::text;
 use crate::ui::ViewContext;
 use crate::ui::panels::parts;
 use egui::{Align, Layout, RichText, ScrollArea, Ui, Window, vec2};

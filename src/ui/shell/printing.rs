@@ -2,7 +2,7 @@
 
 use super::{Alone, Shell, Views};
 use crate::app::{App, Command, Paper, PrintOptions, PrintText, Sheet, ThemeChoice, View};
-use crate::progress::Progress;
+use crate::support::progress::Progress;
 use crate::ui::ViewContext;
 use crate::ui::dialogs::Purpose;
 use crate::ui::drop_down::DropDown;

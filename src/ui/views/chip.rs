@@ -5,7 +5,7 @@ use crate::app::{ColourMap, OpenLog, Orientation, PIXEL_M, WaterfallOptions};
 use crate::detection::review::{Review, Reviewed};
 use crate::detection::{Mark, ObjectExtent, Raster, Rect as BoxRect, TILE_PX, level};
 use crate::pipeline::Same;
-use crate::presentation::units::Units;
+use crate::support::presentation::units::Units;
 use crate::survey::{Navigation, Side, Survey};
 use egui::{ColorImage, Pos2, Rect, Response, Role, Sense, TextureHandle, Ui, Vec2, WidgetInfo};
 use egui::{pos2, vec2};

@@ -2,11 +2,11 @@
 
 use super::ticks;
 use crate::app::ViewOptions;
-use crate::cloud::DepthReference;
-use crate::presentation::colours::{
+use crate::bottom::cloud::DepthReference;
+use crate::support::presentation::colours::{
     depth_colour, difference_colour, distance_colour, share_colour, uncertainty_colour,
 };
-use crate::presentation::units::Units;
+use crate::support::presentation::units::Units;
 use crate::ui::theme;
 use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Vec2, pos2, vec2};
 

@@ -3,9 +3,9 @@
 use super::legend;
 use crate::app::{Action, App, Command};
 use crate::detection::targets::{ShadowError, ShadowHeight};
-use crate::geo::{course_rad, distance_m};
-use crate::presentation::units::Units;
 use crate::project::{Measurement, MeasurementKind};
+use crate::support::geo::{course_rad, distance_m};
+use crate::support::presentation::units::Units;
 use crate::ui::{ViewContext, text};
 use egui::{FocusDirection, Key, Modifiers, Rect, RichText, Ui, UiBuilder, pos2, vec2};
 
@@ -145,7 +145,7 @@ pub fn arrows(ui: &mut Ui) -> [f64; 2] {
 mod tests {
     use super::*;
     use crate::app::App;
-    use crate::geo::LonLat;
+    use crate::support::geo::LonLat;
 
     #[test]
     fn a_corner_on_the_last_one_has_no_course() {

@@ -13,7 +13,7 @@ mod profile;
 mod tool_banner;
 pub(super) mod waterfall;
 
-use crate::presentation::ticks;
+use crate::support::presentation::ticks;
 pub use cloud::CloudView;
 pub use map::MapView;
 pub use objects::ObjectsView;

@@ -1,6 +1,6 @@
 //! An offscreen picture shown as an image of the window.
 
-use crate::render::Target;
+use crate::ui::render::Target;
 use eframe::egui_wgpu::{RenderState, Renderer};
 use egui::mutex::RwLock;
 use egui::{Color32, Painter, Rect, TextureId, emath::GuiRounding as _};

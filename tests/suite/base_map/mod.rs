@@ -1,8 +1,8 @@
 //! Base maps that GDAL wrote (`make.py`), read as GDAL reads them.
 
-use bathyscope::base_map::{BaseMap, open};
-use bathyscope::geo::LonLat;
-use bathyscope::progress::Progress;
+use bathyscope::formats::base_map::{BaseMap, open};
+use bathyscope::support::geo::LonLat;
+use bathyscope::support::progress::Progress;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 

@@ -1,9 +1,11 @@
 //! Height offsets of logs against what scipy makes of the same meetings (`make_height_offsets.py`).
 
 use super::dice::Dice;
-use bathyscope::bathymetry::crosslines::TrackDepth;
-use bathyscope::bathymetry::height_offsets::{Datum, Meeting, MeetingKind, adjust, height_offsets};
-use bathyscope::progress::Progress;
+use bathyscope::bottom::bathymetry::crosslines::TrackDepth;
+use bathyscope::bottom::bathymetry::height_offsets::{
+    Datum, Meeting, MeetingKind, adjust, height_offsets,
+};
+use bathyscope::support::progress::Progress;
 use serde::Deserialize;
 
 #[derive(Deserialize)]

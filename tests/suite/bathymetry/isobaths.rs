@@ -1,8 +1,8 @@
 //! Isobaths and depth areas against GDAL and contourpy (`make_isobaths.py` shows how their figures were made).
 
-use bathyscope::bathymetry::isobaths::{Isobath, depth_areas, isobaths, storage};
-use bathyscope::bathymetry::{Grid, Surface};
-use bathyscope::progress::{Cancelled, Progress};
+use bathyscope::bottom::bathymetry::isobaths::{Isobath, depth_areas, isobaths, storage};
+use bathyscope::bottom::bathymetry::{Grid, Surface};
+use bathyscope::support::progress::{Cancelled, Progress};
 use serde::Deserialize;
 
 #[derive(Deserialize)]

@@ -2,11 +2,11 @@
 
 use crate::missions::{Mission, repeatability};
 use crate::truth::MapError;
-use bathyscope::bathymetry::crosslines::{Crossing, TrackDepth, crossings};
-use bathyscope::bathymetry::{CellSource, Surface, SurfaceSettings, SwathDepth};
-use bathyscope::cloud::{PointSource, Residuals};
-use bathyscope::progress::Progress;
+use bathyscope::bottom::bathymetry::crosslines::{Crossing, TrackDepth, crossings};
+use bathyscope::bottom::bathymetry::{CellSource, Surface, SurfaceSettings, SwathDepth};
+use bathyscope::bottom::cloud::{PointSource, Residuals};
 use bathyscope::simulation::{Mound, Scene};
+use bathyscope::support::progress::Progress;
 
 /// Four lines 8 m apart and two across, on a bed of its own seed.
 fn pond() -> Scene {

@@ -2,7 +2,7 @@
 
 use super::{run, simulated};
 use crate::support::Moments;
-use bathyscope::outputs::{MANIFEST, RunFolder};
+use bathyscope::products::outputs::{MANIFEST, RunFolder};
 use serde_json::Value;
 use sha2::{Digest as _, Sha256};
 use std::collections::BTreeSet;

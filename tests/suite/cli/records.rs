@@ -2,7 +2,7 @@
 
 use super::{refusal, run, simulated};
 use crate::support::manifest;
-use bathyscope::outputs::row_of;
+use bathyscope::products::outputs::row_of;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;

@@ -1,12 +1,12 @@
 //! First returns against the truth of simulated ponds.
 
-use bathyscope::first_return::{
+use bathyscope::formats;
+use bathyscope::simulation::{PingTruth, Scene, simulate};
+use bathyscope::sonar::first_return::{
     FirstReturnSettings, FirstReturns, ImageSettings, Method, Normalisation, SampleMode, detect,
     track_range,
 };
-use bathyscope::formats;
-use bathyscope::progress::Progress;
-use bathyscope::simulation::{PingTruth, Scene, simulate};
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::{Side, Survey};
 
 /// A pond with what is true about it.

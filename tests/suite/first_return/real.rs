@@ -1,9 +1,9 @@
 //! First returns on real recordings, against what can be known of them without truth.
 
 use crate::support;
-use bathyscope::first_return::{FirstReturnSettings, FirstReturns, ImageSettings, detect};
 use bathyscope::formats;
-use bathyscope::progress::Progress;
+use bathyscope::sonar::first_return::{FirstReturnSettings, FirstReturns, ImageSettings, detect};
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::{Side, Survey};
 
 fn tracked(file: &str) -> Option<(Survey, FirstReturns)> {

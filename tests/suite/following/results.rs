@@ -3,7 +3,7 @@
 use crate::support::{demo_log, real_data};
 use bathyscope::formats::{open_bytes, open_growing, open_tail};
 use bathyscope::pipeline::{GrowingResults, Preset, Products, Settings, extend, run};
-use bathyscope::progress::Progress;
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::{Bytes, Side, Survey, SurveyVersions};
 use std::path::PathBuf;
 use std::sync::Arc;

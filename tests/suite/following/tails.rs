@@ -3,7 +3,7 @@
 use crate::handmade::{Frame, humminbird, sl2, sl3, survey_frames, xtf};
 use crate::support::real_data;
 use bathyscope::formats::{open_growing, open_tail};
-use bathyscope::progress::Progress;
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::{Bytes, Survey, SurveyVersions};
 use std::path::PathBuf;
 use std::sync::Arc;

@@ -5,10 +5,10 @@ use crate::support::{demo_log, real_data};
 use bathyscope::app::{
     Action, App, BottomStroke, Command, FollowStatus, Ink, Jobs, Leave, Mark, is_project,
 };
-use bathyscope::calibration::ScaleMode;
 use bathyscope::detection::review::{Edit, State};
 use bathyscope::formats::open_bytes;
-use bathyscope::progress::Progress;
+use bathyscope::sonar::calibration::ScaleMode;
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::{LogPart, Side};
 use std::fs::{File, OpenOptions};
 use std::io::Write as _;

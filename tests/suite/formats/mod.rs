@@ -10,7 +10,7 @@ mod xtf;
 use crate::handmade::{self, Frame};
 use crate::support;
 use bathyscope::formats::{self, OpenError};
-use bathyscope::progress::Progress;
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::{ChannelKind, Order, Side, SideScanState, Survey};
 use std::path::{Path, PathBuf};
 

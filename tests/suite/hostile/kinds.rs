@@ -6,7 +6,7 @@ use crate::handmade;
 use bathyscope::detection::Mark;
 use bathyscope::detection::review::{Edit, Review};
 use bathyscope::formats;
-use bathyscope::progress::Progress;
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::{Identity, Side};
 use std::fs;
 use std::path::Path;

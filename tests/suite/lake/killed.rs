@@ -3,7 +3,7 @@
 use super::{add, files, sail, scene};
 use crate::cli::run;
 use crate::support::Moments;
-use bathyscope::lake::Lake;
+use bathyscope::products::lake::Lake;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::{Command, Stdio};

@@ -2,11 +2,11 @@
 
 use super::{ZONE, files, sail, scene};
 use crate::cli::{refusal, run};
-use bathyscope::bathymetry::{CellSource, Grid, Surface};
+use bathyscope::bottom::bathymetry::{CellSource, Grid, Surface};
 use bathyscope::formats::geotiff::read_cells;
-use bathyscope::lake::{Lake, Offsets, TileId, contents, tile_surface};
-use bathyscope::progress::Progress;
+use bathyscope::products::lake::{Lake, Offsets, TileId, contents, tile_surface};
 use bathyscope::simulation::{Mound, Scene, simulate};
+use bathyscope::support::progress::Progress;
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::path::Path;

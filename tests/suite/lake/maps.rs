@@ -2,10 +2,10 @@
 
 use super::{CORNER_M, ZONE, add, files, sail, scene, three_logs, zigzag};
 use crate::cli::{refusal, run};
-use bathyscope::bathymetry::{DepthPoint, Grid, Surface, local_surface};
+use bathyscope::bottom::bathymetry::{DepthPoint, Grid, Surface, local_surface};
 use bathyscope::formats::parquet_table::{Values, read_parquet};
-use bathyscope::lake::{Lake, Offsets, TILE_M, TileId, contents, tile_map};
-use bathyscope::progress::Progress;
+use bathyscope::products::lake::{Lake, Offsets, TILE_M, TileId, contents, tile_map};
+use bathyscope::support::progress::Progress;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;

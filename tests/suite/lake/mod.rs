@@ -11,9 +11,9 @@ mod rows;
 mod who;
 
 use crate::cli::run;
-use bathyscope::geo::{UtmZone, metres_per_degree};
-use bathyscope::progress::Progress;
 use bathyscope::simulation::{Artefacts, BedSettings, Scene, Simulated, TrackSettings, simulate};
+use bathyscope::support::geo::{UtmZone, metres_per_degree};
+use bathyscope::support::progress::Progress;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;

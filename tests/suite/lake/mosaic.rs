@@ -2,7 +2,7 @@
 
 use super::{files, sail, scene};
 use crate::cli::{refusal, run};
-use bathyscope::lake::{Lake, TileId, contents};
+use bathyscope::products::lake::{Lake, TileId, contents};
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::path::Path;

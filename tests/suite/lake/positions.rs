@@ -3,9 +3,9 @@
 use super::{add, sail, zigzag};
 use crate::cli::{refusal, run};
 use bathyscope::formats::lowrance::{FILE_HEADER, sl2::Header};
-use bathyscope::lake::{Lake, Offsets, contents, tile_map};
-use bathyscope::progress::Progress;
+use bathyscope::products::lake::{Lake, Offsets, contents, tile_map};
 use bathyscope::simulation::{BedSettings, Mound, Scene};
+use bathyscope::support::progress::Progress;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;

@@ -3,7 +3,7 @@
 use super::{add, files, sail, scene, three_logs};
 use crate::cli::{refusal, run};
 use bathyscope::formats::parquet_table::{Values, read_parquet};
-use bathyscope::lake::{Lake, TileId};
+use bathyscope::products::lake::{Lake, TileId};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! Lever arms against geodesics.
 
-use bathyscope::geo::{LonLat, distance_m};
-use bathyscope::progress::Progress;
+use bathyscope::support::geo::{LonLat, distance_m};
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::{
     Fix, HeadingSettings, HeadingSource, MountingSettings, Placing, PositionShift, Projection,
     SidePing, Survey, Track, navigate_placed,

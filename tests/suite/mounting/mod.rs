@@ -8,8 +8,8 @@ mod window;
 use crate::truth::KnownSurvey;
 use bathyscope::formats::TrackFile;
 use bathyscope::pipeline::{self, Products, Settings};
-use bathyscope::progress::Progress;
 use bathyscope::simulation::{Artefacts, ObjectKind, ObjectSettings, Scene, TrackSettings};
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::Survey;
 
 /// Two lines to and fro over a gentle bed with three objects that both see, and nothing that disturbs but speckle.

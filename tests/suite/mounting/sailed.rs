@@ -89,7 +89,7 @@ fn the_arm_turns_with_the_fitted_track_where_headings_are_steps() {
         let at = stretched
             .navigation
             .to_lon_lat(&survey.track, east_m, north_m);
-        bathyscope::geo::distance_m(at, truth.position)
+        bathyscope::support::geo::distance_m(at, truth.position)
     });
     let off: Vec<f64> = off.collect();
     let off_m = rms(&off[..off.len() - 60]);
@@ -167,7 +167,7 @@ fn a_clock_that_is_behind_finds_its_place_on_another_receivers_track() {
         });
         let off = places
             .zip(&known.truth.pings)
-            .map(|(place, truth)| bathyscope::geo::distance_m(place, truth.position));
+            .map(|(place, truth)| bathyscope::support::geo::distance_m(place, truth.position));
         let off: Vec<f64> = off.filter(|metres| metres.is_finite()).collect();
         (rms(&off[60..off.len() - 60]), survey.start_unix_s)
     };

@@ -5,9 +5,9 @@ use super::settings;
 use crate::cli::{refusal, run, stderr_of};
 use crate::handmade;
 use bathyscope::formats;
-use bathyscope::geo::{LonLat, distance_m};
 use bathyscope::pipeline::{self, Settings};
-use bathyscope::progress::Progress;
+use bathyscope::support::geo::{LonLat, distance_m};
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::Survey;
 
 /// An XTF log of 20 pings, half a metre to the north each, that says that its positions are metres.

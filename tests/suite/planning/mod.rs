@@ -4,10 +4,10 @@ mod ponds;
 
 use crate::cli::{refusal, run};
 use crate::support::demo_log;
-use bathyscope::planning::{
+use bathyscope::bottom::planning::{
     Leg, PlanError, PlanSettings, SeenObject, SigmaLaw, Station, Surveyed, plan,
 };
-use bathyscope::progress::Progress;
+use bathyscope::support::progress::Progress;
 use serde_json::Value;
 use std::fs;
 

@@ -1,15 +1,15 @@
 //! What sailing the planned lines does for simulated ponds whose survey has a hole.
 
 use crate::support::Moments;
-use bathyscope::bathymetry::Surface;
+use bathyscope::bottom::bathymetry::Surface;
+use bathyscope::bottom::planning::{Plan, PlanSettings, plan};
 use bathyscope::formats;
-use bathyscope::geo::{CrsChoice, LocalFrame, LonLat, MapPlane};
 use bathyscope::pipeline::{self, ProcessedLog, Settings, joint_depth_surface, surveyed};
-use bathyscope::planning::{Plan, PlanSettings, plan};
-use bathyscope::progress::Progress;
 use bathyscope::simulation::{
     Artefacts, BedKind, BedSettings, RecorderSettings, Scene, Simulated, TrackSettings, simulate,
 };
+use bathyscope::support::geo::{CrsChoice, LocalFrame, LonLat, MapPlane};
+use bathyscope::support::progress::Progress;
 use std::fs;
 use std::sync::Arc;
 

@@ -5,9 +5,9 @@ mod killed;
 use crate::cli::stderr_of;
 use bathyscope::detection::review::{BoxId, Edit};
 use bathyscope::formats;
-use bathyscope::geo::LonLat;
-use bathyscope::progress::Progress;
 use bathyscope::project::{self, Change, LogFile, Project, ProjectLog, Store, StoreError};
+use bathyscope::support::geo::LonLat;
+use bathyscope::support::progress::Progress;
 use std::fs;
 use std::path::{Path, PathBuf};
 

@@ -12,8 +12,8 @@ use crate::window::{Window, app, demo_window, drawn_window, press, settle, thres
 use bathyscope::app::{Action, App, BoxEdge, Command, Jobs, Tool, border_m};
 use bathyscope::detection::review::{BoxId, Edit, Review, Reviewed, State};
 use bathyscope::detection::{Detection, Mark, ObjectExtent, Raster};
-use bathyscope::progress::Progress;
 use bathyscope::simulation::{Scene, simulate};
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::{Identity, Side};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Pos2, pos2};
@@ -431,7 +431,7 @@ fn the_confidence_slider_hides_proposals_but_no_decisions() {
     let counts = app(&window).log.reviewing.counts();
     assert_eq!((counts.rejected, counts.proposed), (1, sure));
     window.get_by_label_contains(&format!(", {} boxes in view", sure + 1));
-    let below = bathyscope::presentation::text::plural(9 - sure, "proposal", "proposals");
+    let below = bathyscope::support::presentation::text::plural(9 - sure, "proposal", "proposals");
     window.get_by_label_contains(&format!("{below} below the minimum confidence"));
 }
 

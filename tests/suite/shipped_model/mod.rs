@@ -4,8 +4,8 @@
 use bathyscope::detection::model::shipped;
 use bathyscope::detection::{Detection, DetectorSettings, Mark, Model, Picture, Raster, find};
 use bathyscope::formats;
-use bathyscope::progress::Progress;
 use bathyscope::simulation::{Scene, Sighting, simulate};
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::{HeadingSettings, Projection, Survey, navigate};
 
 const ONNX: &[u8] = include_bytes!("../../../assets/detector/default.onnx");

@@ -8,10 +8,10 @@ mod wreck;
 use bathyscope::app::{App, Command, Jobs, LogBox};
 use bathyscope::detection::review::{BoxId, Edit, Reviewed};
 use bathyscope::detection::targets::Target;
-use bathyscope::progress::Progress;
 use bathyscope::simulation::{
     Artefacts, BedSettings, ObjectSettings, Scene, Simulated, Terrace, TrackSettings, simulate,
 };
+use bathyscope::support::progress::Progress;
 use std::path::{Path, PathBuf};
 
 /// A level bed so deep under the boat, one line to the east over it, and nothing that disturbs but speckle.

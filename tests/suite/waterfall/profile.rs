@@ -3,10 +3,10 @@
 use super::synthetic::{bed_m, even_bottom, pond};
 use super::{app_with, name, pond_app, window};
 use bathyscope::app::{Command, Mark};
-use bathyscope::first_return::{
+use bathyscope::sonar::first_return::{
     FirstReturnSettings, ImageSettings, Method, Normalisation, SampleMode, detect,
 };
-use bathyscope::progress::Progress;
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::Side;
 use egui::pos2;
 use std::time::Duration;

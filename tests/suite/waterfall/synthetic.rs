@@ -1,6 +1,6 @@
 //! Surveys made up for the waterfall: an even bottom, and a pond with a target and a change of range.
 
-use bathyscope::first_return::{FirstReturns, Pick};
+use bathyscope::sonar::first_return::{FirstReturns, Pick};
 use bathyscope::survey::{Bytes, Encoding, Order, Side, SidePing, SideScanState, SideSpan, Survey};
 use std::sync::Arc;
 

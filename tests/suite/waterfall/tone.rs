@@ -3,10 +3,10 @@
 use super::synthetic::{span, survey_of};
 use super::{Window, settle, window};
 use bathyscope::app::{Action, App, ColourMap, Command, Jobs, Tool};
-use bathyscope::mosaic::Gain;
-use bathyscope::picture::Geometry;
+use bathyscope::imagery::mosaic::Gain;
+use bathyscope::imagery::picture::Geometry;
 use bathyscope::pipeline::{self, Settings};
-use bathyscope::progress::Progress;
+use bathyscope::support::progress::Progress;
 use bathyscope::survey::{Side, Survey};
 use egui::pos2;
 use egui_kittest::Harness;

@@ -1,10 +1,10 @@
 //! The depth maps of either side of a change: of a run, of a lake, or of any program.
 
-use crate::bathymetry::CellSource;
+use crate::bottom::bathymetry::CellSource;
 use crate::formats::geotiff::{
     Cells, CellsError, RasterSpec, RasterTiles, RasterValues, read_values,
 };
-use crate::geo::{Crs, MapPlane, bounds_deg, boxes_meet};
+use crate::support::geo::{Crs, MapPlane, bounds_deg, boxes_meet};
 use std::fs;
 use std::path::{Path, PathBuf};
 

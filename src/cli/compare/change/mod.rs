@@ -5,16 +5,18 @@ mod page;
 mod record;
 
 use super::CompareArgs;
-use crate::bathymetry::Grid;
-use crate::bathymetry::change::{
+use crate::bottom::bathymetry::Grid;
+use crate::bottom::bathymetry::change::{
     CellChange, ChangeErrors, ChangeField, ChangeRegion, ChangeTotals,
 };
 use crate::cli::output;
 use crate::cli::status_line::StatusLine;
-use crate::export::{metres_raster, qgis_style, write_aside};
 use crate::formats::geotiff::{Band, RasterSpec};
-use crate::presentation::colours::{difference_colour, difference_reach_m, uncertainty_colour};
-use crate::progress::Progress;
+use crate::products::export::{metres_raster, qgis_style, write_aside};
+use crate::support::presentation::colours::{
+    difference_colour, difference_reach_m, uncertainty_colour,
+};
+use crate::support::progress::Progress;
 use maps::{DepthMaps, DepthPart};
 use rayon::prelude::*;
 use record::ChangeRecord;

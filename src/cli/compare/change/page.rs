@@ -1,8 +1,8 @@
 //! The change on one page: figures and a picture.
 
 use super::record::ChangeRecord;
-use crate::presentation::colours::{difference_colour, difference_reach_m};
-use crate::printable::xml;
+use crate::support::presentation::colours::{difference_colour, difference_reach_m};
+use crate::support::printable::xml;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use image::{ExtendedColorType, ImageEncoder as _, codecs::png::PngEncoder};

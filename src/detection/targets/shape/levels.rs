@@ -3,7 +3,7 @@
 use super::super::Placer;
 use super::super::profile::{Background, Grid};
 use crate::detection::Mark;
-use crate::statistics::median;
+use crate::support::statistics::median;
 use crate::survey::Side;
 use std::ops::Range;
 

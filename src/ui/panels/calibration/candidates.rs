@@ -1,8 +1,8 @@
 //! The ranked flat stretches as a table: a click proposes one, and what speaks against it stands below.
 
 use crate::app::{Command, Mark, Tool};
-use crate::calibration::{FlatSpot, PingRange};
 use crate::pipeline::Products;
+use crate::sonar::calibration::{FlatSpot, PingRange};
 use crate::survey::Survey;
 use crate::ui::list_keys::ListKeys;
 use crate::ui::panels::parts;

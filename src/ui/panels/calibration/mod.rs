@@ -8,10 +8,10 @@ use super::find_setting;
 use super::parts::{self, fact, setting};
 use super::section::{Section, section, unfold_section};
 use crate::app::{Action, Command, Tool};
-use crate::calibration::{Calibration, PingRange, Scale, ScaleMode};
 use crate::pipeline::Stage;
 use crate::pipeline::settings::rows;
-use crate::presentation::units::Units;
+use crate::sonar::calibration::{Calibration, PingRange, Scale, ScaleMode};
+use crate::support::presentation::units::Units;
 use crate::ui::{ViewContext, flat_spot_words, text, toggle};
 use egui::{Button, Ui};
 

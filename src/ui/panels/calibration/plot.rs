@@ -1,9 +1,9 @@
 //! First-return ranges against soundings with the line of a scale, and what is left of the difference below.
 
 use crate::app::ViewOptions;
-use crate::calibration::{Calibration, RangeAtDepth, ScaleMode};
 use crate::pipeline::{Products, ScaleTrial};
-use crate::presentation::plot::Axis;
+use crate::sonar::calibration::{Calibration, RangeAtDepth, ScaleMode};
+use crate::support::presentation::plot::Axis;
 use crate::ui::panels::axes::Axes;
 use crate::ui::theme;
 use egui::{Color32, Painter, Rect, Role, Sense, Stroke, Ui, WidgetInfo, vec2};

@@ -3,7 +3,7 @@
 use super::{pings, plot, press};
 use crate::app::Action;
 use crate::pipeline::{Products, ScaleEffect, ScaleTrial};
-use crate::presentation::units::Units;
+use crate::support::presentation::units::Units;
 use crate::ui::panels::parts::{self, fact};
 use crate::ui::{ViewContext, flat_spot_words, theme};
 use egui::{Align, Frame, RichText, Ui};

@@ -1,8 +1,8 @@
 //! The statistics of differences, in rows.
 
-use crate::bathymetry::compare::Comparison;
-use crate::cloud::Residuals;
-use crate::presentation::units::Units;
+use crate::bottom::bathymetry::compare::Comparison;
+use crate::bottom::cloud::Residuals;
+use crate::support::presentation::units::Units;
 use crate::ui::panels::cloud;
 use crate::ui::panels::parts::fact;
 use crate::ui::text;

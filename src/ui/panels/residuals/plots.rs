@@ -1,9 +1,9 @@
 //! The pictures of differences: how often each size occurs, and what they hang on.
 
 use crate::app::ViewOptions;
-use crate::bathymetry::compare::{Bin, Histogram};
+use crate::bottom::bathymetry::compare::{Bin, Histogram};
 use crate::pipeline::ResidualTables;
-use crate::presentation::plot::Axis;
+use crate::support::presentation::plot::Axis;
 use crate::ui::panels::axes::Axes;
 use crate::ui::theme;
 use egui::{Painter, Rect, Role, Sense, Stroke, Ui, WidgetInfo, vec2};

@@ -12,7 +12,7 @@ use super::parts::{remark, warning, within};
 use super::section::{Section, section};
 use crate::app::{Action, Command};
 use crate::pipeline::Background;
-use crate::presentation::units::Units;
+use crate::support::presentation::units::Units;
 use crate::ui::views::chip::{self, Chip};
 use crate::ui::{ViewContext, text, theme};
 use egui::{Button, LayerId, ProgressBar, Rect, Response, RichText, Ui};

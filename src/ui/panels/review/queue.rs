@@ -3,7 +3,7 @@
 use super::super::parts::{remark, row};
 use crate::app::Command;
 use crate::detection::review::{Queue, Sort, State};
-use crate::presentation::units::Units;
+use crate::support::presentation::units::Units;
 use crate::ui::drop_down::{Choices, DropDown};
 use crate::ui::{ViewContext, text};
 use egui::{DragValue, Response, Slider, Ui};

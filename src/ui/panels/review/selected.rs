@@ -6,7 +6,7 @@ use crate::app::{Action, App, LogBox, Tool};
 use crate::detection::ObjectExtent;
 use crate::detection::review::{BoxId, Reviewed};
 use crate::detection::targets::{ObjectHeight, Target};
-use crate::presentation::units::Units;
+use crate::support::presentation::units::Units;
 use crate::ui::views::chip::{self, Chip};
 use crate::ui::{ViewContext, place, theme};
 use egui::{RichText, Ui};

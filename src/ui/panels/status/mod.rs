@@ -4,7 +4,7 @@ mod cells;
 
 use crate::app::{Action, Command, FollowStatus, Mark};
 use crate::pipeline::EngineStatus;
-use crate::presentation::text::count;
+use crate::support::presentation::text::count;
 use crate::ui::{ViewContext, theme};
 use egui::{Align, Layout, RichText, Ui};
 

@@ -3,7 +3,7 @@
 use super::columns::{Columns, resampled, span};
 use super::strips::Strips;
 use crate::app::{Command, Mark};
-use crate::presentation::ticks;
+use crate::support::presentation::ticks;
 use crate::ui::{ViewContext, text, theme};
 use egui::{Color32, Mesh, Pos2, Rect, Response, Stroke, Ui};
 

@@ -5,7 +5,7 @@ mod drawing;
 mod strips;
 
 use crate::app::Command;
-use crate::cloud::{Correction, PingDepth};
+use crate::bottom::cloud::{Correction, PingDepth};
 use crate::pipeline::Products;
 use crate::pipeline::{Background, Same};
 use crate::survey::{Navigation, Survey};

@@ -1,9 +1,9 @@
 //! What the time line shows, reduced on a worker to a few columns.
 
 use super::columns::{Columns, columns, span};
-use crate::cloud::{DepthReference, DepthSource};
+use crate::bottom::cloud::{DepthReference, DepthSource};
 use crate::pipeline::Products;
-use crate::presentation::units::Units;
+use crate::support::presentation::units::Units;
 use crate::survey::{Sounding, Survey};
 use egui::Rect;
 

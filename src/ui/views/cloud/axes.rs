@@ -2,7 +2,7 @@
 
 use super::scene::ShownPoints;
 use crate::app::ViewOptions;
-use crate::render::{Part, Projection};
+use crate::ui::render::{Part, Projection};
 use crate::ui::theme;
 use crate::ui::views::{legend, ticks};
 use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, Vec2, vec2};

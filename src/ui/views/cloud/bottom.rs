@@ -2,7 +2,7 @@
 
 use crate::app::{App, CloudOptions, Jobs};
 use crate::pipeline::{Background, Bottom, BottomColour, CornerGround, Same};
-use crate::render::{
+use crate::ui::render::{
     BOTTOM_TILE, BottomBuffers, BottomDraw, BottomPart, BottomVertex, Part, Projection, Uploader,
     towards_light,
 };

@@ -3,7 +3,7 @@
 use super::axes::Axes;
 use super::scene::SceneBox;
 use crate::app::{ClipBox, ViewOptions};
-use crate::presentation::units::Units;
+use crate::support::presentation::units::Units;
 use crate::ui::ViewContext;
 use crate::ui::views::legend;
 use crate::ui::{place, theme};

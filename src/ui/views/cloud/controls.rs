@@ -3,11 +3,11 @@
 use super::light;
 use super::scene::CloudScene;
 use crate::app::{App, CloudColour, Command, ViewOptions};
-use crate::bathymetry::CellSource;
-use crate::cloud::{DepthReference, PointClass, PointSource};
+use crate::bottom::bathymetry::CellSource;
+use crate::bottom::cloud::{DepthReference, PointClass, PointSource};
 use crate::pipeline::{Bottom, BottomColour, Products};
-use crate::presentation::colours::{SOURCES, share_colour};
-use crate::presentation::units::Units;
+use crate::support::presentation::colours::{SOURCES, share_colour};
+use crate::support::presentation::units::Units;
 use crate::survey::{Side, SideScanState, Survey};
 use crate::ui::text::count;
 use crate::ui::views::legend::{self, Scale};

@@ -16,7 +16,7 @@ use crate::app::{
     App, CloudColour, Command, Enlarged, Mark, SideColours, ThemeChoice, ViewOptions,
 };
 use crate::pipeline::Background;
-use crate::render::{CloudDraw, Direction, OrbitCamera, Uploader};
+use crate::ui::render::{CloudDraw, Direction, OrbitCamera, Uploader};
 use crate::ui::{ViewContext, ViewRequest, place, text, theme};
 use axes::Axes;
 use bottom::ShownBottom;

@@ -2,7 +2,7 @@
 
 use super::bottom::BottomScene;
 use super::scene::CloudScene;
-use crate::render::{BottomDraw, BottomRenderer, CloudDraw, CloudRenderer, Target};
+use crate::ui::render::{BottomDraw, BottomRenderer, CloudDraw, CloudRenderer, Target};
 use crate::ui::views::picture::Picture;
 use eframe::egui_wgpu::RenderState;
 use egui::{Painter, Rect};

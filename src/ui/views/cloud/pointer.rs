@@ -4,9 +4,9 @@ use super::axes::Axes;
 use super::bottom::BottomScene;
 use super::scene::{CloudScene, SceneBox, ShownPoints};
 use crate::app::{App, Command, LogId, Mark};
-use crate::geo::LonLat;
 use crate::pipeline::Products;
-use crate::render::OrbitCamera;
+use crate::support::geo::LonLat;
+use crate::ui::render::OrbitCamera;
 use crate::ui::{ViewContext, place, theme};
 use egui::{Painter, PointerButton, Pos2, Rect, Response, Shape, Stroke, Ui};
 use glam::Vec2;
@@ -262,8 +262,8 @@ fn paint_mark(
 mod tests {
     use super::*;
     use crate::app::ViewOptions;
-    use crate::cloud::{CloudPoint, PointClass, PointCloud, PointSource};
-    use crate::progress::Progress;
+    use crate::bottom::cloud::{CloudPoint, PointClass, PointCloud, PointSource};
+    use crate::support::progress::Progress;
     use crate::ui::views::cloud::scene::{ColourEnds, LogPoints};
     use std::sync::Arc;
 

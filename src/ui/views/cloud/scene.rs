@@ -1,15 +1,15 @@
 //! The cloud, ready to draw and to pick; made off the window's thread.
 
 use crate::app::{CloudColour, LogId, Mark, ShownLog, ViewOptions};
-use crate::calibration::Calibration;
-use crate::cloud::{
+use crate::bottom::cloud::{
     ClassCounts, CloudPoint, Correction, PointClass, PointCloud, PointScales, PointSource,
     Reduction,
 };
-use crate::presentation::colours::{depth_colour, depth_share, value_colour};
-use crate::progress::Progress;
-use crate::render::{CloudBuffers, Part, PointVertex, Uploader};
+use crate::sonar::calibration::Calibration;
+use crate::support::presentation::colours::{depth_colour, depth_share, value_colour};
+use crate::support::progress::Progress;
 use crate::survey::{Side, Survey};
+use crate::ui::render::{CloudBuffers, Part, PointVertex, Uploader};
 use crate::ui::theme;
 use glam::Vec3;
 use std::sync::Arc;
@@ -396,7 +396,7 @@ fn counts(logs: &[LogPoints]) -> Counts {
 mod tests {
     use super::*;
     use crate::app::CloudOptions;
-    use crate::cloud::BySource;
+    use crate::bottom::cloud::BySource;
 
     fn point(source: PointSource, ping: u32, z_m: f64) -> CloudPoint {
         CloudPoint {

@@ -5,8 +5,8 @@ use super::axes::Axes;
 use super::clip;
 use super::scene::CloudScene;
 use crate::app::{App, ViewOptions};
-use crate::bathymetry::Station;
-use crate::render::{Cut, Part, Projection};
+use crate::bottom::bathymetry::Station;
+use crate::ui::render::{Cut, Part, Projection};
 use crate::ui::theme;
 use egui::{Color32, Painter, Pos2, Shape, Stroke};
 use glam::{Vec3, Vec4};
@@ -159,7 +159,7 @@ fn lines(painter: &Painter, places: &[Option<Pos2>], stroke: Stroke) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::OrbitCamera;
+    use crate::ui::render::OrbitCamera;
 
     #[test]
     fn what_lies_behind_the_camera_is_cut_off() {

@@ -3,9 +3,9 @@
 use super::tiles::{SIDE, TileKey, TileSource};
 use super::transform::GroundBounds;
 use super::warp::Warp;
-use crate::base_map::BaseMap;
+use crate::formats::base_map::BaseMap;
 use crate::pipeline::Same;
-use crate::progress::Progress;
+use crate::support::progress::Progress;
 use crate::survey::{Navigation, Survey};
 use egui::Color32;
 use std::sync::Arc;

@@ -3,10 +3,10 @@
 use super::tiles::{SIDE, TileKey, TileSource};
 use super::transform::GroundBounds;
 use super::warp::Warp;
-use crate::bathymetry::Grid;
+use crate::bottom::bathymetry::Grid;
 use crate::pipeline::DepthMap;
-use crate::presentation::colours::{depth_colour, depth_share};
-use crate::progress::Progress;
+use crate::support::presentation::colours::{depth_colour, depth_share};
+use crate::support::progress::Progress;
 use egui::Color32;
 use std::sync::Arc;
 

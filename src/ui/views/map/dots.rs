@@ -2,7 +2,7 @@
 
 use super::tiles::{SIDE, TileKey, TileSource};
 use super::transform::GroundBounds;
-use crate::progress::Progress;
+use crate::support::progress::Progress;
 use egui::Color32;
 
 /// Dots in a box that shows whether they need to be looked at. A boat cannot jump: those in a row lie close together.

@@ -1,8 +1,8 @@
 //! The ranked flat stretches, numbered, the one that the calibration was measured on, and the one that is proposed.
 
 use super::overlay::Scene;
-use crate::calibration::{FlatSpot, ScaleMode};
-use crate::presentation::units::Units;
+use crate::sonar::calibration::{FlatSpot, ScaleMode};
+use crate::support::presentation::units::Units;
 use crate::ui::theme;
 use crate::ui::views::legend;
 use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, Vec2, vec2};

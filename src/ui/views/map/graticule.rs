@@ -1,8 +1,8 @@
 //! The graticule: lines at round degrees, or metres of the UTM zone, named along the lower and the left edge.
 
 use super::overlay::Scene;
-use crate::geo::{LonLat, UtmZone};
-use crate::presentation::graticule::{Bounds, Family, Net};
+use crate::support::geo::{LonLat, UtmZone};
+use crate::support::presentation::graticule::{Bounds, Family, Net};
 use crate::ui::theme;
 use crate::ui::views::legend;
 use egui::{Align2, Painter, Pos2, Rect, Shape, Stroke, pos2, vec2};

@@ -4,13 +4,13 @@ use super::lines::Line;
 use super::ping_boxes::PingBoxes;
 use super::transform::GroundBounds;
 use crate::app::{LogId, ShownLog};
-use crate::cloud::{Correction, DepthSource, PingDepth};
+use crate::bottom::cloud::{Correction, DepthSource, PingDepth};
 use crate::pipeline::ProcessedLog;
 use crate::pipeline::Same;
-use crate::presentation::colours::{depth_colour, depth_share};
-use crate::progress::Progress;
-use crate::render::{Specks, Uploader, Vertex};
+use crate::support::presentation::colours::{depth_colour, depth_share};
+use crate::support::progress::Progress;
 use crate::survey::{Navigation, PingNav, Sounding, Survey};
+use crate::ui::render::{Specks, Uploader, Vertex};
 use std::sync::Arc;
 
 /// Seconds without a record after which the track is broken instead of bridged.

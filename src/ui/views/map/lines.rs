@@ -1,7 +1,7 @@
 //! Long lines on the map, drawn by the GPU and only when something about them changed.
 
 use super::overlay::Scene;
-use crate::render::{
+use crate::ui::render::{
     LineDraw, LinePyramid, LineRenderer, LineUniform, Specks, TrackBuffers, Vertex,
 };
 use crate::ui::views::picture::Picture;
@@ -25,7 +25,7 @@ impl Line {
         origin_m: [f64; 2],
         vertices: Vec<Vertex>,
         specks: Specks,
-        uploader: Option<&crate::render::Uploader>,
+        uploader: Option<&crate::ui::render::Uploader>,
     ) -> Self {
         let mut buffers = uploader.map(|_| TrackBuffers::default());
         let pyramid = LinePyramid::new(vertices, specks, |vertices| {

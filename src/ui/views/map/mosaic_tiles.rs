@@ -2,10 +2,10 @@
 
 use super::tiles::{SIDE, TileKey, TileSource};
 use super::transform::GroundBounds;
-use crate::bathymetry::Grid;
-use crate::mosaic::{MosaicSettings, Overlap};
+use crate::bottom::bathymetry::Grid;
+use crate::imagery::mosaic::{MosaicSettings, Overlap};
 use crate::pipeline::{FINEST, Mosaic};
-use crate::progress::Progress;
+use crate::support::progress::Progress;
 use egui::Color32;
 use std::sync::Arc;
 

@@ -3,7 +3,7 @@
 use super::overlay::Scene;
 use super::{mosaic_tiles, points};
 use crate::app::MapLayer;
-use crate::presentation::text::count;
+use crate::support::presentation::text::count;
 use crate::ui::views::legend;
 use egui::Painter;
 

@@ -3,9 +3,9 @@
 use super::overlay::Scene;
 use super::transform::MapTransform;
 use crate::app::{Action, App, Command, PlanRequest, PlannedLines};
+use crate::bottom::planning::Leg;
 use crate::pipeline::Products;
-use crate::planning::Leg;
-use crate::presentation::text;
+use crate::support::presentation::text;
 use crate::survey::Survey;
 use crate::ui::views::{drag, legend};
 use crate::ui::{ViewContext, theme};

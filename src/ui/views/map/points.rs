@@ -3,9 +3,9 @@
 use super::dots::{Dot, Dots};
 use super::tiles::TileSource;
 use crate::app::{ShownLog, SideColours, ThemeChoice, ViewOptions};
-use crate::cloud::{CloudPoint, PointClass, PointCloud, PointSource};
+use crate::bottom::cloud::{CloudPoint, PointClass, PointCloud, PointSource};
 use crate::pipeline::Same;
-use crate::progress::Progress;
+use crate::support::progress::Progress;
 use crate::survey::Side;
 use crate::ui::theme;
 use std::sync::Arc;

@@ -3,8 +3,8 @@
 use super::dots::{Dot, Dots};
 use super::tiles::TileSource;
 use crate::pipeline::Agreement;
-use crate::presentation::colours::{difference_colour, difference_reach_m};
-use crate::progress::Progress;
+use crate::support::presentation::colours::{difference_colour, difference_reach_m};
+use crate::support::progress::Progress;
 use egui::Color32;
 use std::sync::Arc;
 
@@ -99,8 +99,8 @@ fn shortened(name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bathymetry::compare::{Comparison, Match, Matching};
-    use crate::cloud::{CloudPoint, PointCloud, PointSource};
+    use crate::bottom::bathymetry::compare::{Comparison, Match, Matching};
+    use crate::bottom::cloud::{CloudPoint, PointCloud, PointSource};
     use crate::pipeline::{LogDifferences, ResidualTables};
     use crate::ui::views::map::tiles::{SIDE, TileKey};
 

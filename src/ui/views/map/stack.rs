@@ -13,13 +13,13 @@ use super::tiles::{TileLayer, TileSource};
 use super::transform::GroundBounds;
 use super::{objects, track_picture};
 use crate::app::{DrawnIsobaths, LayerStack, MapLayer, ShownLog};
-use crate::mosaic::{Colours, MosaicSettings};
+use crate::imagery::mosaic::{Colours, MosaicSettings};
 use crate::pipeline::{Agreement, DepthMap, Mosaic, Products};
 use crate::pipeline::{Background, Same};
-use crate::presentation::units::Units;
-use crate::render::Uploader;
+use crate::support::presentation::units::Units;
 use crate::survey::Survey;
 use crate::ui::ViewContext;
+use crate::ui::render::Uploader;
 use egui::Painter;
 use std::sync::Arc;
 

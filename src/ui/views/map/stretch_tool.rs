@@ -6,7 +6,7 @@ use super::overlay::Scene;
 use super::pointer::REACH;
 use super::transform::MapTransform;
 use crate::app::{App, Command, Leave, LogId, Tool};
-use crate::calibration::PingRange;
+use crate::sonar::calibration::PingRange;
 use crate::survey::LogPart;
 use crate::ui::views::{drag, legend};
 use crate::ui::{ViewContext, left_out_words, theme};

@@ -2,7 +2,7 @@
 
 use crate::app::{App, ObjectColumn, ObjectState, SurveyObject};
 use crate::detection::review::{Confidence, State};
-use crate::presentation::units::Units;
+use crate::support::presentation::units::Units;
 use crate::ui::place;
 use egui::{Rect, pos2, vec2};
 

@@ -3,8 +3,8 @@
 use super::Shown;
 use super::plot::Plot;
 use crate::app::ViewOptions;
-use crate::cloud::Reduction;
-use crate::first_return::Normalisation;
+use crate::bottom::cloud::Reduction;
+use crate::sonar::first_return::Normalisation;
 use crate::survey::{Side, SideSpan};
 use crate::ui::theme;
 use egui::{Color32, Painter, Pos2, Stroke, pos2};

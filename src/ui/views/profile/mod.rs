@@ -7,10 +7,10 @@ mod plot;
 mod scale;
 
 use crate::app::{Command, Mark};
-use crate::cloud::Reduction;
-use crate::first_return::Pick;
+use crate::bottom::cloud::Reduction;
 use crate::pipeline::Settings;
-use crate::presentation::units::Units;
+use crate::sonar::first_return::Pick;
+use crate::support::presentation::units::Units;
 use crate::survey::{Side, SidePing, Survey};
 use crate::ui::{ViewContext, left_out_words, place, theme};
 use egui::{Rect, Response, Sense, vec2};

@@ -1,7 +1,7 @@
 //! The frame of the profile: intensity up, slant range to both sides.
 
 use crate::app::ViewOptions;
-use crate::presentation::units::Units;
+use crate::support::presentation::units::Units;
 use crate::ui::theme;
 use egui::{Align2, FontId, Painter, Pos2, Rect, Stroke, pos2, vec2};
 

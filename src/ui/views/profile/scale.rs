@@ -1,7 +1,7 @@
 //! The normalisation of the whole picture, measured once off the window's thread.
 
-use crate::first_return::{ImageSettings, Normalisation, SampleMode};
 use crate::pipeline::Background;
+use crate::sonar::first_return::{ImageSettings, Normalisation, SampleMode};
 use crate::survey::Survey;
 use crate::ui::ViewContext;
 use std::sync::Arc;
@@ -70,7 +70,7 @@ fn full_scale(key: &Key) -> Normalisation {
 mod tests {
     use super::*;
     use crate::app::{App, Command, Jobs, View};
-    use crate::progress::Progress;
+    use crate::support::progress::Progress;
 
     #[test]
     fn the_first_frame_of_a_picture_has_the_scale_of_its_survey() {

@@ -1,7 +1,7 @@
 //! What the view says about itself to screen readers and tests, and while it has nothing to show.
 
 use super::marks;
-use crate::first_return::BottomLine;
+use crate::sonar::first_return::BottomLine;
 use crate::survey::Survey;
 use crate::ui::views::empty;
 use crate::ui::{ViewContext, left_out_words};

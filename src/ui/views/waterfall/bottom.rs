@@ -3,7 +3,7 @@
 use super::lens::{Lens, Place, across_m};
 use super::lines::Pen;
 use crate::app::{App, BottomStroke, Command, Ink, Tool};
-use crate::first_return::BottomEdit;
+use crate::sonar::first_return::BottomEdit;
 use crate::survey::Side;
 use crate::ui::views::drag;
 use crate::ui::{ViewContext, theme};

@@ -2,11 +2,11 @@
 
 use super::lens::Lens;
 use super::tiles::TileSet;
-use crate::first_return::FirstReturns;
-use crate::picture::LogPicture;
-use crate::render::waterfall::{Quad, TileTexture};
+use crate::imagery::picture::LogPicture;
+use crate::imagery::waterfall::{Levels, Made, PickLines, RangeAxis, RangeLine, Tile, Tiler};
+use crate::sonar::first_return::FirstReturns;
 use crate::survey::Survey;
-use crate::waterfall::{Levels, Made, PickLines, RangeAxis, RangeLine, Tile, Tiler};
+use crate::ui::render::waterfall::{Quad, TileTexture};
 use std::collections::VecDeque;
 use std::sync::Arc;
 

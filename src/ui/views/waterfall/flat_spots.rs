@@ -4,7 +4,7 @@
 use super::labels::Labels;
 use super::lens::{Lens, Place};
 use crate::app::{App, Tool};
-use crate::calibration::{FlatSpot, PingRange, ScaleMode};
+use crate::sonar::calibration::{FlatSpot, PingRange, ScaleMode};
 use crate::ui::{flat_spot_words, theme};
 use egui::{Align2, Color32, Painter, Pos2, Rect, Stroke, vec2};
 use std::ops::Range;

@@ -3,7 +3,7 @@
 
 use super::camera::{Camera, Size};
 use crate::app::Orientation;
-use crate::picture::{Geometry, PingScale, PingScales};
+use crate::imagery::picture::{Geometry, PingScale, PingScales};
 use crate::survey::Side;
 use egui::{Pos2, Rect, pos2};
 use std::ops::Range;

@@ -3,10 +3,10 @@
 use super::drawing::Drawing;
 use super::lens::{Lens, Place, across_m};
 use crate::app::Orientation;
-use crate::cloud::Reduction;
-use crate::first_return::FirstReturns;
+use crate::bottom::cloud::Reduction;
+use crate::imagery::waterfall::{LineSpan, LineStep};
+use crate::sonar::first_return::FirstReturns;
 use crate::survey::{Side, Survey};
-use crate::waterfall::{LineSpan, LineStep};
 use egui::{Color32, Mesh, Painter, Pos2, Rect, Shape, Stroke, vec2};
 
 /// Pings wider than this many points get a dot each.

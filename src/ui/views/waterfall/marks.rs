@@ -2,7 +2,7 @@
 
 use super::lens::{Lens, Place, across_m};
 use crate::app::Mark;
-use crate::presentation::units::Units;
+use crate::support::presentation::units::Units;
 use crate::survey::{SideScanState, Survey};
 use crate::ui::theme;
 use egui::{Align2, Color32, Painter, Rect, Stroke, vec2};

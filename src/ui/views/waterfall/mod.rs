@@ -28,12 +28,12 @@ pub use boxes::outline;
 
 use super::tool_banner;
 use crate::app::{App, ColourMap, Command, Enlarged, Mark, Orientation, Tool, View};
-use crate::picture::Geometry;
-use crate::presentation::colours;
-use crate::render::waterfall::WaterfallPicture;
+use crate::imagery::picture::Geometry;
+use crate::imagery::waterfall::RangeAxis;
+use crate::support::presentation::colours;
 use crate::survey::Survey;
+use crate::ui::render::waterfall::WaterfallPicture;
 use crate::ui::{ViewContext, ViewRequest, theme};
-use crate::waterfall::RangeAxis;
 use camera::{Camera, Extent, Size};
 use drawing::Drawing;
 use eframe::egui_wgpu::RenderState;

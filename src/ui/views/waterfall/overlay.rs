@@ -6,7 +6,7 @@ use super::lens::Lens;
 use super::scales::RangeLines;
 use super::{bottom, boxes, flat_spots, left_out, lines, marks, scales};
 use crate::app::{App, Mark};
-use crate::picture::Geometry;
+use crate::imagery::picture::Geometry;
 use crate::survey::{Side, Survey};
 use crate::ui::{place, theme};
 use egui::Painter;

@@ -1,6 +1,6 @@
 //! Hands the tiles in view to the renderer inside egui's pass.
 
-use crate::render::waterfall::{Look, Quad, Tables, TileTexture, WaterfallPicture};
+use crate::ui::render::waterfall::{Look, Quad, Tables, TileTexture, WaterfallPicture};
 use eframe::egui_wgpu::{Callback, CallbackResources, CallbackTrait, ScreenDescriptor};
 use egui::{Painter, Rect};
 use std::sync::Arc;

@@ -3,10 +3,10 @@
 use super::labels::{INK, Labels};
 use super::lens::{Lens, Place, across_m};
 use crate::app::{Orientation, ViewOptions};
-use crate::cloud::Reduction;
-use crate::picture::Geometry;
-use crate::presentation::ticks;
-use crate::presentation::units::Units;
+use crate::bottom::cloud::Reduction;
+use crate::imagery::picture::Geometry;
+use crate::support::presentation::ticks;
+use crate::support::presentation::units::Units;
 use crate::survey::{Side, SideSpan, Survey};
 use crate::ui::{text, theme};
 use egui::{Align2, Color32, Painter, Pos2, Stroke, vec2};
@@ -266,8 +266,8 @@ pub(super) fn sides(labels: &mut Labels<'_>, lens: &Lens, options: &ViewOptions)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibration::{Calibration, PpdReach, ScaleMode};
-    use crate::cloud::Correction;
+    use crate::bottom::cloud::Correction;
+    use crate::sonar::calibration::{Calibration, PpdReach, ScaleMode};
     use crate::survey::SidePing;
     use crate::ui::views::waterfall::camera::{Camera, Extent, Size};
     use egui::{Rect, pos2, vec2};

@@ -5,7 +5,7 @@ use super::labels;
 use super::left_out::{area, edges, veil};
 use super::lens::Lens;
 use crate::app::{App, Command, Leave, Tool};
-use crate::calibration::PingRange;
+use crate::sonar::calibration::PingRange;
 use crate::survey::{LogPart, Side};
 use crate::ui::views::drag;
 use crate::ui::{ViewContext, left_out_words, theme};

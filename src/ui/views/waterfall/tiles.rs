@@ -2,10 +2,10 @@
 
 use super::lens::Lens;
 use crate::app::Orientation;
-use crate::picture::{Geometry, LogPicture};
-use crate::render::waterfall::{Quad, TileTexture};
+use crate::imagery::picture::{Geometry, LogPicture};
+use crate::imagery::waterfall::{Level, Lru, RangeAxis, TILE, Tile, TileKey, Want};
 use crate::survey::Side;
-use crate::waterfall::{Level, Lru, RangeAxis, TILE, Tile, TileKey, Want};
+use crate::ui::render::waterfall::{Quad, TileTexture};
 use std::ops::Range;
 
 /// Bytes of tiles kept on the GPU: a 4K screen at the worst zoom needs 80 MB.

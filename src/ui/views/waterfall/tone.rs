@@ -2,10 +2,10 @@
 
 use super::lens::Lens;
 use crate::app::{App, Orientation};
-use crate::picture::{Geometry, LogPicture};
-use crate::render::waterfall::{Look, Tables, WaterfallPicture};
+use crate::imagery::picture::{Geometry, LogPicture};
+use crate::imagery::waterfall::Levels;
 use crate::survey::Side;
-use crate::waterfall::Levels;
+use crate::ui::render::waterfall::{Look, Tables, WaterfallPicture};
 use eframe::egui_wgpu::RenderState;
 use std::sync::Arc;
 
@@ -122,8 +122,8 @@ pub(super) fn plain_look(app: &App, lens: &Lens, levels: Levels) -> Look {
 
 #[cfg(test)]
 mod tests {
-    use crate::mosaic::GainTable;
-    use crate::picture::LEAST_RANGE_M;
+    use crate::imagery::mosaic::GainTable;
+    use crate::imagery::picture::LEAST_RANGE_M;
 
     #[test]
     fn the_shader_knows_the_curves_as_they_are() {

@@ -4,7 +4,7 @@ use super::share;
 use crate::app::{Command, ViewOptions};
 use crate::detection::metrics::{Counts, CurvePoint};
 use crate::detection::truth::{Comparison, Standing};
-use crate::presentation::plot::Axis;
+use crate::support::presentation::plot::Axis;
 use crate::ui::panels::axes::Axes;
 use crate::ui::{ViewContext, text, theme};
 use egui::{

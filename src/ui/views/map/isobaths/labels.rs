@@ -4,7 +4,7 @@
 //! away from the window's thread, and move with the map in between.
 
 use super::{GroundLine, IsobathLayer};
-use crate::progress::Progress;
+use crate::support::progress::Progress;
 use std::collections::HashMap;
 use std::sync::Arc;
 

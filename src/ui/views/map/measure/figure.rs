@@ -1,7 +1,7 @@
 //! What is drawn to measure on the map.
 
 use crate::app::App;
-use crate::bathymetry::Station;
+use crate::bottom::bathymetry::Station;
 use crate::project::{Measurement, MeasurementKind};
 use crate::ui::theme;
 use crate::ui::views::map::overlay::Scene;
@@ -11,7 +11,8 @@ use egui::{Align2, Painter, Pos2, Shape, Stroke, vec2};
 /// Line, corners, and the numbers beside the last one.
 pub fn paint(painter: &Painter, scene: &Scene<'_>, app: &App, figure: &Measurement) {
     let navigation = &scene.products.navigation;
-    let place = |at: &crate::geo::LonLat| scene.at(navigation.to_plane(&scene.survey.track, *at));
+    let place =
+        |at: &crate::support::geo::LonLat| scene.at(navigation.to_plane(&scene.survey.track, *at));
     let corners: Vec<Pos2> = figure.corners.iter().map(place).collect();
     let colour = theme::measure_colour();
     let casing = theme::canvas_colour(scene.options);

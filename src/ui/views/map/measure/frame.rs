@@ -1,7 +1,7 @@
 //! The axes of the depth profile: distance to the right, depth down.
 
 use crate::app::ViewOptions;
-use crate::bathymetry::Station;
+use crate::bottom::bathymetry::Station;
 use crate::ui::theme;
 use crate::ui::views::{legend, ticks};
 use egui::{Align2, Painter, Pos2, Rect, Stroke, pos2, vec2};

@@ -8,9 +8,9 @@ mod profile;
 
 use super::overlay::Scene;
 use crate::app::{Action, App, Command, Measure, View};
-use crate::bathymetry::Station;
-use crate::geo::LonLat;
+use crate::bottom::bathymetry::Station;
 use crate::project::{Measurement, MeasurementKind};
+use crate::support::geo::LonLat;
 use crate::ui::ViewContext;
 use crate::ui::views::measured;
 use egui::{Pos2, Rect, Response, Ui};

@@ -2,8 +2,8 @@
 
 use super::frame::Frame;
 use crate::app::{Action, App, Command, ProfileLine};
-use crate::bathymetry::Station;
-use crate::presentation::units::Units;
+use crate::bottom::bathymetry::Station;
+use crate::support::presentation::units::Units;
 use crate::ui::{ViewContext, place, theme};
 use egui::{
     Button, Color32, FontId, Label, Mesh, Painter, Pos2, Rect, RichText, Role, Sense, Shape,

@@ -9,8 +9,8 @@ pub use key::{SIDE, TileKey};
 
 use super::transform::{GroundBounds, MapTransform};
 use crate::app::{Jobs, Outcome, Task};
-use crate::progress::Progress;
-use crate::waterfall::Lru;
+use crate::imagery::waterfall::Lru;
+use crate::support::progress::Progress;
 use egui::{Color32, ColorImage, Mesh, Painter, Pos2, Rect, Shape, TextureHandle, TextureOptions};
 use std::sync::Arc;
 

@@ -1,0 +1,40 @@
+//! Tables of the manual that are derived from the tables that the program itself works by.
+
+use crate::app::Action;
+use crate::products::outputs::{OUTPUT_FILES, When};
+use std::fmt::Write as _;
+
+/// Every command of the window, with its key.
+pub(super) fn keys() -> String {
+    let mut table = String::from("| command | key | acts in | does |\n|---|---|---|---|\n");
+    for action in Action::ALL {
+        let keys: Vec<String> = action.all_keys().map(|keys| format!("`{keys}`")).collect();
+        let keys = keys.join(" or ");
+        let (label, hint) = (action.label(), action.hint());
+        let scope =
+            (action.key_scope()).map_or_else(String::new, |scope| format!(", {}", scope.name()));
+        // Writing to a string cannot fail.
+        writeln!(table, "| {label} | {keys}{scope} | {hint} |").ok();
+    }
+    table
+}
+
+/// Every setting: what it may be, its value in both presets, and what it means.
+pub(super) fn settings() -> String {
+    crate::pipeline::settings::markdown()
+}
+
+/// Every file of a run: the group of `--products` that it belongs to, and what it is.
+pub(super) fn files() -> String {
+    let mut table = String::from("| file | written | what it is |\n|---|---|---|\n");
+    for row in OUTPUT_FILES {
+        let when = match row.when {
+            When::Always => "always".to_owned(),
+            When::Chosen(product) => format!("with `--products {}`", product.name()),
+            When::Compared => "with a reference".to_owned(),
+            When::Searched => "with a search for objects".to_owned(),
+        };
+        writeln!(table, "| `{}` | {when} | {} |", row.name, row.brief).ok();
+    }
+    table
+}

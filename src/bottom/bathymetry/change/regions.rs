@@ -1,0 +1,265 @@
+//! The connected places where the bottom changed, from where the change is detected out to where it disappears in noise, and what of it is drawn
+//! between measured places.
+
+use super::{CellChange, ChangeErrors};
+use crate::support::statistics::{median, spread_about};
+
+/// Half the side of the square that a change is averaged over before its rim is sought, metres.
+const SMOOTHED_M: f64 = 1.0;
+/// Most cells of that: averages of more say nothing else.
+const MOST_SMOOTHED: usize = 10;
+/// A place ends where the change is less than so many standard deviations of what undetected cells show.
+const RIM_SIGMAS: f64 = 1.5;
+
+/// A raster of changes, row by row.
+#[derive(Clone, Copy, Debug)]
+pub struct ChangeField<'a> {
+    /// Cells from west to east.
+    pub columns: usize,
+    /// Square metres of a cell.
+    pub cell_area_m2: f64,
+    /// How much the bottom rose, metres; NaN where one of the maps knows nothing.
+    pub rise_m: &'a [f32],
+    /// Standard deviation of the depths' own errors in that, metres.
+    pub sigma_m: &'a [f32],
+    /// Whether either map measured a depth in the cell: the newer, the older.
+    pub is_measured: &'a [[bool; 2]],
+}
+
+/// A connected place that rose, or sank.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ChangeRegion {
+    /// Whether the bottom rose.
+    pub is_fill: bool,
+    /// Indices of its cells.
+    pub cells: Vec<usize>,
+    /// Standard deviation of the rise of each, metres, because it is drawn between places that both maps measured; all err together.
+    pub between_m: Vec<f64>,
+}
+
+impl ChangeField<'_> {
+    /// What is known of a cell.
+    pub fn cell(&self, index: usize) -> Option<CellChange> {
+        let (rise_m, sigma_m) = (*self.rise_m.get(index)?, *self.sigma_m.get(index)?);
+        (!rise_m.is_nan()).then(|| CellChange {
+            rise_m: f64::from(rise_m),
+            sigma_m: f64::from(sigma_m),
+            area_m2: self.cell_area_m2,
+        })
+    }
+
+    /// The places where a change is detected, each grown as far as the smoothed change keeps its sign and stands out of the noise, in the order of
+    /// their first cells.
+    ///
+    /// Noise is what undetected cells show, in units of their stated errors. Their median is what one map is set off from the other, and a place
+    /// has a cell that stands out of that by more than the depths' own errors.
+    pub fn regions(&self, errors: &ChangeErrors) -> Vec<ChangeRegion> {
+        let smoothed = self.smoothed(errors);
+        let (mut quiet, mut quiet_m) = (Vec::new(), Vec::new());
+        for (index, smoothed) in smoothed.iter().enumerate() {
+            if let Some(cell) = self.cell(index).filter(|cell| !cell.is_detected(errors)) {
+                quiet.push(*smoothed);
+                quiet_m.push(cell.rise_m);
+            }
+        }
+        // Where everything changed there is no noise to be seen.
+        let (mut level, mut noise, mut offset_m) = (0.0, 0.0, 0.0);
+        if !quiet.is_empty() {
+            level = median(&mut quiet);
+            noise = spread_about(&mut quiet, level);
+            offset_m = median(&mut quiet_m);
+        }
+        let is_seed = |index: usize| {
+            self.cell(index).is_some_and(|cell| {
+                let from_others = CellChange {
+                    rise_m: cell.rise_m - offset_m,
+                    ..cell
+                };
+                cell.is_detected(errors) && from_others.is_detected(&ChangeErrors::NONE)
+            })
+        };
+        let away_m = self.away_m();
+        let mut is_taken = vec![false; smoothed.len()];
+        let mut found = Vec::new();
+        for seed in 0..smoothed.len() {
+            if is_taken[seed] || !is_seed(seed) {
+                continue;
+            }
+            let is_fill = self.rise_m[seed] > 0.0;
+            let stands_out = |index: usize| {
+                let above = smoothed[index] - level;
+                (if is_fill { above } else { -above }) > RIM_SIGMAS * noise
+            };
+            if stands_out(seed) {
+                let cells = self.grown(seed, stands_out, &mut is_taken);
+                found.push(self.region(is_fill, cells, &away_m));
+            }
+        }
+        found
+    }
+
+    /// The cells around a seed, by their edges, that stand out too.
+    fn grown(
+        &self,
+        seed: usize,
+        stands_out: impl Fn(usize) -> bool,
+        is_taken: &mut [bool],
+    ) -> Vec<usize> {
+        let mut cells = vec![seed];
+        is_taken[seed] = true;
+        let mut next = 0;
+        while let Some(&cell) = cells.get(next) {
+            let column = cell % self.columns;
+            let beside = [
+                (column > 0).then(|| cell - 1),
+                (column + 1 < self.columns).then(|| cell + 1),
+                cell.checked_sub(self.columns),
+                Some(cell + self.columns),
+            ];
+            for index in beside.into_iter().flatten() {
+                let is_known = self.rise_m.get(index).is_some_and(|rise| !rise.is_nan());
+                if is_known && !is_taken[index] && stands_out(index) {
+                    is_taken[index] = true;
+                    cells.push(index);
+                }
+            }
+            next += 1;
+        }
+        cells
+    }
+
+    /// A region of some cells. Farther from measured places than the change is wide where it was measured, what is drawn is as uncertain as it is
+    /// large.
+    fn region(&self, is_fill: bool, cells: Vec<usize>, away_m: &[f32]) -> ChangeRegion {
+        let width_m2 = self.width_m2(&cells);
+        let between = cells.iter().map(|&cell| {
+            let away_m = f64::from(away_m[cell]);
+            let known = (-0.5 * away_m * away_m / width_m2).exp();
+            (1.0 - known) * f64::from(self.rise_m[cell].abs())
+        });
+        ChangeRegion {
+            is_fill,
+            between_m: between.collect(),
+            cells,
+        }
+    }
+
+    /// Variance of the Gaussian mound that has the moments of the change in the measured cells of a region, square metres: on one line that
+    /// crosses a mound its own, for the square of a Gaussian has half of its variance.
+    fn width_m2(&self, cells: &[usize]) -> f64 {
+        let measured = cells
+            .iter()
+            .filter(|cell| self.is_measured[**cell] != [false; 2]);
+        let mut sums = [0.0; 4];
+        for &cell in measured {
+            let weight = f64::from(self.rise_m[cell]).powi(2);
+            let [x, y] = [cell % self.columns, cell / self.columns].map(|count| count as f64);
+            let added = [weight, weight * x, weight * y, weight * x.mul_add(x, y * y)];
+            sums = [0, 1, 2, 3].map(|index| sums[index] + added[index]);
+        }
+        let [weight, x, y, squares] = sums;
+        let moment = match weight > 0.0 {
+            true => squares / weight - (x / weight).powi(2) - (y / weight).powi(2),
+            false => 0.0,
+        };
+        // A change in one cell is as wide as that.
+        2.0 * self.cell_area_m2 * moment.max(0.5)
+    }
+
+    /// Distance from each cell to the nearest one that was measured, of the map whose is farther, metres.
+    fn away_m(&self) -> Vec<f32> {
+        let [newer, older] = [0, 1].map(|map| {
+            let start = self.is_measured.iter().map(|of| match of[map] {
+                true => 0.0,
+                false => f32::INFINITY,
+            });
+            chamfered(start.collect(), self.columns)
+        });
+        let cell_m = self.cell_area_m2.sqrt() as f32;
+        let farther = newer
+            .into_iter()
+            .zip(older)
+            .map(|(one, other)| one.max(other));
+        farther.map(|cells| cell_m * cells).collect()
+    }
+
+    /// The change in units of its stated error, averaged over the known cells of a square; NaN where the change is not known.
+    fn smoothed(&self, errors: &ChangeErrors) -> Vec<f64> {
+        let reach = (SMOOTHED_M / self.cell_area_m2.sqrt()).round() as usize;
+        let reach = reach.clamp(1, MOST_SMOOTHED);
+        let own = |index: usize| match self.cell(index) {
+            Some(cell) => {
+                // Maps that state no error still say where they differ.
+                let sigma_m = cell.sigma_m.hypot(errors.systematic_m);
+                let sigma_m = if sigma_m > 0.0 { sigma_m } else { 1.0 };
+                [cell.rise_m / sigma_m, 1.0]
+            }
+            None => [0.0; 2],
+        };
+        let own: Vec<[f64; 2]> = (0..self.rise_m.len()).map(own).collect();
+        let rows = self.rise_m.len() / self.columns.max(1);
+        let across = summed(&own, [self.columns, rows], [1, self.columns], reach);
+        let square = summed(&across, [rows, self.columns], [self.columns, 1], reach);
+        let means = square.into_iter().zip(&own);
+        means
+            .map(|([sum, count], own)| if own[1] > 0.0 { sum / count } else { f64::NAN })
+            .collect()
+    }
+}
+
+/// Sums of the values within so many steps of each along one axis; the axis and the other one by their counts and by how far apart their
+/// neighbours lie.
+fn summed(
+    values: &[[f64; 2]],
+    [along, others]: [usize; 2],
+    [step, stride]: [usize; 2],
+    reach: usize,
+) -> Vec<[f64; 2]> {
+    let mut sums = vec![[0.0; 2]; values.len()];
+    for other in 0..others {
+        let at = |index: usize| other * stride + index * step;
+        let mut sum = [0.0; 2];
+        for index in 0..along + reach {
+            if index < along {
+                let added = values[at(index)];
+                sum = [sum[0] + added[0], sum[1] + added[1]];
+            }
+            if let Some(past) = index.checked_sub(2 * reach + 1) {
+                let gone = values[at(past)];
+                sum = [sum[0] - gone[0], sum[1] - gone[1]];
+            }
+            if let Some(middle) = index.checked_sub(reach) {
+                sums[at(middle)] = sum;
+            }
+        }
+    }
+    sums
+}
+
+/// Distances in cells from those that start at 0, by steps to the eight neighbours in two sweeps (Borgefors 1986): at most 8 % too long.
+fn chamfered(mut away: Vec<f32>, columns: usize) -> Vec<f32> {
+    let diagonal = std::f32::consts::SQRT_2;
+    for _ in 0..2 {
+        for cell in 0..away.len() {
+            let column = cell % columns;
+            let mut nearest = away[cell];
+            let mut pass = |steps_back: usize, way: f32| {
+                if let Some(other) = cell.checked_sub(steps_back) {
+                    nearest = nearest.min(away[other] + way);
+                }
+            };
+            pass(columns, 1.0);
+            if column > 0 {
+                pass(1, 1.0);
+                pass(columns + 1, diagonal);
+            }
+            if column + 1 < columns {
+                pass(columns - 1, diagonal);
+            }
+            away[cell] = nearest;
+        }
+        // The second sweep goes back, and the list lies as it did.
+        away.reverse();
+    }
+    away
+}

@@ -1,0 +1,414 @@
+//! Where tracks cross, and how far the depths of the two passes differ there: what a survey says about its own repeatability.
+
+use crate::support::progress::{Cancelled, Progress};
+use crate::support::statistics::median;
+use std::collections::HashMap;
+
+/// A depth along a track.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrackDepth {
+    /// Seconds; the same clock for all depths of a track.
+    pub time_s: f64,
+    /// Metres east.
+    pub east_m: f64,
+    /// Metres north.
+    pub north_m: f64,
+    /// Metres.
+    pub depth_m: f64,
+}
+
+/// One of the two passes over a crossing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pass {
+    /// Which track.
+    pub track: usize,
+    /// When, seconds.
+    pub time_s: f64,
+    /// Median of the depths of this pass within [`REACH_M`] of the crossing, or between its neighbours where none is so near,
+    /// metres.
+    pub depth_m: f64,
+    /// Velocity of the boat, metres a second to the east and north.
+    pub velocity_mps: [f64; 2],
+}
+
+/// A place where two passes cross.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crossing {
+    /// East and north, metres.
+    pub place: [f64; 2],
+    /// The earlier pass, or that of the earlier track, first.
+    pub passes: [Pass; 2],
+    /// Angle between the two courses, degrees, at most 90.
+    pub angle_deg: f64,
+    /// What the depth grows by a metre to the east and to the north, metres, from the depths along both passes; NaN where they are too few.
+    pub gradient: [f64; 2],
+}
+
+impl Crossing {
+    /// Elevation by the second pass minus that by the first, metres: up is positive.
+    pub fn difference_m(&self) -> f64 {
+        self.passes[0].depth_m - self.passes[1].depth_m
+    }
+
+    /// Slope of the bottom, metres a metre; NaN where it is not known.
+    pub fn slope(&self) -> f64 {
+        self.gradient[0].hypot(self.gradient[1])
+    }
+}
+
+/// Depths farther than this from a crossing, along their own track, say nothing about it, metres.
+pub const REACH_M: f64 = 0.5;
+/// Depths within this distance of a crossing, along their own track, give the slope there, metres, and how many at least.
+const SLOPE_REACH_M: f64 = 3.0;
+const LEAST_FOR_SLOPE: usize = 5;
+/// Tracks that meet at a smaller angle run along each other: where they cross is chance, degrees.
+pub const LEAST_ANGLE_DEG: f64 = 20.0;
+/// A boat that has gone less far than this along its track since has not come back, it has stayed, metres.
+const LEAST_WAY_M: f64 = 10.0;
+/// Length of the straight pieces that a track is made of here, at least, metres: shorter ones point anywhere.
+const PIECE_M: f64 = 0.5;
+/// Longer pieces, and those that took longer, span a gap in the track, metres and seconds.
+const LONGEST_PIECE_M: f64 = 5.0;
+const LONGEST_PIECE_S: f64 = 5.0;
+/// Places give a velocity where they are so far apart in time at least, and at most, seconds.
+const VELOCITY_S: [f64; 2] = [1.0, 10.0];
+/// Side of the squares that pieces are sorted into, metres.
+const SQUARE_M: f64 = 5.0;
+/// No more crossings than this are looked for: a boat that circles for a day would fill the memory with them.
+const MOST: usize = 1_000_000;
+
+/// Crossings of tracks, each in time order, with themselves and each other, in the order of their first pass.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn crossings(
+    tracks: &[Vec<TrackDepth>],
+    progress: &Progress,
+) -> Result<Vec<Crossing>, Cancelled> {
+    let pieces: Vec<Piece> = tracks
+        .iter()
+        .enumerate()
+        .flat_map(|(track, depths)| pieces(track, depths))
+        .collect();
+    let mut squares: HashMap<[i64; 2], Vec<usize>> = HashMap::new();
+    for (index, piece) in pieces.iter().enumerate() {
+        for square in piece.squares() {
+            squares.entry(square).or_default().push(index);
+        }
+    }
+    progress.start(squares.len() as u64);
+    let mut found = Vec::new();
+    for (square, inside) in &squares {
+        for (rank, &first) in inside.iter().enumerate() {
+            // A boat that lay at anchor for a day has all its pieces in one square.
+            progress.check()?;
+            for &second in &inside[rank + 1..] {
+                let meeting = pieces[first].meets(&pieces[second], *square);
+                let crossing = meeting.map(|at| at.crossing(tracks));
+                found.extend(crossing.filter(|_| found.len() < MOST));
+            }
+        }
+        progress.advance(1);
+    }
+    let order = |one: &Crossing| one.passes.map(|pass| (pass.track, pass.time_s));
+    found.sort_by(|a, b| {
+        order(a)
+            .partial_cmp(&order(b))
+            .unwrap_or(std::cmp::Ordering::Equal)
+    });
+    Ok(found)
+}
+
+/// Velocity of the boat at a depth of a track, metres a second to the east and north: from the places at least a second before and
+/// behind, or the depth's own where there is none within ten.
+pub fn velocity_mps(track: &[TrackDepth], index: usize) -> [f64; 2] {
+    let here = &track[index];
+    let is_far = |one: &&TrackDepth| (one.time_s - here.time_s).abs() >= VELOCITY_S[0];
+    let is_near = |one: &&TrackDepth| (one.time_s - here.time_s).abs() <= VELOCITY_S[1];
+    let behind = track[..index].iter().rev().find(is_far).filter(is_near);
+    let ahead = track[index..].iter().find(is_far).filter(is_near);
+    let (from, to) = (behind.unwrap_or(here), ahead.unwrap_or(here));
+    let span_s = to.time_s - from.time_s;
+    let way = [to.east_m - from.east_m, to.north_m - from.north_m];
+    match span_s > 0.0 {
+        true => way.map(|metres| metres / span_s),
+        false => [0.0; 2],
+    }
+}
+
+/// A straight piece of a track, between two of its depths.
+struct Piece {
+    track: usize,
+    /// Indices of the depths at its ends.
+    ends: [usize; 2],
+    from: [f64; 2],
+    to: [f64; 2],
+    /// Way along the track up to its start, metres.
+    along_m: f64,
+}
+
+/// The pieces of a track, without those that span a gap.
+fn pieces(track: usize, depths: &[TrackDepth]) -> Vec<Piece> {
+    let mut found = Vec::new();
+    let mut along_m = 0.0;
+    let mut start: Option<usize> = None;
+    for (index, here) in depths.iter().enumerate() {
+        let Some(before) = start.map(|start| &depths[start]) else {
+            start = Some(index);
+            continue;
+        };
+        let length_m = (here.east_m - before.east_m).hypot(here.north_m - before.north_m);
+        if length_m < PIECE_M {
+            continue;
+        }
+        if length_m <= LONGEST_PIECE_M && here.time_s - before.time_s <= LONGEST_PIECE_S {
+            found.push(Piece {
+                track,
+                ends: [start.unwrap_or(index), index],
+                from: [before.east_m, before.north_m],
+                to: [here.east_m, here.north_m],
+                along_m,
+            });
+        }
+        along_m += length_m;
+        start = Some(index);
+    }
+    found
+}
+
+/// Where two pieces meet.
+struct Meeting<'a> {
+    pieces: [&'a Piece; 2],
+    place: [f64; 2],
+    /// How far along each piece, 0 to 1.
+    shares: [f64; 2],
+    angle_deg: f64,
+}
+
+/// Slope of the straight line of depth against the way in a direction, by least squares; NaN of too few depths, or where they lie in
+/// one place.
+fn slope_along<'a>(
+    depths: impl Iterator<Item = &'a TrackDepth>,
+    place: [f64; 2],
+    direction: [f64; 2],
+) -> f64 {
+    let (mut count, mut sums) = (0, [0.0; 4]);
+    for depth in depths {
+        let way_m =
+            (depth.east_m - place[0]) * direction[0] + (depth.north_m - place[1]) * direction[1];
+        let added = [way_m, depth.depth_m, way_m * way_m, way_m * depth.depth_m];
+        sums = [0, 1, 2, 3].map(|index| sums[index] + added[index]);
+        count += 1;
+    }
+    if count < LEAST_FOR_SLOPE {
+        return f64::NAN;
+    }
+    let [way, depth, square, product] = sums.map(|sum| sum / count as f64);
+    (product - way * depth) / (square - way * way)
+}
+
+impl Piece {
+    /// Unit vector from its start to its end.
+    fn direction(&self) -> [f64; 2] {
+        let way = [self.to[0] - self.from[0], self.to[1] - self.from[1]];
+        let length_m = way[0].hypot(way[1]);
+        way.map(|component| component / length_m)
+    }
+
+    fn squares(&self) -> impl Iterator<Item = [i64; 2]> + use<> {
+        let square = |metres: f64| (metres / SQUARE_M).floor() as i64;
+        let span = |axis: usize| {
+            let (a, b) = (square(self.from[axis]), square(self.to[axis]));
+            a.min(b)..=a.max(b)
+        };
+        let norths = span(1);
+        span(0).flat_map(move |east| norths.clone().map(move |north| [east, north]))
+    }
+
+    /// Where the pieces cross, if that lies in this square (a pair may share several).
+    fn meets<'a>(&'a self, other: &'a Piece, square: [i64; 2]) -> Option<Meeting<'a>> {
+        let way_m = (other.along_m - self.along_m).abs();
+        if self.track == other.track && way_m < LEAST_WAY_M {
+            return None;
+        }
+        let [a, b] =
+            [self, other].map(|piece| [piece.to[0] - piece.from[0], piece.to[1] - piece.from[1]]);
+        let cross = a[0] * b[1] - a[1] * b[0];
+        let dot = a[0] * b[0] + a[1] * b[1];
+        let angle_deg = cross.abs().atan2(dot.abs()).to_degrees();
+        if angle_deg < LEAST_ANGLE_DEG {
+            return None;
+        }
+        let between = [other.from[0] - self.from[0], other.from[1] - self.from[1]];
+        let shares = [
+            (between[0] * b[1] - between[1] * b[0]) / cross,
+            (between[0] * a[1] - between[1] * a[0]) / cross,
+        ];
+        // An end belongs to the piece that begins there.
+        let inside = shares.iter().all(|share| (0.0..1.0).contains(share));
+        let place = [
+            self.from[0] + shares[0] * a[0],
+            self.from[1] + shares[0] * a[1],
+        ];
+        let here = place.map(|metres| (metres / SQUARE_M).floor() as i64);
+        (inside && here == square).then_some(Meeting {
+            pieces: [self, other],
+            place,
+            shares,
+            angle_deg,
+        })
+    }
+}
+
+impl Meeting<'_> {
+    fn crossing(&self, tracks: &[Vec<TrackDepth>]) -> Crossing {
+        let passes = [0, 1].map(|index| {
+            let (piece, share) = (self.pieces[index], self.shares[index]);
+            self.pass(piece, share, &tracks[piece.track])
+        });
+        Crossing {
+            place: self.place,
+            passes,
+            angle_deg: self.angle_deg,
+            gradient: self.gradient(tracks),
+        }
+    }
+
+    /// What depth grows by on the plane that falls along both passes as their depths do.
+    fn gradient(&self, tracks: &[Vec<TrackDepth>]) -> [f64; 2] {
+        let [a, b] = self.pieces.map(Piece::direction);
+        let [along_a, along_b] = [0, 1].map(|index| {
+            let (piece, share) = (self.pieces[index], self.shares[index]);
+            let middle = piece.ends[usize::from(share >= 0.5)];
+            let near = self.within(SLOPE_REACH_M, &tracks[piece.track], middle);
+            slope_along(near, self.place, piece.direction())
+        });
+        let cross = a[0] * b[1] - a[1] * b[0];
+        let east = (along_a * b[1] - along_b * a[1]) / cross;
+        let north = (along_b * a[0] - along_a * b[0]) / cross;
+        [east, north]
+    }
+
+    /// The depths of a pass within a distance of the crossing: outwards from there, since the other pass may lie in the same track.
+    fn within<'a>(
+        &self,
+        reach_m: f64,
+        depths: &'a [TrackDepth],
+        middle: usize,
+    ) -> impl Iterator<Item = &'a TrackDepth> + use<'a> {
+        let place = self.place;
+        let near = move |depth: &&TrackDepth| {
+            (depth.east_m - place[0]).hypot(depth.north_m - place[1]) <= reach_m
+        };
+        let before = depths[..middle].iter().rev().take_while(near);
+        before.chain(depths[middle..].iter().take_while(near))
+    }
+
+    fn pass(&self, piece: &Piece, share: f64, depths: &[TrackDepth]) -> Pass {
+        let ends = piece.ends.map(|end| &depths[end]);
+        let between = |value: fn(&TrackDepth) -> f64| {
+            let [from, to] = ends.map(value);
+            from + share * (to - from)
+        };
+        let middle = piece.ends[usize::from(share >= 0.5)];
+        let near = self.within(REACH_M, depths, middle);
+        let mut values: Vec<f64> = near.map(|depth| depth.depth_m).collect();
+        if values.is_empty() {
+            values.push(between(|depth| depth.depth_m));
+        }
+        Pass {
+            track: piece.track,
+            time_s: between(|depth| depth.time_s),
+            depth_m: median(&mut values),
+            velocity_mps: velocity_mps(depths, middle),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bed_m(east_m: f64, north_m: f64) -> f64 {
+        3.0 + 0.05 * east_m - 0.02 * north_m
+    }
+
+    /// A figure of loops, 0.1 m between depths, each pass measured a millimetre deeper a second.
+    fn loops() -> Vec<TrackDepth> {
+        // Once around: a second lap would lie on the first.
+        (0..3900)
+            .map(|index| {
+                let turn = f64::from(index) * 0.0016;
+                let (east_m, north_m) = (40.0 * (3.0 * turn).sin(), 30.0 * (2.0 * turn).sin());
+                let time_s = 0.05 * f64::from(index);
+                TrackDepth {
+                    time_s,
+                    east_m,
+                    north_m,
+                    depth_m: bed_m(east_m, north_m) + 0.001 * time_s,
+                }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn every_crossing_of_a_search_through_all_pairs_is_found() {
+        let track = loops();
+        let found = crossings(std::slice::from_ref(&track), &Progress::new()).unwrap();
+        let pieces = pieces(0, &track);
+        let mut brute = 0;
+        for (rank, a) in pieces.iter().enumerate() {
+            for b in &pieces[rank + 1..] {
+                let side = |p: &Piece, q: [f64; 2]| {
+                    (p.to[0] - p.from[0]) * (q[1] - p.from[1])
+                        - (p.to[1] - p.from[1]) * (q[0] - p.from[0])
+                };
+                let apart =
+                    side(a, b.from) * side(a, b.to) < 0.0 && side(b, a.from) * side(b, a.to) < 0.0;
+                brute += usize::from(apart && (b.along_m - a.along_m) >= LEAST_WAY_M);
+            }
+        }
+        assert!(brute >= 6, "{brute}");
+        assert_eq!(found.len(), brute);
+        for one in &found {
+            let [first, second] = one.passes;
+            // The second pass is deeper by the time between, so its elevation is lower.
+            let expected_m = -0.001 * (second.time_s - first.time_s);
+            assert!(second.time_s > first.time_s);
+            // The depths around a crossing are not quite even about it.
+            assert!((one.difference_m() - expected_m).abs() < 0.006, "{one:?}");
+            // The bed falls 5 in the hundred to the east and rises 2 to the north.
+            assert!((one.slope() - 0.0539).abs() < 0.004, "{one:?}");
+        }
+    }
+
+    #[test]
+    fn tracks_cross_each_other_and_neighbours_do_not_count() {
+        let line = |east: bool, offset_m: f64| -> Vec<TrackDepth> {
+            (0..200)
+                .map(|index| {
+                    let along_m = 0.1 * f64::from(index) - 10.0;
+                    let [east_m, north_m] = if east {
+                        [along_m, 0.03]
+                    } else {
+                        [0.02, along_m]
+                    };
+                    TrackDepth {
+                        time_s: f64::from(index),
+                        east_m,
+                        north_m,
+                        depth_m: bed_m(east_m, north_m) + offset_m,
+                    }
+                })
+                .collect()
+        };
+        let found = crossings(&[line(true, 0.0), line(false, 0.25)], &Progress::new()).unwrap();
+        assert_eq!(found.len(), 1);
+        assert!((found[0].difference_m() + 0.25).abs() < 2e-3);
+        assert!((found[0].angle_deg - 90.0).abs() < 1e-9);
+        let along = [line(true, 0.0), line(true, 0.1)];
+        assert!(crossings(&along, &Progress::new()).unwrap().is_empty());
+        let resting = vec![line(true, 0.0)[0]; 500];
+        assert!(crossings(&[resting], &Progress::new()).unwrap().is_empty());
+    }
+}

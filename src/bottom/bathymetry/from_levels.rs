@@ -1,0 +1,113 @@
+//! Whether depths between those measured come from the levels of the echoes, and what became of it.
+
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// Where depths between the lines come from the levels of the echoes (`crate::bottom::swath`).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SwathDepth {
+    /// Nowhere: depths between the lines are interpolated.
+    Off,
+    /// Where left-out soundings show that they tell depths.
+    #[default]
+    Auto,
+    /// Wherever they can be read.
+    Always,
+}
+
+/// What became of depths from levels on a surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum FromLevels {
+    /// They are switched off, or the surface is none of a log.
+    #[default]
+    Off,
+    /// They are used.
+    Used {
+        /// Root mean square of the errors of left-out soundings by triangles and with levels, metres; `None` where too few could be left out.
+        left_out_m: Option<[f64; 2]>,
+    },
+    /// They are not.
+    Refused(LevelsRefused),
+}
+
+/// Why depths do not come from levels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LevelsRefused {
+    /// No log has side-scan echoes with places.
+    NoSideScan,
+    /// What the recorder writes of an echo cannot be told.
+    NoLaw,
+    /// Too few echoes lie where depths were measured.
+    TooFewEchoes,
+    /// Too little of the ground is seen from two sides.
+    OneSide,
+    /// The logs have too many recorders and range settings between them to learn the curves of each.
+    TooManySettings,
+    /// The survey has too many cells.
+    TooLarge,
+    /// The equations have no solution in numbers.
+    NotSolved,
+    /// Too few soundings can be left out.
+    NoTest,
+    /// Left-out soundings are predicted no better; root mean squares of their errors by triangles and with levels, metres.
+    NoBetter {
+        /// By triangles.
+        without_m: f64,
+        /// With levels.
+        with_m: f64,
+    },
+}
+
+impl fmt::Display for LevelsRefused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::NoSideScan => "no log has side-scan echoes with positions",
+            Self::NoLaw => "too few echoes tell what the recorder's levels mean",
+            Self::TooFewEchoes => "too few echoes lie near measured depths",
+            Self::OneSide => {
+                "too little of the ground is seen from two sides, as from neighbouring lines"
+            }
+            Self::TooManySettings => {
+                "the logs have more than eight recorders and range settings between them; `surface.swath` = `always` uses them all the same, slowly"
+            }
+            Self::TooLarge => "the survey is too large",
+            Self::NotSolved => "the equations have no solution",
+            Self::NoTest => "too few soundings can be left out to test them",
+            Self::NoBetter { without_m, with_m } => {
+                return write!(
+                    f,
+                    "left-out soundings are missed by {:.1} cm with them and by {:.1} cm without",
+                    100.0 * with_m,
+                    100.0 * without_m
+                );
+            }
+        })
+    }
+}
+
+impl FromLevels {
+    /// A sentence for reports; `None` where they are off.
+    pub fn sentence(&self) -> Option<String> {
+        (*self != Self::Off).then(|| format!("Depths between the lines are {self}."))
+    }
+}
+
+impl fmt::Display for FromLevels {
+    /// What depths between the lines are: `interpolated`, or `from echo levels (...)`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Off => f.write_str("interpolated"),
+            Self::Used { left_out_m: None } => f.write_str("from echo levels"),
+            Self::Used {
+                left_out_m: Some([without_m, with_m]),
+            } => write!(
+                f,
+                "from echo levels (left-out soundings are missed by {:.1} cm with them, by {:.1} cm without)",
+                100.0 * with_m,
+                100.0 * without_m
+            ),
+            Self::Refused(why) => write!(f, "interpolated, not from echo levels: {why}"),
+        }
+    }
+}

@@ -1,0 +1,220 @@
+//! The squares that a surface is sampled on, and a mosaic drawn on.
+
+use super::DepthPoint;
+use crate::support::presentation::ticks;
+use rayon::prelude::*;
+
+/// No cell that is chosen is smaller than this, metres: recorders place their soundings no better.
+const LEAST_CELL_M: f64 = 0.1;
+/// Cells of a grid. A surface takes 12 bytes of each, and what is made of it as many again.
+const MOST_CELLS: f64 = 20e6;
+
+/// A grid of square cells, north up: row 0 is the northernmost, column 0 the westernmost.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grid {
+    /// East of the west edge of the first column, metres.
+    pub west_m: f64,
+    /// North of the north edge of the first row, metres.
+    pub north_m: f64,
+    /// Side of a cell, metres.
+    pub cell_m: f64,
+    /// Cells from west to east.
+    pub columns: usize,
+    /// Cells from north to south.
+    pub rows: usize,
+}
+
+impl Grid {
+    /// Cells of `cell_m`, or of what makes `max_side` of them along the longer side, or some 20 million in all, where that is more,
+    /// over all points. Edges
+    /// lie on multiples of the cell, so that grids of several surveys fit onto each other. `None` without points, and where
+    /// the points or the cell are no numbers that a grid can be made of.
+    pub fn over(points: &[DepthPoint], cell_m: f64, max_side: usize) -> Option<Self> {
+        let [west_m, south_m, east_m, north_m] = bounds(points)?;
+        let extent_m = (east_m - west_m).max(north_m - south_m);
+        // Two cells less, for the edges that are rounded outwards.
+        let least_m = extent_m / max_side.saturating_sub(2).max(1) as f64;
+        let area_m2 = (east_m - west_m) * (north_m - south_m);
+        let cell_m = cell_m.max(least_m).max((area_m2 / MOST_CELLS).sqrt());
+        if !(cell_m > 0.0 && cell_m.is_finite()) {
+            return None;
+        }
+        let [west, south] = [west_m, south_m].map(|metres| (metres / cell_m).floor());
+        let [east, north] = [east_m, north_m].map(|metres| (metres / cell_m).ceil());
+        // A single place on an edge has its cell to the north-east.
+        let cells = |from: f64, to: f64| ((to - from) as usize).max(1);
+        let rows = cells(south, north);
+        Some(Self {
+            west_m: west * cell_m,
+            north_m: (south + rows as f64) * cell_m,
+            cell_m,
+            columns: cells(west, east),
+            rows,
+        })
+    }
+
+    /// East and north of the middle of a cell, metres.
+    pub fn centre(&self, row: usize, column: usize) -> [f64; 2] {
+        [
+            self.west_m + (column as f64 + 0.5) * self.cell_m,
+            self.north_m - (row as f64 + 0.5) * self.cell_m,
+        ]
+    }
+
+    /// Index of the cell at a place, row by row; `None` outside.
+    pub fn index_at(&self, east_m: f64, north_m: f64) -> Option<usize> {
+        let inside = |cells: f64, count: usize| {
+            // The outermost points lie on the edges, give or take a rounding.
+            let is_inside = (-1e-9..=count as f64 + 1e-9).contains(&cells);
+            is_inside.then(|| (cells.max(0.0) as usize).min(count - 1))
+        };
+        let column = inside((east_m - self.west_m) / self.cell_m, self.columns)?;
+        let row = inside((self.north_m - north_m) / self.cell_m, self.rows)?;
+        Some(row * self.columns + column)
+    }
+
+    /// The grid with cells `times` as long; its far edges may lie beyond.
+    #[must_use]
+    pub fn coarser(&self, times: usize) -> Self {
+        Self {
+            cell_m: self.cell_m * times as f64,
+            columns: self.columns.div_ceil(times),
+            rows: self.rows.div_ceil(times),
+            ..*self
+        }
+    }
+
+    /// The least factor on the cell with which there are no more cells than this.
+    pub fn times_coarser(&self, most: usize) -> usize {
+        let mut times = 1;
+        while self.coarser(times).len() > most.max(1) {
+            times += 1;
+        }
+        times
+    }
+
+    /// Rows and columns before and behind a place, and how far on from the centre of the first to that of the second it is: below 0 and
+    /// above 1 beyond the outermost centres. Rows count from the north.
+    pub fn about(&self, [east_m, north_m]: [f64; 2]) -> [CentresAbout; 2] {
+        [
+            CentresAbout::of((self.north_m - north_m) / self.cell_m, self.rows),
+            CentresAbout::of((east_m - self.west_m) / self.cell_m, self.columns),
+        ]
+    }
+
+    /// Number of cells.
+    pub fn len(&self) -> usize {
+        self.columns * self.rows
+    }
+
+    /// Whether there is no cell.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// Two neighbouring rows or columns; the same twice where there is only one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CentresAbout {
+    /// The one before, and the one behind.
+    pub cells: [usize; 2],
+    /// Way from the centre of the first, in cells.
+    pub share: f64,
+}
+
+impl CentresAbout {
+    fn of(cells: f64, count: usize) -> Self {
+        let last = count.saturating_sub(1);
+        let from_centre = cells - 0.5;
+        let before = (from_centre.max(0.0) as usize).min(last.saturating_sub(1));
+        Self {
+            cells: [before, (before + 1).min(last)],
+            share: from_centre - before as f64,
+        }
+    }
+}
+
+/// West, south, east, north.
+fn bounds(points: &[DepthPoint]) -> Option<[f64; 4]> {
+    let first = points.first()?;
+    let start = [first.east_m, first.north_m, first.east_m, first.north_m];
+    Some(points.iter().fold(start, |[w, s, e, n], point| {
+        [
+            w.min(point.east_m),
+            s.min(point.north_m),
+            e.max(point.east_m),
+            n.max(point.north_m),
+        ]
+    }))
+}
+
+/// The cell that suits the data: half of the mean distance `sqrt(area / places)` between places of soundings, rounded down to
+/// 1, 2 or 5 times a power of ten and at least 0.1 m. The area is that of the squares of `gap_m` that hold a sounding, since
+/// beyond the gap there will be no surface. `None` without points.
+pub fn suited_cell_m(points: &[DepthPoint], gap_m: f64) -> Option<f64> {
+    let places = occupied(points, LEAST_CELL_M);
+    let area_m2 = occupied(points, gap_m) as f64 * gap_m * gap_m;
+    let half_m = 0.5 * (area_m2 / places as f64).sqrt();
+    (places > 0 && half_m.is_finite()).then(|| ticks::round_down(half_m).max(LEAST_CELL_M))
+}
+
+/// Squares of a side, at least [`LEAST_CELL_M`], that hold a point.
+fn occupied(points: &[DepthPoint], side_m: f64) -> usize {
+    let square = |point: &DepthPoint| {
+        // The earth's metres over the least cell fit into 32 bits.
+        [point.east_m, point.north_m].map(|metres| (metres / side_m).floor() as i32)
+    };
+    // Sorted: a set of them would take several times the memory.
+    let mut squares: Vec<[i32; 2]> = points.iter().map(square).collect();
+    squares.par_sort_unstable();
+    squares.chunk_by(|a, b| a == b).count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lines(spacing_m: f64, step_m: f64) -> Vec<DepthPoint> {
+        let along = 1 + (400.0 / step_m) as usize;
+        (0..11 * along)
+            .map(|i| DepthPoint {
+                east_m: step_m * (i % along) as f64,
+                north_m: spacing_m * (i / along) as f64,
+                depth_m: 1.0,
+                weight: 1.0,
+                is_sounding: true,
+            })
+            .collect()
+    }
+
+    #[test]
+    fn denser_soundings_give_smaller_cells() {
+        // sqrt(20 m x 1 m) / 2 is 2.2 m; sqrt(5 x 0.2) / 2 is 0.5 m; repeats change nothing.
+        assert_eq!(suited_cell_m(&lines(20.0, 1.0), 20.0), Some(2.0));
+        assert_eq!(suited_cell_m(&lines(5.0, 0.2), 5.0), Some(0.5));
+        assert_eq!(suited_cell_m(&lines(20.0, 1.0).repeat(3), 20.0), Some(2.0));
+        assert_eq!(suited_cell_m(&[], 20.0), None);
+    }
+
+    #[test]
+    fn a_grid_holds_its_points_and_not_too_many_cells() {
+        let points = lines(20.0, 1.0);
+        for (cell_m, max_side) in [(2.0, 4096), (0.01, 300), (7.3, 4096), (0.1, 9000)] {
+            let grid = Grid::over(&points, cell_m, max_side).unwrap();
+            assert!(grid.columns.max(grid.rows) <= max_side && grid.cell_m >= cell_m);
+            for point in &points {
+                let index = grid.index_at(point.east_m, point.north_m).unwrap();
+                let [east_m, north_m] = grid.centre(index / grid.columns, index % grid.columns);
+                let off_m = (east_m - point.east_m)
+                    .abs()
+                    .max((north_m - point.north_m).abs());
+                assert!(off_m <= 0.5 * grid.cell_m + 1e-9, "{off_m}");
+            }
+            assert_eq!(grid.index_at(grid.west_m - 0.1, 1.0), None);
+        }
+        assert_eq!(Grid::over(&[], 1.0, 10), None);
+        let one = &points[..1];
+        assert_eq!(Grid::over(one, 0.5, 10).map(|grid| grid.len()), Some(1));
+        assert_eq!(Grid::over(one, 0.0, 10), None);
+    }
+}

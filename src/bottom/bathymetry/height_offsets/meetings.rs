@@ -1,0 +1,214 @@
+//! Places that two logs measured.
+
+use super::{Meeting, MeetingKind};
+use crate::bottom::bathymetry::crosslines::{Pass, TrackDepth, crossings, velocity_mps};
+use crate::support::progress::{Cancelled, Progress};
+use crate::support::statistics::median;
+use std::collections::{BTreeMap, HashMap};
+
+/// Where the tracks of two logs cross fewer times than this, places along which both went count as well.
+pub const FEW_CROSSINGS: usize = 3;
+/// Side of the squares in which two logs measured the same, metres.
+const SQUARE_M: f64 = 1.0;
+/// Squares of a block give one difference, since the errors of neighbours are alike: its side in squares, and the fewest squares.
+const BLOCK_SQUARES: i64 = 10;
+const LEAST_SQUARES: usize = 3;
+
+/// A boat that turns by more than this from the course that a line began with begins another, degrees.
+const LINE_TURN_DEG: f64 = 45.0;
+
+/// Crossings between logs; for pairs with fewer than three of them the blocks of 10 m in which both measured the same squares of 1 m
+/// too. By pair, in the order of the first log.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn meetings(
+    tracks: &[Vec<TrackDepth>],
+    progress: &Progress,
+) -> Result<Vec<Meeting>, Cancelled> {
+    let mut meetings = crossing_meetings(tracks, progress)?;
+    let mut counts: HashMap<[usize; 2], usize> = HashMap::new();
+    for meeting in &meetings {
+        *counts.entry(meeting.logs).or_default() += 1;
+    }
+    let few = |logs: &[usize; 2]| counts.get(logs).copied().unwrap_or(0) < FEW_CROSSINGS;
+    meetings.extend(overlaps(tracks, few, progress)?);
+    meetings.sort_by_key(|meeting| meeting.logs);
+    Ok(meetings)
+}
+
+/// Crossings between logs, in the order of their first pass.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn crossing_meetings(
+    tracks: &[Vec<TrackDepth>],
+    progress: &Progress,
+) -> Result<Vec<Meeting>, Cancelled> {
+    let found = crossings(tracks, progress)?;
+    let between = found
+        .iter()
+        .filter(|one| one.passes[0].track != one.passes[1].track);
+    let lines: Vec<Vec<f64>> = tracks.iter().map(|track| line_starts_s(track)).collect();
+    let line = |pass: Pass| {
+        let before = tracks[pass.track].partition_point(|depth| depth.time_s <= pass.time_s);
+        lines[pass.track][before.saturating_sub(1)].floor() as i64
+    };
+    let meetings = between.map(|one| {
+        let logs = one.passes.map(|pass| pass.track);
+        let (place, difference_m) = (one.place, one.difference_m());
+        Meeting {
+            gradient: one.gradient,
+            lines: Some(one.passes.map(line)),
+            ..Meeting::new(
+                logs,
+                MeetingKind::Crossing,
+                place,
+                difference_m,
+                one.slope(),
+            )
+        }
+    });
+    Ok(meetings.collect())
+}
+
+/// When the line began that each depth of a track lies on, seconds: a stretch of about one course, along which positions err alike.
+fn line_starts_s(track: &[TrackDepth]) -> Vec<f64> {
+    let mut line: Option<(f64, [f64; 2])> = None;
+    let starts = track.iter().enumerate().map(|(index, depth)| {
+        let now = velocity_mps(track, index);
+        let turned = |course: [f64; 2]| {
+            let sizes = course[0].hypot(course[1]) * now[0].hypot(now[1]);
+            let cos = (course[0] * now[0] + course[1] * now[1]) / sizes;
+            // Of a boat at rest it is no number.
+            cos < LINE_TURN_DEG.to_radians().cos()
+        };
+        if line.is_none_or(|(_, course)| course == [0.0; 2] || turned(course)) {
+            line = Some((depth.time_s, now));
+        }
+        line.map_or(depth.time_s, |(start_s, _)| start_s)
+    });
+    starts.collect()
+}
+
+/// A square that two logs measured: depth by the first, and elevation by the second minus that by the first.
+struct Shared {
+    depth_m: f64,
+    difference_m: f64,
+}
+
+/// Blocks of 10 m in which two logs measured the same squares of 1 m, of the pairs that are wanted, in their order.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn overlaps(
+    tracks: &[Vec<TrackDepth>],
+    is_wanted: impl Fn(&[usize; 2]) -> bool,
+    progress: &Progress,
+) -> Result<Vec<Meeting>, Cancelled> {
+    let mut squares: BTreeMap<[i64; 2], Vec<(usize, f64)>> = BTreeMap::new();
+    for (log, depths) in tracks.iter().enumerate() {
+        progress.check()?;
+        for (square, depth_m) in by_square(depths) {
+            squares.entry(square).or_default().push((log, depth_m));
+        }
+    }
+    let mut blocks: BTreeMap<([usize; 2], [i64; 2]), Vec<Shared>> = BTreeMap::new();
+    for (square, logs) in &squares {
+        let block = square.map(|index| index.div_euclid(BLOCK_SQUARES));
+        for (rank, &(first, first_m)) in logs.iter().enumerate() {
+            let others = logs[rank + 1..].iter();
+            for &(second, second_m) in others.filter(|(second, _)| is_wanted(&[first, *second])) {
+                let shared = Shared {
+                    depth_m: first_m,
+                    difference_m: first_m - second_m,
+                };
+                blocks
+                    .entry(([first, second], block))
+                    .or_default()
+                    .push(shared);
+            }
+        }
+    }
+    let enough = blocks
+        .iter()
+        .filter(|(_, shared)| shared.len() >= LEAST_SQUARES);
+    Ok(enough
+        .map(|((logs, block), shared)| meeting(*logs, *block, shared))
+        .collect())
+}
+
+/// Median depth of every square of a log.
+fn by_square(depths: &[TrackDepth]) -> BTreeMap<[i64; 2], f64> {
+    let mut squares: BTreeMap<[i64; 2], Vec<f64>> = BTreeMap::new();
+    for depth in depths {
+        let square = [depth.east_m, depth.north_m].map(|metres| (metres / SQUARE_M).floor() as i64);
+        squares.entry(square).or_default().push(depth.depth_m);
+    }
+    let medians = squares.into_iter();
+    medians
+        .map(|(square, mut depths)| (square, median(&mut depths)))
+        .collect()
+}
+
+fn meeting(logs: [usize; 2], block: [i64; 2], shared: &[Shared]) -> Meeting {
+    let side_m = BLOCK_SQUARES as f64 * SQUARE_M;
+    let mut differences: Vec<f64> = shared.iter().map(|one| one.difference_m).collect();
+    let depths = shared.iter().map(|one| one.depth_m);
+    let (least, most) = depths.fold((f64::MAX, f64::MIN), |(least, most), depth_m| {
+        (least.min(depth_m), most.max(depth_m))
+    });
+    Meeting::new(
+        logs,
+        MeetingKind::Overlap,
+        block.map(|index| (index as f64 + 0.5) * side_m),
+        median(&mut differences),
+        (most - least) / side_m,
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(north_m: f64, raised_m: f64) -> Vec<TrackDepth> {
+        (0..600)
+            .map(|index| TrackDepth {
+                time_s: 0.1 * f64::from(index),
+                east_m: 0.1 * f64::from(index),
+                north_m,
+                depth_m: 3.0 + 0.02 * 0.1 * f64::from(index) - raised_m,
+            })
+            .collect()
+    }
+
+    #[test]
+    fn logs_along_the_same_line_meet_although_they_never_cross() {
+        let tracks = [line(0.2, 0.0), line(0.7, 0.15), line(20.0, 0.5)];
+        let found = meetings(&tracks, &Progress::new()).unwrap();
+        assert_eq!(found.len(), 6, "{found:?}");
+        for meeting in found {
+            assert_eq!(meeting.logs, [0, 1]);
+            assert_eq!(meeting.kind, MeetingKind::Overlap);
+            assert!((meeting.difference_m - 0.15).abs() < 1e-9, "{meeting:?}");
+            assert!((meeting.slope - 0.02).abs() < 0.005, "{meeting:?}");
+        }
+    }
+
+    #[test]
+    fn a_line_ends_where_the_boat_turns() {
+        // East for 60 s at a metre a second, then north.
+        let track: Vec<TrackDepth> = (0..120)
+            .map(|second| TrackDepth {
+                time_s: f64::from(second),
+                east_m: f64::from(second.min(60)),
+                north_m: f64::from((second - 60).max(0)),
+                depth_m: 3.0,
+            })
+            .collect();
+        let starts_s = line_starts_s(&track);
+        assert_eq!([starts_s[0], starts_s[58]], [0.0; 2]);
+        assert!((starts_s[119] - 61.0).abs() <= 1.0, "{starts_s:?}");
+        assert_eq!(starts_s[62], starts_s[119]);
+    }
+}

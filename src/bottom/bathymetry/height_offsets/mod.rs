@@ -1,0 +1,189 @@
+//! How much higher or lower the depths of one log are than those of the others, from where logs meet.
+//!
+//! Drafts, water levels and the recorders' own constants differ from log to log, and each moves all depths of its log by the same
+//! height. Where two logs measured the same place their depths differ by the difference of these heights, so all meetings together
+//! give the height of every log, but for one that they all share: the datum. `meetings` finds the places, `network` solves for the
+//! heights, and with them for how far the positions of each log are off, since that moves depths on a slope.
+
+mod meetings;
+mod network;
+
+pub use meetings::{FEW_CROSSINGS, crossing_meetings, meetings, overlaps};
+pub use network::adjust;
+pub(super) use network::{difference_sigma_m, groups, robust_shares};
+
+use super::crosslines::TrackDepth;
+use crate::support::progress::{Cancelled, Progress};
+use serde::Serialize;
+
+/// What the heights of the logs count from: their differences say nothing about what all of them share.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Datum {
+    /// The mean of the offsets of connected logs is zero: no log is taken for better than another.
+    #[default]
+    Mean,
+    /// The offset of this log is zero. Logs that are not connected with it have a mean of zero.
+    Log(usize),
+}
+
+/// How two logs meet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MeetingKind {
+    /// Their tracks cross.
+    Crossing,
+    /// They measured the same square metres without crossing: along the same line.
+    Overlap,
+}
+
+/// A place that two logs measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Meeting {
+    /// Indices of the logs, the smaller first.
+    pub logs: [usize; 2],
+    /// How they meet.
+    pub kind: MeetingKind,
+    /// East and north, metres.
+    pub place: [f64; 2],
+    /// Elevation by the second log minus that by the first, metres.
+    pub difference_m: f64,
+    /// Slope of the bottom, metres a metre: an error of position becomes one of depth by it. NaN where it is not known.
+    pub slope: f64,
+    /// What the depth grows by a metre to the east and to the north, metres; NaN where the slope's direction is not known.
+    pub gradient: [f64; 2],
+    /// When each log began the line that it was on there, whole seconds: meetings of one line err together. `None` where that is not known.
+    pub lines: Option<[i64; 2]>,
+}
+
+impl Meeting {
+    /// Of a slope without a direction, on lines that are not known.
+    pub fn new(
+        logs: [usize; 2],
+        kind: MeetingKind,
+        place: [f64; 2],
+        difference_m: f64,
+        slope: f64,
+    ) -> Self {
+        Self {
+            logs,
+            kind,
+            place,
+            difference_m,
+            slope,
+            gradient: [f64::NAN; 2],
+            lines: None,
+        }
+    }
+
+    /// Whether the direction of the slope is known.
+    fn has_gradient(&self) -> bool {
+        self.gradient.iter().all(|slope| slope.is_finite())
+    }
+}
+
+/// The height offset of a log.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LogOffset {
+    /// What is to be added to every elevation of the log, metres, so that it agrees with the others; 0 for a log that meets no other.
+    pub offset_m: f64,
+    /// Its standard error against the datum, metres; NaN for a log that meets no other.
+    pub standard_error_m: f64,
+    /// Logs of the same group are connected by meetings; groups are numbered by their first log. Heights of different groups cannot
+    /// be compared.
+    pub group: usize,
+    /// Meetings of the log with others.
+    pub meetings: usize,
+}
+
+impl LogOffset {
+    /// The offset as it is applied, metres: to the tenth of a millimetre, since it stands in records and is no better known.
+    pub fn applied_m(&self) -> f64 {
+        (self.offset_m * 1e4).round() / 1e4
+    }
+}
+
+/// How two logs differ.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PairDifference {
+    /// Indices of the logs, the smaller first.
+    pub logs: [usize; 2],
+    /// How they meet.
+    pub kind: MeetingKind,
+    /// Places where they meet.
+    pub n: usize,
+    /// Median elevation by the second log minus that by the first, metres.
+    pub difference_m: f64,
+    /// Robust standard deviation (1.4826 MAD) of the differences, metres; NaN of fewer than two.
+    pub spread_m: f64,
+    /// Standard error of the median, metres.
+    pub standard_error_m: f64,
+    /// What is left of the median once the offsets of both logs are applied, metres.
+    pub residual_m: f64,
+}
+
+/// What offsets leave of the difference between two logs is worth a warning from so many metres and standard errors on: errors of
+/// a crossing are not quite independent, so fewer standard errors would warn of surveys that are sound.
+const CONTRADICTION_M: f64 = 0.05;
+const CONTRADICTION_SIGMAS: f64 = 5.0;
+
+impl PairDifference {
+    /// Whether no offset of whole logs explains how these two differ: other ground, a bottom that moved, a wrong clock or water level.
+    pub fn is_contradiction(&self) -> bool {
+        let left_m = self.residual_m.abs();
+        left_m > CONTRADICTION_M && left_m > CONTRADICTION_SIGMAS * self.standard_error_m
+    }
+}
+
+/// Height offsets of all logs, and what they come from.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct HeightOffsets {
+    /// One a log.
+    pub logs: Vec<LogOffset>,
+    /// Every pair of logs that meet, in order.
+    pub pairs: Vec<PairDifference>,
+}
+
+impl HeightOffsets {
+    /// How many groups of connected logs there are; heights can be compared within a group only.
+    pub fn groups(&self) -> usize {
+        self.logs.iter().map(|log| log.group + 1).max().unwrap_or(0)
+    }
+}
+
+/// Finds where logs meet and solves for their heights. `tracks` holds the depths under the boat of every log in time order, all in
+/// one plane, corrected for what is known.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn height_offsets(
+    tracks: &[Vec<TrackDepth>],
+    datum: Datum,
+    progress: &Progress,
+) -> Result<HeightOffsets, Cancelled> {
+    let meetings = meetings(tracks, progress)?;
+    Ok(adjust(tracks.len(), &meetings, datum))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_logs_contradict_each_other_beyond_their_scatter_only() {
+        let pair = |residual_m: f64, standard_error_m: f64| PairDifference {
+            logs: [0, 1],
+            kind: MeetingKind::Crossing,
+            n: 9,
+            difference_m: residual_m,
+            spread_m: 3.0 * standard_error_m,
+            standard_error_m,
+            residual_m,
+        };
+        assert!(pair(-0.27, 0.03).is_contradiction());
+        assert!(
+            !pair(0.04, 0.001).is_contradiction(),
+            "too little to matter"
+        );
+        assert!(!pair(0.27, 0.06).is_contradiction(), "its meetings scatter");
+    }
+}

@@ -1,0 +1,430 @@
+//! Robust weighted least squares over the graph of logs.
+
+use super::{Datum, HeightOffsets, LogOffset, Meeting, PairDifference};
+use crate::support::sparse::{Equations, Factor, Pattern};
+use crate::support::statistics::{SIGMA_PER_MAD, median, spread_about};
+use std::collections::BTreeMap;
+
+/// Standard deviation of a difference on level ground, metres, and of the place of a meeting: they weigh meetings against each
+/// other, so only their ratio matters. What a slope makes of half a metre is more than the noise of a sounding beyond 3 degrees.
+const DEPTH_SIGMA_M: f64 = 0.03;
+const POSITION_SIGMA_M: f64 = 0.5;
+/// Slope that is assumed where none is known.
+const USUAL_SLOPE: f64 = 0.05;
+/// Tuning of Huber's and of Tukey's weights, in standard deviations: 95 % as efficient as least squares on normal noise.
+const HUBER: f64 = 1.345;
+const TUKEY: f64 = 4.685;
+const ROUNDS: usize = 50;
+/// Offsets that change by less than this are found, metres.
+const SETTLED_M: f64 = 1e-7;
+/// The scale of the residuals is at least this share of what the weights assume: differences may agree to the last digit.
+const LEAST_SCALE: f64 = 1e-6;
+/// What is assumed of differences before they check each other counts like so many of them.
+const ASSUMED_DIFFERENCES: f64 = 1.0;
+/// A robust weight below this ties nothing.
+const LEAST_SHARE: f64 = 1e-9;
+/// Standard error of a median over that of a mean.
+const MEDIAN_SHARE: f64 = 1.2533;
+
+/// Heights of `count` logs from their meetings.
+///
+/// The offsets `h` fulfil `h_first - h_second = difference` as well as they can: least squares weighted by the noise that the slope
+/// of the bottom lets expect, first with Huber's weights and from there with Tukey's, so that a meeting over weed or on a lost bottom
+/// counts little or nothing. Where the direction of the slope is known the east and north shift of each log's positions, half a metre give or
+/// take, is found with its height, so that the standard errors hold what such a shift makes of a slope. They are those of the weighted
+/// residuals; where pairs of logs, or the single lines of logs, disagree as a whole by more than their single meetings scatter (a tide,
+/// positions that are off all along a line), they are larger by that much.
+pub fn adjust(count: usize, meetings: &[Meeting], datum: Datum) -> HeightOffsets {
+    let known: Vec<Meeting> = meetings
+        .iter()
+        .filter(|one| {
+            one.difference_m.is_finite() && one.logs[0] != one.logs[1] && one.logs[1] < count
+        })
+        .copied()
+        .collect();
+    let groups = groups(count, known.iter().map(|one| one.logs));
+    let mut logs: Vec<LogOffset> = (groups.iter())
+        .map(|group| LogOffset {
+            offset_m: 0.0,
+            standard_error_m: f64::NAN,
+            group: *group,
+            meetings: 0,
+        })
+        .collect();
+    let mut members: Vec<Vec<usize>> = vec![Vec::new(); groups.iter().max().map_or(0, |l| l + 1)];
+    let mut inside: Vec<Vec<Meeting>> = vec![Vec::new(); members.len()];
+    for (log, group) in groups.iter().enumerate() {
+        members[*group].push(log);
+    }
+    for one in &known {
+        inside[groups[one.logs[0]]].push(*one);
+        for log in one.logs {
+            logs[log].meetings += 1;
+        }
+    }
+    let mut pairs = Vec::new();
+    for (members, inside) in members.iter().zip(&inside) {
+        let Some(solved) = Network::new(members, inside, datum).solve() else {
+            continue;
+        };
+        for (index, &log) in members.iter().enumerate() {
+            logs[log].offset_m = solved.heights_m[index];
+            logs[log].standard_error_m = solved.errors_m[index];
+        }
+        pairs.extend(pair_differences(inside, &logs));
+    }
+    pairs.sort_by_key(|pair: &PairDifference| pair.logs);
+    HeightOffsets { logs, pairs }
+}
+
+/// Standard deviation of the difference between two depths at one place, metres, where the bottom has some slope.
+pub fn difference_sigma_m(slope: f64) -> f64 {
+    let slope = if slope.is_nan() { USUAL_SLOPE } else { slope };
+    DEPTH_SIGMA_M.hypot(slope * POSITION_SIGMA_M)
+}
+
+/// Huber's weights of some residuals, and their robust standard deviation.
+pub fn robust_shares(residuals: &[f64]) -> (Vec<f64>, f64) {
+    weighted_shares(residuals, &huber)
+}
+
+fn huber(u: f64) -> f64 {
+    (HUBER / u.abs()).min(1.0)
+}
+
+fn weighted_shares(residuals: &[f64], weight: &dyn Fn(f64) -> f64) -> (Vec<f64>, f64) {
+    let mut sizes: Vec<f64> = residuals.iter().map(|u| u.abs()).collect();
+    let scale = (SIGMA_PER_MAD * median(&mut sizes)).max(LEAST_SCALE);
+    let shares = residuals.iter().map(|u| weight(u / scale)).collect();
+    (shares, scale)
+}
+
+/// The group of every log, numbered in the order of their first logs: those that meet, directly or through others, share one.
+pub fn groups(count: usize, meetings: impl Iterator<Item = [usize; 2]>) -> Vec<usize> {
+    // Each log leads to one before it, or to itself where it is the first of its group.
+    let mut first: Vec<usize> = (0..count).collect();
+    fn first_of(first: &mut [usize], mut log: usize) -> usize {
+        while first[log] != log {
+            first[log] = first[first[log]];
+            log = first[log];
+        }
+        log
+    }
+    for logs in meetings {
+        let [a, b] = logs.map(|log| first_of(&mut first, log));
+        first[a.max(b)] = a.min(b);
+    }
+    let mut numbers: BTreeMap<usize, usize> = BTreeMap::new();
+    let number = |log: usize| {
+        let next = numbers.len();
+        *numbers.entry(first_of(&mut first, log)).or_insert(next)
+    };
+    (0..count).map(number).collect()
+}
+
+/// Connected logs and their meetings.
+struct Network<'a> {
+    meetings: &'a [Meeting],
+    /// The two logs of each meeting as places in the group.
+    ends: Vec<[usize; 2]>,
+    /// Standard deviation that each difference is expected to have.
+    sigmas_m: Vec<f64>,
+    size: usize,
+    /// Whether the shifts of positions are unknowns, too: east and north of each log, behind the heights.
+    has_shifts: bool,
+    /// The member whose offset is zero; without one their mean is.
+    fixed: Option<usize>,
+}
+
+/// A solution with some weights of the meetings.
+struct Weighted {
+    heights_m: Vec<f64>,
+    /// East and north of each log's shift; none where no slope has a direction.
+    shifts_m: Vec<f64>,
+    shares: Vec<f64>,
+    scale: f64,
+    factor: Factor,
+}
+
+struct Solved {
+    heights_m: Vec<f64>,
+    errors_m: Vec<f64>,
+}
+
+impl<'a> Network<'a> {
+    fn new(members: &[usize], meetings: &'a [Meeting], datum: Datum) -> Self {
+        let place = |log: usize| members.partition_point(|member| *member < log);
+        let fixed = match datum {
+            Datum::Mean => None,
+            Datum::Log(log) => members.contains(&log).then(|| place(log)),
+        };
+        Self {
+            ends: meetings.iter().map(|one| one.logs.map(place)).collect(),
+            sigmas_m: meetings
+                .iter()
+                .map(|one| difference_sigma_m(one.slope))
+                .collect(),
+            has_shifts: meetings.iter().any(Meeting::has_gradient),
+            meetings,
+            size: members.len(),
+            fixed,
+        }
+    }
+
+    /// `None` for a log alone.
+    fn solve(&self) -> Option<Solved> {
+        if self.size < 2 {
+            return None;
+        }
+        let mut equations = self.equations();
+        let pattern = Pattern::of(&equations, self.unknowns())?;
+        let ones = vec![1.0; self.meetings.len()];
+        let mut at = self.weighted(&pattern, &mut equations, ones, 1.0)?;
+        let tukey = |u: f64| (1.0 - (u / TUKEY).powi(2)).max(0.0).powi(2);
+        for weight in [&huber as &dyn Fn(f64) -> f64, &tukey] {
+            for _ in 0..ROUNDS {
+                let (shares, scale) = weighted_shares(&self.residuals(&at), weight);
+                // Where Tukey's weights would cut a log off, Huber's stand.
+                let Some(next) = self.weighted(&pattern, &mut equations, shares, scale) else {
+                    break;
+                };
+                let moved = next.heights_m.iter().zip(&at.heights_m);
+                let moved_m = moved.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                at = next;
+                if moved_m < SETTLED_M {
+                    break;
+                }
+            }
+        }
+        let of_unknowns = at.factor.variances(self.unknowns());
+        let own = self.variances(&at.factor, &of_unknowns).into_iter();
+        let variance = self.variance(&at, &of_unknowns);
+        Some(Solved {
+            errors_m: own.map(|own| (variance * own).sqrt()).collect(),
+            heights_m: at.heights_m,
+        })
+    }
+
+    /// Heights of all logs but the first, and shifts where they are known.
+    fn unknowns(&self) -> usize {
+        self.size - 1 + if self.has_shifts { 2 * self.size } else { 0 }
+    }
+
+    /// Where the shift of a log to the east is among the unknowns; that to the north follows.
+    fn shift(&self, log: usize) -> usize {
+        self.size - 1 + 2 * log
+    }
+
+    /// Variance of a residual in units of what was expected of it.
+    fn variance(&self, at: &Weighted, of_unknowns: &[f64]) -> f64 {
+        let residuals = self.residuals(at);
+        let squares: f64 = residuals
+            .iter()
+            .zip(&at.shares)
+            .map(|(u, w)| w * u * u)
+            .sum();
+        // A shift takes a freedom as far as the meetings say more of it than was assumed.
+        let assumed = (POSITION_SIGMA_M / at.scale).powi(2);
+        let shifts = &of_unknowns[self.size - 1..];
+        let shifts: f64 = shifts
+            .iter()
+            .map(|own| (1.0 - own / assumed).max(0.0))
+            .sum();
+        let parameters = (self.size - 1) as f64 + shifts;
+        let freedom = (at.shares.iter().sum::<f64>() - parameters).max(0.0);
+        // A tree of single differences checks nothing: what was assumed of them counts then.
+        let single = (squares + ASSUMED_DIFFERENCES) / (freedom + ASSUMED_DIFFERENCES);
+        let of_pairs = self.variance_of_pairs(&residuals, &at.shares);
+        let of_lines = self.variance_of_lines(&residuals, &at.shares, parameters, single);
+        single.max(of_pairs).max(of_lines)
+    }
+
+    /// Differences less what the heights and the shifts make of them, in standard deviations.
+    fn residuals(&self, at: &Weighted) -> Vec<f64> {
+        let all = self.meetings.iter().zip(&self.ends).zip(&self.sigmas_m);
+        all.map(|((one, [a, b]), sigma_m)| {
+            let mut left_m = one.difference_m - (at.heights_m[*a] - at.heights_m[*b]);
+            if one.has_gradient() {
+                let apart_m =
+                    [0, 1].map(|axis| at.shifts_m[2 * a + axis] - at.shifts_m[2 * b + axis]);
+                left_m -= one.gradient[0] * apart_m[0] + one.gradient[1] * apart_m[1];
+            }
+            left_m / sigma_m
+        })
+        .collect()
+    }
+
+    /// What the mean residuals of the lines say of the variance of a single one, as those of the pairs do, a line by the weight of its meetings:
+    /// that is what it counts in a height. Each meeting lies on a line of either log, so that what lines add counts twice. 0 where too few
+    /// lines cross.
+    fn variance_of_lines(
+        &self,
+        residuals: &[f64],
+        shares: &[f64],
+        parameters: f64,
+        single: f64,
+    ) -> f64 {
+        let mut lines: BTreeMap<(usize, i64), [f64; 2]> = BTreeMap::new();
+        let all = self.meetings.iter().zip(&self.ends).zip(&self.sigmas_m);
+        for (((one, ends), sigma_m), (u, share)) in all.zip(residuals.iter().zip(shares)) {
+            let weight = share / (sigma_m * sigma_m);
+            for (end, line) in one.lines.into_iter().flatten().enumerate() {
+                // The residual is that of the first log less the second's.
+                let sign = if end == 0 { 1.0 } else { -1.0 };
+                let [sum, weights] = lines.entry((ends[end], line)).or_default();
+                (*sum, *weights) = (*sum + sign * weight * u * sigma_m, *weights + weight);
+            }
+        }
+        let total = |of: fn(&[f64; 2]) -> f64| lines.values().map(of).sum::<f64>();
+        let weights = total(|[_, weight]| *weight);
+        // So many lines of one weight would count alike.
+        let count = weights * weights / total(|[_, weight]| weight * weight);
+        let freedom = count - parameters - 1.0;
+        // Without any line it is no number.
+        if freedom.is_nan() || freedom < 0.5 {
+            return 0.0;
+        }
+        let squares = count * total(|[sum, _]| sum * sum) / weights;
+        let assumed = ASSUMED_DIFFERENCES * single;
+        2.0 * (squares + assumed) / (freedom + ASSUMED_DIFFERENCES) - single
+    }
+
+    /// What the mean residuals of the pairs of logs say of the variance of a single one: larger than that of the single ones where
+    /// a pair disagrees with others as a whole. 0 where the pairs do not check each other.
+    fn variance_of_pairs(&self, residuals: &[f64], shares: &[f64]) -> f64 {
+        let mut pairs: BTreeMap<[usize; 2], [f64; 2]> = BTreeMap::new();
+        let all = self.ends.iter().zip(&self.sigmas_m);
+        for ((ends, sigma_m), (u, share)) in all.zip(residuals.iter().zip(shares)) {
+            let weight = share / (sigma_m * sigma_m);
+            let [sum, weights] = pairs.entry(*ends).or_default();
+            (*sum, *weights) = (*sum + weight * u * sigma_m, *weights + weight);
+        }
+        let observed = pairs.values().filter(|[_, weights]| *weights > 0.0);
+        let squares: f64 = observed.map(|[sum, weights]| sum * sum / weights).sum();
+        match pairs.len() >= self.size {
+            false => 0.0,
+            true => squares / (pairs.len() + 1 - self.size) as f64,
+        }
+    }
+
+    /// What the meetings say of the heights of all logs but the first, which is taken for zero, and of the shifts; behind them what is assumed
+    /// of the shifts.
+    fn equations(&self) -> Equations {
+        let mut equations = Equations::default();
+        let all = self.meetings.iter().zip(&self.ends).zip(&self.sigmas_m);
+        for ((one, ends), sigma_m) in all {
+            let mut terms = Vec::with_capacity(6);
+            for (log, sign) in ends.iter().zip([1.0, -1.0]) {
+                terms.extend(log.checked_sub(1).map(|height| (height, sign)));
+                if one.has_gradient() {
+                    let of_axis = |axis| (self.shift(*log) + axis, sign * one.gradient[axis]);
+                    terms.extend([0, 1].map(of_axis));
+                }
+            }
+            equations.add(terms, one.difference_m, *sigma_m);
+        }
+        for shift in self.size - 1..self.unknowns() {
+            equations.add([(shift, 1.0)], 0.0, POSITION_SIGMA_M);
+        }
+        equations
+    }
+
+    /// Heights by least squares with some weights, from the datum, and the matrix that they come from; `None` where the weights cut the logs
+    /// into several groups. The scale is that of the residuals, in which what is assumed of shifts is weighed against them.
+    fn weighted(
+        &self,
+        pattern: &Pattern,
+        equations: &mut Equations,
+        shares: Vec<f64>,
+        scale: f64,
+    ) -> Option<Weighted> {
+        let ties = self.ends.iter().zip(&shares);
+        let ties = ties.filter_map(|(ends, share)| (*share > LEAST_SHARE).then_some(*ends));
+        if groups(self.size, ties).iter().any(|group| *group > 0) {
+            return None;
+        }
+        for (meeting, (share, sigma_m)) in shares.iter().zip(&self.sigmas_m).enumerate() {
+            equations.set_sd(meeting, sigma_m / share.sqrt());
+        }
+        for assumed in self.meetings.len()..equations.len() {
+            equations.set_sd(assumed, POSITION_SIGMA_M / scale);
+        }
+        let factor = pattern.factorise(equations)?;
+        let mut found = factor.solve(pattern, equations, 0, || 0.0).swap_remove(0);
+        let shifts_m = found.split_off(self.size - 1);
+        let mut heights_m = vec![0.0];
+        heights_m.append(&mut found);
+        let datum_m = match self.fixed {
+            Some(fixed) => heights_m[fixed],
+            None => heights_m.iter().sum::<f64>() / self.size as f64,
+        };
+        heights_m
+            .iter_mut()
+            .for_each(|height_m| *height_m -= datum_m);
+        let is_known = heights_m.iter().all(|height_m| height_m.is_finite());
+        is_known.then_some(Weighted {
+            heights_m,
+            shifts_m,
+            shares,
+            scale,
+            factor,
+        })
+    }
+
+    /// Variances of the heights from the datum, before they are scaled by that of the residuals: with the covariance `C` against the first log
+    /// and weights `w` that make the datum, `C_ii - 2 (C w)_i + w C w`.
+    fn variances(&self, factor: &Factor, of_unknowns: &[f64]) -> Vec<f64> {
+        let weight = |log: usize| match self.fixed {
+            Some(fixed) => f64::from(u8::from(log == fixed)),
+            None => 1.0 / self.size as f64,
+        };
+        let of_others = |values: &[f64]| -> Vec<f64> {
+            let others = values[..self.size - 1].iter().copied();
+            [0.0].into_iter().chain(others).collect()
+        };
+        let mut with_datum = vec![0.0; self.unknowns()];
+        for (log, entry) in (1..self.size).zip(&mut with_datum) {
+            *entry = weight(log);
+        }
+        let mut with_datum = [with_datum];
+        factor.solve_for(&mut with_datum);
+        let with_datum = of_others(&with_datum[0]);
+        let datum: f64 = (0..self.size)
+            .map(|log| weight(log) * with_datum[log])
+            .sum();
+        let own = of_others(of_unknowns).into_iter().zip(&with_datum);
+        own.map(|(own, with)| (own - 2.0 * with + datum).max(0.0))
+            .collect()
+    }
+}
+
+/// What the meetings of each pair say, and what the offsets leave of it.
+fn pair_differences(meetings: &[Meeting], logs: &[LogOffset]) -> Vec<PairDifference> {
+    let mut by_pair: BTreeMap<[usize; 2], Vec<&Meeting>> = BTreeMap::new();
+    for meeting in meetings {
+        by_pair.entry(meeting.logs).or_default().push(meeting);
+    }
+    by_pair
+        .into_iter()
+        .map(|([a, b], met)| {
+            let mut differences: Vec<f64> = met.iter().map(|one| one.difference_m).collect();
+            let difference_m = median(&mut differences);
+            let spread_m = match differences.len() {
+                1 => f64::NAN,
+                _ => spread_about(&mut differences, difference_m),
+            };
+            let n = met.len();
+            // Few differences may agree by chance.
+            let sigma_m = spread_m.max(DEPTH_SIGMA_M / (n as f64).sqrt());
+            PairDifference {
+                logs: [a, b],
+                kind: met[0].kind,
+                n,
+                difference_m,
+                spread_m,
+                standard_error_m: MEDIAN_SHARE * sigma_m / (n as f64).sqrt(),
+                residual_m: difference_m - (logs[a].offset_m - logs[b].offset_m),
+            }
+        })
+        .collect()
+}

@@ -1,0 +1,123 @@
+//! Pieces of a border joined to rings, and rings sorted into outlines and holes.
+
+use super::{Piece, Stop};
+use crate::support::outline::goes_around;
+
+/// An area with holes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Polygon {
+    /// The outline, counter-clockwise (east, north); its last point is its first.
+    pub outline: Vec<[f64; 2]>,
+    /// Holes, clockwise, closed likewise.
+    pub holes: Vec<Vec<[f64; 2]>>,
+}
+
+impl Polygon {
+    /// Square metres without the holes.
+    pub fn area_m2(&self) -> f64 {
+        // The holes run the other way, so that their areas are negative.
+        signed_area(&self.outline) + self.holes.iter().map(|hole| signed_area(hole)).sum::<f64>()
+    }
+}
+
+/// Joins pieces to closed rings. At every stop as many end as begin. Where two parts of the area touch at a corner, the ring
+/// stays in its own square, so that it never crosses itself.
+pub(super) fn closed(pieces: &[Piece]) -> Vec<Vec<Stop>> {
+    let mut order: Vec<usize> = (0..pieces.len()).collect();
+    order.sort_unstable_by_key(|&piece| (pieces[piece].from, pieces[piece].square));
+    let mut used = vec![false; pieces.len()];
+    let next = |at: Stop, square: usize, used: &mut [bool]| {
+        let first = order.partition_point(|&piece| pieces[piece].from < at);
+        let leaving = order[first..].iter().copied();
+        let mut free = leaving
+            .take_while(|&piece| pieces[piece].from == at)
+            .filter(|&piece| !used[piece]);
+        let same = free.clone().find(|&piece| pieces[piece].square == square);
+        let chosen = same.or_else(|| free.next())?;
+        used[chosen] = true;
+        Some(chosen)
+    };
+    let mut rings = Vec::new();
+    for begin in 0..pieces.len() {
+        if used[begin] {
+            continue;
+        }
+        used[begin] = true;
+        let mut ring = vec![pieces[begin].from];
+        let mut at = begin;
+        while pieces[at].to != pieces[begin].from {
+            ring.push(pieces[at].to);
+            let Some(following) = next(pieces[at].to, pieces[at].square, &mut used) else {
+                break;
+            };
+            at = following;
+        }
+        ring.push(ring[0]);
+        rings.push(ring);
+    }
+    rings
+}
+
+/// Sorts rings: counter-clockwise ones are outlines, clockwise ones holes in the smallest outline around them. Rings without
+/// area are left out.
+pub fn polygons(rings: Vec<Vec<[f64; 2]>>) -> Vec<Polygon> {
+    let (mut outlines, mut holes) = (Vec::new(), Vec::new());
+    for ring in rings.into_iter().filter(|ring| ring.len() > 3) {
+        let area_m2 = signed_area(&ring);
+        if area_m2 > 0.0 {
+            outlines.push((area_m2, bounds(&ring), ring));
+        } else if area_m2 < 0.0 {
+            holes.push(ring);
+        }
+    }
+    // The first outline that holds a hole is then the smallest.
+    outlines.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut owned: Vec<Vec<Vec<[f64; 2]>>> = vec![Vec::new(); outlines.len()];
+    for hole in holes {
+        let box_of_hole = bounds(&hole);
+        let holds = |(_, bounds, ring): &(f64, [f64; 4], Vec<[f64; 2]>)| {
+            within(box_of_hole, *bounds) && surrounds(ring, &hole)
+        };
+        if let Some(owner) = outlines.iter().position(holds) {
+            owned[owner].push(hole);
+        }
+    }
+    let outlines = outlines.into_iter().map(|(_, _, outline)| outline);
+    outlines
+        .zip(owned)
+        .map(|(outline, holes)| Polygon { outline, holes })
+        .collect()
+}
+
+/// Gauss's formula about the first point; positive counter-clockwise.
+fn signed_area(ring: &[[f64; 2]]) -> f64 {
+    let Some([x0, y0]) = ring.first().copied() else {
+        return 0.0;
+    };
+    let cross = |step: &[[f64; 2]]| {
+        (step[0][0] - x0) * (step[1][1] - y0) - (step[1][0] - x0) * (step[0][1] - y0)
+    };
+    0.5 * ring.windows(2).map(cross).sum::<f64>()
+}
+
+/// West, south, east, north.
+fn bounds(ring: &[[f64; 2]]) -> [f64; 4] {
+    let none = [f64::MAX, f64::MAX, f64::MIN, f64::MIN];
+    ring.iter().fold(none, |[w, s, e, n], [x, y]| {
+        [w.min(*x), s.min(*y), e.max(*x), n.max(*y)]
+    })
+}
+
+fn within(inner: [f64; 4], outer: [f64; 4]) -> bool {
+    inner[0] >= outer[0] && inner[1] >= outer[1] && inner[2] <= outer[2] && inner[3] <= outer[3]
+}
+
+/// Whether most corners of a ring lie inside another: rings do not cross, but may touch.
+fn surrounds(outline: &[[f64; 2]], ring: &[[f64; 2]]) -> bool {
+    let corners = &ring[..ring.len() - 1];
+    let inside = corners
+        .iter()
+        .filter(|corner| goes_around(outline, **corner))
+        .count();
+    2 * inside > corners.len()
+}

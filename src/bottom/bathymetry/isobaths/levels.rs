@@ -1,0 +1,330 @@
+//! Which depths isobaths are drawn at.
+
+use super::Smoothing;
+use crate::support::presentation::ticks;
+use crate::support::presentation::units::LengthUnit;
+use crate::survey::WaterArea;
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Every so many isobaths one is thick and labelled, counted from depth 0.
+pub const INDEX: f64 = 5.0;
+/// More isobaths than this are a mistake, not a map.
+const MOST_LEVELS: f64 = 1000.0;
+/// About so many are drawn where nobody says how many.
+const TARGET_LEVELS: f64 = 10.0;
+
+/// `isobaths.*` settings.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct IsobathSettings {
+    /// What the depths of the isobaths are round in, and are written in along the lines.
+    pub unit: LengthUnit,
+    /// Metres from one isobath to the next, counted from depth 0, rounded to two digits of the unit; when not given, 1, 2 or 5 times a
+    /// power of ten of the unit that makes about ten.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub interval_m: Option<f64>,
+    /// Depths of the isobaths, metres; when there are any, the interval does not count.
+    pub depths_m: Vec<f64>,
+    /// How often the corners of the lines are cut; 0 leaves them as measured.
+    pub smooth: u32,
+    /// Whether every depth that is shallower than a line lies on its shallow side.
+    pub shoal_safe: bool,
+    /// No spot sounding is nearer to another than this, metres; when not given, a round distance by the extent of the map.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spot_radius_m: Option<f64>,
+    /// The file of the area that isobaths, the areas between them and spot soundings end at; when not given, they are wherever there are
+    /// depths.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub clip: Option<PathBuf>,
+    /// What the file holds, once it has been read.
+    #[serde(skip)]
+    pub area: Option<Arc<WaterArea>>,
+}
+
+/// Why there are no isobaths.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NoIsobaths {
+    /// The interval would draw more of them than anybody can read.
+    #[error(
+        "isobaths.interval_m is {interval_m}, which over depths from {least_m:.2} to {most_m:.2} m makes more than 1000 isobaths; choose a larger one"
+    )]
+    TooMany {
+        /// The interval, metres.
+        interval_m: f64,
+        /// The shallowest depth, metres.
+        least_m: f64,
+        /// The deepest depth, metres.
+        most_m: f64,
+    },
+    /// The file that `isobaths.clip` names was not found when the settings were read.
+    #[error("the area of isobaths.clip has not been read; choose its file again: {}", path.display())]
+    AreaNotRead {
+        /// Which file.
+        path: PathBuf,
+    },
+    /// The area is another water's.
+    #[error("the area of isobaths.clip lies elsewhere than the depths; choose that of this water: {}", path.display())]
+    AreaElsewhere {
+        /// Which file.
+        path: PathBuf,
+    },
+}
+
+/// Metres from one of some rising depths to the next, and the first of them; `None` where they are not equally far apart, and of none.
+pub fn evenly_apart_m(levels_m: &[f64]) -> Option<[f64; 2]> {
+    const ALONE_M: f64 = 1e6;
+    let first_m = *levels_m.first()?;
+    let apart_m = levels_m.get(1).map_or(ALONE_M, |next_m| next_m - first_m);
+    let mut steps = levels_m.windows(2).map(|pair| pair[1] - pair[0]);
+    let is_even = steps.all(|step_m| (step_m - apart_m).abs() < 1e-6 * apart_m.abs().max(1.0));
+    is_even.then_some([apart_m, first_m])
+}
+
+impl IsobathSettings {
+    /// The same with an interval that is round in a unit of so many metres, where it is left to the depths between two.
+    pub fn round_in(&self, unit_m: f64, range_m: [f64; 2]) -> Self {
+        // A unit of the settings counts for files and window alike.
+        let unit_m = match self.unit {
+            LengthUnit::Metres => unit_m,
+            other => other.metres(),
+        };
+        let chosen_m = || usual_interval_m(unit_m, range_m);
+        Self {
+            interval_m: Some(self.interval_m.unwrap_or_else(chosen_m)),
+            ..self.clone()
+        }
+    }
+
+    /// The interval that is given, round in the unit: 1.52 m are 5 feet.
+    fn given_m(&self) -> Option<f64> {
+        let unit_m = self.unit.metres();
+        let interval_m = self.interval_m?;
+        Some(match self.unit {
+            LengthUnit::Metres => interval_m,
+            _ => unit_m * two_digits(interval_m / unit_m),
+        })
+    }
+
+    /// How the lines are rounded.
+    pub fn smoothing(&self) -> Smoothing {
+        Smoothing {
+            passes: self.smooth,
+            toward_deep: self.shoal_safe,
+        }
+    }
+
+    /// A depth in the unit of the lines, to a ten thousandth of it.
+    pub fn in_unit(&self, depth_m: f64) -> f64 {
+        // No depth is minus zero.
+        (depth_m / self.unit.metres() * 1e4).round() / 1e4 + 0.0
+    }
+
+    /// A depth as charts print it: to a tenth of a metre or of a fathom or a whole foot, and never deeper than it is.
+    pub fn charted(&self, depth_m: f64) -> String {
+        let decimals = match self.unit {
+            LengthUnit::Metres | LengthUnit::Fathoms => 1,
+            LengthUnit::Feet => 0,
+        };
+        let steps = 10f64.powi(decimals);
+        // What a quotient is off by should cost no step; and no depth is minus zero.
+        let whole = (depth_m / self.unit.metres() * steps + 1e-6).floor() / steps + 0.0;
+        format!("{whole:.*}", decimals as usize)
+    }
+
+    /// Whether an isobath is one of every fifth, so many metres from one to the next.
+    pub fn is_index(depth_m: f64, step_m: f64) -> bool {
+        let count = (depth_m / step_m).round();
+        (count / INDEX).fract() == 0.0
+    }
+
+    /// Metres from one isobath to the next; `None` where their depths were listed.
+    pub fn step_m(&self, levels_m: &[f64]) -> Option<f64> {
+        if !self.depths_m.is_empty() {
+            return None;
+        }
+        let first_two = levels_m.first().zip(levels_m.get(1));
+        self.given_m()
+            .or(first_two.map(|(first, second)| second - first))
+    }
+
+    /// Those of some levels that a map makes thick and labels: every fifth; where none of them is one, or their depths were listed, all.
+    pub fn index_levels_m(&self, levels_m: &[f64]) -> Vec<f64> {
+        let step_m = self.step_m(levels_m);
+        let fifth = |level_m: &&f64| step_m.is_some_and(|step_m| Self::is_index(**level_m, step_m));
+        let index: Vec<f64> = levels_m.iter().filter(fifth).copied().collect();
+        match index.is_empty() {
+            true => levels_m.to_vec(),
+            false => index,
+        }
+    }
+
+    /// The levels, ascending, for depths between two.
+    pub fn levels_m(&self, [least_m, most_m]: [f64; 2]) -> Result<Vec<f64>, NoIsobaths> {
+        if !self.depths_m.is_empty() {
+            let mut levels_m = self.depths_m.clone();
+            levels_m.sort_by(f64::total_cmp);
+            levels_m.dedup();
+            return Ok(levels_m);
+        }
+        let usual_m = || usual_interval_m(self.unit.metres(), [least_m, most_m]);
+        let interval_m = self.given_m().unwrap_or_else(usual_m);
+        let [first, last] = [(least_m / interval_m).ceil(), (most_m / interval_m).floor()];
+        if last - first >= MOST_LEVELS {
+            return Err(NoIsobaths::TooMany {
+                interval_m,
+                least_m,
+                most_m,
+            });
+        }
+        // A level bottom has an interval that is no number, and no isobath.
+        let count = match interval_m > 0.0 && first <= last {
+            true => (last - first) as usize + 1,
+            false => 0,
+        };
+        Ok((0..count)
+            .map(|step| tidy((first + step as f64) * interval_m))
+            .collect())
+    }
+}
+
+/// An interval that is round in a unit of so many metres, and makes about ten levels between two depths.
+fn usual_interval_m(unit_m: f64, [least_m, most_m]: [f64; 2]) -> f64 {
+    unit_m * readable((most_m - least_m) / TARGET_LEVELS / unit_m)
+}
+
+/// A number to two digits.
+fn two_digits(value: f64) -> f64 {
+    let one = 10f64.powf(value.abs().log10().floor() - 1.0);
+    match one.is_normal() {
+        true => (value / one).round() * one,
+        false => value,
+    }
+}
+
+/// A round interval, at least so long; no number for a level bottom.
+fn readable(at_least_m: f64) -> f64 {
+    match at_least_m > 0.0 {
+        true => ticks::round_up(at_least_m),
+        false => f64::NAN,
+    }
+}
+
+/// To the micrometre: three times 0.1 is 0.3.
+fn tidy(metres: f64) -> f64 {
+    (metres * 1e6).round() / 1e6
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn levels(interval_m: Option<f64>, range_m: [f64; 2]) -> Vec<f64> {
+        let settings = IsobathSettings {
+            interval_m,
+            ..IsobathSettings::default()
+        };
+        settings.levels_m(range_m).unwrap()
+    }
+
+    #[test]
+    fn an_interval_counts_from_zero() {
+        assert_eq!(levels(Some(0.1), [0.15, 0.4]), [0.2, 0.3, 0.4]);
+        assert_eq!(levels(Some(0.5), [-0.7, 0.6]), [-0.5, 0.0, 0.5]);
+        assert_eq!(levels(Some(5.0), [1.0, 4.0]), [0.0; 0]);
+    }
+
+    #[test]
+    fn every_fifth_isobath_is_thick_counted_from_zero() {
+        let levels_m: Vec<f64> = (-3..12).map(|count| 0.2 * f64::from(count)).collect();
+        let mut settings = IsobathSettings::default();
+        assert_eq!(settings.index_levels_m(&levels_m), [0.0, 1.0, 2.0]);
+        assert_eq!(
+            settings.index_levels_m(&levels_m[4..7]).len(),
+            3,
+            "none is a fifth"
+        );
+        settings.depths_m = vec![1.0, 2.5];
+        assert_eq!(settings.index_levels_m(&settings.depths_m), [1.0, 2.5]);
+    }
+
+    #[test]
+    fn without_one_there_are_about_ten() {
+        assert_eq!(levels(None, [1.03, 3.02]).len(), 10);
+        assert_eq!(levels(None, [1.0, 8.9])[..2], [1.0, 2.0]);
+        assert_eq!(levels(None, [2.0, 2.0]), [0.0; 0]);
+    }
+
+    #[test]
+    fn the_interval_of_a_unit_is_round_in_it() {
+        let range_m = [1.0, 8.9];
+        let feet = IsobathSettings::default().round_in(0.3048, range_m);
+        let levels_m = feet.levels_m(range_m).unwrap();
+        assert_eq!(levels_m[..2], [1.524, 3.048], "5 and 10 feet");
+        let metres = IsobathSettings::default().round_in(1.0, range_m);
+        assert_eq!(
+            metres.levels_m(range_m),
+            IsobathSettings::default().levels_m(range_m)
+        );
+    }
+
+    #[test]
+    fn the_unit_of_the_settings_rounds_what_is_given_and_what_is_not() {
+        let mut settings = IsobathSettings {
+            unit: LengthUnit::Feet,
+            interval_m: Some(1.52),
+            ..IsobathSettings::default()
+        };
+        let in_feet = |settings: &IsobathSettings| -> Vec<f64> {
+            let levels_m = settings.levels_m([1.0, 8.9]).unwrap();
+            levels_m
+                .iter()
+                .map(|level_m| settings.in_unit(*level_m))
+                .collect()
+        };
+        assert_eq!(in_feet(&settings), [5.0, 10.0, 15.0, 20.0, 25.0]);
+        assert_eq!(
+            settings.step_m(&[]).map(|step_m| settings.in_unit(step_m)),
+            Some(5.0)
+        );
+        settings.interval_m = None;
+        assert_eq!(in_feet(&settings)[..2], [5.0, 10.0]);
+        // The window's unit does not count then.
+        let shown = settings.round_in(1.0, [1.0, 8.9]);
+        assert_eq!(in_feet(&shown), in_feet(&settings));
+        settings.unit = LengthUnit::Fathoms;
+        assert_eq!(in_feet(&settings)[..2], [1.0, 1.5]);
+        assert_eq!([two_digits(0.0), two_digits(4.987)], [0.0, 5.0]);
+    }
+
+    #[test]
+    fn a_charted_depth_is_never_deeper_than_the_depth() {
+        let charted = |unit: LengthUnit, depth_m: f64| {
+            let settings = IsobathSettings {
+                unit,
+                ..IsobathSettings::default()
+            };
+            settings.charted(depth_m)
+        };
+        let metres = |depth_m| charted(LengthUnit::Metres, depth_m);
+        assert_eq!(
+            [metres(2.39), metres(2.3), metres(-0.02)],
+            ["2.3", "2.3", "-0.1"]
+        );
+        assert_eq!(charted(LengthUnit::Feet, 3.0), "9");
+        assert_eq!(charted(LengthUnit::Feet, 3.048), "10");
+        assert_eq!(charted(LengthUnit::Fathoms, 1.8288), "1.0");
+    }
+
+    #[test]
+    fn a_list_wins_and_a_flood_is_refused() {
+        let mut settings = IsobathSettings {
+            interval_m: Some(1e-4),
+            ..IsobathSettings::default()
+        };
+        assert!(settings.levels_m([0.0, 3.0]).is_err());
+        settings.depths_m = vec![3.0, 1.0, 3.0];
+        assert_eq!(settings.levels_m([0.0, 3.0]), Ok(vec![1.0, 3.0]));
+    }
+}

@@ -1,0 +1,174 @@
+//! The surface whose isobaths understate no shoal, and the shoalest depth of each cell.
+
+use crate::bottom::bathymetry::{DepthPoint, Grid, Surface};
+
+/// The shoalest depth that was measured in each cell, metres, rounded toward the shallow side; NaN where none was.
+pub fn shoalest_m<'a>(grid: &Grid, depths: impl IntoIterator<Item = &'a DepthPoint>) -> Vec<f32> {
+    let mut shoalest_m = vec![f32::NAN; grid.len()];
+    for point in depths {
+        let cell = grid.index_at(point.east_m, point.north_m);
+        if let Some(least_m) = cell.and_then(|cell| shoalest_m.get_mut(cell)) {
+            // The lesser of a number and NaN is the number.
+            *least_m = least_m.min(not_deeper(point.depth_m));
+        }
+    }
+    shoalest_m
+}
+
+/// A surface that is nowhere deeper than the depths it was made from: the four cells around each depth are as shallow as it, at least. A
+/// line of equal depth crosses no square of four centres whose cells are all shallower, so every depth that is shallower than the line lies
+/// on its shallow side.
+pub fn with_shoalest<'a>(
+    surface: &Surface,
+    depths: impl IntoIterator<Item = &'a DepthPoint>,
+) -> Surface {
+    let mut shoalest = surface.clone();
+    let grid = surface.grid;
+    for point in depths {
+        let column = (point.east_m - grid.west_m) / grid.cell_m - 0.5;
+        let row = (grid.north_m - point.north_m) / grid.cell_m - 0.5;
+        let depth_m = not_deeper(point.depth_m);
+        // The last row and column have no square beyond them, and a cell beyond the grid is none.
+        for (row, column) in [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)]
+            .map(|(down, right)| (row.floor() + down, column.floor() + right))
+        {
+            let is_inside = |at: f64, count: usize| at >= 0.0 && at < count as f64;
+            if is_inside(row, grid.rows) && is_inside(column, grid.columns) {
+                let cell = row as usize * grid.columns + column as usize;
+                let known_m = shoalest.depth_m[cell];
+                // What is not known stays so.
+                if known_m > depth_m {
+                    shoalest.depth_m[cell] = depth_m;
+                }
+            }
+        }
+    }
+    shoalest
+}
+
+/// A depth in the precision of a surface, rounded toward the shallow side.
+fn not_deeper(depth_m: f64) -> f32 {
+    let rounded = depth_m as f32;
+    match f64::from(rounded) > depth_m {
+        true => rounded.next_down(),
+        false => rounded,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Smoothing, depth_areas, isobaths, smoothed};
+    use super::*;
+    use crate::bottom::bathymetry::Grid;
+    use crate::bottom::bathymetry::testing::point as depth;
+    use crate::support::progress::Progress;
+
+    /// Cells of a metre, all 3 m deep, east and south of the origin.
+    fn flat(side: usize) -> Surface {
+        let grid = Grid {
+            west_m: 0.0,
+            north_m: 0.0,
+            cell_m: 1.0,
+            columns: side,
+            rows: side,
+        };
+        Surface::of_depths(grid, vec![3.0; side * side])
+    }
+
+    /// Whether a place lies inside of a ring, by the steps that a line to the east crosses.
+    fn is_inside(ring: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
+        let crossed = ring.windows(2).filter(|step| {
+            let [a, b] = [step[0], step[1]];
+            (a[1] > y) != (b[1] > y) && x < a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
+        });
+        crossed.count() % 2 == 1
+    }
+
+    #[test]
+    fn a_shoal_that_the_cells_do_not_show_has_a_line_around_it() {
+        let surface = flat(9);
+        let rock = depth(4.2, -3.7, 1.4);
+        let safe = with_shoalest(&surface, [&rock]);
+        let drawn = |surface: &Surface| isobaths(surface, &[2.0], &Progress::new()).unwrap();
+        assert!(drawn(&surface).is_empty());
+        let lines = drawn(&safe);
+        assert_eq!(lines.len(), 1);
+        assert!(lines[0].is_ring() && is_inside(&lines[0].points, [4.2, -3.7]));
+        assert_eq!(surface.depth_m.len(), safe.depth_m.len());
+    }
+
+    #[test]
+    fn no_depth_lies_on_the_deep_side_of_a_deeper_line_however_lines_are_smoothed() {
+        let side = 14;
+        let surface = flat(side);
+        let share = |index: u32, step: f64| (0.5 + step * f64::from(index)).fract();
+        let points: Vec<DepthPoint> = (0..150)
+            .map(|index| {
+                let [east, south] = [0.754_877_666, 0.569_840_291].map(|step| share(index, step));
+                let reach_m = (side - 1) as f64;
+                let depth_m = 1.0 + 3.0 * share(index, 0.618_033_989);
+                depth(0.5 + reach_m * east, -0.5 - reach_m * south, depth_m)
+            })
+            .collect();
+        let safe = with_shoalest(&surface, &points);
+        for level_m in [1.2, 1.5, 2.0, 2.7] {
+            let areas = depth_areas(&safe, &[level_m, 100.0], &Progress::new()).unwrap();
+            let polygons = || areas[0].polygons.iter();
+            let rings = || polygons().flat_map(|one| one.holes.iter().chain([&one.outline]));
+            for passes in 0..4 {
+                let smoothing = Smoothing {
+                    passes,
+                    toward_deep: true,
+                };
+                let rings: Vec<Vec<[f64; 2]>> =
+                    rings().map(|ring| smoothed(ring, smoothing)).collect();
+                let is_deep = |point: &&DepthPoint| {
+                    let around = rings
+                        .iter()
+                        .filter(|ring| is_inside(ring, [point.east_m, point.north_m]));
+                    around.count() % 2 == 1
+                };
+                let beyond = points.iter().filter(|point| point.depth_m < level_m);
+                assert_eq!(
+                    beyond.filter(is_deep).count(),
+                    0,
+                    "{level_m} m, {passes} passes"
+                );
+                assert!(
+                    points.iter().filter(is_deep).count() > 0 || level_m > 2.5,
+                    "{level_m}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_cell_keeps_the_shoalest_of_its_depths() {
+        let grid = flat(2).grid;
+        let points = [
+            depth(0.2, -0.3, 2.5),
+            depth(0.9, -0.9, 1.9),
+            depth(0.5, -0.5, 2.0),
+            depth(1.5, -1.5, 4.0),
+            depth(7.0, 7.0, 0.1),
+        ];
+        let made = shoalest_m(&grid, &points);
+        assert_eq!((made[0], made[3]), (not_deeper(1.9), 4.0));
+        assert!(made[1].is_nan() && made[2].is_nan());
+    }
+
+    #[test]
+    fn what_is_deeper_beyond_the_grid_or_not_known_changes_nothing() {
+        let mut surface = flat(4);
+        surface.depth_m[0] = f32::NAN;
+        let points = [
+            depth(2.0, -2.0, 5.0),
+            depth(-50.0, 1e9, 1.0),
+            depth(0.4, -0.4, 1.0),
+        ];
+        let safe = with_shoalest(&surface, &points);
+        assert!(safe.depth_m[0].is_nan());
+        assert!(safe.depth_m[1..].iter().all(|depth_m| *depth_m == 3.0));
+        assert!(f64::from(not_deeper(1.9999999)) <= 1.9999999);
+    }
+}

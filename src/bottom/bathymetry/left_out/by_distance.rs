@@ -1,0 +1,108 @@
+//! How the error of a depth grows with the distance to the nearest sounding.
+
+use super::Miss;
+use crate::support::statistics::quantile;
+
+/// Bins by distance of what a stated error is read from, of large squares; small ones are one bin.
+const BINS: usize = 8;
+
+/// The standard deviation of a depth's error by the distance to the nearest sounding.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SigmaByDistance {
+    /// Distance and standard deviation, metres, both rising.
+    steps: Vec<[f64; 2]>,
+}
+
+impl SigmaByDistance {
+    /// A sounding that is left out is missed by the error of the prediction and by its own. Its neighbours predict it about as well as it
+    /// was measured, so that half of the square of the least miss is the noise of a depth.
+    pub(super) fn of(near: &[Miss], far: &[Miss]) -> Self {
+        let mut steps = [bins(near, 1), bins(far, BINS)].concat();
+        steps.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let mut steps = rising(steps);
+        let noise = 0.5 * steps.first().map_or(0.0, |[_, miss_m]| miss_m * miss_m);
+        for [_, sigma_m] in &mut steps {
+            *sigma_m = (*sigma_m * *sigma_m - noise).sqrt();
+        }
+        Self { steps }
+    }
+
+    /// At a distance from the nearest sounding, metres; beyond all that were left out it grows on as between the last two.
+    pub fn at(&self, away_m: f64) -> f64 {
+        let after = self
+            .steps
+            .partition_point(|[distance_m, _]| *distance_m <= away_m);
+        let pair = match (after, self.steps.len()) {
+            (0, _) | (_, 1) => return self.steps.first().map_or(f64::NAN, |[_, sigma_m]| *sigma_m),
+            (after, count) => after.min(count - 1),
+        };
+        let ([from_m, low_m], [to_m, high_m]) = (self.steps[pair - 1], self.steps[pair]);
+        let share = (away_m - from_m) / (to_m - from_m).max(f64::MIN_POSITIVE);
+        low_m + (high_m - low_m) * share
+    }
+}
+
+/// Middle distance and spread of the misses of as many bins of equal counts.
+fn bins(misses: &[Miss], count: usize) -> Vec<[f64; 2]> {
+    let mut misses = misses.to_vec();
+    misses.sort_by(|a, b| a.away_m.total_cmp(&b.away_m));
+    let bins = misses.chunks(misses.len().div_ceil(count).max(1));
+    let bins = bins.map(|bin| {
+        let mut sizes: Vec<f64> = bin.iter().map(|miss| miss.error_m.abs()).collect();
+        sizes.sort_by(f64::total_cmp);
+        [bin[bin.len() / 2].away_m, spread(&sizes)]
+    });
+    bins.collect()
+}
+
+/// The standard deviation that the sizes of errors, in order, speak of: the mean of what holds 68 % of them and half of what holds 95 %.
+fn spread(sizes: &[f64]) -> f64 {
+    0.5 * (quantile(sizes, 0.683) + 0.5 * quantile(sizes, 0.954))
+}
+
+/// Makes the second numbers rise by giving neighbours that do not their mean (pool adjacent violators).
+fn rising(steps: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    let mut pools: Vec<(f64, usize)> = Vec::new();
+    for [_, value] in &steps {
+        pools.push((*value, 1));
+        while let [.., (before, many), (last, more)] = pools[..]
+            && before > last
+        {
+            let mean = (before * many as f64 + last * more as f64) / (many + more) as f64;
+            pools.truncate(pools.len() - 2);
+            pools.push((mean, many + more));
+        }
+    }
+    let values = pools
+        .into_iter()
+        .flat_map(|(value, count)| std::iter::repeat_n(value, count));
+    let places = steps.iter().map(|[place, _]| *place);
+    let mut made: Vec<[f64; 2]> = places
+        .zip(values)
+        .map(|(place, value)| [place, value])
+        .collect();
+    made.dedup_by_key(|[place, _]| *place);
+    made
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_falls_is_made_to_rise_by_means() {
+        let steps = [[0.0, 1.0], [1.0, 3.0], [2.0, 2.0], [3.0, 1.0], [4.0, 5.0]];
+        let expected = [[0.0, 1.0], [1.0, 2.0], [2.0, 2.0], [3.0, 2.0], [4.0, 5.0]];
+        assert_eq!(rising(steps.to_vec()), expected);
+    }
+
+    #[test]
+    fn a_stated_error_is_read_between_its_steps_and_beyond_them() {
+        let sigma = SigmaByDistance {
+            steps: vec![[1.0, 0.1], [3.0, 0.2]],
+        };
+        for (away_m, sigma_m) in [(0.0, 0.1), (1.0, 0.1), (2.0, 0.15), (3.0, 0.2), (5.0, 0.3)] {
+            assert!((sigma.at(away_m) - sigma_m).abs() < 1e-12, "{away_m}");
+        }
+    }
+}

@@ -1,0 +1,221 @@
+//! What the depths of a surface are worth: how far soundings that are left out are predicted wrong.
+//!
+//! They are left out in squares of two sizes, those of a few cells for the noise of the depths themselves and those as large as the gaps
+//! between lines for the ground in between. `by_distance` says how the error grows with the distance to the nearest sounding,
+//! `roughness` where it is larger or smaller than that.
+
+mod by_distance;
+mod roughness;
+
+pub use by_distance::SigmaByDistance;
+
+use super::{Between, DepthPoint, Grid, Node, Spread, Surface, Tin, merge_repeated, suited_cell_m};
+use crate::support::progress::{Cancelled, Progress};
+use kiddo::{ImmutableKdTree, SquaredEuclidean};
+use rayon::prelude::*;
+use roughness::Roughness;
+
+/// Times that soundings are left out, a quarter of all squares each time.
+const FOLDS: usize = 4;
+/// Fewer left-out soundings than this say nothing.
+const LEAST_MISSES: usize = 40;
+/// Most soundings that are left out or kept: of more, as many are taken evenly from among them.
+const MOST_NODES: usize = 30_000;
+/// Large squares have a side of twice the distance to a sounding that this share of the map does not exceed: their middles are then as
+/// far from soundings as the map between lines.
+const DISTANCE_SHARE: f64 = 0.9;
+/// Side of the small squares, cells.
+const SMALL_CELLS: f64 = 2.0;
+/// Most cells whose distances say how large the large squares are.
+const MOST_CELLS_TRIED: usize = 10_000;
+
+/// A sounding that was left out: the predicted depth less its own, and its distance to the nearest sounding that was there, metres.
+#[derive(Clone, Copy, Debug)]
+struct Miss {
+    place: [f64; 2],
+    error_m: f64,
+    away_m: f64,
+}
+
+/// The standard deviation of a depth's error by place and distance to the nearest sounding.
+struct StatedError {
+    by_distance: SigmaByDistance,
+    /// Of the depths themselves, and of the ground between them.
+    near: Roughness,
+    far: Roughness,
+}
+
+/// Gives the known cells of a surface the standard deviation of their depth's error for their spread; the spread stays as it is where too
+/// few soundings can be left out to tell.
+///
+/// # Errors
+/// When the work was cancelled.
+pub(super) fn state_error(
+    made: &mut Surface,
+    nodes: &[Node],
+    between: Between,
+    progress: &Progress,
+) -> Result<(), Cancelled> {
+    let known = made.distance_m.iter().filter(|away_m| !away_m.is_nan());
+    let usual_m = usual_of(known.copied().collect());
+    let squares = Squares::over(&made.grid, usual_m);
+    let Some(stated) = StatedError::of(nodes, squares, between, progress)? else {
+        return Ok(());
+    };
+    let grid = made.grid;
+    let cells = made.spread_m.par_iter_mut().zip(&made.distance_m);
+    cells
+        .enumerate()
+        .filter(|(_, (spread_m, _))| !spread_m.is_nan())
+        .for_each(|(cell, (spread_m, away_m))| {
+            let place = grid.centre(cell / grid.columns, cell % grid.columns);
+            *spread_m = stated.at(place, f64::from(*away_m)) as f32;
+        });
+    made.spread_is = Spread::OfError;
+    Ok(())
+}
+
+/// What the error of a depth between soundings is by the distance to the nearest, as leaving soundings out shows it; distances up to
+/// `max_gap_m` count. `None` where there are too few soundings to tell.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn sigma_by_distance(
+    points: &[DepthPoint],
+    max_gap_m: f64,
+    progress: &Progress,
+) -> Result<Option<SigmaByDistance>, Cancelled> {
+    let grid = suited_cell_m(points, max_gap_m).and_then(|cell_m| Grid::over(points, cell_m, 4096));
+    let Some(grid) = grid else {
+        return Ok(None);
+    };
+    let nodes = merge_repeated(points, grid.cell_m);
+    progress.check()?;
+    let places: Vec<[f64; 2]> = nodes.iter().map(|p| [p.east_m, p.north_m]).collect();
+    let Ok(near) = ImmutableKdTree::<f64, 2>::new_from_slice(&places) else {
+        return Ok(None);
+    };
+    let tried = grid.coarser(grid.times_coarser(MOST_CELLS_TRIED));
+    let cells = (0..tried.len()).into_par_iter();
+    let distances = cells.map(|cell| {
+        away_m(
+            &near,
+            tried.centre(cell / tried.columns, cell % tried.columns),
+        ) as f32
+    });
+    let distances = distances.filter(|distance| f64::from(*distance) <= max_gap_m);
+    let squares = Squares::over(&grid, usual_of(distances.collect()));
+    let stated = StatedError::of(&nodes, squares, Between::Linear, progress)?;
+    Ok(stated.map(|stated| stated.by_distance))
+}
+
+/// The sides of the squares that soundings are left out in, metres.
+#[derive(Clone, Copy)]
+struct Squares {
+    small_m: f64,
+    large_m: f64,
+}
+
+impl Squares {
+    fn over(grid: &Grid, usual_distance_m: f64) -> Self {
+        Self {
+            small_m: SMALL_CELLS * grid.cell_m,
+            large_m: 2.0 * usual_distance_m.max(2.0 * grid.cell_m),
+        }
+    }
+}
+
+impl StatedError {
+    fn of(
+        nodes: &[Node],
+        squares: Squares,
+        between: Between,
+        progress: &Progress,
+    ) -> Result<Option<Self>, Cancelled> {
+        let step = nodes.len().div_ceil(MOST_NODES).max(1);
+        // Small squares ask for the neighbours of a sounding, so that whole large squares are taken.
+        let dense = nodes.iter().filter(|node| {
+            step == 1 || column_and_row(node, squares.large_m)[0].rem_euclid(step as i64) == 0
+        });
+        let near = misses(dense.copied().collect(), squares.small_m, between, progress)?;
+        let thin = nodes.iter().step_by(step).copied().collect();
+        let far = misses(thin, squares.large_m, between, progress)?;
+        if near.len() < LEAST_MISSES || far.len() < LEAST_MISSES {
+            return Ok(None);
+        }
+        let by_distance = SigmaByDistance::of(&near, &far);
+        Ok(Some(Self {
+            near: Roughness::of(&near, &by_distance, squares.large_m),
+            far: Roughness::of(&far, &by_distance, squares.large_m),
+            by_distance,
+        }))
+    }
+
+    fn at(&self, place: [f64; 2], away_m: f64) -> f64 {
+        let [noise, all] = [0.0, away_m].map(|away_m| self.by_distance.at(away_m).powi(2));
+        (self.near.at(place) * noise + self.far.at(place) * (all - noise)).sqrt()
+    }
+}
+
+/// What triangles miss of the soundings of a quarter of all squares at a time.
+fn misses(
+    nodes: Vec<Node>,
+    square_m: f64,
+    between: Between,
+    progress: &Progress,
+) -> Result<Vec<Miss>, Cancelled> {
+    let of_fold = |fold: usize| {
+        progress.check()?;
+        let is_out = |node: &&Node| {
+            let [column, row] = column_and_row(node, square_m);
+            (column + 2 * row).rem_euclid(FOLDS as i64) as usize == fold
+        };
+        let (out, used): (Vec<Node>, Vec<Node>) = nodes.iter().partition(is_out);
+        Ok(predicted(&out, used, between))
+    };
+    let folds: Result<Vec<_>, Cancelled> = (0..FOLDS).into_par_iter().map(of_fold).collect();
+    Ok(folds?.concat())
+}
+
+fn predicted(out: &[Node], used: Vec<Node>, between: Between) -> Vec<Miss> {
+    let places: Vec<[f64; 2]> = used.iter().map(|p| [p.east_m, p.north_m]).collect();
+    let (Ok(near), Some(tin)) = (
+        ImmutableKdTree::<f64, 2>::new_from_slice(&places),
+        Tin::new(used),
+    ) else {
+        return Vec::new();
+    };
+    let mut sampler = tin.sampler(between);
+    let miss = |node: &Node| {
+        let place = [node.east_m, node.north_m];
+        Some(Miss {
+            place,
+            error_m: sampler.depth_at(place)? - node.depth_m,
+            away_m: away_m(&near, place),
+        })
+    };
+    out.iter().filter_map(miss).collect()
+}
+
+fn away_m(near: &ImmutableKdTree<f64, 2>, place: [f64; 2]) -> f64 {
+    let nearest = near.query(&place);
+    let nearest = nearest.nearest_one::<SquaredEuclidean<f64>>();
+    nearest.execute().distance.sqrt()
+}
+
+/// The square that a sounding lies in.
+fn column_and_row(node: &Node, square_m: f64) -> [i64; 2] {
+    [node.east_m, node.north_m].map(|metres| (metres / square_m).floor() as i64)
+}
+
+/// What [`DISTANCE_SHARE`] of some distances do not exceed; 0 of none.
+fn usual_of(mut distances: Vec<f32>) -> f64 {
+    let Some(last) = distances.len().checked_sub(1) else {
+        return 0.0;
+    };
+    let rank = (DISTANCE_SHARE * last as f64) as usize;
+    f64::from(*distances.select_nth_unstable_by(rank, f32::total_cmp).1)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,119 @@
+//! What is stated of a depth against beds that are known.
+
+use super::*;
+use crate::bottom::bathymetry::testing::point;
+use crate::bottom::bathymetry::{SurfaceSettings, surface};
+
+/// Four lines 8 m apart over a bed, a sounding each half metre, with noise of `noise_m`.
+fn lines(noise_m: f64, bed: impl Fn(f64, f64) -> f64) -> Vec<DepthPoint> {
+    let points = (0..4).flat_map(|line| (0..160).map(move |step| (line, step)));
+    let places = points.map(|(line, step)| (0.5 * f64::from(step), 8.0 * f64::from(line)));
+    let mut seed = 7_u64;
+    let mut random = move || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (seed >> 33) as f64 / (1_u64 << 31) as f64
+    };
+    // Twelve of them have a standard deviation of 1, about 6.
+    let mut noise = move || noise_m * ((0..12).map(|_| random()).sum::<f64>() - 6.0);
+    places
+        .map(|(east_m, north_m)| point(east_m, north_m, bed(east_m, north_m) + noise()))
+        .collect()
+}
+
+fn made(points: Vec<DepthPoint>) -> Surface {
+    let settings = SurfaceSettings {
+        cell_m: Some(0.5),
+        ..SurfaceSettings::default()
+    };
+    let made = surface(points, &settings, &Progress::new());
+    made.expect("not cancelled").expect("a surface")
+}
+
+/// Error and stated deviation of every known cell, with its place.
+fn cells(made: &Surface, bed: impl Fn(f64, f64) -> f64) -> Vec<([f64; 2], f64, f64)> {
+    let cell = |cell: usize| {
+        let place = made
+            .grid
+            .centre(cell / made.grid.columns, cell % made.grid.columns);
+        let depth_m = made.depth_m[cell];
+        let error_m = f64::from(depth_m) - bed(place[0], place[1]);
+        (!depth_m.is_nan()).then(|| (place, error_m, f64::from(made.spread_m[cell])))
+    };
+    (0..made.grid.len()).filter_map(cell).collect()
+}
+
+#[test]
+fn few_soundings_leave_the_spread_as_it_is() {
+    let few: Vec<DepthPoint> = lines(0.0, |east_m, _| 3.0 + 0.01 * east_m)
+        .into_iter()
+        .step_by(32)
+        .collect();
+    assert_eq!(made(few).spread_is, Spread::OfSoundings);
+}
+
+#[test]
+fn the_stated_error_grows_away_from_soundings_and_holds_what_it_says() {
+    // Lengths of 19 and 16 m in two directions, and noise of 2 cm.
+    let bed = |east_m: f64, north_m: f64| {
+        3.0 + 0.15 * (north_m / 3.0 + east_m / 2.5).sin()
+            + 0.1 * (east_m / 2.7 - north_m / 3.0).cos()
+    };
+    let made = made(lines(0.02, bed));
+    assert_eq!(made.spread_is, Spread::OfError);
+    let cells = cells(&made, bed);
+    // On the lines, and between them.
+    for (band, least) in [(0.0..0.5, 0.005), (1.5..4.1, 0.03)] {
+        let off_m = |north_m: f64| (north_m / 8.0 - (north_m / 8.0).round()).abs() * 8.0;
+        let here = cells
+            .iter()
+            .filter(|(place, ..)| band.contains(&off_m(place[1])));
+        let ratios: Vec<f64> = here
+            .map(|(_, error_m, sigma_m)| {
+                assert!(*sigma_m > least, "{sigma_m}");
+                error_m.abs() / sigma_m
+            })
+            .collect();
+        let within = |sigmas: f64| {
+            ratios.iter().filter(|ratio| **ratio < sigmas).count() as f64 / ratios.len() as f64
+        };
+        let [one, two] = [within(1.0), within(2.0)];
+        assert!(
+            (0.45..0.85).contains(&one) && two > 0.8,
+            "{band:?}: {one} {two}"
+        );
+    }
+}
+
+#[test]
+fn rough_ground_is_worth_less_than_level_ground() {
+    let bed = |east_m: f64, north_m: f64| {
+        let rough = f64::from(u8::from(east_m > 40.0));
+        3.0 + rough * 0.3 * (east_m / 2.0).sin() * (north_m / 2.0).cos()
+    };
+    let made = made(lines(0.01, bed));
+    let mean_m = |level: bool| {
+        let here = cells(&made, bed).into_iter();
+        let here = here.filter(|([east_m, _], ..)| {
+            if level {
+                *east_m < 25.0
+            } else {
+                *east_m > 55.0
+            }
+        });
+        let sigmas: Vec<f64> = here.map(|(.., sigma_m)| sigma_m).collect();
+        sigmas.iter().sum::<f64>() / sigmas.len() as f64
+    };
+    assert!(
+        mean_m(false) > 2.0 * mean_m(true),
+        "{} {}",
+        mean_m(false),
+        mean_m(true)
+    );
+}
+
+#[test]
+fn a_cancelled_search_states_nothing() {
+    let progress = Progress::new();
+    progress.cancel();
+    assert!(sigma_by_distance(&lines(0.0, |_, _| 3.0), 20.0, &progress).is_err());
+}

@@ -1,0 +1,154 @@
+//! A surface of which no cell depends on what lies far away, so that a map of many tiles is the same as one of all.
+
+use super::cell_source::{measured_cells, settle};
+use super::nodes::merge_repeated_with;
+use super::surface::{Field, Surface, SurfaceMethod};
+use super::tin::largest_radius_m;
+use super::{DepthPoint, Grid};
+use crate::support::progress::{Cancelled, Progress};
+
+/// Standard deviation of a depth that stands alone in its cell, metres: what differences between two logs scatter by on level ground.
+const ALONE_M: f64 = 0.03;
+/// Lines through the cells of a tile depend on so many cells beyond its edge, however their corners are cut.
+pub const LOCAL_MARGIN_CELLS: usize = 4;
+
+/// How far from a cell the points lie that it depends on, metres, but for the cells that they fall into.
+///
+/// A triangle that counts lies, with all nodes that decide whether it is one, in its circumscribed circle: no two places of that are
+/// farther apart than its diameter.
+pub fn local_reach_m(max_gap_m: f64) -> f64 {
+    2.0 * largest_radius_m(max_gap_m)
+}
+
+/// The surface of [`super::surface()`] by linear triangles on a grid that is given, each cell of which is the same to the bit whatever points there are
+/// beyond [`local_reach_m`] of it and whatever cells beside it: for grids whose cells are a power of two and lie on multiples of that,
+/// and points in one order.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn local_surface(
+    points: &[DepthPoint],
+    grid: Grid,
+    max_gap_m: f64,
+    progress: &Progress,
+) -> Result<Surface, Cancelled> {
+    let nodes = merge_repeated_with(points, grid.cell_m, ALONE_M);
+    progress.check()?;
+    let mut made = match Field::local(nodes.clone(), max_gap_m) {
+        Some(field) => field.fill(grid, progress)?,
+        // On one line no triangle has an area; what was measured is known.
+        None => {
+            let mut made = Surface::unknown(grid, SurfaceMethod::Linear);
+            made.fill_measured(nodes.into_iter());
+            made
+        }
+    };
+    made.source = measured_cells(points, &grid);
+    settle(&mut made.source, &made.depth_m);
+    Ok(made)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Winding tracks at random over uneven ground, in the metres of a zone.
+    fn points() -> Vec<DepthPoint> {
+        let mut seed = 7_u64;
+        let mut random = move || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (seed >> 33) as f64 / (1_u64 << 31) as f64
+        };
+        let mut points = Vec::new();
+        for _ in 0..40 {
+            let [mut east_m, mut north_m] =
+                [512_000.0 + 400.0 * random(), 5_261_000.0 + 400.0 * random()];
+            let mut heading_rad = 6.3 * random();
+            for _ in 0..900 {
+                heading_rad += 0.2 * (random() - 0.5);
+                east_m += 0.4 * heading_rad.sin();
+                north_m += 0.4 * heading_rad.cos();
+                points.push(DepthPoint {
+                    east_m,
+                    north_m,
+                    depth_m: 4.0 + (0.05 * east_m).sin() + (0.03 * north_m).cos() + 0.02 * random(),
+                    weight: 0.5 + random(),
+                    is_sounding: random() > 0.5,
+                });
+            }
+        }
+        points
+    }
+
+    fn grid(west_m: f64, north_m: f64, columns: usize, rows: usize) -> Grid {
+        Grid {
+            west_m,
+            north_m,
+            cell_m: 0.5,
+            columns,
+            rows,
+        }
+    }
+
+    #[test]
+    fn a_part_is_the_same_to_the_bit_as_the_whole() {
+        const GAP_M: f64 = 12.0;
+        let points = points();
+        let whole = grid(511_900.0, 5_261_500.0, 1200, 1200);
+        let all = local_surface(&points, whole, GAP_M, &Progress::new()).unwrap();
+        let mut known = 0;
+        for (west_m, north_m) in [
+            (512_060.0, 5_261_300.0),
+            (512_100.0, 5_261_260.0),
+            (511_950.0, 5_261_420.0),
+        ] {
+            let part = grid(west_m, north_m, 160, 120);
+            let reach_m = local_reach_m(GAP_M) + 1.0;
+            let (east_m, south_m) = (west_m + 80.0, north_m - 60.0);
+            let near = points.iter().filter(|point| {
+                (west_m - reach_m..east_m + reach_m).contains(&point.east_m)
+                    && (south_m - reach_m..north_m + reach_m).contains(&point.north_m)
+            });
+            let near: Vec<DepthPoint> = near.copied().collect();
+            assert!(near.len() < points.len() * 2 / 3);
+            let made = local_surface(&near, part, GAP_M, &Progress::new()).unwrap();
+            let first_row = (2.0 * (whole.north_m - north_m)) as usize;
+            let first_column = (2.0 * (west_m - whole.west_m)) as usize;
+            for cell in 0..part.len() {
+                let row = first_row + cell / part.columns;
+                let column = first_column + cell % part.columns;
+                let of_all = row * whole.columns + column;
+                for (one, other) in [
+                    (&made.depth_m, &all.depth_m),
+                    (&made.spread_m, &all.spread_m),
+                    (&made.distance_m, &all.distance_m),
+                ] {
+                    assert_eq!(
+                        one[cell].to_bits(),
+                        other[of_all].to_bits(),
+                        "{row} {column}"
+                    );
+                }
+                assert_eq!(made.source[cell], all.source[of_all]);
+                known += usize::from(!made.depth_m[cell].is_nan());
+            }
+        }
+        assert!(known > 5_000, "{known}");
+    }
+
+    #[test]
+    fn a_single_line_is_the_cells_that_it_crosses() {
+        let points: Vec<DepthPoint> = (0..100)
+            .map(|index| DepthPoint {
+                east_m: 0.25 * f64::from(index),
+                north_m: 5.25,
+                depth_m: 3.0,
+                weight: 1.0,
+                is_sounding: true,
+            })
+            .collect();
+        let made = local_surface(&points, grid(0.0, 10.0, 40, 20), 20.0, &Progress::new()).unwrap();
+        let known = made.depth_m.iter().filter(|depth| **depth == 3.0).count();
+        assert_eq!(known, 40);
+    }
+}

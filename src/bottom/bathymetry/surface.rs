@@ -1,0 +1,492 @@
+//! The surface: depths on a grid over the soundings, with values only where a sounding is near.
+
+use super::cell_source::{self, CellSource, measured_cells};
+use super::from_levels::{FromLevels, SwathDepth};
+use super::inverse_distance::inverse_distance;
+use super::left_out::state_error;
+use super::{Between, DepthPoint, Grid, Node, Tin, TinSampler, merge_repeated, suited_cell_m};
+use crate::bottom::cloud::{CloudPoint, PointSource};
+use crate::support::progress::{Cancelled, Progress};
+use crate::support::statistics::quantile;
+use kiddo::ImmutableKdTree;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// How the depth between soundings is found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SurfaceMethod {
+    /// On the planes of the Delaunay triangles: through every sounding, so that no shoal that was measured is lost. Older projects may
+    /// name a plate that bent least, which is gone.
+    #[default]
+    #[serde(alias = "auto", alias = "smooth")]
+    Linear,
+    /// By natural neighbours (Sibson): smooth but at the soundings.
+    Natural,
+    /// By inverse distance squared of the nearest 64 within the gap: smooth, draws towards the mean.
+    InverseDistance,
+}
+
+impl SurfaceMethod {
+    /// `By ... in cells of 0.5 m`.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::Linear => "linear triangles",
+            Self::Natural => "natural neighbours",
+            Self::InverseDistance => "inverse distance",
+        }
+    }
+}
+
+/// `surface.*` settings.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SurfaceSettings {
+    /// How the depth between soundings is found.
+    pub method: SurfaceMethod,
+    /// Side of a cell, metres; chosen from the spacing of the soundings ([`suited_cell_m`]) when not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cell_m: Option<f64>,
+    /// No value farther than this from a sounding, metres, and none in triangles between soundings more than twice as far apart
+    /// ([`super::Tin::with_max_gap`]).
+    pub max_gap_m: f64,
+    /// Most cells along the longer side: where a cell would make more of them, or more than 20 million in all, it is larger.
+    pub max_side: usize,
+    /// What a recorder's own sounding counts where several depths fall into one cell; 0 leaves them out.
+    pub down_scan_weight: f64,
+    /// What a side-scan point counts there; 0 leaves them out.
+    pub side_scan_weight: f64,
+    /// Whether all side-scan points above the recorded depth count: their depth may be that of weed or fish.
+    pub above_bottom: bool,
+    /// They count where most first returns of both sides lie above the recorded depth for longer than this along the track,
+    /// metres: a field of boulders, no clump of weed, fish or object.
+    pub longest_above_bottom_m: f64,
+    /// Whether depths between the lines come from the levels of the echoes.
+    pub swath: SwathDepth,
+    /// Whether echoes and objects are placed on the bottom that the log measured, where it did ([`crate::survey::Relief`]); otherwise on a
+    /// level one.
+    pub relief: bool,
+}
+
+impl Default for SurfaceSettings {
+    fn default() -> Self {
+        Self {
+            method: SurfaceMethod::default(),
+            cell_m: None,
+            max_gap_m: 20.0,
+            max_side: 4096,
+            down_scan_weight: 1.0,
+            // On ponds 101 to 110 of `cargo bench -- surface` the map's error falls up to 1 and stays beyond: RMS 3.8 cm with
+            // soundings only, 3.4 at 0.3, 3.2 at 1 (gentle), 17.4, 16.5, 16.4 (steep), 6.6, 6.5, 6.3 (rough).
+            side_scan_weight: 1.0,
+            above_bottom: false,
+            longest_above_bottom_m: 40.0,
+            swath: SwathDepth::default(),
+            relief: true,
+        }
+    }
+}
+
+impl SurfaceSettings {
+    /// What a point of the bottom counts: a side-scan point by how sure it is; 0 when its source is left out.
+    pub fn weight(&self, point: &CloudPoint) -> f64 {
+        match point.source {
+            PointSource::DownScan => self.down_scan_weight,
+            PointSource::Port | PointSource::Starboard => {
+                self.side_scan_weight * f64::from(point.ground_confidence())
+            }
+        }
+    }
+
+    /// Whether the same depths count, whatever the surface between them is.
+    pub fn counts_the_same(&self, other: &Self) -> bool {
+        Self {
+            method: other.method,
+            cell_m: other.cell_m,
+            max_side: other.max_side,
+            swath: other.swath,
+            ..self.clone()
+        } == *other
+    }
+}
+
+/// What the spread of a cell is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Spread {
+    /// How far the soundings that carry a cell disagree: the standard deviation of their depths about the cell's, each with its share
+    /// and its own spread, so it grows with noise and with relief between soundings.
+    OfSoundings,
+    /// The standard deviation of the depth's error by the distance to the nearest sounding, as leaving soundings out shows it.
+    OfError,
+}
+
+/// Depths on a grid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surface {
+    /// How the depth between soundings was found.
+    pub method: SurfaceMethod,
+    /// Whether depths between those measured come from the levels of the echoes (`crate::bottom::swath`).
+    pub levels: FromLevels,
+    /// What the spreads are.
+    pub spread_is: Spread,
+    /// Where the cells are.
+    pub grid: Grid,
+    /// Depth at the centre of each cell, metres, row by row; NaN where nothing is known.
+    pub depth_m: Vec<f32>,
+    /// What [`Surface::spread_is`] says, metres; NaN where nothing is known.
+    pub spread_m: Vec<f32>,
+    /// Distance from the centre of each cell to the nearest sounding, metres; NaN where nothing is known.
+    pub distance_m: Vec<f32>,
+    /// What the depth of each cell rests on.
+    pub source: Vec<CellSource>,
+    /// How much brighter the bed of each cell is than that of the median cell, decibels of power, once slope, angle, range and the
+    /// recorder's gain are taken out: hard ground is bright; NaN where no echo says. `None` without depths from levels.
+    pub hardness_db: Option<Vec<f32>>,
+}
+
+impl Surface {
+    /// Depths that are known themselves, metres, row by row.
+    pub fn of_depths(grid: Grid, depth_m: Vec<f32>) -> Self {
+        Self {
+            method: SurfaceMethod::Linear,
+            levels: FromLevels::Off,
+            spread_is: Spread::OfSoundings,
+            grid,
+            spread_m: vec![0.0; depth_m.len()],
+            distance_m: vec![0.0; depth_m.len()],
+            source: vec![CellSource::Sounding; depth_m.len()],
+            hardness_db: None,
+            depth_m,
+        }
+    }
+
+    /// A grid of which nothing is known yet, its sources least of all.
+    pub(super) fn unknown(grid: Grid, method: SurfaceMethod) -> Self {
+        let unknown = || vec![f32::NAN; grid.len()];
+        Self {
+            method,
+            levels: FromLevels::Off,
+            spread_is: Spread::OfSoundings,
+            grid,
+            depth_m: unknown(),
+            spread_m: unknown(),
+            distance_m: unknown(),
+            source: Vec::new(),
+            hardness_db: None,
+        }
+    }
+
+    /// Gives a cell that holds a node and lies in no triangle the node's depth: a single track spans hardly a triangle, and its map
+    /// is the cells that were measured.
+    pub(super) fn fill_measured(&mut self, nodes: impl Iterator<Item = Node>) {
+        for node in nodes {
+            let Some(index) = self.grid.index_at(node.east_m, node.north_m) else {
+                continue;
+            };
+            if self.depth_m.get(index).is_some_and(|depth| depth.is_nan()) {
+                let columns = self.grid.columns;
+                let [east_m, north_m] = self.grid.centre(index / columns, index % columns);
+                let distance_m = (node.east_m - east_m).hypot(node.north_m - north_m);
+                self.depth_m[index] = node.depth_m as f32;
+                self.spread_m[index] = node.spread_m as f32;
+                self.distance_m[index] = distance_m as f32;
+            }
+        }
+    }
+
+    /// How its depths were found: `linear triangles, between the lines from echo levels`.
+    pub fn method_in_words(&self) -> String {
+        let method = self.method.in_words();
+        match self.levels {
+            FromLevels::Used { .. } => format!("{method}, between the lines from echo levels"),
+            FromLevels::Off | FromLevels::Refused(_) => method.to_owned(),
+        }
+    }
+
+    /// Shallowest and deepest known depth, metres; the first above the second where none is known.
+    pub fn range_m(&self) -> [f64; 2] {
+        let known = self.depth_m.iter().filter(|depth| !depth.is_nan());
+        known.fold([f64::MAX, f64::MIN], |[least, most], depth| {
+            [least.min(f64::from(*depth)), most.max(f64::from(*depth))]
+        })
+    }
+
+    /// West, south, east and north edge of the cells with a known depth, metres of the grid; `None` without any.
+    pub fn known_bounds_m(&self) -> Option<[f64; 4]> {
+        let grid = &self.grid;
+        let rows = self.depth_m.chunks(grid.columns.max(1)).enumerate();
+        let rows = rows.filter_map(|(row, depths)| {
+            let first = depths.iter().position(|depth| !depth.is_nan())?;
+            let last = depths.iter().rposition(|depth| !depth.is_nan())?;
+            Some([row, first, last])
+        });
+        let [top, bottom, left, right] = rows
+            .map(|[row, first, last]| [row, row, first, last])
+            .reduce(|all, one| [all[0], one[1], all[2].min(one[2]), all[3].max(one[3])])?;
+        let east = |column: usize| grid.west_m + column as f64 * grid.cell_m;
+        let north = |row: usize| grid.north_m - row as f64 * grid.cell_m;
+        Some([east(left), north(bottom + 1), east(right + 1), north(top)])
+    }
+
+    /// Standard deviation of the depth's error, metres, that half of the known cells do not exceed, and nine of ten; `None` where the
+    /// spreads are not of errors.
+    pub fn usual_error_m(&self) -> Option<[f64; 2]> {
+        let known = self.spread_m.iter().filter(|spread| !spread.is_nan());
+        let mut sigmas_m: Vec<f64> = known.map(|spread| f64::from(*spread)).collect();
+        sigmas_m.sort_by(f64::total_cmp);
+        (self.spread_is == Spread::OfError && !sigmas_m.is_empty())
+            .then(|| [0.5, 0.9].map(|share| quantile(&sigmas_m, share)))
+    }
+
+    /// The shares of the known cells of each source, in the order of [`CellSource::KNOWN`].
+    pub fn source_shares(&self) -> [f64; 4] {
+        let of = |source| self.source.iter().filter(|one| **one == source).count() as f64;
+        let counts = CellSource::KNOWN.map(of);
+        let all: f64 = counts.iter().sum();
+        counts.map(|count| count / all.max(1.0))
+    }
+
+    /// Its cells that lie on a smaller grid of the same cells, within its own.
+    #[must_use]
+    pub fn part(&self, part: Grid) -> Self {
+        let grid = self.grid;
+        let cells = |metres: f64| (metres / grid.cell_m).round() as usize;
+        let first_row = cells(grid.north_m - part.north_m);
+        let first_column = cells(part.west_m - grid.west_m);
+        let start = |row: usize| (row + first_row) * grid.columns + first_column;
+        let cut = |values: &[f32]| -> Vec<f32> {
+            let rows = (0..part.rows).map(|row| &values[start(row)..start(row) + part.columns]);
+            rows.flatten().copied().collect()
+        };
+        let sources = (0..part.rows).map(|row| &self.source[start(row)..start(row) + part.columns]);
+        Self {
+            grid: part,
+            depth_m: cut(&self.depth_m),
+            spread_m: cut(&self.spread_m),
+            distance_m: cut(&self.distance_m),
+            source: sources.flatten().copied().collect(),
+            hardness_db: self.hardness_db.as_deref().map(cut),
+            ..*self
+        }
+    }
+
+    /// Depth of the cell at a place and its distance to the nearest sounding; `None` where nothing is known.
+    pub fn at(&self, east_m: f64, north_m: f64) -> Option<(f32, f32)> {
+        let index = self.grid.index_at(east_m, north_m)?;
+        let depth_m = *self.depth_m.get(index)?;
+        (!depth_m.is_nan()).then_some((depth_m, *self.distance_m.get(index)?))
+    }
+}
+
+/// Samples the soundings on a grid: no value outside their hull, farther than the gap from one, or in triangles between
+/// soundings too far apart ([`Tin::with_max_gap`]), so that the hull follows a winding track; a cell that holds a sounding has a
+/// value. Soundings of one cell are merged first ([`merge_repeated`]). `None` when there is no surface (fewer than three places, or
+/// all on one line).
+///
+/// The points are given away, since a log has millions: they are gone before the triangles are made.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn surface(
+    points: Vec<DepthPoint>,
+    settings: &SurfaceSettings,
+    progress: &Progress,
+) -> Result<Option<Surface>, Cancelled> {
+    let Some((mut made, tin)) = filled(points, settings, progress)? else {
+        return Ok(None);
+    };
+    let between = match settings.method {
+        SurfaceMethod::Linear => Some(Between::Linear),
+        SurfaceMethod::Natural => Some(Between::NaturalNeighbour),
+        SurfaceMethod::InverseDistance => None,
+    };
+    if let Some(between) = between {
+        let nodes: Vec<Node> = tin.nodes().collect();
+        state_error(&mut made, &nodes, between, progress)?;
+    }
+    Ok(Some(made))
+}
+
+/// The same where nobody asks what its depths are worth: the spreads are those of the soundings.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn surface_of_depths(
+    points: Vec<DepthPoint>,
+    settings: &SurfaceSettings,
+    progress: &Progress,
+) -> Result<Option<Surface>, Cancelled> {
+    Ok(filled(points, settings, progress)?.map(|(made, _)| made))
+}
+
+/// A surface, and the triangles that it was read from.
+fn filled(
+    points: Vec<DepthPoint>,
+    settings: &SurfaceSettings,
+    progress: &Progress,
+) -> Result<Option<(Surface, Tin)>, Cancelled> {
+    let cell_m = settings
+        .cell_m
+        .or_else(|| suited_cell_m(&points, settings.max_gap_m));
+    let Some(grid) = cell_m.and_then(|cell_m| Grid::over(&points, cell_m, settings.max_side))
+    else {
+        return Ok(None);
+    };
+    progress.check()?;
+    // Soundings nearer to each other than a cell cannot be distinguished in the map.
+    let nodes = merge_repeated(&points, grid.cell_m);
+    let measured = measured_cells(&points, &grid);
+    drop(points);
+    progress.check()?;
+    let Some(field) = Field::new(nodes, settings) else {
+        return Ok(None);
+    };
+    let mut made = field.fill(grid, progress)?;
+    made.source = measured;
+    cell_source::settle(&mut made.source, &made.depth_m);
+    let known = made.depth_m.iter().any(|depth| !depth.is_nan());
+    Ok(known.then_some((made, field.tin)))
+}
+
+#[derive(Clone, Copy)]
+struct Cell {
+    depth_m: f32,
+    spread_m: f32,
+    distance_m: f32,
+}
+
+impl Cell {
+    /// The mean of the nodes by their shares, and the standard deviation of the mixture that they are.
+    fn of(nodes: impl Iterator<Item = (Node, f64)> + Clone, distance_m: f64) -> Self {
+        let depth_m: f64 = nodes
+            .clone()
+            .map(|(node, share)| share * node.depth_m)
+            .sum();
+        let variance = |node: Node| node.spread_m.powi(2) + (node.depth_m - depth_m).powi(2);
+        let variance: f64 = nodes.map(|(node, share)| share * variance(node)).sum();
+        Self {
+            depth_m: depth_m as f32,
+            spread_m: variance.max(0.0).sqrt() as f32,
+            distance_m: distance_m as f32,
+        }
+    }
+}
+
+/// The nodes, ready to be asked.
+pub(super) struct Field {
+    method: SurfaceMethod,
+    gap_m: f64,
+    tin: Tin,
+    /// The nodes by place, where inverse distances ask for many of them.
+    near: Option<Near>,
+}
+
+struct Near {
+    nodes: Vec<Node>,
+    index: ImmutableKdTree<f64, 2>,
+}
+
+/// Asks a [`Field`] from one thread.
+struct Sampler<'a> {
+    field: &'a Field,
+    tin: TinSampler<'a>,
+    weights: Vec<(usize, f64)>,
+}
+
+impl Field {
+    fn new(nodes: Vec<Node>, settings: &SurfaceSettings) -> Option<Self> {
+        let gap_m = settings.max_gap_m;
+        let tin = Tin::new(nodes)?.with_max_gap(gap_m);
+        let near = match settings.method {
+            SurfaceMethod::InverseDistance => Some(Near::new(tin.nodes().collect())?),
+            _ => None,
+        };
+        Some(Self {
+            method: settings.method,
+            gap_m,
+            tin,
+            near,
+        })
+    }
+
+    /// On triangles alone of which none depends on what lies far away ([`Tin::with_local_triangles`]).
+    pub(super) fn local(nodes: Vec<Node>, gap_m: f64) -> Option<Self> {
+        let tin = Tin::new(nodes)?.with_max_gap(gap_m);
+        Some(Self {
+            method: SurfaceMethod::Linear,
+            gap_m,
+            tin: tin.with_local_triangles(),
+            near: None,
+        })
+    }
+
+    /// Asks for every cell, rows in parallel.
+    pub(super) fn fill(&self, grid: Grid, progress: &Progress) -> Result<Surface, Cancelled> {
+        let mut made = Surface::unknown(grid, self.method);
+        progress.start(grid.rows as u64);
+        let columns = grid.columns.max(1);
+        made.depth_m
+            .par_chunks_mut(columns)
+            .zip(made.spread_m.par_chunks_mut(columns))
+            .zip(made.distance_m.par_chunks_mut(columns))
+            .enumerate()
+            .try_for_each(|(row, ((depths_m, spreads_m), distances_m))| {
+                progress.check()?;
+                let mut sampler = self.sampler();
+                for column in 0..depths_m.len() {
+                    if let Some(cell) = sampler.cell(grid.centre(row, column)) {
+                        depths_m[column] = cell.depth_m;
+                        spreads_m[column] = cell.spread_m;
+                        distances_m[column] = cell.distance_m;
+                    }
+                }
+                progress.advance(1);
+                Ok(())
+            })?;
+        made.fill_measured(self.tin.nodes());
+        Ok(made)
+    }
+
+    fn sampler(&self) -> Sampler<'_> {
+        let between = match self.method {
+            SurfaceMethod::Natural => Between::NaturalNeighbour,
+            _ => Between::Linear,
+        };
+        Sampler {
+            field: self,
+            tin: self.tin.sampler(between),
+            weights: Vec::new(),
+        }
+    }
+}
+
+impl Near {
+    fn new(nodes: Vec<Node>) -> Option<Self> {
+        let places: Vec<[f64; 2]> = nodes.iter().map(|p| [p.east_m, p.north_m]).collect();
+        let index = ImmutableKdTree::new_from_slice(&places).ok()?;
+        Some(Self { nodes, index })
+    }
+}
+
+impl Sampler<'_> {
+    fn cell(&mut self, place: [f64; 2]) -> Option<Cell> {
+        let gap_m = self.field.gap_m;
+        drop(self.tin.nodes_at(place)?);
+        let distance_m = self.tin.distance_m(place);
+        if distance_m > gap_m {
+            return None;
+        }
+        let Some(Near { nodes, index }) = &self.field.near else {
+            return Some(Cell::of(self.tin.nodes(), distance_m));
+        };
+        inverse_distance(index, place, gap_m, &mut self.weights);
+        let carried = self.weights.iter();
+        Some(Cell::of(
+            carried.map(|(index, share)| (nodes[*index], *share)),
+            distance_m,
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests;

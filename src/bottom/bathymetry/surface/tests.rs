@@ -1,0 +1,293 @@
+use super::*;
+use crate::bottom::bathymetry::local_surface;
+use crate::bottom::bathymetry::testing::golden_points;
+
+fn line(north_m: f64, depth_m: f64) -> impl Iterator<Item = DepthPoint> {
+    (0..=40).map(move |i| DepthPoint {
+        east_m: f64::from(i),
+        north_m,
+        depth_m,
+        weight: 1.0,
+        is_sounding: true,
+    })
+}
+
+fn settings(gap_m: f64) -> SurfaceSettings {
+    SurfaceSettings {
+        method: SurfaceMethod::Linear,
+        max_gap_m: gap_m,
+        cell_m: Some(0.5),
+        ..SurfaceSettings::default()
+    }
+}
+
+#[test]
+fn between_two_lines_the_depth_is_linear() {
+    let points: Vec<_> = line(0.0, 2.0).chain(line(10.0, 4.0)).collect();
+    let map = surface(points.clone(), &settings(6.0), &Progress::new())
+        .unwrap()
+        .unwrap();
+    let (depth_m, distance_m) = map.at(20.0, 5.0).unwrap();
+    assert!((depth_m - 3.0).abs() < 0.06, "{depth_m}");
+    assert!((distance_m - 5.0).abs() < 0.3, "{distance_m}");
+    assert_eq!(map.at(20.0, 11.0), None);
+}
+
+#[test]
+fn a_cell_says_what_its_depth_rests_on() {
+    let beside = line(0.6, 2.0).map(|point| DepthPoint {
+        is_sounding: false,
+        ..point
+    });
+    let points = line(0.0, 2.0)
+        .chain(beside)
+        .chain(line(10.0, 4.0))
+        .collect();
+    let map = surface(points, &settings(6.0), &Progress::new())
+        .unwrap()
+        .unwrap();
+    let at = |east_m, north_m| map.source[map.grid.index_at(east_m, north_m).unwrap()];
+    assert_eq!(at(20.0, 0.01), CellSource::Sounding);
+    assert_eq!(at(20.0, 0.61), CellSource::FirstReturn);
+    assert_eq!(at(20.0, 5.0), CellSource::Interpolated);
+    let known = map.depth_m.iter().map(|depth_m| !depth_m.is_nan());
+    assert!(known.eq(map.source.iter().map(|one| *one != CellSource::None)));
+    let [sounding, first_return, from_levels, interpolated] = map.source_shares();
+    assert_eq!(from_levels, 0.0);
+    assert!((sounding + first_return + interpolated - 1.0).abs() < 1e-12);
+    assert!(interpolated > 0.8 && sounding > first_return && first_return > 0.0);
+}
+
+#[test]
+fn no_value_is_farther_than_the_gap_from_a_sounding() {
+    // Triangles of equal sides, 5.9 m: their middles are 3.4 m from the corners.
+    let points: Vec<_> = (0..49)
+        .map(|i| DepthPoint {
+            east_m: 5.9 * (f64::from(i % 7) + 0.5 * f64::from(i / 7)),
+            north_m: 5.9 * 0.75f64.sqrt() * f64::from(i / 7),
+            depth_m: f64::from(i % 5),
+            weight: 1.0,
+            is_sounding: true,
+        })
+        .collect();
+    let map = surface(points.clone(), &settings(3.0), &Progress::new())
+        .unwrap()
+        .unwrap();
+    let (mut known, mut unknown) = (0, 0);
+    for cell in 0..map.grid.len() {
+        let [east_m, north_m] = map
+            .grid
+            .centre(cell / map.grid.columns, cell % map.grid.columns);
+        let brute_m = points
+            .iter()
+            .map(|p| (p.east_m - east_m).hypot(p.north_m - north_m))
+            .fold(f64::MAX, f64::min);
+        match map.at(east_m, north_m) {
+            Some((_, distance_m)) => {
+                assert!((f64::from(distance_m) - brute_m).abs() < 1e-4);
+                assert!(brute_m <= 3.0);
+                known += 1;
+            }
+            None => unknown += usize::from(brute_m < 3.4),
+        }
+    }
+    assert!(known > 1000 && unknown > 50, "{known} {unknown}");
+}
+
+#[test]
+fn the_bay_of_a_bend_stays_empty() {
+    // A quarter circle of 100 m: its chord is 141 m, its bay 29 m deep.
+    let points: Vec<_> = (0..=180)
+        .map(|i| {
+            let (sin, cos) = (f64::from(i) * 0.5).to_radians().sin_cos();
+            DepthPoint {
+                east_m: 100.0 * cos,
+                north_m: 100.0 * sin,
+                depth_m: 2.0,
+                weight: 1.0,
+                is_sounding: true,
+            }
+        })
+        .collect();
+    let map = surface(points.clone(), &settings(20.0), &Progress::new()).unwrap();
+    let in_the_bay = |map: Surface| map.at(60.0, 60.0);
+    assert_eq!(map.and_then(in_the_bay), None);
+}
+
+/// A spiral that opens from a radius of 60 m to 90 m: the chord of two gaps would lie up to 3 m inside the track.
+#[test]
+fn a_bend_is_not_bridged_by_a_lens_across_the_track() {
+    let points: Vec<_> = (0..=400)
+        .flat_map(|i| {
+            let along = f64::from(i) / 400.0;
+            let (sin, cos) = (270.0 * along).to_radians().sin_cos();
+            // Depths under the boat and half a metre to either side of it.
+            [-0.5, 0.0, 0.5].map(|beside_m| {
+                let reach_m = 60.0 + 30.0 * along + beside_m;
+                DepthPoint {
+                    east_m: reach_m * cos,
+                    north_m: reach_m * sin,
+                    depth_m: 2.0,
+                    weight: 1.0,
+                    is_sounding: true,
+                }
+            })
+        })
+        .collect();
+    let map = surface(points, &settings(20.0), &Progress::new())
+        .unwrap()
+        .unwrap();
+    let known = map.distance_m.iter().filter(|distance| !distance.is_nan());
+    let farthest_m = known.clone().copied().fold(0.0, f32::max);
+    assert!(known.count() > 1000);
+    assert!(farthest_m < 0.7, "{farthest_m} m from any depth");
+}
+
+/// Delaunay's triangles over one winding line are long and thin, and none of them counts.
+#[test]
+fn every_sounding_of_a_single_winding_track_has_its_cell() {
+    let points: Vec<_> = (0..2000)
+        .map(|i| {
+            let (sin, cos) = (0.05 * f64::from(i)).to_radians().sin_cos();
+            DepthPoint {
+                east_m: 120.0 * cos,
+                north_m: 120.0 * sin,
+                depth_m: 2.0 + 0.001 * f64::from(i),
+                weight: 1.0,
+                is_sounding: true,
+            }
+        })
+        .collect();
+    let map = surface(points.clone(), &settings(20.0), &Progress::new())
+        .unwrap()
+        .unwrap();
+    for point in &points {
+        let (depth_m, distance_m) = map.at(point.east_m, point.north_m).expect("a cell");
+        assert!(
+            (f64::from(depth_m) - point.depth_m).abs() < 0.02,
+            "{depth_m}"
+        );
+        assert!(f64::from(distance_m) < map.grid.cell_m, "{distance_m}");
+    }
+    let known = map.distance_m.iter().filter(|distance| !distance.is_nan());
+    let farthest_m = known.copied().fold(0.0, f32::max);
+    assert!(f64::from(farthest_m) < map.grid.cell_m, "{farthest_m}");
+}
+
+#[test]
+fn one_straight_line_is_no_surface() {
+    let points: Vec<_> = line(0.0, 2.0).collect();
+    assert_eq!(
+        surface(points.clone(), &settings(3.0), &Progress::new()),
+        Ok(None)
+    );
+    assert_eq!(
+        surface(Vec::new(), &settings(3.0), &Progress::new()),
+        Ok(None)
+    );
+}
+
+#[test]
+fn each_method_honours_its_soundings_and_stays_within_their_depths() {
+    let points = golden_points();
+    let depths = points.iter().map(|p| p.depth_m);
+    let [least, most] = depths.fold([f64::MAX, f64::MIN], |[l, m], d| [l.min(d), m.max(d)]);
+    for method in [
+        SurfaceMethod::Linear,
+        SurfaceMethod::Natural,
+        SurfaceMethod::InverseDistance,
+    ] {
+        let settings = SurfaceSettings {
+            method,
+            cell_m: Some(0.02),
+            ..SurfaceSettings::default()
+        };
+        let made = surface(points.clone(), &settings, &Progress::new())
+            .unwrap()
+            .unwrap();
+        for point in &points {
+            // At the hull the middle of a sounding's own cell may lie outside.
+            let Some((depth_m, distance_m)) = made.at(point.east_m, point.north_m) else {
+                continue;
+            };
+            let off_m = (f64::from(depth_m) - point.depth_m).abs();
+            assert!(off_m < 0.02 && distance_m < 0.015, "{method:?} {off_m}");
+        }
+        let known = made.depth_m.iter().filter(|depth| !depth.is_nan());
+        assert!(known.clone().count() > 150_000);
+        assert!(
+            known
+                .copied()
+                .map(f64::from)
+                .all(|d| (least - 1e-6..=most + 1e-6).contains(&d))
+        );
+    }
+}
+
+/// A surface whose spreads are those of its soundings, however many could be left out.
+fn spreads(points: &[DepthPoint]) -> Surface {
+    let grid = Grid::over(points, 0.5, 4096).unwrap();
+    local_surface(points, grid, 6.0, &Progress::new()).unwrap()
+}
+
+#[test]
+fn the_spread_is_that_of_the_soundings_that_carry_a_cell() {
+    // On a slope of 1 in 10, halfway between lines 10 m apart, the depths are 2 and 3 m: 0.5 m about their mean.
+    let points: Vec<_> = line(0.0, 2.0).chain(line(10.0, 3.0)).collect();
+    let made = spreads(&points);
+    let spread = |north_m| made.spread_m[made.grid.index_at(20.2, north_m).unwrap()];
+    assert!((spread(5.2) - 0.5).abs() < 0.01, "{}", spread(5.2));
+    assert!(spread(0.2) < 0.2 && spread(0.2) < spread(2.2));
+    // Where the soundings of one place disagree, it is at least their own spread.
+    let noisy = |point: DepthPoint| {
+        [-0.3, 0.0, 0.3].map(|noise_m| DepthPoint {
+            depth_m: 2.0 + noise_m,
+            ..point
+        })
+    };
+    let points: Vec<_> = points.into_iter().flat_map(noisy).collect();
+    let made = spreads(&points);
+    let spreads = made.spread_m.iter().filter(|spread| !spread.is_nan());
+    assert!(spreads.clone().count() > 500);
+    for spread in spreads {
+        assert!((spread - 0.3).abs() < 1e-6, "{spread}");
+    }
+}
+
+#[test]
+fn a_source_of_no_weight_is_left_out_and_a_cancelled_surface_is_none() {
+    let mut points: Vec<_> = line(0.0, 2.0).chain(line(10.0, 4.0)).collect();
+    points.extend(line(5.0, 9.0).map(|point| DepthPoint {
+        weight: 0.0,
+        ..point
+    }));
+    let made = surface(points.clone(), &settings(6.0), &Progress::new())
+        .unwrap()
+        .unwrap();
+    assert!((made.at(20.0, 5.0).unwrap().0 - 3.0).abs() < 0.06);
+    let progress = Progress::new();
+    progress.cancel();
+    assert_eq!(
+        surface(points.clone(), &settings(6.0), &progress),
+        Err(Cancelled)
+    );
+}
+
+#[test]
+fn known_depths_lie_within_their_outermost_cells() {
+    let grid = Grid {
+        west_m: 100.0,
+        north_m: 50.0,
+        cell_m: 0.5,
+        columns: 4,
+        rows: 3,
+    };
+    let of = |known: &[usize]| {
+        let mut depth_m = vec![f32::NAN; grid.len()];
+        known.iter().for_each(|cell| depth_m[*cell] = 2.0);
+        Surface::of_depths(grid, depth_m).known_bounds_m()
+    };
+    assert_eq!(of(&[]), None);
+    assert_eq!(of(&[6]), Some([101.0, 49.0, 101.5, 49.5]));
+    assert_eq!(of(&[3, 9, 10]), Some([100.5, 48.5, 102.0, 50.0]));
+}

@@ -1,0 +1,303 @@
+//! A triangulated surface through the soundings.
+
+use super::{Node, insertion_order};
+use spade::handles::FixedVertexHandle;
+use spade::{
+    Barycentric, DelaunayTriangulation, FloatTriangulation as _, HasPosition,
+    LastUsedVertexHintGenerator, NaturalNeighbor, Point2, Triangulation as _,
+};
+
+impl HasPosition for Node {
+    type Scalar = f64;
+
+    fn position(&self) -> Point2<f64> {
+        Point2::new(self.east_m, self.north_m)
+    }
+}
+
+type Triangulation = DelaunayTriangulation<Node, (), (), (), LastUsedVertexHintGenerator>;
+
+/// Delaunay triangles over nodes; honours every node and invents nothing beyond the hull. It takes some 150 bytes a node, two
+/// thirds of them for edges, so that nodes are moved in rather than copied.
+pub struct Tin {
+    triangles: Triangulation,
+    max_gap_m: f64,
+    max_radius_m: f64,
+}
+
+/// Triangles with no edge longer than this share of the gap are always kept: along a single track they lie in a row, nearly
+/// flat, and their area across the track is negligible.
+const SHORT_EDGES: f64 = 0.25;
+
+/// Radius of the circle around a triangle of three edges of two gaps, metres.
+pub fn largest_radius_m(max_gap_m: f64) -> f64 {
+    2.0 * max_gap_m / 3f64.sqrt()
+}
+
+/// How the depth between the corners is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Between {
+    /// On the plane of the triangle.
+    Linear,
+    /// Sibson's natural neighbours: each node counts with the area that the place would take from its Voronoi cell.
+    NaturalNeighbour,
+}
+
+/// Samples a [`Tin`] for one thread. Near places in a row are found fastest.
+pub struct TinSampler<'a> {
+    tin: &'a Tin,
+    planes: Barycentric<'a, Triangulation>,
+    natural: Option<NaturalNeighbor<'a, Triangulation>>,
+    weights: Vec<(FixedVertexHandle, f64)>,
+}
+
+impl Tin {
+    /// Triangulates; `None` where the nodes span no surface (fewer than three places, or all on one line), or when a coordinate
+    /// is none that can be triangulated (not finite, beyond 1e60 m).
+    pub fn new(mut nodes: Vec<Node>) -> Option<Self> {
+        for node in &mut nodes {
+            for metres in [&mut node.east_m, &mut node.north_m] {
+                // spade refuses what is nearer to zero, as it cannot be multiplied.
+                if metres.abs() < spade::MIN_ALLOWED_VALUE {
+                    *metres = 0.0;
+                }
+            }
+        }
+        if !insertion_order::sort(&mut nodes) {
+            return None;
+        }
+        let count = nodes.len();
+        let mut triangles = Triangulation::with_capacity(count, 3 * count, 2 * count);
+        for node in nodes {
+            triangles.insert(node).ok()?;
+        }
+        Some(Self {
+            triangles,
+            max_gap_m: f64::INFINITY,
+            max_radius_m: f64::INFINITY,
+        })
+    }
+
+    /// Leaves out triangles between nodes that are too far apart for anything to be known between them: those with an edge
+    /// longer than two gaps, and those whose circumscribed circle, which holds no node, is larger than that of a triangle of
+    /// three such edges. So the surface follows its nodes (an alpha shape): neither the bay of a winding track is filled from
+    /// one bank of the bend to the other, nor the lens between a bend and its chord.
+    pub fn with_max_gap(self, max_gap_m: f64) -> Self {
+        Self { max_gap_m, ..self }
+    }
+
+    /// Leaves out every triangle whose circumscribed circle is larger than that of the largest that [`Tin::with_max_gap`] keeps, the nearly
+    /// flat ones of short edges too: no triangle that is left depends on a node farther from it than twice [`largest_radius_m`].
+    pub fn with_local_triangles(self) -> Self {
+        Self {
+            max_radius_m: largest_radius_m(self.max_gap_m),
+            ..self
+        }
+    }
+
+    /// Whether a triangle is one that [`Tin::with_max_gap`] keeps.
+    fn is_known(&self, mut corners: [Point2<f64>; 3]) -> bool {
+        // In one order, so that the same triangle of another triangulation is rounded alike.
+        corners.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+        let [a, b, c] = corners;
+        let edges_m = [a.distance_2(b), b.distance_2(c), c.distance_2(a)].map(f64::sqrt);
+        let longest_m = edges_m.into_iter().fold(0.0, f64::max);
+        let area_m2 = 0.5 * ((b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y)).abs();
+        let radius_m = edges_m.iter().product::<f64>() / (4.0 * area_m2);
+        let most_m = largest_radius_m(self.max_gap_m);
+        let is_kept = longest_m <= SHORT_EDGES * self.max_gap_m
+            || longest_m <= 2.0 * self.max_gap_m && radius_m <= most_m;
+        is_kept && radius_m <= self.max_radius_m
+    }
+
+    /// The nodes, one a place, in no order.
+    pub fn nodes(&self) -> impl Iterator<Item = Node> + '_ {
+        self.triangles.vertices().map(|vertex| *vertex.data())
+    }
+
+    /// A sampler.
+    pub fn sampler(&self, between: Between) -> TinSampler<'_> {
+        TinSampler {
+            tin: self,
+            planes: self.triangles.barycentric(),
+            natural: (between == Between::NaturalNeighbour)
+                .then(|| self.triangles.natural_neighbor()),
+            weights: Vec::with_capacity(16),
+        }
+    }
+
+    /// The depth at one place on its triangle's plane, metres; `None` where there is no triangle.
+    pub fn depth_at(&self, east_m: f64, north_m: f64) -> Option<f64> {
+        self.sampler(Between::Linear).depth_at([east_m, north_m])
+    }
+}
+
+impl TinSampler<'_> {
+    /// The depth at one place, metres; `None` where there is no triangle.
+    pub fn depth_at(&mut self, place: [f64; 2]) -> Option<f64> {
+        let nodes = self.nodes_at(place)?;
+        Some(nodes.map(|(node, weight)| weight * node.depth_m).sum())
+    }
+
+    /// The nodes that carry a place, with weights that sum to 1; `None` where there is no triangle.
+    pub fn nodes_at(
+        &mut self,
+        [east_m, north_m]: [f64; 2],
+    ) -> Option<impl Iterator<Item = (Node, f64)> + Clone + '_> {
+        let place = Point2::new(east_m, north_m);
+        self.planes.get_weights(place, &mut self.weights);
+        if !self.is_known() {
+            return None;
+        }
+        match &self.natural {
+            Some(natural) if self.weights.len() > 2 => {
+                natural.get_weights(place, &mut self.weights)
+            }
+            _ => self.weigh_in_order(place),
+        }
+        Some(self.nodes())
+    }
+
+    /// Weighs the corners anew in the order of their places: how a triangle is stored depends on all nodes that were ever inserted, and
+    /// with it the last bit of a weight, which would differ between maps that share the triangle.
+    fn weigh_in_order(&mut self, place: Point2<f64>) {
+        let triangles = &self.tin.triangles;
+        let position = |corner: &(FixedVertexHandle, f64)| triangles.vertex(corner.0).position();
+        self.weights.sort_by(|a, b| {
+            let (a, b) = (position(a), position(b));
+            a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y))
+        });
+        let way = |from: Point2<f64>, to: Point2<f64>| [to.x - from.x, to.y - from.y];
+        let cross = |[ax, ay]: [f64; 2], [bx, by]: [f64; 2]| ax * by - ay * bx;
+        match self.weights.as_mut_slice() {
+            [first, second] => {
+                let (a, b) = (position(first), position(second));
+                let ([x, y], [along_x, along_y]) = (way(a, b), way(a, place));
+                second.1 = (x * along_x + y * along_y) / (x * x + y * y);
+                first.1 = 1.0 - second.1;
+            }
+            [first, second, third] => {
+                let [a, b, c] = [&*first, &*second, &*third].map(position);
+                let area = cross(way(a, b), way(a, c));
+                second.1 = cross(way(a, place), way(a, c)) / area;
+                third.1 = cross(way(a, b), way(a, place)) / area;
+                first.1 = 1.0 - second.1 - third.1;
+            }
+            _ => {}
+        }
+    }
+
+    /// The nodes that carry the place that was asked for last, with their weights.
+    pub fn nodes(&self) -> impl Iterator<Item = (Node, f64)> + Clone + '_ {
+        let triangles = &self.tin.triangles;
+        let carried = self.weights.iter();
+        carried.map(move |(corner, weight)| (*triangles.vertex(*corner).data(), *weight))
+    }
+
+    /// Distance from a place in a triangle to the nearest node; call it with the place that was asked for last.
+    ///
+    /// Goes from the nodes that carry it to ever nearer neighbours: of Delaunay triangles every node but the nearest has one.
+    pub fn distance_m(&self, [east_m, north_m]: [f64; 2]) -> f64 {
+        let place = Point2::new(east_m, north_m);
+        let triangles = &self.tin.triangles;
+        let squared = |corner: FixedVertexHandle| {
+            let away_m2 = triangles.vertex(corner).position().distance_2(place);
+            (away_m2, corner)
+        };
+        let nearest = |corners: &mut dyn Iterator<Item = FixedVertexHandle>| {
+            corners.map(squared).min_by(|a, b| a.0.total_cmp(&b.0))
+        };
+        let Some(mut here) = nearest(&mut self.weights.iter().map(|(corner, _)| *corner)) else {
+            return f64::NAN;
+        };
+        loop {
+            let edges = triangles.vertex(here.1).out_edges();
+            match nearest(&mut edges.map(|edge| edge.to().fix())) {
+                Some(next) if next.0 < here.0 => here = next,
+                _ => return here.0.sqrt(),
+            }
+        }
+    }
+
+    /// Whether the place that was asked for last lies in a triangle that counts, on the edge of one, or on a node.
+    fn is_known(&self) -> bool {
+        let triangles = &self.tin.triangles;
+        let place = |index: usize| triangles.vertex(self.weights[index].0).position();
+        match self.weights.len() {
+            0 => false,
+            1 => true,
+            2 => {
+                let ends = [self.weights[0].0, self.weights[1].0];
+                let edge = triangles.get_edge_from_neighbors(ends[0], ends[1]);
+                edge.is_some_and(|edge| {
+                    let beside = [edge.face(), edge.rev().face()].into_iter();
+                    let mut inner = beside.filter_map(|face| face.as_inner());
+                    inner.any(|face| self.tin.is_known(face.positions()))
+                })
+            }
+            _ => self.tin.is_known([place(0), place(1), place(2)]),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bottom::bathymetry::testing::{GOLDEN, golden_nodes};
+
+    #[test]
+    fn linear_depths_agree_with_scipy_and_gdal() {
+        let tin = Tin::new(golden_nodes()).unwrap();
+        for golden in &GOLDEN {
+            let [x, y] = golden.place;
+            let found = tin.depth_at(x, y).unwrap();
+            assert!((found - golden.linear).abs() < 1e-9, "{x}, {y}: {found}");
+        }
+        assert_eq!(tin.depth_at(-5.0, 5.0), None);
+        let near = tin.with_max_gap(0.25);
+        assert_eq!(near.depth_at(2.5, 2.5), None);
+    }
+
+    #[test]
+    fn natural_neighbours_agree_with_exact_voronoi_areas() {
+        let tin = Tin::new(golden_nodes()).unwrap();
+        let mut sampler = tin.sampler(Between::NaturalNeighbour);
+        for golden in &GOLDEN {
+            let nodes = sampler.nodes_at(golden.place).unwrap();
+            let found: f64 = nodes.map(|(node, weight)| weight * node.depth_m).sum();
+            assert!((found - golden.natural).abs() < 1e-9, "{found}");
+        }
+    }
+
+    #[test]
+    fn the_nearest_node_is_that_of_a_search_through_all() {
+        let nodes = golden_nodes();
+        let tin = Tin::new(nodes.clone()).unwrap();
+        let mut sampler = tin.sampler(Between::Linear);
+        let mut found = 0;
+        for cell in 0..10_000 {
+            let place = [0.1 * f64::from(cell % 100), 0.1 * f64::from(cell / 100)];
+            if sampler.nodes_at(place).is_some() {
+                let away_m = |node: &Node| (node.east_m - place[0]).hypot(node.north_m - place[1]);
+                let brute_m = nodes.iter().map(away_m).fold(f64::MAX, f64::min);
+                assert!((sampler.distance_m(place) - brute_m).abs() < 1e-12);
+                found += 1;
+            }
+        }
+        assert!(found > 7000, "{found}");
+    }
+
+    #[test]
+    fn a_node_is_honoured_by_both() {
+        let nodes = golden_nodes();
+        let tin = Tin::new(nodes.clone()).unwrap();
+        for between in [Between::Linear, Between::NaturalNeighbour] {
+            let mut sampler = tin.sampler(between);
+            for node in &nodes {
+                let at = sampler.nodes_at([node.east_m, node.north_m]).unwrap();
+                let depth_m: f64 = at.map(|(node, weight)| weight * node.depth_m).sum();
+                assert!((depth_m - node.depth_m).abs() < 1e-9);
+            }
+        }
+    }
+}

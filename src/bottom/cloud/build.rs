@@ -1,0 +1,220 @@
+//! Picks and soundings to points in the survey's plane.
+
+use super::above_bottom::{height_m, stretches_m, usual_departures_m};
+use super::confirmed::confirmed;
+use super::geometry::{BottomPoint, across_track, fixed_bottom_point};
+use super::level::echo_level;
+use super::specular::{CrossSlope, Pair, specular_point};
+use super::{
+    BySource, CloudPoint, CloudSettings, Correction, DownScan, Geometry, PointCloud, PointSource,
+    Reduction, SoundingIndex,
+};
+use crate::sonar::calibration::Calibration;
+use crate::sonar::first_return::FirstReturns;
+use crate::support::progress::{Cancelled, Progress};
+use crate::survey::{Navigation, Side, Survey, nearest_in_time};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Slant range of a pick by the calibration in force, metres; NaN without a pick.
+pub fn slant_range_m(
+    survey: &Survey,
+    calibration: &Calibration,
+    ping: usize,
+    side: Side,
+    sample: f32,
+) -> f64 {
+    let Some(span) = survey.span(ping, side) else {
+        return f64::NAN;
+    };
+    calibration.range_m(span, f64::from(sample))
+}
+
+/// Builds the cloud.
+///
+/// Every sounding and every pick of a ping with a heading gives a point. Each point lies on its own beam's side of the
+/// track: starboard is `(h_y, -h_x) / |h|`. Ranges and depths are corrected before any geometry.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn build(
+    survey: &Survey,
+    navigation: &Navigation,
+    returns: &FirstReturns,
+    calibration: &Calibration,
+    settings: &CloudSettings,
+    correction: &Correction,
+    progress: &Progress,
+) -> Result<PointCloud, Cancelled> {
+    progress.start(3);
+    let reduction = Reduction::new(calibration, correction);
+    let ranges = Side::BOTH.map(|side| ranges_m(survey, returns, reduction, side));
+    let is_reliable = match settings.down_scan {
+        DownScan::All => vec![true; survey.soundings.len()],
+        DownScan::Locked => confirmed(survey, &ranges, |depth_m| reduction.altitude_m(depth_m)),
+    };
+    let soundings = Arc::new(sounding_points(
+        survey,
+        navigation,
+        &is_reliable,
+        correction,
+    ));
+    progress.advance(1);
+    let cross_slopes = match settings.geometry {
+        Geometry::Slope => cross_slopes(survey, &ranges),
+        _ => Vec::new(),
+    };
+    let above_bottom_m = stretches_m(survey, navigation, returns);
+    let usual_m = usual_departures_m(survey, navigation, returns);
+    progress.advance(1);
+    progress.check()?;
+    let points_of = |side: Side, ranges_m: &[f64]| -> Vec<CloudPoint> {
+        let bottom_point = |ping: usize, range_m: f64| match (cross_slopes.get(ping), side) {
+            (Some(slope), Side::Port) => specular_point(range_m, slope.port_rad),
+            (Some(slope), Side::Starboard) => specular_point(range_m, slope.starboard_rad),
+            (None, _) => fixed_bottom_point(settings.geometry, range_m, settings.alpha2_deg),
+        };
+        let z_m =
+            |ping: usize, below_m: f64| correction.z_m(survey.side_scan[ping].time_s, below_m);
+        let found = side_points(navigation, returns, side, ranges_m, bottom_point, z_m);
+        let points = found.map(|point| {
+            let ping = point.ping as usize;
+            // Without a recorded depth nothing is flagged.
+            let above_bottom =
+                point.above_bottom && height_m(survey, returns, ping, side) > usual_m[ping];
+            CloudPoint {
+                above_bottom,
+                // What does not stand out is ground.
+                confidence: match above_bottom {
+                    true => point.confidence,
+                    false => point.ground_confidence(),
+                },
+                above_bottom_m: match above_bottom {
+                    true => above_bottom_m[ping],
+                    false => 0.0,
+                },
+                level: echo_level(survey, ping, side, point.sample),
+                ..point
+            }
+        });
+        points.collect()
+    };
+    let [port_m, starboard_m] = &ranges;
+    let points = BySource::from_parts(|source| match source {
+        PointSource::DownScan => soundings.clone(),
+        PointSource::Port => Arc::new(points_of(Side::Port, port_m)),
+        PointSource::Starboard => Arc::new(points_of(Side::Starboard, starboard_m)),
+    });
+    progress.advance(1);
+    Ok(PointCloud {
+        points,
+        zero_heading: navigation.zero_heading,
+    })
+}
+
+/// No side-scan reaches farther, metres: where a calibration says so, it is that which is wrong.
+const FARTHEST_M: f64 = 10_000.0;
+
+/// Slant range of every pick of a side, by the true speed of sound; NaN without one, or where it cannot be.
+fn ranges_m(
+    survey: &Survey,
+    returns: &FirstReturns,
+    reduction: Reduction<'_>,
+    side: Side,
+) -> Vec<f64> {
+    let picks = returns.side(side).par_iter().enumerate();
+    picks
+        .map(|(ping, pick)| reduction.range_at_m(survey, ping, side, pick.sample))
+        .map(|range_m| match range_m <= FARTHEST_M {
+            true => range_m,
+            false => f64::NAN,
+        })
+        .collect()
+}
+
+/// The slope at every ping. Above-bottom returns count: on a steep slope the bottom itself lies above the recorded
+/// depth, and an above-bottom return on one side moves only the points of that side.
+fn cross_slopes(survey: &Survey, [port, starboard]: &[Vec<f64>; 2]) -> Vec<CrossSlope> {
+    let sides = port.iter().zip(starboard);
+    let pairs: Vec<Pair> = sides
+        .zip(survey.side_scan.iter())
+        .map(|((&port_m, &starboard_m), ping)| Pair {
+            time_s: ping.time_s,
+            port_m,
+            starboard_m,
+        })
+        .collect();
+    (0..pairs.len())
+        .into_par_iter()
+        .map(|ping| CrossSlope::at(&pairs, ping))
+        .collect()
+}
+
+fn sounding_points(
+    survey: &Survey,
+    navigation: &Navigation,
+    is_reliable: &[bool],
+    correction: &Correction,
+) -> Vec<CloudPoint> {
+    let placed = survey.soundings.iter().zip(navigation.soundings.iter());
+    let soundings = placed.enumerate();
+    let nearest_ping =
+        |time_s| nearest_in_time(&survey.side_scan, time_s, |ping| ping.time_s).unwrap_or(0);
+    soundings
+        .filter(|(_, (sounding, place))| sounding.depth_m > 0.0 && place.east_m.is_finite())
+        .map(|(index, (sounding, place))| CloudPoint {
+            source: PointSource::DownScan,
+            ping: nearest_ping(sounding.time_s) as u32,
+            sounding: SoundingIndex::new(index),
+            reliable: sounding.locked || is_reliable[index],
+            above_bottom: false,
+            level: 0,
+            above_bottom_m: 0.0,
+            confidence: f32::NAN,
+            sample: f32::NAN,
+            east_m: place.east_m,
+            north_m: place.north_m,
+            z_m: -correction.depth_m(sounding.time_s, f64::from(sounding.depth_m)),
+        })
+        .collect()
+}
+
+fn side_points<'a>(
+    navigation: &'a Navigation,
+    returns: &'a FirstReturns,
+    side: Side,
+    ranges_m: &'a [f64],
+    bottom_point: impl Fn(usize, f64) -> BottomPoint + 'a,
+    z_m: impl Fn(usize, f64) -> f64 + 'a,
+) -> impl Iterator<Item = CloudPoint> + 'a {
+    let source = match side {
+        Side::Port => PointSource::Port,
+        Side::Starboard => PointSource::Starboard,
+    };
+    let pings = navigation
+        .pings
+        .iter()
+        .zip(returns.side(side))
+        .zip(ranges_m);
+    let detected = pings
+        .enumerate()
+        .filter(|(_, (_, range_m))| **range_m > 0.0);
+    detected.filter_map(move |(ping, ((place, pick), &range_m))| {
+        let bottom_point = bottom_point(ping, range_m);
+        let [east_m, north_m] = across_track(place, side, bottom_point.across_m)?;
+        Some(CloudPoint {
+            source,
+            ping: ping as u32,
+            sounding: None,
+            reliable: true,
+            above_bottom: pick.above_bottom,
+            level: 0,
+            above_bottom_m: 0.0,
+            confidence: pick.confidence,
+            sample: pick.sample,
+            east_m,
+            north_m,
+            z_m: z_m(ping, bottom_point.depth_m),
+        })
+    })
+}

@@ -1,0 +1,194 @@
+//! What each point of a cloud is: decided here once, for the map, every file, every count and every view.
+
+use super::{CloudPoint, OutlierSettings, PointCloud, PointSource, outliers};
+use crate::support::progress::{Cancelled, Progress};
+use serde::ser::{Serialize, SerializeMap, Serializer};
+
+/// What a point is, in the code of ASPRS LAS 1.4 and its topo-bathymetric profile. Classes from 64 on are free for users; those here are
+/// named in LAS files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u8)]
+pub enum PointClass {
+    /// A first return less sure than [`ClassRules::min_confidence`].
+    Unclassified = 1,
+    /// A first return that the outlier filter removes.
+    LowNoise = 7,
+    /// The same, nearer than the recorded depth by more than the margin.
+    HighNoise = 18,
+    /// The bottom: the map, the figures of agreement and all that rests on depths take these points and no others.
+    Bottom = 40,
+    /// A sounding written while the recorder had lost the bottom.
+    NoBottom = 45,
+    /// A first return of weed, fish or an object above the bottom.
+    AboveBottom = 64,
+}
+
+impl PointClass {
+    /// All of them, by their codes.
+    pub const ALL: [PointClass; 6] = [
+        PointClass::Unclassified,
+        PointClass::LowNoise,
+        PointClass::HighNoise,
+        PointClass::Bottom,
+        PointClass::NoBottom,
+        PointClass::AboveBottom,
+    ];
+
+    /// The number that files hold.
+    pub fn code(self) -> u8 {
+        self as u8
+    }
+
+    /// In words, at most 15 letters: LAS has room for no more.
+    pub fn name(self) -> &'static str {
+        match self {
+            PointClass::Unclassified => "unclassified",
+            PointClass::LowNoise => "low noise",
+            PointClass::HighNoise => "high noise",
+            PointClass::Bottom => "bathymetric",
+            PointClass::NoBottom => "no bottom found",
+            PointClass::AboveBottom => "above bottom",
+        }
+    }
+
+    /// Whether the point counts for the map: `kept` of `cloud.csv`.
+    pub fn is_kept(self) -> bool {
+        self == PointClass::Bottom
+    }
+
+    /// Whether the outlier filter removed it.
+    pub fn is_noise(self) -> bool {
+        matches!(self, PointClass::LowNoise | PointClass::HighNoise)
+    }
+}
+
+/// What the class of a point is decided by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClassRules<'a> {
+    /// First returns less sure than this are not kept, and nobody's neighbours (`first_return.min_confidence`).
+    pub min_confidence: f32,
+    /// Whether all above-bottom returns count as bottom (`surface.above_bottom`).
+    pub above_bottom: bool,
+    /// They do in stretches longer than this, metres (`surface.longest_above_bottom_m`).
+    pub longest_above_bottom_m: f64,
+    /// The outlier filter.
+    pub outliers: &'a OutlierSettings,
+}
+
+impl ClassRules<'_> {
+    /// The class of a point; `is_outlier` is what the outlier filter says of a first return.
+    fn class(&self, point: &CloudPoint, is_outlier: bool) -> PointClass {
+        let is_long = f64::from(point.above_bottom_m) > self.longest_above_bottom_m;
+        match point.source {
+            PointSource::DownScan if point.reliable => PointClass::Bottom,
+            PointSource::DownScan => PointClass::NoBottom,
+            _ if self.is_unsure(point) => PointClass::Unclassified,
+            _ if is_outlier && point.above_bottom => PointClass::HighNoise,
+            _ if is_outlier => PointClass::LowNoise,
+            _ if point.above_bottom && !self.above_bottom && !is_long => PointClass::AboveBottom,
+            _ => PointClass::Bottom,
+        }
+    }
+
+    /// Soundings have no confidence. Whether an above-bottom return is the ground is decided by its stretch.
+    fn is_unsure(&self, point: &CloudPoint) -> bool {
+        point.ground_confidence() < self.min_confidence
+    }
+}
+
+/// The class of every point. Outliers are found among the side-scan points as the published code does: with neither soundings nor points
+/// that are not sure enough as neighbours.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn classify(
+    cloud: &PointCloud,
+    rules: &ClassRules<'_>,
+    progress: &Progress,
+) -> Result<Vec<PointClass>, Cancelled> {
+    let place = |index: u32| match &cloud.points[index as usize] {
+        point if point.source == PointSource::DownScan || rules.is_unsure(point) => [f64::NAN; 3],
+        point => [point.east_m, point.north_m, point.z_m],
+    };
+    let OutlierSettings {
+        radius_m,
+        min_neighbors,
+    } = *rules.outliers;
+    let count = cloud.points.len();
+    let kept = outliers::keep_places(count, &place, radius_m, min_neighbors, progress)?;
+    let points = cloud.points.iter().zip(kept);
+    Ok(points
+        .map(|(point, is_kept)| rules.class(point, !is_kept))
+        .collect())
+}
+
+/// How many points there are of each class.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ClassCounts {
+    /// In the order of [`PointClass::ALL`].
+    counts: [usize; PointClass::ALL.len()],
+    /// Points that are not soundings.
+    pub side_scan: usize,
+}
+
+impl ClassCounts {
+    /// Of a cloud with a class for each point.
+    pub fn of(cloud: &PointCloud, classes: &[PointClass]) -> Self {
+        let mut all = Self::default();
+        for (index, class) in PointClass::ALL.into_iter().enumerate() {
+            all.counts[index] = classes.iter().filter(|one| **one == class).count();
+        }
+        let soundings = cloud.points.of(PointSource::DownScan).len();
+        all.side_scan = cloud.points.len() - soundings;
+        all
+    }
+
+    /// Points of a class.
+    pub fn count(&self, class: PointClass) -> usize {
+        let all = PointClass::ALL.into_iter().zip(self.counts);
+        all.filter(|(one, _)| *one == class)
+            .map(|(_, count)| count)
+            .sum()
+    }
+
+    /// All points.
+    pub fn all(&self) -> usize {
+        self.counts.iter().sum()
+    }
+
+    /// Points that count for the map.
+    pub fn kept(&self) -> usize {
+        self.count(PointClass::Bottom)
+    }
+
+    /// Points that the outlier filter removed.
+    pub fn noise(&self) -> usize {
+        self.count(PointClass::LowNoise) + self.count(PointClass::HighNoise)
+    }
+
+    /// Removed share of the side-scan points, 0 to 1.
+    pub fn noise_share(&self) -> f64 {
+        self.noise() as f64 / self.side_scan.max(1) as f64
+    }
+
+    /// Adds those of another log.
+    pub fn add(&mut self, other: &Self) {
+        for (count, more) in self.counts.iter_mut().zip(other.counts) {
+            *count += more;
+        }
+        self.side_scan += other.side_scan;
+    }
+}
+
+/// The number of points by the code of their class, those that there are.
+impl Serialize for ClassCounts {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        for (class, count) in PointClass::ALL.into_iter().zip(self.counts) {
+            if count > 0 {
+                map.serialize_entry(&class.code(), &count)?;
+            }
+        }
+        map.end()
+    }
+}

@@ -1,0 +1,198 @@
+//! From recorded depths to depths below a level: sound speed, draft, and the water's own height over time.
+//!
+//! It stands where points are made, because a sound speed scales slant ranges before any geometry, and so that soundings and
+//! side-scan points, and all that is drawn or written of them, are corrected alike and once. `sound_speed` has the equation,
+//! `statement` says in words what was done.
+
+mod sound_speed;
+mod statement;
+
+pub use sound_speed::{SoundSpeedSettings, sound_speed_m_s};
+pub use statement::DepthReference;
+
+use crate::support::calendar;
+use crate::survey::{Gauge, Survey};
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// `water_level.*` settings.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct WaterLevelSettings {
+    /// Readings of a gauge or tide over the time of the survey, as [`crate::formats::read_gauge`] reads them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<PathBuf>,
+    /// What the file holds, once it has been read.
+    #[serde(skip)]
+    pub gauge: Option<Arc<Gauge>>,
+}
+
+/// What is known of water and transducer.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct DepthSettings {
+    /// How deep the transducer hangs below the water's surface, metres.
+    pub draft_m: f64,
+    /// Height of the water's surface above the level that depths count from, metres; with readings, that of the gauge's zero.
+    pub water_level_m: f64,
+    /// Readings of the water's height.
+    pub water_level: WaterLevelSettings,
+    /// What is added to every elevation, metres, so that the log agrees with others of its survey
+    /// (`bathymetry::height_offsets`).
+    pub height_offset_m: f64,
+    /// Sound speed.
+    pub sound_speed: SoundSpeedSettings,
+}
+
+/// What is done to the depths of one survey.
+///
+/// With the sound speed `c`, that of the recorder `c0`, the draft `t`, the water's height `h` at the time and the height offset `o`, a
+/// depth `d` below the transducer becomes `d c / c0 + t - h - o`; a slant range `r` becomes `r c / c0`.
+///
+/// A clock that is wrong by `e` takes the reading of another time, so depths are off by `e` times the rate at which the water rises:
+/// 1 cm for 6 minutes where it rises 10 cm an hour, and as much as the height of a tide for hours. What of it is the same all along
+/// the log is in the height offset that crossings show; what changes along the log stays, unless `mounting.clock_offset_s` says
+/// how far the clock is behind. Recorders take the time from the satellites, so a drift within a log is below a second.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Correction {
+    settings: DepthSettings,
+    /// Unix seconds of the log's time zero, its clock put right, where readings are in force.
+    start_unix_s: Option<f64>,
+    /// What was added to the log's clock, seconds.
+    clock_offset_s: f64,
+    /// The water's height in the middle of the survey, metres.
+    middle_level_m: f64,
+    /// Why the readings of the water's height are not in force, in a sentence.
+    refused: Option<String>,
+}
+
+impl Correction {
+    /// For a survey. Where the readings do not cover it they are left aside, and [`Correction::refused`] says why.
+    pub fn new(settings: DepthSettings, survey: &Survey) -> Self {
+        let over = over_survey(&settings.water_level, survey);
+        let mut made = Self {
+            middle_level_m: settings.water_level_m,
+            clock_offset_s: survey.clock_offset_s,
+            settings,
+            ..Self::default()
+        };
+        match over {
+            Ok(Some((start_unix_s, middle_s))) => {
+                made.start_unix_s = Some(start_unix_s);
+                made.middle_level_m = made.level_m(middle_s);
+            }
+            Ok(None) => {}
+            Err(sentence) => made.refused = Some(sentence),
+        }
+        made
+    }
+
+    /// Why the readings of the water's height are not in force, in a sentence.
+    pub fn refused(&self) -> Option<&str> {
+        self.refused.as_deref()
+    }
+
+    /// What slant ranges and depths are multiplied with, `c / c0`.
+    pub fn range_factor(&self) -> f64 {
+        let speed = &self.settings.sound_speed;
+        speed
+            .water_m_s()
+            .map_or(1.0, |water_m_s| water_m_s / speed.recorder_m_s)
+    }
+
+    /// Whether a sound speed is given or computed.
+    pub fn knows_sound_speed(&self) -> bool {
+        self.settings.sound_speed.water_m_s().is_some()
+    }
+
+    /// Whether a draft is given.
+    pub fn knows_draft(&self) -> bool {
+        self.settings.draft_m > 0.0
+    }
+
+    /// Elevation of a place that lies `below_m` metres, by the true speed of sound, below the transducer at a time of the log.
+    pub fn z_m(&self, time_s: f64, below_m: f64) -> f64 {
+        self.level_m(time_s) + self.settings.height_offset_m - self.settings.draft_m - below_m
+    }
+
+    /// The depth that a recorded one means.
+    pub fn depth_m(&self, time_s: f64, recorded_m: f64) -> f64 {
+        -self.z_m(time_s, recorded_m * self.range_factor())
+    }
+
+    /// What is added to every elevation so that the log agrees with others, metres.
+    pub fn height_offset_m(&self) -> f64 {
+        self.settings.height_offset_m
+    }
+
+    /// The water's height in the middle of the survey, metres above the level that depths count from.
+    pub fn middle_level_m(&self) -> f64 {
+        self.middle_level_m
+    }
+
+    /// The readings in force.
+    pub fn gauge(&self) -> Option<&Gauge> {
+        self.start_unix_s
+            .and(self.settings.water_level.gauge.as_deref())
+    }
+
+    /// The water's height at a time of the log.
+    fn level_m(&self, time_s: f64) -> f64 {
+        let reading_m = match (self.start_unix_s, self.gauge()) {
+            (Some(start_unix_s), Some(gauge)) => gauge.level_m(start_unix_s + time_s),
+            _ => 0.0,
+        };
+        self.settings.water_level_m + reading_m
+    }
+}
+
+/// Unix seconds of the log's zero, and the time of the log's middle, where readings cover the survey; `None` without readings.
+fn over_survey(level: &WaterLevelSettings, survey: &Survey) -> Result<Option<(f64, f64)>, String> {
+    let Some(path) = &level.file else {
+        return Ok(None);
+    };
+    let fail = |what: String| format!("{what}: {}", path.display());
+    let gauge = level
+        .gauge
+        .as_ref()
+        .ok_or_else(|| fail("the readings of the water level have not been read".to_owned()))?;
+    let Some(start_unix_s) = survey.start_unix_s else {
+        let what = "the log does not know the time, so readings of the water level cannot be applied to it; give one water_level_m instead";
+        return Err(fail(what.to_owned()));
+    };
+    let Some((from_s, to_s)) = record_span_s(survey) else {
+        return Ok(Some((start_unix_s, 0.0)));
+    };
+    let [first_s, last_s] = gauge.span_s();
+    if start_unix_s + from_s < first_s || start_unix_s + to_s > last_s {
+        return Err(fail(format!(
+            "the readings of the water level go from {} to {} UTC, but the log from {} to {}; add the readings that are missing",
+            moment(first_s),
+            moment(last_s),
+            moment(start_unix_s + from_s),
+            moment(start_unix_s + to_s)
+        )));
+    }
+    Ok(Some((start_unix_s, 0.5 * (from_s + to_s))))
+}
+
+/// First and last time of what gives points.
+fn record_span_s(survey: &Survey) -> Option<(f64, f64)> {
+    let pings = survey.side_scan.iter().map(|ping| ping.time_s);
+    let times = pings.chain(survey.soundings.iter().map(|sounding| sounding.time_s));
+    times.fold(None, |span, time_s| {
+        let (from_s, to_s) = span.unwrap_or((time_s, time_s));
+        Some((time_s.min(from_s), time_s.max(to_s)))
+    })
+}
+
+fn moment(unix_s: f64) -> String {
+    format!(
+        "{} {}",
+        calendar::date(unix_s),
+        calendar::time_of_day(unix_s)
+    )
+}
+
+#[cfg(test)]
+mod tests;

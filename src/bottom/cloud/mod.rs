@@ -1,0 +1,242 @@
+//! The 3D point cloud: soundings under the boat, first returns beside it, and the outlier filter.
+//!
+//! `build` makes the points, held `by_source`, with `geometry` for the published feet, `specular` for the one on a slope and `correction` for what
+//! depths count from, `confirmed` says which soundings without bottom lock count, `level` says how strong its echo is, `reduction` joins it to the calibration for every read-out; `class` says what each point is, `outliers` is the filter for any points; `residuals` measures agreement
+//! with recorded depths, `scales` says between which values points are coloured.
+
+mod above_bottom;
+mod build;
+mod by_source;
+mod class;
+mod confirmed;
+pub mod correction;
+mod depth_change;
+mod geometry;
+mod level;
+pub mod outliers;
+mod ping_depth;
+mod reduction;
+mod residuals;
+mod scales;
+mod specular;
+
+pub use build::{build, slant_range_m};
+pub use by_source::BySource;
+pub use class::{ClassCounts, ClassRules, PointClass, classify};
+pub use correction::{Correction, DepthReference, DepthSettings};
+pub use depth_change::DepthChange;
+pub use geometry::{BottomPoint, across_track, fixed_bottom_point};
+pub use ping_depth::{DepthSource, PingDepth, TrackShare, leave_depths_out, ping_depths};
+pub use reduction::Reduction;
+pub use residuals::{Residuals, residuals, same_ping_differences};
+pub use scales::PointScales;
+
+use crate::sonar::first_return::ground_confidence;
+use crate::survey::LeftOut;
+use serde::{Deserialize, Serialize};
+use std::num::NonZero;
+use std::sync::Arc;
+
+/// Where a first return is placed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Geometry {
+    /// `z = r cos(alpha_2)`, `y = r sin(alpha_2)`, as printed in the paper.
+    Published,
+    /// As published, with `PPD` measured so that the depth at the flat spot is reproduced.
+    SelfConsistent,
+    /// `z = r`, `y = 0`: the first return is straight below.
+    Nadir,
+    /// The specular point: the first return lies where the bottom is square to the beam. Its slope comes from the
+    /// difference of the two sides.
+    Slope,
+}
+
+/// `cloud.*` settings.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CloudSettings {
+    /// Where a first return is placed.
+    pub geometry: Geometry,
+    /// Angle of the first return from the vertical, degrees; 16 in the published code.
+    pub alpha2_deg: f64,
+    /// Which recorded depths are kept.
+    pub down_scan: DownScan,
+}
+
+/// Which recorded depths belong to the cloud.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DownScan {
+    /// All, as published.
+    All,
+    /// Those at which the recorder had the bottom; the others are points of the class [`PointClass::NoBottom`].
+    #[default]
+    Locked,
+}
+
+impl Default for CloudSettings {
+    fn default() -> Self {
+        Self {
+            geometry: Geometry::Slope,
+            alpha2_deg: 16.0,
+            down_scan: DownScan::Locked,
+        }
+    }
+}
+
+/// `outliers.*` settings.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct OutlierSettings {
+    /// Radius of the sphere around a point, metres.
+    pub radius_m: f64,
+    /// A point is kept when the sphere holds more than this many points, itself included (Open3D's legacy rule).
+    pub min_neighbors: usize,
+}
+
+impl Default for OutlierSettings {
+    fn default() -> Self {
+        Self {
+            radius_m: 3.011,
+            min_neighbors: 10,
+        }
+    }
+}
+
+/// What measured a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum PointSource {
+    /// The recorder's own depth.
+    DownScan,
+    /// The first return to port.
+    Port,
+    /// The first return to starboard.
+    Starboard,
+}
+
+impl PointSource {
+    /// All of them, in the order of points in a cloud.
+    pub const ALL: [PointSource; 3] = [
+        PointSource::DownScan,
+        PointSource::Port,
+        PointSource::Starboard,
+    ];
+
+    /// `downscan`, `port`, `starboard`, as in `cloud.csv`.
+    pub fn name(self) -> &'static str {
+        match self {
+            PointSource::DownScan => "downscan",
+            PointSource::Port => "port",
+            PointSource::Starboard => "starboard",
+        }
+    }
+}
+
+/// Index of a sounding, so that having none takes no room.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SoundingIndex(NonZero<u32>);
+
+impl SoundingIndex {
+    /// `None` beyond four billion.
+    pub fn new(index: usize) -> Option<Self> {
+        let next = u32::try_from(index).ok()?.checked_add(1)?;
+        NonZero::new(next).map(Self)
+    }
+
+    /// Index into [`crate::survey::Survey::soundings`].
+    pub fn get(self) -> usize {
+        self.0.get() as usize - 1
+    }
+}
+
+/// One point, and where it came from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CloudPoint {
+    /// What measured it.
+    pub source: PointSource,
+    /// The side-scan ping; for a sounding the side-scan ping nearest in time (0 in a log without side-scan).
+    pub ping: u32,
+    /// The sounding for down-scan points.
+    pub sounding: Option<SoundingIndex>,
+    /// Whether a sounding may be kept: false where the recorder had lost the bottom, unless a first return confirms it or
+    /// [`DownScan::All`] asks for it.
+    pub reliable: bool,
+    /// Whether it is an above-bottom return: its pick lies above the recorded depth ([`crate::sonar::first_return::Pick::above_bottom`]) by more
+    /// than this departs from the bed nearby.
+    pub above_bottom: bool,
+    /// Level of the echo of a first return: the greatest recorded level, 0 to 255, from the pick to 0.2 m of slant range beyond it; 0 for
+    /// a sounding, of which none is known. Samples of two bytes are scaled to one, as everywhere.
+    pub level: u8,
+    /// How far along the track most first returns of both sides lie above the recorded depth as this one does, metres; 0 where
+    /// it does not.
+    pub above_bottom_m: f32,
+    /// How sure the first return is ([`crate::sonar::first_return::Pick::confidence`]); NaN for a sounding.
+    pub confidence: f32,
+    /// First return in u8 samples outward; NaN for a sounding.
+    pub sample: f32,
+    /// Metres east of the survey's origin.
+    pub east_m: f64,
+    /// Metres north of the survey's origin.
+    pub north_m: f64,
+    /// Elevation, metres: negative below the transducer, or below what [`Correction`] makes depths count from.
+    pub z_m: f64,
+}
+
+/// All points, before the outlier filter.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PointCloud {
+    /// Soundings first, then port and starboard in ping order.
+    pub points: BySource<CloudPoint>,
+    /// Pings that gave no side-scan point because they have no heading.
+    pub zero_heading: usize,
+}
+
+impl PointCloud {
+    /// The side-scan points of a ping, port first.
+    pub fn of_ping(&self, ping: usize) -> impl Iterator<Item = &CloudPoint> {
+        let sides = [PointSource::Port, PointSource::Starboard];
+        sides.into_iter().flat_map(move |source| {
+            let points = self.points.of(source);
+            let first = points.partition_point(|point| (point.ping as usize) < ping);
+            let points = points[first..].iter();
+            points.take_while(move |point| point.ping as usize == ping)
+        })
+    }
+
+    /// The same without the points of pings and soundings that are left out.
+    #[must_use]
+    pub fn without(self, left_out: &LeftOut) -> Self {
+        if left_out.is_empty() {
+            return self;
+        }
+        let counts = |point: &&CloudPoint| {
+            let reason = match point.sounding {
+                Some(sounding) => left_out.sounding(sounding.get()),
+                None => left_out.ping(point.ping as usize),
+            };
+            reason.is_none()
+        };
+        let counted = |source| self.points.of(source).iter().filter(counts).copied();
+        Self {
+            points: BySource::from_parts(|source| Arc::new(counted(source).collect())),
+            ..self
+        }
+    }
+
+    /// The points that count for the map, with their index; `classes` holds the class of each point.
+    pub fn kept<'a>(
+        &'a self,
+        classes: &'a [PointClass],
+    ) -> impl Iterator<Item = (usize, &'a CloudPoint)> + Clone + use<'a> {
+        let classed = self.points.iter().zip(classes).enumerate();
+        classed.filter_map(|(index, (point, class))| class.is_kept().then_some((index, point)))
+    }
+}
+
+impl CloudPoint {
+    /// The confidence if what lies above the recorded depth is ground, as where it goes on for long; that of any other point is its own.
+    pub fn ground_confidence(&self) -> f32 {
+        ground_confidence(self.confidence, self.above_bottom)
+    }
+}

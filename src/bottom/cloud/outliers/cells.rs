@@ -1,0 +1,191 @@
+//! Points sorted by cell: rows of cells along x, ascending within the row.
+
+use super::{Axis, Place};
+use crate::support::progress::{Cancelled, Progress};
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+/// A grid with more cells than this times the points is mostly empty: sorting by comparison is cheaper than counting.
+const DENSE_CELLS_PER_POINT: u64 = 4;
+/// Points that are looked at to find out whether the cloud is flat, at most.
+const FLATNESS_POINTS: usize = 1_000_000;
+/// Columns that are looked at to find out whether the cloud is flat.
+const FLATNESS_COLUMNS: usize = 256;
+
+/// A row of cells that holds points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Row {
+    /// `z cell * row stride + y cell`.
+    pub(super) key: u64,
+    /// First of its points in sorted order.
+    pub(super) start: u32,
+}
+
+/// Points sorted by row, then by cell along x.
+pub(super) struct Cells {
+    /// Index of each sorted point among the points given.
+    pub(super) order: Vec<u32>,
+    /// The points in sorted order.
+    pub(super) points: Vec<[f64; 3]>,
+    /// Cell along x of each sorted point.
+    pub(super) x_cells: Vec<u32>,
+    /// The rows that hold points, ascending by key, and a last one past the end.
+    pub(super) rows: Vec<Row>,
+    /// Rows in a layer, with room for a neighbour beyond either end.
+    pub(super) stride: u64,
+    /// Whether there is one layer only (columns).
+    pub(super) flat: bool,
+}
+
+/// The three axes of the grid.
+struct Axes {
+    x: Axis,
+    y: Axis,
+    z: Axis,
+}
+
+impl Axes {
+    /// The smallest grid that the points `order` allow; its cells are at least `cell_m` wide.
+    fn new(place: &impl Place, order: &[u32], cell_m: f64) -> Self {
+        let along = |axis: usize| order.iter().map(move |&index| place(index)[axis]);
+        let even = |axis: usize| Axis::even(along(axis), cell_m);
+        let few = |axes: &Axes| {
+            axes.cell_count()
+                .is_some_and(|count| is_dense(count, order.len()))
+        };
+        if let (Some(x), Some(y)) = (even(0), even(1)) {
+            let flat = is_flat(place, order, &x, &y, cell_m);
+            let z = if flat { Some(Axis::single()) } else { even(2) };
+            if let Some(axes) = z.map(|z| Self { x, y, z }).filter(few) {
+                return axes;
+            }
+        }
+        let compact = |axis: usize| Axis::compact(along(axis), cell_m);
+        let (x, y) = (compact(0), compact(1));
+        let flat = is_flat(place, order, &x, &y, cell_m);
+        let z = if flat { Axis::single() } else { compact(2) };
+        Self { x, y, z }
+    }
+
+    fn cell_count(&self) -> Option<u64> {
+        self.x
+            .len
+            .checked_mul(self.stride())?
+            .checked_mul(self.z.len)
+    }
+
+    fn stride(&self) -> u64 {
+        self.y.len + 2
+    }
+
+    fn row(&self, point: &[f64; 3]) -> u64 {
+        u64::from(self.z.cell(point[2])) * self.stride() + u64::from(self.y.cell(point[1])) + 1
+    }
+}
+
+fn is_dense(cell_count: u64, points: usize) -> bool {
+    cell_count <= DENSE_CELLS_PER_POINT * points as u64 + 4096 && cell_count < u64::from(u32::MAX)
+}
+
+/// Whether most of the points in a column of cells are within a cell of each other in height: then columns cost fewer
+/// tests than cells. Judged on a sample.
+fn is_flat(place: &impl Place, order: &[u32], x: &Axis, y: &Axis, cell_m: f64) -> bool {
+    let column = |point: &[f64; 3]| (x.cell(point[0]), y.cell(point[1]));
+    let step = (order.len() / FLATNESS_COLUMNS).max(1);
+    let probes = order.iter().step_by(step).map(|&index| place(index));
+    let heights: HashMap<(u32, u32), f64> =
+        probes.map(|point| (column(&point), point[2])).collect();
+    let step = order.len().div_ceil(FLATNESS_POINTS).max(1);
+    let (mut near, mut all) = (0, 0);
+    for &index in order.iter().step_by(step) {
+        let point = place(index);
+        if let Some(height) = heights.get(&column(&point)) {
+            all += 1;
+            near += usize::from((point[2] - height).abs() < 1.5 * cell_m);
+        }
+    }
+    2 * near > all
+}
+
+impl Cells {
+    /// Sorts the points `order`, which lie at `place`, into cells `cell_m` wide.
+    pub(super) fn sorted(
+        place: &impl Place,
+        order: Vec<u32>,
+        cell_m: f64,
+        progress: &Progress,
+    ) -> Result<Self, Cancelled> {
+        let axes = Axes::new(place, &order, cell_m);
+        progress.check()?;
+        let order = match axes
+            .cell_count()
+            .filter(|&count| is_dense(count, order.len()))
+        {
+            Some(count) => by_counting(place, &order, &axes, count as usize),
+            None => by_comparing(place, order, &axes),
+        };
+        progress.check()?;
+        let sorted: Vec<[f64; 3]> = order.par_iter().map(|&index| place(index)).collect();
+        let x_cells = sorted
+            .par_iter()
+            .map(|point| axes.x.cell(point[0]))
+            .collect();
+        Ok(Self {
+            rows: rows(&sorted, &axes),
+            points: sorted,
+            x_cells,
+            stride: axes.stride(),
+            flat: axes.z.len == 1,
+            order,
+        })
+    }
+}
+
+/// Counting sort: stable, so that points of a cell keep their order.
+fn by_counting(place: &impl Place, order: &[u32], axes: &Axes, cell_count: usize) -> Vec<u32> {
+    let cell = |index: &u32| {
+        let point = &place(*index);
+        (axes.row(point) * axes.x.len + u64::from(axes.x.cell(point[0]))) as u32
+    };
+    let cells: Vec<u32> = order.par_iter().map(cell).collect();
+    let mut next = vec![0_u32; cell_count + 1];
+    for &cell in &cells {
+        next[cell as usize + 1] += 1;
+    }
+    for index in 1..next.len() {
+        next[index] += next[index - 1];
+    }
+    let mut sorted = vec![0; order.len()];
+    for (&index, &cell) in order.iter().zip(&cells) {
+        let place = &mut next[cell as usize];
+        sorted[*place as usize] = index;
+        *place += 1;
+    }
+    sorted
+}
+
+fn by_comparing(place: &impl Place, mut order: Vec<u32>, axes: &Axes) -> Vec<u32> {
+    order.par_sort_by_cached_key(|&index| {
+        let point = &place(index);
+        (axes.row(point), axes.x.cell(point[0]))
+    });
+    order
+}
+
+fn rows(sorted: &[[f64; 3]], axes: &Axes) -> Vec<Row> {
+    let keys: Vec<u64> = sorted.par_iter().map(|point| axes.row(point)).collect();
+    let mut rows: Vec<Row> = Vec::new();
+    for (start, &key) in keys.iter().enumerate() {
+        if rows.last().is_none_or(|row| row.key != key) {
+            rows.push(Row {
+                key,
+                start: start as u32,
+            });
+        }
+    }
+    rows.push(Row {
+        key: u64::MAX,
+        start: sorted.len() as u32,
+    });
+    rows
+}

@@ -1,0 +1,67 @@
+//! Radius outlier removal with the exact rule of Open3D's `PointCloud::remove_radius_outlier`.
+//!
+//! A point is kept when more than `min_neighbors` points, itself included, lie strictly nearer than the radius. The points
+//! are sorted into cells one radius wide, so that all that matters to a cell lies in the cells around it, and in memory
+//! the cells of a row lie side by side. Counting stops as soon as a point is known to be kept. A flat cloud is sorted
+//! into columns instead, because its cells above and below are empty. Where a cell is so full that testing all in it would take
+//! too long, a tree of boxes counts instead.
+
+mod axis;
+mod cells;
+mod sweep;
+mod tree;
+
+use crate::support::progress::{Cancelled, Progress};
+use axis::Axis;
+use cells::Cells;
+
+/// Cells are this much wider than the radius, so that rounding never puts neighbours two cells apart.
+const CELL_MARGIN: f64 = 1.0 + 1e-6;
+
+/// Which points have more than `min_neighbors` points (themselves included) strictly within `radius_m`: one flag a point.
+///
+/// Distances are compared in f64. Points with a coordinate that is not finite are dropped and are nobody's neighbours.
+/// Memory is proportional to the number of points, however far apart they lie.
+pub fn keep(
+    points: &[[f64; 3]],
+    radius_m: f64,
+    min_neighbors: usize,
+    progress: &Progress,
+) -> Result<Vec<bool>, Cancelled> {
+    let place = |index: u32| points[index as usize];
+    keep_places(points.len(), &place, radius_m, min_neighbors, progress)
+}
+
+/// Where the point of an index is, metres.
+trait Place: Fn(u32) -> [f64; 3] + Sync {}
+
+impl<P: Fn(u32) -> [f64; 3] + Sync> Place for P {}
+
+/// As [`keep`], over points that need not lie side by side in memory.
+pub(super) fn keep_places(
+    count: usize,
+    place: &(impl Fn(u32) -> [f64; 3] + Sync),
+    radius_m: f64,
+    min_neighbors: usize,
+    progress: &Progress,
+) -> Result<Vec<bool>, Cancelled> {
+    let mut kept = vec![false; count];
+    let finite = |index: &u32| place(*index).iter().all(|value| value.is_finite());
+    let finite_count = (0..count as u32).filter(finite).count();
+    let mut order = Vec::with_capacity(finite_count);
+    order.extend((0..count as u32).filter(finite));
+    // A negated comparison, so that a radius that is no number keeps nothing either.
+    if order.is_empty() || radius_m.is_nan() || radius_m <= 0.0 {
+        return Ok(kept);
+    }
+    let cells = Cells::sorted(place, order, radius_m * CELL_MARGIN, progress)?;
+    for (&index, flag) in
+        cells
+            .order
+            .iter()
+            .zip(sweep::flags(&cells, radius_m, min_neighbors, progress)?)
+    {
+        kept[index as usize] = flag;
+    }
+    Ok(kept)
+}

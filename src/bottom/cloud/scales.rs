@@ -1,0 +1,47 @@
+//! Between which values the points of a cloud are coloured.
+
+use super::{PointClass, PointCloud, PointSource, Reduction};
+use crate::support::statistics::colour_ends;
+use crate::survey::Survey;
+
+/// Ends of the colour scales of what is known of a point besides its depth: the 2nd and the 98th percentile of the kept points. `None`
+/// where no point has such a value.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PointScales {
+    /// Level of the echo of first returns, 0 to 255.
+    pub level: Option<[f32; 2]>,
+    /// Slant range, metres.
+    pub range_m: Option<[f32; 2]>,
+}
+
+impl PointScales {
+    /// Of the kept points of a log; `classes` holds the class of each point.
+    pub fn of(
+        survey: &Survey,
+        cloud: &PointCloud,
+        classes: &[PointClass],
+        reduction: &Reduction<'_>,
+    ) -> Self {
+        let points = cloud.kept(classes).map(|(_, point)| point);
+        let side_scan = points
+            .clone()
+            .filter(|point| point.source != PointSource::DownScan);
+        Self {
+            level: colour_ends(side_scan.map(|point| f32::from(point.level))),
+            range_m: colour_ends(points.map(|point| reduction.point_range_m(survey, point) as f32)),
+        }
+    }
+
+    /// Those that both need.
+    #[must_use]
+    pub fn with(self, other: Self) -> Self {
+        let wider = |one: Option<[f32; 2]>, other: Option<[f32; 2]>| match (one, other) {
+            (Some([low, high]), Some([l, h])) => Some([low.min(l), high.max(h)]),
+            (one, other) => one.or(other),
+        };
+        Self {
+            level: wider(self.level, other.level),
+            range_m: wider(self.range_m, other.range_m),
+        }
+    }
+}

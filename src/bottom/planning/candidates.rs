@@ -1,0 +1,278 @@
+//! Lines that could be sailed: over many headings and offsets, each with the stretch that mends most for its time.
+
+use super::ground::Ground;
+use super::leg::{Leg, apart_m};
+use super::window::best_stretch;
+use crate::support::progress::{Cancelled, Progress};
+use rayon::prelude::*;
+use std::f64::consts::PI;
+use std::ops::Range;
+
+/// Headings that are tried over half a turn.
+const HEADINGS: usize = 18;
+/// Lines of one heading that are looked at closely.
+const BEST_OF_HEADING: usize = 6;
+/// Lines of one heading are so far apart at least, metres.
+const LEAST_OFFSET_M: f64 = 1.0;
+/// Crossing an object that was seen from one side only is worth as much as depths for so many square metres of which nothing is known.
+const OBJECT_M2: f64 = 150.0;
+/// A line goes on beside an object for so far to either side, metres: its shadow and its ends are in the picture then.
+const BESIDE_M: f64 = 5.0;
+
+/// What limits a line.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// Metres a second.
+    pub speed_mps: f64,
+    /// Least radius of a turn, metres.
+    pub radius_m: f64,
+    /// Longest line, metres.
+    pub most_m: f64,
+}
+
+impl Limits {
+    /// Shorter lines are not worth a turn, metres.
+    pub fn least_m(&self) -> f64 {
+        2.0 * self.radius_m
+    }
+}
+
+/// A line that could be sailed.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    from: [f64; 2],
+    /// Unit vector.
+    course: [f64; 2],
+    step_m: f64,
+    /// What each step mends: metres of standard deviation times square metres.
+    gains: Vec<f32>,
+    /// What all steps mend.
+    pub gain: f64,
+    /// What it mends in a second, guessed: the way to its start as the crow flies.
+    rate: f64,
+}
+
+impl Candidate {
+    /// The line.
+    pub fn leg(&self) -> Leg {
+        let length_m = self.step_m * self.gains.len() as f64;
+        Leg {
+            from: self.from,
+            to: [0, 1].map(|axis| self.from[axis] + length_m * self.course[axis]),
+        }
+    }
+
+    /// The same without some metres, from whichever end mends less; `None` where too little is left.
+    pub fn shortened(&self, by_m: f64, least_m: f64) -> Option<Self> {
+        let steps = (by_m / self.step_m).ceil().max(1.0) as usize;
+        let left = self.gains.len().checked_sub(steps)?;
+        if (left as f64) * self.step_m < least_m {
+            return None;
+        }
+        let sum = |range: Range<usize>| -> f64 {
+            self.gains[range].iter().map(|gain| f64::from(*gain)).sum()
+        };
+        let starts = (0..=steps).max_by(|a, b| sum(*a..a + left).total_cmp(&sum(*b..b + left)));
+        let start = starts.unwrap_or(0);
+        Some(Self {
+            from: [0, 1]
+                .map(|axis| self.from[axis] + self.step_m * start as f64 * self.course[axis]),
+            gains: self.gains[start..start + left].to_vec(),
+            gain: sum(start..start + left),
+            ..self.clone()
+        })
+    }
+}
+
+/// The lines that promise most for their time, best first. `ends` are those of the lines that are planned already: from one of them the boat
+/// comes.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn candidates(
+    ground: &Ground,
+    ends: &[[f64; 2]],
+    limits: &Limits,
+    progress: &Progress,
+) -> Result<Vec<Candidate>, Cancelled> {
+    let of_heading = |index: usize| {
+        progress.check()?;
+        let heading_rad = PI * index as f64 / HEADINGS as f64;
+        Ok(Sheet::new(ground, heading_rad).best(ground, ends, limits))
+    };
+    let found: Result<Vec<Vec<Candidate>>, Cancelled> =
+        (0..HEADINGS).into_par_iter().map(of_heading).collect();
+    let mut found: Vec<Candidate> = found?.into_iter().flatten().collect();
+    found.sort_by(|a, b| b.rate.total_cmp(&a.rate));
+    Ok(found)
+}
+
+/// Parallel lines over the water: what each of their steps would mend.
+struct Sheet {
+    /// Unit vectors along the lines and across them.
+    along: [f64; 2],
+    across: [f64; 2],
+    /// Where the first step of the first line begins, along and across, metres.
+    origin: [f64; 2],
+    /// Length of a step and distance of two lines, metres.
+    step_m: f64,
+    offset_m: f64,
+    steps: usize,
+    lines: usize,
+    gains: Vec<f32>,
+}
+
+impl Sheet {
+    fn new(ground: &Ground, heading_rad: f64) -> Self {
+        let (sin, cos) = heading_rad.sin_cos();
+        let (along, across) = ([sin, cos], [cos, -sin]);
+        let places = ground
+            .cells
+            .iter()
+            .map(|cell| turned(cell.place, along, across));
+        let bounds = places.fold(None, |bounds, [a, b]| {
+            let [[a0, a1], [b0, b1]] = bounds.unwrap_or([[a, a], [b, b]]);
+            Some([[a0.min(a), a1.max(a)], [b0.min(b), b1.max(b)]])
+        });
+        let [[a0, a1], [b0, b1]] = bounds.unwrap_or_default();
+        let step_m = ground.water.grid.cell_m;
+        let offset_m = step_m.max(LEAST_OFFSET_M);
+        let steps = ((a1 - a0) / step_m) as usize + 1;
+        let lines = ((b1 - b0) / offset_m) as usize + 1;
+        let mut sheet = Self {
+            along,
+            across,
+            origin: [a0 - 0.5 * step_m, b0],
+            step_m,
+            offset_m,
+            steps,
+            lines,
+            gains: vec![0.0; steps * lines],
+        };
+        sheet.add_ground(ground);
+        sheet.add_objects(ground, heading_rad);
+        sheet
+    }
+
+    /// What every line would mend of the cells beside it.
+    fn add_ground(&mut self, ground: &Ground) {
+        let cell_m2 = ground.cell_m2() as f32;
+        for cell in &ground.cells {
+            let reach_m = ground.reach_m(cell);
+            let sigma_m = ground.sigma_m(cell);
+            let [a, b] = turned(cell.place, self.along, self.across);
+            let step = self.step_of(a);
+            for line in self.lines_within(b, reach_m) {
+                let pass_m = (b - self.offset_of(line)).abs() as f32;
+                let gain = ground.mended_by(cell, sigma_m, pass_m);
+                self.gains[line * self.steps + step] += cell_m2 * gain;
+            }
+        }
+    }
+
+    /// What lines would show of objects from another side.
+    fn add_objects(&mut self, ground: &Ground, heading_rad: f64) {
+        let [near_m, far_m] = ground.useful_m;
+        for object in &ground.objects {
+            let better = object.crossing_with(heading_rad) - object.crossing();
+            let worth = OBJECT_M2 * f64::from(ground.sigma.limit_m()) * better;
+            let [a, b] = turned(object.place, self.along, self.across);
+            let beside = self.step_of(a - BESIDE_M)..self.step_of(a + BESIDE_M) + 1;
+            let each = (worth / beside.len() as f64) as f32;
+            for line in self.lines_within(b, far_m) {
+                if (b - self.offset_of(line)).abs() < near_m {
+                    continue;
+                }
+                let first = line * self.steps;
+                let gains = &mut self.gains[first + beside.start..first + beside.end];
+                gains.iter_mut().for_each(|gain| *gain += each);
+            }
+        }
+    }
+
+    fn step_of(&self, along_m: f64) -> usize {
+        let step = ((along_m - self.origin[0]) / self.step_m).max(0.0) as usize;
+        step.min(self.steps - 1)
+    }
+
+    fn offset_of(&self, line: usize) -> f64 {
+        self.origin[1] + self.offset_m * line as f64
+    }
+
+    fn lines_within(&self, across_m: f64, reach_m: f64) -> Range<usize> {
+        let cells = |metres: f64| ((metres - self.origin[1]) / self.offset_m).max(0.0);
+        let first = cells(across_m - reach_m).ceil() as usize;
+        let last = cells(across_m + reach_m).floor() as usize;
+        first..(last + 1).min(self.lines)
+    }
+
+    fn place(&self, line: usize, step: f64) -> [f64; 2] {
+        let (a, b) = (self.origin[0] + self.step_m * step, self.offset_of(line));
+        [0, 1].map(|axis| a * self.along[axis] + b * self.across[axis])
+    }
+
+    /// The best stretches of its lines.
+    fn best(&self, ground: &Ground, ends: &[[f64; 2]], limits: &Limits) -> Vec<Candidate> {
+        let step_s = self.step_m / limits.speed_mps;
+        let turn_s = PI * limits.radius_m / limits.speed_mps;
+        let least = (limits.least_m() / self.step_m).ceil() as usize;
+        let most = (limits.most_m / self.step_m) as usize;
+        let mut found: Vec<Candidate> = Vec::new();
+        for line in 0..self.lines {
+            for run in self.runs(ground, line, limits.radius_m) {
+                let first = line * self.steps;
+                let gains = &self.gains[first + run.start..first + run.end];
+                let Some((stretch, gain)) = best_stretch(gains, least, most, step_s, turn_s) else {
+                    continue;
+                };
+                let from = self.place(line, (run.start + stretch.start) as f64);
+                let to = self.place(line, (run.start + stretch.end) as f64);
+                let away_m = (ends.iter())
+                    .flat_map(|end| [from, to].map(|place| apart_m(*end, place)))
+                    .fold(f64::INFINITY, f64::min);
+                let away_s = if ends.is_empty() {
+                    0.0
+                } else {
+                    away_m / limits.speed_mps
+                };
+                let seconds = stretch.len() as f64 * step_s + turn_s + away_s;
+                found.push(Candidate {
+                    from,
+                    course: self.along,
+                    step_m: self.step_m,
+                    gains: gains[stretch].to_vec(),
+                    gain,
+                    rate: gain / seconds,
+                });
+            }
+        }
+        found.sort_by(|a, b| b.rate.total_cmp(&a.rate));
+        found.truncate(BEST_OF_HEADING);
+        found
+    }
+
+    /// Steps of a line in open water, with room to turn at both ends.
+    fn runs(&self, ground: &Ground, line: usize, radius_m: f64) -> Vec<Range<usize>> {
+        let room = (radius_m / self.step_m).ceil() as usize + 1;
+        let mut runs = Vec::new();
+        let mut start = 0;
+        for step in 0..=self.steps {
+            let is_open = step < self.steps && {
+                let [before, after] = [0.05, 0.95].map(|part| self.place(line, step as f64 + part));
+                ground.water.holds(before) && ground.water.holds(after)
+            };
+            if !is_open {
+                if step > start + 2 * room {
+                    runs.push(start + room..step - room);
+                }
+                start = step + 1;
+            }
+        }
+        runs
+    }
+}
+
+/// A place along and across.
+fn turned(place: [f64; 2], along: [f64; 2], across: [f64; 2]) -> [f64; 2] {
+    [along, across].map(|axis| place[0] * axis[0] + place[1] * axis[1])
+}

@@ -1,0 +1,244 @@
+//! Where to sail next: lines that mend the most of a survey in so many minutes.
+//!
+//! `known` is what a survey knows of its ground, `water` where a boat may sail, `ground` what each cell of it lacks: depths (by the distance to
+//! the nearest sounding, `known::SigmaLaw`), a first or second look of the side-scan, a third pass where two disagree, another side
+//! of an object. `candidates` are straight lines over many headings, each with the stretch (`window`) that mends most for its time;
+//! the best by far, counted with the turns to it, is taken, what it mends is taken off, and so on until the minutes are used or no line is worth its time. `route` orders
+//! the lines, with `turns` that the boat can make and that stay in the water. `plan` is what comes out.
+
+mod candidates;
+mod ground;
+mod known;
+mod leg;
+mod plan;
+mod route;
+mod turns;
+mod water;
+mod window;
+
+pub use known::{Doubt, Look, SeenObject, SigmaLaw, Surveyed};
+pub use leg::Leg;
+pub use plan::{Plan, PlanSettings, State, Station, Waypoint};
+
+use crate::support::progress::{Cancelled, Progress};
+use candidates::{Candidate, Limits, candidates};
+use ground::Ground;
+use route::{Insertion, Route};
+use water::Water;
+
+/// Times the widest gap of a depth map that an outline of what was sailed closes to either side: a strip of three gaps between two lines is
+/// water.
+const CLOSED_GAPS: f64 = 1.5;
+/// Candidates that a turn leads to, of which the best is taken.
+const LOOKED_AT: usize = 40;
+/// No plan has more lines.
+const MOST_LINES: usize = 400;
+/// A line that mends less than this share of what the first does in the same time is not worth sailing: the plan ends before it.
+const WORTH: f64 = 0.03;
+
+/// Why there is no plan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum PlanError {
+    /// A survey without soundings.
+    #[error(
+        "the survey has no depths to plan from; process logs that hold soundings or side-scan with positions"
+    )]
+    NoDepths,
+    /// Less time than any line takes.
+    #[error(
+        "no line fits into the time; give more minutes, a faster boat or a smaller turn radius"
+    )]
+    NoTime,
+    /// A polygon with nothing in it.
+    #[error(
+        "the area holds no water to sail on: it has no extent, or is narrower than a few metres everywhere"
+    )]
+    NoArea,
+    /// A polygon elsewhere.
+    #[error("the area lies away from the survey; give one that the logs lie in or beside")]
+    AreaElsewhere,
+    /// Water without room for a line.
+    #[error(
+        "no line fits into the water with room to turn at its ends; give a smaller turn radius or a larger area"
+    )]
+    NoRoom,
+    /// Everything is known as well as it can be.
+    #[error("there is nothing left to mend in the area")]
+    NothingToMend,
+    /// A number out of bounds.
+    #[error("{0}")]
+    Settings(&'static str),
+    /// The work was cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+impl PlanError {
+    /// Whether it is about the area that was given.
+    pub fn is_about_area(&self) -> bool {
+        matches!(self, PlanError::NoArea | PlanError::AreaElsewhere)
+    }
+}
+
+/// Plans lines that mend the most of a survey in the time of the settings, in the water within `area` (rings in the survey's plane, metres) or
+/// within the outline of what was sailed.
+///
+/// The same input gives the same plan.
+///
+/// # Errors
+/// [`PlanError`].
+pub fn plan(
+    known: &Surveyed,
+    area: Option<&[Vec<[f64; 2]>]>,
+    settings: &PlanSettings,
+    progress: &Progress,
+) -> Result<Plan, PlanError> {
+    settings.check()?;
+    if known.soundings.is_empty() {
+        return Err(PlanError::NoDepths);
+    }
+    let water = match area {
+        Some(rings) => within(rings, known)?,
+        None => Water::around(&known.soundings, CLOSED_GAPS * known.max_gap_m)
+            .ok_or(PlanError::NoDepths)?,
+    };
+    progress.check()?;
+    let speed_mps = settings.speed_of(known);
+    let whole = Ground::new(known, water, settings.spacing_m);
+    let legs = sailed(&whole, settings, speed_mps, progress)?;
+    Ok(Plan::new(whole, legs, settings, speed_mps))
+}
+
+/// The water of an area that the survey lies in or beside.
+fn within(rings: &[Vec<[f64; 2]>], known: &Surveyed) -> Result<Water, PlanError> {
+    let water = Water::within(rings).ok_or(PlanError::NoArea)?;
+    let near_m = known.sigma.reach_m().max(known.max_gap_m);
+    let [first_m, last_m] = [0, 1].map(|axis| {
+        let cells = if axis == 0 {
+            water.grid.columns
+        } else {
+            water.grid.rows
+        };
+        cells as f64 * water.grid.cell_m
+    });
+    let is_near = |place: &[f64; 2]| {
+        let [east, north] = [place[0] - water.grid.west_m, water.grid.north_m - place[1]];
+        (-near_m..first_m + near_m).contains(&east) && (-near_m..last_m + near_m).contains(&north)
+    };
+    match known.soundings.iter().any(is_near) {
+        true => Ok(water),
+        false => Err(PlanError::AreaElsewhere),
+    }
+}
+
+/// The lines in the order of sailing.
+fn sailed(
+    whole: &Ground,
+    settings: &PlanSettings,
+    speed_mps: f64,
+    progress: &Progress,
+) -> Result<Vec<Leg>, PlanError> {
+    let radius_m = settings.turn_radius_m;
+    let budget_m = 60.0 * settings.minutes * speed_mps;
+    if budget_m < 2.0 * radius_m {
+        return Err(PlanError::NoTime);
+    }
+    let mut ground = whole.clone();
+    let mut route = Route::new(&whole.water, radius_m);
+    progress.start(budget_m as u64);
+    let mut used_m = 0.0;
+    let mut first_rate = None;
+    for _ in 0..MOST_LINES {
+        let ends: Vec<[f64; 2]> = route
+            .legs()
+            .iter()
+            .flat_map(|leg| [leg.from, leg.to])
+            .collect();
+        let limits = Limits {
+            speed_mps,
+            radius_m,
+            most_m: budget_m - used_m,
+        };
+        let found = candidates(&ground, &ends, &limits, progress)?;
+        if found.is_empty() && ends.is_empty() {
+            return Err(why_none(&ground, &limits));
+        }
+        let Some((rate, insertion, leg)) = best(&found, &mut route, budget_m - used_m, &limits)
+        else {
+            // What the order wastes may be enough for one more.
+            if route.improve() < 0.5 * radius_m {
+                break;
+            }
+            used_m = route.length_m();
+            continue;
+        };
+        if rate < WORTH * *first_rate.get_or_insert(rate) {
+            break;
+        }
+        ground.sail(leg.from, leg.to, true);
+        route.insert(insertion);
+        let before_m = used_m;
+        used_m = route.length_m();
+        progress.advance((used_m - before_m).max(0.0) as u64);
+    }
+    route.improve();
+    let legs = route.legs();
+    match legs.is_empty() {
+        true => Err(PlanError::NoTime),
+        false => Ok(legs),
+    }
+}
+
+/// Why no line was found in ground that none was planned in yet.
+fn why_none(ground: &Ground, limits: &Limits) -> PlanError {
+    let is_mendable = |cell: &ground::Cell| {
+        let sigma_m = ground.sigma_m(cell);
+        ground.mended_by(cell, sigma_m, 0.0) > 0.0
+    };
+    match ground.cells.iter().any(is_mendable) {
+        false => PlanError::NothingToMend,
+        true if limits.most_m < limits.least_m() + ground.water.grid.cell_m => PlanError::NoTime,
+        true => PlanError::NoRoom,
+    }
+}
+
+/// The candidate that mends most for its time, counted with the turns to it, that fits into the rest of the way, shortened where it must be;
+/// with what it mends a metre.
+fn best(
+    found: &[Candidate],
+    route: &mut Route<'_>,
+    rest_m: f64,
+    limits: &Limits,
+) -> Option<(f64, Insertion, Leg)> {
+    let mut best: Option<(f64, Insertion, Leg)> = None;
+    let fitting = found
+        .iter()
+        .filter_map(|candidate| fitted(candidate, route, rest_m, limits));
+    for (growth_m, insertion, candidate) in fitting.take(LOOKED_AT) {
+        let rate = candidate.gain / growth_m.max(limits.least_m());
+        if best.as_ref().is_none_or(|(most, _, _)| rate > *most) {
+            best = Some((rate, insertion, candidate.leg()));
+        }
+    }
+    best
+}
+
+/// Times that a line is made shorter to fit into the rest of the way.
+const SHORTENED: usize = 4;
+
+fn fitted(
+    candidate: &Candidate,
+    route: &mut Route<'_>,
+    rest_m: f64,
+    limits: &Limits,
+) -> Option<(f64, Insertion, Candidate)> {
+    let mut candidate = candidate.clone();
+    for _ in 0..SHORTENED {
+        let (growth_m, insertion) = route.growth(candidate.leg())?;
+        if growth_m <= rest_m {
+            return Some((growth_m, insertion, candidate));
+        }
+        candidate = candidate.shortened(growth_m - rest_m, limits.least_m())?;
+    }
+    None
+}

@@ -1,0 +1,241 @@
+//! A plan: its lines, the way through them, and what it will leave of the doubt.
+
+use super::ground::Ground;
+use super::leg::Leg;
+use super::route::link;
+use super::turns::turns;
+use super::{PlanError, SeenObject, Surveyed};
+use crate::bottom::bathymetry::Grid;
+
+/// A boat's speed where the survey does not tell, metres a second.
+const USUAL_SPEED_MPS: f64 = 1.5;
+/// A straight piece between two turns has no places but its ends.
+const STRAIGHT_M: f64 = 1e9;
+
+/// What a plan is made for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlanSettings {
+    /// Time from the start of the first line to the end of the last, minutes.
+    pub minutes: f64,
+    /// Speed over ground, metres a second; the survey's own where it is not given.
+    pub speed_mps: Option<f64>,
+    /// Least radius that the boat turns with, metres.
+    pub turn_radius_m: f64,
+    /// Distance between lines that is close enough, metres; where it is not given, lines come closer as long as that mends more than all
+    /// else.
+    pub spacing_m: Option<f64>,
+}
+
+impl Default for PlanSettings {
+    fn default() -> Self {
+        Self {
+            minutes: 20.0,
+            speed_mps: None,
+            turn_radius_m: 5.0,
+            spacing_m: None,
+        }
+    }
+}
+
+impl PlanSettings {
+    /// Refuses what no boat does.
+    ///
+    /// # Errors
+    /// A sentence about the first number that is out of bounds.
+    pub fn check(&self) -> Result<(), PlanError> {
+        let within = |value: f64, least: f64, most: f64| (least..=most).contains(&value);
+        let optional = |value: Option<f64>, least: f64, most: f64| {
+            value.is_none_or(|value| within(value, least, most))
+        };
+        if !within(self.minutes, 0.1, 1440.0) {
+            return Err(PlanError::Settings("a plan takes 0.1 to 1440 minutes"));
+        }
+        if !optional(self.speed_mps, 0.1, 20.0) {
+            return Err(PlanError::Settings(
+                "the boat's speed is 0.1 to 20 metres a second",
+            ));
+        }
+        if !within(self.turn_radius_m, 0.5, 500.0) {
+            return Err(PlanError::Settings("the turn radius is 0.5 to 500 metres"));
+        }
+        if !optional(self.spacing_m, 0.5, 1000.0) {
+            return Err(PlanError::Settings("lines are 0.5 to 1000 metres apart"));
+        }
+        Ok(())
+    }
+
+    /// The speed, from the survey where it is not given.
+    pub(super) fn speed_of(&self, known: &Surveyed) -> f64 {
+        let own = Some(known.speed_mps).filter(|speed| (0.1..=20.0).contains(speed));
+        self.speed_mps.or(own).unwrap_or(USUAL_SPEED_MPS)
+    }
+}
+
+/// What a place of the way is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Station {
+    /// The start of a line, counted from 0.
+    Start(usize),
+    /// The end of a line.
+    End(usize),
+    /// Between two lines.
+    Turn,
+}
+
+/// A place of the way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Waypoint {
+    /// Metres east and north.
+    pub place: [f64; 2],
+    /// What it is.
+    pub station: Station,
+}
+
+/// How well the water is known.
+#[derive(Clone, Debug, PartialEq)]
+pub struct State {
+    /// Predicted standard deviation of the depth by cell, metres; NaN outside of the water.
+    pub sigma_m: Vec<f32>,
+    /// Mean of it over the water, metres.
+    pub mean_sigma_m: f64,
+    /// Ground that no pass insonified, and that one did, square metres.
+    pub looked_m2: [f64; 2],
+    /// Objects seen from one side only.
+    pub one_sided: usize,
+}
+
+/// Lines to sail, and what they are good for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    ground: Ground,
+    /// The lines in the order and direction of sailing.
+    pub lines: Vec<Leg>,
+    /// The way through them: corners of the turns between the ends of lines.
+    pub way: Vec<Waypoint>,
+    /// Length of the lines alone, metres.
+    pub lines_m: f64,
+    /// Length of the way, metres.
+    pub length_m: f64,
+    /// Speed over ground, metres a second.
+    pub speed_mps: f64,
+    /// Least radius of the turns, metres.
+    pub turn_radius_m: f64,
+    /// Turns that leave the water, since lines were drawn by hand so that none stays in it.
+    pub turns_outside: usize,
+    /// Square metres of the water.
+    pub area_m2: f64,
+    /// As the survey left it.
+    pub before: State,
+    /// As the plan will leave it.
+    pub after: State,
+}
+
+impl Plan {
+    pub(super) fn new(
+        ground: Ground,
+        lines: Vec<Leg>,
+        settings: &PlanSettings,
+        speed_mps: f64,
+    ) -> Self {
+        let before = State::of(&ground);
+        let plan = Self {
+            area_m2: ground.cell_m2() * ground.cells.len() as f64,
+            after: before.clone(),
+            before,
+            ground,
+            lines: Vec::new(),
+            way: Vec::new(),
+            lines_m: 0.0,
+            length_m: 0.0,
+            speed_mps,
+            turn_radius_m: settings.turn_radius_m,
+            turns_outside: 0,
+        };
+        plan.with_lines(lines)
+    }
+
+    /// The same with other lines, in their order.
+    #[must_use]
+    pub fn with_lines(&self, lines: Vec<Leg>) -> Self {
+        let radius_m = self.turn_radius_m;
+        let waypoint = |place, station| Waypoint { place, station };
+        let mut way = Vec::new();
+        let (mut turns_m, mut turns_outside) = (0.0, 0);
+        for (number, leg) in lines.iter().enumerate() {
+            if let Some(before) = number.checked_sub(1).map(|before| lines[before]) {
+                let (from, to) = (before.end(), leg.start());
+                let inside = link(&self.ground.water, from, to, radius_m);
+                turns_outside += usize::from(inside.is_none());
+                let shortest = || turns(from, to, radius_m).into_iter().next();
+                if let Some(turn) = inside.or_else(shortest) {
+                    turns_m += turn.length_m();
+                    let corners = turn.places(STRAIGHT_M).into_iter();
+                    way.extend(corners.map(|place| waypoint(place, Station::Turn)));
+                }
+            }
+            way.push(waypoint(leg.from, Station::Start(number)));
+            way.push(waypoint(leg.to, Station::End(number)));
+        }
+        let mut ground = self.ground.clone();
+        for pair in way.windows(2) {
+            let is_line = matches!(pair[0].station, Station::Start(_));
+            ground.sail(pair[0].place, pair[1].place, is_line);
+        }
+        let lines_m = lines.iter().map(Leg::length_m).sum();
+        Self {
+            after: State::of(&ground),
+            lines_m,
+            length_m: lines_m + turns_m,
+            turns_outside,
+            lines,
+            way,
+            ..self.clone()
+        }
+    }
+
+    /// Time from the start of the first line to the end of the last, minutes.
+    pub fn minutes(&self) -> f64 {
+        self.length_m / self.speed_mps / 60.0
+    }
+
+    /// The cells of [`State::sigma_m`].
+    pub fn grid(&self) -> &Grid {
+        &self.ground.water.grid
+    }
+
+    /// Whether a place lies in the water that was planned for.
+    pub fn is_water(&self, place: [f64; 2]) -> bool {
+        self.ground.water.holds(place)
+    }
+
+    /// Distance across the track that side-scan insonifies on a level bottom, metres; 0 without any.
+    pub fn swath_m(&self) -> f64 {
+        self.ground.swath_m
+    }
+}
+
+impl State {
+    fn of(ground: &Ground) -> Self {
+        let mut sigma_m = vec![f32::NAN; ground.water.grid.len()];
+        let mut looked_m2 = [0.0; 2];
+        let mut sum_m = 0.0;
+        for ((index, _), cell) in ground.water.cells().zip(&ground.cells) {
+            let cell_sigma_m = ground.sigma_m(cell);
+            sigma_m[index] = cell_sigma_m;
+            sum_m += f64::from(cell_sigma_m);
+            if let Some(looked_m2) = looked_m2.get_mut(usize::from(cell.looks)) {
+                *looked_m2 += ground.cell_m2();
+            }
+        }
+        let seen_once = |object: &&SeenObject| object.crossing() < ONE_SIDED;
+        Self {
+            sigma_m,
+            mean_sigma_m: sum_m / ground.cells.len().max(1) as f64,
+            looked_m2,
+            one_sided: ground.objects.iter().filter(seen_once).count(),
+        }
+    }
+}
+
+/// An object whose looks cross at less than 30 degrees was seen from one side only: the sine squared of that.
+const ONE_SIDED: f64 = 0.25;

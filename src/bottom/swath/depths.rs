@@ -1,0 +1,313 @@
+//! The rounds: the curves learnt on a sample of tiles, and the depths of all tiles with them.
+
+use super::layout::{Chunk, LaidOutLog};
+use super::looks::Look;
+use super::model::{Curves, FitPlace, Incidence};
+use super::nodes::{Blend, Nodes};
+use super::solve::{Given, Prior, TileState, learn};
+use super::tiling::{Resolution, Tiling};
+use super::weed::Weed;
+use crate::bottom::bathymetry::{DepthPoint, Node, merge_repeated};
+use crate::support::progress::{Cancelled, Progress};
+use crate::survey::Side;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// Rounds in which curves are learnt: from those that fit triangles, and from those of another learning.
+pub const LEARNING_ROUNDS: [usize; 2] = [3, 2];
+/// Side of the squares that measured depths are merged in, metres.
+const MEASURED_M: f64 = 0.5;
+/// Bins that the first curves are fitted to: metres of range, degrees of angle, and independent samples that each needs.
+const FIT_RANGE_M: f64 = 0.25;
+const FIT_ANGLE_DEG: f64 = 2.0;
+const FIT_LEAST: f64 = 100.0;
+/// Fewer bins give no curves.
+const LEAST_BINS: usize = 40;
+
+/// All that depths are found from.
+pub struct Input<'a> {
+    /// Looks of all logs.
+    pub looks: Vec<Look>,
+    /// The recorder and the range setting of each set of curves.
+    pub sets: Vec<(u32, i32)>,
+    /// Measured depths, one a square.
+    pub measured: Vec<Node>,
+    /// The logs.
+    pub logs: &'a [LaidOutLog<'a>],
+    weed: Weed,
+}
+
+/// Depths that were found at the nodes, and what is known of them.
+pub struct Found {
+    /// Where the nodes are.
+    pub nodes: Nodes,
+    /// Depth at each, metres.
+    pub depth_m: Vec<f64>,
+    /// Natural logarithm of the bed's own brightness.
+    pub ln_brightness: Vec<f64>,
+    /// Standard deviation by what is unknown of the depth, metres.
+    pub sd_m: Vec<f64>,
+    /// The share of the tiles there that echoes say something of the node in: 1, or 0.
+    pub seen: Vec<f64>,
+}
+
+impl<'a> Input<'a> {
+    /// Of the logs whose law is known; `recorders` says of each log which curves it shares.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn new(
+        logs: &'a [LaidOutLog<'a>],
+        recorders: &[u32],
+        measured: &[DepthPoint],
+        resolution: Resolution,
+        progress: &Progress,
+    ) -> Result<Self, Cancelled> {
+        let settings = |(log, recorder): (&'a LaidOutLog<'a>, &u32)| {
+            let recorder = *recorder;
+            let chunks = log.chunks.iter();
+            chunks.map(move |chunk| (recorder, chunk.range_setting))
+        };
+        let mut sets: Vec<(u32, i32)> = logs.iter().zip(recorders).flat_map(settings).collect();
+        sets.sort_unstable();
+        sets.dedup();
+        let mut looks = Vec::new();
+        for (number, (log, recorder)) in logs.iter().zip(recorders).enumerate() {
+            progress.check()?;
+            let Some(law) = logs[*recorder as usize].law else {
+                continue;
+            };
+            let table = law.table();
+            let of_chunk = |chunk: &Chunk| {
+                let set = (*recorder, chunk.range_setting);
+                let curves = sets.partition_point(|one| *one < set);
+                Side::BOTH.map(|side| {
+                    Look::new(log, number, chunk, curves, side, &table, resolution.range_m)
+                })
+            };
+            let chunks = Chunk::joined(&log.chunks, resolution.chunks);
+            let found: Vec<[Option<Look>; 2]> = chunks.par_iter().map(of_chunk).collect();
+            looks.extend(found.into_iter().flatten().flatten());
+        }
+        Ok(Self {
+            looks,
+            sets,
+            measured: merged(measured),
+            weed: Weed::of(logs),
+            logs,
+        })
+    }
+
+    /// The tiles in which most looks begin, most first.
+    pub fn busiest(&self, tiling: &Tiling, most: usize) -> Vec<usize> {
+        let begin = |tile: &usize| {
+            let nodes = &tiling.tiles[*tile].nodes;
+            self.looks
+                .iter()
+                .filter(|look| nodes.holds(look.place_m))
+                .count()
+        };
+        let mut counted: Vec<(usize, usize)> = (0..tiling.tiles.len())
+            .map(|tile| (begin(&tile), tile))
+            .collect();
+        counted.retain(|(count, _)| *count > 0);
+        counted.sort_by(|a, b| b.0.cmp(&a.0).then(a.1.cmp(&b.1)));
+        counted.truncate(most);
+        counted.into_iter().map(|(_, tile)| tile).collect()
+    }
+
+    /// The depths of all tiles by known curves; `None` where no reading lies in any.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn find(
+        &self,
+        tiling: &Tiling,
+        curves: &[Option<Curves>],
+        prior: Prior,
+        progress: &Progress,
+    ) -> Result<Option<Found>, Cancelled> {
+        let is_bed = |place: [f64; 2]| self.weed.is_far_from(place);
+        progress.start(tiling.tiles.len() as u64);
+        let of_tile = |tile: usize| {
+            progress.check()?;
+            progress.advance(1);
+            let nodes = &tiling.tiles[tile].nodes;
+            let state = TileState::new(tile, nodes, &self.measured, &self.looks);
+            let Some(mut state) = state else {
+                return Ok(None);
+            };
+            let mut last = None;
+            for round in 0..tiling.resolution.rounds {
+                let given = Given {
+                    looks: &self.looks,
+                    curves,
+                    piece_m: tiling.resolution.piece_m,
+                    is_bed: &is_bed,
+                    prior,
+                    is_robust: round > 0,
+                };
+                let Some(solved) = state.solve(&given, false) else {
+                    return Ok(None);
+                };
+                last = Some(solved);
+            }
+            Ok(last.map(|solved| (tile, state.bed, solved)))
+        };
+        let solved: Vec<_> = (0..tiling.tiles.len())
+            .into_par_iter()
+            .map(of_tile)
+            .collect::<Result<_, Cancelled>>()?;
+        let nodes = tiling.nodes;
+        let [mut depth_m, mut brightness, mut sd_m, mut seen] = [0; 4].map(|_| Blend::none(&nodes));
+        let mut is_any = false;
+        for (tile, bed, of_tile) in solved.into_iter().flatten() {
+            is_any = true;
+            let tile = &tiling.tiles[tile];
+            let is_seen: Vec<f64> = of_tile
+                .is_seen
+                .into_iter()
+                .map(|seen| f64::from(u8::from(seen)))
+                .collect();
+            depth_m.add(&nodes, tile, &bed.depth_m);
+            brightness.add(&nodes, tile, &bed.ln_brightness);
+            sd_m.add(&nodes, tile, &bed.sd_m);
+            seen.add(&nodes, tile, &is_seen);
+        }
+        Ok(is_any.then(|| Found {
+            nodes,
+            depth_m: depth_m.values(),
+            ln_brightness: brightness.values(),
+            sd_m: sd_m.values(),
+            seen: seen.values(),
+        }))
+    }
+}
+
+/// The measured depths, one a square.
+pub fn merged(measured: &[DepthPoint]) -> Vec<Node> {
+    merge_repeated(measured, MEASURED_M)
+}
+
+/// Some tiles that curves are learnt on, together with the depths there.
+pub struct Sample {
+    /// The tiles.
+    pub states: Vec<TileState>,
+    /// The curves of each set, where they are known.
+    pub curves: Vec<Option<Curves>>,
+    resolution: Resolution,
+    is_learnt: bool,
+}
+
+impl Sample {
+    /// Of some tiles, with some curves, or those that fit the levels on triangles between the measured depths.
+    pub fn new(
+        input: &Input<'_>,
+        tiling: &Tiling,
+        tiles: &[usize],
+        measured: &[Node],
+        curves: Option<Vec<Option<Curves>>>,
+    ) -> Self {
+        let state = |tile: &usize| {
+            TileState::new(*tile, &tiling.tiles[*tile].nodes, measured, &input.looks)
+        };
+        let states: Vec<TileState> = tiles.par_iter().filter_map(state).collect();
+        Self {
+            curves: curves.unwrap_or_else(|| first_curves(input, &states, tiling.resolution)),
+            states,
+            resolution: tiling.resolution,
+            is_learnt: false,
+        }
+    }
+
+    /// Learns curves and depths from where they are; false where they cannot be learnt.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn learn(
+        &mut self,
+        input: &Input<'_>,
+        prior: Prior,
+        progress: &Progress,
+    ) -> Result<bool, Cancelled> {
+        let recorders: Vec<u32> = input.sets.iter().map(|(recorder, _)| *recorder).collect();
+        for _ in 0..LEARNING_ROUNDS[usize::from(self.is_learnt)] {
+            let is_bed = |place: [f64; 2]| input.weed.is_far_from(place);
+            let given = Given {
+                looks: &input.looks,
+                curves: &self.curves,
+                piece_m: self.resolution.piece_m,
+                is_bed: &is_bed,
+                prior,
+                is_robust: self.is_learnt,
+            };
+            let solve = |state: &mut TileState| {
+                progress.check()?;
+                progress.advance(1);
+                Ok(state.solve(&given, true).and_then(|solved| solved.border))
+            };
+            let states = self.states.par_iter_mut();
+            let borders: Vec<_> = states.map(solve).collect::<Result<_, Cancelled>>()?;
+            let known: Vec<_> = borders.iter().flatten().collect();
+            let Some(steps) = learn(&mut self.curves, &recorders, &known) else {
+                return Ok(false);
+            };
+            for (state, border) in self.states.iter_mut().zip(borders) {
+                border
+                    .iter()
+                    .for_each(|border| state.follow(border, &steps));
+            }
+            self.is_learnt = true;
+        }
+        Ok(true)
+    }
+}
+
+/// The curves that fit the levels on the beds of some tiles; `None` of a set with too few.
+fn first_curves(
+    input: &Input<'_>,
+    states: &[TileState],
+    resolution: Resolution,
+) -> Vec<Option<Curves>> {
+    let mut bins: Vec<BTreeMap<(i32, i32, bool), [f64; 5]>> =
+        vec![BTreeMap::new(); input.sets.len()];
+    for bed in states.iter().map(|state| &state.bed) {
+        for look in &input.looks {
+            look.read(bed, &bed.nodes, None, resolution.piece_m, |reading| {
+                if !input.weed.is_far_from(reading.place_m) {
+                    return;
+                }
+                let at = reading.at;
+                let key = (
+                    (at.range_m / FIT_RANGE_M) as i32,
+                    (at.phi_rad.to_degrees() / FIT_ANGLE_DEG) as i32,
+                    at.side > 0.0,
+                );
+                let sums = bins[look.curves].entry(key).or_default();
+                let values = [1.0, at.range_m, at.phi_rad, at.slope, reading.ln_power];
+                for (sum, value) in sums.iter_mut().zip(values) {
+                    *sum += reading.independent * value;
+                }
+            });
+        }
+    }
+    let fit = |bins: BTreeMap<(i32, i32, bool), [f64; 5]>| {
+        let bins = bins.into_iter().filter(|(_, sums)| sums[0] >= FIT_LEAST);
+        let places: Vec<FitPlace> = bins
+            .map(
+                |((_, _, is_starboard), [count, range_m, phi_rad, slope, ln_power])| FitPlace {
+                    at: Incidence {
+                        range_m: range_m / count,
+                        phi_rad: phi_rad / count,
+                        slope: slope / count,
+                        side: if is_starboard { 1.0 } else { -1.0 },
+                    },
+                    ln_power: ln_power / count,
+                    sd: (1.7 / count).sqrt().hypot(0.1),
+                },
+            )
+            .collect();
+        (places.len() >= LEAST_BINS).then(|| Curves::fit(&places))?
+    };
+    bins.into_par_iter().map(fit).collect()
+}

@@ -1,0 +1,207 @@
+//! Whether levels tell depths: stretches of the soundings are left out and predicted with levels and without.
+
+use super::depths::{Input, LEARNING_ROUNDS, Sample, merged};
+use super::looks::Sides;
+use super::model::Curves;
+use super::readings::Bed;
+use super::solve::{Brightness, Prior, TileState};
+use super::tiling::Tiling;
+use crate::bottom::bathymetry::{Between, DepthPoint, Tin};
+use crate::support::progress::{Cancelled, Progress};
+use kiddo::{ImmutableKdTree, SquaredEuclidean};
+
+/// Length of a stretch that is left out, metres, and of how many stretches one is.
+const STRETCH_M: f64 = 8.0;
+const ONE_OF: u64 = 3;
+/// Soundings nearer than this to the end of a stretch have others beside them, metres.
+const END_M: f64 = 1.0;
+/// Least share of the ground that must be seen from two sides.
+const LEAST_TWICE: f64 = 0.2;
+/// Fewer left-out soundings tell nothing.
+const LEAST_SOUNDINGS: usize = 40;
+/// How the brightness of the bed may change: what is tried.
+const TRIED: [Brightness; 3] = [
+    Brightness::Slow(0.05),
+    Brightness::Patches(0.35),
+    Brightness::Patches(0.8),
+];
+
+/// How left-out soundings were predicted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LeftOut {
+    /// Root mean square of the errors of triangles, metres.
+    pub without_m: f64,
+    /// The same with levels.
+    pub with_m: f64,
+    /// The geometric mean of both in standard deviations of what the equations leave unknown there.
+    pub error_sds: f64,
+}
+
+/// Whether enough of the ground in some tiles is seen from two sides: one alone cannot tell a slope from what the bed is made of.
+pub fn is_seen_from_two_sides(input: &Input<'_>, tiling: &Tiling, tiles: &[usize]) -> bool {
+    let (mut seen, mut twice) = (0, 0);
+    for tile in tiles {
+        let nodes = tiling.tiles[*tile].core_nodes();
+        let mut from = vec![Sides::default(); nodes.len()];
+        for look in &input.looks {
+            let Some([near_m, far_m]) = look.within(&nodes) else {
+                continue;
+            };
+            let steps = ((far_m - near_m) / nodes.step_m) as usize;
+            for step in 0..=steps {
+                let place = look.at(near_m + step as f64 * nodes.step_m);
+                from[nodes.nearest(place)].add(look.outward);
+            }
+        }
+        seen += from.iter().filter(|from| from.is_any()).count();
+        twice += from.iter().filter(|from| from.are_two()).count();
+    }
+    twice as f64 >= LEAST_TWICE * seen as f64
+}
+
+/// What is left out and what stays.
+struct Split {
+    kept: Vec<DepthPoint>,
+    asked: Vec<DepthPoint>,
+}
+
+impl Split {
+    /// By the way of the boat up to the ping next to each depth.
+    fn of(input: &Input<'_>, measured: &[DepthPoint]) -> Option<Self> {
+        let (mut places, mut ways_m) = (Vec::new(), Vec::new());
+        for log in input.logs {
+            let mut way_m = 0.0;
+            let mut last: Option<[f64; 2]> = None;
+            for ping in log.echoes.pings.iter().filter(|ping| ping.is_placed()) {
+                let step_m = last.map_or(0.0, |last| {
+                    (ping.place_m[0] - last[0]).hypot(ping.place_m[1] - last[1])
+                });
+                way_m += step_m;
+                last = Some(ping.place_m);
+                places.push(ping.place_m);
+                ways_m.push(way_m);
+            }
+        }
+        let tree = ImmutableKdTree::<f64, 2>::new_from_slice(&places).ok()?;
+        let mut split = Self {
+            kept: Vec::new(),
+            asked: Vec::new(),
+        };
+        for point in measured.iter().filter(|point| point.weight > 0.0) {
+            let place = [point.east_m, point.north_m];
+            let nearest = tree
+                .query(&place)
+                .nearest_one::<SquaredEuclidean<f64>>()
+                .execute();
+            let way_m = ways_m[nearest.item as usize];
+            let along_m = way_m % STRETCH_M;
+            if (way_m / STRETCH_M) as u64 % ONE_OF != 1 {
+                split.kept.push(*point);
+            } else if point.is_sounding && (END_M..STRETCH_M - END_M).contains(&along_m) {
+                split.asked.push(*point);
+            }
+        }
+        Some(split)
+    }
+}
+
+/// Shares of the error of triangles that the relief between lines is taken for, and its bounds, metres.
+const RELIEF_SHARE: f64 = 1.1;
+const RELIEF_M: [f64; 2] = [0.15, 0.4];
+
+/// What was found best.
+pub struct Choice {
+    /// What is known of the bed beforehand, as it predicts left-out soundings best.
+    pub prior: Prior,
+    /// How it does.
+    pub left_out: LeftOut,
+    /// The curves that it predicts them by.
+    pub curves: Vec<Option<Curves>>,
+}
+
+/// The best of what is tried; `None` where too few soundings can be left out.
+pub fn choose(
+    input: &Input<'_>,
+    measured: &[DepthPoint],
+    tiling: &Tiling,
+    tiles: &[usize],
+    progress: &Progress,
+) -> Result<Option<Choice>, Cancelled> {
+    let Some(split) = Split::of(input, measured) else {
+        return Ok(None);
+    };
+    let kept = merged(&split.kept);
+    let mut sample = Sample::new(input, tiling, tiles, &kept, None);
+    let Some(tin) = Tin::new(kept) else {
+        return Ok(None);
+    };
+    let mut triangles = tin.sampler(Between::Linear);
+    let mut asked: Vec<Asked> = Vec::new();
+    for point in split.asked {
+        let place = [point.east_m, point.north_m];
+        let is_in_core = |state: &TileState| tiling.tiles[state.tile].core_nodes().holds(place);
+        if let Some(state) = sample.states.iter().position(is_in_core) {
+            asked.extend(triangles.depth_at(place).map(|triangles_m| Asked {
+                place,
+                depth_m: point.depth_m,
+                triangles_m,
+                state,
+            }));
+        }
+    }
+    if asked.len() < LEAST_SOUNDINGS {
+        return Ok(None);
+    }
+    let without_m = rms(asked.iter().map(|one| one.triangles_m - one.depth_m));
+    let relief_m = (RELIEF_SHARE * without_m).clamp(RELIEF_M[0], RELIEF_M[1]);
+    let [first, further] = LEARNING_ROUNDS;
+    let rounds = first + (TRIED.len() - 1) * further;
+    progress.start((rounds * tiles.len()) as u64);
+    let mut best: Option<Choice> = None;
+    for brightness in TRIED {
+        let prior = Prior {
+            brightness,
+            relief_m,
+        };
+        if !sample.learn(input, prior, progress)? {
+            break;
+        }
+        let at = |one: &Asked, values: fn(&Bed) -> &[f64]| {
+            let bed = &sample.states[one.state].bed;
+            bed.nodes.value_at(values(bed), one.place)
+        };
+        let with_m = rms(asked
+            .iter()
+            .map(|one| at(one, |bed| &bed.depth_m) - one.depth_m));
+        let sd_m = rms(asked.iter().map(|one| at(one, |bed| &bed.sd_m)));
+        let left_out = LeftOut {
+            without_m,
+            with_m,
+            error_sds: (with_m * without_m).sqrt() / sd_m,
+        };
+        let before = best.as_ref().map(|best| best.left_out.with_m);
+        if before.is_none_or(|before| with_m < before) {
+            best = Some(Choice {
+                prior,
+                left_out,
+                curves: sample.curves.clone(),
+            });
+        }
+    }
+    Ok(best)
+}
+
+/// A sounding that was left out.
+struct Asked {
+    place: [f64; 2],
+    depth_m: f64,
+    /// What triangles say, metres.
+    triangles_m: f64,
+    /// The tile of the sample in whose core it lies.
+    state: usize,
+}
+
+fn rms(errors: impl ExactSizeIterator<Item = f64>) -> f64 {
+    let count = errors.len() as f64;
+    (errors.map(|error| error * error).sum::<f64>() / count).sqrt()
+}

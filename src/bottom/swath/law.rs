@@ -1,0 +1,453 @@
+//! What a recorder writes of an echo: its decibels, or a power of its intensity.
+//!
+//! Where many scatterers share a sample, its intensity is exponentially distributed whatever its mean (speckle). So the spread of the
+//! levels in a small window tells the law: a recorder of decibels shows the same spread everywhere, one of a power (an amplitude is the
+//! power 1/2) a spread in proportion to the level. Noise fills up the lower half of the spread, and the upper half is what is measured.
+//!
+//! Neighbouring samples are alike where the pulse is longer than a sample, which leaves the spread as it is, or where the recorder smooths its
+//! levels, which makes it smaller and more even: of the two, the one is taken whose spread has the shape that is found.
+
+use super::echoes::LogEchoes;
+use crate::support::progress::{Cancelled, Progress};
+use crate::support::sparse::Normal;
+use crate::support::statistics::{median, quantile};
+use crate::survey::Side;
+use serde::{Deserialize, Serialize};
+
+/// Pings and samples of a window.
+const PINGS: usize = 3;
+const SAMPLES: usize = 15;
+/// Windows begin and end at these multiples of the first return: on the bed, and before the echo is lost in noise.
+const FROM_FIRST_RETURN: [f64; 2] = [1.2, 1.7];
+/// Most groups of pings that are read.
+const MOST_GROUPS: usize = 2_000;
+/// Share of clipped samples from which on a window is left out.
+const MOST_CLIPPED: f64 = 0.03;
+/// Fewer windows say nothing.
+const LEAST_WINDOWS: usize = 120;
+/// Windows are sorted by their mean and put into so many bins.
+const BINS: usize = 12;
+/// Slope of the logarithm of the spread over that of the mean below which levels count as decibels; a power has 1.
+const MOST_SLOPE_OF_DECIBELS: f64 = 0.3;
+/// Echoes that the spread of smoothed levels is found from.
+const DRAWN: usize = 20_000;
+/// Exponents that a power is looked for between.
+const EXPONENTS: [f64; 2] = [0.02, 2.0];
+/// Samples that are alike below this are independent.
+const LEAST_GRAIN: f64 = 1.3;
+/// Lags over which neighbouring samples are correlated at most.
+const LAGS: usize = 12;
+/// Correlations below this are chance.
+const LEAST_CORRELATION: f64 = 0.03;
+/// Laws that differ by less than this share are those of one recorder.
+const SAME_LAW: f64 = 0.15;
+/// Power 0 has no logarithm: levels count as at least this.
+const LEAST_LEVEL: f64 = 0.05;
+
+/// How the levels of a log become logarithms of power.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Law {
+    /// What is written.
+    pub kind: LawKind,
+    /// Samples in a row that tell as much as one independent one: those in a pulse. Smoothing takes nothing away.
+    pub grain_samples: f64,
+    /// The highest level that occurs more often than by chance: the recorder cannot tell stronger echoes apart.
+    pub most_level: u8,
+}
+
+/// What a recorder writes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LawKind {
+    /// Decibels: the natural logarithm of power for a step of the level.
+    Decibels(f64),
+    /// The exponent of the intensity.
+    Power(f64),
+}
+
+impl Law {
+    /// Natural logarithm of power, but for a constant, of every level. Of a power it is the mean over the values that a level stands for.
+    pub fn table(&self) -> [f32; 256] {
+        std::array::from_fn(|level| {
+            let level = level as f64;
+            (match self.kind {
+                LawKind::Decibels(ln_per_level) => level * ln_per_level,
+                LawKind::Power(exponent) => mean_ln(level - 0.5, level + 0.5) / exponent,
+            }) as f32
+        })
+    }
+}
+
+/// The first log of the same recorder, of each: of one whose law is about the same.
+pub fn recorders(laws: impl Iterator<Item = Option<Law>>) -> Vec<u32> {
+    let mut found: Vec<(u32, Option<Law>)> = Vec::new();
+    for (number, law) in (0..).zip(laws) {
+        let is_like = |other: &Law| law.is_some_and(|law| law.kind.is_like(other.kind));
+        let before = found
+            .iter()
+            .find(|(_, law)| law.as_ref().is_some_and(is_like));
+        found.push(before.copied().unwrap_or((number, law)));
+    }
+    found.into_iter().map(|(first, _)| first).collect()
+}
+
+impl LawKind {
+    fn is_like(self, other: Self) -> bool {
+        let near = |a: f64, b: f64| (a / b).ln().abs() < SAME_LAW;
+        match (self, other) {
+            (Self::Decibels(a), Self::Decibels(b)) | (Self::Power(a), Self::Power(b)) => near(a, b),
+            _ => false,
+        }
+    }
+}
+
+/// Mean of `ln max(x, LEAST_LEVEL)` between two values.
+fn mean_ln(from: f64, to: f64) -> f64 {
+    let antiderivative = |x: f64| x * x.ln() - x;
+    let start = from.max(LEAST_LEVEL);
+    let below = (start - from).max(0.0);
+    (antiderivative(to) - antiderivative(start) + below * LEAST_LEVEL.ln()) / (to - from)
+}
+
+/// A window: its levels less their mean, and the mean.
+struct Window {
+    mean: f64,
+    about: Vec<f64>,
+}
+
+/// The law of a log; `None` where too few echoes tell it.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn law_of(log: &LogEchoes<'_>, progress: &Progress) -> Result<Option<Law>, Cancelled> {
+    let groups = log.pings.len() / PINGS;
+    let mut windows = Vec::new();
+    let mut lags = Lags::default();
+    let mut levels: [Vec<u8>; PINGS] = Default::default();
+    let most_level = most_level(log);
+    for group in (0..groups).step_by(groups.div_ceil(MOST_GROUPS).max(1)) {
+        progress.check()?;
+        for side in Side::BOTH {
+            let first = group * PINGS;
+            let first_return = log.pings[first].side(side).first_return;
+            if !first_return.is_finite() {
+                continue;
+            }
+            let mut count = usize::MAX;
+            for (ping, levels) in levels.iter_mut().enumerate() {
+                log.read(first + ping, side, levels);
+                count = count.min(levels.len());
+            }
+            let [from, to] = FROM_FIRST_RETURN
+                .map(|times| ((first_return.max(1.0) * times) as usize).min(count));
+            for start in (from..to.saturating_sub(SAMPLES)).step_by(SAMPLES) {
+                let rows = levels.each_ref().map(|row| &row[start..start + SAMPLES]);
+                windows.extend(window(&rows, most_level));
+            }
+            lags.add(&levels[0][from..to], most_level);
+        }
+    }
+    let alike = lags.alike_samples();
+    Ok(Spread::of(windows)
+        .and_then(|spread| spread.kind(alike))
+        .map(|(kind, smoothed)| Law {
+            kind,
+            grain_samples: alike / smoothed as f64,
+            most_level,
+        }))
+}
+
+/// The highest level of a log, of some of its pings.
+fn most_level(log: &LogEchoes<'_>) -> u8 {
+    let mut most = 1;
+    let mut levels = Vec::new();
+    let step = log.pings.len().div_ceil(MOST_GROUPS).max(1);
+    for ping in (0..log.pings.len()).step_by(step) {
+        for side in Side::BOTH {
+            let first_return = log.pings[ping].side(side).first_return;
+            if first_return.is_finite() && log.read(ping, side, &mut levels) {
+                // Nearer than the bed the transducer rings.
+                let beyond = levels.iter().skip((1.1 * first_return.max(0.0)) as usize);
+                most = most.max(beyond.copied().max().unwrap_or(0));
+            }
+        }
+    }
+    most
+}
+
+fn window(rows: &[&[u8]; PINGS], most_level: u8) -> Option<Window> {
+    let values = || rows.iter().flat_map(|row| row.iter().copied());
+    let count = (PINGS * SAMPLES) as f64;
+    let clipped = values().filter(|level| *level == 0 || *level >= most_level);
+    if clipped.count() as f64 > MOST_CLIPPED * count {
+        return None;
+    }
+    let mean = values().map(f64::from).sum::<f64>() / count;
+    (mean > 0.0).then(|| Window {
+        mean,
+        about: values().map(|level| f64::from(level) - mean).collect(),
+    })
+}
+
+/// How levels spread in windows.
+struct Spread {
+    /// Slope of the logarithm of the spread over that of the mean.
+    slope: f64,
+    /// Levels at 10, 50 and 90 % in the brighter half of the windows, less their mean, and the mean: there noise counts for less.
+    bright: Vec<[f64; 4]>,
+}
+
+impl Spread {
+    fn of(mut windows: Vec<Window>) -> Option<Self> {
+        if windows.len() < LEAST_WINDOWS {
+            return None;
+        }
+        windows.sort_by(|a, b| a.mean.total_cmp(&b.mean));
+        let bins: Vec<[f64; 4]> = windows
+            .chunks(windows.len().div_ceil(BINS))
+            .map(|bin| {
+                let mean = bin.iter().map(|window| window.mean).sum::<f64>() / bin.len() as f64;
+                let mut about: Vec<f64> = bin
+                    .iter()
+                    .flat_map(|window| window.about.iter().copied())
+                    .collect();
+                about.sort_by(f64::total_cmp);
+                let [low, middle, high] = [0.1, 0.5, 0.9].map(|share| quantile(&about, share));
+                [low, middle, high, mean]
+            })
+            .collect();
+        let slope = slope_of_logs(
+            bins.iter()
+                .map(|[_, middle, high, mean]| (*mean, high - middle)),
+        )?;
+        let bright = bins[bins.len() / 2..].to_vec();
+        Some(Self { slope, bright })
+    }
+
+    /// The median of something over the brighter windows.
+    fn usual(&self, of: impl Fn(&[f64; 4]) -> f64) -> f64 {
+        median(&mut self.bright.iter().map(of).collect::<Vec<_>>())
+    }
+
+    /// What is written, and over how many samples it is smoothed; `alike` samples in a row are alike.
+    fn kind(&self, alike: f64) -> Option<(LawKind, usize)> {
+        let shape = self.usual(|[low, middle, high, _]| (high - middle) / (middle - low));
+        let smoothed = (alike.round() as usize).clamp(1, LAGS);
+        let by_pulse = self.kind_smoothed(1)?;
+        if alike < LEAST_GRAIN || smoothed == 1 {
+            return Some((by_pulse.0, 1));
+        }
+        let by_smoothing = self.kind_smoothed(smoothed)?;
+        match (by_smoothing.1 - shape).abs() < (by_pulse.1 - shape).abs() {
+            true => Some((by_smoothing.0, smoothed)),
+            false => Some((by_pulse.0, 1)),
+        }
+    }
+
+    /// What is written if it is smoothed over so many samples, and the shape of the spread that it then has.
+    fn kind_smoothed(&self, smoothed: usize) -> Option<(LawKind, f64)> {
+        let shape = |[low, middle, high]: [f64; 3]| (high - middle) / (middle - low);
+        if self.slope < MOST_SLOPE_OF_DECIBELS {
+            let spread = self.usual(|[_, middle, high, _]| high - middle);
+            let drawn = drawn(smoothed, f64::ln);
+            let ln_per_level = (drawn[2] - drawn[1]) / spread;
+            return (ln_per_level.is_finite() && ln_per_level > 0.0)
+                .then_some((LawKind::Decibels(ln_per_level), shape(drawn)));
+        }
+        let spread = self.usual(|[_, middle, high, mean]| ((mean + high) / (mean + middle)).ln());
+        let [mut least, mut most] = EXPONENTS;
+        // The spread grows with the exponent.
+        for _ in 0..16 {
+            let exponent = (least * most).sqrt();
+            let [_, middle, high] = drawn(smoothed, |power| power.powf(exponent));
+            match (high / middle).ln() < spread {
+                true => least = exponent,
+                false => most = exponent,
+            }
+        }
+        let exponent = (least * most).sqrt();
+        let is_bounded = exponent > 1.1 * EXPONENTS[0] && exponent < 0.9 * EXPONENTS[1];
+        is_bounded.then(|| {
+            (
+                LawKind::Power(exponent),
+                shape(drawn(smoothed, |power| power.powf(exponent))),
+            )
+        })
+    }
+}
+
+/// What 10, 50 and 90 % of the means of so many levels do not exceed; `level` is that of a power, which is exponentially distributed.
+fn drawn(smoothed: usize, level: impl Fn(f64) -> f64) -> [f64; 3] {
+    let mut normal = Normal::new(3);
+    let mut one = || level(0.5 * (normal.draw().powi(2) + normal.draw().powi(2)));
+    let mut means: Vec<f64> = (0..DRAWN)
+        .map(|_| (0..smoothed).map(|_| one()).sum::<f64>() / smoothed as f64)
+        .collect();
+    means.sort_by(f64::total_cmp);
+    [0.1, 0.5, 0.9].map(|share| quantile(&means, share))
+}
+
+/// Least-squares slope of `ln y` over `ln x`; `None` where a number is not positive.
+fn slope_of_logs(points: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
+    let logs: Vec<(f64, f64)> = points.map(|(x, y)| (x.ln(), y.ln())).collect();
+    let count = logs.len() as f64;
+    let (x_mean, y_mean) = logs.iter().fold((0.0, 0.0), |(x, y), one| {
+        (x + one.0 / count, y + one.1 / count)
+    });
+    let (xx, xy) = logs.iter().fold((0.0, 0.0), |(xx, xy), (x, y)| {
+        (xx + (x - x_mean).powi(2), xy + (x - x_mean) * (y - y_mean))
+    });
+    // Where all windows are equally bright nothing tells a power from decibels: most recorders write these.
+    let slope = if xx < 1e-4 * count { 0.0 } else { xy / xx };
+    slope.is_finite().then_some(slope)
+}
+
+/// Sums of products of levels some samples apart.
+#[derive(Default)]
+struct Lags {
+    products: [f64; LAGS + 1],
+    counts: [f64; LAGS + 1],
+}
+
+impl Lags {
+    fn add(&mut self, row: &[u8], most_level: u8) {
+        // Over a long row the trend would count as correlation: it is taken off window by window.
+        for part in row.chunks_exact(4 * LAGS) {
+            if part.iter().any(|level| *level == 0 || *level >= most_level) {
+                continue;
+            }
+            let count = part.len() as f64;
+            let middle = 0.5 * (count - 1.0);
+            let mean = part.iter().map(|level| f64::from(*level)).sum::<f64>() / count;
+            let along = |(at, level): (usize, &u8)| (at as f64 - middle) * f64::from(*level);
+            let slope = part.iter().enumerate().map(along).sum::<f64>()
+                / (count * (count * count - 1.0) / 12.0);
+            let about: Vec<f64> = part
+                .iter()
+                .enumerate()
+                .map(|(at, level)| f64::from(*level) - mean - slope * (at as f64 - middle))
+                .collect();
+            for lag in 0..=LAGS {
+                let pairs = about.iter().zip(&about[lag..]);
+                self.products[lag] += pairs.map(|(a, b)| a * b).sum::<f64>();
+                self.counts[lag] += count - lag as f64;
+            }
+        }
+    }
+
+    /// `1 + 2 (sum of the correlations up to the first that is chance)`.
+    fn alike_samples(&self) -> f64 {
+        let covariance = |lag: usize| self.products[lag] / self.counts[lag];
+        let correlations = (1..=LAGS).map(|lag| covariance(lag) / covariance(0));
+        let sum: f64 = correlations
+            .take_while(|one| *one > LEAST_CORRELATION)
+            .sum();
+        1.0 + 2.0 * sum
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Windows of a recorder over a bed that grows brighter from one to the next; `level` is what it writes of a power.
+    fn windows(smoothed: usize, level: impl Fn(f64) -> f64) -> Vec<Window> {
+        let mut normal = Normal::new(5);
+        let window = |index: usize| {
+            let brightness = (index as f64 / 200.0).exp();
+            let mut one =
+                || level(0.5 * brightness * (normal.draw().powi(2) + normal.draw().powi(2)));
+            let mut row = || -> Vec<f64> {
+                let sharp: Vec<f64> = (0..SAMPLES + smoothed).map(|_| one()).collect();
+                let sums = sharp.windows(smoothed).take(SAMPLES);
+                sums.map(|some| some.iter().sum::<f64>() / smoothed as f64)
+                    .collect()
+            };
+            let levels: Vec<f64> = (0..PINGS).flat_map(|_| row()).collect();
+            let mean = levels.iter().sum::<f64>() / levels.len() as f64;
+            Window {
+                mean,
+                about: levels.into_iter().map(|level| level - mean).collect(),
+            }
+        };
+        (0..600).map(window).collect()
+    }
+
+    fn kind(windows: Vec<Window>, alike: f64) -> (LawKind, usize) {
+        Spread::of(windows).unwrap().kind(alike).unwrap()
+    }
+
+    #[test]
+    fn decibels_and_powers_are_told_apart_smoothed_or_not() {
+        let decibels = |power: f64| 60.0 + 15.0 * power.ln();
+        for smoothed in [1, 4] {
+            let (found, over) = kind(windows(smoothed, decibels), smoothed as f64);
+            let LawKind::Decibels(ln_per_level) = found else {
+                panic!("{found:?}");
+            };
+            assert_eq!(over, smoothed);
+            assert!((15.0 * ln_per_level - 1.0).abs() < 0.05, "{ln_per_level}");
+            for exponent in [0.5, 0.25] {
+                let level = |power: f64| 40.0 * power.powf(exponent);
+                let (found, over) = kind(windows(smoothed, level), smoothed as f64);
+                let LawKind::Power(found) = found else {
+                    panic!("{found:?}");
+                };
+                assert_eq!(over, smoothed);
+                assert!((found / exponent - 1.0).abs() < 0.1, "{found}");
+            }
+        }
+    }
+
+    #[test]
+    fn logs_of_about_one_law_are_one_recorder_s() {
+        let law = |kind| {
+            Some(Law {
+                kind,
+                grain_samples: 1.0,
+                most_level: 255,
+            })
+        };
+        let laws = [
+            None,
+            law(LawKind::Decibels(0.06)),
+            law(LawKind::Power(0.5)),
+            law(LawKind::Decibels(0.063)),
+            None,
+            law(LawKind::Power(0.25)),
+            law(LawKind::Power(0.52)),
+        ];
+        assert_eq!(recorders(laws.into_iter()), [0, 1, 2, 1, 4, 5, 2]);
+    }
+
+    #[test]
+    fn a_long_pulse_is_no_smoothing_and_too_few_windows_tell_nothing() {
+        let decibels = |power: f64| 60.0 + 15.0 * power.ln();
+        let (_, over) = kind(windows(1, decibels), 4.0);
+        assert_eq!(over, 1);
+        assert!(Spread::of(windows(1, decibels).split_off(500)).is_none());
+    }
+
+    #[test]
+    fn the_level_of_a_power_is_the_mean_over_what_it_stands_for() {
+        let law = Law {
+            kind: LawKind::Power(0.5),
+            grain_samples: 1.0,
+            most_level: 255,
+        };
+        let table = law.table();
+        let steps = 10_000;
+        let mean = |level: f64| {
+            let at = |step: i32| level - 0.5 + (f64::from(step) + 0.5) / f64::from(steps);
+            let sum: f64 = (0..steps).map(|step| at(step).max(LEAST_LEVEL).ln()).sum();
+            sum / f64::from(steps) / 0.5
+        };
+        for level in [0_u8, 1, 7, 100] {
+            let expected = mean(f64::from(level));
+            assert!(
+                (f64::from(table[usize::from(level)]) - expected).abs() < 1e-3,
+                "{level}"
+            );
+        }
+    }
+}

@@ -1,0 +1,400 @@
+//! Depth between the lines: the levels of the side-scan echoes say how the bed slopes.
+//!
+//! An echo is stronger where the bed faces the boat and weaker where it turns away. From two sides, as from neighbouring lines, the effect
+//! of a slope changes its sign and that of the bed's own brightness does not, so the two can be told apart. Depths, brightness, the curves of beam,
+//! range and noise and the gain are found together, and hold to the depths that were measured. What is found is inferred, not measured.
+//!
+//! `echoes` is what is read of a log and `layout` what is found of all of it: its `law` turns levels into logarithms of power, `weed` says where echoes
+//! are none of the bed. `looks` are averaged levels, `readings` those placed on the bed; `model` says what they should be. `tiling` parts a
+//! survey, or what a part of a larger map depends on, into tiles of `nodes`; `solve` solves one, in the order of `elimination`, `depths` runs the
+//! rounds, and `gate` decides by left-out soundings whether levels are used.
+
+mod depths;
+mod echoes;
+mod elimination;
+mod gate;
+mod law;
+mod layout;
+mod looks;
+mod model;
+mod nodes;
+mod readings;
+mod solve;
+mod tiling;
+mod weed;
+
+pub use echoes::{Levels, LogEchoes, PingPlace, SideEchoes};
+pub use law::Law;
+pub use layout::{Chunk, LaidOutLog};
+pub use tiling::{PART_DEPTHS_M, PART_PINGS_M, PART_STEP_M};
+
+use crate::bottom::bathymetry::{
+    CellSource, DepthPoint, FromLevels, Grid, LevelsRefused, Spread, Surface, SwathDepth,
+};
+use crate::support::progress::{Cancelled, Progress};
+use crate::support::statistics::median;
+use depths::{Found, Input, Sample};
+use model::Curves;
+use serde::{Deserialize, Serialize};
+use solve::{Brightness, Prior};
+use tiling::{Resolution, Tiling};
+
+/// Tiles that curves are learnt on, and left-out soundings predicted, at most.
+const MOST_LEARNT: usize = 2;
+/// Levels are used where the error of left-out soundings is at most so many times that of triangles. From place to place the smaller error counts more.
+const MOST_RATIO: f64 = 0.95;
+/// Sets of curves, one for each recorder and range setting, that `auto` learns at most: the time grows with their square.
+const MOST_SETS: usize = 8;
+/// Distances from a measured depth up to which the surface holds it alone, and from which on levels count in full, metres.
+const HELD_M: [f64; 2] = [0.5, 1.5];
+/// What is known of a bed beforehand where that was not tested.
+const UNTESTED: Prior = Prior {
+    brightness: Brightness::Patches(0.35),
+    relief_m: 0.15,
+};
+/// Standard deviations, in usual ones, from which on levels count less, and from which on for nothing: at the edge of a survey, where one line looks and no
+/// depth was measured beyond.
+const UNSURE_SDS: [f64; 2] = [2.2, 3.2];
+/// The error that is stated of depths from levels, in geometric means of the errors of left-out soundings with levels and by triangles: on ponds of both
+/// simulators this holds. And in standard deviations of what the equations leave unknown, where it was not tested.
+const STATED: f64 = 1.15;
+const UNTESTED_SDS: f64 = 0.7;
+
+/// Corrects the depths of a surface between those measured by the levels of the echoes of its logs, in the surface's plane, and says in
+/// [`Surface::levels`] what became of it. `measured` are the depths that the surface was made of.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn correct(
+    surface: &mut Surface,
+    logs: &[LogEchoes<'_>],
+    measured: &[DepthPoint],
+    progress: &Progress,
+    mode: SwathDepth,
+) -> Result<(), Cancelled> {
+    let laid_out = logs
+        .iter()
+        .map(|log| LaidOutLog::new(log.clone(), progress))
+        .collect::<Result<Vec<_>, _>>()?;
+    surface.levels = match found(surface, &laid_out, measured, progress, mode)? {
+        Ok((found, left_out)) => {
+            let error_sds = left_out.map_or(UNTESTED_SDS, |one| STATED * one.error_sds);
+            add(&found, error_sds, surface);
+            surface.hardness_db = hardness_db(&found, surface);
+            FromLevels::Used {
+                left_out_m: left_out.map(|one| [one.without_m, one.with_m]),
+            }
+        }
+        Err(why) => FromLevels::Refused(why),
+    };
+    Ok(())
+}
+
+type Refusable<T> = Result<T, LevelsRefused>;
+
+fn found(
+    surface: &Surface,
+    logs: &[LaidOutLog<'_>],
+    measured: &[DepthPoint],
+    progress: &Progress,
+    mode: SwathDepth,
+) -> Result<Refusable<(Found, Option<gate::LeftOut>)>, Cancelled> {
+    if !logs
+        .iter()
+        .any(|log| log.echoes.pings.iter().any(PingPlace::is_placed))
+    {
+        return Ok(Err(LevelsRefused::NoSideScan));
+    }
+    if logs.iter().all(|log| log.law.is_none()) {
+        return Ok(Err(LevelsRefused::NoLaw));
+    }
+    let Some(tiling) = Tiling::of_survey(&surface.grid) else {
+        return Ok(Err(LevelsRefused::TooLarge));
+    };
+    let learning = Tiling::at(&surface.grid, tiling.resolution.of_learning());
+    let recorders = law::recorders(logs.iter().map(|log| log.law));
+    let input = Input::new(logs, &recorders, measured, learning.resolution, progress)?;
+    let tiles = input.busiest(&learning, MOST_LEARNT);
+    if tiles.is_empty() || input.measured.is_empty() {
+        return Ok(Err(LevelsRefused::TooFewEchoes));
+    }
+    if mode == SwathDepth::Auto && input.sets.len() > MOST_SETS {
+        return Ok(Err(LevelsRefused::TooManySettings));
+    }
+    if mode == SwathDepth::Auto && !gate::is_seen_from_two_sides(&input, &learning, &tiles) {
+        return Ok(Err(LevelsRefused::OneSide));
+    }
+    let choice = gate::choose(&input, measured, &learning, &tiles, progress)?;
+    let left_out = choice.as_ref().map(|choice| choice.left_out);
+    if mode == SwathDepth::Auto {
+        match left_out {
+            None => return Ok(Err(LevelsRefused::NoTest)),
+            Some(one) if one.with_m > MOST_RATIO * one.without_m => {
+                return Ok(Err(LevelsRefused::NoBetter {
+                    without_m: one.without_m,
+                    with_m: one.with_m,
+                }));
+            }
+            Some(_) => {}
+        }
+    }
+    let (prior, curves) = match choice {
+        Some(choice) => (choice.prior, Some(choice.curves)),
+        None => (UNTESTED, None),
+    };
+    let mut sample = Sample::new(&input, &learning, &tiles, &input.measured, curves);
+    if !sample.learn(&input, prior, progress)? {
+        return Ok(Err(LevelsRefused::TooFewEchoes));
+    }
+    let found = input.find(&tiling, &sample.curves, prior, progress)?;
+    Ok(found
+        .map(|found| (found, left_out))
+        .ok_or(LevelsRefused::NotSolved))
+}
+
+/// What the levels of a log mean, so that a part of a map needs no more of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LearntLevels {
+    law: law::Law,
+    /// The curves of each range setting.
+    curves: Vec<(i32, Vec<f64>)>,
+}
+
+impl LearntLevels {
+    /// Of a whole log and the depths that it measured; `None` where its levels cannot be used.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn of(
+        log: &LaidOutLog<'_>,
+        measured: &[DepthPoint],
+        progress: &Progress,
+    ) -> Result<Option<Self>, Cancelled> {
+        let grid = Grid::over(measured, Resolution::COARSE.node_m, usize::MAX);
+        let (Some(law), Some(grid)) = (log.law, grid) else {
+            return Ok(None);
+        };
+        let logs = std::slice::from_ref(log);
+        let tiling = Tiling::at(&grid, Resolution::COARSE);
+        let input = Input::new(logs, &[0], measured, tiling.resolution, progress)?;
+        let tiles = input.busiest(&tiling, MOST_LEARNT);
+        let mut sample = Sample::new(&input, &tiling, &tiles, &input.measured, None);
+        if !sample.learn(&input, UNTESTED, progress)? {
+            return Ok(None);
+        }
+        let of_set =
+            |(set, curves): (&(u32, i32), Option<Curves>)| Some((set.1, curves?.0.to_vec()));
+        let curves: Vec<_> = input
+            .sets
+            .iter()
+            .zip(sample.curves)
+            .filter_map(of_set)
+            .collect();
+        Ok((!curves.is_empty()).then_some(Self { law, curves }))
+    }
+
+    /// What is written of an echo.
+    pub fn law(&self) -> law::Law {
+        self.law
+    }
+
+    fn of_setting(&self, setting: i32) -> Option<Curves> {
+        let (_, curves) = self.curves.iter().find(|(of, _)| *of == setting)?;
+        Some(Curves(curves.as_slice().try_into().ok()?))
+    }
+}
+
+/// As [`correct`], of a part of a larger map: `around` is its surface, `edges_m` are its edges, `logs` have the pings within [`PART_PINGS_M`] with what was
+/// learnt of each, `measured` are the depths within [`PART_DEPTHS_M`], and depths are right within 32 m of the edges, the same to the bit as
+/// those of a neighbouring part. Places count in a plane that all parts share, and the order of logs and depths must be the same for
+/// all. Hardness is none: each part would count it from another zero.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn correct_part(
+    around: &mut Surface,
+    edges_m: [f64; 4],
+    logs: &[LaidOutLog<'_>],
+    learnt: &[&LearntLevels],
+    measured: &[DepthPoint],
+    progress: &Progress,
+) -> Result<(), Cancelled> {
+    let tiling = Tiling::of_part(edges_m);
+    let each: Vec<u32> = (0..logs.len() as u32).collect();
+    let input = Input::new(logs, &each, measured, tiling.resolution, progress)?;
+    let of_set = |(log, setting): &(u32, i32)| learnt.get(*log as usize)?.of_setting(*setting);
+    let curves: Vec<Option<Curves>> = input.sets.iter().map(of_set).collect();
+    around.levels = match input.find(&tiling, &curves, UNTESTED, progress)? {
+        Some(found) => {
+            add(&found, UNTESTED_SDS, around);
+            FromLevels::Used { left_out_m: None }
+        }
+        None => FromLevels::Refused(LevelsRefused::TooFewEchoes),
+    };
+    Ok(())
+}
+
+/// What levels count against the surface without them, at a distance from the nearest measured depth, metres.
+fn share_of_levels(distance_m: f64) -> f64 {
+    rise(distance_m, HELD_M)
+}
+
+/// From 0 at the first of two values to 1 at the second, without a kink.
+fn rise(value: f64, [from, to]: [f64; 2]) -> f64 {
+    let along = ((value - from) / (to - from)).clamp(0.0, 1.0);
+    along * along * (3.0 - 2.0 * along)
+}
+
+/// Takes the depths that were found over into a surface, whose own count the more the smaller their error is; `error_sds` is how many standard
+/// deviations the depths that were found miss by.
+fn add(found: &Found, error_sds: f64, surface: &mut Surface) {
+    let nodes = &found.nodes;
+    let both = found.sd_m.iter().zip(&found.seen);
+    let seen = both.filter(|(_, seen)| **seen > 0.5);
+    let usual_sd_m = median(&mut seen.map(|(sd_m, _)| *sd_m).collect::<Vec<_>>());
+    let columns = surface.grid.columns.max(1);
+    for cell in 0..surface.depth_m.len() {
+        let without_m = f64::from(surface.depth_m[cell]);
+        if without_m.is_nan() {
+            continue;
+        }
+        let centre = surface.grid.centre(cell / columns, cell % columns);
+        let sd_m = nodes.value_at(&found.sd_m, centre);
+        let error_m = error_sds * sd_m;
+        let without_error_m = f64::from(surface.spread_m[cell]);
+        let mut share = share_of_levels(f64::from(surface.distance_m[cell]))
+            * (1.0 - rise(sd_m / usual_sd_m, UNSURE_SDS))
+            * nodes.value_at(&found.seen, centre);
+        if surface.spread_is == Spread::OfError {
+            let [own, other] = [without_error_m, error_m].map(|error_m| error_m * error_m);
+            // Levels hold to the triangles already: their own part counts half.
+            share *= own / (own + 0.5 * other);
+        }
+        if share.is_nan() || share <= 0.0 {
+            continue;
+        }
+        let depth_m = nodes.value_at(&found.depth_m, centre);
+        surface.depth_m[cell] = (without_m + share * (depth_m - without_m)) as f32;
+        surface.spread_m[cell] = (share * error_m + (1.0 - share) * without_error_m) as f32;
+        if surface.source[cell] == CellSource::Interpolated && share > 0.5 {
+            surface.source[cell] = CellSource::FromLevels;
+        }
+    }
+}
+
+/// The brightness of the bed in the cells with a depth that echoes say something of, decibels over their median; `None` where that
+/// is none.
+fn hardness_db(found: &Found, surface: &Surface) -> Option<Vec<f32>> {
+    let columns = surface.grid.columns.max(1);
+    let nodes = &found.nodes;
+    let of_cell = |(cell, depth_m): (usize, &f32)| {
+        let centre = surface.grid.centre(cell / columns, cell % columns);
+        let is_known = !depth_m.is_nan() && found.seen[nodes.nearest(centre)] > 0.5;
+        let ln = is_known.then(|| nodes.value_at(&found.ln_brightness, centre));
+        ln.map_or(f64::NAN, |ln| 10.0 * ln / std::f64::consts::LN_10)
+    };
+    let cells_db: Vec<f64> = surface.depth_m.iter().enumerate().map(of_cell).collect();
+    let known = cells_db.iter().copied().filter(|value| !value.is_nan());
+    let mut known: Vec<f64> = known.collect();
+    if known.is_empty() {
+        return None;
+    }
+    let usual_db = median(&mut known);
+    Some(
+        cells_db
+            .into_iter()
+            .map(|value| (value - usual_db) as f32)
+            .collect(),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::survey::Survey;
+
+    const GRID: Grid = Grid {
+        west_m: 0.0,
+        north_m: 10.0,
+        cell_m: 1.0,
+        columns: 10,
+        rows: 10,
+    };
+
+    #[test]
+    fn a_surface_without_echoes_stays_as_it_is_and_says_why() {
+        let before = Surface::of_depths(GRID, vec![2.0; 100]);
+        let measured = DepthPoint {
+            east_m: 3.0,
+            north_m: 3.0,
+            depth_m: 2.0,
+            weight: 1.0,
+            is_sounding: true,
+        };
+        let side = SideEchoes {
+            near_m: 0.0,
+            step_m: 0.01,
+            first_return: 200.0,
+            above_bottom: false,
+        };
+        let ping = PingPlace {
+            time_s: 0.0,
+            place_m: [3.0, 3.0],
+            starboard: [1.0, 0.0],
+            transducer_m: 0.0,
+            sides: [side; 2],
+        };
+        let survey = Survey::default();
+        for (pings, why) in [
+            (Vec::new(), LevelsRefused::NoSideScan),
+            // Pings without samples.
+            (vec![ping; 100], LevelsRefused::NoLaw),
+        ] {
+            let mut surface = before.clone();
+            let logs = [LogEchoes {
+                levels: &survey,
+                pings,
+            }];
+            correct(
+                &mut surface,
+                &logs,
+                &[measured],
+                &Progress::new(),
+                SwathDepth::Auto,
+            )
+            .unwrap();
+            assert_eq!(surface.levels, FromLevels::Refused(why));
+            assert_eq!(surface.depth_m, before.depth_m);
+        }
+    }
+
+    #[test]
+    fn the_smaller_error_counts_more() {
+        let nodes = nodes::Nodes::over(&GRID, 1.0);
+        let all = |value: f64| vec![value; nodes.len()];
+        let found = Found {
+            nodes,
+            depth_m: all(3.0),
+            ln_brightness: all(0.0),
+            sd_m: all(0.05),
+            seen: all(1.0),
+        };
+        let depth_m = |triangles_error_m: f32| {
+            let mut surface = Surface::of_depths(GRID, vec![2.0; 100]);
+            surface.spread_is = Spread::OfError;
+            surface.spread_m.fill(triangles_error_m);
+            surface.distance_m.fill(3.0);
+            add(&found, 1.0, &mut surface);
+            surface.depth_m[55]
+        };
+        assert!((depth_m(0.005) - 2.02).abs() < 1e-3, "{}", depth_m(0.005));
+        assert!((depth_m(0.5) - 2.995).abs() < 1e-3, "{}", depth_m(0.5));
+    }
+
+    #[test]
+    fn levels_count_for_nothing_beside_a_measured_depth_and_in_full_away_from_it() {
+        assert_eq!(share_of_levels(0.4), 0.0);
+        assert_eq!(share_of_levels(1.6), 1.0);
+        assert!((share_of_levels(1.0) - 0.5).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,308 @@
+//! The places of the unknowns: nodes at even steps, with values bilinear between them.
+
+use crate::bottom::bathymetry::Grid;
+
+/// Nodes beside its core over which a tile fades into the next.
+const BLEND: usize = 6;
+
+/// Nodes in rows from south to north, each from west to east.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Nodes {
+    /// East and north that they are counted from, metres: a place is the same number of steps, to the bit, for all parts that count from there.
+    pub zero_m: [f64; 2],
+    /// Steps from there to the first, east and north.
+    pub first: [i64; 2],
+    /// From one to the next, metres.
+    pub step_m: f64,
+    /// How many lie in a row, and how many rows there are; at least two each.
+    pub counts: [usize; 2],
+}
+
+/// What four nodes share in a place: index and share.
+pub type Shares = [(usize, f64); 4];
+
+/// A part of the nodes: those that are solved for together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tile {
+    /// The first node in a row and the first row that are solved for.
+    pub first: [usize; 2],
+    /// Its nodes.
+    pub nodes: Nodes,
+    /// First and beyond the last node in a row, and the same of the rows, that no other tile has in its core, counted in its own nodes.
+    pub core: [[usize; 2]; 2],
+}
+
+/// Values of several tiles brought together: where tiles overlap the mean, weighted towards the nearer core, so that no seam shows.
+#[derive(Clone, Debug)]
+pub struct Blend {
+    sums: Vec<f64>,
+    weights: Vec<f64>,
+}
+
+impl Blend {
+    /// Of nothing yet, at so many nodes.
+    pub fn none(nodes: &Nodes) -> Self {
+        Self {
+            sums: vec![0.0; nodes.len()],
+            weights: vec![0.0; nodes.len()],
+        }
+    }
+
+    /// Adds the values of a tile.
+    pub fn add(&mut self, all: &Nodes, tile: &Tile, values: &[f64]) {
+        for (node, value) in values.iter().enumerate() {
+            let weight = tile.weight(node);
+            let place = tile.index_in(all, node);
+            self.sums[place] += weight * value;
+            self.weights[place] += weight;
+        }
+    }
+
+    /// The values at all nodes; 0 where no tile was added.
+    pub fn values(self) -> Vec<f64> {
+        let both = self.sums.into_iter().zip(self.weights);
+        let value = |(sum, weight)| if weight > 0.0 { sum / weight } else { 0.0 };
+        both.map(value).collect()
+    }
+}
+
+impl Nodes {
+    /// Over the cells of a grid.
+    pub fn over(grid: &Grid, step_m: f64) -> Self {
+        let count = |cells: usize| (cells as f64 * grid.cell_m / step_m).ceil() as usize + 1;
+        let south_m = grid.north_m - grid.rows as f64 * grid.cell_m;
+        Self {
+            zero_m: [grid.west_m, south_m],
+            first: [0; 2],
+            step_m,
+            counts: [count(grid.columns).max(2), count(grid.rows).max(2)],
+        }
+    }
+
+    /// How many steps a place lies east or north of the first.
+    fn steps(&self, place: [f64; 2], axis: usize) -> f64 {
+        (place[axis] - self.zero_m[axis]) / self.step_m - self.first[axis] as f64
+    }
+
+    /// Number of nodes.
+    pub fn len(&self) -> usize {
+        self.counts[0] * self.counts[1]
+    }
+
+    /// West, south, east and north of the outermost nodes, metres.
+    pub fn bounds_m(&self) -> [f64; 4] {
+        let at = |axis: usize, step: usize| {
+            self.zero_m[axis] + (self.first[axis] + step as i64) as f64 * self.step_m
+        };
+        let last = |axis: usize| at(axis, self.counts[axis] - 1);
+        [at(0, 0), at(1, 0), last(0), last(1)]
+    }
+
+    /// The place of a node, east and north, metres.
+    pub fn place_m(&self, node: usize) -> [f64; 2] {
+        let steps = [node % self.counts[0], node / self.counts[0]];
+        [0, 1].map(|axis| {
+            self.zero_m[axis] + (self.first[axis] + steps[axis] as i64) as f64 * self.step_m
+        })
+    }
+
+    /// Whether a place east and north lies between the outermost nodes.
+    pub fn holds(&self, place: [f64; 2]) -> bool {
+        (0..2).all(|axis| {
+            let steps = self.steps(place, axis);
+            steps > 0.0 && steps < (self.counts[axis] - 1) as f64
+        })
+    }
+
+    /// The four nodes around a place and their shares, which sum to 1; beyond the outermost nodes as on them.
+    pub fn shares(&self, place: [f64; 2]) -> Shares {
+        let [(column, right), (row, up)] = [0, 1].map(|axis| {
+            let steps = self.steps(place, axis);
+            let most = (self.counts[axis] - 1) as f64 - 1e-3;
+            let steps = steps.clamp(0.0, most);
+            (steps as usize, steps.fract())
+        });
+        let first = row * self.counts[0] + column;
+        let next = first + self.counts[0];
+        [
+            (first, (1.0 - right) * (1.0 - up)),
+            (first + 1, right * (1.0 - up)),
+            (next, (1.0 - right) * up),
+            (next + 1, right * up),
+        ]
+    }
+
+    /// What some values at the nodes are at a place.
+    pub fn value_at(&self, values: &[f64], place: [f64; 2]) -> f64 {
+        sum(values, &self.shares(place))
+    }
+
+    /// The node nearest to a place.
+    pub fn nearest(&self, place: [f64; 2]) -> usize {
+        let [column, row] = [0, 1].map(|axis| {
+            let steps = self.steps(place, axis).round();
+            (steps.max(0.0) as usize).min(self.counts[axis] - 1)
+        });
+        row * self.counts[0] + column
+    }
+
+    /// The nodes west, east, south and north of one; itself where there is none.
+    pub fn neighbours(&self, node: usize) -> [usize; 4] {
+        let [columns, rows] = self.counts;
+        let (row, column) = (node / columns, node % columns);
+        let or = |there: bool, other: usize| if there { other } else { node };
+        [
+            or(column > 0, node.wrapping_sub(1)),
+            or(column + 1 < columns, node + 1),
+            or(row > 0, node.wrapping_sub(columns)),
+            or(row + 1 < rows, node + columns),
+        ]
+    }
+
+    /// Parts with cores of about even size and at most `core` nodes a side, and a halo of `halo` nodes around each; one part where all nodes are at
+    /// most `most`.
+    pub fn tiles(&self, most: usize, core: usize, halo: usize) -> Vec<Tile> {
+        let cores = self.counts.map(|count| match self.len() <= most {
+            true => count,
+            false => count.div_ceil(count.div_ceil(core)),
+        });
+        self.tiles_within(0, cores, halo)
+    }
+
+    /// Parts with cores of so many nodes in a row and rows, the outermost `margin` nodes being in no core, and a halo of `halo` nodes around each.
+    pub fn tiles_within(&self, margin: usize, cores: [usize; 2], halo: usize) -> Vec<Tile> {
+        let spans = |axis: usize| -> Vec<[usize; 4]> {
+            let count = self.counts[axis];
+            let end = count.saturating_sub(margin);
+            let of_core = |from: usize| {
+                let to = (from + cores[axis]).min(end);
+                [from.saturating_sub(halo), from, to, (to + halo).min(count)]
+            };
+            (margin..end).step_by(cores[axis]).map(of_core).collect()
+        };
+        let [across, along] = [0, 1].map(spans);
+        let both = along
+            .iter()
+            .flat_map(|rows| across.iter().map(move |columns| [columns, rows]));
+        both.map(|spans| {
+            let first = spans.map(|span| span[0]);
+            let nodes = Self {
+                first: [0, 1].map(|axis| self.first[axis] + first[axis] as i64),
+                counts: spans.map(|span| span[3] - span[0]),
+                ..*self
+            };
+            Tile {
+                first,
+                nodes,
+                core: spans.map(|span| [span[1] - span[0], span[2] - span[0]]),
+            }
+        })
+        .filter(|tile| tile.nodes.counts.iter().all(|count| *count >= 2))
+        .collect()
+    }
+}
+
+impl Tile {
+    /// The nodes of its core.
+    pub fn core_nodes(&self) -> Nodes {
+        let [columns, rows] = self.core;
+        Nodes {
+            first: [
+                self.nodes.first[0] + columns[0] as i64,
+                self.nodes.first[1] + rows[0] as i64,
+            ],
+            counts: [columns[1] - columns[0], rows[1] - rows[0]],
+            ..self.nodes
+        }
+    }
+
+    /// What a node counts against those of other tiles: 1 in the core, down to 0 at [`BLEND`] nodes beside it.
+    fn weight(&self, node: usize) -> f64 {
+        let columns = self.nodes.counts[0];
+        let along = |at: usize, [from, to]: [usize; 2]| {
+            let beside = from.saturating_sub(at).max((at + 1).saturating_sub(to));
+            (1.0 - beside as f64 / BLEND as f64).max(0.0)
+        };
+        along(node % columns, self.core[0]) * along(node / columns, self.core[1])
+    }
+
+    /// The place of one of its nodes among all.
+    pub fn index_in(&self, all: &Nodes, node: usize) -> usize {
+        let columns = self.nodes.counts[0];
+        let (row, column) = (node / columns, node % columns);
+        (row + self.first[1]) * all.counts[0] + column + self.first[0]
+    }
+}
+
+/// The sum of some values by their shares.
+pub fn sum(values: &[f64], shares: &Shares) -> f64 {
+    shares
+        .iter()
+        .map(|&(node, share)| share * values[node])
+        .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NODES: Nodes = Nodes {
+        zero_m: [1.0, -3.0],
+        first: [4, 2],
+        step_m: 0.5,
+        counts: [41, 23],
+    };
+
+    /// The values at the nodes of a tile out of those at all nodes.
+    fn cut(tile: &Tile, values: &[f64]) -> Vec<f64> {
+        let value = |node| values[tile.index_in(&NODES, node)];
+        (0..tile.nodes.len()).map(value).collect()
+    }
+
+    #[test]
+    fn values_are_bilinear_between_nodes() {
+        let value = |[east, north]: [f64; 2]| 1.0 + 0.3 * east - 0.2 * north;
+        let values: Vec<f64> = (0..NODES.len())
+            .map(|node| {
+                value([
+                    3.0 + 0.5 * (node % 41) as f64,
+                    -2.0 + 0.5 * (node / 41) as f64,
+                ])
+            })
+            .collect();
+        let place = [7.21, 3.37];
+        assert!((NODES.value_at(&values, place) - value(place)).abs() < 1e-12);
+        assert!(NODES.holds(place) && !NODES.holds([2.9, 0.0]));
+    }
+
+    #[test]
+    fn tiles_put_together_are_what_they_were_cut_from() {
+        let values: Vec<f64> = (0..NODES.len()).map(|node| (node as f64).sin()).collect();
+        for most in [100, 10_000] {
+            let mut blend = Blend::none(&NODES);
+            for tile in NODES.tiles(most, 10, 14) {
+                blend.add(&NODES, &tile, &cut(&tile, &values));
+            }
+            let back = blend.values();
+            let differs = |(one, other): (&f64, &f64)| (one - other).abs() > 1e-12;
+            assert!(!back.iter().zip(&values).any(differs));
+        }
+        assert_eq!(NODES.tiles(10_000, 10, 14).len(), 1);
+    }
+
+    #[test]
+    fn a_part_has_the_same_nodes_as_the_whole() {
+        let parts = NODES.tiles_within(3, [5; 2], 2);
+        assert_eq!(parts.len(), 7 * 4);
+        let place = [7.21, 3.37];
+        let values: Vec<f64> = (0..NODES.len()).map(|node| (node as f64).cos()).collect();
+        let expected = NODES.value_at(&values, place);
+        for part in parts.iter().filter(|part| part.nodes.holds(place)) {
+            let found = part.nodes.value_at(&cut(part, &values), place);
+            assert_eq!(found.to_bits(), expected.to_bits());
+        }
+        // The last core of a row is cut short by the margin.
+        assert_eq!(parts[6].core[0], [2, 7]);
+        assert_eq!(parts[21].core[1], [2, 4]);
+    }
+}

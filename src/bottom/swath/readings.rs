@@ -1,0 +1,319 @@
+//! Levels placed on the bed as it is known so far: averaged over pieces of a chunk of pings by a length of ground, with what each says of depth, slope,
+//! brightness and curves.
+
+use super::looks::Look;
+use super::model::{Curves, Incidence};
+use super::nodes::Nodes;
+use crate::bottom::bathymetry::{Between, Node, Tin};
+use kiddo::{ImmutableKdTree, SquaredEuclidean};
+
+/// Ground range from which on pieces lie, metres: nearer the beam looks straight down, and depths were measured.
+const NEAREST_M: f64 = 1.2;
+/// Ground range up to which pieces lie, metres.
+pub const FARTHEST_M: f64 = 40.0;
+/// Steps in which a ray is followed along the ground, metres, and half the steps that its slope is taken over.
+const RAY_STEP_M: f64 = 0.125;
+const SLOPE_STEPS: usize = 2;
+/// Greatest angle from straight down, and least from the bed's normal, degrees.
+const FLATTEST_DEG: f64 = 88.0;
+const STEEPEST_DEG: f64 = 24.0;
+/// Pieces of fewer independent samples say too little.
+const LEAST_INDEPENDENT: f64 = 8.0;
+/// Nothing is known farther than this from a measured depth, metres.
+const KNOWN_M: f64 = 20.0;
+/// Most that a depth changes in a round, metres.
+const MOST_STEP_M: f64 = 0.4;
+/// Least altitude over the bed that a slant range is turned into an angle by, metres.
+const LEAST_ALTITUDE_M: f64 = 0.1;
+
+/// East and north of a measured depth, metres.
+pub fn place(measured: &Node) -> [f64; 2] {
+    [measured.east_m, measured.north_m]
+}
+
+/// Depth and brightness of the bed at nodes.
+#[derive(Clone, Debug)]
+pub struct Bed {
+    /// Where the nodes are.
+    pub nodes: Nodes,
+    /// Depth at each, metres.
+    pub depth_m: Vec<f64>,
+    /// Natural logarithm of the bed's own brightness at each.
+    pub ln_brightness: Vec<f64>,
+    /// Standard deviation of the depth by what the equations leave unknown of it at each, metres; 0 before they were solved.
+    pub sd_m: Vec<f64>,
+    /// Depth by triangles between the measured depths at each, metres; the nearest one beyond them.
+    pub triangles_m: Vec<f64>,
+    /// Whether a measured depth is near enough to each for anything to be known.
+    pub is_known: Vec<bool>,
+}
+
+impl Bed {
+    /// Of the triangles between some measured depths, and the nearest one beyond them; `None` without any.
+    pub fn new(nodes: Nodes, measured: &[Node]) -> Option<Self> {
+        if measured.is_empty() {
+            return None;
+        }
+        let places: Vec<[f64; 2]> = measured.iter().map(place).collect();
+        let tree = ImmutableKdTree::<f64, 2>::new_from_slice(&places).ok()?;
+        let tin = Tin::new(measured.to_vec());
+        let mut triangles = tin.as_ref().map(|tin| tin.sampler(Between::Linear));
+        let mut bed = Self {
+            ln_brightness: vec![0.0; nodes.len()],
+            sd_m: vec![0.0; nodes.len()],
+            nodes,
+            depth_m: Vec::new(),
+            triangles_m: Vec::new(),
+            is_known: Vec::new(),
+        };
+        for place in (0..nodes.len()).map(|node| nodes.place_m(node)) {
+            let query = tree.query(&place);
+            let nearest = query.nearest_one::<SquaredEuclidean<f64>>().execute();
+            let between_m = triangles.as_mut().and_then(|tin| tin.depth_at(place));
+            let nearest_m = measured[nearest.item as usize].depth_m;
+            bed.triangles_m.push(between_m.unwrap_or(nearest_m));
+            bed.is_known.push(nearest.distance <= KNOWN_M * KNOWN_M);
+        }
+        bed.depth_m = bed.triangles_m.clone();
+        Some(bed)
+    }
+
+    /// Takes over the values of a solution: depths at all nodes, then brightness.
+    pub fn step(&mut self, values: &[f64]) {
+        let (depths, others) = values.split_at(self.nodes.len());
+        for (depth_m, value) in self.depth_m.iter_mut().zip(depths) {
+            *depth_m += (value - *depth_m).clamp(-MOST_STEP_M, MOST_STEP_M);
+        }
+        self.ln_brightness
+            .copy_from_slice(&others[..self.nodes.len()]);
+    }
+
+    /// Adds so many times some values, depths at all nodes and then brightness.
+    pub fn add(&mut self, values: &[f64], times: f64) {
+        let (depths, others) = values.split_at(self.nodes.len());
+        for (sum, value) in self.depth_m.iter_mut().zip(depths) {
+            *sum += times * value;
+        }
+        for (sum, value) in self.ln_brightness.iter_mut().zip(others) {
+            *sum += times * value;
+        }
+    }
+}
+
+/// The mean level of a piece over the expected one, and what that changes by.
+#[derive(Clone, Copy, Debug)]
+pub struct Reading {
+    /// Mean logarithm of power over the expected one.
+    pub over: f64,
+    /// The mean itself.
+    pub ln_power: f64,
+    /// Independent samples.
+    pub independent: f64,
+    /// Means over its samples.
+    pub at: Incidence,
+    /// The echo's share of the power.
+    pub share: f64,
+    /// Change for a unit of slope.
+    pub per_slope: f64,
+    /// Change for a metre of depth.
+    pub per_depth: f64,
+    /// Middle, east and north, metres.
+    pub place_m: [f64; 2],
+}
+
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    count: f64,
+    ground_m: f64,
+    range_m: f64,
+    phi_rad: f64,
+    slope: f64,
+    ln_power: f64,
+    over: f64,
+    share: f64,
+    per_slope: f64,
+    per_depth: f64,
+}
+
+/// The bed under a look: depth, slope and slant range at even steps of ground range.
+struct Ray {
+    /// The ground range of the first step, metres.
+    from_m: f64,
+    /// Slant range, never falling: of two places at one range the nearer one comes first.
+    range_m: Vec<f64>,
+    slope: Vec<f64>,
+}
+
+impl Ray {
+    /// Between ground ranges in metres. What lies nearer casts no shadow on it.
+    fn new(look: &Look, bed: &Bed, [from_m, to_m]: [f64; 2]) -> Self {
+        let steps = ((to_m - from_m) / RAY_STEP_M) as usize + 1 + SLOPE_STEPS;
+        let mut depth_m = Vec::with_capacity(steps + 1);
+        for step in 0..=steps {
+            let place = look.at(from_m + step as f64 * RAY_STEP_M);
+            if !bed.nodes.holds(place) || !bed.is_known[bed.nodes.nearest(place)] {
+                break;
+            }
+            depth_m.push(bed.nodes.value_at(&bed.depth_m, place));
+        }
+        let mut most_m2: f64 = 0.0;
+        let mut ray = Self {
+            from_m,
+            range_m: Vec::with_capacity(depth_m.len()),
+            slope: Vec::with_capacity(depth_m.len()),
+        };
+        for step in 0..depth_m.len().saturating_sub(SLOPE_STEPS) {
+            let ground_m = from_m + step as f64 * RAY_STEP_M;
+            let altitude_m = depth_m[step] - look.transducer_m;
+            if altitude_m < LEAST_ALTITUDE_M {
+                break;
+            }
+            most_m2 = most_m2.max(ground_m * ground_m + altitude_m * altitude_m);
+            // Strictly growing, so that each range has one place.
+            ray.range_m.push(most_m2.sqrt() + 1e-9 * step as f64);
+            let from = step.saturating_sub(SLOPE_STEPS);
+            let over_m = (step + SLOPE_STEPS - from) as f64 * RAY_STEP_M;
+            ray.slope
+                .push((depth_m[step + SLOPE_STEPS] - depth_m[from]) / over_m);
+        }
+        ray
+    }
+}
+
+impl Look {
+    /// The place at a ground range, east and north, metres.
+    pub fn at(&self, ground_m: f64) -> [f64; 2] {
+        [0, 1].map(|axis| self.place_m[axis] + ground_m * self.outward[axis])
+    }
+
+    /// The ground ranges between which pieces may lie within some nodes, metres; `None` where there are none.
+    pub fn within(&self, nodes: &Nodes) -> Option<[f64; 2]> {
+        let last_m = self.first_m + self.step_m * self.ln_power.len() as f64;
+        let [west_m, south_m, east_m, north_m] = nodes.bounds_m();
+        let (mut from_m, mut to_m) = (NEAREST_M, last_m.min(FARTHEST_M));
+        for (axis, [low_m, high_m]) in [[west_m, east_m], [south_m, north_m]]
+            .into_iter()
+            .enumerate()
+        {
+            // Along the other axis both are infinite: of one sign outside, of two inside.
+            let ends =
+                [low_m, high_m].map(|edge_m| (edge_m - self.place_m[axis]) / self.outward[axis]);
+            from_m = from_m.max(ends[0].min(ends[1]));
+            to_m = to_m.min(ends[0].max(ends[1]));
+        }
+        (from_m < to_m).then_some([from_m, to_m])
+    }
+
+    /// Hands the readings of the pieces of this look that lie within some nodes to `found`; the bed's nodes may reach farther. Without curves
+    /// only what is measured is said.
+    pub fn read(
+        &self,
+        bed: &Bed,
+        within: &Nodes,
+        curves: Option<&Curves>,
+        piece_m: f64,
+        mut found: impl FnMut(Reading),
+    ) {
+        let Some(span_m) = self.within(within) else {
+            return;
+        };
+        let ray = Ray::new(self, bed, span_m);
+        let mut sums = Sums::default();
+        let mut piece = 0;
+        let mut step = 0;
+        let [flattest, steepest] = [FLATTEST_DEG, STEEPEST_DEG].map(f64::to_radians);
+        let mut finish = |sums: &mut Sums| {
+            let reading = self.reading(&std::mem::take(sums));
+            reading
+                .filter(|one| within.holds(one.place_m))
+                .into_iter()
+                .for_each(&mut found);
+        };
+        for (index, ln_power) in self.ln_power.iter().enumerate() {
+            let range_m = self.first_m + index as f64 * self.step_m;
+            while step + 1 < ray.range_m.len() && ray.range_m[step + 1] < range_m {
+                step += 1;
+            }
+            let (Some(&[from, to]), Some(&[slope, next])) = (
+                ray.range_m
+                    .get(step..step + 2)
+                    .and_then(|pair| pair.first_chunk()),
+                ray.slope
+                    .get(step..step + 2)
+                    .and_then(|pair| pair.first_chunk()),
+            ) else {
+                break;
+            };
+            let share = (range_m - from) / (to - from);
+            let ground_m = ray.from_m + (step as f64 + share) * RAY_STEP_M;
+            if share < 0.0 || ln_power.is_nan() {
+                continue;
+            }
+            let slope = slope + share * (next - slope);
+            let phi_rad = (ground_m / range_m).min(1.0).asin();
+            if phi_rad > flattest || phi_rad + slope.atan() < steepest {
+                continue;
+            }
+            let here = (ground_m / piece_m) as usize;
+            if here != piece {
+                finish(&mut sums);
+                piece = here;
+            }
+            let at = Incidence {
+                range_m,
+                phi_rad,
+                slope,
+                side: self.side,
+            };
+            let brightness = bed.nodes.value_at(&bed.ln_brightness, self.at(ground_m));
+            sums.add(&at, ground_m, f64::from(*ln_power), curves, brightness);
+        }
+        finish(&mut sums);
+    }
+
+    /// `None` of too few samples.
+    fn reading(&self, sums: &Sums) -> Option<Reading> {
+        let mean = |sum: f64| sum / sums.count;
+        let independent = sums.count * self.independent;
+        (independent >= LEAST_INDEPENDENT).then(|| Reading {
+            over: mean(sums.over),
+            ln_power: mean(sums.ln_power),
+            independent,
+            at: Incidence {
+                range_m: mean(sums.range_m),
+                phi_rad: mean(sums.phi_rad),
+                slope: mean(sums.slope),
+                side: self.side,
+            },
+            share: mean(sums.share),
+            per_slope: mean(sums.per_slope),
+            per_depth: mean(sums.per_depth),
+            place_m: self.at(mean(sums.ground_m)),
+        })
+    }
+}
+
+impl Sums {
+    fn add(
+        &mut self,
+        at: &Incidence,
+        ground_m: f64,
+        ln_power: f64,
+        curves: Option<&Curves>,
+        brightness: f64,
+    ) {
+        self.count += 1.0;
+        self.ground_m += ground_m;
+        self.range_m += at.range_m;
+        self.phi_rad += at.phi_rad;
+        self.slope += at.slope;
+        self.ln_power += ln_power;
+        if let Some(curves) = curves {
+            let expected = curves.expected(at, brightness);
+            self.over += ln_power - expected.ln_power;
+            self.share += expected.share;
+            self.per_slope += expected.per_slope;
+            self.per_depth += expected.per_depth;
+        }
+    }
+}

@@ -1,0 +1,396 @@
+//! One round: depth, brightness, gain and, where they are to be learnt, the curves, from all readings and all measured depths together, by least
+//! squares.
+//!
+//! Unknown are depth `d` and logarithm of brightness `a` at the nodes and the gain of every stretch of a log. A reading at `x` that looks outward
+//! along `o` says `J_s (d(x + u o) - d(x - u o)) / 2u + J_d d(x) + q a(x) + gain + J_c c = over + J d' + q a'` with the values `'` of the round before. The
+//! curves `c` occur in every reading, so they are solved for by the Schur complement.
+
+use super::elimination;
+use super::looks::Look;
+use super::model::{Curves, PARAMETERS, solve_dense};
+use super::nodes::{Nodes, Shares};
+use super::readings::{Bed, Reading, place};
+use crate::bottom::bathymetry::Node;
+use crate::support::sparse::{Equations, Factor, Normal, Pattern};
+use crate::support::statistics::median;
+use faer::Mat;
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+
+/// Standard deviation of what the model lacks, natural logarithm of power, and variance of the logarithm of a single echo's power.
+const SD_MODEL: f64 = 0.12;
+const SPECKLE_VARIANCE: f64 = 1.7;
+/// Least standard deviation of a measured depth, metres.
+const SD_MEASURED_M: f64 = 0.025;
+/// Reciprocal of the length over which the depth about the triangles hangs together, a metre.
+const KAPPA_PER_M: f64 = 0.6;
+/// Standard deviation of the brightness itself.
+const SD_BRIGHTNESS: f64 = 1.0;
+/// Standard deviations of the gain of a stretch of a log, and from one to the next.
+const SD_GAIN_STEP: f64 = 0.05;
+const SD_GAIN: f64 = 1.0;
+/// Misfits beyond so many of their standard deviations count less.
+const ROBUST: f64 = 2.5;
+/// Most that a parameter of a curve changes in a round.
+const MOST_CURVE_STEP: f64 = 0.7;
+/// Draws of what is unknown of the depths, for their standard deviation.
+const DRAWS: usize = 8;
+/// What holds the curves in a round, against steps beyond where they are nearly linear.
+const CURVE_DAMPING: f64 = 4.0;
+
+/// How the brightness of the bed may change.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Brightness {
+    /// Slowly: standard deviation of its change over half a metre.
+    Slow(f64),
+    /// In patches: its standard deviation.
+    Patches(f64),
+}
+
+/// What is known of a bed beforehand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Prior {
+    /// How its brightness may change.
+    pub brightness: Brightness,
+    /// Standard deviation of its depth about the triangles between the measured depths, metres.
+    pub relief_m: f64,
+}
+
+/// The length over which patches hang together, metres.
+const PATCH_M: f64 = 3.0;
+/// The length that [`Brightness::Slow`] counts by, metres.
+const SLOW_M: f64 = 0.5;
+
+/// What a tile is solved from.
+#[derive(Clone, Copy)]
+pub struct Given<'a> {
+    /// All looks.
+    pub looks: &'a [Look],
+    /// The curves of each, `None` where they are unknown.
+    pub curves: &'a [Option<Curves>],
+    /// Ground range of a piece, metres.
+    pub piece_m: f64,
+    /// Whether echoes of a place are those of the bed.
+    pub is_bed: &'a (dyn Fn([f64; 2]) -> bool + Sync),
+    /// What is known beforehand.
+    pub prior: Prior,
+    /// Whether misfits count less.
+    pub is_robust: bool,
+}
+
+/// What a round finds beside the bed.
+pub struct Solved {
+    /// Whether a reading lies next to each node.
+    pub is_seen: Vec<bool>,
+    /// Where the curves are to be learnt.
+    pub border: Option<Border>,
+}
+
+/// What a tile says of the curves, and what they change in it.
+pub struct Border {
+    /// The Schur complement, of the parameters of all sets of curves in a row.
+    normal: Mat<f64>,
+    /// Its right side.
+    right: Vec<f64>,
+    /// What depth and brightness lose for a step of each parameter that occurs.
+    columns: Vec<(usize, Vec<f64>)>,
+}
+
+/// A tile between its rounds.
+pub struct TileState {
+    /// Which tile.
+    pub tile: usize,
+    /// Its bed as it is known so far.
+    pub bed: Bed,
+    measured: Vec<Node>,
+    looks: Vec<usize>,
+}
+
+impl TileState {
+    /// Of a tile before its first round; `None` where no depth was measured in it.
+    pub fn new(tile: usize, nodes: &Nodes, measured: &[Node], looks: &[Look]) -> Option<Self> {
+        let inside = measured.iter().filter(|depth| nodes.holds(place(depth)));
+        let measured: Vec<Node> = inside.copied().collect();
+        let bed = Bed::new(*nodes, &measured)?;
+        let all = looks.iter().enumerate();
+        let touching = all.filter(|(_, look)| look.within(nodes).is_some());
+        Some(Self {
+            tile,
+            looks: touching.map(|(look, _)| look).collect(),
+            measured,
+            bed,
+        })
+    }
+
+    /// The next round; `None` where no reading lies in the tile, or where the equations have no solution.
+    pub fn solve(&mut self, given: &Given<'_>, learns: bool) -> Option<Solved> {
+        let nodes = self.bed.nodes;
+        let mut system = System::new(&nodes);
+        for look in self.looks.iter().map(|look| &given.looks[*look]) {
+            if let Some(curves) = &given.curves[look.curves] {
+                system.gains.insert(look.stretch, 0);
+                look.read(&self.bed, &nodes, Some(curves), given.piece_m, |reading| {
+                    if (given.is_bed)(reading.place_m) {
+                        system.readings.push((look, reading));
+                    }
+                });
+            }
+        }
+        if system.readings.is_empty() {
+            return None;
+        }
+        system.add_readings(&self.bed, given.piece_m, given.is_robust);
+        for depth in &self.measured {
+            let sd_m = SD_MEASURED_M.max(0.6 * depth.spread_m);
+            let shares = nodes.shares(place(depth));
+            system.equations.add(shares, depth.depth_m, sd_m);
+        }
+        system.add_relief(&self.bed.triangles_m, given.prior.relief_m);
+        system.add_brightness(given.prior.brightness);
+        system.add_gains();
+        let order = elimination::order(&nodes, 2, system.unknowns());
+        let pattern = Pattern::in_order(&system.equations, order)?;
+        let factor = pattern.factorise(&system.equations)?;
+        let mut normal = Normal::new(1);
+        let mut drawn = factor.solve(&pattern, &system.equations, DRAWS, || normal.draw());
+        let values = drawn.swap_remove(0);
+        if values.iter().any(|value| !value.is_finite()) {
+            return None;
+        }
+        let sd_m = |node: usize| {
+            let squares = drawn.iter().map(|draw| draw[node].powi(2));
+            (squares.sum::<f64>() / DRAWS as f64).sqrt()
+        };
+        self.bed.step(&values);
+        self.bed.sd_m = (0..nodes.len()).map(sd_m).collect();
+        Some(Solved {
+            is_seen: system.is_seen(),
+            border: learns.then(|| system.border(given.curves.len(), &factor, &values)),
+        })
+    }
+
+    /// Takes over a step of the curves.
+    pub fn follow(&mut self, border: &Border, steps: &[f64]) {
+        for (parameter, column) in &border.columns {
+            self.bed.add(column, -steps[*parameter]);
+        }
+    }
+}
+
+/// The terms of `(kappa^2 - Laplace)` at a node, whose values are independent in a Matern field (Lindgren et al. 2011, doi
+/// 10.1111/j.1467-9868.2011.00777.x), and their standard deviation for a field of standard deviation `sd`.
+fn innovation(
+    nodes: &Nodes,
+    node: usize,
+    kappa_per_m: f64,
+    sd: f64,
+) -> (impl Iterator<Item = (usize, f64)>, f64) {
+    let per_m2 = 1.0 / nodes.step_m.powi(2);
+    let around = nodes.neighbours(node).map(|other| (other, -per_m2));
+    let terms = around
+        .into_iter()
+        .chain([(node, 4.0 * per_m2 + kappa_per_m.powi(2))]);
+    (terms, sd * (4.0 * PI).sqrt() * kappa_per_m / nodes.step_m)
+}
+
+struct System<'a> {
+    nodes: Nodes,
+    equations: Equations,
+    readings: Vec<(&'a Look, Reading)>,
+    /// The unknown of the gain of each stretch of a log.
+    gains: BTreeMap<(u32, u32), usize>,
+}
+
+impl<'a> System<'a> {
+    fn new(nodes: &Nodes) -> Self {
+        Self {
+            nodes: *nodes,
+            equations: Equations::default(),
+            readings: Vec::new(),
+            gains: BTreeMap::new(),
+        }
+    }
+
+    fn unknowns(&self) -> usize {
+        2 * self.nodes.len() + self.gains.len()
+    }
+
+    fn add_readings(&mut self, bed: &Bed, piece_m: f64, is_robust: bool) {
+        let count = self.nodes.len();
+        for (index, gain) in self.gains.values_mut().enumerate() {
+            *gain = 2 * count + index;
+        }
+        let mut overs: Vec<f64> = self
+            .readings
+            .iter()
+            .map(|(_, reading)| reading.over)
+            .collect();
+        let middle = median(&mut overs);
+        for (look, reading) in &self.readings {
+            let half_m = 0.5 * piece_m;
+            let at = |metres: f64| {
+                [0, 1].map(|axis| reading.place_m[axis] + metres * look.outward[axis])
+            };
+            let places = [-half_m, 0.0, half_m].map(at);
+            let [inner, here, outer] = places.map(|place| self.nodes.shares(place));
+            let [before_inner, before, before_outer] =
+                places.map(|place| bed.nodes.value_at(&bed.depth_m, place));
+            let per_m = reading.per_slope / piece_m;
+            let goal = reading.over
+                + per_m * (before_outer - before_inner)
+                + reading.per_depth * before
+                + reading.share * bed.nodes.value_at(&bed.ln_brightness, reading.place_m);
+            let times = |shares: Shares, factor: f64, first: usize| {
+                shares
+                    .into_iter()
+                    .map(move |(node, share)| (first + node, factor * share))
+            };
+            let terms = times(outer, per_m, 0)
+                .chain(times(inner, -per_m, 0))
+                .chain(times(here, reading.per_depth, 0))
+                .chain(times(here, reading.share, count))
+                .chain([(self.gains[&look.stretch], 1.0)]);
+            let mut sd = (SPECKLE_VARIANCE / reading.independent)
+                .sqrt()
+                .hypot(SD_MODEL);
+            let over = (reading.over - middle).abs() / sd;
+            if is_robust && over > ROBUST {
+                sd *= (over / ROBUST).sqrt();
+            }
+            self.equations.add(terms, goal, sd);
+        }
+    }
+
+    /// The depth varies about the triangles: their own bends are not asked for.
+    fn add_relief(&mut self, triangles_m: &[f64], relief_m: f64) {
+        for (node, depth_m) in triangles_m.iter().enumerate() {
+            let (terms, sd) = innovation(&self.nodes, node, KAPPA_PER_M, relief_m);
+            self.equations
+                .add(terms, KAPPA_PER_M * KAPPA_PER_M * depth_m, sd);
+        }
+    }
+
+    fn add_brightness(&mut self, brightness: Brightness) {
+        let count = self.nodes.len();
+        for node in 0..count {
+            match brightness {
+                Brightness::Slow(sd) => {
+                    let [_, east, _, north] = self.nodes.neighbours(node);
+                    // Over so short a step the change is in proportion to it.
+                    let sd = sd * self.nodes.step_m / SLOW_M;
+                    for other in [east, north].into_iter().filter(|other| *other != node) {
+                        self.equations
+                            .add([(count + node, 1.0), (count + other, -1.0)], 0.0, sd);
+                    }
+                }
+                Brightness::Patches(sd) => {
+                    let (terms, sd) = innovation(&self.nodes, node, 1.0 / PATCH_M, sd);
+                    let terms = terms.map(|(node, factor)| (count + node, factor));
+                    self.equations.add(terms, 0.0, sd);
+                }
+            }
+            self.equations
+                .add([(count + node, 1.0)], 0.0, SD_BRIGHTNESS);
+        }
+    }
+
+    fn add_gains(&mut self) {
+        for (&(log, stretch), gain) in &self.gains {
+            self.equations.add([(*gain, 1.0)], 0.0, SD_GAIN);
+            if let Some(next) = self.gains.get(&(log, stretch + 1)) {
+                let terms = [(*gain, 1.0), (*next, -1.0)];
+                self.equations.add(terms, 0.0, SD_GAIN_STEP);
+            }
+        }
+    }
+
+    fn is_seen(&self) -> Vec<bool> {
+        let mut is_seen = vec![false; self.nodes.len()];
+        for (_, reading) in &self.readings {
+            is_seen[self.nodes.nearest(reading.place_m)] = true;
+        }
+        is_seen
+    }
+
+    /// What the readings, which are the first of the equations, say of so many sets of curves.
+    fn border(&self, sets: usize, factor: &Factor, values: &[f64]) -> Border {
+        let parameters = sets * PARAMETERS;
+        let mut normal = Mat::<f64>::zeros(parameters, parameters);
+        let mut right = vec![0.0; parameters];
+        // Of sets that no reading of the tile belongs to there is no column to solve for.
+        let mut occurring: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+        for (equation, (look, reading)) in self.readings.iter().enumerate() {
+            let mut by = [0.0; PARAMETERS];
+            Curves::add_derivatives(&reading.at, reading.share, &mut by);
+            let weight = self.equations.weight(equation).powi(2);
+            let first = PARAMETERS * look.curves;
+            // What the solution without a step of the curves leaves.
+            let left = -self.equations.residual(equation, values) / self.equations.weight(equation);
+            for (row, of_row) in by.iter().enumerate().filter(|(_, by)| **by != 0.0) {
+                right[first + row] += weight * of_row * left;
+                for (column, of_column) in by.iter().enumerate() {
+                    normal[(first + row, first + column)] += weight * of_row * of_column;
+                }
+                let column = occurring.entry(first + row);
+                let column = column.or_insert_with(|| vec![0.0; self.unknowns()]);
+                self.equations.add_times(equation, weight * of_row, column);
+            }
+        }
+        let (places, mut columns): (Vec<usize>, Vec<Vec<f64>>) = occurring.into_iter().unzip();
+        let ties = columns.clone();
+        factor.solve_for(&mut columns);
+        for (row, tie) in places.iter().zip(&ties) {
+            for (column, solved) in places.iter().zip(&columns) {
+                normal[(*row, *column)] -= tie.iter().zip(solved).map(|(a, b)| a * b).sum::<f64>();
+            }
+        }
+        for column in &mut columns {
+            column.truncate(2 * self.nodes.len());
+        }
+        Border {
+            normal,
+            right,
+            columns: places.into_iter().zip(columns).collect(),
+        }
+    }
+}
+
+/// The step of the parameters of all sets of curves that the tiles of a sample say together; the curves a step on are put in their place.
+/// `recorders` are those of the curves.
+pub fn learn(
+    curves: &mut [Option<Curves>],
+    recorders: &[u32],
+    borders: &[&Border],
+) -> Option<Vec<f64>> {
+    let count = curves.len() * PARAMETERS;
+    let mut normal = Mat::<f64>::zeros(count, count);
+    let mut right = vec![0.0; count];
+    for border in borders {
+        normal += &border.normal;
+        right
+            .iter_mut()
+            .zip(&border.right)
+            .for_each(|(sum, value)| *sum += value);
+    }
+    let known = (0..curves.len()).filter_map(|set| Some((set, curves[set].as_ref()?)));
+    let known: Vec<(usize, &Curves)> = known.collect();
+    for (set, curves) in &known {
+        curves.add_prior(&mut normal, &mut right, PARAMETERS * set, 1.0);
+    }
+    let ends = known.iter().zip(known.iter().skip(1));
+    for ((one, before), (other, after)) in ends.filter(|(a, b)| recorders[a.0] == recorders[b.0]) {
+        let (one, other) = ((*before, PARAMETERS * one), (*after, PARAMETERS * other));
+        Curves::add_tie(one, other, &mut normal, &mut right);
+    }
+    for at in 0..count {
+        normal[(at, at)] += CURVE_DAMPING;
+    }
+    let mut steps = solve_dense(&normal, &right)?;
+    for step in &mut steps {
+        *step = step.clamp(-MOST_CURVE_STEP, MOST_CURVE_STEP);
+    }
+    for (curves, step) in curves.iter_mut().zip(steps.chunks(PARAMETERS)) {
+        *curves = curves.take().map(|curves| curves.stepped(step));
+    }
+    Some(steps)
+}

@@ -1,0 +1,158 @@
+//! In how fine steps a survey is solved for, and how its nodes, or those of a part of a larger map, are parted into tiles that are solved for one by one.
+//!
+//! The tiles of a part of a map are those of a lattice that all parts share: so each part finds, to the bit, what its neighbours find where they meet.
+
+use super::nodes::{Nodes, Tile};
+use super::readings::FARTHEST_M;
+use crate::bottom::bathymetry::Grid;
+
+/// Nodes along the side of a tile's core, and around it.
+const CORE: usize = 64;
+const HALO: usize = 8;
+/// Nodes that are solved for together where all are no more.
+const MOST_TOGETHER: usize = 24_000;
+/// Nodes that a survey may have: of a metre they are eight square kilometres.
+const MOST_NODES: usize = 8_000_000;
+
+/// How fine depths and levels are resolved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Resolution {
+    /// From one node to the next, metres.
+    pub node_m: f64,
+    /// Ground range of a piece, metres.
+    pub piece_m: f64,
+    /// Length of the ranges that levels are averaged over, metres.
+    pub range_m: f64,
+    /// Chunks of pings that are averaged together.
+    pub chunks: usize,
+    /// Rounds in which depths are found once the curves are known.
+    pub rounds: usize,
+}
+
+impl Resolution {
+    /// Of a survey of at most [`MOST_FINE`] such nodes.
+    pub const FINE: Self = Self {
+        node_m: 0.5,
+        piece_m: 0.5,
+        range_m: 0.06,
+        chunks: 1,
+        rounds: 2,
+    };
+    /// Of a larger one, and of the parts of a map.
+    pub const COARSE: Self = Self {
+        node_m: 1.0,
+        piece_m: 1.0,
+        range_m: 0.12,
+        chunks: 2,
+        // On ponds a second one takes off a twentieth of the error, in a third more time.
+        rounds: 1,
+    };
+
+    /// That at which curves are learnt and left-out soundings predicted.
+    #[must_use]
+    pub fn of_learning(self) -> Self {
+        Self {
+            node_m: Self::COARSE.node_m,
+            ..self
+        }
+    }
+}
+
+/// Most nodes of the fine resolution.
+const MOST_FINE: usize = 40_000;
+/// Edges of parts are multiples of this, metres.
+pub const PART_STEP_M: f64 = CORE as f64 * Resolution::COARSE.node_m;
+/// How far around a part measured depths must be known, metres: a core and the halo.
+pub const PART_DEPTHS_M: f64 = (CORE + HALO) as f64 * Resolution::COARSE.node_m;
+/// How far around a part the pings must be known, metres: as far as they look into these.
+pub const PART_PINGS_M: f64 = PART_DEPTHS_M + FARTHEST_M;
+
+/// What is solved for.
+#[derive(Clone)]
+pub struct Tiling {
+    /// How fine.
+    pub resolution: Resolution,
+    /// All nodes.
+    pub nodes: Nodes,
+    /// The parts of them that are solved for together.
+    pub tiles: Vec<Tile>,
+}
+
+impl Tiling {
+    /// Of a survey whose map has a grid; `None` where it is too large.
+    pub fn of_survey(grid: &Grid) -> Option<Self> {
+        let resolution = match Nodes::over(grid, Resolution::FINE.node_m).len() <= MOST_FINE {
+            true => Resolution::FINE,
+            false => Resolution::COARSE,
+        };
+        let nodes = Nodes::over(grid, resolution.node_m);
+        (nodes.len() <= MOST_NODES).then(|| Self::at(grid, resolution))
+    }
+
+    /// Of a survey at some resolution.
+    pub fn at(grid: &Grid, resolution: Resolution) -> Self {
+        let nodes = Nodes::over(grid, resolution.node_m);
+        Self {
+            resolution,
+            tiles: nodes.tiles(MOST_TOGETHER, CORE, HALO),
+            nodes,
+        }
+    }
+
+    /// Of a part with some edges west, south, east and north, metres: multiples of [`PART_STEP_M`]. A core lies around it on all sides.
+    pub fn of_part([west_m, south_m, east_m, north_m]: [f64; 4]) -> Self {
+        let resolution = Resolution::COARSE;
+        let cores = |metres: f64| (metres / PART_STEP_M).round() as i64;
+        let (from, to) = ([west_m, south_m].map(cores), [east_m, north_m].map(cores));
+        let count = [0, 1].map(|axis| (to[axis] - from[axis] + 2).max(1) as usize);
+        let nodes = Nodes {
+            zero_m: [0.0; 2],
+            first: from.map(|core| (core - 1) * CORE as i64 - HALO as i64),
+            step_m: resolution.node_m,
+            counts: count.map(|cores| cores * CORE + 2 * HALO),
+        };
+        Self {
+            resolution,
+            tiles: nodes.tiles_within(HALO, [CORE; 2], HALO),
+            nodes,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_tiles_of_two_parts_are_those_of_one_lattice() {
+        let [one, other] =
+            [0.0, 512.0].map(|east_m| Tiling::of_part([east_m, 1024.0, east_m + 512.0, 1536.0]));
+        assert_eq!(one.tiles.len(), 10 * 10);
+        let place = |tile: &Tile| (tile.nodes.first, tile.nodes.counts, tile.core);
+        assert_eq!(
+            place(&one.tiles[0]),
+            ([-72, 952], [80, 80], [[8, 72], [8, 72]])
+        );
+        let is_shared = |tile: &&Tile| other.tiles.iter().any(|one| place(one) == place(tile));
+        // A column of tiles on both sides of the edge.
+        assert_eq!(one.tiles.iter().filter(is_shared).count(), 20);
+    }
+
+    #[test]
+    fn a_small_survey_is_fine_and_one_tile_and_a_survey_may_be_too_large() {
+        let grid = |side: usize| Grid {
+            west_m: 0.0,
+            north_m: 0.0,
+            cell_m: 1.0,
+            columns: side,
+            rows: side,
+        };
+        let small = Tiling::of_survey(&grid(60)).unwrap();
+        assert_eq!((small.tiles.len(), small.resolution), (1, Resolution::FINE));
+        assert_eq!(
+            Tiling::of_survey(&grid(900)).unwrap().resolution,
+            Resolution::COARSE
+        );
+        assert!(Tiling::of_survey(&grid(4000)).is_none());
+    }
+}

@@ -1,0 +1,199 @@
+//! The cells of a window while strips are painted over each other.
+
+use super::layout::Ray;
+use super::line::Line;
+use super::overlap::CellSum;
+use super::scan::spans;
+use super::{MosaicSettings, Overlap};
+use crate::bottom::bathymetry::Grid;
+
+/// A window of cells.
+pub struct Canvas {
+    overlap: Overlap,
+    /// Tangent of the angle from straight down within which nothing is shown.
+    nadir_gap: f64,
+    water_column: bool,
+    window: Grid,
+    /// Cells from a row to the next.
+    stride: usize,
+    sums: Vec<CellSum>,
+}
+
+impl Canvas {
+    /// For a window in the north-west of as many columns and rows of cells.
+    pub fn new(window: Grid, [columns, rows]: [usize; 2], settings: &MosaicSettings) -> Self {
+        Self {
+            overlap: settings.overlap,
+            nadir_gap: settings.nadir_gap_deg.to_radians().tan(),
+            water_column: settings.water_column,
+            window,
+            stride: columns,
+            sums: vec![CellSum::default(); columns * rows],
+        }
+    }
+
+    /// Least and greatest distance on the ground, along a ray of a strip, at which a cell of the window may lie; `from` is where the
+    /// ray starts, which moves by `moved_m` within the strip.
+    pub fn distances_m(&self, ray: &Ray, moved_m: f64) -> [f64; 2] {
+        let window = &self.window;
+        let [x, y] = [ray.at[0] - window.west_m, window.north_m - ray.at[1]];
+        let [wide_m, high_m] =
+            [window.columns, window.rows].map(|cells| cells as f64 * window.cell_m);
+        let outside = |place: f64, length: f64| (-place).max(place - length).max(0.0);
+        let across = |place: f64, length: f64| place.abs().max((place - length).abs());
+        let nearest = outside(x, wide_m).hypot(outside(y, high_m));
+        let farthest = across(x, wide_m).hypot(across(y, high_m));
+        let scale = ray.out[0].hypot(ray.out[1]).max(1e-9);
+        [
+            ((nearest - moved_m) / scale - window.cell_m).max(0.0),
+            (farthest + moved_m) / scale + window.cell_m,
+        ]
+    }
+
+    /// Lays a strip over the cells whose middles lie in it.
+    pub fn paint(&mut self, corners: &[[f64; 2]; 4], strip: &[Ray; 2], lines: [&Line; 2]) {
+        let window = self.window;
+        // In cells from the window's north-west corner, rows southward; a cell's middle is at + 0.5.
+        let corners = corners.map(|[x, y]| {
+            [
+                (x - window.west_m) / window.cell_m - 0.5,
+                (window.north_m - y) / window.cell_m - 0.5,
+            ]
+        });
+        let between = Between::new(strip);
+        let altitudes_m = strip.map(|ray| ray.altitude_m);
+        let reach_m = strip[0].reach_m(self.water_column).max(0.1);
+        for (row, columns) in spans(&corners, window.columns, window.rows) {
+            let y = window.north_m - (row as f64 + 0.5) * window.cell_m;
+            for column in columns {
+                let x = window.west_m + (column as f64 + 0.5) * window.cell_m;
+                let Some([share, ground_m]) = between.find([x, y]) else {
+                    continue;
+                };
+                if self.nadir_gap > 0.0 {
+                    let altitude_m = altitudes_m[0] + (altitudes_m[1] - altitudes_m[0]) * share;
+                    if ground_m < altitude_m * self.nadir_gap {
+                        continue;
+                    }
+                }
+                let levels = lines.map(|line| line.at(ground_m));
+                let level = levels[0] + (levels[1] - levels[0]) * share as f32;
+                if !level.is_nan() {
+                    let echo = CellSum::of(level, self.overlap.weight(ground_m / reach_m));
+                    let cell = &mut self.sums[row * self.stride + column];
+                    self.overlap.join(cell, echo);
+                }
+            }
+        }
+    }
+
+    /// What is in each cell.
+    pub fn sums(&self) -> &[CellSum] {
+        &self.sums
+    }
+
+    /// 0 where nothing was seen, else 1 to 255.
+    pub fn finish(self) -> Vec<u8> {
+        self.sums.iter().map(CellSum::level).collect()
+    }
+}
+
+/// The ground between two rays, on which one is turned and moved evenly into the other.
+///
+/// The ray at share `u` starts at `p + u dp` and runs along `s + u ds`. The place `q` (from `p`) lies on it where
+/// `f(u) = (q - u dp) x (s + u ds) = 0`. `f` is quadratic in `u`, with `f(0) = q x s` and `f(1) = (q - dp) x (s + ds)`: on which side
+/// of each of both rays the place lies. Where the signs differ it lies between them.
+struct Between {
+    here: Ray,
+    next: Ray,
+    dp: [f64; 2],
+    ds: [f64; 2],
+    /// Of the square in `f`.
+    bend: f64,
+}
+
+fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+fn minus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+impl Between {
+    fn new(&[here, next]: &[Ray; 2]) -> Self {
+        let (dp, ds) = (minus(next.at, here.at), minus(next.out, here.out));
+        Self {
+            here,
+            next,
+            dp,
+            ds,
+            bend: -cross(dp, ds),
+        }
+    }
+
+    /// Where a place lies between the rays: the share of the way from the first to the second, and the distance out along the ray
+    /// there, metres on the ground.
+    fn find(&self, place: [f64; 2]) -> Option<[f64; 2]> {
+        let q = minus(place, self.here.at);
+        let first = cross(q, self.here.out);
+        // The next strip computes the same of this ray: no place lies in both strips, or in neither.
+        let second = cross(minus(place, self.next.at), self.next.out);
+        if (first >= 0.0) == (second >= 0.0) {
+            return None;
+        }
+        // The chord of `f`, then a step of Newton's method: the bend is small against the chord.
+        let per_share = 1.0 / (first - second);
+        let chord = first * per_share;
+        let share = (chord - self.bend * chord * (1.0 - chord) * per_share).clamp(0.0, 1.0);
+        let out = [0, 1].map(|axis| self.here.out[axis] + share * self.ds[axis]);
+        let from = [0, 1].map(|axis| q[axis] - share * self.dp[axis]);
+        let ground_m = (from[0] * out[0] + from[1] * out[1]) / (out[0] * out[0] + out[1] * out[1]);
+        (ground_m >= 0.0).then_some([share, ground_m])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::survey::AcrossTrack;
+
+    #[test]
+    fn a_place_between_two_turned_rays_is_found_where_it_was_put() {
+        let ray = |at: [f64; 2], heading_deg: f64| Ray {
+            at,
+            out: [
+                heading_deg.to_radians().cos(),
+                heading_deg.to_radians().sin(),
+            ],
+            altitude_m: 3.0,
+            under_m: 3.0,
+            across: AcrossTrack::LEVEL,
+            start_m: 0.0,
+            step_m: 0.02,
+            count: 1400,
+        };
+        let strip = [ray([10.0, 20.0], 30.0), ray([10.0, 20.2], 33.0)];
+        let between = Between::new(&strip);
+        for share in [0.001, 0.25, 0.5, 0.9] {
+            for ground_m in [0.01, 1.0, 7.0, 27.0] {
+                let lerp = |a: f64, b: f64| a + (b - a) * share;
+                let place = [0, 1].map(|axis| {
+                    lerp(strip[0].at[axis], strip[1].at[axis])
+                        + ground_m * lerp(strip[0].out[axis], strip[1].out[axis])
+                });
+                let found = between.find(place).expect("between the rays");
+                assert!(
+                    (found[0] - share).abs() < 1e-3,
+                    "{share} {ground_m}: {found:?}"
+                );
+                assert!(
+                    (found[1] - ground_m).abs() < 1e-3,
+                    "{share} {ground_m}: {found:?}"
+                );
+            }
+        }
+        assert!(between.find([10.0, 19.9]).is_none());
+        assert!(between.find(strip[0].place(-3.0)).is_none());
+    }
+}

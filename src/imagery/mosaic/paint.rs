@@ -1,0 +1,214 @@
+//! Draws tiles and other windows: each cell takes the mean of the samples that it covers on the ray through its middle.
+
+use super::canvas::Canvas;
+use super::layout::{Layout, Ray, TileIndex, grid_bounds};
+use super::line::{Line, Lines};
+use super::{GainTable, MosaicSettings};
+use crate::bottom::bathymetry::Grid;
+use crate::support::progress::{Cancelled, Progress};
+use crate::survey::{Side, Survey};
+use std::convert::Infallible;
+use std::sync::Arc;
+
+/// Cells along a tile's side.
+pub const TILE_CELLS: usize = 256;
+
+/// A piece of the mosaic.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tile {
+    /// Rows of [`TILE_CELLS`] levels: 0 where nothing was seen, else 1 to 255.
+    pub levels: Vec<u8>,
+}
+
+impl Tile {
+    /// Whether no cell was seen.
+    pub fn is_empty(&self) -> bool {
+        self.levels.iter().all(|&level| level == 0)
+    }
+}
+
+/// A log of a mosaic.
+#[derive(Clone, Debug)]
+pub struct MosaicLog {
+    /// The recording.
+    pub survey: Arc<Survey>,
+    /// Where its echoes lie, in the plane that all logs share.
+    pub layout: Arc<Layout>,
+    /// What its levels are normalised by.
+    pub gain: GainTable,
+}
+
+/// One log in a tile.
+#[derive(Clone, Copy)]
+struct Part<'a> {
+    survey: &'a Survey,
+    layout: &'a Layout,
+    gain: &'a GainTable,
+    index: &'a TileIndex,
+}
+
+impl<'a> Part<'a> {
+    fn of(log: &'a MosaicLog, index: &'a TileIndex) -> Self {
+        Self {
+            survey: &log.survey,
+            layout: &log.layout,
+            gain: &log.gain,
+            index,
+        }
+    }
+}
+
+/// Draws the tile of a row and column of tiles. `gain` is used where the settings ask for it.
+pub fn tile(
+    survey: &Survey,
+    layout: &Layout,
+    grid: &Grid,
+    index: &TileIndex,
+    gain: &GainTable,
+    settings: &MosaicSettings,
+    place: [usize; 2],
+) -> Tile {
+    let part = Part {
+        survey,
+        layout,
+        gain,
+        index,
+    };
+    tile_of(std::iter::once(part), grid, settings, place)
+}
+
+/// The same of several logs, each with its index: one after the other by the rule of `mosaic.overlap`, so the last of them counts
+/// for the latest.
+pub fn joint_tile(
+    logs: &[(&MosaicLog, &TileIndex)],
+    grid: &Grid,
+    settings: &MosaicSettings,
+    place: [usize; 2],
+) -> Tile {
+    let parts = logs.iter().map(|(log, index)| Part::of(log, index));
+    tile_of(parts, grid, settings, place)
+}
+
+fn tile_of<'a>(
+    parts: impl Iterator<Item = Part<'a>>,
+    grid: &Grid,
+    settings: &MosaicSettings,
+    place: [usize; 2],
+) -> Tile {
+    Tile {
+        levels: painted(parts, grid, settings, place).finish(),
+    }
+}
+
+/// A tile of one log before it is finished.
+pub(super) fn painted_log(
+    log: &MosaicLog,
+    index: &TileIndex,
+    grid: &Grid,
+    settings: &MosaicSettings,
+    place: [usize; 2],
+) -> Canvas {
+    painted(std::iter::once(Part::of(log, index)), grid, settings, place)
+}
+
+fn painted<'a>(
+    parts: impl Iterator<Item = Part<'a>>,
+    grid: &Grid,
+    settings: &MosaicSettings,
+    [row, column]: [usize; 2],
+) -> Canvas {
+    let (first_row, first_column) = (row * TILE_CELLS, column * TILE_CELLS);
+    let window = Grid {
+        west_m: grid.west_m + first_column as f64 * grid.cell_m,
+        north_m: grid.north_m - first_row as f64 * grid.cell_m,
+        cell_m: grid.cell_m,
+        // Cells of the grid inside this tile.
+        columns: grid.columns.saturating_sub(first_column).min(TILE_CELLS),
+        rows: grid.rows.saturating_sub(first_row).min(TILE_CELLS),
+    };
+    let mut canvas = Canvas::new(window, [TILE_CELLS; 2], settings);
+    let go_on = || Ok::<(), Infallible>(());
+    for part in parts {
+        let strips = part.index.strips(row, column);
+        let lines = Lines::new(part.survey, part.layout, part.gain, settings, grid.cell_m);
+        let Ok(()) = draw(&mut canvas, part.layout, &lines, strips, go_on);
+    }
+    canvas
+}
+
+/// Draws all cells of a grid, row by row: 0 where nothing was seen, else 1 to 255. With a thinned layout a coarse grid costs
+/// what it shows.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn window(
+    survey: &Survey,
+    layout: &Layout,
+    grid: &Grid,
+    gain: &GainTable,
+    settings: &MosaicSettings,
+    progress: &Progress,
+) -> Result<Vec<u8>, Cancelled> {
+    joint_window(
+        std::iter::once((survey, layout, gain)),
+        grid,
+        settings,
+        progress,
+    )
+}
+
+/// The same of several logs, one after the other by the rule of `mosaic.overlap`.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn joint_window<'a>(
+    logs: impl Iterator<Item = (&'a Survey, &'a Layout, &'a GainTable)>,
+    grid: &Grid,
+    settings: &MosaicSettings,
+    progress: &Progress,
+) -> Result<Vec<u8>, Cancelled> {
+    let mut canvas = Canvas::new(*grid, [grid.columns, grid.rows], settings);
+    let ground = grid_bounds(grid);
+    for (survey, layout, gain) in logs {
+        let strips = layout.strips_in(ground);
+        let lines = Lines::new(survey, layout, gain, settings, grid.cell_m);
+        draw(&mut canvas, layout, &lines, strips, || progress.check())?;
+    }
+    Ok(canvas.finish())
+}
+
+/// Lays strips over each other. `check` is asked before each whether to go on.
+fn draw<E>(
+    canvas: &mut Canvas,
+    layout: &Layout,
+    lines: &Lines<'_>,
+    strips: impl Iterator<Item = (usize, Side)>,
+    check: impl Fn() -> Result<(), E>,
+) -> Result<(), E> {
+    // The last two pings of each side.
+    let none = |side| [Line::none(side), Line::none(side)];
+    let mut kept = [Side::Port, Side::Starboard].map(none);
+    for (ping, side) in strips {
+        check()?;
+        let Some(strip) = layout.strip(ping, side) else {
+            continue;
+        };
+        let kept = &mut kept[usize::from(side == Side::Starboard)];
+        let moved_m = moved_m(&strip);
+        let mut is_there = true;
+        for (place, ray) in [ping, ping + 1].into_iter().zip(&strip) {
+            let within_m = canvas.distances_m(ray, moved_m);
+            is_there &= kept[place % 2].read(lines, place, ray, within_m, moved_m);
+        }
+        if is_there {
+            let both = [ping, ping + 1].map(|place| &kept[place % 2]);
+            canvas.paint(&layout.corners(&strip), &strip, both);
+        }
+    }
+    Ok(())
+}
+
+/// How far the boat goes along a strip, in the plane of the map.
+fn moved_m([here, next]: &[Ray; 2]) -> f64 {
+    f64::hypot(next.at[0] - here.at[0], next.at[1] - here.at[1])
+}

@@ -1,0 +1,138 @@
+//! What the picture of one log is shown with, made once for its results.
+
+use super::{Extremes, PingScales, PingTable, Tone};
+use crate::imagery::mosaic::GainTable;
+use crate::imagery::waterfall::{MOST_SAMPLED_PINGS, beyond_pulse};
+use crate::support::progress::{Cancelled, Progress};
+use crate::survey::{Side, SideScanState, Survey};
+use std::sync::Arc;
+
+/// Echoes that levels are counted over: enough for stable percentiles, few enough to be counted anew while a slider is dragged.
+const MOST_ECHOES: usize = 1 << 17;
+
+/// An echo with all that its level depends on.
+#[derive(Clone, Copy, Debug)]
+struct Echo {
+    level: f32,
+    side: Side,
+    /// Slant range that gain is taken at, metres.
+    range_m: f32,
+    /// Factor of the gain table.
+    gain: f32,
+    /// Factor of the stripe filter.
+    even: f32,
+}
+
+/// Scales, gain and sampled echoes of a log.
+#[derive(Debug)]
+pub struct LogPicture {
+    /// What recorded ranges are worth.
+    pub scales: Arc<PingScales>,
+    /// The same with the factors of the stripe filter, for the GPU.
+    pub table: PingTable,
+    /// Least and greatest of the scales.
+    pub extremes: Extremes,
+    /// Gain normalisation; `None` where it was not asked for, or nothing is known of the ground.
+    pub gain: Option<Arc<GainTable>>,
+    /// Calibrated slant range where time-varied gain is 0 dB, metres: half of the farthest.
+    pub middle_m: f32,
+    echoes: Vec<Echo>,
+    has_bottom: bool,
+}
+
+impl LogPicture {
+    /// Of a log; `factors` are those of the stripe filter, if it was asked for.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn new(
+        survey: &Survey,
+        scales: Arc<PingScales>,
+        gain: Option<Arc<GainTable>>,
+        factors: Option<&[Vec<f32>; 2]>,
+        progress: &Progress,
+    ) -> Result<Self, Cancelled> {
+        let echoes = echoes(survey, &scales, gain.as_deref(), factors, progress)?;
+        let spans = survey.side_scan.iter().enumerate();
+        let far_m = spans
+            .flat_map(|(ping, recorded)| {
+                Side::BOTH.map(|side| {
+                    let far_m = recorded.side(side).map(|span| f64::from(span.far_m));
+                    far_m.map_or(0.0, |far_m| scales.at(side, ping).slant_m(far_m))
+                })
+            })
+            .filter(|far_m| far_m.is_finite())
+            .fold(1.0, f64::max);
+        Ok(Self {
+            table: PingTable::new(&scales, factors),
+            extremes: scales.extremes(),
+            scales,
+            gain,
+            middle_m: (0.5 * far_m) as f32,
+            echoes,
+            has_bottom: survey.side_scan_state == SideScanState::Usable,
+        })
+    }
+
+    /// Levels of the sampled echoes with some tone, 255 for the largest byte as recorded.
+    pub fn levels(&self, tone: &Tone) -> impl Iterator<Item = f32> {
+        self.echoes.iter().map(move |echo| {
+            let gain = if tone.is_normalised { echo.gain } else { 1.0 };
+            let even = if tone.is_even { echo.even } else { 1.0 };
+            echo.level * gain * even * tone.factor(echo.side, echo.range_m, self.middle_m)
+        })
+    }
+
+    /// Whether the side-scan shows the bottom and is no noise.
+    pub fn has_bottom(&self) -> bool {
+        self.has_bottom
+    }
+}
+
+/// Every so many echoes of pings spread evenly over the log, beyond the transmit pulse.
+fn echoes(
+    survey: &Survey,
+    scales: &PingScales,
+    gain: Option<&GainTable>,
+    factors: Option<&[Vec<f32>; 2]>,
+    progress: &Progress,
+) -> Result<Vec<Echo>, Cancelled> {
+    let pings = survey.side_scan.len();
+    let step = pings.div_ceil(MOST_SAMPLED_PINGS).max(1);
+    let spans = (0..pings)
+        .step_by(step)
+        .flat_map(|ping| Side::BOTH.map(|side| survey.span(ping, side)));
+    let all: usize = spans.flatten().map(|span| span.count as usize).sum();
+    let every = all.div_ceil(MOST_ECHOES).max(1);
+    let mut echoes = Vec::new();
+    let mut outward = Vec::new();
+    for ping in (0..pings).step_by(step) {
+        progress.check()?;
+        for side in Side::BOTH {
+            let (Some(span), Some(samples)) = (survey.span(ping, side), survey.samples(ping, side))
+            else {
+                continue;
+            };
+            let Some(first) = beyond_pulse(span) else {
+                continue;
+            };
+            let scale = scales.at(side, ping);
+            let slot = usize::from(side == Side::Starboard);
+            let even = factors.and_then(|factors| factors[slot].get(ping).copied());
+            samples.copy_outward(&mut outward);
+            let sampled = outward.iter().enumerate().skip(first).step_by(every);
+            echoes.extend(sampled.map(|(sample, &level)| {
+                let range_m = scale.slant_m(span.range_m(sample as f64 + 0.5));
+                let range_m = (range_m as f32).max(scale.altitude_m);
+                Echo {
+                    level: f32::from(level),
+                    side,
+                    range_m,
+                    gain: gain.map_or(1.0, |gain| gain.factor(side, range_m, scale.altitude_m)),
+                    even: even.unwrap_or(1.0),
+                }
+            }));
+        }
+    }
+    Ok(echoes)
+}

@@ -1,0 +1,271 @@
+//! A file is complete or it is not there.
+
+use std::collections::BTreeSet;
+use std::ffi::OsString;
+use std::fs::{self, File};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+/// How a file on its way is named at the end, after its own name and the writer's number.
+const PASSING: &str = ".bathyscope-part";
+/// How a file for passing data is named at the end, after the name that it is for and the writer's number.
+const SCRATCH: &str = ".scratch.part";
+
+/// A file that could not be written.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot write the file: {source}: {path}")]
+pub struct ExportError {
+    /// Which file.
+    pub path: PathBuf,
+    /// What the system said.
+    pub source: io::Error,
+}
+
+/// Whether two paths name the same file, which is there: by whatever folder, link or spelling.
+pub fn is_same_file(one: &Path, other: &Path) -> bool {
+    let there = [one, other].map(fs::canonicalize);
+    matches!(there, [Ok(one), Ok(other)] if one == other)
+}
+
+/// Writes a file under a passing name beside its place and renames it when `write` has succeeded, so that a reader never
+/// sees half a file and an old one stays until the new one is whole. `write` must flush what it buffers; what it returns is
+/// handed on.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write_aside<T>(
+    path: &Path,
+    write: impl FnOnce(File) -> io::Result<T>,
+) -> Result<T, ExportError> {
+    let fail = |source| ExportError {
+        path: path.to_path_buf(),
+        source,
+    };
+    let Some(name) = path.file_name() else {
+        return Err(fail(io::Error::other("the path names no file")));
+    };
+    let mut passing = OsString::from(".");
+    passing.push(name);
+    passing.push(format!(".{}{PASSING}", std::process::id()));
+    let passing = path.with_file_name(passing);
+    passing.parent().into_iter().for_each(tidy);
+    let _leftover = Leftover(&passing);
+    let mut open = File::options();
+    open.read(true).write(true).create(true).truncate(true);
+    let written = open.open(&passing).and_then(write);
+    written
+        .and_then(|made| fs::rename(&passing, path).map(|()| made))
+        .map_err(fail)
+}
+
+/// A file under its passing name, which goes whatever way the writing ends; once it has its own name, nothing is left to go.
+struct Leftover<'a>(&'a Path);
+
+impl Drop for Leftover<'_> {
+    fn drop(&mut self) {
+        // Best effort: the error that is reported is the one that came first.
+        fs::remove_file(self.0).ok();
+    }
+}
+
+/// Renames a file that is not to be written over: `pond.bottom.toml` becomes `pond.bottom-older.toml`, or `-older-2` and so on where
+/// that is taken. Gives back the new name.
+///
+/// # Errors
+/// When it cannot be renamed.
+pub fn keep_aside(path: &Path) -> Result<PathBuf, ExportError> {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let ending = path.extension().map(|ending| ending.to_string_lossy());
+    let named = |count: usize| {
+        let number = match count {
+            1 => String::new(),
+            count => format!("-{count}"),
+        };
+        let ending = ending.as_ref().map(|ending| format!(".{ending}"));
+        let name = format!("{stem}-older{number}{}", ending.unwrap_or_default());
+        path.with_file_name(name)
+    };
+    let mut free = (1..).map(named).filter(|aside| !aside.exists());
+    let aside = free.next().unwrap_or_else(|| named(0));
+    fs::rename(path, &aside).map_err(|source| ExportError {
+        path: path.to_path_buf(),
+        source,
+    })?;
+    Ok(aside)
+}
+
+/// Removes what a killed program left in a folder, when the first file is written there: files on their way of processes that are no
+/// more, and their passing data. Best effort: what cannot be removed stays.
+fn tidy(folder: &Path) {
+    static TIDIED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+    let mut tidied = TIDIED.lock().unwrap_or_else(PoisonError::into_inner);
+    if tidied.insert(folder.to_path_buf()) {
+        remove_leftovers(folder, |name| {
+            let on_its_way = || name.strip_prefix('.')?.strip_suffix(PASSING);
+            name.strip_suffix(SCRATCH).or_else(on_its_way)
+        });
+    }
+}
+
+/// Removes files of processes that are no more; `passing` gives what of a name stands before the passing name's end, `NAME.PID`, of a
+/// file that may go.
+pub(crate) fn remove_leftovers(folder: &Path, passing: impl Fn(&str) -> Option<&str>) {
+    let here = match folder.as_os_str().is_empty() {
+        true => Path::new("."),
+        false => folder,
+    };
+    for entry in fs::read_dir(here).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let written_by = |name: &str| passing(name)?.rsplit_once('.')?.1.parse::<u32>().ok();
+        let writer = name.to_str().and_then(written_by);
+        let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
+        if is_file && writer.is_some_and(|writer| is_dead(writer, &entry.path())) {
+            fs::remove_file(entry.path()).ok();
+        }
+    }
+}
+
+/// Whether the process that wrote a file is no more. Where the system does not say, a file that nobody has touched for an hour is
+/// taken as left.
+fn is_dead(writer: u32, file: &Path) -> bool {
+    if cfg!(target_os = "linux") {
+        // A killed process has an entry until its parent has asked for its end, which may be seconds later or never.
+        let stat = fs::read_to_string(format!("/proc/{writer}/stat"));
+        return stat.map_or(true, |stat| has_ended(&stat));
+    }
+    let touched = file.metadata().and_then(|there| there.modified()).ok();
+    let age = touched.and_then(|touched| touched.elapsed().ok());
+    age.is_some_and(|age| age.as_secs() > 3600)
+}
+
+/// Whether `/proc/PID/stat` is that of a process that has ended: its state, behind the name in brackets, is `Z` or `X` (proc(5)).
+fn has_ended(stat: &str) -> bool {
+    let state = stat
+        .rsplit_once(") ")
+        .and_then(|(_, rest)| rest.chars().next());
+    matches!(state, Some('Z' | 'X'))
+}
+
+/// A file for passing data beside the place of another, where there is room for that one too. It has no name any more as soon as it is
+/// open, so that nothing is left of it however the program ends.
+pub(super) fn scratch_near(path: &Path) -> io::Result<File> {
+    let mut name = path.file_name().unwrap_or_default().to_os_string();
+    name.push(format!(".{}{SCRATCH}", std::process::id()));
+    let passing = path.with_file_name(name);
+    let mut open = File::options();
+    open.read(true).write(true).create(true).truncate(true);
+    let file = open.open(&passing)?;
+    fs::remove_file(&passing)?;
+    Ok(file)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Write as _;
+
+    #[test]
+    fn one_file_by_two_names_is_known() {
+        let folder = tempfile::tempdir().unwrap();
+        let [log, other] = ["pond.sl2", "bay.sl2"].map(|name| folder.path().join(name));
+        fs::write(&log, b"log").unwrap();
+        fs::write(&other, b"log").unwrap();
+        assert!(is_same_file(
+            &log,
+            &folder.path().join(".").join("pond.sl2")
+        ));
+        assert!(!is_same_file(&log, &other));
+        let missing = folder.path().join("none");
+        assert!(!is_same_file(&missing, &missing));
+    }
+
+    #[test]
+    fn a_file_is_kept_under_a_name_that_is_free() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("pond.bottom.toml");
+        for (content, name) in [
+            ("one", "pond.bottom-older.toml"),
+            ("two", "pond.bottom-older-2.toml"),
+        ] {
+            fs::write(&path, content).unwrap();
+            let aside = keep_aside(&path).unwrap();
+            assert_eq!(aside, folder.path().join(name));
+            assert_eq!(fs::read_to_string(aside).unwrap(), content);
+        }
+        assert!(!path.exists() && keep_aside(&path).is_err());
+    }
+
+    #[test]
+    fn what_a_killed_program_left_is_removed_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let own = format!(".cloud.csv.{}.bathyscope-part", std::process::id());
+        // No process has this number: it is above the most that Linux gives.
+        let names = [
+            ".cloud.csv.4294967294.bathyscope-part",
+            &own,
+            "surface.tif.4294967294.scratch.part",
+            "film.4294967294.part",
+            ".notes.x.bathyscope-part",
+        ];
+        for name in names {
+            fs::write(folder.path().join(name), b"ha").unwrap();
+        }
+        let path = folder.path().join("cloud.csv");
+        write_aside(&path, |mut file| file.write_all(b"whole")).unwrap();
+        let left = |name: &&str| folder.path().join(name).exists();
+        let left: Vec<&str> = names.into_iter().filter(left).collect();
+        // The one of this process was on its way, and has arrived.
+        let expected = match cfg!(target_os = "linux") {
+            true => vec![names[3], names[4]],
+            false => vec![names[0], names[2], names[3], names[4]],
+        };
+        assert_eq!(left, expected);
+    }
+
+    #[test]
+    fn a_killed_process_has_ended_before_its_parent_asks_for_its_end() {
+        let stat = |state: &str| format!("4711 (bathy) (scope) {state} 4710 4711 4711 0 -1");
+        assert!(["Z", "X"].map(stat).iter().all(|stat| has_ended(stat)));
+        assert!(
+            !["R", "S", "D", "T"]
+                .map(stat)
+                .iter()
+                .any(|stat| has_ended(stat))
+        );
+        if cfg!(target_os = "linux") {
+            let mut killed = std::process::Command::new("sleep")
+                .arg("60")
+                .spawn()
+                .unwrap();
+            let no_file = Path::new("none");
+            assert!(!is_dead(killed.id(), no_file));
+            killed.kill().unwrap();
+            // It ends as soon as the system gets to it.
+            let is_gone = (0..500).any(|_| {
+                std::thread::sleep(std::time::Duration::from_millis(10));
+                is_dead(killed.id(), no_file)
+            });
+            killed.wait().unwrap();
+            assert!(is_gone);
+        }
+    }
+
+    #[test]
+    fn a_failed_write_leaves_the_old_file_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("cloud.csv");
+        write_aside(&path, |mut file| file.write_all(b"old")).unwrap();
+        let failed = write_aside(&path, |mut file| {
+            file.write_all(b"ne")?;
+            Err::<(), _>(io::Error::other("disk full"))
+        });
+        assert!(failed.unwrap_err().to_string().contains("disk full"));
+        let stopped = crate::support::catch_panic::catch_panic(|| {
+            write_aside::<()>(&path, |_| panic!("fault"))
+        });
+        assert!(stopped.is_none());
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+}

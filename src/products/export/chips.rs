@@ -1,0 +1,105 @@
+//! A small picture of each object found.
+
+use super::{ChipFolder, ExportError};
+use crate::detection::{Detection, Mark, Picture, Raster, Rect, Scored, TILE_PX, level};
+use crate::support::progress::{Cancelled, Progress};
+use crate::survey::Survey;
+use std::path::Path;
+
+/// Pixels around a box, so that the eye sees what the object stands out from.
+const AROUND_PX: f32 = 24.0;
+
+/// Chips that were not written.
+#[derive(Debug, thiserror::Error)]
+pub enum ChipError {
+    /// One of the files.
+    #[error(transparent)]
+    Export(#[from] ExportError),
+    /// It was cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+/// The boxes of a log, and where chips of them are cut from.
+pub struct ChipLog<'a> {
+    /// The recording.
+    pub survey: &'a Survey,
+    /// Its raster.
+    pub raster: Raster,
+    /// The boxes.
+    pub found: &'a [Detection],
+}
+
+/// Makes `0001-rock.png` and so on for `folder`: the [`chip`] of each box of the logs, one log after the other.
+///
+/// # Errors
+/// When a picture cannot be written, or the work was cancelled.
+pub fn chips(
+    folder: &Path,
+    names: &[String],
+    logs: &[ChipLog<'_>],
+    progress: &Progress,
+) -> Result<ChipFolder, ChipError> {
+    let count: usize = logs.iter().map(|log| log.found.len()).sum();
+    progress.start(count as u64);
+    let mut chips = ChipFolder::begin(folder, names)?;
+    for log in logs {
+        for found in log.found {
+            progress.check()?;
+            chips.add(found.class, &chip(log.survey, &log.raster, &found.mark))?;
+            progress.advance(1);
+        }
+    }
+    Ok(chips)
+}
+
+/// A box of a survey with its surroundings, range to the right, levels as a detector sees them. A pixel is the raster's, and
+/// larger where the box would not fit into a tile: a hull is shown as a whole.
+pub fn chip(survey: &Survey, raster: &Raster, mark: &Mark) -> Picture {
+    let rect = raster.rect_of(mark);
+    let room_px = TILE_PX as f32 - 2.0 * AROUND_PX - 1.0;
+    let factor = (rect.x1 - rect.x0).max(rect.y1 - rect.y0) / room_px;
+    let coarser;
+    let raster = match factor > 1.0 {
+        true => {
+            coarser = raster.coarser(f64::from(factor));
+            &coarser
+        }
+        false => raster,
+    };
+    let (x, y, width, height) = around(&raster.rect_of(mark));
+    let (width, height) = (width.min(TILE_PX), height.min(TILE_PX));
+    let mut tile = raster.tile(survey, mark.side, y, x);
+    level(&mut tile.pixels);
+    Picture::grey(TILE_PX, TILE_PX, tile.pixels).piece(0, 0, width, height)
+}
+
+/// The same for a picture of another program.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn picture_chips(
+    folder: &Path,
+    picture: &Picture,
+    names: &[String],
+    boxes: &[Scored],
+) -> Result<ChipFolder, ExportError> {
+    let mut chips = ChipFolder::begin(folder, names)?;
+    for found in boxes {
+        let (x, y, width, height) = around(&found.rect);
+        let width = width.min(picture.width.saturating_sub(x));
+        let height = height.min(picture.height.saturating_sub(y));
+        let chip = picture.piece(x, y, width, height);
+        chips.add(found.class, &chip)?;
+    }
+    Ok(chips)
+}
+
+/// First column and row, columns and rows of a box and its surroundings.
+fn around(rect: &Rect) -> (usize, usize, usize, usize) {
+    // `as` saturates, and a box's edges are finite.
+    let first = |edge: f32| (edge - AROUND_PX).max(0.0) as usize;
+    let (x, y) = (first(rect.x0), first(rect.y0));
+    let size = |first: usize, edge: f32| ((edge + AROUND_PX) as usize).saturating_sub(first).max(1);
+    (x, y, size(x, rect.x1), size(y, rect.y1))
+}

@@ -1,0 +1,133 @@
+//! `cloud.copc.laz` and `cloud.las`: all points with their classes in a map's coordinates, for survey programs.
+
+use super::extra_bytes::{Dimension, Kind};
+use super::gps_time::adjusted_standard_s;
+use super::las::{LasPacking, LasSpec, write_las};
+use super::{ExportError, LogPoints, Summary, colour};
+use crate::bottom::cloud::{CloudPoint, PointClass, PointSource};
+use crate::support::geo::Crs;
+use las::point::Classification;
+use las::{Color, Point};
+use rayon::prelude::*;
+use std::path::Path;
+
+/// Stands for "no confidence": a sounding has none.
+const NO_CONFIDENCE: f32 = -1.0;
+/// What a point carries, in the order of [`extra_bytes_of`].
+const DIMENSIONS: [Dimension; 5] = [
+    Dimension::new("source", Kind::U8, None, "0 recorded depth, 1 side-scan"),
+    Dimension::new("ping", Kind::U32, None, "side-scan ping, from 0"),
+    Dimension::new("side", Kind::U8, None, "0 below, 1 port, 2 starboard"),
+    Dimension::new(
+        "confidence",
+        Kind::F32,
+        Some(NO_CONFIDENCE as f64),
+        "of the first return, 0 to 1",
+    ),
+    Dimension::new("range_m", Kind::F32, None, "slant range, metres"),
+];
+
+/// Writes all points as COPC or LAS 1.4 in a system (its WKT in the header), whatever the plane of the cloud; `place` gives where
+/// a point lies there. z is elevation in metres above the transducer, so negative.
+///
+/// Points that do not count for the map are withheld; the class says why, and the header names the classes. Intensity is the echo level of the first return, 0 to 255 times 257; 0 for soundings, of which the level is not known. Colours are
+/// the paper's; the extra dimensions are source, ping, side, confidence of the first return and slant range; the user data are 0
+/// for soundings, 1 for port, 2 for starboard. The GPS time field holds adjusted standard GPS time, and the header says so, where
+/// the log knows when it was; otherwise seconds after the log's time zero.
+///
+/// Of several logs the point source is the number of the log, from 1 on; of one it is 0. Times are seconds after each log's time zero
+/// where one of them does not know when it was.
+pub fn cloud_las(
+    path: &Path,
+    packing: LasPacking,
+    crs: &Crs,
+    place: impl Fn(&LogPoints<'_>, &CloudPoint) -> [f64; 2] + Sync,
+    logs: &[LogPoints<'_>],
+) -> Result<Summary, ExportError> {
+    let mut points: Vec<(u16, &LogPoints<'_>, ClassedPoint<'_>, [f64; 2])> = Vec::new();
+    for (number, log) in (1..).zip(logs) {
+        let classed: Vec<ClassedPoint<'_>> = log.points().collect();
+        let source = if logs.len() > 1 { number } else { 0 };
+        points.par_extend(
+            (classed.into_par_iter()).map(|point| (source, log, point, place(log, point.0))),
+        );
+    }
+    let knows_time = logs.iter().all(|log| log.survey.start_unix_s.is_some());
+    let origin = logs.first().map(|log| log.survey.track.frame.origin());
+    let spec = LasSpec {
+        packing,
+        crs,
+        origin,
+        knows_time,
+        dimensions: &DIMENSIONS,
+    };
+    let places = (points.iter()).map(|(_, _, (point, _), [x, y])| [*x, *y, point.z_m]);
+    let records = points.iter().map(|(source, log, point, at)| {
+        let start_unix_s = log.survey.start_unix_s.filter(|_| knows_time);
+        las_point(log, start_unix_s, *source, *point, *at)
+    });
+    write_las(path, &spec, places, records)
+}
+
+/// A point and its class.
+type ClassedPoint<'a> = (&'a CloudPoint, PointClass);
+
+fn las_point(
+    log: &LogPoints<'_>,
+    start_unix_s: Option<f64>,
+    point_source_id: u16,
+    (point, class): ClassedPoint<'_>,
+    [x, y]: [f64; 2],
+) -> las::Result<Point> {
+    let survey = log.survey;
+    let range_m = log.reduction().point_range_m(survey, point);
+    let time_s = match point.sounding {
+        Some(sounding) => survey.soundings.get(sounding.get()).map(|s| s.time_s),
+        None => survey
+            .side_scan
+            .get(point.ping as usize)
+            .map(|ping| ping.time_s),
+    };
+    let time_s = time_s.unwrap_or(0.0);
+    let gps_time_s = start_unix_s.map_or(time_s, |start_unix_s| {
+        adjusted_standard_s(start_unix_s + time_s)
+    });
+    let [red, green, blue] = colour(point.source).map(|value| u16::from(value) * 257);
+    Ok(Point {
+        x,
+        y,
+        z: point.z_m,
+        intensity: u16::from(point.level) * 257,
+        return_number: 1,
+        number_of_returns: 1,
+        classification: Classification::new(class.code())?,
+        is_withheld: !class.is_kept(),
+        user_data: point.source as u8,
+        point_source_id,
+        gps_time: Some(gps_time_s),
+        color: Some(Color { red, green, blue }),
+        extra_bytes: extra_bytes_of(point, range_m),
+        ..Point::default()
+    })
+}
+
+/// The dimensions of a point, which was measured at a slant range.
+fn extra_bytes_of(point: &CloudPoint, range_m: f64) -> Vec<u8> {
+    let (source, side) = match point.source {
+        PointSource::DownScan => (0, 0),
+        PointSource::Port => (1, 1),
+        PointSource::Starboard => (1, 2),
+    };
+    let confidence = if point.confidence.is_nan() {
+        NO_CONFIDENCE
+    } else {
+        point.confidence
+    };
+    let mut bytes = Vec::with_capacity(14);
+    bytes.push(source);
+    bytes.extend(point.ping.to_le_bytes());
+    bytes.push(side);
+    bytes.extend(confidence.to_le_bytes());
+    bytes.extend((range_m as f32).to_le_bytes());
+    bytes
+}

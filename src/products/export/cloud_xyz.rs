@@ -1,0 +1,28 @@
+//! `cloud.xyz`: the points of the bottom as plain text, for whatever reads columns.
+
+use super::{ExportError, LogPoints, Summary, write_aside};
+use crate::bottom::cloud::CloudPoint;
+use std::io::{BufWriter, Write as _};
+use std::path::Path;
+
+/// Writes the points of the class of the bottom as lines of x, y and z with spaces between, `decimals` of them for x and y; `place` gives where a
+/// point of a log lies. z is elevation in metres above the transducer, so negative.
+pub fn cloud_xyz(
+    path: &Path,
+    decimals: usize,
+    place: impl Fn(&LogPoints<'_>, &CloudPoint) -> [f64; 2],
+    logs: &[LogPoints<'_>],
+) -> Result<Summary, ExportError> {
+    write_aside(path, |file| {
+        let (mut out, mut summary) = (BufWriter::new(file), Summary::default());
+        for log in logs {
+            for (_, point) in log.cloud.kept(log.classes) {
+                let [x, y] = place(log, point);
+                summary.add([x, y], point.z_m);
+                writeln!(out, "{x:.decimals$} {y:.decimals$} {:.3}", point.z_m)?;
+            }
+        }
+        out.flush()?;
+        Ok(summary)
+    })
+}

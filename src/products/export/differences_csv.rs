@@ -1,0 +1,53 @@
+//! Points with what they were held against: one line a point.
+
+use super::log_points::LogColumn;
+use super::{ExportError, LogPoints, Summary, write_aside};
+use crate::bottom::bathymetry::compare::Match;
+use std::io::{BufWriter, Write as _};
+use std::path::Path;
+
+/// Writes the points that differences are of, log by log: their `measured` is the index in the log's cloud.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn differences_csv(
+    path: &Path,
+    logs: &[LogPoints<'_>],
+    differences: &[&[Match]],
+) -> Result<Summary, ExportError> {
+    let column = LogColumn::of(logs);
+    write_aside(path, |file| {
+        let (mut out, mut summary) = (BufWriter::new(file), Summary::default());
+        writeln!(
+            out,
+            "{}source,ping,lon,lat,east_m,north_m,z_m,reference_z_m,difference_m",
+            column.header
+        )?;
+        for (log, differences) in logs.iter().zip(differences) {
+            let name = column.field(log);
+            for one in *differences {
+                let Some(point) = log.cloud.points.get(one.measured) else {
+                    continue;
+                };
+                let track = &log.survey.track;
+                let at = (log.navigation).to_lon_lat(track, point.east_m, point.north_m);
+                summary.add([at.lon_deg, at.lat_deg], one.difference_m);
+                writeln!(
+                    out,
+                    "{name}{},{},{:.9},{:.9},{:.4},{:.4},{:.4},{:.4},{:.4}",
+                    point.source.name(),
+                    point.ping,
+                    at.lon_deg,
+                    at.lat_deg,
+                    point.east_m,
+                    point.north_m,
+                    point.z_m,
+                    one.reference_z_m,
+                    one.difference_m
+                )?;
+            }
+        }
+        out.flush()?;
+        Ok(summary)
+    })
+}

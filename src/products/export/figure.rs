@@ -1,0 +1,200 @@
+//! What was measured, as GeoJSON or CSV.
+
+use super::geojson::{collection, position};
+use super::{ExportError, write_aside};
+use crate::detection::targets::ShadowHeight;
+use crate::support::geo::LonLat;
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::Path;
+
+/// A line or an area that was measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeasuredFigure {
+    /// The log that lay under it.
+    pub log: String,
+    /// `distance`, `area`, `profile` or `height`.
+    pub kind: &'static str,
+    /// Corners in the order of drawing.
+    pub corners: Vec<LonLat>,
+    /// Metres from the start to each corner, on the ellipsoid.
+    pub distances_m: Vec<f64>,
+    /// Metres along the line, or around the area.
+    pub length_m: f64,
+    /// Square metres, of an area.
+    pub area_m2: Option<f64>,
+    /// What a height from a shadow follows from.
+    pub shadow: Option<ShadowHeight>,
+    /// Places along a profile: distance from the start and depth, metres; no depth where nothing is known.
+    pub stations: Vec<(LonLat, f64, Option<f32>)>,
+}
+
+/// Writes a `LineString` or a `Polygon` with what was measured, and a `Point` for each place of a profile.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn figure_geojson(path: &Path, figure: &MeasuredFigure) -> Result<(), ExportError> {
+    let points = figure.stations.iter().map(Some);
+    let features = std::iter::once(None).chain(points);
+    write_aside(path, |file| {
+        collection(file, features, |station, _| match station {
+            None => outline(figure),
+            Some(station) => station_feature(station),
+        })
+    })
+    .map(|_| ())
+}
+
+fn outline(figure: &MeasuredFigure) -> Value {
+    let mut places: Vec<[f64; 2]> = figure.corners.iter().map(|at| position(*at)).collect();
+    let geometry = match figure.area_m2 {
+        None => json!({ "type": "LineString", "coordinates": places }),
+        Some(_) => {
+            // Outlines run counter-clockwise and end where they begin (RFC 7946, 3.1.6).
+            if turns_right(&places) {
+                places.reverse();
+            }
+            places.extend(places.first().copied());
+            json!({ "type": "Polygon", "coordinates": [places] })
+        }
+    };
+    let mut properties = json!({
+        "log": figure.log,
+        "measured": figure.kind,
+        "length_m": thousandths(figure.length_m),
+    });
+    if let Some(area_m2) = figure.area_m2 {
+        properties["area_m2"] = json!(thousandths(area_m2));
+    }
+    if let Some(shadow) = &figure.shadow {
+        for (name, value_m) in shadow_columns(shadow) {
+            properties[name] = json!(thousandths(value_m));
+        }
+        properties["height_is_least"] = json!(shadow.is_least);
+    }
+    json!({ "type": "Feature", "geometry": geometry, "properties": properties })
+}
+
+/// A height and all that it follows from, metres.
+fn shadow_columns(shadow: &ShadowHeight) -> [(&'static str, f64); 5] {
+    [
+        ("height_m", shadow.height_m()),
+        ("height_sigma_m", shadow.sigma_m()),
+        ("altitude_m", shadow.altitude_m),
+        ("shadow_start_m", shadow.top_m),
+        ("shadow_end_m", shadow.end_m),
+    ]
+}
+
+fn station_feature((at, distance_m, depth_m): &(LonLat, f64, Option<f32>)) -> Value {
+    let depth_m = depth_m.map(|depth_m| thousandths(f64::from(depth_m)));
+    json!({
+        "type": "Feature",
+        "geometry": { "type": "Point", "coordinates": position(*at) },
+        "properties": { "distance_m": thousandths(*distance_m), "depth_m": depth_m },
+    })
+}
+
+fn thousandths(metres: f64) -> f64 {
+    (metres * 1000.0).round() / 1000.0
+}
+
+/// Whether a ring runs clockwise, by its signed area.
+fn turns_right(ring: &[[f64; 2]]) -> bool {
+    let next = ring.iter().cycle().skip(1);
+    let doubled: f64 = ring
+        .iter()
+        .zip(next)
+        .map(|(a, b)| a[0] * b[1] - b[0] * a[1])
+        .sum();
+    doubled < 0.0
+}
+
+/// Writes a line for each corner, `corner,lon,lat,distance_m`; an area has `area_m2` beside them, and its first corner again at
+/// the end of its way around; a height has `height_m` and what it follows from.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn figure_csv(path: &Path, figure: &MeasuredFigure) -> Result<(), ExportError> {
+    let area = figure.area_m2;
+    let mut text = "corner,lon,lat,distance_m".to_owned();
+    let mut whole = String::new();
+    let area_column = area.map(|area_m2| ("area_m2", area_m2));
+    let shadow_columns = figure.shadow.as_ref().map(shadow_columns);
+    for (name, value) in area_column
+        .into_iter()
+        .chain(shadow_columns.into_iter().flatten())
+    {
+        text += &format!(",{name}");
+        whole += &format!(",{value:.3}");
+    }
+    text.push('\n');
+    let corners = figure.corners.iter().zip(&figure.distances_m);
+    let closing = area
+        .and(figure.corners.first())
+        .map(|first| (first, &figure.length_m));
+    for (index, (at, distance_m)) in corners.chain(closing).enumerate() {
+        let corner = index % figure.corners.len() + 1;
+        // Writing to a string does not fail.
+        writeln!(
+            text,
+            "{corner},{:.9},{:.9},{distance_m:.3}{whole}",
+            at.lon_deg, at.lat_deg
+        )
+        .ok();
+    }
+    write_aside(path, |mut file| file.write_all(text.as_bytes()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn triangle(area_m2: Option<f64>) -> MeasuredFigure {
+        let at = |lon_deg, lat_deg| LonLat { lon_deg, lat_deg };
+        MeasuredFigure {
+            log: "pond".to_owned(),
+            kind: "area",
+            // Clockwise.
+            corners: vec![at(8.0, 47.0), at(8.0, 47.001), at(8.001, 47.0)],
+            distances_m: vec![0.0, 111.2, 246.6],
+            length_m: 322.7,
+            area_m2,
+            shadow: None,
+            stations: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn an_area_is_a_closed_ring_to_the_left() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("area.geojson");
+        figure_geojson(&path, &triangle(Some(4227.0))).unwrap();
+        let read: Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
+        let feature = &read["features"][0];
+        assert_eq!(feature["properties"]["area_m2"], 4227.0);
+        assert_eq!(
+            feature["geometry"]["coordinates"],
+            json!([[[8.001, 47.0], [8.0, 47.001], [8.0, 47.0], [8.001, 47.0]]])
+        );
+    }
+
+    #[test]
+    fn the_table_of_an_area_ends_where_it_begins() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("area.csv");
+        figure_csv(&path, &triangle(Some(4227.0))).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(text.starts_with(
+            "corner,lon,lat,distance_m,area_m2\n1,8.000000000,47.000000000,0.000,4227.000\n"
+        ));
+        assert!(
+            text.ends_with("1,8.000000000,47.000000000,322.700,4227.000\n"),
+            "{text}"
+        );
+        figure_csv(&path, &triangle(None)).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert_eq!(text.lines().count(), 4, "{text}");
+    }
+}

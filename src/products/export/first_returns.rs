@@ -1,0 +1,96 @@
+//! `first_returns.csv`: one line a ping.
+
+use super::log_points::LogColumn;
+use super::{ExportError, LogPoints, Summary, write_aside};
+use crate::bottom::cloud::slant_range_m;
+use crate::survey::{LeftOutReason, Side};
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+const HEADER: &str = "ping,time_s,lon,lat,east_m,north_m,heading_deg,depth_m,\
+     port_sample,port_range_m,port_confidence,starboard_sample,starboard_range_m,starboard_confidence,left_out";
+
+/// Writes one line for each side-scan ping; a field is empty where there is no value. `*_sample` counts u8 samples outward
+/// from the middle, `*_range_m` is after calibration, `left_out` why a ping counts for nothing. Of several logs the column `log` stands
+/// before the others.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn first_returns_csv(path: &Path, logs: &[LogPoints<'_>]) -> Result<Summary, ExportError> {
+    let column = LogColumn::of(logs);
+    write_aside(path, |file| {
+        let (mut out, mut summary) = (BufWriter::new(file), Summary::default());
+        writeln!(out, "{}{HEADER}", column.header)?;
+        for log in logs {
+            let name = column.field(log);
+            for ping in 0..log.survey.side_scan.len().min(log.navigation.pings.len()) {
+                write!(out, "{name}")?;
+                write_ping(log, ping, &mut out, &mut summary)?;
+            }
+        }
+        out.flush()?;
+        Ok(summary)
+    })
+}
+
+fn write_ping(
+    log: &LogPoints<'_>,
+    index: usize,
+    out: &mut impl Write,
+    summary: &mut Summary,
+) -> io::Result<()> {
+    let LogPoints {
+        survey, navigation, ..
+    } = log;
+    let (ping, place) = (&survey.side_scan[index], &navigation.pings[index]);
+    let at = navigation.to_lon_lat(&survey.track, place.east_m, place.north_m);
+    summary.add([at.lon_deg, at.lat_deg], f64::from(ping.depth_m));
+    write!(out, "{index},{:.3}", ping.time_s)?;
+    number(out, at.lon_deg, 9)?;
+    number(out, at.lat_deg, 9)?;
+    number(out, place.east_m, 3)?;
+    number(out, place.north_m, 3)?;
+    number(out, compass_deg(place.heading_rad), 2)?;
+    number(out, f64::from(ping.depth_m), 3)?;
+    for side in [Side::Port, Side::Starboard] {
+        let pick = (log.returns.side(side).get(index)).filter(|pick| pick.is_some());
+        let [sample, range_m, confidence] = pick.map_or([f64::NAN; 3], |pick| {
+            let range_m = slant_range_m(survey, log.calibration, index, side, pick.sample);
+            [f64::from(pick.sample), range_m, f64::from(pick.confidence)]
+        });
+        number(out, sample, 2)?;
+        number(out, range_m, 4)?;
+        number(out, confidence, 3)?;
+    }
+    let reason = log.left_out.ping(index).map_or("", LeftOutReason::name);
+    writeln!(out, ",{reason}")
+}
+
+/// Degrees clockwise from north, 0 to 359.99: rounded to the printed hundredths first, so that no 360.00 is written.
+fn compass_deg(heading_rad: f64) -> f64 {
+    (heading_rad.to_degrees() * 100.0)
+        .round()
+        .rem_euclid(36_000.0)
+        / 100.0
+}
+
+/// A comma and the number, or a comma alone where there is none.
+fn number(out: &mut impl Write, value: f64, decimals: usize) -> io::Result<()> {
+    if value.is_finite() {
+        write!(out, ",{value:.decimals$}")
+    } else {
+        write!(out, ",")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::compass_deg;
+
+    #[test]
+    fn headings_stay_below_a_full_turn() {
+        assert_eq!(compass_deg(359.996_f64.to_radians()), 0.0);
+        assert_eq!(compass_deg(-90_f64.to_radians()), 270.0);
+        assert!(compass_deg(f64::NAN).is_nan());
+    }
+}

@@ -1,0 +1,30 @@
+//! `footprint.geojson`: the ground that the side-scan insonified.
+
+use super::geojson::{areas, collection};
+use super::{ExportError, Summary, write_aside};
+use crate::bottom::bathymetry::isobaths::Polygon;
+use crate::support::geo::LonLat;
+use serde_json::json;
+use std::path::Path;
+
+/// Writes the ground of one log as one feature of `area_m2`.
+pub fn footprint_geojson(
+    path: &Path,
+    name: &str,
+    shapes: &[Polygon],
+    area_m2: f64,
+    place: impl Fn([f64; 2]) -> LonLat,
+) -> Result<Summary, ExportError> {
+    let feature = |_: (), summary: &mut Summary| {
+        let polygons = areas(shapes, &place);
+        summary.count += 1;
+        let corners = polygons.iter().flatten().flatten();
+        corners.for_each(|corner| summary.reach(*corner));
+        json!({
+            "type": "Feature",
+            "geometry": { "type": "MultiPolygon", "coordinates": polygons },
+            "properties": { "log": name, "area_m2": (area_m2 * 10.0).round() / 10.0 },
+        })
+    };
+    write_aside(path, |file| collection(file, std::iter::once(()), feature))
+}

@@ -1,0 +1,53 @@
+//! What GeoJSON files (RFC 7946) have in common.
+
+use super::Summary;
+use super::rings::rounded;
+use crate::bottom::bathymetry::isobaths::Polygon;
+use crate::support::geo::LonLat;
+use serde_json::Value;
+use std::fs::File;
+use std::io::{self, BufWriter, Write as _};
+
+/// Steps of longitude and latitude in a degree: 1e-8 of one is a millimetre.
+const STEPS: f64 = 1e8;
+
+/// Writes one feature a line, so that no more than one is in memory as text.
+pub(super) fn collection<T>(
+    file: File,
+    things: impl Iterator<Item = T>,
+    feature: impl Fn(T, &mut Summary) -> Value,
+) -> io::Result<Summary> {
+    let (mut out, mut summary) = (BufWriter::new(file), Summary::default());
+    out.write_all(b"{ \"type\": \"FeatureCollection\", \"features\": [")?;
+    for (index, thing) in things.enumerate() {
+        out.write_all(if index == 0 { b"\n" } else { b",\n" })?;
+        serde_json::to_writer(&mut out, &feature(thing, &mut summary))?;
+    }
+    out.write_all(b"\n] }\n")?;
+    out.flush()?;
+    Ok(summary)
+}
+
+/// Longitude and latitude to a millimetre.
+pub(super) fn position(at: LonLat) -> [f64; 2] {
+    [at.lon_deg, at.lat_deg].map(|degrees| (degrees * STEPS).round() as i64 as f64 / STEPS)
+}
+
+/// A line's positions, none twice in a row.
+pub(super) fn positions(places: impl Iterator<Item = LonLat>) -> Vec<[f64; 2]> {
+    let mut positions: Vec<[f64; 2]> = places.map(position).collect();
+    positions.dedup();
+    positions
+}
+
+/// The coordinates of a `MultiPolygon`: polygons, each an outline and its holes, valid after rounding.
+pub(super) fn areas(
+    shapes: &[Polygon],
+    place: &impl Fn([f64; 2]) -> LonLat,
+) -> Vec<Vec<Vec<[f64; 2]>>> {
+    let degrees = |at| {
+        let LonLat { lon_deg, lat_deg } = place(at);
+        [lon_deg, lat_deg]
+    };
+    rounded(shapes, STEPS, degrees)
+}

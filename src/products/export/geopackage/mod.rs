@@ -1,0 +1,264 @@
+//! GeoPackages (version 1.3, OGC 12-128r17): layers of features in one file, each with its R-tree and the style in which QGIS draws it.
+
+mod geometry;
+mod spatial_index;
+
+pub use geometry::{Geometry, Ring};
+
+use super::sqlite::{SchemaEntry, Table, Value, database};
+use super::{ExportError, Summary, write_aside};
+use crate::support::calendar;
+use crate::support::geo::Crs;
+use geometry::united;
+use std::io::Write as _;
+use std::path::Path;
+
+/// `GPKG`, as the number that says what kind of database it is, and version 1.3.0.
+const APPLICATION: u32 = 0x4750_4b47;
+const VERSION: u32 = 10_300;
+/// WGS84 in EPSG's register.
+const WGS84: u16 = 4326;
+const WGS84_WKT: &str = "GEOGCS[\"WGS 84\",DATUM[\"WGS_1984\",SPHEROID[\"WGS 84\",6378137,298.257223563,AUTHORITY[\"EPSG\",\"7030\"]],AUTHORITY[\"EPSG\",\"6326\"]],PRIMEM[\"Greenwich\",0,AUTHORITY[\"EPSG\",\"8901\"]],UNIT[\"degree\",0.0174532925199433,AUTHORITY[\"EPSG\",\"9122\"]],AUTHORITY[\"EPSG\",\"4326\"]]";
+
+const SYSTEMS_SQL: &str = "CREATE TABLE gpkg_spatial_ref_sys (srs_name TEXT NOT NULL, srs_id INTEGER NOT NULL PRIMARY KEY, organization TEXT NOT NULL, organization_coordsys_id INTEGER NOT NULL, definition TEXT NOT NULL, description TEXT)";
+const CONTENTS_SQL: &str = "CREATE TABLE gpkg_contents (table_name TEXT NOT NULL PRIMARY KEY, data_type TEXT NOT NULL, identifier TEXT UNIQUE, description TEXT DEFAULT '', last_change DATETIME NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ','now')), min_x DOUBLE, min_y DOUBLE, max_x DOUBLE, max_y DOUBLE, srs_id INTEGER, CONSTRAINT fk_gc_r_srs_id FOREIGN KEY (srs_id) REFERENCES gpkg_spatial_ref_sys(srs_id))";
+const COLUMNS_SQL: &str = "CREATE TABLE gpkg_geometry_columns (table_name TEXT NOT NULL, column_name TEXT NOT NULL, geometry_type_name TEXT NOT NULL, srs_id INTEGER NOT NULL, z TINYINT NOT NULL, m TINYINT NOT NULL, CONSTRAINT pk_geom_cols PRIMARY KEY (table_name, column_name), CONSTRAINT uk_gc_table_name UNIQUE (table_name), CONSTRAINT fk_gc_tn FOREIGN KEY (table_name) REFERENCES gpkg_contents(table_name), CONSTRAINT fk_gc_srs FOREIGN KEY (srs_id) REFERENCES gpkg_spatial_ref_sys (srs_id))";
+const EXTENSIONS_SQL: &str = "CREATE TABLE gpkg_extensions (table_name TEXT, column_name TEXT, extension_name TEXT NOT NULL, definition TEXT NOT NULL, scope TEXT NOT NULL, CONSTRAINT ge_tce UNIQUE (table_name, column_name, extension_name))";
+/// The table that QGIS keeps styles in, with its names.
+const STYLES: &str = "layer_styles";
+const STYLES_SQL: &str = "CREATE TABLE layer_styles (id INTEGER PRIMARY KEY NOT NULL, f_table_catalog TEXT(256), f_table_schema TEXT(256), f_table_name TEXT(256), f_geometry_column TEXT(256), styleName TEXT(30), styleQML TEXT, styleSLD TEXT, useAsDefault BOOLEAN, description TEXT, owner TEXT(30), ui TEXT(30), update_time DATETIME DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ','now')))";
+
+/// A layer: a table of features.
+pub struct Layer {
+    /// Its name in the file.
+    pub name: &'static str,
+    /// What a map program calls it.
+    pub title: &'static str,
+    /// What it shows, in a few words.
+    pub about: &'static str,
+    /// The kind of all its geometries: `POINT`, `LINESTRING`, `POLYGON` or `MULTIPOLYGON`.
+    pub geometry: &'static str,
+    /// Its columns behind the geometry, as SQL declares them: `depth_m DOUBLE, label TEXT`.
+    pub columns: &'static str,
+    /// Its features, each with a value a column.
+    pub features: Vec<(Geometry, Vec<Value>)>,
+    /// How QGIS draws it (QML).
+    pub style: String,
+}
+
+impl Layer {
+    /// The box around its features; NaN without any.
+    fn bounds(&self) -> [f64; 4] {
+        let features = self.features.iter();
+        features.fold([f64::NAN; 4], |bounds, (geometry, _)| {
+            united(bounds, geometry.bounds())
+        })
+    }
+}
+
+/// Writes layers in a system. The time of the last change is that of the first recording (Unix seconds), so that the same survey gives
+/// the same bytes. Gives back how many features there are and where.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn geopackage(
+    path: &Path,
+    crs: &Crs,
+    changed_unix_s: f64,
+    layers: &[Layer],
+) -> Result<Summary, ExportError> {
+    let changed = calendar::moment(changed_unix_s);
+    let changed = changed.format("%Y-%m-%dT%H:%M:%S%.3fZ").to_string();
+    let indexes: Vec<SchemaEntry> = layers.iter().flat_map(spatial_index::entries).collect();
+    let tables = tables(layers, crs, &changed);
+    let bytes = database(APPLICATION, VERSION, &tables, &indexes);
+    let mut summary = Summary::default();
+    for layer in layers {
+        summary.count += layer.features.len();
+        let [west, south, east, north] = layer.bounds();
+        summary.reach([west, south]);
+        summary.reach([east, north]);
+    }
+    write_aside(path, |mut file| match &bytes {
+        Some(bytes) => file.write_all(bytes).map(|()| summary),
+        // The keys of the tables are of a few letters each.
+        None => Err(std::io::Error::other("a key does not fit into a page")),
+    })
+}
+
+pub(super) fn text(text: &str) -> Value {
+    Value::Text(text.to_owned())
+}
+
+/// Rows numbered from 1.
+fn numbered(rows: impl Iterator<Item = Vec<Value>>) -> Vec<(i64, Vec<Value>)> {
+    (1..).zip(rows).collect()
+}
+
+/// The tables that every GeoPackage has, the layers, and their styles.
+fn tables(layers: &[Layer], crs: &Crs, changed: &str) -> Vec<Table> {
+    let table = |name: &str, sql: &str, rows, keys| Table {
+        name: name.to_owned(),
+        sql: sql.to_owned(),
+        rows,
+        keys,
+    };
+    let contents = layers.iter().map(|layer| contents(layer, crs, changed));
+    let columns = layers.iter().map(|layer| {
+        vec![
+            text(layer.name),
+            text("geom"),
+            text(layer.geometry),
+            Value::Integer(crs.epsg().into()),
+            Value::Integer(0),
+            Value::Integer(0),
+        ]
+    });
+    let styles = layers.iter().map(|layer| style(layer, changed));
+    let mut tables = vec![
+        table("gpkg_spatial_ref_sys", SYSTEMS_SQL, systems(crs), &[]),
+        table(
+            "gpkg_contents",
+            CONTENTS_SQL,
+            numbered(contents.chain([styles_contents(changed)])),
+            &[&[0], &[2]],
+        ),
+        table(
+            "gpkg_geometry_columns",
+            COLUMNS_SQL,
+            numbered(columns),
+            &[&[0, 1], &[0]],
+        ),
+        table(
+            "gpkg_extensions",
+            EXTENSIONS_SQL,
+            numbered(layers.iter().map(spatial_index::extension)),
+            &[&[0, 1, 2]],
+        ),
+    ];
+    for layer in layers {
+        let rows = layer.features.iter().map(|(geometry, values)| {
+            let geometry = Value::Blob(geometry.bytes(crs.epsg().into()));
+            let all = [Value::Null, geometry].into_iter();
+            all.chain(values.iter().cloned()).collect()
+        });
+        let sql = format!(
+            "CREATE TABLE {} (fid INTEGER PRIMARY KEY NOT NULL, geom {}, {})",
+            layer.name, layer.geometry, layer.columns
+        );
+        tables.push(table(layer.name, &sql, numbered(rows), &[]));
+        tables.extend(spatial_index::tables(layer));
+    }
+    tables.push(table(STYLES, STYLES_SQL, numbered(styles), &[]));
+    tables
+}
+
+/// The systems that every GeoPackage names, and that of the layers.
+fn systems(crs: &Crs) -> Vec<(i64, Vec<Value>)> {
+    let system = |name: &str, id: i64, by: &str, definition: &str| {
+        let values = vec![
+            text(name),
+            Value::Null,
+            text(by),
+            Value::Integer(id),
+            text(definition),
+            Value::Null,
+        ];
+        (id, values)
+    };
+    let mut rows = vec![
+        system("Undefined Cartesian SRS", -1, "NONE", "undefined"),
+        system("Undefined geographic SRS", 0, "NONE", "undefined"),
+        system("WGS 84 geodetic", WGS84.into(), "EPSG", WGS84_WKT),
+    ];
+    if crs.epsg() != WGS84 {
+        rows.push(system(crs.name(), crs.epsg().into(), "EPSG", crs.wkt()));
+    }
+    rows.sort_by_key(|(id, _)| *id);
+    rows
+}
+
+/// A layer in the table of contents, with its extent.
+fn contents(layer: &Layer, crs: &Crs, changed: &str) -> Vec<Value> {
+    let named = [layer.name, "features", layer.title, layer.about, changed].map(text);
+    // Without features the bounds are NaN, which is written as nothing.
+    let bounds = layer.bounds().map(Value::Real);
+    let system = Value::Integer(crs.epsg().into());
+    named.into_iter().chain(bounds).chain([system]).collect()
+}
+
+fn styles_contents(changed: &str) -> Vec<Value> {
+    let named = [STYLES, "attributes", STYLES, "Styles for QGIS", changed].map(text);
+    let nothing = [
+        Value::Null,
+        Value::Null,
+        Value::Null,
+        Value::Null,
+        Value::Null,
+    ];
+    named.into_iter().chain(nothing).collect()
+}
+
+/// The style of a layer: catalogue and schema, which QGIS looks for as empty texts, table, column, name, style, whether QGIS takes it up
+/// by itself.
+fn style(layer: &Layer, changed: &str) -> Vec<Value> {
+    let place = ["", "", layer.name, "geom", layer.name].map(text);
+    let rest = [
+        text(&layer.style),
+        Value::Null,
+        Value::Integer(1),
+        text(layer.about),
+        Value::Null,
+        Value::Null,
+        text(changed),
+    ];
+    // The first column is the number of the row.
+    let first = [Value::Null].into_iter();
+    first.chain(place).chain(rest).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::support::geo::LonLat;
+
+    #[test]
+    fn a_package_has_its_layers_with_index_and_style_and_is_the_same_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let layer = |name, places: &[[f64; 2]]| Layer {
+            name,
+            title: name,
+            about: "",
+            geometry: "POINT",
+            columns: "label TEXT",
+            features: (places.iter())
+                .map(|place| (Geometry::Point(*place), vec![text("2 & 3")]))
+                .collect(),
+            style: format!("<qgis>{name}</qgis>"),
+        };
+        let layers = [
+            layer("spots", &[[4e5, 3e6], [4.1e5, 3.2e6]]),
+            layer("none", &[]),
+        ];
+        let crs = Crs::utm(LonLat {
+            lon_deg: -82.0,
+            lat_deg: 29.0,
+        });
+        let written = ["one.gpkg", "two.gpkg"].map(|name| {
+            let path = folder.path().join(name);
+            let summary = geopackage(&path, &crs, 1.5e9, &layers).unwrap();
+            assert_eq!(summary.count, 2);
+            assert_eq!(summary.extent, Some([[4e5, 4.1e5], [3e6, 3.2e6]]));
+            std::fs::read(path).unwrap()
+        });
+        assert_eq!(written[0], written[1]);
+        let holds = |text: &str| {
+            written[0]
+                .windows(text.len())
+                .any(|part| part == text.as_bytes())
+        };
+        assert!(holds("SQLite format 3") && holds("CREATE TABLE spots (fid INTEGER PRIMARY KEY"));
+        assert!(holds("CREATE VIRTUAL TABLE \"rtree_none_geom\"") && holds("<qgis>spots</qgis>"));
+        assert!(holds("WGS 84 / UTM zone 17N") && holds("2017-07-14T02:40:00.000Z"));
+    }
+}

@@ -1,0 +1,129 @@
+//! `isobaths.geojson`, `depth_areas.geojson`, `spot_soundings.geojson` (RFC 7946) and `storage.csv`.
+
+use super::geojson::{areas as areas_of, collection, position, positions};
+use super::{ExportError, Summary, millimetres, write_aside};
+use crate::bottom::bathymetry::DepthPoint;
+use crate::bottom::bathymetry::isobaths::{DepthArea, Isobath, IsobathSettings, Storage};
+use crate::support::geo::LonLat;
+use serde_json::json;
+use std::io::{BufWriter, Write as _};
+use std::path::Path;
+
+/// Lines of equal depth as they are drawn.
+#[derive(Clone, Copy)]
+pub struct DrawnLines<'a> {
+    /// The lines.
+    pub lines: &'a [Isobath],
+    /// What their depths are written in.
+    pub settings: &'a IsobathSettings,
+    /// The depths whose lines are thick and labelled.
+    pub index_levels_m: &'a [f64],
+}
+
+impl DrawnLines<'_> {
+    /// Whether a line is thick and labelled.
+    pub(super) fn is_index(&self, line: &Isobath) -> bool {
+        self.index_levels_m.contains(&line.depth_m)
+    }
+}
+
+/// Writes lines of equal depth; `place` gives where a point of them lies.
+pub fn isobaths_geojson(
+    path: &Path,
+    drawn: &DrawnLines<'_>,
+    place: impl Fn([f64; 2]) -> LonLat,
+) -> Result<Summary, ExportError> {
+    let feature = |line: &Isobath, summary: &mut Summary| {
+        let points = positions(line.points.iter().map(|point| place(*point)));
+        summary.count += 1;
+        summary.value(line.depth_m);
+        let depth = drawn.settings.in_unit(line.depth_m);
+        points.iter().for_each(|point| summary.reach(*point));
+        json!({
+            "type": "Feature",
+            "geometry": { "type": "LineString", "coordinates": points },
+            "properties": {
+                "depth_m": line.depth_m,
+                "depth": depth,
+                "unit": drawn.settings.unit.symbol(),
+                "label": depth.to_string(),
+                "is_index": drawn.is_index(line),
+                "ring": line.is_ring(),
+            },
+        })
+    };
+    write_aside(path, |file| collection(file, drawn.lines.iter(), feature))
+}
+
+/// Writes the areas between depths. A square metre of the polygons is `ground` square metres on the ground.
+pub fn depth_areas_geojson(
+    path: &Path,
+    areas: &[DepthArea],
+    ground: f64,
+    place: impl Fn([f64; 2]) -> LonLat,
+) -> Result<Summary, ExportError> {
+    let feature = |area: &DepthArea, summary: &mut Summary| {
+        let polygons = areas_of(&area.polygons, &place);
+        summary.count += 1;
+        summary.value(area.from_m);
+        summary.value(area.to_m);
+        let corners = polygons.iter().flatten().flatten();
+        corners.for_each(|corner| summary.reach(*corner));
+        json!({
+            "type": "Feature",
+            "geometry": { "type": "MultiPolygon", "coordinates": polygons },
+            "properties": {
+                "from_m": millimetres(area.from_m),
+                "to_m": millimetres(area.to_m),
+                "area_m2": millimetres(ground * area.area_m2()),
+            },
+        })
+    };
+    let filled = areas.iter().filter(|area| !area.polygons.is_empty());
+    write_aside(path, |file| collection(file, filled, feature))
+}
+
+/// Writes depths as points with the figures that a chart prints; `place` gives where they lie.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn spot_soundings_geojson(
+    path: &Path,
+    soundings: &[DepthPoint],
+    settings: &IsobathSettings,
+    place: impl Fn([f64; 2]) -> LonLat,
+) -> Result<Summary, ExportError> {
+    let feature = |point: &DepthPoint, summary: &mut Summary| {
+        let at = position(place([point.east_m, point.north_m]));
+        summary.add(at, point.depth_m);
+        json!({
+            "type": "Feature",
+            "geometry": { "type": "Point", "coordinates": at },
+            "properties": {
+                "depth_m": millimetres(point.depth_m),
+                "unit": settings.unit.symbol(),
+                "label": settings.charted(point.depth_m),
+                "is_sounding": point.is_sounding,
+            },
+        })
+    };
+    write_aside(path, |file| collection(file, soundings.iter(), feature))
+}
+
+/// Writes what lies below each level: depth, area, volume. A square metre of the table is `ground` square metres on the ground.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn storage_csv(path: &Path, table: &[Storage], ground: f64) -> Result<Summary, ExportError> {
+    write_aside(path, |file| {
+        let (mut out, mut summary) = (BufWriter::new(file), Summary::default());
+        writeln!(out, "depth_m,area_m2,volume_m3")?;
+        for row in table {
+            summary.add([f64::NAN; 2], row.depth_m);
+            let (area_m2, volume_m3) = (ground * row.area_m2, ground * row.volume_m3);
+            writeln!(out, "{:.3},{area_m2:.2},{volume_m3:.2}", row.depth_m)?;
+        }
+        out.flush()?;
+        Ok(summary)
+    })
+}

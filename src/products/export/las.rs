@@ -1,0 +1,117 @@
+//! Points in a map's coordinates as COPC or LAS 1.4, whatever they are of.
+
+use super::extra_bytes::{self, Dimension};
+use super::{ExportError, Summary, write_aside};
+use crate::bottom::cloud::PointClass;
+use crate::formats::points::{LasWriter, transforms, write_copc};
+use crate::support::geo::{Crs, LonLat};
+use las::point::Format;
+use las::{Builder, GpsTimeType, Header, Point, PointDataBuilder, Transform, Vector, Version, Vlr};
+use std::io;
+use std::path::Path;
+
+/// Coordinates are stored to this many metres, unless they lie too far apart for it.
+const RESOLUTION_M: f64 = 0.001;
+/// Or degrees: a millimetre.
+const RESOLUTION_DEG: f64 = 1e-8;
+/// LAS 1.4 point format with time and colour.
+const FORMAT: u8 = 7;
+
+/// Whether points are packed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LasPacking {
+    /// LAZ in the order of COPC: a fraction of the size, and read from coarse to fine, or where somebody looks.
+    Copc,
+    /// LAS, for programs that cannot unpack.
+    Plain,
+}
+
+/// How points are written.
+pub(super) struct LasSpec<'a> {
+    pub packing: LasPacking,
+    /// The system of x and y; its WKT stands in the header.
+    pub crs: &'a Crs,
+    /// A place near them.
+    pub origin: Option<LonLat>,
+    /// Whether times are adjusted standard GPS time.
+    pub knows_time: bool,
+    /// What the points carry beyond LAS's own fields.
+    pub dimensions: &'a [Dimension],
+}
+
+/// Writes points; `places` are theirs: x, y and z.
+pub(super) fn write_las(
+    path: &Path,
+    spec: &LasSpec<'_>,
+    places: impl Iterator<Item = [f64; 3]> + Clone,
+    points: impl Iterator<Item = las::Result<Point>>,
+) -> Result<Summary, ExportError> {
+    write_aside(path, |file| {
+        let resolution = match spec.crs.is_degrees() {
+            true => RESOLUTION_DEG,
+            false => RESOLUTION_M,
+        };
+        let [x, y] = spec
+            .origin
+            .map_or([0.0; 2], |origin| spec.crs.place(origin));
+        let finest = [resolution, resolution, RESOLUTION_M];
+        let transforms = transforms(places.clone(), [x, y, 0.0], finest)?;
+        let header = header(spec, transforms).map_err(io::Error::other)?;
+        let (format, transforms) = (*header.point_format(), *header.transforms());
+        let mut summary = Summary::default();
+        places.for_each(|[x, y, z]| summary.add([x, y], z));
+        let mut records = Vec::with_capacity(summary.count * usize::from(format.len()));
+        for point in points {
+            point
+                .and_then(|point| point.into_raw(&transforms))
+                .and_then(|raw| raw.write_to(&mut records, &format))
+                .map_err(io::Error::other)?;
+        }
+        let data = PointDataBuilder::new().for_header(&header);
+        let data = data.build_from_bytes(records).map_err(io::Error::other)?;
+        match spec.packing {
+            LasPacking::Copc => write_copc(file, header, &data)?,
+            LasPacking::Plain => {
+                let mut writer = LasWriter::new(file, header)?;
+                writer.points(&data)?;
+                writer.finish()?;
+            }
+        }
+        Ok(summary)
+    })
+}
+
+fn header(spec: &LasSpec<'_>, transforms: Vector<Transform>) -> las::Result<Header> {
+    let mut builder = Builder::from(Version::new(1, 4));
+    builder.generating_software = concat!("bathyscope ", env!("CARGO_PKG_VERSION")).to_owned();
+    if spec.knows_time {
+        builder.gps_time_type = GpsTimeType::Standard;
+    }
+    builder.point_format = Format::new(FORMAT)?;
+    builder.point_format.extra_bytes = extra_bytes::length(spec.dimensions);
+    builder.vlrs.push(extra_bytes::record(spec.dimensions));
+    builder.vlrs.push(class_names());
+    builder.transforms = transforms;
+    let mut header: Header = builder.into_header()?;
+    header.set_wkt_crs(spec.crs.wkt().as_bytes().to_vec())?;
+    Ok(header)
+}
+
+/// The record "Classification lookup", which names the classes: number and 15 letters for each of 256.
+fn class_names() -> Vlr {
+    const ENTRY: usize = 16;
+    let mut data: Vec<u8> = (0..=u8::MAX)
+        .flat_map(|code| [&[code][..], &[0; ENTRY - 1]].concat())
+        .collect();
+    for class in PointClass::ALL {
+        let name = class.name().as_bytes();
+        let start = usize::from(class.code()) * ENTRY + 1;
+        data[start..start + name.len()].copy_from_slice(name);
+    }
+    Vlr {
+        user_id: "LASF_Spec".to_owned(),
+        record_id: 0,
+        description: "Classification".to_owned(),
+        data,
+    }
+}

@@ -1,0 +1,68 @@
+//! What the tables and clouds of points are written from: one log, or all of a survey.
+
+use crate::bottom::cloud::{CloudPoint, Correction, PointClass, PointCloud, Reduction};
+use crate::sonar::calibration::Calibration;
+use crate::sonar::first_return::FirstReturns;
+use crate::survey::{LeftOut, Navigation, Survey};
+use std::borrow::Cow;
+
+/// The points of a log and what they come from.
+#[derive(Clone, Copy)]
+pub struct LogPoints<'a> {
+    /// What the log is called, in a table of several logs.
+    pub name: &'a str,
+    /// The recording.
+    pub survey: &'a Survey,
+    /// Where its pings are.
+    pub navigation: &'a Navigation,
+    /// Its first returns.
+    pub returns: &'a FirstReturns,
+    /// Its scales.
+    pub calibration: &'a Calibration,
+    /// What was done to depths.
+    pub correction: &'a Correction,
+    /// What counts for nothing.
+    pub left_out: &'a LeftOut,
+    /// Its points.
+    pub cloud: &'a PointCloud,
+    /// The class of each point.
+    pub classes: &'a [PointClass],
+}
+
+impl<'a> LogPoints<'a> {
+    /// What its samples and recorded depths are in metres.
+    pub fn reduction(&self) -> Reduction<'a> {
+        Reduction::new(self.calibration, self.correction)
+    }
+
+    /// All points in the cloud's order, each with its class.
+    pub fn points(&self) -> impl Iterator<Item = (&'a CloudPoint, PointClass)> + Clone + use<'a> {
+        self.cloud.points.iter().zip(self.classes.iter().copied())
+    }
+}
+
+/// The column of the log's name and what stands in it, each with its comma: only a table of several logs has one.
+pub(super) struct LogColumn {
+    /// `log,`, or nothing.
+    pub header: &'static str,
+    is_shown: bool,
+}
+
+impl LogColumn {
+    pub fn of(logs: &[LogPoints<'_>]) -> Self {
+        let is_shown = logs.len() > 1;
+        Self {
+            header: if is_shown { "log," } else { "" },
+            is_shown,
+        }
+    }
+
+    /// The field of a log, quoted where its name holds what ends a field.
+    pub fn field<'a>(&self, log: &LogPoints<'a>) -> Cow<'a, str> {
+        match (self.is_shown, log.name.contains([',', '"', '\n', '\r'])) {
+            (false, _) => Cow::Borrowed(""),
+            (true, false) => Cow::Owned(format!("{},", log.name)),
+            (true, true) => Cow::Owned(format!("\"{}\",", log.name.replace('"', "\"\""))),
+        }
+    }
+}

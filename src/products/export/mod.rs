@@ -1,0 +1,105 @@
+//! Files that other programs open: CSV, PLY, LAZ, GeoTIFF, PNG, GeoJSON, KML, GPX, shapefiles; written aside, then renamed.
+//!
+//! One file a product, `aside` for the renaming; `las` writes any points as LAS, `extra_bytes` names what they carry beyond it; `geotiff` puts any raster into its file, `grid_raster` the cells of a grid, `qgis_style` its colours, `vector` lines and areas,
+//! `rings` keeps polygons valid, `summary` counts what a file holds; `dataset` is the folder that detectors are trained
+//! on, `tile_sets` maps as tiles, `points` what `bathyscope filter` kept, `plan` lines to sail for plotters and autopilots. How rasters and point files are laid out is known to `formats`, which also reads them.
+
+mod aside;
+pub mod avi;
+mod bottom_las;
+mod chip_folder;
+mod chips;
+mod cloud_csv;
+mod cloud_las;
+mod cloud_ply;
+mod cloud_xyz;
+mod dataset;
+mod depth_xyz;
+mod differences_csv;
+mod extra_bytes;
+mod figure;
+mod first_returns;
+mod footprint;
+mod geojson;
+mod geopackage;
+mod geotiff;
+mod glb;
+mod gps_time;
+mod grid_raster;
+mod isobaths;
+mod las;
+mod log_points;
+mod objects;
+mod picture_boxes;
+mod plan;
+mod points;
+mod profile_csv;
+mod qgis_style;
+mod qgis_vector;
+mod rings;
+mod sqlite;
+mod summary;
+mod survey_layers;
+pub mod tile_sets;
+mod track;
+mod vector;
+
+pub(crate) use aside::remove_leftovers;
+pub use aside::{ExportError, is_same_file, keep_aside, write_aside};
+pub use bottom_las::{BottomCell, bottom_las};
+pub use chip_folder::ChipFolder;
+pub(crate) use chip_folder::{earlier_chips, remove_passing_chips};
+pub use chips::{ChipError, ChipLog, chip, chips, picture_chips};
+pub use cloud_csv::cloud_csv;
+pub use cloud_las::cloud_las;
+pub use cloud_ply::cloud_ply;
+pub use cloud_xyz::cloud_xyz;
+pub use dataset::{DatasetFolder, Part, PartSummary};
+pub use depth_xyz::depth_xyz;
+pub use differences_csv::differences_csv;
+pub use figure::{MeasuredFigure, figure_csv, figure_geojson};
+pub use first_returns::first_returns_csv;
+pub use footprint::footprint_geojson;
+pub use geopackage::geopackage;
+pub use geotiff::{RasterError, geotiff};
+pub use glb::{TexturedMesh, glb};
+pub use grid_raster::{grid_raster, metres_raster, source_raster};
+pub use isobaths::{
+    DrawnLines, depth_areas_geojson, isobaths_geojson, spot_soundings_geojson, storage_csv,
+};
+pub use las::LasPacking;
+pub use log_points::LogPoints;
+pub use objects::{
+    ObjectLog, ObjectPoint, ObjectRow, object_layers, objects_csv, objects_geojson, objects_gpkg,
+    objects_gpx, objects_kml, shapes_ply,
+};
+pub use picture_boxes::picture_boxes_csv;
+pub use plan::{PlanFormat, PlanFormatError, PlannedWay};
+pub use points::kept_points;
+pub use profile_csv::{profile_csv, write_profile_csv};
+pub use qgis_style::{qgis_classes, qgis_style};
+pub use summary::Summary;
+pub use survey_layers::{
+    Placed, depth_area_layer, footprint_layer, isobath_layer, spot_sounding_layer, track_layer,
+};
+pub use track::{TrackPiece, TrackPoint, track, track_geojson, track_gpx};
+pub use vector::{Line, areas_kmz, lines_kmz, lines_shapefile};
+
+/// For all that is written as XML or HTML.
+pub use crate::support::printable::xml;
+
+use crate::bottom::cloud::PointSource;
+
+/// Rounded to the millimetre.
+fn millimetres(metres: f64) -> f64 {
+    (metres * 1e3).round() / 1e3
+}
+
+/// Colours of the paper: soundings black, starboard red, port blue.
+fn colour(source: PointSource) -> [u8; 3] {
+    match source {
+        PointSource::DownScan => [0, 0, 0],
+        PointSource::Starboard => [255, 0, 0],
+        PointSource::Port => [0, 0, 255],
+    }
+}

@@ -1,0 +1,133 @@
+//! `objects.csv`: one line a box.
+
+use super::{ObjectLog, ObjectRow, log_name};
+use crate::detection::targets::FittedShape;
+use crate::products::export::{ExportError, write_aside};
+use crate::survey::Survey;
+use std::io::{BufWriter, Write as _};
+use std::path::Path;
+
+const HEADER: [&str; 30] = [
+    "id",
+    "file",
+    "class",
+    "score",
+    "state",
+    "side",
+    "ping_from",
+    "ping_to",
+    "sample_from",
+    "sample_to",
+    "lon",
+    "lat",
+    "east_m",
+    "north_m",
+    "length_m",
+    "width_m",
+    "height_m",
+    "depth_m",
+    "sigma_m",
+    "height_sigma_m",
+    "object",
+    "note",
+    "name",
+    "confidence",
+    "shape",
+    "shape_length_m",
+    "shape_width_m",
+    "shape_height_m",
+    "shape_heading_deg",
+    "shape_explained",
+];
+
+/// Writes boxes as a table. `*_to` is the first ping or sample after the box; samples are those of the middle ping. A field
+/// is empty where there is no value; a note that a spreadsheet would take for a formula begins with an apostrophe. A table of several
+/// logs begins with the column `log`. Shapes are those of whole objects: every sighting of one has the same.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn objects_csv(
+    path: &Path,
+    logs: &[ObjectLog<'_>],
+    rows: &[ObjectRow<'_>],
+) -> Result<(), ExportError> {
+    let column = (logs.len() > 1).then_some("log");
+    let files: Vec<String> = logs.iter().map(|log| log.survey.name()).collect();
+    write_aside(path, |out| {
+        let mut table = csv::Writer::from_writer(BufWriter::new(out));
+        table.write_record(column.into_iter().chain(HEADER))?;
+        for row in rows {
+            let (Some(log), Some(file)) = (logs.get(row.log), files.get(row.log)) else {
+                continue;
+            };
+            let name = log_name(logs, row).map(plain);
+            let fields = record(row, file, log.survey);
+            table.write_record(name.into_iter().chain(fields))?;
+        }
+        table.flush()?;
+        table
+            .into_inner()
+            .map_err(|error| error.into_error())?
+            .flush()
+    })
+}
+
+fn record(row: &ObjectRow<'_>, file: &str, survey: &Survey) -> [String; 30] {
+    let samples = row.mark.samples(survey);
+    let target = row.target.as_ref();
+    let number = |value: f64, decimals: usize| match value.is_finite() {
+        true => format!("{value:.decimals$}"),
+        false => String::new(),
+    };
+    let of_target = |value: fn(&super::Target) -> f64, decimals| {
+        target.map_or_else(String::new, |target| number(value(target), decimals))
+    };
+    let shape = row.shape.as_deref();
+    let of_shape = |value: fn(&FittedShape) -> f64, decimals| {
+        shape.map_or_else(String::new, |shape| number(value(shape), decimals))
+    };
+    [
+        row.id.to_string(),
+        plain(file),
+        plain(row.class),
+        row.score
+            .map_or_else(String::new, |score| format!("{score:.4}")),
+        row.state.to_owned(),
+        row.mark.side.name().to_owned(),
+        row.mark.pings.start.to_string(),
+        row.mark.pings.end.to_string(),
+        samples.start.to_string(),
+        samples.end.to_string(),
+        of_target(|target| target.position.lon_deg, 8),
+        of_target(|target| target.position.lat_deg, 8),
+        of_target(|target| target.east_m, 3),
+        of_target(|target| target.north_m, 3),
+        of_target(|target| target.length_m, 3),
+        of_target(|target| target.width_m, 3),
+        of_target(|target| target.height_m, 3),
+        of_target(|target| target.depth_m, 3),
+        of_target(|target| target.sigma_m, 3),
+        of_target(|target| target.height_sigma_m, 3),
+        row.object
+            .map_or_else(String::new, |object| object.to_string()),
+        plain(row.note),
+        plain(row.name),
+        row.confidence.to_owned(),
+        shape.map_or_else(String::new, |shape| {
+            shape.posed.solid.kind.name().to_owned()
+        }),
+        of_shape(|shape| shape.posed.solid.length_m, 2),
+        of_shape(|shape| shape.posed.solid.width_m, 2),
+        of_shape(|shape| shape.posed.solid.height_m, 2),
+        of_shape(|shape| shape.posed.shown_heading_rad().to_degrees(), 0),
+        of_shape(|shape| shape.explained, 2),
+    ]
+}
+
+/// Text that no spreadsheet takes for a formula.
+fn plain(text: &str) -> String {
+    match text.starts_with(['=', '+', '-', '@']) {
+        true => format!("'{text}"),
+        false => text.to_owned(),
+    }
+}

@@ -1,0 +1,42 @@
+//! `objects.gpx` (GPX 1.1): a waypoint for each object, as plotters read it.
+
+use super::ObjectPoint;
+use super::object_point::titles;
+use crate::products::export::{ExportError, Summary, write_aside};
+use crate::support::printable::xml;
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::Path;
+
+/// Writes objects as waypoints: name, remarks (`cmt`), all that is known (`desc`) and class (`type`).
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn objects_gpx(path: &Path, points: &[ObjectPoint]) -> Result<Summary, ExportError> {
+    let mut text = String::from(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<gpx version=\"1.1\" creator=\"Bathyscope\" xmlns=\"http://www.topografix.com/GPX/1/1\">\n",
+    );
+    let mut summary = Summary::default();
+    for (point, title) in points.iter().zip(titles(points)) {
+        let at = point.position;
+        summary.add([at.lon_deg, at.lat_deg], f64::NAN);
+        let remarks = match point.note.is_empty() {
+            true => String::new(),
+            false => format!("<cmt>{}</cmt>", xml(&point.note)),
+        };
+        // Writing to a string does not fail.
+        writeln!(
+            text,
+            "<wpt lat=\"{:.8}\" lon=\"{:.8}\"><name>{}</name>{remarks}<desc>{}</desc><type>{}</type></wpt>",
+            at.lat_deg,
+            at.lon_deg,
+            xml(&title),
+            xml(&point.description()),
+            xml(&point.class),
+        )
+        .ok();
+    }
+    text.push_str("</gpx>\n");
+    write_aside(path, |mut file| file.write_all(text.as_bytes()))?;
+    Ok(summary)
+}

@@ -1,0 +1,293 @@
+use super::*;
+use crate::detection::targets::{PosedSolid, ShapeKind, Solid};
+use crate::support::geo::LonLat;
+use crate::survey::{Side, Survey};
+use std::fs;
+
+fn mark() -> Mark {
+    Mark {
+        side: Side::Port,
+        pings: 10..22,
+        near_m: 4.0,
+        far_m: 6.0,
+    }
+}
+
+fn target(mark: &Mark) -> Target {
+    Target {
+        mark: mark.clone(),
+        extent: crate::detection::ObjectExtent::Found,
+        measured_shadow: None,
+        parts: None,
+        slant_m: 4.5,
+        ground_m: 4.0,
+        altitude_m: 2.0,
+        east_m: 12.5,
+        north_m: -3.25,
+        position: LonLat {
+            lon_deg: -82.11,
+            lat_deg: 29.41,
+        },
+        length_m: 0.8,
+        width_m: 0.6,
+        height_m: f64::NAN,
+        shadow_m: [f64::NAN; 2],
+        height_sigma_m: f64::NAN,
+        depth_m: 2.0,
+        sigma_m: 0.3,
+        along_sigma_m: 0.3,
+        across_sigma_m: 0.2,
+        heading_rad: 0.0,
+        sailed_m: 100.0,
+    }
+}
+
+/// One box with a place, one without.
+fn rows(mark: &Mark) -> Vec<ObjectRow<'_>> {
+    let one = ObjectRow {
+        log: 0,
+        id: 7,
+        class: "tyre <old>",
+        score: Some(0.875),
+        state: "accepted",
+        mark,
+        target: Some(target(mark)),
+        outline: None,
+        object: Some(1),
+        shape: None,
+        note: "=cmd & \"two\", \u{1}see\nbelow",
+        name: "",
+        confidence: "",
+    };
+    let lost = ObjectRow {
+        id: 8,
+        score: None,
+        target: None,
+        object: None,
+        shape: None,
+        note: "",
+        ..one.clone()
+    };
+    vec![one, lost]
+}
+
+/// Two logs of one recording.
+fn logs(survey: &Survey) -> [ObjectLog<'_>; 2] {
+    ["first", "=second"].map(|name| ObjectLog { name, survey })
+}
+
+fn written(
+    write: impl FnOnce(&std::path::Path) -> Result<(), crate::products::export::ExportError>,
+) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("file");
+    write(&path).unwrap();
+    fs::read_to_string(path).unwrap()
+}
+
+#[test]
+fn the_table_has_a_line_a_box_and_empty_fields_for_what_is_not_known() {
+    let (mark, survey) = (mark(), Survey::default());
+    let text = written(|path| objects_csv(path, &logs(&survey)[..1], &rows(&mark)));
+    let mut table = csv::Reader::from_reader(text.as_bytes());
+    assert_eq!(&table.headers().unwrap()[17], "depth_m");
+    let lines: Vec<csv::StringRecord> = table.records().map(Result::unwrap).collect();
+    let fields = [
+        "7",
+        "survey",
+        "tyre <old>",
+        "0.8750",
+        "accepted",
+        "port",
+        "10",
+        "22",
+    ];
+    assert!(lines[0].iter().take(8).eq(fields));
+    assert_eq!((&lines[0][10], &lines[0][13]), ("-82.11000000", "-3.250"));
+    assert_eq!((&lines[0][16], &lines[0][17]), ("", "2.000"), "no shadow");
+    assert!(lines[0][21].starts_with("'=cmd"));
+    assert_eq!((&lines[1][3], &lines[1][10]), ("", ""));
+}
+
+#[test]
+fn geojson_has_a_point_for_each_box_with_a_place() {
+    let (mark, survey) = (mark(), Survey::default());
+    let text = written(|path| objects_geojson(path, &logs(&survey)[..1], &rows(&mark)));
+    let read: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let features = read["features"].as_array().unwrap();
+    assert_eq!(features.len(), 1);
+    let coordinates = &features[0]["geometry"]["coordinates"];
+    assert_eq!(*coordinates, serde_json::json!([-82.11, 29.41]));
+    assert!(features[0]["properties"]["height_m"].is_null());
+    assert_eq!(features[0]["properties"]["score"], 0.875);
+}
+
+/// The object that some boxes show, number 3.
+fn point(boxes: &[&ObjectRow<'_>]) -> ObjectPoint {
+    ObjectPoint {
+        sightings: 2,
+        ..ObjectPoint::new(3, boxes).expect("boxes")
+    }
+}
+
+#[test]
+fn an_object_is_one_waypoint_with_name_class_and_remarks_of_all_its_boxes() {
+    let (mark, elsewhere) = (
+        mark(),
+        super::Mark {
+            pings: 400..410,
+            ..mark()
+        },
+    );
+    let first = ObjectRow {
+        note: "",
+        ..rows(&mark)[0].clone()
+    };
+    let second = ObjectRow {
+        name: "Anna",
+        score: Some(0.5),
+        target: Some(Target {
+            height_m: 0.5,
+            height_sigma_m: 0.25,
+            sailed_m: 300.0,
+            ..target(&elsewhere)
+        }),
+        ..rows(&mark)[0].clone()
+    };
+    let named = point(&[&first, &second]);
+    let gpx = written(|path| objects_gpx(path, &[named.clone(), named.clone()]).map(|_| ()));
+    assert_eq!(gpx.matches("<wpt ").count(), 2);
+    assert_eq!(gpx.matches("<name>Anna 3</name>").count(), 2, "told apart");
+    let gpx = written(|path| objects_gpx(path, &[named]).map(|_| ()));
+    assert!(gpx.contains("<name>Anna</name><cmt>=cmd &amp;"), "{gpx}");
+    assert!(gpx.contains("<type>tyre &lt;old&gt;</type>"));
+    assert!(gpx.contains("height 0.50 ± 0.25 m"), "{gpx}");
+    assert!(gpx.contains("score 0.88") && gpx.contains("seen on 2 passes"));
+}
+
+#[test]
+fn markup_in_names_and_notes_is_escaped() {
+    let mark = mark();
+    let points = [point(&[&rows(&mark)[0]])];
+    let kml = written(|path| objects_kml(path, "a & b", &points).map(|_| ()));
+    let gpx = written(|path| objects_gpx(path, &points).map(|_| ()));
+    for text in [&kml, &gpx] {
+        assert!(text.contains("<name>tyre &lt;old&gt; 3</name>"), "{text}");
+        assert!(text.contains("=cmd &amp; &quot;two&quot;, see\nbelow"));
+        assert!(!text.contains("height"), "it is not known");
+    }
+    assert!(kml.contains("<name>a &amp; b</name>"));
+    assert!(kml.contains("<coordinates>-82.11000000,29.41000000</coordinates>"));
+    assert!(gpx.contains("<wpt lat=\"29.41000000\" lon=\"-82.11000000\">"));
+}
+
+#[test]
+fn boxes_of_several_logs_say_which() {
+    let (mark, survey) = (mark(), Survey::default());
+    let logs = logs(&survey);
+    let mut rows = rows(&mark);
+    rows[1] = ObjectRow {
+        log: 1,
+        ..rows[0].clone()
+    };
+    let text = written(|path| objects_csv(path, &logs, &rows));
+    let mut table = csv::Reader::from_reader(text.as_bytes());
+    let header = table.headers().unwrap().clone();
+    assert_eq!((&header[0], &header[1]), ("log", "id"));
+    let lines: Vec<csv::StringRecord> = table.records().map(Result::unwrap).collect();
+    assert_eq!((&lines[0][0], &lines[1][0]), ("first", "'=second"));
+    let text = written(|path| objects_geojson(path, &logs, &rows));
+    let read: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let second = &read["features"][1];
+    assert_eq!(second["properties"]["log"], "=second");
+    assert_ne!(read["features"][0]["id"], second["id"]);
+}
+
+/// A block of 2 x 1 x 0.5 m that lies to the north-east, on a bottom 3 m deep.
+fn block() -> FittedShape {
+    FittedShape {
+        posed: PosedSolid {
+            solid: Solid {
+                kind: ShapeKind::Block,
+                length_m: 2.0,
+                width_m: 1.0,
+                height_m: 0.5,
+                list: 0.0,
+            },
+            east_m: 10.0,
+            north_m: 20.0,
+            heading_rad: std::f64::consts::FRAC_PI_4,
+        },
+        bottom_z_m: -3.0,
+        on_pings: Vec::new(),
+        explained: 0.875,
+        rivals: Vec::new(),
+    }
+}
+
+#[test]
+fn sightings_of_an_object_carry_its_shape_and_it_is_one_body() {
+    let (mark, survey) = (mark(), Survey::default());
+    let mut rows = rows(&mark);
+    rows[1].object = Some(1);
+    for row in &mut rows {
+        row.shape = Some(Arc::new(block()));
+    }
+    let text = written(|path| objects_csv(path, &logs(&survey)[..1], &rows));
+    let mut table = csv::Reader::from_reader(text.as_bytes());
+    for line in table.records().map(Result::unwrap) {
+        let shape: Vec<&str> = line.iter().skip(24).collect();
+        assert_eq!(shape, ["block", "2.00", "1.00", "0.50", "45", "0.88"]);
+    }
+    let text = written(|path| objects_geojson(path, &logs(&survey)[..1], &rows));
+    let read: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(read["features"][0]["properties"]["shape_width_m"], 1.0);
+
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("shapes.ply");
+    let summary = shapes_ply(&path, &rows).unwrap();
+    assert_eq!(summary.count, 1);
+    let bytes = fs::read(path).unwrap();
+    let end = b"end_header\n";
+    let at = bytes.windows(end.len()).position(|part| part == end);
+    let (header, body) = bytes.split_at(at.expect("a header") + end.len());
+    let header = String::from_utf8(header.to_vec()).unwrap();
+    assert!(header.contains("comment object 1: block, 2.00 x 1.00 x 0.50 m\n"));
+    let count = |element: &str| -> usize {
+        let line = header.lines().find_map(|line| line.strip_prefix(element));
+        line.expect("an element").trim().parse().expect("a number")
+    };
+    let (corners, squares) = (count("element vertex"), count("element face"));
+    assert_eq!(body.len(), corners * 31 + squares * 17);
+    let corner = |index: usize| {
+        let value = |axis: usize| {
+            let at = index * 31 + axis * 8;
+            f64::from_le_bytes(body[at..at + 8].try_into().expect("eight bytes"))
+        };
+        [value(0), value(1), value(2)]
+    };
+    let highest = (0..corners)
+        .map(|index| corner(index)[2])
+        .fold(f64::MIN, f64::max);
+    assert!((highest + 2.5).abs() < 1e-9, "{highest}");
+    // Of a square with its corners counter-clockwise from above the area is positive; together they cover 2 x 1 m and the room around.
+    let mut area_m2 = 0.0;
+    for square in 0..squares {
+        let at = corners * 31 + square * 17;
+        assert_eq!(body[at], 4);
+        let places: Vec<[f64; 3]> = (0..4)
+            .map(|one| {
+                let at = at + 1 + 4 * one;
+                let index = i32::from_le_bytes(body[at..at + 4].try_into().expect("four bytes"));
+                corner(index as usize)
+            })
+            .collect();
+        let cross = |a: [f64; 3], b: [f64; 3]| 0.5 * (a[0] * b[1] - a[1] * b[0]);
+        let own: f64 = (0..4)
+            .map(|one| cross(places[one], places[(one + 1) % 4]))
+            .sum();
+        assert!(own > 0.0, "clockwise");
+        area_m2 += own;
+    }
+    assert!((2.0..2.1).contains(&area_m2), "{area_m2}");
+}

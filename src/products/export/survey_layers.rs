@@ -1,0 +1,195 @@
+//! The layers of `survey.gpkg`: where the boat went, what was insonified, and what is drawn of the depth map.
+
+use super::geopackage::{Geometry, Layer, Ring, text};
+use super::isobaths::DrawnLines;
+use super::millimetres;
+use super::qgis_vector::{
+    depth_area_style, footprint_style, isobath_style, spot_sounding_style, track_style,
+};
+use super::rings::rounded;
+use super::sqlite::Value;
+use super::track::TrackPiece;
+use crate::bottom::bathymetry::DepthPoint;
+use crate::bottom::bathymetry::isobaths::{DepthArea, Isobath, IsobathSettings, Polygon};
+use crate::support::geo::{LonLat, MapPlane};
+
+/// Steps of coordinates in a metre and in a degree: a millimetre.
+const STEPS_M: f64 = 1e3;
+const STEPS_DEG: f64 = 1e8;
+
+/// How what lies in the plane of a map becomes geometries in its system.
+pub struct Placed<'a> {
+    map: &'a MapPlane,
+    steps: f64,
+}
+
+impl<'a> Placed<'a> {
+    /// In the system of a map.
+    pub fn new(map: &'a MapPlane) -> Self {
+        let steps = match map.crs.is_degrees() {
+            true => STEPS_DEG,
+            false => STEPS_M,
+        };
+        Self { map, steps }
+    }
+
+    /// A position, to the millimetre.
+    pub fn position(&self, at: LonLat) -> [f64; 2] {
+        self.rounded(self.map.crs.place(at))
+    }
+
+    /// A place of the plane, to the millimetre.
+    fn place(&self, at: [f64; 2]) -> [f64; 2] {
+        self.rounded(self.map.in_crs(at))
+    }
+
+    fn rounded(&self, place: [f64; 2]) -> [f64; 2] {
+        place.map(|value| (value * self.steps).round() / self.steps)
+    }
+
+    fn polygons(&self, shapes: &[Polygon]) -> Vec<Vec<Ring>> {
+        rounded(shapes, self.steps, |at| self.map.in_crs(at))
+    }
+}
+
+/// The way of the boat, a line a piece.
+pub fn track_layer(placed: &Placed<'_>, pieces: &[TrackPiece]) -> Layer {
+    let feature = |piece: &TrackPiece| {
+        let places = piece
+            .points
+            .iter()
+            .map(|point| placed.position(point.position));
+        let ends = [piece.points.first(), piece.points.last()];
+        let pings = ends.map(|end| end.map_or(Value::Null, |end| Value::count(end.ping)));
+        let times = ends.map(|end| Value::Real(end.map_or(f64::NAN, |end| end.time_s)));
+        let length = [Value::Real(millimetres(piece.length_m))];
+        let values = pings.into_iter().chain(times).chain(length).collect();
+        Some((line_through(places)?, values))
+    };
+    Layer {
+        name: "track",
+        title: "Track",
+        about: "The boat's track",
+        geometry: "LINESTRING",
+        columns: "ping_from INTEGER, ping_to INTEGER, from_s DOUBLE, to_s DOUBLE, length_m DOUBLE",
+        features: pieces.iter().filter_map(feature).collect(),
+        style: track_style(),
+    }
+}
+
+/// The ground that the side-scan covers, one feature with its area on the ground.
+pub fn footprint_layer(placed: &Placed<'_>, name: &str, shapes: &[Polygon], area_m2: f64) -> Layer {
+    let polygons = placed.polygons(shapes);
+    let is_some = !polygons.is_empty();
+    let values = vec![text(name), Value::Real((area_m2 * 10.0).round() / 10.0)];
+    let feature = is_some.then_some((Geometry::Polygons(polygons), values));
+    Layer {
+        name: "footprint",
+        title: "Footprint",
+        about: "The ground that the side-scan insonified",
+        geometry: "MULTIPOLYGON",
+        columns: "log TEXT, area_m2 DOUBLE",
+        features: feature.into_iter().collect(),
+        style: footprint_style(),
+    }
+}
+
+/// Lines of equal depth. A metre of the plane is `scale` metres on the ground.
+pub fn isobath_layer(placed: &Placed<'_>, drawn: &DrawnLines<'_>, scale: f64) -> Layer {
+    let feature = |line: &Isobath| {
+        let places = line.points.iter().map(|point| placed.place(*point));
+        let depth = drawn.settings.in_unit(line.depth_m);
+        let flags = [drawn.is_index(line), line.is_ring()];
+        let [is_index, is_ring] = flags.map(|flag| Value::Integer(flag.into()));
+        let values = vec![
+            Value::Real(line.depth_m),
+            Value::Real(depth),
+            text(drawn.settings.unit.symbol()),
+            text(&depth.to_string()),
+            is_index,
+            is_ring,
+            Value::Real(millimetres(scale * line.length_m())),
+        ];
+        Some((line_through(places)?, values))
+    };
+    Layer {
+        name: "isobaths",
+        title: "Isobaths",
+        about: "Lines of equal depth",
+        geometry: "LINESTRING",
+        columns: "depth_m DOUBLE, depth DOUBLE, unit TEXT, label TEXT, is_index BOOLEAN, ring BOOLEAN, length_m DOUBLE",
+        features: drawn.lines.iter().filter_map(feature).collect(),
+        style: isobath_style(),
+    }
+}
+
+/// The areas between depths, coloured by how deep they are: `colour` is that of a share of the way from the shallowest to the deepest. A
+/// square metre of the plane is `ground` square metres on the ground.
+pub fn depth_area_layer(
+    placed: &Placed<'_>,
+    areas: &[DepthArea],
+    ground: f64,
+    colour: impl Fn(f32) -> [u8; 3],
+) -> Layer {
+    let filled = || areas.iter().filter(|area| !area.polygons.is_empty());
+    let feature = |area: &DepthArea| {
+        let numbers = [area.from_m, area.to_m, ground * area.area_m2()];
+        let values = numbers.map(|number| Value::Real(millimetres(number)));
+        let polygons = Geometry::Polygons(placed.polygons(&area.polygons));
+        (polygons, values.into())
+    };
+    let ends = areas.first().zip(areas.last());
+    let [least_m, most_m] = ends.map_or([0.0; 2], |(first, last)| [first.from_m, last.to_m]);
+    let classes = filled().map(|area| {
+        let middle_m = 0.5 * (area.from_m + area.to_m);
+        let share = (middle_m - least_m) / (most_m - least_m).max(f64::MIN_POSITIVE);
+        (
+            [area.from_m, area.to_m].map(millimetres),
+            colour(share as f32),
+        )
+    });
+    let style = depth_area_style(&classes.collect::<Vec<_>>());
+    Layer {
+        name: "depth_areas",
+        title: "Depth areas",
+        about: "Areas between depths",
+        geometry: "MULTIPOLYGON",
+        columns: "from_m DOUBLE, to_m DOUBLE, area_m2 DOUBLE",
+        features: filled().map(feature).collect(),
+        style,
+    }
+}
+
+/// Depths as the figures that a chart prints.
+pub fn spot_sounding_layer(
+    placed: &Placed<'_>,
+    soundings: &[DepthPoint],
+    settings: &IsobathSettings,
+) -> Layer {
+    let feature = |point: &DepthPoint| {
+        let at = Geometry::Point(placed.place([point.east_m, point.north_m]));
+        let values = vec![
+            Value::Real(millimetres(point.depth_m)),
+            text(settings.unit.symbol()),
+            text(&settings.charted(point.depth_m)),
+            Value::Integer(point.is_sounding.into()),
+        ];
+        (at, values)
+    };
+    Layer {
+        name: "spot_soundings",
+        title: "Spot soundings",
+        about: "The shoalest depths of their surroundings",
+        geometry: "POINT",
+        columns: "depth_m DOUBLE, unit TEXT, label TEXT, is_sounding BOOLEAN",
+        features: soundings.iter().map(feature).collect(),
+        style: spot_sounding_style(),
+    }
+}
+
+/// A line through places; `None` where they are one, to the millimetre.
+fn line_through(places: impl Iterator<Item = [f64; 2]>) -> Option<Geometry> {
+    let mut places: Vec<[f64; 2]> = places.collect();
+    places.dedup();
+    (places.len() > 1).then_some(Geometry::Line(places))
+}

@@ -1,0 +1,69 @@
+//! MBTiles 1.3: a database of SQLite with a row for each tile, rows of tiles counted from the south
+//! (<https://github.com/mapbox/mbtiles-spec/blob/master/1.3/spec.md>).
+
+use super::{TileSet, TileStore};
+use crate::products::export::sqlite::{Database, Value};
+use crate::products::export::{ExportError, write_aside};
+use crate::products::map_tiles::{Picture, WebTile};
+use std::io::{self, BufWriter};
+use std::path::Path;
+
+/// `MPBX`, as the number that says what kind of database it is.
+const APPLICATION: u32 = 0x4d50_4258;
+const METADATA_SQL: &str = "CREATE TABLE metadata (name TEXT NOT NULL PRIMARY KEY, value TEXT)";
+const TILES_SQL: &str = "CREATE TABLE tiles (zoom_level INTEGER NOT NULL, tile_column INTEGER NOT NULL, tile_row INTEGER NOT NULL, tile_data BLOB NOT NULL, PRIMARY KEY (zoom_level, tile_column, tile_row))";
+
+/// Writes the pictures of one kind.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn mbtiles(
+    path: &Path,
+    store: &TileStore,
+    picture: Picture,
+    set: &TileSet,
+) -> Result<(), ExportError> {
+    write_aside(path, |file| {
+        let mut database = Database::new(BufWriter::new(file))?;
+        let metadata = metadata(set)
+            .into_iter()
+            .map(|(name, value)| vec![Value::Text(name.to_owned()), Value::Text(value)]);
+        let rows = (1..).zip(metadata).map(Ok);
+        database.add("metadata", METADATA_SQL, &[&[0]], rows)?;
+        let rows = (1..).zip(store.tiles(picture)).map(|(id, (_, stored))| {
+            let WebTile { zoom, x, y } = stored.tile;
+            let from_south = (1_i64 << zoom) - 1 - i64::from(y);
+            let place = [i64::from(zoom), i64::from(x), from_south].map(Value::Integer);
+            let mut row = place.to_vec();
+            row.push(Value::Blob(store.read(stored)?));
+            Ok((id, row))
+        });
+        database.add("tiles", TILES_SQL, &[&[0, 1, 2]], rows)?;
+        let written = database.finish(APPLICATION, 0)?;
+        written
+            .into_inner()
+            .map_err(io::IntoInnerError::into_error)?;
+        Ok(())
+    })
+}
+
+fn metadata(set: &TileSet) -> Vec<(&'static str, String)> {
+    let [west, south, east, north] = set.scales.zooms.bounds_deg;
+    let [lon, lat] = set.middle_deg();
+    let zoom = set.scales.zooms.coarsest;
+    vec![
+        ("name", set.name.clone()),
+        ("format", "png".to_owned()),
+        (
+            "bounds",
+            format!("{west:.7},{south:.7},{east:.7},{north:.7}"),
+        ),
+        ("center", format!("{lon:.7},{lat:.7},{zoom}")),
+        ("minzoom", zoom.to_string()),
+        ("maxzoom", set.scales.zooms.finest.to_string()),
+        ("attribution", TileSet::ATTRIBUTION.to_owned()),
+        ("description", set.description.clone()),
+        ("type", "overlay".to_owned()),
+        ("version", "1".to_owned()),
+    ]
+}

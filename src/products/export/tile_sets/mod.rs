@@ -1,0 +1,38 @@
+//! The tiles of a map in files that other programs open: MBTiles for plotters and apps, PMTiles for the web, and a page that shows these.
+
+mod mbtiles;
+mod page;
+mod pmtiles;
+mod store;
+
+pub use mbtiles::mbtiles;
+pub use page::map_page;
+pub use pmtiles::pmtiles;
+pub use store::TileStore;
+
+use crate::products::map_tiles::MapScales;
+
+/// What a set of tiles is, for the programs that show it.
+#[derive(Clone, Debug)]
+pub struct TileSet {
+    /// What it is called.
+    pub name: String,
+    /// What it shows, in a sentence or two.
+    pub description: String,
+    /// Where it lies, and how it is drawn.
+    pub scales: MapScales,
+}
+
+impl TileSet {
+    /// Who made it.
+    pub const ATTRIBUTION: &'static str = "Bathyscope";
+
+    /// Longitude and latitude of its middle.
+    fn middle_deg(&self) -> [f64; 2] {
+        let [west, south, east, north] = self.scales.zooms.bounds_deg;
+        [0.5 * (west + east), 0.5 * (south + north)]
+    }
+}
+
+#[cfg(test)]
+mod tests;

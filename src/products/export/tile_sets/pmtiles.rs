@@ -1,0 +1,183 @@
+//! PMTiles version 3: all tiles in one file that a page reads in parts (<https://github.com/protomaps/PMTiles/blob/main/spec/v3/spec.md>).
+//!
+//! The crate `pmtiles` reads and writes them too, with an asynchronous runtime behind it; what is written here is a header, a list of numbers, and
+//! the pictures one after the other.
+
+use super::store::Stored;
+use super::{TileSet, TileStore};
+use crate::products::export::{ExportError, write_aside};
+use crate::products::map_tiles::Picture;
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use serde_json::json;
+use std::io::{self, BufWriter, Write as _};
+use std::path::Path;
+
+const HEADER: usize = 127;
+/// Header and first directory lie within so many bytes.
+const FIRST_READ: usize = 16_384;
+/// Tiles of a directory that the first one leads to.
+const LEAF: usize = 4096;
+/// Numbers that stand for gzip, for no packing, and for PNG.
+const GZIP: u8 = 2;
+const PLAIN: u8 = 1;
+const PNG: u8 = 2;
+
+/// Writes the pictures of one kind, in the order of the curve.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn pmtiles(
+    path: &Path,
+    store: &TileStore,
+    picture: Picture,
+    set: &TileSet,
+) -> Result<(), ExportError> {
+    write_aside(path, |file| {
+        let tiles = store.tiles(picture);
+        let [root, leaves] = directories(&tiles)?;
+        let metadata = gzip(&metadata(picture, set))?;
+        let mut out = BufWriter::new(file);
+        out.write_all(&header(set, &tiles, [&root, &metadata, &leaves]))?;
+        for part in [root, metadata, leaves] {
+            out.write_all(&part)?;
+        }
+        for (_, stored) in tiles {
+            out.write_all(&store.read(stored)?)?;
+        }
+        out.flush()
+    })
+}
+
+/// An entry of a directory: the number of a tile, where its bytes begin and how many they are; or of a directory, which has no run of tiles.
+struct Entry {
+    id: u64,
+    run: u64,
+    at: u64,
+    length: u64,
+}
+
+/// The first directory, and those that it leads to one after the other; none where the first holds all tiles.
+fn directories(tiles: &[(u64, Stored)]) -> io::Result<[Vec<u8>; 2]> {
+    let mut at = 0;
+    let entries = tiles.iter().map(|(id, stored)| {
+        let entry = Entry {
+            id: *id,
+            run: 1,
+            at,
+            length: u64::from(stored.length),
+        };
+        at += entry.length;
+        entry
+    });
+    let entries: Vec<Entry> = entries.collect();
+    let root = directory(&entries)?;
+    if HEADER + root.len() <= FIRST_READ {
+        return Ok([root, Vec::new()]);
+    }
+    let mut size = LEAF;
+    loop {
+        let (mut leaves, mut lead) = (Vec::new(), Vec::new());
+        for part in entries.chunks(size) {
+            let leaf = directory(part)?;
+            lead.push(Entry {
+                id: part.first().map_or(0, |first| first.id),
+                run: 0,
+                at: leaves.len() as u64,
+                length: leaf.len() as u64,
+            });
+            leaves.extend(leaf);
+        }
+        let root = directory(&lead)?;
+        if HEADER + root.len() <= FIRST_READ {
+            return Ok([root, leaves]);
+        }
+        size *= 2;
+    }
+}
+
+fn directory(entries: &[Entry]) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    put(&mut bytes, entries.len() as u64);
+    let before = std::iter::once(0).chain(entries.iter().map(|entry| entry.id));
+    for (entry, before) in entries.iter().zip(before) {
+        put(&mut bytes, entry.id - before);
+    }
+    entries.iter().for_each(|entry| put(&mut bytes, entry.run));
+    entries
+        .iter()
+        .for_each(|entry| put(&mut bytes, entry.length));
+    let ends = entries.iter().map(|entry| Some(entry.at + entry.length));
+    for (entry, end_before) in entries.iter().zip(std::iter::once(None).chain(ends)) {
+        // 0 says: right behind the one before.
+        put(
+            &mut bytes,
+            if end_before == Some(entry.at) {
+                0
+            } else {
+                entry.at + 1
+            },
+        );
+    }
+    gzip(&bytes)
+}
+
+/// A number in as few bytes as it needs, seven bits each, the lowest first.
+fn put(bytes: &mut Vec<u8>, mut number: u64) {
+    while number > 0x7f {
+        bytes.push((number & 0x7f) as u8 | 0x80);
+        number >>= 7;
+    }
+    bytes.push(number as u8);
+}
+
+fn gzip(bytes: &[u8]) -> io::Result<Vec<u8>> {
+    let mut packed = GzEncoder::new(Vec::new(), Compression::best());
+    packed.write_all(bytes)?;
+    packed.finish()
+}
+
+fn metadata(picture: Picture, set: &TileSet) -> Vec<u8> {
+    let mut metadata = json!({
+        "name": set.name,
+        "description": set.description,
+        "attribution": TileSet::ATTRIBUTION,
+        "type": "overlay",
+        "version": "1",
+    });
+    if picture == Picture::Elevations {
+        metadata["encoding"] = json!("terrarium");
+    }
+    metadata.to_string().into_bytes()
+}
+
+fn header(set: &TileSet, tiles: &[(u64, Stored)], [root, metadata, leaves]: [&[u8]; 3]) -> Vec<u8> {
+    let mut header = b"PMTiles\x03".to_vec();
+    let mut at = HEADER as u64;
+    let content = tiles
+        .iter()
+        .map(|(_, stored)| u64::from(stored.length))
+        .sum();
+    let parts = [root, metadata, leaves].map(|part| part.len() as u64);
+    for length in parts.into_iter().chain([content]) {
+        header.extend(at.to_le_bytes());
+        header.extend(length.to_le_bytes());
+        at += length;
+    }
+    // Tiles that have a picture, entries of directories, pictures.
+    header.extend((tiles.len() as u64).to_le_bytes().repeat(3));
+    // The pictures lie in the order of the directory.
+    header.extend([
+        1,
+        GZIP,
+        PLAIN,
+        PNG,
+        set.scales.zooms.coarsest,
+        set.scales.zooms.finest,
+    ]);
+    let place = |degrees: f64| ((degrees * 1e7).round() as i32).to_le_bytes();
+    header.extend(set.scales.zooms.bounds_deg.map(place).concat());
+    header.push(set.scales.zooms.coarsest);
+    header.extend(set.middle_deg().map(place).concat());
+    header
+}

@@ -1,0 +1,104 @@
+//! Pictures of tiles, from when they are drawn until they are written in the order that a file wants.
+
+use crate::products::export::{ExportError, RasterError};
+use crate::products::map_tiles::{Picture, TileSource, WebTile, pyramid};
+use crate::support::progress::Progress;
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
+use std::path::Path;
+use std::sync::{Mutex, PoisonError};
+
+/// Pictures in a file that has no name, so that memory does not grow with the map.
+pub struct TileStore {
+    inner: Mutex<Inner>,
+}
+
+struct Inner {
+    file: File,
+    end: u64,
+    /// By what they show and by the tile's number along Hilbert's curve.
+    places: BTreeMap<(Picture, u64), Stored>,
+}
+
+/// Where the picture of a tile lies.
+#[derive(Clone, Copy, Debug)]
+pub struct Stored {
+    /// Which tile.
+    pub tile: WebTile,
+    at: u64,
+    /// Bytes.
+    pub length: u32,
+}
+
+impl TileStore {
+    /// Without a picture; its file takes room in a folder as long as it lives.
+    ///
+    /// # Errors
+    /// When the folder cannot be written into.
+    pub fn in_folder(folder: &Path) -> io::Result<Self> {
+        Ok(Self {
+            inner: Mutex::new(Inner {
+                file: tempfile::tempfile_in(folder)?,
+                end: 0,
+                places: BTreeMap::new(),
+            }),
+        })
+    }
+
+    /// With the pictures of a map, drawn now.
+    ///
+    /// # Errors
+    /// When the folder cannot be written into, the source cannot be read, or the work was cancelled.
+    pub fn draw(
+        folder: &Path,
+        source: &impl TileSource,
+        progress: &Progress,
+    ) -> Result<Self, RasterError> {
+        let fail = |source| ExportError {
+            path: folder.to_owned(),
+            source,
+        };
+        let store = Self::in_folder(folder).map_err(fail)?;
+        let keep = |picture, tile, bytes: Vec<u8>| store.keep(picture, tile, &bytes);
+        let drawn = pyramid(source, progress, &keep);
+        progress.check()?;
+        drawn.map_err(fail)?;
+        Ok(store)
+    }
+
+    /// Keeps a picture.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn keep(&self, picture: Picture, tile: WebTile, bytes: &[u8]) -> io::Result<()> {
+        let length = u32::try_from(bytes.len()).map_err(io::Error::other)?;
+        let mut inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
+        let at = inner.end;
+        inner.file.seek(SeekFrom::Start(at))?;
+        inner.file.write_all(bytes)?;
+        inner.end += u64::from(length);
+        let stored = Stored { tile, at, length };
+        inner.places.insert((picture, tile.hilbert_id()), stored);
+        Ok(())
+    }
+
+    /// The tiles that have a picture, along Hilbert's curve, from the coarsest zoom to the finest.
+    pub fn tiles(&self, picture: Picture) -> Vec<(u64, Stored)> {
+        let inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
+        let of_picture = inner.places.range((picture, 0)..=(picture, u64::MAX));
+        of_picture.map(|((_, id), stored)| (*id, *stored)).collect()
+    }
+
+    /// The bytes of a picture.
+    ///
+    /// # Errors
+    /// When they cannot be read.
+    pub fn read(&self, stored: Stored) -> io::Result<Vec<u8>> {
+        let mut bytes = vec![0; stored.length as usize];
+        let mut inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
+        inner.file.seek(SeekFrom::Start(stored.at))?;
+        inner.file.read_exact(&mut bytes)?;
+        Ok(bytes)
+    }
+}

@@ -1,0 +1,23 @@
+//! Lines and areas for map programs: shapefiles, and KML in its zipped form.
+
+mod kmz;
+mod shapefile;
+mod zipped;
+
+pub use kmz::{areas_kmz, lines_kmz};
+pub use shapefile::lines_shapefile;
+
+use crate::support::geo::LonLat;
+
+/// A line with what a map says about it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Line {
+    /// Its corners.
+    pub points: Vec<LonLat>,
+    /// What stands beside it.
+    pub label: String,
+    /// Numbers, in the order of the names that the file is written with.
+    pub numbers: Vec<f64>,
+    /// Colour, red to blue.
+    pub colour: [u8; 3],
+}

@@ -1,0 +1,79 @@
+//! The water below each level: two curves over the depth, and their table.
+
+use super::ReportData;
+use crate::bottom::bathymetry::isobaths::{Storage, storage};
+use crate::support::presentation::plot::{Axis, Curve, Plot};
+use crate::support::presentation::text::typeset_count as count;
+use std::fmt::Write as _;
+
+/// Levels that the curves go through.
+const STEPS: usize = 60;
+/// Area of the curves, pixels.
+const PLOT_PX: [f64; 2] = [360.0, 240.0];
+
+/// Curves and table; empty without a depth map.
+pub fn storage_section(from: &ReportData<'_>) -> String {
+    let Some(surface) = from.depth_map.map(|depth_map| &depth_map.surface) else {
+        return String::new();
+    };
+    let [least_m, most_m] = surface.range_m();
+    let grid = &surface.grid;
+    let middle = grid.centre(grid.rows / 2, grid.columns / 2);
+    // A map's square metres are not quite those of the ground.
+    let ground = from.map.area_scale_at(middle).recip();
+    let below = |levels: &[f64]| -> Vec<Storage> {
+        let mut rows = storage(surface, levels, from.isobaths.clip.as_deref());
+        for row in &mut rows {
+            row.area_m2 *= ground;
+            row.volume_m3 *= ground;
+        }
+        rows
+    };
+    let mut html = String::from("<h2>Area and volume below each level</h2>\n<figure>");
+    let even: Vec<f64> = (0..=STEPS)
+        .map(|step| least_m + step as f64 / STEPS as f64 * (most_m - least_m))
+        .collect();
+    html += &curves(&below(&even));
+    html += "</figure>\n<table><tr><th>below depth, m</th><th>area, m\u{b2}</th><th>volume, m\u{b3}</th></tr>\n";
+    // The levels of the isobaths, as in `storage.csv`; too many were refused with a warning.
+    let isobaths = &from.products.settings.isobaths;
+    let levels = isobaths.levels_m([least_m, most_m]).unwrap_or_default();
+    for row in below(&levels) {
+        // Writing to a string cannot fail.
+        writeln!(
+            html,
+            "<tr><td>{:.2}</td><td>{}</td><td>{}</td></tr>",
+            row.depth_m,
+            count(row.area_m2.round() as usize),
+            count(row.volume_m3.round() as usize)
+        )
+        .ok();
+    }
+    html + "</table>\n<p>What was not mapped does not count: a basin holds more than this where the survey leaves parts of it out.</p>\n"
+}
+
+/// Area and volume, each across a plot whose depth runs down.
+fn curves(rows: &[Storage]) -> String {
+    let (Some(first), Some(last)) = (rows.first(), rows.last()) else {
+        return String::new();
+    };
+    let plot = |name: &str, amount: fn(&Storage) -> f64| {
+        let mut across = Axis::new(&format!("{name} deeper than"), [0.0, amount(first)]);
+        for (value, label) in &mut across.ticks {
+            *label = count(value.round() as usize);
+        }
+        let plot = Plot {
+            title: format!("{name} deeper than each level"),
+            across,
+            up: Axis::new("depth, m", [last.depth_m, first.depth_m]),
+            curves: vec![Curve {
+                name: name.to_owned(),
+                points: rows.iter().map(|row| [amount(row), row.depth_m]).collect(),
+            }],
+            mark: None,
+            limit: None,
+        };
+        plot.svg(PLOT_PX)
+    };
+    plot("area, m\u{b2}", |row| row.area_m2) + &plot("volume, m\u{b3}", |row| row.volume_m3)
+}

@@ -1,0 +1,193 @@
+//! The map of depths: colours, isobaths with their depths, track and objects.
+
+use super::frame::{Bounds, Frame};
+use super::{ReportData, raster};
+use crate::bottom::bathymetry::Surface;
+use crate::bottom::bathymetry::isobaths::Isobath;
+use crate::support::presentation::colours::{depth_colour, lit_depth_colour};
+use crate::support::presentation::ticks::ticks;
+use crate::support::progress::{Cancelled, Progress};
+use std::fmt::Write as _;
+
+/// Longest side of the picture under the isobaths, pixels: what a screen shows of it, and little to send.
+const MOST_CELLS: usize = 1200;
+/// Isobaths shorter than this on the page get no depth written on them, pixels.
+const LEAST_LABELLED_PX: f64 = 90.0;
+/// Labels nearer than this to another are left out, pixels.
+const APART_PX: f64 = 46.0;
+
+/// The map; `None` where the depths span no surface.
+pub fn depth_plan(from: &ReportData<'_>, progress: &Progress) -> Result<Option<String>, Cancelled> {
+    let Some(depth_map) = from.depth_map else {
+        return Ok(None);
+    };
+    let surface = &depth_map.surface;
+    let Some(frame) = Frame::around(bounds(surface), from.map) else {
+        return Ok(None);
+    };
+    let range_m = surface.range_m().map(|depth_m| depth_m as f32);
+    let lit = Lit {
+        surface,
+        range_m,
+        level_ground: f32::from(depth_map.light.level_ground()),
+        shade: depth_map.shade(progress)?,
+    };
+    let under = lit.picture(&frame);
+    let over = isobath_lines(&from.isobaths.lines, &frame) + &super::objects::marks(from, &frame);
+    let name = "Depth map with isobaths, track and objects";
+    let under = under + &super::mosaic_plan::track(from, &frame, "#000000", 0.35);
+    Ok(Some(frame.svg(
+        name,
+        &under,
+        &over,
+        &legend(range_m, &frame),
+    )))
+}
+
+fn bounds(surface: &Surface) -> Bounds {
+    let grid = &surface.grid;
+    [
+        grid.west_m,
+        grid.north_m - grid.rows as f64 * grid.cell_m,
+        grid.west_m + grid.columns as f64 * grid.cell_m,
+        grid.north_m,
+    ]
+}
+
+/// The depths with their hill-shade.
+struct Lit<'a> {
+    surface: &'a Surface,
+    range_m: [f32; 2],
+    /// Brightness of every cell, 0 where it is not known.
+    shade: &'a [u8],
+    level_ground: f32,
+}
+
+impl Lit<'_> {
+    /// The depths as a picture, cells joined where there are more than can be seen.
+    fn picture(&self, frame: &Frame) -> String {
+        let grid = &self.surface.grid;
+        let joined = grid.columns.max(grid.rows).div_ceil(MOST_CELLS).max(1);
+        let (columns, rows) = (grid.columns.div_ceil(joined), grid.rows.div_ceil(joined));
+        let mut pixels = Vec::with_capacity(4 * columns * rows);
+        for row in 0..rows {
+            for column in 0..columns {
+                pixels.extend(self.pixel([row * joined, column * joined], joined));
+            }
+        }
+        let scale = grid.cell_m * joined as f64 * frame.px_per_m();
+        let [x, y] = frame.place([grid.west_m, grid.north_m]);
+        format!(
+            "<image x=\"{x:.2}\" y=\"{y:.2}\" width=\"{:.2}\" height=\"{:.2}\" preserveAspectRatio=\"none\" href=\"{}\"/>\n",
+            columns as f64 * scale,
+            rows as f64 * scale,
+            raster::rgba(&pixels, columns, rows)
+        )
+    }
+
+    /// Colour of the mean depth of some cells, lit by their mean shade; clear where none is known.
+    fn pixel(&self, [row, column]: [usize; 2], side: usize) -> [u8; 4] {
+        let grid = &self.surface.grid;
+        let (mut depths, mut shades) = (Mean::default(), Mean::default());
+        for row in row..(row + side).min(grid.rows) {
+            let first = row * grid.columns;
+            for cell in first + column..first + (column + side).min(grid.columns) {
+                let depth_m = self.surface.depth_m[cell];
+                if !depth_m.is_nan() {
+                    depths.add(depth_m);
+                }
+                if self.shade[cell] > 0 {
+                    shades.add(f32::from(self.shade[cell]));
+                }
+            }
+        }
+        let Some(depth_m) = depths.mean() else {
+            return [0; 4];
+        };
+        // Level ground keeps its colour.
+        let light = shades.mean().unwrap_or(self.level_ground) / self.level_ground;
+        let [r, g, b] = lit_depth_colour(depth_m, self.range_m, light);
+        [r, g, b, 255]
+    }
+}
+
+#[derive(Default)]
+struct Mean {
+    sum: f32,
+    count: u32,
+}
+
+impl Mean {
+    fn add(&mut self, value: f32) {
+        self.sum += value;
+        self.count += 1;
+    }
+
+    fn mean(&self) -> Option<f32> {
+        (self.count > 0).then(|| self.sum / self.count as f32)
+    }
+}
+
+/// The lines, and the depth of the longer ones in their middle.
+fn isobath_lines(lines: &[Isobath], frame: &Frame) -> String {
+    let mut drawn = String::from(
+        "<g fill=\"none\" stroke=\"#ffffff\" stroke-opacity=\"0.85\" stroke-width=\"0.9\">\n",
+    );
+    for line in lines {
+        let path = frame.path(line.points.iter().copied());
+        // Writing to a string cannot fail.
+        writeln!(drawn, "<path d=\"{path}\"/>").ok();
+    }
+    drawn.push_str("</g>\n<g text-anchor=\"middle\" font-size=\"10\" fill=\"#111111\" paint-order=\"stroke\" stroke=\"#ffffff\" stroke-width=\"2.5\">\n");
+    let mut taken: Vec<[f64; 2]> = Vec::new();
+    let mut longest_first: Vec<&Isobath> = lines.iter().collect();
+    longest_first.sort_by(|a, b| b.length_m().total_cmp(&a.length_m()));
+    for line in longest_first {
+        if line.length_m() * frame.px_per_m() < LEAST_LABELLED_PX {
+            break;
+        }
+        let Some(&middle) = line.points.get(line.points.len() / 2) else {
+            continue;
+        };
+        let [x, y] = frame.place(middle);
+        let crowded = |other: &[f64; 2]| (other[0] - x).hypot(other[1] - y) < APART_PX;
+        if !taken.iter().any(crowded) {
+            taken.push([x, y]);
+            let depth_m = line.depth_m;
+            writeln!(
+                drawn,
+                "<text x=\"{x:.1}\" y=\"{:.1}\">{depth_m}</text>",
+                y + 3.5
+            )
+            .ok();
+        }
+    }
+    drawn.push_str("</g>\n");
+    drawn
+}
+
+/// A column of colours with depths beside it, shallow on top.
+fn legend([least_m, most_m]: [f32; 2], frame: &Frame) -> String {
+    const STEPS: usize = 32;
+    let [x, y] = frame.legend_at();
+    let height = (frame.height_px() - 40.0).min(240.0);
+    let step = height / STEPS as f64;
+    let mut drawn = format!("<text x=\"{x:.1}\" y=\"{:.1}\">depth, m</text>\n", y + 8.0);
+    for index in 0..STEPS {
+        let [r, g, b] = depth_colour((index as f32 + 0.5) / STEPS as f32);
+        let top = y + 18.0 + index as f64 * step;
+        // A little overlap, so that no seam shows between two colours.
+        writeln!(drawn, "<rect x=\"{x:.1}\" y=\"{top:.2}\" width=\"16\" height=\"{:.2}\" fill=\"rgb({r},{g},{b})\"/>", step + 0.5).ok();
+    }
+    let extent_m = f64::from(most_m - least_m).max(f64::MIN_POSITIVE);
+    for (depth_m, label) in ticks(f64::from(least_m), f64::from(most_m)) {
+        let at = y + 18.0 + (depth_m - f64::from(least_m)) / extent_m * height + 4.0;
+        writeln!(
+            drawn,
+            "<text x=\"{:.1}\" y=\"{at:.1}\">{label}</text>",
+            x + 22.0
+        )
+        .ok();
+    }
+    drawn
+}

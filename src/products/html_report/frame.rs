@@ -1,0 +1,286 @@
+//! A map on the page: from metres of a plane to pixels, with graticule, scale bar and north arrow.
+
+use crate::support::geo::{CoordinateFormat, MapPlane};
+use crate::support::presentation::graticule::{Family, Net};
+use crate::support::presentation::ticks;
+use crate::support::printable::xml;
+use std::fmt::Write as _;
+
+/// Largest map, pixels.
+const MOST_PX: [f64; 2] = [900.0, 760.0];
+/// Smallest side, so that a single straight line still makes a map.
+const LEAST_PX: f64 = 220.0;
+/// Room for labels on the left and below, and for the legend on the right.
+const LEFT_PX: f64 = 86.0;
+const BELOW_PX: f64 = 26.0;
+const ABOVE_PX: f64 = 6.0;
+const RIGHT_PX: f64 = 96.0;
+/// Part of the extent that is left free on every side.
+const FREE: f64 = 0.04;
+/// Least distance between lines of the graticule, pixels.
+const BETWEEN_PX: f64 = 180.0;
+
+/// Bounds of a map: west, south, east, north, metres.
+pub type Bounds = [f64; 4];
+
+/// Where the metres of a plane lie on the page.
+pub struct Frame {
+    map: MapPlane,
+    west_m: f64,
+    north_m: f64,
+    px_per_m: f64,
+    width_px: f64,
+    height_px: f64,
+}
+
+impl Frame {
+    /// A frame around some bounds in the plane of a map; `None` where these are no place.
+    pub fn around([west, south, east, north]: Bounds, map: &MapPlane) -> Option<Self> {
+        let (width_m, height_m) = (east - west, north - south);
+        let longest_m = width_m.max(height_m);
+        if !(longest_m > 0.0 && longest_m.is_finite()) {
+            return None;
+        }
+        let free_m = FREE * longest_m;
+        let needed_m = [width_m + 2.0 * free_m, height_m + 2.0 * free_m];
+        let px_per_m = (MOST_PX[0] / needed_m[0]).min(MOST_PX[1] / needed_m[1]);
+        let [width_px, height_px] = needed_m.map(|metres| (metres * px_per_m).max(LEAST_PX));
+        Some(Self {
+            map: map.clone(),
+            west_m: 0.5 * (west + east) - 0.5 * width_px / px_per_m,
+            north_m: 0.5 * (south + north) + 0.5 * height_px / px_per_m,
+            px_per_m,
+            width_px,
+            height_px,
+        })
+    }
+
+    /// Pixels from the left and the top.
+    pub fn place(&self, [east_m, north_m]: [f64; 2]) -> [f64; 2] {
+        [
+            LEFT_PX + (east_m - self.west_m) * self.px_per_m,
+            ABOVE_PX + (self.north_m - north_m) * self.px_per_m,
+        ]
+    }
+
+    fn metres(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        [
+            self.west_m + (x - LEFT_PX) / self.px_per_m,
+            self.north_m - (y - ABOVE_PX) / self.px_per_m,
+        ]
+    }
+
+    /// Pixels in a metre.
+    pub fn px_per_m(&self) -> f64 {
+        self.px_per_m
+    }
+
+    /// Left and upper edge of what lies to the right of the map.
+    pub fn legend_at(&self) -> [f64; 2] {
+        [LEFT_PX + self.width_px + 14.0, ABOVE_PX + 4.0]
+    }
+
+    /// Height of the map, pixels.
+    pub fn height_px(&self) -> f64 {
+        self.height_px
+    }
+
+    /// The outline of a line, without steps shorter than half a pixel; it breaks where a place is no number.
+    pub fn path(&self, points: impl Iterator<Item = [f64; 2]>) -> String {
+        let mut path = String::new();
+        let (mut last, mut held) = (None::<[f64; 2]>, None::<[f64; 2]>);
+        let step = |path: &mut String, letter: char, [x, y]: [f64; 2]| {
+            // Writing to a string cannot fail.
+            write!(path, "{letter}{x:.1} {y:.1}").ok();
+        };
+        for point in points {
+            let at = self.place(point);
+            if !at.iter().all(|pixels| pixels.is_finite()) {
+                if let Some(end) = held.take() {
+                    step(&mut path, 'L', end);
+                }
+                last = None;
+                continue;
+            }
+            match last {
+                None => step(&mut path, 'M', at),
+                Some([x, y]) if (at[0] - x).hypot(at[1] - y) < 0.5 => {
+                    held = Some(at);
+                    continue;
+                }
+                Some(_) => step(&mut path, 'L', at),
+            }
+            (last, held) = (Some(at), None);
+        }
+        if let Some(end) = held {
+            step(&mut path, 'L', end);
+        }
+        path
+    }
+
+    /// The map as an `svg` element: `under` the graticule, `over` it, and `beside` the map.
+    pub fn svg(&self, name: &str, under: &str, over: &str, beside: &str) -> String {
+        let (width, height) = (
+            LEFT_PX + self.width_px + RIGHT_PX,
+            ABOVE_PX + self.height_px + BELOW_PX,
+        );
+        let (inner_width, inner_height) = (self.width_px, self.height_px);
+        // Names of clips belong to the whole page: this one follows from the picture's.
+        let clip: String = name.chars().filter(char::is_ascii_alphanumeric).collect();
+        format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" aria-label=\"{label}\" viewBox=\"0 0 {width:.0} {height:.0}\" width=\"{width:.0}\" font-family=\"sans-serif\" font-size=\"11\">\n\
+             <clipPath id=\"{clip}\"><rect x=\"{LEFT_PX}\" y=\"{ABOVE_PX}\" width=\"{inner_width:.1}\" height=\"{inner_height:.1}\"/></clipPath>\n\
+             <rect x=\"{LEFT_PX}\" y=\"{ABOVE_PX}\" width=\"{inner_width:.1}\" height=\"{inner_height:.1}\" fill=\"#f7f7f5\"/>\n\
+             <g clip-path=\"url(#{clip})\">\n{under}</g>\n{graticule}<g clip-path=\"url(#{clip})\">\n{over}</g>\n\
+             <rect x=\"{LEFT_PX}\" y=\"{ABOVE_PX}\" width=\"{inner_width:.1}\" height=\"{inner_height:.1}\" fill=\"none\" stroke=\"#333333\"/>\n{furniture}{beside}</svg>\n",
+            label = xml(name),
+            graticule = self.graticule(&clip),
+            furniture = self.furniture(),
+        )
+    }
+
+    /// Meridians and parallels with their degrees at the frame.
+    fn graticule(&self, clip: &str) -> String {
+        let (right, bottom) = (LEFT_PX + self.width_px, ABOVE_PX + self.height_px);
+        let at = |x: f64, y: f64| self.map.to_lon_lat(self.metres([x, y]));
+        let net = Net::Degrees {
+            middle_deg: at(0.5 * (LEFT_PX + right), 0.5 * (ABOVE_PX + bottom)).lon_deg,
+            format: CoordinateFormat::Degrees,
+        };
+        let corners = [
+            at(LEFT_PX, ABOVE_PX),
+            at(right, ABOVE_PX),
+            at(LEFT_PX, bottom),
+            at(right, bottom),
+        ];
+        let Some(bounds) = net.bounds(corners) else {
+            return String::new();
+        };
+        let [west, south, east, north] = bounds;
+        let across_deg = (east - west) * BETWEEN_PX / self.width_px;
+        let up_deg = (north - south) * BETWEEN_PX / self.height_px;
+        let mut drawn = String::new();
+        for (family, least_deg) in [(Family::Upright, across_deg), (Family::Level, up_deg)] {
+            for line in net.lines(family, bounds, least_deg) {
+                // All but straight within a survey.
+                let places = net.places(family, line.value, bounds, 2);
+                let ends: Vec<[f64; 2]> = places.map(|at| self.place(self.map.place(at))).collect();
+                if let [from, to] = ends[..] {
+                    self.graticule_line(&mut drawn, clip, family, &line.label, [from, to]);
+                }
+            }
+        }
+        drawn
+    }
+
+    fn graticule_line(
+        &self,
+        drawn: &mut String,
+        clip: &str,
+        family: Family,
+        text: &str,
+        [[x1, y1], [x2, y2]]: [[f64; 2]; 2],
+    ) {
+        let label = match family {
+            // Where the line meets the lower edge, and the left one.
+            Family::Upright => {
+                let bottom = ABOVE_PX + self.height_px;
+                let x = x1 + (bottom - y1) / (y2 - y1) * (x2 - x1);
+                let inside = (LEFT_PX + 20.0..LEFT_PX + self.width_px - 20.0).contains(&x);
+                inside.then(|| {
+                    format!(
+                        "<text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{text}</text>",
+                        bottom + 15.0
+                    )
+                })
+            }
+            Family::Level => {
+                let y = y1 + (LEFT_PX - x1) / (x2 - x1) * (y2 - y1);
+                let inside = (ABOVE_PX + 6.0..ABOVE_PX + self.height_px - 6.0).contains(&y);
+                inside.then(|| {
+                    format!(
+                        "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{text}</text>",
+                        LEFT_PX - 5.0,
+                        y + 4.0
+                    )
+                })
+            }
+        };
+        // Writing to a string cannot fail.
+        writeln!(
+            drawn,
+            "<path clip-path=\"url(#{clip})\" d=\"M{x1:.1} {y1:.1}L{x2:.1} {y2:.1}\" stroke=\"#000000\" stroke-opacity=\"0.18\" fill=\"none\"/>{}",
+            label.unwrap_or_default()
+        )
+        .ok();
+    }
+
+    /// Scale bar below on the left, north arrow above on the right.
+    fn furniture(&self) -> String {
+        let middle = self.metres([
+            LEFT_PX + 0.5 * self.width_px,
+            ABOVE_PX + 0.5 * self.height_px,
+        ]);
+        let scale = self.map.area_scale_at(middle).sqrt();
+        let px_per_ground_m = self.px_per_m * scale;
+        let length_m = ticks::round_down(0.25 * self.width_px / px_per_ground_m);
+        let length_px = length_m * px_per_ground_m;
+        let (x, y) = (LEFT_PX + 14.0, ABOVE_PX + self.height_px - 14.0);
+        let text = ticks::bar_label(length_m);
+        let (arrow_x, arrow_y) = (LEFT_PX + self.width_px - 20.0, ABOVE_PX + 14.0);
+        format!(
+            "<g stroke=\"#ffffff\" stroke-width=\"5\" stroke-opacity=\"0.8\" fill=\"none\"><path d=\"M{x} {y}h{length_px:.1}\"/></g>\
+             <path d=\"M{x} {y}h{length_px:.1}m0 -4v8m-{length_px:.1} -8v8\" stroke=\"#111111\" stroke-width=\"1.5\" fill=\"none\"/>\
+             <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\" paint-order=\"stroke\" stroke=\"#ffffff\" stroke-width=\"3\">{text}</text>\n\
+             <path d=\"M{arrow_x} {arrow_y}l6 18l-6 -4l-6 4z\" fill=\"#111111\" stroke=\"#ffffff\"/>\
+             <text x=\"{arrow_x}\" y=\"{:.1}\" text-anchor=\"middle\" font-weight=\"bold\" paint-order=\"stroke\" stroke=\"#ffffff\" stroke-width=\"3\">N</text>\n",
+            x + 0.5 * length_px,
+            y - 7.0,
+            arrow_y + 31.0,
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::support::geo::{CrsChoice, LonLat};
+
+    fn zone_12() -> MapPlane {
+        let origin = LonLat {
+            lon_deg: -111.0,
+            lat_deg: 36.9,
+        };
+        MapPlane::new(CrsChoice::Utm.at(origin).unwrap(), origin)
+    }
+
+    #[test]
+    fn places_keep_their_shape_and_lie_inside() {
+        let bounds = [456_000.0, 4_087_000.0, 456_400.0, 4_087_100.0];
+        let frame = Frame::around(bounds, &zone_12()).unwrap();
+        let [west, south] = frame.place([bounds[0], bounds[1]]);
+        let [east, north] = frame.place([bounds[2], bounds[3]]);
+        assert!(((east - west) / (south - north) - 4.0).abs() < 1e-9);
+        assert!(west > LEFT_PX && east < LEFT_PX + MOST_PX[0] && north > ABOVE_PX);
+        let [e, n] = frame.metres(frame.place([456_123.0, 4_087_045.0]));
+        assert!((e - 456_123.0).abs() < 1e-6 && (n - 4_087_045.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn no_extent_makes_no_map() {
+        assert!(Frame::around([1.0, 1.0, 1.0, 1.0], &zone_12()).is_none());
+        assert!(Frame::around([f64::MAX, f64::MAX, f64::MIN, f64::MIN], &zone_12()).is_none());
+    }
+
+    #[test]
+    fn paths_break_at_gaps_and_keep_their_ends() {
+        let frame = Frame::around([0.0, 0.0, 100.0, 100.0], &zone_12()).unwrap();
+        let dense = (0..1000).map(|step| [f64::from(step) * 0.001, 0.0]);
+        let path = frame.path(dense.chain([[f64::NAN, 0.0], [50.0, 50.0], [60.0, 60.0]]));
+        assert_eq!(path.matches('M').count(), 2, "{path}");
+        let steps = path.matches('L').count();
+        assert!((2..25).contains(&steps), "{path}");
+        let [x, y] = frame.place([0.999, 0.0]);
+        assert!(path.contains(&format!("L{x:.1} {y:.1}M")), "{path}");
+    }
+}

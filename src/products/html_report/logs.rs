@@ -1,0 +1,127 @@
+//! The logs of a survey of several: when and what each recorded, and how their heights agree.
+
+use super::ReportData;
+use super::summary::sailed_m;
+use crate::bottom::bathymetry::height_offsets::LogOffset;
+use crate::pipeline::ProcessedLog;
+use crate::pipeline::joint::{LogReport, LogsReport};
+use crate::support::calendar;
+use crate::support::presentation::text::{long_date, typeset_count as count, typeset_signed, way};
+use crate::support::printable::xml;
+use crate::survey::Survey;
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+
+/// The table of logs; empty of one log.
+pub fn section(from: &ReportData<'_>) -> String {
+    let Some(all) = &from.report.logs else {
+        return String::new();
+    };
+    let mut html = String::from(
+        "<h2>The logs</h2>\n<table><tr><th class=\"text\">log</th><th class=\"text\">recorded, UTC</th><th>track</th><th>pings</th><th>soundings</th>\
+         <th>left out</th><th>recorded depth, m</th><th>height offset, m</th><th>in force, m</th><th>meetings</th><th>against the others, m</th><th>95 %, m</th></tr>\n",
+    );
+    for (report, log) in all.logs.iter().zip(from.logs) {
+        html += &line(report, log);
+    }
+    html += "</table>\n";
+    html + &agreement(all)
+}
+
+fn line(report: &LogReport, log: &ProcessedLog) -> String {
+    let LogOffset {
+        offset_m,
+        standard_error_m,
+        meetings,
+        ..
+    } = report.offset;
+    let offset = match meetings {
+        0 => "unknown".to_owned(),
+        _ => format!(
+            "{} \u{b1} {standard_error_m:.3}",
+            typeset_signed(offset_m, 3)
+        ),
+    };
+    let (median, p95) = match &report.against_the_others.residuals {
+        Some(found) => (
+            typeset_signed(found.median_m, 3),
+            format!("{:.3}", found.p95_m),
+        ),
+        None => ("apart".to_owned(), String::new()),
+    };
+    let left_out = match report.counts.left_out_pings {
+        0 => String::new(),
+        pings => count(pings),
+    };
+    format!(
+        "<tr><td class=\"text\">{}</td><td class=\"text\">{}</td><td>{}</td><td>{}</td><td>{}</td><td>{left_out}</td><td>{}</td><td>{offset}</td><td>{}</td><td>{}</td><td>{median}</td><td>{p95}</td></tr>\n",
+        xml(&report.log),
+        recorded(&log.survey),
+        way(sailed_m(log)),
+        count(report.counts.pings),
+        count(report.counts.soundings),
+        depths(&log.survey),
+        typeset_signed(report.height_offset_in_force_m, 3),
+        count(meetings),
+    )
+}
+
+/// Date and time of day of both ends.
+fn recorded(survey: &Survey) -> String {
+    let (begin_s, end_s) = survey.time_span_s().unwrap_or((0.0, 0.0));
+    let Some(start_s) = survey.start_unix_s else {
+        return "at a time that the log does not state".to_owned();
+    };
+    let clock = |time_s: f64| calendar::time_of_day(start_s + time_s)[..5].to_owned();
+    format!(
+        "{}, {} to {}",
+        long_date(start_s + begin_s),
+        clock(begin_s),
+        clock(end_s)
+    )
+}
+
+/// Shallowest and deepest depth that the recorder had the bottom for.
+fn depths(survey: &Survey) -> String {
+    let locked = survey.soundings.iter().filter(|sounding| sounding.locked);
+    let span = locked.fold(None, |span: Option<[f32; 2]>, one| {
+        let [least, most] = span.unwrap_or([one.depth_m; 2]);
+        Some([least.min(one.depth_m), most.max(one.depth_m)])
+    });
+    span.map_or_else(String::new, |[least_m, most_m]| {
+        format!("{least_m:.1} to {most_m:.1}")
+    })
+}
+
+/// How the table is read, and what the crossings say.
+fn agreement(all: &LogsReport) -> String {
+    let mut html = String::from(
+        "<p>The height offset is what is to be added to the elevations of a log so that it agrees with the others where their tracks meet, \
+         with its standard error; the mean of connected logs is zero. In force is what was added. The last columns hold the points of a log \
+         against those of all others, with the offsets in force: median, and what 95 % do not exceed.",
+    );
+    let between = all.crosslines.as_ref().and_then(|found| found.between_logs);
+    // Writing to a string cannot fail.
+    match between {
+        Some(found) => write!(
+            html,
+            " At {} crossings of two logs the depths differ by {} m in the median, with a standard deviation of {:.3} m.",
+            count(found.n),
+            typeset_signed(found.median_m, 3),
+            found.sd_m
+        )
+        .ok(),
+        None => write!(html, " No track of one log crosses that of another.").ok(),
+    };
+    html + "</p>\n"
+}
+
+/// What was and was not corrected, of all logs: once where it is the same.
+pub fn correction(from: &ReportData<'_>) -> String {
+    let statements = (from.logs.iter()).map(|log| log.products.correction.statement());
+    let statements: BTreeSet<String> = statements.collect();
+    match statements.len() {
+        1 => statements.into_iter().collect(),
+        _ => "Corrections differ from log to log; see how far to trust it.".to_owned(),
+    }
+}

@@ -1,0 +1,100 @@
+//! `report.html`: one page that an analyst attaches to an e-mail, with pictures, figures, settings and warnings in it.
+//!
+//! ```text
+//! Survey, Products, Report, Surface --summary--> what was surveyed, how deep, how sure
+//! Surface, isobaths, mosaic --plan--> maps with scale, graticule and legend, as SVG around a raster
+//! Survey, FirstReturns --strip--> each log at a glance
+//! LogsReport --logs--> the logs of a survey of several, and how they agree
+//! all --page--> one HTML file that asks for nothing from elsewhere
+//! ```
+//!
+//! Everything is drawn on the processor, so that a machine without a graphics adapter writes the same page.
+
+mod chart;
+mod depth_plan;
+mod document;
+mod frame;
+mod logs;
+mod mosaic_plan;
+mod objects;
+mod raster;
+mod strip;
+mod summary;
+mod tables;
+mod targets;
+
+pub use document::document;
+
+use crate::detection::Raster;
+use crate::detection::targets::{ObjectHeight, PassCount};
+use crate::pipeline::joint::LogLatency;
+use crate::pipeline::{
+    DepthMap, Isobaths, Mosaic, NamedComparison, ProcessedLog, Products, Report,
+};
+use crate::products::export::ObjectRow;
+use crate::support::geo::{LonLat, MapPlane};
+use crate::survey::Survey;
+
+/// What the report shows. Everything but the survey and its results may be missing; the report then says so.
+pub struct ReportData<'a> {
+    /// The logs, one or all of a survey, with what the pipeline made of them.
+    pub logs: &'a [ProcessedLog],
+    /// What each log is called.
+    pub names: &'a [String],
+    /// What the survey is called.
+    pub title: String,
+    /// The first log, in whose frame all lie.
+    pub survey: &'a Survey,
+    /// What the pipeline made of the first log; its settings are those that all share.
+    pub products: &'a Products,
+    /// The record, with the warnings of every product.
+    pub report: &'a Report,
+    /// The plane of depth map and mosaic.
+    pub map: &'a MapPlane,
+    /// The depth map; `None` where the depths span none.
+    pub depth_map: Option<&'a DepthMap>,
+    /// Its isobaths.
+    pub isobaths: &'a Isobaths,
+    /// The mosaic; `None` where nothing is shown.
+    pub mosaic: Option<&'a Mosaic>,
+    /// How measured depths agree.
+    pub comparisons: &'a [NamedComparison],
+    /// How late the positions of each log are; empty where no track crosses another, `None` of a log whose crossings do not tell.
+    pub latencies: &'a [Option<LogLatency>],
+    /// Boxes with their places, and the raster that they were found in; `None` where nobody searched.
+    pub objects: Option<Objects<'a>>,
+    /// Files of the same run, and what they are in a few words.
+    pub files: &'a [FileLine],
+}
+
+/// The name of a file, and what it is.
+pub type FileLine = (&'static str, &'static str);
+
+/// An object by all its sightings.
+#[derive(Clone, Debug)]
+pub struct SeenObject {
+    /// The class that most speaks for.
+    pub class: String,
+    /// Mean of the places.
+    pub position: LonLat,
+    /// Standard deviation of that place, metres.
+    pub sigma_m: f64,
+    /// Height above the bottom.
+    pub height: ObjectHeight,
+    /// Passes of the boat that saw it, and that covered its place, over all logs.
+    pub passes: PassCount,
+    /// Logs that saw it.
+    pub logs: usize,
+}
+
+/// What lies there.
+pub struct Objects<'a> {
+    /// A line for each box.
+    pub rows: &'a [ObjectRow<'a>],
+    /// Where chips of each log are cut from; `None` of a log without boxes.
+    pub rasters: &'a [Option<Raster>],
+    /// The objects that the boxes show, number 1 first.
+    pub seen: &'a [SeenObject],
+    /// How they came about: `proposed by the detector, not reviewed`.
+    pub origin: String,
+}

@@ -1,0 +1,103 @@
+//! The map of echoes: the mosaic with the track and the objects.
+
+use super::frame::Frame;
+use super::{ReportData, objects, raster};
+use crate::bottom::bathymetry::Grid;
+use crate::imagery::mosaic::joint_grid;
+use crate::pipeline::{Mosaic, ProcessedLog};
+use crate::support::progress::{Cancelled, Progress};
+use rayon::prelude::*;
+
+/// Cells along the longer side: what a screen shows, and little to send.
+const MOST_CELLS: f64 = 1500.0;
+/// Rows that are drawn together.
+const BAND_ROWS: usize = 128;
+/// What shows where nothing was insonified.
+const PAPER: u8 = 0xf7;
+
+/// The map of all logs; `None` where no ping has side-scan, a place, a heading and an altitude.
+pub fn mosaic_plan(
+    from: &ReportData<'_>,
+    progress: &Progress,
+) -> Result<Option<String>, Cancelled> {
+    let Some(mosaic) = from.mosaic else {
+        return Ok(None);
+    };
+    let [west, south, east, north] = mosaic.bounds;
+    let extent_m = (east - west).max(north - south);
+    let cell_m = (extent_m / MOST_CELLS).max(from.products.settings.mosaic.cell_m);
+    let Some(grid) = joint_grid(&mosaic.logs, cell_m) else {
+        return Ok(None);
+    };
+    let Some(frame) = Frame::around(bounds(&grid), from.map) else {
+        return Ok(None);
+    };
+    let pixels = pixels(mosaic, &grid, progress)?;
+    let [x, y] = frame.place([grid.west_m, grid.north_m]);
+    let scale = grid.cell_m * frame.px_per_m();
+    let picture = format!(
+        "<image x=\"{x:.2}\" y=\"{y:.2}\" width=\"{:.2}\" height=\"{:.2}\" preserveAspectRatio=\"none\" href=\"{}\"/>\n",
+        grid.columns as f64 * scale,
+        grid.rows as f64 * scale,
+        raster::grey(&pixels, grid.columns, grid.rows)
+    );
+    let under = picture + &track(from, &frame, "#e6550d", 0.8);
+    let name = "Side-scan mosaic with track and objects";
+    Ok(Some(frame.svg(
+        name,
+        &under,
+        &objects::marks(from, &frame),
+        "",
+    )))
+}
+
+fn bounds(grid: &Grid) -> [f64; 4] {
+    [
+        grid.west_m,
+        grid.north_m - grid.rows as f64 * grid.cell_m,
+        grid.west_m + grid.columns as f64 * grid.cell_m,
+        grid.north_m,
+    ]
+}
+
+/// Levels of all cells, row by row.
+fn pixels(mosaic: &Mosaic, grid: &Grid, progress: &Progress) -> Result<Vec<u8>, Cancelled> {
+    let tops: Vec<usize> = (0..grid.rows).step_by(BAND_ROWS).collect();
+    progress.start(tops.len() as u64);
+    let bands = tops.into_par_iter().map(|top| {
+        let band = Grid {
+            north_m: grid.north_m - top as f64 * grid.cell_m,
+            rows: BAND_ROWS.min(grid.rows - top),
+            ..*grid
+        };
+        let mut levels = mosaic.levels(&band, progress)?;
+        for level in levels.iter_mut().filter(|level| **level == 0) {
+            *level = PAPER;
+        }
+        progress.advance(1);
+        Ok(levels)
+    });
+    let bands = bands.collect::<Result<Vec<_>, Cancelled>>()?;
+    Ok(bands.concat())
+}
+
+/// The way of the boat in all logs.
+pub fn track(from: &ReportData<'_>, frame: &Frame, colour: &str, opacity: f64) -> String {
+    let of_log = |log: &ProcessedLog| {
+        let navigation = &log.products.navigation;
+        let pings = match navigation.pings.is_empty() {
+            true => &navigation.soundings,
+            false => &navigation.pings,
+        };
+        let places = pings.iter().map(|place| {
+            let track = &log.survey.track;
+            from.map
+                .place(navigation.to_lon_lat(track, place.east_m, place.north_m))
+        });
+        frame.path(places)
+    };
+    let paths: String = from.logs.iter().map(of_log).collect();
+    format!(
+        "<path d=\"{paths}\" fill=\"none\" stroke=\"{colour}\" stroke-opacity=\"{opacity}\" stroke-width=\"1.1\"/>\n"
+    )
+}

@@ -1,0 +1,185 @@
+//! The log at a glance: all echoes beside each other, port above and starboard below, with the first return.
+
+use super::raster;
+use crate::bottom::cloud::Reduction;
+use crate::imagery::waterfall::{Levels, RangeAxis};
+use crate::pipeline::ProcessedLog;
+use crate::support::progress::{Cancelled, Progress};
+use crate::survey::{Side, Survey};
+use rayon::prelude::*;
+use std::fmt::Write as _;
+
+/// Columns and rows of the picture, and the rows of one side of it.
+const COLUMNS: usize = 1040;
+const SIDE_ROWS: usize = 150;
+/// Pings that are read for a column, spread over what it covers.
+const READ: usize = 4;
+/// Room for the ranges on the left, pixels.
+const LEFT: usize = 40;
+
+/// The picture; `None` without side-scan.
+pub fn strip(log: &ProcessedLog, progress: &Progress) -> Result<Option<String>, Cancelled> {
+    let Some(axis) = RangeAxis::of(&log.survey).filter(|_| log.survey.has_side_scan()) else {
+        return Ok(None);
+    };
+    let columns = COLUMNS.min(axis.pings);
+    let strip = Strip {
+        log,
+        far_m: axis.far_m,
+        columns,
+    };
+    let levels = Levels::of(&log.survey);
+    progress.start(columns as u64);
+    let drawn = (0..columns).into_par_iter().map(|column| {
+        progress.check()?;
+        progress.advance(1);
+        Ok(strip.column(column, levels))
+    });
+    let drawn = drawn.collect::<Result<Vec<_>, Cancelled>>()?;
+    let rows = 2 * SIDE_ROWS;
+    let mut pixels = vec![0; columns * rows];
+    for (column, shades) in drawn.iter().enumerate() {
+        for (row, shade) in shades.iter().enumerate() {
+            pixels[row * columns + column] = *shade;
+        }
+    }
+    Ok(Some(strip.svg(&raster::grey(&pixels, columns, rows))))
+}
+
+struct Strip<'a> {
+    log: &'a ProcessedLog,
+    far_m: f64,
+    columns: usize,
+}
+
+impl Strip<'_> {
+    /// The pings of a column.
+    fn pings(&self, column: usize) -> std::ops::Range<usize> {
+        let pings = self.log.survey.side_scan.len();
+        column * pings / self.columns..((column + 1) * pings / self.columns).max(1)
+    }
+
+    /// Shades from the far end of port to that of starboard.
+    fn column(&self, column: usize, levels: Levels) -> Vec<u8> {
+        let pings = self.pings(column);
+        let step = pings.len().div_ceil(READ).max(1);
+        let mut sums = vec![0.0; 2 * SIDE_ROWS];
+        let mut read = 0;
+        for ping in pings.step_by(step) {
+            read += 1;
+            for side in Side::BOTH {
+                let reduction = self.log.products.reduction();
+                add(
+                    &self.log.survey,
+                    reduction,
+                    ping,
+                    side,
+                    self.far_m,
+                    &mut sums,
+                );
+            }
+        }
+        let shade = |sum: f32| {
+            let echo = sum / read.max(1) as f32 / 255.0;
+            let share = (echo - levels.black) / (levels.white - levels.black);
+            (255.0 * share.clamp(0.0, 1.0)).round() as u8
+        };
+        sums.into_iter().map(shade).collect()
+    }
+
+    /// Height of a range in the picture.
+    fn y(&self, side: Side, range_m: f64) -> f64 {
+        let rows = range_m / self.far_m * SIDE_ROWS as f64;
+        match side {
+            Side::Port => SIDE_ROWS as f64 - rows,
+            Side::Starboard => SIDE_ROWS as f64 + rows,
+        }
+    }
+
+    /// The median first return of each column.
+    fn line(&self, side: Side) -> String {
+        let reduction = self.log.products.reduction();
+        let mut path = String::new();
+        let mut is_down = false;
+        for column in 0..self.columns {
+            let mut ranges: Vec<f64> = self
+                .pings(column)
+                .filter_map(|ping| {
+                    let pick = self.log.products.returns.side(side).get(ping)?;
+                    let span = self.log.survey.span(ping, side)?;
+                    let sample = f64::from(pick.sample);
+                    pick.is_some().then(|| reduction.range_m(span, sample))
+                })
+                .collect();
+            is_down = match ranges.is_empty() {
+                true => false,
+                false => {
+                    let letter = if is_down { 'L' } else { 'M' };
+                    let range_m = crate::support::statistics::median(&mut ranges);
+                    let (x, y) = (LEFT + column, self.y(side, range_m));
+                    // Writing to a string cannot fail.
+                    write!(path, "{letter}{x} {y:.1}").ok();
+                    true
+                }
+            };
+        }
+        path
+    }
+
+    fn svg(&self, picture: &str) -> String {
+        let (width, height) = (LEFT + self.columns, 2 * SIDE_ROWS);
+        let mut scale = String::new();
+        for side in Side::BOTH {
+            for share in [0.5, 1.0] {
+                let y = self
+                    .y(side, share * self.far_m)
+                    .clamp(9.0, height as f64 - 2.0);
+                let range_m = share * self.far_m;
+                writeln!(
+                    scale,
+                    "<text x=\"{}\" y=\"{y:.1}\" text-anchor=\"end\">{range_m:.0} m</text>",
+                    LEFT - 4
+                )
+                .ok();
+            }
+        }
+        format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" aria-label=\"All pings, port above, starboard below\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" font-family=\"sans-serif\" font-size=\"11\">\n\
+             <image x=\"{LEFT}\" y=\"0\" width=\"{}\" height=\"{height}\" preserveAspectRatio=\"none\" href=\"{picture}\"/>\n\
+             <g fill=\"none\" stroke=\"#ffb000\" stroke-width=\"1\"><path d=\"{}\"/><path d=\"{}\"/></g>\n{scale}</svg>\n",
+            self.columns,
+            self.line(Side::Port),
+            self.line(Side::Starboard),
+        )
+    }
+}
+
+/// Adds the echoes of one side of a ping to the rows that they lie in.
+fn add(
+    survey: &Survey,
+    reduction: Reduction<'_>,
+    ping: usize,
+    side: Side,
+    far_m: f64,
+    sums: &mut [f32],
+) {
+    let (Some(span), Some(samples)) = (survey.span(ping, side), survey.samples(ping, side)) else {
+        return;
+    };
+    for row in 0..SIDE_ROWS {
+        let [from, to] = [row, row + 1].map(|row| {
+            let sample = reduction.sample_at(span, row as f64 / SIDE_ROWS as f64 * far_m);
+            sample.clamp(0.0, samples.len() as f64) as usize
+        });
+        if to > from {
+            let sum: u32 = (from..to)
+                .map(|sample| u32::from(samples.get(sample)))
+                .sum();
+            let place = match side {
+                Side::Port => SIDE_ROWS - 1 - row,
+                Side::Starboard => SIDE_ROWS + row,
+            };
+            sums[place] += sum as f32 / (to - from) as f32;
+        }
+    }
+}

@@ -1,0 +1,241 @@
+//! A section for each target: its picture, where it lies, how large it is, and how its height is known.
+
+use super::objects::{is_reviewed, is_undecided, picture, rows};
+use super::{ReportData, SeenObject};
+use crate::detection::ObjectExtent;
+use crate::detection::targets::{ObjectHeight, Target};
+use crate::products::export::ObjectRow;
+use crate::support::presentation::text::{NONE, plural, position};
+use crate::support::presentation::units::Units;
+use crate::support::printable::xml;
+use crate::support::progress::{Cancelled, Progress};
+use std::fmt::Write as _;
+
+/// Most sections; the files of the run list all.
+const MOST: usize = 60;
+/// Width of a picture on the page, pixels.
+const PICTURE_WIDTH: usize = 360;
+
+/// The sections; empty where nobody has decided about boxes and the settings do not ask for proposals.
+pub fn section(from: &ReportData<'_>, progress: &Progress) -> Result<String, Cancelled> {
+    let with_proposals = from.products.settings.report.proposals;
+    let is_reviewed = is_reviewed(from);
+    let mut shown: Vec<Shown<'_>> = Vec::new();
+    if is_reviewed || with_proposals {
+        let seen = (from.objects.as_ref()).map_or(&[][..], |objects| objects.seen);
+        shown.extend((1..).zip(seen).filter_map(|(number, object)| {
+            let sightings = rows(from).iter().filter(|row| row.object == Some(number));
+            Shown::new(number, object, sightings.collect())
+        }));
+    }
+    // Without a review the proposals are the objects already.
+    let mut proposals: Vec<&ObjectRow<'_>> = Vec::new();
+    if is_reviewed && with_proposals {
+        proposals.extend(rows(from).iter().filter(|row| is_undecided(row)));
+    }
+    let count = shown.len() + proposals.len();
+    if count == 0 {
+        return Ok(String::new());
+    }
+    let mut html = String::from("<h2>Targets</h2>\n");
+    if count > MOST {
+        // Writing to a string cannot fail.
+        writeln!(
+            html,
+            "<p>The first {MOST} of {count}; the files of this run hold all.</p>"
+        )
+        .ok();
+    }
+    for one in shown.iter().take(MOST) {
+        progress.check()?;
+        html += &of_object(from, one);
+    }
+    for row in proposals.iter().take(MOST.saturating_sub(shown.len())) {
+        progress.check()?;
+        html += &of_proposal(from, row);
+    }
+    Ok(html)
+}
+
+/// An object with the boxes that show it.
+struct Shown<'a> {
+    number: usize,
+    object: &'a SeenObject,
+    /// The one that tells its size best first.
+    sightings: Vec<&'a ObjectRow<'a>>,
+}
+
+impl<'a> Shown<'a> {
+    fn new(
+        number: usize,
+        object: &'a SeenObject,
+        mut sightings: Vec<&'a ObjectRow<'a>>,
+    ) -> Option<Self> {
+        let rank = |row: &ObjectRow<'_>| {
+            let target = row.target.as_ref();
+            let is_drawn =
+                target.is_some_and(|target| matches!(target.extent, ObjectExtent::Drawn { .. }));
+            (is_drawn, row.score.unwrap_or(1.0))
+        };
+        sightings.sort_by(|a, b| {
+            let (a, b) = (rank(a), rank(b));
+            b.0.cmp(&a.0).then(b.1.total_cmp(&a.1))
+        });
+        (!sightings.is_empty()).then_some(Self {
+            number,
+            object,
+            sightings,
+        })
+    }
+}
+
+/// Facts about a target, one below the other.
+#[derive(Default)]
+struct Facts(String);
+
+impl Facts {
+    fn add(&mut self, name: &str, value: &str) {
+        if !value.is_empty() {
+            // Writing to a string cannot fail.
+            write!(self.0, "<dt>{name}</dt><dd>{value}</dd>").ok();
+        }
+    }
+}
+
+fn of_object(from: &ReportData<'_>, shown: &Shown<'_>) -> String {
+    let Shown {
+        number,
+        object,
+        sightings,
+    } = shown;
+    let best = sightings[0];
+    let named = sightings.iter().find(|row| !row.name.is_empty());
+    let class = xml(&object.class);
+    let title = match named {
+        Some(row) => format!("{number}. {} ({class})", xml(row.name)),
+        None => format!("{number}. {class}"),
+    };
+    let mut facts = Facts::default();
+    facts.add("Class", &class);
+    facts.add("Position", &position(object.position));
+    facts.add("Within", &Units::default().measure(object.sigma_m, 2));
+    if let Some(target) = &best.target {
+        sizes(&mut facts, target, object.height);
+    }
+    let seen = format!(
+        "{} of {}, in {}",
+        object.passes.seen,
+        plural(object.passes.covered, "pass", "passes"),
+        plural(object.logs, "log", "logs")
+    );
+    facts.add("Seen", &seen);
+    decided(&mut facts, sightings);
+    of_box(from, &mut facts, best);
+    card(from, &title, best, &facts)
+}
+
+fn of_proposal(from: &ReportData<'_>, row: &ObjectRow<'_>) -> String {
+    let class = xml(row.class);
+    let mut facts = Facts::default();
+    facts.add("Class", &class);
+    if let Some(target) = &row.target {
+        facts.add("Position", &position(target.position));
+        facts.add("Within", &Units::default().measure(target.sigma_m, 2));
+        sizes(
+            &mut facts,
+            target,
+            ObjectHeight::of(std::iter::once(target)),
+        );
+    }
+    decided(&mut facts, &[row]);
+    of_box(from, &mut facts, row);
+    card(
+        from,
+        &format!("Proposal: {class}, box {}", row.id),
+        row,
+        &facts,
+    )
+}
+
+/// Length and width of a sighting, the height of its object, the shadow in the sighting, and the depth there.
+fn sizes(facts: &mut Facts, target: &Target, height: ObjectHeight) {
+    let units = Units::default();
+    let size = match target.length_m.is_finite() && target.width_m.is_finite() {
+        true => format!(
+            "{:.2} m along the track, {:.2} m across it",
+            target.length_m, target.width_m
+        ),
+        false => "a point: not known".to_owned(),
+    };
+    let edges = match target.extent {
+        ObjectExtent::Drawn { .. } => ", by edges drawn by hand",
+        ObjectExtent::Found | ObjectExtent::Point => "",
+    };
+    facts.add("Size", &format!("{size}{edges}"));
+    facts.add(
+        "Height",
+        &units.with_sigma(height.mean_m, height.sigma_m, 2),
+    );
+    facts.add("Shadow", &shadow(target));
+    facts.add("Depth there", &units.measure(target.depth_m, 2));
+}
+
+/// `from r_t = 17.20 to r_e = 22.90 m of slant range, altitude H = 8.01 m; h = H (r_e - r_t) / r_e`.
+fn shadow(target: &Target) -> String {
+    let [start_m, end_m] = target.shadow_m;
+    let measured = match target.measured_shadow {
+        Some(_) => "measured, ",
+        None => "",
+    };
+    match (start_m.is_finite(), end_m.is_finite()) {
+        (true, true) => format!(
+            "{measured}from r<sub>t</sub> = {start_m:.2} to r<sub>e</sub> = {end_m:.2} m of slant range, altitude H = {:.2} m; height h = H (r<sub>e</sub> − r<sub>t</sub>) / r<sub>e</sub>",
+            target.altitude_m
+        ),
+        (true, false) => format!("{measured}from {start_m:.2} m, runs off the range"),
+        (false, _) => NONE.to_owned(),
+    }
+}
+
+/// What the analyst and the detector say of it.
+fn decided(facts: &mut Facts, sightings: &[&ObjectRow<'_>]) {
+    facts.add("State", sightings[0].state);
+    let sure = sightings.iter().find(|row| !row.confidence.is_empty());
+    facts.add("Confidence", sure.map_or("", |row| row.confidence));
+    let scores = sightings.iter().filter_map(|row| row.score);
+    if let Some(score) = scores.max_by(f32::total_cmp) {
+        facts.add("Score of the detector", &format!("{score:.2}"));
+    }
+    let notes = sightings.iter().filter(|row| !row.note.is_empty());
+    let notes: Vec<String> = notes.map(|row| xml(row.note)).collect();
+    facts.add("Remarks", &notes.join("; "));
+}
+
+/// Which box the picture and the size are of.
+fn of_box(from: &ReportData<'_>, facts: &mut Facts, row: &ObjectRow<'_>) {
+    let log = match from.names.get(row.log) {
+        Some(name) if from.logs.len() > 1 => format!("{}, ", xml(name)),
+        _ => String::new(),
+    };
+    let (first, last) = (row.mark.pings.start, row.mark.pings.end.saturating_sub(1));
+    let pings = match first < last {
+        true => format!("pings {first} to {last}"),
+        false => format!("ping {first}"),
+    };
+    let side = row.mark.side.name();
+    facts.add(
+        "Picture",
+        &format!(
+            "{log}box {}, {side}, {pings}; the boat is to the left",
+            row.id
+        ),
+    );
+}
+
+fn card(from: &ReportData<'_>, title: &str, row: &ObjectRow<'_>, facts: &Facts) -> String {
+    format!(
+        "<section class=\"target\"><h3>{title}</h3><div><figure>{}</figure><dl>{}</dl></div></section>\n",
+        picture(from, row, PICTURE_WIDTH),
+        facts.0
+    )
+}

@@ -1,0 +1,150 @@
+//! Isobaths with their depths over the colours of a tile, for plotters, which draw no lines of their own.
+
+use super::TILE_PIXELS;
+use super::label;
+use super::stroke::{Pen, stroke};
+use crate::bottom::bathymetry::isobaths::{Isobath, IsobathSettings};
+
+/// Under a line and a number, so that they show on dark ground.
+const HALO: Pen = Pen {
+    width: 2.8,
+    rgb: [255, 255, 255],
+    opacity: 0.35,
+};
+const LINE: Pen = Pen {
+    width: 1.1,
+    rgb: [16, 32, 64],
+    opacity: 0.85,
+};
+const NUMBER_HALO: Pen = Pen {
+    width: 4.6,
+    opacity: 0.85,
+    ..HALO
+};
+const NUMBER: Pen = Pen {
+    width: 1.3,
+    opacity: 1.0,
+    ..LINE
+};
+/// Lines shorter than this in the tile have no number, pixels.
+const LEAST_LABELLED: f64 = 70.0;
+/// Numbers are at least so far from each other, pixels.
+const APART: f64 = 80.0;
+/// Where along a line a number may stand.
+const SHARES: [f64; 5] = [0.5, 0.35, 0.65, 0.2, 0.8];
+/// A line under a number is straight enough when its ends are so much of its length apart.
+const STRAIGHT: f64 = 0.92;
+
+/// Draws lines, given in pixels of the tile, over its picture. A number lies wholly in its tile: neighbours know nothing of it.
+pub fn draw_isobaths(picture: &mut [u8], lines: &[Isobath], settings: &IsobathSettings) {
+    let points = || lines.iter().map(|line| line.points.as_slice());
+    stroke(picture, points(), HALO);
+    stroke(picture, points(), LINE);
+    let numbers = numbers(lines, settings);
+    let strokes = || numbers.iter().map(Vec::as_slice);
+    stroke(picture, strokes(), NUMBER_HALO);
+    stroke(picture, strokes(), NUMBER);
+}
+
+/// The strokes of all numbers, those of the longest lines first.
+fn numbers(lines: &[Isobath], settings: &IsobathSettings) -> Vec<Vec<[f64; 2]>> {
+    let lengths = lines.iter().map(|line| (line.length_m(), line));
+    let mut longest: Vec<(f64, &Isobath)> = lengths
+        .filter(|(length, _)| *length >= LEAST_LABELLED)
+        .collect();
+    longest.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let (mut taken, mut strokes): (Vec<[f64; 2]>, _) = (Vec::new(), Vec::new());
+    for (length, line) in longest {
+        let text = format!("{}", settings.in_unit(line.depth_m));
+        let half = 0.5 * label::width(&text) + 2.0;
+        let fits = |at: [f64; 2]| {
+            let inside = at
+                .iter()
+                .all(|place| (half + 2.0..TILE_PIXELS as f64 - half - 2.0).contains(place));
+            inside
+                && taken
+                    .iter()
+                    .all(|other| (other[0] - at[0]).hypot(other[1] - at[1]) > APART)
+        };
+        let place = SHARES.iter().find_map(|share| {
+            let [before, middle, behind] =
+                [-half, 0.0, half].map(|offset| at_length(&line.points, share * length + offset));
+            let direction = [behind[0] - before[0], behind[1] - before[1]];
+            let is_straight = direction[0].hypot(direction[1]) > STRAIGHT * 2.0 * half;
+            (is_straight && fits(middle)).then_some((middle, direction))
+        });
+        if let Some((at, direction)) = place {
+            taken.push(at);
+            strokes.extend(label::strokes(&text, at, direction));
+        }
+    }
+    strokes
+}
+
+/// The place so far along a line; its ends beyond them.
+fn at_length(points: &[[f64; 2]], mut along: f64) -> [f64; 2] {
+    for step in points.windows(2) {
+        let way = [step[1][0] - step[0][0], step[1][1] - step[0][1]];
+        let length = way[0].hypot(way[1]);
+        if along <= length && length > 0.0 {
+            let share = (along / length).max(0.0);
+            return [0, 1].map(|axis| step[0][axis] + share * way[axis]);
+        }
+        along -= length;
+    }
+    points.last().copied().unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::support::presentation::units::LengthUnit;
+
+    fn line(points: &[[f64; 2]]) -> Isobath {
+        Isobath {
+            depth_m: 2.5,
+            points: points.to_vec(),
+        }
+    }
+
+    #[test]
+    fn a_long_line_has_a_number_that_lies_in_the_tile() {
+        let straight = line(&[[0.0, 100.0], [256.0, 130.0]]);
+        let metres = IsobathSettings::default();
+        let drawn = numbers(std::slice::from_ref(&straight), &metres);
+        assert_eq!(drawn.len(), 3);
+        let feet = IsobathSettings {
+            unit: LengthUnit::Feet,
+            ..metres.clone()
+        };
+        // Of 3.048 m, in feet: a one and a nought, no point.
+        let ten_feet = Isobath {
+            depth_m: 3.048,
+            ..straight.clone()
+        };
+        assert_eq!(numbers(&[ten_feet], &feet).len(), 2);
+        let inside = |place: &f64| (0.0..256.0).contains(place);
+        assert!(drawn.iter().flatten().flatten().all(inside));
+        assert!(
+            numbers(&[line(&[[100.0, 100.0], [140.0, 100.0]])], &metres).is_empty(),
+            "too short"
+        );
+        assert!(
+            numbers(&[line(&[[0.0, 3.0], [256.0, 3.0]])], &metres).is_empty(),
+            "at the edge"
+        );
+        let beside = line(&[[0.0, 145.0], [256.0, 175.0]]);
+        // The second finds another place along its line, farther from the first.
+        assert_eq!(numbers(&[straight, beside], &metres).len(), 6);
+    }
+
+    #[test]
+    fn a_line_changes_the_pixels_that_it_crosses() {
+        let mut picture = [200, 200, 200, 255].repeat(TILE_PIXELS * TILE_PIXELS);
+        let line = line(&[[0.0, 10.5], [60.0, 10.5]]);
+        draw_isobaths(&mut picture, &[line], &IsobathSettings::default());
+        let at = |column: usize, row: usize| picture[4 * (row * TILE_PIXELS + column)];
+        assert!(at(30, 10) < 60 && at(30, 20) == 200 && at(80, 10) == 200);
+        assert!(at(30, 11) > at(30, 10));
+    }
+}

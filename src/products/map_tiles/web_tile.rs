@@ -1,0 +1,218 @@
+//! Which square of the earth a tile shows.
+
+use super::TILE_PIXELS;
+use crate::support::geo::{LonLat, web_mercator, web_mercator_inverse};
+
+/// Half the side of the square that Web Mercator makes of the earth, metres: half the equator of its sphere.
+const HALF_M: f64 = std::f64::consts::PI * 6_378_137.0;
+/// No zoom is finer: a pixel is some 4 cm.
+const FINEST_ZOOM: u8 = 22;
+/// At the coarsest zoom the map is at least about so many pixels long, or what fits into a tile of zoom 0.
+const LEAST_PIXELS: f64 = 32.0;
+
+/// A tile: its zoom, its column from the west, and its row from the north.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct WebTile {
+    /// 0 is the whole earth.
+    pub zoom: u8,
+    /// From 180 degrees west.
+    pub x: u32,
+    /// From 85 degrees north.
+    pub y: u32,
+}
+
+/// Pixels from the west and from the north edge of the whole map at a zoom.
+pub fn web_pixel(at: LonLat, zoom: u8) -> [f64; 2] {
+    let [x, y] = web_mercator(at);
+    let per_metre = pixels_across(zoom) / (2.0 * HALF_M);
+    [(x + HALF_M) * per_metre, (HALF_M - y) * per_metre]
+}
+
+fn pixels_across(zoom: u8) -> f64 {
+    TILE_PIXELS as f64 * f64::from(1_u32 << zoom)
+}
+
+impl WebTile {
+    /// The tile that holds a place, given in pixels of its zoom.
+    pub fn at_pixel([x, y]: [f64; 2], zoom: u8) -> Self {
+        let last = (1_u32 << zoom) - 1;
+        let number = |pixels: f64| ((pixels / TILE_PIXELS as f64) as u32).min(last);
+        Self {
+            zoom,
+            x: number(x),
+            y: number(y),
+        }
+    }
+
+    /// The four tiles of the next zoom that it is made of: north-west, north-east, south-west, south-east.
+    pub fn children(&self) -> [Self; 4] {
+        [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[east, south]| Self {
+            zoom: self.zoom + 1,
+            x: 2 * self.x + east,
+            y: 2 * self.y + south,
+        })
+    }
+
+    /// Its north-west corner in pixels of a zoom, its own or a finer one, and its side there.
+    pub fn corner_at(&self, zoom: u8) -> ([f64; 2], f64) {
+        let side = TILE_PIXELS as f64 * f64::from(1_u32 << zoom.saturating_sub(self.zoom));
+        (
+            [self.x, self.y].map(|number| f64::from(number) * side),
+            side,
+        )
+    }
+
+    /// Its edges in pixels of a zoom, its own or a finer one: least and most from the west and from the north, in the order of
+    /// [`crate::bottom::bathymetry::isobaths::clipped`].
+    pub fn pixel_bounds(&self, zoom: u8) -> [f64; 4] {
+        let ([west, north], side) = self.corner_at(zoom);
+        [west, north, west + side, north + side]
+    }
+
+    /// The middle of a pixel, whole numbers being corners of the tile's pixels.
+    pub fn place(&self, [x, y]: [f64; 2]) -> LonLat {
+        let ([west, north], _) = self.corner_at(self.zoom);
+        let metres = 2.0 * HALF_M / pixels_across(self.zoom);
+        web_mercator_inverse((west + x) * metres - HALF_M, HALF_M - (north + y) * metres)
+    }
+
+    /// West, south, east and north edge, degrees.
+    pub fn bounds_deg(&self) -> [f64; 4] {
+        let side = TILE_PIXELS as f64;
+        let [north_west, south_east] = [[0.0, 0.0], [side, side]].map(|corner| self.place(corner));
+        [
+            north_west.lon_deg,
+            south_east.lat_deg,
+            south_east.lon_deg,
+            north_west.lat_deg,
+        ]
+    }
+
+    /// Its number along Hilbert's curve behind all tiles of coarser zooms, which is how PMTiles orders tiles: neighbours lie near each other.
+    pub fn hilbert_id(&self) -> u64 {
+        let coarser = ((1_u64 << (2 * u32::from(self.zoom))) - 1) / 3;
+        let (mut x, mut y) = (u64::from(self.x), u64::from(self.y));
+        let mut along = 0;
+        for level in (0..self.zoom).rev() {
+            let half = 1_u64 << level;
+            let [right, lower] = [x, y].map(|number| u64::from(number & half > 0));
+            along += half * half * ((3 * right) ^ lower);
+            if lower == 0 {
+                if right == 1 {
+                    (x, y) = (
+                        half.wrapping_sub(1).wrapping_sub(x),
+                        half.wrapping_sub(1).wrapping_sub(y),
+                    );
+                }
+                (x, y) = (y, x);
+            }
+            (x, y) = (x & (half.wrapping_sub(1)), y & (half.wrapping_sub(1)));
+        }
+        coarser + along
+    }
+}
+
+/// The zooms of a map, and where it lies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ZoomRange {
+    /// The coarsest.
+    pub coarsest: u8,
+    /// The finest.
+    pub finest: u8,
+    /// West, south, east and north, degrees.
+    pub bounds_deg: [f64; 4],
+}
+
+impl ZoomRange {
+    /// From the zoom at which the map is a few pixels long to that whose pixels are no longer than a cell.
+    pub fn of_map(bounds_deg: [f64; 4], cell_m: f64) -> Self {
+        let [west, south, east, north] = bounds_deg;
+        let middle_deg = 0.5 * (south + north);
+        let pixel_m = 2.0 * HALF_M * middle_deg.to_radians().cos() / TILE_PIXELS as f64;
+        let finest = (pixel_m / cell_m.max(1e-3)).log2().ceil();
+        let finest = finest.clamp(0.0, f64::from(FINEST_ZOOM)) as u8;
+        let [[x0, y0], [x1, y1]] = [[west, north], [east, south]]
+            .map(|[lon_deg, lat_deg]| web_pixel(LonLat { lon_deg, lat_deg }, finest));
+        let longer = (x1 - x0).max(y1 - y0);
+        let zooms = (longer / LEAST_PIXELS).log2().floor().max(0.0) as u8;
+        Self {
+            coarsest: finest.saturating_sub(zooms),
+            finest,
+            bounds_deg,
+        }
+    }
+
+    /// The tiles of a zoom over the map.
+    pub fn tiles(&self, zoom: u8) -> Vec<WebTile> {
+        let [west, south, east, north] = self.bounds_deg;
+        let [first, last] = [[west, north], [east, south]].map(|[lon_deg, lat_deg]| {
+            WebTile::at_pixel(web_pixel(LonLat { lon_deg, lat_deg }, zoom), zoom)
+        });
+        let rows = first.y..=last.y;
+        rows.flat_map(|y| (first.x..=last.x).map(move |x| WebTile { zoom, x, y }))
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::support::geo::boxes_meet;
+
+    #[test]
+    fn numbers_along_the_curve_are_those_of_the_pmtiles_package() {
+        // pmtiles 3.8.1 (Python): pmtiles.tile.zxy_to_tileid(z, x, y).
+        for (zoom, x, y, id) in [
+            (0, 0, 0, 0),
+            (1, 0, 0, 1),
+            (1, 0, 1, 2),
+            (1, 1, 1, 3),
+            (1, 1, 0, 4),
+            (2, 0, 0, 5),
+            (3, 5, 2, 76),
+            (12, 3423, 1763, 19_078_479),
+            (18, 49_890, 102_327, 36_602_579_054),
+        ] {
+            let found = WebTile { zoom, x, y }.hilbert_id();
+            assert_eq!(found, id, "{zoom}/{x}/{y}");
+        }
+    }
+
+    #[test]
+    fn a_place_lies_in_its_tile_and_comes_back_from_its_pixel() {
+        let at = LonLat {
+            lon_deg: -111.48,
+            lat_deg: 36.86,
+        };
+        let pixel = web_pixel(at, 18);
+        let tile = WebTile::at_pixel(pixel, 18);
+        // mercantile 1.2.1: tile(-111.48, 36.86, 18).
+        assert_eq!((tile.x, tile.y), (49_894, 102_161));
+        let ([west, north], side) = tile.corner_at(18);
+        assert_eq!(side, 256.0);
+        let back = tile.place([pixel[0] - west, pixel[1] - north]);
+        assert!(
+            (back.lon_deg - at.lon_deg).abs() < 1e-9 && (back.lat_deg - at.lat_deg).abs() < 1e-9
+        );
+        let meets = |bounds_deg| boxes_meet(tile.bounds_deg(), bounds_deg);
+        assert!(meets([-111.48, 36.86, -111.48, 36.86]));
+        assert!(!meets([-111.0, 36.86, -110.9, 36.87]));
+        assert!(
+            tile.children()
+                .iter()
+                .all(|child| child.corner_at(20).0[0] >= 4.0 * west)
+        );
+    }
+
+    #[test]
+    fn the_finest_pixel_is_no_longer_than_a_cell() {
+        let range = ZoomRange::of_map([-111.49, 36.85, -111.48, 36.86], 0.5);
+        assert_eq!(range.finest, 18);
+        let tiles: Vec<usize> = (range.coarsest..=18)
+            .map(|zoom| range.tiles(zoom).len())
+            .collect();
+        assert!(tiles[0] <= 4 && tiles[tiles.len() - 1] > 30, "{tiles:?}");
+        let tiny = ZoomRange::of_map([0.0, 0.0, 1e-7, 1e-7], 0.1);
+        assert_eq!(tiny.coarsest, tiny.finest);
+    }
+}

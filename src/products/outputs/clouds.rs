@@ -1,0 +1,75 @@
+//! The tables of pings and points, and the cloud for other programs.
+
+use super::manifest::{Coordinates, FileContent};
+use super::results::Results;
+use crate::bottom::cloud::CloudPoint;
+use crate::products::export::{self, LasPacking, LogPoints};
+use crate::products::outputs::OutputError;
+use std::path::Path;
+
+/// Writes `first_returns.csv`.
+pub fn first_returns(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    export::first_returns_csv(path, &results.log_points())
+        .map(|pings| FileContent::new(Coordinates::Degrees, pings))
+        .map_err(OutputError::from)
+}
+
+/// Writes `cloud.csv`.
+pub fn table(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    export::cloud_csv(path, &results.log_points())
+        .map(|points| FileContent::new(Coordinates::Degrees, points))
+        .map_err(OutputError::from)
+}
+
+/// Writes all points to `cloud.copc.laz`, in the system of the map.
+pub fn copc(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    las_file(results, path, LasPacking::Copc)
+}
+
+/// Writes all points to `cloud.las`, in the system of the map.
+pub fn las(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    las_file(results, path, LasPacking::Plain)
+}
+
+fn las_file(
+    results: &Results<'_>,
+    path: &Path,
+    packing: LasPacking,
+) -> Result<FileContent, OutputError> {
+    let crs = &results.plane.map.crs;
+    let place = |log: &LogPoints<'_>, point: &CloudPoint| place(results, log, point);
+    let points = export::cloud_las(path, packing, crs, place, &results.log_points());
+    let knows_time = |log: &LogPoints<'_>| log.survey.start_unix_s.is_some();
+    Ok(FileContent {
+        detail: match results.log_points().iter().all(knows_time) {
+            true => ", time adjusted standard GPS time",
+            false => ", time seconds after the log's beginning",
+        },
+        ..FileContent::new(Coordinates::System(crs.clone()), points?)
+    })
+}
+
+/// Writes all points to `cloud.ply`, in the survey's own plane.
+pub fn ply(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    let origin = Coordinates::Local(results.survey.track.frame.origin());
+    export::cloud_ply(path, &results.log_points())
+        .map(|points| FileContent::new(origin, points))
+        .map_err(OutputError::from)
+}
+
+/// Writes the points of the bottom to `cloud.xyz`, in the system of the map.
+pub fn xyz(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    let crs = &results.plane.map.crs;
+    let decimals = if crs.is_degrees() { 9 } else { 3 };
+    let place = |log: &LogPoints<'_>, point: &CloudPoint| place(results, log, point);
+    export::cloud_xyz(path, decimals, place, &results.log_points())
+        .map(|points| FileContent::new(Coordinates::System(crs.clone()), points))
+        .map_err(OutputError::from)
+}
+
+/// The place of a point of a log in the system of the map.
+fn place(results: &Results<'_>, log: &LogPoints<'_>, point: &CloudPoint) -> [f64; 2] {
+    let track = &log.survey.track;
+    let at = (log.navigation).to_lon_lat(track, point.east_m, point.north_m);
+    results.plane.map.crs.place(at)
+}

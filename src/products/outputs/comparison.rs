@@ -1,0 +1,178 @@
+//! `comparison.json` and `comparison.csv`: a survey against a reference, in figures and point by point.
+
+use super::logs::{log_names, log_points};
+use super::manifest::{Coordinates, FileContent, write_json};
+use super::results::Results;
+use crate::bottom::bathymetry::compare::{Comparison, Match};
+use crate::pipeline::{
+    Agreement, Input, NamedComparison, ProcessedLog, ResidualTables, Settings, matching_in_words,
+};
+use crate::products::export::{self, Summary};
+use crate::products::outputs::OutputError;
+use serde::Serialize;
+use std::path::Path;
+
+/// What is written and printed about a survey against a reference.
+#[derive(Debug, Serialize)]
+pub struct ComparisonRecord<'a> {
+    program: String,
+    sign: &'static str,
+    statement: String,
+    /// The first file of each log, with commas between.
+    measured_file: String,
+    reference_file: String,
+    reference: ReferenceRecord<'a>,
+    by: String,
+    #[serde(flatten)]
+    comparison: &'a Comparison,
+    /// The same for each source of points.
+    sources: Vec<NamedComparison>,
+    /// The same for each of several logs.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    logs: Vec<LogComparison>,
+    #[serde(flatten)]
+    tables: &'a ResidualTables,
+    settings: &'a Settings,
+}
+
+/// A log of several against the reference.
+#[derive(Debug, Serialize)]
+struct LogComparison {
+    log: String,
+    statement: String,
+    #[serde(flatten)]
+    comparison: Comparison,
+}
+
+#[derive(Debug, Serialize)]
+struct ReferenceRecord<'a> {
+    /// `mission` or `points`.
+    kind: &'static str,
+    inputs: &'a [Input],
+    notes: &'a [String],
+}
+
+const NO_REFERENCE: &str = "the survey was not held against a reference";
+const SIGN: &str = "measured minus reference elevation, metres; positive is shallower";
+const MISSION: &str = "The reference is another mission, processed with the same settings.";
+const MISSION_OF_LOGS: &str =
+    "The reference is another mission, processed with the settings of the first log.";
+const PROJECT: &str =
+    "The reference is another survey, each of its logs processed with its own settings.";
+const POINTS: &str = "The reference is taken as it stands in its file.";
+impl<'a> ComparisonRecord<'a> {
+    /// Of the agreement of logs with a reference, and the files that the reference was read from.
+    ///
+    /// # Errors
+    /// A sentence: there is no log or no reference.
+    pub fn new(
+        logs: &'a [ProcessedLog],
+        agreement: &'a Agreement,
+        inputs: &'a [Input],
+    ) -> Result<Self, OutputError> {
+        let (Some(first), Some(reference)) = (logs.first(), &agreement.reference) else {
+            return Err(NO_REFERENCE.into());
+        };
+        let (kind, how) = match (reference.is_mission(), logs.len()) {
+            (true, _) if reference.has_own_settings() => ("mission", PROJECT),
+            (true, 1) => ("mission", MISSION),
+            (true, _) => ("mission", MISSION_OF_LOGS),
+            (false, _) => ("points", POINTS),
+        };
+        let statement = match logs {
+            [log] => format!("{} {how}", log.products.correction.statement()),
+            _ => how.to_owned(),
+        };
+        let files = logs
+            .iter()
+            .filter_map(|log| log.survey.source.files.first());
+        let files: Vec<String> = files.map(|file| file.display().to_string()).collect();
+        Ok(Self {
+            program: format!("bathyscope {}", env!("CARGO_PKG_VERSION")),
+            sign: SIGN,
+            statement,
+            measured_file: files.join(", "),
+            reference_file: reference.path().display().to_string(),
+            reference: ReferenceRecord {
+                kind,
+                inputs,
+                notes: &reference.notes,
+            },
+            by: matching_in_words(agreement.matching),
+            comparison: &agreement.comparison,
+            sources: agreement.by_source(logs),
+            logs: match logs {
+                [_] => Vec::new(),
+                logs => each(logs, agreement),
+            },
+            tables: &agreement.tables,
+            settings: &first.products.settings,
+        })
+    }
+
+    /// How a point found its reference, in words.
+    pub fn by(&self) -> &str {
+        &self.by
+    }
+
+    /// A line for each of several logs; `None` of one.
+    pub fn summary_of_logs(&self) -> Option<String> {
+        let line = |log: &LogComparison| match &log.comparison.residuals {
+            None => format!("{}: no point has a reference", log.log),
+            Some(found) => format!(
+                "{}: n {}, median {:+.3} m, sd {:.3} m, p95 {:.3} m",
+                log.log, found.n, found.median_m, found.sd_m, found.p95_m
+            ),
+        };
+        let lines: Vec<String> = self.logs.iter().map(line).collect();
+        (!lines.is_empty()).then(|| lines.join("\n"))
+    }
+}
+
+/// Every log by itself.
+fn each(logs: &[ProcessedLog], agreement: &Agreement) -> Vec<LogComparison> {
+    let found = agreement.comparison_of_each(logs).into_iter();
+    let each = found.zip(logs).zip(log_names(logs));
+    each.map(|((comparison, log), name)| LogComparison {
+        log: name,
+        statement: log.products.correction.statement(),
+        comparison,
+    })
+    .collect()
+}
+
+/// Writes the points of the logs that an agreement is of and how they differ, as CSV.
+///
+/// # Errors
+/// A sentence that names the file.
+pub fn write_differences(
+    path: &Path,
+    logs: &[ProcessedLog],
+    agreement: &Agreement,
+) -> Result<Summary, OutputError> {
+    let names = log_names(logs);
+    let points = log_points(logs, &names);
+    let found = agreement.logs.iter().map(|log| log.differences.as_slice());
+    let found: Vec<&[Match]> = found.collect();
+    export::differences_csv(path, &points, &found).map_err(OutputError::from)
+}
+
+/// Writes `comparison.json`.
+pub fn json(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    let agreement = results.agreement()?.ok_or(NO_REFERENCE)?;
+    let inputs = results.reference_inputs()?;
+    let record = ComparisonRecord::new(results.order.logs, agreement, inputs)?;
+    write_json(path, &record)?;
+    let summary = Summary {
+        count: agreement.differences().count(),
+        ..Summary::default()
+    };
+    Ok(FileContent::new(Coordinates::None, summary))
+}
+
+/// Writes `comparison.csv`.
+pub fn csv(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    let agreement = results.agreement()?.ok_or(NO_REFERENCE)?;
+    write_differences(path, results.order.logs, agreement)
+        .map(|points| FileContent::new(Coordinates::Degrees, points))
+}

@@ -1,0 +1,162 @@
+//! Writes the bottom as a body: `bottom.glb`, the depth map as a mesh with its colours and the mosaic over it.
+
+use crate::bottom::bathymetry::{Grid, Surface};
+use crate::pipeline::{Bottom, BottomColour};
+use crate::products::export::{Summary, TexturedMesh, glb};
+use crate::products::outputs::OutputError;
+use crate::products::outputs::manifest::{Coordinates, FileContent};
+use crate::products::outputs::results::Results;
+use crate::support::presentation::colours::Rgb;
+use image::{ExtendedColorType, ImageEncoder as _, codecs::png::PngEncoder};
+use serde_json::json;
+use std::path::Path;
+
+/// Most corners: programs and browsers turn as many without a pause.
+const MOST_CORNERS: usize = 250_000;
+/// Longest side of a picture, pixels: every program takes it.
+const MOST_PIXELS: usize = 2048;
+
+/// Writes `bottom.glb`.
+pub fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    let bottom = results.bottom(BottomColour::Depth, MOST_CORNERS)?;
+    let bottom = bottom.ok_or(super::NO_SURFACE)?;
+    let surface = bottom.surface();
+    let middle = middle(&surface.grid);
+    let mut mesh = mesh(surface, middle);
+    mesh.name = results.plane.survey.name();
+    mesh.pictures
+        .push(("depth", png(&surface.grid, &bottom.rgb)?));
+    if let Some(picture) = mosaic(results, &bottom)? {
+        mesh.pictures.push(("mosaic", picture));
+    }
+    let map = &results.plane.map;
+    let crs = &map.crs;
+    mesh.extras = json!({
+        "what": format!("The bottom in metres from a place of the survey: x east, y up from the depths' own zero, z south. {}", results.products.correction.statement()),
+        "origin": {"crs": format!("EPSG:{}", crs.epsg()), "easting": map.in_crs(middle)[0], "northing": map.in_crs(middle)[1]},
+        "corner_spacing_m": surface.grid.cell_m,
+    });
+    glb(path, &mesh)?;
+    let mut summary = Summary::default();
+    for [east_m, north_m, up_m] in &mesh.places_m {
+        let place = [
+            middle[0] + f64::from(*east_m),
+            middle[1] + f64::from(*north_m),
+        ];
+        summary.add(map.in_crs(place), -f64::from(*up_m));
+    }
+    Ok(FileContent::new(Coordinates::System(crs.clone()), summary))
+}
+
+fn middle(grid: &Grid) -> [f64; 2] {
+    grid.centre(grid.rows / 2, grid.columns / 2)
+}
+
+/// The known corners and the triangles between them, about a place.
+fn mesh(surface: &Surface, [middle_east_m, middle_north_m]: [f64; 2]) -> TexturedMesh {
+    let grid = &surface.grid;
+    let mut mesh = TexturedMesh::default();
+    let mut numbers = vec![None; grid.len()];
+    for (cell, depth_m) in surface.depth_m.iter().enumerate() {
+        if depth_m.is_nan() {
+            continue;
+        }
+        let (row, column) = (cell / grid.columns, cell % grid.columns);
+        let [east_m, north_m] = grid.centre(row, column);
+        numbers[cell] = Some(mesh.places_m.len() as u32);
+        mesh.places_m.push([
+            (east_m - middle_east_m) as f32,
+            (north_m - middle_north_m) as f32,
+            -depth_m,
+        ]);
+        mesh.normals.push(surface.normal(row, column));
+        mesh.in_pictures.push([
+            (column as f32 + 0.5) / grid.columns as f32,
+            (row as f32 + 0.5) / grid.rows as f32,
+        ]);
+    }
+    for row in 1..grid.rows {
+        for column in 1..grid.columns {
+            let here = row * grid.columns + column;
+            let [north_west, north_east, south_west, south_east] =
+                [here - grid.columns - 1, here - grid.columns, here - 1, here]
+                    .map(|cell| numbers[cell]);
+            mesh.triangles
+                .extend(square([north_west, north_east, south_east, south_west]));
+        }
+    }
+    mesh
+}
+
+/// The triangles between the known of four corners, which are given clockwise from the north-west.
+fn square(corners: [Option<u32>; 4]) -> Vec<[u32; 3]> {
+    match corners {
+        [Some(a), Some(b), Some(c), Some(d)] => vec![[a, d, b], [b, d, c]],
+        _ => match corners.into_iter().flatten().collect::<Vec<u32>>()[..] {
+            [a, b, c] => vec![[c, b, a]],
+            _ => Vec::new(),
+        },
+    }
+}
+
+/// The mosaic over the ground of the bottom, as finely as it is itself and a picture may be; `None` without side-scan.
+fn mosaic(results: &Results<'_>, bottom: &Bottom) -> Result<Option<Vec<u8>>, OutputError> {
+    let Some(mosaic) = results.mosaic()? else {
+        return Ok(None);
+    };
+    let coarse = &bottom.surface().grid;
+    let finest = (coarse.cell_m / mosaic.settings.cell_m).round().max(1.0) as usize;
+    let times = (MOST_PIXELS / coarse.columns.max(coarse.rows).max(1)).clamp(1, finest);
+    let grid = coarse.finer(times);
+    let levels = mosaic.levels(&grid, results.progress)?;
+    let colours: Vec<Rgb> = (levels.iter())
+        .map(|level| Bottom::echo_colour(mosaic.settings.colours, *level))
+        .collect();
+    png(&grid, &colours).map(Some)
+}
+
+fn png(grid: &Grid, rgb: &[Rgb]) -> Result<Vec<u8>, OutputError> {
+    let mut bytes = Vec::new();
+    let (columns, rows) = (grid.columns as u32, grid.rows as u32);
+    PngEncoder::new(&mut bytes)
+        .write_image(rgb.as_flattened(), columns, rows, ExtendedColorType::Rgb8)
+        .map_err(|error| format!("cannot make the picture of the bottom: {error}"))?;
+    Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn triangles_face_up_and_a_hole_takes_only_what_touches_it() {
+        let grid = Grid {
+            west_m: 0.0,
+            north_m: 3.0,
+            cell_m: 1.0,
+            columns: 4,
+            rows: 3,
+        };
+        let mut depth_m = vec![2.0; grid.len()];
+        depth_m[5] = f32::NAN;
+        let surface = Surface::of_depths(grid, depth_m);
+        let mesh = mesh(&surface, [0.0, 0.0]);
+        assert_eq!(mesh.places_m.len(), 11);
+        // Six squares; the four at the hole have one triangle each.
+        assert_eq!(mesh.triangles.len(), 2 * 2 + 4);
+        let area = |corners: &[u32; 3]| {
+            let [a, b, c] = corners.map(|corner| {
+                let [east, north, _] = mesh.places_m[corner as usize];
+                [east, north]
+            });
+            0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]))
+        };
+        assert!(
+            mesh.triangles
+                .iter()
+                .all(|one| (area(one) - 0.5).abs() < 1e-6)
+        );
+        let [least, most] = [0, mesh.in_pictures.len() - 1].map(|corner| mesh.in_pictures[corner]);
+        assert_eq!((least, most), ([0.125, 0.5 / 3.0], [0.875, 2.5 / 3.0]));
+    }
+}

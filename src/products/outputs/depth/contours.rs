@@ -1,0 +1,127 @@
+//! Isobaths, the areas between them and what lies below each, in the formats of other programs.
+
+use crate::bottom::bathymetry::isobaths::IsobathSettings;
+use crate::pipeline::Contours;
+use crate::products::export::{self, DrawnLines, ExportError, Line, Summary};
+use crate::products::outputs::OutputError;
+use crate::products::outputs::manifest::{Coordinates, FileContent};
+use crate::products::outputs::results::Results;
+use std::path::Path;
+
+/// Colours of the shallowest and the deepest line: light enough for a picture of the earth, dark enough for a map.
+const COLOURS: [[f64; 3]; 2] = [[120.0, 200.0, 255.0], [8.0, 48.0, 160.0]];
+/// What is drawn, and how.
+pub(in crate::products::outputs) struct Drawn<'a> {
+    /// The lines and the areas between them.
+    pub contours: &'a Contours,
+    settings: &'a IsobathSettings,
+    index_levels_m: Vec<f64>,
+    /// Square metres on the ground that one on the map is: a map's are not quite those of the ground.
+    pub ground: f64,
+}
+
+impl<'a> Drawn<'a> {
+    /// Of a survey that has a depth map.
+    pub fn of(results: &'a Results<'_>) -> Result<Self, OutputError> {
+        let grid = &results.surface()?.ok_or(super::NO_SURFACE)?.grid;
+        let middle = grid.centre(grid.rows / 2, grid.columns / 2);
+        let settings = &results.products.settings.isobaths;
+        let contours = results.contours()?.as_ref()?;
+        Ok(Self {
+            contours,
+            settings,
+            index_levels_m: settings.index_levels_m(&contours.isobaths.levels_m),
+            ground: results.plane.map.area_scale_at(middle).recip(),
+        })
+    }
+
+    /// Its lines.
+    pub fn lines(&self) -> DrawnLines<'_> {
+        DrawnLines {
+            lines: &self.contours.isobaths.lines,
+            settings: self.settings,
+            index_levels_m: &self.index_levels_m,
+        }
+    }
+}
+
+fn content(
+    coordinates: Coordinates,
+    written: Result<Summary, ExportError>,
+) -> Result<FileContent, OutputError> {
+    written
+        .map(|summary| FileContent::new(coordinates, summary))
+        .map_err(OutputError::from)
+}
+
+/// Writes `isobaths.geojson`.
+pub fn isobaths_geojson(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    let drawn = Drawn::of(results)?;
+    let place = |at| results.to_lon_lat(at);
+    let written = export::isobaths_geojson(path, &drawn.lines(), place);
+    content(Coordinates::Degrees, written)
+}
+
+/// Writes `isobaths.kmz`.
+pub fn isobaths_kmz(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    let lines = named_lines(&Drawn::of(results)?, results);
+    let written = export::lines_kmz(path, &results.survey.name(), &lines);
+    content(Coordinates::Degrees, written)
+}
+
+/// Writes `isobaths.shp` with what belongs to it, in the system of the map.
+pub fn isobaths_shapefile(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    let lines = named_lines(&Drawn::of(results)?, results);
+    let crs = &results.plane.map.crs;
+    let written = export::lines_shapefile(path, crs, &["depth_m", "length_m"], &lines);
+    content(Coordinates::System(crs.clone()), written)
+}
+
+/// Writes `depth_areas.geojson`.
+pub fn depth_areas(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    let drawn = Drawn::of(results)?;
+    let place = |at| results.to_lon_lat(at);
+    let written = export::depth_areas_geojson(path, &drawn.contours.areas, drawn.ground, place);
+    content(Coordinates::Degrees, written)
+}
+
+/// Writes `spot_soundings.geojson`.
+pub fn spot_soundings(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    let place = |at| results.to_lon_lat(at);
+    let settings = &results.products.settings.isobaths;
+    let soundings = results.spot_soundings()?;
+    let written = export::spot_soundings_geojson(path, soundings, settings, place);
+    content(Coordinates::Degrees, written)
+}
+
+/// Writes `storage.csv`.
+pub fn storage(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    let drawn = Drawn::of(results)?;
+    let written = export::storage_csv(path, &drawn.contours.table, drawn.ground);
+    content(Coordinates::None, written)
+}
+
+/// The lines with their depth beside them, the deeper the darker.
+fn named_lines(drawn: &Drawn<'_>, results: &Results<'_>) -> Vec<Line> {
+    let (lines, ground) = (&drawn.contours.isobaths.lines, drawn.ground.sqrt());
+    let depths = lines.iter().map(|line| line.depth_m);
+    let [least_m, most_m] = depths.fold([f64::MAX, f64::MIN], |[least, most], depth| {
+        [least.min(depth), most.max(depth)]
+    });
+    let named = lines.iter().map(|line| {
+        let share = (line.depth_m - least_m) / (most_m - least_m).max(f64::MIN_POSITIVE);
+        let [light, dark] = COLOURS;
+        let depth = drawn.settings.in_unit(line.depth_m);
+        Line {
+            points: line
+                .points
+                .iter()
+                .map(|at| results.to_lon_lat(*at))
+                .collect(),
+            label: format!("{depth} {}", drawn.settings.unit.symbol()),
+            numbers: vec![line.depth_m, ground * line.length_m()],
+            colour: [0, 1, 2].map(|part| (light[part] + share * (dark[part] - light[part])) as u8),
+        }
+    });
+    named.collect()
+}

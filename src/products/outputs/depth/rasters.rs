@@ -1,0 +1,185 @@
+//! The surface as rasters: metres as f32 on one grid, and what they rest on, each with what was and was not corrected in its description, and beside each its
+//! colours for QGIS (`.qml`).
+
+use crate::bottom::bathymetry::isobaths::shoalest_m;
+use crate::bottom::bathymetry::{CellSource, Grid, Spread, Surface};
+use crate::formats::geotiff::{Band, Cells, RasterSpec};
+use crate::pipeline::{Plane, Products};
+use crate::products::export::{Summary, metres_raster, qgis_classes, qgis_style, source_raster};
+use crate::products::outputs::OutputError;
+use crate::products::outputs::manifest::{Coordinates, FileContent};
+use crate::products::outputs::raster;
+use crate::products::outputs::results::Results;
+use crate::support::presentation::colours::{
+    depth_colour, distance_colour, share_colour, uncertainty_colour,
+};
+use std::path::Path;
+
+/// A raster to write.
+struct Layer {
+    band: Band,
+    what: &'static str,
+    colour: fn(f32) -> [u8; 3],
+}
+
+const fn band(name: &'static str, positive_down: bool) -> Band {
+    Band {
+        name,
+        unit: "metre",
+        positive_down,
+    }
+}
+
+/// Steps of the colours in a style.
+const STEPS: usize = 10;
+
+/// Writes `depth.tif`.
+pub fn depth(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    let layer = Layer {
+        band: band("depth", true),
+        what: "Depth in metres, positive down",
+        colour: depth_colour,
+    };
+    write(&layer, |surface| &surface.depth_m, results, path)
+}
+
+/// Writes `uncertainty.tif`.
+pub fn uncertainty(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
+    let what = match surface.spread_is {
+        Spread::OfError => {
+            "Standard deviation in metres of the depth's error, as left-out depths show it"
+        }
+        Spread::OfSoundings => "Standard deviation in metres of the depths that carry a cell",
+    };
+    let layer = Layer {
+        band: band("standard deviation of depth", false),
+        what,
+        colour: uncertainty_colour,
+    };
+    write(&layer, |surface| &surface.spread_m, results, path)
+}
+
+/// Writes `distance.tif`.
+pub fn distance(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    let layer = Layer {
+        band: band("distance to the nearest depth", false),
+        what: "Distance in metres from a cell to the nearest depth",
+        colour: distance_colour,
+    };
+    write(&layer, |surface| &surface.distance_m, results, path)
+}
+
+/// Writes `shoalest.tif`.
+pub fn shoalest(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    let depth_map = results.depth_map()?.ok_or(super::NO_SURFACE)?;
+    let points = depth_map.depth_points(results.progress)?;
+    let layer = Layer {
+        band: band("shoalest depth", true),
+        what: "Shoalest depth in metres that was measured in a cell, positive down",
+        colour: depth_colour,
+    };
+    let values = shoalest_m(&depth_map.surface.grid, &points);
+    write_values(&layer, &values, results, path)
+}
+
+/// Writes `hardness.tif`.
+pub fn hardness(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    let layer = Layer {
+        band: Band {
+            unit: "decibel",
+            ..band("brightness of the bed over the median", false)
+        },
+        what: "How much brighter the bed is than the median of the map, decibels of power, as echo levels tell it: without slope, angle, range and gain",
+        colour: share_colour,
+    };
+    write(
+        &layer,
+        |surface| surface.hardness_db.as_deref().unwrap_or_default(),
+        results,
+        path,
+    )
+}
+
+/// Writes `source.tif`.
+pub fn source(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
+    let (grid, plane) = (&surface.grid, &results.plane);
+    let spec = raster::over(grid, &plane.map);
+    let crs = spec.crs.clone();
+    let about = format!(
+        "{}. {}",
+        plane.survey.name(),
+        applied(results.products, surface)
+    );
+    source_raster(path, spec, surface, &about, results.progress)?;
+    qgis_classes(&path.with_extension("qml"), &CellSource::classes())?;
+    let values = surface.source.iter().map(|source| match source {
+        CellSource::None => f32::NAN,
+        source => f32::from(*source as u8),
+    });
+    let values: Vec<f32> = values.collect();
+    let summary = summary(plane, grid, &values);
+    Ok(FileContent::new(Coordinates::System(crs), summary))
+}
+
+fn write(
+    layer: &Layer,
+    values: impl Fn(&Surface) -> &[f32],
+    results: &Results<'_>,
+    path: &Path,
+) -> Result<FileContent, OutputError> {
+    let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
+    write_values(layer, values(surface), results, path)
+}
+
+fn write_values(
+    layer: &Layer,
+    values: &[f32],
+    results: &Results<'_>,
+    path: &Path,
+) -> Result<FileContent, OutputError> {
+    let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
+    let (grid, plane) = (&surface.grid, &results.plane);
+    let applied = applied(results.products, surface);
+    let spec = RasterSpec {
+        cells: Cells::Metres,
+        band: Some(layer.band),
+        description: format!("{}; {}. {applied}", layer.what, plane.survey.name()),
+        ..raster::over(grid, &plane.map)
+    };
+    let crs = &spec.crs;
+    metres_raster(path, &spec, grid, values, results.progress)?;
+    let summary = summary(plane, grid, values);
+    let range = summary.values.unwrap_or_default();
+    qgis_style(&path.with_extension("qml"), range, STEPS, layer.colour)?;
+    Ok(FileContent::new(Coordinates::System(crs.clone()), summary))
+}
+
+/// The cells that are known, and the whole raster around them.
+fn summary(plane: &Plane<'_>, grid: &Grid, values: &[f32]) -> Summary {
+    let mut summary = Summary::default();
+    let known = values.iter().filter(|value| !value.is_nan());
+    known.for_each(|value| summary.add([f64::NAN; 2], f64::from(*value)));
+    let corners = [[0, 0], [grid.rows, grid.columns]];
+    for [rows, columns] in corners.map(|corner| corner.map(|cells| cells as f64)) {
+        let corner = [
+            grid.west_m + columns * grid.cell_m,
+            grid.north_m - rows * grid.cell_m,
+        ];
+        summary.reach(plane.map.in_crs(corner));
+    }
+    summary
+}
+
+/// What was and was not corrected, and how the cells were filled.
+pub(super) fn applied(products: &Products, surface: &Surface) -> String {
+    let settings = &products.settings;
+    format!(
+        "{} By {} in cells of {} m, none farther than {} m from a depth.",
+        products.correction.statement(),
+        surface.method_in_words(),
+        surface.grid.cell_m,
+        settings.surface.max_gap_m
+    )
+}

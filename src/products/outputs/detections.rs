@@ -1,0 +1,212 @@
+//! What a search for objects proposes: `detections.*` and `chips`, with a run or into a folder that may hold the files of one.
+
+use super::manifest::{Coordinates, FileContent};
+use super::objects::ObjectRows;
+use super::registry::{When, row_of, row_of_beside};
+use super::results::Results;
+use super::run_folder::{Replaced, RunFolder};
+use super::write::{Order, write_rows};
+use crate::detection::{
+    Detection, DetectorSettings, Model, Picture, Raster, Scored, find_in_picture,
+};
+use crate::pipeline::{Derived, ProcessedLog};
+use crate::products::export::{self, ChipLog, ExportError, ObjectRow, Summary};
+use crate::products::outputs::OutputError;
+use crate::support::progress::Progress;
+use std::path::Path;
+
+/// What a search proposes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Proposed {
+    /// The boxes, log by log, in order of the pings.
+    pub boxes: Vec<Detection>,
+    /// Objects that they are sightings of: one that several lines or logs saw has as many boxes.
+    pub objects: usize,
+    /// Boxes whose place in the world cannot be known, and so neither whose object they show.
+    pub unplaced: usize,
+}
+
+impl Proposed {
+    /// What the search of a run found; `None` where none searched.
+    pub(super) fn of(results: &Results<'_>) -> Result<Option<Self>, OutputError> {
+        let Some((all, found)) = found_rows(results)?.zip(results.found()?) else {
+            return Ok(None);
+        };
+        Ok(Some(Self {
+            boxes: found.concat(),
+            objects: all.objects.len(),
+            unplaced: all.rows.iter().filter(|row| row.object.is_none()).count(),
+        }))
+    }
+}
+
+/// Searches a survey and writes what is found, in the place of what an earlier search wrote there; gives back what became of that, too.
+///
+/// # Errors
+/// A sentence that names the file, or says that the work was cancelled; the folder is then as it was.
+pub fn write_detected(
+    log: &ProcessedLog,
+    model: &Model,
+    run: RunFolder,
+    progress: &Progress,
+) -> Result<(Proposed, Replaced), OutputError> {
+    let order = Order {
+        logs: std::slice::from_ref(log),
+        derived: &Derived::default(),
+        requested: &[],
+        reference: None,
+        search: Some(model),
+        reviews: &[],
+        corrections: &[],
+    };
+    let mut results = Results::new(&order, progress)?;
+    let searched = |when| when == When::Searched;
+    write_rows(&mut results, &run.path(), searched, &mut |_| ())?;
+    let found = Proposed::of(&results)?;
+    let found = found.ok_or("nothing searched for objects")?;
+    Ok((found, run.commit_group(is_of_search)?))
+}
+
+/// The same for a picture of another program, by its name in the table.
+///
+/// # Errors
+/// As [`write_detected`].
+pub fn write_detected_in_picture(
+    name: &str,
+    picture: &Picture,
+    model: &Model,
+    settings: &DetectorSettings,
+    run: RunFolder,
+    progress: &Progress,
+) -> Result<(Vec<Scored>, Replaced), OutputError> {
+    let found = find_in_picture(picture, model, settings, progress)?;
+    let folder = run.path().join("objects");
+    // The chips come first, and make the folder.
+    export::picture_chips(&folder, picture, model.names(), &found).and_then(|_| {
+        let table = folder.join("detections.csv");
+        export::picture_boxes_csv(&table, name, model.names(), &found)
+    })?;
+    Ok((found, run.commit_group(is_of_search)?))
+}
+
+/// Whether a file is of a search, in whatever version's layout.
+fn is_of_search(name: &str) -> bool {
+    let row = row_of(name).or_else(|| row_of_beside(name));
+    row.is_some_and(|row| row.when == When::Searched)
+}
+
+/// Writes `detections.csv`.
+pub fn csv(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    let rows = found_rows(results)?.unwrap_or_default().rows;
+    let placed = placed_in(&rows);
+    let summary = Summary {
+        count: rows.len(),
+        ..placed
+    };
+    let logs = results.object_logs();
+    content(summary, export::objects_csv(path, &logs, &rows))
+}
+
+/// Writes `detections.geojson`.
+pub fn geojson(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    let rows = found_rows(results)?.unwrap_or_default().rows;
+    let logs = results.object_logs();
+    content(
+        placed_in(&rows),
+        export::objects_geojson(path, &logs, &rows),
+    )
+}
+
+/// Writes `detections.gpx`.
+pub fn gpx(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    let found = found_rows(results)?.unwrap_or_default();
+    let points = found.points(results.order.logs);
+    in_degrees(export::objects_gpx(path, &points))
+}
+
+/// Writes `shapes.ply`.
+pub fn shapes(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    let rows = found_rows(results)?.unwrap_or_default().rows;
+    let summary = export::shapes_ply(path, &rows)?;
+    let origin = Coordinates::Local(results.survey.track.frame.origin());
+    Ok(FileContent::new(origin, summary))
+}
+
+/// Writes `chips`, a folder with a picture of each box.
+pub fn chips(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    let (Some(model), Some(found)) = (results.order.search, results.found()?) else {
+        return Err("nothing searched for objects".into());
+    };
+    let logs = results.order.logs.iter().zip(found);
+    let logs = logs.map(|(log, found)| ChipLog {
+        survey: &log.survey,
+        raster: Raster::new(&log.survey, &log.products.navigation, model.pixel_m()),
+        found,
+    });
+    let logs: Vec<ChipLog<'_>> = logs.collect();
+    let folder = path.parent().unwrap_or(path);
+    export::chips(folder, model.names(), &logs, results.progress)?;
+    Ok(FileContent::new(Coordinates::None, Summary::default()))
+}
+
+pub(super) fn in_degrees(
+    written: Result<Summary, ExportError>,
+) -> Result<FileContent, OutputError> {
+    let summary = written.map_err(OutputError::from)?;
+    Ok(FileContent::new(Coordinates::Degrees, summary))
+}
+
+pub(super) fn content(
+    summary: Summary,
+    written: Result<(), ExportError>,
+) -> Result<FileContent, OutputError> {
+    written
+        .map(|()| FileContent::new(Coordinates::Degrees, summary))
+        .map_err(OutputError::from)
+}
+
+/// The places of the boxes, counted.
+pub(super) fn placed_in(rows: &[ObjectRow<'_>]) -> Summary {
+    let mut summary = Summary::default();
+    for target in rows.iter().filter_map(|row| row.target.as_ref()) {
+        let at = target.position;
+        summary.add([at.lon_deg, at.lat_deg], f64::NAN);
+    }
+    summary
+}
+
+/// Of each log the boxes that were decided about, or else those that a search found, as objects; `None` where nobody looked.
+pub fn known_rows<'a>(results: &'a Results<'_>) -> Result<Option<ObjectRows<'a>>, OutputError> {
+    let order = results.order;
+    let model = order.search.filter(|_| order.asks_for(When::Searched));
+    let found = model.zip(results.found()?);
+    let mut all = ObjectRows::default();
+    let mut is_known = false;
+    for (index, log) in order.logs.iter().enumerate() {
+        match (order.review(index), found) {
+            (Some(review), _) => all.add_reviewed(index, log, review, results.progress)?,
+            (None, Some((model, found))) => {
+                all.add_found(index, log, model.names(), &found[index]);
+            }
+            (None, None) => continue,
+        }
+        is_known = true;
+    }
+    all.group();
+    Ok(is_known.then_some(all))
+}
+
+/// The boxes that a model found in all logs; `None` where none searched.
+pub fn found_rows<'a>(results: &'a Results<'_>) -> Result<Option<ObjectRows<'a>>, OutputError> {
+    let Some((model, found)) = results.order.search.zip(results.found()?) else {
+        return Ok(None);
+    };
+    let mut all = ObjectRows::default();
+    for ((index, log), found) in results.order.logs.iter().enumerate().zip(found) {
+        all.add_found(index, log, model.names(), found);
+    }
+    all.group();
+    let shapes = results.found_shapes(&all)?;
+    all.set_shapes(shapes);
+    Ok(Some(all))
+}

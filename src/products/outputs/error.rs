@@ -1,0 +1,85 @@
+//! Why files could not be written.
+
+use crate::detection::DetectError;
+use crate::products::export::{ChipError, ExportError, RasterError};
+use crate::support::progress::Cancelled;
+
+/// Why files could not be written. The folder is then as it was.
+#[derive(Debug, thiserror::Error)]
+pub enum OutputError {
+    /// The work was cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// A file of text, points or shapes.
+    #[error(transparent)]
+    File(#[from] ExportError),
+    /// A GeoTIFF.
+    #[error(transparent)]
+    Raster(RasterError),
+    /// A picture of a box.
+    #[error(transparent)]
+    Picture(ChipError),
+    /// The search for objects.
+    #[error(transparent)]
+    Search(DetectError),
+    /// What cannot be done, in a sentence that names the file or the setting.
+    #[error("{0}")]
+    Refused(String),
+}
+
+impl From<RasterError> for OutputError {
+    fn from(error: RasterError) -> Self {
+        match error {
+            RasterError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            other => Self::Raster(other),
+        }
+    }
+}
+
+impl From<ChipError> for OutputError {
+    fn from(error: ChipError) -> Self {
+        match error {
+            ChipError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            other => Self::Picture(other),
+        }
+    }
+}
+
+impl From<DetectError> for OutputError {
+    fn from(error: DetectError) -> Self {
+        match error {
+            DetectError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            other => Self::Search(other),
+        }
+    }
+}
+
+impl From<String> for OutputError {
+    fn from(sentence: String) -> Self {
+        Self::Refused(sentence)
+    }
+}
+
+impl From<&str> for OutputError {
+    fn from(sentence: &str) -> Self {
+        Self::Refused(sentence.to_owned())
+    }
+}
+
+impl From<&String> for OutputError {
+    fn from(sentence: &String) -> Self {
+        Self::Refused(sentence.clone())
+    }
+}
+
+impl From<serde_json::Error> for OutputError {
+    fn from(error: serde_json::Error) -> Self {
+        Self::Refused(error.to_string())
+    }
+}
+
+impl From<std::io::Error> for OutputError {
+    fn from(error: std::io::Error) -> Self {
+        Self::Refused(error.to_string())
+    }
+}

@@ -1,0 +1,66 @@
+//! All lines, areas and objects of a survey in one file.
+
+use super::depth::contours::Drawn;
+use super::detections::known_rows;
+use super::manifest::{Coordinates, FileContent};
+use super::results::{Need, Results};
+use crate::detection::review::State;
+use crate::products::export::{self, Placed};
+use crate::products::outputs::OutputError;
+use crate::support::presentation::colours::depth_colour;
+use std::path::Path;
+
+/// Writes `survey.gpkg`, in the system of the map: what there is of track, footprint, isobaths, depth areas and objects. Map programs
+/// draw the layers in the order in which they are named here, the first at the bottom.
+pub fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    let map = &results.plane.map;
+    let placed = Placed::new(map);
+    let has = |need| Ok::<bool, OutputError>(results.missing(need)?.is_none());
+    let mut layers = Vec::new();
+    if has(Need::Surface)? && has(Need::Levels)? {
+        let drawn = Drawn::of(results)?;
+        let contours = drawn.contours;
+        layers.push(export::depth_area_layer(
+            &placed,
+            &contours.areas,
+            drawn.ground,
+            depth_colour,
+        ));
+        layers.push(export::isobath_layer(
+            &placed,
+            &drawn.lines(),
+            drawn.ground.sqrt(),
+        ));
+    }
+    if has(Need::Footprint)? {
+        let ground = results.ground()?;
+        layers.push(export::footprint_layer(
+            &placed,
+            &results.name(),
+            &ground.shapes,
+            ground.area_m2,
+        ));
+    }
+    if has(Need::Surface)? && has(Need::Area)? {
+        let settings = &results.products.settings.isobaths;
+        layers.push(export::spot_sounding_layer(
+            &placed,
+            results.spot_soundings()?,
+            settings,
+        ));
+    }
+    layers.push(export::track_layer(&placed, results.track()));
+    if let Some(known) = known_rows(results)? {
+        let mut rows = known.rows;
+        rows.retain(|row| row.state != State::Rejected.name());
+        let position = |at| placed.position(at);
+        let [points, outlines] = export::object_layers(&results.object_logs(), &rows, position);
+        layers.extend([outlines, points]);
+    }
+    let time_s = results.start_unix_s().unwrap_or(0.0);
+    let summary = export::geopackage(path, &map.crs, time_s, &layers)?;
+    Ok(FileContent::new(
+        Coordinates::System(map.crs.clone()),
+        summary,
+    ))
+}

@@ -1,0 +1,203 @@
+//! `manifest.json`: every file of a run, with where it comes from, its coordinate system, extent and hash.
+
+use super::registry::{Described, OutputFile, row_of};
+use super::results::Need;
+use crate::pipeline::{Fingerprint, Input, Report, Settings};
+use crate::products::export::{self, Summary};
+use crate::products::outputs::OutputError;
+use crate::support::geo::{Crs, LonLat};
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+use std::io::Write as _;
+use std::path::Path;
+
+/// What the coordinates of a file are.
+#[derive(Clone, Debug)]
+pub enum Coordinates {
+    /// A coordinate reference system.
+    System(Crs),
+    /// Longitude and latitude on WGS84.
+    Degrees,
+    /// Metres east and north of the survey's origin, in the plane that `projection` names.
+    Local(LonLat),
+    /// None: the file is a table of something else.
+    None,
+}
+
+/// What a file holds.
+#[derive(Clone, Debug)]
+pub struct FileContent {
+    /// What its coordinates are.
+    pub coordinates: Coordinates,
+    /// How much it holds.
+    pub summary: Summary,
+    /// What is to be said of it besides, with the comma before it.
+    pub detail: &'static str,
+}
+
+impl FileContent {
+    /// Content in some coordinates.
+    pub fn new(coordinates: Coordinates, summary: Summary) -> Self {
+        Self {
+            coordinates,
+            summary,
+            detail: "",
+        }
+    }
+}
+
+/// `manifest.json`: what goes for all files of a run, and an entry a file.
+#[derive(Serialize)]
+struct Manifest<'a> {
+    program: &'a str,
+    run: &'a str,
+    inputs: &'a [Input],
+    /// How many logs of one survey it is of; absent of one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    logs: Option<usize>,
+    start_unix_s: Option<f64>,
+    preset: &'static str,
+    settings: &'a Settings,
+    statement: &'a str,
+    files: Vec<Entry<'a>>,
+}
+
+/// A file of a run: its name, size and hash, and what it holds. What is not known of it is absent.
+#[derive(Serialize)]
+struct Entry<'a> {
+    #[serde(flatten)]
+    file: &'a Fingerprint,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    what: Option<String>,
+    /// Of what lies beside another file: that file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    belongs_to: Option<&'static str>,
+    #[serde(flatten)]
+    content: Option<ContentEntry<'a>>,
+}
+
+#[derive(Serialize)]
+struct ContentEntry<'a> {
+    crs: Value,
+    extent: Value,
+    count: Map<String, Value>,
+    values: Value,
+    /// Files that it was made from besides those of the logs.
+    #[serde(skip_serializing_if = "<[Input]>::is_empty")]
+    more_inputs: &'a [Input],
+    /// Settings, by their first word, that have nothing to do with it.
+    regardless_of: &'static [&'static str],
+}
+
+/// Writes `manifest.json`: the fingerprints of all other files of the run, in the order of their names, with what those hold
+/// that were made of results. `more_inputs` are the files that the reference was read from.
+///
+/// # Errors
+/// A sentence that names the file.
+pub fn write_manifest(
+    path: &Path,
+    report: &Report,
+    made: &[(&'static OutputFile, FileContent)],
+    files: &[Fingerprint],
+    more_inputs: &[Input],
+) -> Result<(), OutputError> {
+    let entry = |file| entry(file, made, more_inputs);
+    let manifest = Manifest {
+        program: &report.program,
+        run: &report.run,
+        inputs: &report.inputs,
+        logs: report.logs.as_ref().map(|all| all.logs.len()),
+        start_unix_s: report.start_unix_s,
+        preset: report.preset,
+        settings: &report.settings,
+        statement: &report.statement,
+        files: files.iter().map(entry).collect(),
+    };
+    write_json(path, &manifest)
+}
+
+fn entry<'a>(
+    file: &'a Fingerprint,
+    made: &[(&'static OutputFile, FileContent)],
+    more_inputs: &'a [Input],
+) -> Entry<'a> {
+    let bare = |what, belongs_to| Entry {
+        file,
+        what,
+        belongs_to,
+        content: None,
+    };
+    let Some(row) = row_of(&file.file) else {
+        return bare(None, None);
+    };
+    if row.name != file.file {
+        return bare(None, Some(row.name));
+    }
+    let content = made.iter().find(|(other, _)| other.name == row.name);
+    let Some((described, (_, content))) = row.described.zip(content) else {
+        return bare(Some(row.brief.to_owned()), None);
+    };
+    let of_reference = row.needs.contains(&Need::Reference);
+    Entry {
+        what: Some(format!("{}{}", described.what, content.detail)),
+        content: Some(ContentEntry {
+            more_inputs: if of_reference { more_inputs } else { &[] },
+            regardless_of: row.regardless_of,
+            ..content_entry(described, content)
+        }),
+        ..bare(None, None)
+    }
+}
+
+fn content_entry(described: Described, content: &FileContent) -> ContentEntry<'static> {
+    let Summary {
+        count,
+        extent,
+        values,
+    } = content.summary;
+    let extent = extent.map(|[[west, east], [south, north]]| {
+        json!({ "west": west, "south": south, "east": east, "north": north })
+    });
+    let values = values.filter(|_| !described.measured.is_empty());
+    ContentEntry {
+        crs: coordinates(&content.coordinates),
+        extent: extent.unwrap_or(Value::Null),
+        count: Map::from_iter([(described.counted.to_owned(), json!(count))]),
+        values: values.map_or(
+            Value::Null,
+            |[least, most]| json!({ "of": described.measured, "least": least, "most": most }),
+        ),
+        more_inputs: &[],
+        regardless_of: &[],
+    }
+}
+
+/// Writes a record, indented, with a line's end.
+///
+/// # Errors
+/// A sentence that names the file.
+pub fn write_json(path: &Path, record: &impl Serialize) -> Result<(), OutputError> {
+    export::write_aside(path, |mut file| {
+        let text = serde_json::to_vec_pretty(record)?;
+        file.write_all(&text)?;
+        file.write_all(b"\n")
+    })
+    .map_err(OutputError::from)
+}
+
+fn coordinates(coordinates: &Coordinates) -> Value {
+    match coordinates {
+        Coordinates::System(crs) => {
+            let unit = if crs.is_degrees() { "degree" } else { "metre" };
+            json!({ "epsg": crs.epsg(), "name": crs.name(), "unit": unit })
+        }
+        Coordinates::Degrees => json!({ "epsg": 4326, "name": "WGS 84", "unit": "degree" }),
+        Coordinates::Local(origin) => json!({
+            "epsg": null,
+            "name": "metres east and north of the origin",
+            "unit": "metre",
+            "origin": { "lon": origin.lon_deg, "lat": origin.lat_deg },
+        }),
+        Coordinates::None => Value::Null,
+    }
+}

@@ -1,0 +1,108 @@
+//! No file is written over one that it is made from.
+
+use super::MANIFEST;
+use super::registry::{OUTPUT_FILES, OutputFile};
+use super::run_folder::{EARLIER_MANIFESTS, RunFolder, has_foreign_manifest};
+use super::write::Order;
+use crate::pipeline::Reference;
+use crate::products::export::is_same_file;
+use crate::products::outputs::OutputError;
+use crate::survey::Survey;
+use std::path::{Path, PathBuf};
+
+/// Whether a run may write a file whose name, without its ending, is this one. What lies on top and holds data is of later versions than
+/// those that wrote all files there: `survey.gpkg` is no danger to `survey.sl2`.
+pub(super) fn is_stem_of_output(stem: &str) -> bool {
+    let is_new = |row: &&OutputFile| row.folder().is_empty() && row.described.is_some();
+    let rows = OUTPUT_FILES.iter().filter(|row| !is_new(row));
+    let stems = rows.map(OutputFile::stem);
+    let manifests = EARLIER_MANIFESTS
+        .iter()
+        .map(|name| name.trim_end_matches(".json"));
+    stems
+        .chain(manifests)
+        .any(|one| one.eq_ignore_ascii_case(stem))
+}
+
+/// Subfolders in which a run may write a file whose name, without its ending, is this one.
+fn folders_of(stem: &str) -> impl Iterator<Item = &'static str> {
+    let rows = OUTPUT_FILES
+        .iter()
+        .filter(move |row| row.stem().eq_ignore_ascii_case(stem));
+    rows.map(OutputFile::folder)
+        .filter(|folder| !folder.is_empty())
+}
+
+/// Refuses a folder in which a file of a run would be written over an input: `track.gpx` of another receiver, `depth.tif` that the
+/// survey is compared with.
+///
+/// # Errors
+/// A sentence that names the input.
+pub(super) fn refuse_overwrite(order: &Order<'_>, folder: &Path) -> Result<(), OutputError> {
+    let reference = order.reference.map(|(reference, _)| reference.path());
+    let gauges = order
+        .logs
+        .iter()
+        .filter_map(|log| log.products.correction.gauge());
+    let gauges = gauges.map(|gauge| gauge.path.as_path());
+    let areas = order.logs.iter().filter_map(|log| {
+        let area = log.products.settings.isobaths.area.as_deref();
+        area.map(|area| area.path.as_path())
+    });
+    let surveys = order.logs.iter().map(|log| &*log.survey);
+    let inputs = files_of(surveys).chain(gauges).chain(areas);
+    refuse(inputs.chain(reference), folder)
+}
+
+fn files_of<'a>(surveys: impl IntoIterator<Item = &'a Survey>) -> impl Iterator<Item = &'a Path> {
+    let files = surveys.into_iter().flat_map(|survey| &survey.source.files);
+    files.map(PathBuf::as_path)
+}
+
+/// Gets a folder ready for the files of a survey of one or several logs, before the work that they take: a folder that cannot be written into, or in which a file
+/// would be written over the survey or what it is to be compared with, should not cost minutes first.
+///
+/// # Errors
+/// A sentence that names the folder or the input.
+pub fn begin<'a>(
+    folder: &Path,
+    surveys: impl IntoIterator<Item = &'a Survey>,
+    reference: Option<&'a Reference>,
+) -> Result<RunFolder, OutputError> {
+    let reference = reference.map(Reference::path);
+    refuse(files_of(surveys).chain(reference), folder)?;
+    if has_foreign_manifest(folder) {
+        return Err(format!(
+            "the folder holds a {MANIFEST} of something else; choose another folder: {}",
+            folder.display()
+        )
+        .into());
+    }
+    RunFolder::begin(folder)
+}
+
+fn refuse<'a>(
+    mut inputs: impl Iterator<Item = &'a Path>,
+    folder: &Path,
+) -> Result<(), OutputError> {
+    let at_risk = |input: &&Path| {
+        let stem = input.file_stem().unwrap_or_default().to_string_lossy();
+        // The ending of `cloud.copc.laz` has two parts.
+        let stem = stem.strip_suffix(".copc").unwrap_or(&stem);
+        // On top lie the files of a version without subfolders, which a run takes away.
+        let name = input.file_name().unwrap_or_default();
+        let is_name = |row: &OutputFile| row.name.eq_ignore_ascii_case(&name.to_string_lossy());
+        let is_on_top = is_stem_of_output(stem) || OUTPUT_FILES.iter().any(is_name);
+        let folders = folders_of(stem).chain(is_on_top.then_some(""));
+        let mut there = folders.map(|of| folder.join(of).join(name));
+        there.any(|there| is_same_file(&there, input))
+    };
+    match inputs.find(at_risk) {
+        Some(input) => Err(format!(
+            "a product might be written over this input; choose another folder, or rename it: {}",
+            input.display()
+        )
+        .into()),
+        None => Ok(()),
+    }
+}

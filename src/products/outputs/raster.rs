@@ -1,0 +1,20 @@
+//! Where a raster lies.
+
+use crate::bottom::bathymetry::Grid;
+use crate::formats::geotiff::{Cells, RasterSpec};
+use crate::support::geo::MapPlane;
+
+/// A raster over the cells of a grid in the plane of a map; of nothing yet, which whoever writes it says.
+pub fn over(grid: &Grid, map: &MapPlane) -> RasterSpec {
+    RasterSpec {
+        columns: grid.columns,
+        rows: grid.rows,
+        west: map.in_crs([grid.west_m, 0.0])[0],
+        north: map.in_crs([0.0, grid.north_m])[1],
+        cell: map.in_crs([grid.cell_m; 2]),
+        crs: map.crs.clone(),
+        cells: Cells::Metres,
+        band: None,
+        description: String::new(),
+    }
+}

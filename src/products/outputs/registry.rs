@@ -1,0 +1,523 @@
+//! Every file of a run, one row each. The help of `--products`, what is refused to be written over, what an earlier run has left, what
+//! is out of date and the list in `report.html` follow from these rows. `kinds` has what rows of a kind share.
+
+mod kinds;
+
+use super::manifest::FileContent;
+use super::results::{Need, Results};
+use super::write::Run;
+use super::{
+    Product, clouds, comparison, depth, detections, geopackage, mosaic, page, residuals, targets,
+    track,
+};
+use crate::products::outputs::OutputError;
+use kinds::{
+    CLASSED_POINTS, KEPT_POINTS, LAS_POINTS, NOT_OF_BODY, NOT_OF_CLOUD, NOT_OF_DEPTHS,
+    NOT_OF_MOSAIC, NOT_OF_POINTS, boxes, cloud, compared, contours, described, footprint,
+    map_tiles, raster, row, target_file, track_file,
+};
+use std::collections::BTreeSet;
+use std::path::Path;
+
+/// A file of a run.
+#[derive(Debug)]
+pub struct OutputFile {
+    /// Its name behind the subfolder that it lies in: `depth/depth.tif`; that of a folder for the pictures of boxes.
+    pub name: &'static str,
+    /// Files that are written with it and belong to it, named likewise.
+    pub companions: &'static [&'static str],
+    /// Who asks for it.
+    pub when: When,
+    /// Without these it is not written; the first that is missing is why.
+    pub needs: &'static [Need],
+    /// Settings, by their first word, that have nothing to do with it. It depends on all others.
+    pub regardless_of: &'static [&'static str],
+    /// What it is, for people who do not know it, in a few words.
+    pub brief: &'static str,
+    /// What the manifest says of it; `None` of a page, of records and of pictures.
+    pub described: Option<Described>,
+    /// What writes it.
+    pub(super) writer: Writer,
+}
+
+/// What the manifest says of a file, whatever it holds.
+#[derive(Clone, Copy, Debug)]
+pub struct Described {
+    /// What it is, in a sentence without its full stop.
+    pub what: &'static str,
+    /// What is counted: `points`.
+    pub counted: &'static str,
+    /// What is measured, with its unit: `depth_m`; empty where nothing is.
+    pub measured: &'static str,
+}
+
+/// Who asks for a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum When {
+    /// Every run writes it.
+    Always,
+    /// It belongs to a group that is chosen.
+    Chosen(Product),
+    /// A run that compares with a reference writes it.
+    Compared,
+    /// A run that searches for objects writes it.
+    Searched,
+}
+
+/// What writes a file.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Writer {
+    /// From the results of the survey.
+    Results(fn(&Results<'_>, &Path) -> Result<FileContent, OutputError>),
+    /// From the run, when all other files are there.
+    Run(fn(&mut Run<'_>, &Path) -> Result<(), OutputError>),
+}
+
+impl OutputFile {
+    /// Whether a file of a run is this one, or another that belongs to it.
+    pub fn owns(&self, name: &str) -> bool {
+        let in_folder = || name.strip_prefix(self.name)?.strip_prefix('/');
+        name == self.name || self.companions.contains(&name) || in_folder().is_some()
+    }
+
+    /// Whether a version that wrote all files beside each other, with a record `NAME.json` of each, wrote this one under such a name.
+    pub(super) fn owned_beside(&self, name: &str) -> bool {
+        let own = file_part(self.name);
+        let in_folder = || name.strip_prefix(own)?.strip_prefix('/');
+        let mut companions = self.companions.iter().map(|one| file_part(one));
+        let record = || self.described.and(name.strip_suffix(".json")) == Some(own);
+        name == own || companions.any(|one| one == name) || record() || in_folder().is_some()
+    }
+
+    /// Whether a setting that begins with one of these words has to do with it.
+    pub fn depends_on(&self, words: &BTreeSet<String>) -> bool {
+        let regardless = |word: &String| self.regardless_of.contains(&word.as_str());
+        words.iter().any(|word| !regardless(word))
+    }
+
+    /// The subfolder that it lies in; nothing for what lies on top.
+    pub fn folder(&self) -> &'static str {
+        self.name.rsplit_once('/').map_or("", |(folder, _)| folder)
+    }
+
+    /// Its name without the subfolder.
+    pub fn file_name(&self) -> &'static str {
+        file_part(self.name)
+    }
+
+    /// Its name without subfolder and ending.
+    pub fn stem(&self) -> &'static str {
+        let name = self.file_name();
+        name.split('.').next().unwrap_or(name)
+    }
+}
+
+/// What of a name comes behind its folders.
+pub(super) fn file_part(name: &str) -> &str {
+    name.rsplit('/').next().unwrap_or(name)
+}
+
+/// The row that a file of a run belongs to.
+pub fn row_of(name: &str) -> Option<&'static OutputFile> {
+    OUTPUT_FILES.iter().find(|row| row.owns(name))
+}
+
+/// The row that a file belongs to which a version wrote that knew no subfolders.
+pub(super) fn row_of_beside(name: &str) -> Option<&'static OutputFile> {
+    OUTPUT_FILES.iter().find(|row| row.owned_beside(name))
+}
+
+/// All files of a run, in the order of writing.
+pub const OUTPUT_FILES: [OutputFile; 48] = [
+    OutputFile {
+        regardless_of: NOT_OF_POINTS,
+        brief: "first sonar return of every ping on both sides",
+        described: described(
+            "First return on both sides, position and recorded depth of every side-scan ping",
+            "pings",
+            "depth_m",
+        ),
+        ..row(
+            "points/first_returns.csv",
+            When::Always,
+            Writer::Results(clouds::first_returns),
+        )
+    },
+    OutputFile {
+        regardless_of: NOT_OF_CLOUD,
+        brief: "all points with their classes",
+        described: described(
+            "All points with their classes; kept is 1 for those that count for the depth map",
+            "points",
+            "z_m",
+        ),
+        ..row(
+            "points/cloud.csv",
+            When::Always,
+            Writer::Results(clouds::table),
+        )
+    },
+    cloud(
+        "points/cloud.copc.laz",
+        LAS_POINTS,
+        "all points with their classes for GIS and point cloud programs (COPC, which is LAZ)",
+        Writer::Results(clouds::copc),
+    ),
+    OutputFile {
+        needs: &[Need::PlainLas, Need::KeptPoints],
+        ..cloud(
+            "points/cloud.las",
+            LAS_POINTS,
+            "the same as plain LAS, where the settings ask for it",
+            Writer::Results(clouds::las),
+        )
+    },
+    cloud(
+        "points/cloud.ply",
+        CLASSED_POINTS,
+        "all points with their classes for 3D viewers",
+        Writer::Results(clouds::ply),
+    ),
+    cloud(
+        "points/cloud.xyz",
+        KEPT_POINTS,
+        "the points that count for the depth map as plain text",
+        Writer::Results(clouds::xyz),
+    ),
+    track_file("track/track.gpx", "points", Writer::Results(track::gpx)),
+    track_file(
+        "track/track.geojson",
+        "lines",
+        Writer::Results(track::geojson),
+    ),
+    track_file("track/track.kmz", "lines", Writer::Results(track::kmz)),
+    OutputFile {
+        companions: &[
+            "track/track.shx",
+            "track/track.dbf",
+            "track/track.prj",
+            "track/track.cpg",
+        ],
+        ..track_file(
+            "track/track.shp",
+            "lines",
+            Writer::Results(track::shapefile),
+        )
+    },
+    footprint(
+        "track/footprint.geojson",
+        Writer::Results(track::footprint_geojson),
+    ),
+    footprint("track/footprint.kmz", Writer::Results(track::footprint_kmz)),
+    raster(
+        "depth/depth.tif",
+        &["depth/depth.qml"],
+        "Depth in metres, positive down",
+        "depth_m",
+        "depth map, metres",
+        Writer::Results(depth::rasters::depth),
+    ),
+    raster(
+        "depth/uncertainty.tif",
+        &["depth/uncertainty.qml"],
+        "Standard deviation in metres of the depths that carry a cell",
+        "standard_deviation_m",
+        "standard deviation of the depths in a cell, metres",
+        Writer::Results(depth::rasters::uncertainty),
+    ),
+    raster(
+        "depth/shoalest.tif",
+        &["depth/shoalest.qml"],
+        "Shoalest depth in metres that was measured in a cell, positive down",
+        "depth_m",
+        "shoalest depth measured in each cell, metres",
+        Writer::Results(depth::rasters::shoalest),
+    ),
+    raster(
+        "depth/distance.tif",
+        &["depth/distance.qml"],
+        "Distance in metres from a cell to the nearest depth",
+        "distance_m",
+        "distance to the nearest depth, metres",
+        Writer::Results(depth::rasters::distance),
+    ),
+    raster(
+        "depth/source.tif",
+        &["depth/source.qml"],
+        "Source of the depth in each cell: 4 a sounding, 3 a first return, 2 echo levels, 1 interpolated",
+        "class",
+        "source of the depth in each cell",
+        Writer::Results(depth::rasters::source),
+    ),
+    OutputFile {
+        needs: &[Need::Surface, Need::Hardness],
+        ..raster(
+            "depth/hardness.tif",
+            &["depth/hardness.qml"],
+            "How much brighter the bed is than the median of the map, decibels of power, without slope, angle, range and gain",
+            "hardness_db",
+            "how hard the bed is, decibels (with surface.swath)",
+            Writer::Results(depth::rasters::hardness),
+        )
+    },
+    OutputFile {
+        when: When::Chosen(Product::Xyz),
+        ..raster(
+            "depth/depth.xyz",
+            &[],
+            "East, north and depth in metres, positive down, of every cell of the depth map that has one",
+            "depth_m",
+            "cells of the depth map as plain text",
+            Writer::Results(depth::cells::write),
+        )
+    },
+    OutputFile {
+        when: When::Chosen(Product::Bottom),
+        regardless_of: NOT_OF_BODY,
+        ..raster(
+            "depth/bottom.glb",
+            &[],
+            "The depth map as a mesh with its colours and the mosaic as pictures (glTF 2.0: y up, metres)",
+            "depth_m",
+            "the bottom for 3D programs",
+            Writer::Results(depth::body::write),
+        )
+    },
+    OutputFile {
+        when: When::Chosen(Product::Bottom),
+        ..raster(
+            "depth/bottom.copc.laz",
+            &[],
+            "The cells of the depth map as points: z is minus the depth, source as in source.tif; what nothing measured is marked synthetic",
+            "z_m",
+            "cells of the depth map as points, with the source of each depth",
+            Writer::Results(depth::cells::points),
+        )
+    },
+    contours(
+        "isobaths/isobaths.geojson",
+        "Lines of equal depth",
+        "lines",
+        "lines of equal depth",
+        Writer::Results(depth::contours::isobaths_geojson),
+    ),
+    OutputFile {
+        needs: &[Need::Surface, Need::Levels, Need::Isobaths],
+        ..contours(
+            "isobaths/isobaths.kmz",
+            "Lines of equal depth",
+            "lines",
+            "lines of equal depth",
+            Writer::Results(depth::contours::isobaths_kmz),
+        )
+    },
+    OutputFile {
+        needs: &[Need::Surface, Need::Levels, Need::Isobaths],
+        companions: &[
+            "isobaths/isobaths.shx",
+            "isobaths/isobaths.dbf",
+            "isobaths/isobaths.prj",
+            "isobaths/isobaths.cpg",
+        ],
+        ..contours(
+            "isobaths/isobaths.shp",
+            "Lines of equal depth",
+            "lines",
+            "lines of equal depth",
+            Writer::Results(depth::contours::isobaths_shapefile),
+        )
+    },
+    contours(
+        "isobaths/depth_areas.geojson",
+        "Areas between depths",
+        "areas",
+        "areas between them",
+        Writer::Results(depth::contours::depth_areas),
+    ),
+    OutputFile {
+        needs: &[Need::Surface, Need::Area],
+        ..contours(
+            "isobaths/spot_soundings.geojson",
+            "The shoalest depths of their surroundings",
+            "points",
+            "depths as a chart prints them, shoal first",
+            Writer::Results(depth::contours::spot_soundings),
+        )
+    },
+    contours(
+        "isobaths/storage.csv",
+        "Area and volume below each depth",
+        "levels",
+        "area and volume below each level",
+        Writer::Results(depth::contours::storage),
+    ),
+    map_tiles(
+        "map_tiles/depth.mbtiles",
+        "Tiles of the depth map with isobaths in Web Mercator, PNG (MBTiles 1.3)",
+        "depth map with isobaths for plotters and phones (OpenCPN, Locus)",
+        Writer::Results(depth::tiles::chart),
+    ),
+    map_tiles(
+        "map_tiles/depth.pmtiles",
+        "Tiles of the depth map in Web Mercator, PNG (PMTiles 3)",
+        "depth map for web maps",
+        Writer::Results(depth::tiles::colours),
+    ),
+    map_tiles(
+        "map_tiles/depth_values.pmtiles",
+        "Elevations, minus the depths, in Web Mercator as colours of PNG (PMTiles 3): red * 256 + green + blue / 256 - 32768 metres (Terrarium)",
+        "depths for web maps, as colours that stand for metres",
+        Writer::Results(depth::tiles::values),
+    ),
+    OutputFile {
+        described: None,
+        ..map_tiles(
+            "map_tiles/index.html",
+            "",
+            "the depth map as a page for browsers, to look at and to send",
+            Writer::Results(depth::tiles::page),
+        )
+    },
+    OutputFile {
+        needs: &[Need::Agreement],
+        regardless_of: NOT_OF_DEPTHS,
+        brief: "agreement of depths, all statistics",
+        described: described(
+            "Side-scan points against the soundings of the survey, and crossing tracks",
+            "comparisons",
+            "",
+        ),
+        ..row(
+            "quality/residuals.json",
+            When::Chosen(Product::Residuals),
+            Writer::Results(residuals::write),
+        )
+    },
+    OutputFile {
+        needs: &[Need::SideScan, Need::Mosaic],
+        regardless_of: NOT_OF_MOSAIC,
+        brief: "side-scan mosaic",
+        described: described(
+            "Side-scan mosaic: echoes at their place on the ground, transparent where nothing was insonified",
+            "cells",
+            "",
+        ),
+        ..row(
+            "mosaic/mosaic.tif",
+            When::Chosen(Product::Mosaic),
+            Writer::Results(mosaic::write),
+        )
+    },
+    compared(
+        "quality/comparison.json",
+        "The survey against a reference",
+        "",
+        Writer::Results(comparison::json),
+    ),
+    compared(
+        "quality/comparison.csv",
+        "Points of the survey with the elevation of the reference there; measured minus reference, positive is shallower",
+        "difference_m",
+        Writer::Results(comparison::csv),
+    ),
+    target_file(
+        "objects/targets.csv",
+        "boxes",
+        Writer::Results(targets::csv),
+    ),
+    target_file(
+        "objects/targets.geojson",
+        "boxes",
+        Writer::Results(targets::geojson),
+    ),
+    target_file(
+        "objects/targets.gpx",
+        "objects",
+        Writer::Results(targets::gpx),
+    ),
+    target_file(
+        "objects/targets.kml",
+        "objects",
+        Writer::Results(targets::kml),
+    ),
+    boxes(
+        "objects/detections.csv",
+        "objects with place and size",
+        Writer::Results(detections::csv),
+    ),
+    boxes(
+        "objects/detections.geojson",
+        "objects with place and size",
+        Writer::Results(detections::geojson),
+    ),
+    OutputFile {
+        described: described(
+            "Objects that the detector proposes, not reviewed",
+            "objects",
+            "",
+        ),
+        ..boxes(
+            "objects/detections.gpx",
+            "objects for maps and plotters",
+            Writer::Results(detections::gpx),
+        )
+    },
+    OutputFile {
+        described: described(
+            "Solids that the detector's objects are like, fitted to echo and shadow: inferred, not measured",
+            "objects",
+            "z_m",
+        ),
+        ..boxes(
+            "objects/shapes.ply",
+            "shapes of objects for 3D programs",
+            Writer::Results(detections::shapes),
+        )
+    },
+    OutputFile {
+        described: None,
+        ..boxes(
+            "objects/chips",
+            "folder: a picture of each object",
+            Writer::Results(detections::chips),
+        )
+    },
+    OutputFile {
+        needs: &[Need::Track],
+        brief: "all lines, areas and objects in one file, with styles for QGIS",
+        described: described(
+            "Track, footprint, isobaths, depth areas and objects, a layer each, with styles for QGIS",
+            "features",
+            "",
+        ),
+        ..row(
+            "survey.gpkg",
+            When::Chosen(Product::Geopackage),
+            Writer::Results(geopackage::write),
+        )
+    },
+    OutputFile {
+        brief: "the report to read and to print",
+        ..row(
+            "report.html",
+            When::Chosen(Product::Report),
+            Writer::Run(page::write),
+        )
+    },
+    OutputFile {
+        brief: "the report for programs: inputs, settings, counts, statistics",
+        ..row(
+            "report.json",
+            When::Always,
+            Writer::Run(super::write::report_json),
+        )
+    },
+    OutputFile {
+        brief: "list of all files: what each is, coordinate system, extent, count, SHA-256",
+        ..row(
+            super::MANIFEST,
+            When::Always,
+            Writer::Run(super::write::manifest),
+        )
+    },
+];

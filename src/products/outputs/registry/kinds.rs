@@ -1,0 +1,195 @@
+//! Rows of files of a kind: the columns that they share.
+
+use super::{Described, OutputFile, When, Writer};
+use crate::products::outputs::Product;
+use crate::products::outputs::results::Need;
+
+/// What no table of pings depends on.
+pub(super) const NOT_OF_POINTS: &[&str] = &["detector", "isobaths", "mosaic", "review", "surface"];
+/// What no cloud depends on: above which bottom a point lies is a setting of the surface.
+pub(super) const NOT_OF_CLOUD: &[&str] = NOT_OF_DEPTHS;
+const NOT_OF_TRACK: &[&str] = &[
+    "calibration",
+    "cloud",
+    "detector",
+    "draft_m",
+    "height_offset_m",
+    "first_return",
+    "image",
+    "isobaths",
+    "mosaic",
+    "outliers",
+    "review",
+    "sound_speed",
+    "surface",
+    "water_level",
+];
+const NOT_OF_FOOTPRINT: &[&str] = &["detector", "isobaths", "review"];
+pub(super) const NOT_OF_DEPTHS: &[&str] = &["detector", "isobaths", "mosaic", "review"];
+pub(super) const NOT_OF_BODY: &[&str] = &["detector", "isobaths", "review"];
+const NOT_OF_ISOBATHS: &[&str] = &["detector", "mosaic", "review"];
+// Echoes and boxes lie on the bottom that the points tell.
+pub(super) const NOT_OF_MOSAIC: &[&str] = &["detector", "isobaths", "review"];
+const NOT_OF_BOXES: &[&str] = &["crs", "isobaths", "mosaic", "review"];
+
+const TRACK: &str = "The boat's track, thinned to half a metre, broken where the log paused";
+const FOOTPRINT: &str = "The ground that the side-scan insonified, without turns";
+pub(super) const KEPT_POINTS: &str =
+    "The points that count for the depth map; z is elevation above the transducer";
+pub(super) const CLASSED_POINTS: &str =
+    "All points with their classes; z is elevation above the transducer";
+pub(super) const LAS_POINTS: &str = "All points with their classes; z is elevation above the transducer, intensity the echo level of the first return times 257";
+const TARGETS: &str = "Targets that an analyst accepted, drew or marked";
+const BOXES: &str = "Boxes that the detector proposes, not reviewed";
+
+/// A row with the columns that most rows share.
+pub(super) const fn row(name: &'static str, when: When, writer: Writer) -> OutputFile {
+    OutputFile {
+        name,
+        companions: &[],
+        when,
+        needs: &[],
+        regardless_of: &[],
+        brief: "",
+        described: None,
+        writer,
+    }
+}
+
+pub(super) const fn described(
+    what: &'static str,
+    counted: &'static str,
+    measured: &'static str,
+) -> Option<Described> {
+    Some(Described {
+        what,
+        counted,
+        measured,
+    })
+}
+
+pub(super) const fn cloud(
+    name: &'static str,
+    what: &'static str,
+    brief: &'static str,
+    writer: Writer,
+) -> OutputFile {
+    OutputFile {
+        needs: &[Need::KeptPoints],
+        regardless_of: NOT_OF_CLOUD,
+        brief,
+        described: described(what, "points", "z_m"),
+        ..row(name, When::Chosen(Product::Cloud), writer)
+    }
+}
+
+pub(super) const fn track_file(
+    name: &'static str,
+    counted: &'static str,
+    writer: Writer,
+) -> OutputFile {
+    OutputFile {
+        needs: &[Need::Track],
+        regardless_of: NOT_OF_TRACK,
+        brief: "way of the boat",
+        described: described(TRACK, counted, ""),
+        ..row(name, When::Chosen(Product::Track), writer)
+    }
+}
+
+pub(super) const fn footprint(name: &'static str, writer: Writer) -> OutputFile {
+    OutputFile {
+        needs: &[Need::Track, Need::Footprint],
+        regardless_of: NOT_OF_FOOTPRINT,
+        brief: "ground that the side-scan covers",
+        described: described(FOOTPRINT, "areas", "area_m2"),
+        ..row(name, When::Chosen(Product::Track), writer)
+    }
+}
+
+pub(super) const fn raster(
+    name: &'static str,
+    companions: &'static [&'static str],
+    what: &'static str,
+    measured: &'static str,
+    brief: &'static str,
+    writer: Writer,
+) -> OutputFile {
+    OutputFile {
+        companions,
+        needs: &[Need::Surface],
+        regardless_of: NOT_OF_DEPTHS,
+        brief,
+        described: described(what, "cells", measured),
+        ..row(name, When::Chosen(Product::Depth), writer)
+    }
+}
+
+pub(super) const fn contours(
+    name: &'static str,
+    what: &'static str,
+    counted: &'static str,
+    brief: &'static str,
+    writer: Writer,
+) -> OutputFile {
+    OutputFile {
+        needs: &[Need::Surface, Need::Levels],
+        regardless_of: NOT_OF_ISOBATHS,
+        brief,
+        described: described(what, counted, "depth_m"),
+        ..row(name, When::Chosen(Product::Isobaths), writer)
+    }
+}
+
+pub(super) const fn map_tiles(
+    name: &'static str,
+    what: &'static str,
+    brief: &'static str,
+    writer: Writer,
+) -> OutputFile {
+    OutputFile {
+        needs: &[Need::Surface],
+        regardless_of: NOT_OF_ISOBATHS,
+        brief,
+        described: described(what, "tiles", "depth_m"),
+        ..row(name, When::Chosen(Product::MapTiles), writer)
+    }
+}
+
+pub(super) const fn compared(
+    name: &'static str,
+    what: &'static str,
+    measured: &'static str,
+    writer: Writer,
+) -> OutputFile {
+    OutputFile {
+        needs: &[Need::Reference],
+        regardless_of: NOT_OF_DEPTHS,
+        brief: "agreement of depths with the reference",
+        described: described(what, "points", measured),
+        ..row(name, When::Compared, writer)
+    }
+}
+
+pub(super) const fn target_file(
+    name: &'static str,
+    counted: &'static str,
+    writer: Writer,
+) -> OutputFile {
+    OutputFile {
+        needs: &[Need::Targets],
+        regardless_of: NOT_OF_BOXES,
+        brief: "reviewed targets for maps and plotters",
+        described: described(TARGETS, counted, ""),
+        ..row(name, When::Chosen(Product::Targets), writer)
+    }
+}
+
+pub(super) const fn boxes(name: &'static str, brief: &'static str, writer: Writer) -> OutputFile {
+    OutputFile {
+        regardless_of: NOT_OF_BOXES,
+        brief,
+        described: described(BOXES, "boxes", ""),
+        ..row(name, When::Searched, writer)
+    }
+}

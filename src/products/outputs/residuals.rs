@@ -1,0 +1,102 @@
+//! `residuals.json`: side-scan points against the soundings of the survey, the tracks against themselves and each other.
+
+use super::manifest::{Coordinates, FileContent, write_json};
+use super::results::Results;
+use crate::pipeline::{
+    Agreement, Choice, Crosslines, NamedComparison, ProcessedLog, ResidualTables, Settings,
+    choices, comparisons, crosslines,
+};
+use crate::products::export::Summary;
+use crate::products::outputs::OutputError;
+use serde::Serialize;
+use std::path::Path;
+use std::slice;
+
+#[derive(Serialize)]
+struct Record<'a> {
+    program: String,
+    sign: &'static str,
+    statement: String,
+    comparisons: &'a [NamedComparison],
+    side_scan: Option<ResidualTables>,
+    /// Of one log.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    choices: Option<Vec<Choice>>,
+    crossline_analysis: Option<&'a Crosslines>,
+    /// Each of several logs by itself.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    logs: Vec<LogRecord>,
+    settings: &'a Settings,
+}
+
+/// A log held against its own soundings and its own track.
+#[derive(Serialize)]
+struct LogRecord {
+    log: String,
+    statement: String,
+    comparisons: Vec<NamedComparison>,
+    side_scan: Option<ResidualTables>,
+    choices: Vec<Choice>,
+    crossline_analysis: Option<Crosslines>,
+}
+
+const SIGN: &str = "measured minus reference elevation, metres; positive is shallower";
+const STATEMENT: &str = "Soundings and first returns of one log share transducer, position and sound speed: this is agreement \
+     within one instrument, not accuracy against a reference.";
+const STATEMENT_OF_LOGS: &str = "Points of all logs are held against the soundings of all of them: what the heights of the logs differ by \
+     is in it. Each log against its own soundings stands under `logs`.";
+
+/// Writes `residuals.json`: how side-scan agrees with soundings, what that hangs on, and what other choices of geometry and calibration
+/// make of it; the crossings of the tracks. Of several logs all together, and each by itself.
+pub fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    let (logs, products, progress) = (results.order.logs, results.products, results.progress);
+    let side_scan = Agreement::with_soundings(logs, progress)?;
+    let comparisons = results.comparisons()?;
+    let (statement, choices, each) = match logs {
+        [log] => {
+            let statement = format!("{} {STATEMENT}", products.correction.statement());
+            let choices = choices(&log.survey, products, progress)?;
+            (statement, Some(choices), Vec::new())
+        }
+        logs => {
+            let each = logs.iter().zip(&results.names);
+            let each = each.map(|(log, name)| log_record(results, log, name));
+            let statement = format!("{STATEMENT} {STATEMENT_OF_LOGS}");
+            (statement, None, each.collect::<Result<_, OutputError>>()?)
+        }
+    };
+    let record = Record {
+        program: format!("bathyscope {}", env!("CARGO_PKG_VERSION")),
+        sign: SIGN,
+        statement,
+        comparisons,
+        side_scan: side_scan.map(|found| found.tables),
+        choices,
+        crossline_analysis: results.crossings()?,
+        logs: each,
+        settings: &products.settings,
+    };
+    write_json(path, &record)?;
+    let summary = Summary {
+        count: comparisons.len(),
+        ..Summary::default()
+    };
+    Ok(FileContent::new(Coordinates::None, summary))
+}
+
+fn log_record(
+    results: &Results<'_>,
+    log: &ProcessedLog,
+    name: &str,
+) -> Result<LogRecord, OutputError> {
+    let (alone, map, progress) = (slice::from_ref(log), &results.plane.map, results.progress);
+    let side_scan = Agreement::with_soundings(alone, progress)?;
+    Ok(LogRecord {
+        log: name.to_owned(),
+        statement: log.products.correction.statement(),
+        comparisons: comparisons(alone, map, progress)?,
+        side_scan: side_scan.map(|found| found.tables),
+        choices: choices(&log.survey, &log.products, progress)?,
+        crossline_analysis: crosslines(alone, &[], progress)?,
+    })
+}

@@ -1,0 +1,451 @@
+//! What the files of a run are made from: each is computed once, when the first file asks for it.
+
+use super::Product;
+use super::depth::tiles::MapTiles;
+use super::logs::{log_names, log_points, survey_name};
+use super::mosaic::grid;
+use super::objects::{ObjectRows, Shapes, is_left_out};
+use super::registry::When;
+use super::track::Ground;
+use super::write::Order;
+use crate::bottom::bathymetry::{DepthPoint, FromLevels, Surface, spot_radius_m, spot_soundings};
+use crate::detection::{Detection, find};
+use crate::imagery::mosaic::{Layout, footprint};
+use crate::pipeline::{
+    Agreement, Bottom, BottomColour, Contours, Crosslines, DepthMap, Input, Isobaths, Mosaic,
+    MosaicPlane, NamedComparison, Plane, ProcessedLog, Products, comparisons, crosslines,
+    mosaic_layout,
+};
+use crate::products::export::{self, LogPoints, ObjectLog, TrackPiece};
+use crate::products::outputs::OutputError;
+use crate::support::geo::LonLat;
+use crate::support::progress::Progress;
+use crate::survey::Survey;
+use std::path::Path;
+use std::sync::{Arc, OnceLock};
+
+/// What a file cannot be made without.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Need {
+    /// A point that the outlier filter keeps.
+    KeptPoints,
+    /// `points.las`.
+    PlainLas,
+    /// A boat that moves, with positions.
+    Track,
+    /// Ground that the side-scan covers.
+    Footprint,
+    /// Depths that span a surface.
+    Surface,
+    /// Depths from echo levels, which tell how bright the bed is.
+    Hardness,
+    /// Levels for isobaths that are not too many.
+    Levels,
+    /// A line of equal depth.
+    Isobaths,
+    /// The area that isobaths end at, where one is named: their own files say what is wrong with it.
+    Area,
+    /// Side-scan points over soundings, or a track that crosses itself.
+    Agreement,
+    /// Side-scan.
+    SideScan,
+    /// Side-scan with a place, in a map of a size that can be drawn.
+    Mosaic,
+    /// A box that an analyst accepted or added.
+    Targets,
+    /// What the depths are compared with besides.
+    Reference,
+}
+
+/// Why a file cannot be made, in a sentence; `None` where nobody needs to be told.
+pub(super) struct Missing(pub Option<String>);
+
+/// The results of a survey that its files are made from.
+pub(super) struct Results<'a> {
+    pub order: &'a Order<'a>,
+    pub survey: &'a Survey,
+    pub products: &'a Products,
+    pub plane: Plane<'a>,
+    /// What each log is called.
+    pub names: Vec<String>,
+    pub progress: &'a Progress,
+    track: OnceLock<Vec<TrackPiece>>,
+    ground: OnceLock<Ground>,
+    depth_map: OnceLock<Option<Arc<DepthMap>>>,
+    contours: OnceLock<Result<Contours, String>>,
+    map_tiles: OnceLock<MapTiles>,
+    spot_soundings: OnceLock<Vec<DepthPoint>>,
+    comparisons: OnceLock<Vec<NamedComparison>>,
+    crossings: OnceLock<Option<Crosslines>>,
+    agreement: OnceLock<Option<Agreement>>,
+    reference_inputs: OnceLock<Vec<Input>>,
+    found: OnceLock<Vec<Vec<Detection>>>,
+    found_shapes: OnceLock<Shapes>,
+}
+
+/// What is in the cell, made when it is empty.
+fn once<T>(
+    cell: &OnceLock<T>,
+    make: impl FnOnce() -> Result<T, OutputError>,
+) -> Result<&T, OutputError> {
+    if let Some(made) = cell.get() {
+        return Ok(made);
+    }
+    let made = make()?;
+    Ok(cell.get_or_init(|| made))
+}
+
+impl<'a> Results<'a> {
+    /// Of what is ordered; nothing is computed yet.
+    ///
+    /// # Errors
+    /// A sentence when there is no log, or the system that `crs` names does not fit the first.
+    pub fn new(order: &'a Order<'a>, progress: &'a Progress) -> Result<Self, OutputError> {
+        let Some(ProcessedLog { survey, products }) = order.logs.first() else {
+            return Err("there is no log whose files could be written".into());
+        };
+        Ok(Self {
+            order,
+            survey,
+            products,
+            plane: Plane::of(survey, products)?,
+            names: log_names(order.logs),
+            progress,
+            track: OnceLock::new(),
+            ground: OnceLock::new(),
+            depth_map: OnceLock::new(),
+            contours: OnceLock::new(),
+            map_tiles: OnceLock::new(),
+            spot_soundings: OnceLock::new(),
+            comparisons: OnceLock::new(),
+            crossings: OnceLock::new(),
+            agreement: OnceLock::new(),
+            reference_inputs: OnceLock::new(),
+            found: OnceLock::new(),
+            found_shapes: OnceLock::new(),
+        })
+    }
+
+    /// Lets go of what only the files of one group are made from: it may be large. A file with all lines and areas needs it again.
+    pub fn end_group(&mut self) {
+        if self.order.asks_for(When::Chosen(Product::Geopackage)) {
+            return;
+        }
+        self.track.take();
+        self.ground.take();
+        self.contours.take();
+        self.map_tiles.take();
+        self.spot_soundings.take();
+    }
+
+    /// Whether something is missing, and why.
+    pub fn missing(&self, need: Need) -> Result<Option<Missing>, OutputError> {
+        let told = |why: &str| Some(Missing(Some(why.to_owned())));
+        let silent = || Some(Missing(None));
+        Ok(match need {
+            Need::KeptPoints
+                if self
+                    .logs()
+                    .any(|(_, made)| made.kept_points().next().is_some()) =>
+            {
+                None
+            }
+            Need::KeptPoints => told(no_cloud(self.products)),
+            Need::PlainLas if !self.products.settings.points.las => silent(),
+            Need::Track if self.track().is_empty() => {
+                told(match self.logs().any(|(survey, _)| survey.has_place()) {
+                    true => "no track: the boat lay still",
+                    false => "no track: the log has no position",
+                })
+            }
+            Need::Footprint if self.ground()?.shapes.is_empty() && self.has_side_scan() => {
+                told("no footprint: no ping has side-scan, a place, a heading and an altitude")
+            }
+            Need::Footprint if self.ground()?.shapes.is_empty() => silent(),
+            Need::Surface if self.surface()?.is_none() => told(
+                "no depth map: the depths span no surface (a single straight line, or none near another within surface.max_gap_m)",
+            ),
+            Need::Hardness if self.surface()?.is_none_or(|one| one.hardness_db.is_none()) => {
+                silent()
+            }
+            Need::Levels => match self.contours()? {
+                Err(why) => told(why),
+                Ok(_) => None,
+            },
+            Need::Isobaths => match self.contours()? {
+                Ok(contours) if !contours.isobaths.lines.is_empty() => None,
+                _ => silent(),
+            },
+            Need::Area => match self.depth_map()? {
+                Some(map) if map.clip_area(&self.products.settings.isobaths).is_err() => silent(),
+                _ => None,
+            },
+            Need::Agreement if self.comparisons()?.is_empty() && self.crossings()?.is_none() => {
+                // Of logs without soundings or without side-scan it is said that they have none.
+                match self.has_side_scan() && self.has_soundings() {
+                    true => told(
+                        "no residuals: there are no side-scan points near a sounding, and no track crosses itself or another",
+                    ),
+                    false => silent(),
+                }
+            }
+            Need::SideScan if !self.has_side_scan() => silent(),
+            Need::Mosaic => match grid(self)? {
+                Err(why) => told(&why),
+                Ok(_) => None,
+            },
+            Need::Targets if !self.has_targets() => silent(),
+            Need::Reference if self.order.reference.is_none() => silent(),
+            Need::PlainLas
+            | Need::Track
+            | Need::Footprint
+            | Need::Surface
+            | Need::Hardness
+            | Need::Agreement
+            | Need::SideScan
+            | Need::Targets
+            | Need::Reference => None,
+        })
+    }
+
+    /// Longitude and latitude of a place on the map.
+    pub fn to_lon_lat(&self, place: [f64; 2]) -> LonLat {
+        self.plane.to_lon_lat(place)
+    }
+
+    /// The logs of the survey, one or several, with their results.
+    pub fn logs(&self) -> impl Iterator<Item = (&'a Survey, &'a Products)> {
+        let logs = self.order.logs.iter();
+        logs.map(|log| (log.survey.as_ref(), &log.products))
+    }
+
+    /// What the tables and clouds of points are written from.
+    pub fn log_points(&self) -> Vec<LogPoints<'_>> {
+        log_points(self.order.logs, &self.names)
+    }
+
+    fn has_side_scan(&self) -> bool {
+        self.logs().any(|(survey, _)| survey.has_side_scan())
+    }
+
+    fn has_soundings(&self) -> bool {
+        self.logs().any(|(survey, _)| !survey.soundings.is_empty())
+    }
+
+    fn has_targets(&self) -> bool {
+        let mut boxes = (self.order.reviews.iter().flatten()).flat_map(|review| review.boxes());
+        boxes.any(|one| one.state.is_object())
+    }
+
+    /// What the survey is called: by its log, or by all of them.
+    pub fn name(&self) -> String {
+        survey_name(&self.names)
+    }
+
+    /// The way of the boat, log by log. Times of all logs are seconds after the first one's time zero, where all know when they were.
+    pub fn track(&self) -> &[TrackPiece] {
+        self.track.get_or_init(|| {
+            let pieces = self.logs().flat_map(|(survey, products)| {
+                let later_s = survey.start_unix_s.zip(self.start_unix_s());
+                let later_s = later_s.map_or(0.0, |(own_s, first_s)| own_s - first_s);
+                let mut pieces = export::track(survey, &products.navigation);
+                for point in pieces.iter_mut().flat_map(|piece| &mut piece.points) {
+                    point.time_s += later_s;
+                }
+                pieces
+            });
+            pieces.collect()
+        })
+    }
+
+    /// Unix seconds of the time zero of the first log; `None` where one of the logs does not know when it was.
+    pub fn start_unix_s(&self) -> Option<f64> {
+        let all_know = self.logs().all(|(survey, _)| survey.start_unix_s.is_some());
+        self.survey.start_unix_s.filter(|_| all_know)
+    }
+
+    /// The ground that the side-scan covers.
+    pub fn ground(&self) -> Result<&Ground, OutputError> {
+        once(&self.ground, || {
+            let map = &self.plane.map;
+            let layouts: Vec<Layout> = self
+                .logs()
+                .map(|(survey, products)| mosaic_layout(survey, products, map))
+                .collect();
+            let shapes = footprint(&layouts, self.progress)?;
+            Ok(Ground::new(shapes, map))
+        })
+    }
+
+    /// What became of depths from echo levels, if a depth map was made.
+    pub fn made_levels(&self) -> Option<FromLevels> {
+        let map = self.depth_map.get()?.as_ref()?;
+        Some(map.surface.levels)
+    }
+
+    /// The depth map; `None` where the depths span none.
+    pub fn depth_map(&self) -> Result<Option<&Arc<DepthMap>>, OutputError> {
+        let made = once(&self.depth_map, || {
+            let made = self.order.derived.depth_map(self.order.logs, self.progress);
+            made.map_err(OutputError::from)
+        });
+        made.map(Option::as_ref)
+    }
+
+    /// Its depths.
+    pub fn surface(&self) -> Result<Option<&Surface>, OutputError> {
+        Ok(self.depth_map()?.map(|depth_map| &depth_map.surface))
+    }
+
+    /// The bottom with so many corners at most; `None` where there is no depth map.
+    pub fn bottom(
+        &self,
+        colour: BottomColour,
+        most_corners: usize,
+    ) -> Result<Option<Arc<Bottom>>, OutputError> {
+        let (derived, logs) = (self.order.derived, self.order.logs);
+        let made = derived.bottom(logs, colour, most_corners, self.progress);
+        made.map_err(OutputError::from)
+    }
+
+    /// The isobaths; why there are none.
+    pub fn isobaths(&self) -> Result<Result<Arc<Isobaths>, String>, OutputError> {
+        let Some(depth_map) = self.depth_map()? else {
+            return Ok(Err("there is no depth map".to_owned()));
+        };
+        let settings = &self.products.settings.isobaths;
+        let made = (self.order.derived).isobaths(depth_map, settings, self.progress);
+        Ok(made?.map_err(|error| error.to_string()))
+    }
+
+    /// Isobaths, the areas between them and what lies below each; why there are none.
+    pub fn contours(&self) -> Result<&Result<Contours, String>, OutputError> {
+        once(&self.contours, || {
+            let (depth_map, isobaths) = (self.depth_map()?, self.isobaths()?);
+            match (depth_map, isobaths) {
+                (Some(depth_map), Ok(isobaths)) => {
+                    let made = Contours::new(depth_map, isobaths, self.progress);
+                    made.map(Ok).map_err(OutputError::from)
+                }
+                (_, Err(why)) => Ok(Err(why)),
+                (None, Ok(_)) => Ok(Err("there is no depth map".to_owned())),
+            }
+        })
+    }
+
+    /// The tiles of the depth map; on the way they take room beside a file of theirs.
+    pub fn map_tiles(&self, file: &Path) -> Result<&MapTiles, OutputError> {
+        let folder = file.parent().unwrap_or(file);
+        once(&self.map_tiles, || MapTiles::new(self, folder))
+    }
+
+    /// The depths that a chart prints, in the plane of the map; none without a depth map.
+    pub fn spot_soundings(&self) -> Result<&[DepthPoint], OutputError> {
+        let made = once(&self.spot_soundings, || {
+            let Some(depth_map) = self.depth_map()? else {
+                return Ok(Vec::new());
+            };
+            let settings = &self.products.settings.isobaths;
+            let area = depth_map.clip_area(settings);
+            let area = area.map_err(|error| error.to_string())?;
+            let mut points = depth_map.depth_points(self.progress)?;
+            if let Some(area) = area {
+                points.retain(|point| area.holds([point.east_m, point.north_m]));
+            }
+            let radius_m = spot_radius_m(settings, &points);
+            Ok(radius_m.map_or_else(Vec::new, |radius_m| spot_soundings(&points, radius_m)))
+        });
+        made.map(Vec::as_slice)
+    }
+
+    /// How side-scan agrees with the soundings, over all logs.
+    pub fn comparisons(&self) -> Result<&[NamedComparison], OutputError> {
+        let made = once(&self.comparisons, || {
+            comparisons(self.order.logs, &self.plane.map, self.progress).map_err(OutputError::from)
+        });
+        made.map(Vec::as_slice)
+    }
+
+    /// Where tracks cross themselves and each other.
+    pub fn crossings(&self) -> Result<Option<&Crosslines>, OutputError> {
+        let made = once(&self.crossings, || {
+            crosslines(self.order.logs, &self.names, self.progress).map_err(OutputError::from)
+        });
+        made.map(Option::as_ref)
+    }
+
+    /// The mosaic in the plane of the map; `None` where nothing is shown.
+    pub fn mosaic(&self) -> Result<Option<Arc<Mosaic>>, OutputError> {
+        let plane = MosaicPlane::Map(self.plane.map.clone());
+        let made = (self.order.derived).mosaic(self.order.logs, plane, self.progress);
+        made.map_err(OutputError::from)
+    }
+
+    /// The survey against the reference; `None` without one.
+    pub fn agreement(&self) -> Result<Option<&Agreement>, OutputError> {
+        let made = once(&self.agreement, || {
+            let Some((reference, matching)) = self.order.reference else {
+                return Ok(None);
+            };
+            let (logs, progress) = (self.order.logs, self.progress);
+            Ok(Some(Agreement::with_reference(
+                logs, reference, matching, progress,
+            )?))
+        });
+        made.map(Option::as_ref)
+    }
+
+    /// The files that the reference was read from.
+    pub fn reference_inputs(&self) -> Result<&[Input], OutputError> {
+        let made = once(&self.reference_inputs, || match self.order.reference {
+            Some((reference, _)) => Ok(reference.inputs(self.progress)?),
+            None => Ok(Vec::new()),
+        });
+        made.map(Vec::as_slice)
+    }
+
+    /// What a model finds in each log outside the stretches that are left out; `None` where none searches.
+    pub fn found(&self) -> Result<Option<&[Vec<Detection>]>, OutputError> {
+        let Some(model) = self.order.search else {
+            return Ok(None);
+        };
+        let of_log = |(survey, products): (&Survey, &Products)| {
+            if !survey.has_side_scan() {
+                return Ok(Vec::new());
+            }
+            let (navigation, settings) = (&products.navigation, &products.settings.detector);
+            let mut found = find(survey, navigation, model, settings, self.progress, |_| ())?;
+            found.retain(|one| !is_left_out(products, &one.mark));
+            Ok(found)
+        };
+        let made = once(&self.found, || self.logs().map(of_log).collect());
+        made.map(|found| Some(found.as_slice()))
+    }
+
+    /// The shapes of the objects that a search found, given in its rows.
+    pub fn found_shapes(&self, found: &ObjectRows<'_>) -> Result<&Shapes, OutputError> {
+        once(&self.found_shapes, || {
+            let made = found.find_shapes(self.order.logs, self.progress);
+            made.map_err(OutputError::from)
+        })
+    }
+
+    /// The logs as tables of boxes name them.
+    pub fn object_logs(&self) -> Vec<ObjectLog<'_>> {
+        let logs = self.names.iter().zip(self.logs());
+        logs.map(|(name, (survey, _))| ObjectLog { name, survey })
+            .collect()
+    }
+}
+
+/// Why there is no point to write.
+fn no_cloud(products: &Products) -> &'static str {
+    match products.cloud.points.is_empty() {
+        true => {
+            "no cloud: there is no point, since no first return and no recorded depth has a place and a heading"
+        }
+        false => {
+            "no cloud: no point counts as bottom (column class of points/cloud.csv); see outliers.radius_m and outliers.min_neighbors"
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! What an earlier run wrote into a folder.
+
+use super::journal::is_plain;
+use super::{EARLIER_MANIFESTS, Fingerprint};
+use crate::products::export::remove_leftovers;
+use crate::products::outputs::overwrite::is_stem_of_output;
+use crate::products::outputs::registry::{file_part, row_of, row_of_beside};
+use crate::products::outputs::{MANIFEST, OutputError};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+
+/// What the manifest of a run calls the list of its files.
+const FILES: &str = "files";
+/// The one file of a version that did not list them without a record.
+const PAGE: &str = "report.html";
+
+/// Names of files that an earlier run wrote.
+#[derive(Debug, Default)]
+pub(super) struct EarlierFiles {
+    /// Nobody has changed them since.
+    pub unchanged: Vec<String>,
+    /// These are no longer what the run wrote.
+    pub changed: Vec<String>,
+}
+
+/// The files that an earlier run wrote into a folder, as far as they `go`.
+pub(super) fn files(folder: &Path, goes: impl Fn(&str) -> bool) -> EarlierFiles {
+    let mut found = EarlierFiles::default();
+    for (_, record) in manifests(folder) {
+        match listed(&record) {
+            Some(files) => {
+                // Only these are read: what gives way to a new file may be long.
+                let going = files.into_iter().filter(|file| goes(&file.file));
+                let there = going.filter(|file| folder.join(&file.file).is_file());
+                for file in there {
+                    match file.is_unchanged(folder) {
+                        true => found.unchanged.push(file.file),
+                        false => found.changed.push(file.file),
+                    }
+                }
+            }
+            None => {
+                let page = is_our_page(folder).then(|| PAGE.to_owned());
+                let recorded = recorded(folder).into_iter().chain(page);
+                found.unchanged.extend(recorded.filter(|name| goes(name)));
+            }
+        }
+    }
+    let mut beside = beside(folder);
+    beside.retain(|name| goes(name) && !found.unchanged.contains(name));
+    found.changed.extend(beside);
+    found.changed.sort_unstable();
+    found.changed.dedup();
+    found
+}
+
+/// What lies on top under the name of a file that a version without subfolders wrote: it may be that of a run without a manifest.
+fn beside(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let files = entries.filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_file()));
+    let names = files.filter_map(|entry| entry.file_name().into_string().ok());
+    names
+        .filter(|name| row_of(name).is_none() && row_of_beside(name).is_some())
+        .collect()
+}
+
+/// Names of the manifests of the run in a folder.
+pub(super) fn manifest_names(folder: &Path) -> Vec<String> {
+    let names = manifests(folder).into_iter();
+    names.map(|(name, _)| name.to_owned()).collect()
+}
+
+/// Whether a folder has a file by the name of the manifest that is none of ours.
+pub(in crate::products::outputs) fn has_foreign_manifest(folder: &Path) -> bool {
+    folder.join(MANIFEST).exists() && read(folder, MANIFEST).is_none()
+}
+
+/// The manifests of a folder: the one of this version's runs, or else those of versions that had no other record of a run.
+fn manifests(folder: &Path) -> Vec<(&'static str, Value)> {
+    let ours = |name| read(folder, name).map(|record| (name, record));
+    match ours(MANIFEST) {
+        Some(manifest) => vec![manifest],
+        None => EARLIER_MANIFESTS.into_iter().filter_map(ours).collect(),
+    }
+}
+
+/// Writes the manifest of `folder` into `new` without the files of a group, unless it names none of them; gives back its name.
+pub(super) fn without_group(
+    folder: &Path,
+    new: &Path,
+    group: &impl Fn(&str) -> bool,
+) -> Result<Option<&'static str>, OutputError> {
+    for (manifest, mut record) in manifests(folder) {
+        let Some(files) = record.get_mut(FILES).and_then(Value::as_array_mut) else {
+            continue;
+        };
+        let before = files.len();
+        files.retain(|file| !file["file"].as_str().is_some_and(group));
+        if files.len() == before {
+            continue;
+        }
+        let text = serde_json::to_string_pretty(&record)?;
+        let path = new.join(manifest);
+        fs::write(&path, text + "\n").map_err(|error| format!("{error}: {}", path.display()))?;
+        return Ok(Some(manifest));
+    }
+    Ok(None)
+}
+
+/// Removes what killed runs of a version left that wrote each file by itself: `cloud.csv.PID.part`.
+pub(super) fn remove_parts(folder: &Path) {
+    remove_leftovers(folder, |name| {
+        let stem = name.split('.').next()?;
+        is_stem_of_output(stem).then(|| name.strip_suffix(".part"))?
+    });
+}
+
+/// A manifest of ours; somebody else's file of that name is none.
+fn read(folder: &Path, name: &str) -> Option<Value> {
+    let record: Value = serde_json::from_slice(&fs::read(folder.join(name)).ok()?).ok()?;
+    let program = record.get("program")?.as_str()?;
+    program.starts_with("bathyscope ").then_some(record)
+}
+
+fn listed(record: &Value) -> Option<Vec<Fingerprint>> {
+    let files: Vec<Fingerprint> = serde_json::from_value(record.get(FILES)?.clone()).ok()?;
+    let own = files.into_iter().filter(|file| is_plain(&file.file));
+    Some(own.collect())
+}
+
+fn is_our_page(folder: &Path) -> bool {
+    let page = fs::read_to_string(folder.join(PAGE));
+    page.is_ok_and(|page| page.contains("Made with bathyscope "))
+}
+
+/// What a version that did not list its files wrote: files with a record beside them that names them.
+fn recorded(folder: &Path) -> Vec<String> {
+    let mut names = Vec::new();
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let record = entry.file_name().to_string_lossy().into_owned();
+        let Some(product) = record.strip_suffix(".json") else {
+            continue;
+        };
+        if read(folder, &record).is_none_or(|record| record["product"] != product) {
+            continue;
+        }
+        let companions = row_of_beside(product).map_or(&[][..], |row| row.companions);
+        names.extend(companions.iter().map(|name| file_part(name).to_owned()));
+        names.extend([product.to_owned(), record]);
+    }
+    names.retain(|name| folder.join(name).is_file());
+    names
+}

@@ -1,0 +1,125 @@
+//! The track and the insonified ground, for plotters and maps.
+
+use super::manifest::{Coordinates, FileContent};
+use super::results::Results;
+use crate::bottom::bathymetry::isobaths::Polygon;
+use crate::products::export::{self, ExportError, Line, Summary, TrackPiece};
+use crate::products::outputs::OutputError;
+use crate::support::geo::MapPlane;
+use std::path::Path;
+
+/// Red, which stays legible on a map and on a picture of the earth.
+const COLOUR: [u8; 3] = [214, 39, 40];
+
+/// The ground that the side-scan covers.
+pub struct Ground {
+    /// Its outlines, in the plane of the map; empty without side-scan.
+    pub shapes: Vec<Polygon>,
+    /// Its area on the ground, square metres.
+    pub area_m2: f64,
+}
+
+impl Ground {
+    /// Of outlines in the plane of a map.
+    pub fn new(shapes: Vec<Polygon>, map: &MapPlane) -> Self {
+        // A shape without a point covers nothing that could be drawn.
+        let Some(first) = shapes
+            .first()
+            .and_then(|shape| shape.outline.first())
+            .copied()
+        else {
+            return Self {
+                shapes: Vec::new(),
+                area_m2: 0.0,
+            };
+        };
+        let on_map_m2: f64 = shapes.iter().map(|shape| shape.area_m2()).sum();
+        Self {
+            shapes,
+            area_m2: on_map_m2 / map.area_scale_at(first),
+        }
+    }
+}
+
+fn in_degrees(summary: Result<Summary, ExportError>) -> Result<FileContent, OutputError> {
+    summary
+        .map(|summary| FileContent::new(Coordinates::Degrees, summary))
+        .map_err(OutputError::from)
+}
+
+/// Writes `track.gpx`.
+pub fn gpx(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    let start_unix_s = results.start_unix_s();
+    in_degrees(export::track_gpx(
+        path,
+        &results.name(),
+        start_unix_s,
+        results.track(),
+    ))
+}
+
+/// Writes `track.geojson`.
+pub fn geojson(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    in_degrees(export::track_geojson(path, results.track()))
+}
+
+/// Writes `track.kmz`.
+pub fn kmz(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    let name = results.name();
+    in_degrees(export::lines_kmz(path, &name, &lines(results, &name)))
+}
+
+/// Writes `track.shp` with what belongs to it, in the system of the map.
+pub fn shapefile(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    let crs = &results.plane.map.crs;
+    let names = ["ping_from", "ping_to", "length_m"];
+    let lines = lines(results, &results.name());
+    export::lines_shapefile(path, crs, &names, &lines)
+        .map(|lines| FileContent::new(Coordinates::System(crs.clone()), lines))
+        .map_err(OutputError::from)
+}
+
+fn lines(results: &Results<'_>, name: &str) -> Vec<Line> {
+    let numbered = (1..).zip(results.track());
+    numbered.map(|(n, piece)| line(name, n, piece)).collect()
+}
+
+fn line(name: &str, number: usize, piece: &TrackPiece) -> Line {
+    let ping =
+        |point: Option<&export::TrackPoint>| point.map_or(f64::NAN, |point| point.ping as f64);
+    Line {
+        points: piece.points.iter().map(|point| point.position).collect(),
+        label: format!("{name} {number}"),
+        numbers: vec![
+            ping(piece.points.first()),
+            ping(piece.points.last()),
+            piece.length_m,
+        ],
+        colour: COLOUR,
+    }
+}
+
+/// Writes `footprint.geojson`.
+pub fn footprint_geojson(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    let (ground, name) = (results.ground()?, results.name());
+    let place = |at| results.to_lon_lat(at);
+    let written = export::footprint_geojson(path, &name, &ground.shapes, ground.area_m2, place);
+    with_area(ground, in_degrees(written))
+}
+
+/// Writes `footprint.kmz`.
+pub fn footprint_kmz(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    let (ground, name) = (results.ground()?, results.name());
+    let place = |at| results.to_lon_lat(at);
+    let written = export::areas_kmz(path, &name, &ground.shapes, place);
+    with_area(ground, in_degrees(written))
+}
+
+fn with_area(
+    ground: &Ground,
+    written: Result<FileContent, OutputError>,
+) -> Result<FileContent, OutputError> {
+    let mut content = written?;
+    content.summary.values = Some([ground.area_m2; 2]);
+    Ok(content)
+}

@@ -1,0 +1,154 @@
+//! What was decided about boxes as pictures with labels, for training.
+
+use crate::detection::dataset::{Boxes, Chip};
+use crate::detection::review::{Review, ReviewedTile};
+use crate::detection::{Labelled, Raster, TILE_PX, level};
+use crate::products::export::{DatasetFolder, Part, PartSummary};
+use crate::products::outputs::OutputError;
+use crate::support::progress::Progress;
+use crate::survey::{Identity, Survey};
+use serde::{Deserialize, Serialize};
+use std::fs;
+use std::path::Path;
+
+/// What the manifest says who wrote it.
+const PROGRAM: &str = "bathyscope review";
+
+/// The decided boxes of a log with what is needed to draw them.
+pub struct TrainingTiles<'a> {
+    pub survey: &'a Survey,
+    pub review: &'a Review,
+    /// The analyst's classes, in the order of their numbers in labels.
+    pub classes: &'a [String],
+    pub raster: &'a Raster,
+    pub tiles: &'a [ReviewedTile],
+    /// The part that all of the log belongs to.
+    pub part: Part,
+}
+
+/// How the pictures were made.
+#[derive(Serialize)]
+struct Manifest<'a> {
+    program: &'static str,
+    version: &'static str,
+    survey: &'a Identity,
+    pixel_m: f64,
+    tile_px: usize,
+    classes: &'a [String],
+    /// Pictures in which all was rejected.
+    hard_negatives: usize,
+    parts: [PartSummary; 3],
+}
+
+/// Identifies an earlier export of a log among other people's pictures.
+#[derive(Deserialize)]
+struct Earlier {
+    program: String,
+    survey: Identity,
+}
+
+impl TrainingTiles<'_> {
+    /// Writes the pictures with their labels; returns how many are hard negatives.
+    pub fn write(&self, root: &Path, progress: &Progress) -> Result<usize, OutputError> {
+        self.clear(root)?;
+        let (classes, places) = self.review.training_classes(self.classes);
+        let folder = DatasetFolder::new(root, &classes).map_err(OutputError::from)?;
+        let (mut all, mut hard_negatives) = (Vec::with_capacity(self.tiles.len()), 0);
+        for (number, tile) in self.tiles.iter().enumerate() {
+            progress.check()?;
+            let chip = self.chip(tile, &places);
+            hard_negatives += usize::from(chip.boxes.labels.is_empty() && tile.rejected > 0);
+            folder
+                .chip(self.part, number, &chip)
+                .map_err(OutputError::from)?;
+            folder
+                .voc(self.part, number, &chip.boxes)
+                .map_err(OutputError::from)?;
+            all.push(chip.boxes);
+            progress.advance(1);
+        }
+        let of_part = |part: Part| match part == self.part {
+            true => folder.finish(part, &all),
+            false => folder.finish(part, &[]),
+        };
+        let [train, val, test] = Part::ALL.map(of_part);
+        let manifest = Manifest {
+            program: PROGRAM,
+            version: env!("CARGO_PKG_VERSION"),
+            survey: self.review.identity(),
+            pixel_m: self.raster.pixel_m(),
+            tile_px: TILE_PX,
+            classes: &classes,
+            hard_negatives,
+            parts: [
+                train.map_err(OutputError::from)?,
+                val.map_err(OutputError::from)?,
+                test.map_err(OutputError::from)?,
+            ],
+        };
+        folder.manifest(&manifest).map_err(OutputError::from)?;
+        Ok(hard_negatives)
+    }
+
+    fn chip(&self, tile: &ReviewedTile, places: &[Option<usize>]) -> Chip {
+        let drawn = self
+            .raster
+            .tile(self.survey, tile.side, tile.row, tile.column);
+        let mut pixels = drawn.pixels;
+        level(&mut pixels);
+        let renumbered = |list: &[Labelled]| {
+            let label = |label: &Labelled| {
+                let class = places.get(label.class).copied().flatten()?;
+                Some(Labelled { class, ..*label })
+            };
+            list.iter().filter_map(label).collect()
+        };
+        Chip {
+            pixels,
+            boxes: Boxes {
+                labels: renumbered(&tile.boxes.labels),
+                ignored: renumbered(&tile.boxes.ignored),
+                outlines: Vec::new(),
+            },
+        }
+    }
+
+    /// Removes the pictures of an earlier export of this log, which may have been more; refuses a folder of other pictures.
+    fn clear(&self, root: &Path) -> Result<(), OutputError> {
+        if !fs::read_dir(root).is_ok_and(|mut entries| entries.next().is_some()) {
+            return Ok(());
+        }
+        let manifest = fs::read(root.join("manifest.json")).unwrap_or_default();
+        let is_ours = serde_json::from_slice(&manifest).is_ok_and(|earlier: Earlier| {
+            earlier.program == PROGRAM && earlier.survey.is_same_log(self.review.identity())
+        });
+        if !is_ours {
+            return Err(format!(
+                "the folder holds pictures of something else; name another one to write into: {}",
+                root.display()
+            )
+            .into());
+        }
+        for (kind, ending) in [("images", "png"), ("labels", "txt"), ("voc", "xml")] {
+            for part in Part::ALL {
+                let entries = fs::read_dir(root.join(kind).join(part.name()));
+                for entry in entries.into_iter().flatten().flatten() {
+                    let path = entry.path();
+                    if is_numbered(&path, ending) {
+                        fs::remove_file(&path).map_err(|error| {
+                            format!("cannot replace the picture: {error}: {}", path.display())
+                        })?;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Whether a file is named as those that are written: six digits.
+fn is_numbered(path: &Path, ending: &str) -> bool {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let is_number = stem.len() == 6 && stem.bytes().all(|byte| byte.is_ascii_digit());
+    is_number && path.extension().is_some_and(|is| is == ending)
+}

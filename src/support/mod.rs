@@ -1,0 +1,16 @@
+//! What every other module may use: positions and planes, colours and numbers, progress, statistics, files and texts.
+//!
+//! In: plain values. Out: plain values. It names no other module of the program.
+
+pub(crate) mod calendar;
+pub(crate) mod catch_panic;
+pub mod geo;
+pub(crate) mod outline;
+pub mod presentation;
+pub(crate) mod printable;
+pub mod progress;
+pub(crate) mod regular_file;
+pub(crate) mod sparse;
+pub(crate) mod statistics;
+pub(crate) mod system_words;
+pub(crate) mod versions;

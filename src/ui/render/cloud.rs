@@ -1,0 +1,160 @@
+//! Draws points in a pass of a [`Target`].
+
+use super::Uploader;
+use super::part::Part;
+use super::target::{PipelineParts, Target, offscreen_pipeline, uniform};
+use bytemuck::{Pod, Zeroable};
+use glam::{Mat4, Vec4};
+
+/// A point, as the shader reads it.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct PointVertex {
+    /// Metres from the cloud's origin: east, north, up.
+    pub place: [f32; 3],
+    /// sRGB and alpha (unused).
+    pub colour: [u8; 4],
+}
+
+/// The uniform block `View` of `cloud.wgsl`.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct ViewUniform {
+    clip_from_world: Mat4,
+    size_px: [f32; 2],
+    radius_px: f32,
+    nearer: f32,
+    low: Vec4,
+    high: Vec4,
+    cut: Vec4,
+}
+
+/// Points a buffer holds: 64 MB, a quarter of what every device grants.
+const POINTS_A_BUFFER: usize = 1 << 22;
+
+/// Points on the GPU.
+pub struct CloudBuffers {
+    buffers: Vec<(wgpu::Buffer, u32)>,
+}
+
+impl CloudBuffers {
+    /// Uploads the first `count` of `points`.
+    pub fn new(
+        uploader: &Uploader,
+        count: usize,
+        mut points: impl Iterator<Item = PointVertex>,
+    ) -> Self {
+        let upload = |start: usize| {
+            let held = POINTS_A_BUFFER.min(count - start);
+            let buffer =
+                uploader.buffer("points", wgpu::BufferUsages::VERTEX, held, points.by_ref());
+            (buffer, held as u32)
+        };
+        Self {
+            buffers: (0..count).step_by(POINTS_A_BUFFER).map(upload).collect(),
+        }
+    }
+}
+
+/// What to draw and from where.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CloudDraw {
+    /// Clip space from metres.
+    pub clip_from_world: Mat4,
+    /// Radius of a point, pixels.
+    pub radius_px: f32,
+    /// The first so many points are drawn.
+    pub count: usize,
+    /// By this share of their distance the points count as nearer than they are: beside a bottom that runs through them they are seen.
+    pub nearer: f32,
+    /// The part that is drawn.
+    pub part: Part,
+}
+
+/// The pipeline for points, with the uniforms of one view.
+pub struct CloudRenderer {
+    pipeline: wgpu::RenderPipeline,
+    view: wgpu::Buffer,
+    group: wgpu::BindGroup,
+}
+
+impl CloudRenderer {
+    /// Builds the pipeline.
+    pub fn new(device: &wgpu::Device) -> Self {
+        let (pipeline, layout) = offscreen_pipeline(
+            device,
+            PipelineParts {
+                label: "cloud",
+                shader: include_str!("../../../shaders/cloud.wgsl"),
+                buffers: &[Some(wgpu::VertexBufferLayout {
+                    array_stride: size_of::<PointVertex>() as u64,
+                    step_mode: wgpu::VertexStepMode::Instance,
+                    attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Unorm8x4],
+                })],
+                blend: None,
+                topology: wgpu::PrimitiveTopology::TriangleStrip,
+                writes_depth: true,
+            },
+        );
+        let (view, group) = uniform(device, &layout, size_of::<ViewUniform>());
+        Self {
+            pipeline,
+            view,
+            group,
+        }
+    }
+
+    /// Draws the points in a pass of the target.
+    pub fn draw(
+        &self,
+        queue: &wgpu::Queue,
+        target: &Target,
+        pass: &mut wgpu::RenderPass<'_>,
+        points: &CloudBuffers,
+        draw: &CloudDraw,
+    ) {
+        let [low, high, cut] = draw.part.uniform();
+        let uniform = ViewUniform {
+            clip_from_world: draw.clip_from_world,
+            size_px: target.size_px().map(|side| side as f32),
+            radius_px: draw.radius_px,
+            nearer: draw.nearer,
+            low,
+            high,
+            cut,
+        };
+        queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &self.group, &[]);
+        let mut left = draw.count;
+        for (buffer, count) in &points.buffers {
+            let drawn = left.min(*count as usize);
+            pass.set_vertex_buffer(0, buffer.slice(..));
+            pass.draw(0..4, 0..drawn as u32);
+            left -= drawn;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::target::tests::layout;
+    use super::*;
+    use std::mem::offset_of;
+
+    #[test]
+    fn the_shader_reads_the_view_as_it_is_written() {
+        let (size, offsets) = layout(include_str!("../../../shaders/cloud.wgsl"), "View");
+        assert_eq!(size as usize, size_of::<ViewUniform>());
+        let ours = [
+            offset_of!(ViewUniform, clip_from_world),
+            offset_of!(ViewUniform, size_px),
+            offset_of!(ViewUniform, radius_px),
+            offset_of!(ViewUniform, nearer),
+            offset_of!(ViewUniform, low),
+            offset_of!(ViewUniform, high),
+            offset_of!(ViewUniform, cut),
+        ];
+        assert_eq!(offsets, ours.map(|offset| offset as u32));
+    }
+}

@@ -1,0 +1,159 @@
+//! Draws a track with levels of detail into a [`Target`].
+
+use super::Uploader;
+use super::lod::Vertex;
+use super::target::{PipelineParts, Target, offscreen_pipeline, uniform};
+use bytemuck::{Pod, Zeroable};
+use std::ops::Range;
+
+/// The uniform block `Line` of `track.wgsl`.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct LineUniform {
+    /// Pixels from metres: scale x, scale y (negative: north is up), offset x, offset y.
+    pub px_from_world: [f32; 4],
+    /// Size of the picture in pixels; set by [`LineRenderer::draw`].
+    pub size_px: [f32; 2],
+    /// Half of the line's width, pixels.
+    pub half_width_px: f32,
+    /// Above 0: `colour` instead of the segments' own.
+    pub plain: f32,
+    /// sRGB and alpha, 0 to 1.
+    pub colour: [f32; 4],
+}
+
+/// All levels of a track on the GPU.
+#[derive(Default)]
+pub struct TrackBuffers {
+    levels: Vec<Option<wgpu::Buffer>>,
+}
+
+impl TrackBuffers {
+    /// Uploads one more level, coarser than those before. One that no buffer can hold is left out.
+    pub fn add(&mut self, uploader: &Uploader, vertices: &[Vertex]) {
+        let fits = size_of_val(vertices) as u64 <= uploader.most_bytes();
+        let buffer = (vertices.len() > 1 && fits).then(|| {
+            uploader.buffer(
+                "track",
+                wgpu::BufferUsages::VERTEX,
+                vertices.len(),
+                vertices.iter().copied(),
+            )
+        });
+        self.levels.push(buffer);
+    }
+}
+
+/// What to draw: a level, its runs of segments, and the strokes drawn over each other, first below.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LineDraw {
+    /// Index of the level.
+    pub level: usize,
+    /// Segments.
+    pub runs: Vec<Range<u32>>,
+    /// Casing, then colour.
+    pub strokes: [LineUniform; 2],
+}
+
+/// The pipeline for lines, with the uniforms of one picture.
+pub struct LineRenderer {
+    pipeline: wgpu::RenderPipeline,
+    layout: wgpu::BindGroupLayout,
+    /// Two for each line drawn so far.
+    strokes: Vec<(wgpu::Buffer, wgpu::BindGroup)>,
+}
+
+impl LineRenderer {
+    /// Builds the pipeline.
+    pub fn new(device: &wgpu::Device) -> Self {
+        let (pipeline, layout) = offscreen_pipeline(
+            device,
+            PipelineParts {
+                label: "track",
+                shader: include_str!("../../../shaders/track.wgsl"),
+                // The same vertices twice, one apart: a segment goes from each to the next.
+                buffers: &[
+                    Some(vertices(
+                        &wgpu::vertex_attr_array![0 => Float32x2, 2 => Unorm8x4],
+                    )),
+                    Some(vertices(
+                        &wgpu::vertex_attr_array![1 => Float32x2, 3 => Unorm8x4],
+                    )),
+                ],
+                blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+                topology: wgpu::PrimitiveTopology::TriangleStrip,
+                writes_depth: false,
+            },
+        );
+        Self {
+            pipeline,
+            layout,
+            strokes: Vec::new(),
+        }
+    }
+
+    /// Clears the target and draws the strokes of every line into it, the first line below.
+    pub fn draw(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        target: &Target,
+        lines: &[(&TrackBuffers, &LineDraw)],
+    ) {
+        while self.strokes.len() < 2 * lines.len() {
+            let stroke = uniform(device, &self.layout, size_of::<LineUniform>());
+            self.strokes.push(stroke);
+        }
+        let mut encoder = device.create_command_encoder(&Default::default());
+        {
+            let mut pass = target.begin(&mut encoder);
+            for ((buffers, draw), uniforms) in lines.iter().zip(self.strokes.chunks_exact(2)) {
+                let Some(Some(vertices)) = buffers.levels.get(draw.level) else {
+                    continue;
+                };
+                pass.set_pipeline(&self.pipeline);
+                pass.set_vertex_buffer(0, vertices.slice(..));
+                pass.set_vertex_buffer(1, vertices.slice(size_of::<Vertex>() as u64..));
+                for ((buffer, group), stroke) in uniforms.iter().zip(&draw.strokes) {
+                    let size_px = target.size_px().map(|side| side as f32);
+                    let stroke = LineUniform { size_px, ..*stroke };
+                    queue.write_buffer(buffer, 0, bytemuck::bytes_of(&stroke));
+                    pass.set_bind_group(0, group, &[]);
+                    for run in &draw.runs {
+                        pass.draw(0..4, run.clone());
+                    }
+                }
+            }
+        }
+        queue.submit([encoder.finish()]);
+    }
+}
+
+fn vertices(attributes: &[wgpu::VertexAttribute]) -> wgpu::VertexBufferLayout<'_> {
+    wgpu::VertexBufferLayout {
+        array_stride: size_of::<Vertex>() as u64,
+        step_mode: wgpu::VertexStepMode::Instance,
+        attributes,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::target::tests::layout;
+    use super::*;
+    use std::mem::offset_of;
+
+    #[test]
+    fn the_shader_reads_the_line_as_it_is_written() {
+        let (size, offsets) = layout(include_str!("../../../shaders/track.wgsl"), "Line");
+        assert_eq!(size as usize, size_of::<LineUniform>());
+        let ours = [
+            offset_of!(LineUniform, px_from_world),
+            offset_of!(LineUniform, size_px),
+            offset_of!(LineUniform, half_width_px),
+            offset_of!(LineUniform, plain),
+            offset_of!(LineUniform, colour),
+        ];
+        assert_eq!(offsets, ours.map(|offset| offset as u32));
+    }
+}
