@@ -152,7 +152,7 @@ impl App {
                 log: entry.key.clone(),
                 to: place,
             };
-            version = version.with_changed(entry)?;
+            version = version.with_changed(entry).unwrap_or(version);
             version = version.apply(&moved).unwrap_or(version);
         }
         keep_figure(&mut version, step.figure.as_ref());

@@ -201,7 +201,7 @@ fn the_share_of_outliers_is_one_number() {
     let classes = ClassCounts::of(&products.cloud, &products.classes);
     assert!(classes.noise() > 20, "{classes:?}");
     let percent = format!("({:.1} %", 100.0 * classes.noise_share());
-    let panel = format!("{percent})");
+    let panel = format!("{} {percent})", classes.noise());
     assert!(
         window.query_by_label_contains(&panel).is_some(),
         "{panel}: {:?}",

@@ -193,11 +193,20 @@ struct State {
     text: String,
 }
 
+/// Copies a project with its journal and its history: undo goes back into these.
+fn copy_project(from: &Path, into: &Path, name: &str) {
+    for ending in ["", "-journal", "-history"] {
+        let file = format!("{name}{ending}");
+        fs::remove_file(into.join(&file)).ok();
+        if from.join(&file).is_file() {
+            fs::copy(from.join(&file), into.join(&file)).expect("a copy");
+        }
+    }
+}
+
 /// The states that gestures make of a project that nobody kills: one for each number from `first` to `last`.
-fn states(folder: &Path, (name, text): (&str, &str), first: usize, last: usize) -> Vec<State> {
-    let project = folder.join(name);
-    fs::write(&project, text).expect("a project");
-    let mut app = opened(&project, Jobs::Inline);
+fn states(folder: &Path, name: &str, first: usize, last: usize) -> Vec<State> {
+    let mut app = opened(&folder.join(name), Jobs::Inline);
     let numbers = first..=last;
     numbers
         .map(|number| {
@@ -289,9 +298,10 @@ fn a_killed_program_loses_its_last_gesture_at_most() {
     for kill in 0..kills {
         let moment = Duration::from_secs_f64(LONGEST_MS * 0.001 * moments.share());
         let begins = format!("{} {next}", at.name);
+        copy_project(folder, own, &at.name);
         let reported = killed(folder, &begins, moment)
             .unwrap_or_else(|| panic!("kill {kill}: it did nothing"));
-        let states = states(own, (&at.name, &at.text), next, reported + 1);
+        let states = states(own, &at.name, next, reported + 1);
         // Of the last gesture it may not have told yet.
         let there = [reported + 1, reported].into_iter().find(|number| {
             let state = &states[number - next];
