@@ -188,7 +188,7 @@ fn truth_is_found_next_to_the_log_opened_by_path_and_left() {
 
     // A review is truth too, by the menu's path field.
     press(&mut window, Modifiers::COMMAND, Key::P);
-    window.get_by_label("Command").type_text("open truth");
+    window.get_by_label("Command").type_text("open known");
     window.run();
     press(&mut window, Modifiers::NONE, Key::Enter);
     let review = Review::new(identity(&window), classes());
