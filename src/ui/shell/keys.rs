@@ -139,7 +139,8 @@ pub fn collect(ui: &mut Ui, app: &App, focus: Option<KeyFocus>, commands: &mut V
         if is_bare && focus.is_none() || !has_meaning(app, *action, control_focused) {
             continue;
         }
-        if consume(ui, shortcut) {
+        let presses = consume(ui, shortcut);
+        for _ in 0..presses {
             let command = Command::Do(*action);
             commands.push(match focus.filter(|_| is_bare) {
                 Some(focus) => Command::ByKey {
@@ -149,10 +150,10 @@ pub fn collect(ui: &mut Ui, app: &App, focus: Option<KeyFocus>, commands: &mut V
                 },
                 None => command,
             });
-            if shortcut.logical_key == Key::Tab {
-                // egui has seen it too, and would walk to the next control.
-                ui.memory_mut(|memory| memory.move_focus(FocusDirection::None));
-            }
+        }
+        if presses > 0 && shortcut.logical_key == Key::Tab {
+            // egui has seen it too, and would walk to the next control.
+            ui.memory_mut(|memory| memory.move_focus(FocusDirection::None));
         }
     }
     if !control_focused && focus.is_some() && leaves_full_screen(ui) {
@@ -160,16 +161,18 @@ pub fn collect(ui: &mut Ui, app: &App, focus: Option<KeyFocus>, commands: &mut V
     }
 }
 
-/// Whether a key was pressed, which then nobody else sees. A letter with Shift is another key than the letter: where one of them has no
+/// How often a key was pressed since the last frame, which then nobody else sees: more than once where frames are slow. A letter with Shift is another key than the letter: where one of them has no
 /// meaning, the other one must not act in its place. Of a sign only its keyboard knows whether it takes Shift.
-fn consume(ui: &Ui, shortcut: &KeyboardShortcut) -> bool {
+fn consume(ui: &Ui, shortcut: &KeyboardShortcut) -> usize {
     let is_letter = shortcut.logical_key.name().len() == 1
         && shortcut
             .logical_key
             .name()
             .starts_with(|letter: char| letter.is_ascii_alphabetic());
     if !is_letter {
-        return ui.input_mut(|input| input.consume_shortcut(shortcut));
+        return ui.input_mut(|input| {
+            input.count_and_consume_key(shortcut.modifiers, shortcut.logical_key)
+        });
     }
     let is_it = |event: &Event| match event {
         Event::Key {
@@ -187,7 +190,7 @@ fn consume(ui: &Ui, shortcut: &KeyboardShortcut) -> bool {
     ui.input_mut(|input| {
         let before = input.events.len();
         input.events.retain(|event| !is_it(event));
-        input.events.len() < before
+        before - input.events.len()
     })
 }
 
