@@ -135,6 +135,11 @@ class Batches:
         self.calm, self.side, self.occupied, self.focus = False, args.crop, args.occupied, args.focus
         # What each simulated chip's loss was when it was last seen, the first time soon.
         self.hard, self.losses, self.drawn = args.hard, torch.full((len(synthetic),), UNSEEN_LOSS, device=args.device), None
+        self.folders = None
+        if args.shares:
+            folder = torch.tensor([int(name.split("/")[0]) for name in synthetic.names], device=args.device)
+            chosen = torch.nn.functional.one_hot(folder, len(args.shares)).float().T
+            self.folders = chosen, torch.tensor(args.shares, device=args.device)
         self.holding = {id(chips): torch.nonzero((chips.boxes[..., 0] >= 0).any(1))[:, 0] for chips, _ in self.sources}
 
     def next(self) -> tuple[torch.Tensor, torch.Tensor]:
@@ -155,6 +160,8 @@ class Batches:
         """Chips for a batch: of simulated ones the share `--hard` by their loss; of the rest the share `--occupied` from those
         that hold an object."""
         device, holding = chips.images.device, self.holding[id(chips)]
+        if self.folders and chips is self.sources[0][0]:
+            return self.by_folder(count, holding)
         index = torch.randint(len(chips), (count,), generator=self.generator, device=device)
         if self.occupied and len(holding):
             other = holding[torch.randint(len(holding), (count,), generator=self.generator, device=device)]
@@ -162,6 +169,21 @@ class Batches:
         if self.hard and chips is self.sources[0][0]:
             index = self.either(self.hard, torch.multinomial(self.losses, count, replacement=True, generator=self.generator), index)
         return index
+
+    def by_folder(self, count: int, holding: torch.Tensor) -> torch.Tensor:
+        """The same with the share of each folder that `--shares` sets, whatever the number of its chips."""
+        chosen, shares = self.folders
+
+        def drawn(weight: torch.Tensor) -> torch.Tensor:
+            each = chosen * weight
+            each = (each / each.sum(1, keepdim=True).clamp(min=1e-9) * shares[:, None]).sum(0)
+            return torch.multinomial(each, count, replacement=True, generator=self.generator)
+
+        index, held = drawn(torch.ones_like(self.losses)), torch.zeros_like(self.losses)
+        held[holding] = 1
+        if self.occupied:
+            index = self.either(self.occupied, drawn(held), index)
+        return self.either(self.hard, drawn(self.losses), index) if self.hard else index
 
     def either(self, share: float, one: torch.Tensor, other: torch.Tensor) -> torch.Tensor:
         """Takes each entry from `one` with the probability `share`, else from `other`."""
@@ -224,6 +246,10 @@ def run(trainer: Trainer, batches: Batches, val: Chips, meta: dict, log: Log) ->
     while trainer.progress() < 1.0:
         batches.calm = trainer.progress() > 1 - args.settle
         trainer.network.train()
+        if args.still:
+            for module in trainer.network.modules():
+                if isinstance(module, torch.nn.BatchNorm2d):
+                    module.eval()
         terms = trainer.step(*batches.next())
         batches.learn(terms["each"])
         log.chips += args.batch
@@ -278,6 +304,8 @@ def arguments() -> argparse.Namespace:
     add("--occupied", type=float, default=0.0, help="share of each batch drawn from chips that hold an object")
     add("--hard", type=float, default=0.0, help="share of each batch drawn by the loss that a simulated chip had when last seen")
     add("--focus", type=float, default=0.0, help="with --crop and no mosaic: share of the chips with objects that are cut around one")
+    add("--still", action="store_true", help="normalise by the statistics of --init throughout, not by those of a batch")
+    add("--shares", type=float, nargs="+", help="share of each folder of --data among the simulated chips of a batch (default: by their numbers)")
     add("--mosaic", type=float, default=0.3, help="share of pictures made of four chips")
     add("--recorders", action="store_true", help="also vary what differs between recorders: smear, beam, floor, law, gain, speckle")
     add("--weed", type=float, default=0.0, help="share of pictures with beds of water weed laid over them, which are no objects")
@@ -337,7 +365,7 @@ def provenance(args, trainer: Trainer, chips: dict[str, int], start: str) -> dic
         "start": start, "steps": trainer.steps, "seconds": round(trainer.seconds, 1), "batch": args.batch, "rate": args.rate,
         "decay": args.decay, "seed": args.seed, "device": torch.cuda.get_device_name() if args.device == "cuda" else "cpu",
         "torch": torch.__version__, "augmentation": asdict(strength_of(args)), "settle": args.settle, "occupied": args.occupied,
-        "crop": args.crop, "focus": args.focus, "hard": args.hard,
+        "crop": args.crop, "focus": args.focus, "hard": args.hard, "shares": args.shares, "still": args.still,
         "real_share": args.real_share if args.real else 0.0, "chips": chips, "data": [read_manifest(root) for root in args.data],
     }  # fmt: skip
 
