@@ -1,4 +1,4 @@
-//! What is said of flat stretches, the same in all views and panels.
+//! The texts of flat stretches, the same in all views and panels.
 
 use crate::sonar::calibration::FlatSpot;
 use crate::support::presentation::text;

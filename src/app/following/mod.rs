@@ -1,7 +1,7 @@
 //! Following a log while its recorder writes it: new pings appear as they come, what is there stays, and from time to time everything is
 //! made anew from the whole log, so that at the end the results are those of the finished file.
 //!
-//! `step` is what is done off the window's thread, `publish` shows what came of it, `scale` keeps the scale that was in
+//! `step` is the work in a background thread, `publish` shows what came of it, `scale` keeps the scale that was in
 //! force, `whole` says when everything is made anew. Its results for the new pings are provisional: they go by the calibration of the last
 //! run over the whole log ([`crate::pipeline::extend`]). That run is repeated whenever the log grew by a quarter, so the work for each ping
 //! does not grow with the log. Where objects were searched for, what is new is searched too. The log is only ever read, as a private copy

@@ -27,7 +27,7 @@ struct Asked {
     is_named: bool,
     /// What the sizes follow from.
     amounts: Amounts,
-    /// What is said of the folder, and which text that is for.
+    /// The folder that was looked at, and what happens to it.
     known: Option<(String, String)>,
     /// The folder's field takes the keyboard in the next frame.
     takes_keyboard: bool,
@@ -142,7 +142,7 @@ fn files(app: &App, product: Product) -> String {
     format!("{files}; {}", files_in_words(compared))
 }
 
-/// The field of the folder, with what is said of it; what was pressed, and whether the keyboard goes on to the button. Return alone writes
+/// The field of the folder, and what happens to that folder. Returns what was pressed, and whether the keyboard goes on to the button. Return alone writes
 /// nothing into a folder that is only proposed.
 fn folder(ui: &mut Ui, asked: &mut Asked) -> (Pressed, bool) {
     let label = ui.label("Folder to write into");

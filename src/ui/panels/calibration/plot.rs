@@ -1,4 +1,4 @@
-//! First-return ranges against soundings with the line of a scale, and what is left of the difference below.
+//! First-return ranges against soundings with the line of a scale, and the residuals below.
 
 use crate::app::ViewOptions;
 use crate::pipeline::{Products, ScaleTrial};
