@@ -38,6 +38,21 @@ pub fn write_aside<T>(
     path: &Path,
     write: impl FnOnce(File) -> io::Result<T>,
 ) -> Result<T, ExportError> {
+    write_beside(path, |passing| {
+        let mut open = File::options();
+        open.read(true).write(true).create(true).truncate(true);
+        open.open(passing).and_then(write)
+    })
+}
+
+/// As [`write_aside`], for what opens a file by its path. There is none yet under the passing name that `write` gets.
+///
+/// # Errors
+/// When the file cannot be written.
+pub(super) fn write_beside<T>(
+    path: &Path,
+    write: impl FnOnce(&Path) -> io::Result<T>,
+) -> Result<T, ExportError> {
     let fail = |source| ExportError {
         path: path.to_path_buf(),
         source,
@@ -51,9 +66,10 @@ pub fn write_aside<T>(
     let passing = path.with_file_name(passing);
     passing.parent().into_iter().for_each(tidy);
     let _leftover = Leftover(&passing);
-    let mut open = File::options();
-    open.read(true).write(true).create(true).truncate(true);
-    let written = open.open(&passing).and_then(write);
+    let written = match fs::remove_file(&passing) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+        _ => write(&passing),
+    };
     written
         .and_then(|made| fs::rename(&passing, path).map(|()| made))
         .map_err(fail)

@@ -1,13 +1,13 @@
 //! The layers of `survey.gpkg`: where the boat went, what was insonified, and what is drawn of the depth map.
 
-use super::geopackage::{Geometry, Layer, Ring, text};
+use super::geopackage::{Geometry, Layer, Ring};
 use super::isobaths::DrawnLines;
 use super::millimetres;
 use super::qgis_vector::{
     depth_area_style, footprint_style, isobath_style, spot_sounding_style, track_style,
 };
 use super::rings::rounded;
-use super::sqlite::Value;
+use super::sqlite::{Value, count, text};
 use super::track::TrackPiece;
 use crate::bottom::bathymetry::DepthPoint;
 use crate::bottom::bathymetry::isobaths::{DepthArea, Isobath, IsobathSettings, Polygon};
@@ -60,7 +60,7 @@ pub fn track_layer(placed: &Placed<'_>, pieces: &[TrackPiece]) -> Layer {
             .iter()
             .map(|point| placed.position(point.position));
         let ends = [piece.points.first(), piece.points.last()];
-        let pings = ends.map(|end| end.map_or(Value::Null, |end| Value::count(end.ping)));
+        let pings = ends.map(|end| end.map_or(Value::Null, |end| count(end.ping)));
         let times = ends.map(|end| Value::Real(end.map_or(f64::NAN, |end| end.time_s)));
         let length = [Value::Real(millimetres(piece.length_m))];
         let values = pings.into_iter().chain(times).chain(length).collect();

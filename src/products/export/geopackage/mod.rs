@@ -5,17 +5,20 @@ mod spatial_index;
 
 pub use geometry::{Geometry, Ring};
 
-use super::sqlite::{SchemaEntry, Table, Value, database};
-use super::{ExportError, Summary, write_aside};
+use super::sqlite::{Kind, Value, database, insert, run, text};
+use super::{ExportError, Summary};
 use crate::support::calendar;
 use crate::support::geo::Crs;
 use geometry::united;
-use std::io::Write as _;
+use rusqlite::Connection;
+use std::io;
 use std::path::Path;
 
-/// `GPKG`, as the number that says what kind of database it is, and version 1.3.0.
-const APPLICATION: u32 = 0x4750_4b47;
-const VERSION: u32 = 10_300;
+/// `GPKG`, and version 1.3.0.
+const KIND: Kind = Kind {
+    application: 0x4750_4b47,
+    version: 10_300,
+};
 /// WGS84 in EPSG's register.
 const WGS84: u16 = 4326;
 const WGS84_WKT: &str = "GEOGCS[\"WGS 84\",DATUM[\"WGS_1984\",SPHEROID[\"WGS 84\",6378137,298.257223563,AUTHORITY[\"EPSG\",\"7030\"]],AUTHORITY[\"EPSG\",\"6326\"]],PRIMEM[\"Greenwich\",0,AUTHORITY[\"EPSG\",\"8901\"]],UNIT[\"degree\",0.0174532925199433,AUTHORITY[\"EPSG\",\"9122\"]],AUTHORITY[\"EPSG\",\"4326\"]]";
@@ -69,102 +72,75 @@ pub fn geopackage(
 ) -> Result<Summary, ExportError> {
     let changed = calendar::moment(changed_unix_s);
     let changed = changed.format("%Y-%m-%dT%H:%M:%S%.3fZ").to_string();
-    let indexes: Vec<SchemaEntry> = layers.iter().flat_map(spatial_index::entries).collect();
-    let tables = tables(layers, crs, &changed);
-    let bytes = database(APPLICATION, VERSION, &tables, &indexes);
-    let mut summary = Summary::default();
-    for layer in layers {
-        summary.count += layer.features.len();
-        let [west, south, east, north] = layer.bounds();
-        summary.reach([west, south]);
-        summary.reach([east, north]);
-    }
-    write_aside(path, |mut file| match &bytes {
-        Some(bytes) => file.write_all(bytes).map(|()| summary),
-        // The keys of the tables are of a few letters each.
-        None => Err(std::io::Error::other("a key does not fit into a page")),
+    database(path, KIND, |file| {
+        add_register(file, layers, crs, &changed)?;
+        let mut summary = Summary::default();
+        for layer in layers {
+            add_layer(file, layer, crs)?;
+            summary.count += layer.features.len();
+            let [west, south, east, north] = layer.bounds();
+            summary.reach([west, south]);
+            summary.reach([east, north]);
+        }
+        run(file, STYLES_SQL)?;
+        let styles = layers.iter().map(|layer| Ok(style(layer, &changed)));
+        insert(file, STYLES, styles)?;
+        Ok(summary)
     })
 }
 
-pub(super) fn text(text: &str) -> Value {
-    Value::Text(text.to_owned())
-}
-
-/// Rows numbered from 1.
-fn numbered(rows: impl Iterator<Item = Vec<Value>>) -> Vec<(i64, Vec<Value>)> {
-    (1..).zip(rows).collect()
-}
-
-/// The tables that every GeoPackage has, the layers, and their styles.
-fn tables(layers: &[Layer], crs: &Crs, changed: &str) -> Vec<Table> {
-    let table = |name: &str, sql: &str, rows, keys| Table {
-        name: name.to_owned(),
-        sql: sql.to_owned(),
-        rows,
-        keys,
-    };
-    let contents = layers.iter().map(|layer| contents(layer, crs, changed));
-    let columns = layers.iter().map(|layer| {
-        vec![
-            text(layer.name),
-            text("geom"),
-            text(layer.geometry),
-            Value::Integer(crs.epsg().into()),
-            Value::Integer(0),
-            Value::Integer(0),
-        ]
-    });
-    let styles = layers.iter().map(|layer| style(layer, changed));
-    let mut tables = vec![
-        table("gpkg_spatial_ref_sys", SYSTEMS_SQL, systems(crs), &[]),
-        table(
-            "gpkg_contents",
-            CONTENTS_SQL,
-            numbered(contents.chain([styles_contents(changed)])),
-            &[&[0], &[2]],
-        ),
-        table(
-            "gpkg_geometry_columns",
-            COLUMNS_SQL,
-            numbered(columns),
-            &[&[0, 1], &[0]],
-        ),
-        table(
-            "gpkg_extensions",
-            EXTENSIONS_SQL,
-            numbered(layers.iter().map(spatial_index::extension)),
-            &[&[0, 1, 2]],
-        ),
-    ];
-    for layer in layers {
-        let rows = layer.features.iter().map(|(geometry, values)| {
-            let geometry = Value::Blob(geometry.bytes(crs.epsg().into()));
-            let all = [Value::Null, geometry].into_iter();
-            all.chain(values.iter().cloned()).collect()
-        });
-        let sql = format!(
-            "CREATE TABLE {} (fid INTEGER PRIMARY KEY NOT NULL, geom {}, {})",
-            layer.name, layer.geometry, layer.columns
-        );
-        tables.push(table(layer.name, &sql, numbered(rows), &[]));
-        tables.extend(spatial_index::tables(layer));
+/// The tables that every GeoPackage has.
+fn add_register(file: &Connection, layers: &[Layer], crs: &Crs, changed: &str) -> io::Result<()> {
+    for sql in [SYSTEMS_SQL, CONTENTS_SQL, COLUMNS_SQL, EXTENSIONS_SQL] {
+        run(file, sql)?;
     }
-    tables.push(table(STYLES, STYLES_SQL, numbered(styles), &[]));
-    tables
+    insert(
+        file,
+        "gpkg_spatial_ref_sys",
+        systems(crs).into_iter().map(Ok),
+    )?;
+    let contents = layers.iter().map(|layer| contents(layer, crs, changed));
+    let contents = contents.chain([styles_contents(changed)]);
+    insert(file, "gpkg_contents", contents.map(Ok))?;
+    let columns = layers.iter().map(|layer| {
+        let named = [layer.name, "geom", layer.geometry].map(text);
+        let numbers = [crs.epsg().into(), 0, 0].map(Value::Integer);
+        Ok(named.into_iter().chain(numbers).collect())
+    });
+    insert(file, "gpkg_geometry_columns", columns)?;
+    let extensions = layers
+        .iter()
+        .map(|layer| Ok(spatial_index::extension(layer)));
+    insert(file, "gpkg_extensions", extensions)
+}
+
+/// A layer with its features, and the index over them.
+fn add_layer(file: &Connection, layer: &Layer, crs: &Crs) -> io::Result<()> {
+    let sql = format!(
+        "CREATE TABLE {} (fid INTEGER PRIMARY KEY NOT NULL, geom {}, {})",
+        layer.name, layer.geometry, layer.columns
+    );
+    run(file, &sql)?;
+    let rows = (1..).zip(&layer.features).map(|(fid, (geometry, values))| {
+        let geometry = Value::Blob(geometry.bytes(crs.epsg().into()));
+        let first = [Value::Integer(fid), geometry].into_iter();
+        Ok(first.chain(values.iter().cloned()).collect())
+    });
+    insert(file, layer.name, rows)?;
+    spatial_index::add(file, layer)
 }
 
 /// The systems that every GeoPackage names, and that of the layers.
-fn systems(crs: &Crs) -> Vec<(i64, Vec<Value>)> {
+fn systems(crs: &Crs) -> Vec<Vec<Value>> {
     let system = |name: &str, id: i64, by: &str, definition: &str| {
-        let values = vec![
+        vec![
             text(name),
-            Value::Null,
+            Value::Integer(id),
             text(by),
             Value::Integer(id),
             text(definition),
             Value::Null,
-        ];
-        (id, values)
+        ]
     };
     let mut rows = vec![
         system("Undefined Cartesian SRS", -1, "NONE", "undefined"),
@@ -174,7 +150,6 @@ fn systems(crs: &Crs) -> Vec<(i64, Vec<Value>)> {
     if crs.epsg() != WGS84 {
         rows.push(system(crs.name(), crs.epsg().into(), "EPSG", crs.wkt()));
     }
-    rows.sort_by_key(|(id, _)| *id);
     rows
 }
 

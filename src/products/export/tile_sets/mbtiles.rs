@@ -2,14 +2,16 @@
 //! (<https://github.com/mapbox/mbtiles-spec/blob/master/1.3/spec.md>).
 
 use super::{TileSet, TileStore};
-use crate::products::export::sqlite::{Database, Value};
-use crate::products::export::{ExportError, write_aside};
+use crate::products::export::ExportError;
+use crate::products::export::sqlite::{Kind, Value, database, insert, run, text};
 use crate::products::map_tiles::{Picture, WebTile};
-use std::io::{self, BufWriter};
 use std::path::Path;
 
-/// `MPBX`, as the number that says what kind of database it is.
-const APPLICATION: u32 = 0x4d50_4258;
+/// `MPBX`.
+const KIND: Kind = Kind {
+    application: 0x4d50_4258,
+    version: 0,
+};
 const METADATA_SQL: &str = "CREATE TABLE metadata (name TEXT NOT NULL PRIMARY KEY, value TEXT)";
 const TILES_SQL: &str = "CREATE TABLE tiles (zoom_level INTEGER NOT NULL, tile_column INTEGER NOT NULL, tile_row INTEGER NOT NULL, tile_data BLOB NOT NULL, PRIMARY KEY (zoom_level, tile_column, tile_row))";
 
@@ -23,27 +25,22 @@ pub fn mbtiles(
     picture: Picture,
     set: &TileSet,
 ) -> Result<(), ExportError> {
-    write_aside(path, |file| {
-        let mut database = Database::new(BufWriter::new(file))?;
-        let metadata = metadata(set)
-            .into_iter()
-            .map(|(name, value)| vec![Value::Text(name.to_owned()), Value::Text(value)]);
-        let rows = (1..).zip(metadata).map(Ok);
-        database.add("metadata", METADATA_SQL, &[&[0]], rows)?;
-        let rows = (1..).zip(store.tiles(picture)).map(|(id, (_, stored))| {
+    database(path, KIND, |file| {
+        run(file, METADATA_SQL)?;
+        let metadata = metadata(set).into_iter();
+        let rows = metadata.map(|(name, value)| Ok(vec![text(name), Value::Text(value)]));
+        insert(file, "metadata", rows)?;
+        run(file, TILES_SQL)?;
+        let rows = store.tiles(picture).into_iter().map(|(_, stored)| {
             let WebTile { zoom, x, y } = stored.tile;
             let from_south = (1_i64 << zoom) - 1 - i64::from(y);
-            let place = [i64::from(zoom), i64::from(x), from_south].map(Value::Integer);
-            let mut row = place.to_vec();
+            let mut row = [i64::from(zoom), i64::from(x), from_south]
+                .map(Value::Integer)
+                .to_vec();
             row.push(Value::Blob(store.read(stored)?));
-            Ok((id, row))
+            Ok(row)
         });
-        database.add("tiles", TILES_SQL, &[&[0, 1, 2]], rows)?;
-        let written = database.finish(APPLICATION, 0)?;
-        written
-            .into_inner()
-            .map_err(io::IntoInnerError::into_error)?;
-        Ok(())
+        insert(file, "tiles", rows)
     })
 }
 

@@ -1,0 +1,89 @@
+//! Database files of SQLite 3, by SQLite itself (crate `rusqlite`).
+
+use super::ExportError;
+use super::aside::write_beside;
+pub use rusqlite::types::Value;
+use rusqlite::{Connection, params_from_iter};
+use std::io;
+use std::path::Path;
+
+/// What a database says of itself in its header.
+#[derive(Clone, Copy, Debug)]
+pub struct Kind {
+    /// Which program's file it is: four letters as a number.
+    pub application: u32,
+    /// Which version of that.
+    pub version: u32,
+}
+
+/// A whole number of things.
+pub fn count(number: usize) -> Value {
+    Value::Integer(i64::try_from(number).unwrap_or(i64::MAX))
+}
+
+/// A text.
+pub fn text(text: &str) -> Value {
+    Value::Text(text.to_owned())
+}
+
+/// Writes a database that `fill` fills under a passing name, and renames it. The same rows give the same bytes.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn database<T>(
+    path: &Path,
+    kind: Kind,
+    fill: impl FnOnce(&Connection) -> io::Result<T>,
+) -> Result<T, ExportError> {
+    write_beside(path, |passing| {
+        let connection = Connection::open(passing).map_err(io::Error::other)?;
+        // A file that is not whole is never seen, so nothing has to be rolled back.
+        let start = format!(
+            "PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF; PRAGMA application_id = {}; PRAGMA user_version = {}; BEGIN;",
+            kind.application, kind.version
+        );
+        run(&connection, &start)?;
+        let made = fill(&connection)?;
+        run(&connection, "COMMIT;")?;
+        connection
+            .close()
+            .map_err(|(_, error)| io::Error::other(error))?;
+        Ok(made)
+    })
+}
+
+/// Runs statements.
+///
+/// # Errors
+/// What SQLite says.
+pub fn run(connection: &Connection, statements: &str) -> io::Result<()> {
+    connection
+        .execute_batch(statements)
+        .map_err(io::Error::other)
+}
+
+/// Adds rows to a table, each with a value for every column. NaN is written as nothing.
+///
+/// # Errors
+/// What SQLite says, or what a row could not be read for.
+pub fn insert(
+    connection: &Connection,
+    table: &str,
+    rows: impl IntoIterator<Item = io::Result<Vec<Value>>>,
+) -> io::Result<()> {
+    let mut statement = None;
+    for row in rows {
+        let row = row?;
+        if statement.is_none() {
+            let places = vec!["?"; row.len()].join(",");
+            let insert = format!("INSERT INTO \"{table}\" VALUES ({places})");
+            statement = Some(connection.prepare(&insert).map_err(io::Error::other)?);
+        }
+        if let Some(statement) = &mut statement {
+            statement
+                .execute(params_from_iter(row))
+                .map_err(io::Error::other)?;
+        }
+    }
+    Ok(())
+}
