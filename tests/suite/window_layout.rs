@@ -1,5 +1,6 @@
 //! What stays in its place in the window, whatever comes and goes in it.
 
+use crate::calm_window::window_of;
 use crate::window::{Window, app, demo_window, drawn_window, press, settle};
 use bathyscope::app::{Action, Command};
 use bathyscope::pipeline::{Preset, Settings};
@@ -133,4 +134,42 @@ fn the_cloud_is_in_view_after_a_change_of_preset() {
     let both = opened.pixels().zip(changed.pixels());
     let differing = both.filter(|(one, other)| one != other).count();
     assert!(differing < 200, "{differing} pixels differ");
+}
+
+/// Labels of the panels that take more than two lines, and those that the window cuts at its right edge.
+fn long_labels(window: &Window) -> Vec<String> {
+    use egui_kittest::kittest::NodeT as _;
+    // Three lines of small print are higher than two of the text.
+    const TWO_LINES: f32 = 38.0;
+    let size = window.ctx.content_rect().size();
+    let labels = window.query_all_by_role(Role::Label);
+    let wrong = labels.filter_map(|label| {
+        let node = label.accesskit_node();
+        let text = node.value().or_else(|| node.label())?;
+        let rect = label.rect();
+        let is_wrong = rect.height() > TWO_LINES || rect.right() > size.x + 0.5;
+        is_wrong.then(|| format!("{rect}: {text}"))
+    });
+    wrong.collect()
+}
+
+#[test]
+fn texts_of_panels_take_two_lines_at_most_and_none_is_cut() {
+    let mut wrong = Vec::new();
+    for scale in [1.0, 2.0] {
+        let mut window = window_of([1280.0, 720.0], scale, true);
+        wrong.extend(long_labels(&window));
+        // With a proposed scale, a selected box and its tools.
+        press(&mut window, Modifiers::NONE, Key::Tab);
+        window.state_mut().app.apply(Command::Do(Action::Calibrate));
+        settle(&mut window);
+        wrong.extend(long_labels(&window));
+        let layout = window.state_mut();
+        layout.app.apply(Command::Do(Action::EditBox));
+        settle(&mut window);
+        wrong.extend(long_labels(&window));
+    }
+    wrong.sort();
+    wrong.dedup();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
