@@ -1,11 +1,9 @@
 //! Products and reviewed boxes on their way into a folder.
 
-use super::{Action, App, Jobs, LogId, OpenLog, Outcome, Task};
-use crate::detection::review::Review;
+use super::{Action, App, Jobs, LogId, Outcome, Task};
 use crate::products::outputs::{self, Amounts, EarlierRun, Order, OutputFile, Product};
 use crate::support::progress::Progress;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 /// Products or boxes being written.
 pub(super) struct Exporting {
@@ -61,7 +59,7 @@ impl App {
         let requested = self.requested();
         let against = self.comparing.against(&first.products.settings);
         let against = against.filter(|_| requested.contains(&Product::Residuals));
-        let reviews = self.reviews_of_shown();
+        let review = self.survey_review();
         let run = (logs.len() == 1).then(|| (self.log.id, folder.clone()));
         let into = folder.clone();
         let derived = self.deriving.results.clone();
@@ -76,7 +74,7 @@ impl App {
                 requested: &requested,
                 reference: (against.as_ref()).map(|(reference, matching)| (reference, *matching)),
                 search: None,
-                reviews: &reviews,
+                review: &review,
                 corrections: &[],
             };
             let written =
@@ -88,17 +86,6 @@ impl App {
             into: Some(into),
             ..exporting
         });
-    }
-
-    /// What is decided about the boxes of each of [`App::processed_logs`].
-    pub(super) fn reviews_of_shown(&self) -> Vec<Option<Arc<Review>>> {
-        let shown = self.visible_logs();
-        let shown = shown.filter(|log| log.survey.is_some() && log.products.is_some());
-        let review = |log: &OpenLog| {
-            let reviewing = &log.reviewing;
-            reviewing.has_boxes().then(|| reviewing.review.clone())
-        };
-        shown.map(review).collect()
     }
 
     /// The products that are ticked.

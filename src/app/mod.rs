@@ -74,9 +74,8 @@ pub use map_layers::{LayerShown, LayerStack, MapLayer};
 pub use measuring::{Figure, Measure, Measuring};
 pub use mounting::Mountings;
 pub use notices::Notice;
-pub use object_table::{ObjectColumn, ObjectFilter, ObjectSummary, ObjectTable};
-pub use objects::{ObjectState, SurveyObject};
-pub use open_log::{LogBox, LogId, OpenLog};
+pub use object_table::{ObjectColumn, ObjectFilter, ObjectTable};
+pub use open_log::OpenLog;
 pub use options::{
     CloudColour, CloudOptions, ColourMap, EchogramChannel, LayoutPreset, MapOptions, Orientation,
     PanelOptions, PanelShown, SideColours, ThemeChoice, View, ViewOptions, WaterfallOptions,
@@ -95,4 +94,5 @@ pub use reviewing::{
 pub use state::{App, CloseUp, Enlarged, Mark, Reveal};
 pub use swipe::{Swipe, SwipeSide};
 
+pub use crate::detection::objects::{LogBox, LogId, ObjectState, ObjectSummary, SurveyObject};
 pub use crate::pipeline::{Jobs, Outcome, Task};

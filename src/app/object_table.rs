@@ -1,83 +1,8 @@
-//! The table of objects: what a row says of an object, and which rows are shown in which order.
+//! The table of objects: which rows it shows, in which order.
 
-use super::{ObjectState, SurveyObject};
-use crate::detection::ObjectExtent;
-use crate::detection::review::{Confidence, Reviewed, State};
-use crate::detection::targets::Target;
+use crate::detection::objects::{ObjectState, ObjectSummary, SurveyObject};
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
-
-/// What the boxes of an object say of it, for a row of the table. Metres; NaN for what is not known.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ObjectSummary {
-    /// What the analyst calls it: the first of its boxes that has a name; empty where none has.
-    pub name: String,
-    /// Remarks on its boxes, one after the other.
-    pub notes: String,
-    /// How far the decisions about it are.
-    pub state: ObjectState,
-    /// The highest score of its boxes.
-    pub score: Option<f32>,
-    /// How sure the analyst is: the surest word of its boxes.
-    pub confidence: Option<Confidence>,
-    /// Its length by the box that tells its size best.
-    pub length_m: f64,
-    /// Its width by the same box.
-    pub width_m: f64,
-    /// Depth of the bottom there by the same box.
-    pub depth_m: f64,
-}
-
-impl ObjectSummary {
-    /// Of the boxes of an object, with their places. Sizes are those of a box whose edges were drawn, or else of the surest one.
-    pub(super) fn of<'a>(boxes: impl Iterator<Item = (&'a Reviewed, &'a Target)>) -> Self {
-        let mut summary = Self {
-            name: String::new(),
-            notes: String::new(),
-            state: ObjectState::Rejected,
-            score: None,
-            confidence: None,
-            length_m: f64::NAN,
-            width_m: f64::NAN,
-            depth_m: f64::NAN,
-        };
-        let mut best: Option<(bool, f32)> = None;
-        let (mut open, mut objects) = (0, 0);
-        for (one, target) in boxes {
-            open += usize::from(one.state == State::Proposed);
-            objects += usize::from(one.state.is_object());
-            if summary.name.is_empty() {
-                summary.name.clone_from(&one.name);
-            }
-            if !one.note.is_empty() {
-                if !summary.notes.is_empty() {
-                    summary.notes.push_str("; ");
-                }
-                summary.notes.push_str(&one.note);
-            }
-            let higher = |score: f32| summary.score.is_none_or(|known| score > known);
-            if one.score.is_some_and(higher) {
-                summary.score = one.score;
-            }
-            summary.confidence = summary.confidence.max(one.confidence);
-            let is_drawn = matches!(one.extent, ObjectExtent::Drawn { .. });
-            let rank = (is_drawn, one.score.unwrap_or(1.0));
-            let is_better = |best: (bool, f32)| rank.partial_cmp(&best) == Some(Ordering::Greater);
-            if best.is_none_or(is_better) {
-                best = Some(rank);
-                summary.length_m = target.length_m;
-                summary.width_m = target.width_m;
-                summary.depth_m = target.depth_m;
-            }
-        }
-        summary.state = match (open, objects) {
-            (0, 0) => ObjectState::Rejected,
-            (0, _) => ObjectState::Accepted,
-            _ => ObjectState::Open(open),
-        };
-        summary
-    }
-}
 
 /// A column of the table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -284,10 +209,10 @@ fn says(object: &SurveyObject, text: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::{LogBox, LogId};
-    use crate::detection::review::BoxId;
-    use crate::detection::targets::GroupSettings;
-    use crate::pipeline::joint::{PlacedBox, joint_objects};
+    use crate::detection::ObjectExtent;
+    use crate::detection::objects::{LogBox, LogId, PlacedBox, joint_objects};
+    use crate::detection::review::{BoxId, Confidence, Reviewed, State};
+    use crate::detection::targets::{GroupSettings, Target};
     use crate::support::geo::LonLat;
 
     fn target(length_m: f64) -> Target {

@@ -6,25 +6,12 @@ use super::external::External;
 use super::leaving_out::LeavingOut;
 use super::reviewing::Reviewing;
 use super::{Figures, Task};
-use crate::detection::review::BoxId;
+use crate::detection::objects::{LogId, LogReview};
 use crate::pipeline::{LogSettings, ProcessedLog, Products, Settings, SourceKey, Stage};
 use crate::project::LogFile;
 use crate::sonar::first_return::FirstReturns;
 use crate::survey::{Apart, Survey};
 use std::sync::Arc;
-
-/// Tells the open logs of a window apart; never used again for another one.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct LogId(pub u64);
-
-/// A box of an open log.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct LogBox {
-    /// The log.
-    pub log: LogId,
-    /// Its number in that log's review.
-    pub id: BoxId,
-}
 
 /// Colours that logs are told apart by: the eight of Okabe and Ito, which the colour-blind can tell apart, without black.
 const COLOURS: [[u8; 3]; 7] = [
@@ -154,6 +141,15 @@ impl OpenLog {
     /// Its name for people, which no other open log has; empty in an empty window.
     pub fn name(&self) -> String {
         self.name.clone()
+    }
+
+    /// Its boxes with what is decided about them; `None` where it has none.
+    pub(super) fn review_of_boxes(&self) -> Option<LogReview> {
+        self.reviewing.has_boxes().then(|| LogReview {
+            log: self.id,
+            review: self.reviewing.review.clone(),
+            threshold: self.reviewing.queue.threshold,
+        })
     }
 
     /// The first returns to draw: those under the slider if there are any, else those of the last result, but for those of the other

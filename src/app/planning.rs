@@ -2,7 +2,8 @@
 
 use super::{App, Outcome, Task};
 use crate::bottom::planning::{Leg, Plan, PlanSettings, plan};
-use crate::pipeline::{seen_objects, surveyed};
+use crate::pipeline::list_objects;
+use crate::pipeline::surveyed;
 use crate::products::export::{PlanFormat, PlannedWay};
 use crate::support::geo::{LocalFrame, LonLat};
 use crate::support::printable::quoted;
@@ -102,13 +103,13 @@ impl App {
         let home = survey.track.fixes.first().map(|fix| fix.position);
         let home = home.unwrap_or(frame.origin());
         let name = format!("{} lines", survey.name());
-        let review = |id| self.open_log(id).map(|log| log.reviewing.review.clone());
-        let reviews: Vec<_> = shown.iter().map(|log| review(log.id)).collect();
+        let review = self.survey_review();
         let logs: Vec<_> = shown.into_iter().map(|shown| shown.log).collect();
         let asked = self.planning.asked;
         let work = move |progress: &Progress| {
-            let objects = seen_objects(&logs, &reviews);
-            let known = surveyed(&logs, objects, progress).map_err(|error| error.to_string())?;
+            let objects =
+                list_objects(&logs, &review, progress).map_err(|error| error.to_string())?;
+            let known = surveyed(&logs, &objects, progress).map_err(|error| error.to_string())?;
             let known = known.ok_or("there is no log to plan from")?;
             let plan = plan(&known, None, &asked, progress).map_err(|error| error.to_string())?;
             Ok(PlannedLines {

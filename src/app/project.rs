@@ -4,6 +4,7 @@
 use super::loader::hold_log;
 use super::measuring::Figure;
 use super::{App, LogId, OpenLog, Outcome, Task, ViewOptions};
+use crate::detection::objects::ObjectNumbers;
 use crate::detection::review::{Queue, Sort};
 use crate::pipeline::Settings;
 use crate::products::export::is_same_file;
@@ -270,6 +271,7 @@ impl App {
             entry.is_visible = log.is_visible;
             entry.settings = log.own.as_ref().clone();
             entry.review = log.reviewing.review.clone();
+            entry.object_numbers = Arc::new(self.object_numbers(log.id));
             let key = entry.key.clone();
             let after = match is_new {
                 true => project.with_log(entry),
@@ -393,6 +395,7 @@ impl App {
         }
         let queue = project.view::<KeptQueue>(REVIEW);
         let frame = project.origin.map(LocalFrame::new);
+        let mut numbers = ObjectNumbers::default();
         for (log, survey, settings) in logs {
             // The plane stays whatever log is first now.
             let survey = match &frame {
@@ -400,8 +403,10 @@ impl App {
                 None => survey,
             };
             let id = self.add_log(survey);
+            numbers.add_log(id, &log.object_numbers);
             self.with_log(id, |app| app.take_project_log(&log, settings));
         }
+        self.objects.number_from(numbers);
         if let Some(queue) = queue.filter(|kept| (0.0..=1.0).contains(&kept.threshold)) {
             self.set_queue(&queue.into_queue());
         }

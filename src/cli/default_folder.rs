@@ -150,6 +150,7 @@ mod tests {
             survey: Arc::new(survey),
             settings: Settings::default(),
             review: None,
+            object_numbers: Arc::default(),
         }
     }
 

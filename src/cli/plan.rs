@@ -4,10 +4,11 @@ use super::output;
 use super::process::all_processed;
 use super::settings::SettingsArgs;
 use super::status_line::StatusLine;
-use super::survey_logs::{OpenedLog, all_or, inputs, open_all, take_reviews};
+use super::survey_logs::{OpenedLog, all_or, inputs, open_all, survey_review, take_reviews};
 use crate::bottom::planning::{Plan, PlanSettings, State, plan};
 use crate::formats::read_area;
-use crate::pipeline::{seen_objects, surveyed};
+use crate::pipeline::list_objects;
+use crate::pipeline::surveyed;
 use crate::products::export::{PlanFormat, PlannedWay, is_same_file};
 use crate::support::geo::{LocalFrame, LonLat};
 use crate::support::presentation::text;
@@ -133,9 +134,9 @@ fn planned(
     let status = StatusLine::new(&progress);
     let logs = all_processed(opened, &status, &progress)?;
     status.step("what is known");
-    let reviews: Vec<_> = opened.iter().map(|log| log.review.clone()).collect();
-    let objects = seen_objects(&logs, &reviews);
-    let known = surveyed(&logs, objects, &progress).map_err(|error| error.to_string())?;
+    let review = survey_review(opened);
+    let objects = list_objects(&logs, &review, &progress).map_err(|error| error.to_string())?;
+    let known = surveyed(&logs, &objects, &progress).map_err(|error| error.to_string())?;
     let known = known.ok_or("there is no log to plan from")?;
     let rings = area.map(|area| {
         let ring = |ring: &Vec<LonLat>| ring.iter().map(|at| frame.to_enu(*at)).collect();

@@ -4,7 +4,7 @@ use super::output;
 use super::process::all_processed;
 use super::settings::SettingsArgs;
 use super::status_line::StatusLine;
-use super::survey_logs::{OpenedLog, all_or, inputs, open_all, take_reviews};
+use super::survey_logs::{OpenedLog, all_or, inputs, open_all, survey_review, take_reviews};
 use crate::detection::review::Review;
 use crate::products::export::Part;
 use crate::products::outputs;
@@ -52,8 +52,8 @@ pub fn run(args: ReviewArgs) -> Result<(), String> {
     let status = StatusLine::new(&progress);
     let logs = all_processed(&opened, &status, &progress)?;
     status.step("writing");
-    let reviews: Vec<_> = opened.into_iter().map(|log| log.review).collect();
-    let written = outputs::write_boxes(&logs, &reviews, args.part, &args.output, &progress)
+    let review = survey_review(&opened);
+    let written = outputs::write_boxes(&logs, &review, args.part, &args.output, &progress)
         .map_err(|error| error.to_string())?;
     drop(status);
     output::results(written.summary(&args.output))?;

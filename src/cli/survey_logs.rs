@@ -3,7 +3,8 @@
 use super::settings::{Logs, SettingsArgs};
 use super::{many, output};
 use crate::app::is_project;
-use crate::detection::review::Review;
+use crate::detection::objects::SurveyReview;
+use crate::detection::review::{BoxId, Review};
 use crate::formats;
 use crate::pipeline::settings::SourceSettings;
 use crate::pipeline::{MissionLog, Reference, Settings};
@@ -11,6 +12,7 @@ use crate::project;
 use crate::support::geo::LocalFrame;
 use crate::support::progress::Progress;
 use crate::survey::{MountingSettings, Survey};
+use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -23,6 +25,8 @@ pub struct LogInput {
     pub logs: Arc<Logs>,
     /// What its project knows of its boxes.
     pub review: Option<Arc<Review>>,
+    /// Numbers of the objects that they show.
+    pub object_numbers: Arc<BTreeMap<BoxId, u32>>,
     /// The frame that its project has it in.
     pub frame: Option<LocalFrame>,
 }
@@ -35,6 +39,17 @@ pub struct OpenedLog {
     pub settings: Settings,
     /// What was decided about its boxes.
     pub review: Option<Arc<Review>>,
+    /// Numbers of the objects that they show.
+    pub object_numbers: Arc<BTreeMap<BoxId, u32>>,
+}
+
+/// What was decided about the boxes of all logs.
+pub fn survey_review(opened: &[OpenedLog]) -> SurveyReview {
+    let mut all = SurveyReview::default();
+    for log in opened {
+        all.add(log.review.clone(), &log.object_numbers);
+    }
+    all
 }
 
 /// The logs that some paths name, all with the same settings, or the visible logs of a project with the settings that they have there;
@@ -80,6 +95,7 @@ pub fn inputs(
                 path,
                 logs: logs.clone(),
                 review: None,
+                object_numbers: Arc::default(),
                 frame: None,
             };
             Ok(paths.map(input).collect())
@@ -98,6 +114,7 @@ fn of_project(path: &Path) -> Result<Vec<LogInput>, String> {
             path: input.log.file.path.clone(),
             logs: Arc::new(Logs::new(input.settings)?),
             review: has_boxes.then(|| input.log.review.clone()),
+            object_numbers: input.log.object_numbers.clone(),
             frame: input.frame,
         })
     };
@@ -119,6 +136,7 @@ impl LogInput {
             survey: Arc::new(survey),
             settings: self.logs.settings.clone(),
             review: self.review.clone(),
+            object_numbers: self.object_numbers.clone(),
         })
     }
 }
@@ -204,6 +222,7 @@ pub fn take_reviews(logs: &mut [OpenedLog], files: &[PathBuf]) -> Result<(), Str
             .any(|log| match Review::open_for(path, &log.survey) {
                 Ok(review) => {
                     log.review = Some(Arc::new(review));
+                    log.object_numbers = Arc::default();
                     true
                 }
                 Err(error) => {
@@ -243,6 +262,7 @@ pub fn open_reference(
                 path,
                 logs: logs.clone(),
                 review: None,
+                object_numbers: Arc::default(),
                 frame: None,
             };
             many::logs(&[path.to_owned()])

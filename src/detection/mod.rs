@@ -23,6 +23,7 @@ mod merge;
 pub mod metrics;
 pub mod model;
 mod nms;
+pub mod objects;
 mod picture;
 mod raster;
 mod rect;

@@ -17,6 +17,7 @@ mod growing;
 pub mod joint;
 mod log_settings;
 mod mosaic;
+mod objects;
 mod passes;
 mod placing;
 mod processed_log;
@@ -49,6 +50,7 @@ pub use log_settings::{
     LogSettings, SettingValues, from_values, is_of_one_log, is_setting, setting_values, with_values,
 };
 pub use mosaic::{mosaic_layout, mosaic_layout_by};
+pub use objects::{list_objects, object_shape};
 pub use passes::{Pass, passes_over, place_of};
 pub use placing::Placing;
 pub use processed_log::ProcessedLog;
@@ -57,7 +59,7 @@ pub use report::{CalibrationReport, Report, warnings};
 pub use scale_trial::{ScaleEffect, ScaleTrial};
 pub use settings::{Preset, Settings, SettingsError};
 pub use source::{SourceError, SourceKey, as_mounted, as_set};
-pub use surveyed::{seen_objects, surveyed};
+pub use surveyed::surveyed;
 pub use task::{Jobs, Outcome, Task};
 
 use crate::support::geo::MapPlane;

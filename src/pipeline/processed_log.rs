@@ -1,6 +1,7 @@
 //! A log with what the pipeline made of it.
 
 use super::Products;
+use crate::detection::targets::PassLog;
 use crate::survey::Survey;
 use std::sync::Arc;
 
@@ -14,6 +15,11 @@ pub struct ProcessedLog {
 }
 
 impl ProcessedLog {
+    /// As the passes of the boat are counted by it.
+    pub fn pass_log(&self) -> PassLog<'_> {
+        (&self.survey, &self.products.navigation)
+    }
+
     /// The kept points, in the order of the cloud.
     pub fn kept_points(&self) -> impl Iterator<Item = &crate::bottom::cloud::CloudPoint> {
         self.products.kept_points()

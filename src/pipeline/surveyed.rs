@@ -1,18 +1,16 @@
 //! What a plan of further lines starts from: soundings, ground that was insonified, objects and disagreements of all logs in one plane.
 
-use super::joint::{PlacedBox, joint_objects, track_depths};
-use super::{Placing, ProcessedLog};
+use super::ProcessedLog;
+use super::joint::track_depths;
 use crate::bottom::bathymetry::crosslines::{TrackDepth, crossings};
 use crate::bottom::bathymetry::{DepthPoint, sigma_by_distance};
 use crate::bottom::planning::{Doubt, Look, SeenObject, SigmaLaw, Surveyed};
-use crate::detection::review::Review;
-use crate::detection::targets::{GroupSettings, Target};
+use crate::detection::objects::{ObjectList, SurveyObject};
 use crate::support::geo::LocalFrame;
 use crate::support::progress::{Cancelled, Progress};
 use crate::support::statistics::{median, spread_about};
 use crate::survey::{Projection, Side};
 use std::f64::consts::FRAC_PI_3;
-use std::sync::Arc;
 
 /// Looks of one side are so far apart along the track at least, metres.
 const LOOK_STEP_M: f64 = 0.4;
@@ -28,7 +26,7 @@ const MOVING_MPS: f64 = 0.3;
 /// When the work was cancelled.
 pub fn surveyed(
     logs: &[ProcessedLog],
-    objects: Vec<SeenObject>,
+    objects: &ObjectList,
     progress: &Progress,
 ) -> Result<Option<Surveyed>, Cancelled> {
     let Some(first) = logs.first() else {
@@ -58,7 +56,7 @@ pub fn surveyed(
         soundings: points.iter().map(|p| [p.east_m, p.north_m]).collect(),
         sigma: SigmaLaw::new(left_out.as_ref(), finite_or_zero(limit_m)),
         looks,
-        objects,
+        objects: seen_objects(objects, &Log { log: first, frame }),
         doubts: doubts
             .map(|one| Doubt {
                 place: one.place,
@@ -178,44 +176,18 @@ impl Log<'_> {
     }
 }
 
-/// The objects that the reviews of the logs decide for, with the headings of their sightings in all logs, for [`surveyed`].
-pub fn seen_objects(logs: &[ProcessedLog], reviews: &[Option<Arc<Review>>]) -> Vec<SeenObject> {
-    let Some(first) = logs.first() else {
-        return Vec::new();
+/// The objects that were accepted or drawn by hand, with the headings of their sightings in all logs.
+fn seen_objects(list: &ObjectList, first: &Log<'_>) -> Vec<SeenObject> {
+    let is_decided = |object: &&SurveyObject| {
+        let mut members = list.members(object);
+        members.any(|one| one.one.state.is_object())
     };
-    let mut placed: Vec<(usize, String, Target)> = Vec::new();
-    for (number, (log, review)) in logs.iter().zip(reviews).enumerate() {
-        let Some(review) = review else {
-            continue;
-        };
-        let placing = Placing::new(&log.survey, &log.products);
-        for one in review.boxes().filter(|one| one.state.is_object()) {
-            let target = placing.place_as(&one.mark, one.extent, one.shadow);
-            let class = review.class_name(one.class).to_owned();
-            placed.extend(target.map(|target| (number, class, target)));
-        }
-    }
-    let boxes: Vec<PlacedBox<'_>> = placed
-        .iter()
-        .map(|(log, class, target)| PlacedBox {
-            log: *log,
-            class,
-            score: None,
-            target,
-        })
-        .collect();
-    let shared = Log {
-        log: first,
-        frame: &first.survey.track.frame,
-    };
-    let objects = joint_objects(&boxes, &GroupSettings::default()).into_iter();
-    let seen = objects.map(|object| {
-        let headings = object
-            .members
-            .iter()
-            .map(|member| placed[*member].2.heading_rad);
+    let seen = list.objects().iter().filter(is_decided).map(|object| {
+        let targets = list.members(object).filter_map(|one| one.target.as_ref());
+        let headings = targets.map(|target| target.heading_rad);
+        let [east_m, north_m] = object.joint.place_m;
         SeenObject {
-            place: shared.place(object.place_m[0], object.place_m[1]),
+            place: first.place(east_m, north_m),
             headings_rad: headings.filter(|heading| heading.is_finite()).collect(),
         }
     });

@@ -2,11 +2,12 @@
 
 use super::paths;
 use crate::detection::NAMELESS_CLASS;
-use crate::detection::review::Review;
+use crate::detection::review::{BoxId, Review};
 use crate::pipeline::{LogSettings, sha256_of};
 use crate::support::printable::quoted;
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::{Identity, Survey};
+use std::collections::BTreeMap;
 use std::fmt;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -133,8 +134,11 @@ pub struct ProjectLog {
     pub settings: LogSettings,
     /// The boxes on it and the decisions about them.
     pub review: Arc<Review>,
+    /// Numbers of the objects that its boxes show. They follow from the decisions and from the numbers before: none of them is one.
+    pub object_numbers: Arc<BTreeMap<BoxId, u32>>,
 }
 
+/// Whether the same is decided.
 impl PartialEq for ProjectLog {
     fn eq(&self, other: &Self) -> bool {
         let Self {
@@ -146,6 +150,7 @@ impl PartialEq for ProjectLog {
             order,
             settings,
             review,
+            object_numbers: _,
         } = self;
         *key == other.key
             && *file == other.file
@@ -171,6 +176,7 @@ impl ProjectLog {
             order: 0.0,
             settings: LogSettings::default(),
             review: Arc::new(Review::new(identity, vec![NAMELESS_CLASS.to_owned()])),
+            object_numbers: Arc::default(),
             file,
         }
     }

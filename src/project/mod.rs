@@ -56,7 +56,7 @@
 //!
 //! [log.chart_1-3f9a2c41.box]               # a box by its number, pings with the last excluded
 //!
-//! 17 = { class = "object", edited = false, far_m = 6.8, near_m = 4.21, pings = [1200, 1230], side = "port", state = "added" }
+//! 17 = { class = "object", edited = false, far_m = 6.8, near_m = 4.21, object = 4, pings = [1200, 1230], side = "port", state = "added" }
 //!
 //! [measure]                                # what was measured on the map: distance, area or profile, corners [lon, lat]
 //!
@@ -233,7 +233,9 @@ impl Project {
     /// With another version of a log in its place. `None` when it is the same, or no log of the project.
     pub fn with_changed(&self, log: ProjectLog) -> Option<Self> {
         let index = self.logs.iter().position(|one| one.key == log.key)?;
-        (*self.logs[index] != log).then(|| {
+        let before = &self.logs[index];
+        let is_same = **before == log && before.object_numbers == log.object_numbers;
+        (!is_same).then(|| {
             let mut after = self.clone();
             after.logs[index] = Arc::new(log);
             after.put_in_order();

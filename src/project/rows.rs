@@ -5,7 +5,6 @@ use super::measurement::MeasurementRow;
 use super::paths;
 use super::row::{Key, Row, Rows, one_line};
 use super::{Project, Unknown};
-use crate::detection::review::Review;
 use crate::pipeline::SettingValues;
 use crate::pipeline::setting_values;
 use std::collections::BTreeMap;
@@ -25,7 +24,7 @@ const PATH_KEYS: [&str; 4] = [
     "water_level.file",
 ];
 /// Fields of the row of a box.
-const BOX_FIELDS: [&str; 15] = [
+const BOX_FIELDS: [&str; 16] = [
     "border_m",
     "class",
     "confidence",
@@ -36,6 +35,7 @@ const BOX_FIELDS: [&str; 15] = [
     "name",
     "near_m",
     "note",
+    "object",
     "pings",
     "point",
     "score",
@@ -194,7 +194,7 @@ fn put_log(
             put(Key::new(parts), &Value::Table(row));
         }
     }
-    put_review(put, key, &log.review, same.map(|same| same.review.as_ref()));
+    put_review(put, log, same);
 }
 
 /// Stretches that are left out, by what they are counted in and where they begin; more than one from the same place are numbered.
@@ -225,12 +225,8 @@ fn ends(span: &Value) -> Option<&[Value; 2]> {
     span.as_array()?.as_slice().try_into().ok()
 }
 
-fn put_review(
-    put: &mut impl FnMut(Key, &Value),
-    log: &str,
-    review: &Review,
-    same: Option<&Review>,
-) {
+fn put_review(put: &mut impl FnMut(Key, &Value), of: &ProjectLog, same: Option<&ProjectLog>) {
+    let (log, review) = (of.key.as_str(), &of.review);
     for one in review.searched() {
         let row = Table::from_iter([
             ("end".to_owned(), Value::Integer(one.pings.end as i64)),
@@ -240,12 +236,14 @@ fn put_review(
         put(Key::new(parts), &Value::Table(row));
     }
     // A class is written by its name: with other classes every box may read otherwise.
-    let same = same.filter(|same| same.classes() == review.classes());
+    let same = same.filter(|same| same.review.classes() == review.classes());
     for one in review.shared() {
+        let object = of.object_numbers.get(&one.id);
         let is_same = same.is_some_and(|same| {
-            let boxes = same.shared();
+            let boxes = same.review.shared();
             let found = boxes.binary_search_by_key(&one.id, |one| one.id);
             found.is_ok_and(|index| Arc::ptr_eq(&boxes[index], one))
+                && same.object_numbers.get(&one.id) == object
         });
         if is_same {
             continue;
@@ -253,6 +251,9 @@ fn put_review(
         let mut value = value_of(&review.row(one));
         if let Value::Table(fields) = &mut value {
             fields.remove("id");
+            if let Some(number) = object {
+                fields.insert("object".to_owned(), Value::Integer((*number).into()));
+            }
             if let Some(score) = one.score {
                 // The shortest number that means the same: as 64 bits, 0.91 would become 0.9100000262260437.
                 let shortest = score.to_string().parse().unwrap_or(f64::from(score));

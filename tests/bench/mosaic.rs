@@ -2,6 +2,7 @@
 
 use crate::lines::ten_lines;
 use crate::resources::{peak_from_here_mb, peak_mb, processor_s};
+use bathyscope::detection::objects::SurveyReview;
 use bathyscope::pipeline::{self, Derived, ProcessedLog, Products, Settings};
 use bathyscope::products::outputs::{self, Order, Product, RunFolder};
 use bathyscope::sonar::first_return;
@@ -41,7 +42,7 @@ pub fn run() {
             requested,
             reference: None,
             search: None,
-            reviews: &[],
+            review: &SurveyReview::default(),
             corrections: &[],
         };
         let run = RunFolder::begin(folder.path()).expect("a folder to write into");

@@ -3,6 +3,7 @@
 
 use crate::handmade::{self, Frame};
 use bathyscope::bottom::cloud::Geometry;
+use bathyscope::detection::objects::SurveyReview;
 use bathyscope::formats::{
     self,
     points::{self, PointFormat},
@@ -208,7 +209,7 @@ fn process(opened: Result<Survey, formats::OpenError>, settings: &Settings) {
         requested: &[Product::Cloud],
         reference: None,
         search: None,
-        reviews: &[],
+        review: &SurveyReview::default(),
         corrections: &[],
     };
     let run = RunFolder::begin(folder.path()).expect("a folder");

@@ -50,6 +50,7 @@ mod navigation;
 mod new_survey;
 mod objects_window;
 mod offsets;
+mod one_list;
 mod outputs;
 mod passes_window;
 mod planning;

@@ -4,12 +4,13 @@ use bathyscope::bottom::bathymetry::Surface;
 use bathyscope::bottom::bathymetry::height_offsets::{Datum, HeightOffsets};
 use bathyscope::bottom::cloud::DepthSource;
 use bathyscope::detection::Mark;
+use bathyscope::detection::objects::{PlacedBox, joint_objects};
 use bathyscope::detection::targets::{GroupSettings, PassLog, Target};
 use bathyscope::formats;
 use bathyscope::imagery::mosaic::{
     MosaicLog, MosaicSettings, TileIndex, joint_grid, joint_tile, match_levels, window,
 };
-use bathyscope::pipeline::joint::{PlacedBox, crossline_analysis, height_offsets, joint_objects};
+use bathyscope::pipeline::joint::{crossline_analysis, height_offsets};
 use bathyscope::pipeline::{
     self, Derived, Mosaic, MosaicPlane, Placing, ProcessedLog, Settings, joint_depth_surface,
     mosaic_layout,

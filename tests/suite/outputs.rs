@@ -3,6 +3,7 @@
 use crate::cli::run;
 use crate::truth::KnownSurvey;
 use bathyscope::app::{App, Command, Jobs};
+use bathyscope::detection::objects::SurveyReview;
 use bathyscope::pipeline::{self, Derived, ProcessedLog, Settings};
 use bathyscope::products::outputs::{
     self, EarlierRun, OUTPUT_FILES, Order, OutputFile, Product, RunFolder, When, row_of,
@@ -161,7 +162,7 @@ fn written(survey: &Arc<Survey>, settings: &Settings, folder: &Path) -> Vec<(Str
         requested: &Product::ALL,
         reference: None,
         search: None,
-        reviews: &[],
+        review: &SurveyReview::default(),
         corrections: &[],
     };
     let run = RunFolder::begin(folder).expect("a folder");

@@ -2,6 +2,7 @@
 
 use crate::truth::KnownSurvey;
 use bathyscope::bottom::cloud::{ClassCounts, PointClass, PointSource};
+use bathyscope::detection::objects::SurveyReview;
 use bathyscope::pipeline::{self, Derived, Preset, ProcessedLog, Settings, joint_depth_points};
 use bathyscope::products::outputs::{self, Order, Product, RunFolder};
 use bathyscope::simulation::Scene;
@@ -91,7 +92,7 @@ fn every_file_counts_points_alike_and_weed_is_not_kept() {
         requested: &[Product::Cloud, Product::Depth, Product::Report],
         reference: None,
         search: None,
-        reviews: &[],
+        review: &SurveyReview::default(),
         corrections: &[],
     };
     let run = RunFolder::begin(&folder).expect("a folder");

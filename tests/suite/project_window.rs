@@ -9,7 +9,7 @@ use egui_kittest::kittest::Queryable as _;
 use sha2::{Digest as _, Sha256};
 use std::path::{Path, PathBuf};
 
-fn save_as(window: &mut Window, path: &Path) {
+pub fn save_as(window: &mut Window, path: &Path) {
     window
         .state_mut()
         .app
@@ -18,7 +18,7 @@ fn save_as(window: &mut Window, path: &Path) {
     assert_eq!(app(window).project_path(), Some(path));
 }
 
-fn open(path: &Path) -> Window {
+pub fn open(path: &Path) -> Window {
     let mut window = empty_window();
     drop_file(&mut window, path.to_owned());
     settle(&mut window);

@@ -99,12 +99,12 @@ impl App {
 
     /// Writes boxes, objects and training pictures of the visible logs into a folder.
     pub(in crate::app) fn export_boxes(&mut self, folder: PathBuf) {
-        let (logs, reviews) = (self.processed_logs(), self.reviews_of_shown());
+        let (logs, review) = (self.processed_logs(), self.survey_review());
         if logs.is_empty() {
             return;
         }
         self.write(move |progress| {
-            let written = write_boxes(&logs, &reviews, export::Part::Train, &folder, progress)
+            let written = write_boxes(&logs, &review, export::Part::Train, &folder, progress)
                 .map_err(|error| error.to_string())?;
             Ok(written.summary(&folder))
         });

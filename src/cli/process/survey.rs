@@ -4,7 +4,7 @@ use crate::bottom::bathymetry::compare::Matching;
 use crate::bottom::bathymetry::height_offsets::{Datum, LogOffset};
 use crate::bottom::bathymetry::position_offsets::Wanted;
 use crate::cli::status_line::StatusLine;
-use crate::cli::survey_logs::{OpenedLog, open_reference};
+use crate::cli::survey_logs::{OpenedLog, open_reference, survey_review};
 use crate::cli::{found, output};
 use crate::detection::Model;
 use crate::pipeline::joint::{LogPositions, RequestedCorrection, height_offsets, position_offsets};
@@ -66,7 +66,7 @@ impl How<'_> {
                 logs = adjusted(&logs, &status, &progress)?;
             }
         }
-        let reviews: Vec<_> = opened.iter().map(|log| log.review.clone()).collect();
+        let review = survey_review(opened);
         let max_gap_m = first.settings.surface.max_gap_m;
         let order = Order {
             logs: &logs,
@@ -75,7 +75,7 @@ impl How<'_> {
             reference: (reference.as_ref())
                 .map(|reference| (reference, Matching::Surface { max_gap_m })),
             search: self.model,
-            reviews: &reviews,
+            review: &review,
             corrections: &corrections,
         };
         let written = outputs::write(&order, run, &progress, |what| status.step(what))

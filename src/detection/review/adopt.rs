@@ -1,8 +1,8 @@
 //! A new model's detections beside decisions that are there.
 
-use super::{Review, Reviewed, State, held};
+use super::{BoxId, Review, Reviewed, State, held};
 use crate::detection::{Detection, Raster, Rect, class_index};
-use crate::survey::Side;
+use crate::survey::{Identity, Side};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -10,6 +10,28 @@ use std::sync::Arc;
 const SAME: f32 = 0.5;
 
 impl Review {
+    /// What a model found in a log that nobody has reviewed: proposals, numbered from `first`. `names` are the classes that its
+    /// indices mean.
+    pub fn of_found(
+        identity: Identity,
+        names: &[String],
+        first: u32,
+        found: &[Detection],
+    ) -> Review {
+        let boxes = (first..).zip(found).map(|(id, one)| {
+            Arc::new(Reviewed {
+                score: Some(one.score),
+                state: State::Proposed,
+                ..Reviewed::drawn(BoxId(id), one.mark.clone(), one.class)
+            })
+        });
+        Review {
+            boxes: boxes.collect(),
+            next_id: first + found.len() as u32,
+            ..Review::new(identity, names.to_vec())
+        }
+    }
+
     /// The review with `detections` for proposals. What the analyst accepted, rejected, added or corrected stays; a detection
     /// that overlaps such a box on its side (IoU of at least 0.5 in the raster's pixels) lends it its score instead of coming
     /// twice. Undecided boxes are replaced; one that the model sees again keeps its number. Class names that are new are

@@ -37,7 +37,7 @@ pub type PassLog<'a> = (&'a Survey, &'a Navigation);
 pub type LogPings = (usize, Range<usize>);
 
 /// How often an object was seen. It counts once a pass, in however many boxes, sides or logs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PassCount {
     /// Passes that saw it.
     pub seen: usize,

@@ -3,14 +3,12 @@
 //! Every log is processed by itself, with its own calibration and outliers; all of them lie in the frame of the first
 //! ([`crate::survey::Survey::in_frame`]), so what is joint puts their results together. `crossline` holds logs against each other where
 //! their tracks meet, and finds their height offsets, `corrections` says what became of those that were asked for, `comparison` holds them against each
-//! other by their points, `objects` makes one object of what several of them saw, `shapes` fits a solid to it, `report` sums them up.
+//! other by their points, `report` sums them up.
 
 mod comparison;
 mod corrections;
 mod crossline;
-mod objects;
 mod report;
-mod shapes;
 
 pub use comparison::compare_logs;
 pub use corrections::{FoundCorrection, RequestedCorrection};
@@ -18,6 +16,4 @@ pub use crossline::{
     CrosslineAnalysis, LogLatency, LogPositions, crossline_analysis, height_offsets, latencies,
     position_offsets, track_depths,
 };
-pub use objects::{JointObject, PlacedBox, joint_objects};
 pub use report::{LogReport, LogsReport, contradictions, joint_report};
-pub use shapes::object_shape;

@@ -70,8 +70,8 @@ pub use isobaths::{
 pub use las::LasPacking;
 pub use log_points::LogPoints;
 pub use objects::{
-    ObjectLog, ObjectPoint, ObjectRow, object_layers, objects_csv, objects_geojson, objects_gpkg,
-    objects_gpx, objects_kml, shapes_ply,
+    ObjectLog, ObjectRow, object_layers, objects_csv, objects_geojson, objects_gpkg, objects_gpx,
+    objects_kml, shapes_ply,
 };
 pub use picture_boxes::picture_boxes_csv;
 pub use plan::{PlanFormat, PlanFormatError, PlannedWay};

@@ -26,14 +26,16 @@ mod targets;
 pub use document::document;
 
 use crate::detection::Raster;
-use crate::detection::targets::{ObjectHeight, PassCount};
+use crate::detection::objects::ObjectList;
+use crate::detection::targets::PassCount;
 use crate::pipeline::joint::LogLatency;
 use crate::pipeline::{
     DepthMap, Isobaths, Mosaic, NamedComparison, ProcessedLog, Products, Report,
 };
 use crate::products::export::ObjectRow;
-use crate::support::geo::{LonLat, MapPlane};
+use crate::support::geo::MapPlane;
 use crate::survey::Survey;
+use std::collections::BTreeMap;
 
 /// What the report shows. Everything but the survey and its results may be missing; the report then says so.
 pub struct ReportData<'a> {
@@ -70,31 +72,16 @@ pub struct ReportData<'a> {
 /// The name of a file, and what it is.
 pub type FileLine = (&'static str, &'static str);
 
-/// An object by all its sightings.
-#[derive(Clone, Debug)]
-pub struct SeenObject {
-    /// The class that most speaks for.
-    pub class: String,
-    /// Mean of the places.
-    pub position: LonLat,
-    /// Standard deviation of that place, metres.
-    pub sigma_m: f64,
-    /// Height above the bottom.
-    pub height: ObjectHeight,
-    /// Passes of the boat that saw it, and that covered its place, over all logs.
-    pub passes: PassCount,
-    /// Logs that saw it.
-    pub logs: usize,
-}
-
 /// What lies there.
 pub struct Objects<'a> {
-    /// A line for each box.
-    pub rows: &'a [ObjectRow<'a>],
+    /// All boxes and objects.
+    pub list: &'a ObjectList,
+    /// A line for each box of a target.
+    pub rows: Vec<ObjectRow<'a>>,
     /// Where chips of each log are cut from; `None` of a log without boxes.
     pub rasters: &'a [Option<Raster>],
-    /// The objects that the boxes show, number 1 first.
-    pub seen: &'a [SeenObject],
+    /// Passes of the boat that saw each target, and that covered its place, by its number.
+    pub passes: &'a BTreeMap<u32, PassCount>,
     /// How they came about: `proposed by the detector, not reviewed`.
     pub origin: String,
 }

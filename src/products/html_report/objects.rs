@@ -1,14 +1,14 @@
 //! What lies there: marks on the maps, and a table with a picture of each.
 
 use super::frame::Frame;
-use super::{ReportData, SeenObject, raster};
+use super::{ReportData, raster};
+use crate::detection::objects::{ObjectBox, SurveyObject};
 use crate::detection::review::State;
 use crate::detection::targets::{ObjectHeight, PassCount, Target};
 use crate::products::export::{ObjectRow, chip};
 use crate::support::presentation::text::{decimal, plural, position, typeset_count};
 use crate::support::printable::xml;
 use crate::support::progress::{Cancelled, Progress};
-use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 /// Longest table; the files of the run list all.
@@ -16,62 +16,53 @@ const MOST_ROWS: usize = 60;
 /// Width of a picture in the table, pixels.
 const LISTED_WIDTH: usize = 220;
 
-/// All boxes.
+/// The boxes of targets, which are drawn and listed.
 pub fn rows<'a>(from: &'a ReportData<'_>) -> &'a [ObjectRow<'a>] {
     let objects = from.objects.as_ref();
-    objects.map_or(&[][..], |objects| objects.rows)
+    objects.map_or(&[][..], |objects| &objects.rows)
 }
 
-/// Whether nobody has decided about a box.
-pub fn is_undecided(row: &ObjectRow<'_>) -> bool {
-    row.state == State::Proposed.name()
+/// The boxes that nobody has decided about; none without a review, when they are the targets.
+pub fn undecided<'a>(from: &'a ReportData<'_>) -> impl Iterator<Item = &'a ObjectBox> {
+    let reviewed = (from.objects.as_ref()).filter(|objects| objects.list.is_reviewed());
+    let boxes = reviewed
+        .into_iter()
+        .flat_map(|objects| objects.list.boxes());
+    boxes.filter(|one| one.one.state == State::Proposed)
 }
 
 /// Whether somebody has decided about boxes; otherwise all of them are the detector's proposals.
 pub fn is_reviewed(from: &ReportData<'_>) -> bool {
-    !rows(from).iter().all(is_undecided)
+    (from.objects.as_ref()).is_some_and(|objects| objects.list.is_reviewed())
 }
 
-/// The boxes that are drawn and listed: of a review those that were accepted or added, for a proposal beside them would pass
-/// for an object that somebody has seen; without a review the proposals.
-fn shown<'a>(from: &'a ReportData<'_>) -> impl Iterator<Item = &'a ObjectRow<'a>> {
-    let objects = [State::Accepted, State::Added].map(State::name);
-    let is_reviewed = is_reviewed(from);
-    rows(from)
-        .iter()
-        .filter(move |row| !is_reviewed || objects.contains(&row.state))
+/// The targets, by number.
+pub fn targets<'a>(from: &'a ReportData<'_>) -> impl Iterator<Item = &'a SurveyObject> {
+    (from.objects.iter()).flat_map(|objects| objects.list.targets())
 }
 
-/// Objects that are listed; boxes where none has a number.
+/// Objects that are listed; boxes where none has a place.
 pub fn count(from: &ReportData<'_>) -> usize {
-    let distinct = shown(from).filter_map(|row| row.object).max();
-    distinct.unwrap_or_else(|| shown(from).count())
+    match targets(from).count() {
+        0 => rows(from).len(),
+        count => count,
+    }
 }
 
-/// A ring with its number at each object, in the middle of its sightings.
+/// A ring with its number at each target.
 pub fn marks(from: &ReportData<'_>, frame: &Frame) -> String {
     let mut drawn = String::from(
         "<g font-size=\"11\" fill=\"#111111\" paint-order=\"stroke\" stroke=\"#ffffff\" stroke-width=\"3\">\n",
     );
-    let mut places: BTreeMap<usize, Vec<[f64; 2]>> = BTreeMap::new();
-    for row in shown(from) {
-        if let (Some(target), Some(object)) = (&row.target, row.object) {
-            let place = from.map.place(target.position);
-            places.entry(object).or_default().push(place);
-        }
-    }
-    for (object, places) in places {
-        let mean = |axis: usize| {
-            let sum: f64 = places.iter().map(|place| place[axis]).sum();
-            sum / places.len() as f64
-        };
-        let [x, y] = frame.place([mean(0), mean(1)]);
+    for object in targets(from) {
+        let [x, y] = frame.place(from.map.place(object.position));
         // Writing to a string cannot fail.
         writeln!(
             drawn,
-            "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"5\" fill=\"none\" stroke=\"#d4006a\" stroke-width=\"1.8\"/><text x=\"{:.1}\" y=\"{:.1}\">{object}</text>",
+            "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"5\" fill=\"none\" stroke=\"#d4006a\" stroke-width=\"1.8\"/><text x=\"{:.1}\" y=\"{:.1}\">{}</text>",
             x + 7.0,
             y + 4.0,
+            object.number,
         )
         .ok();
     }
@@ -80,57 +71,55 @@ pub fn marks(from: &ReportData<'_>, frame: &Frame) -> String {
 
 /// The objects of several logs, one line each with the surest of its sightings.
 fn seen_table(from: &ReportData<'_>, progress: &Progress) -> Result<String, Cancelled> {
-    let seen = from
-        .objects
-        .as_ref()
-        .map_or(&[][..], |objects| objects.seen);
     let mut html = String::from(
         "<table><tr><th>object</th><th class=\"text\">picture</th><th class=\"text\">kind</th><th>confidence</th><th class=\"text\">state</th><th class=\"text\">seen</th><th class=\"text\">position</th><th>length, m</th><th>width, m</th><th>height, m</th><th class=\"text\">shape, m</th><th>depth there, m</th><th>position within, m</th><th class=\"text\">note</th></tr>\n",
     );
-    for (number, object) in (1..).zip(seen).take(MOST_ROWS) {
+    for object in targets(from).take(MOST_ROWS) {
         progress.check()?;
-        let sightings = shown(from).filter(|row| row.object == Some(number));
-        let sure = |row: &ObjectRow<'_>| row.score.unwrap_or(1.0);
+        let sightings = (rows(from).iter()).filter(|row| row.of.object == Some(object.number));
         let surest = sightings.max_by(|a, b| sure(a).total_cmp(&sure(b)));
         if let Some(row) = surest {
-            html += &seen_line(from, number, object, row);
+            html += &seen_line(from, object, row);
         }
     }
     Ok(html + "</table>\n")
 }
 
-fn seen_line(
-    from: &ReportData<'_>,
-    number: usize,
-    object: &SeenObject,
-    surest: &ObjectRow<'_>,
-) -> String {
+/// Who drew a box was sure.
+fn sure(row: &ObjectRow<'_>) -> f32 {
+    row.of.one.score.unwrap_or(1.0)
+}
+
+/// Passes that saw an object, and that covered its place.
+pub fn passes_of(from: &ReportData<'_>, object: &SurveyObject) -> PassCount {
+    let objects = from.objects.as_ref();
+    let counted = objects.and_then(|objects| objects.passes.get(&object.number));
+    counted.copied().unwrap_or_default()
+}
+
+fn seen_line(from: &ReportData<'_>, object: &SurveyObject, surest: &ObjectRow<'_>) -> String {
     let of_target = |value: fn(&Target) -> f64| {
-        let known = surest.target.as_ref().map(value);
+        let known = surest.of.target.as_ref().map(value);
         known.map_or_else(String::new, |metres| decimal(metres, 2))
     };
-    let SeenObject {
-        passes: PassCount { seen, covered },
-        height,
-        logs,
-        ..
-    } = object;
-    let of_passes = plural(*covered, "pass", "passes");
-    let in_logs = plural(*logs, "log", "logs");
+    let PassCount { seen, covered } = passes_of(from, object);
+    let (number, logs) = (object.number, object.logs().len());
+    let of_passes = plural(covered, "pass", "passes");
+    let in_logs = plural(logs, "log", "logs");
     format!(
         "<tr><td>{number}</td><td class=\"text\">{}</td><td class=\"text\">{}</td><td>{}</td><td class=\"text\">{}</td><td class=\"text\">{seen} of {of_passes}, in {in_logs}</td><td class=\"text\">{}</td><td>{}</td><td>{}</td><td>{}</td><td class=\"text\">{}</td><td>{}</td><td>{}</td><td class=\"text\">{}</td></tr>\n",
-        picture(from, surest, LISTED_WIDTH),
-        xml(&object.class),
-        (surest.score).map_or(String::new(), |score| format!("{score:.2}")),
-        surest.state,
+        picture(from, surest.of, LISTED_WIDTH),
+        xml(&object.joint.class),
+        (surest.of.one.score).map_or(String::new(), |score| format!("{score:.2}")),
+        surest.of.one.state.name(),
         position(object.position),
         of_target(|target| target.length_m),
         of_target(|target| target.width_m),
-        height_cell(*height),
+        height_cell(object.joint.height),
         shape(surest),
         of_target(|target| target.depth_m),
-        decimal(object.sigma_m, 2),
-        xml(surest.note),
+        decimal(object.joint.sigma_m, 2),
+        xml(&surest.of.one.note),
     )
 }
 
@@ -146,10 +135,9 @@ fn height_cell(height: ObjectHeight) -> String {
 /// The height of the object that a box shows; of a box without an object its own.
 fn height_of(from: &ReportData<'_>, row: &ObjectRow<'_>) -> ObjectHeight {
     let objects = from.objects.as_ref();
-    let object = objects.and_then(|objects| objects.seen.get(row.object?.checked_sub(1)?));
-    match object {
-        Some(object) => object.height,
-        None => ObjectHeight::of(row.target.iter()),
+    match objects.and_then(|objects| objects.list.object(row.of.object?)) {
+        Some(object) => object.joint.height,
+        None => ObjectHeight::of(row.of.target.iter()),
     }
 }
 
@@ -158,9 +146,9 @@ pub fn section(from: &ReportData<'_>, progress: &Progress) -> Result<String, Can
     let Some(objects) = &from.objects else {
         return Ok(String::new());
     };
-    let count = shown(from).count();
+    let (count, distinct) = (objects.rows.len(), targets(from).count());
     let mut html = format!("<h2>Objects</h2>\n<p>{}. ", xml(&objects.origin));
-    html += &left_out(from);
+    html += &not_listed(from);
     if count == 0 {
         let none = match is_reviewed(from) {
             true => "None was accepted.",
@@ -168,10 +156,10 @@ pub fn section(from: &ReportData<'_>, progress: &Progress) -> Result<String, Can
         };
         return Ok(html + none + "</p>\n");
     }
-    if from.logs.len() > 1 && !objects.seen.is_empty() {
+    if from.logs.len() > 1 && distinct > 0 {
         let boxes = typeset_count(count);
-        let seen = plural(objects.seen.len(), "object", "objects");
-        let listed = match objects.seen.len() > MOST_ROWS {
+        let seen = plural(distinct, "object", "objects");
+        let listed = match distinct > MOST_ROWS {
             true => format!(" The first {MOST_ROWS} are listed; the files of this run hold all."),
             false => String::new(),
         };
@@ -183,22 +171,20 @@ pub fn section(from: &ReportData<'_>, progress: &Progress) -> Result<String, Can
         .ok();
         return Ok(html + &seen_table(from, progress)?);
     }
-    let mut rows: Vec<&ObjectRow<'_>> = shown(from).collect();
+    let mut rows: Vec<&ObjectRow<'_>> = objects.rows.iter().collect();
     // Sightings of one object beside each other, the surest first; what has no place in the world last.
-    let order = |row: &&ObjectRow<'_>| (row.object.unwrap_or(usize::MAX), row.id);
+    let order = |row: &ObjectRow<'_>| (row.of.object.unwrap_or(u32::MAX), row.of.one.id.0);
     rows.sort_by(|a, b| {
-        let sure = |row: &ObjectRow<'_>| row.score.unwrap_or(1.0);
         (order(a).0.cmp(&order(b).0))
             .then(sure(b).total_cmp(&sure(a)))
             .then(order(a).1.cmp(&order(b).1))
     });
-    let distinct = rows.iter().filter_map(|row| row.object).max();
     let seen = match distinct {
-        Some(distinct) if distinct < count => format!(
+        0 => format!("{count} boxes."),
+        distinct if distinct < count => format!(
             "{count} boxes on {distinct} objects: one that several lines passed is listed for each of its sightings."
         ),
-        Some(_) => format!("{count} objects."),
-        None => format!("{count} boxes."),
+        _ => format!("{count} objects."),
     };
     let listed = match count > MOST_ROWS {
         true => format!(" The first {MOST_ROWS} are listed; the files of this run hold all."),
@@ -218,28 +204,26 @@ pub fn section(from: &ReportData<'_>, progress: &Progress) -> Result<String, Can
 }
 
 /// What a review leaves undecided, in a sentence; empty where that is nothing, or everything.
-fn left_out(from: &ReportData<'_>) -> String {
-    match rows(from).iter().filter(|row| is_undecided(row)).count() {
-        1 if is_reviewed(from) => "One proposal is undecided and not listed. ".to_owned(),
-        undecided if undecided > 1 && is_reviewed(from) => {
-            format!("{undecided} proposals are undecided and not listed. ")
-        }
-        _ => String::new(),
+fn not_listed(from: &ReportData<'_>) -> String {
+    match undecided(from).count() {
+        0 => String::new(),
+        1 => "One proposal is undecided and not listed. ".to_owned(),
+        undecided => format!("{undecided} proposals are undecided and not listed. "),
     }
 }
 
 /// What is seen in a box, as an image of so many pixels at most; empty where its log has no pictures.
-pub fn picture(from: &ReportData<'_>, row: &ObjectRow<'_>, width: usize) -> String {
+pub fn picture(from: &ReportData<'_>, of: &ObjectBox, width: usize) -> String {
     let rasters = from.objects.as_ref().map(|objects| objects.rasters);
-    let raster = rasters.and_then(|rasters| rasters.get(row.log)?.as_ref());
-    let (Some(raster), Some(log)) = (raster, from.logs.get(row.log)) else {
+    let raster = rasters.and_then(|rasters| rasters.get(of.log)?.as_ref());
+    let (Some(raster), Some(log)) = (raster, from.logs.get(of.log)) else {
         return String::new();
     };
-    let chip = chip(&log.survey, raster, row.mark);
+    let chip = chip(&log.survey, raster, &of.one.mark);
     format!(
         "<img alt=\"{} {}\" width=\"{}\" src=\"{}\">",
-        xml(row.class),
-        row.id,
+        xml(&of.class),
+        of.one.id.0,
         shown_width(chip.width, chip.height, width),
         raster::grey(&chip.levels, chip.width, chip.height)
     )
@@ -256,7 +240,7 @@ fn shown_width(width: usize, height: usize, room: usize) -> usize {
 
 /// `block, 0.99 x 0.75`; empty where no shape fits.
 fn shape(row: &ObjectRow<'_>) -> String {
-    row.shape.as_ref().map_or_else(String::new, |shape| {
+    row.shape.map_or_else(String::new, |shape| {
         let solid = &shape.posed.solid;
         let sizes = [solid.length_m, solid.width_m];
         let sizes = sizes.map(|size_m| decimal(size_m, 2)).join(" x ");
@@ -269,8 +253,9 @@ const SHAPES: &str =
     "A shape is the solid whose echo and shadow lie best over the picture: inferred, not measured.";
 
 fn line(from: &ReportData<'_>, row: &ObjectRow<'_>) -> String {
-    let picture = picture(from, row, LISTED_WIDTH);
-    let at = row.target.as_ref().map_or_else(
+    let picture = picture(from, row.of, LISTED_WIDTH);
+    let (of, one) = (row.of, &row.of.one);
+    let at = of.target.as_ref().map_or_else(
         || {
             "<td class=\"text\">unknown</td><td></td><td></td><td></td><td></td><td></td><td></td>"
                 .to_owned()
@@ -292,13 +277,11 @@ fn line(from: &ReportData<'_>, row: &ObjectRow<'_>) -> String {
     );
     format!(
         "<tr><td>{}</td><td class=\"text\">{picture}</td><td class=\"text\">{}</td><td>{}</td><td class=\"text\">{}</td><td>{}</td>{at}<td class=\"text\">{}</td></tr>\n",
-        row.id,
-        xml(row.class),
-        row.score
-            .map_or(String::new(), |score| format!("{score:.2}")),
-        row.state,
-        row.object
-            .map_or(String::new(), |object| object.to_string()),
-        xml(row.note),
+        one.id.0,
+        xml(&of.class),
+        (one.score).map_or(String::new(), |score| format!("{score:.2}")),
+        one.state.name(),
+        (of.object).map_or(String::new(), |object| object.to_string()),
+        xml(&one.note),
     )
 }

@@ -1,10 +1,11 @@
 //! A section for each target: its picture, where it lies, how large it is, and how its height is known.
 
-use super::objects::{is_reviewed, is_undecided, picture, rows};
-use super::{ReportData, SeenObject};
+use super::ReportData;
+use super::objects::{is_reviewed, passes_of, picture, rows, targets, undecided};
 use crate::detection::ObjectExtent;
+use crate::detection::objects::{ObjectBox, SurveyObject};
+use crate::detection::review::Confidence;
 use crate::detection::targets::{ObjectHeight, Target};
-use crate::products::export::ObjectRow;
 use crate::support::presentation::text::{NONE, plural, position};
 use crate::support::presentation::units::Units;
 use crate::support::printable::xml;
@@ -22,16 +23,12 @@ pub fn section(from: &ReportData<'_>, progress: &Progress) -> Result<String, Can
     let is_reviewed = is_reviewed(from);
     let mut shown: Vec<Shown<'_>> = Vec::new();
     if is_reviewed || with_proposals {
-        let seen = (from.objects.as_ref()).map_or(&[][..], |objects| objects.seen);
-        shown.extend((1..).zip(seen).filter_map(|(number, object)| {
-            let sightings = rows(from).iter().filter(|row| row.object == Some(number));
-            Shown::new(number, object, sightings.collect())
-        }));
+        shown.extend(targets(from).filter_map(|object| Shown::new(from, object)));
     }
     // Without a review the proposals are the objects already.
-    let mut proposals: Vec<&ObjectRow<'_>> = Vec::new();
-    if is_reviewed && with_proposals {
-        proposals.extend(rows(from).iter().filter(|row| is_undecided(row)));
+    let mut proposals: Vec<&ObjectBox> = Vec::new();
+    if with_proposals {
+        proposals.extend(undecided(from));
     }
     let count = shown.len() + proposals.len();
     if count == 0 {
@@ -50,42 +47,35 @@ pub fn section(from: &ReportData<'_>, progress: &Progress) -> Result<String, Can
         progress.check()?;
         html += &of_object(from, one);
     }
-    for row in proposals.iter().take(MOST.saturating_sub(shown.len())) {
+    for one in proposals.iter().take(MOST.saturating_sub(shown.len())) {
         progress.check()?;
-        html += &of_proposal(from, row);
+        html += &of_proposal(from, one);
     }
     Ok(html)
 }
 
-/// An object with the boxes that show it.
+/// A target with the boxes that show it.
 struct Shown<'a> {
-    number: usize,
-    object: &'a SeenObject,
+    object: &'a SurveyObject,
     /// The one that tells its size best first.
-    sightings: Vec<&'a ObjectRow<'a>>,
+    sightings: Vec<&'a ObjectBox>,
 }
 
 impl<'a> Shown<'a> {
-    fn new(
-        number: usize,
-        object: &'a SeenObject,
-        mut sightings: Vec<&'a ObjectRow<'a>>,
-    ) -> Option<Self> {
-        let rank = |row: &ObjectRow<'_>| {
-            let target = row.target.as_ref();
-            let is_drawn =
-                target.is_some_and(|target| matches!(target.extent, ObjectExtent::Drawn { .. }));
-            (is_drawn, row.score.unwrap_or(1.0))
+    fn new(from: &'a ReportData<'_>, object: &'a SurveyObject) -> Option<Self> {
+        let boxes = rows(from).iter().map(|row| row.of);
+        let mut sightings: Vec<&ObjectBox> = boxes
+            .filter(|of| of.object == Some(object.number))
+            .collect();
+        let rank = |of: &ObjectBox| {
+            let is_drawn = matches!(of.one.extent, ObjectExtent::Drawn { .. });
+            (is_drawn, of.one.score.unwrap_or(1.0))
         };
         sightings.sort_by(|a, b| {
             let (a, b) = (rank(a), rank(b));
             b.0.cmp(&a.0).then(b.1.total_cmp(&a.1))
         });
-        (!sightings.is_empty()).then_some(Self {
-            number,
-            object,
-            sightings,
-        })
+        (!sightings.is_empty()).then_some(Self { object, sightings })
     }
 }
 
@@ -103,30 +93,26 @@ impl Facts {
 }
 
 fn of_object(from: &ReportData<'_>, shown: &Shown<'_>) -> String {
-    let Shown {
-        number,
-        object,
-        sightings,
-    } = shown;
-    let best = sightings[0];
-    let named = sightings.iter().find(|row| !row.name.is_empty());
-    let class = xml(&object.class);
-    let title = match named {
-        Some(row) => format!("{number}. {} ({class})", xml(row.name)),
-        None => format!("{number}. {class}"),
+    let Shown { object, sightings } = shown;
+    let (best, number) = (sightings[0], object.number);
+    let class = xml(&object.joint.class);
+    let title = match object.summary.name.as_str() {
+        "" => format!("{number}. {class}"),
+        name => format!("{number}. {} ({class})", xml(name)),
     };
     let mut facts = Facts::default();
     facts.add("Class", &class);
     facts.add("Position", &position(object.position));
-    facts.add("Within", &Units::default().measure(object.sigma_m, 2));
+    facts.add("Within", &Units::default().measure(object.joint.sigma_m, 2));
     if let Some(target) = &best.target {
-        sizes(&mut facts, target, object.height);
+        sizes(&mut facts, target, object.joint.height);
     }
+    let passes = passes_of(from, object);
     let seen = format!(
         "{} of {}, in {}",
-        object.passes.seen,
-        plural(object.passes.covered, "pass", "passes"),
-        plural(object.logs, "log", "logs")
+        passes.seen,
+        plural(passes.covered, "pass", "passes"),
+        plural(object.logs().len(), "log", "logs")
     );
     facts.add("Seen", &seen);
     decided(&mut facts, sightings);
@@ -134,27 +120,20 @@ fn of_object(from: &ReportData<'_>, shown: &Shown<'_>) -> String {
     card(from, &title, best, &facts)
 }
 
-fn of_proposal(from: &ReportData<'_>, row: &ObjectRow<'_>) -> String {
-    let class = xml(row.class);
+fn of_proposal(from: &ReportData<'_>, of: &ObjectBox) -> String {
+    let class = xml(&of.class);
     let mut facts = Facts::default();
     facts.add("Class", &class);
-    if let Some(target) = &row.target {
+    if let Some(target) = &of.target {
         facts.add("Position", &position(target.position));
         facts.add("Within", &Units::default().measure(target.sigma_m, 2));
-        sizes(
-            &mut facts,
-            target,
-            ObjectHeight::of(std::iter::once(target)),
-        );
+        let height = ObjectHeight::of(std::iter::once(target));
+        sizes(&mut facts, target, height);
     }
-    decided(&mut facts, &[row]);
-    of_box(from, &mut facts, row);
-    card(
-        from,
-        &format!("Proposal: {class}, box {}", row.id),
-        row,
-        &facts,
-    )
+    decided(&mut facts, &[of]);
+    of_box(from, &mut facts, of);
+    let title = format!("Proposal: {class}, box {}", of.one.id.0);
+    card(from, &title, of, &facts)
 }
 
 /// Length and width of a sighting, the height of its object, the shadow in the sighting, and the depth there.
@@ -198,44 +177,47 @@ fn shadow(target: &Target) -> String {
 }
 
 /// What the analyst and the detector say of it.
-fn decided(facts: &mut Facts, sightings: &[&ObjectRow<'_>]) {
-    facts.add("State", sightings[0].state);
-    let sure = sightings.iter().find(|row| !row.confidence.is_empty());
-    facts.add("Confidence", sure.map_or("", |row| row.confidence));
-    let scores = sightings.iter().filter_map(|row| row.score);
-    if let Some(score) = scores.max_by(f32::total_cmp) {
+fn decided(facts: &mut Facts, sightings: &[&ObjectBox]) {
+    let boxes = || sightings.iter().map(|of| &of.one);
+    facts.add("State", sightings[0].one.state.name());
+    let confidence = boxes().filter_map(|one| one.confidence).max();
+    facts.add("Confidence", confidence.map_or("", Confidence::name));
+    if let Some(score) = boxes().filter_map(|one| one.score).max_by(f32::total_cmp) {
         facts.add("Score of the detector", &format!("{score:.2}"));
     }
-    let notes = sightings.iter().filter(|row| !row.note.is_empty());
-    let notes: Vec<String> = notes.map(|row| xml(row.note)).collect();
+    let notes = boxes().filter(|one| !one.note.is_empty());
+    let notes: Vec<String> = notes.map(|one| xml(&one.note)).collect();
     facts.add("Remarks", &notes.join("; "));
 }
 
 /// Which box the picture and the size are of.
-fn of_box(from: &ReportData<'_>, facts: &mut Facts, row: &ObjectRow<'_>) {
-    let log = match from.names.get(row.log) {
+fn of_box(from: &ReportData<'_>, facts: &mut Facts, of: &ObjectBox) {
+    let log = match from.names.get(of.log) {
         Some(name) if from.logs.len() > 1 => format!("{}, ", xml(name)),
         _ => String::new(),
     };
-    let (first, last) = (row.mark.pings.start, row.mark.pings.end.saturating_sub(1));
+    let (first, last) = (
+        of.one.mark.pings.start,
+        of.one.mark.pings.end.saturating_sub(1),
+    );
     let pings = match first < last {
         true => format!("pings {first} to {last}"),
         false => format!("ping {first}"),
     };
-    let side = row.mark.side.name();
+    let side = of.one.mark.side.name();
     facts.add(
         "Picture",
         &format!(
             "{log}box {}, {side}, {pings}; the boat is to the left",
-            row.id
+            of.one.id.0
         ),
     );
 }
 
-fn card(from: &ReportData<'_>, title: &str, row: &ObjectRow<'_>, facts: &Facts) -> String {
+fn card(from: &ReportData<'_>, title: &str, of: &ObjectBox, facts: &Facts) -> String {
     format!(
         "<section class=\"target\"><h3>{title}</h3><div><figure>{}</figure><dl>{}</dl></div></section>\n",
-        picture(from, row, PICTURE_WIDTH),
+        picture(from, of, PICTURE_WIDTH),
         facts.0
     )
 }

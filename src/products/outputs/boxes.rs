@@ -1,18 +1,19 @@
 //! Writes what was decided about boxes: where the objects lie, for maps and plotters, and pictures with labels, for training.
 
 use super::logs::{log_names, survey_name};
-use super::objects::ObjectRows;
+use super::objects::{all_rows, find_shapes, target_rows};
 use super::training_tiles::TrainingTiles;
 use crate::detection::Raster;
+use crate::detection::objects::{LogReview, ObjectList, SurveyObject, SurveyReview};
 use crate::detection::review::{PIXEL_M, Review, ReviewedTile};
 use crate::pipeline::ProcessedLog;
+use crate::pipeline::list_objects;
 use crate::products::export::{self, ObjectLog, Part};
 use crate::products::outputs::OutputError;
 use crate::support::progress::Progress;
 use std::fs;
 use std::io::Write as _;
 use std::path::Path;
-use std::sync::Arc;
 
 /// Folder of the pictures for training.
 const DATASET: &str = "dataset";
@@ -52,9 +53,9 @@ struct LogBoxes<'a> {
     tiles: Vec<ReviewedTile>,
 }
 
-/// Writes the boxes of the logs of a survey into `folder`, which is made when it is missing; `reviews` has what was decided about each log,
-/// if anything. `objects.csv` and `objects.geojson` have every box with its state, `objects.gpkg` the accepted and added ones, `objects.kml` and `objects.gpx` a point for
-/// each object that those show, `shapes.ply` the solids that those are like; sightings of one object in whatever log have its number. Beside them lie the review itself, and `dataset/` with a picture around
+/// Writes the boxes of the logs of a survey into `folder`, which is made when it is missing; `review` has what was decided about each log,
+/// if anything. `objects.csv` and `objects.geojson` have every box with its state, `objects.gpkg` those of targets ([`ObjectList::is_target`]), `objects.kml` and `objects.gpx` a point for
+/// each target, `shapes.ply` the solids that those are like; sightings of one object in whatever log have its number. Beside them lie the review itself, and `dataset/` with a picture around
 /// each decided box and its labels as YOLO, COCO and Pascal VOC, in the layout that detectors are trained on
 /// ([`export::DatasetFolder`]); a whole log is one part of it, for its pictures overlap. A picture in which all was rejected has no
 /// label: a hard negative. Undecided boxes are marked as to be neither found nor missed (COCO `iscrowd`, VOC `difficult`).
@@ -65,14 +66,14 @@ struct LogBoxes<'a> {
 /// A sentence that names the file, or says that no log has boxes. A cancelled run leaves whole files only.
 pub fn write_boxes(
     logs: &[ProcessedLog],
-    reviews: &[Option<Arc<Review>>],
+    review: &SurveyReview,
     part: Part,
     folder: &Path,
     progress: &Progress,
 ) -> Result<BoxesWritten, OutputError> {
     let of_log = |(index, (log, review))| {
-        let (log, review): (&ProcessedLog, &Option<Arc<Review>>) = (log, review);
-        let review = review.as_deref()?;
+        let (log, review): (&ProcessedLog, &Option<LogReview>) = (log, review);
+        let review = &*review.as_ref()?.review;
         let raster = Raster::new(&log.survey, &log.products.navigation, PIXEL_M);
         let tiles = review.tiles(&raster);
         Some(LogBoxes {
@@ -83,7 +84,7 @@ pub fn write_boxes(
             tiles,
         })
     };
-    let boxes: Vec<LogBoxes<'_>> = (logs.iter().zip(reviews).enumerate())
+    let boxes: Vec<LogBoxes<'_>> = (logs.iter().zip(&review.logs).enumerate())
         .filter_map(of_log)
         .collect();
     if boxes.is_empty() {
@@ -92,18 +93,11 @@ pub fn write_boxes(
     let work = |one: &LogBoxes<'_>| (one.review.boxes().len() + one.tiles.len()) as u64;
     progress.start(boxes.iter().map(work).sum());
     make(folder)?;
-    let mut all = ObjectRows::default();
-    for one in &boxes {
-        all.add_reviewed(one.index, one.log, one.review, progress)?;
-    }
-    all.group();
-    let shapes = all.find_shapes(logs, progress)?;
-    all.set_shapes(&shapes);
+    let list = list_objects(logs, review, progress)?;
     let names = log_names(logs);
-    let boxes_written = all.rows.len();
-    tables(logs, &names, all, folder)?;
+    tables(logs, &names, &list, folder, progress)?;
     let mut written = BoxesWritten {
-        boxes: boxes_written,
+        boxes: list.boxes().len(),
         pictures: 0,
         negatives: 0,
     };
@@ -134,24 +128,28 @@ pub fn write_boxes(
 fn tables(
     logs: &[ProcessedLog],
     names: &[String],
-    mut all: ObjectRows<'_>,
+    list: &ObjectList,
     folder: &Path,
-) -> Result<(), export::ExportError> {
+    progress: &Progress,
+) -> Result<(), OutputError> {
     let named: Vec<ObjectLog<'_>> = (names.iter().zip(logs))
         .map(|(name, log)| ObjectLog {
             name,
             survey: &log.survey,
         })
         .collect();
-    export::objects_csv(&folder.join("objects.csv"), &named, &all.rows)?;
-    export::objects_geojson(&folder.join("objects.geojson"), &named, &all.rows)?;
-    all.retain_decided();
-    let points = all.points(logs);
+    let shapes = find_shapes(list, logs, progress)?;
+    let rows = all_rows(list, &shapes, logs);
+    export::objects_csv(&folder.join("objects.csv"), &named, &rows)?;
+    export::objects_geojson(&folder.join("objects.geojson"), &named, &rows)?;
+    let targets: Vec<&SurveyObject> = list.targets().collect();
     let title = survey_name(names);
-    export::objects_kml(&folder.join("objects.kml"), &title, &points)?;
-    export::objects_gpx(&folder.join("objects.gpx"), &points)?;
-    export::objects_gpkg(&folder.join("objects.gpkg"), &named, &all.rows)?;
-    export::shapes_ply(&folder.join("shapes.ply"), &all.rows).map(|_| ())
+    export::objects_kml(&folder.join("objects.kml"), &title, &targets)?;
+    export::objects_gpx(&folder.join("objects.gpx"), &targets)?;
+    let rows = target_rows(list, &shapes, logs);
+    export::objects_gpkg(&folder.join("objects.gpkg"), &named, &rows)?;
+    export::shapes_ply(&folder.join("shapes.ply"), &rows)?;
+    Ok(())
 }
 
 /// A log's name as that of a file: the name of a recording is that of its own file, but for a log out of memory.

@@ -1,11 +1,12 @@
 //! What a search for objects proposes: `detections.*` and `chips`, with a run or into a folder that may hold the files of one.
 
 use super::manifest::{Coordinates, FileContent};
-use super::objects::ObjectRows;
+use super::objects::all_rows;
 use super::registry::{When, row_of, row_of_beside};
 use super::results::Results;
 use super::run_folder::{Replaced, RunFolder};
 use super::write::{Order, write_rows};
+use crate::detection::objects::{SurveyObject, SurveyReview};
 use crate::detection::{
     Detection, DetectorSettings, Model, Picture, Raster, Scored, find_in_picture,
 };
@@ -29,13 +30,17 @@ pub struct Proposed {
 impl Proposed {
     /// What the search of a run found; `None` where none searched.
     pub(super) fn of(results: &Results<'_>) -> Result<Option<Self>, OutputError> {
-        let Some((all, found)) = found_rows(results)?.zip(results.found()?) else {
+        let Some((list, found)) = results.found_objects()?.zip(results.found()?) else {
             return Ok(None);
         };
         Ok(Some(Self {
             boxes: found.concat(),
-            objects: all.objects.len(),
-            unplaced: all.rows.iter().filter(|row| row.object.is_none()).count(),
+            objects: list.objects().len(),
+            unplaced: list
+                .boxes()
+                .iter()
+                .filter(|one| one.object.is_none())
+                .count(),
         }))
     }
 }
@@ -56,7 +61,7 @@ pub fn write_detected(
         requested: &[],
         reference: None,
         search: Some(model),
-        reviews: &[],
+        review: &SurveyReview::default(),
         corrections: &[],
     };
     let mut results = Results::new(&order, progress)?;
@@ -97,37 +102,27 @@ fn is_of_search(name: &str) -> bool {
 
 /// Writes `detections.csv`.
 pub fn csv(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
-    let rows = found_rows(results)?.unwrap_or_default().rows;
-    let placed = placed_in(&rows);
-    let summary = Summary {
-        count: rows.len(),
-        ..placed
-    };
-    let logs = results.object_logs();
-    content(summary, export::objects_csv(path, &logs, &rows))
+    let (list, shapes) = results.shaped_found()?;
+    objects_csv(results, path, &all_rows(list, shapes, results.order.logs))
 }
 
 /// Writes `detections.geojson`.
 pub fn geojson(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
-    let rows = found_rows(results)?.unwrap_or_default().rows;
-    let logs = results.object_logs();
-    content(
-        placed_in(&rows),
-        export::objects_geojson(path, &logs, &rows),
-    )
+    let (list, shapes) = results.shaped_found()?;
+    objects_geojson(results, path, &all_rows(list, shapes, results.order.logs))
 }
 
 /// Writes `detections.gpx`.
 pub fn gpx(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
-    let found = found_rows(results)?.unwrap_or_default();
-    let points = found.points(results.order.logs);
-    in_degrees(export::objects_gpx(path, &points))
+    let (list, _) = results.shaped_found()?;
+    let objects: Vec<&SurveyObject> = list.objects().iter().collect();
+    in_degrees(export::objects_gpx(path, &objects))
 }
 
 /// Writes `shapes.ply`.
 pub fn shapes(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
-    let rows = found_rows(results)?.unwrap_or_default().rows;
-    let summary = export::shapes_ply(path, &rows)?;
+    let (list, shapes) = results.shaped_found()?;
+    let summary = export::shapes_ply(path, &all_rows(list, shapes, results.order.logs))?;
     let origin = Coordinates::Local(results.survey.track.frame.origin());
     Ok(FileContent::new(origin, summary))
 }
@@ -156,57 +151,36 @@ pub(super) fn in_degrees(
     Ok(FileContent::new(Coordinates::Degrees, summary))
 }
 
-pub(super) fn content(
-    summary: Summary,
-    written: Result<(), ExportError>,
+/// Writes boxes as a table.
+pub(super) fn objects_csv(
+    results: &Results<'_>,
+    path: &Path,
+    rows: &[ObjectRow<'_>],
 ) -> Result<FileContent, OutputError> {
-    written
-        .map(|()| FileContent::new(Coordinates::Degrees, summary))
-        .map_err(OutputError::from)
+    let summary = Summary {
+        count: rows.len(),
+        ..placed_in(rows)
+    };
+    export::objects_csv(path, &results.object_logs(), rows)?;
+    Ok(FileContent::new(Coordinates::Degrees, summary))
+}
+
+/// Writes boxes as points.
+pub(super) fn objects_geojson(
+    results: &Results<'_>,
+    path: &Path,
+    rows: &[ObjectRow<'_>],
+) -> Result<FileContent, OutputError> {
+    export::objects_geojson(path, &results.object_logs(), rows)?;
+    Ok(FileContent::new(Coordinates::Degrees, placed_in(rows)))
 }
 
 /// The places of the boxes, counted.
-pub(super) fn placed_in(rows: &[ObjectRow<'_>]) -> Summary {
+fn placed_in(rows: &[ObjectRow<'_>]) -> Summary {
     let mut summary = Summary::default();
-    for target in rows.iter().filter_map(|row| row.target.as_ref()) {
+    for target in rows.iter().filter_map(|row| row.of.target.as_ref()) {
         let at = target.position;
         summary.add([at.lon_deg, at.lat_deg], f64::NAN);
     }
     summary
-}
-
-/// Of each log the boxes that were decided about, or else those that a search found, as objects; `None` where nobody looked.
-pub fn known_rows<'a>(results: &'a Results<'_>) -> Result<Option<ObjectRows<'a>>, OutputError> {
-    let order = results.order;
-    let model = order.search.filter(|_| order.asks_for(When::Searched));
-    let found = model.zip(results.found()?);
-    let mut all = ObjectRows::default();
-    let mut is_known = false;
-    for (index, log) in order.logs.iter().enumerate() {
-        match (order.review(index), found) {
-            (Some(review), _) => all.add_reviewed(index, log, review, results.progress)?,
-            (None, Some((model, found))) => {
-                all.add_found(index, log, model.names(), &found[index]);
-            }
-            (None, None) => continue,
-        }
-        is_known = true;
-    }
-    all.group();
-    Ok(is_known.then_some(all))
-}
-
-/// The boxes that a model found in all logs; `None` where none searched.
-pub fn found_rows<'a>(results: &'a Results<'_>) -> Result<Option<ObjectRows<'a>>, OutputError> {
-    let Some((model, found)) = results.order.search.zip(results.found()?) else {
-        return Ok(None);
-    };
-    let mut all = ObjectRows::default();
-    for ((index, log), found) in results.order.logs.iter().enumerate().zip(found) {
-        all.add_found(index, log, model.names(), found);
-    }
-    all.group();
-    let shapes = results.found_shapes(&all)?;
-    all.set_shapes(shapes);
-    Ok(Some(all))
 }

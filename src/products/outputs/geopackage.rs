@@ -1,10 +1,9 @@
 //! All lines, areas and objects of a survey in one file.
 
 use super::depth::contours::Drawn;
-use super::detections::known_rows;
 use super::manifest::{Coordinates, FileContent};
+use super::objects::target_rows;
 use super::results::{Need, Results};
-use crate::detection::review::State;
 use crate::products::export::{self, Placed};
 use crate::products::outputs::OutputError;
 use crate::support::presentation::colours::depth_colour;
@@ -50,9 +49,9 @@ pub fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputEr
         ));
     }
     layers.push(export::track_layer(&placed, results.track()));
-    if let Some(known) = known_rows(results)? {
-        let mut rows = known.rows;
-        rows.retain(|row| row.state != State::Rejected.name());
+    if results.objects()?.is_some() {
+        let (list, shapes) = results.shaped_objects()?;
+        let rows = target_rows(list, shapes, results.order.logs);
         let position = |at| placed.position(at);
         let [points, outlines] = export::object_layers(&results.object_logs(), &rows, position);
         layers.extend([outlines, points]);

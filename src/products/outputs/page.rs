@@ -1,19 +1,18 @@
 //! `report.html`: what was made, on one page.
 
-use super::detections::known_rows;
-use super::objects::{ObjectRows, pass_log};
+use super::objects::{Shapes, target_rows};
 use super::registry::When;
 use super::results::Results;
 use super::write::Run;
 use crate::detection::Raster;
+use crate::detection::objects::{ObjectList, SurveyObject};
 use crate::detection::review::{PIXEL_M, Review, State};
-use crate::detection::targets::PassLog;
-use crate::pipeline::Crosslines;
-use crate::pipeline::joint::JointObject;
+use crate::detection::targets::{PassCount, PassLog};
+use crate::pipeline::{Crosslines, ProcessedLog};
 use crate::products::export::write_aside;
-use crate::products::html_report::{self, FileLine, Objects, ReportData, SeenObject};
+use crate::products::html_report::{self, FileLine, Objects, ReportData};
 use crate::products::outputs::OutputError;
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::path::Path;
 
@@ -23,9 +22,10 @@ pub fn write(run: &mut Run<'_>, path: &Path) -> Result<(), OutputError> {
     let (products, order) = (results.products, results.order);
     let boxes = Boxes::of(results)?;
     let objects = boxes.as_ref().map(|boxes| Objects {
-        rows: &boxes.all.rows,
+        list: boxes.list,
+        rows: target_rows(boxes.list, boxes.shapes, order.logs),
         rasters: &boxes.rasters,
-        seen: &boxes.seen,
+        passes: &boxes.passes,
         origin: boxes.origin.clone(),
     });
     let mut comparisons = results.comparisons()?.to_vec();
@@ -58,26 +58,29 @@ pub fn write(run: &mut Run<'_>, path: &Path) -> Result<(), OutputError> {
 
 /// The boxes of all logs, as the page shows them.
 struct Boxes<'a> {
-    all: ObjectRows<'a>,
+    list: &'a ObjectList,
+    shapes: &'a Shapes,
     /// Of each log that has boxes, what its pictures are cut from.
     rasters: Vec<Option<Raster>>,
-    seen: Vec<SeenObject>,
+    /// Passes of the boat that saw each target, and that covered its place.
+    passes: BTreeMap<u32, PassCount>,
     origin: String,
 }
 
 impl<'a> Boxes<'a> {
-    /// Of each log those that were decided about, or else those that a search found; `None` where nobody looked.
+    /// Those of the list of objects; `None` where nobody looked.
     fn of(results: &'a Results<'_>) -> Result<Option<Self>, OutputError> {
         let order = results.order;
         let model = order.search.filter(|_| order.asks_for(When::Searched));
-        let Some(mut all) = known_rows(results)? else {
+        if results.objects()?.is_none() {
             return Ok(None);
-        };
+        }
+        let (list, shapes) = results.shaped_objects()?;
         let mut rasters = Vec::with_capacity(order.logs.len());
         let mut reviews: Vec<(&str, &Review)> = Vec::new();
         for (index, log) in order.logs.iter().enumerate() {
             let raster = |pixel_m| Raster::new(&log.survey, &log.products.navigation, pixel_m);
-            rasters.push(match (order.review(index), model) {
+            rasters.push(match (order.review.log(index), model) {
                 (Some(review), _) => {
                     reviews.push((&results.names[index], review));
                     Some(raster(PIXEL_M))
@@ -86,37 +89,15 @@ impl<'a> Boxes<'a> {
                 (None, None) => None,
             });
         }
-        let shapes = match reviews.is_empty() {
-            // The same boxes as in the tables of the search.
-            true => results.found_shapes(&all)?.clone(),
-            false => all.find_shapes(order.logs, results.progress)?,
-        };
-        all.set_shapes(&shapes);
-        let seen = all.objects.iter().map(|object| seen(results, &all, object));
+        let pass_logs: Vec<PassLog<'_>> = order.logs.iter().map(ProcessedLog::pass_log).collect();
+        let passes = |object: &SurveyObject| (object.number, object.joint.passes(&pass_logs));
         Ok(Some(Self {
-            seen: seen.collect(),
+            passes: list.targets().map(passes).collect(),
             origin: origin(&reviews, order.logs.len(), model.is_some()),
-            all,
+            list,
+            shapes,
             rasters,
         }))
-    }
-}
-
-/// What is known of an object from all its sightings.
-fn seen(results: &Results<'_>, all: &ObjectRows<'_>, object: &JointObject) -> SeenObject {
-    let track = &results.survey.track;
-    let pass_logs: Vec<PassLog<'_>> = results.order.logs.iter().map(pass_log).collect();
-    let [east_m, north_m] = object.place_m;
-    let logs: BTreeSet<usize> = (object.members.iter())
-        .map(|member| all.rows[*member].log)
-        .collect();
-    SeenObject {
-        class: object.class.clone(),
-        position: (results.products.navigation).to_lon_lat(track, east_m, north_m),
-        sigma_m: object.sigma_m,
-        height: object.height,
-        passes: object.passes(&pass_logs),
-        logs: logs.len(),
     }
 }
 

@@ -4,13 +4,16 @@ use super::Product;
 use super::depth::tiles::MapTiles;
 use super::logs::{log_names, log_points, survey_name};
 use super::mosaic::grid;
-use super::objects::{ObjectRows, Shapes, is_left_out};
+use super::objects::{Shapes, find_shapes, is_left_out};
 use super::registry::When;
 use super::track::Ground;
 use super::write::Order;
 use crate::bottom::bathymetry::{DepthPoint, FromLevels, Surface, spot_radius_m, spot_soundings};
+use crate::detection::objects::{LogId, LogReview, ObjectList, SurveyReview};
+use crate::detection::review::Review;
 use crate::detection::{Detection, find};
 use crate::imagery::mosaic::{Layout, footprint};
+use crate::pipeline::list_objects;
 use crate::pipeline::{
     Agreement, Bottom, BottomColour, Contours, Crosslines, DepthMap, Input, Isobaths, Mosaic,
     MosaicPlane, NamedComparison, Plane, ProcessedLog, Products, comparisons, crosslines,
@@ -20,7 +23,7 @@ use crate::products::export::{self, LogPoints, ObjectLog, TrackPiece};
 use crate::products::outputs::OutputError;
 use crate::support::geo::LonLat;
 use crate::support::progress::Progress;
-use crate::survey::Survey;
+use crate::survey::{Identity, Survey};
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
@@ -80,7 +83,10 @@ pub(super) struct Results<'a> {
     agreement: OnceLock<Option<Agreement>>,
     reference_inputs: OnceLock<Vec<Input>>,
     found: OnceLock<Vec<Vec<Detection>>>,
+    found_objects: OnceLock<ObjectList>,
     found_shapes: OnceLock<Shapes>,
+    objects: OnceLock<ObjectList>,
+    shapes: OnceLock<Shapes>,
 }
 
 /// What is in the cell, made when it is empty.
@@ -122,7 +128,10 @@ impl<'a> Results<'a> {
             agreement: OnceLock::new(),
             reference_inputs: OnceLock::new(),
             found: OnceLock::new(),
+            found_objects: OnceLock::new(),
             found_shapes: OnceLock::new(),
+            objects: OnceLock::new(),
+            shapes: OnceLock::new(),
         })
     }
 
@@ -194,7 +203,7 @@ impl<'a> Results<'a> {
                 Err(why) => told(&why),
                 Ok(_) => None,
             },
-            Need::Targets if !self.has_targets() => silent(),
+            Need::Targets if !self.order.review.has_targets() => silent(),
             Need::Reference if self.order.reference.is_none() => silent(),
             Need::PlainLas
             | Need::Track
@@ -230,11 +239,6 @@ impl<'a> Results<'a> {
 
     fn has_soundings(&self) -> bool {
         self.logs().any(|(survey, _)| !survey.soundings.is_empty())
-    }
-
-    fn has_targets(&self) -> bool {
-        let mut boxes = (self.order.reviews.iter().flatten()).flat_map(|review| review.boxes());
-        boxes.any(|one| one.state.is_object())
     }
 
     /// What the survey is called: by its log, or by all of them.
@@ -422,12 +426,85 @@ impl<'a> Results<'a> {
         made.map(|found| Some(found.as_slice()))
     }
 
-    /// The shapes of the objects that a search found, given in its rows.
-    pub fn found_shapes(&self, found: &ObjectRows<'_>) -> Result<&Shapes, OutputError> {
-        once(&self.found_shapes, || {
-            let made = found.find_shapes(self.order.logs, self.progress);
-            made.map_err(OutputError::from)
-        })
+    /// What a search found in each log, as a review in which nothing is decided; numbers of boxes go on from log to log.
+    fn found_review(&self, is_asked: impl Fn(usize) -> bool) -> Result<SurveyReview, OutputError> {
+        let mut review = self.order.review.clone();
+        review.logs.resize(self.order.logs.len(), None);
+        let Some((model, found)) = self.order.search.zip(self.found()?) else {
+            return Ok(review);
+        };
+        let mut first = 1;
+        for (index, found) in found.iter().enumerate() {
+            if is_asked(index) {
+                let identity = Identity::of(&self.order.logs[index].survey);
+                let proposals = Review::of_found(identity, model.names(), first, found);
+                review.logs[index] = Some(LogReview {
+                    log: LogId(index as u64),
+                    review: Arc::new(proposals),
+                    threshold: 0.0,
+                });
+            }
+            first += found.len() as u32;
+        }
+        Ok(review)
+    }
+
+    /// What a search found in all logs, as objects; `None` where none searched.
+    pub fn found_objects(&self) -> Result<Option<&ObjectList>, OutputError> {
+        if self.found()?.is_none() {
+            return Ok(None);
+        }
+        let made = once(&self.found_objects, || {
+            let review = self.found_review(|_| true)?;
+            Ok(list_objects(self.order.logs, &review, self.progress)?)
+        });
+        made.map(Some)
+    }
+
+    /// The same with their shapes.
+    ///
+    /// # Errors
+    /// When none searched, too.
+    pub fn shaped_found(&self) -> Result<(&ObjectList, &Shapes), OutputError> {
+        let list = self.found_objects()?;
+        let list = list.ok_or("nothing searched for objects")?;
+        let shapes = once(&self.found_shapes, || self.shapes_of(list))?;
+        Ok((list, shapes))
+    }
+
+    /// The objects of the survey: of each log those that were decided about, or else those that a search found; `None` where nobody
+    /// looked.
+    pub fn objects(&self) -> Result<Option<&ObjectList>, OutputError> {
+        let is_searched = self.order.asks_for(When::Searched);
+        match (self.order.review.has_boxes(), is_searched) {
+            (false, false) => return Ok(None),
+            (false, true) => return self.found_objects(),
+            (true, _) => {}
+        }
+        let made = once(&self.objects, || {
+            let review =
+                self.found_review(|log| is_searched && self.order.review.log(log).is_none())?;
+            Ok(list_objects(self.order.logs, &review, self.progress)?)
+        });
+        made.map(Some)
+    }
+
+    /// The same with their shapes.
+    ///
+    /// # Errors
+    /// When nobody looked, too.
+    pub fn shaped_objects(&self) -> Result<(&ObjectList, &Shapes), OutputError> {
+        if !self.order.review.has_boxes() {
+            return self.shaped_found();
+        }
+        let list = self.objects()?;
+        let list = list.ok_or("nobody has looked for objects")?;
+        let shapes = once(&self.shapes, || self.shapes_of(list))?;
+        Ok((list, shapes))
+    }
+
+    fn shapes_of(&self, list: &ObjectList) -> Result<Shapes, OutputError> {
+        Ok(find_shapes(list, self.order.logs, self.progress)?)
     }
 
     /// The logs as tables of boxes name them.

@@ -9,7 +9,7 @@ use super::results::{Missing, Need, Results};
 use super::run_folder::{Replaced, RunFolder};
 use crate::bottom::bathymetry::compare::Matching;
 use crate::detection::Model;
-use crate::detection::review::Review;
+use crate::detection::objects::SurveyReview;
 use crate::pipeline::joint::{RequestedCorrection, joint_report};
 use crate::pipeline::{Derived, Fingerprint, ProcessedLog, Reference, Report};
 use crate::products::outputs::OutputError;
@@ -31,18 +31,13 @@ pub struct Order<'a> {
     pub reference: Option<(&'a Arc<Reference>, Matching)>,
     /// What searches for objects: they are written as `detections.*` and `chips`.
     pub search: Option<&'a Model>,
-    /// Boxes of each log that were found before and decided about, or nothing: the report shows them, before those of a search.
-    pub reviews: &'a [Option<Arc<Review>>],
+    /// Boxes of each log that were found before and decided about: the report shows them, before those of a search.
+    pub review: &'a SurveyReview,
     /// What became of corrections of positions and heights that were asked for: the report says it.
     pub corrections: &'a [RequestedCorrection],
 }
 
 impl Order<'_> {
-    /// What was decided about the boxes of a log.
-    pub(super) fn review(&self, log: usize) -> Option<&Review> {
-        self.reviews.get(log)?.as_deref()
-    }
-
     /// Whether files that are written at such a time are to be written.
     pub(super) fn asks_for(&self, when: When) -> bool {
         match when {

@@ -9,7 +9,7 @@ use super::{
     value_of,
 };
 use crate::detection::NAMELESS_CLASS;
-use crate::detection::review::{BoxRow, Review, ReviewRows, SearchRow};
+use crate::detection::review::{BoxId, BoxRow, Review, ReviewRows, SearchRow};
 use crate::pipeline::settings::renamed;
 use crate::pipeline::{LogSettings, SettingValues, Settings, from_values, is_setting};
 use crate::sonar::first_return::{BottomEdit, BottomSettings};
@@ -263,7 +263,9 @@ impl Reading<'_> {
             swapped_sides: log.settings.swaps_sides(shared),
             ..log.file.identity()
         };
-        log.review = Arc::new(self.review(key, &lines, &of)?);
+        let (review, numbers) = self.review(key, &lines, &of)?;
+        log.review = Arc::new(review);
+        log.object_numbers = Arc::new(numbers);
         Ok(log)
     }
 
@@ -391,7 +393,7 @@ impl Reading<'_> {
         key: &str,
         lines: &LogLines,
         of: &Identity,
-    ) -> Result<Review, ProjectError> {
+    ) -> Result<(Review, BTreeMap<BoxId, u32>), ProjectError> {
         #[derive(serde::Deserialize)]
         struct Stretch {
             model: String,
@@ -408,20 +410,24 @@ impl Reading<'_> {
             let pings = [parts[0].parse().unwrap_or(usize::MAX), end];
             rows.searched.push(SearchRow { model, pings });
         }
-        let mut line_of = BTreeMap::new();
+        let (mut line_of, mut numbers) = (BTreeMap::new(), BTreeMap::new());
         for (parts, row) in &lines.boxes {
             let key = Key::new(["log", key, "box", &parts[0]]);
             let mut fields: Table = self.fields(&key, row, &BOX_FIELDS)?;
             let number: u32 = parts[0].parse().unwrap_or(u32::MAX);
             fields.insert("id".to_owned(), Value::Integer(number.into()));
+            if let Some(object) = fields.remove("object") {
+                numbers.insert(BoxId(number), into(object, row.line)?);
+            }
             let one: BoxRow = into(Value::Table(fields), row.line)?;
             line_of.insert(one.id, row.line);
             rows.boxes.push(one);
         }
-        Review::from_rows(rows, of).map_err(|error| {
+        let review = Review::from_rows(rows, of).map_err(|error| {
             let line = error.id.and_then(|id| line_of.get(&id));
             ProjectError::line(*line.unwrap_or(&lines.line), error.to_string())
-        })
+        })?;
+        Ok((review, numbers))
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::support::Moments;
 use bathyscope::bottom::bathymetry::Surface;
 use bathyscope::bottom::planning::{Plan, PlanSettings, plan};
+use bathyscope::detection::objects::ObjectList;
 use bathyscope::formats;
 use bathyscope::pipeline::{self, ProcessedLog, Settings, joint_depth_surface, surveyed};
 use bathyscope::simulation::{
@@ -228,9 +229,13 @@ fn sail(index: u64) -> Outcome {
     let progress = Progress::new();
     let (first, truth) = processed(&pond.scene(pond.corners.clone(), None), 10 * index, None);
     let frame = first.survey.track.frame.clone();
-    let known = surveyed(std::slice::from_ref(&first), Vec::new(), &progress)
-        .expect("nobody cancels")
-        .expect("a log");
+    let known = surveyed(
+        std::slice::from_ref(&first),
+        &ObjectList::default(),
+        &progress,
+    )
+    .expect("nobody cancels")
+    .expect("a log");
     let asked = PlanSettings {
         minutes: MINUTES,
         turn_radius_m: RADIUS_M,

@@ -1,7 +1,7 @@
 //! `objects.csv`: one line a box.
 
 use super::{ObjectLog, ObjectRow, log_name};
-use crate::detection::targets::FittedShape;
+use crate::detection::targets::{FittedShape, Target};
 use crate::products::export::{ExportError, write_aside};
 use crate::survey::Survey;
 use std::io::{BufWriter, Write as _};
@@ -57,7 +57,7 @@ pub fn objects_csv(
         let mut table = csv::Writer::from_writer(BufWriter::new(out));
         table.write_record(column.into_iter().chain(HEADER))?;
         for row in rows {
-            let (Some(log), Some(file)) = (logs.get(row.log), files.get(row.log)) else {
+            let (Some(log), Some(file)) = (logs.get(row.of.log), files.get(row.of.log)) else {
                 continue;
             };
             let name = log_name(logs, row).map(plain);
@@ -73,29 +73,30 @@ pub fn objects_csv(
 }
 
 fn record(row: &ObjectRow<'_>, file: &str, survey: &Survey) -> [String; 30] {
-    let samples = row.mark.samples(survey);
-    let target = row.target.as_ref();
+    let (of, one) = (row.of, &row.of.one);
+    let samples = one.mark.samples(survey);
+    let target = of.target.as_ref();
     let number = |value: f64, decimals: usize| match value.is_finite() {
         true => format!("{value:.decimals$}"),
         false => String::new(),
     };
-    let of_target = |value: fn(&super::Target) -> f64, decimals| {
+    let of_target = |value: fn(&Target) -> f64, decimals| {
         target.map_or_else(String::new, |target| number(value(target), decimals))
     };
-    let shape = row.shape.as_deref();
+    let shape = row.shape;
     let of_shape = |value: fn(&FittedShape) -> f64, decimals| {
         shape.map_or_else(String::new, |shape| number(value(shape), decimals))
     };
     [
-        row.id.to_string(),
+        one.id.0.to_string(),
         plain(file),
-        plain(row.class),
-        row.score
+        plain(&of.class),
+        one.score
             .map_or_else(String::new, |score| format!("{score:.4}")),
-        row.state.to_owned(),
-        row.mark.side.name().to_owned(),
-        row.mark.pings.start.to_string(),
-        row.mark.pings.end.to_string(),
+        one.state.name().to_owned(),
+        one.mark.side.name().to_owned(),
+        one.mark.pings.start.to_string(),
+        one.mark.pings.end.to_string(),
         samples.start.to_string(),
         samples.end.to_string(),
         of_target(|target| target.position.lon_deg, 8),
@@ -108,11 +109,11 @@ fn record(row: &ObjectRow<'_>, file: &str, survey: &Survey) -> [String; 30] {
         of_target(|target| target.depth_m, 3),
         of_target(|target| target.sigma_m, 3),
         of_target(|target| target.height_sigma_m, 3),
-        row.object
+        of.object
             .map_or_else(String::new, |object| object.to_string()),
-        plain(row.note),
-        plain(row.name),
-        row.confidence.to_owned(),
+        plain(&one.note),
+        plain(&one.name),
+        row.confidence().to_owned(),
         shape.map_or_else(String::new, |shape| {
             shape.posed.solid.kind.name().to_owned()
         }),

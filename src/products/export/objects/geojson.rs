@@ -29,32 +29,33 @@ pub fn objects_geojson(
 }
 
 fn feature(row: &ObjectRow<'_>, log: Option<&str>) -> Option<Value> {
-    let target = row.target.as_ref()?;
-    let solid = row.shape.as_ref().map(|shape| shape.posed.solid);
+    let (of, one) = (row.of, &row.of.one);
+    let target = of.target.as_ref()?;
+    let solid = row.shape.map(|shape| shape.posed.solid);
     let mut feature = json!({
         "type": "Feature",
-        "id": row.id,
+        "id": one.id.0,
         "geometry": {
             "type": "Point",
             "coordinates": [target.position.lon_deg, target.position.lat_deg],
         },
         "properties": {
-            "class": row.class,
-            "score": row.score.map(round),
-            "state": row.state,
-            "side": row.mark.side.name(),
-            "ping_from": row.mark.pings.start,
-            "ping_to": row.mark.pings.end,
+            "class": &of.class,
+            "score": one.score.map(round),
+            "state": one.state.name(),
+            "side": one.mark.side.name(),
+            "ping_from": one.mark.pings.start,
+            "ping_to": one.mark.pings.end,
             "length_m": metres(target.length_m),
             "width_m": metres(target.width_m),
             "height_m": metres(target.height_m),
             "depth_m": metres(target.depth_m),
             "sigma_m": metres(target.sigma_m),
             "height_sigma_m": metres(target.height_sigma_m),
-            "object": row.object,
-            "name": row.name,
-            "confidence": row.confidence,
-            "note": row.note,
+            "object": of.object,
+            "name": &one.name,
+            "confidence": row.confidence(),
+            "note": &one.note,
             "shape": solid.map(|solid| solid.kind.name()),
             "shape_length_m": solid.and_then(|solid| metres(solid.length_m)),
             "shape_width_m": solid.and_then(|solid| metres(solid.width_m)),
@@ -63,7 +64,7 @@ fn feature(row: &ObjectRow<'_>, log: Option<&str>) -> Option<Value> {
     });
     if let Some(log) = log {
         // Each log numbers its own boxes.
-        feature["id"] = json!(format!("{log} {}", row.id));
+        feature["id"] = json!(format!("{log} {}", one.id.0));
         feature["properties"]["log"] = json!(log);
     }
     Some(feature)

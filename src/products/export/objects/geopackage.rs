@@ -3,9 +3,9 @@
 use super::{ObjectLog, ObjectRow, log_name};
 use crate::detection::targets::Target;
 use crate::products::export::ExportError;
-use crate::products::export::geopackage::{Geometry, Layer, geopackage, text};
+use crate::products::export::geopackage::{Geometry, Layer, geopackage};
 use crate::products::export::qgis_vector::{target_outline_style, target_style};
-use crate::products::export::sqlite::Value;
+use crate::products::export::sqlite::{Value, count, text};
 use crate::support::geo::{Crs, LonLat};
 use std::path::Path;
 
@@ -42,7 +42,7 @@ pub fn object_layers(
     rows: &[ObjectRow<'_>],
     place: impl Fn(LonLat) -> [f64; 2],
 ) -> [Layer; 2] {
-    let placed = || (rows.iter()).filter_map(|row| Some((row, row.target.as_ref()?)));
+    let placed = || (rows.iter()).filter_map(|row| Some((row, row.of.target.as_ref()?)));
     let values = |row, target| attributes(row, target, log_name(logs, row));
     let points = placed().map(|(row, target)| {
         let at = Geometry::Point(place(target.position));
@@ -77,31 +77,33 @@ pub fn object_layers(
 
 /// What is known of a box, column by column.
 fn attributes(row: &ObjectRow<'_>, target: &Target, log: Option<&str>) -> Vec<Value> {
+    let (of, one) = (row.of, &row.of.one);
     let or_nothing = |said: &str| match said.is_empty() {
         true => Value::Null,
         false => text(said),
     };
     vec![
         log.map_or(Value::Null, text),
-        Value::Integer(row.id.into()),
-        row.object.map_or(Value::Null, Value::count),
-        or_nothing(row.name),
-        text(row.class),
-        text(row.state),
-        or_nothing(row.confidence),
-        row.score.map_or(Value::Null, |score| {
+        Value::Integer(one.id.0.into()),
+        of.object
+            .map_or(Value::Null, |number| Value::Integer(number.into())),
+        or_nothing(&one.name),
+        text(&of.class),
+        text(one.state.name()),
+        or_nothing(row.confidence()),
+        one.score.map_or(Value::Null, |score| {
             // To four decimals, as in the other tables.
             Value::Real((f64::from(score) * 1e4).round() / 1e4)
         }),
-        or_nothing(row.note),
+        or_nothing(&one.note),
         Value::Real(target.length_m),
         Value::Real(target.width_m),
         Value::Real(target.height_m),
         Value::Real(target.height_sigma_m),
         Value::Real(target.depth_m),
         Value::Real(target.sigma_m),
-        text(row.mark.side.name()),
-        Value::count(row.mark.pings.start),
-        Value::count(row.mark.pings.end),
+        text(one.mark.side.name()),
+        count(one.mark.pings.start),
+        count(one.mark.pings.end),
     ]
 }

@@ -1,7 +1,7 @@
 //! `objects.gpx` (GPX 1.1): a waypoint for each object, as plotters read it.
 
-use super::ObjectPoint;
-use super::object_point::titles;
+use super::describe::{description, titles};
+use crate::detection::objects::SurveyObject;
 use crate::products::export::{ExportError, Summary, write_aside};
 use crate::support::printable::xml;
 use std::fmt::Write as _;
@@ -12,17 +12,17 @@ use std::path::Path;
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn objects_gpx(path: &Path, points: &[ObjectPoint]) -> Result<Summary, ExportError> {
+pub fn objects_gpx(path: &Path, objects: &[&SurveyObject]) -> Result<Summary, ExportError> {
     let mut text = String::from(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<gpx version=\"1.1\" creator=\"Bathyscope\" xmlns=\"http://www.topografix.com/GPX/1/1\">\n",
     );
     let mut summary = Summary::default();
-    for (point, title) in points.iter().zip(titles(points)) {
-        let at = point.position;
+    for (object, title) in objects.iter().zip(titles(objects)) {
+        let at = object.position;
         summary.add([at.lon_deg, at.lat_deg], f64::NAN);
-        let remarks = match point.note.is_empty() {
+        let remarks = match object.summary.notes.is_empty() {
             true => String::new(),
-            false => format!("<cmt>{}</cmt>", xml(&point.note)),
+            false => format!("<cmt>{}</cmt>", xml(&object.summary.notes)),
         };
         // Writing to a string does not fail.
         writeln!(
@@ -31,8 +31,8 @@ pub fn objects_gpx(path: &Path, points: &[ObjectPoint]) -> Result<Summary, Expor
             at.lat_deg,
             at.lon_deg,
             xml(&title),
-            xml(&point.description()),
-            xml(&point.class),
+            xml(&description(object)),
+            xml(&object.joint.class),
         )
         .ok();
     }

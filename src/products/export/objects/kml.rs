@@ -1,7 +1,7 @@
 //! `objects.kml` (KML 2.2): a placemark for each object.
 
-use super::ObjectPoint;
-use super::object_point::titles;
+use super::describe::{description, titles};
+use crate::detection::objects::SurveyObject;
 use crate::products::export::{ExportError, Summary, write_aside};
 use crate::support::printable::xml;
 use std::fmt::Write as _;
@@ -15,22 +15,22 @@ use std::path::Path;
 pub fn objects_kml(
     path: &Path,
     name: &str,
-    points: &[ObjectPoint],
+    objects: &[&SurveyObject],
 ) -> Result<Summary, ExportError> {
     let mut text = format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<kml xmlns=\"http://www.opengis.net/kml/2.2\">\n<Document>\n<name>{}</name>\n",
         xml(name)
     );
     let mut summary = Summary::default();
-    for (point, title) in points.iter().zip(titles(points)) {
-        let at = point.position;
+    for (object, title) in objects.iter().zip(titles(objects)) {
+        let at = object.position;
         summary.add([at.lon_deg, at.lat_deg], f64::NAN);
         // Writing to a string does not fail.
         writeln!(
             text,
             "<Placemark><name>{}</name><description>{}</description><Point><coordinates>{:.8},{:.8}</coordinates></Point></Placemark>",
             xml(&title),
-            xml(&point.description()),
+            xml(&description(object)),
             at.lon_deg,
             at.lat_deg,
         )

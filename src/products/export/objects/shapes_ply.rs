@@ -71,10 +71,10 @@ impl Body {
 /// # Errors
 /// When the file cannot be written.
 pub fn shapes_ply(path: &Path, rows: &[ObjectRow<'_>]) -> Result<Summary, ExportError> {
-    let shapes: BTreeMap<usize, &FittedShape> = (rows.iter())
-        .filter_map(|row| Some((row.object?, row.shape.as_deref()?)))
+    let shapes: BTreeMap<u32, &FittedShape> = (rows.iter())
+        .filter_map(|row| Some((row.of.object?, row.shape?)))
         .collect();
-    let bodies: Vec<(usize, Body)> = (shapes.iter())
+    let bodies: Vec<(u32, Body)> = (shapes.iter())
         .map(|(number, shape)| (*number, Body::new(shape)))
         .collect();
     write_aside(path, |file| {

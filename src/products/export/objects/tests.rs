@@ -1,8 +1,14 @@
 use super::*;
-use crate::detection::targets::{PosedSolid, ShapeKind, Solid};
+use crate::detection::Mark;
+use crate::detection::objects::{
+    LogBox, LogId, ObjectSummary, PlacedBox, SurveyObject, joint_objects,
+};
+use crate::detection::review::{BoxId, Reviewed, State};
+use crate::detection::targets::{GroupSettings, PosedSolid, ShapeKind, Solid, Target};
 use crate::support::geo::LonLat;
 use crate::survey::{Side, Survey};
 use std::fs;
+use std::sync::Arc;
 
 fn mark() -> Mark {
     Mark {
@@ -43,32 +49,53 @@ fn target(mark: &Mark) -> Target {
 }
 
 /// One box with a place, one without.
-fn rows(mark: &Mark) -> Vec<ObjectRow<'_>> {
-    let one = ObjectRow {
-        log: 0,
-        id: 7,
-        class: "tyre <old>",
+fn boxes() -> [ObjectBox; 2] {
+    let note = "=cmd & \"two\", \u{1}see\nbelow".to_owned();
+    let one = Reviewed {
         score: Some(0.875),
-        state: "accepted",
-        mark,
-        target: Some(target(mark)),
-        outline: None,
-        object: Some(1),
-        shape: None,
-        note: "=cmd & \"two\", \u{1}see\nbelow",
-        name: "",
-        confidence: "",
+        state: State::Accepted,
+        note,
+        ..Reviewed::drawn(BoxId(7), mark(), 0)
     };
-    let lost = ObjectRow {
-        id: 8,
+    let lost = Reviewed {
         score: None,
-        target: None,
-        object: None,
-        shape: None,
-        note: "",
+        note: String::new(),
         ..one.clone()
     };
-    vec![one, lost]
+    let boxed = |one: Reviewed, id, target, object| ObjectBox {
+        log: 0,
+        key: LogBox {
+            log: LogId(0),
+            id: BoxId(id),
+        },
+        one: Arc::new(Reviewed {
+            id: BoxId(id),
+            ..one
+        }),
+        class: "tyre <old>".to_owned(),
+        target,
+        object,
+    };
+    [
+        boxed(one, 7, Some(target(&mark())), Some(1)),
+        boxed(lost, 8, None, None),
+    ]
+}
+
+/// The same box, changed.
+fn changed(of: &ObjectBox, change: impl FnOnce(&mut Reviewed)) -> ObjectBox {
+    let mut of = of.clone();
+    change(Arc::make_mut(&mut of.one));
+    of
+}
+
+fn rows(boxes: &[ObjectBox]) -> Vec<ObjectRow<'_>> {
+    let row = |of| ObjectRow {
+        of,
+        outline: None,
+        shape: None,
+    };
+    boxes.iter().map(row).collect()
 }
 
 /// Two logs of one recording.
@@ -87,8 +114,8 @@ fn written(
 
 #[test]
 fn the_table_has_a_line_a_box_and_empty_fields_for_what_is_not_known() {
-    let (mark, survey) = (mark(), Survey::default());
-    let text = written(|path| objects_csv(path, &logs(&survey)[..1], &rows(&mark)));
+    let (boxes, survey) = (boxes(), Survey::default());
+    let text = written(|path| objects_csv(path, &logs(&survey)[..1], &rows(&boxes)));
     let mut table = csv::Reader::from_reader(text.as_bytes());
     assert_eq!(&table.headers().unwrap()[17], "depth_m");
     let lines: Vec<csv::StringRecord> = table.records().map(Result::unwrap).collect();
@@ -111,8 +138,8 @@ fn the_table_has_a_line_a_box_and_empty_fields_for_what_is_not_known() {
 
 #[test]
 fn geojson_has_a_point_for_each_box_with_a_place() {
-    let (mark, survey) = (mark(), Survey::default());
-    let text = written(|path| objects_geojson(path, &logs(&survey)[..1], &rows(&mark)));
+    let (boxes, survey) = (boxes(), Survey::default());
+    let text = written(|path| objects_geojson(path, &logs(&survey)[..1], &rows(&boxes)));
     let read: serde_json::Value = serde_json::from_str(&text).unwrap();
     let features = read["features"].as_array().unwrap();
     assert_eq!(features.len(), 1);
@@ -123,42 +150,44 @@ fn geojson_has_a_point_for_each_box_with_a_place() {
 }
 
 /// The object that some boxes show, number 3.
-fn point(boxes: &[&ObjectRow<'_>]) -> ObjectPoint {
-    ObjectPoint {
+fn object(boxes: &[ObjectBox]) -> SurveyObject {
+    let placed = boxes.iter().map(|of| PlacedBox {
+        log: of.log,
+        class: &of.class,
+        score: of.one.score,
+        target: of.target.as_ref().expect("a place"),
+    });
+    let placed: Vec<PlacedBox<'_>> = placed.collect();
+    let mut joint = joint_objects(&placed, &GroupSettings::default());
+    let shown = boxes.iter().zip(&placed);
+    SurveyObject {
+        number: 3,
+        boxes: boxes.iter().map(|of| of.key).collect(),
+        position: placed[0].target.position,
+        joint: joint.remove(0),
         sightings: 2,
-        ..ObjectPoint::new(3, boxes).expect("boxes")
+        summary: ObjectSummary::of(shown.map(|(of, placed)| (&*of.one, placed.target))),
     }
 }
 
 #[test]
 fn an_object_is_one_waypoint_with_name_class_and_remarks_of_all_its_boxes() {
-    let (mark, elsewhere) = (
-        mark(),
-        super::Mark {
-            pings: 400..410,
-            ..mark()
-        },
-    );
-    let first = ObjectRow {
-        note: "",
-        ..rows(&mark)[0].clone()
-    };
-    let second = ObjectRow {
-        name: "Anna",
-        score: Some(0.5),
-        target: Some(Target {
-            height_m: 0.5,
-            height_sigma_m: 0.25,
-            sailed_m: 300.0,
-            ..target(&elsewhere)
-        }),
-        ..rows(&mark)[0].clone()
-    };
-    let named = point(&[&first, &second]);
-    let gpx = written(|path| objects_gpx(path, &[named.clone(), named.clone()]).map(|_| ()));
+    let [one, _] = boxes();
+    let first = changed(&one, |one| one.note.clear());
+    let mut second = changed(&one, |one| {
+        one.name = "Anna".to_owned();
+        one.score = Some(0.5);
+    });
+    second.target = Some(Target {
+        height_m: 0.5,
+        height_sigma_m: 0.25,
+        ..target(&mark())
+    });
+    let named = object(&[first, second]);
+    let gpx = written(|path| objects_gpx(path, &[&named, &named]).map(|_| ()));
     assert_eq!(gpx.matches("<wpt ").count(), 2);
     assert_eq!(gpx.matches("<name>Anna 3</name>").count(), 2, "told apart");
-    let gpx = written(|path| objects_gpx(path, &[named]).map(|_| ()));
+    let gpx = written(|path| objects_gpx(path, &[&named]).map(|_| ()));
     assert!(gpx.contains("<name>Anna</name><cmt>=cmd &amp;"), "{gpx}");
     assert!(gpx.contains("<type>tyre &lt;old&gt;</type>"));
     assert!(gpx.contains("height 0.50 ± 0.25 m"), "{gpx}");
@@ -167,10 +196,10 @@ fn an_object_is_one_waypoint_with_name_class_and_remarks_of_all_its_boxes() {
 
 #[test]
 fn markup_in_names_and_notes_is_escaped() {
-    let mark = mark();
-    let points = [point(&[&rows(&mark)[0]])];
-    let kml = written(|path| objects_kml(path, "a & b", &points).map(|_| ()));
-    let gpx = written(|path| objects_gpx(path, &points).map(|_| ()));
+    let [one, _] = boxes();
+    let object = object(&[one]);
+    let kml = written(|path| objects_kml(path, "a & b", &[&object]).map(|_| ()));
+    let gpx = written(|path| objects_gpx(path, &[&object]).map(|_| ()));
     for text in [&kml, &gpx] {
         assert!(text.contains("<name>tyre &lt;old&gt; 3</name>"), "{text}");
         assert!(text.contains("=cmd &amp; &quot;two&quot;, see\nbelow"));
@@ -183,13 +212,13 @@ fn markup_in_names_and_notes_is_escaped() {
 
 #[test]
 fn boxes_of_several_logs_say_which() {
-    let (mark, survey) = (mark(), Survey::default());
+    let (mut boxes, survey) = (boxes(), Survey::default());
     let logs = logs(&survey);
-    let mut rows = rows(&mark);
-    rows[1] = ObjectRow {
+    boxes[1] = ObjectBox {
         log: 1,
-        ..rows[0].clone()
+        ..boxes[0].clone()
     };
+    let rows = rows(&boxes);
     let text = written(|path| objects_csv(path, &logs, &rows));
     let mut table = csv::Reader::from_reader(text.as_bytes());
     let header = table.headers().unwrap().clone();
@@ -227,11 +256,11 @@ fn block() -> FittedShape {
 
 #[test]
 fn sightings_of_an_object_carry_its_shape_and_it_is_one_body() {
-    let (mark, survey) = (mark(), Survey::default());
-    let mut rows = rows(&mark);
-    rows[1].object = Some(1);
+    let (mut boxes, survey, block) = (boxes(), Survey::default(), block());
+    boxes[1].object = Some(1);
+    let mut rows = rows(&boxes);
     for row in &mut rows {
-        row.shape = Some(Arc::new(block()));
+        row.shape = Some(&block);
     }
     let text = written(|path| objects_csv(path, &logs(&survey)[..1], &rows));
     let mut table = csv::Reader::from_reader(text.as_bytes());

@@ -1,0 +1,83 @@
+//! What was decided about the boxes of a survey.
+
+use super::{LogBox, LogId, ObjectBox, ObjectNumbers};
+use crate::detection::review::{BoxId, Review, Reviewed};
+use crate::detection::targets::Target;
+use crate::survey::LeftOut;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// The boxes of a log, and from which confidence they count.
+#[derive(Clone, Debug)]
+pub struct LogReview {
+    /// The log.
+    pub log: LogId,
+    /// Its boxes with what was decided about each.
+    pub review: Arc<Review>,
+    /// Undecided proposals of less confidence do not count.
+    pub threshold: f32,
+}
+
+impl LogReview {
+    /// The boxes that count: none whose middle lies in a stretch that is left out.
+    pub fn boxes<'a>(&'a self, left_out: &'a LeftOut) -> impl Iterator<Item = &'a Arc<Reviewed>> {
+        let counts = |one: &&Arc<Reviewed>| {
+            one.is_shown_from(self.threshold) && !left_out.is_middle_out(&one.mark.pings)
+        };
+        self.review.shared().iter().filter(counts)
+    }
+
+    /// One of them in a list of objects, with its place; `log` counts the logs of the survey.
+    pub fn object_box(&self, log: usize, one: &Arc<Reviewed>, target: Option<Target>) -> ObjectBox {
+        ObjectBox {
+            log,
+            key: LogBox {
+                log: self.log,
+                id: one.id,
+            },
+            class: self.review.class_name(one.class).to_owned(),
+            one: one.clone(),
+            target,
+            object: None,
+        }
+    }
+}
+
+/// What was decided about the boxes of all logs of a survey.
+#[derive(Clone, Debug, Default)]
+pub struct SurveyReview {
+    /// Of each log; `None` of one that has no boxes.
+    pub logs: Vec<Option<LogReview>>,
+    /// The numbers that objects have.
+    pub numbers: ObjectNumbers,
+}
+
+impl SurveyReview {
+    /// Adds the boxes of the next log, if it has any, all of which count, and the numbers that their objects have.
+    pub fn add(&mut self, review: Option<Arc<Review>>, object_numbers: &BTreeMap<BoxId, u32>) {
+        let log = LogId(self.logs.len() as u64);
+        self.numbers.add_log(log, object_numbers);
+        self.logs.push(review.map(|review| LogReview {
+            log,
+            review,
+            threshold: 0.0,
+        }));
+    }
+
+    /// What was decided about the boxes of a log.
+    pub fn log(&self, log: usize) -> Option<&Review> {
+        let of_log = self.logs.get(log)?.as_ref()?;
+        Some(&of_log.review)
+    }
+
+    /// Whether any log has boxes.
+    pub fn has_boxes(&self) -> bool {
+        self.logs.iter().any(Option::is_some)
+    }
+
+    /// Whether there is a box that was accepted or drawn by hand.
+    pub fn has_targets(&self) -> bool {
+        let mut boxes = self.logs.iter().flatten();
+        boxes.any(|of_log| of_log.review.boxes().any(|one| one.state.is_object()))
+    }
+}
