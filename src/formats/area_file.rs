@@ -8,6 +8,7 @@ use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 use serde_json::Value;
 use sha2::{Digest as _, Sha256};
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// Longer than any shoreline that a boat sails along.
@@ -18,13 +19,45 @@ const MOST_CORNERS: usize = 100_000;
 const LEAST_CORNERS: usize = 3;
 
 /// A file that holds no area.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, thiserror::Error)]
 #[error("{what}: {}", path.display())]
 pub struct AreaError {
     /// What is wrong, and what to do.
-    pub what: String,
+    #[source]
+    pub what: AreaFault,
     /// Which file.
     pub path: PathBuf,
+}
+
+/// What is wrong with an area, in a sentence without the path.
+#[derive(Debug, thiserror::Error)]
+pub enum AreaFault {
+    /// The system does not give it.
+    #[error("cannot read the area: {0}")]
+    Io(#[from] io::Error),
+    /// It is no JSON and does not begin as XML does.
+    #[error("the area is neither GeoJSON nor KML nor GPX: {0}")]
+    NotJson(#[from] serde_json::Error),
+    /// It begins as XML does and is none.
+    #[error("the area is damaged at byte {at}: {source}")]
+    NotXml {
+        /// The byte.
+        at: u64,
+        /// What the parser said.
+        source: quick_xml::Error,
+    },
+    /// A corner has no such longitude and latitude as there are.
+    #[error(
+        "a corner of the area is no longitude and latitude ({}, {}); write it in degrees of WGS84",
+        .0.lon_deg, .0.lat_deg
+    )]
+    NotOnEarth(LonLat),
+    /// No ring has corners enough.
+    #[error("the area has no polygon; draw one, and save it as GeoJSON, KML or GPX")]
+    NoPolygon,
+    /// Its rings have so many corners.
+    #[error("the area has {0} corners; simplify it to {MOST_CORNERS} at most")]
+    TooManyCorners(usize),
 }
 
 /// Reads the polygons of a GeoJSON or KML, or the tracks and routes of a GPX, each of which is taken as a ring.
@@ -32,12 +65,11 @@ pub struct AreaError {
 /// # Errors
 /// When the file cannot be read, or holds no polygon.
 pub fn read_area(path: &Path) -> Result<WaterArea, AreaError> {
-    let fail = |what: String| AreaError {
+    let fail = |what: AreaFault| AreaError {
         what,
         path: path.to_owned(),
     };
-    let text = regular_file::read_text(path, LONGEST)
-        .map_err(|error| fail(format!("cannot read the area: {error}")))?;
+    let text = regular_file::read_text(path, LONGEST).map_err(|error| fail(error.into()))?;
     let hash = Sha256::digest(text.as_bytes());
     let bytes = text.len();
     let text = text.trim_start_matches('\u{feff}').trim_start();
@@ -56,7 +88,7 @@ pub fn read_area(path: &Path) -> Result<WaterArea, AreaError> {
 type Rings = Vec<Vec<[f64; 2]>>;
 
 /// The rings with places that exist and corners enough.
-fn checked(rings: Rings) -> Result<Vec<Vec<LonLat>>, String> {
+fn checked(rings: Rings) -> Result<Vec<Vec<LonLat>>, AreaFault> {
     let mut made = Vec::new();
     for ring in rings {
         let mut corners: Vec<LonLat> = (ring.iter())
@@ -66,10 +98,7 @@ fn checked(rings: Rings) -> Result<Vec<Vec<LonLat>>, String> {
             })
             .collect();
         if let Some(bad) = corners.iter().find(|corner| !corner.is_on_earth()) {
-            return Err(format!(
-                "a corner of the area is no longitude and latitude ({}, {}); write it in degrees of WGS84",
-                bad.lon_deg, bad.lat_deg
-            ));
+            return Err(AreaFault::NotOnEarth(*bad));
         }
         corners.dedup();
         if corners.len() > 1 && corners.first() == corners.last() {
@@ -80,20 +109,15 @@ fn checked(rings: Rings) -> Result<Vec<Vec<LonLat>>, String> {
         }
     }
     match made.iter().map(Vec::len).sum::<usize>() {
-        0 => {
-            Err("the area has no polygon; draw one, and save it as GeoJSON, KML or GPX".to_owned())
-        }
-        count if count > MOST_CORNERS => Err(format!(
-            "the area has {count} corners; simplify it to {MOST_CORNERS} at most"
-        )),
+        0 => Err(AreaFault::NoPolygon),
+        count if count > MOST_CORNERS => Err(AreaFault::TooManyCorners(count)),
         _ => Ok(made),
     }
 }
 
 /// The rings of all polygons in a GeoJSON, whatever they are wrapped in.
-fn of_geojson(text: &str) -> Result<Rings, String> {
-    let root: Value = serde_json::from_str(text)
-        .map_err(|error| format!("the area is neither GeoJSON nor KML nor GPX: {error}"))?;
+fn of_geojson(text: &str) -> Result<Rings, AreaFault> {
+    let root: Value = serde_json::from_str(text)?;
     let mut rings = Vec::new();
     let mut left = vec![&root];
     while let Some(value) = left.pop() {
@@ -127,7 +151,7 @@ fn add_polygon(polygon: &Value, rings: &mut Rings) {
 }
 
 /// The rings of a KML, or the tracks and routes of a GPX.
-fn of_xml(text: &str) -> Result<Rings, String> {
+fn of_xml(text: &str) -> Result<Rings, AreaFault> {
     let mut reader = Reader::from_str(text);
     reader.config_mut().allow_dangling_amp = true;
     let mut rings: Rings = Vec::new();
@@ -135,9 +159,9 @@ fn of_xml(text: &str) -> Result<Rings, String> {
     let (mut in_ring, mut in_coordinates) = (false, false);
     let mut coordinates = String::new();
     loop {
-        let event = reader.read_event().map_err(|error| {
-            let at = reader.error_position();
-            format!("the area is damaged at byte {at}: {error}")
+        let event = reader.read_event().map_err(|source| AreaFault::NotXml {
+            at: reader.error_position(),
+            source,
         })?;
         match &event {
             Event::Eof => return Ok(rings),
@@ -183,12 +207,11 @@ fn kml_places(text: &str) -> Vec<[f64; 2]> {
 mod tests {
     use super::*;
 
-    fn read(text: &str) -> Result<Vec<Vec<LonLat>>, String> {
+    fn read(text: &str) -> Result<Vec<Vec<LonLat>>, AreaError> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("area");
         std::fs::write(&path, text).unwrap();
-        let area = read_area(&path).map_err(|error| error.to_string())?;
-        Ok(area.rings)
+        read_area(&path).map(|area| area.rings)
     }
 
     #[test]
@@ -223,7 +246,7 @@ mod tests {
                 "no polygon",
             ),
         ] {
-            let error = read(text).unwrap_err();
+            let error = read(text).unwrap_err().to_string();
             assert!(
                 error.contains(words) && error.ends_with("area"),
                 "{text}: {error}"

@@ -4,6 +4,7 @@ use crate::support::calendar::unix_from_text;
 use crate::support::regular_file;
 use crate::survey::{Gauge, WATER_LEVELS_M};
 use sha2::{Digest as _, Sha256};
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// Longer than the readings of a survey: one a second of a year take as much.
@@ -14,9 +15,52 @@ const LONGEST: u64 = 1 << 30;
 #[error("{what}: {}", path.display())]
 pub struct GaugeError {
     /// What is wrong, with the line where it is known, and what to do.
-    pub what: String,
+    #[source]
+    pub what: GaugeFault,
     /// Which file.
     pub path: PathBuf,
+}
+
+/// What is wrong with a table of water levels, in a sentence without the path.
+#[derive(Debug, thiserror::Error)]
+pub enum GaugeFault {
+    /// The system does not give it.
+    #[error("cannot read the water levels: {0}")]
+    Io(#[from] io::Error),
+    /// It is no CSV.
+    #[error("the water levels are no table: {0}")]
+    NotATable(#[from] csv::Error),
+    /// It has no column of this name.
+    #[error("the water levels have no column `{0}`; name the columns time and level_m")]
+    NoColumn(&'static str),
+    /// A time is none.
+    #[error(
+        "line {line} of the water levels: `{text}` is no time; write 2021-10-12T00:53:20Z or Unix seconds"
+    )]
+    NoTime {
+        /// Counted from 1.
+        line: u64,
+        /// What stands there.
+        text: String,
+    },
+    /// A level is none.
+    #[error(
+        "line {line} of the water levels: `{text}` is no level in metres between -1000 and 10000"
+    )]
+    NoLevel {
+        /// Counted from 1.
+        line: u64,
+        /// What stands there.
+        text: String,
+    },
+    /// The readings of this line and the one before are not in the order of time.
+    #[error(
+        "line {0} of the water levels: its time is not after the one before; sort the readings"
+    )]
+    Unsorted(u64),
+    /// It has a header only.
+    #[error("the water levels hold no reading")]
+    Empty,
 }
 
 /// Reads a table with the columns `time` (ISO 8601, UTC unless it says otherwise, or Unix seconds) and `level_m`, separated
@@ -25,12 +69,11 @@ pub struct GaugeError {
 /// # Errors
 /// When the file cannot be read, or holds anything else.
 pub fn read_gauge(path: &Path) -> Result<Gauge, GaugeError> {
-    let fail = |what: String| GaugeError {
+    let fail = |what: GaugeFault| GaugeError {
         what,
         path: path.to_owned(),
     };
-    let bytes = regular_file::read(path, LONGEST)
-        .map_err(|error| fail(format!("cannot read the water levels: {error}")))?;
+    let bytes = regular_file::read(path, LONGEST).map_err(|error| fail(error.into()))?;
     let readings = parse(&bytes).map_err(fail)?;
     let hash = Sha256::digest(&bytes);
     Ok(Gauge {
@@ -42,7 +85,7 @@ pub fn read_gauge(path: &Path) -> Result<Gauge, GaugeError> {
 }
 
 /// Unix seconds and metres of every line.
-fn parse(bytes: &[u8]) -> Result<Vec<(f64, f64)>, String> {
+fn parse(bytes: &[u8]) -> Result<Vec<(f64, f64)>, GaugeFault> {
     let mut lines = bytes.split(|byte| *byte == b'\n');
     let header = lines.find(|line| !line.starts_with(b"#"));
     let semicolons = header.is_some_and(|line| line.contains(&b';'));
@@ -51,65 +94,53 @@ fn parse(bytes: &[u8]) -> Result<Vec<(f64, f64)>, String> {
         .comment(Some(b'#'))
         .trim(csv::Trim::All)
         .from_reader(bytes);
-    let header = table.headers().map_err(not_a_table)?.clone();
-    let column = |name: &str| {
+    let header = table.headers()?.clone();
+    let column = |name: &'static str| {
         let is = |field: &str| {
             field
                 .trim_start_matches('\u{feff}')
                 .eq_ignore_ascii_case(name)
         };
-        let missing = || {
-            format!("the water levels have no column `{name}`; name the columns time and level_m")
-        };
-        header.iter().position(is).ok_or_else(missing)
+        let found = header.iter().position(is);
+        found.ok_or(GaugeFault::NoColumn(name))
     };
     let [time, level] = [column("time")?, column("level_m")?];
     let mut readings: Vec<(f64, f64)> = Vec::new();
     for (index, row) in table.records().enumerate() {
-        let row = row.map_err(not_a_table)?;
+        let row = row?;
         let line = row.position().map_or(index as u64 + 2, |at| at.line());
         let field = |column| row.get(column).unwrap_or_default();
-        let time_s = unix_from_text(field(time)).ok_or_else(|| {
-            format!(
-                "line {line} of the water levels: `{}` is no time; write 2021-10-12T00:53:20Z or Unix seconds",
-                field(time)
-            )
+        let time_s = unix_from_text(field(time)).ok_or_else(|| GaugeFault::NoTime {
+            line,
+            text: field(time).to_owned(),
         })?;
         let level_m: Option<f64> = field(level).parse().ok();
         let level_m = level_m
             .filter(|level_m| WATER_LEVELS_M.contains(level_m))
-            .ok_or_else(|| {
-                format!(
-                    "line {line} of the water levels: `{}` is no level in metres between -1000 and 10000",
-                    field(level)
-                )
+            .ok_or_else(|| GaugeFault::NoLevel {
+                line,
+                text: field(level).to_owned(),
             })?;
         if readings.last().is_some_and(|(last_s, _)| *last_s >= time_s) {
-            return Err(format!(
-                "line {line} of the water levels: its time is not after the one before; sort the readings"
-            ));
+            return Err(GaugeFault::Unsorted(line));
         }
         readings.push((time_s, level_m));
     }
     if readings.is_empty() {
-        return Err("the water levels hold no reading".to_owned());
+        return Err(GaugeFault::Empty);
     }
     Ok(readings)
-}
-
-fn not_a_table(error: csv::Error) -> String {
-    format!("the water levels are no table: {error}")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn read(text: &str) -> Result<Gauge, String> {
+    fn read(text: &str) -> Result<Gauge, GaugeError> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("levels.csv");
         std::fs::write(&path, text).unwrap();
-        read_gauge(&path).map_err(|error| error.to_string())
+        read_gauge(&path)
     }
 
     #[test]
@@ -132,7 +163,7 @@ mod tests {
             ("time,level_m\n1,nan\n", "line 2"),
             ("time,level_m\n1,2\n2,1e9\n", "line 3"),
         ] {
-            let error = read(text).unwrap_err();
+            let error = read(text).unwrap_err().to_string();
             assert!(error.contains(words), "{error}");
         }
     }

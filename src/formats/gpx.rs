@@ -13,21 +13,31 @@ pub struct GpxPoint {
     pub time: String,
 }
 
+/// A text that is no XML.
+#[derive(Debug, thiserror::Error)]
+#[error("the GPX is damaged at byte {at}: {source}")]
+pub struct GpxError {
+    /// The byte.
+    pub at: u64,
+    /// What the parser said.
+    pub source: quick_xml::Error,
+}
+
 /// Reads the track points of a text one after the other, whatever prefix the elements have. A file that ends before its root does,
 /// because the receiver went off, has those that are whole.
 ///
 /// # Errors
-/// A sentence without the path when the text is no XML.
-pub fn gpx_points(text: &str) -> Result<Vec<GpxPoint>, String> {
+/// When the text is no XML.
+pub fn gpx_points(text: &str) -> Result<Vec<GpxPoint>, GpxError> {
     let mut reader = Reader::from_str(text);
     // Receivers write `Tom & Jerry` as a name.
     reader.config_mut().allow_dangling_amp = true;
     let mut points = Vec::new();
     let mut open: Option<Open> = None;
     loop {
-        let event = reader.read_event().map_err(|error| {
-            let at = reader.error_position();
-            format!("the GPX is damaged at byte {at}: {error}")
+        let event = reader.read_event().map_err(|source| GpxError {
+            at: reader.error_position(),
+            source,
         })?;
         match (&event, &mut open) {
             (Event::Eof, _) => return Ok(points),
@@ -122,6 +132,7 @@ mod tests {
         );
         for damaged in ["<trkpt lat='1' lon='2", "<a></b>"] {
             let error = gpx_points(&format!("{whole}{damaged}")).unwrap_err();
+            let error = error.to_string();
             assert!(error.starts_with("the GPX is damaged at byte 5"), "{error}");
         }
         let points = gpx_points("<gpx><trkpt lat='1'></trkpt></gpx>").unwrap();

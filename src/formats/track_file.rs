@@ -1,12 +1,14 @@
 //! Tracks that another receiver recorded, RTK or an autopilot: CSV with named columns, or GPX.
 
-use super::gpx::gpx_points;
+use super::gpx::{GpxError, gpx_points};
 use super::stray::drop_stray;
 use crate::support::calendar::unix_from_text;
 use crate::support::geo::LonLat;
 use crate::support::regular_file;
 use crate::survey::{Bytes, ExternalTrack, Fix, Survey, Track};
+use std::io;
 use std::path::{Path, PathBuf};
+use std::str::Utf8Error;
 use std::sync::Arc;
 
 /// A track from a file.
@@ -35,23 +37,19 @@ impl TrackFile {
     /// # Errors
     /// When the file cannot be read, or holds no track.
     pub fn read(path: &Path) -> Result<Self, TrackError> {
-        let fail = |what: String| TrackError::Unusable {
+        let fail = |what: TrackFault| TrackError::Unusable {
             what,
             path: path.to_owned(),
         };
-        let bytes = regular_file::read(path, LONGEST)
-            .map_err(|error| fail(format!("cannot read the track: {error}")))?;
-        let text = std::str::from_utf8(&bytes)
-            .map_err(|_| fail("the track is neither CSV nor GPX".to_owned()))?;
+        let bytes = regular_file::read(path, LONGEST).map_err(|error| fail(error.into()))?;
+        let text = std::str::from_utf8(&bytes).map_err(|error| fail(error.into()))?;
         let gpx = text
             .trim_start_matches('\u{feff}')
             .trim_start()
             .starts_with('<');
         let mut fixes = if gpx { from_gpx(text) } else { from_csv(text) }.map_err(fail)?;
         if fixes.len() < 2 {
-            return Err(fail(
-                "the track has fewer than two places with a time".to_owned(),
-            ));
+            return Err(fail(TrackFault::TooShort));
         }
         fixes.sort_by(|a, b| a.0.total_cmp(&b.0));
         Ok(Self {
@@ -138,7 +136,8 @@ pub enum TrackError {
     #[error("{what}: {}", path.display())]
     Unusable {
         /// What is wrong, with the line where it is known, and what to do.
-        what: String,
+        #[source]
+        what: TrackFault,
         /// Which file.
         path: PathBuf,
     },
@@ -162,7 +161,39 @@ pub enum TrackError {
     },
 }
 
-type Fixes = Result<Vec<(f64, LonLat, f32)>, String>;
+/// What is wrong with a file that is to hold a track, in a sentence without the path.
+#[derive(Debug, thiserror::Error)]
+pub enum TrackFault {
+    /// The system does not give it.
+    #[error("cannot read the track: {0}")]
+    Io(#[from] io::Error),
+    /// It is not text.
+    #[error("the track is neither CSV nor GPX")]
+    NotText(#[from] Utf8Error),
+    /// It does not begin as XML does and is no CSV.
+    #[error("the track is no table: {0}")]
+    NotATable(#[from] csv::Error),
+    /// It begins as XML does and is none.
+    #[error(transparent)]
+    Gpx(#[from] GpxError),
+    /// The table has these columns only.
+    #[error(
+        "the track has no columns time, lon and lat, only {}; name them so in the first line",
+        .0.join(", ")
+    )]
+    NoColumns(Vec<String>),
+    /// This line of the table holds something else.
+    #[error("line {0} of the track has no time, longitude and latitude that can be read")]
+    NoFix(u64),
+    /// This point of the GPX, counted from 1, holds something else.
+    #[error("track point {0} has no place that can be read")]
+    NoPlace(usize),
+    /// It has one place or none.
+    #[error("the track has fewer than two places with a time")]
+    TooShort,
+}
+
+type Fixes = Result<Vec<(f64, LonLat, f32)>, TrackFault>;
 
 fn from_csv(text: &str) -> Fixes {
     let header = text.lines().find(|line| !line.starts_with('#'));
@@ -172,8 +203,7 @@ fn from_csv(text: &str) -> Fixes {
         .comment(Some(b'#'))
         .trim(csv::Trim::All)
         .from_reader(text.trim_start_matches('\u{feff}').as_bytes());
-    let not_a_table = |error: csv::Error| format!("the track is no table: {error}");
-    let header = table.headers().map_err(not_a_table)?.clone();
+    let header = table.headers()?.clone();
     let find = |names: &[&str]| {
         let position = |name: &&str| {
             header
@@ -183,23 +213,19 @@ fn from_csv(text: &str) -> Fixes {
         names.iter().find_map(position)
     };
     let [Some(time), Some(lon), Some(lat)] = [TIME, LON, LAT].map(find) else {
-        return Err(format!(
-            "the track has no columns time, lon and lat, only {}; name them so in the first line",
-            header.iter().collect::<Vec<_>>().join(", ")
-        ));
+        let names = header.iter().map(str::to_owned);
+        return Err(TrackFault::NoColumns(names.collect()));
     };
     let heading = find(HEADING);
     let mut fixes = Vec::new();
     for row in table.records() {
-        let row = row.map_err(not_a_table)?;
+        let row = row?;
         let line = row.position().map_or(0, csv::Position::line);
         let field = |column: usize| row.get(column).unwrap_or_default();
         let number = |column: usize| field(column).parse::<f64>().ok();
         let position = position(number(lon), number(lat));
         let (Some(time_s), Some(position)) = (unix_from_text(field(time)), position) else {
-            return Err(format!(
-                "line {line} of the track has no time, longitude and latitude that can be read"
-            ));
+            return Err(TrackFault::NoFix(line));
         };
         let heading_deg = heading.and_then(number).unwrap_or(f64::NAN);
         fixes.push((time_s, position, heading_deg.to_radians() as f32));
@@ -219,8 +245,7 @@ fn from_gpx(text: &str) -> Fixes {
     let mut fixes = Vec::new();
     for (index, point) in gpx_points(text)?.into_iter().enumerate() {
         let [lon_deg, lat_deg] = point.lon_lat.map_or([None; 2], |at| at.map(Some));
-        let position = position(lon_deg, lat_deg)
-            .ok_or_else(|| format!("track point {} has no place that can be read", index + 1))?;
+        let position = position(lon_deg, lat_deg).ok_or(TrackFault::NoPlace(index + 1))?;
         let time_s = unix_from_text(point.time.trim());
         fixes.extend(time_s.map(|time_s| (time_s, position, f32::NAN)));
     }
@@ -245,11 +270,11 @@ mod tests {
         }
     }
 
-    fn read(name: &str, text: &str) -> Result<TrackFile, String> {
+    fn read(name: &str, text: &str) -> Result<TrackFile, TrackError> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(name);
         std::fs::write(&path, text).unwrap();
-        TrackFile::read(&path).map_err(|error| error.to_string())
+        TrackFile::read(&path)
     }
 
     #[test]
@@ -306,7 +331,7 @@ mod tests {
             ("time,lon,lat\n1,2,3\n", "fewer than two"),
             ("<gpx><trkpt lat='1'></trkpt></gpx>", "point 1"),
         ] {
-            let error = read("a.csv", text).unwrap_err();
+            let error = read("a.csv", text).unwrap_err().to_string();
             assert!(error.contains(words), "{error}");
         }
     }

@@ -1,5 +1,6 @@
 //! From the bytes of a block to colours.
 
+use super::BaseMapFault;
 use std::io::{Read, Seek};
 use tiff::ColorType;
 use tiff::decoder::Decoder;
@@ -32,12 +33,12 @@ enum Kind {
 }
 
 impl Coding {
-    /// Of the picture that the decoder is at. The error is a sentence without the path.
+    /// Of the picture that the decoder is at.
     ///
     /// # Errors
-    /// A sentence without the path.
-    pub fn read<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Self, String> {
-        let colours = decoder.colortype().map_err(super::unusable)?;
+    /// When its colours cannot be read, or are of a kind that is not shown.
+    pub fn read<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Self, BaseMapFault> {
+        let colours = decoder.colortype()?;
         let (kind, bytes) = match colours {
             // Said to be paletted, or left grey by GDAL because its palette came late.
             ColorType::Gray(8) if has_palette(decoder) => (Kind::Palette(palette(decoder)?), 1),
@@ -50,21 +51,14 @@ impl Coding {
                 bit_depth: 8,
                 num_samples,
             } => (Kind::Bands, usize::from(num_samples.max(1))),
-            _ => {
-                return Err(
-                    "the base map is no picture of 8 bits a colour (RGB, grey or paletted); make one with gdal_translate"
-                        .to_owned(),
-                );
-            }
+            other => return Err(BaseMapFault::Colours(other)),
         };
         let planar = decoder
             .find_tag_unsigned::<u16>(Tag::PlanarConfiguration)
             .ok()
             .flatten();
         if planar == Some(2) && bytes > 1 {
-            return Err(
-                "the base map keeps its colours apart; write it with INTERLEAVE=PIXEL".to_owned(),
-            );
+            return Err(BaseMapFault::ColoursApart);
         }
         let nodata = decoder.get_tag_ascii_string(Tag::GdalNodata).ok();
         let nodata = nodata.and_then(|text| text.trim_matches(['\0', ' ']).parse::<f64>().ok());
@@ -132,10 +126,8 @@ fn has_palette<R: Read + Seek>(decoder: &mut Decoder<R>) -> bool {
 }
 
 /// All reds, then all greens, then all blues, in 16 bits.
-fn palette<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Vec<Colour>, String> {
-    let map = decoder
-        .get_tag_u16_vec(Tag::ColorMap)
-        .map_err(super::unusable)?;
+fn palette<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Vec<Colour>, BaseMapFault> {
+    let map = decoder.get_tag_u16_vec(Tag::ColorMap)?;
     let count = map.len() / 3;
     let byte = |at: usize| (map[at] >> 8) as u8;
     let colours = (0..count).map(|index| {

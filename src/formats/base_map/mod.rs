@@ -6,11 +6,13 @@
 
 mod blocks;
 mod colours;
+mod error;
 mod masks;
 mod palettes;
 mod place;
 
 pub use colours::Colour;
+pub use error::{BaseMapError, BaseMapFault};
 pub use place::Place;
 
 use crate::support::catch_panic::catch_panic;
@@ -105,17 +107,13 @@ impl Window {
     }
 }
 
-fn unusable(error: impl std::fmt::Display) -> String {
-    format!("the base map cannot be read: {error}")
-}
-
 /// Opens a GeoTIFF: 8 bits a colour, north up, in degrees or metres of a system that [`crate::support::geo::Crs`] knows. Reads all of it once where it has no
 /// overviews and is large.
 ///
 /// # Errors
 /// When the file cannot be read or shown, or the work was cancelled.
 pub fn open(path: &Path, progress: &Progress) -> Result<BaseMap, BaseMapError> {
-    let damaged = || Err(unusable("it is damaged").into());
+    let damaged = || Err(BaseMapFault::Damaged("it is damaged").into());
     let opened = catch_panic(|| open_file(path, progress)).unwrap_or_else(damaged);
     opened.map_err(|fault| match fault {
         Fault::Unusable(what) => BaseMapError::Unusable {
@@ -126,31 +124,15 @@ pub fn open(path: &Path, progress: &Progress) -> Result<BaseMap, BaseMapError> {
     })
 }
 
-/// Why a file is no base map.
-#[derive(Debug, thiserror::Error)]
-pub enum BaseMapError {
-    /// The file cannot be read or shown.
-    #[error("{what}: {}", path.display())]
-    Unusable {
-        /// What is wrong, and what to do.
-        what: String,
-        /// Which file.
-        path: PathBuf,
-    },
-    /// The user stopped it.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-}
-
 /// The same before anybody has said which file it is.
 enum Fault {
-    Unusable(String),
+    Unusable(BaseMapFault),
     Cancelled(Cancelled),
 }
 
-impl From<String> for Fault {
-    fn from(what: String) -> Self {
-        Self::Unusable(what)
+impl<E: Into<BaseMapFault>> From<E> for Fault {
+    fn from(what: E) -> Self {
+        Self::Unusable(what.into())
     }
 }
 
@@ -161,13 +143,12 @@ impl From<Cancelled> for Fault {
 }
 
 fn open_file(path: &Path, progress: &Progress) -> Result<BaseMap, Fault> {
-    let file = regular_file::open(path).map_err(unusable)?;
+    let file = regular_file::open(path)?;
     let mut limits = Limits::default();
     limits.decoding_buffer_size = MOST_BLOCK_BYTES as usize;
     // Places and lengths of a million blocks.
     limits.ifd_value_size = 16 << 20;
-    let tiff = Decoder::new(AsGrey::new(file).map_err(unusable)?);
-    let mut tiff = tiff.map_err(unusable)?.with_limits(limits);
+    let mut tiff = Decoder::new(AsGrey::new(file)?)?.with_limits(limits);
     let place = Place::read(&mut tiff)?;
     let coding = Coding::read(&mut tiff)?;
     let levels = levels(&mut tiff, &coding)?;
@@ -189,7 +170,7 @@ fn open_file(path: &Path, progress: &Progress) -> Result<BaseMap, Fault> {
 }
 
 /// The full picture and its overviews, finest first.
-fn levels(tiff: &mut Tiff, coding: &Coding) -> Result<Vec<Level>, String> {
+fn levels(tiff: &mut Tiff, coding: &Coding) -> Result<Vec<Level>, BaseMapFault> {
     let mut found: Vec<Level> = Vec::new();
     for directory in 0..MOST_LEVELS {
         // Masks and pages of another kind are no overviews.
@@ -218,18 +199,15 @@ fn levels(tiff: &mut Tiff, coding: &Coding) -> Result<Vec<Level>, String> {
     Ok(found)
 }
 
-fn level(tiff: &mut Tiff, coding: &Coding, directory: usize) -> Result<Level, String> {
-    let (columns, rows) = tiff.dimensions().map_err(unusable)?;
+fn level(tiff: &mut Tiff, coding: &Coding, directory: usize) -> Result<Level, BaseMapFault> {
+    let (columns, rows) = tiff.dimensions()?;
     let (across, down) = tiff.chunk_dimensions();
     let bytes = u64::from(across) * u64::from(down.min(rows)) * coding.bytes as u64;
     if columns == 0 || rows == 0 || across == 0 || down == 0 {
-        return Err(unusable("it is empty"));
+        return Err(BaseMapFault::Damaged("it is empty"));
     }
     if bytes > MOST_BLOCK_BYTES {
-        return Err(format!(
-            "the base map holds blocks of {} MB, more than is read at once; write it with TILED=YES",
-            bytes >> 20
-        ));
+        return Err(BaseMapFault::LargeBlocks(bytes));
     }
     Ok(Level {
         size: [columns, rows],
@@ -366,10 +344,7 @@ impl BaseMap {
             return Ok(());
         }
         if u64::from(columns) * u64::from(rows) > MOST_WITHOUT_OVERVIEWS {
-            let what = format!(
-                "the base map has {columns} by {rows} pixels and no overviews of them; add some with gdaladdo"
-            );
-            return Err(what.into());
+            return Err(BaseMapFault::NoOverviews { columns, rows }.into());
         }
         let size = level.size.map(|cells| cells.div_ceil(factor));
         let mut sums = vec![[0u32; 4]; size[0] as usize * size[1] as usize];
@@ -379,7 +354,7 @@ impl BaseMap {
             for column in 0..columns.div_ceil(across) {
                 progress.check()?;
                 let block = self.block(index, [column, row]);
-                let block = block.ok_or_else(|| unusable("a block of it is damaged"))?;
+                let block = block.ok_or(BaseMapFault::Damaged("a block of it is damaged"))?;
                 let first = [column * across, row * down];
                 let wide = across.min(columns - first[0]) as usize;
                 for (at, colour) in block.iter().enumerate() {

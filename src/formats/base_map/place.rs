@@ -1,5 +1,6 @@
 //! Where the pixels of a base map lie.
 
+use super::BaseMapFault;
 use crate::formats::geotiff::{GeoKeys, Placing};
 use crate::support::geo::{Crs, LonLat};
 use std::io::{Read, Seek};
@@ -37,28 +38,24 @@ impl Place {
         self.crs.to_lon_lat([x, y])
     }
 
-    /// Reads keys and transform of the picture that the decoder is at. The error is a sentence without the path.
+    /// Reads keys and transform of the picture that the decoder is at.
     ///
     /// # Errors
-    /// A sentence without the path.
-    pub fn read<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Self, String> {
+    /// When it has none, or such as are not known or not north up.
+    pub fn read<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Self, BaseMapFault> {
         let keys = GeoKeys::read(decoder);
         let code = match keys.is_geographic() {
             true => keys.geographic(),
             false => keys.projected(),
         };
         let Some(epsg) = code else {
-            return Err("the picture does not say where on Earth it lies; a GeoTIFF with an EPSG number does".to_owned());
+            return Err(BaseMapFault::Nowhere("a GeoTIFF with an EPSG number does"));
         };
         // Degrees of NAD83 and ETRS89 lie within 2 m of those of WGS84.
         let known = if DEGREES.contains(&epsg) { WGS84 } else { epsg };
-        let crs = Crs::from_epsg(known).map_err(|_| {
-            format!("the base map is in EPSG:{epsg}, which is not known here; turn it into WGS84, web Mercator or a UTM zone with gdalwarp")
-        })?;
+        let crs = Crs::from_epsg(known).map_err(|_| BaseMapFault::UnknownSystem(epsg))?;
         let Some(placing) = Placing::read(decoder, &keys) else {
-            return Err(
-                "the picture does not say where on Earth it lies; it has no transform".to_owned(),
-            );
+            return Err(BaseMapFault::Nowhere("it has no transform"));
         };
         let ([width, down], [across, height]) = (placing.per_column, placing.per_row);
         let is_turned = down != 0.0 || across != 0.0;
@@ -73,7 +70,7 @@ impl Place {
             numbers.iter().all(|number| number.is_finite()) && pixel.iter().all(|side| *side > 0.0);
         match usable && !is_turned {
             true => Ok(place),
-            false => Err("the base map is not north up; turn it with gdalwarp".to_owned()),
+            false => Err(BaseMapFault::Turned),
         }
     }
 }

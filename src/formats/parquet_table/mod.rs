@@ -6,7 +6,7 @@
 mod read;
 mod write;
 
-pub use read::{ParquetError, read_parquet};
+pub use read::{ParquetError, ParquetFault, read_parquet};
 pub use write::write_parquet;
 
 use crate::support::geo::LonLat;

@@ -7,16 +7,38 @@ use parquet::basic::Type as Physical;
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::DataType;
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// A Parquet file that cannot be used.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, thiserror::Error)]
 #[error("cannot read the Parquet file: {what}: {}", path.display())]
 pub struct ParquetError {
     /// What is wrong with it.
-    pub what: String,
+    #[source]
+    pub what: ParquetFault,
     /// Which file.
     pub path: PathBuf,
+}
+
+/// What is wrong with a Parquet file.
+#[derive(Debug, thiserror::Error)]
+pub enum ParquetFault {
+    /// The system does not give it.
+    #[error(transparent)]
+    Io(#[from] io::Error),
+    /// It is no Parquet, or one of a kind that is not known.
+    #[error(transparent)]
+    Parquet(#[from] parquet::errors::ParquetError),
+    /// It has no column of this name.
+    #[error("it has no column {0}")]
+    NoColumn(String),
+    /// The column of this name holds values of another kind.
+    #[error("its column {0} holds no numbers")]
+    NoNumbers(String),
+    /// It contradicts itself, or holds other things than it stands for.
+    #[error("{0}")]
+    Damaged(&'static str),
 }
 
 /// Columns of numbers, times, flags and bytes of a file, in the order of the names.
@@ -24,41 +46,39 @@ pub struct ParquetError {
 /// # Errors
 /// When the file cannot be read, is damaged, or has no such column.
 pub fn read_parquet(path: &Path, names: &[&str]) -> Result<Vec<Values>, ParquetError> {
-    let fail = |what: String| ParquetError {
+    let fail = |what: ParquetFault| ParquetError {
         what,
         path: path.to_owned(),
     };
     // The decoder panics on some damaged files.
     match catch_panic(|| read(path, names)) {
         Some(read) => read.map_err(fail),
-        None => Err(fail("the file is damaged".to_owned())),
+        None => Err(fail(ParquetFault::Damaged("the file is damaged"))),
     }
 }
 
-fn read(path: &Path, names: &[&str]) -> Result<Vec<Values>, String> {
-    let in_words = |error: parquet::errors::ParquetError| error.to_string();
-    let file = regular_file::open(path).map_err(|error| error.to_string())?;
-    let reader = SerializedFileReader::new(file).map_err(in_words)?;
+fn read(path: &Path, names: &[&str]) -> Result<Vec<Values>, ParquetFault> {
+    let reader = SerializedFileReader::new(regular_file::open(path)?)?;
     let schema = reader.metadata().file_metadata().schema_descr_ptr();
     let columns = schema.columns().iter().enumerate();
     let mut chosen = Vec::new();
     for name in names {
         let found = columns.clone().find(|(_, column)| column.name() == *name);
-        let (index, column) = found.ok_or_else(|| format!("it has no column {name}"))?;
+        let (index, column) = found.ok_or_else(|| ParquetFault::NoColumn((*name).to_owned()))?;
         chosen.push((index, empty(column.physical_type(), name)?));
     }
     for group in 0..reader.num_row_groups() {
-        let group = reader.get_row_group(group).map_err(in_words)?;
+        let group = reader.get_row_group(group)?;
         let rows = usize::try_from(group.metadata().num_rows()).unwrap_or_default();
         for (index, values) in &mut chosen {
-            let chunk = group.get_column_reader(*index).map_err(in_words)?;
+            let chunk = group.get_column_reader(*index)?;
             append(chunk, rows, values)?;
         }
     }
     Ok(chosen.into_iter().map(|(_, values)| values).collect())
 }
 
-fn empty(physical: Physical, name: &str) -> Result<Values, String> {
+fn empty(physical: Physical, name: &str) -> Result<Values, ParquetFault> {
     Ok(match physical {
         Physical::DOUBLE => Values::Double(Vec::new()),
         Physical::FLOAT => Values::Float(Vec::new()),
@@ -66,11 +86,11 @@ fn empty(physical: Physical, name: &str) -> Result<Values, String> {
         Physical::INT64 => Values::Time(Vec::new()),
         Physical::BOOLEAN => Values::Flag(Vec::new()),
         Physical::BYTE_ARRAY => Values::Bytes(Vec::new()),
-        _ => return Err(format!("its column {name} holds no numbers")),
+        _ => return Err(ParquetFault::NoNumbers(name.to_owned())),
     })
 }
 
-fn append(chunk: ColumnReader, rows: usize, values: &mut Values) -> Result<(), String> {
+fn append(chunk: ColumnReader, rows: usize, values: &mut Values) -> Result<(), ParquetFault> {
     match (chunk, values) {
         (ColumnReader::DoubleColumnReader(chunk), Values::Double(all)) => {
             let read = nullable(chunk, rows)?.into_iter();
@@ -94,7 +114,7 @@ fn append(chunk: ColumnReader, rows: usize, values: &mut Values) -> Result<(), S
             let read = nullable(chunk, rows)?.into_iter();
             all.extend(read.map(|value| value.map_or(Vec::new(), |bytes| bytes.data().to_vec())));
         }
-        _ => return Err("its columns change their type".to_owned()),
+        _ => return Err(ParquetFault::Damaged("its columns change their type")),
     }
     Ok(())
 }
@@ -103,15 +123,14 @@ fn append(chunk: ColumnReader, rows: usize, values: &mut Values) -> Result<(), S
 fn nullable<T: DataType>(
     mut chunk: ColumnReaderImpl<T>,
     rows: usize,
-) -> Result<Vec<Option<T::T>>, String> {
+) -> Result<Vec<Option<T::T>>, ParquetFault> {
     let (mut values, mut levels) = (Vec::new(), Vec::new());
     let (mut records, mut all) = (0, 0);
     while records < rows {
-        let (read, _, _) = chunk
-            .read_records(rows - records, Some(&mut levels), None, &mut values)
-            .map_err(|error| error.to_string())?;
+        let (read, _, _) =
+            chunk.read_records(rows - records, Some(&mut levels), None, &mut values)?;
         if read == 0 {
-            return Err("it ends before its last row".to_owned());
+            return Err(ParquetFault::Damaged("it ends before its last row"));
         }
         records += read;
         all += read;
@@ -123,6 +142,6 @@ fn nullable<T: DataType>(
             let value = |level: i16| (level > 0).then(|| known.next()).flatten();
             Ok(levels.into_iter().map(value).collect())
         }
-        false => Err("its columns are not of one length".to_owned()),
+        false => Err(ParquetFault::Damaged("its columns are not of one length")),
     }
 }

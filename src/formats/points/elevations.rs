@@ -1,7 +1,9 @@
 //! Point files as elevations to compare: which plane they lie in, and which way is up.
 
 use super::text_file::{ColumnRequest, KNOWN_NAMES};
-use super::{PointFile, PointFileError, geojson_file, read_columns, split_columns, suffix};
+use super::{
+    PointFault, PointFile, PointFileError, geojson_file, read_columns, split_columns, suffix,
+};
 use crate::formats::geotiff;
 use crate::support::geo::UtmZone;
 use std::ffi::OsStr;
@@ -73,8 +75,8 @@ pub fn read_elevations(argument: &OsStr) -> Result<Elevations, PointFileError> {
         return Ok(file);
     }
     let what = match file.blank {
-        0 => "the file is empty: there is no point in it".to_owned(),
-        count => format!("none of the {count} lines or features has all three coordinates"),
+        0 => PointFault::Empty,
+        count => PointFault::AllBlank(count),
     };
     Err(PointFileError {
         what,
@@ -93,7 +95,7 @@ fn read(argument: &OsStr) -> Result<Elevations, PointFileError> {
             }
             None => false,
         });
-    let fail = |what: String| PointFileError {
+    let fail = |what: PointFault| PointFileError {
         what,
         path: path.clone(),
     };
@@ -166,11 +168,11 @@ fn of_raster(
     path: &Path,
     names: Option<&[String; 3]>,
     downwards: bool,
-) -> Result<Elevations, String> {
+) -> Result<Elevations, PointFault> {
     if names.is_some_and(|names| names != &["x", "y", "z"]) {
-        return Err("the coordinates of a GeoTIFF are always x, y and z".to_owned());
+        return Err(PointFault::FixedColumns("GeoTIFF"));
     }
-    let raster = geotiff::read_cells(path).map_err(|error| error.to_string())?;
+    let raster = geotiff::read_cells(path)?;
     let depths = raster.downwards && names.is_none();
     let note =
         depths.then(|| "the raster holds depths, which are turned into elevations".to_owned());
@@ -190,7 +192,7 @@ fn of_geojson(
     path: &Path,
     names: Option<&[String; 3]>,
     downwards: bool,
-) -> Result<Elevations, String> {
+) -> Result<Elevations, PointFault> {
     let found = geojson_file::read(path, names.map(|[_, _, height]| height.as_str()))?;
     Ok(Elevations {
         path: path.to_owned(),

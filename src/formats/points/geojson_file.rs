@@ -1,5 +1,6 @@
 //! Points of a GeoJSON file (RFC 7946): longitude, latitude, and a height from the third coordinate or a property.
 
+use super::PointFault;
 use crate::support::regular_file;
 use serde_json::Value;
 use std::io::ErrorKind;
@@ -26,20 +27,14 @@ pub(super) struct GeoJsonPoints {
     pub left_out: usize,
 }
 
-/// Reads the points; `height` names the property that the height is taken from. Where it is none, depths are turned. The error is
-/// a sentence without the path.
-pub(super) fn read(path: &Path, height: Option<&str>) -> Result<GeoJsonPoints, String> {
+/// Reads the points; `height` names the property that the height is taken from. Where it is none, depths are turned.
+pub(super) fn read(path: &Path, height: Option<&str>) -> Result<GeoJsonPoints, PointFault> {
     let text = regular_file::read(path, LONGEST).map_err(|error| match error.kind() {
-        ErrorKind::FileTooLarge => {
-            "the GeoJSON is longer than 1 GiB; write the points as CSV".to_owned()
-        }
-        _ => format!("cannot read the points: {error}"),
+        ErrorKind::FileTooLarge => PointFault::LongGeoJson,
+        _ => error.into(),
     })?;
-    let root: Value = serde_json::from_slice(&text)
-        .map_err(|error| format!("the points are no GeoJSON: {error}"))?;
-    let features = root["features"]
-        .as_array()
-        .ok_or("the GeoJSON is no FeatureCollection")?;
+    let root: Value = serde_json::from_slice(&text)?;
+    let features = root["features"].as_array().ok_or(PointFault::NoFeatures)?;
     let points: Vec<[f64; 3]> = features
         .iter()
         .filter_map(|feature| point(feature, height))

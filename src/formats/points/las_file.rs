@@ -1,9 +1,9 @@
 //! Points in LAS, LAZ and COPC.
 
-use super::PointFormat;
 use super::copc::{remove_packing, write_copc};
 use super::las_claims;
 use super::las_writer::{LasWriter, transforms};
+use super::{LasFault, PointFormat};
 use crate::support::catch_panic::catch_panic;
 use las::point::Format;
 use las::{Builder, Header, Point, PointData, PointDataBuilder, Reader};
@@ -22,21 +22,21 @@ pub(super) struct LasFile {
 }
 
 /// Reads all points. The crate trusts some of what a LAZ file says of itself: the file is checked first, and a panic becomes an error.
-pub(super) fn read(path: &Path) -> Result<(LasFile, Vec<[f64; 3]>), String> {
-    las_claims::check(path).map_err(|error| format!("the LAS file cannot be read: {error}"))?;
-    catch_panic(|| read_checked(path))
-        .unwrap_or_else(|| Err("the LAS file cannot be read: it is damaged".to_owned()))
+pub(super) fn read(path: &Path) -> Result<(LasFile, Vec<[f64; 3]>), LasFault> {
+    las_claims::check(path)?;
+    catch_panic(|| read_checked(path)).unwrap_or(Err(LasFault::Damaged))
 }
 
-fn read_checked(path: &Path) -> Result<(LasFile, Vec<[f64; 3]>), String> {
-    let unusable = |error: las::Error| format!("the LAS file cannot be read: {error}");
-    let mut reader = Reader::from_path(path).map_err(unusable)?;
+fn read_checked(path: &Path) -> Result<(LasFile, Vec<[f64; 3]>), LasFault> {
+    let mut reader = Reader::from_path(path)?;
     let header = reader.header().clone();
     let (mut batches, mut points) = (Vec::new(), Vec::new());
     loop {
-        let batch = reader
-            .read_points(BATCH)
-            .map_err(|error| format!("{} after {} points", unusable(error), points.len()))?;
+        let batch = reader.read_points(BATCH);
+        let batch = batch.map_err(|source| LasFault::Point {
+            read: points.len(),
+            source,
+        })?;
         if batch.is_empty() {
             break;
         }

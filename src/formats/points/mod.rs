@@ -5,6 +5,7 @@
 
 mod copc;
 mod elevations;
+mod error;
 mod geojson_file;
 mod las_claims;
 mod las_file;
@@ -14,6 +15,7 @@ mod text_file;
 
 pub use copc::write_copc;
 pub use elevations::{Elevations, Plane, read_elevations};
+pub use error::{LasFault, LineFault, PlyFault, PointFault, PointFileError, TextFault};
 pub use las_writer::{LasWriter, transforms};
 
 use copc::is_named_copc;
@@ -24,16 +26,6 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 use text_file::{ColumnRequest, KNOWN_NAMES, TextFile};
-
-/// Why a point file cannot be used: one sentence, the path last.
-#[derive(Debug, thiserror::Error)]
-#[error("{what}: {path}")]
-pub struct PointFileError {
-    /// What is wrong, with the line or the byte where it is known.
-    pub what: String,
-    /// Which file.
-    pub path: PathBuf,
-}
 
 /// A point file in memory.
 #[derive(Debug)]
@@ -92,7 +84,7 @@ impl PointFormat {
             "laz" if is_named_copc(path) => Ok(Self::Copc),
             "laz" => Ok(Self::Laz),
             _ => Err(PointFileError {
-                what: "a point file ends in .xyz, .csv, .txt, .ply, .las or .laz".to_owned(),
+                what: PointFault::Ending,
                 path: path.to_path_buf(),
             }),
         }
@@ -157,12 +149,12 @@ fn read_format(
     format: PointFormat,
     path: &Path,
     requested: ColumnRequest<'_>,
-) -> Result<PointFile, String> {
+) -> Result<PointFile, PointFault> {
     let named_otherwise = requested
         .named
         .is_some_and(|names| names != &["x", "y", "z"]);
     if !format.is_text() && named_otherwise {
-        return Err("the coordinates of a PLY or LAS file are always x, y and z".to_owned());
+        return Err(PointFault::FixedColumns("PLY or LAS file"));
     }
     let bare = |rows, points| PointFile {
         points,

@@ -1,5 +1,6 @@
 //! Points in PLY: text, little-endian and big-endian.
 
+use super::{PlyFault, PointFault};
 use crate::support::regular_file;
 use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
@@ -86,14 +87,13 @@ struct Layout {
 }
 
 /// Reads the vertices; they must be the first element and hold only scalars.
-pub(super) fn read(path: &Path) -> Result<(PlyFile, Vec<[f64; 3]>), String> {
-    let bytes = regular_file::read(path, u64::MAX)
-        .map_err(|error| format!("cannot read the points: {error}"))?;
+pub(super) fn read(path: &Path) -> Result<(PlyFile, Vec<[f64; 3]>), PointFault> {
+    let bytes = regular_file::read(path, u64::MAX)?;
     let layout = Layout::parse(&bytes)?;
     let axes =
         ["x", "y", "z"].map(|axis| layout.properties.iter().position(|(name, _)| name == axis));
     let [Some(x), Some(y), Some(z)] = axes else {
-        return Err("the PLY header names no vertex properties x, y and z".to_owned());
+        return Err(PlyFault::Header("names no vertex properties x, y and z").into());
     };
     let (vertices, points) = match layout.encoding {
         Encoding::Text => read_text(&bytes, &layout, [x, y, z])?,
@@ -112,7 +112,7 @@ pub(super) fn read(path: &Path) -> Result<(PlyFile, Vec<[f64; 3]>), String> {
 
 type Vertices = (Vec<Range<usize>>, Vec<[f64; 3]>);
 
-fn read_binary(bytes: &[u8], layout: &Layout, axes: [usize; 3]) -> Result<Vertices, String> {
+fn read_binary(bytes: &[u8], layout: &Layout, axes: [usize; 3]) -> Result<Vertices, PlyFault> {
     let size: usize = layout
         .properties
         .iter()
@@ -120,10 +120,10 @@ fn read_binary(bytes: &[u8], layout: &Layout, axes: [usize; 3]) -> Result<Vertic
         .sum();
     let whole = (bytes.len() - layout.data) / size;
     if whole < layout.count {
-        return Err(format!(
-            "the PLY file ends after {whole} of {} vertices",
-            layout.count
-        ));
+        return Err(PlyFault::TooShort {
+            found: whole,
+            count: layout.count,
+        });
     }
     let fields = axes.map(|axis| {
         let before = layout.properties[..axis]
@@ -144,7 +144,7 @@ fn read_binary(bytes: &[u8], layout: &Layout, axes: [usize; 3]) -> Result<Vertic
     Ok((vertices, points))
 }
 
-fn read_text(bytes: &[u8], layout: &Layout, axes: [usize; 3]) -> Result<Vertices, String> {
+fn read_text(bytes: &[u8], layout: &Layout, axes: [usize; 3]) -> Result<Vertices, PlyFault> {
     let (mut vertices, mut points) = (Vec::new(), Vec::new());
     let mut at = layout.data;
     for (index, line) in bytes[layout.data..]
@@ -156,27 +156,23 @@ fn read_text(bytes: &[u8], layout: &Layout, axes: [usize; 3]) -> Result<Vertices
         let fields: Vec<&str> = text.split_whitespace().collect();
         let value = |axis: usize| fields.get(axis).and_then(|field| field.parse::<f64>().ok());
         let [Some(x), Some(y), Some(z)] = axes.map(value) else {
-            let number = layout.lines + index + 1;
-            return Err(format!(
-                "line {number}: this vertex has no numbers for x, y and z"
-            ));
+            return Err(PlyFault::NoNumbers(layout.lines + index + 1));
         };
         points.push([x, y, z]);
         vertices.push(at..at + line.trim_ascii_end().len());
         at += line.len();
     }
     if points.len() < layout.count {
-        return Err(format!(
-            "the PLY file ends after {} of {} vertices",
-            points.len(),
-            layout.count
-        ));
+        return Err(PlyFault::TooShort {
+            found: points.len(),
+            count: layout.count,
+        });
     }
     Ok((vertices, points))
 }
 
 impl Layout {
-    fn parse(bytes: &[u8]) -> Result<Self, String> {
+    fn parse(bytes: &[u8]) -> Result<Self, PlyFault> {
         let mut layout = Self {
             encoding: Encoding::Text,
             count: 0,
@@ -190,30 +186,34 @@ impl Layout {
             layout.data += line.len();
             layout.lines += 1;
             let text = std::str::from_utf8(line)
-                .map_err(|_| "the PLY header is not text".to_owned())?
+                .map_err(|_| PlyFault::Header("is not text"))?
                 .trim();
             if layout.lines == 1 {
                 if text != "ply" {
-                    return Err("the file does not begin with `ply`".to_owned());
+                    return Err(PlyFault::NotPly);
                 }
                 continue;
             }
             if text == "end_header" {
                 return if layout.properties.is_empty() {
-                    Err("the PLY header describes no vertices".to_owned())
+                    Err(PlyFault::Header("describes no vertices"))
                 } else {
                     Ok(layout)
                 };
             }
             layout
                 .take(text, &mut element)
-                .map_err(|what| format!("line {}: {what}: `{text}`", layout.lines))?;
+                .map_err(|what| PlyFault::HeaderLine {
+                    line: layout.lines,
+                    what,
+                    text: text.to_owned(),
+                })?;
         }
-        Err("the PLY header has no end".to_owned())
+        Err(PlyFault::Header("has no end"))
     }
 
-    /// Takes one header line; `element` counts the elements so far.
-    fn take(&mut self, text: &str, element: &mut usize) -> Result<(), String> {
+    /// Takes one header line, or says what is wrong with it; `element` counts the elements so far.
+    fn take(&mut self, text: &str, element: &mut usize) -> Result<(), &'static str> {
         let words: Vec<&str> = text.split_whitespace().collect();
         match words.as_slice() {
             ["format", encoding, ..] => {
@@ -221,7 +221,7 @@ impl Layout {
                     "ascii" => Encoding::Text,
                     "binary_little_endian" => Encoding::Little,
                     "binary_big_endian" => Encoding::Big,
-                    _ => return Err("unknown PLY format".to_owned()),
+                    _ => return Err("unknown PLY format"),
                 };
             }
             ["element", name, count] => {
@@ -230,9 +230,9 @@ impl Layout {
                     return Ok(());
                 }
                 if *name != "vertex" {
-                    return Err("the first PLY element is not the vertices".to_owned());
+                    return Err("the first PLY element is not the vertices");
                 }
-                self.count = count.parse().map_err(|_| "not a count".to_owned())?;
+                self.count = count.parse().map_err(|_| "not a count")?;
                 return Ok(());
             }
             ["property", ..] if *element > 1 => return Ok(()),
@@ -240,7 +240,7 @@ impl Layout {
                 let scalar = Scalar::named(kind).ok_or("unknown property type")?;
                 self.properties.push(((*name).to_owned(), scalar));
             }
-            ["property", ..] => return Err("vertices with lists are not read".to_owned()),
+            ["property", ..] => return Err("vertices with lists are not read"),
             _ => {}
         }
         self.kept_lines.push(text.to_owned());

@@ -1,5 +1,6 @@
 //! Points in lines of text: xyz, csv, txt.
 
+use super::{LineFault, PointFault, TextFault};
 use crate::support::printable::one_line;
 use crate::support::regular_file;
 use std::fs::File;
@@ -47,9 +48,8 @@ pub(super) const KNOWN_NAMES: [[&str; 3]; 4] = [
 pub(super) fn read(
     path: &Path,
     requested: ColumnRequest<'_>,
-) -> Result<(TextFile, Vec<[f64; 3]>), String> {
-    let text = regular_file::read_text(path, u64::MAX)
-        .map_err(|error| format!("cannot read the points: {error}"))?;
+) -> Result<(TextFile, Vec<[f64; 3]>), PointFault> {
+    let text = regular_file::read_text(path, u64::MAX)?;
     let mut file = TextFile {
         preamble: Vec::new(),
         lines: Vec::new(),
@@ -85,11 +85,11 @@ pub(super) fn read(
             file.blank += 1;
             continue;
         }
-        points.push(
-            layout
-                .point(line)
-                .map_err(|what| format!("line {}: {what}", index + 1))?,
-        );
+        let point = layout.point(line).map_err(|what| TextFault::Line {
+            line: index + 1,
+            what,
+        })?;
+        points.push(point);
         file.set_aside.extend(layout.is_set_aside(line));
         file.lines.push(line.to_owned());
     }
@@ -139,7 +139,7 @@ struct Layout {
 
 impl Layout {
     /// From the first line, which is a header unless all it holds is numbers.
-    fn of(line: &str, requested: ColumnRequest<'_>) -> Result<(Self, bool), String> {
+    fn of(line: &str, requested: ColumnRequest<'_>) -> Result<(Self, bool), TextFault> {
         let names = requested.named;
         let separator = [',', ';', '\t']
             .into_iter()
@@ -167,22 +167,16 @@ impl Layout {
             names.iter().find(|name| times(name) > 2).cloned()
         };
         if let Some(name) = names.and_then(twice) {
-            return Err(format!(
-                "`{name}` is named twice, so it does not say which column is meant"
-            ));
+            return Err(TextFault::NamedTwice(name));
         }
         let found = match names {
-            Some([x, y, z]) if is_header => Some(find([x, y, z]).ok_or_else(|| {
-                format!(
-                    "there are no columns `{x}`, `{y}` and `{z}`; write FILE:x,y,z with three of {}",
-                    fields.join(", ")
-                )
-            })?),
-            Some([x, y, z]) => {
-                return Err(format!(
-                    "there is no header line that could name `{x}`, `{y}` and `{z}`; write one, or name no columns: then the first three count"
-                ));
+            Some(names @ [x, y, z]) if is_header => {
+                Some(find([x, y, z]).ok_or_else(|| TextFault::NoColumns {
+                    names: names.clone(),
+                    header: fields.iter().copied().map(str::to_owned).collect(),
+                })?)
             }
+            Some(names) => return Err(TextFault::NoHeader(names.clone())),
             None if is_header => requested.known.iter().copied().find_map(find),
             None => None,
         };
@@ -228,22 +222,17 @@ impl Layout {
     }
 
     /// What is wrong with a line of so many fields that has no such column.
-    fn too_short(&self, name: &str, count: usize) -> String {
-        let fields = match count {
-            1 => "1 field".to_owned(),
-            count => format!("{count} fields"),
-        };
+    fn too_short(&self, name: &str, fields: usize) -> LineFault {
         match self.names == ["1", "2", "3"] {
-            true => format!(
-                "there are {fields}, and a point is x, y and z; put commas, semicolons or spaces between them, and name the columns in the first line where they are not the first three"
-            ),
-            false => format!(
-                "there are {fields}, so the column `{name}` of the header is missing; mend the line, or take it out"
-            ),
+            true => LineFault::TooFewFields(fields),
+            false => LineFault::TooShort {
+                column: name.to_owned(),
+                fields,
+            },
         }
     }
 
-    fn point(&self, line: &str) -> Result<[f64; 3], String> {
+    fn point(&self, line: &str) -> Result<[f64; 3], LineFault> {
         let fields = fields(line, self.separator);
         let mut point = [0.0; 3];
         for (axis, value) in point.iter_mut().enumerate() {
@@ -251,13 +240,10 @@ impl Layout {
             let field = fields
                 .get(self.columns[axis])
                 .ok_or_else(|| self.too_short(name, fields.len()))?;
-            *value = field
-                .parse()
-                .map_err(|_| {
-                    format!(
-                        "`{field}` in column `{name}` is not a number; mend it, or leave it empty to pass over the line"
-                    )
-                })?;
+            *value = field.parse().map_err(|_| LineFault::NotANumber {
+                field: (*field).to_owned(),
+                column: name.clone(),
+            })?;
         }
         Ok(point)
     }

@@ -11,7 +11,7 @@ use super::tile::TileId;
 use crate::bottom::swath::{
     Chunk, LaidOutLog, LearntLevels, Levels, LogEchoes, PingPlace, SideEchoes,
 };
-use crate::formats::parquet_table::{Column, ParquetError, Values, read_parquet};
+use crate::formats::parquet_table::{Column, ParquetError, ParquetFault, Values, read_parquet};
 use crate::pipeline::{depth_points, log_echoes};
 use crate::support::geo::{LonLat, UtmZone};
 use crate::support::progress::{Cancelled, Progress};
@@ -273,7 +273,7 @@ const OTHERS: [&str; 7] = [
 fn read(path: &Path) -> Result<Vec<EchoRow>, LakeError> {
     let damaged = || {
         LakeError::from(ParquetError {
-            what: "its columns are not those of echoes of a lake".to_owned(),
+            what: ParquetFault::Damaged("its columns are not those of echoes of a lake"),
             path: path.to_owned(),
         })
     };

@@ -6,7 +6,7 @@ use super::error::LakeError;
 use super::footprint::{Footprint, SideRange};
 use super::spread::{self, Row, RowsByTile};
 use super::tile::TileId;
-use crate::formats::parquet_table::{Column, ParquetError, Values, read_parquet};
+use crate::formats::parquet_table::{Column, ParquetError, ParquetFault, Values, read_parquet};
 use crate::imagery::mosaic::joined_way_m;
 use crate::support::geo::{LonLat, UtmZone};
 use crate::survey::{Side, SideSpan};
@@ -274,7 +274,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<PingRow>, LakeError> {
     ];
     let damaged = || {
         LakeError::from(ParquetError {
-            what: "its columns are not those of pings of a lake".to_owned(),
+            what: ParquetFault::Damaged("its columns are not those of pings of a lake"),
             path: path.to_owned(),
         })
     };

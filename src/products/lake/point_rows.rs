@@ -5,7 +5,7 @@ use super::error::LakeError;
 use super::spread::{self, Row};
 use crate::bottom::bathymetry::DepthPoint;
 use crate::bottom::cloud::{CloudPoint, PointClass, PointSource};
-use crate::formats::parquet_table::{Column, ParquetError, Values, read_parquet};
+use crate::formats::parquet_table::{Column, ParquetError, ParquetFault, Values, read_parquet};
 use std::path::Path;
 
 /// The subfolder of the rows.
@@ -120,7 +120,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<PointRow>, LakeError> {
     ];
     let read = read_parquet(path, &NAMES)?;
     let damaged = || ParquetError {
-        what: "its columns are not those of points of a lake".to_owned(),
+        what: ParquetFault::Damaged("its columns are not those of points of a lake"),
         path: path.to_owned(),
     };
     let Ok(
