@@ -166,8 +166,9 @@ fn open(
     };
     let settings = &first.products.settings;
     let opened = Reference::open(path.as_os_str(), &first.survey, settings, progress);
-    let reference = Arc::new(opened?);
-    let agreement = Agreement::with_reference(logs, &reference, matching, progress)?;
+    let reference = Arc::new(opened.map_err(|error| error.to_string())?);
+    let agreement = Agreement::with_reference(logs, &reference, matching, progress);
+    let agreement = agreement.map_err(|error| error.to_string())?;
     let of = Of::new(logs, Some((reference, matching)));
     Ok(Opened { of, agreement })
 }

@@ -138,7 +138,8 @@ impl App {
         made.task = Some(Task::start(&self.jobs, move |progress| {
             match &of.reference {
                 Some((reference, matching)) => {
-                    Agreement::with_reference(&logs, reference, *matching, progress).map(Some)
+                    let made = Agreement::with_reference(&logs, reference, *matching, progress);
+                    made.map(Some).map_err(|error| error.to_string())
                 }
                 None => {
                     Agreement::with_soundings(&logs, progress).map_err(|error| error.to_string())

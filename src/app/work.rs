@@ -77,10 +77,10 @@ impl App {
                 self.with_log(id, |app| app.take_products(products));
             }
             (Ok(_), None) => {}
-            (Err(text), _) => {
+            (Err(failed), _) => {
                 // The same settings would only fail again.
                 self.is_waiting = true;
-                self.notify(text, true);
+                self.notify(failed.to_string(), true);
             }
         }
         self.schedule();

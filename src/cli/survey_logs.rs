@@ -270,7 +270,10 @@ pub fn open_reference(
                 .map(input)
                 .collect()
         }
-        false => return Reference::open(argument, &first.survey, &first.settings, progress),
+        false => {
+            let opened = Reference::open(argument, &first.survey, &first.settings, progress);
+            return opened.map_err(|error| error.to_string());
+        }
     };
     let (opened, failed) = open_all(&inputs);
     all_or(failed, inputs.len())?;

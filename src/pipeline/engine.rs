@@ -19,6 +19,11 @@ pub enum EngineStatus {
     },
 }
 
+/// A stage ended in a panic.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("a processing step failed unexpectedly; the last result stays")]
+pub struct StageFailed;
+
 /// Runs [`run`] off the window's thread. A new request cancels the one under way.
 pub struct Engine {
     jobs: Jobs,
@@ -60,13 +65,11 @@ impl Engine {
     }
 
     /// The result of the last request, once, when it is there. `Err` when its worker died.
-    pub fn poll(&mut self) -> Option<Result<Products, String>> {
+    pub fn poll(&mut self) -> Option<Result<Products, StageFailed>> {
         let outcome = match self.running.as_ref()?.task.poll() {
             Outcome::Pending => return None,
             Outcome::Done(products) => products.map(Ok),
-            Outcome::Failed => Some(Err(
-                "a processing step failed unexpectedly; the last result stays".to_owned(),
-            )),
+            Outcome::Failed => Some(Err(StageFailed)),
         };
         self.running = None;
         outcome

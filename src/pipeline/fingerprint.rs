@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
 use std::fs::File;
 use std::io::{self, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Bytes hashed between two looks at whether the work was cancelled.
 const CHUNK: usize = 1 << 20;
@@ -132,11 +132,30 @@ impl LogFiles {
     }
 }
 
-/// A file that is no log; the error is one sentence.
-pub(super) fn hash_file(path: &Path, progress: &Progress) -> Result<Input, String> {
-    let fail = |error: io::Error| match progress.check() {
-        Err(cancelled) => cancelled.to_string(),
-        Ok(()) => format!("cannot read the file: {error}: {}", path.display()),
+/// Why a file cannot be read for its hash, in one sentence.
+#[derive(Debug, thiserror::Error)]
+pub enum InputError {
+    /// The work was cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// The system does not give it.
+    #[error("cannot read the file: {source}: {}", path.display())]
+    Unreadable {
+        /// What the system said.
+        source: io::Error,
+        /// Which file.
+        path: PathBuf,
+    },
+}
+
+/// A file that is no log.
+pub(super) fn hash_file(path: &Path, progress: &Progress) -> Result<Input, InputError> {
+    let fail = |source: io::Error| match progress.check() {
+        Err(cancelled) => InputError::from(cancelled),
+        Ok(()) => InputError::Unreadable {
+            source,
+            path: path.to_owned(),
+        },
     };
     let from = regular_file::open(path).map_err(fail)?;
     progress.start(from.metadata().map_err(fail)?.len());

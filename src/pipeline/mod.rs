@@ -31,7 +31,8 @@ mod surveyed;
 mod task;
 
 pub use agreement::{
-    Agreement, LogDifferences, MissionLog, Reference, ResidualTables, matching_in_words, positions,
+    Agreement, AgreementError, LogDifferences, MissionLog, Reference, ReferenceFault,
+    ResidualTables, matching_in_words, positions,
 };
 pub use background::{Background, Same};
 pub use clip_area::clip_area;
@@ -43,8 +44,8 @@ pub use derived::{
     Bottom, BottomColour, BottomCorner, BottomKey, CornerGround, DepthMap, DepthMapKey, Derived,
     FINEST, IsobathKey, Isobaths, Mosaic, MosaicKey, MosaicPlane, PictureKey,
 };
-pub use engine::{Engine, EngineStatus};
-pub use fingerprint::{Fingerprint, Input, LogFiles, in_hexadecimal, sha256_of};
+pub use engine::{Engine, EngineStatus, StageFailed};
+pub use fingerprint::{Fingerprint, Input, InputError, LogFiles, in_hexadecimal, sha256_of};
 pub use growing::{GrowingResults, extend};
 pub use log_settings::{
     LogSettings, SettingValues, from_values, is_of_one_log, is_setting, setting_values, with_values,
@@ -62,15 +63,14 @@ pub use source::{SourceError, SourceKey, as_mounted, as_set};
 pub use surveyed::surveyed;
 pub use task::{Jobs, Outcome, Task};
 
-use crate::support::geo::MapPlane;
+use crate::support::geo::{CrsError, MapPlane};
 use crate::survey::Survey;
 
 /// The plane of the system that `crs` names.
 ///
 /// # Errors
-/// A sentence that says why there is none.
-pub fn map_plane(survey: &Survey, settings: &Settings) -> Result<MapPlane, String> {
+/// When the system is not known, or does not fit the place.
+pub fn map_plane(survey: &Survey, settings: &Settings) -> Result<MapPlane, CrsError> {
     let origin = survey.track.frame.origin();
-    let crs = settings.crs.at(origin).map_err(|error| error.to_string())?;
-    Ok(MapPlane::new(crs, origin))
+    Ok(MapPlane::new(settings.crs.at(origin)?, origin))
 }

@@ -231,10 +231,10 @@ impl Report {
     /// Takes over the products of the run, and names it after them and what they were made from.
     ///
     /// # Errors
-    /// A sentence when a setting cannot be written as text.
-    pub fn name_run(&mut self, products: &[Fingerprint]) -> Result<(), String> {
+    /// When a setting cannot be written as text.
+    pub fn name_run(&mut self, products: &[Fingerprint]) -> Result<(), serde_json::Error> {
         let made_of = (&self.program, &self.inputs, &self.settings, products);
-        let text = serde_json::to_vec(&made_of).map_err(|error| error.to_string())?;
+        let text = serde_json::to_vec(&made_of)?;
         self.run = in_hexadecimal(&Sha256::digest(text)[..RUN_BYTES]);
         Ok(())
     }

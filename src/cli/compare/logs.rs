@@ -26,11 +26,13 @@ pub fn run(args: &CompareArgs) -> Result<(), String> {
     status.step("comparing");
     let reference = Arc::new(open_reference(&args.reference, first, &progress)?);
     let matching = args.matching();
-    let agreement = Agreement::with_reference(&measured, &reference, matching, &progress)?;
+    let agreement = Agreement::with_reference(&measured, &reference, matching, &progress);
+    let agreement = agreement.map_err(|error| error.to_string())?;
     if let Some(path) = &args.output {
         write_differences(path, &measured, &agreement).map_err(|error| error.to_string())?;
     }
-    let inputs = reference.inputs(&progress)?;
+    let inputs = reference.inputs(&progress);
+    let inputs = inputs.map_err(|error| error.to_string())?;
     let record =
         ComparisonRecord::new(&measured, &agreement, &inputs).map_err(|error| error.to_string())?;
     drop(status);

@@ -4,16 +4,17 @@
 //! hang on, `by_source` tells the sources of points apart.
 
 mod by_source;
+mod error;
 mod reference;
 mod tables;
 
+pub use error::{AgreementError, ReferenceFault};
 pub use reference::{MissionLog, Reference, positions};
 pub use tables::ResidualTables;
 
 use super::{ProcessedLog, Products};
 use crate::bottom::bathymetry::compare::{self, Comparison, Match, Matching};
 use crate::bottom::cloud::{CloudPoint, PointCloud, PointSource};
-use crate::support::presentation::text::way;
 use crate::support::progress::{Cancelled, Progress};
 use reference::{bounds, distance_m};
 use std::sync::Arc;
@@ -76,15 +77,15 @@ impl Agreement {
     /// Of the kept points of all logs that a depth map is made of with a reference. The logs lie in one frame.
     ///
     /// # Errors
-    /// A sentence: there is no log, the reference lies elsewhere, or the work was cancelled.
+    /// When there is no log, the reference lies elsewhere, or the work was cancelled.
     pub fn with_reference(
         logs: &[ProcessedLog],
         reference: &Arc<Reference>,
         matching: Matching,
         progress: &Progress,
-    ) -> Result<Self, String> {
+    ) -> Result<Self, AgreementError> {
         let Some(first) = logs.first() else {
-            return Err("there is no log to compare with the reference".to_owned());
+            return Err(AgreementError::NoLog);
         };
         let counted = chosen(logs, counted);
         let points = counted.iter().map(|one| point(logs, *one));
@@ -99,12 +100,15 @@ impl Agreement {
         places.retain(|&[x, y, _]| distance_m(there, [x, y, x, y]) <= reach_m);
         let places = places.iter().copied();
         let made = Self::of(logs, &counted, places, matching, progress);
-        match made.map_err(|error| error.to_string())? {
+        match made? {
             Some(agreement) => Ok(Self {
                 reference: Some(reference.clone()),
                 ..agreement
             }),
-            None => Err(unmatched(reference, matching, distance_m(there, all))),
+            None => Err(AgreementError::Unusable {
+                what: unmatched(matching, distance_m(there, all)),
+                path: reference.path().to_owned(),
+            }),
         }
     }
 
@@ -211,19 +215,14 @@ pub fn matching_in_words(matching: Matching) -> String {
     }
 }
 
-fn unmatched(reference: &Reference, matching: Matching, away_m: f64) -> String {
-    let path = reference.path().display();
+fn unmatched(matching: Matching, away_m: f64) -> ReferenceFault {
     if !away_m.is_finite() || away_m > f64::MAX / 4.0 {
-        return format!("the reference holds no point with a place: {path}");
+        return ReferenceFault::NoPlace;
     }
-    if away_m >= 1.0 {
-        return format!(
-            "the reference lies {} from this survey; see whether both are of one water and whether its columns are named right: {path}",
-            way(away_m)
-        );
+    match away_m >= 1.0 {
+        true => ReferenceFault::Elsewhere(away_m),
+        false => ReferenceFault::Unmatched(matching),
     }
-    let by = matching_in_words(matching);
-    format!("no point of this survey has a reference ({by}); take a larger distance: {path}")
 }
 
 /// Indices of the kept points that count.

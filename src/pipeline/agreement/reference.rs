@@ -1,9 +1,10 @@
 //! What a survey can be held against: points of a file, or another mission over the same water.
 
+use super::{AgreementError, ReferenceFault};
 use crate::bottom::cloud::Correction;
 use crate::formats::points::{Elevations, Plane};
 use crate::formats::{ReferenceFile, open_reference};
-use crate::pipeline::fingerprint::{Input, hash_file, hash_inputs};
+use crate::pipeline::fingerprint::{Input, InputError, hash_file, hash_inputs};
 use crate::pipeline::{ProcessedLog, Products, Settings, as_mounted, run};
 use crate::sonar::first_return::BottomSettings;
 use crate::support::geo::{Crs, LocalFrame, LonLat};
@@ -50,24 +51,31 @@ impl Reference {
     /// Opens what a survey is to be held against: points or a log, as [`open_reference`] tells them apart.
     ///
     /// # Errors
-    /// A sentence when it cannot be read, its metres lie nowhere near the survey, or the work was cancelled.
+    /// When it cannot be read, its metres lie nowhere near the survey, or the work was cancelled.
     pub fn open(
         argument: &OsStr,
         survey: &Survey,
         settings: &Settings,
         progress: &Progress,
-    ) -> Result<Self, String> {
-        match open_reference(argument, progress).map_err(|error| error.to_string())? {
+    ) -> Result<Self, AgreementError> {
+        match open_reference(argument, progress)? {
             ReferenceFile::Points(file) => Self::of_points(file, survey, settings),
             ReferenceFile::Log(log) => Ok(Self::of_mission(*log)),
         }
     }
 
     /// Points of a file. Metres of a file that does not say whose they are count as those of the system that `crs` names, or else as
-    /// metres east and north of the survey's first fix: as those where they lie over the survey. The error is one sentence.
-    fn of_points(file: Elevations, survey: &Survey, settings: &Settings) -> Result<Self, String> {
-        let fail = |what: String| format!("{what}: {}", file.path.display());
-        let (system, guess) = System::of(&file, survey, settings).map_err(fail)?;
+    /// metres east and north of the survey's first fix: as those where they lie over the survey.
+    fn of_points(
+        file: Elevations,
+        survey: &Survey,
+        settings: &Settings,
+    ) -> Result<Self, AgreementError> {
+        let system = System::of(&file, survey, settings);
+        let (system, guess) = system.map_err(|what| AgreementError::Unusable {
+            what,
+            path: file.path.clone(),
+        })?;
         let blank = (file.blank > 0).then(|| {
             let count = file.blank;
             format!("{count} lines or features without a coordinate are left out")
@@ -132,12 +140,12 @@ impl Reference {
     /// East, north and elevation of its points in the plane of a log, metres. Another mission is processed with the settings of that log.
     ///
     /// # Errors
-    /// A sentence: it cannot be processed so, or the work was cancelled.
+    /// When it cannot be processed so, or the work was cancelled.
     pub(super) fn places(
         &self,
         log: &ProcessedLog,
         progress: &Progress,
-    ) -> Result<Vec<[f64; 3]>, String> {
+    ) -> Result<Vec<[f64; 3]>, AgreementError> {
         let ProcessedLog { survey, products } = log;
         let place = |&[lon_deg, lat_deg, z_m]: &Position| {
             let at = LonLat { lon_deg, lat_deg };
@@ -152,7 +160,10 @@ impl Reference {
                 for (index, other) in logs.iter().enumerate() {
                     let (survey, now) = other
                         .processed(&products.settings, made.get(index), progress)
-                        .map_err(|what| format!("{what}: {}", self.path.display()))?;
+                        .map_err(|what| AgreementError::Unusable {
+                            what,
+                            path: self.path.clone(),
+                        })?;
                     places.par_extend(positions(&survey, &now).par_iter().map(place));
                     match made.get_mut(index) {
                         Some(before) => *before = now,
@@ -165,15 +176,16 @@ impl Reference {
     }
 
     /// The files that it was read from.
-    pub fn inputs(&self, progress: &Progress) -> Result<Vec<Input>, String> {
+    ///
+    /// # Errors
+    /// When one cannot be read any more, or the work was cancelled.
+    pub fn inputs(&self, progress: &Progress) -> Result<Vec<Input>, InputError> {
         match &self.held {
             Held::Points(_) => Ok(vec![hash_file(&self.path, progress)?]),
             Held::Mission { logs, .. } => {
                 let inputs = logs.iter().map(|log| hash_inputs(&log.survey, progress));
                 let inputs: Result<Vec<_>, Cancelled> = inputs.collect();
-                inputs
-                    .map(|all| all.concat())
-                    .map_err(|error| error.to_string())
+                Ok(inputs?.concat())
             }
         }
     }
@@ -187,7 +199,7 @@ impl MissionLog {
         settings: &Settings,
         before: Option<&Products>,
         progress: &Progress,
-    ) -> Result<(Arc<Survey>, Products), String> {
+    ) -> Result<(Arc<Survey>, Products), ReferenceFault> {
         let mut survey = self.survey.clone();
         let settings = self.settings.clone().unwrap_or_else(|| {
             let mut settings = settings.clone();
@@ -201,14 +213,13 @@ impl MissionLog {
         if self.settings.is_none() {
             let recorded = Survey::clone(&survey);
             let mounted = as_mounted(recorded, &settings.mounting, settings.source.crs);
-            survey = Arc::new(mounted.map_err(|error| error.to_string())?);
+            survey = Arc::new(mounted?);
         }
         if let Some(sentence) = Correction::new(settings.depth(), &survey).refused() {
-            return Err(sentence.to_owned());
+            return Err(ReferenceFault::WaterLevels(sentence.to_owned()));
         }
-        let made = run(&survey, &settings, before, progress, |_| ());
-        made.map(|made| (survey, made))
-            .map_err(|error| error.to_string())
+        let made = run(&survey, &settings, before, progress, |_| ())?;
+        Ok((survey, made))
     }
 }
 
@@ -234,16 +245,13 @@ enum System {
 }
 
 impl System {
-    /// The system of a file, and in words where it is a guess; the error is a sentence without the path.
+    /// The system of a file, and in words where it is a guess.
     fn of(
         file: &Elevations,
         survey: &Survey,
         settings: &Settings,
-    ) -> Result<(Self, Option<String>), String> {
-        let named = |epsg: u16| {
-            let crs = Crs::from_epsg(epsg).map_err(|error| error.to_string())?;
-            Ok((Self::Crs(crs), None))
-        };
+    ) -> Result<(Self, Option<String>), ReferenceFault> {
+        let named = |epsg: u16| Ok((Self::Crs(Crs::from_epsg(epsg)?), None));
         match file.plane {
             Plane::Degrees => named(4326),
             Plane::Utm(zone) => named(zone.epsg() as u16),
@@ -256,7 +264,7 @@ impl System {
         file: &Elevations,
         survey: &Survey,
         settings: &Settings,
-    ) -> Result<(Self, Option<String>), String> {
+    ) -> Result<(Self, Option<String>), ReferenceFault> {
         let frame = &survey.track.frame;
         let map = settings.crs.at(frame.origin()).ok();
         let map = map.unwrap_or_else(|| Crs::utm(frame.origin()));
@@ -276,9 +284,7 @@ impl System {
                 return Ok((system, Some(words)));
             }
         }
-        Err(format!(
-            "the file does not say which system its metres are in, and they lie over this survey neither as {map} nor as metres from its first fix; give longitude and latitude, or set crs to the file's system"
-        ))
+        Err(ReferenceFault::UnknownMetres(map))
     }
 
     fn to_lon_lat(&self, [x, y]: [f64; 2]) -> LonLat {

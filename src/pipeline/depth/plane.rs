@@ -4,7 +4,7 @@ use crate::bottom::bathymetry::{DepthPoint, SurfaceSettings};
 use crate::bottom::cloud::{CloudPoint, PointClass, PointCloud, PointSource};
 use crate::pipeline::Products;
 use crate::pipeline::map_plane;
-use crate::support::geo::{Crs, LonLat, MapPlane};
+use crate::support::geo::{Crs, CrsError, LonLat, MapPlane};
 use crate::survey::{Navigation, Survey, Track};
 
 /// The cloud and the plane that its maps are drawn in.
@@ -18,8 +18,11 @@ pub struct Plane<'a> {
 }
 
 impl<'a> Plane<'a> {
-    /// The plane of the system that `crs` names; the error is a sentence that says why there is none.
-    pub fn of(survey: &'a Survey, products: &'a Products) -> Result<Self, String> {
+    /// The plane of the system that `crs` names.
+    ///
+    /// # Errors
+    /// When the system is not known, or does not fit the place.
+    pub fn of(survey: &'a Survey, products: &'a Products) -> Result<Self, CrsError> {
         let map = map_plane(survey, &products.settings)?;
         Ok(Self::new(survey, products, map))
     }

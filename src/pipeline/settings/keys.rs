@@ -16,20 +16,21 @@ impl Settings {
     /// # Errors
     /// A sentence that names the line or the key.
     pub fn with_toml(&self, text: &str) -> Result<Self, SettingsError> {
-        let refused = |reason: String| SettingsError(format!("settings: {reason}"));
+        let refused = |error| SettingsError(format!("settings: {error}"));
         let over: Table = (text.parse()).map_err(|error| refused(not_toml(&error, text)))?;
-        self.with_overrides(over).map_err(refused)
+        self.with_overrides(over).map_err(|error| refused(error.0))
     }
 
-    fn with_overrides(&self, over: Table) -> Result<Self, String> {
+    fn with_overrides(&self, over: Table) -> Result<Self, SettingsError> {
         if let Some(sentence) = unknown_in(&over) {
-            return Err(sentence);
+            return Err(SettingsError(sentence));
         }
-        let mut table = Table::try_from(self).map_err(|error| error.to_string())?;
+        let mut table = Table::try_from(self).map_err(|error| SettingsError(error.to_string()))?;
         merge(&mut table, over.clone());
-        table
-            .try_into()
-            .map_err(|error| misfit_in(&over).unwrap_or_else(|| in_one_line(error.message())))
+        table.try_into().map_err(|error: toml::de::Error| {
+            let sentence = misfit_in(&over).unwrap_or_else(|| in_one_line(error.message()));
+            SettingsError(sentence)
+        })
     }
 
     /// Applies one `key=value`, for example `first_return.threshold=0.35`.
@@ -51,7 +52,7 @@ impl Settings {
             let reason = in_one_line(error.message());
             SettingsError(format!("`{key}` cannot be `{value}`: {reason}"))
         })?;
-        self.with_overrides(over).map_err(SettingsError)
+        self.with_overrides(over)
     }
 }
 

@@ -1,7 +1,9 @@
 //! Why files could not be written.
 
 use crate::detection::DetectError;
+use crate::pipeline::{AgreementError, InputError};
 use crate::products::export::{ChipError, ExportError, RasterError};
+use crate::support::geo::CrsError;
 use crate::support::progress::Cancelled;
 
 /// Why files could not be written. The folder is then as it was.
@@ -22,6 +24,15 @@ pub enum OutputError {
     /// The search for objects.
     #[error(transparent)]
     Search(DetectError),
+    /// The system that `crs` names.
+    #[error(transparent)]
+    System(#[from] CrsError),
+    /// The comparison with a reference.
+    #[error(transparent)]
+    Reference(AgreementError),
+    /// A file that the survey was made from.
+    #[error(transparent)]
+    Input(InputError),
     /// What cannot be done, in a sentence that names the file or the setting.
     #[error("{0}")]
     Refused(String),
@@ -50,6 +61,24 @@ impl From<DetectError> for OutputError {
         match error {
             DetectError::Cancelled(cancelled) => Self::Cancelled(cancelled),
             other => Self::Search(other),
+        }
+    }
+}
+
+impl From<AgreementError> for OutputError {
+    fn from(error: AgreementError) -> Self {
+        match error {
+            AgreementError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            other => Self::Reference(other),
+        }
+    }
+}
+
+impl From<InputError> for OutputError {
+    fn from(error: InputError) -> Self {
+        match error {
+            InputError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            other => Self::Input(other),
         }
     }
 }

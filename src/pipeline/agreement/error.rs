@@ -1,0 +1,70 @@
+//! Why a survey cannot be held against a reference.
+
+use super::matching_in_words;
+use crate::bottom::bathymetry::compare::Matching;
+use crate::formats::ReferenceError;
+use crate::pipeline::SourceError;
+use crate::support::geo::{Crs, CrsError};
+use crate::support::presentation::text::way;
+use crate::support::progress::Cancelled;
+use std::path::PathBuf;
+
+/// Why a survey cannot be held against a reference, in one sentence.
+#[derive(Debug, thiserror::Error)]
+pub enum AgreementError {
+    /// The work was cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// The reference cannot be opened.
+    #[error(transparent)]
+    Open(#[from] ReferenceError),
+    /// There is nothing to hold against it.
+    #[error("there is no log to compare with the reference")]
+    NoLog,
+    /// The reference does not fit.
+    #[error("{what}: {}", path.display())]
+    Unusable {
+        /// What is wrong with it.
+        #[source]
+        what: ReferenceFault,
+        /// Its file or folder.
+        path: PathBuf,
+    },
+}
+
+/// What is wrong with a reference, in a sentence without the path.
+#[derive(Debug, thiserror::Error)]
+pub enum ReferenceFault {
+    /// Its points are in a system that is not known.
+    #[error(transparent)]
+    System(#[from] CrsError),
+    /// Its points are in metres that lie over the survey neither in this system nor as metres from the first fix.
+    #[error(
+        "the file does not say which system its metres are in, and they lie over this survey neither as {0} nor as metres from its first fix; give longitude and latitude, or set crs to the file's system"
+    )]
+    UnknownMetres(Crs),
+    /// A log of the other mission cannot be taken as the settings say.
+    #[error(transparent)]
+    Source(#[from] SourceError),
+    /// The water levels do not fit a log of the other mission.
+    #[error("{0}")]
+    WaterLevels(String),
+    /// The work was cancelled while a log of the other mission was processed.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// It is empty.
+    #[error("the reference holds no point with a place")]
+    NoPlace,
+    /// It lies so many metres off.
+    #[error(
+        "the reference lies {} from this survey; see whether both are of one water and whether its columns are named right",
+        way(*.0)
+    )]
+    Elsewhere(f64),
+    /// It lies over the survey, but no point is as near as asked.
+    #[error(
+        "no point of this survey has a reference ({}); take a larger distance",
+        matching_in_words(*.0)
+    )]
+    Unmatched(Matching),
+}
