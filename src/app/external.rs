@@ -128,7 +128,7 @@ impl App {
             gauge: Some(Arc::new(gauge)),
         };
         match Correction::new(settings.depth(), survey).refused() {
-            Some(sentence) => self.notify(sentence.to_owned(), true),
+            Some(why) => self.notify(why.to_string(), true),
             None => self.change(settings, "water levels", false),
         }
     }

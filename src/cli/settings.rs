@@ -132,8 +132,8 @@ fn tell_of_drawing(survey: &Survey, settings: &Settings) {
 
 /// Refuses settings that ask for what this log does not hold.
 pub fn check_against(survey: &Survey, settings: &Settings) -> Result<(), String> {
-    if let Some(sentence) = Correction::new(settings.depth(), survey).refused() {
-        return Err(sentence.to_owned());
+    if let Some(why) = Correction::new(settings.depth(), survey).refused() {
+        return Err(why.to_string());
     }
     let origin = survey.track.frame.origin();
     let crs = settings.crs.at(origin);

@@ -402,7 +402,7 @@ pub fn warnings(survey: &Survey, products: &Products) -> Vec<String> {
     let read = survey.warnings.iter().map(|warning| warning.text.clone());
     read.chain(products.bottom_line.warnings.iter().cloned())
         .chain(products.calibration.warnings.iter().cloned())
-        .chain(products.correction.refused().map(str::to_owned))
+        .chain(products.correction.refused().map(ToString::to_string))
         .chain(products.left_out.warnings.iter().cloned())
         .collect()
 }

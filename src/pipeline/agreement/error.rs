@@ -2,6 +2,7 @@
 
 use super::matching_in_words;
 use crate::bottom::bathymetry::compare::Matching;
+use crate::bottom::cloud::correction::WaterLevelError;
 use crate::formats::ReferenceError;
 use crate::pipeline::SourceError;
 use crate::support::geo::{Crs, CrsError};
@@ -47,8 +48,8 @@ pub enum ReferenceFault {
     #[error(transparent)]
     Source(#[from] SourceError),
     /// The water levels do not fit a log of the other mission.
-    #[error("{0}")]
-    WaterLevels(String),
+    #[error(transparent)]
+    WaterLevels(WaterLevelError),
     /// The work was cancelled while a log of the other mission was processed.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

@@ -215,8 +215,8 @@ impl MissionLog {
             let mounted = as_mounted(recorded, &settings.mounting, settings.source.crs);
             survey = Arc::new(mounted?);
         }
-        if let Some(sentence) = Correction::new(settings.depth(), &survey).refused() {
-            return Err(ReferenceFault::WaterLevels(sentence.to_owned()));
+        if let Some(why) = Correction::new(settings.depth(), &survey).refused() {
+            return Err(ReferenceFault::WaterLevels(why.clone()));
         }
         let made = run(&survey, &settings, before, progress, |_| ())?;
         Ok((survey, made))

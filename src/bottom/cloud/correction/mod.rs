@@ -4,13 +4,14 @@
 //! side-scan points, and all that is drawn or written of them, are corrected alike and once. `sound_speed` has the equation,
 //! `statement` says in words what was done.
 
+mod error;
 mod sound_speed;
 mod statement;
 
+pub use error::WaterLevelError;
 pub use sound_speed::{SoundSpeedSettings, sound_speed_m_s};
 pub use statement::DepthReference;
 
-use crate::support::calendar;
 use crate::survey::{Gauge, Survey};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -62,8 +63,8 @@ pub struct Correction {
     clock_offset_s: f64,
     /// The water's height in the middle of the survey, metres.
     middle_level_m: f64,
-    /// Why the readings of the water's height are not in force, in a sentence.
-    refused: Option<String>,
+    /// Why the readings of the water's height are not in force.
+    refused: Option<WaterLevelError>,
 }
 
 impl Correction {
@@ -82,14 +83,14 @@ impl Correction {
                 made.middle_level_m = made.level_m(middle_s);
             }
             Ok(None) => {}
-            Err(sentence) => made.refused = Some(sentence),
+            Err(why) => made.refused = Some(why),
         }
         made
     }
 
-    /// Why the readings of the water's height are not in force, in a sentence.
-    pub fn refused(&self) -> Option<&str> {
-        self.refused.as_deref()
+    /// Why the readings of the water's height are not in force.
+    pub fn refused(&self) -> Option<&WaterLevelError> {
+        self.refused.as_ref()
     }
 
     /// What slant ranges and depths are multiplied with, `c / c0`.
@@ -147,31 +148,29 @@ impl Correction {
 }
 
 /// Unix seconds of the log's zero, and the time of the log's middle, where readings cover the survey; `None` without readings.
-fn over_survey(level: &WaterLevelSettings, survey: &Survey) -> Result<Option<(f64, f64)>, String> {
+fn over_survey(
+    level: &WaterLevelSettings,
+    survey: &Survey,
+) -> Result<Option<(f64, f64)>, WaterLevelError> {
     let Some(path) = &level.file else {
         return Ok(None);
     };
-    let fail = |what: String| format!("{what}: {}", path.display());
-    let gauge = level
-        .gauge
-        .as_ref()
-        .ok_or_else(|| fail("the readings of the water level have not been read".to_owned()))?;
+    let path = || path.clone();
+    let unread = || WaterLevelError::NotRead { path: path() };
+    let gauge = level.gauge.as_ref().ok_or_else(unread)?;
     let Some(start_unix_s) = survey.start_unix_s else {
-        let what = "the log does not know the time, so readings of the water level cannot be applied to it; give one water_level_m instead";
-        return Err(fail(what.to_owned()));
+        return Err(WaterLevelError::UnknownTime { path: path() });
     };
     let Some((from_s, to_s)) = record_span_s(survey) else {
         return Ok(Some((start_unix_s, 0.0)));
     };
-    let [first_s, last_s] = gauge.span_s();
-    if start_unix_s + from_s < first_s || start_unix_s + to_s > last_s {
-        return Err(fail(format!(
-            "the readings of the water level go from {} to {} UTC, but the log from {} to {}; add the readings that are missing",
-            moment(first_s),
-            moment(last_s),
-            moment(start_unix_s + from_s),
-            moment(start_unix_s + to_s)
-        )));
+    let (readings_s, log_s) = (gauge.span_s(), [from_s, to_s].map(|s| start_unix_s + s));
+    if log_s[0] < readings_s[0] || log_s[1] > readings_s[1] {
+        return Err(WaterLevelError::NotCovered {
+            readings_s,
+            log_s,
+            path: path(),
+        });
     }
     Ok(Some((start_unix_s, 0.5 * (from_s + to_s))))
 }
@@ -184,14 +183,6 @@ fn record_span_s(survey: &Survey) -> Option<(f64, f64)> {
         let (from_s, to_s) = span.unwrap_or((time_s, time_s));
         Some((time_s.min(from_s), time_s.max(to_s)))
     })
-}
-
-fn moment(unix_s: f64) -> String {
-    format!(
-        "{} {}",
-        calendar::date(unix_s),
-        calendar::time_of_day(unix_s)
-    )
 }
 
 #[cfg(test)]

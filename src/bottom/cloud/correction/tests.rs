@@ -111,7 +111,7 @@ fn readings_that_do_not_cover_the_log_are_refused() {
         Correction::new(settings, &survey(start_unix_s))
     };
     let late = with(Some(1_634_002_000.0));
-    let why = late.refused().expect("a reason");
+    let why = late.refused().expect("a reason").to_string();
     assert!(
         why.contains("01:53:20") && why.contains("01:56:40"),
         "{why}"
@@ -127,6 +127,7 @@ fn readings_that_do_not_cover_the_log_are_refused() {
         with(None)
             .refused()
             .expect("a reason")
+            .to_string()
             .contains("does not know the time")
     );
 }
