@@ -174,7 +174,7 @@ impl LeftOut {
         match named(survey, settings, &ping_times) {
             // The later in the list win.
             Ok(named) => spans.extend(named),
-            Err(warning) => made.warnings.push(warning),
+            Err(other) => made.warnings.push(other.to_string()),
         }
         made.pings = flags(&ping_times, &spans);
         made.soundings = flags(&sounding_times, &spans);
@@ -271,21 +271,26 @@ fn runs(
     long.map(|span| (span, Some(reason))).collect()
 }
 
+/// Stretches of another log.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "left_out.stretches are not applied: they belong to {}, a log of {} bytes and {} pings",
+    .0.file, .0.byte_count, .0.pings
+)]
+struct OtherLog<'a>(&'a Identity);
+
 /// The stretches that the settings name, as spans of time.
 ///
 /// # Errors
-/// A sentence where they belong to another log.
-fn named(
+/// Where they belong to another log.
+fn named<'a>(
     survey: &Survey,
-    settings: &LeftOutSettings,
+    settings: &'a LeftOutSettings,
     ping_times: &[f64],
-) -> Result<Vec<Span>, String> {
+) -> Result<Vec<Span>, OtherLog<'a>> {
     let own = Identity::of(survey);
     if let Some(log) = settings.log.as_ref().filter(|log| !own.is_same_log(log)) {
-        return Err(format!(
-            "left_out.stretches are not applied: they belong to {}, a log of {} bytes and {} pings",
-            log.file, log.byte_count, log.pings
-        ));
+        return Err(OtherLog(log));
     }
     let span = |stretch: &Stretch| {
         let time_s = match stretch.pings {
