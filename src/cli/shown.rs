@@ -111,7 +111,7 @@ pub fn within(survey: &Survey, pings: Option<PingRange>) -> Result<PingRange, St
 /// # Errors
 /// A sentence that says how pings are written.
 pub fn parse_pings(text: &str) -> Result<PingRange, String> {
-    PingRange::try_from(text.to_owned())
+    PingRange::try_from(text.to_owned()).map_err(|error| error.to_string())
 }
 
 /// Reads `WxH`.

@@ -97,7 +97,8 @@ pub fn read_bottom(log: &Path, survey: &Survey) -> Option<Result<BottomSettings,
         let text = regular_file::read_text(&path, LONGEST).map_err(|error| error.to_string())?;
         let kept: BottomFile = toml::from_str(&text).map_err(|error| error.message().to_owned())?;
         kept.bottom.check().map_err(str::to_owned)?;
-        kept.bottom.adopted(survey)
+        let adopted = kept.bottom.adopted(survey);
+        adopted.map_err(|error| error.to_string())
     };
     Some(
         parsed().map_err(|what| format!("cannot use the bottom edits: {what}: {}", path.display())),

@@ -99,10 +99,15 @@ impl From<PingRange> for String {
     }
 }
 
-impl TryFrom<String> for PingRange {
-    type Error = String;
+/// A text that is no range of pings.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("a ping range is written A..B with A < B, for example 400..600; got `{0}`")]
+pub struct PingRangeError(String);
 
-    fn try_from(text: String) -> Result<Self, String> {
+impl TryFrom<String> for PingRange {
+    type Error = PingRangeError;
+
+    fn try_from(text: String) -> Result<Self, Self::Error> {
         let parsed = text.split_once("..").and_then(|(start, end)| {
             Some(PingRange {
                 start: start.trim().parse().ok()?,
@@ -111,11 +116,7 @@ impl TryFrom<String> for PingRange {
         });
         parsed
             .filter(|range| range.start < range.end)
-            .ok_or_else(|| {
-                format!(
-                    "a ping range is written A..B with A < B, for example 400..600; got `{text}`"
-                )
-            })
+            .ok_or(PingRangeError(text))
     }
 }
 

@@ -121,6 +121,19 @@ impl BottomEdit {
     }
 }
 
+/// Bottom edits that belong to another log.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "it belongs to a log of {} bytes and {} pings, this one has {} and {}",
+    drawn_on.0, drawn_on.1, log.0, log.1
+)]
+pub struct OtherLog {
+    /// Bytes and side-scan pings of the log that it was drawn on.
+    pub drawn_on: (u64, usize),
+    /// The same of the log that it is held against.
+    pub log: (u64, usize),
+}
+
 impl BottomSettings {
     /// End of the name of the file that they are kept in, in place of the log's.
     pub const SIDECAR: &str = "bottom.toml";
@@ -136,8 +149,11 @@ impl BottomSettings {
         }
     }
 
-    /// Whether it was drawn on this log; the error says on which, after "it".
-    pub fn belongs_to(&self, survey: &Survey) -> Result<(), String> {
+    /// Whether it was drawn on this log.
+    ///
+    /// # Errors
+    /// When it was drawn on another log.
+    pub fn belongs_to(&self, survey: &Survey) -> Result<(), OtherLog> {
         let Self {
             log_bytes, pings, ..
         } = Self::of(survey);
@@ -147,18 +163,18 @@ impl BottomSettings {
         if self.pings == pings && [log_bytes, with_track].contains(&self.log_bytes) {
             return Ok(());
         }
-        Err(format!(
-            "it belongs to a log of {} bytes and {} pings, this one has {log_bytes} and {pings}",
-            self.log_bytes, self.pings
-        ))
+        Err(OtherLog {
+            drawn_on: (self.log_bytes, self.pings),
+            log: (log_bytes, pings),
+        })
     }
 
     /// The same for the log whose sidecar file it is: what an earlier version kept while a track was applied to the log
     /// counts the bytes of that, which may be gone.
     ///
     /// # Errors
-    /// On which log it was drawn instead, after "it".
-    pub fn adopted(self, survey: &Survey) -> Result<Self, String> {
+    /// When it was drawn on another log.
+    pub fn adopted(self, survey: &Survey) -> Result<Self, OtherLog> {
         let of = Self::of(survey);
         if survey.was(self.log_bytes, self.pings) {
             // More of it was written since.

@@ -16,7 +16,7 @@ mod tracker;
 
 pub use bottom_line::{BottomLine, at_recorded_depth};
 pub use confidence::{ABOVE_BOTTOM_SHARE, Evidence, ground_confidence};
-pub use manual_picks::{BottomEdit, BottomSettings};
+pub use manual_picks::{BottomEdit, BottomSettings, OtherLog};
 pub use normalise::Normalisation;
 pub use threshold::ThresholdIndex;
 
