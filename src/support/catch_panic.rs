@@ -33,19 +33,24 @@ pub fn catch_panic<T>(work: impl FnOnce() -> T) -> Option<T> {
     outcome.ok()
 }
 
+/// A panic: its cause, and its place in the source where that is known.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct Panicked(pub String);
+
 /// Runs all of a program's work. A panic becomes an error that names its cause, and its place in the source where the program's hook
 /// asked [`is_to_be_printed`].
 ///
 /// # Errors
-/// The message of the panic.
-pub fn panic_as_error<T>(work: impl FnOnce() -> T) -> Result<T, String> {
+/// When it panicked.
+pub fn panic_as_error<T>(work: impl FnOnce() -> T) -> Result<T, Panicked> {
     *reporting() = Reporting::Under(None);
     let outcome = panic::catch_unwind(AssertUnwindSafe(work));
     let first = match std::mem::take(&mut *reporting()) {
         Reporting::Under(first) => first,
         Reporting::Not => None,
     };
-    outcome.map_err(|payload| first.unwrap_or_else(|| cause(payload.as_ref()).to_owned()))
+    outcome.map_err(|payload| Panicked(first.unwrap_or_else(|| cause(payload.as_ref()).to_owned())))
 }
 
 /// Whether a panic is to be printed, asked by the hook of a program: not where other people's code panicked on damaged bytes, which is an
@@ -90,6 +95,6 @@ mod tests {
     fn a_panic_of_all_the_work_becomes_an_error_with_its_cause() {
         assert_eq!(panic_as_error(|| 7), Ok(7));
         let error = panic_as_error::<()>(|| panic!("no more {}", "ink")).unwrap_err();
-        assert!(error.starts_with("no more ink"), "{error}");
+        assert!(error.0.starts_with("no more ink"), "{error}");
     }
 }

@@ -67,8 +67,13 @@ pub enum CrsChoice {
     Epsg(u16),
 }
 
+/// A text that names no system.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("it is {0}")]
+pub struct NoSystem(&'static str);
+
 impl TryFrom<String> for CrsChoice {
-    type Error = String;
+    type Error = NoSystem;
 
     fn try_from(text: String) -> Result<Self, Self::Error> {
         let number = || {
@@ -80,9 +85,9 @@ impl TryFrom<String> for CrsChoice {
             "utm" => Ok(Self::Utm),
             "wgs84" => Ok(Self::Wgs84),
             "web_mercator" => Ok(Self::WebMercator),
-            _ => number().map(Self::Epsg).ok_or_else(|| {
-                "it is utm, wgs84, web_mercator, or EPSG: and a number up to 65535".to_owned()
-            }),
+            _ => number().map(Self::Epsg).ok_or(NoSystem(
+                "utm, wgs84, web_mercator, or EPSG: and a number up to 65535",
+            )),
         }
     }
 }
@@ -141,14 +146,14 @@ impl CrsChoice {
 pub struct SourceCrs(pub u16);
 
 impl TryFrom<String> for SourceCrs {
-    type Error = String;
+    type Error = NoSystem;
 
     fn try_from(text: String) -> Result<Self, Self::Error> {
         match CrsChoice::try_from(text) {
             Ok(CrsChoice::Epsg(number)) => Ok(Self(number)),
-            _ => Err(
-                "it is EPSG: and a number up to 65535, EPSG:32633 for UTM zone 33 north".to_owned(),
-            ),
+            _ => Err(NoSystem(
+                "EPSG: and a number up to 65535, EPSG:32633 for UTM zone 33 north",
+            )),
         }
     }
 }
