@@ -1,6 +1,9 @@
 //! COCO's JSON: a data set, or a list of results.
 
-use super::{Label, LabelError, LabelFormat, LabelSet, MOST_CLASSES, PictureLabels, text};
+use super::{
+    AnnotationFault, Label, LabelError, LabelFault, LabelFormat, LabelSet, MOST_CLASSES,
+    PictureLabels, text,
+};
 use crate::detection::Rect;
 use serde::Deserialize;
 use std::collections::HashSet;
@@ -65,9 +68,7 @@ impl fmt::Display for Number {
 pub fn read_truth(file: &Path) -> Result<LabelSet, LabelError> {
     let text = text(file, LONGEST)?;
     if text.trim_start().starts_with('[') {
-        let what = "a list of results holds predictions; true boxes are in a COCO file with images, annotations and \
-                    categories";
-        return Err(LabelError::new(what, file));
+        return Err(LabelError::new(LabelFault::OnlyResults, file));
     }
     let (mut set, annotations) = data_set(&text, file)?;
     add(&mut set, annotations, false)?;
@@ -93,8 +94,7 @@ pub fn read_predicted(file: &Path, truth: &LabelSet) -> Result<LabelSet, LabelEr
 }
 
 fn parse<'a, T: Deserialize<'a>>(text: &'a str, file: &Path) -> Result<T, LabelError> {
-    serde_json::from_str(text)
-        .map_err(|error| LabelError::new(format!("cannot use the COCO file: {error}"), file))
+    serde_json::from_str(text).map_err(|error| LabelError::new(LabelFault::NotCoco(error), file))
 }
 
 /// Pictures and categories of a data set, and its annotations.
@@ -105,10 +105,10 @@ fn data_set(text: &str, file: &Path) -> Result<(LabelSet, Vec<Annotation>), Labe
         mut categories,
     } = parse(text, file)?;
     if categories.len() > MOST_CLASSES {
-        let what = format!(
-            "{} categories are more than {MOST_CLASSES}",
-            categories.len()
-        );
+        let what = LabelFault::TooManyClasses {
+            count: categories.len(),
+            named: "categories",
+        };
         return Err(LabelError::new(what, file));
     }
     let mut set = LabelSet::empty(LabelFormat::Coco, file);
@@ -149,16 +149,19 @@ fn add(
 ) -> Result<(), LabelError> {
     let file = set.path.clone();
     for (index, annotation) in annotations.into_iter().enumerate() {
-        let refuse = |what: String| {
-            let what = format!("cannot use the box {} of the file: {what}", index + 1);
-            Err(LabelError::new(what, &file))
+        let refuse = |what: AnnotationFault| {
+            let number = index + 1;
+            Err(LabelError::new(
+                LabelFault::Annotation { number, what },
+                &file,
+            ))
         };
         let number = annotation.image_id.to_string();
         // Without numbers (the truth is in YOLO labels) the number is the name.
         let name = match set.numbers.get(&number) {
             Some(name) => name.clone(),
             None if set.numbers.is_empty() => number,
-            None => return refuse(format!("there is no picture {number}")),
+            None => return refuse(AnnotationFault::NoPicture(number)),
         };
         let class = if set.categories.is_empty() {
             usize::try_from(annotation.category_id)
@@ -168,17 +171,17 @@ fn add(
             set.categories.get(&annotation.category_id).copied()
         };
         let Some(class) = class else {
-            return refuse(format!("there is no category {}", annotation.category_id));
+            return refuse(AnnotationFault::NoCategory(annotation.category_id));
         };
         let score = annotation
             .score
             .filter(|score| predicted && (0.0..=1.0).contains(score));
         if predicted && score.is_none() {
-            return refuse("a predicted box needs a score from 0 to 1".into());
+            return refuse(AnnotationFault::NoScore);
         }
         let [x, y, width, height] = annotation.bbox;
         if !annotation.bbox.iter().all(|edge| edge.is_finite()) || width < 0.0 || height < 0.0 {
-            return refuse("its bbox is [left, top, width, height] in pixels".into());
+            return refuse(AnnotationFault::NoBox);
         }
         let label = Label {
             class,

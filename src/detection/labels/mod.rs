@@ -3,11 +3,13 @@
 //! `yolo` and `coco` read one of the two, `pairing` brings true and predicted boxes of one picture together.
 
 mod coco;
+mod error;
 mod pairing;
 #[cfg(test)]
 mod tests;
 mod yolo;
 
+pub use error::{AnnotationFault, LabelError, LabelFault, LineFault};
 pub use pairing::{Paired, pair};
 
 use super::Rect;
@@ -16,25 +18,6 @@ use std::collections::{BTreeMap, HashMap};
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
-
-/// Label files that cannot be used, in one sentence.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{what}: {}", path.display())]
-pub struct LabelError {
-    /// What is wrong, where in the file, and what to do.
-    pub what: String,
-    /// The file or folder.
-    pub path: PathBuf,
-}
-
-impl LabelError {
-    fn new(what: impl Into<String>, path: &Path) -> Self {
-        Self {
-            what: what.into(),
-            path: path.to_owned(),
-        }
-    }
-}
 
 /// How labels are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -152,9 +135,8 @@ fn find(path: &Path) -> Result<Found, LabelError> {
         return Ok(Found::Json(path.to_owned()));
     }
     let listed = |folder: &Path, ending: &str| -> Result<Vec<PathBuf>, LabelError> {
-        let entries = fs::read_dir(folder).map_err(|error| {
-            LabelError::new(format!("cannot list the folder of labels: {error}"), folder)
-        })?;
+        let entries = fs::read_dir(folder)
+            .map_err(|error| LabelError::new(LabelFault::NotListed(error), folder))?;
         let mut files: Vec<PathBuf> = entries
             .flatten()
             .map(|entry| entry.path())
@@ -177,10 +159,8 @@ fn find(path: &Path) -> Result<Found, LabelError> {
         return Ok(Found::Texts(below, texts));
     }
     let what = match jsons.len() {
-        0 => {
-            "no labels in the folder; name one that holds YOLO label files (*.txt) or a COCO file (*.json)"
-        }
-        _ => "several JSON files in the folder; name the one that holds the labels",
+        0 => LabelFault::NoLabels,
+        _ => LabelFault::SeveralFiles,
     };
     Err(LabelError::new(what, path))
 }
@@ -189,10 +169,8 @@ fn find(path: &Path) -> Result<Found, LabelError> {
 fn text(path: &Path, longest: u64) -> Result<String, LabelError> {
     regular_file::read_text(path, longest).map_err(|error| {
         let what = match error.kind() {
-            ErrorKind::FileTooLarge => {
-                format!("labels longer than {} MiB are not read", longest >> 20)
-            }
-            _ => format!("cannot read the labels: {error}"),
+            ErrorKind::FileTooLarge => LabelFault::TooLong(longest),
+            _ => LabelFault::NotRead(error),
         };
         LabelError::new(what, path)
     })

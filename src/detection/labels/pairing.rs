@@ -1,6 +1,6 @@
 //! True and predicted boxes of the same pictures.
 
-use super::{Label, LabelError, LabelFormat, LabelSet, PictureLabels};
+use super::{Label, LabelError, LabelFault, LabelFormat, LabelSet, PictureLabels};
 use crate::detection::metrics::{Image, Truth};
 use crate::detection::{Rect, Scored, TILE_PX};
 
@@ -24,8 +24,7 @@ pub struct Paired {
 pub fn pair(truth: &LabelSet, predicted: &LabelSet) -> Result<Paired, LabelError> {
     let shared = |name: &&String| truth.pictures.contains_key(*name);
     if predicted.boxes() > 0 && !predicted.pictures.keys().any(|name| shared(&name)) {
-        let what = "no predictions have the name of a labelled picture; name the folders of the same pictures";
-        return Err(LabelError::new(what, &predicted.path));
+        return Err(LabelError::new(LabelFault::OtherPictures, &predicted.path));
     }
     let mut notes = Vec::new();
     let alone: Vec<&String> = predicted

@@ -1,6 +1,9 @@
 //! Folders of YOLO labels.
 
-use super::{Label, LabelError, LabelFormat, LabelSet, MOST_CLASSES, PictureLabels, text};
+use super::{
+    Label, LabelError, LabelFault, LabelFormat, LabelSet, LineFault, MOST_CLASSES, PictureLabels,
+    text,
+};
 use crate::detection::Rect;
 use std::path::{Path, PathBuf};
 
@@ -32,7 +35,8 @@ pub fn read(folder: &Path, texts: &[PathBuf], predicted: bool) -> Result<LabelSe
             .filter(|(_, line)| !line.trim().is_empty())
             .map(|(index, line)| {
                 parse(line, predicted).map_err(|what| {
-                    LabelError::new(format!("cannot use line {}: {what}", index + 1), file)
+                    let line = index + 1;
+                    LabelError::new(LabelFault::Line { line, what }, file)
                 })
             })
             .collect::<Result<Vec<Label>, LabelError>>()?;
@@ -60,7 +64,10 @@ fn names(folder: &Path) -> Result<Vec<String>, LabelError> {
         .filter(|line| !line.is_empty())
         .collect();
     if names.len() > MOST_CLASSES {
-        let what = format!("{} class names are more than {MOST_CLASSES}", names.len());
+        let what = LabelFault::TooManyClasses {
+            count: names.len(),
+            named: "class names",
+        };
         return Err(LabelError::new(what, &file));
     }
     Ok(names)
@@ -85,38 +92,29 @@ fn picture_size(folder: &Path, file: &Path) -> Option<[u32; 2]> {
 }
 
 /// A line `class cx cy w h`, and `score` behind it where predicted.
-fn parse(line: &str, predicted: bool) -> Result<Label, String> {
+fn parse(line: &str, predicted: bool) -> Result<Label, LineFault> {
     let fields: Vec<&str> = line.split_whitespace().collect();
     match (fields.len(), predicted) {
         (5, false) | (6, true) => {}
-        (5, true) => return Err("a predicted box needs a score: class cx cy w h score".into()),
-        (6, false) => {
-            return Err(
-                "a true box has no sixth number (these may be predictions): class cx cy w h".into(),
-            );
-        }
+        (5, true) => return Err(LineFault::NoScore),
+        (6, false) => return Err(LineFault::ExtraNumber),
         (count, _) => {
             let shape = if predicted {
                 "class cx cy w h score"
             } else {
                 "class cx cy w h"
             };
-            return Err(format!("{count} numbers where a box is written {shape}"));
+            return Err(LineFault::Numbers { count, shape });
         }
     }
     let class: usize = fields[0]
         .parse()
         .ok()
         .filter(|&class| class < MOST_CLASSES)
-        .ok_or_else(|| {
-            format!(
-                "`{}` is no class (a whole number from 0, below {MOST_CLASSES})",
-                fields[0]
-            )
-        })?;
+        .ok_or_else(|| LineFault::NoClass(fields[0].to_owned()))?;
     let number = |field: &str| {
         let value = field.parse().ok().filter(|value: &f64| value.is_finite());
-        value.ok_or_else(|| format!("`{field}` is no number"))
+        value.ok_or_else(|| LineFault::NotANumber(field.to_owned()))
     };
     let [cx, cy, w, h] = [
         number(fields[1])?,
@@ -131,14 +129,14 @@ fn parse(line: &str, predicted: bool) -> Result<Label, String> {
         || w < 0.0
         || h < 0.0
     {
-        return Err("centre and size are shares of the picture, from 0 to 1".into());
+        return Err(LineFault::Beyond);
     }
     let score = match fields.get(5) {
         Some(field) => Some(number(field)?).filter(|score| (0.0..=1.0).contains(score)),
         None => None,
     };
     if predicted && score.is_none() {
-        return Err(format!("the score `{}` is not within 0 to 1", fields[5]));
+        return Err(LineFault::BadScore(fields[5].to_owned()));
     }
     Ok(Label {
         class,

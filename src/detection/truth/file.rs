@@ -2,7 +2,7 @@
 
 use super::Truth;
 use crate::detection::dataset::Known;
-use crate::detection::review::Review;
+use crate::detection::review::{Review, ReviewError};
 use crate::detection::{Mark, ObjectExtent, class_index};
 use crate::survey::{Identity, Side};
 use csv::StringRecord;
@@ -12,22 +12,70 @@ const MOST_OBJECTS: usize = 200_000;
 /// More classes than any detector of this kind knows.
 const MOST_CLASSES: usize = 1_000;
 
-/// A file that does not describe the open survey.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0}")]
-pub struct TruthError(String);
+/// Why a file does not describe the open survey, in a sentence without the path.
+#[derive(Debug, thiserror::Error)]
+pub enum TruthError {
+    /// It is a review, and none of this log.
+    #[error(transparent)]
+    Review(#[from] ReviewError),
+    /// It is no CSV.
+    #[error("the table of objects is broken: {0}")]
+    NotATable(#[from] csv::Error),
+    /// It has no column of this name.
+    #[error(
+        "there is no column `{0}`; truth is a table of objects as `bathyscope simulate` writes it, or a review"
+    )]
+    NoColumn(&'static str),
+    /// A line is no sighting.
+    #[error("cannot use line {line}: {what}")]
+    Line {
+        /// Counted from 1.
+        line: usize,
+        /// What is wrong with it.
+        #[source]
+        what: SightingFault,
+    },
+    /// It has more lines or kinds than any survey.
+    #[error("at most {MOST_OBJECTS} sightings of {MOST_CLASSES} kinds are read")]
+    TooMany,
+}
+
+/// What is wrong with a sighting of an object.
+#[derive(Debug, thiserror::Error)]
+pub enum SightingFault {
+    /// A field holds something else.
+    #[error("`{text}` is no {needed}")]
+    Field {
+        /// What stands there.
+        text: String,
+        /// What it should be.
+        needed: &'static str,
+    },
+    /// It lies at a ping that the log does not have.
+    #[error("ping {ping} is beyond the {pings} of the open log; this is the truth of another")]
+    Beyond {
+        /// Its last ping.
+        ping: usize,
+        /// Pings of the log.
+        pings: usize,
+    },
+    /// It ends before it begins.
+    #[error("the object is inside out")]
+    InsideOut,
+    /// It does not say whether it shows.
+    #[error("`{0}` in `shown` is neither 0 nor 1")]
+    Shown(String),
+}
 
 impl Truth {
     /// Reads the table of objects that `bathyscope simulate` writes, or the review of the log `of` (its accepted and added
     /// boxes).
     ///
     /// # Errors
-    /// A sentence when the text is neither, when a line makes no sense, or when it belongs to another log.
+    /// When the text is neither, when a line makes no sense, or when it belongs to another log.
     pub fn parse(text: &str, of: &Identity) -> Result<Self, TruthError> {
         if text.trim_start().starts_with('{') {
-            let review =
-                Review::from_json(text, of).map_err(|error| TruthError(error.to_string()))?;
-            return Ok(Self::from_review(&review));
+            return Ok(Self::from_review(&Review::from_json(text, of)?));
         }
         from_table(text, of.pings)
     }
@@ -63,13 +111,9 @@ struct Columns {
 
 impl Columns {
     fn of(header: &StringRecord) -> Result<Self, TruthError> {
-        let column = |name: &str| {
+        let column = |name: &'static str| {
             let found = header.iter().position(|field| field.trim() == name);
-            found.ok_or_else(|| {
-                TruthError(format!(
-                    "there is no column `{name}`; truth is a table of objects as `bathyscope simulate` writes it, or a review"
-                ))
-            })
+            found.ok_or(TruthError::NoColumn(name))
         };
         Ok(Self {
             kind: column("kind")?,
@@ -87,26 +131,25 @@ impl Columns {
 
 fn from_table(text: &str, pings: usize) -> Result<Truth, TruthError> {
     let mut table = csv::Reader::from_reader(text.as_bytes());
-    let broken = |error: csv::Error| TruthError(format!("the table of objects is broken: {error}"));
-    let columns = Columns::of(table.headers().map_err(broken)?)?;
+    let columns = Columns::of(table.headers()?)?;
     let mut truth = Truth {
         classes: Vec::new(),
         objects: Vec::new(),
         was_seen: false,
     };
     for (index, record) in table.records().enumerate() {
-        let record = record.map_err(broken)?;
+        let record = record?;
         // An object that no pass insonified has no side.
         if record.get(columns.side).is_none_or(str::is_empty) {
             continue;
         }
-        let known = known(&record, &columns, pings, &mut truth.classes)
-            .map_err(|what| TruthError(format!("cannot use line {}: {what}", index + 2)))?;
-        truth.objects.push(known);
+        let known = known(&record, &columns, pings, &mut truth.classes);
+        truth.objects.push(known.map_err(|what| TruthError::Line {
+            line: index + 2,
+            what,
+        })?);
         if truth.objects.len() > MOST_OBJECTS || truth.classes.len() > MOST_CLASSES {
-            return Err(TruthError(format!(
-                "at most {MOST_OBJECTS} sightings of {MOST_CLASSES} kinds are read"
-            )));
+            return Err(TruthError::TooMany);
         }
     }
     Ok(truth)
@@ -117,37 +160,39 @@ fn known(
     columns: &Columns,
     pings: usize,
     classes: &mut Vec<String>,
-) -> Result<Known, String> {
+) -> Result<Known, SightingFault> {
     let field = |column: usize| record.get(column).unwrap_or_default().trim();
+    let no = |column: usize, needed: &'static str| SightingFault::Field {
+        text: field(column).to_owned(),
+        needed,
+    };
     let metres = |column: usize| {
         let value = field(column).parse().ok();
         value
             .filter(|metres: &f64| metres.is_finite() && *metres >= 0.0)
-            .ok_or_else(|| format!("`{}` is no range in metres", field(column)))
+            .ok_or_else(|| no(column, "range in metres"))
     };
     let ping = |column: usize| {
         let value = field(column).parse::<usize>();
-        value.map_err(|_| format!("`{}` is no ping", field(column)))
+        value.map_err(|_| no(column, "ping"))
     };
     let side = Side::BOTH
         .into_iter()
         .find(|side| side.name() == field(columns.side))
-        .ok_or_else(|| format!("`{}` is no side", field(columns.side)))?;
+        .ok_or_else(|| no(columns.side, "side"))?;
     let [first, last, box_near, box_far] = columns.whole;
     let (first, last) = (ping(first)?, ping(last)?);
     if last >= pings {
-        return Err(format!(
-            "ping {last} is beyond the {pings} of the open log; this is the truth of another"
-        ));
+        return Err(SightingFault::Beyond { ping: last, pings });
     }
     let (near_m, far_m) = (metres(box_near)?, metres(box_far)?);
     if first > last || near_m >= far_m {
-        return Err("the object is inside out".to_owned());
+        return Err(SightingFault::InsideOut);
     }
     let shown = match field(columns.shown) {
         "0" => false,
         "1" => true,
-        other => return Err(format!("`{other}` in `shown` is neither 0 nor 1")),
+        other => return Err(SightingFault::Shown(other.to_owned())),
     };
     Ok(Known {
         class: class_index(classes, field(columns.kind)),

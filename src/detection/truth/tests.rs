@@ -26,8 +26,8 @@ fn mark(start: usize, near_m: f64) -> Mark {
     }
 }
 
-fn read(lines: &str) -> Result<Truth, String> {
-    Truth::parse(&format!("{HEADER}{lines}"), &identity(200)).map_err(|error| error.to_string())
+fn read(lines: &str) -> Result<Truth, TruthError> {
+    Truth::parse(&format!("{HEADER}{lines}"), &identity(200))
 }
 
 #[test]
@@ -62,7 +62,7 @@ fn what_is_no_truth_of_this_log_is_refused_in_a_sentence() {
         ("0,tyre,port,40,49,3.0,5.0,yes", "`yes` in `shown`"),
         ("0,tyre,port", "broken"),
     ] {
-        let sentence = read(line).expect_err(line);
+        let sentence = read(line).expect_err(line).to_string();
         assert!(sentence.contains(part), "{line}: {sentence}");
     }
     let other = Truth::parse("id,class\n1,rock\n", &identity(9)).expect_err("another table");
