@@ -110,6 +110,7 @@ impl Loading {
                 Origin::Path(_) => log.and_then(|log| read_bottom(log, &survey)),
                 Origin::Demo => None,
             };
+            let drawn = drawn.map(|read| read.map_err(|error| error.to_string()));
             let is_file = matches!(requested, Origin::Path(_));
             let file = (in_project && is_file).then(|| LogFile::of(&survey, progress));
             let file = file.transpose().map_err(|error| error.to_string())?;

@@ -104,7 +104,7 @@ pub fn inputs(
 }
 
 fn of_project(path: &Path) -> Result<Vec<LogInput>, String> {
-    let inputs = project::inputs(path, &Progress::new())?.into_iter();
+    let inputs = project::inputs(path, &Progress::new()).map_err(|error| error.to_string())?;
     let input = |input: project::Input| {
         if let Some(warning) = &input.warning {
             output::notify(format_args!("warning: {warning}"));
@@ -118,7 +118,7 @@ fn of_project(path: &Path) -> Result<Vec<LogInput>, String> {
             frame: input.frame,
         })
     };
-    inputs.map(input).collect()
+    inputs.into_iter().map(input).collect()
 }
 
 impl LogInput {

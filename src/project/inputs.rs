@@ -2,11 +2,11 @@
 
 use super::find::{Found, find};
 use super::log::ProjectLog;
-use super::store::read;
-use crate::pipeline::Settings;
+use super::store::{StoreError, read};
+use crate::pipeline::{Settings, SettingsError};
 use crate::support::geo::LocalFrame;
-use crate::support::progress::Progress;
-use std::path::Path;
+use crate::support::progress::{Cancelled, Progress};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// A log of a project, to be opened and processed.
@@ -22,44 +22,77 @@ pub struct Input {
     pub warning: Option<String>,
 }
 
+/// Why a project gives no logs to process, in one sentence that ends with the file.
+#[derive(Debug, thiserror::Error)]
+pub enum InputError {
+    /// The project cannot be read.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// A log has settings that cannot be used, or that name a file that cannot.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+    /// The work was cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// Another recording is called as a log was.
+    #[error(
+        "another recording lies where the log `{log}` of the project was; put it back beside the project: {}", path.display()
+    )]
+    Replaced {
+        /// Name of the log in the project.
+        log: String,
+        /// Where it was.
+        path: PathBuf,
+    },
+    /// A log is nowhere.
+    #[error(
+        "the log `{log}` of the project is not there; put it back, or anywhere below the project's folder: {}", path.display()
+    )]
+    Missing {
+        /// Name of the log in the project.
+        log: String,
+        /// Where it was.
+        path: PathBuf,
+    },
+    /// No log is visible.
+    #[error("the project has no log that is shown: {}", path.display())]
+    NoneShown {
+        /// The project's file.
+        path: PathBuf,
+    },
+}
+
 /// The visible logs of a project, in their order.
 ///
 /// # Errors
-/// A sentence when the project cannot be read, holds no visible log, or a log or a file that its settings name is not there.
-pub fn inputs(path: &Path, progress: &Progress) -> Result<Vec<Input>, String> {
-    let mut project = read(path).map_err(|error| error.to_string())?;
+/// When the project cannot be read, holds no visible log, or a log or a file that its settings name is not there.
+pub fn inputs(path: &Path, progress: &Progress) -> Result<Vec<Input>, InputError> {
+    let mut project = read(path)?;
     // Once for all logs.
-    project
-        .settings
-        .load_area()
-        .map_err(|error| error.to_string())?;
+    project.settings.load_area()?;
     let folder = super::store::folder_of(path);
-    let places = find(&project, &folder, progress).map_err(|error| error.to_string())?;
+    let places = find(&project, &folder, progress)?;
     let mut inputs = Vec::new();
     for (log, (_, found)) in project.logs().iter().zip(places) {
         if !log.is_visible {
             continue;
         }
-        let file = log.file.path.display();
+        let place = || (log.name.clone(), log.file.path.clone());
         let warning = (found == Found::Changed).then(|| log.is_changed());
         let log = match found {
             Found::Here | Found::Changed => log.clone(),
             Found::Moved(path) => Arc::new(log.at(&path)),
             Found::Replaced => {
-                return Err(format!(
-                    "another recording lies where the log `{}` of the project was; put it back beside the project: {file}",
-                    log.name
-                ));
+                let (log, path) = place();
+                return Err(InputError::Replaced { log, path });
             }
             Found::Missing => {
-                return Err(format!(
-                    "the log `{}` of the project is not there; put it back, or anywhere below the project's folder: {file}",
-                    log.name
-                ));
+                let (log, path) = place();
+                return Err(InputError::Missing { log, path });
             }
         };
-        let mut settings = (project.settings_of(&log)).map_err(|error| error.to_string())?;
-        settings.load_files().map_err(|error| error.to_string())?;
+        let mut settings = project.settings_of(&log)?;
+        settings.load_files()?;
         let frame = project.origin.map(LocalFrame::new);
         inputs.push(Input {
             log,
@@ -69,10 +102,9 @@ pub fn inputs(path: &Path, progress: &Progress) -> Result<Vec<Input>, String> {
         });
     }
     if inputs.is_empty() {
-        return Err(format!(
-            "the project has no log that is shown: {}",
-            path.display()
-        ));
+        return Err(InputError::NoneShown {
+            path: path.to_owned(),
+        });
     }
     Ok(inputs)
 }

@@ -90,12 +90,12 @@ mod text;
 pub use change::Change;
 pub use find::{Found, find};
 pub use history::{History, Step};
-pub use inputs::{Input, inputs};
+pub use inputs::{Input, InputError, inputs};
 pub use log::{LogFile, LogKey, ProjectLog};
 pub use measurement::{Measurement, MeasurementKind, Pick};
 pub use past::{PastStep, UNDONE};
 pub use row::Key;
-pub use sidecar::{Sidecars, read_bottom, read_sidecars};
+pub use sidecar::{BottomFault, BottomFileError, Sidecars, read_bottom, read_sidecars};
 pub use store::{ENDING, Opened, Owner, Saving, Store, StoreError, Written, read};
 
 use crate::pipeline::{Settings, SettingsError};
@@ -104,6 +104,7 @@ use row::Rows;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::collections::BTreeMap;
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use toml::{Table, Value};
@@ -131,10 +132,10 @@ pub enum ProjectError {
 }
 
 impl ProjectError {
-    fn line(line: usize, what: impl Into<String>) -> Self {
+    fn line(line: usize, what: impl Display) -> Self {
         Self::Line {
             line,
-            what: what.into(),
+            what: what.to_string(),
         }
     }
 }

@@ -50,8 +50,8 @@ impl Row {
     /// Its value.
     ///
     /// # Errors
-    /// What is no TOML about it.
-    pub fn value(&self) -> Result<Value, String> {
+    /// When its text is no value.
+    pub fn value(&self) -> Result<Value, ValueError> {
         parse_value(&self.text)
     }
 }
@@ -212,11 +212,22 @@ fn by_part(one: &str, other: &str) -> Ordering {
     }
 }
 
+/// A text that is no value.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ValueError {
+    /// It may be one, but would be read one level after the other.
+    #[error("it holds lists within lists")]
+    TooDeep,
+    /// It is no TOML.
+    #[error("{}", .0.message().lines().collect::<Vec<_>>().join(" "))]
+    NotToml(#[from] toml::de::Error),
+}
+
 /// Reads a value that stands on one line.
 ///
 /// # Errors
-/// What is no TOML about it.
-pub fn parse_value(text: &str) -> Result<Value, String> {
+/// When it is no TOML, or goes too deep.
+pub fn parse_value(text: &str) -> Result<Value, ValueError> {
     // The reader of the format calls itself for what lies inside.
     let opened = text.bytes().scan(0_usize, |depth, byte| {
         match byte {
@@ -227,10 +238,9 @@ pub fn parse_value(text: &str) -> Result<Value, String> {
         Some(*depth)
     });
     if opened.max().unwrap_or(0) > DEEPEST {
-        return Err("it holds lists within lists".to_owned());
+        return Err(ValueError::TooDeep);
     }
-    let parsed: Result<Value, toml::de::Error> = text.parse();
-    parsed.map_err(|error| error.message().lines().collect::<Vec<_>>().join(" "))
+    Ok(text.parse()?)
 }
 
 /// A value as TOML on one line, the same whenever the value is the same.

@@ -3,11 +3,12 @@
 
 use super::log::ProjectLog;
 use crate::detection::review::Review;
-use crate::sonar::first_return::BottomSettings;
+use crate::sonar::first_return::{BottomSettings, OtherLog};
 use crate::support::regular_file;
 use crate::survey::Survey;
 use serde::Deserialize;
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -48,7 +49,7 @@ pub fn read_sidecars(log: &Path, survey: &Survey) -> Sidecars {
             sidecars.notes.push(text);
             sidecars.bottom = Some(bottom);
         }
-        Some(Err(text)) => sidecars.notes.push(text),
+        Some(Err(error)) => sidecars.notes.push(error.to_string()),
         None => {}
     }
     // What was not saved is later than what was.
@@ -88,19 +89,44 @@ fn bottom_path(log: &Path) -> PathBuf {
     log.with_extension(BottomSettings::SIDECAR)
 }
 
-/// Reads what was drawn on a log, if anything was; the error is one sentence that ends with the file.
-pub fn read_bottom(log: &Path, survey: &Survey) -> Option<Result<BottomSettings, String>> {
+/// Bottom edits beside a log that cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot use the bottom edits: {what}: {}", path.display())]
+pub struct BottomFileError {
+    /// What is wrong with them.
+    #[source]
+    pub what: BottomFault,
+    /// Their file.
+    pub path: PathBuf,
+}
+
+/// What is wrong with bottom edits in a file.
+#[derive(Debug, thiserror::Error)]
+pub enum BottomFault {
+    /// The system does not give it.
+    #[error(transparent)]
+    Io(#[from] io::Error),
+    /// It is no TOML of bottom edits.
+    #[error("{}", .0.message())]
+    NotToml(#[from] toml::de::Error),
+    /// No hand can have drawn them.
+    #[error("{0}")]
+    Impossible(&'static str),
+    /// They were drawn on another log.
+    #[error(transparent)]
+    OtherLog(#[from] OtherLog),
+}
+
+/// Reads what was drawn on a log, if anything was.
+pub fn read_bottom(log: &Path, survey: &Survey) -> Option<Result<BottomSettings, BottomFileError>> {
     let path = bottom_path(log);
     let found = fs::metadata(&path).ok();
     found.filter(|found| found.is_file())?;
-    let parsed = || -> Result<BottomSettings, String> {
-        let text = regular_file::read_text(&path, LONGEST).map_err(|error| error.to_string())?;
-        let kept: BottomFile = toml::from_str(&text).map_err(|error| error.message().to_owned())?;
-        kept.bottom.check().map_err(str::to_owned)?;
-        let adopted = kept.bottom.adopted(survey);
-        adopted.map_err(|error| error.to_string())
+    let parsed = || -> Result<BottomSettings, BottomFault> {
+        let text = regular_file::read_text(&path, LONGEST)?;
+        let kept: BottomFile = toml::from_str(&text)?;
+        kept.bottom.check().map_err(BottomFault::Impossible)?;
+        Ok(kept.bottom.adopted(survey)?)
     };
-    Some(
-        parsed().map_err(|what| format!("cannot use the bottom edits: {what}: {}", path.display())),
-    )
+    Some(parsed().map_err(|what| BottomFileError { what, path }))
 }

@@ -95,7 +95,7 @@ pub fn read_as_written(text: &str) -> Result<(Rows, u32), ProjectError> {
         };
         let value = match parse_value(value) {
             Ok(value) => value,
-            Err(what) => return wrong(what),
+            Err(error) => return wrong(error.to_string()),
         };
         let key = Key::new(section.iter().cloned().chain(parts));
         if key.to_string() == MARK {

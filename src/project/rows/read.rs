@@ -311,7 +311,7 @@ impl Reading<'_> {
             };
             // The second of two that begin at 30 is called `30 2`.
             let first = first.split(' ').next().unwrap_or_default();
-            let first = parse_value(first).map_err(wrong)?;
+            let first = parse_value(first).map_err(|error| wrong(error.to_string()))?;
             let missing = || wrong("a stretch that is left out has no `last`".to_owned());
             let last = fields.remove("last").ok_or_else(missing)?;
             fields.insert(unit.clone(), Value::Array(vec![first, last]));

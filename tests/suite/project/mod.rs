@@ -376,14 +376,14 @@ fn a_project_is_an_input_of_its_logs_wherever_they_lie() {
     let log = &inputs[0].log.file.path;
     assert_eq!(*log, fs::canonicalize(day.join("pond.sl2")).expect("a log"));
     fs::remove_file(log).expect("a log");
-    let sentence = read(folder).expect_err("no log");
+    let sentence = read(folder).expect_err("no log").to_string();
     assert!(
         sentence.contains("`pond`") && sentence.contains("is not there"),
         "{sentence}"
     );
     let hidden = project.apply(&Change::Show(key, false)).expect("a change");
     store.save(&hidden).expect("a save");
-    let sentence = read(folder).expect_err("no log that is shown");
+    let sentence = read(folder).expect_err("no log that is shown").to_string();
     assert!(sentence.contains("no log that is shown"), "{sentence}");
 }
 
