@@ -54,7 +54,7 @@ pub use log_record::{LogRecord, TileRows};
 pub use map_tiles::{MapTilesState, write_map_tiles};
 pub use offsets::{OffsetRow, Offsets};
 pub use record::{Lake, LakeRecord};
-pub use tile::{TILE_M, TileId};
+pub use tile::{NoTile, TILE_M, TileId};
 pub use tile_files::{TileRecord, TileState, remove_left_over, tile_state, write_tile};
 pub use tile_map::{TileMap, tile_map, tile_surface};
 pub use who::{Asked, Sighting, who};

@@ -105,10 +105,15 @@ impl fmt::Display for TileId {
     }
 }
 
-impl FromStr for TileId {
-    type Err = String;
+/// A text that names no tile.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("`{0}` names no tile; `bathyscope tiles DIR` lists them, as 12N_455680_4077568")]
+pub struct NoTile(String);
 
-    fn from_str(text: &str) -> Result<Self, String> {
+impl FromStr for TileId {
+    type Err = NoTile;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
         let parsed = || {
             let mut parts = text.trim_start_matches("tile=").split('_');
             let zone = parts.next()?;
@@ -131,11 +136,7 @@ impl FromStr for TileId {
             let zone = UtmZone { number, north };
             parts.next().is_none().then_some(Self { zone, index })
         };
-        parsed().ok_or_else(|| {
-            format!(
-                "`{text}` names no tile; `bathyscope tiles DIR` lists them, as 12N_455680_4077568"
-            )
-        })
+        parsed().ok_or_else(|| NoTile(text.to_owned()))
     }
 }
 
