@@ -1,5 +1,7 @@
 //! Why files could not be written.
 
+use super::mosaic::NoMosaic;
+use super::results::NoContours;
 use crate::detection::DetectError;
 use crate::pipeline::{AgreementError, InputError};
 use crate::products::export::{ChipError, ExportError, RasterError};
@@ -33,6 +35,12 @@ pub enum OutputError {
     /// A file that the survey was made from.
     #[error(transparent)]
     Input(InputError),
+    /// There is no mosaic.
+    #[error(transparent)]
+    Mosaic(#[from] NoMosaic),
+    /// There are no isobaths.
+    #[error(transparent)]
+    Contours(#[from] NoContours),
     /// What cannot be done, in a sentence that names the file or the setting.
     #[error("{0}")]
     Refused(String),
@@ -92,12 +100,6 @@ impl From<String> for OutputError {
 impl From<&str> for OutputError {
     fn from(sentence: &str) -> Self {
         Self::Refused(sentence.to_owned())
-    }
-}
-
-impl From<&String> for OutputError {
-    fn from(sentence: &String) -> Self {
-        Self::Refused(sentence.clone())
     }
 }
 

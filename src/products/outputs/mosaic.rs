@@ -15,22 +15,39 @@ use std::path::Path;
 /// Most tiles that a mosaic may span, with those that hold nothing: a fix that is far off makes a huge, empty map.
 const MOST_TILES: usize = 1_000_000;
 
+/// Why there is no mosaic.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NoMosaic {
+    /// There are no echoes that have a place.
+    #[error("no mosaic: no ping has side-scan, a place, a heading and an altitude")]
+    NoPings,
+    /// It would span more than any file.
+    #[error(
+        "no mosaic: it would have {columns} by {rows} cells; choose a larger mosaic.cell_m, or look for positions that are far off"
+    )]
+    TooManyCells {
+        /// Cells from west to east.
+        columns: usize,
+        /// Cells from north to south.
+        rows: usize,
+    },
+}
+
 /// The cells of the file; why it cannot be drawn.
 ///
 /// # Errors
-/// A sentence when the work was cancelled.
-pub fn grid(results: &Results<'_>) -> Result<Result<Grid, String>, OutputError> {
+/// When the work was cancelled.
+pub fn grid(results: &Results<'_>) -> Result<Result<Grid, NoMosaic>, OutputError> {
     let cell_m = results.products.settings.mosaic.cell_m;
     let Some(grid) = (results.mosaic()?).and_then(|mosaic| joint_grid(&mosaic.logs, cell_m)) else {
-        let why = "no mosaic: no ping has side-scan, a place, a heading and an altitude";
-        return Ok(Err(why.to_owned()));
+        return Ok(Err(NoMosaic::NoPings));
     };
     let [down, across] = [grid.rows, grid.columns].map(|cells| cells.div_ceil(TILE_CELLS));
     if down.saturating_mul(across) > MOST_TILES {
-        return Ok(Err(format!(
-            "no mosaic: it would have {} by {} cells; choose a larger mosaic.cell_m, or look for positions that are far off",
-            grid.columns, grid.rows
-        )));
+        return Ok(Err(NoMosaic::TooManyCells {
+            columns: grid.columns,
+            rows: grid.rows,
+        }));
     }
     Ok(Ok(grid))
 }

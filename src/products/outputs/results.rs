@@ -8,6 +8,7 @@ use super::objects::{Shapes, find_shapes, is_left_out};
 use super::registry::When;
 use super::track::Ground;
 use super::write::Order;
+use crate::bottom::bathymetry::isobaths::NoIsobaths;
 use crate::bottom::bathymetry::{DepthPoint, FromLevels, Surface, spot_radius_m, spot_soundings};
 use crate::detection::objects::{LogId, LogReview, ObjectList, SurveyReview};
 use crate::detection::review::Review;
@@ -63,6 +64,17 @@ pub enum Need {
 /// Why a file cannot be made, in a sentence; `None` where nobody needs to be told.
 pub(super) struct Missing(pub Option<String>);
 
+/// Why there are no isobaths.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NoContours {
+    /// The depths span no surface.
+    #[error("there is no depth map")]
+    NoDepthMap,
+    /// They cannot be drawn as the settings say.
+    #[error(transparent)]
+    Isobaths(#[from] NoIsobaths),
+}
+
 /// The results of a survey that its files are made from.
 pub(super) struct Results<'a> {
     pub order: &'a Order<'a>,
@@ -75,7 +87,7 @@ pub(super) struct Results<'a> {
     track: OnceLock<Vec<TrackPiece>>,
     ground: OnceLock<Ground>,
     depth_map: OnceLock<Option<Arc<DepthMap>>>,
-    contours: OnceLock<Result<Contours, String>>,
+    contours: OnceLock<Result<Contours, NoContours>>,
     map_tiles: OnceLock<MapTiles>,
     spot_soundings: OnceLock<Vec<DepthPoint>>,
     comparisons: OnceLock<Vec<NamedComparison>>,
@@ -178,7 +190,7 @@ impl<'a> Results<'a> {
                 silent()
             }
             Need::Levels => match self.contours()? {
-                Err(why) => told(why),
+                Err(why) => told(&why.to_string()),
                 Ok(_) => None,
             },
             Need::Isobaths => match self.contours()? {
@@ -200,7 +212,7 @@ impl<'a> Results<'a> {
             }
             Need::SideScan if !self.has_side_scan() => silent(),
             Need::Mosaic => match grid(self)? {
-                Err(why) => told(&why),
+                Err(why) => told(&why.to_string()),
                 Ok(_) => None,
             },
             Need::Targets if !self.order.review.has_targets() => silent(),
@@ -313,17 +325,17 @@ impl<'a> Results<'a> {
     }
 
     /// The isobaths; why there are none.
-    pub fn isobaths(&self) -> Result<Result<Arc<Isobaths>, String>, OutputError> {
+    pub fn isobaths(&self) -> Result<Result<Arc<Isobaths>, NoContours>, OutputError> {
         let Some(depth_map) = self.depth_map()? else {
-            return Ok(Err("there is no depth map".to_owned()));
+            return Ok(Err(NoContours::NoDepthMap));
         };
         let settings = &self.products.settings.isobaths;
         let made = (self.order.derived).isobaths(depth_map, settings, self.progress);
-        Ok(made?.map_err(|error| error.to_string()))
+        Ok(made?.map_err(NoContours::from))
     }
 
     /// Isobaths, the areas between them and what lies below each; why there are none.
-    pub fn contours(&self) -> Result<&Result<Contours, String>, OutputError> {
+    pub fn contours(&self) -> Result<&Result<Contours, NoContours>, OutputError> {
         once(&self.contours, || {
             let (depth_map, isobaths) = (self.depth_map()?, self.isobaths()?);
             match (depth_map, isobaths) {
@@ -332,7 +344,7 @@ impl<'a> Results<'a> {
                     made.map(Ok).map_err(OutputError::from)
                 }
                 (_, Err(why)) => Ok(Err(why)),
-                (None, Ok(_)) => Ok(Err("there is no depth map".to_owned())),
+                (None, Ok(_)) => Ok(Err(NoContours::NoDepthMap)),
             }
         })
     }

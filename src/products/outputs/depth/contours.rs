@@ -26,7 +26,7 @@ impl<'a> Drawn<'a> {
         let grid = &results.surface()?.ok_or(super::NO_SURFACE)?.grid;
         let middle = grid.centre(grid.rows / 2, grid.columns / 2);
         let settings = &results.products.settings.isobaths;
-        let contours = results.contours()?.as_ref()?;
+        let contours = results.contours()?.as_ref().map_err(Clone::clone)?;
         Ok(Self {
             contours,
             settings,
