@@ -1,5 +1,7 @@
 //! What each command does to the state.
 
+mod handlers;
+
 use super::external::Instrument;
 use super::loader::Place;
 use super::mounting::with_sides;
@@ -61,7 +63,7 @@ impl App {
             }
             Command::Reveal(mark) => self.reveal(mark),
             Command::Visible(pings) => self.visible = pings,
-            Command::Tabulate => self.tabulate(),
+            Command::CompareWithReference => self.compare_with_reference(),
             Command::CompareWith(path) => self.compare_with(path),
             Command::MatchBy { by, radius_m } => self.match_by(by, radius_m),
             Command::Measure(request) => self.measure(request),
@@ -253,195 +255,25 @@ impl App {
     }
 
     fn act(&mut self, action: Action) {
-        match action {
-            Action::OpenDemo => self.start_loading(Origin::Demo),
-            Action::FollowRecording => self.toggle_following(),
-            Action::Undo => self.undo(),
-            Action::Redo => self.redo(),
-            Action::Update => self.update(),
-            Action::NextLog => self.step_log(1),
-            Action::PreviousLog => self.step_log(-1),
-            Action::ShowTogether => self.show_together(),
-            Action::CloseLog => self.close_log(self.log.id),
-            Action::Cancel => {
-                self.cancel();
-            }
-            Action::PreviousPing => self.step(-1),
-            Action::NextPing => self.step(1),
-            Action::Back25 => self.step(-25),
-            Action::Forward25 => self.step(25),
-            Action::FirstPing => self.step(isize::MIN),
-            Action::LastPing => self.step(isize::MAX),
-            Action::ThresholdDown => self.nudge_threshold(-0.01),
-            Action::ThresholdUp => self.nudge_threshold(0.01),
-            Action::FirstReturnLine => {
-                let waterfall = &mut self.options.waterfall;
-                waterfall.first_return = !waterfall.first_return;
-            }
-            Action::DepthLine => {
-                let waterfall = &mut self.options.waterfall;
-                waterfall.depth_line = !waterfall.depth_line;
-            }
-            Action::LevelsReset => self.reset_picture(),
-            Action::GainNormalised => self.toggle_gain(),
-            Action::Despeckle => self.toggle_despeckle(),
-            Action::StripeFilter => self.toggle_stripe_filter(),
-            Action::FlipAlong => self.toggle_flip(),
-            Action::StarboardFirst => self.toggle_starboard_first(),
-            Action::SwapSides => self.swap_sides(),
-            Action::UseMounting => self.use_mounting(),
-            Action::ForgetMounting => self.forget_mounting(),
-            Action::RangeLines => {
-                let waterfall = &mut self.options.waterfall;
-                waterfall.range_lines = !waterfall.range_lines;
-            }
-            Action::DepthMapLayer => self.options.map.layers.toggle(MapLayer::DepthMap),
-            Action::HillShadeLayer => self.options.map.layers.toggle(MapLayer::HillShade),
-            Action::MosaicLayer => self.options.map.layers.toggle(MapLayer::Mosaic),
-            Action::IsobathLayer => self.options.map.layers.toggle(MapLayer::Isobaths),
-            Action::PointLayer => self.options.map.layers.toggle(MapLayer::Points),
-            Action::ResidualLayer => self.options.map.layers.toggle(MapLayer::Residuals),
-            Action::TrackLayer => self.options.map.layers.toggle(MapLayer::Track),
-            Action::BoxLayer => self.options.map.layers.toggle(MapLayer::Boxes),
-            Action::Boxes => self.toggle_boxes(),
-            Action::SideColours => {
-                self.options.side_colours = match self.options.side_colours {
-                    SideColours::Paper => SideColours::Maritime,
-                    SideColours::Maritime => SideColours::Paper,
-                }
-            }
-            Action::BaseMapLayer => self.options.map.layers.toggle(MapLayer::BaseMap),
-            Action::CloseReference => self.leave_reference(),
-            Action::RemoveIsobathArea => self.remove_isobath_area(),
-            Action::RemoveWaterLevels => self.remove_water_levels(),
-            Action::RemoveTrack => self.remove_track(),
-            Action::CloseBaseMap => self.close_base_map(),
-            Action::Swipe => self.options.map.swipe.toggle(&mut self.options.map.layers),
-            Action::Graticule => self.options.map.graticule = !self.options.map.graticule,
-            Action::CoordinatesDegrees => self.options.coordinates = CoordinateFormat::Degrees,
-            Action::CoordinatesMinutes => self.options.coordinates = CoordinateFormat::Minutes,
-            Action::CoordinatesSeconds => self.options.coordinates = CoordinateFormat::Seconds,
-            Action::CoordinatesUtm => self.options.coordinates = CoordinateFormat::Utm,
-            Action::UnitsMetres => self.options.units.length = LengthUnit::Metres,
-            Action::UnitsFeet => self.options.units.length = LengthUnit::Feet,
-            Action::UnitsFathoms => self.options.units.length = LengthUnit::Fathoms,
-            Action::SpeedMetres => self.options.units.speed = SpeedUnit::MetresPerSecond,
-            Action::SpeedKnots => self.options.units.speed = SpeedUnit::Knots,
-            Action::CompareHeights => self.match_heights(),
-            Action::ApplyHeights => self.apply_heights(),
-            Action::ComparePositions => self.match_positions(),
-            Action::ApplyPositions => self.apply_positions(),
-            Action::Calibrate => self.take_calibration_tool(),
-            Action::UseScale => self.use_scale(),
-            Action::KeepRecordedRange => self.keep_recorded_range(),
-            Action::DropProposal => self.drop_proposal(),
-            Action::UseFlatterStretch => self.use_offered_stretch(),
-            Action::OutlierPreview => {
-                self.options.cloud.outlier_preview = !self.options.cloud.outlier_preview;
-            }
-            Action::NextCloudColour => {
-                let has_several = self.log_count() > 1;
-                self.options.cloud.colour = self.options.cloud.colour.next(has_several);
-            }
-            Action::Bottom3d => self.options.cloud.bottom = !self.options.cloud.bottom,
-            Action::NextBottomColour => {
-                let cloud = &mut self.options.cloud;
-                // What is not shown is shown as it was.
-                if std::mem::replace(&mut cloud.bottom, true) {
-                    cloud.bottom_colour = cloud.bottom_colour.next();
-                }
-            }
-            Action::BottomIsobaths => self.options.cloud.isobaths = !self.options.cloud.isobaths,
-            Action::TurnLight => self.options.cloud.turn_light(),
-            Action::ClipBox3d => self.options.cloud.toggle_clip(),
-            Action::NextPass => self.next_pass(),
-            Action::Cut3d => self.toggle_cut(),
-            Action::Water3d => self.options.cloud.water = !self.options.cloud.water,
-            Action::Points3d => self.options.cloud.points = !self.options.cloud.points,
-            Action::Theme => {
-                self.options.theme = match self.options.theme {
-                    ThemeChoice::Dark => ThemeChoice::Light,
-                    ThemeChoice::Light => ThemeChoice::Dark,
-                }
-            }
-            Action::Orientation => {
-                let waterfall = &mut self.options.waterfall;
-                waterfall.orientation = match waterfall.orientation {
-                    Orientation::Horizontal => Orientation::Vertical,
-                    Orientation::Vertical => Orientation::Horizontal,
-                }
-            }
-            Action::GroundRange => {
-                let waterfall = &mut self.options.waterfall;
-                waterfall.ground_range = !waterfall.ground_range;
-            }
-            Action::WaterColumn => {
-                let waterfall = &mut self.options.waterfall;
-                waterfall.water_column = !waterfall.water_column;
-            }
-            Action::NextChannel => self.next_channel(),
-            Action::PresetRecommended => self.use_preset(Preset::Recommended),
-            Action::PresetPublished => self.use_preset(Preset::Published),
-            Action::FindObjects => self.detect(),
-            Action::ShippedModel => self.use_model(None),
-            Action::NextBox => self.step_box(1),
-            Action::PreviousBox => self.step_box(-1),
-            Action::AcceptBox => self.decide(Edit::Accept),
-            Action::RejectBox => self.decide(Edit::Reject),
-            Action::UndecideBox => self.edit_selected(Edit::Undecide),
-            Action::AcceptObject => self.decide_object(Edit::Accept, "accept object"),
-            Action::RejectObject => self.decide_object(Edit::Reject, "reject object"),
-            Action::UndecideObject => {
-                self.edit_object(Edit::Undecide, "mark object as undecided");
-            }
-            Action::NextSighting => self.step_sighting(),
-            Action::FlyToBox => match self.selected_log_box() {
-                Some(id) => self.fly_to(id),
-                None => self.ask_for_box(),
-            },
-            Action::ZoomToBoxes => self.toggle_zoom_to_boxes(),
-            Action::SwapSide => self.edit_selected(Edit::SwapSide),
-            Action::RemoveBox => self.remove_box(),
-            Action::EditBox => self.take_tool(Tool::Edit),
-            Action::NewBox => self.take_tool(Tool::Draw),
-            Action::NextEdge => self.next_edge(),
-            Action::FindEdges => self.edit_selected(Edit::FindEdges),
-            Action::MarkTarget => self.point_tool(),
-            Action::LeaveOut => self.take_tool(Tool::LeaveOut),
-            Action::TakeBackIn => self.take_back_in(),
-            Action::DrawBottom => self.take_tool(Tool::Bottom),
-            Action::BottomBothSides => {
-                let both = &mut self.options.waterfall.bottom_both_sides;
-                *both = !*both;
-            }
-            Action::AcceptBottom => self.take_tool(Tool::Accept),
-            Action::ForgetBottom => self.forget_bottom(),
-            Action::LeaveTool if self.leave_measuring() => {}
-            Action::LeaveTool if self.log.reviewing.is_in_use() => self.leave_tool(),
-            Action::LeaveTool if self.log.proposed_stretch().is_some() => self.drop_proposal(),
-            Action::LeaveTool => self.remove_figure(),
-            Action::MeasureDistance => self.take_measuring_tool(MeasurementKind::Distance),
-            Action::MeasureArea => self.take_measuring_tool(MeasurementKind::Area),
-            Action::DepthProfile => self.take_measuring_tool(MeasurementKind::Profile),
-            Action::UseShadow => self.use_shadow(),
-            Action::HeightFromShadow => self.take_measuring_tool(MeasurementKind::Height),
-            Action::TakeCornerBack => self.take_corner_back(),
-            Action::EndFigure => self.end_figure(),
-            Action::RemoveFigure => self.remove_figure(),
-            Action::PlanLines => self.plan_lines(),
-            Action::RemoveLine => self.remove_line(),
-            Action::RemovePlan => self.remove_plan(),
-            Action::TakeUpUnsaved => self.take_up_unsaved(),
-            Action::ForgetTruth => self.forget_truth(),
-            Action::NextMistake => self.step_mistake(1),
-            Action::PreviousMistake => self.step_mistake(-1),
-            // Windows, dialogs, layout and cameras belong to the shell.
-            _ => {}
+        if let Some(handler) = handlers::handler(action) {
+            handler(self);
+        }
+    }
+
+    /// Ends the innermost of what is under way.
+    fn leave_current_tool(&mut self) {
+        if self.leave_measuring() {
+            return;
+        }
+        match self.log.reviewing.is_in_use() {
+            true => self.leave_tool(),
+            false if self.log.proposed_stretch().is_some() => self.drop_proposal(),
+            false => self.remove_figure(),
         }
     }
 
     fn update(&mut self) {
-        self.tabulating.resume();
+        self.reference_comparison.resume();
         self.process();
     }
 

@@ -232,7 +232,7 @@ impl App {
             return;
         }
         if self.log.bottom_file.refused {
-            match export::keep_aside(&path) {
+            match export::rename_older(&path) {
                 Ok(aside) => {
                     self.log.bottom_file.refused = false;
                     let text = "What could not be used of the bottom edits is kept as";
@@ -278,6 +278,6 @@ fn write(path: &Path, bottom: &BottomSettings) -> Result<(), String> {
         bottom: bottom.clone(),
     };
     let text = toml::to_string(&kept).map_err(|error| error.to_string())?;
-    export::write_aside(path, |mut file| file.write_all(text.as_bytes()))
+    export::write_atomically(path, |mut file| file.write_all(text.as_bytes()))
         .map_err(|error| error.to_string())
 }

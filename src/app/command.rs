@@ -88,7 +88,7 @@ pub enum Command {
     /// The waterfall shows these pings now.
     Visible(Range<usize>),
     /// Residuals are in view: compare the points, if that is not done.
-    Tabulate,
+    CompareWithReference,
     /// Hold the points against a file of points (with its columns, perhaps: `FILE:x,y,z`) or against another log.
     CompareWith(PathBuf),
     /// Take the reference of a point from elsewhere.

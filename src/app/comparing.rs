@@ -1,6 +1,6 @@
 //! What the survey is held against: a file of points or another mission, opened off the window's thread.
 
-use super::tabulating::{Of, Tabulating};
+use super::reference_comparison::{Of, ReferenceComparison};
 use super::{App, MapLayer, Outcome, Task};
 use crate::bottom::bathymetry::compare::Matching;
 use crate::pipeline::{Agreement, ProcessedLog, Reference, Settings};
@@ -114,7 +114,7 @@ impl App {
     /// Compares side-scan with soundings again.
     pub(super) fn leave_reference(&mut self) {
         self.comparing.leave();
-        self.tabulating = Tabulating::default();
+        self.reference_comparison = ReferenceComparison::default();
     }
 
     /// Takes the reference of a point from elsewhere.
@@ -129,8 +129,12 @@ impl App {
     pub fn comparing_fraction(&self) -> Option<f32> {
         let opening = self.comparing.opening.as_ref().map(Task::fraction);
         let has_reference = self.comparing.reference.is_some();
-        let tabulating = || self.tabulating.fraction().filter(|_| has_reference);
-        opening.or_else(tabulating)
+        let reference_comparison = || {
+            self.reference_comparison
+                .fraction()
+                .filter(|_| has_reference)
+        };
+        opening.or_else(reference_comparison)
     }
 
     /// Collects a reference that was opened.
@@ -147,7 +151,7 @@ impl App {
                 let layers = &mut self.options.map.layers;
                 layers.set_visible(MapLayer::Residuals, true);
                 self.comparing.reference = agreement.reference.clone();
-                self.tabulating.take(of, agreement);
+                self.reference_comparison.take(of, agreement);
             }
             Err(text) => self.notify(text, true),
         }

@@ -80,7 +80,7 @@ impl App {
         match self.heights.poll() {
             Stands::Still => {}
             Stands::Found => {
-                let meets = |(_, offset): (LogId, &LogOffset)| offset.meetings > 0;
+                let meets = |(_, offset): (LogId, &LogOffset)| offset.log_overlaps > 0;
                 if !self
                     .height_offsets()
                     .is_some_and(|found| found.logs().any(meets))
@@ -102,7 +102,7 @@ impl App {
             return self.notify(text.to_owned(), true);
         };
         let before = self.step_now();
-        for (id, offset) in found.logs().filter(|(_, offset)| offset.meetings > 0) {
+        for (id, offset) in found.logs().filter(|(_, offset)| offset.log_overlaps > 0) {
             self.with_log(id, |app| {
                 let mut own = LogSettings::clone(&app.log.own);
                 own.set(KEY, Value::Float(offset.applied_m()));

@@ -271,7 +271,7 @@ impl App {
         self.selection = None;
         self.hover = None;
         self.visible = 0..0;
-        self.tabulating = super::tabulating::Tabulating::default();
+        self.reference_comparison = super::reference_comparison::ReferenceComparison::default();
         self.previewer.forget();
         self.schedule();
     }

@@ -47,11 +47,11 @@ mod print;
 mod print_text;
 mod profile_line;
 mod project;
+mod reference_comparison;
 mod reviewing;
 mod saving_figure;
 mod state;
 mod swipe;
-mod tabulating;
 mod work;
 
 pub use above_bottom::{AboveBottom, AboveStretch};

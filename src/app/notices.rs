@@ -24,7 +24,7 @@ pub struct Notice {
 
 /// The notices of one run of the program.
 #[derive(Default)]
-pub(super) struct Said {
+pub(super) struct NoticeHistory {
     all: VecDeque<Notice>,
     /// The newest one offers undo: the next of its kind takes its place.
     ends_with_undo: bool,

@@ -125,7 +125,7 @@ impl App {
         copy.options = self.options.clone();
         copy.base_map = self.base_map.clone();
         copy.comparing = self.comparing.for_picture();
-        copy.tabulating = self.tabulating.for_picture();
+        copy.reference_comparison = self.reference_comparison.for_picture();
         copy.measuring = self.measuring.for_picture();
         copy
     }

@@ -33,7 +33,7 @@ type Hashed = Option<Vec<(LogId, LogFile)>>;
 
 /// Where the open project is kept, and what is under way about it.
 #[derive(Default)]
-pub(super) struct Keeping {
+pub(super) struct ProjectSaving {
     store: Option<Store>,
     /// What is in it: what this window does not show is kept from here.
     project: Project,
@@ -50,7 +50,7 @@ pub(super) struct Keeping {
     failed: bool,
 }
 
-impl Keeping {
+impl ProjectSaving {
     /// Whether a project is being opened or written.
     pub fn is_busy(&self) -> bool {
         self.opening.is_some() || self.is_writing()
@@ -102,13 +102,13 @@ pub fn is_project(path: &Path) -> bool {
 impl App {
     /// The file of the open project.
     pub fn project_path(&self) -> Option<&Path> {
-        self.keeping.store.as_ref().map(Store::path)
+        self.project_saving.store.as_ref().map(Store::path)
     }
 
     /// Whether the project has changes that its file does not hold; they are in the journal beside it.
     pub fn is_project_unsaved(&self) -> bool {
-        let store = self.keeping.store.as_ref();
-        store.is_some_and(|store| store.is_unsaved(&self.keeping.project))
+        let store = self.project_saving.store.as_ref();
+        store.is_some_and(|store| store.is_unsaved(&self.project_saving.project))
     }
 
     /// Starts to open a project in the place of what is open.
@@ -116,10 +116,10 @@ impl App {
         self.loading = None;
         self.to_load.clear();
         self.keep_project("close");
-        self.keeping.finish_writing();
+        self.project_saving.finish_writing();
         // The window itself may have it open.
-        self.keeping.store = None;
-        self.keeping.opening = Some(Task::start(&self.jobs, move |progress| {
+        self.project_saving.store = None;
+        self.project_saving.opening = Some(Task::start(&self.jobs, move |progress| {
             read(&path, progress)
         }));
     }
@@ -152,24 +152,24 @@ impl App {
             };
             logs.into_iter().map(file).collect()
         });
-        self.keeping.naming = Some((path, task));
+        self.project_saving.naming = Some((path, task));
     }
 
     /// Writes the project into its file.
     pub(super) fn save_project(&mut self) {
         self.keep_project("save");
-        let Some(store) = &mut self.keeping.store else {
+        let Some(store) = &mut self.project_saving.store else {
             let text = "there is no project file yet; use Save project as";
             return self.notify(text.to_owned(), true);
         };
-        if self.keeping.saving.is_some() {
-            self.keeping.saves_again = true;
+        if self.project_saving.saving.is_some() {
+            self.project_saving.saves_again = true;
             return;
         }
-        match store.begin_save(&self.keeping.project) {
+        match store.begin_save(&self.project_saving.project) {
             Ok(saving) => {
                 let task = Task::start(&self.jobs, move |_| saving.write());
-                self.keeping.saving = Some(task);
+                self.project_saving.saving = Some(task);
             }
             Err(error) => self.notify(error.to_string(), true),
         }
@@ -177,16 +177,16 @@ impl App {
 
     /// Collects a project that was saved.
     fn poll_saving(&mut self) {
-        let written = match self.keeping.saving.as_ref().map(Task::poll) {
+        let written = match self.project_saving.saving.as_ref().map(Task::poll) {
             Some(Outcome::Done(written)) => Some(written),
             Some(Outcome::Failed) => None,
             Some(Outcome::Pending) | None => return,
         };
-        self.keeping.saving = None;
-        match (written, &mut self.keeping.store) {
+        self.project_saving.saving = None;
+        match (written, &mut self.project_saving.store) {
             (Some(written), Some(store)) => match store.end_save(written) {
                 Ok(()) => {
-                    self.keeping.failed = false;
+                    self.project_saving.failed = false;
                     let text = format!("Saved the project: {}", store.path().display());
                     self.notify(text, false);
                 }
@@ -194,34 +194,34 @@ impl App {
             },
             _ => self.notify("saving the project failed unexpectedly".to_owned(), true),
         }
-        if std::mem::take(&mut self.keeping.saves_again) {
+        if std::mem::take(&mut self.project_saving.saves_again) {
             self.save_project();
         }
     }
 
     /// Whether the project is being written into its file.
     pub fn is_keeping(&self) -> bool {
-        self.keeping.is_writing()
+        self.project_saving.is_writing()
     }
 
     /// Waits until the project is written: the window closes.
     pub(super) fn finish_keeping(&mut self) {
-        self.keeping.finish_writing();
+        self.project_saving.finish_writing();
     }
 
     /// Writes what changed into the journal of the open project.
     pub(super) fn keep_project(&mut self, label: &str) {
-        if self.keeping.store.is_none() {
+        if self.project_saving.store.is_none() {
             return;
         }
-        self.keeping.project = self.as_project(&self.keeping.project);
-        let Some(store) = &mut self.keeping.store else {
+        self.project_saving.project = self.as_project(&self.project_saving.project);
+        let Some(store) = &mut self.project_saving.store else {
             return;
         };
-        match store.record(&self.keeping.project, label) {
-            Ok(()) => self.keeping.failed = false,
+        match store.record(&self.project_saving.project, label) {
+            Ok(()) => self.project_saving.failed = false,
             Err(error) => {
-                if !std::mem::replace(&mut self.keeping.failed, true) {
+                if !std::mem::replace(&mut self.project_saving.failed, true) {
                     self.notify(error.to_string(), true);
                 }
             }
@@ -231,8 +231,8 @@ impl App {
     /// Leaves the project: what is opened next is none of its logs.
     pub(super) fn leave_project(&mut self) {
         self.keep_project("close");
-        self.keeping.finish_writing();
-        self.keeping = Keeping::default();
+        self.project_saving.finish_writing();
+        self.project_saving = ProjectSaving::default();
     }
 
     /// What is open as a project; what the window does not show stays as it is in `before`.
@@ -302,26 +302,26 @@ impl App {
     pub(super) fn poll_project(&mut self) {
         self.poll_saving();
         self.poll_creating();
-        match self.keeping.opening.as_ref().map(Task::poll) {
+        match self.project_saving.opening.as_ref().map(Task::poll) {
             Some(Outcome::Done(read)) => {
-                self.keeping.opening = None;
+                self.project_saving.opening = None;
                 match read {
                     Ok(read) => self.take_project(read),
                     Err(text) => self.notify(text, true),
                 }
             }
             Some(Outcome::Failed) => {
-                self.keeping.opening = None;
+                self.project_saving.opening = None;
                 self.notify("opening the project failed unexpectedly".to_owned(), true);
             }
             Some(Outcome::Pending) | None => {}
         }
-        let named = match self.keeping.naming.as_ref().map(|(_, task)| task.poll()) {
+        let named = match self.project_saving.naming.as_ref().map(|(_, task)| task.poll()) {
             Some(Outcome::Done(files)) => files,
             Some(Outcome::Failed) => None,
             Some(Outcome::Pending) | None => return,
         };
-        if let (Some((path, _)), Some(files)) = (self.keeping.naming.take(), named) {
+        if let (Some((path, _)), Some(files)) = (self.project_saving.naming.take(), named) {
             self.name_project(&path, files);
         }
     }
@@ -336,32 +336,32 @@ impl App {
         {
             return self.save_project();
         }
-        let project = self.as_project(&self.keeping.project);
+        let project = self.as_project(&self.project_saving.project);
         let (path, kept) = (path.to_owned(), project.clone());
         let past = self.past_of(&project);
         let create = move |_: &Progress| Store::create_with_past(&path, &kept, past);
-        self.keeping.creating = Some((project, Task::start(&self.jobs, create)));
+        self.project_saving.creating = Some((project, Task::start(&self.jobs, create)));
         self.poll_creating();
     }
 
     /// Collects a project that was written for the first time. Until then what is changed is kept where it was kept before.
     fn poll_creating(&mut self) {
-        let created = match self.keeping.creating.as_ref().map(|(_, task)| task.poll()) {
+        let created = match self.project_saving.creating.as_ref().map(|(_, task)| task.poll()) {
             Some(Outcome::Done(created)) => Some(created),
             Some(Outcome::Failed) => None,
             Some(Outcome::Pending) | None => return,
         };
-        let Some((project, _)) = self.keeping.creating.take() else {
+        let Some((project, _)) = self.project_saving.creating.take() else {
             return;
         };
         match created {
             Some(Ok(store)) => {
                 let text = format!("Saved the project: {}", store.path().display());
                 self.remember(store.path().to_owned());
-                self.keeping.finish_writing();
-                self.keeping.store = Some(store);
-                self.keeping.project = project;
-                self.keeping.failed = false;
+                self.project_saving.finish_writing();
+                self.project_saving.store = Some(store);
+                self.project_saving.project = project;
+                self.project_saving.failed = false;
                 self.notify(text, false);
                 self.keep_project("save under another name");
                 self.each_log(App::leave_sidecars);
@@ -411,11 +411,11 @@ impl App {
             self.set_queue(&queue.into_queue());
         }
         self.measuring.figure = kept_figure(&project, None);
-        self.keeping.project = project;
-        self.keeping.store = Some(store);
+        self.project_saving.project = project;
+        self.project_saving.store = Some(store);
         self.take_past(past);
         self.is_waiting = false;
-        if let Some(path) = self.keeping.project.files.get(BASE_MAP).cloned() {
+        if let Some(path) = self.project_saving.project.files.get(BASE_MAP).cloned() {
             self.reopen_base_map(path);
         }
         for text in told.into_iter().chain(notes) {

@@ -11,15 +11,15 @@ use super::loader::{Loading, Request};
 use super::logs::Logs;
 use super::measuring::Measuring;
 use super::mounting::Mountings;
-use super::notices::{Notice, Said};
+use super::notices::{Notice, NoticeHistory};
 use super::objects::Objects;
 use super::passes::Passes;
 use super::planning::Planning;
 use super::positions::Positions;
 use super::preview::Previewer;
-use super::project::Keeping;
+use super::project::ProjectSaving;
+use super::reference_comparison::ReferenceComparison;
 use super::reviewing::{Search, Step};
-use super::tabulating::Tabulating;
 use super::{GivenSettings, Jobs, LoadStatus, LogId, OpenLog, ViewOptions};
 use crate::formats::base_map::BaseMap;
 use crate::pipeline::{Engine, EngineStatus, Settings, Stage};
@@ -133,7 +133,7 @@ pub struct App {
     pub recent: Vec<PathBuf>,
     /// What is said on the screen.
     pub notices: Vec<Notice>,
-    pub(super) said: Said,
+    pub(super) said: NoticeHistory,
     /// The analyst's own picture under the map.
     pub base_map: Option<Arc<BaseMap>>,
     /// What the points are held against.
@@ -153,7 +153,7 @@ pub struct App {
     pub(super) previewer: Previewer,
     pub(super) loading: Option<Loading>,
     pub(super) to_load: VecDeque<Request>,
-    pub(super) tabulating: Tabulating,
+    pub(super) reference_comparison: ReferenceComparison,
     pub(super) heights: Heights,
     pub(super) positions: Positions,
     pub(super) deriving: Deriving,
@@ -161,7 +161,7 @@ pub struct App {
     pub(super) objects: Objects,
     pub(super) search: Search,
     pub(super) following: Following,
-    pub(super) keeping: Keeping,
+    pub(super) project_saving: ProjectSaving,
     /// Logs of the project that were not found.
     pub(super) missing: Vec<LogKey>,
     pub(super) exporting: Option<Exporting>,
@@ -194,7 +194,7 @@ impl App {
             options: ViewOptions::default(),
             recent: Vec::new(),
             notices: Vec::new(),
-            said: Said::default(),
+            said: NoticeHistory::default(),
             base_map: None,
             comparing: Comparing::default(),
             measuring: Measuring::default(),
@@ -207,7 +207,7 @@ impl App {
             previewer: Previewer::default(),
             loading: None,
             to_load: VecDeque::new(),
-            tabulating: Tabulating::default(),
+            reference_comparison: ReferenceComparison::default(),
             heights: Heights::default(),
             positions: Positions::default(),
             deriving: Deriving::default(),
@@ -215,7 +215,7 @@ impl App {
             objects: Objects::default(),
             search: Search::default(),
             following: Following::default(),
-            keeping: Keeping::default(),
+            project_saving: ProjectSaving::default(),
             missing: Vec::new(),
             exporting: None,
             exported: None,
@@ -271,7 +271,7 @@ impl App {
         self.loading.is_none()
             && self.engine_status() == EngineStatus::Idle
             && !self.previewer.is_busy()
-            && !self.tabulating.is_busy()
+            && !self.reference_comparison.is_busy()
             && !self.heights.is_busy()
             && !self.positions.is_busy()
             && !self.planning.is_busy()
@@ -281,7 +281,7 @@ impl App {
             && !self.search.is_busy()
             && !self.following.is_busy()
             && !self.search.is_busy_with_tail()
-            && !self.keeping.is_busy()
+            && !self.project_saving.is_busy()
             && !self.comparing.is_opening()
             && self.exporting.is_none()
             && self.opening_base_map.is_none()

@@ -233,14 +233,14 @@ impl App {
         self.log.preview = None;
         self.loading = None;
         self.to_load.clear();
-        self.keeping.stop();
+        self.project_saving.stop();
         self.exporting = None;
         self.opening_base_map = None;
         self.reading_area.stop();
         self.comparing.stop();
         self.planning.stop();
         self.passes.stop();
-        self.tabulating.stop();
+        self.reference_comparison.stop();
         self.each_log(|app| app.log.external.stop_reading());
     }
 

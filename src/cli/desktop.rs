@@ -5,7 +5,7 @@
 mod share;
 
 use super::output;
-use crate::products::export::write_aside;
+use crate::products::export::write_atomically;
 use share::{APPLICATIONS, MIME, ShareFile};
 use std::fs;
 use std::io::Write as _;
@@ -81,7 +81,7 @@ fn write(path: &Path, content: &[u8]) -> Result<(), String> {
     let folder = path.parent().unwrap_or(Path::new("."));
     fs::create_dir_all(folder)
         .map_err(|error| format!("cannot make the folder: {error}: {}", folder.display()))?;
-    write_aside(path, |mut file| file.write_all(content)).map_err(|error| error.to_string())
+    write_atomically(path, |mut file| file.write_all(content)).map_err(|error| error.to_string())
 }
 
 fn remove(path: &Path) -> Result<(), String> {

@@ -6,7 +6,7 @@ use super::{output, quiet_driver};
 use crate::app::{Command, Orientation, View};
 use crate::pipeline::Settings;
 use crate::products::export::avi::{self, AviWriter};
-use crate::products::export::write_aside;
+use crate::products::export::write_atomically;
 use crate::support::progress::Progress;
 use crate::ui::offscreen::Studio;
 use crate::ui::{Alone, Shell};
@@ -148,7 +148,7 @@ fn write(
 ) -> Result<(), String> {
     let mut reel = studio.reel(size)?;
     progress.start(frames.count as u64);
-    let written = write_aside(path, |file| {
+    let written = write_atomically(path, |file| {
         let mut film = AviWriter::new(BufWriter::new(file), size, fps)?;
         for frame in 0..frames.count {
             shell.show_pings(frames.pings(frame));

@@ -3,7 +3,7 @@
 use super::dataset::{self, DatasetArgs};
 use super::status_line::StatusLine;
 use super::{LONGEST_TEXT, output};
-use crate::products::export::write_aside;
+use crate::products::export::write_atomically;
 use crate::simulation::{Scene, Simulated, simulate};
 use crate::support::progress::Progress;
 use crate::support::regular_file;
@@ -103,7 +103,7 @@ fn written(
     fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
 ) -> Result<String, String> {
     let path = with_ending(prefix, ending);
-    write_aside(&path, |file| {
+    write_atomically(&path, |file| {
         let mut out = BufWriter::new(file);
         fill(&mut out)?;
         out.flush()

@@ -107,7 +107,7 @@ impl Past {
             text += &Entry::done(&step.label, &set, &gone).to_line();
             after = &step.before;
         }
-        let written = export::write_aside(&history_of(path), |mut file| {
+        let written = export::write_atomically(&history_of(path), |mut file| {
             file.write_all(text.as_bytes())
         });
         written.ok();

@@ -412,7 +412,7 @@ impl Saving {
             return Err(StoreError::Changed { path: path.clone() });
         }
         self.journal.sync().map_err(not_writable(path))?;
-        let written = export::write_aside(path, |mut file| {
+        let written = export::write_atomically(path, |mut file| {
             file.write_all(self.text.as_bytes())?;
             file.sync_all()
         });
@@ -515,10 +515,11 @@ fn taken_in(entries: &[Entry], damaged: usize) -> Vec<String> {
 /// Puts a journal that cannot be used under another name, and says so.
 fn aside(path: &Path, journal: Journal, why: &str) -> Result<String, StoreError> {
     drop(journal);
-    let kept = export::keep_aside(&journal_of(path)).map_err(|error| StoreError::NotWritable {
-        path: path.to_owned(),
-        source: error.source,
-    })?;
+    let kept =
+        export::rename_older(&journal_of(path)).map_err(|error| StoreError::NotWritable {
+            path: path.to_owned(),
+            source: error.source,
+        })?;
     Ok(format!(
         "The changes that were not saved when the project was last open {why}; they are kept as {}",
         kept.display()

@@ -1,7 +1,7 @@
 //! The window without a window: frames are drawn into a texture and read back, on a GPU or on lavapipe.
 
 use super::Shell;
-use crate::products::export::write_aside;
+use crate::products::export::write_atomically;
 use crate::support::progress::Progress;
 use eframe::egui_wgpu::{
     RenderState, RendererOptions, ScreenDescriptor, WgpuConfiguration, WgpuSetup, wgpu,
@@ -104,7 +104,7 @@ impl Reel {
 /// # Errors
 /// When the file cannot be written.
 pub fn write_picture(picture: &RgbaImage, path: &Path) -> Result<(), String> {
-    let written = write_aside(path, |file| {
+    let written = write_atomically(path, |file| {
         let mut out = BufWriter::new(file);
         picture
             .write_to(&mut out, image::ImageFormat::Png)

@@ -55,7 +55,7 @@ pub fn run() {
     measured("window drawn", before_mb, || draw(&mut shell)).expect("a window");
     // Its section may lie below the edge of a panel of this height: asked for as it asks.
     measured("residuals shown", before_mb, || {
-        shell.app.apply(Command::Tabulate);
+        shell.app.apply(Command::CompareWithReference);
         settle(&mut shell.app);
         draw(&mut shell)
     })

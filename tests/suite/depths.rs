@@ -179,7 +179,7 @@ fn agreement_with_the_soundings_has_one_sign_in_panels_and_files() {
         "{same_ping}: {:?}",
         names(&window, "p95")
     );
-    window.state_mut().app.apply(Command::Tabulate);
+    window.state_mut().app.apply(Command::CompareWithReference);
     window.run();
     let panels = names(&window, &same_ping).len();
     assert_eq!(

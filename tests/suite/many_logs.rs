@@ -183,9 +183,9 @@ fn crossings_of_ten_logs_give_their_heights_to_a_centimetre() {
             let off_m = offset.offset_m - true_m;
             eprintln!(
                 "{kind} log {log}: off by {:+.4} m, standard error {:.4} m, {} meetings",
-                off_m, offset.standard_error_m, offset.meetings
+                off_m, offset.standard_error_m, offset.log_overlaps
             );
-            // On slopes up to 20 degrees a decimetre of position is as much as a centimetre of the mean of some sixty meetings.
+            // On slopes up to 20 degrees a decimetre of position is as much as a centimetre of the mean of some sixty overlaps.
             let allowed_m = if kind == "gentle" { 0.01 } else { 0.03 };
             assert!(off_m.abs() < allowed_m, "{kind} log {log}: {off_m}");
             assert!(

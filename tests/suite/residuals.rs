@@ -130,7 +130,10 @@ fn a_second_mission_under_higher_water_is_lower_by_as_much() {
     assert!(!is_error && text.contains("shallower"), "{text}");
     let layers = &app(&window).options.map.layers;
     assert!(layers.is_visible(MapLayer::Residuals));
-    for command in [Command::Do(Action::CloseReference), Command::Tabulate] {
+    for command in [
+        Command::Do(Action::CloseReference),
+        Command::CompareWithReference,
+    ] {
         window.state_mut().app.apply(command);
         window.run();
     }
@@ -190,7 +193,7 @@ fn a_setting_acts_on_both_missions_and_on_no_file() {
         label: "draft",
         live: false,
     };
-    for command in [change, Command::Tabulate] {
+    for command in [change, Command::CompareWithReference] {
         window.state_mut().app.apply(command);
         window.run();
     }
@@ -247,7 +250,7 @@ fn the_true_bed_in_a_file_gives_the_errors_that_the_simulation_knows() {
         by: ReferenceBy::Nearest,
         radius_m: 0.12,
     };
-    for command in [nearest, Command::Tabulate] {
+    for command in [nearest, Command::CompareWithReference] {
         window.state_mut().app.apply(command);
         window.run();
     }
@@ -308,14 +311,18 @@ fn comparing_is_stopped_and_taken_up_again() {
         by: ReferenceBy::Nearest,
         radius_m: 0.5,
     };
-    for command in [nearest, Command::Tabulate, Command::Do(Action::Cancel)] {
+    for command in [
+        nearest,
+        Command::CompareWithReference,
+        Command::Do(Action::Cancel),
+    ] {
         app.apply(command);
     }
     let problem = app.agreement_problem().expect("it was stopped");
     assert!(problem.contains("Update"), "{problem}");
-    app.apply(Command::Tabulate);
+    app.apply(Command::CompareWithReference);
     assert!(app.is_idle(), "it rests until it is asked for");
-    for command in [Command::Do(Action::Update), Command::Tabulate] {
+    for command in [Command::Do(Action::Update), Command::CompareWithReference] {
         app.apply(command);
     }
     wait(&mut app);

@@ -72,7 +72,7 @@ impl Autosave {
         let was_left = self.left.take().is_some();
         Some(move |review: &Review| {
             if was_left {
-                export::keep_aside(&path).map_err(|error| error.to_string())?;
+                export::rename_older(&path).map_err(|error| error.to_string())?;
             }
             write(&path, review)
         })
@@ -92,7 +92,7 @@ impl Autosave {
 
 fn write(path: &Path, review: &Review) -> Result<(), String> {
     let text = review.to_json();
-    export::write_aside(path, |mut file| {
+    export::write_atomically(path, |mut file| {
         file.write_all(text.as_bytes())?;
         file.write_all(b"\n")
     })

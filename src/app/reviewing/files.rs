@@ -72,7 +72,7 @@ impl App {
             .take_if(|refused| *refused == path)
             .is_some()
         {
-            match export::keep_aside(&path) {
+            match export::rename_older(&path) {
                 Ok(aside) => {
                     let text = "The review that could not be used is kept as";
                     self.notify(format!("{text} {}", aside.display()), false);
@@ -81,7 +81,7 @@ impl App {
             }
         }
         let text = self.log.reviewing.review.to_json();
-        let written = export::write_aside(&path, |mut file| {
+        let written = export::write_atomically(&path, |mut file| {
             file.write_all(text.as_bytes())?;
             file.write_all(b"\n")
         });

@@ -103,8 +103,8 @@ pub fn crossings(
             // A boat that lay at anchor for a day has all its pieces in one square.
             progress.check()?;
             for &second in &inside[rank + 1..] {
-                let meeting = pieces[first].meets(&pieces[second], *square);
-                let crossing = meeting.map(|at| at.crossing(tracks));
+                let track_crossing = pieces[first].meets(&pieces[second], *square);
+                let crossing = track_crossing.map(|at| at.crossing(tracks));
                 found.extend(crossing.filter(|_| found.len() < MOST));
             }
         }
@@ -177,7 +177,7 @@ fn pieces(track: usize, depths: &[TrackDepth]) -> Vec<Piece> {
 }
 
 /// Where two pieces meet.
-struct Meeting<'a> {
+struct TrackCrossing<'a> {
     pieces: [&'a Piece; 2],
     place: [f64; 2],
     /// How far along each piece, 0 to 1.
@@ -226,7 +226,7 @@ impl Piece {
     }
 
     /// Where the pieces cross, if that lies in this square (a pair may share several).
-    fn meets<'a>(&'a self, other: &'a Piece, square: [i64; 2]) -> Option<Meeting<'a>> {
+    fn meets<'a>(&'a self, other: &'a Piece, square: [i64; 2]) -> Option<TrackCrossing<'a>> {
         let way_m = (other.along_m - self.along_m).abs();
         if self.track == other.track && way_m < LEAST_WAY_M {
             return None;
@@ -251,7 +251,7 @@ impl Piece {
             self.from[1] + shares[0] * a[1],
         ];
         let here = place.map(|metres| (metres / SQUARE_M).floor() as i64);
-        (inside && here == square).then_some(Meeting {
+        (inside && here == square).then_some(TrackCrossing {
             pieces: [self, other],
             place,
             shares,
@@ -260,7 +260,7 @@ impl Piece {
     }
 }
 
-impl Meeting<'_> {
+impl TrackCrossing<'_> {
     fn crossing(&self, tracks: &[Vec<TrackDepth>]) -> Crossing {
         let passes = [0, 1].map(|index| {
             let (piece, share) = (self.pieces[index], self.shares[index]);

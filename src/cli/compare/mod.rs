@@ -10,7 +10,7 @@ use super::status_line::StatusLine;
 use crate::bottom::bathymetry::compare::{Comparison, Match, Matching, match_points};
 use crate::formats::points::{Elevations, is_named_as_elevations, read_elevations, split_columns};
 use crate::pipeline::matching_in_words;
-use crate::products::export::{is_same_file, write_aside};
+use crate::products::export::{is_same_file, write_atomically};
 use crate::support::progress::Progress;
 use plane::into_one_plane;
 use serde::Serialize;
@@ -220,7 +220,7 @@ fn table(comparison: &Comparison, by: &str) -> String {
 }
 
 fn write_matches(path: &Path, measured: &Elevations, matches: &[Match]) -> Result<(), String> {
-    write_aside(path, |file| {
+    write_atomically(path, |file| {
         let mut out = BufWriter::new(file);
         writeln!(out, "x_m,y_m,z_m,reference_z_m,difference_m")?;
         for one in matches {

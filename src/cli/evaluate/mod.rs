@@ -8,7 +8,7 @@ mod table;
 use super::output;
 use crate::detection::labels::{self, LabelSet, Paired};
 use crate::detection::metrics::{ApMethod, Evaluation, Image, MetricSettings, evaluate};
-use crate::products::export::write_aside;
+use crate::products::export::write_atomically;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -181,5 +181,6 @@ fn check_page(path: &Path) -> Result<(), String> {
 }
 
 fn write_page(path: &Path, text: &str) -> Result<(), String> {
-    write_aside(path, |mut file| file.write_all(text.as_bytes())).map_err(|error| error.to_string())
+    write_atomically(path, |mut file| file.write_all(text.as_bytes()))
+        .map_err(|error| error.to_string())
 }

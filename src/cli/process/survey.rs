@@ -172,7 +172,7 @@ fn placed(
     logs.iter().zip(&found).map(with).collect()
 }
 
-/// The logs with the height offsets that their meetings show.
+/// The logs with the height offsets that their overlaps show.
 fn adjusted(
     logs: &[ProcessedLog],
     status: &StatusLine,

@@ -6,7 +6,7 @@
 use super::layout::{Bounds, bounds_of, grid_over};
 use super::{Gain, MosaicLog, MosaicSettings, Overlap, window};
 use crate::bottom::bathymetry::Grid;
-use crate::bottom::bathymetry::height_offsets::{Datum, Meeting, MeetingKind, adjust};
+use crate::bottom::bathymetry::height_offsets::{Datum, LogOverlap, OverlapKind, adjust};
 use crate::support::progress::{Cancelled, Progress};
 use std::collections::BTreeMap;
 
@@ -25,8 +25,8 @@ pub fn level_factor(ln: f64) -> f64 {
 }
 
 /// Differences of the logarithms of levels where logs show the same ground. Each has all cells of a grid of about [`LEVEL_CELL_M`], 0 where it shows
-/// nothing; the meetings name logs by their places in the list.
-pub fn level_differences(logs: &[Vec<u8>], grid: &Grid) -> Vec<Meeting> {
+/// nothing; the overlaps name logs by their places in the list.
+pub fn level_differences(logs: &[Vec<u8>], grid: &Grid) -> Vec<LogOverlap> {
     let band = BLOCK_CELLS * grid.columns;
     let mut found = Vec::new();
     // A row of blocks at a time, which is little to hold of many logs.
@@ -98,7 +98,7 @@ pub fn match_levels(
 }
 
 /// Differences of the logarithms of levels, one for each block that two logs show.
-fn differences(cells: &BTreeMap<usize, Vec<(usize, u8)>>, grid: &Grid) -> Vec<Meeting> {
+fn differences(cells: &BTreeMap<usize, Vec<(usize, u8)>>, grid: &Grid) -> Vec<LogOverlap> {
     let mut blocks: BTreeMap<([usize; 2], [usize; 2]), Vec<f64>> = BTreeMap::new();
     for (cell, logs) in cells {
         let block = [cell / grid.columns, cell % grid.columns].map(|place| place / BLOCK_CELLS);
@@ -119,7 +119,7 @@ fn differences(cells: &BTreeMap<usize, Vec<(usize, u8)>>, grid: &Grid) -> Vec<Me
         .map(|((logs, [row, column]), mut ratios)| {
             let place = grid.centre(row * BLOCK_CELLS, column * BLOCK_CELLS);
             let difference = crate::support::statistics::median(&mut ratios);
-            Meeting::new(logs, MeetingKind::Overlap, place, difference, 0.0)
+            LogOverlap::new(logs, OverlapKind::Overlap, place, difference, 0.0)
         })
         .collect()
 }

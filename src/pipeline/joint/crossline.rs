@@ -59,7 +59,7 @@ fn is_finite(depth: &TrackDepth) -> bool {
         .all(|value| value.is_finite())
 }
 
-/// The height offset of every log (`height_offset_m`) by the meetings of their tracks, whatever offset is in force: what a log has
+/// The height offset of every log (`height_offset_m`) by the overlaps of their tracks, whatever offset is in force: what a log has
 /// already is part of what is found, so that applying it and asking again gives the same.
 ///
 /// # Errors

@@ -41,7 +41,7 @@ pub struct LogReport {
     pub own_settings: BTreeMap<String, Option<toml::Value>>,
     /// What is added to its elevations (`height_offset_m`).
     pub height_offset_in_force_m: f64,
-    /// The offset that its meetings with other logs show, in force or not.
+    /// The offset that its overlaps with other logs show, in force or not.
     #[serde(flatten)]
     pub offset: LogOffset,
     /// How its points agree with the triangulated points of all others.
@@ -225,13 +225,13 @@ impl LogsReport {
             let LogOffset {
                 offset_m,
                 standard_error_m,
-                meetings,
+                log_overlaps,
                 ..
             } = log.offset;
-            match meetings {
+            match log_overlaps {
                 0 => format!("{}: meets no other log", log.log),
                 _ => format!(
-                    "{}: height offset {offset_m:+.3} +- {standard_error_m:.3} m by {meetings} meetings, {:+.3} m in force",
+                    "{}: height offset {offset_m:+.3} +- {standard_error_m:.3} m by {log_overlaps} overlaps, {:+.3} m in force",
                     log.log, log.height_offset_in_force_m
                 ),
             }

@@ -1,7 +1,7 @@
 //! `cloud.csv`: one line a point.
 
 use super::log_points::LogColumn;
-use super::{ExportError, LogPoints, Summary, write_aside};
+use super::{ExportError, LogPoints, Summary, write_atomically};
 use crate::bottom::cloud::PointSource;
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
@@ -13,7 +13,7 @@ use std::path::Path;
 /// When the file cannot be written.
 pub fn cloud_csv(path: &Path, logs: &[LogPoints<'_>]) -> Result<Summary, ExportError> {
     let column = LogColumn::of(logs);
-    write_aside(path, |file| {
+    write_atomically(path, |file| {
         let (mut out, mut summary) = (BufWriter::new(file), Summary::default());
         let header = column.header;
         writeln!(

@@ -1,6 +1,6 @@
 //! `cloud.ply`: all points in local metres with the paper's colours and their class.
 
-use super::{ExportError, LogPoints, Summary, colour, write_aside};
+use super::{ExportError, LogPoints, Summary, colour, write_atomically};
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use std::path::Path;
 /// # Errors
 /// When the file cannot be written.
 pub fn cloud_ply(path: &Path, logs: &[LogPoints<'_>]) -> Result<Summary, ExportError> {
-    write_aside(path, |file| {
+    write_atomically(path, |file| {
         let (mut out, mut summary) = (BufWriter::new(file), Summary::default());
         write!(
             out,

@@ -1,6 +1,6 @@
 //! `cloud.xyz`: the points of the bottom as plain text, for whatever reads columns.
 
-use super::{ExportError, LogPoints, Summary, write_aside};
+use super::{ExportError, LogPoints, Summary, write_atomically};
 use crate::bottom::cloud::CloudPoint;
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
@@ -13,7 +13,7 @@ pub fn cloud_xyz(
     place: impl Fn(&LogPoints<'_>, &CloudPoint) -> [f64; 2],
     logs: &[LogPoints<'_>],
 ) -> Result<Summary, ExportError> {
-    write_aside(path, |file| {
+    write_atomically(path, |file| {
         let (mut out, mut summary) = (BufWriter::new(file), Summary::default());
         for log in logs {
             for (_, point) in log.cloud.kept(log.classes) {

@@ -1,6 +1,6 @@
 //! The folder of pictures and labels that a detector is trained on (`assets/detector/training/data.py` reads it).
 
-use super::{ExportError, write_aside};
+use super::{ExportError, write_atomically};
 use crate::detection::dataset::{Boxes, Chip, Coco, voc_xml, yolo_lines};
 use serde::Serialize;
 use std::fs;
@@ -144,7 +144,7 @@ impl DatasetFolder {
     }
 
     fn bytes(&self, name: &str, bytes: &[u8]) -> Result<(), ExportError> {
-        write_aside(&self.root.join(name), |mut file| file.write_all(bytes))
+        write_atomically(&self.root.join(name), |mut file| file.write_all(bytes))
     }
 }
 

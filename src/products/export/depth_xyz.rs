@@ -1,6 +1,6 @@
 //! `depth.xyz`: the cells of the depth map as plain text, for whatever reads columns.
 
-use super::{ExportError, Summary, write_aside};
+use super::{ExportError, Summary, write_atomically};
 use crate::support::progress::Progress;
 use std::io::{self, BufWriter, Write as _};
 use std::path::Path;
@@ -16,7 +16,7 @@ pub fn depth_xyz(
     cells: impl Iterator<Item = ([f64; 2], f32)>,
     progress: &Progress,
 ) -> Result<Summary, ExportError> {
-    write_aside(path, |file| {
+    write_atomically(path, |file| {
         let (mut out, mut summary) = (BufWriter::new(file), Summary::default());
         for (index, ([x, y], depth_m)) in cells.enumerate() {
             if index % CHUNK == 0 {

@@ -1,7 +1,7 @@
 //! Points with what they were held against: one line a point.
 
 use super::log_points::LogColumn;
-use super::{ExportError, LogPoints, Summary, write_aside};
+use super::{ExportError, LogPoints, Summary, write_atomically};
 use crate::bottom::bathymetry::compare::Match;
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
@@ -16,7 +16,7 @@ pub fn differences_csv(
     differences: &[&[Match]],
 ) -> Result<Summary, ExportError> {
     let column = LogColumn::of(logs);
-    write_aside(path, |file| {
+    write_atomically(path, |file| {
         let (mut out, mut summary) = (BufWriter::new(file), Summary::default());
         writeln!(
             out,

@@ -1,7 +1,7 @@
 //! What was measured, as GeoJSON or CSV.
 
 use super::geojson::{collection, position};
-use super::{ExportError, write_aside};
+use super::{ExportError, write_atomically};
 use crate::detection::targets::ShadowHeight;
 use crate::support::geo::LonLat;
 use serde_json::{Value, json};
@@ -37,7 +37,7 @@ pub struct MeasuredFigure {
 pub fn figure_geojson(path: &Path, figure: &MeasuredFigure) -> Result<(), ExportError> {
     let points = figure.stations.iter().map(Some);
     let features = std::iter::once(None).chain(points);
-    write_aside(path, |file| {
+    write_atomically(path, |file| {
         collection(file, features, |station, _| match station {
             None => outline(figure),
             Some(station) => station_feature(station),
@@ -144,7 +144,7 @@ pub fn figure_csv(path: &Path, figure: &MeasuredFigure) -> Result<(), ExportErro
         )
         .ok();
     }
-    write_aside(path, |mut file| file.write_all(text.as_bytes()))
+    write_atomically(path, |mut file| file.write_all(text.as_bytes()))
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! `first_returns.csv`: one line a ping.
 
 use super::log_points::LogColumn;
-use super::{ExportError, LogPoints, Summary, write_aside};
+use super::{ExportError, LogPoints, Summary, write_atomically};
 use crate::bottom::cloud::slant_range_m;
 use crate::survey::{LeftOutReason, Side};
 use std::io::{self, BufWriter, Write};
@@ -18,7 +18,7 @@ const HEADER: &str = "ping,time_s,lon,lat,east_m,north_m,heading_deg,depth_m,\
 /// When the file cannot be written.
 pub fn first_returns_csv(path: &Path, logs: &[LogPoints<'_>]) -> Result<Summary, ExportError> {
     let column = LogColumn::of(logs);
-    write_aside(path, |file| {
+    write_atomically(path, |file| {
         let (mut out, mut summary) = (BufWriter::new(file), Summary::default());
         writeln!(out, "{}{HEADER}", column.header)?;
         for log in logs {

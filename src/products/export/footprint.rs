@@ -1,7 +1,7 @@
 //! `footprint.geojson`: the ground that the side-scan insonified.
 
 use super::geojson::{areas, collection};
-use super::{ExportError, Summary, write_aside};
+use super::{ExportError, Summary, write_atomically};
 use crate::bottom::bathymetry::isobaths::Polygon;
 use crate::support::geo::LonLat;
 use serde_json::json;
@@ -26,5 +26,5 @@ pub fn footprint_geojson(
             "properties": { "log": name, "area_m2": (area_m2 * 10.0).round() / 10.0 },
         })
     };
-    write_aside(path, |file| collection(file, std::iter::once(()), feature))
+    write_atomically(path, |file| collection(file, std::iter::once(()), feature))
 }

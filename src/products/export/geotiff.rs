@@ -1,6 +1,6 @@
 //! Rasters as GeoTIFF files.
 
-use super::aside::{ExportError, scratch_near, write_aside};
+use super::atomic_write::{ExportError, scratch_near, write_atomically};
 use crate::formats::geotiff::{self, RasterSpec};
 use crate::support::progress::{Cancelled, Progress};
 use std::io;
@@ -29,7 +29,7 @@ pub fn geotiff(
     draw: impl Fn([usize; 2]) -> io::Result<Vec<u8>> + Sync,
     progress: &Progress,
 ) -> Result<(), RasterError> {
-    let written = write_aside(path, |file| {
+    let written = write_atomically(path, |file| {
         geotiff::write(file, scratch_near(path)?, spec, tiles, draw, progress)
     });
     progress.check()?;

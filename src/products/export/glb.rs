@@ -3,7 +3,7 @@
 //! In glTF y is up: x is east, y up and z south, metres. Pictures are variants of the material (`KHR_materials_variants`): programs that do
 //! not know them show the first.
 
-use super::{ExportError, write_aside};
+use super::{ExportError, write_atomically};
 use serde_json::{Value, json};
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
@@ -93,7 +93,7 @@ pub fn glb(path: &Path, mesh: &TexturedMesh) -> Result<(), ExportError> {
     let mut text = document.to_string().into_bytes();
     text.resize(text.len().next_multiple_of(4), b' ');
     bytes.resize(bytes.len().next_multiple_of(4), 0);
-    write_aside(path, |file| {
+    write_atomically(path, |file| {
         let mut out = BufWriter::new(file);
         let whole = 12 + 8 + text.len() + 8 + bytes.len();
         out.write_all(b"glTF")?;

@@ -1,7 +1,7 @@
 //! `isobaths.geojson`, `depth_areas.geojson`, `spot_soundings.geojson` (RFC 7946) and `storage.csv`.
 
 use super::geojson::{areas as areas_of, collection, position, positions};
-use super::{ExportError, Summary, millimetres, write_aside};
+use super::{ExportError, Summary, millimetres, write_atomically};
 use crate::bottom::bathymetry::DepthPoint;
 use crate::bottom::bathymetry::isobaths::{DepthArea, Isobath, IsobathSettings, Storage};
 use crate::support::geo::LonLat;
@@ -52,7 +52,7 @@ pub fn isobaths_geojson(
             },
         })
     };
-    write_aside(path, |file| collection(file, drawn.lines.iter(), feature))
+    write_atomically(path, |file| collection(file, drawn.lines.iter(), feature))
 }
 
 /// Writes the areas between depths. A square metre of the polygons is `ground` square metres on the ground.
@@ -80,7 +80,7 @@ pub fn depth_areas_geojson(
         })
     };
     let filled = areas.iter().filter(|area| !area.polygons.is_empty());
-    write_aside(path, |file| collection(file, filled, feature))
+    write_atomically(path, |file| collection(file, filled, feature))
 }
 
 /// Writes depths as points with the figures that a chart prints; `place` gives where they lie.
@@ -107,7 +107,7 @@ pub fn spot_soundings_geojson(
             },
         })
     };
-    write_aside(path, |file| collection(file, soundings.iter(), feature))
+    write_atomically(path, |file| collection(file, soundings.iter(), feature))
 }
 
 /// Writes what lies below each level: depth, area, volume. A square metre of the table is `ground` square metres on the ground.
@@ -115,7 +115,7 @@ pub fn spot_soundings_geojson(
 /// # Errors
 /// When the file cannot be written.
 pub fn storage_csv(path: &Path, table: &[Storage], ground: f64) -> Result<Summary, ExportError> {
-    write_aside(path, |file| {
+    write_atomically(path, |file| {
         let (mut out, mut summary) = (BufWriter::new(file), Summary::default());
         writeln!(out, "depth_m,area_m2,volume_m3")?;
         for row in table {

@@ -1,7 +1,7 @@
 //! Points in a map's coordinates as COPC or LAS 1.4, whatever they are of.
 
 use super::extra_bytes::{self, Dimension};
-use super::{ExportError, Summary, write_aside};
+use super::{ExportError, Summary, write_atomically};
 use crate::bottom::cloud::PointClass;
 use crate::formats::points::{LasWriter, transforms, write_copc};
 use crate::support::geo::{Crs, LonLat};
@@ -46,7 +46,7 @@ pub(super) fn write_las(
     places: impl Iterator<Item = [f64; 3]> + Clone,
     points: impl Iterator<Item = las::Result<Point>>,
 ) -> Result<Summary, ExportError> {
-    write_aside(path, |file| {
+    write_atomically(path, |file| {
         let resolution = match spec.crs.is_degrees() {
             true => RESOLUTION_DEG,
             false => RESOLUTION_M,

@@ -4,7 +4,7 @@
 //! `rings` keeps polygons valid, `summary` counts what a file holds; `dataset` is the folder that detectors are trained
 //! on, `tile_sets` maps as tiles, `points` what `bathyscope filter` kept, `plan` lines to sail for plotters and autopilots. How rasters and point files are laid out is known to `formats`, which also reads them.
 
-mod aside;
+mod atomic_write;
 pub mod avi;
 mod bottom_las;
 mod chip_folder;
@@ -44,8 +44,8 @@ pub mod tile_sets;
 mod track;
 mod vector;
 
-pub(crate) use aside::remove_leftovers;
-pub use aside::{ExportError, is_same_file, keep_aside, write_aside};
+pub(crate) use atomic_write::remove_leftovers;
+pub use atomic_write::{ExportError, is_same_file, rename_older, write_atomically};
 pub use bottom_las::{BottomCell, bottom_las};
 pub use chip_folder::ChipFolder;
 pub(crate) use chip_folder::{earlier_chips, remove_passing_chips};

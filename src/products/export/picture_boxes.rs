@@ -1,6 +1,6 @@
 //! What a detector found in a picture of another program, one line a box.
 
-use super::{ExportError, write_aside};
+use super::{ExportError, write_atomically};
 use crate::detection::Scored;
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
@@ -19,7 +19,7 @@ pub fn picture_boxes_csv(
     names: &[String],
     boxes: &[Scored],
 ) -> Result<(), ExportError> {
-    write_aside(path, |out| {
+    write_atomically(path, |out| {
         let mut out = csv::Writer::from_writer(BufWriter::new(out));
         out.write_record(HEADER)?;
         for (index, found) in boxes.iter().enumerate() {

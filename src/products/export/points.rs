@@ -1,6 +1,6 @@
 //! Point files with some of their points.
 
-use super::{ExportError, write_aside};
+use super::{ExportError, write_atomically};
 use crate::formats::points::{PointFile, PointFormat};
 use std::path::Path;
 
@@ -14,5 +14,5 @@ pub fn kept_points(
     points: &PointFile,
     kept: &[bool],
 ) -> Result<(), ExportError> {
-    write_aside(path, |file| points.write_kept(file, format, kept))
+    write_atomically(path, |file| points.write_kept(file, format, kept))
 }

@@ -1,6 +1,6 @@
 //! The depth profile along a drawn line as a table.
 
-use super::{ExportError, write_aside};
+use super::{ExportError, write_atomically};
 use crate::bottom::bathymetry::Station;
 use crate::survey::{Navigation, Survey};
 use std::fmt::Write as _;
@@ -33,5 +33,5 @@ pub fn profile_csv(survey: &Survey, navigation: &Navigation, stations: &[Station
 /// # Errors
 /// When the file cannot be written.
 pub fn write_profile_csv(path: &Path, text: &str) -> Result<(), ExportError> {
-    write_aside(path, |mut file| file.write_all(text.as_bytes()))
+    write_atomically(path, |mut file| file.write_all(text.as_bytes()))
 }

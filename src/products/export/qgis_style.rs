@@ -1,6 +1,6 @@
 //! `NAME.qml` beside `NAME.tif`: colours that QGIS takes up when it opens the raster.
 
-use super::{ExportError, write_aside};
+use super::{ExportError, write_atomically};
 use crate::support::printable::xml;
 use std::io::Write as _;
 use std::path::Path;
@@ -77,7 +77,7 @@ fn write_style(path: &Path, renderer: &str, enlarged: &str) -> Result<(), Export
 </qgis>
 "#
     );
-    write_aside(path, |mut file| file.write_all(text.as_bytes()))
+    write_atomically(path, |mut file| file.write_all(text.as_bytes()))
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Database files of SQLite 3, by SQLite itself (crate `rusqlite`).
 
 use super::ExportError;
-use super::aside::write_beside;
+use super::atomic_write::write_atomically_at;
 pub use rusqlite::types::Value;
 use rusqlite::{Connection, params_from_iter};
 use std::io;
@@ -35,7 +35,7 @@ pub fn database<T>(
     kind: Kind,
     fill: impl FnOnce(&Connection) -> io::Result<T>,
 ) -> Result<T, ExportError> {
-    write_beside(path, |passing| {
+    write_atomically_at(path, |passing| {
         let connection = Connection::open(passing).map_err(io::Error::other)?;
         // A file that is not whole is never seen, so nothing has to be rolled back.
         let start = format!(

@@ -19,7 +19,7 @@ pub fn section(from: &ReportData<'_>) -> String {
     };
     let mut html = String::from(
         "<h2>The logs</h2>\n<table><tr><th class=\"text\">log</th><th class=\"text\">recorded, UTC</th><th>track</th><th>pings</th><th>soundings</th>\
-         <th>left out</th><th>recorded depth, m</th><th>height offset, m</th><th>in force, m</th><th>meetings</th><th>against the others, m</th><th>95 %, m</th></tr>\n",
+         <th>left out</th><th>recorded depth, m</th><th>height offset, m</th><th>in force, m</th><th>log_overlaps</th><th>against the others, m</th><th>95 %, m</th></tr>\n",
     );
     for (report, log) in all.logs.iter().zip(from.logs) {
         html += &line(report, log);
@@ -32,10 +32,10 @@ fn line(report: &LogReport, log: &ProcessedLog) -> String {
     let LogOffset {
         offset_m,
         standard_error_m,
-        meetings,
+        log_overlaps,
         ..
     } = report.offset;
-    let offset = match meetings {
+    let offset = match log_overlaps {
         0 => "unknown".to_owned(),
         _ => format!(
             "{} \u{b1} {standard_error_m:.3}",
@@ -62,7 +62,7 @@ fn line(report: &LogReport, log: &ProcessedLog) -> String {
         count(report.counts.soundings),
         depths(&log.survey),
         typeset_signed(report.height_offset_in_force_m, 3),
-        count(meetings),
+        count(log_overlaps),
     )
 }
 

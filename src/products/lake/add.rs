@@ -14,7 +14,7 @@ use crate::bottom::bathymetry::crosslines::{TrackDepth, velocity_mps};
 use crate::bottom::cloud::{CloudPoint, PointClass};
 use crate::formats::parquet_table::{Column, Values, geo_key, write_parquet};
 use crate::pipeline::{self, Fingerprint, LogFiles, ProcessedLog, Products, Settings};
-use crate::products::export::write_aside;
+use crate::products::export::write_atomically;
 use crate::support::geo::{LonLat, UtmZone};
 use crate::support::progress::Progress;
 use crate::survey::{PingNav, Survey};
@@ -372,7 +372,7 @@ fn write_file(
         ("geo", geo_key("geometry", places.unwrap_or_default())),
         ("bathyscope", made.to_owned()),
     ];
-    write_aside(&path, |file| write_parquet(file, columns, &keys))?;
+    write_atomically(&path, |file| write_parquet(file, columns, &keys))?;
     fingerprint(lake, name)
 }
 

@@ -3,13 +3,13 @@
 
 use super::error::LakeError;
 use super::level_factors::level_factors;
+use super::log_overlaps::log_overlaps;
 use super::log_record::LogRecord;
-use super::meetings::meetings;
 use super::offsets::{OffsetRow, Offsets};
 use super::positions::shifts;
 use super::record::Lake;
 use crate::bottom::bathymetry::height_offsets as solver;
-use crate::bottom::bathymetry::height_offsets::{Datum, HeightOffsets, Meeting, PairDifference};
+use crate::bottom::bathymetry::height_offsets::{Datum, HeightOffsets, LogOverlap, PairDifference};
 use crate::bottom::bathymetry::position_offsets::Wanted;
 use crate::support::progress::Progress;
 use crate::support::statistics::median;
@@ -51,12 +51,12 @@ pub fn adjust(lake: &Lake, wanted: Wanted, progress: &Progress) -> Result<Adjust
         })
         .collect();
     let shifts = shifts(lake, &logs, &known, &pinned, wanted, progress)?;
-    let meetings = meetings(lake, &logs, &shifts, progress)?;
-    let solved = solve(&meetings, &pinned);
+    let log_overlaps = log_overlaps(lake, &logs, &shifts, progress)?;
+    let solved = solve(&log_overlaps, &pinned);
     let heights_m = kept_heights(&logs, &known, &solved, &pinned);
     // Not those that were solved with: of pinned logs among each other there are none.
     let mut ties = vec![0; logs.len()];
-    for log in meetings.iter().flat_map(|meeting| meeting.logs) {
+    for log in log_overlaps.iter().flat_map(|log_overlap| log_overlap.logs) {
         ties[log] += 1;
     }
     let rows = logs.iter().enumerate().map(|(index, log)| {
@@ -105,39 +105,43 @@ fn groups(offsets: &Offsets) -> usize {
     tied.map(|row| row.group).collect::<BTreeSet<usize>>().len()
 }
 
-/// The offsets that the meetings give. Logs that are pinned are taken together as one more log, whose offset is zero: a meeting with one of
+/// The offsets that the overlaps give. Logs that are pinned are taken together as one more log, whose offset is zero: a overlap with one of
 /// them is one with that, its difference corrected by the offset that is pinned.
-pub(super) fn solve(meetings: &[Meeting], pinned: &[Option<f64>]) -> HeightOffsets {
+pub(super) fn solve(log_overlaps: &[LogOverlap], pinned: &[Option<f64>]) -> HeightOffsets {
     let count = pinned.len();
     if pinned.iter().all(Option::is_none) {
-        return solver::adjust(count, meetings, Datum::Mean);
+        return solver::adjust(count, log_overlaps, Datum::Mean);
     }
     let of = |log: usize| pinned.get(log).copied().flatten();
-    let held = meetings.iter().filter_map(|meeting| {
-        let [first, second] = meeting.logs;
+    let held = log_overlaps.iter().filter_map(|log_overlap| {
+        let [first, second] = log_overlap.logs;
         let (logs, difference_m, lines) = match (of(first), of(second)) {
-            (None, None) => (meeting.logs, meeting.difference_m, meeting.lines),
+            (None, None) => (
+                log_overlap.logs,
+                log_overlap.difference_m,
+                log_overlap.lines,
+            ),
             (None, Some(offset_m)) => (
                 [first, count],
-                meeting.difference_m + offset_m,
-                meeting.lines,
+                log_overlap.difference_m + offset_m,
+                log_overlap.lines,
             ),
             (Some(offset_m), None) => (
                 [second, count],
-                offset_m - meeting.difference_m,
-                meeting.lines.map(|[first, second]| [second, first]),
+                offset_m - log_overlap.difference_m,
+                log_overlap.lines.map(|[first, second]| [second, first]),
             ),
             (Some(_), Some(_)) => return None,
         };
-        Some(Meeting {
+        Some(LogOverlap {
             logs,
             difference_m,
             lines,
-            ..*meeting
+            ..*log_overlap
         })
     });
-    let mut held: Vec<Meeting> = held.collect();
-    held.sort_by_key(|meeting| meeting.logs);
+    let mut held: Vec<LogOverlap> = held.collect();
+    held.sort_by_key(|log_overlap| log_overlap.logs);
     let mut solved = solver::adjust(count + 1, &held, Datum::Log(count));
     let benchmark = solved.logs.pop().map_or(0, |log| log.group);
     for (log, offset) in solved.logs.iter_mut().enumerate() {
@@ -208,25 +212,25 @@ fn kept_heights(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bottom::bathymetry::height_offsets::MeetingKind;
+    use crate::bottom::bathymetry::height_offsets::OverlapKind;
 
-    fn meeting(logs: [usize; 2], heights_m: [f64; 2]) -> Meeting {
+    fn log_overlap(logs: [usize; 2], heights_m: [f64; 2]) -> LogOverlap {
         let difference_m = heights_m[0] - heights_m[1];
-        Meeting::new(logs, MeetingKind::Crossing, [0.0; 2], difference_m, 0.0)
+        LogOverlap::new(logs, OverlapKind::Crossing, [0.0; 2], difference_m, 0.0)
     }
 
     #[test]
     fn pinned_logs_hold_the_others_and_each_other() {
-        // True offsets of five logs, of which the first and the last are pinned 10 cm away from where the meetings have them, and the
+        // True offsets of five logs, of which the first and the last are pinned 10 cm away from where the overlaps have them, and the
         // fourth meets nobody.
         let true_m = [0.3, -0.2, 0.5, 0.0, 0.1];
         let pairs = [[0, 1], [1, 2], [2, 4], [0, 4]];
-        let meetings: Vec<Meeting> = pairs
+        let log_overlaps: Vec<LogOverlap> = pairs
             .iter()
-            .flat_map(|[a, b]| [meeting([*a, *b], [true_m[*a], true_m[*b]]); 5])
+            .flat_map(|[a, b]| [log_overlap([*a, *b], [true_m[*a], true_m[*b]]); 5])
             .collect();
         let pinned = [Some(0.4), None, None, None, Some(0.2)];
-        let solved = solve(&meetings, &pinned);
+        let solved = solve(&log_overlaps, &pinned);
         for (log, offset_m) in [(1, -0.1), (2, 0.6)] {
             assert!(
                 (solved.logs[log].offset_m - offset_m).abs() < 1e-9,

@@ -10,7 +10,7 @@ use super::tile::{TILE_M, TileId};
 use super::tile_files::{DEPTH, ISOBATHS, MOSAIC_FILE, SOURCE, TILES, TileRecord, UNCERTAINTY};
 use crate::bottom::bathymetry::CellSource;
 use crate::formats::geotiff::NODATA;
-use crate::products::export::{qgis_classes, qgis_style, write_aside};
+use crate::products::export::{qgis_classes, qgis_style, write_atomically};
 use crate::support::calendar;
 use crate::support::geo::{Crs, LonLat, UtmZone, bounds_deg};
 use crate::support::presentation::colours::{depth_colour, uncertainty_colour};
@@ -68,7 +68,7 @@ pub fn write_index(lake: &Lake, logs: &[LogRecord], tiles: &[TileId]) -> Result<
             );
             let text = vrt(*zone, &tiles, layer);
             let path = folder.join(&name);
-            write_aside(&path, |mut to| to.write_all(text.as_bytes()))?;
+            write_atomically(&path, |mut to| to.write_all(text.as_bytes()))?;
             names.push(name.clone());
             if write_style(&path.with_extension("qml"), layer, &maps)? {
                 names.push(name.replace(".vrt", ".qml"));

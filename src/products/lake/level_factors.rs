@@ -8,7 +8,7 @@ use super::offsets::Offsets;
 use super::record::Lake;
 use super::tile::TileId;
 use crate::bottom::bathymetry::Grid;
-use crate::bottom::bathymetry::height_offsets::Meeting;
+use crate::bottom::bathymetry::height_offsets::LogOverlap;
 use crate::formats::geotiff::RASTER_TILE;
 use crate::imagery::mosaic::{Gain, LEVEL_CELL_M, level_differences, level_factor};
 use crate::support::progress::Progress;
@@ -60,24 +60,24 @@ pub(super) fn level_factors(
     tiles.retain(|_, inside| inside.len() > 1 && inside.iter().any(|log| held[*log].is_none()));
     let of_tile = |(tile, inside): (&TileId, &Vec<usize>)| {
         progress.check()?;
-        let mut found = meetings(lake, *tile, inside.iter().map(|log| &logs[*log]))?;
-        for meeting in &mut found {
-            meeting.logs = meeting.logs.map(|log| inside[log]);
+        let mut found = log_overlaps(lake, *tile, inside.iter().map(|log| &logs[*log]))?;
+        for log_overlap in &mut found {
+            log_overlap.logs = log_overlap.logs.map(|log| inside[log]);
         }
         Ok(found)
     };
     let found = tiles.par_iter().map(of_tile);
-    let found: Vec<Vec<Meeting>> = found.collect::<Result<_, LakeError>>()?;
-    let mut meetings: Vec<Meeting> = found.into_iter().flatten().collect();
-    meetings.sort_by_key(|meeting| meeting.logs);
+    let found: Vec<Vec<LogOverlap>> = found.collect::<Result<_, LakeError>>()?;
+    let mut log_overlaps: Vec<LogOverlap> = found.into_iter().flatten().collect();
+    log_overlaps.sort_by_key(|log_overlap| log_overlap.logs);
     let mut ties = vec![0; logs.len()];
-    for log in meetings.iter().flat_map(|meeting| meeting.logs) {
+    for log in log_overlaps.iter().flat_map(|log_overlap| log_overlap.logs) {
         ties[log] += 1;
     }
     let pinned: Vec<Option<f64>> = (held.iter())
         .map(|level| level.map(|level| level.factor.ln()))
         .collect();
-    let solved = solve(&meetings, &pinned);
+    let solved = solve(&log_overlaps, &pinned);
     let factor = |(log, held): (usize, &Option<LevelFactor>)| {
         held.unwrap_or_else(|| LevelFactor {
             factor: (1e3 * level_factor(solved.logs[log].offset_m)).round() / 1e3,
@@ -88,11 +88,11 @@ pub(super) fn level_factors(
 }
 
 /// Where the logs of a tile show the same ground, in cells of about a metre. The logs are named by their places among those given.
-fn meetings<'a>(
+fn log_overlaps<'a>(
     lake: &Lake,
     tile: TileId,
     logs: impl Iterator<Item = &'a LogRecord>,
-) -> Result<Vec<Meeting>, LakeError> {
+) -> Result<Vec<LogOverlap>, LakeError> {
     let fine = lake.record.mosaic_grid(tile)?;
     let halvings = halvings(fine.cell_m, fine.columns);
     let cells = (0..halvings).fold(fine.columns, |cells, _| cells.div_ceil(2));

@@ -8,7 +8,7 @@ use super::tile::TileId;
 use crate::bottom::bathymetry::isobaths::{Isobath, IsobathSettings};
 use crate::formats::parquet_table::{Column, Values, read_parquet, write_parquet};
 use crate::pipeline::{Fingerprint, in_hexadecimal};
-use crate::products::export::write_aside;
+use crate::products::export::write_atomically;
 use crate::products::map_tiles::{Known, MapPart, Picture, Pixels, WebTile};
 use flate2::Compression;
 use flate2::read::ZlibDecoder;
@@ -90,7 +90,7 @@ impl MapParts {
         make_folder(&self.folder).map_err(io::Error::other)?;
         let name = self.name(tile, under);
         let columns = columns(part)?;
-        write_aside(&self.folder.join(&name), |file| {
+        write_atomically(&self.folder.join(&name), |file| {
             write_parquet(file, &columns, &[])
         })
         .map_err(io::Error::other)?;

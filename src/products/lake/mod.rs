@@ -9,7 +9,7 @@
 //! that come from echo levels. `tile` names the squares,
 //! `record` holds what all logs of a lake share, `log_record` what is known of one, `add` writes a log's rows: `point_rows`, `ping_rows` and
 //! `echo_rows`, laid out by `spread`, and `log_mosaic`, its part of the mosaic. `footprint` is the ground that a ping saw, which `who` asks. `adjust` finds the heights of logs
-//! against each other from their `meetings`, how their `positions` are corrected and, by `level_factors`, the levels of their echoes; `offsets` is the
+//! against each other from their `overlaps`, how their `positions` are corrected and, by `level_factors`, the levels of their echoes; `offsets` is the
 //! table of all three. `tile_map` makes the map of a tile, its lines cut at its edges, of `tile_points`, with `levels_map` where they come from echo levels, which has a greater `reach`, `tile_mosaic` joins the parts of its mosaic, and `tile_files` writes
 //! both; `map_tiles` joins all maps to one of the web, which it reads back by `tile_content` and whose parts are kept by `map_parts`; `list` says what there is. Files are written aside, then renamed, and a log's record last, so
 //! that what a killed program leaves is no part of the lake.
@@ -25,10 +25,10 @@ mod level_factors;
 mod levels_map;
 mod list;
 mod log_mosaic;
+mod log_overlaps;
 mod log_record;
 mod map_parts;
 mod map_tiles;
-mod meetings;
 mod offsets;
 mod ping_rows;
 mod point_rows;

@@ -6,7 +6,7 @@ use super::level_factors::LevelFactor;
 use super::log_record::LogRecord;
 use super::record::Lake;
 use crate::bottom::bathymetry::position_offsets::Shift;
-use crate::products::export::write_aside;
+use crate::products::export::write_atomically;
 use crate::support::regular_file;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -140,7 +140,7 @@ impl Offsets {
         if regular_file::read(&path, LONGEST).is_ok_and(|there| there == text) {
             return Ok(());
         }
-        Ok(write_aside(&path, |mut file| {
+        Ok(write_atomically(&path, |mut file| {
             std::io::Write::write_all(&mut file, &text)
         })?)
     }

@@ -1,8 +1,8 @@
 //! How far the positions of the logs of a lake are off and how late they are, from where tracks cross within tiles.
 
 use super::error::LakeError;
+use super::log_overlaps::Search;
 use super::log_record::LogRecord;
-use super::meetings::Search;
 use super::offsets::{Offsets, as_written};
 use super::record::{Lake, MOST_MOVED_M};
 use crate::bottom::bathymetry::crosslines::{Crossing, crossings};

@@ -13,7 +13,7 @@ use crate::formats::read_area;
 use crate::pipeline::{
     Fingerprint, SettingValues, Settings, is_of_one_log, setting_values, with_values,
 };
-use crate::products::export::write_aside;
+use crate::products::export::write_atomically;
 use crate::support::regular_file;
 use crate::survey::WaterArea;
 use serde::{Deserialize, Serialize};
@@ -289,9 +289,10 @@ impl Lake {
         }
         let bytes = regular_file::read(&area.path, kept.bytes)
             .map_err(|error| format!("cannot read the area: {error}: {}", area.path.display()))?;
-        Ok(write_aside(&self.folder.join(&kept.file), |mut file| {
-            file.write_all(&bytes)
-        })?)
+        Ok(write_atomically(
+            &self.folder.join(&kept.file),
+            |mut file| file.write_all(&bytes),
+        )?)
     }
 
     /// The settings that maps are made with.
@@ -432,7 +433,7 @@ fn refuse_other_content(folder: &Path) -> Result<(), LakeError> {
 pub(super) fn write_json(path: &Path, value: &impl Serialize) -> Result<(), LakeError> {
     let text = serde_json::to_string_pretty(value)
         .map_err(|error| format!("cannot write the record: {error}: {}", path.display()))?;
-    Ok(write_aside(path, |mut file| {
+    Ok(write_atomically(path, |mut file| {
         file.write_all(text.as_bytes())?;
         file.write_all(b"\n")
     })?)

@@ -163,5 +163,6 @@ fn make(folder: &Path) -> Result<(), OutputError> {
 }
 
 fn text(path: &Path, text: &str) -> Result<(), OutputError> {
-    export::write_aside(path, |mut file| file.write_all(text.as_bytes())).map_err(OutputError::from)
+    export::write_atomically(path, |mut file| file.write_all(text.as_bytes()))
+        .map_err(OutputError::from)
 }

@@ -177,7 +177,7 @@ fn content_entry(described: Described, content: &FileContent) -> ContentEntry<'s
 /// # Errors
 /// A sentence that names the file.
 pub fn write_json(path: &Path, record: &impl Serialize) -> Result<(), OutputError> {
-    export::write_aside(path, |mut file| {
+    export::write_atomically(path, |mut file| {
         let text = serde_json::to_vec_pretty(record)?;
         file.write_all(&text)?;
         file.write_all(b"\n")

@@ -9,7 +9,7 @@ use crate::detection::objects::{ObjectList, SurveyObject};
 use crate::detection::review::{PIXEL_M, Review, State};
 use crate::detection::targets::{PassCount, PassLog};
 use crate::pipeline::{Crosslines, ProcessedLog};
-use crate::products::export::write_aside;
+use crate::products::export::write_atomically;
 use crate::products::html_report::{self, FileLine, Objects, ReportData};
 use crate::products::outputs::OutputError;
 use std::collections::BTreeMap;
@@ -53,7 +53,7 @@ pub fn write(run: &mut Run<'_>, path: &Path) -> Result<(), OutputError> {
         files: &files,
     };
     let html = html_report::document(&from, results.progress)?;
-    write_aside(path, |mut file| file.write_all(html.as_bytes())).map_err(OutputError::from)
+    write_atomically(path, |mut file| file.write_all(html.as_bytes())).map_err(OutputError::from)
 }
 
 /// The boxes of all logs, as the page shows them.

@@ -201,7 +201,7 @@ fn heights(ui: &mut Ui, context: &mut ViewContext<'_>) {
             ui.end_row();
             for (id, offset) in found.logs() {
                 ui.add(egui::Label::new(RichText::new(name_of(app, id)).small()).truncate());
-                let (value, error) = match offset.meetings {
+                let (value, error) = match offset.log_overlaps {
                     0 => (text::NONE.to_owned(), text::NONE.to_owned()),
                     _ => (
                         app.options.units.signed(offset.offset_m, 3),
@@ -210,7 +210,7 @@ fn heights(ui: &mut Ui, context: &mut ViewContext<'_>) {
                 };
                 ui.label(RichText::new(value).small());
                 ui.label(RichText::new(error).small());
-                ui.label(RichText::new(offset.meetings.to_string()).small());
+                ui.label(RichText::new(offset.log_overlaps.to_string()).small());
                 ui.end_row();
             }
         });

@@ -1,9 +1,9 @@
-//! Height offsets of logs against what scipy makes of the same meetings (`make_height_offsets.py`).
+//! Height offsets of logs against what scipy makes of the same overlaps (`make_height_offsets.py`).
 
 use super::dice::Dice;
 use bathyscope::bottom::bathymetry::crosslines::TrackDepth;
 use bathyscope::bottom::bathymetry::height_offsets::{
-    Datum, Meeting, MeetingKind, adjust, height_offsets,
+    Datum, LogOverlap, OverlapKind, adjust, height_offsets,
 };
 use bathyscope::support::progress::Progress;
 use serde::Deserialize;
@@ -12,7 +12,8 @@ use serde::Deserialize;
 struct Case {
     count: usize,
     /// First log, second log, difference and slope.
-    meetings: Vec<(usize, usize, f64, f64)>,
+    #[serde(rename = "meetings")]
+    log_overlaps: Vec<(usize, usize, f64, f64)>,
     truth_m: Vec<f64>,
     offsets_m: Vec<f64>,
     errors_m: Vec<f64>,
@@ -22,18 +23,18 @@ fn cases() -> Vec<Case> {
     serde_json::from_str(include_str!("height_offsets.json")).expect("cases")
 }
 
-fn meetings(case: &Case) -> Vec<Meeting> {
-    let meeting = |&(first, second, difference_m, slope)| {
+fn log_overlaps(case: &Case) -> Vec<LogOverlap> {
+    let log_overlap = |&(first, second, difference_m, slope)| {
         let logs = [first, second];
-        Meeting::new(logs, MeetingKind::Crossing, [0.0; 2], difference_m, slope)
+        LogOverlap::new(logs, OverlapKind::Crossing, [0.0; 2], difference_m, slope)
     };
-    case.meetings.iter().map(meeting).collect()
+    case.log_overlaps.iter().map(log_overlap).collect()
 }
 
 #[test]
 fn offsets_and_their_errors_are_those_of_scipy() {
     for case in cases() {
-        let found = adjust(case.count, &meetings(&case), Datum::Mean);
+        let found = adjust(case.count, &log_overlaps(&case), Datum::Mean);
         assert_eq!(found.groups(), 1);
         let sum_m: f64 = found.logs.iter().map(|log| log.offset_m).sum();
         assert!(sum_m.abs() < 1e-9, "{sum_m}");
@@ -43,7 +44,7 @@ fn offsets_and_their_errors_are_those_of_scipy() {
                 (log.offset_m - expected_m).abs() < 2e-6,
                 "{index}: {log:?} {expected_m}"
             );
-            // Larger only where the pairs disagree by more than their meetings scatter, which is chance here.
+            // Larger only where the pairs disagree by more than their overlaps scatter, which is chance here.
             let share = log.standard_error_m / error_m;
             assert!((0.999..1.3).contains(&share), "{index}: {share}");
             let off_m = (log.offset_m - case.truth_m[index]).abs();
@@ -62,7 +63,7 @@ fn offsets_and_their_errors_are_those_of_scipy() {
 #[test]
 fn the_datum_may_be_one_log_and_differences_stay() {
     for case in cases() {
-        let met = meetings(&case);
+        let met = log_overlaps(&case);
         let [mean, fixed] =
             [Datum::Mean, Datum::Log(2)].map(|datum| adjust(case.count, &met, datum));
         assert_eq!(fixed.logs[2].offset_m, 0.0);
@@ -77,11 +78,11 @@ fn the_datum_may_be_one_log_and_differences_stay() {
 
 #[test]
 fn what_is_not_connected_is_said() {
-    let meeting = |first, second, difference_m| {
+    let log_overlap = |first, second, difference_m| {
         let logs = [first, second];
-        Meeting::new(
+        LogOverlap::new(
             logs,
-            MeetingKind::Crossing,
+            OverlapKind::Crossing,
             [0.0; 2],
             difference_m,
             f64::NAN,
@@ -89,10 +90,10 @@ fn what_is_not_connected_is_said() {
     };
     // Logs 0 and 3 meet, so do 1 and 4; log 2 meets none, and 5 only on a place without a depth.
     let met = [
-        meeting(0, 3, 0.2),
-        meeting(1, 4, -0.5),
-        meeting(1, 4, -0.5),
-        meeting(2, 5, f64::NAN),
+        log_overlap(0, 3, 0.2),
+        log_overlap(1, 4, -0.5),
+        log_overlap(1, 4, -0.5),
+        log_overlap(2, 5, f64::NAN),
     ];
     let found = adjust(6, &met, Datum::Log(0));
     let groups: Vec<usize> = found.logs.iter().map(|log| log.group).collect();
@@ -102,7 +103,7 @@ fn what_is_not_connected_is_said() {
     for (found_m, expected_m) in offsets.iter().zip([0.0, -0.25, 0.0, -0.2, 0.25, 0.0]) {
         assert!((found_m - expected_m).abs() < 1e-9, "{offsets:?}");
     }
-    assert!(found.logs[2].standard_error_m.is_nan() && found.logs[2].meetings == 0);
+    assert!(found.logs[2].standard_error_m.is_nan() && found.logs[2].log_overlaps == 0);
     assert!(found.logs[3].standard_error_m > 0.0);
     assert_eq!(adjust(0, &[], Datum::Mean).groups(), 0);
 }

@@ -1,14 +1,14 @@
 //! How much higher or lower the depths of one log are than those of the others, from where logs meet.
 //!
 //! Drafts, water levels and the recorders' own constants differ from log to log, and each moves all depths of its log by the same
-//! height. Where two logs measured the same place their depths differ by the difference of these heights, so all meetings together
-//! give the height of every log, but for one that they all share: the datum. `meetings` finds the places, `network` solves for the
+//! height. Where two logs measured the same place their depths differ by the difference of these heights, so all overlaps together
+//! give the height of every log, but for one that they all share: the datum. `overlaps` finds the places, `network` solves for the
 //! heights, and with them for how far the positions of each log are off, since that moves depths on a slope.
 
-mod meetings;
+mod log_overlaps;
 mod network;
 
-pub use meetings::{FEW_CROSSINGS, crossing_meetings, meetings, overlaps};
+pub use log_overlaps::{FEW_CROSSINGS, crossing_overlaps, log_overlaps, overlaps};
 pub use network::adjust;
 pub(super) use network::{difference_sigma_m, groups, robust_shares};
 
@@ -29,7 +29,7 @@ pub enum Datum {
 /// How two logs meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum MeetingKind {
+pub enum OverlapKind {
     /// Their tracks cross.
     Crossing,
     /// They measured the same square metres without crossing: along the same line.
@@ -38,11 +38,11 @@ pub enum MeetingKind {
 
 /// A place that two logs measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Meeting {
+pub struct LogOverlap {
     /// Indices of the logs, the smaller first.
     pub logs: [usize; 2],
     /// How they meet.
-    pub kind: MeetingKind,
+    pub kind: OverlapKind,
     /// East and north, metres.
     pub place: [f64; 2],
     /// Elevation by the second log minus that by the first, metres.
@@ -51,15 +51,15 @@ pub struct Meeting {
     pub slope: f64,
     /// What the depth grows by a metre to the east and to the north, metres; NaN where the slope's direction is not known.
     pub gradient: [f64; 2],
-    /// When each log began the line that it was on there, whole seconds: meetings of one line err together. `None` where that is not known.
+    /// When each log began the line that it was on there, whole seconds: overlaps of one line err together. `None` where that is not known.
     pub lines: Option<[i64; 2]>,
 }
 
-impl Meeting {
+impl LogOverlap {
     /// Of a slope without a direction, on lines that are not known.
     pub fn new(
         logs: [usize; 2],
-        kind: MeetingKind,
+        kind: OverlapKind,
         place: [f64; 2],
         difference_m: f64,
         slope: f64,
@@ -88,11 +88,12 @@ pub struct LogOffset {
     pub offset_m: f64,
     /// Its standard error against the datum, metres; NaN for a log that meets no other.
     pub standard_error_m: f64,
-    /// Logs of the same group are connected by meetings; groups are numbered by their first log. Heights of different groups cannot
+    /// Logs of the same group are connected by overlaps; groups are numbered by their first log. Heights of different groups cannot
     /// be compared.
     pub group: usize,
     /// Meetings of the log with others.
-    pub meetings: usize,
+    #[serde(rename = "meetings")]
+    pub log_overlaps: usize,
 }
 
 impl LogOffset {
@@ -108,7 +109,7 @@ pub struct PairDifference {
     /// Indices of the logs, the smaller first.
     pub logs: [usize; 2],
     /// How they meet.
-    pub kind: MeetingKind,
+    pub kind: OverlapKind,
     /// Places where they meet.
     pub n: usize,
     /// Median elevation by the second log minus that by the first, metres.
@@ -160,8 +161,8 @@ pub fn height_offsets(
     datum: Datum,
     progress: &Progress,
 ) -> Result<HeightOffsets, Cancelled> {
-    let meetings = meetings(tracks, progress)?;
-    Ok(adjust(tracks.len(), &meetings, datum))
+    let log_overlaps = log_overlaps(tracks, progress)?;
+    Ok(adjust(tracks.len(), &log_overlaps, datum))
 }
 
 #[cfg(test)]
@@ -172,7 +173,7 @@ mod tests {
     fn two_logs_contradict_each_other_beyond_their_scatter_only() {
         let pair = |residual_m: f64, standard_error_m: f64| PairDifference {
             logs: [0, 1],
-            kind: MeetingKind::Crossing,
+            kind: OverlapKind::Crossing,
             n: 9,
             difference_m: residual_m,
             spread_m: 3.0 * standard_error_m,
@@ -184,6 +185,6 @@ mod tests {
             !pair(0.04, 0.001).is_contradiction(),
             "too little to matter"
         );
-        assert!(!pair(0.27, 0.06).is_contradiction(), "its meetings scatter");
+        assert!(!pair(0.27, 0.06).is_contradiction(), "its overlaps scatter");
     }
 }

@@ -1,11 +1,11 @@
 //! Robust weighted least squares over the graph of logs.
 
-use super::{Datum, HeightOffsets, LogOffset, Meeting, PairDifference};
+use super::{Datum, HeightOffsets, LogOffset, LogOverlap, PairDifference};
 use crate::support::sparse::{Equations, Factor, Pattern};
 use crate::support::statistics::{SIGMA_PER_MAD, median, spread_about};
 use std::collections::BTreeMap;
 
-/// Standard deviation of a difference on level ground, metres, and of the place of a meeting: they weigh meetings against each
+/// Standard deviation of a difference on level ground, metres, and of the place of a overlap: they weigh overlaps against each
 /// other, so only their ratio matters. What a slope makes of half a metre is more than the noise of a sounding beyond 3 degrees.
 const DEPTH_SIGMA_M: f64 = 0.03;
 const POSITION_SIGMA_M: f64 = 0.5;
@@ -26,16 +26,16 @@ const LEAST_SHARE: f64 = 1e-9;
 /// Standard error of a median over that of a mean.
 const MEDIAN_SHARE: f64 = 1.2533;
 
-/// Heights of `count` logs from their meetings.
+/// Heights of `count` logs from their overlaps.
 ///
 /// The offsets `h` fulfil `h_first - h_second = difference` as well as they can: least squares weighted by the noise that the slope
-/// of the bottom lets expect, first with Huber's weights and from there with Tukey's, so that a meeting over weed or on a lost bottom
+/// of the bottom lets expect, first with Huber's weights and from there with Tukey's, so that a overlap over weed or on a lost bottom
 /// counts little or nothing. Where the direction of the slope is known the east and north shift of each log's positions, half a metre give or
 /// take, is found with its height, so that the standard errors hold what such a shift makes of a slope. They are those of the weighted
-/// residuals; where pairs of logs, or the single lines of logs, disagree as a whole by more than their single meetings scatter (a tide,
+/// residuals; where pairs of logs, or the single lines of logs, disagree as a whole by more than their single overlaps scatter (a tide,
 /// positions that are off all along a line), they are larger by that much.
-pub fn adjust(count: usize, meetings: &[Meeting], datum: Datum) -> HeightOffsets {
-    let known: Vec<Meeting> = meetings
+pub fn adjust(count: usize, log_overlaps: &[LogOverlap], datum: Datum) -> HeightOffsets {
+    let known: Vec<LogOverlap> = log_overlaps
         .iter()
         .filter(|one| {
             one.difference_m.is_finite() && one.logs[0] != one.logs[1] && one.logs[1] < count
@@ -48,18 +48,18 @@ pub fn adjust(count: usize, meetings: &[Meeting], datum: Datum) -> HeightOffsets
             offset_m: 0.0,
             standard_error_m: f64::NAN,
             group: *group,
-            meetings: 0,
+            log_overlaps: 0,
         })
         .collect();
     let mut members: Vec<Vec<usize>> = vec![Vec::new(); groups.iter().max().map_or(0, |l| l + 1)];
-    let mut inside: Vec<Vec<Meeting>> = vec![Vec::new(); members.len()];
+    let mut inside: Vec<Vec<LogOverlap>> = vec![Vec::new(); members.len()];
     for (log, group) in groups.iter().enumerate() {
         members[*group].push(log);
     }
     for one in &known {
         inside[groups[one.logs[0]]].push(*one);
         for log in one.logs {
-            logs[log].meetings += 1;
+            logs[log].log_overlaps += 1;
         }
     }
     let mut pairs = Vec::new();
@@ -100,7 +100,7 @@ fn weighted_shares(residuals: &[f64], weight: &dyn Fn(f64) -> f64) -> (Vec<f64>,
 }
 
 /// The group of every log, numbered in the order of their first logs: those that meet, directly or through others, share one.
-pub fn groups(count: usize, meetings: impl Iterator<Item = [usize; 2]>) -> Vec<usize> {
+pub fn groups(count: usize, log_overlaps: impl Iterator<Item = [usize; 2]>) -> Vec<usize> {
     // Each log leads to one before it, or to itself where it is the first of its group.
     let mut first: Vec<usize> = (0..count).collect();
     fn first_of(first: &mut [usize], mut log: usize) -> usize {
@@ -110,7 +110,7 @@ pub fn groups(count: usize, meetings: impl Iterator<Item = [usize; 2]>) -> Vec<u
         }
         log
     }
-    for logs in meetings {
+    for logs in log_overlaps {
         let [a, b] = logs.map(|log| first_of(&mut first, log));
         first[a.max(b)] = a.min(b);
     }
@@ -122,10 +122,10 @@ pub fn groups(count: usize, meetings: impl Iterator<Item = [usize; 2]>) -> Vec<u
     (0..count).map(number).collect()
 }
 
-/// Connected logs and their meetings.
+/// Connected logs and their overlaps.
 struct Network<'a> {
-    meetings: &'a [Meeting],
-    /// The two logs of each meeting as places in the group.
+    log_overlaps: &'a [LogOverlap],
+    /// The two logs of each overlap as places in the group.
     ends: Vec<[usize; 2]>,
     /// Standard deviation that each difference is expected to have.
     sigmas_m: Vec<f64>,
@@ -136,7 +136,7 @@ struct Network<'a> {
     fixed: Option<usize>,
 }
 
-/// A solution with some weights of the meetings.
+/// A solution with some weights of the overlaps.
 struct Weighted {
     heights_m: Vec<f64>,
     /// East and north of each log's shift; none where no slope has a direction.
@@ -152,20 +152,20 @@ struct Solved {
 }
 
 impl<'a> Network<'a> {
-    fn new(members: &[usize], meetings: &'a [Meeting], datum: Datum) -> Self {
+    fn new(members: &[usize], log_overlaps: &'a [LogOverlap], datum: Datum) -> Self {
         let place = |log: usize| members.partition_point(|member| *member < log);
         let fixed = match datum {
             Datum::Mean => None,
             Datum::Log(log) => members.contains(&log).then(|| place(log)),
         };
         Self {
-            ends: meetings.iter().map(|one| one.logs.map(place)).collect(),
-            sigmas_m: meetings
+            ends: log_overlaps.iter().map(|one| one.logs.map(place)).collect(),
+            sigmas_m: log_overlaps
                 .iter()
                 .map(|one| difference_sigma_m(one.slope))
                 .collect(),
-            has_shifts: meetings.iter().any(Meeting::has_gradient),
-            meetings,
+            has_shifts: log_overlaps.iter().any(LogOverlap::has_gradient),
+            log_overlaps,
             size: members.len(),
             fixed,
         }
@@ -178,7 +178,7 @@ impl<'a> Network<'a> {
         }
         let mut equations = self.equations();
         let pattern = Pattern::of(&equations, self.unknowns())?;
-        let ones = vec![1.0; self.meetings.len()];
+        let ones = vec![1.0; self.log_overlaps.len()];
         let mut at = self.weighted(&pattern, &mut equations, ones, 1.0)?;
         let tukey = |u: f64| (1.0 - (u / TUKEY).powi(2)).max(0.0).powi(2);
         for weight in [&huber as &dyn Fn(f64) -> f64, &tukey] {
@@ -223,7 +223,7 @@ impl<'a> Network<'a> {
             .zip(&at.shares)
             .map(|(u, w)| w * u * u)
             .sum();
-        // A shift takes a freedom as far as the meetings say more of it than was assumed.
+        // A shift takes a freedom as far as the overlaps say more of it than was assumed.
         let assumed = (POSITION_SIGMA_M / at.scale).powi(2);
         let shifts = &of_unknowns[self.size - 1..];
         let shifts: f64 = shifts
@@ -241,7 +241,7 @@ impl<'a> Network<'a> {
 
     /// Differences less what the heights and the shifts make of them, in standard deviations.
     fn residuals(&self, at: &Weighted) -> Vec<f64> {
-        let all = self.meetings.iter().zip(&self.ends).zip(&self.sigmas_m);
+        let all = self.log_overlaps.iter().zip(&self.ends).zip(&self.sigmas_m);
         all.map(|((one, [a, b]), sigma_m)| {
             let mut left_m = one.difference_m - (at.heights_m[*a] - at.heights_m[*b]);
             if one.has_gradient() {
@@ -254,8 +254,8 @@ impl<'a> Network<'a> {
         .collect()
     }
 
-    /// What the mean residuals of the lines say of the variance of a single one, as those of the pairs do, a line by the weight of its meetings:
-    /// that is what it counts in a height. Each meeting lies on a line of either log, so that what lines add counts twice. 0 where too few
+    /// What the mean residuals of the lines say of the variance of a single one, as those of the pairs do, a line by the weight of its overlaps:
+    /// that is what it counts in a height. Each overlap lies on a line of either log, so that what lines add counts twice. 0 where too few
     /// lines cross.
     fn variance_of_lines(
         &self,
@@ -265,7 +265,7 @@ impl<'a> Network<'a> {
         single: f64,
     ) -> f64 {
         let mut lines: BTreeMap<(usize, i64), [f64; 2]> = BTreeMap::new();
-        let all = self.meetings.iter().zip(&self.ends).zip(&self.sigmas_m);
+        let all = self.log_overlaps.iter().zip(&self.ends).zip(&self.sigmas_m);
         for (((one, ends), sigma_m), (u, share)) in all.zip(residuals.iter().zip(shares)) {
             let weight = share / (sigma_m * sigma_m);
             for (end, line) in one.lines.into_iter().flatten().enumerate() {
@@ -307,11 +307,11 @@ impl<'a> Network<'a> {
         }
     }
 
-    /// What the meetings say of the heights of all logs but the first, which is taken for zero, and of the shifts; behind them what is assumed
+    /// What the overlaps say of the heights of all logs but the first, which is taken for zero, and of the shifts; behind them what is assumed
     /// of the shifts.
     fn equations(&self) -> Equations {
         let mut equations = Equations::default();
-        let all = self.meetings.iter().zip(&self.ends).zip(&self.sigmas_m);
+        let all = self.log_overlaps.iter().zip(&self.ends).zip(&self.sigmas_m);
         for ((one, ends), sigma_m) in all {
             let mut terms = Vec::with_capacity(6);
             for (log, sign) in ends.iter().zip([1.0, -1.0]) {
@@ -343,10 +343,10 @@ impl<'a> Network<'a> {
         if groups(self.size, ties).iter().any(|group| *group > 0) {
             return None;
         }
-        for (meeting, (share, sigma_m)) in shares.iter().zip(&self.sigmas_m).enumerate() {
-            equations.set_sd(meeting, sigma_m / share.sqrt());
+        for (log_overlap, (share, sigma_m)) in shares.iter().zip(&self.sigmas_m).enumerate() {
+            equations.set_sd(log_overlap, sigma_m / share.sqrt());
         }
-        for assumed in self.meetings.len()..equations.len() {
+        for assumed in self.log_overlaps.len()..equations.len() {
             equations.set_sd(assumed, POSITION_SIGMA_M / scale);
         }
         let factor = pattern.factorise(equations)?;
@@ -398,11 +398,14 @@ impl<'a> Network<'a> {
     }
 }
 
-/// What the meetings of each pair say, and what the offsets leave of it.
-fn pair_differences(meetings: &[Meeting], logs: &[LogOffset]) -> Vec<PairDifference> {
-    let mut by_pair: BTreeMap<[usize; 2], Vec<&Meeting>> = BTreeMap::new();
-    for meeting in meetings {
-        by_pair.entry(meeting.logs).or_default().push(meeting);
+/// What the overlaps of each pair say, and what the offsets leave of it.
+fn pair_differences(log_overlaps: &[LogOverlap], logs: &[LogOffset]) -> Vec<PairDifference> {
+    let mut by_pair: BTreeMap<[usize; 2], Vec<&LogOverlap>> = BTreeMap::new();
+    for log_overlap in log_overlaps {
+        by_pair
+            .entry(log_overlap.logs)
+            .or_default()
+            .push(log_overlap);
     }
     by_pair
         .into_iter()

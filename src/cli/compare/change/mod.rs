@@ -12,7 +12,7 @@ use crate::bottom::bathymetry::change::{
 use crate::cli::output;
 use crate::cli::status_line::StatusLine;
 use crate::formats::geotiff::{Band, RasterSpec};
-use crate::products::export::{metres_raster, qgis_style, write_aside};
+use crate::products::export::{metres_raster, qgis_style, write_atomically};
 use crate::support::presentation::colours::{
     difference_colour, difference_reach_m, uncertainty_colour,
 };
@@ -122,7 +122,8 @@ pub fn run(args: &CompareArgs, folder: &Path) -> Result<(), String> {
 }
 
 fn write_text(path: &Path, text: &str) -> Result<(), String> {
-    write_aside(path, |mut file| file.write_all(text.as_bytes())).map_err(|error| error.to_string())
+    write_atomically(path, |mut file| file.write_all(text.as_bytes()))
+        .map_err(|error| error.to_string())
 }
 
 /// What changed in the cells of a part of the newer map.

@@ -2,7 +2,7 @@
 
 use super::{ObjectLog, ObjectRow, log_name};
 use crate::detection::targets::{FittedShape, Target};
-use crate::products::export::{ExportError, write_aside};
+use crate::products::export::{ExportError, write_atomically};
 use crate::survey::Survey;
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
@@ -53,7 +53,7 @@ pub fn objects_csv(
 ) -> Result<(), ExportError> {
     let column = (logs.len() > 1).then_some("log");
     let files: Vec<String> = logs.iter().map(|log| log.survey.name()).collect();
-    write_aside(path, |out| {
+    write_atomically(path, |out| {
         let mut table = csv::Writer::from_writer(BufWriter::new(out));
         table.write_record(column.into_iter().chain(HEADER))?;
         for row in rows {

@@ -1,7 +1,7 @@
 //! `objects.geojson` (RFC 7946): one point a box that has a place.
 
 use super::{ObjectLog, ObjectRow, log_name};
-use crate::products::export::{ExportError, write_aside};
+use crate::products::export::{ExportError, write_atomically};
 use serde_json::{Value, json};
 use std::io::Write as _;
 use std::path::Path;
@@ -21,7 +21,7 @@ pub fn objects_geojson(
         .filter_map(|row| feature(row, log_name(logs, row)));
     let features: Vec<Value> = features.collect();
     let collection = json!({ "type": "FeatureCollection", "features": features });
-    write_aside(path, |mut file| {
+    write_atomically(path, |mut file| {
         let text = serde_json::to_vec_pretty(&collection)?;
         file.write_all(&text)?;
         file.write_all(b"\n")

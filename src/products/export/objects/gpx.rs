@@ -2,7 +2,7 @@
 
 use super::describe::{description, titles};
 use crate::detection::objects::SurveyObject;
-use crate::products::export::{ExportError, Summary, write_aside};
+use crate::products::export::{ExportError, Summary, write_atomically};
 use crate::support::printable::xml;
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -37,6 +37,6 @@ pub fn objects_gpx(path: &Path, objects: &[&SurveyObject]) -> Result<Summary, Ex
         .ok();
     }
     text.push_str("</gpx>\n");
-    write_aside(path, |mut file| file.write_all(text.as_bytes()))?;
+    write_atomically(path, |mut file| file.write_all(text.as_bytes()))?;
     Ok(summary)
 }

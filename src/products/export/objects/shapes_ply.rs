@@ -2,7 +2,7 @@
 
 use super::ObjectRow;
 use crate::detection::targets::FittedShape;
-use crate::products::export::{ExportError, Summary, write_aside};
+use crate::products::export::{ExportError, Summary, write_atomically};
 use std::collections::BTreeMap;
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
@@ -77,7 +77,7 @@ pub fn shapes_ply(path: &Path, rows: &[ObjectRow<'_>]) -> Result<Summary, Export
     let bodies: Vec<(u32, Body)> = (shapes.iter())
         .map(|(number, shape)| (*number, Body::new(shape)))
         .collect();
-    write_aside(path, |file| {
+    write_atomically(path, |file| {
         let (mut out, mut summary) = (BufWriter::new(file), Summary::default());
         out.write_all(
             b"ply\nformat binary_little_endian 1.0\ncomment metres east, north and up of the survey's origin\n\

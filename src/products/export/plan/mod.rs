@@ -7,7 +7,7 @@ mod kml;
 mod mission_planner;
 mod qgroundcontrol;
 
-use super::{ExportError, write_aside};
+use super::{ExportError, write_atomically};
 use crate::bottom::planning::{Plan, Station};
 use crate::support::geo::{LocalFrame, LonLat};
 use std::io::Write as _;
@@ -96,7 +96,7 @@ impl PlannedWay<'_> {
             PlanFormat::QGroundControl => qgroundcontrol::text(self),
             PlanFormat::MissionPlanner => mission_planner::text(self),
         };
-        write_aside(path, |mut file| file.write_all(text.as_bytes()))
+        write_atomically(path, |mut file| file.write_all(text.as_bytes()))
     }
 
     fn places(&self) -> impl Iterator<Item = Place> {

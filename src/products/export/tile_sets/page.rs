@@ -2,7 +2,7 @@
 
 use super::TileSet;
 use crate::bottom::bathymetry::isobaths::evenly_apart_m;
-use crate::products::export::{ExportError, write_aside};
+use crate::products::export::{ExportError, write_atomically};
 use crate::products::map_tiles::MapScales;
 use crate::support::presentation::colours::depth_colour;
 use crate::support::presentation::ticks::round_up;
@@ -33,7 +33,7 @@ pub fn map_page(
     set: &TileSet,
     archives: [&'static str; 2],
 ) -> Result<(), ExportError> {
-    write_aside(path, |mut file| {
+    write_atomically(path, |mut file| {
         let paths = archives.map(|name| path.with_file_name(name));
         let mut bytes = 0;
         for archive in &paths {

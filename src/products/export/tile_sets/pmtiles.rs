@@ -5,7 +5,7 @@
 
 use super::store::Stored;
 use super::{TileSet, TileStore};
-use crate::products::export::{ExportError, write_aside};
+use crate::products::export::{ExportError, write_atomically};
 use crate::products::map_tiles::Picture;
 use flate2::Compression;
 use flate2::write::GzEncoder;
@@ -33,7 +33,7 @@ pub fn pmtiles(
     picture: Picture,
     set: &TileSet,
 ) -> Result<(), ExportError> {
-    write_aside(path, |file| {
+    write_atomically(path, |file| {
         let tiles = store.tiles(picture);
         let [root, leaves] = directories(&tiles)?;
         let metadata = gzip(&metadata(picture, set))?;

@@ -2,7 +2,7 @@
 
 use super::TrackPiece;
 use crate::products::export::geojson::{collection, positions};
-use crate::products::export::{ExportError, Summary, write_aside};
+use crate::products::export::{ExportError, Summary, write_atomically};
 use serde_json::json;
 use std::path::Path;
 
@@ -29,5 +29,5 @@ pub fn track_geojson(path: &Path, pieces: &[TrackPiece]) -> Result<Summary, Expo
             },
         })
     };
-    write_aside(path, |file| collection(file, pieces.iter(), feature))
+    write_atomically(path, |file| collection(file, pieces.iter(), feature))
 }

@@ -1,7 +1,7 @@
 //! `track.gpx` (GPX 1.1): the track as plotters and handheld receivers read it.
 
 use super::TrackPiece;
-use crate::products::export::{ExportError, Summary, write_aside};
+use crate::products::export::{ExportError, Summary, write_atomically};
 use crate::support::calendar::timestamp;
 use crate::support::printable::xml;
 use std::io::{BufWriter, Write as _};
@@ -17,7 +17,7 @@ pub fn track_gpx(
     start_unix_s: Option<f64>,
     pieces: &[TrackPiece],
 ) -> Result<Summary, ExportError> {
-    write_aside(path, |file| {
+    write_atomically(path, |file| {
         let (mut out, mut summary) = (BufWriter::new(file), Summary::default());
         let name = xml(name);
         write!(

@@ -4,7 +4,7 @@ use super::Line;
 use super::zipped::one_file;
 use crate::bottom::bathymetry::isobaths::Polygon;
 use crate::products::export::geojson::{areas, positions};
-use crate::products::export::{ExportError, Summary, write_aside};
+use crate::products::export::{ExportError, Summary, write_atomically};
 use crate::support::geo::LonLat;
 use crate::support::printable::xml;
 use std::io::{self, Write};
@@ -100,7 +100,7 @@ fn archive(
     name: &str,
     write: impl FnOnce(&mut dyn Write) -> io::Result<Summary>,
 ) -> Result<Summary, ExportError> {
-    write_aside(path, |file| {
+    write_atomically(path, |file| {
         one_file(file, "doc.kml", |out| {
             write!(
                 out,

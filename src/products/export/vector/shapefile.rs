@@ -1,7 +1,7 @@
 //! `*.shp` with its `.shx`, `.dbf`, `.prj` and `.cpg` (ESRI, July 1998): what every map program of the last decades opens.
 
 use super::Line;
-use crate::products::export::{ExportError, Summary, write_aside};
+use crate::products::export::{ExportError, Summary, write_atomically};
 use crate::support::geo::Crs;
 use shapefile::dbase::{FieldError, FieldName, FieldWriter, TableWriterBuilder, WritableRecord};
 use shapefile::{Point, Polyline, ShapeWriter};
@@ -26,13 +26,13 @@ pub fn lines_shapefile(
     lines: &[Line],
 ) -> Result<Summary, ExportError> {
     let beside = |extension: &str| path.with_extension(extension);
-    write_aside(&beside("prj"), |mut file| {
+    write_atomically(&beside("prj"), |mut file| {
         file.write_all(crs.wkt().as_bytes())
     })?;
-    write_aside(&beside("cpg"), |mut file| file.write_all(b"UTF-8"))?;
-    write_aside(&beside("dbf"), |file| table(file, names, lines))?;
-    write_aside(path, |shp| {
-        let index = write_aside(&beside("shx"), |shx| {
+    write_atomically(&beside("cpg"), |mut file| file.write_all(b"UTF-8"))?;
+    write_atomically(&beside("dbf"), |file| table(file, names, lines))?;
+    write_atomically(path, |shp| {
+        let index = write_atomically(&beside("shx"), |shx| {
             let mut writer = ShapeWriter::with_shx(BufWriter::new(shp), BufWriter::new(shx));
             let written = shapes(&mut writer, crs, lines).map_err(io::Error::other)?;
             writer.finalize().map_err(io::Error::other)?;

@@ -1,6 +1,6 @@
 //! What is left to be done once all files of a run are written.
 
-use crate::products::export::{ExportError, write_aside};
+use crate::products::export::{ExportError, write_atomically};
 use serde::{Deserialize, Serialize};
 use std::fs;
 use std::io::{self, Write as _};
@@ -35,7 +35,7 @@ impl Journal {
     }
 
     pub fn write(&self, path: &Path) -> Result<(), ExportError> {
-        write_aside(path, |mut file| file.write_all(&serde_json::to_vec(self)?))
+        write_atomically(path, |mut file| file.write_all(&serde_json::to_vec(self)?))
     }
 
     /// Does what is not done yet, and removes the journal.

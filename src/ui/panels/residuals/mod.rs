@@ -23,7 +23,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         // Comparing costs a triangulation of all soundings: it waits until somebody looks.
         let place = Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), HEIGHT));
         if context.app.log.products.is_some() && ui.is_rect_visible(place) {
-            context.push(Command::Tabulate);
+            context.push(Command::CompareWithReference);
         }
         reference::ui(ui, context);
         let Some(agreement) = context.app.agreement().cloned() else {

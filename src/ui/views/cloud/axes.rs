@@ -55,7 +55,7 @@ fn outline(axis: usize, walls: &[Face]) -> Vec<Edge> {
 }
 
 /// Writes a text unless it would lie on what is covered.
-fn write_beside(
+fn write_atomically_at(
     painter: &Painter,
     covered: &[Rect],
     at: Pos2,
@@ -181,7 +181,7 @@ impl Axes<'_> {
             let at_m = self.origin_m[axis] + f64::from(value);
             let label = self.options.units.tick(at_m, step_m);
             let at = at + 15.0 * outward;
-            write_beside(painter, covered, at, Align2::CENTER_CENTER, label, text);
+            write_atomically_at(painter, covered, at, Align2::CENTER_CENTER, label, text);
         }
         if !legend::has_room(self.rect) {
             return;
@@ -196,7 +196,7 @@ impl Axes<'_> {
             }
         };
         let faint = text.gamma_multiply(0.75);
-        write_beside(painter, covered, at, anchor, name.to_owned(), faint);
+        write_atomically_at(painter, covered, at, anchor, name.to_owned(), faint);
     }
 
     fn step_m(&self, axis: usize) -> f64 {

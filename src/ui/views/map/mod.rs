@@ -176,7 +176,7 @@ impl MapView {
             .layers
             .is_visible(MapLayer::Residuals)
         {
-            context.push(Command::Tabulate);
+            context.push(Command::CompareWithReference);
         }
         self.ask_for_layers(context, &survey, &products);
         let Some(track) = self.track.result().cloned() else {

@@ -1,6 +1,6 @@
 //! Places that two logs measured.
 
-use super::{Meeting, MeetingKind};
+use super::{LogOverlap, OverlapKind};
 use crate::bottom::bathymetry::crosslines::{Pass, TrackDepth, crossings, velocity_mps};
 use crate::support::progress::{Cancelled, Progress};
 use crate::support::statistics::median;
@@ -22,29 +22,29 @@ const LINE_TURN_DEG: f64 = 45.0;
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn meetings(
+pub fn log_overlaps(
     tracks: &[Vec<TrackDepth>],
     progress: &Progress,
-) -> Result<Vec<Meeting>, Cancelled> {
-    let mut meetings = crossing_meetings(tracks, progress)?;
+) -> Result<Vec<LogOverlap>, Cancelled> {
+    let mut log_overlaps = crossing_overlaps(tracks, progress)?;
     let mut counts: HashMap<[usize; 2], usize> = HashMap::new();
-    for meeting in &meetings {
-        *counts.entry(meeting.logs).or_default() += 1;
+    for log_overlap in &log_overlaps {
+        *counts.entry(log_overlap.logs).or_default() += 1;
     }
     let few = |logs: &[usize; 2]| counts.get(logs).copied().unwrap_or(0) < FEW_CROSSINGS;
-    meetings.extend(overlaps(tracks, few, progress)?);
-    meetings.sort_by_key(|meeting| meeting.logs);
-    Ok(meetings)
+    log_overlaps.extend(overlaps(tracks, few, progress)?);
+    log_overlaps.sort_by_key(|log_overlap| log_overlap.logs);
+    Ok(log_overlaps)
 }
 
 /// Crossings between logs, in the order of their first pass.
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn crossing_meetings(
+pub fn crossing_overlaps(
     tracks: &[Vec<TrackDepth>],
     progress: &Progress,
-) -> Result<Vec<Meeting>, Cancelled> {
+) -> Result<Vec<LogOverlap>, Cancelled> {
     let found = crossings(tracks, progress)?;
     let between = found
         .iter()
@@ -54,22 +54,22 @@ pub fn crossing_meetings(
         let before = tracks[pass.track].partition_point(|depth| depth.time_s <= pass.time_s);
         lines[pass.track][before.saturating_sub(1)].floor() as i64
     };
-    let meetings = between.map(|one| {
+    let log_overlaps = between.map(|one| {
         let logs = one.passes.map(|pass| pass.track);
         let (place, difference_m) = (one.place, one.difference_m());
-        Meeting {
+        LogOverlap {
             gradient: one.gradient,
             lines: Some(one.passes.map(line)),
-            ..Meeting::new(
+            ..LogOverlap::new(
                 logs,
-                MeetingKind::Crossing,
+                OverlapKind::Crossing,
                 place,
                 difference_m,
                 one.slope(),
             )
         }
     });
-    Ok(meetings.collect())
+    Ok(log_overlaps.collect())
 }
 
 /// When the line began that each depth of a track lies on, seconds: a stretch of about one course, along which positions err alike.
@@ -105,7 +105,7 @@ pub fn overlaps(
     tracks: &[Vec<TrackDepth>],
     is_wanted: impl Fn(&[usize; 2]) -> bool,
     progress: &Progress,
-) -> Result<Vec<Meeting>, Cancelled> {
+) -> Result<Vec<LogOverlap>, Cancelled> {
     let mut squares: BTreeMap<[i64; 2], Vec<(usize, f64)>> = BTreeMap::new();
     for (log, depths) in tracks.iter().enumerate() {
         progress.check()?;
@@ -134,7 +134,7 @@ pub fn overlaps(
         .iter()
         .filter(|(_, shared)| shared.len() >= LEAST_SQUARES);
     Ok(enough
-        .map(|((logs, block), shared)| meeting(*logs, *block, shared))
+        .map(|((logs, block), shared)| log_overlap(*logs, *block, shared))
         .collect())
 }
 
@@ -151,16 +151,16 @@ fn by_square(depths: &[TrackDepth]) -> BTreeMap<[i64; 2], f64> {
         .collect()
 }
 
-fn meeting(logs: [usize; 2], block: [i64; 2], shared: &[Shared]) -> Meeting {
+fn log_overlap(logs: [usize; 2], block: [i64; 2], shared: &[Shared]) -> LogOverlap {
     let side_m = BLOCK_SQUARES as f64 * SQUARE_M;
     let mut differences: Vec<f64> = shared.iter().map(|one| one.difference_m).collect();
     let depths = shared.iter().map(|one| one.depth_m);
     let (least, most) = depths.fold((f64::MAX, f64::MIN), |(least, most), depth_m| {
         (least.min(depth_m), most.max(depth_m))
     });
-    Meeting::new(
+    LogOverlap::new(
         logs,
-        MeetingKind::Overlap,
+        OverlapKind::Overlap,
         block.map(|index| (index as f64 + 0.5) * side_m),
         median(&mut differences),
         (most - least) / side_m,
@@ -185,13 +185,16 @@ mod tests {
     #[test]
     fn logs_along_the_same_line_meet_although_they_never_cross() {
         let tracks = [line(0.2, 0.0), line(0.7, 0.15), line(20.0, 0.5)];
-        let found = meetings(&tracks, &Progress::new()).unwrap();
+        let found = log_overlaps(&tracks, &Progress::new()).unwrap();
         assert_eq!(found.len(), 6, "{found:?}");
-        for meeting in found {
-            assert_eq!(meeting.logs, [0, 1]);
-            assert_eq!(meeting.kind, MeetingKind::Overlap);
-            assert!((meeting.difference_m - 0.15).abs() < 1e-9, "{meeting:?}");
-            assert!((meeting.slope - 0.02).abs() < 0.005, "{meeting:?}");
+        for log_overlap in found {
+            assert_eq!(log_overlap.logs, [0, 1]);
+            assert_eq!(log_overlap.kind, OverlapKind::Overlap);
+            assert!(
+                (log_overlap.difference_m - 0.15).abs() < 1e-9,
+                "{log_overlap:?}"
+            );
+            assert!((log_overlap.slope - 0.02).abs() < 0.005, "{log_overlap:?}");
         }
     }
 

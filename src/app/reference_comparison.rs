@@ -15,7 +15,7 @@ type Found = Result<Option<Agreement>, String>;
 
 /// An agreement, and the work on it.
 #[derive(Default)]
-pub(super) struct Tabulating {
+pub(super) struct ReferenceComparison {
     of: Option<Of>,
     task: Option<Task<Found>>,
     agreement: Option<Arc<Agreement>>,
@@ -61,7 +61,7 @@ impl PartialEq for Of {
     }
 }
 
-impl Tabulating {
+impl ReferenceComparison {
     /// Whether points are being compared.
     pub fn is_busy(&self) -> bool {
         self.task.is_some()
@@ -110,27 +110,27 @@ impl App {
     /// How the points differ from the reference, or side-scan from soundings while there is none; `None` until it was asked
     /// for, and where no point lies over them.
     pub fn agreement(&self) -> Option<&Arc<Agreement>> {
-        self.tabulating.agreement.as_ref()
+        self.reference_comparison.agreement.as_ref()
     }
 
     /// Why there is no agreement, in a sentence.
     pub fn agreement_problem(&self) -> Option<&str> {
-        self.tabulating.problem.as_deref()
+        self.reference_comparison.problem.as_deref()
     }
 
     /// Whether residuals are being tabulated.
     pub fn is_tabulating(&self) -> bool {
-        self.tabulating.is_busy()
+        self.reference_comparison.is_busy()
     }
 
     /// Starts comparing the results of the visible logs, unless that is done or under way.
-    pub(super) fn tabulate(&mut self) {
+    pub(super) fn compare_with_reference(&mut self) {
         let logs = self.processed_logs();
         let Some(first) = logs.first() else {
             return;
         };
         let of = Of::new(&logs, self.comparing.against(&first.products.settings));
-        let made = &mut self.tabulating;
+        let made = &mut self.reference_comparison;
         if made.of.as_ref() == Some(&of) {
             return;
         }
@@ -150,7 +150,7 @@ impl App {
 
     /// Takes an agreement that is ready.
     pub(super) fn poll_tables(&mut self) {
-        let made = &mut self.tabulating;
+        let made = &mut self.reference_comparison;
         let found = match made.task.as_ref().map(Task::poll) {
             Some(Outcome::Done(found)) => found,
             Some(Outcome::Failed) => Err("comparing failed unexpectedly".to_owned()),

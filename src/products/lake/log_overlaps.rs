@@ -8,7 +8,7 @@ use super::record::Lake;
 use super::tile::TileId;
 use crate::bottom::bathymetry::crosslines::TrackDepth;
 use crate::bottom::bathymetry::height_offsets::{
-    FEW_CROSSINGS, Meeting, crossing_meetings, overlaps,
+    FEW_CROSSINGS, LogOverlap, crossing_overlaps, overlaps,
 };
 use crate::bottom::bathymetry::position_offsets::{FoundShift, Shift, shifted};
 use crate::support::progress::{Cancelled, Progress};
@@ -16,16 +16,16 @@ use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
 
 /// Where logs meet in all tiles: their tracks cross, or, of pairs that hardly do, run along each other. By pair.
-pub(super) fn meetings(
+pub(super) fn log_overlaps(
     lake: &Lake,
     logs: &[LogRecord],
     shifts: &[FoundShift],
     progress: &Progress,
-) -> Result<Vec<Meeting>, LakeError> {
+) -> Result<Vec<LogOverlap>, LakeError> {
     let shifts = shifts.iter().map(|found| found.shift).collect();
     let search = Search::new(lake, logs, shifts, false, progress);
-    let relabelled = |found: Vec<Meeting>, inside: &[usize]| -> Vec<Meeting> {
-        let logs = |one: Meeting| Meeting {
+    let relabelled = |found: Vec<LogOverlap>, inside: &[usize]| -> Vec<LogOverlap> {
+        let logs = |one: LogOverlap| LogOverlap {
             logs: one.logs.map(|track| inside[track]),
             ..one
         };
@@ -34,14 +34,14 @@ pub(super) fn meetings(
     let mut all = search.in_tiles(
         |_| true,
         |tracks, inside| {
-            let found = crossing_meetings(tracks, &Progress::new())?;
+            let found = crossing_overlaps(tracks, &Progress::new())?;
             Ok(relabelled(found, inside))
         },
-        |one: &Meeting| one.place,
+        |one: &LogOverlap| one.place,
     )?;
     let mut counts: HashMap<[usize; 2], usize> = HashMap::new();
-    for meeting in &all {
-        *counts.entry(meeting.logs).or_default() += 1;
+    for log_overlap in &all {
+        *counts.entry(log_overlap.logs).or_default() += 1;
     }
     let is_few = |pair: [usize; 2]| counts.get(&pair).copied().unwrap_or(0) < FEW_CROSSINGS;
     let has_few = |inside: &[usize]| {
@@ -58,9 +58,9 @@ pub(super) fn meetings(
             let found = overlaps(tracks, is_wanted, &Progress::new())?;
             Ok(relabelled(found, inside))
         },
-        |one: &Meeting| one.place,
+        |one: &LogOverlap| one.place,
     )?);
-    all.sort_by_key(|meeting| meeting.logs);
+    all.sort_by_key(|log_overlap| log_overlap.logs);
     Ok(all)
 }
 

@@ -34,22 +34,22 @@ pub fn is_same_file(one: &Path, other: &Path) -> bool {
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn write_aside<T>(
+pub fn write_atomically<T>(
     path: &Path,
     write: impl FnOnce(File) -> io::Result<T>,
 ) -> Result<T, ExportError> {
-    write_beside(path, |passing| {
+    write_atomically_at(path, |passing| {
         let mut open = File::options();
         open.read(true).write(true).create(true).truncate(true);
         open.open(passing).and_then(write)
     })
 }
 
-/// As [`write_aside`], for what opens a file by its path. There is none yet under the passing name that `write` gets.
+/// As [`write_atomically`], for what opens a file by its path. There is none yet under the passing name that `write` gets.
 ///
 /// # Errors
 /// When the file cannot be written.
-pub(super) fn write_beside<T>(
+pub(super) fn write_atomically_at<T>(
     path: &Path,
     write: impl FnOnce(&Path) -> io::Result<T>,
 ) -> Result<T, ExportError> {
@@ -90,7 +90,7 @@ impl Drop for Leftover<'_> {
 ///
 /// # Errors
 /// When it cannot be renamed.
-pub fn keep_aside(path: &Path) -> Result<PathBuf, ExportError> {
+pub fn rename_older(path: &Path) -> Result<PathBuf, ExportError> {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let ending = path.extension().map(|ending| ending.to_string_lossy());
     let named = |count: usize| {
@@ -205,11 +205,11 @@ mod tests {
             ("two", "pond.bottom-older-2.toml"),
         ] {
             fs::write(&path, content).unwrap();
-            let aside = keep_aside(&path).unwrap();
+            let aside = rename_older(&path).unwrap();
             assert_eq!(aside, folder.path().join(name));
             assert_eq!(fs::read_to_string(aside).unwrap(), content);
         }
-        assert!(!path.exists() && keep_aside(&path).is_err());
+        assert!(!path.exists() && rename_older(&path).is_err());
     }
 
     #[test]
@@ -228,7 +228,7 @@ mod tests {
             fs::write(folder.path().join(name), b"ha").unwrap();
         }
         let path = folder.path().join("cloud.csv");
-        write_aside(&path, |mut file| file.write_all(b"whole")).unwrap();
+        write_atomically(&path, |mut file| file.write_all(b"whole")).unwrap();
         let left = |name: &&str| folder.path().join(name).exists();
         let left: Vec<&str> = names.into_iter().filter(left).collect();
         // The one of this process was on its way, and has arrived.
@@ -271,14 +271,14 @@ mod tests {
     fn a_failed_write_leaves_the_old_file_and_nothing_else() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("cloud.csv");
-        write_aside(&path, |mut file| file.write_all(b"old")).unwrap();
-        let failed = write_aside(&path, |mut file| {
+        write_atomically(&path, |mut file| file.write_all(b"old")).unwrap();
+        let failed = write_atomically(&path, |mut file| {
             file.write_all(b"ne")?;
             Err::<(), _>(io::Error::other("disk full"))
         });
         assert!(failed.unwrap_err().to_string().contains("disk full"));
         let stopped = crate::support::catch_panic::catch_panic(|| {
-            write_aside::<()>(&path, |_| panic!("fault"))
+            write_atomically::<()>(&path, |_| panic!("fault"))
         });
         assert!(stopped.is_none());
         assert_eq!(fs::read(&path).unwrap(), b"old");

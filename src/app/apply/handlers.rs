@@ -1,0 +1,282 @@
+//! What carries out each command without arguments.
+
+use crate::app::{Action, App, MapLayer, Orientation, Origin, SideColours, ThemeChoice, Tool};
+use crate::detection::review::Edit;
+use crate::pipeline::Preset;
+use crate::project::MeasurementKind;
+use crate::support::geo::CoordinateFormat;
+use crate::support::presentation::units::{LengthUnit, SpeedUnit};
+
+/// Carries out a command.
+pub type Handler = fn(&mut App);
+
+/// What carries out a command; `None` for windows, dialogs, layout and cameras, which belong to the shell.
+pub fn handler(action: Action) -> Option<Handler> {
+    let mut all = SURVEY.iter().chain(SHOWN);
+    all.find(|(of, _)| *of == action)
+        .map(|(_, handler)| *handler)
+}
+
+/// Commands that act on logs, results, decisions and tools.
+const SURVEY: &[(Action, Handler)] = &[
+    (Action::OpenDemo, |app| app.start_loading(Origin::Demo)),
+    (Action::FollowRecording, App::toggle_following),
+    (Action::Undo, App::undo),
+    (Action::Redo, App::redo),
+    (Action::Update, App::update),
+    (Action::NextLog, |app| app.step_log(1)),
+    (Action::PreviousLog, |app| app.step_log(-1)),
+    (Action::ShowTogether, App::show_together),
+    (Action::CloseLog, |app| app.close_log(app.log.id)),
+    (Action::Cancel, |app| {
+        app.cancel();
+    }),
+    (Action::PreviousPing, |app| app.step(-1)),
+    (Action::NextPing, |app| app.step(1)),
+    (Action::Back25, |app| app.step(-25)),
+    (Action::Forward25, |app| app.step(25)),
+    (Action::FirstPing, |app| app.step(isize::MIN)),
+    (Action::LastPing, |app| app.step(isize::MAX)),
+    (Action::ThresholdDown, |app| app.nudge_threshold(-0.01)),
+    (Action::ThresholdUp, |app| app.nudge_threshold(0.01)),
+    (Action::LevelsReset, App::reset_picture),
+    (Action::GainNormalised, App::toggle_gain),
+    (Action::Despeckle, App::toggle_despeckle),
+    (Action::StripeFilter, App::toggle_stripe_filter),
+    (Action::FlipAlong, App::toggle_flip),
+    (Action::StarboardFirst, App::toggle_starboard_first),
+    (Action::SwapSides, App::swap_sides),
+    (Action::UseMounting, App::use_mounting),
+    (Action::ForgetMounting, App::forget_mounting),
+    (Action::Boxes, App::toggle_boxes),
+    (Action::CloseReference, App::leave_reference),
+    (Action::RemoveIsobathArea, App::remove_isobath_area),
+    (Action::RemoveWaterLevels, App::remove_water_levels),
+    (Action::RemoveTrack, App::remove_track),
+    (Action::CloseBaseMap, App::close_base_map),
+    (Action::CompareHeights, App::match_heights),
+    (Action::ApplyHeights, App::apply_heights),
+    (Action::ComparePositions, App::match_positions),
+    (Action::ApplyPositions, App::apply_positions),
+    (Action::Calibrate, App::take_calibration_tool),
+    (Action::UseScale, App::use_scale),
+    (Action::KeepRecordedRange, App::keep_recorded_range),
+    (Action::DropProposal, App::drop_proposal),
+    (Action::UseFlatterStretch, App::use_offered_stretch),
+    (Action::NextPass, App::next_pass),
+    (Action::Cut3d, App::toggle_cut),
+    (Action::NextChannel, App::next_channel),
+    (Action::PresetRecommended, |app| {
+        app.use_preset(Preset::Recommended)
+    }),
+    (Action::PresetPublished, |app| {
+        app.use_preset(Preset::Published)
+    }),
+    (Action::FindObjects, App::detect),
+    (Action::ShippedModel, |app| app.use_model(None)),
+    (Action::NextBox, |app| app.step_box(1)),
+    (Action::PreviousBox, |app| app.step_box(-1)),
+    (Action::AcceptBox, |app| app.decide(Edit::Accept)),
+    (Action::RejectBox, |app| app.decide(Edit::Reject)),
+    (Action::UndecideBox, |app| app.edit_selected(Edit::Undecide)),
+    (Action::AcceptObject, |app| {
+        app.decide_object(Edit::Accept, "accept object")
+    }),
+    (Action::RejectObject, |app| {
+        app.decide_object(Edit::Reject, "reject object")
+    }),
+    (Action::UndecideObject, |app| {
+        app.edit_object(Edit::Undecide, "mark object as undecided");
+    }),
+    (Action::NextSighting, App::step_sighting),
+    (Action::FlyToBox, |app| match app.selected_log_box() {
+        Some(id) => app.fly_to(id),
+        None => app.ask_for_box(),
+    }),
+    (Action::ZoomToBoxes, App::toggle_zoom_to_boxes),
+    (Action::SwapSide, |app| app.edit_selected(Edit::SwapSide)),
+    (Action::RemoveBox, App::remove_box),
+    (Action::EditBox, |app| app.take_tool(Tool::Edit)),
+    (Action::NewBox, |app| app.take_tool(Tool::Draw)),
+    (Action::NextEdge, App::next_edge),
+    (Action::FindEdges, |app| app.edit_selected(Edit::FindEdges)),
+    (Action::MarkTarget, App::point_tool),
+    (Action::LeaveOut, |app| app.take_tool(Tool::LeaveOut)),
+    (Action::TakeBackIn, App::take_back_in),
+    (Action::DrawBottom, |app| app.take_tool(Tool::Bottom)),
+    (Action::AcceptBottom, |app| app.take_tool(Tool::Accept)),
+    (Action::ForgetBottom, App::forget_bottom),
+    (Action::MeasureDistance, |app| {
+        app.take_measuring_tool(MeasurementKind::Distance)
+    }),
+    (Action::MeasureArea, |app| {
+        app.take_measuring_tool(MeasurementKind::Area)
+    }),
+    (Action::DepthProfile, |app| {
+        app.take_measuring_tool(MeasurementKind::Profile)
+    }),
+    (Action::UseShadow, App::use_shadow),
+    (Action::HeightFromShadow, |app| {
+        app.take_measuring_tool(MeasurementKind::Height)
+    }),
+    (Action::TakeCornerBack, App::take_corner_back),
+    (Action::EndFigure, App::end_figure),
+    (Action::RemoveFigure, App::remove_figure),
+    (Action::PlanLines, App::plan_lines),
+    (Action::RemoveLine, App::remove_line),
+    (Action::RemovePlan, App::remove_plan),
+    (Action::TakeUpUnsaved, App::take_up_unsaved),
+    (Action::ForgetTruth, App::forget_truth),
+    (Action::NextMistake, |app| app.step_mistake(1)),
+    (Action::PreviousMistake, |app| app.step_mistake(-1)),
+    (Action::LeaveTool, App::leave_current_tool),
+];
+
+/// Commands that change only how things are shown.
+const SHOWN: &[(Action, Handler)] = &[
+    (Action::FirstReturnLine, |app| {
+        let waterfall = &mut app.options.waterfall;
+        waterfall.first_return = !waterfall.first_return;
+    }),
+    (Action::DepthLine, |app| {
+        let waterfall = &mut app.options.waterfall;
+        waterfall.depth_line = !waterfall.depth_line;
+    }),
+    (Action::RangeLines, |app| {
+        let waterfall = &mut app.options.waterfall;
+        waterfall.range_lines = !waterfall.range_lines;
+    }),
+    (Action::DepthMapLayer, |app| {
+        app.options.map.layers.toggle(MapLayer::DepthMap)
+    }),
+    (Action::HillShadeLayer, |app| {
+        app.options.map.layers.toggle(MapLayer::HillShade)
+    }),
+    (Action::MosaicLayer, |app| {
+        app.options.map.layers.toggle(MapLayer::Mosaic)
+    }),
+    (Action::IsobathLayer, |app| {
+        app.options.map.layers.toggle(MapLayer::Isobaths)
+    }),
+    (Action::PointLayer, |app| {
+        app.options.map.layers.toggle(MapLayer::Points)
+    }),
+    (Action::ResidualLayer, |app| {
+        app.options.map.layers.toggle(MapLayer::Residuals)
+    }),
+    (Action::TrackLayer, |app| {
+        app.options.map.layers.toggle(MapLayer::Track)
+    }),
+    (Action::BoxLayer, |app| {
+        app.options.map.layers.toggle(MapLayer::Boxes)
+    }),
+    (Action::SideColours, |app| {
+        app.options.side_colours = match app.options.side_colours {
+            SideColours::Paper => SideColours::Maritime,
+            SideColours::Maritime => SideColours::Paper,
+        }
+    }),
+    (Action::BaseMapLayer, |app| {
+        app.options.map.layers.toggle(MapLayer::BaseMap)
+    }),
+    (Action::Swipe, |app| {
+        app.options.map.swipe.toggle(&mut app.options.map.layers)
+    }),
+    (Action::Graticule, |app| {
+        app.options.map.graticule = !app.options.map.graticule
+    }),
+    (Action::CoordinatesDegrees, |app| {
+        app.options.coordinates = CoordinateFormat::Degrees
+    }),
+    (Action::CoordinatesMinutes, |app| {
+        app.options.coordinates = CoordinateFormat::Minutes
+    }),
+    (Action::CoordinatesSeconds, |app| {
+        app.options.coordinates = CoordinateFormat::Seconds
+    }),
+    (Action::CoordinatesUtm, |app| {
+        app.options.coordinates = CoordinateFormat::Utm
+    }),
+    (Action::UnitsMetres, |app| {
+        app.options.units.length = LengthUnit::Metres
+    }),
+    (Action::UnitsFeet, |app| {
+        app.options.units.length = LengthUnit::Feet
+    }),
+    (Action::UnitsFathoms, |app| {
+        app.options.units.length = LengthUnit::Fathoms
+    }),
+    (Action::SpeedMetres, |app| {
+        app.options.units.speed = SpeedUnit::MetresPerSecond
+    }),
+    (Action::SpeedKnots, |app| {
+        app.options.units.speed = SpeedUnit::Knots
+    }),
+    (Action::OutlierPreview, |app| {
+        app.options.cloud.outlier_preview = !app.options.cloud.outlier_preview;
+    }),
+    (Action::NextCloudColour, |app| {
+        let has_several = app.log_count() > 1;
+        app.options.cloud.colour = app.options.cloud.colour.next(has_several);
+    }),
+    (Action::Bottom3d, |app| {
+        app.options.cloud.bottom = !app.options.cloud.bottom
+    }),
+    (Action::NextBottomColour, |app| {
+        let cloud = &mut app.options.cloud;
+        // What is not shown is shown as it was.
+        if std::mem::replace(&mut cloud.bottom, true) {
+            cloud.bottom_colour = cloud.bottom_colour.next();
+        }
+    }),
+    (Action::BottomIsobaths, |app| {
+        app.options.cloud.isobaths = !app.options.cloud.isobaths
+    }),
+    (Action::TurnLight, |app| app.options.cloud.turn_light()),
+    (Action::ClipBox3d, |app| app.options.cloud.toggle_clip()),
+    (Action::Water3d, |app| {
+        app.options.cloud.water = !app.options.cloud.water
+    }),
+    (Action::Points3d, |app| {
+        app.options.cloud.points = !app.options.cloud.points
+    }),
+    (Action::Theme, |app| {
+        app.options.theme = match app.options.theme {
+            ThemeChoice::Dark => ThemeChoice::Light,
+            ThemeChoice::Light => ThemeChoice::Dark,
+        }
+    }),
+    (Action::Orientation, |app| {
+        let waterfall = &mut app.options.waterfall;
+        waterfall.orientation = match waterfall.orientation {
+            Orientation::Horizontal => Orientation::Vertical,
+            Orientation::Vertical => Orientation::Horizontal,
+        }
+    }),
+    (Action::GroundRange, |app| {
+        let waterfall = &mut app.options.waterfall;
+        waterfall.ground_range = !waterfall.ground_range;
+    }),
+    (Action::WaterColumn, |app| {
+        let waterfall = &mut app.options.waterfall;
+        waterfall.water_column = !waterfall.water_column;
+    }),
+    (Action::BottomBothSides, |app| {
+        let both = &mut app.options.waterfall.bottom_both_sides;
+        *both = !*both;
+    }),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    #[test]
+    fn a_command_is_handled_once() {
+        let mut seen = HashSet::new();
+        for (action, _) in SURVEY.iter().chain(SHOWN) {
+            assert!(seen.insert(*action), "{action:?}");
+        }
+    }
+}
