@@ -23,13 +23,14 @@ struct Look {
 }
 
 @group(0) @binding(0) var<uniform> look: Look;
-@group(0) @binding(1) var palette: texture_2d<f32>;
+@group(0) @binding(1) var<uniform> palette: array<vec4u, 64>; // 256 colours, four bytes each
 @group(0) @binding(2) var pings: texture_2d<f32>;  // altitude, scale, offset, stripe factor: port and starboard beside each other
-@group(0) @binding(3) var curves: texture_2d<f32>; // rows: port by range, port by angle, starboard by range, by angle
+@group(0) @binding(3) var<uniform> curves: array<vec4f, 64>; // 64 places each: port by range, by angle, starboard by range, by angle
 @group(1) @binding(0) var tile: texture_2d<f32>;
 
 // Constants paired with src/render/waterfall.rs.
 const PING_TEXELS: u32 = 2048u;  // width of `pings`
+const CURVE_PLACES: u32 = 64u;   // of a curve in `curves`
 const RANGE_BINS: f32 = 48.0;
 const ANGLE_BINS: f32 = 45.0;
 const LEAST_FACTOR: f32 = 0.25;  // bounds of the product of the curves
@@ -140,20 +141,22 @@ fn median(texel: vec2f, centre: f32) -> f32 {
 fn curve(row: u32, place: f32, bins: f32) -> f32 {
     let inside = clamp(place, 0.0, bins - 1.0);
     let low = min(u32(inside), u32(bins) - 2u);
-    let pair = vec2f(
-        textureLoad(curves, vec2u(low, row), 0).r,
-        textureLoad(curves, vec2u(low + 1u, row), 0).r,
-    );
-    return mix(pair.x, pair.y, inside - f32(low));
+    let place_low = CURVE_PLACES * row + low;
+    let place_high = place_low + 1u;
+    let value_low = curves[place_low / 4u][place_low % 4u];
+    let value_high = curves[place_high / 4u][place_high % 4u];
+    return mix(value_low, value_high, inside - f32(low));
 }
 
 // Factor on an echo at a calibrated slant range, metres, of a ping. The water column has that of straight down.
 fn gain(side: u32, slant_m: f32, ping: vec4f) -> f32 {
     let range_m = max(max(slant_m, ping.x), LEAST_RANGE_M);
     var factor = select(look.port, look.starboard, side == 1u);
-    let spreading = look.spreading * log2(range_m / look.middle_m) / log2(10.0);
-    let absorption = 2.0 * look.absorption * (range_m - look.middle_m);
-    factor *= pow(10.0, (spreading + absorption) / 20.0);
+    if look.spreading != 0.0 || look.absorption != 0.0 {
+        let spreading = look.spreading * log2(range_m / look.middle_m) / log2(10.0);
+        let absorption = 2.0 * look.absorption * (range_m - look.middle_m);
+        factor *= pow(10.0, (spreading + absorption) / 20.0);
+    }
     if (look.filters & 1u) != 0u {
         let angle = sqrt(max(1.0 - ping.x / range_m, 0.0));
         let by_range = curve(2u * side, range_m / look.curve_far_m * RANGE_BINS - 0.5, RANGE_BINS);
@@ -202,7 +205,8 @@ fn fs_main(corner: Corner) -> @location(0) vec4f {
     let even = recorded * gain(corner.pair.z, ping.y * recorded_m + ping.z, ping);
     let level = clamp((even - look.black) / (look.white - look.black), 0.0, 1.0);
     let curved = pow(level, 1.0 / look.gamma);
-    var colour = textureLoad(palette, vec2i(i32(round(curved * 255.0)), 0), 0).rgb;
+    let index = u32(round(curved * 255.0));
+    var colour = unpack4x8unorm(palette[index / 4u][index % 4u]).rgb;
     if look.linear_target == 1u {
         colour = linear_from_gamma(colour);
     }

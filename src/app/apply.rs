@@ -6,16 +6,9 @@ use super::external::Instrument;
 use super::loader::Place;
 use super::mounting::with_sides;
 use super::project::is_project;
-use super::{
-    Action, App, Command, LogId, MapLayer, Mark, Orientation, Origin, Reveal, SideColours,
-    ThemeChoice, Tool,
-};
-use crate::detection::review::Edit;
+use super::{Action, App, Command, LogId, Mark, Origin, Reveal};
 use crate::pipeline::settings::row;
 use crate::pipeline::{LogSettings, Preset, Settings};
-use crate::project::MeasurementKind;
-use crate::support::geo::CoordinateFormat;
-use crate::support::presentation::units::{LengthUnit, SpeedUnit};
 use crate::support::printable::quoted;
 use std::borrow::Cow;
 use std::path::PathBuf;

@@ -316,7 +316,12 @@ impl App {
             }
             Some(Outcome::Pending) | None => {}
         }
-        let named = match self.project_saving.naming.as_ref().map(|(_, task)| task.poll()) {
+        let named = match self
+            .project_saving
+            .naming
+            .as_ref()
+            .map(|(_, task)| task.poll())
+        {
             Some(Outcome::Done(files)) => files,
             Some(Outcome::Failed) => None,
             Some(Outcome::Pending) | None => return,
@@ -346,7 +351,12 @@ impl App {
 
     /// Collects a project that was written for the first time. Until then what is changed is kept where it was kept before.
     fn poll_creating(&mut self) {
-        let created = match self.project_saving.creating.as_ref().map(|(_, task)| task.poll()) {
+        let created = match self
+            .project_saving
+            .creating
+            .as_ref()
+            .map(|(_, task)| task.poll())
+        {
             Some(Outcome::Done(created)) => Some(created),
             Some(Outcome::Failed) => None,
             Some(Outcome::Pending) | None => return,

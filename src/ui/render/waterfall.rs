@@ -7,8 +7,8 @@ pub const MAX_QUADS: usize = 512;
 
 /// Texels in a row of the table of pings. Same as in the shader.
 const PING_TEXELS: u32 = 2048;
-/// Texels in a row of the table of curves.
-const CURVE_TEXELS: usize = 64;
+/// Places of a curve in the table of curves. Same as in the shader.
+const CURVE_PLACES: usize = 64;
 
 /// How echo strength becomes colour. Same layout as `Look` in `shaders/waterfall.wgsl`.
 #[repr(C)]
@@ -94,7 +94,7 @@ pub struct WaterfallPicture {
     frame_layout: wgpu::BindGroupLayout,
     look: wgpu::Buffer,
     quads: wgpu::Buffer,
-    palette: wgpu::Texture,
+    palette: wgpu::Buffer,
     linear_target: bool,
 }
 
@@ -114,7 +114,8 @@ impl WaterfallPicture {
         );
         let bytes = MAX_QUADS * size_of::<Quad>();
         let quads = buffer(device, "waterfall quads", bytes, wgpu::BufferUsages::VERTEX);
-        let palette = texture(device, [256, 1], wgpu::TextureFormat::Rgba8Unorm);
+        let uniform = wgpu::BufferUsages::UNIFORM;
+        let palette = buffer(device, "waterfall palette", 256 * 4, uniform);
         Self {
             pipeline: pipeline(device, &[Some(&frame_layout), Some(&tile_layout)], target),
             tile_layout,
@@ -129,7 +130,7 @@ impl WaterfallPicture {
     /// Replaces the colours.
     pub fn set_palette(&self, queue: &wgpu::Queue, palette: &[[u8; 3]; 256]) {
         let rgba: Vec<[u8; 4]> = palette.iter().map(|&[r, g, b]| [r, g, b, 255]).collect();
-        write(queue, &self.palette, [256, 1], bytemuck::cast_slice(&rgba));
+        queue.write_buffer(&self.palette, 0, bytemuck::cast_slice(&rgba));
     }
 
     /// Puts scales and factors of all pings on the GPU, four numbers for each side of each ping, and the gain curves. What does not fit
@@ -153,32 +154,25 @@ impl WaterfallPicture {
         let size = [width, rows];
         let pings = texture(device, size, wgpu::TextureFormat::Rgba32Float);
         write(queue, &pings, size, bytemuck::cast_slice(&texels));
-        let mut values = [[1.0_f32; CURVE_TEXELS]; 4];
+        let mut values = [[1.0_f32; CURVE_PLACES]; 4];
         for (row, curve) in values.iter_mut().zip(curves) {
             for (value, known) in row.iter_mut().zip(curve) {
                 *value = *known;
             }
         }
-        let size = [CURVE_TEXELS as u32, 4];
-        let curves = texture(device, size, wgpu::TextureFormat::R32Float);
-        write(queue, &curves, size, bytemuck::cast_slice(&values));
-        let views = [&self.palette, &pings, &curves]
-            .map(|texture| texture.create_view(&Default::default()));
-        let entry = |binding: u32, view| wgpu::BindGroupEntry {
-            binding,
-            resource: wgpu::BindingResource::TextureView(view),
-        };
+        let uniform = wgpu::BufferUsages::UNIFORM;
+        let curves = buffer(device, "waterfall curves", size_of_val(&values), uniform);
+        queue.write_buffer(&curves, 0, bytemuck::cast_slice(&values));
+        let pings = pings.create_view(&Default::default());
+        let entry = |binding: u32, resource| wgpu::BindGroupEntry { binding, resource };
         let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("waterfall frame"),
             layout: &self.frame_layout,
             entries: &[
-                wgpu::BindGroupEntry {
-                    binding: 0,
-                    resource: self.look.as_entire_binding(),
-                },
-                entry(1, &views[0]),
-                entry(2, &views[1]),
-                entry(3, &views[2]),
+                entry(0, self.look.as_entire_binding()),
+                entry(1, self.palette.as_entire_binding()),
+                entry(2, wgpu::BindingResource::TextureView(&pings)),
+                entry(3, curves.as_entire_binding()),
             ],
         });
         (Tables { bind_group }, fits)
@@ -245,8 +239,8 @@ impl WaterfallPicture {
 }
 
 fn frame_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
-    let look = wgpu::BindGroupLayoutEntry {
-        binding: 0,
+    let uniform = |binding| wgpu::BindGroupLayoutEntry {
+        binding,
         visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
         ty: wgpu::BindingType::Buffer {
             ty: wgpu::BufferBindingType::Uniform,
@@ -257,7 +251,8 @@ fn frame_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     };
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: Some("waterfall frame"),
-        entries: &[look, texture_entry(1), texture_entry(2), texture_entry(3)],
+        // Arrays in a buffer are read several times faster than textures by a driver without a graphics card.
+        entries: &[uniform(0), uniform(1), texture_entry(2), uniform(3)],
     })
 }
 
