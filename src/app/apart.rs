@@ -39,7 +39,7 @@ impl App {
             self.show_log(first);
         }
         // The plane of a log that is far away would bend the others.
-        self.is_plane_moved = true;
+        self.document.is_plane_moved = true;
         self.settle_plane();
         let text = format!("Open, but not part of this survey: {}", names.join(", "));
         self.offer(text, Action::ShowTogether);

@@ -131,7 +131,7 @@ impl App {
         let before = self.step_now();
         let allowed = allowed.and_then(|()| self.follow_source(&settings));
         let parts = allowed.and_then(|()| {
-            let parts = self.log.own.change(&self.shared, &settings);
+            let parts = self.log.own.change(&self.document.shared, &settings);
             parts.map_err(|error| error.to_string())
         });
         let (shared, own) = match parts {
@@ -144,8 +144,8 @@ impl App {
                 return;
             }
         };
-        if shared != *self.shared {
-            self.shared = Arc::new(shared);
+        if shared != *self.document.shared {
+            self.document.shared = Arc::new(shared);
         }
         let own = match own == *self.log.own {
             true => self.log.own.clone(),
@@ -165,7 +165,7 @@ impl App {
     /// Gives a log its own settings over the shared ones.
     pub(super) fn set_own(&mut self, own: Arc<LogSettings>, live: bool) {
         self.log.own = own;
-        match self.log.own.compose(&self.shared) {
+        match self.log.own.compose(&self.document.shared) {
             Ok(settings) => self.set(settings, live),
             Err(error) => self.notify(error.to_string(), true),
         }
@@ -210,13 +210,13 @@ impl App {
         if same_returns && changed || !live && self.stale().is_some() {
             self.process();
         } else if live && changed {
-            self.is_waiting = true;
+            self.pipeline.is_waiting = true;
         }
     }
 
     /// Makes a setting one of the shown log alone, or one that all share again, as an undo step.
     fn set_own_key(&mut self, key: &str, own: bool) {
-        let Some(owning) = self.log.own.owning(&self.shared, key, own) else {
+        let Some(owning) = self.log.own.owning(&self.document.shared, key, own) else {
             return;
         };
         let before = self.step_now();
@@ -266,7 +266,7 @@ impl App {
     }
 
     fn update(&mut self) {
-        self.reference_comparison.resume();
+        self.findings.reference_comparison.resume();
         self.process();
     }
 

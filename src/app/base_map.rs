@@ -37,7 +37,7 @@ impl App {
         let open = move |progress: &crate::support::progress::Progress| {
             base_map::open(&path, progress).map_err(|error| error.to_string())
         };
-        self.opening_base_map = Some(OpeningBaseMap {
+        self.files.opening_base_map = Some(OpeningBaseMap {
             task: Task::start(&self.jobs, open),
             is_of_last_time,
         });
@@ -46,19 +46,20 @@ impl App {
     /// Takes the base map off the map.
     pub(super) fn close_base_map(&mut self) {
         self.base_map = None;
-        self.opening_base_map = None;
+        self.files.opening_base_map = None;
     }
 
     /// Done share of the base map that is being opened, 0 to 1.
     pub fn base_map_fraction(&self) -> Option<f32> {
-        self.opening_base_map
+        self.files
+            .opening_base_map
             .as_ref()
             .map(|opening| opening.task.fraction())
     }
 
     /// Collects a base map that was opened.
     pub(super) fn poll_base_map(&mut self) {
-        let Some(opening) = &self.opening_base_map else {
+        let Some(opening) = &self.files.opening_base_map else {
             return;
         };
         let is_of_last_time = opening.is_of_last_time;
@@ -67,7 +68,7 @@ impl App {
             Outcome::Done(opened) => opened,
             Outcome::Failed => Err("opening the base map failed unexpectedly".to_owned()),
         };
-        self.opening_base_map = None;
+        self.files.opening_base_map = None;
         match opened {
             // As it was left: shown or not, and without a word.
             Ok(map) if is_of_last_time => self.base_map = Some(Arc::new(map)),

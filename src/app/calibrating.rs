@@ -172,13 +172,13 @@ impl App {
         settings.calibration.mode = mode;
         settings.calibration.pings = pings;
         let before = self.step_now();
-        let owning = self.log.own.owning(&self.shared, MODE, true);
+        let owning = self.log.own.owning(&self.document.shared, MODE, true);
         let own = owning.unwrap_or_else(|| (*self.log.own).clone());
-        let (_, mut own) = match own.change(&self.shared, &settings) {
+        let (_, mut own) = match own.change(&self.document.shared, &settings) {
             Ok(parts) => parts,
             Err(error) => return self.notify(error.to_string(), true),
         };
-        if pings.is_none() && mode == self.shared.calibration.mode {
+        if pings.is_none() && mode == self.document.shared.calibration.mode {
             own.unset(MODE);
         }
         self.expect_change(what.clone(), settings.calibration);

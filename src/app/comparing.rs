@@ -114,7 +114,7 @@ impl App {
     /// Compares side-scan with soundings again.
     pub(super) fn leave_reference(&mut self) {
         self.comparing.leave();
-        self.reference_comparison = ReferenceComparison::default();
+        self.findings.reference_comparison = ReferenceComparison::default();
     }
 
     /// Takes the reference of a point from elsewhere.
@@ -130,7 +130,8 @@ impl App {
         let opening = self.comparing.opening.as_ref().map(Task::fraction);
         let has_reference = self.comparing.reference.is_some();
         let reference_comparison = || {
-            self.reference_comparison
+            self.findings
+                .reference_comparison
                 .fraction()
                 .filter(|_| has_reference)
         };
@@ -151,7 +152,7 @@ impl App {
                 let layers = &mut self.options.map.layers;
                 layers.set_visible(MapLayer::Residuals, true);
                 self.comparing.reference = agreement.reference.clone();
-                self.reference_comparison.take(of, agreement);
+                self.findings.reference_comparison.take(of, agreement);
             }
             Err(text) => self.notify(text, true),
         }

@@ -106,8 +106,8 @@ impl App {
             survey: survey.clone(),
             products: products.clone(),
         };
-        let (results, id) = (self.deriving.results.clone(), self.log.id);
-        let ask = &mut self.deriving.picture;
+        let (results, id) = (self.pipeline.deriving.results.clone(), self.log.id);
+        let ask = &mut self.pipeline.deriving.picture;
         let whole = self.log.whole.clone();
         ask.ask(PictureKey::of(&log), &self.jobs, move |progress| {
             let picture = match &whole {
@@ -121,20 +121,20 @@ impl App {
             return;
         };
         let of = (Same(picture), self.log.settings.picture.tone());
-        let counted = self.deriving.histogram.as_ref();
+        let counted = self.pipeline.deriving.histogram.as_ref();
         // Levels that changed with every ping would make the picture flicker.
         let holds = self.log.whole.is_some()
             && counted.is_some_and(|counted| counted.of.1 == of.1 && counted.log == self.log.id);
         if !holds && counted.is_none_or(|counted| counted.of != of) {
             let histogram = Arc::new(Histogram::of(&of.0.0, &of.1));
             let log = self.log.id;
-            self.deriving.histogram = Some(CountedLevels { of, log, histogram });
+            self.pipeline.deriving.histogram = Some(CountedLevels { of, log, histogram });
         }
     }
 
     /// What the waterfall of the shown log is drawn with, as it was made last; `None` before its first results.
     pub fn picture(&self) -> Option<&Arc<LogPicture>> {
-        let made = self.deriving.picture.result();
+        let made = self.pipeline.deriving.picture.result();
         let of_shown = made.filter(|(log, _)| *log == self.log.id);
         of_shown.map(|(_, picture)| picture)
     }
@@ -142,7 +142,7 @@ impl App {
     /// The levels of the shown log's picture, with the gain that is set.
     pub fn histogram(&self) -> Option<&Arc<Histogram>> {
         let picture = self.picture()?;
-        let counted = self.deriving.histogram.as_ref();
+        let counted = self.pipeline.deriving.histogram.as_ref();
         let of_shown = counted.filter(|counted| {
             let is_held = self.log.whole.is_some() && counted.log == self.log.id;
             is_held || Arc::ptr_eq(&counted.of.0.0, picture)
@@ -151,9 +151,10 @@ impl App {
     }
 
     fn derive_depth_map(&mut self, logs: &[ProcessedLog]) {
-        let (results, of) = (self.deriving.results.clone(), logs.to_vec());
+        let (results, of) = (self.pipeline.deriving.results.clone(), logs.to_vec());
         let key = DepthMapKey::of(logs);
-        self.deriving
+        self.pipeline
+            .deriving
             .depth_map
             .ask(key, &self.jobs, move |progress| {
                 let made = results.depth_map(&of, progress).ok()?;
@@ -166,16 +167,17 @@ impl App {
     }
 
     fn derive_isobaths(&mut self, logs: &[ProcessedLog]) {
-        let depth_map = self.deriving.depth_map.result().cloned().flatten();
+        let depth_map = self.pipeline.deriving.depth_map.result().cloned().flatten();
         let Some((depth_map, first)) = depth_map.zip(logs.first()) else {
-            self.deriving.isobaths = Background::default();
+            self.pipeline.deriving.isobaths = Background::default();
             return;
         };
         let settings = first.products.settings.isobaths.clone();
-        let results = self.deriving.results.clone();
+        let results = self.pipeline.deriving.results.clone();
         let unit = self.options.units.length;
         let key = (IsobathKey::of(&depth_map, &settings), unit);
-        self.deriving
+        self.pipeline
+            .deriving
             .isobaths
             .ask(key, &self.jobs, move |progress| {
                 let settings = match unit {
@@ -198,29 +200,39 @@ impl App {
     }
 
     fn derive_bottom(&mut self, logs: &[ProcessedLog]) {
-        let Some(depth_map) = self.deriving.depth_map.result().cloned().flatten() else {
-            self.deriving.bottom = Background::default();
+        let Some(depth_map) = self.pipeline.deriving.depth_map.result().cloned().flatten() else {
+            self.pipeline.deriving.bottom = Background::default();
             return;
         };
         let colour = self.options.cloud.bottom_colour;
         let key = BottomKey::of(&depth_map, logs, colour, BOTTOM_CORNERS);
-        let (results, of) = (self.deriving.results.clone(), logs.to_vec());
-        self.deriving.bottom.ask(key, &self.jobs, move |progress| {
-            results.bottom(&of, colour, BOTTOM_CORNERS, progress).ok()
-        });
+        let (results, of) = (self.pipeline.deriving.results.clone(), logs.to_vec());
+        self.pipeline
+            .deriving
+            .bottom
+            .ask(key, &self.jobs, move |progress| {
+                results.bottom(&of, colour, BOTTOM_CORNERS, progress).ok()
+            });
     }
 
     fn derive_mosaic(&mut self, logs: &[ProcessedLog]) {
-        let (results, of) = (self.deriving.results.clone(), logs.to_vec());
+        let (results, of) = (self.pipeline.deriving.results.clone(), logs.to_vec());
         let key = MosaicKey::of(logs, MosaicPlane::Survey);
-        self.deriving.mosaic.ask(key, &self.jobs, move |progress| {
-            results.mosaic(&of, MosaicPlane::Survey, progress).ok()
-        });
+        self.pipeline
+            .deriving
+            .mosaic
+            .ask(key, &self.jobs, move |progress| {
+                results.mosaic(&of, MosaicPlane::Survey, progress).ok()
+            });
     }
 
     /// The depth map of all visible logs as it was made last; outer `None` before that, inner where the depths span no surface.
     pub fn depth_map(&self) -> Option<Option<&Arc<DepthMap>>> {
-        self.deriving.depth_map.result().map(Option::as_ref)
+        self.pipeline
+            .deriving
+            .depth_map
+            .result()
+            .map(Option::as_ref)
     }
 
     /// Ends of the one colour scale of depth over all visible logs, metres: the same on the map and in the cloud.
@@ -245,18 +257,23 @@ impl App {
 
     /// The isobaths as they were made last.
     pub fn isobaths(&self) -> Option<&Arc<DrawnIsobaths>> {
-        self.deriving.isobaths.result()
+        self.pipeline.deriving.isobaths.result()
     }
 
     /// The mosaic as it was made last; inner `None` where nothing is shown.
     pub fn mosaic(&self) -> Option<Option<&Arc<Mosaic>>> {
-        self.deriving.mosaic.result().map(Option::as_ref)
+        self.pipeline.deriving.mosaic.result().map(Option::as_ref)
     }
 
     /// The bottom as a body, as it was made last; `None` where there is none, or it is not shown.
     pub fn bottom(&self) -> Option<&Arc<Bottom>> {
         let is_shown = self.options.cloud.bottom;
-        self.deriving.bottom.result().filter(|_| is_shown)?.as_ref()
+        self.pipeline
+            .deriving
+            .bottom
+            .result()
+            .filter(|_| is_shown)?
+            .as_ref()
     }
 
     /// Metres from one isobath on the bottom in 3D to the next, and the depth of one of them; `None` where none are shown, and where the
@@ -272,16 +289,25 @@ impl App {
     /// What is being made of all logs, in words.
     pub fn deriving(&self) -> impl Iterator<Item = &'static str> {
         let jobs = [
-            (self.deriving.depth_map.is_running(), "making the depth map"),
-            (self.deriving.isobaths.is_running(), "drawing isobaths"),
             (
-                self.deriving.mosaic.is_running(),
+                self.pipeline.deriving.depth_map.is_running(),
+                "making the depth map",
+            ),
+            (
+                self.pipeline.deriving.isobaths.is_running(),
+                "drawing isobaths",
+            ),
+            (
+                self.pipeline.deriving.mosaic.is_running(),
                 "normalising the mosaic's gain",
             ),
-            (self.deriving.bottom.is_running(), "making the bottom in 3D"),
+            (
+                self.pipeline.deriving.bottom.is_running(),
+                "making the bottom in 3D",
+            ),
             (
                 // While a log is followed, that is done with every few pings.
-                self.deriving.picture.is_running() && self.log.whole.is_none(),
+                self.pipeline.deriving.picture.is_running() && self.log.whole.is_none(),
                 "normalising the waterfall's gain",
             ),
         ];

@@ -46,7 +46,7 @@ impl App {
         &mut self,
         write: impl FnOnce(&Progress) -> Result<String, String> + Send + 'static,
     ) {
-        self.exporting = Some(Exporting::start(&self.jobs, write));
+        self.files.exporting = Some(Exporting::start(&self.jobs, write));
     }
 
     /// Writes one set of products of the visible logs into a folder, as `process` does: what is requested, the comparison with the
@@ -62,7 +62,7 @@ impl App {
         let review = self.survey_review();
         let run = (logs.len() == 1).then(|| (self.log.id, folder.clone()));
         let into = folder.clone();
-        let derived = self.deriving.results.clone();
+        let derived = self.pipeline.deriving.results.clone();
         let exporting = Exporting::start(&self.jobs, move |progress| {
             let reference = against.as_ref().map(|(reference, _)| &**reference);
             let surveys = logs.iter().map(|log| &*log.survey);
@@ -81,7 +81,7 @@ impl App {
                 outputs::write(&order, run, progress, |_| ()).map_err(|error| error.to_string())?;
             Ok(written.summary(&folder))
         });
-        self.exporting = Some(Exporting {
+        self.files.exporting = Some(Exporting {
             run,
             into: Some(into),
             ..exporting
@@ -119,14 +119,14 @@ impl App {
 
     /// Files that were written last of the log at hand and would be others with its settings of now, and their folder.
     pub fn out_of_date(&self) -> Option<(&Path, Vec<&'static OutputFile>)> {
-        let Exported { log, folder, run } = self.exported.as_ref()?;
+        let Exported { log, folder, run } = self.files.exported.as_ref()?;
         let files = run.out_of_date(&self.log.settings);
         (*log == self.log.id && !files.is_empty()).then_some((folder, files))
     }
 
     /// Notifies of what was written.
     pub(super) fn poll_export(&mut self) {
-        let Some(exporting) = &self.exporting else {
+        let Some(exporting) = &self.files.exporting else {
             return;
         };
         let written = match exporting.task.poll() {
@@ -135,13 +135,13 @@ impl App {
             Outcome::Failed => Err("the export failed unexpectedly".to_owned()),
         };
         let (run, into) = (exporting.run.clone(), exporting.into.clone());
-        self.exporting = None;
+        self.files.exporting = None;
         self.withdraw(Action::OpenExported);
         match written {
             Ok(text) => {
                 if let Some((log, folder)) = run {
                     let run = EarlierRun::read(&folder);
-                    self.exported = run.map(|run| Exported { log, folder, run });
+                    self.files.exported = run.map(|run| Exported { log, folder, run });
                 }
                 self.written_into = into;
                 match self.written_into {

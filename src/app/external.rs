@@ -181,7 +181,7 @@ impl App {
         let now = match self.log_count() {
             0 | 1 => Arc::new(now),
             // Several logs lie in one plane.
-            _ => Arc::new(now.in_frame(&self.plane)),
+            _ => Arc::new(now.in_frame(&self.document.plane)),
         };
         let has_track = request.track.file.is_some();
         self.log.external.apart = Arc::new(apart(&recorded, &now));
@@ -189,10 +189,10 @@ impl App {
         self.log.as_read = (request != SourceKey::default()).then_some(read);
         self.log.source = request;
         if now.track.frame.origin() != survey.track.frame.origin() {
-            self.plane = now.track.frame.clone();
+            self.document.plane = now.track.frame.clone();
             self.enter_plane();
         }
-        self.is_plane_moved |= system_of(&now) != system_of(&survey);
+        self.document.is_plane_moved |= system_of(&now) != system_of(&survey);
         if now.swapped_sides != survey.swapped_sides {
             self.exchange_sides();
         }
@@ -204,11 +204,11 @@ impl App {
     fn exchange_sides(&mut self) {
         self.log.preview = None;
         // What is found in the log as it was would come to the other side.
-        self.search.leave(self.log.id);
+        self.findings.search.leave(self.log.id);
         if !self.is_shown() {
             return;
         }
-        self.previewer.forget();
+        self.pipeline.previewer.forget();
         for mark in [&mut self.selection, &mut self.hover].into_iter().flatten() {
             mark.side = mark.side.map(Side::other);
         }
@@ -217,7 +217,7 @@ impl App {
     /// Puts all logs into the plane of the first that is on the Earth, after the metres of one became those of another system: a plane
     /// thousands of kilometres away would bend them.
     pub(super) fn settle_plane(&mut self) {
-        if !std::mem::take(&mut self.is_plane_moved) || self.log_count() < 2 {
+        if !std::mem::take(&mut self.document.is_plane_moved) || self.log_count() < 2 {
             return;
         }
         let placed = |log: &&OpenLog| log.survey.as_ref().is_some_and(|one| one.has_place());
@@ -234,10 +234,10 @@ impl App {
         let Some(fix) = fix else {
             return;
         };
-        self.plane = LocalFrame::new(fix.position);
+        self.document.plane = LocalFrame::new(fix.position);
         self.enter_plane();
         self.each_log(|app| {
-            let frame = app.plane.clone();
+            let frame = app.document.plane.clone();
             let log = &mut app.log;
             for survey in [
                 &mut log.survey,

@@ -56,7 +56,7 @@ fn is_of(given: &Given, survey: &Survey) -> bool {
 impl App {
     /// The settings that logs were last given, with those of the open ones: what is kept between runs.
     pub fn given_settings(&self) -> GivenSettings {
-        let mut given = self.given.clone();
+        let mut given = self.document.given.clone();
         if self.project_path().is_none() {
             // The shown log is the newest.
             for log in self.logs.others.iter().chain([&self.log]) {
@@ -68,13 +68,13 @@ impl App {
 
     /// Begins with these settings by log.
     pub fn use_given_settings(&mut self, given: GivenSettings) {
-        self.given = given;
+        self.document.given = given;
     }
 
     /// Remembers the settings of the shown log, which is being closed.
     pub(super) fn remember_settings(&mut self) {
         if self.project_path().is_none() {
-            remember(&mut self.given, &self.log);
+            remember(&mut self.document.given, &self.log);
         }
     }
 
@@ -84,12 +84,12 @@ impl App {
         let Some(survey) = &self.log.survey else {
             return;
         };
-        let Some(values) = self.given.of(survey) else {
+        let Some(values) = self.document.given.of(survey) else {
             return;
         };
         let (usual, start) = (
             setting_values(&Settings::default()),
-            setting_values(&self.start),
+            setting_values(&self.document.start),
         );
         let is_first = self.log_count() == 1;
         let mut values = values.clone();

@@ -41,12 +41,12 @@ pub(super) type Heights = LogsTask<FoundHeights>;
 impl App {
     /// Whether heights are being compared.
     pub fn is_matching_heights(&self) -> bool {
-        self.heights.is_busy()
+        self.findings.heights.is_busy()
     }
 
     /// By how much the heights of the logs differ, once that was asked for.
     pub fn height_offsets(&self) -> Option<&FoundHeights> {
-        self.heights.found()
+        self.findings.heights.found()
     }
 
     /// A warning for every two logs that no height offsets bring together.
@@ -69,7 +69,7 @@ impl App {
         }
         let ids = shown.iter().map(|log| log.id).collect();
         let logs: Vec<ProcessedLog> = shown.into_iter().map(|log| log.log).collect();
-        self.heights.start(&self.jobs, move |progress| {
+        self.findings.heights.start(&self.jobs, move |progress| {
             let offsets = height_offsets(&logs, Datum::Mean, progress).ok()?;
             Some(FoundHeights { ids, offsets })
         });
@@ -77,7 +77,7 @@ impl App {
 
     /// Collects what was found.
     pub(super) fn poll_heights(&mut self) {
-        match self.heights.poll() {
+        match self.findings.heights.poll() {
             Stands::Still => {}
             Stands::Found => {
                 let meets = |(_, offset): (LogId, &LogOffset)| offset.log_overlaps > 0;

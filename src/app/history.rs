@@ -16,12 +16,12 @@ impl App {
     /// What undo would come back to.
     pub(super) fn step_now(&self) -> Step {
         Step {
-            shared: self.shared.clone(),
+            shared: self.document.shared.clone(),
             logs: self.logs().map(LogStep::of).collect(),
             closed: self.closed_logs().collect(),
             figure: self.measuring.figure.clone(),
             planned: self.planning.lines.clone(),
-            mountings: self.mountings.clone(),
+            mountings: self.document.mountings.clone(),
         }
     }
 
@@ -37,14 +37,16 @@ impl App {
         // What was offered to be taken back is not the last step any more.
         self.withdraw(Action::Undo);
         let label = label.into();
-        let start = self.history.start_of(&label, before).clone();
-        self.history.record(before, after, label.clone(), live);
+        let start = self.document.history.start_of(&label, before).clone();
+        self.document
+            .history
+            .record(before, after, label.clone(), live);
         if live {
             return;
         }
         let title = self.title(&label, &start, after);
         if start != *after {
-            self.history.name_last(title.clone());
+            self.document.history.name_last(title.clone());
         }
         self.keep_project(&title);
     }
@@ -52,29 +54,31 @@ impl App {
     /// Notes a change whose name says all.
     pub(super) fn record_named(&mut self, before: &Step, after: &Step, title: String) {
         self.withdraw(Action::Undo);
-        self.history.record(before, after, title.clone(), false);
+        self.document
+            .history
+            .record(before, after, title.clone(), false);
         self.keep_project(&title);
     }
 
     /// Steps in the order in which they were done, and after them those that were taken back.
     pub fn history(&self) -> impl Iterator<Item = project::Step<'_>> {
-        self.history.steps()
+        self.document.history.steps()
     }
 
     /// Name of the change that undo would take back.
     pub fn undo_label(&self) -> Option<&str> {
-        self.history.undo_label()
+        self.document.history.undo_label()
     }
 
     /// Name of the change that redo would do again.
     pub fn redo_label(&self) -> Option<&str> {
-        self.history.redo_label()
+        self.document.history.redo_label()
     }
 
     /// Takes the last step back.
     pub(super) fn undo(&mut self) {
         self.withdraw(Action::Undo);
-        if let Some(step) = self.history.undo(&self.step_now()) {
+        if let Some(step) = self.document.history.undo(&self.step_now()) {
             self.take_step(step, UNDONE);
         }
     }
@@ -82,7 +86,7 @@ impl App {
     /// Does again what was taken back last.
     pub(super) fn redo(&mut self) {
         self.withdraw(Action::Undo);
-        if let Some(step) = self.history.redo(&self.step_now()) {
+        if let Some(step) = self.document.history.redo(&self.step_now()) {
             let label = self.redone_label();
             self.take_step(step, &label);
         }
@@ -90,9 +94,15 @@ impl App {
 
     /// Goes to the state after so many of the steps.
     pub(super) fn go_to_step(&mut self, count: usize) {
-        let is_back = count < self.history.steps().filter(|step| !step.is_undone).count();
+        let is_back = count
+            < self
+                .document
+                .history
+                .steps()
+                .filter(|step| !step.is_undone)
+                .count();
         self.withdraw(Action::Undo);
-        if let Some(step) = self.history.go_to(count, &self.step_now()) {
+        if let Some(step) = self.document.history.go_to(count, &self.step_now()) {
             let label = match is_back {
                 true => UNDONE.to_owned(),
                 false => self.redone_label(),
@@ -119,17 +129,22 @@ impl App {
             }
         }
         steps.reverse();
-        self.history = History::of_past(steps);
+        self.document.history = History::of_past(steps);
     }
 
     /// The changes that led to a project that is kept for the first time, as far back as its logs are those that are open.
     pub(super) fn past_of(&self, project: &Project) -> Vec<PastStep> {
-        let versions = self.history.past().rev().map_while(|(step, label)| {
-            Some(PastStep {
-                label: label.to_owned(),
-                before: self.project_of(step, project)?,
-            })
-        });
+        let versions = self
+            .document
+            .history
+            .past()
+            .rev()
+            .map_while(|(step, label)| {
+                Some(PastStep {
+                    label: label.to_owned(),
+                    before: self.project_of(step, project)?,
+                })
+            });
         let mut steps: Vec<PastStep> = versions.collect();
         steps.reverse();
         steps

@@ -32,17 +32,17 @@ impl App {
         // The settings must hold its path wherever the next run starts.
         let path = std::path::absolute(&path).unwrap_or(path);
         let work = move |_: &_| read_area(&path).map_err(|error| error.to_string());
-        self.reading_area.0 = Some(Task::start(&self.jobs, work));
+        self.files.reading_area.0 = Some(Task::start(&self.jobs, work));
     }
 
     /// Collects an area that was read, and takes it into the settings.
     pub(super) fn poll_isobath_area(&mut self) {
-        let read = match self.reading_area.0.as_ref().map(Task::poll) {
+        let read = match self.files.reading_area.0.as_ref().map(Task::poll) {
             None | Some(Outcome::Pending) => return,
             Some(Outcome::Done(read)) => read,
             Some(Outcome::Failed) => Err("reading the area failed unexpectedly".to_owned()),
         };
-        self.reading_area.stop();
+        self.files.reading_area.stop();
         match read {
             Ok(area) => self.set_isobath_area(Some(area)),
             Err(text) => self.notify(text, true),
@@ -51,7 +51,7 @@ impl App {
 
     /// Shows isobaths wherever there are depths again.
     pub(super) fn remove_isobath_area(&mut self) {
-        self.reading_area.stop();
+        self.files.reading_area.stop();
         self.set_isobath_area(None);
     }
 

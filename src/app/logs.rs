@@ -136,19 +136,19 @@ impl App {
 
     /// The settings that all logs share.
     pub fn shared_settings(&self) -> &Settings {
-        &self.shared
+        &self.document.shared
     }
 
     /// Has new surveys start from these settings, but for those that belong to one survey.
     pub fn use_settings(&mut self, settings: &Settings) {
-        self.start = Arc::new(settings.with_survey_of(&Settings::default()));
-        self.shared = self.start.clone();
-        self.log.settings = self.shared.clone();
+        self.document.start = Arc::new(settings.with_survey_of(&Settings::default()));
+        self.document.shared = self.document.start.clone();
+        self.log.settings = self.document.shared.clone();
     }
 
     /// Shows a log that is at hand already, with what was made of it, in the place of those that are open.
     pub fn show_survey(&mut self, survey: Arc<Survey>, products: Option<Products>) {
-        self.is_waiting = true;
+        self.pipeline.is_waiting = true;
         self.replace_logs(survey);
         self.log.products = products;
     }
@@ -158,7 +158,7 @@ impl App {
         self.leave_project();
         self.close_all();
         // Those of before belong to the survey that was open.
-        self.shared = self.start.clone();
+        self.document.shared = self.document.start.clone();
         self.open_first(survey);
     }
 
@@ -172,16 +172,16 @@ impl App {
             self.logs.park(&mut other);
         }
         for id in std::mem::take(&mut self.logs.order) {
-            self.search.leave(id);
+            self.findings.search.leave(id);
         }
         self.logs.closed.clear();
-        self.log.settings = self.shared.clone();
+        self.log.settings = self.document.shared.clone();
         self.take_over(&mut last);
-        self.history = History::default();
+        self.document.history = History::default();
         self.measuring = super::Measuring::default();
-        self.heights = super::heights::Heights::default();
-        self.positions = super::positions::Positions::default();
-        self.objects = super::objects::Objects::default();
+        self.findings.heights = super::heights::Heights::default();
+        self.findings.positions = super::positions::Positions::default();
+        self.findings.objects = super::objects::Objects::default();
         self.comparing.leave();
         self.meet_log();
     }
@@ -195,11 +195,11 @@ impl App {
 
     /// Opens a log in an empty window.
     fn open_first(&mut self, survey: Arc<Survey>) {
-        self.plane = survey.track.frame.clone();
+        self.document.plane = survey.track.frame.clone();
         self.enter_plane();
         // What was closed before lay in another plane.
         self.logs.closed.clear();
-        self.history = History::default();
+        self.document.history = History::default();
         self.measuring = super::Measuring::default();
         let log = self.opened(survey);
         let mut last = std::mem::replace(&mut self.log, log);
@@ -223,10 +223,10 @@ impl App {
         let is_placed = |log: &OpenLog| log.survey.as_ref().is_some_and(|one| one.has_place());
         if !self.logs().any(is_placed) {
             // A plane through no place of the survey would bend this log's track.
-            self.plane = survey.track.frame.clone();
+            self.document.plane = survey.track.frame.clone();
             self.enter_plane();
         }
-        let log = self.opened(Arc::new(survey.in_frame(&self.plane)));
+        let log = self.opened(Arc::new(survey.in_frame(&self.document.plane)));
         let id = log.id;
         self.logs.others.push(log);
         self.name_logs();
@@ -243,7 +243,7 @@ impl App {
             closed.is_none_or(|closed| !(closed.file == own.file && closed.is_same_log(&own)))
         };
         self.logs.closed.retain(is_other);
-        let mut log = OpenLog::new(id, survey.clone(), self.shared.clone());
+        let mut log = OpenLog::new(id, survey.clone(), self.document.shared.clone());
         log.colour = log_colour(self.logs.order.len() - 1);
         // Boxes of all logs are sorted and filtered alike.
         log.reviewing.queue = self.log.reviewing.queue.clone();
@@ -271,8 +271,9 @@ impl App {
         self.selection = None;
         self.hover = None;
         self.visible = 0..0;
-        self.reference_comparison = super::reference_comparison::ReferenceComparison::default();
-        self.previewer.forget();
+        self.findings.reference_comparison =
+            super::reference_comparison::ReferenceComparison::default();
+        self.pipeline.previewer.forget();
         self.schedule();
     }
 
@@ -302,7 +303,7 @@ impl App {
             app.keep_decisions();
             app.remember_settings();
         });
-        self.search.leave(id);
+        self.findings.search.leave(id);
         let order = &self.logs.order;
         let Some(place) = order.iter().position(|one| *one == id) else {
             return;
@@ -315,8 +316,8 @@ impl App {
             Some(_) => {}
             None => {
                 let mut last = std::mem::take(&mut self.log);
-                self.shared = self.start.clone();
-                self.log.settings = self.shared.clone();
+                self.document.shared = self.document.start.clone();
+                self.log.settings = self.document.shared.clone();
                 self.take_over(&mut last);
                 self.logs.close(last);
                 self.comparing.leave();
@@ -467,7 +468,11 @@ impl App {
 
     /// Whether a log is being processed.
     pub fn is_processing(&self, id: LogId) -> bool {
-        let processed = self.processing.as_ref().map(|(processed, ..)| *processed);
+        let processed = self
+            .pipeline
+            .requested
+            .as_ref()
+            .map(|(processed, ..)| *processed);
         processed == Some(id) && self.engine_status() != EngineStatus::Idle
     }
 
@@ -478,7 +483,7 @@ impl App {
 
     /// Has the log processed next whose results are missing or older than its settings: first the one that is shown.
     pub(super) fn schedule(&mut self) {
-        if self.is_waiting {
+        if self.pipeline.is_waiting {
             return;
         }
         let behind = |log: &&OpenLog| log.is_behind();
@@ -492,12 +497,14 @@ impl App {
         let same = |(id, survey, settings): &(LogId, Arc<Survey>, Arc<Settings>)| {
             *id == request.0 && Arc::ptr_eq(survey, &request.1) && Arc::ptr_eq(settings, &request.2)
         };
-        if is_running && self.processing.as_ref().is_some_and(same) {
+        if is_running && self.pipeline.requested.as_ref().is_some_and(same) {
             return;
         }
         let before = log.products.clone();
         let settings = Settings::clone(&log.settings);
-        self.engine.request(survey.clone(), settings, before);
-        self.processing = Some(request);
+        self.pipeline
+            .engine
+            .request(survey.clone(), settings, before);
+        self.pipeline.requested = Some(request);
     }
 }

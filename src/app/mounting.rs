@@ -27,17 +27,17 @@ impl App {
 
     /// How the recorder of the shown log is mounted as a rule, where that is known.
     pub fn usual_mounting(&self) -> Option<MountingSettings> {
-        self.mountings.get(&self.recorder()).copied()
+        self.document.mountings.get(&self.recorder()).copied()
     }
 
     /// The mountings by recorder: what is kept between runs.
     pub fn mountings(&self) -> &Mountings {
-        &self.mountings
+        &self.document.mountings
     }
 
     /// Begins with these mountings by recorder.
     pub fn use_mountings(&mut self, mountings: Mountings) {
-        self.mountings = Arc::new(mountings);
+        self.document.mountings = Arc::new(mountings);
     }
 
     pub(super) fn swap_sides(&mut self) {
@@ -79,7 +79,7 @@ impl App {
         }
         let before = self.step_now();
         let mounting = self.log.settings.mounting;
-        let mountings = Arc::make_mut(&mut self.mountings);
+        let mountings = Arc::make_mut(&mut self.document.mountings);
         match mounting.is_none() {
             true => mountings.remove(&recorder),
             false => mountings.insert(recorder.clone(), mounting),
@@ -104,7 +104,7 @@ impl App {
     pub(super) fn forget_mounting(&mut self) {
         let recorder = self.recorder();
         let before = self.step_now();
-        if Arc::make_mut(&mut self.mountings)
+        if Arc::make_mut(&mut self.document.mountings)
             .remove(&recorder)
             .is_none()
         {
@@ -126,7 +126,7 @@ impl App {
         let settings = with_sides(settings, &self.log.settings);
         settings.check().map_err(|error| error.to_string())?;
         self.follow_source(&settings)?;
-        let parts = self.log.own.change(&self.shared, &settings);
+        let parts = self.log.own.change(&self.document.shared, &settings);
         let (_, own) = parts.map_err(|error| error.to_string())?;
         self.log.own = Arc::new(own);
         self.log.settings = Arc::new(settings);

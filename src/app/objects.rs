@@ -109,7 +109,7 @@ impl Objects {
 impl App {
     /// The objects that the boxes of all visible logs show, by number.
     pub fn objects(&self) -> &[SurveyObject] {
-        let list = self.objects.list.result();
+        let list = self.findings.objects.list.result();
         list.map_or(&[], |list| list.objects())
     }
 
@@ -119,28 +119,32 @@ impl App {
         let shown = shown.filter(|log| log.survey.is_some() && log.products.is_some());
         SurveyReview {
             logs: shown.map(OpenLog::review_of_boxes).collect(),
-            numbers: self.objects.numbers().clone(),
+            numbers: self.findings.objects.numbers().clone(),
         }
     }
 
     /// The numbers of the objects that the boxes of a log show.
     pub(super) fn object_numbers(&self, log: LogId) -> BTreeMap<BoxId, u32> {
-        self.objects.numbers().of_log(log)
+        self.findings.objects.numbers().of_log(log)
     }
 
     /// Numbers of the objects that the table shows, in its order.
     pub fn listed_objects(&self) -> &[u32] {
-        self.objects.listing.result().map_or(&[], Vec::as_slice)
+        self.findings
+            .objects
+            .listing
+            .result()
+            .map_or(&[], Vec::as_slice)
     }
 
     /// An object by its number.
     pub fn object(&self, number: u32) -> Option<&SurveyObject> {
-        self.objects.list.result()?.object(number)
+        self.findings.objects.list.result()?.object(number)
     }
 
     /// The object that a box shows; `None` where it has no place, and of logs that are not visible.
     pub fn object_of(&self, id: LogBox) -> Option<&SurveyObject> {
-        self.objects.list.result()?.object_of(id)
+        self.findings.objects.list.result()?.object_of(id)
     }
 
     /// The box that shows an object first: one of the log that is shown, and of several the surest.
@@ -163,14 +167,14 @@ impl App {
 
     /// The shape of the selected object, or why it has none, once it is fitted.
     pub fn selected_object_shape(&self) -> Option<&Result<FittedShape, ShapeError>> {
-        let (boxes, shape) = self.objects.shape.result()?;
+        let (boxes, shape) = self.findings.objects.shape.result()?;
         let object = self.selected_object()?;
         (*boxes == object.boxes).then_some(shape)
     }
 
     /// How many passes of the boat over all visible logs saw the selected object, and how many covered its place, once they are counted.
     pub fn selected_object_passes(&self) -> Option<PassCount> {
-        let (number, passes) = self.objects.passes.result()?;
+        let (number, passes) = self.findings.objects.passes.result()?;
         let object = self.selected_object()?;
         // Those of a moment ago are of other boxes.
         (*number == object.number && passes.seen == object.sightings).then_some(*passes)
@@ -193,7 +197,7 @@ impl App {
             })
         };
         let logs: Vec<LogBoxes> = self.visible_logs().filter_map(boxes).collect();
-        let Objects { list, first, .. } = &mut self.objects;
+        let Objects { list, first, .. } = &mut self.findings.objects;
         let (before, first) = (list.result().cloned(), first.clone());
         let of = logs.clone();
         list.ask(logs.clone(), &self.jobs, move |_| {
@@ -207,7 +211,7 @@ impl App {
 
     /// Sorts and filters the table where the objects, the order or the filter are others.
     fn list_objects(&mut self) {
-        let Objects { list, listing, .. } = &mut self.objects;
+        let Objects { list, listing, .. } = &mut self.findings.objects;
         let Some(list) = list.result().cloned() else {
             return;
         };
@@ -230,26 +234,29 @@ impl App {
         let placed: Vec<(LogBox, ProcessedLog, Arc<Placed>)> = placed.collect();
         if placed.is_empty() {
             // Nobody would collect it, and the window would never rest.
-            if self.objects.shape.is_running() {
-                self.objects.shape = Background::default();
+            if self.findings.objects.shape.is_running() {
+                self.findings.objects.shape = Background::default();
             }
             return;
         }
         let of = placed.iter().map(|(id, _, at)| (*id, Same(at.clone())));
-        self.objects.shape.ask(of.collect(), &self.jobs, move |_| {
-            let boxes: Vec<(&ProcessedLog, &Target)> = (placed.iter())
-                .map(|(_, log, at)| (log, &at.target))
-                .collect();
-            let ids = placed.iter().map(|(id, ..)| *id).collect();
-            Some((ids, object_shape(&boxes)))
-        });
+        self.findings
+            .objects
+            .shape
+            .ask(of.collect(), &self.jobs, move |_| {
+                let boxes: Vec<(&ProcessedLog, &Target)> = (placed.iter())
+                    .map(|(_, log, at)| (log, &at.target))
+                    .collect();
+                let ids = placed.iter().map(|(id, ..)| *id).collect();
+                Some((ids, object_shape(&boxes)))
+            });
     }
 
     fn count_passes(&mut self, logs: Vec<LogBoxes>) {
         let Some(object) = self.selected_object() else {
             // Nobody would collect what is being counted, and the window would never rest.
-            if self.objects.passes.is_running() {
-                self.objects.passes = Background::default();
+            if self.findings.objects.passes.is_running() {
+                self.findings.objects.passes = Background::default();
             }
             return;
         };
@@ -261,7 +268,7 @@ impl App {
             place_m: joint.place_m,
             logs: logs.iter().map(track).collect(),
         };
-        self.objects.passes.ask(of, &self.jobs, move |_| {
+        self.findings.objects.passes.ask(of, &self.jobs, move |_| {
             let logs: Vec<PassLog<'_>> = logs.iter().map(LogBoxes::pass_log).collect();
             Some((number, joint.passes(&logs)))
         });

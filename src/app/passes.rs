@@ -94,7 +94,12 @@ pub fn mark_of(pass: &Pass) -> Mark {
 impl App {
     /// What is known of the passes of all visible logs over a position, in the order of the list of logs.
     pub fn passes_at(&self, at: LonLat) -> PassesFound<'_> {
-        let listed = self.passes.listed.as_ref().filter(|one| one.at == at);
+        let listed = self
+            .findings
+            .passes
+            .listed
+            .as_ref()
+            .filter(|one| one.at == at);
         match listed.map(|listed| (&listed.task, &listed.found)) {
             Some((Some(_), _)) => PassesFound::Searching,
             Some((None, Some(found))) => PassesFound::Found(found),
@@ -105,14 +110,14 @@ impl App {
 
     /// Done share of a search for passes under way, 0 to 1.
     pub fn passes_fraction(&self) -> Option<f32> {
-        self.passes.fraction()
+        self.findings.passes.fraction()
     }
 
     /// Starts to look for the passes over a position; a search for another one is dropped.
     pub(super) fn find_passes(&mut self, at: LonLat) {
-        let (shown, results) = (self.shown_logs(), self.deriving.results.clone());
+        let (shown, results) = (self.shown_logs(), self.pipeline.deriving.results.clone());
         let work = move |progress: &Progress| found(&shown, at, &results, progress).ok();
-        self.passes.listed = Some(Listed {
+        self.findings.passes.listed = Some(Listed {
             at,
             task: Some(Task::start(&self.jobs, work)),
             found: None,
@@ -133,10 +138,16 @@ impl App {
     }
 
     fn go_to(&mut self, to: Goal) {
-        if self.passes.next.as_ref().is_some_and(|next| next.to == to) {
+        if self
+            .findings
+            .passes
+            .next
+            .as_ref()
+            .is_some_and(|next| next.to == to)
+        {
             return;
         }
-        let (shown, results) = (self.shown_logs(), self.deriving.results.clone());
+        let (shown, results) = (self.shown_logs(), self.pipeline.deriving.results.clone());
         let work = move |progress: &Progress| {
             let at = match to {
                 Goal::After(id, mark) => ground_of(&shown, (id, mark), &results, progress).ok()?,
@@ -147,7 +158,7 @@ impl App {
                 None => Some(None),
             }
         };
-        self.passes.next = Some(Next {
+        self.findings.passes.next = Some(Next {
             from: self.selected(),
             to,
             task: Task::start(&self.jobs, work),
@@ -161,12 +172,23 @@ impl App {
     /// Collects the passes that were found.
     pub(super) fn poll_passes(&mut self) {
         self.poll_listed();
-        match self.passes.next.as_ref().map(|next| next.task.poll()) {
+        match self
+            .findings
+            .passes
+            .next
+            .as_ref()
+            .map(|next| next.task.poll())
+        {
             None | Some(Outcome::Pending) => {}
             Some(Outcome::Done(found)) => {
                 let here = self.selected();
                 // Whoever selected something else meanwhile does not want to be led away from it.
-                let next = self.passes.next.take().filter(|next| next.from == here);
+                let next = self
+                    .findings
+                    .passes
+                    .next
+                    .take()
+                    .filter(|next| next.from == here);
                 match found.zip(next.map(|next| next.to)) {
                     Some((Some(passes), Goal::After(id, mark))) => {
                         self.go_to_next(&passes, id, mark);
@@ -177,14 +199,14 @@ impl App {
                 }
             }
             Some(Outcome::Failed) => {
-                self.passes.next = None;
+                self.findings.passes.next = None;
                 self.notify("looking for passes failed unexpectedly".to_owned(), true);
             }
         }
     }
 
     fn poll_listed(&mut self) {
-        let Some(listed) = &mut self.passes.listed else {
+        let Some(listed) = &mut self.findings.passes.listed else {
             return;
         };
         match listed.task.as_ref().map(Task::poll) {

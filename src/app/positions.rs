@@ -39,12 +39,12 @@ pub(super) type Positions = LogsTask<FoundPositions>;
 impl App {
     /// Whether positions are being compared.
     pub fn is_matching_positions(&self) -> bool {
-        self.positions.is_busy()
+        self.findings.positions.is_busy()
     }
 
     /// How the positions of the logs are off, once that was asked for.
     pub fn position_offsets(&self) -> Option<&FoundPositions> {
-        self.positions.found()
+        self.findings.positions.found()
     }
 
     /// Starts to compare the positions of the visible logs: their shifts, where there are several, and their latencies.
@@ -61,7 +61,7 @@ impl App {
             shifts: logs.len() > 1,
             latencies: true,
         };
-        self.positions.start(&self.jobs, move |progress| {
+        self.findings.positions.start(&self.jobs, move |progress| {
             let found = position_offsets(&logs, wanted, progress).ok()??;
             let logs = ids.into_iter().zip(found).collect();
             Some(FoundPositions { logs })
@@ -70,7 +70,7 @@ impl App {
 
     /// Collects what was found.
     pub(super) fn poll_positions(&mut self) {
-        match self.positions.poll() {
+        match self.findings.positions.poll() {
             Stands::Found if !self.position_offsets().is_some_and(FoundPositions::tells) => {
                 self.notify(FoundPositions::NOTHING_TOLD.to_owned(), false);
             }

@@ -119,13 +119,13 @@ impl App {
         copy.log = self.log.for_picture();
         copy.planning = self.planning.for_picture();
         copy.logs = self.logs.for_picture();
-        copy.deriving = self.deriving.for_picture();
+        copy.pipeline.deriving = self.pipeline.deriving.for_picture();
         copy.survey_serial = self.survey_serial;
         copy.plane_serial = self.plane_serial;
         copy.options = self.options.clone();
         copy.base_map = self.base_map.clone();
         copy.comparing = self.comparing.for_picture();
-        copy.reference_comparison = self.reference_comparison.for_picture();
+        copy.findings.reference_comparison = self.findings.reference_comparison.for_picture();
         copy.measuring = self.measuring.for_picture();
         copy
     }

@@ -102,24 +102,24 @@ pub fn is_project(path: &Path) -> bool {
 impl App {
     /// The file of the open project.
     pub fn project_path(&self) -> Option<&Path> {
-        self.project_saving.store.as_ref().map(Store::path)
+        self.files.project_saving.store.as_ref().map(Store::path)
     }
 
     /// Whether the project has changes that its file does not hold; they are in the journal beside it.
     pub fn is_project_unsaved(&self) -> bool {
-        let store = self.project_saving.store.as_ref();
-        store.is_some_and(|store| store.is_unsaved(&self.project_saving.project))
+        let store = self.files.project_saving.store.as_ref();
+        store.is_some_and(|store| store.is_unsaved(&self.files.project_saving.project))
     }
 
     /// Starts to open a project in the place of what is open.
     pub(super) fn open_project(&mut self, path: PathBuf) {
-        self.loading = None;
-        self.to_load.clear();
+        self.files.loading = None;
+        self.files.to_load.clear();
         self.keep_project("close");
-        self.project_saving.finish_writing();
+        self.files.project_saving.finish_writing();
         // The window itself may have it open.
-        self.project_saving.store = None;
-        self.project_saving.opening = Some(Task::start(&self.jobs, move |progress| {
+        self.files.project_saving.store = None;
+        self.files.project_saving.opening = Some(Task::start(&self.jobs, move |progress| {
             read(&path, progress)
         }));
     }
@@ -152,24 +152,24 @@ impl App {
             };
             logs.into_iter().map(file).collect()
         });
-        self.project_saving.naming = Some((path, task));
+        self.files.project_saving.naming = Some((path, task));
     }
 
     /// Writes the project into its file.
     pub(super) fn save_project(&mut self) {
         self.keep_project("save");
-        let Some(store) = &mut self.project_saving.store else {
+        let Some(store) = &mut self.files.project_saving.store else {
             let text = "there is no project file yet; use Save project as";
             return self.notify(text.to_owned(), true);
         };
-        if self.project_saving.saving.is_some() {
-            self.project_saving.saves_again = true;
+        if self.files.project_saving.saving.is_some() {
+            self.files.project_saving.saves_again = true;
             return;
         }
-        match store.begin_save(&self.project_saving.project) {
+        match store.begin_save(&self.files.project_saving.project) {
             Ok(saving) => {
                 let task = Task::start(&self.jobs, move |_| saving.write());
-                self.project_saving.saving = Some(task);
+                self.files.project_saving.saving = Some(task);
             }
             Err(error) => self.notify(error.to_string(), true),
         }
@@ -177,16 +177,16 @@ impl App {
 
     /// Collects a project that was saved.
     fn poll_saving(&mut self) {
-        let written = match self.project_saving.saving.as_ref().map(Task::poll) {
+        let written = match self.files.project_saving.saving.as_ref().map(Task::poll) {
             Some(Outcome::Done(written)) => Some(written),
             Some(Outcome::Failed) => None,
             Some(Outcome::Pending) | None => return,
         };
-        self.project_saving.saving = None;
-        match (written, &mut self.project_saving.store) {
+        self.files.project_saving.saving = None;
+        match (written, &mut self.files.project_saving.store) {
             (Some(written), Some(store)) => match store.end_save(written) {
                 Ok(()) => {
-                    self.project_saving.failed = false;
+                    self.files.project_saving.failed = false;
                     let text = format!("Saved the project: {}", store.path().display());
                     self.notify(text, false);
                 }
@@ -194,34 +194,34 @@ impl App {
             },
             _ => self.notify("saving the project failed unexpectedly".to_owned(), true),
         }
-        if std::mem::take(&mut self.project_saving.saves_again) {
+        if std::mem::take(&mut self.files.project_saving.saves_again) {
             self.save_project();
         }
     }
 
     /// Whether the project is being written into its file.
     pub fn is_keeping(&self) -> bool {
-        self.project_saving.is_writing()
+        self.files.project_saving.is_writing()
     }
 
     /// Waits until the project is written: the window closes.
     pub(super) fn finish_keeping(&mut self) {
-        self.project_saving.finish_writing();
+        self.files.project_saving.finish_writing();
     }
 
     /// Writes what changed into the journal of the open project.
     pub(super) fn keep_project(&mut self, label: &str) {
-        if self.project_saving.store.is_none() {
+        if self.files.project_saving.store.is_none() {
             return;
         }
-        self.project_saving.project = self.as_project(&self.project_saving.project);
-        let Some(store) = &mut self.project_saving.store else {
+        self.files.project_saving.project = self.as_project(&self.files.project_saving.project);
+        let Some(store) = &mut self.files.project_saving.store else {
             return;
         };
-        match store.record(&self.project_saving.project, label) {
-            Ok(()) => self.project_saving.failed = false,
+        match store.record(&self.files.project_saving.project, label) {
+            Ok(()) => self.files.project_saving.failed = false,
             Err(error) => {
-                if !std::mem::replace(&mut self.project_saving.failed, true) {
+                if !std::mem::replace(&mut self.files.project_saving.failed, true) {
                     self.notify(error.to_string(), true);
                 }
             }
@@ -231,20 +231,21 @@ impl App {
     /// Leaves the project: what is opened next is none of its logs.
     pub(super) fn leave_project(&mut self) {
         self.keep_project("close");
-        self.project_saving.finish_writing();
-        self.project_saving = ProjectSaving::default();
+        self.files.project_saving.finish_writing();
+        self.files.project_saving = ProjectSaving::default();
     }
 
     /// What is open as a project; what the window does not show stays as it is in `before`.
     fn as_project(&self, before: &Project) -> Project {
         let mut project = before.clone();
-        project.settings = Settings::clone(&self.shared);
+        project.settings = Settings::clone(&self.document.shared);
         let is_placed = |log: &OpenLog| log.survey.as_ref().is_some_and(|one| one.has_place());
-        project.origin = (self.logs().any(is_placed)).then(|| self.plane.origin());
+        project.origin = (self.logs().any(is_placed)).then(|| self.document.plane.origin());
         let open: Vec<&OpenLog> = self.logs().filter(|log| log.file.is_some()).collect();
         let is_open = |log: &ProjectLog| {
             let mut files = open.iter().filter_map(|open| open.file.as_ref());
-            files.any(|file| file.sha256 == log.file.sha256) || self.missing.contains(&log.key)
+            files.any(|file| file.sha256 == log.file.sha256)
+                || self.files.missing.contains(&log.key)
         };
         let gone: Vec<_> = (project.logs().iter())
             .filter(|log| !is_open(log))
@@ -302,21 +303,22 @@ impl App {
     pub(super) fn poll_project(&mut self) {
         self.poll_saving();
         self.poll_creating();
-        match self.project_saving.opening.as_ref().map(Task::poll) {
+        match self.files.project_saving.opening.as_ref().map(Task::poll) {
             Some(Outcome::Done(read)) => {
-                self.project_saving.opening = None;
+                self.files.project_saving.opening = None;
                 match read {
                     Ok(read) => self.take_project(read),
                     Err(text) => self.notify(text, true),
                 }
             }
             Some(Outcome::Failed) => {
-                self.project_saving.opening = None;
+                self.files.project_saving.opening = None;
                 self.notify("opening the project failed unexpectedly".to_owned(), true);
             }
             Some(Outcome::Pending) | None => {}
         }
         let named = match self
+            .files
             .project_saving
             .naming
             .as_ref()
@@ -326,7 +328,7 @@ impl App {
             Some(Outcome::Failed) => None,
             Some(Outcome::Pending) | None => return,
         };
-        if let (Some((path, _)), Some(files)) = (self.project_saving.naming.take(), named) {
+        if let (Some((path, _)), Some(files)) = (self.files.project_saving.naming.take(), named) {
             self.name_project(&path, files);
         }
     }
@@ -341,17 +343,18 @@ impl App {
         {
             return self.save_project();
         }
-        let project = self.as_project(&self.project_saving.project);
+        let project = self.as_project(&self.files.project_saving.project);
         let (path, kept) = (path.to_owned(), project.clone());
         let past = self.past_of(&project);
         let create = move |_: &Progress| Store::create_with_past(&path, &kept, past);
-        self.project_saving.creating = Some((project, Task::start(&self.jobs, create)));
+        self.files.project_saving.creating = Some((project, Task::start(&self.jobs, create)));
         self.poll_creating();
     }
 
     /// Collects a project that was written for the first time. Until then what is changed is kept where it was kept before.
     fn poll_creating(&mut self) {
         let created = match self
+            .files
             .project_saving
             .creating
             .as_ref()
@@ -361,17 +364,17 @@ impl App {
             Some(Outcome::Failed) => None,
             Some(Outcome::Pending) | None => return,
         };
-        let Some((project, _)) = self.project_saving.creating.take() else {
+        let Some((project, _)) = self.files.project_saving.creating.take() else {
             return;
         };
         match created {
             Some(Ok(store)) => {
                 let text = format!("Saved the project: {}", store.path().display());
                 self.remember(store.path().to_owned());
-                self.project_saving.finish_writing();
-                self.project_saving.store = Some(store);
-                self.project_saving.project = project;
-                self.project_saving.failed = false;
+                self.files.project_saving.finish_writing();
+                self.files.project_saving.store = Some(store);
+                self.files.project_saving.project = project;
+                self.files.project_saving.failed = false;
                 self.notify(text, false);
                 self.keep_project("save under another name");
                 self.each_log(App::leave_sidecars);
@@ -393,13 +396,13 @@ impl App {
             notes: told,
             past,
         } = opened;
-        self.missing = (project.logs().iter())
+        self.files.missing = (project.logs().iter())
             .filter(|log| logs.iter().all(|(found, ..)| found.key != log.key))
             .map(|log| log.key.clone())
             .collect();
         self.remember(store.path().to_owned());
         self.close_all();
-        self.shared = Arc::new(project.settings.clone());
+        self.document.shared = Arc::new(project.settings.clone());
         if let Some(options) = project.view::<ViewOptions>(VIEW) {
             self.options = options;
         }
@@ -416,16 +419,23 @@ impl App {
             numbers.add_log(id, &log.object_numbers);
             self.with_log(id, |app| app.take_project_log(&log, settings));
         }
-        self.objects.number_from(numbers);
+        self.findings.objects.number_from(numbers);
         if let Some(queue) = queue.filter(|kept| (0.0..=1.0).contains(&kept.threshold)) {
             self.set_queue(&queue.into_queue());
         }
         self.measuring.figure = kept_figure(&project, None);
-        self.project_saving.project = project;
-        self.project_saving.store = Some(store);
+        self.files.project_saving.project = project;
+        self.files.project_saving.store = Some(store);
         self.take_past(past);
-        self.is_waiting = false;
-        if let Some(path) = self.project_saving.project.files.get(BASE_MAP).cloned() {
+        self.pipeline.is_waiting = false;
+        if let Some(path) = self
+            .files
+            .project_saving
+            .project
+            .files
+            .get(BASE_MAP)
+            .cloned()
+        {
             self.reopen_base_map(path);
         }
         for text in told.into_iter().chain(notes) {

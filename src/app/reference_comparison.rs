@@ -110,17 +110,17 @@ impl App {
     /// How the points differ from the reference, or side-scan from soundings while there is none; `None` until it was asked
     /// for, and where no point lies over them.
     pub fn agreement(&self) -> Option<&Arc<Agreement>> {
-        self.reference_comparison.agreement.as_ref()
+        self.findings.reference_comparison.agreement.as_ref()
     }
 
     /// Why there is no agreement, in a sentence.
     pub fn agreement_problem(&self) -> Option<&str> {
-        self.reference_comparison.problem.as_deref()
+        self.findings.reference_comparison.problem.as_deref()
     }
 
     /// Whether residuals are being tabulated.
     pub fn is_tabulating(&self) -> bool {
-        self.reference_comparison.is_busy()
+        self.findings.reference_comparison.is_busy()
     }
 
     /// Starts comparing the results of the visible logs, unless that is done or under way.
@@ -130,7 +130,7 @@ impl App {
             return;
         };
         let of = Of::new(&logs, self.comparing.against(&first.products.settings));
-        let made = &mut self.reference_comparison;
+        let made = &mut self.findings.reference_comparison;
         if made.of.as_ref() == Some(&of) {
             return;
         }
@@ -150,7 +150,7 @@ impl App {
 
     /// Takes an agreement that is ready.
     pub(super) fn poll_tables(&mut self) {
-        let made = &mut self.reference_comparison;
+        let made = &mut self.findings.reference_comparison;
         let found = match made.task.as_ref().map(Task::poll) {
             Some(Outcome::Done(found)) => found,
             Some(Outcome::Failed) => Err("comparing failed unexpectedly".to_owned()),

@@ -98,25 +98,126 @@ pub struct CloseUp {
     pub size_m: f64,
 }
 
+/// What belongs to the open survey as a whole, whichever log is shown.
+pub(super) struct Document {
+    /// The settings that a new survey starts from: the preset, or those that the program was started with.
+    pub start: Arc<Settings>,
+    /// The settings that logs were last given.
+    pub given: GivenSettings,
+    /// The settings that all logs share.
+    pub shared: Arc<Settings>,
+    /// The plane that all logs lie in.
+    pub plane: LocalFrame,
+    /// The metres of a log became those of another system, and the plane was not settled since.
+    pub is_plane_moved: bool,
+    /// How recorders are mounted as a rule, by [`crate::survey::Source::recorder`].
+    pub mountings: Arc<Mountings>,
+    /// What undo goes back to.
+    pub history: History<Step>,
+}
+
+impl Default for Document {
+    fn default() -> Self {
+        Self {
+            start: Arc::default(),
+            given: GivenSettings::default(),
+            shared: Arc::default(),
+            plane: Track::default().frame,
+            is_plane_moved: false,
+            mountings: Arc::default(),
+            history: History::default(),
+        }
+    }
+}
+
+/// The pipeline at work on the open logs.
+pub(super) struct PipelineWork {
+    pub engine: Engine,
+    /// What the engine was asked for last.
+    pub requested: Option<(LogId, Arc<Survey>, Arc<Settings>)>,
+    /// Nothing is processed before the analyst asks for it: the slider is still held, or the work was stopped.
+    pub is_waiting: bool,
+    pub previewer: Previewer,
+    /// What is made of all logs together.
+    pub deriving: Deriving,
+}
+
+impl PipelineWork {
+    fn new(jobs: Jobs) -> Self {
+        Self {
+            engine: Engine::new(jobs),
+            requested: None,
+            is_waiting: false,
+            previewer: Previewer::default(),
+            deriving: Deriving::default(),
+        }
+    }
+
+    fn is_busy(&self) -> bool {
+        self.engine.status() != EngineStatus::Idle
+            || self.previewer.is_busy()
+            || self.deriving.is_busy()
+    }
+}
+
+/// Files that are being read or written.
+#[derive(Default)]
+pub(super) struct FileWork {
+    pub loading: Option<Loading>,
+    pub to_load: VecDeque<Request>,
+    pub opening_base_map: Option<OpeningBaseMap>,
+    pub reading_area: ReadingArea,
+    pub exporting: Option<Exporting>,
+    pub exported: Option<Exported>,
+    pub project_saving: ProjectSaving,
+    /// Logs of the project that were not found.
+    pub missing: Vec<LogKey>,
+}
+
+impl FileWork {
+    fn is_busy(&self) -> bool {
+        self.loading.is_some()
+            || self.opening_base_map.is_some()
+            || self.reading_area.is_busy()
+            || self.exporting.is_some()
+            || self.project_saving.is_busy()
+    }
+}
+
+/// What is searched for in the open logs, and what was found.
+#[derive(Default)]
+pub(super) struct Findings {
+    pub heights: Heights,
+    pub positions: Positions,
+    pub passes: Passes,
+    pub objects: Objects,
+    pub search: Search,
+    pub reference_comparison: ReferenceComparison,
+}
+
+impl Findings {
+    fn is_busy(&self) -> bool {
+        self.heights.is_busy()
+            || self.positions.is_busy()
+            || self.passes.is_busy()
+            || self.objects.is_busy()
+            || self.search.is_busy()
+            || self.search.is_busy_with_tail()
+            || self.reference_comparison.is_busy()
+    }
+}
+
 /// Everything that the window shows.
 pub struct App {
     /// The log that waterfall, profile and panels show: the one under the selection.
     pub log: OpenLog,
     pub(super) logs: Logs,
-    /// The settings that a new survey starts from: the preset, or those that the program was started with.
-    pub(super) start: Arc<Settings>,
-    /// The settings that logs were last given.
-    pub(super) given: GivenSettings,
-    /// The settings that all logs share.
-    pub(super) shared: Arc<Settings>,
-    /// The plane that all logs lie in.
-    pub(super) plane: LocalFrame,
+    pub(super) document: Document,
+    pub(super) pipeline: PipelineWork,
+    pub(super) files: FileWork,
+    pub(super) findings: Findings,
     /// Grows when another log is shown; views drop what they cached of it when it changes.
     pub survey_serial: u64,
-    /// The metres of a log became those of another system, and the plane was not settled since.
-    pub(super) is_plane_moved: bool,
-    /// How recorders are mounted as a rule, by [`crate::survey::Source::recorder`].
-    pub(super) mountings: Arc<Mountings>,
     /// Grows when the plane of the survey moves: with each survey opened, and with each track applied to it.
     pub plane_serial: u64,
     /// What is selected.
@@ -136,40 +237,17 @@ pub struct App {
     pub(super) said: NoticeHistory,
     /// The analyst's own picture under the map.
     pub base_map: Option<Arc<BaseMap>>,
-    /// What the points are held against.
+    /// What the points are compared with.
     pub comparing: Comparing,
     /// What is drawn on the map to measure.
     pub measuring: Measuring,
     /// Lines to sail next.
     pub planning: Planning,
+    pub(super) following: Following,
     /// Only a picture is drawn of it: views leave their buttons out.
     pub is_picture: bool,
-    pub(super) history: History<Step>,
-    pub(super) engine: Engine,
-    /// What the engine was asked for last.
-    pub(super) processing: Option<(LogId, Arc<Survey>, Arc<Settings>)>,
-    /// Nothing is processed before the analyst asks for it: the slider is still held, or the work was stopped.
-    pub(super) is_waiting: bool,
-    pub(super) previewer: Previewer,
-    pub(super) loading: Option<Loading>,
-    pub(super) to_load: VecDeque<Request>,
-    pub(super) reference_comparison: ReferenceComparison,
-    pub(super) heights: Heights,
-    pub(super) positions: Positions,
-    pub(super) deriving: Deriving,
-    pub(super) passes: Passes,
-    pub(super) objects: Objects,
-    pub(super) search: Search,
-    pub(super) following: Following,
-    pub(super) project_saving: ProjectSaving,
-    /// Logs of the project that were not found.
-    pub(super) missing: Vec<LogKey>,
-    pub(super) exporting: Option<Exporting>,
-    pub(super) exported: Option<Exported>,
     /// The folder that was written last.
     pub written_into: Option<PathBuf>,
-    pub(super) opening_base_map: Option<OpeningBaseMap>,
-    pub(super) reading_area: ReadingArea,
     pub(super) jobs: Jobs,
 }
 
@@ -179,13 +257,11 @@ impl App {
         Self {
             log: OpenLog::default(),
             logs: Logs::default(),
-            start: Arc::default(),
-            given: GivenSettings::default(),
-            shared: Arc::default(),
-            plane: Track::default().frame,
+            document: Document::default(),
+            pipeline: PipelineWork::new(jobs.clone()),
+            files: FileWork::default(),
+            findings: Findings::default(),
             survey_serial: 0,
-            is_plane_moved: false,
-            mountings: Arc::default(),
             plane_serial: 0,
             selection: None,
             hover: None,
@@ -199,29 +275,9 @@ impl App {
             comparing: Comparing::default(),
             measuring: Measuring::default(),
             planning: Planning::default(),
-            is_picture: false,
-            history: History::default(),
-            engine: Engine::new(jobs.clone()),
-            processing: None,
-            is_waiting: false,
-            previewer: Previewer::default(),
-            loading: None,
-            to_load: VecDeque::new(),
-            reference_comparison: ReferenceComparison::default(),
-            heights: Heights::default(),
-            positions: Positions::default(),
-            deriving: Deriving::default(),
-            passes: Passes::default(),
-            objects: Objects::default(),
-            search: Search::default(),
             following: Following::default(),
-            project_saving: ProjectSaving::default(),
-            missing: Vec::new(),
-            exporting: None,
-            exported: None,
+            is_picture: false,
             written_into: None,
-            opening_base_map: None,
-            reading_area: ReadingArea::default(),
             jobs,
         }
     }
@@ -253,39 +309,28 @@ impl App {
 
     /// What the engine does.
     pub fn engine_status(&self) -> EngineStatus {
-        self.engine.status()
+        self.pipeline.engine.status()
     }
 
     /// What is being opened.
     pub fn load_status(&self) -> Option<LoadStatus> {
-        self.loading.as_ref().map(Loading::status)
+        self.files.loading.as_ref().map(Loading::status)
     }
 
     /// Done share of the export under way, 0 to 1.
     pub fn export_fraction(&self) -> Option<f32> {
-        self.exporting.as_ref().map(Exporting::fraction)
+        self.files.exporting.as_ref().map(Exporting::fraction)
     }
 
     /// Whether nothing is being opened, computed or written.
     pub fn is_idle(&self) -> bool {
-        self.loading.is_none()
-            && self.engine_status() == EngineStatus::Idle
-            && !self.previewer.is_busy()
-            && !self.reference_comparison.is_busy()
-            && !self.heights.is_busy()
-            && !self.positions.is_busy()
-            && !self.planning.is_busy()
-            && !self.deriving.is_busy()
-            && !self.passes.is_busy()
-            && !self.objects.is_busy()
-            && !self.search.is_busy()
-            && !self.following.is_busy()
-            && !self.search.is_busy_with_tail()
-            && !self.project_saving.is_busy()
-            && !self.comparing.is_opening()
-            && self.exporting.is_none()
-            && self.opening_base_map.is_none()
-            && !self.reading_area.is_busy()
-            && !self.logs().any(OpenLog::is_busy)
+        let is_busy = self.pipeline.is_busy()
+            || self.files.is_busy()
+            || self.findings.is_busy()
+            || self.planning.is_busy()
+            || self.following.is_busy()
+            || self.comparing.is_opening()
+            || self.logs().any(OpenLog::is_busy);
+        !is_busy
     }
 }

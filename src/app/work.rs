@@ -24,7 +24,7 @@ impl App {
         self.poll_engine();
         self.poll_following();
         self.collect_tail();
-        if let Some(preview) = self.previewer.poll(&self.jobs)
+        if let Some(preview) = self.pipeline.previewer.poll(&self.jobs)
             && preview.is_for(&self.log.settings)
             && self.stale().is_some()
         {
@@ -68,10 +68,10 @@ impl App {
     }
 
     fn poll_engine(&mut self) {
-        let Some(processed) = self.engine.poll() else {
+        let Some(processed) = self.pipeline.engine.poll() else {
             return;
         };
-        let log = self.processing.take().map(|(id, ..)| id);
+        let log = self.pipeline.requested.take().map(|(id, ..)| id);
         match (processed, log) {
             (Ok(products), Some(id)) => {
                 self.with_log(id, |app| app.take_products(products));
@@ -79,7 +79,7 @@ impl App {
             (Ok(_), None) => {}
             (Err(failed), _) => {
                 // The same settings would only fail again.
-                self.is_waiting = true;
+                self.pipeline.is_waiting = true;
                 self.notify(failed.to_string(), true);
             }
         }
@@ -87,10 +87,10 @@ impl App {
     }
 
     fn poll_loading(&mut self) {
-        let Some(opened) = self.loading.as_ref().and_then(Loading::poll) else {
+        let Some(opened) = self.files.loading.as_ref().and_then(Loading::poll) else {
             return;
         };
-        let Some(loading) = self.loading.take() else {
+        let Some(loading) = self.files.loading.take() else {
             return;
         };
         let Request { origin, place } = loading.request;
@@ -101,7 +101,7 @@ impl App {
             Ok(Opened::Folder(logs)) => {
                 let logs = logs.into_iter().map(Origin::Path);
                 for request in requests(logs, place).into_iter().rev() {
-                    self.to_load.push_front(request);
+                    self.files.to_load.push_front(request);
                 }
             }
             Ok(Opened::Known(name)) => {
@@ -160,7 +160,7 @@ impl App {
             }
         });
         self.keep_project("add log");
-        self.is_waiting = false;
+        self.pipeline.is_waiting = false;
         self.schedule();
     }
 
@@ -184,7 +184,7 @@ impl App {
             return;
         }
         if let Some(request) = self.preview_request() {
-            self.previewer.warm_up(request, &self.jobs);
+            self.pipeline.previewer.warm_up(request, &self.jobs);
         }
     }
 
@@ -197,14 +197,14 @@ impl App {
 
     /// Has the pipeline run with the settings in force.
     pub(super) fn process(&mut self) {
-        self.is_waiting = false;
+        self.pipeline.is_waiting = false;
         self.schedule();
     }
 
     /// Starts the search for the first return on what is on screen, ahead of the pipeline.
     pub(super) fn preview_returns(&mut self) {
         if let Some(request) = self.preview_request() {
-            self.previewer.want(request, &self.jobs);
+            self.pipeline.previewer.want(request, &self.jobs);
         }
     }
 
@@ -226,21 +226,21 @@ impl App {
 
     /// Stops everything that runs; the last results stay.
     pub(super) fn cancel(&mut self) {
-        self.engine.cancel();
-        self.is_waiting = true;
+        self.pipeline.engine.cancel();
+        self.pipeline.is_waiting = true;
         self.stop_detecting();
-        self.previewer.forget();
+        self.pipeline.previewer.forget();
         self.log.preview = None;
-        self.loading = None;
-        self.to_load.clear();
-        self.project_saving.stop();
-        self.exporting = None;
-        self.opening_base_map = None;
-        self.reading_area.stop();
+        self.files.loading = None;
+        self.files.to_load.clear();
+        self.files.project_saving.stop();
+        self.files.exporting = None;
+        self.files.opening_base_map = None;
+        self.files.reading_area.stop();
         self.comparing.stop();
         self.planning.stop();
-        self.passes.stop();
-        self.reference_comparison.stop();
+        self.findings.passes.stop();
+        self.findings.reference_comparison.stop();
         self.each_log(|app| app.log.external.stop_reading());
     }
 
@@ -266,14 +266,14 @@ impl App {
 
     /// Opens logs, one after the other; those that are still being opened are dropped.
     pub(super) fn load(&mut self, origins: impl Iterator<Item = Origin>, place: Place) {
-        self.loading = None;
-        self.to_load = requests(origins, place);
+        self.files.loading = None;
+        self.files.to_load = requests(origins, place);
         self.load_next();
     }
 
     fn load_next(&mut self) {
-        if self.loading.is_none()
-            && let Some(request) = self.to_load.pop_front()
+        if self.files.loading.is_none()
+            && let Some(request) = self.files.to_load.pop_front()
         {
             let open = match request.place {
                 // The same log opened again is read again.
@@ -281,9 +281,9 @@ impl App {
                 Place::Beside { .. } => self.logs().filter_map(|log| log.survey.clone()).collect(),
             };
             let in_project = self.project_path().is_some();
-            self.loading = Some(Loading::start(request, open, in_project, &self.jobs));
+            self.files.loading = Some(Loading::start(request, open, in_project, &self.jobs));
         }
-        if self.loading.is_none() && self.to_load.is_empty() {
+        if self.files.loading.is_none() && self.files.to_load.is_empty() {
             self.set_apart();
         }
     }

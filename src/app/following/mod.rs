@@ -280,7 +280,7 @@ impl App {
                 }));
             }
         }
-        self.previewer.forget();
+        self.pipeline.previewer.forget();
     }
 
     fn collect_step(&mut self, active: &mut Active) {
@@ -370,13 +370,17 @@ impl App {
             read: log.as_read.clone().or(log.survey.clone())?,
             survey: log.survey.clone()?,
             products: log.products.clone()?,
-            shared: self.shared.clone(),
+            shared: self.document.shared.clone(),
             own: log.own.clone(),
         })
     }
 
     fn is_engine_on(&self, id: LogId) -> bool {
-        let is_it = self.processing.as_ref().is_some_and(|(log, ..)| *log == id);
+        let is_it = self
+            .pipeline
+            .requested
+            .as_ref()
+            .is_some_and(|(log, ..)| *log == id);
         is_it && self.engine_status() != EngineStatus::Idle
     }
 

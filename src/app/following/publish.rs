@@ -21,7 +21,7 @@ impl App {
             let carried = own.carried_to(longest);
             carried.unwrap_or_else(|| own.as_ref().clone())
         };
-        carried(&ground.own) == carried(&log.own) && *ground.shared == *self.shared
+        carried(&ground.own) == carried(&log.own) && *ground.shared == *self.document.shared
     }
 
     /// Shows a longer log with its results. The analyst's decisions are carried over to it.
@@ -78,14 +78,14 @@ impl App {
         self.log.products = Some(products);
         if self.is_shown() {
             // What was measured for the slider is of the shorter log.
-            self.previewer.forget();
+            self.pipeline.previewer.forget();
         }
     }
 
     /// Carries settings that belong to one log over to a longer state of it.
     pub(in crate::app) fn carry_own(&mut self, survey: &Survey) {
         if let Some(own) = self.log.own.carried_to(survey)
-            && let Ok(settings) = own.compose(&self.shared)
+            && let Ok(settings) = own.compose(&self.document.shared)
         {
             self.log.own = Arc::new(own);
             self.log.settings = Arc::new(settings);

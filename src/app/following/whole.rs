@@ -47,7 +47,7 @@ impl App {
         let Some((tools, ground)) = active.tools.as_ref().zip(self.ground_of(active.log)) else {
             return;
         };
-        let frame = (self.log_count() > 1).then(|| self.plane.clone());
+        let frame = (self.log_count() > 1).then(|| self.document.plane.clone());
         let files = match tools.growing.bytes() {
             Ok(files) => files,
             Err(error) => return self.fail_following(active, &error.to_string()),

@@ -36,11 +36,11 @@ impl App {
     pub(in crate::app) fn take_step(&mut self, step: Step, label: &str) {
         self.measuring.figure = step.figure;
         self.take_planned(step.planned);
-        self.mountings = step.mountings;
+        self.document.mountings = step.mountings;
         self.open_and_close(&step.closed);
         self.reorder(step.logs.iter().map(|log| log.id));
-        let shared = std::mem::replace(&mut self.shared, step.shared);
-        let same_shared = Arc::ptr_eq(&shared, &self.shared);
+        let shared = std::mem::replace(&mut self.document.shared, step.shared);
+        let same_shared = Arc::ptr_eq(&shared, &self.document.shared);
         let mut changed_box = None;
         for log in step.logs {
             let changed = self.with_log(log.id, |app| {

@@ -92,19 +92,19 @@ pub struct SearchStatus {
 impl App {
     /// Name of the model that is or will be asked.
     pub fn model_name(&self) -> String {
-        let path = self.search.model_path.as_deref();
+        let path = self.findings.search.model_path.as_deref();
         path.map_or_else(|| "shipped with the program".to_owned(), file_name)
     }
 
     /// What the model's file was taken for, once it has been loaded.
     pub fn model_description(&self) -> Option<&str> {
-        let detector = self.search.detector.as_ref()?;
+        let detector = self.findings.search.detector.as_ref()?;
         Some(detector.model.description())
     }
 
     /// How far the search under way is; `None` while none runs.
     pub fn search_status(&self) -> Option<SearchStatus> {
-        let search = &self.search;
+        let search = &self.findings.search;
         let running = search.running.as_ref();
         let here = running.map_or(0.0, |running| running.task.fraction());
         search.is_busy().then(|| SearchStatus {
@@ -117,7 +117,7 @@ impl App {
 
     /// Takes another model for the next search; `None` for the one that comes with the program.
     pub(in crate::app) fn use_model(&mut self, path: Option<PathBuf>) {
-        self.search.model_path = path;
+        self.findings.search.model_path = path;
     }
 
     /// Starts a search for objects in all visible logs, first in the one that is shown; a search that runs is replaced.
@@ -137,26 +137,30 @@ impl App {
             let text = "there is no usable side-scan in this log to find objects in";
             return self.notify(text.to_owned(), true);
         }
-        self.search.running = None;
-        self.search.tail.wants();
-        (self.search.logs, self.search.done, self.search.found) = (logs.len(), 0, 0);
-        self.search.ahead = logs.into();
+        self.findings.search.running = None;
+        self.findings.search.tail.wants();
+        (
+            self.findings.search.logs,
+            self.findings.search.done,
+            self.findings.search.found,
+        ) = (logs.len(), 0, 0);
+        self.findings.search.ahead = logs.into();
         self.search_next();
     }
 
     /// Starts on the next log that has results; one that is still being processed is waited for.
     fn search_next(&mut self) {
-        let ahead = self.search.ahead.iter();
+        let ahead = self.findings.search.ahead.iter();
         let ready = |id: &LogId| {
             let log = self.open_log(*id);
             log.is_some_and(|log| log.products.is_some())
         };
         if let Some(place) = ahead.clone().position(ready) {
-            if let Some(id) = self.search.ahead.remove(place) {
+            if let Some(id) = self.findings.search.ahead.remove(place) {
                 self.with_log(id, App::search_log);
             }
         } else if self.engine_status() == EngineStatus::Idle
-            && (self.is_waiting || self.processing.is_none())
+            && (self.pipeline.is_waiting || self.pipeline.requested.is_none())
         {
             // Nothing is under way that they could be waited for.
             let names = ahead.filter_map(|id| self.open_log(*id));
@@ -176,8 +180,8 @@ impl App {
         };
         let (survey, navigation) = (survey.clone(), products.navigation.clone());
         let all = survey.side_scan.len();
-        let path = self.search.model_path.clone();
-        let known = self.search.detector.clone();
+        let path = self.findings.search.model_path.clone();
+        let known = self.findings.search.detector.clone();
         let known = known.filter(|detector| detector.path == path);
         let (sender, messages) = mpsc::channel();
         let task = Task::start(&self.jobs, move |progress| {
@@ -198,7 +202,7 @@ impl App {
             find(&survey, &navigation, &model, &settings, progress, on_found)
                 .map_err(|error| error.to_string())
         });
-        self.search.running = Some(Detecting {
+        self.findings.search.running = Some(Detecting {
             log: self.log.id,
             messages,
             pings: 0,
@@ -211,7 +215,7 @@ impl App {
     /// been searched from end to end, and where nothing is known of a search.
     pub fn search_note(&self) -> Option<String> {
         let review = &self.log.reviewing.review;
-        let running = self.search.running.as_ref();
+        let running = self.findings.search.running.as_ref();
         match running.filter(|running| running.log == self.log.id) {
             Some(Detecting { pings: 0, .. }) => Some("The search has begun.".to_owned()),
             Some(Detecting { pings, .. }) => Some(format!(
@@ -219,7 +223,7 @@ impl App {
                 pings - 1,
                 review.identity().pings
             )),
-            None if self.search.ahead.contains(&self.log.id) => {
+            None if self.findings.search.ahead.contains(&self.log.id) => {
                 Some("This log has not been searched yet.".to_owned())
             }
             None => {
@@ -230,12 +234,12 @@ impl App {
 
     /// Ends a search; what it found so far stays, with the pings that it has come over.
     pub(in crate::app) fn stop_detecting(&mut self) {
-        self.search.tail.stop();
-        if !self.search.is_busy() {
+        self.findings.search.tail.stop();
+        if !self.findings.search.is_busy() {
             return;
         }
-        self.search.ahead.clear();
-        match self.search.running.take() {
+        self.findings.search.ahead.clear();
+        match self.findings.search.running.take() {
             Some(running) => {
                 let last = self.receive_messages(&running);
                 self.with_log(running.log, |app| app.end_search(last));
@@ -266,8 +270,8 @@ impl App {
 
     /// Collects what a search found, and goes on to the next log.
     pub(in crate::app) fn poll_detecting(&mut self) {
-        let Some(mut running) = self.search.running.take() else {
-            if self.search.is_busy() {
+        let Some(mut running) = self.findings.search.running.take() else {
+            if self.findings.search.is_busy() {
                 self.search_next();
             }
             return;
@@ -281,7 +285,7 @@ impl App {
                     running.pings = so_far.pings;
                     self.with_log(id, |app| app.adopt(&so_far.boxes, so_far.pings, true));
                 }
-                self.search.running = Some(running);
+                self.findings.search.running = Some(running);
                 return;
             }
             Outcome::Done(found) => found,
@@ -291,7 +295,7 @@ impl App {
             Ok(found) => self.take_found(id, &found, running.all),
             Err(text) => {
                 // The same model would fail on the next log as well.
-                self.search.ahead.clear();
+                self.findings.search.ahead.clear();
                 self.with_log(id, |app| app.end_search(last));
                 self.notify(text, true);
             }
@@ -300,15 +304,15 @@ impl App {
 
     /// Takes all that was found in a log. The whole search is one undo step, but what is found in each log is kept at once.
     fn take_found(&mut self, id: LogId, found: &[Detection], pings: usize) {
-        self.search.done += 1;
-        self.search.found += found.len();
-        let is_last = self.search.ahead.is_empty();
+        self.findings.search.done += 1;
+        self.findings.search.found += found.len();
+        let is_last = self.findings.search.ahead.is_empty();
         self.with_log(id, |app| app.adopt(found, pings, !is_last));
         if !is_last {
             self.keep_project(LABEL);
             return self.search_next();
         }
-        if self.search.found == 0 {
+        if self.findings.search.found == 0 {
             let text = "no objects were found; draw boxes with N, or choose another model";
             self.notify(text.to_owned(), false);
         }
@@ -316,20 +320,20 @@ impl App {
 
     /// The first search with a model shows from the confidence that its makers suggest.
     fn meet(&mut self, detector: Detector) {
-        let known = self.search.detector.as_ref();
+        let known = self.findings.search.detector.as_ref();
         if known.is_none_or(|known| !Arc::ptr_eq(&known.model, &detector.model)) {
             self.set_queue(&Queue {
                 threshold: detector.model.score(),
                 ..self.log.reviewing.queue.clone()
             });
         }
-        self.search.detector = Some(detector);
+        self.findings.search.detector = Some(detector);
     }
 
     /// Takes the boxes that were found in the log's first pings.
     fn adopt(&mut self, found: &[Detection], pings: usize, live: bool) {
         let Some((detector, raster)) =
-            (self.search.detector.clone()).zip(self.log.reviewing.raster().cloned())
+            (self.findings.search.detector.clone()).zip(self.log.reviewing.raster().cloned())
         else {
             return;
         };

@@ -51,14 +51,14 @@ impl super::Search {
 impl App {
     /// Searches what a followed log has got since it was searched.
     pub(in crate::app) fn search_tail(&mut self, id: LogId) {
-        let tail = &self.search.tail;
-        if tail.is_wanted && tail.running.is_none() && !self.search.is_busy() {
+        let tail = &self.findings.search.tail;
+        if tail.is_wanted && tail.running.is_none() && !self.findings.search.is_busy() {
             self.with_log(id, Self::begin_tail);
         }
     }
 
     fn begin_tail(&mut self) {
-        let Some(detector) = self.search.detector.clone() else {
+        let Some(detector) = self.findings.search.detector.clone() else {
             return;
         };
         let (Some(survey), Some(products)) = (&self.log.survey, &self.log.products) else {
@@ -94,7 +94,7 @@ impl App {
             }
             Ok(found)
         });
-        self.search.tail.running = Some(Running {
+        self.findings.search.tail.running = Some(Running {
             log: self.log.id,
             from,
             to,
@@ -105,6 +105,7 @@ impl App {
     /// Collects what was found, also when the log is not followed any more.
     pub(in crate::app) fn collect_tail(&mut self) {
         let found = match self
+            .findings
             .search
             .tail
             .running
@@ -115,7 +116,7 @@ impl App {
             Some(Outcome::Failed) => Err("the search for objects failed unexpectedly".to_owned()),
             Some(Outcome::Pending) | None => return,
         };
-        let Some(running) = self.search.tail.running.take() else {
+        let Some(running) = self.findings.search.tail.running.take() else {
             return;
         };
         match found {
@@ -126,14 +127,14 @@ impl App {
             }
             Err(text) => {
                 // The same model would fail again.
-                self.search.tail.stop();
+                self.findings.search.tail.stop();
                 self.notify(text, true);
             }
         }
     }
 
     fn adopt_tail(&mut self, found: &[Detection], from: usize, to: usize) {
-        let detector = self.search.detector.clone();
+        let detector = self.findings.search.detector.clone();
         let Some((detector, raster)) = detector.zip(self.log.reviewing.raster().cloned()) else {
             return;
         };
