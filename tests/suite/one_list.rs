@@ -175,6 +175,11 @@ fn window_tables_maps_plotters_and_report_have_the_same_objects() {
         .expect("the program runs");
     assert!(output.status.success(), "{output:?}");
     check_run(&headless, &targets, &titles);
-    let window = open(&project);
+    let mut window = open(&project);
+    // The boxes are placed after their logs have results, and joined after that.
+    for _ in 0..10 {
+        window.run();
+    }
+    settle(&mut window);
     assert_eq!(shown(&window, false), all);
 }

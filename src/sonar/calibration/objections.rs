@@ -86,11 +86,10 @@ impl FlatSpot {
         let of_best = best.and_then(FlatSpot::spread);
         match of_best.filter(|best| spread > WIDE.max(WIDER * best)) {
             Some(best) => Some(format!(
-                "The scale of single pings scatters by {percent:.1} %, on the best stretch by {:.1} %.",
+                "Pings scatter by {percent:.1} %, by {:.1} % on the best stretch.",
                 100.0 * best
             )),
-            None => (spread > VERY_WIDE)
-                .then(|| format!("The scale of single pings scatters by {percent:.1} %.")),
+            None => (spread > VERY_WIDE).then(|| format!("Pings scatter by {percent:.1} %.")),
         }
     }
 }

@@ -74,11 +74,14 @@ fn worth(ui: &mut Ui, context: &ViewContext<'_>) {
         return;
     };
     let hint = "Method that gives the depths between measured ones.";
-    fact(ui, "Interpolation", hint, map.surface.method_in_words());
+    fact(ui, "Interpolation", hint, map.surface.method.in_words());
     let hint = "Whether depths between the lines are interpolated, or come from echo levels where these predict withheld soundings.";
     let units = context.app.options.units;
-    let text = between_lines(map.surface.levels, units);
-    fact(ui, "Between lines", hint, text);
+    fact(ui, "Between lines", hint, between_lines(map.surface.levels));
+    if let Some(text) = withheld_errors(map.surface.levels, units) {
+        let hint = "What withheld soundings are missed by: with depths from echo levels, and by interpolation alone.";
+        fact(ui, "Withheld", hint, text);
+    }
     if let Some([half_m, most_m]) = map.usual_error_m {
         let units = context.app.options.units;
         let hint = "Standard deviation of mapped depths, from withheld depths: the median, and what 90 % of the map do not exceed.";
@@ -88,23 +91,26 @@ fn worth(ui: &mut Ui, context: &ViewContext<'_>) {
     }
 }
 
-/// What depths between the lines are, with what left-out soundings are missed by in the units of the window.
-fn between_lines(levels: FromLevels, units: Units) -> String {
-    let figures = |errors_m: [f64; 2]| {
-        let [without, with] = errors_m.map(|error_m| units.spread(error_m, 2));
-        let symbol = units.symbol();
-        format!("error at withheld soundings: {with} {symbol} with levels, {without} without")
-    };
+/// What depths between the lines are.
+fn between_lines(levels: FromLevels) -> String {
     match levels {
-        FromLevels::Used {
-            left_out_m: Some(errors_m),
-        } => format!("from echo levels ({})", figures(errors_m)),
-        FromLevels::Refused(LevelsRefused::NoBetter { without_m, with_m }) => format!(
-            "interpolated, not from echo levels: {}",
-            figures([without_m, with_m])
-        ),
-        FromLevels::Off | FromLevels::Used { .. } | FromLevels::Refused(_) => levels.to_string(),
+        FromLevels::Used { .. } => "from echo levels".to_owned(),
+        FromLevels::Refused(LevelsRefused::NoBetter { .. }) => "interpolated".to_owned(),
+        FromLevels::Off | FromLevels::Refused(_) => levels.to_string(),
     }
+}
+
+/// What withheld soundings are missed by with levels and without them, where both were tried: `0.06 m, 0.08 m without`.
+fn withheld_errors(levels: FromLevels, units: Units) -> Option<String> {
+    let (without_m, with_m) = match levels {
+        FromLevels::Used { left_out_m } => {
+            left_out_m.map(|[without_m, with_m]| (without_m, with_m))?
+        }
+        FromLevels::Refused(LevelsRefused::NoBetter { without_m, with_m }) => (without_m, with_m),
+        FromLevels::Off | FromLevels::Refused(_) => return None,
+    };
+    let [without, with] = [without_m, with_m].map(|error_m| units.spread(error_m, 2));
+    Some(format!("{with} {}, {without} without", units.symbol()))
 }
 
 fn mosaic(ui: &mut Ui, context: &mut ViewContext<'_>) {

@@ -76,6 +76,6 @@ fn plan(ui: &mut Ui, context: &mut ViewContext<'_>) {
     });
     remark(
         ui,
-        "Lines stay within the outline of the survey, including its gaps: check them on a chart first.",
+        "Lines may cross gaps of the survey: check them on a chart first.",
     );
 }

@@ -23,8 +23,9 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         levels(ui, context);
         sound_speed(ui, context);
         if let Some(products) = &context.app.log.products {
-            let statement = products.correction.statement();
-            parts::remark(ui, context.app.options.units.sentence(&statement));
+            for sentence in products.correction.sentences() {
+                parts::remark(ui, context.app.options.units.sentence(&sentence));
+            }
         }
     });
 }

@@ -45,17 +45,24 @@ impl DepthReference {
 impl Correction {
     /// What depths count from, what was applied, and what was not.
     pub fn statement(&self) -> String {
+        self.sentences().join(" ")
+    }
+
+    /// The same: what depths count from and what was applied, then what was not.
+    pub fn sentences(&self) -> [String; 2] {
         let applied = self.applied();
         let missing = self.missing();
         let applied = match applied.as_slice() {
             [] => "Applied: nothing".to_owned(),
             some => format!("Applied: {}", some.join("; ")),
         };
-        format!(
-            "Depths are below {}. {applied}. Not corrected: {}.",
-            self.reference().in_words(),
-            missing.join(", ")
-        )
+        [
+            format!(
+                "Depths are below {}. {applied}.",
+                self.reference().in_words()
+            ),
+            format!("Not corrected: {}.", missing.join(", ")),
+        ]
     }
 
     /// What depths count from.
