@@ -220,7 +220,7 @@ fn states(folder: &Path, name: &str, first: usize, last: usize) -> Vec<State> {
             app.poll();
             let path = app.project_path().expect("a project").to_owned();
             State {
-                text: fs::read_to_string(&path).expect("a project"),
+                text: without_numbers(&fs::read_to_string(&path).expect("a project")),
                 name: path
                     .file_name()
                     .expect("a name")
@@ -265,6 +265,17 @@ fn hashes(folder: &Path) -> Vec<Vec<u8>> {
         .collect()
 }
 
+/// A project's text without the numbers of objects: they follow from the decisions, and are noted with the gesture after they were made,
+/// whenever that was.
+fn without_numbers(text: &str) -> String {
+    let mut parts = text.split(" object = ");
+    let first = parts.next().unwrap_or_default().to_owned();
+    parts.fold(first, |text, part| {
+        let rest = part.trim_start_matches(|letter: char| letter.is_ascii_digit());
+        text + rest.strip_prefix(',').unwrap_or(rest)
+    })
+}
+
 /// The project's text with what is in its journal; it must open.
 fn found(folder: &Path, name: &str) -> (String, bool) {
     let path = folder.join(name);
@@ -272,7 +283,8 @@ fn found(folder: &Path, name: &str) -> (String, bool) {
     let opened = Store::open(&path).expect("a project");
     let text = opened.project.to_text(folder);
     // As it was found: what is not saved stays in the journal.
-    (text.clone(), text != in_file.to_text(folder))
+    let is_unsaved = text != in_file.to_text(folder);
+    (without_numbers(&text), is_unsaved)
 }
 
 #[test]
