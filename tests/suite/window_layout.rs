@@ -136,51 +136,6 @@ fn the_cloud_is_in_view_after_a_change_of_preset() {
     assert!(differing < 200, "{differing} pixels differ");
 }
 
-#[test]
-fn a_waterfall_that_was_scrolled_is_the_same_as_one_that_is_drawn_anew() {
-    use bathyscope::app::{ColourMap, Orientation, View};
-    use bathyscope::ui::Alone;
-    for (orientation, flip) in [
-        (Orientation::Horizontal, false),
-        (Orientation::Horizontal, true),
-        (Orientation::Vertical, false),
-    ] {
-        let mut window = drawn_window([640.0, 480.0]);
-        window.state_mut().app.apply(Command::OpenDemo);
-        window.state_mut().show_alone(Alone::View(View::Waterfall));
-        window.state_mut().app.options.waterfall.orientation = orientation;
-        if flip {
-            window.state_mut().app.apply(Command::Do(Action::FlipAlong));
-        }
-        settle(&mut window);
-        let pings = app(&window).visible.clone();
-        window.hover_at(egui::pos2(320.0, 240.0));
-        for points in [-63.0, -40.0, 21.0, -90.0, -7.0] {
-            window.event(egui::Event::MouseWheel {
-                unit: egui::MouseWheelUnit::Point,
-                delta: egui::vec2(points, 0.0),
-                phase: egui::TouchPhase::Move,
-                source: egui::MouseWheelSource::Unknown,
-                modifiers: Modifiers::NONE,
-            });
-            for _ in 0..8 {
-                window.step();
-            }
-        }
-        settle(&mut window);
-        assert_ne!(app(&window).visible, pings, "it was scrolled");
-        let scrolled = window.render().expect("a picture");
-        for map in [ColourMap::Viridis, ColourMap::Copper] {
-            window.state_mut().app.options.waterfall.colour_map = map;
-            settle(&mut window);
-        }
-        let anew = window.render().expect("a picture");
-        let both = scrolled.pixels().zip(anew.pixels());
-        let differing = both.filter(|(one, other)| one != other).count();
-        assert_eq!(differing, 0, "{orientation:?} {flip}");
-    }
-}
-
 /// Labels of the panels that take more than two lines, and those that the window cuts at its right edge.
 fn long_labels(window: &Window) -> Vec<String> {
     use egui_kittest::kittest::NodeT as _;

@@ -1,6 +1,6 @@
 //! wgpu only: slices and matrices in, pictures out. Knows no survey and no widget.
 //!
-//! `cloud` draws points, `bottom` a mesh and `map` lines into an offscreen `target`, `waterfall` draws tiles, `scrolled` keeps their picture while it moves;
+//! `cloud` draws points, `bottom` a mesh and `map` lines into an offscreen `target`, `waterfall` draws tiles into a pass of the window;
 //! `upload` fills buffers, `camera` orbits, `lod` thins long lines.
 
 mod bottom;
@@ -9,7 +9,6 @@ mod cloud;
 mod lod;
 mod map;
 mod part;
-mod scrolled;
 mod target;
 mod upload;
 pub mod waterfall;
@@ -22,6 +21,5 @@ pub use cloud::{CloudBuffers, CloudDraw, CloudRenderer, PointVertex};
 pub use lod::{LineLevel, LinePyramid, Specks, Vertex};
 pub use map::{LineDraw, LineRenderer, LineUniform, TrackBuffers};
 pub use part::{Cut, Part};
-pub use scrolled::{ScrolledWaterfall, WaterfallFrame};
 pub use target::Target;
 pub use upload::Uploader;

@@ -75,13 +75,13 @@ pub struct Quad {
 pub type Curves<'a> = [&'a [f32]; 4];
 
 /// What tiles are brought to one level by, on the GPU. Clones share it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Tables {
     bind_group: wgpu::BindGroup,
 }
 
 /// A tile on the GPU. Clones share it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct TileTexture {
     bind_group: wgpu::BindGroup,
 }

@@ -99,8 +99,6 @@ pub(super) struct Camera {
     pub is_one_to_one: bool,
     /// Metres from one ping to the next that this goes by, instead of the usual ones.
     ping_m: Option<f64>,
-    /// Points of the wheel that were less than a pixel.
-    unscrolled: f64,
 }
 
 impl Camera {
@@ -310,18 +308,6 @@ impl Camera {
             self.across.centre -= by.across * self.across.per_point;
             // A whole range that was pushed at its edge stays whole.
         }
-    }
-
-    /// Moves the picture along the track by whole pixels, so that what is drawn can be copied; the rest of these points counts with the
-    /// next ones.
-    pub fn scroll(&mut self, points: f64, pixels_per_point: f64) {
-        let wanted = self.unscrolled + points;
-        let moved = (wanted * pixels_per_point).trunc() / pixels_per_point;
-        self.unscrolled = wanted - moved;
-        self.pan(Size {
-            along: moved,
-            across: 0.0,
-        });
     }
 
     /// Keeps the camera on the picture; fits again what follows the window's size.

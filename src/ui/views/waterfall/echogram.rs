@@ -5,13 +5,13 @@ use super::drawing::Drawing;
 use super::labels::{INK, Labels};
 use super::lens::{Arrangement, Lens};
 use super::lines::{self, Pen};
+use super::picture::PictureCallback;
 use super::scales::{self, RangeLines};
 use super::{Gpu, gestures, marks, tone};
 use crate::app::{App, Command, EchogramChannel, Mark, Orientation};
 use crate::bottom::cloud::Reduction;
 use crate::imagery::waterfall::LineStep;
 use crate::survey::{Side, Survey};
-use crate::ui::render::WaterfallFrame;
 use crate::ui::{ViewContext, text, theme};
 use eframe::egui_wgpu::RenderState;
 use egui::{Align2, Painter, Rect, Response, Sense, Stroke, Ui};
@@ -224,15 +224,13 @@ fn draw_picture(
     let picture = &gpu.picture;
     drawing.upload(|size, texels| picture.upload(&state.device, &state.queue, size, texels));
     let tiles = drawing.plan(lens, None, painter.pixels_per_point());
-    let frame = WaterfallFrame {
+    let picture = PictureCallback {
+        picture: picture.clone(),
         look: tone::plain_look(app, lens, drawing.levels),
         tables: uploaded.tables.clone(),
         tiles,
-        start_px: lens.start_px(painter.pixels_per_point()),
-        scales: lens.scales(app.options.waterfall.colour_map as u8),
     };
-    let has_uploads = drawing.has_uploads();
-    (gpu.shown).show(painter, lens.rect, state, picture, frame, has_uploads);
+    picture.add_to(painter, lens.rect, drawing.has_uploads());
     drawing.is_settled()
 }
 

@@ -75,11 +75,13 @@ pub(super) fn apply(
     };
     camera.zoom(factor, offset);
     // egui turns the wheel sideways while Shift is held.
-    let along = match arrangement.flip {
-        true => -f64::from(scroll.x),
-        false => f64::from(scroll.x),
-    };
-    camera.scroll(along, f64::from(ui.pixels_per_point()));
+    camera.pan(Size {
+        along: match arrangement.flip {
+            true => -f64::from(scroll.x),
+            false => f64::from(scroll.x),
+        },
+        across: 0.0,
+    });
 }
 
 fn both(factor: f64) -> Size {

@@ -148,26 +148,6 @@ impl Lens {
         self.camera.across.per_point
     }
 
-    /// Where the picture begins along the track, pixels of the screen: what is shown moves to the left, or up, as it grows.
-    pub fn start_px(&self, pixels_per_point: f32) -> f64 {
-        let pings_per_px = self.pings_per_point() / f64::from(pixels_per_point);
-        let start_px = self.pings().start / pings_per_px;
-        match self.is_flipped() {
-            true => -start_px,
-            false => start_px,
-        }
-    }
-
-    /// What has to be the same for a picture in colours of this number to be the same but for its beginning.
-    pub fn scales(&self, colours: u8) -> [f64; 4] {
-        let across = self.metres();
-        let along = match self.is_flipped() {
-            true => -self.pings_per_point(),
-            false => self.pings_per_point(),
-        };
-        [along, across.start, across.end, colours.into()]
-    }
-
     /// The pings in view that exist.
     pub fn visible(&self, pings: usize) -> Range<usize> {
         let seen = self.pings();

@@ -33,14 +33,13 @@ use crate::imagery::waterfall::RangeAxis;
 use crate::support::presentation::colours;
 use crate::survey::Survey;
 use crate::ui::render::waterfall::WaterfallPicture;
-use crate::ui::render::{ScrolledWaterfall, WaterfallFrame};
 use crate::ui::{ViewContext, ViewRequest, theme};
 use camera::{Camera, Extent, Size};
 use drawing::Drawing;
 use eframe::egui_wgpu::RenderState;
 use egui::{Sense, emath::GuiRounding as _};
 use lens::{Arrangement, Lens, Place};
-use picture::ShownPicture;
+use picture::PictureCallback;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -76,8 +75,7 @@ enum Request {
 
 /// What draws one picture.
 struct Gpu {
-    picture: WaterfallPicture,
-    shown: ShownPicture,
+    picture: Arc<WaterfallPicture>,
     palette: Option<ColourMap>,
     levelling: Option<tone::Uploaded>,
 }
@@ -416,16 +414,13 @@ impl WaterfallView {
         let shown = shown.filter(|_| uploaded.fits).map(Arc::as_ref);
         let tiles = drawing.plan(lens, shown, painter.pixels_per_point());
         self.settled = drawing.is_settled();
-        let frame = WaterfallFrame {
+        let picture = PictureCallback {
+            picture: gpu.picture.clone(),
             look: tone::look(context.app, lens, shown, drawing.levels),
             tables: uploaded.tables.clone(),
             tiles,
-            start_px: lens.start_px(painter.pixels_per_point()),
-            scales: lens.scales(options.colour_map as u8),
         };
-        let (rect, renderer) = (lens.rect, &gpu.picture);
-        let has_uploads = drawing.has_uploads();
-        (gpu.shown).show(painter, rect, render_state, renderer, frame, has_uploads);
+        picture.add_to(painter, lens.rect, drawing.has_uploads());
     }
 }
 
@@ -442,9 +437,9 @@ fn extent(axis: &RangeAxis) -> Extent {
 
 impl Gpu {
     fn new(render_state: &RenderState) -> Self {
+        let (device, target) = (&render_state.device, render_state.target_format);
         Self {
-            picture: ScrolledWaterfall::renderer(&render_state.device),
-            shown: ShownPicture::default(),
+            picture: Arc::new(WaterfallPicture::new(device, target)),
             palette: None,
             levelling: None,
         }
