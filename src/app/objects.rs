@@ -6,14 +6,13 @@
 use super::reviewing::{Entries, Placed};
 use super::{App, ObjectTable, OpenLog};
 use crate::detection::objects::{
-    LogBox, LogId, LogReview, ObjectBox, ObjectList, ObjectNumbers, SurveyObject, SurveyReview,
+    LogBox, LogId, LogNumbers, LogReview, ObjectBox, ObjectList, ObjectNumbers, SurveyObject,
+    SurveyReview,
 };
-use crate::detection::review::BoxId;
 use crate::detection::targets::{FittedShape, PassCount, PassLog, ShapeError, Target};
 use crate::pipeline::object_shape;
 use crate::pipeline::{Background, ProcessedLog, Same};
 use crate::survey::{LeftOut, Navigation, Survey};
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// A log as objects are made of it.
@@ -118,13 +117,15 @@ impl App {
         let shown = self.visible_logs();
         let shown = shown.filter(|log| log.survey.is_some() && log.products.is_some());
         SurveyReview {
-            logs: shown.map(OpenLog::review_of_boxes).collect(),
+            logs: shown
+                .map(|log| log.reviewing.has_boxes().then(|| log.review()))
+                .collect(),
             numbers: self.findings.objects.numbers().clone(),
         }
     }
 
     /// The numbers of the objects that the boxes of a log show.
-    pub(super) fn object_numbers(&self, log: LogId) -> BTreeMap<BoxId, u32> {
+    pub(super) fn object_numbers(&self, log: LogId) -> LogNumbers {
         self.findings.objects.numbers().of_log(log)
     }
 
@@ -185,11 +186,7 @@ impl App {
         let boxes = |log: &OpenLog| {
             let products = log.products.as_ref()?;
             Some(LogBoxes {
-                review: LogReview {
-                    log: log.id,
-                    review: log.reviewing.review.clone(),
-                    threshold: log.reviewing.queue.threshold,
-                },
+                review: log.review(),
                 survey: log.survey.clone()?,
                 navigation: products.navigation.clone(),
                 left_out: products.left_out.clone(),

@@ -143,13 +143,13 @@ impl OpenLog {
         self.name.clone()
     }
 
-    /// Its boxes with what is decided about them; `None` where it has none.
-    pub(super) fn review_of_boxes(&self) -> Option<LogReview> {
-        self.reviewing.has_boxes().then(|| LogReview {
+    /// Its boxes with what is decided about them, as they count here.
+    pub(super) fn review(&self) -> LogReview {
+        LogReview {
             log: self.id,
             review: self.reviewing.review.clone(),
             threshold: self.reviewing.queue.threshold,
-        })
+        }
     }
 
     /// The first returns to draw: those under the slider if there are any, else those of the last result, but for those of the other

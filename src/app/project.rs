@@ -272,7 +272,7 @@ impl App {
             entry.is_visible = log.is_visible;
             entry.settings = log.own.as_ref().clone();
             entry.review = log.reviewing.review.clone();
-            entry.object_numbers = Arc::new(self.object_numbers(log.id));
+            entry.object_numbers = self.object_numbers(log.id);
             let key = entry.key.clone();
             let after = match is_new {
                 true => project.with_log(entry),
@@ -416,7 +416,7 @@ impl App {
                 None => survey,
             };
             let id = self.add_log(survey);
-            numbers.add_log(id, &log.object_numbers);
+            numbers.add_log(id, log.object_numbers.clone());
             self.with_log(id, |app| app.take_project_log(&log, settings));
         }
         self.findings.objects.number_from(numbers);

@@ -3,8 +3,8 @@
 use super::settings::{Logs, SettingsArgs};
 use super::{many, output};
 use crate::app::is_project;
-use crate::detection::objects::SurveyReview;
-use crate::detection::review::{BoxId, Review};
+use crate::detection::objects::{LogNumbers, SurveyReview};
+use crate::detection::review::Review;
 use crate::formats;
 use crate::pipeline::settings::SourceSettings;
 use crate::pipeline::{MissionLog, Reference, Settings};
@@ -12,7 +12,6 @@ use crate::project;
 use crate::support::geo::LocalFrame;
 use crate::support::progress::Progress;
 use crate::survey::{MountingSettings, Survey};
-use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -26,7 +25,7 @@ pub struct LogInput {
     /// What its project knows of its boxes.
     pub review: Option<Arc<Review>>,
     /// Numbers of the objects that they show.
-    pub object_numbers: Arc<BTreeMap<BoxId, u32>>,
+    pub object_numbers: LogNumbers,
     /// The frame that its project has it in.
     pub frame: Option<LocalFrame>,
 }
@@ -40,14 +39,14 @@ pub struct OpenedLog {
     /// What was decided about its boxes.
     pub review: Option<Arc<Review>>,
     /// Numbers of the objects that they show.
-    pub object_numbers: Arc<BTreeMap<BoxId, u32>>,
+    pub object_numbers: LogNumbers,
 }
 
 /// What was decided about the boxes of all logs.
 pub fn survey_review(opened: &[OpenedLog]) -> SurveyReview {
     let mut all = SurveyReview::default();
     for log in opened {
-        all.add(log.review.clone(), &log.object_numbers);
+        all.add(log.review.clone(), log.object_numbers.clone());
     }
     all
 }
@@ -95,7 +94,7 @@ pub fn inputs(
                 path,
                 logs: logs.clone(),
                 review: None,
-                object_numbers: Arc::default(),
+                object_numbers: LogNumbers::default(),
                 frame: None,
             };
             Ok(paths.map(input).collect())
@@ -222,7 +221,7 @@ pub fn take_reviews(logs: &mut [OpenedLog], files: &[PathBuf]) -> Result<(), Str
             .any(|log| match Review::open_for(path, &log.survey) {
                 Ok(review) => {
                     log.review = Some(Arc::new(review));
-                    log.object_numbers = Arc::default();
+                    log.object_numbers = LogNumbers::default();
                     true
                 }
                 Err(error) => {
@@ -262,7 +261,7 @@ pub fn open_reference(
                 path,
                 logs: logs.clone(),
                 review: None,
-                object_numbers: Arc::default(),
+                object_numbers: LogNumbers::default(),
                 frame: None,
             };
             many::logs(&[path.to_owned()])

@@ -2,12 +2,12 @@
 
 use super::paths;
 use crate::detection::NAMELESS_CLASS;
-use crate::detection::review::{BoxId, Review};
+use crate::detection::objects::LogNumbers;
+use crate::detection::review::Review;
 use crate::pipeline::{LogSettings, sha256_of};
 use crate::support::printable::quoted;
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::{Identity, Survey};
-use std::collections::BTreeMap;
 use std::fmt;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -135,7 +135,7 @@ pub struct ProjectLog {
     /// The boxes on it and the decisions about them.
     pub review: Arc<Review>,
     /// Numbers of the objects that its boxes show. They follow from the decisions and from the numbers before: none of them is one.
-    pub object_numbers: Arc<BTreeMap<BoxId, u32>>,
+    pub object_numbers: LogNumbers,
 }
 
 /// Whether the same is decided.
@@ -176,7 +176,7 @@ impl ProjectLog {
             order: 0.0,
             settings: LogSettings::default(),
             review: Arc::new(Review::new(identity, vec![NAMELESS_CLASS.to_owned()])),
-            object_numbers: Arc::default(),
+            object_numbers: LogNumbers::default(),
             file,
         }
     }

@@ -14,7 +14,7 @@ mod summary;
 
 pub use joint::{JointObject, PlacedBox, joint_objects};
 pub use list::{ObjectBox, ObjectList, SurveyObject};
-pub use numbers::ObjectNumbers;
+pub use numbers::{LogNumbers, ObjectNumbers};
 pub use review::{LogReview, SurveyReview};
 pub use summary::{ObjectState, ObjectSummary};
 

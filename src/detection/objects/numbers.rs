@@ -3,27 +3,42 @@
 use super::{LogBox, LogId};
 use crate::detection::review::BoxId;
 use std::collections::{BTreeMap, HashMap, HashSet};
+use std::sync::Arc;
 
-/// The number that every box had last, also while it is out of sight.
+/// Numbers of the objects that the boxes of a log show.
+pub type LogNumbers = Arc<BTreeMap<BoxId, u32>>;
+
+/// The number that every box had last, also while it is out of sight. Cheap to clone.
 #[derive(Clone, Debug, Default)]
 pub struct ObjectNumbers {
-    of: HashMap<LogBox, u32>,
+    logs: HashMap<LogId, LogNumbers>,
     last: u32,
 }
 
 impl ObjectNumbers {
     /// Takes in the numbers that boxes of a log have.
-    pub fn add_log(&mut self, log: LogId, numbers: &BTreeMap<BoxId, u32>) {
-        for (id, number) in numbers {
-            self.of.insert(LogBox { log, id: *id }, *number);
-            self.last = self.last.max(*number);
-        }
+    pub fn add_log(&mut self, log: LogId, numbers: LogNumbers) {
+        self.last = numbers
+            .values()
+            .fold(self.last, |last, number| last.max(*number));
+        self.logs.insert(log, numbers);
     }
 
     /// The numbers that boxes of a log have.
-    pub fn of_log(&self, log: LogId) -> BTreeMap<BoxId, u32> {
-        let of_log = self.of.iter().filter(|(key, _)| key.log == log);
-        of_log.map(|(key, number)| (key.id, *number)).collect()
+    pub fn of_log(&self, log: LogId) -> LogNumbers {
+        self.logs.get(&log).cloned().unwrap_or_default()
+    }
+
+    fn get(&self, key: &LogBox) -> Option<u32> {
+        self.logs.get(&key.log)?.get(&key.id).copied()
+    }
+
+    /// Notes a number; a log of which none is another one stays as it is in memory.
+    fn set(&mut self, key: &LogBox, number: u32) {
+        if self.get(key) != Some(number) {
+            let of_log = self.logs.entry(key.log).or_default();
+            Arc::make_mut(of_log).insert(key.id, number);
+        }
     }
 
     /// A number for each group of boxes: the one that most of its boxes had, where no other group has more of those; else a new one.
@@ -31,8 +46,8 @@ impl ObjectNumbers {
         let mut claims: Vec<(usize, u32, usize)> = Vec::new();
         for (index, group) in groups.iter().enumerate() {
             let mut votes: HashMap<u32, usize> = HashMap::new();
-            for number in group.iter().filter_map(|id| self.of.get(id)) {
-                *votes.entry(*number).or_default() += 1;
+            for number in group.iter().filter_map(|key| self.get(key)) {
+                *votes.entry(number).or_default() += 1;
             }
             claims.extend(
                 votes
@@ -58,7 +73,9 @@ impl ObjectNumbers {
             })
             .collect();
         for (group, number) in groups.iter().zip(&numbers) {
-            self.of.extend(group.iter().map(|id| (*id, *number)));
+            for key in group {
+                self.set(key, *number);
+            }
         }
         numbers
     }
@@ -98,6 +115,12 @@ mod tests {
         // It comes into sight again, with one more box.
         let again = give(&mut numbers, &[&[(0, 2), (2, 7)], &[(0, 1), (1, 1)]]);
         assert_eq!(again, [2, 1]);
+        // What stays the same is the same in memory: a project need not look at it again.
+        let before = numbers.clone();
+        give(&mut numbers, &[&[(0, 2), (2, 7)], &[(0, 1), (1, 1)]]);
+        for log in [0, 1, 2].map(LogId) {
+            assert!(Arc::ptr_eq(&before.of_log(log), &numbers.of_log(log)));
+        }
         // Two objects become one: the number of more boxes stays.
         let joined = give(&mut numbers, &[&[(0, 2), (0, 3), (1, 2), (2, 1)]]);
         assert_eq!(joined, [3]);

@@ -1,10 +1,9 @@
 //! What was decided about the boxes of a survey.
 
-use super::{LogBox, LogId, ObjectBox, ObjectNumbers};
-use crate::detection::review::{BoxId, Review, Reviewed};
+use super::{LogBox, LogId, LogNumbers, ObjectBox, ObjectNumbers};
+use crate::detection::review::{Review, Reviewed};
 use crate::detection::targets::Target;
 use crate::survey::LeftOut;
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// The boxes of a log, and from which confidence they count.
@@ -54,7 +53,7 @@ pub struct SurveyReview {
 
 impl SurveyReview {
     /// Adds the boxes of the next log, if it has any, all of which count, and the numbers that their objects have.
-    pub fn add(&mut self, review: Option<Arc<Review>>, object_numbers: &BTreeMap<BoxId, u32>) {
+    pub fn add(&mut self, review: Option<Arc<Review>>, object_numbers: LogNumbers) {
         let log = LogId(self.logs.len() as u64);
         self.numbers.add_log(log, object_numbers);
         self.logs.push(review.map(|review| LogReview {

@@ -1,4 +1,4 @@
-//! Why a survey cannot be held against a reference.
+//! Why a survey cannot be compared with a reference.
 
 use super::matching_in_words;
 use crate::bottom::bathymetry::compare::Matching;
@@ -10,7 +10,7 @@ use crate::support::presentation::text::way;
 use crate::support::progress::Cancelled;
 use std::path::PathBuf;
 
-/// Why a survey cannot be held against a reference, in one sentence.
+/// Why a survey cannot be compared with a reference, in one sentence.
 #[derive(Debug, thiserror::Error)]
 pub enum AgreementError {
     /// The work was cancelled.
@@ -19,7 +19,7 @@ pub enum AgreementError {
     /// The reference cannot be opened.
     #[error(transparent)]
     Open(#[from] ReferenceError),
-    /// There is nothing to hold against it.
+    /// There is nothing to compare with it.
     #[error("there is no log to compare with the reference")]
     NoLog,
     /// The reference does not fit.

@@ -19,7 +19,7 @@ pub fn section(from: &ReportData<'_>) -> String {
     };
     let mut html = String::from(
         "<h2>The logs</h2>\n<table><tr><th class=\"text\">log</th><th class=\"text\">recorded, UTC</th><th>track</th><th>pings</th><th>soundings</th>\
-         <th>left out</th><th>recorded depth, m</th><th>height offset, m</th><th>in force, m</th><th>log_overlaps</th><th>against the others, m</th><th>95 %, m</th></tr>\n",
+         <th>left out</th><th>recorded depth, m</th><th>height offset, m</th><th>in force, m</th><th>overlaps</th><th>against the others, m</th><th>95 %, m</th></tr>\n",
     );
     for (report, log) in all.logs.iter().zip(from.logs) {
         html += &line(report, log);

@@ -1,7 +1,7 @@
 //! A section for each target: its picture, where it lies, how large it is, and how its height is known.
 
 use super::ReportData;
-use super::objects::{is_reviewed, passes_of, picture, rows, targets, undecided};
+use super::objects::{is_reviewed, passes_of, picture, targets, undecided};
 use crate::detection::ObjectExtent;
 use crate::detection::objects::{ObjectBox, SurveyObject};
 use crate::detection::review::Confidence;
@@ -63,10 +63,9 @@ struct Shown<'a> {
 
 impl<'a> Shown<'a> {
     fn new(from: &'a ReportData<'_>, object: &'a SurveyObject) -> Option<Self> {
-        let boxes = rows(from).iter().map(|row| row.of);
-        let mut sightings: Vec<&ObjectBox> = boxes
-            .filter(|of| of.object == Some(object.number))
-            .collect();
+        let list = from.objects.as_ref()?.list;
+        let boxes = list.members(object).filter(|of| list.is_target(of));
+        let mut sightings: Vec<&ObjectBox> = boxes.collect();
         let rank = |of: &ObjectBox| {
             let is_drawn = matches!(of.one.extent, ObjectExtent::Drawn { .. });
             (is_drawn, of.one.score.unwrap_or(1.0))

@@ -105,7 +105,7 @@ fn groups(offsets: &Offsets) -> usize {
     tied.map(|row| row.group).collect::<BTreeSet<usize>>().len()
 }
 
-/// The offsets that the overlaps give. Logs that are pinned are taken together as one more log, whose offset is zero: a overlap with one of
+/// The offsets that the overlaps give. Logs that are pinned are taken together as one more log, whose offset is zero: an overlap with one of
 /// them is one with that, its difference corrected by the offset that is pinned.
 pub(super) fn solve(log_overlaps: &[LogOverlap], pinned: &[Option<f64>]) -> HeightOffsets {
     let count = pinned.len();

@@ -130,7 +130,7 @@ impl BottomEdit {
 pub struct OtherLog {
     /// Bytes and side-scan pings of the log that it was drawn on.
     pub drawn_on: (u64, usize),
-    /// The same of the log that it is held against.
+    /// The same of the log that it is compared with.
     pub log: (u64, usize),
 }
 

@@ -5,7 +5,7 @@ use crate::support::sparse::{Equations, Factor, Pattern};
 use crate::support::statistics::{SIGMA_PER_MAD, median, spread_about};
 use std::collections::BTreeMap;
 
-/// Standard deviation of a difference on level ground, metres, and of the place of a overlap: they weigh overlaps against each
+/// Standard deviation of a difference on level ground, metres, and of the place of an overlap: they weigh overlaps against each
 /// other, so only their ratio matters. What a slope makes of half a metre is more than the noise of a sounding beyond 3 degrees.
 const DEPTH_SIGMA_M: f64 = 0.03;
 const POSITION_SIGMA_M: f64 = 0.5;
@@ -29,7 +29,7 @@ const MEDIAN_SHARE: f64 = 1.2533;
 /// Heights of `count` logs from their overlaps.
 ///
 /// The offsets `h` fulfil `h_first - h_second = difference` as well as they can: least squares weighted by the noise that the slope
-/// of the bottom lets expect, first with Huber's weights and from there with Tukey's, so that a overlap over weed or on a lost bottom
+/// of the bottom lets expect, first with Huber's weights and from there with Tukey's, so that an overlap over weed or on a lost bottom
 /// counts little or nothing. Where the direction of the slope is known the east and north shift of each log's positions, half a metre give or
 /// take, is found with its height, so that the standard errors hold what such a shift makes of a slope. They are those of the weighted
 /// residuals; where pairs of logs, or the single lines of logs, disagree as a whole by more than their single overlaps scatter (a tide,
