@@ -9,7 +9,8 @@ use crate::detection::review::{Queue, Sort};
 use crate::pipeline::Settings;
 use crate::products::export::is_same_file;
 use crate::project::{
-    ENDING, Found, LogFile, Opened, Project, ProjectLog, Store, StoreError, Written, find,
+    ENDING, Found, LogFile, Opened, Project, ProjectLog, REVIEW_VIEW, Store, StoreError, Written,
+    find,
 };
 use crate::support::geo::LocalFrame;
 use crate::support::printable::quoted;
@@ -21,8 +22,6 @@ use std::sync::Arc;
 
 /// Name of the display options in the project.
 const VIEW: &str = "window";
-/// Name of order and confidence of the queue of boxes.
-const REVIEW: &str = "review";
 /// The measurement that the window shows.
 const MEASUREMENT: u32 = 1;
 /// The base map among the project's files.
@@ -295,7 +294,7 @@ impl App {
             }
         }
         project.set_view(VIEW, &self.options);
-        project.set_view(REVIEW, &KeptQueue::of(&self.log.reviewing.queue));
+        project.set_view(REVIEW_VIEW, &KeptQueue::of(&self.log.reviewing.queue));
         project
     }
 
@@ -406,7 +405,7 @@ impl App {
         if let Some(options) = project.view::<ViewOptions>(VIEW) {
             self.options = options;
         }
-        let queue = project.view::<KeptQueue>(REVIEW);
+        let queue = project.view::<KeptQueue>(REVIEW_VIEW);
         let frame = project.origin.map(LocalFrame::new);
         let mut numbers = ObjectNumbers::default();
         for (log, survey, settings) in logs {

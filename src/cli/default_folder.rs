@@ -150,7 +150,6 @@ mod tests {
             survey: Arc::new(survey),
             settings: Settings::default(),
             review: None,
-            object_numbers: Arc::default(),
         }
     }
 

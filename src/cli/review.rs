@@ -70,7 +70,7 @@ fn take_sidecars(logs: &mut [OpenedLog]) -> Result<(), String> {
             continue;
         };
         let review = Review::open_for(&path, &log.survey);
-        log.review = Some(Arc::new(review.map_err(|error| error.to_string())?));
+        log.review = Some(review.map_err(|error| error.to_string())?.into());
     }
     Ok(())
 }

@@ -61,7 +61,6 @@ fn without_display(origin: &Origin, folders: &mut Folders) -> Result<(), String>
         survey: Arc::new(survey),
         settings: Settings::default(),
         review: None,
-        object_numbers: Arc::default(),
     };
     how.process_into(&[log], &folder)?;
     // The products are whole without pictures: a machine without any Vulkan driver has still done the job.

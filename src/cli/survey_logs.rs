@@ -3,7 +3,7 @@
 use super::settings::{Logs, SettingsArgs};
 use super::{many, output};
 use crate::app::is_project;
-use crate::detection::objects::{LogNumbers, SurveyReview};
+use crate::detection::objects::{KeptReview, SurveyReview};
 use crate::detection::review::Review;
 use crate::formats;
 use crate::pipeline::settings::SourceSettings;
@@ -23,9 +23,7 @@ pub struct LogInput {
     /// How it is opened and processed.
     pub logs: Arc<Logs>,
     /// What its project knows of its boxes.
-    pub review: Option<Arc<Review>>,
-    /// Numbers of the objects that they show.
-    pub object_numbers: LogNumbers,
+    pub review: Option<KeptReview>,
     /// The frame that its project has it in.
     pub frame: Option<LocalFrame>,
 }
@@ -37,16 +35,14 @@ pub struct OpenedLog {
     /// The settings that it is processed with.
     pub settings: Settings,
     /// What was decided about its boxes.
-    pub review: Option<Arc<Review>>,
-    /// Numbers of the objects that they show.
-    pub object_numbers: LogNumbers,
+    pub review: Option<KeptReview>,
 }
 
 /// What was decided about the boxes of all logs.
 pub fn survey_review(opened: &[OpenedLog]) -> SurveyReview {
     let mut all = SurveyReview::default();
     for log in opened {
-        all.add(log.review.clone(), log.object_numbers.clone());
+        all.add(log.review.clone());
     }
     all
 }
@@ -94,7 +90,6 @@ pub fn inputs(
                 path,
                 logs: logs.clone(),
                 review: None,
-                object_numbers: LogNumbers::default(),
                 frame: None,
             };
             Ok(paths.map(input).collect())
@@ -112,8 +107,11 @@ fn of_project(path: &Path) -> Result<Vec<LogInput>, String> {
         Ok(LogInput {
             path: input.log.file.path.clone(),
             logs: Arc::new(Logs::new(input.settings)?),
-            review: has_boxes.then(|| input.log.review.clone()),
-            object_numbers: input.log.object_numbers.clone(),
+            review: has_boxes.then(|| KeptReview {
+                review: input.log.review.clone(),
+                object_numbers: input.log.object_numbers.clone(),
+                threshold: input.least_confidence,
+            }),
             frame: input.frame,
         })
     };
@@ -135,7 +133,6 @@ impl LogInput {
             survey: Arc::new(survey),
             settings: self.logs.settings.clone(),
             review: self.review.clone(),
-            object_numbers: self.object_numbers.clone(),
         })
     }
 }
@@ -220,8 +217,7 @@ pub fn take_reviews(logs: &mut [OpenedLog], files: &[PathBuf]) -> Result<(), Str
             .iter_mut()
             .any(|log| match Review::open_for(path, &log.survey) {
                 Ok(review) => {
-                    log.review = Some(Arc::new(review));
-                    log.object_numbers = LogNumbers::default();
+                    log.review = Some(review.into());
                     true
                 }
                 Err(error) => {
@@ -261,7 +257,6 @@ pub fn open_reference(
                 path,
                 logs: logs.clone(),
                 review: None,
-                object_numbers: LogNumbers::default(),
                 frame: None,
             };
             many::logs(&[path.to_owned()])

@@ -16,6 +16,8 @@ pub struct Input {
     pub log: Arc<ProjectLog>,
     /// The settings that it is processed with; the water levels and the area that they name are read.
     pub settings: Settings,
+    /// The confidence from which undecided proposals count.
+    pub least_confidence: f32,
     /// The frame that all logs of the project lie in, as the window has them; `None` where it is not kept.
     pub frame: Option<LocalFrame>,
     /// What to say of its file.
@@ -97,6 +99,7 @@ pub fn inputs(path: &Path, progress: &Progress) -> Result<Vec<Input>, InputError
         inputs.push(Input {
             log,
             settings,
+            least_confidence: project.least_confidence(),
             frame,
             warning,
         });

@@ -140,6 +140,9 @@ impl ProjectError {
     }
 }
 
+/// The view ([`Project::view`]) that says how boxes are reviewed: their order, and the confidence from which undecided ones count.
+pub const REVIEW_VIEW: &str = "review";
+
 /// What the file says that this version does not know; it is written back.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Unknown {
@@ -250,6 +253,16 @@ impl Project {
         if let Ok(value) = Value::try_from(shown) {
             self.views.insert(name.to_owned(), value);
         }
+    }
+
+    /// The confidence from which undecided proposals count; 0 where the project does not say.
+    pub fn least_confidence(&self) -> f32 {
+        #[derive(serde::Deserialize)]
+        struct Kept {
+            threshold: f32,
+        }
+        let kept = self.view::<Kept>(REVIEW_VIEW);
+        kept.map_or(0.0, |kept| kept.threshold)
     }
 
     /// How something is shown; `None` where nothing is stored, or nothing that this version can use.

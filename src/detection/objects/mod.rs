@@ -15,7 +15,7 @@ mod summary;
 pub use joint::{JointObject, PlacedBox, joint_objects};
 pub use list::{ObjectBox, ObjectList, SurveyObject};
 pub use numbers::{LogNumbers, ObjectNumbers};
-pub use review::{LogReview, SurveyReview};
+pub use review::{KeptReview, LogReview, SurveyReview};
 pub use summary::{ObjectState, ObjectSummary};
 
 use crate::detection::review::BoxId;

@@ -42,6 +42,28 @@ impl LogReview {
     }
 }
 
+/// The boxes of a log as a project or a file keeps them.
+#[derive(Clone, Debug)]
+pub struct KeptReview {
+    /// The boxes with what was decided about each.
+    pub review: Arc<Review>,
+    /// Numbers of the objects that they show.
+    pub object_numbers: LogNumbers,
+    /// Undecided proposals of less confidence do not count.
+    pub threshold: f32,
+}
+
+/// A file of its own knows of no numbers, and of no confidence: all its boxes count.
+impl From<Review> for KeptReview {
+    fn from(review: Review) -> Self {
+        Self {
+            review: Arc::new(review),
+            object_numbers: LogNumbers::default(),
+            threshold: 0.0,
+        }
+    }
+}
+
 /// What was decided about the boxes of all logs of a survey.
 #[derive(Clone, Debug, Default)]
 pub struct SurveyReview {
@@ -52,14 +74,16 @@ pub struct SurveyReview {
 }
 
 impl SurveyReview {
-    /// Adds the boxes of the next log, if it has any, all of which count, and the numbers that their objects have.
-    pub fn add(&mut self, review: Option<Arc<Review>>, object_numbers: LogNumbers) {
+    /// Adds the boxes of the next log, if it has any.
+    pub fn add(&mut self, kept: Option<KeptReview>) {
         let log = LogId(self.logs.len() as u64);
-        self.numbers.add_log(log, object_numbers);
-        self.logs.push(review.map(|review| LogReview {
-            log,
-            review,
-            threshold: 0.0,
+        self.logs.push(kept.map(|kept| {
+            self.numbers.add_log(log, kept.object_numbers);
+            LogReview {
+                log,
+                review: kept.review,
+                threshold: kept.threshold,
+            }
         }));
     }
 
