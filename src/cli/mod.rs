@@ -2,6 +2,7 @@
 //!
 //! Exit codes: 0 done; 1 the input cannot be used (one line says what, where and what to do); 2 wrong usage.
 
+mod archive;
 mod compare;
 mod dataset;
 mod default_folder;
@@ -14,7 +15,6 @@ mod filter;
 mod folders;
 mod found;
 mod info;
-mod lake;
 mod manual;
 mod many;
 mod output;
@@ -86,16 +86,18 @@ enum Command {
     Process(process::ProcessArgs),
     /// Plan lines to sail next, where they mend most of a survey: GPX, KML, QGroundControl, Mission Planner
     Plan(plan::PlanArgs),
-    /// Bring a lake of many logs up to date: height offsets, maps and mosaics of its tiles, index
-    Lake(lake::LakeArgs),
-    /// List the tiles of a lake, what is in them, and whose map is stale
-    Tiles(lake::TilesArgs),
-    /// Make the map and the mosaic of tiles of a lake
-    Tile(lake::TileArgs),
-    /// Find the height offsets between the logs of a lake from where they cross
-    Adjust(lake::AdjustArgs),
-    /// Say which log, ping, side and sample of a lake saw a place
-    Who(lake::WhoArgs),
+    /// Bring an archive of many logs up to date: height offsets, maps and mosaics of its tiles, index
+    #[command(alias = "lake")]
+    Archive(archive::ArchiveArgs),
+    /// List the tiles of an archive, what is in them, and whose map is stale
+    Tiles(archive::TilesArgs),
+    /// Make the map and the mosaic of tiles of an archive
+    Tile(archive::TileArgs),
+    /// Find the height offsets between the logs of an archive from where they cross
+    Adjust(archive::AdjustArgs),
+    /// List which log, ping, side and sample of an archive cover a place
+    #[command(alias = "who")]
+    Coverage(archive::CoverageArgs),
     /// Find objects on the bottom, in logs or pictures, with a YOLO model
     Detect(detect::DetectArgs),
     /// Write what was decided about a log's boxes: places for maps, pictures with labels for training
@@ -130,6 +132,12 @@ fn misspelt_command(word: &str) -> Option<String> {
     }
     let commands = program();
     let names = commands.get_subcommands().map(clap::Command::get_name);
+    let mut old_names = commands
+        .get_subcommands()
+        .flat_map(clap::Command::get_all_aliases);
+    if old_names.any(|name| name == word) {
+        return None;
+    }
     let (slips, name) = names.map(|name| (slips(name, word), name)).min()?;
     ((1..=SLIPS).contains(&slips) && 2 * slips < name.len())
         .then(|| format!("there is no command `{word}`; did you mean `{name}`?"))
@@ -191,25 +199,25 @@ fn run(cli: Cli) -> Result<(), String> {
             ..
         } => plan::run(args),
         Cli {
-            command: Some(Command::Lake(args)),
+            command: Some(Command::Archive(args)),
             ..
-        } => lake::run_lake(&args),
+        } => archive::run_archive(&args),
         Cli {
             command: Some(Command::Tiles(args)),
             ..
-        } => lake::run_tiles(&args),
+        } => archive::run_tiles(&args),
         Cli {
             command: Some(Command::Tile(args)),
             ..
-        } => lake::run_tile(&args),
+        } => archive::run_tile(&args),
         Cli {
             command: Some(Command::Adjust(args)),
             ..
-        } => lake::run_adjust(&args),
+        } => archive::run_adjust(&args),
         Cli {
-            command: Some(Command::Who(args)),
+            command: Some(Command::Coverage(args)),
             ..
-        } => lake::run_who(&args),
+        } => archive::run_coverage(&args),
         Cli {
             command: Some(Command::Detect(args)),
             ..

@@ -108,7 +108,7 @@ impl ProcessArgs {
         let tiles = self.products.contains(&Requested::Tiles);
         match (tiles, files.is_empty()) {
             (true, false) => Err(
-                "tiles go into the folder of a lake, other products into one of their own; ask for --products tiles alone"
+                "tiles go into the folder of an archive, other products into one of their own; ask for --products tiles alone"
                     .to_owned(),
             ),
             (false, true) => Ok(Product::ALL.to_vec()),

@@ -2,8 +2,8 @@
 //!
 //! In: results of the pipeline. Out: files in a folder. It uses `pipeline` and all that comes before it.
 
+pub mod archive;
 pub mod export;
 pub mod html_report;
-pub mod lake;
 pub mod map_tiles;
 pub mod outputs;

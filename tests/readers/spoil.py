@@ -12,7 +12,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-import lake
+import archive
 import numpy
 import rasterio
 import tiles
@@ -191,12 +191,12 @@ SPOILERS = {
 
 
 def first(folder, pattern):
-    """The first file of a lake that a pattern names."""
+    """The first file of an archive that a pattern names."""
     return sorted(folder.glob(pattern))[0]
 
 
 def edit_first(pattern, change):
-    """Changes the first JSON file of a lake that a pattern names."""
+    """Changes the first JSON file of an archive that a pattern names."""
     return lambda folder: edit(first(folder, pattern).relative_to(folder), change)(folder)
 
 
@@ -220,7 +220,7 @@ def spoil_mosaic(folder):
         raster.write(levels, 1)
 
 
-LAKE_SPOILERS = {
+ARCHIVE_SPOILERS = {
     "a point too many": edit_first("logs/*.json", lambda log: log["tiles"][0].update(points=log["tiles"][0]["points"] + 1)),
     "a tile of another zone": edit_first("logs/*.json", lambda log: log["tiles"][0].update(tile="18N_392192_3253760")),
     "rows that are not there": lambda folder: first(folder, "pings/*/*.parquet").unlink(),
@@ -258,4 +258,4 @@ def all_fail(spoilers, original, look):
 
 if __name__ == "__main__":
     all_fail(SPOILERS, sys.argv[1], check)
-    all_fail(LAKE_SPOILERS, sys.argv[2], lake.check)
+    all_fail(ARCHIVE_SPOILERS, sys.argv[2], archive.check)

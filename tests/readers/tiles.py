@@ -190,8 +190,8 @@ def check_opens_on(header, paths):
     assert (said > extent).all() and (said < extent + 4.0 * cell_deg).all(), f"{said} for {extent}"
 
 
-def check_lake(folder):
-    """The joined tiles of a lake against the maps of its tiles."""
+def check_archive(folder):
+    """The joined tiles of an archive against the maps of its tiles."""
     rasters = [sampler(path) for path in sorted(folder.glob("tiles/*/depth.tif"))]
 
     def depth_at(xs, ys):

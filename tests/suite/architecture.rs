@@ -135,7 +135,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
         ],
     ),
     (
-        "products::lake",
+        "products::archive",
         &[
             "survey",
             "support::geo",

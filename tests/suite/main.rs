@@ -2,6 +2,7 @@
 //! A module a room; `support` finds the real recordings and simulated surveys.
 
 mod architecture;
+mod archive;
 mod base_map;
 mod bathymetry;
 mod bottom;
@@ -33,13 +34,12 @@ mod hostile;
 mod isobaths_window;
 mod keyboard_window;
 mod keys_window;
-mod lake;
-mod lake_files;
 mod large_boxes;
 mod left_out_window;
 mod logs_window;
 mod manual;
 mod many_logs;
+mod many_logs_files;
 mod map_layers;
 mod map_tools;
 mod missions;

@@ -1,7 +1,7 @@
 //! Logs of one survey whose positions are off and late: found and put right by `process` and in the window.
 
+use crate::archive::positions::{LOGS, TRUTH, write_four};
 use crate::cli::run;
-use crate::lake::positions::{LOGS, TRUTH, write_four};
 use crate::logs_window::{change, settle};
 use crate::window::{Window, app, drop_file, empty_window, press};
 use bathyscope::app::FoundPositions;

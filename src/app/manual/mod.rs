@@ -13,8 +13,9 @@ pub enum Topic {
     Waterfall,
     /// Many logs in one survey
     Survey,
-    /// One map of all logs of a water, kept up to date in a folder
-    Lake,
+    /// An archive of many logs: one map of all of them, kept up to date in a folder
+    #[value(alias = "lake")]
+    Archive,
     /// The project file
     Project,
     /// Layers, coordinates, measuring, printing
@@ -49,7 +50,7 @@ impl Topic {
         Topic::Window,
         Topic::Waterfall,
         Topic::Survey,
-        Topic::Lake,
+        Topic::Archive,
         Topic::Project,
         Topic::Map,
         Topic::Bottom,
@@ -70,7 +71,7 @@ impl Topic {
             Topic::Window => include_str!("../../../assets/manual/window.md"),
             Topic::Waterfall => include_str!("../../../assets/manual/waterfall.md"),
             Topic::Survey => include_str!("../../../assets/manual/survey.md"),
-            Topic::Lake => include_str!("../../../assets/manual/lake.md"),
+            Topic::Archive => include_str!("../../../assets/manual/archive.md"),
             Topic::Project => include_str!("../../../assets/manual/project.md"),
             Topic::Map => include_str!("../../../assets/manual/map.md"),
             Topic::Bottom => include_str!("../../../assets/manual/bottom.md"),

@@ -4,12 +4,12 @@ use crate::products::outputs::Product;
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
 
-/// A group of files of a run, or the rows of a lake, which are no files of a run: many logs share their folder.
+/// A group of files of a run, or the rows of an archive, which are no files of a run: many logs share their folder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Requested {
     /// Files of a run.
     Files(Product),
-    /// Rows of a lake.
+    /// Rows of an archive.
     Tiles,
 }
 
@@ -33,7 +33,7 @@ impl ValueEnum for Requested {
         match self {
             Self::Files(product) => product.to_possible_value(),
             Self::Tiles => Some(PossibleValue::new("tiles").help(
-                "alone, into a lake: points and pings of each log by tile, points/*/*.parquet; pings/*/*.parquet",
+                "alone, into an archive: points and pings of each log by tile, points/*/*.parquet; pings/*/*.parquet",
             )),
         }
     }

@@ -1,11 +1,11 @@
-//! `bathyscope process --products tiles`: the rows of logs into a lake.
+//! `bathyscope process --products tiles`: the rows of logs into an archive.
 
 use super::ProcessArgs;
 use crate::cli::output;
 use crate::cli::parallel::each_in_parallel;
 use crate::cli::status_line::StatusLine;
 use crate::cli::survey_logs::{LogInput, all_or};
-use crate::products::lake::{Added, Lake, LogRecord, add};
+use crate::products::archive::{Added, Archive, LogRecord, add};
 use crate::support::presentation::text;
 use crate::support::progress::Progress;
 
@@ -13,12 +13,11 @@ use crate::support::progress::Progress;
 /// too.
 const MOST_AT_ONCE: usize = 4;
 
-/// Adds every log to the lake of the folder. One that cannot be used does not keep the others out.
+/// Adds every log to the archive of the folder. One that cannot be used does not keep the others out.
 pub fn run(inputs: &[LogInput], args: &ProcessArgs) -> Result<(), String> {
-    let folder = args
-        .output
-        .as_deref()
-        .ok_or("tiles go into the folder of a lake, which many runs share; name it with -o DIR")?;
+    let folder = args.output.as_deref().ok_or(
+        "tiles go into the folder of an archive, which many runs share; name it with -o DIR",
+    )?;
     if args.adjust || args.reference.is_some() || !args.review.is_empty() {
         return Err(
             "tiles are written of each log by itself: --adjust, --reference and --review do not go with them (`bathyscope adjust DIR` finds height offsets)"
@@ -28,13 +27,14 @@ pub fn run(inputs: &[LogInput], args: &ProcessArgs) -> Result<(), String> {
     let Some(first) = inputs.first() else {
         return Ok(());
     };
-    let lake = Lake::open_for(folder, &first.logs.settings).map_err(|error| error.to_string())?;
+    let archive =
+        Archive::open_for(folder, &first.logs.settings).map_err(|error| error.to_string())?;
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
     status.step("tiles");
     progress.start(inputs.len() as u64);
     let done = each_in_parallel(inputs, MOST_AT_ONCE, |input| {
-        let added = added(&lake, input);
+        let added = added(&archive, input);
         progress.advance(1);
         added
     });
@@ -61,12 +61,13 @@ pub fn run(inputs: &[LogInput], args: &ProcessArgs) -> Result<(), String> {
     all_or(failed, inputs.len())
 }
 
-fn added(lake: &Lake, input: &LogInput) -> Result<Added, String> {
+fn added(archive: &Archive, input: &LogInput) -> Result<Added, String> {
     // Each log of a project has settings of its own.
-    lake.check(&input.logs.settings)
+    archive
+        .check(&input.logs.settings)
         .map_err(|error| error.to_string())?;
     let log = input.open()?;
-    let added = add(lake, &log.survey, &log.settings, &Progress::new());
+    let added = add(archive, &log.survey, &log.settings, &Progress::new());
     added.map_err(|error| format!("{error}: {}", input.path.display()))
 }
 

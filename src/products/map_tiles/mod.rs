@@ -1,7 +1,7 @@
 //! A depth map as the square pictures that web maps and plotters show: Web Mercator, 256 pixels a side, each zoom twice as fine as the one before.
 //!
 //! ```text
-//! depths of a run or a lake --TileSource--> finest pixels --pyramid--> coarser ones --> pictures: colours, chart, depths
+//! depths of a run or an archive --TileSource--> finest pixels --pyramid--> coarser ones --> pictures: colours, chart, depths
 //! ```
 //!
 //! `web_tile` says where tiles lie, `lit_surface` what is known at a place, `pixels` holds what is known of a tile and colours it, `chart` draws isobaths over that, their depths by `label`

@@ -103,7 +103,7 @@ impl MapPart {
     }
 }
 
-/// Zooms from a part of a map to its finest tiles. A part is some 250 to 500 m long where cells are 0.5 m, about as long as a tile of a lake:
+/// Zooms from a part of a map to its finest tiles. A part is some 250 to 500 m long where cells are 0.5 m, about as long as a tile of an archive:
 /// smaller ones would be too many files, and of larger ones too much would be drawn anew when a tile changes.
 const PART_ZOOMS: u8 = 2;
 

@@ -304,7 +304,7 @@ fn every_side_of_a_mirrored_log_is_that_of_the_boat() {
 
 /// A boat to and fro over mounds and hollows, whose positions are recorded 0.8 s late.
 fn late() -> Scene {
-    let scene = crate::lake::zigzag(0, [0.0, 0.0], 0.0);
+    let scene = crate::archive::zigzag(0, [0.0, 0.0], 0.0);
     let places = (-4..=4).flat_map(|column| (-4..=4).map(move |row| (column, row)));
     let mounds = places.map(|(column, row)| Mound {
         east_m: 8.0 * f64::from(column),

@@ -1,4 +1,4 @@
-//! The depth maps of either side of a change: of a run, of a lake, or of any program.
+//! The depth maps of either side of a change: of a run, of an archive, or of any program.
 
 use crate::bottom::bathymetry::CellSource;
 use crate::formats::geotiff::{
@@ -8,7 +8,7 @@ use crate::support::geo::{Crs, MapPlane, bounds_deg, boxes_meet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What `process` and `lake` call the depths, and beside them their standard deviations and what they rest on.
+/// What `process` and `archive` call the depths, and beside them their standard deviations and what they rest on.
 const DEPTH: &str = "depth.tif";
 const UNCERTAINTY: &str = "uncertainty.tif";
 const SOURCE: &str = "source.tif";
@@ -20,7 +20,7 @@ pub struct DepthMaps {
 }
 
 impl DepthMaps {
-    /// The map that an argument names: a GeoTIFF, the folder of a run, or a lake.
+    /// The map that an argument names: a GeoTIFF, the folder of a run, or an archive.
     pub fn open(path: &Path) -> Result<Self, String> {
         let of_run = path.join("depth").join(DEPTH);
         let files = match (path.is_dir(), of_run.is_file()) {
@@ -30,7 +30,7 @@ impl DepthMaps {
         };
         if files.is_empty() {
             return Err(format!(
-                "there is no depth map in this folder; give a folder of `bathyscope process`, a lake with maps, or a GeoTIFF: {}",
+                "there is no depth map in this folder; give a folder of `bathyscope process`, an archive with maps, or a GeoTIFF: {}",
                 path.display()
             ));
         }
@@ -69,9 +69,9 @@ impl DepthMaps {
     }
 }
 
-/// The maps of a lake's tiles, in the order of their names.
-fn tiles(lake: &Path) -> Result<Vec<PathBuf>, String> {
-    let folder = lake.join("tiles");
+/// The maps of an archive's tiles, in the order of their names.
+fn tiles(archive: &Path) -> Result<Vec<PathBuf>, String> {
+    let folder = archive.join("tiles");
     if !folder.is_dir() {
         return Ok(Vec::new());
     }
@@ -117,7 +117,7 @@ pub struct DepthPart {
     /// Classes of [`CellSource`].
     sources: Option<Vec<u8>>,
     crs: Crs,
-    /// What its results are called: the tile's name in a lake, nothing otherwise.
+    /// What its results are called: the tile's name in an archive, nothing otherwise.
     pub name: String,
 }
 

@@ -30,7 +30,7 @@ const STEPS: usize = 16;
 /// What changed between two surveys.
 #[derive(Debug, clap::Args)]
 pub struct ChangeArgs {
-    /// Compare two depth maps in place of points, the newer one first: a folder of `process`, a lake, or a GeoTIFF. Writes into this folder how
+    /// Compare two depth maps in place of points, the newer one first: a folder of `process`, an archive, or a GeoTIFF. Writes into this folder how
     /// much each cell rose, the level of detection, and the volumes of fill and cut
     #[arg(long, value_name = "DIR", conflicts_with_all = ["output", "by", "radius", "max_gap", "water_level"])]
     change: Option<PathBuf>,
@@ -193,7 +193,7 @@ impl<'a> PartChange<'a> {
         })
     }
 
-    /// Writes `difference.tif`, `detection_level.tif` and `uncertainty.tif`, of a lake behind the name of the tile; gives back where they lie.
+    /// Writes `difference.tif`, `detection_level.tif` and `uncertainty.tif`, of an archive behind the name of the tile; gives back where they lie.
     fn write(
         &self,
         folder: &Path,

@@ -1,0 +1,58 @@
+//! `bathyscope archive`: everything of an archive that is out of date.
+
+use super::adjust::{adjusted, summary, tell};
+use super::make_maps;
+use crate::bottom::bathymetry::position_offsets::Wanted;
+use crate::cli::output;
+use crate::cli::status_line::StatusLine;
+use crate::products::archive::{
+    Archive, ArchiveError, MapTilesState, TileId, TileState, contents, remove_left_over,
+    tile_state, write_index, write_map_tiles,
+};
+use crate::support::presentation::text;
+use crate::support::progress::Progress;
+use std::path::PathBuf;
+
+/// `bathyscope archive DIR`.
+#[derive(Debug, clap::Args)]
+pub struct ArchiveArgs {
+    /// Folder of the archive
+    archive: PathBuf,
+}
+
+/// Finds the offsets, makes the maps that are stale or missing, and the index of all.
+pub fn run(args: &ArchiveArgs) -> Result<(), String> {
+    let in_words = |error: ArchiveError| error.to_string();
+    let archive = Archive::open(&args.archive).map_err(in_words)?;
+    let logs = archive.logs().map_err(in_words)?;
+    let adjusted = adjusted(&archive, Wanted::default())?;
+    tell(&adjusted);
+    output::results(summary(&adjusted))?;
+    let all: Vec<TileId> = contents(&archive).map_err(in_words)?.into_keys().collect();
+    let is_due = |tile: &TileId| {
+        tile_state(&archive, *tile, &logs, &adjusted.offsets) != TileState::UpToDate
+    };
+    let due: Vec<TileId> = all.iter().copied().filter(is_due).collect();
+    make_maps(&archive, &due, &logs, &adjusted.offsets)?;
+    for tile in remove_left_over(&archive, &all).map_err(in_words)? {
+        output::results(format_args!(
+            "removed {tile}: no log has rows in it any more"
+        ))?;
+    }
+    write_index(&archive, &logs, &all).map_err(in_words)?;
+    let progress = Progress::new();
+    let status = StatusLine::new(&progress);
+    status.step("map tiles");
+    let joined = write_map_tiles(&archive, &all, &progress).map_err(in_words)?;
+    drop(status);
+    if joined == MapTilesState::Made {
+        output::results(
+            "joined the maps in map_tiles/index.html, depth.mbtiles, depth.pmtiles, depth_values.pmtiles",
+        )?;
+    }
+    output::results(format_args!(
+        "{} of {} made, the others are up to date; the index is index/depth_*.vrt, index/mosaic_*.vrt and index/collection.json",
+        due.len(),
+        text::plural(all.len(), "map", "maps")
+    ))
+}

@@ -1,0 +1,181 @@
+//! `bathyscope coverage`: which logs cover a place.
+
+use crate::cli::output;
+use crate::cli::status_line::StatusLine;
+use crate::formats::read_area;
+use crate::products::archive::{Archive, CoverageQuery, PingCoverage, coverage_at};
+use crate::support::calendar;
+use crate::support::geo::LonLat;
+use crate::support::presentation::text;
+use crate::support::progress::Progress;
+use serde::Serialize;
+use std::path::PathBuf;
+use std::str::FromStr;
+
+/// `bathyscope coverage DIR LON,LAT[,RADIUS]`.
+#[derive(Debug, clap::Args)]
+pub struct CoverageArgs {
+    /// Folder of the archive
+    archive: PathBuf,
+    /// Longitude and latitude, degrees, and how far around them, metres: -111.4801,36.8603 or -111.4801,36.8603,5
+    #[arg(
+        value_name = "LON,LAT[,RADIUS]",
+        allow_hyphen_values = true,
+        required_unless_present = "area",
+        conflicts_with = "area"
+    )]
+    place: Option<Place>,
+    /// Polygon instead of a place: GeoJSON, KML or GPX
+    #[arg(long, value_name = "FILE")]
+    area: Option<PathBuf>,
+    /// Print JSON, with every ping
+    #[arg(long)]
+    json: bool,
+}
+
+/// A place and how far around it.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    at: LonLat,
+    radius_m: f64,
+}
+
+impl FromStr for Place {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers = text.split(',').map(|part| part.trim().parse::<f64>());
+        let numbers: Vec<f64> = numbers.collect::<Result<_, _>>().unwrap_or_default();
+        let ([lon_deg, lat_deg], radius_m) =
+            match numbers.as_slice() {
+                [lon, lat] => ([*lon, *lat], 0.0),
+                [lon, lat, radius_m] => ([*lon, *lat], *radius_m),
+                _ => return Err(
+                    "give longitude and latitude in degrees, and a radius in metres: 9.5,47.6,10"
+                        .to_owned(),
+                ),
+            };
+        let at = LonLat { lon_deg, lat_deg };
+        match at.is_on_earth() && (0.0..=10_000.0).contains(&radius_m) {
+            true => Ok(Self { at, radius_m }),
+            false => Err(
+                "longitudes go from -180 to 180 degrees, latitudes from -90 to 90, the radius from 0 to 10000 m".to_owned(),
+            ),
+        }
+    }
+}
+
+/// Prints which logs cover the place.
+pub fn run(args: &CoverageArgs) -> Result<(), String> {
+    let archive = Archive::open(&args.archive).map_err(|error| error.to_string())?;
+    let area = (args.area.as_deref().map(read_area))
+        .transpose()
+        .map_err(|error| error.to_string())?;
+    let asked = match (&area, args.place) {
+        (Some(area), _) => CoverageQuery::Within(&area.rings),
+        (None, Some(Place { at, radius_m })) => CoverageQuery::Around(at, radius_m),
+        (None, None) => return Err("give a place or an area".to_owned()),
+    };
+    let progress = Progress::new();
+    let status = StatusLine::new(&progress);
+    status.step("rows of pings");
+    let found = coverage_at(&archive, asked, &progress).map_err(|error| error.to_string())?;
+    drop(status);
+    match args.json {
+        true => output::json(&found.iter().map(Printed::new).collect::<Vec<_>>()),
+        false => output::results(in_words(&found)),
+    }
+}
+
+/// A side of a ping as it is printed in JSON.
+#[derive(Serialize)]
+struct Printed<'a> {
+    log: &'a str,
+    name: &'a str,
+    ping: i32,
+    side: &'static str,
+    sample: i32,
+    last_sample: i32,
+    range_m: f64,
+    distance_m: f64,
+    time: Option<String>,
+    time_s: f64,
+    left_out: bool,
+}
+
+impl<'a> Printed<'a> {
+    fn new(one: &'a PingCoverage) -> Self {
+        Self {
+            log: &one.log,
+            name: &one.name,
+            ping: one.ping,
+            side: one.side.name(),
+            sample: one.seen.samples[0],
+            last_sample: one.seen.samples[1],
+            range_m: one.seen.range_m,
+            distance_m: one.seen.distance_m,
+            time: one.unix_us.map(utc),
+            time_s: one.time_s,
+            left_out: one.is_left_out,
+        }
+    }
+}
+
+fn utc(unix_us: i64) -> String {
+    let unix_s = unix_us as f64 * 1e-6;
+    format!(
+        "{}T{}Z",
+        calendar::date(unix_s),
+        calendar::time_of_day(unix_s)
+    )
+}
+
+/// A line for each pass of a log: pings in a row that cover the place to the same side.
+fn in_words(found: &[PingCoverage]) -> String {
+    if found.is_empty() {
+        return "no ping of this archive covers ground there".to_owned();
+    }
+    let mut by_side: Vec<&PingCoverage> = found.iter().collect();
+    by_side.sort_by_key(|one| (&one.name, &one.log, one.side, one.ping));
+    let same_pass = |a: &&PingCoverage, b: &&PingCoverage| {
+        (&a.log, a.side) == (&b.log, b.side) && b.ping - a.ping <= 1
+    };
+    let mut logs: Vec<&str> = by_side.iter().map(|one| one.log.as_str()).collect();
+    logs.dedup();
+    let mut lines: Vec<String> = by_side.chunk_by(same_pass).map(of_pass).collect();
+    lines.push(format!(
+        "{} of {}",
+        text::plural(found.len(), "side of a ping", "sides of pings"),
+        text::plural(logs.len(), "log", "logs")
+    ));
+    lines.join("\n")
+}
+
+fn of_pass(pass: &[&PingCoverage]) -> String {
+    let (Some(first), Some(last)) = (pass.first(), pass.last()) else {
+        return String::new();
+    };
+    let samples = pass.iter().map(|one| one.seen.samples);
+    let (least, most) = samples.fold((i32::MAX, i32::MIN), |(least, most), [from, to]| {
+        (least.min(from), most.max(to))
+    });
+    let range = |from: i32, to: i32| match from == to {
+        true => from.to_string(),
+        false => format!("{from} to {to}"),
+    };
+    let time = first
+        .unix_us
+        .map_or_else(|| format!("{:.1} s", first.time_s), utc);
+    let left_out = match pass.iter().all(|one| one.is_left_out) {
+        true => ", left out",
+        false => "",
+    };
+    format!(
+        "{}: ping {}, {}, sample {}, slant range {:.1} m, {time}{left_out}",
+        first.name,
+        range(first.ping, last.ping),
+        first.side.name(),
+        range(least, most),
+        first.seen.range_m,
+    )
+}

@@ -1,0 +1,212 @@
+//! Which recordings cover a place: every log, ping, side and sample, from the rows of pings of the tiles concerned.
+
+use super::area::Area;
+use super::error::ArchiveError;
+use super::footprint::{CoveredSamples, Footprint};
+use super::log_record::LogRecord;
+use super::offsets::Offsets;
+use super::ping_rows::{self, PINGS, PingRow};
+use super::positions::moved;
+use super::record::{Archive, MOST_MOVED_M};
+use super::tile::TileId;
+use crate::bottom::bathymetry::crosslines::{TrackDepth, velocity_mps};
+use crate::bottom::bathymetry::position_offsets::Shift;
+use crate::support::geo::{LonLat, UtmZone};
+use crate::support::progress::Progress;
+use crate::survey::Side;
+use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A side of a ping that covers a place: it insonified the ground there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PingCoverage {
+    /// SHA-256 of the log.
+    pub log: String,
+    /// What the log is called.
+    pub name: String,
+    /// Which side-scan ping of it.
+    pub ping: i32,
+    /// Which side.
+    pub side: Side,
+    /// Sample, slant range and distance.
+    pub seen: CoveredSamples,
+    /// Seconds after the log's time zero.
+    pub time_s: f64,
+    /// Microseconds since 1970, UTC, where the recorder knew the time.
+    pub unix_us: Option<i64>,
+    /// Whether the settings leave the ping out of every result.
+    pub is_left_out: bool,
+}
+
+/// The place whose coverage is asked for.
+#[derive(Clone, Copy, Debug)]
+pub enum CoverageQuery<'a> {
+    /// All ground within so many metres of a position.
+    Around(LonLat, f64),
+    /// All ground within rings of corners, each named once: within an odd number of them, so that islands are rings too.
+    Within(&'a [Vec<LonLat>]),
+}
+
+/// The same in the metres of a zone.
+enum InZone {
+    Around([f64; 2], f64),
+    Within(Area),
+}
+
+impl CoverageQuery<'_> {
+    /// The zones that have ground of it, and where it is there.
+    fn in_zones(&self) -> Vec<(UtmZone, InZone)> {
+        match self {
+            Self::Around(at, radius_m) => {
+                let zones = UtmZone::near(*at, *radius_m).into_iter();
+                let place = |zone: UtmZone| (zone, InZone::Around(zone.to_metres(*at), *radius_m));
+                zones.map(place).collect()
+            }
+            Self::Within(rings) => {
+                let corners = rings.iter().flatten();
+                let zones: BTreeSet<UtmZone> = corners.map(|at| UtmZone::of(*at)).collect();
+                let area = |zone| Some((zone, InZone::Within(Area::new(zone, rings)?)));
+                zones.into_iter().filter_map(area).collect()
+            }
+        }
+    }
+}
+
+impl InZone {
+    /// West, south, east and north, metres.
+    fn bounds_m(&self) -> [f64; 4] {
+        match self {
+            Self::Around([x, y], radius_m) => {
+                [x - radius_m, y - radius_m, x + radius_m, y + radius_m]
+            }
+            Self::Within(area) => area.bounds_m,
+        }
+    }
+
+    fn seen_by(&self, ping: &Footprint) -> [Option<CoveredSamples>; 2] {
+        match self {
+            Self::Around(place, radius_m) => ping.seen(*place, *radius_m),
+            Self::Within(area) if ping.bounds_m().is_some_and(|saw| touch(area.bounds_m, saw)) => {
+                area.seen_by(ping)
+            }
+            Self::Within(_) => [None; 2],
+        }
+    }
+}
+
+/// Rows of pings that may cover a place: a file, and the place in its zone.
+struct Search<'a> {
+    log: &'a LogRecord,
+    tile: TileId,
+    place: &'a InZone,
+    /// How the positions of the log are corrected.
+    shift: Shift,
+}
+
+/// The sides of pings that cover ground of a place, by log, ping and side, with the positions of each log corrected as for the depth maps. Each is
+/// listed once: as it is nearest.
+///
+/// # Errors
+/// When rows cannot be read, or the work was cancelled.
+pub fn coverage_at(
+    archive: &Archive,
+    asked: CoverageQuery<'_>,
+    progress: &Progress,
+) -> Result<Vec<PingCoverage>, ArchiveError> {
+    let zones = asked.in_zones();
+    // Rows lie in the tiles of the ground that positions as recorded show.
+    let around = |place: &InZone| {
+        let [west, south, east, north] = place.bounds_m();
+        let [more, less] = [MOST_MOVED_M, -MOST_MOVED_M];
+        [west + less, south + less, east + more, north + more]
+    };
+    let tiles = zones
+        .iter()
+        .flat_map(|(zone, place)| TileId::touched(*zone, around(place)));
+    let logs = archive.logs_in(tiles)?;
+    let offsets = Offsets::read(archive)?;
+    let mut searches = Vec::new();
+    for (zone, place) in &zones {
+        let around = around(place);
+        for tile in TileId::touched(*zone, around) {
+            let rows = logs
+                .iter()
+                .filter_map(|log| Some((log, log.rows_in(tile)?)));
+            let seen = rows.filter(|(_, rows)| {
+                let saw = <[f64; 4]>::try_from(rows.seen_m.as_slice());
+                rows.pings > 0 && saw.is_ok_and(|saw| touch(around, saw))
+            });
+            searches.extend(seen.map(|(log, _)| Search {
+                log,
+                tile,
+                place,
+                shift: offsets.shift_of(&log.log),
+            }));
+        }
+    }
+    progress.start(searches.len() as u64);
+    let found = searches.par_iter().map(|search| {
+        progress.check()?;
+        let name = Archive::rows_name(PINGS, search.tile, &search.log.log);
+        let mut pings = ping_rows::read(&archive.folder().join(name))?;
+        correct(&mut pings, search.shift);
+        progress.advance(1);
+        Ok(sightings(search, &pings))
+    });
+    let found: Vec<Vec<PingCoverage>> = found.collect::<Result<_, ArchiveError>>()?;
+    // A ping stands in every tile whose ground it saw, with the same ground.
+    let mut nearest: BTreeMap<(String, String, i32, Side), PingCoverage> = BTreeMap::new();
+    for one in found.into_iter().flatten() {
+        let key = (one.name.clone(), one.log.clone(), one.ping, one.side);
+        match nearest.get(&key) {
+            Some(known) if known.seen.distance_m <= one.seen.distance_m => {}
+            _ => {
+                nearest.insert(key, one);
+            }
+        }
+    }
+    Ok(nearest.into_values().collect())
+}
+
+/// Whether two boxes touch; west, south, east and north.
+fn touch(a: [f64; 4], b: [f64; 4]) -> bool {
+    a[0] <= b[2] && b[0] <= a[2] && a[1] <= b[3] && b[1] <= a[3]
+}
+
+/// Moves pings to where the boat was.
+fn correct(pings: &mut [PingRow], shift: Shift) {
+    if shift == Shift::default() {
+        return;
+    }
+    let place = |ping: &PingRow| TrackDepth {
+        time_s: ping.time_s,
+        east_m: ping.footprint.place[0],
+        north_m: ping.footprint.place[1],
+        depth_m: 0.0,
+    };
+    let track: Vec<TrackDepth> = pings.iter().map(place).collect();
+    for (index, ping) in pings.iter_mut().enumerate() {
+        let velocity_mps = velocity_mps(&track, index);
+        ping.footprint.place = moved(ping.footprint.place, shift, velocity_mps);
+    }
+}
+
+fn sightings(search: &Search<'_>, pings: &[PingRow]) -> Vec<PingCoverage> {
+    let mut found = Vec::new();
+    for ping in pings {
+        let seen = search.place.seen_by(&ping.footprint);
+        for (side, seen) in Side::BOTH.into_iter().zip(seen) {
+            found.extend(seen.map(|seen| PingCoverage {
+                log: search.log.log.clone(),
+                name: search.log.name.clone(),
+                ping: ping.ping,
+                side,
+                seen,
+                time_s: ping.time_s,
+                unix_us: ping.unix_us,
+                is_left_out: ping.is_left_out,
+            }));
+        }
+    }
+    found
+}

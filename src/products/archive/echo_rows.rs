@@ -1,0 +1,349 @@
+//! The echoes of a log, a row each side-scan ping with a place: `echoes/tile=.../SHA256.parquet`, in archives whose depths come from echo levels.
+//! They have all that the correction reads of the log, so that a tile needs no log.
+
+use super::add::LogRows;
+use super::error::ArchiveError;
+use super::log_record::LogRecord;
+use super::offsets::Offsets;
+use super::positions::moved;
+use super::spread::{self, Row, RowsByTile};
+use super::tile::TileId;
+use crate::bottom::swath::{
+    Chunk, LaidOutLog, LearntLevels, Levels, LogEchoes, PingPlace, SideEchoes,
+};
+use crate::formats::parquet_table::{Column, ParquetError, ParquetFault, Values, read_parquet};
+use crate::pipeline::{depth_points, log_echoes};
+use crate::support::geo::{LonLat, UtmZone};
+use crate::support::progress::{Cancelled, Progress};
+use crate::survey::Side;
+use std::path::Path;
+
+/// The subfolder of the rows.
+pub(super) const ECHOES: &str = "echoes";
+
+/// The echoes of a whole log, laid out by tile.
+pub(super) struct EchoesByTile<'a> {
+    log: LaidOutLog<'a>,
+    /// What was learnt of its levels.
+    pub learnt: Option<LearntLevels>,
+    /// The place of the chunk that each ping is in, if any.
+    chunks: Vec<Option<usize>>,
+    /// Rows as those of points; each ping is in the tile that it lies in, of its own zone and of a neighbouring one that is near.
+    pub rows: RowsByTile,
+}
+
+impl<'a> EchoesByTile<'a> {
+    /// Of a log.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn new(log: &LogRows<'a>, halo_m: f64, progress: &Progress) -> Result<Self, Cancelled> {
+        let echoes = log_echoes(log.survey, log.products, |place| place);
+        let laid_out = LaidOutLog::new(echoes, progress)?;
+        let mut rows = RowsByTile::new();
+        for (index, ping) in laid_out.echoes.pings.iter().enumerate() {
+            if !ping.is_placed() {
+                continue;
+            }
+            let at = log.position(ping.place_m[0], ping.place_m[1]);
+            if !at.is_on_earth() {
+                continue;
+            }
+            for (rank, zone) in UtmZone::near(at, halo_m).into_iter().enumerate() {
+                let place = zone.to_metres(at);
+                rows.entry(TileId::at(zone, place)).or_default().push(Row {
+                    index,
+                    at,
+                    zone,
+                    place,
+                    is_core: rank == 0,
+                });
+            }
+        }
+        let mut chunks = vec![None; laid_out.echoes.pings.len()];
+        for (place, chunk) in laid_out.chunks.iter().enumerate() {
+            chunks[chunk.pings.clone()].fill(Some(place));
+        }
+        let products = log.products;
+        let measured = depth_points(
+            &products.cloud,
+            &products.classes,
+            &products.settings.surface,
+            |point| [point.east_m, point.north_m, point.z_m],
+        );
+        Ok(Self {
+            learnt: LearntLevels::of(&laid_out, &measured, progress)?,
+            log: laid_out,
+            chunks,
+            rows,
+        })
+    }
+
+    /// Columns of rows in a tile.
+    pub fn columns(&self, log: &LogRows<'_>, rows: &[Row]) -> Vec<Column> {
+        let pings: Vec<&PingPlace> = rows
+            .iter()
+            .map(|row| &self.log.echoes.pings[row.index])
+            .collect();
+        let of_rows =
+            |value: &dyn Fn(&Row) -> f64| Values::Double(rows.iter().map(value).collect());
+        let of_pings = |value: &dyn Fn(&PingPlace) -> f64| {
+            Values::Double(pings.iter().map(|ping| value(ping)).collect())
+        };
+        let chunk = |row: &Row| Some(&self.log.chunks[self.chunks[row.index]?]);
+        let of_chunks = |value: &dyn Fn(&Chunk) -> i32| {
+            Values::Whole(rows.iter().map(|row| chunk(row).map(value)).collect())
+        };
+        let starboard: Vec<[f64; 2]> = rows.iter().map(|row| self.starboard(log, row)).collect();
+        let velocity: Vec<[f64; 2]> = (rows.iter().zip(&pings))
+            .map(|(row, ping)| log.velocity_mps(ping.time_s, row.zone))
+            .collect();
+        let part =
+            |of: &[[f64; 2]], axis: usize| Values::Double(of.iter().map(|of| of[axis]).collect());
+        let levels = |side: Side| {
+            let mut levels = Vec::new();
+            let read = |row: &Row| {
+                self.log.echoes.read(row.index, side, &mut levels);
+                levels.clone()
+            };
+            Values::Bytes(rows.iter().map(read).collect())
+        };
+        let times_s = pings.iter().map(|ping| ping.time_s).collect();
+        let mut columns = vec![
+            spread::geometry(rows),
+            Column::new("x", of_rows(&|row| row.place[0])),
+            Column::new("y", of_rows(&|row| row.place[1])),
+            Column::new("starboard_x", part(&starboard, 0)),
+            Column::new("starboard_y", part(&starboard, 1)),
+            Column::new("velocity_x_mps", part(&velocity, 0)),
+            Column::new("velocity_y_mps", part(&velocity, 1)),
+            Column::new("transducer_m", of_pings(&|ping| ping.transducer_m)),
+            Column::new("port_near_m", of_pings(&|ping| ping.sides[0].near_m)),
+            Column::new("port_sample_m", of_pings(&|ping| ping.sides[0].step_m)),
+            Column::new("starboard_near_m", of_pings(&|ping| ping.sides[1].near_m)),
+            Column::new("starboard_sample_m", of_pings(&|ping| ping.sides[1].step_m)),
+            Column::new(
+                "ping",
+                Values::Whole(rows.iter().map(|row| Some(row.index as i32)).collect()),
+            ),
+            Column::new("chunk", of_chunks(&|chunk| chunk.number as i32)),
+            Column::new("range_setting", of_chunks(&|chunk| chunk.range_setting)),
+            Column::new("gain_segment", of_chunks(&|chunk| chunk.stretch as i32)),
+            Column::new(
+                "gain",
+                of_rows(&|row| chunk(row).map_or(f64::NAN, |chunk| chunk.gain)),
+            ),
+            Column::new(
+                "weed",
+                Values::Flag(rows.iter().map(|row| self.log.is_weed[row.index]).collect()),
+            ),
+            Column::new("port", levels(Side::Port)),
+            Column::new("starboard", levels(Side::Starboard)),
+        ];
+        columns.extend(log.common_columns(rows, times_s));
+        columns
+    }
+
+    /// Unit vector to starboard of a ping in a zone.
+    fn starboard(&self, log: &LogRows<'_>, row: &Row) -> [f64; 2] {
+        let PingPlace {
+            place_m, starboard, ..
+        } = self.log.echoes.pings[row.index];
+        let beside: LonLat = log.position(place_m[0] + starboard[0], place_m[1] + starboard[1]);
+        let [x, y] = row.zone.to_metres(beside);
+        let across = [x - row.place[0], y - row.place[1]];
+        let length_m = across[0].hypot(across[1]);
+        across.map(|part| part / length_m)
+    }
+}
+
+/// A ping of an archive with its echoes.
+struct EchoRow {
+    ping: i32,
+    /// The chunk that it is in, if any, without its pings.
+    chunk: Option<Chunk>,
+    is_weed: bool,
+    velocity_mps: [f64; 2],
+    place: PingPlace,
+    /// Port first.
+    levels: [Vec<u8>; 2],
+}
+
+/// The echoes of a log in some tiles.
+#[derive(Default)]
+pub(super) struct StoredEchoes {
+    rows: Vec<EchoRow>,
+    learnt: Option<LearntLevels>,
+}
+
+impl Levels for StoredEchoes {
+    fn read(&self, ping: usize, side: Side, out: &mut Vec<u8>) {
+        out.clear();
+        if let Some(row) = self.rows.get(ping) {
+            out.extend(&row.levels[usize::from(side == Side::Starboard)]);
+        }
+    }
+}
+
+impl StoredEchoes {
+    /// Of the pings of a log in some files that lie within a box, west, south, east and north in metres: with the log's height offset and its positions
+    /// corrected, in the order of the log.
+    ///
+    /// # Errors
+    /// When a file cannot be read.
+    pub fn read(
+        paths: &[impl AsRef<Path>],
+        log: &LogRecord,
+        offsets: &Offsets,
+        [west_m, south_m, east_m, north_m]: [f64; 4],
+    ) -> Result<Self, ArchiveError> {
+        let (shift, offset_m) = (offsets.shift_of(&log.log), offsets.of(&log.log));
+        let mut rows = Vec::new();
+        for path in paths {
+            for mut row in read(path.as_ref())? {
+                let place = &mut row.place;
+                place.place_m = moved(place.place_m, shift, row.velocity_mps);
+                // What is added to an elevation is taken off a depth.
+                place.transducer_m -= offset_m;
+                let [x, y] = place.place_m;
+                if (west_m..east_m).contains(&x) && (south_m..north_m).contains(&y) {
+                    rows.push(row);
+                }
+            }
+        }
+        rows.sort_by_key(|row: &EchoRow| row.ping);
+        Ok(Self {
+            rows,
+            learnt: log.levels.clone(),
+        })
+    }
+
+    /// What depths are found from, and what was learnt of its levels; `None` where they cannot be used.
+    pub fn laid_out(&self) -> Option<(LaidOutLog<'_>, &LearntLevels)> {
+        let learnt = self.learnt.as_ref()?;
+        let mut chunks: Vec<Chunk> = Vec::new();
+        for (ping, row) in self.rows.iter().enumerate() {
+            let Some(of_row) = &row.chunk else { continue };
+            match chunks.last_mut() {
+                Some(chunk) if chunk.number == of_row.number => chunk.pings.end = ping + 1,
+                _ => chunks.push(Chunk {
+                    pings: ping..ping + 1,
+                    ..of_row.clone()
+                }),
+            }
+        }
+        let log = LaidOutLog {
+            echoes: LogEchoes {
+                levels: self,
+                pings: self.rows.iter().map(|row| row.place).collect(),
+            },
+            chunks,
+            law: Some(learnt.law()),
+            is_weed: self.rows.iter().map(|row| row.is_weed).collect(),
+        };
+        Some((log, learnt))
+    }
+}
+
+const NUMBERS: [&str; 13] = [
+    "x",
+    "y",
+    "starboard_x",
+    "starboard_y",
+    "velocity_x_mps",
+    "velocity_y_mps",
+    "transducer_m",
+    "time_s",
+    "port_near_m",
+    "port_sample_m",
+    "starboard_near_m",
+    "starboard_sample_m",
+    "gain",
+];
+const OTHERS: [&str; 7] = [
+    "ping",
+    "chunk",
+    "range_setting",
+    "gain_segment",
+    "weed",
+    "port",
+    "starboard",
+];
+
+fn read(path: &Path) -> Result<Vec<EchoRow>, ArchiveError> {
+    let damaged = || {
+        ArchiveError::from(ParquetError {
+            what: ParquetFault::Damaged("its columns are not those of echoes of an archive"),
+            path: path.to_owned(),
+        })
+    };
+    let numbers = (read_parquet(path, &NUMBERS)?.into_iter()).map(|values| match values {
+        Values::Double(values) => Some(values),
+        _ => None,
+    });
+    let numbers: Vec<Vec<f64>> = numbers.collect::<Option<_>>().ok_or_else(damaged)?;
+    let Ok(
+        [
+            Values::Whole(pings),
+            Values::Whole(chunks),
+            Values::Whole(settings),
+            Values::Whole(segments),
+            Values::Flag(weed),
+            Values::Bytes(port),
+            Values::Bytes(starboard),
+        ],
+    ) = <[Values; 7]>::try_from(read_parquet(path, &OTHERS)?)
+    else {
+        return Err(damaged());
+    };
+    let count = pings.len();
+    let others = [
+        chunks.len(),
+        settings.len(),
+        segments.len(),
+        weed.len(),
+        port.len(),
+        starboard.len(),
+    ];
+    if (numbers.iter().map(Vec::len).chain(others)).any(|length| length != count) {
+        return Err(damaged());
+    }
+    let levels = port.into_iter().zip(starboard);
+    let number_at = |column: usize, index: usize| numbers[column][index];
+    let row = |(index, (port, starboard)): (usize, (Vec<u8>, Vec<u8>))| {
+        let number = |column: usize| number_at(column, index);
+        let side = |near: usize| SideEchoes {
+            near_m: number(near),
+            step_m: number(near + 1),
+            // What is found by first returns was found of the whole log.
+            first_return: f64::NAN,
+            above_bottom: false,
+        };
+        let chunk = match (chunks[index], settings[index], segments[index]) {
+            (Some(number), Some(range_setting), Some(segment)) => Some(Chunk {
+                number: u32::try_from(number).ok()?,
+                pings: 0..0,
+                range_setting,
+                stretch: u32::try_from(segment).ok()?,
+                gain: number_at(12, index),
+            }),
+            _ => None,
+        };
+        Some(EchoRow {
+            ping: pings[index]?,
+            chunk,
+            is_weed: weed[index],
+            velocity_mps: [number(4), number(5)],
+            place: PingPlace {
+                time_s: number(7),
+                place_m: [number(0), number(1)],
+                starboard: [number(2), number(3)],
+                transducer_m: number(6),
+                sides: [side(8), side(10)],
+            },
+            levels: [port, starboard],
+        })
+    };
+    let rows = levels.enumerate().map(row).collect::<Option<_>>();
+    rows.ok_or_else(damaged)
+}

@@ -1,0 +1,31 @@
+//! What is wrong with an archive.
+
+use crate::formats::parquet_table::ParquetError;
+use crate::products::export::{ExportError, RasterError};
+use crate::support::progress::Cancelled;
+
+/// Why something cannot be done in an archive.
+#[derive(Debug, thiserror::Error)]
+pub enum ArchiveError {
+    /// The work was cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// A file could not be written.
+    #[error(transparent)]
+    Write(#[from] ExportError),
+    /// Rows could not be read.
+    #[error(transparent)]
+    Rows(#[from] ParquetError),
+    /// A raster could not be written.
+    #[error(transparent)]
+    Raster(#[from] RasterError),
+    /// Anything else, in a sentence that says what, where and what to do.
+    #[error("{0}")]
+    Refused(String),
+}
+
+impl From<String> for ArchiveError {
+    fn from(sentence: String) -> Self {
+        Self::Refused(sentence)
+    }
+}

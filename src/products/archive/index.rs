@@ -1,0 +1,331 @@
+//! The index of the maps and mosaics of an archive for other programs: VRTs of all tiles of a zone (GDAL, QGIS) with their colours (`.qml`), and a STAC collection with an item a tile.
+//! It is made of the records of tiles and logs alone, so that the same maps have the same index. A tile that no recorder knew the time of is in the
+//! VRT only.
+
+use super::add::make_folder;
+use super::error::ArchiveError;
+use super::log_record::LogRecord;
+use super::record::{Archive, names_in, write_json};
+use super::tile::{TILE_M, TileId};
+use super::tile_files::{DEPTH, ISOBATHS, MOSAIC_FILE, SOURCE, TILES, TileRecord, UNCERTAINTY};
+use crate::bottom::bathymetry::CellSource;
+use crate::formats::geotiff::NODATA;
+use crate::products::export::{qgis_classes, qgis_style, write_atomically};
+use crate::support::calendar;
+use crate::support::geo::{Crs, LonLat, UtmZone, bounds_deg};
+use crate::support::presentation::colours::{depth_colour, uncertainty_colour};
+use crate::support::printable::xml;
+use serde_json::{Map, Value, json};
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::fs;
+use std::io::Write as _;
+use std::path::Path;
+
+const INDEX: &str = "index";
+/// Steps of the colours in a style.
+const STYLE_STEPS: usize = 10;
+/// The id of the collection. Its old word stays: catalogues know the collection by it.
+const COLLECTION_ID: &str = "lake";
+/// Standard deviations between which uncertainty is coloured, metres, the same in all archives: twice the greatest is the half metre that a
+/// survey of order 1a may be off in shallow water (IHO S-44).
+const UNCERTAIN_M: [f64; 2] = [0.0, 0.25];
+
+/// Writes the index of the tiles that have a map with depths or a mosaic, in the folder `index`.
+///
+/// # Errors
+/// When a file cannot be written.
+pub fn write_index(
+    archive: &Archive,
+    logs: &[LogRecord],
+    tiles: &[TileId],
+) -> Result<(), ArchiveError> {
+    let folder = archive.folder().join(INDEX);
+    make_folder(&folder)?;
+    let with_map = tiles.iter().filter_map(|tile| {
+        let record = TileRecord::read(archive, *tile)?;
+        (!record.files.is_empty()).then_some((*tile, record))
+    });
+    let maps: BTreeMap<TileId, TileRecord> = with_map.collect();
+    let mut by_zone: BTreeMap<UtmZone, Vec<TileId>> = BTreeMap::new();
+    for tile in maps.keys() {
+        by_zone.entry(tile.zone).or_default().push(*tile);
+    }
+    let mut names = Vec::new();
+    let mosaic_m = archive.record.settings()?.mosaic.cell_m;
+    let layers = [
+        Layer::of_metres(DEPTH, "depth", archive.record.cell_m),
+        Layer::of_metres(UNCERTAINTY, "uncertainty", archive.record.cell_m),
+        Layer::of_levels(SOURCE, "source", archive.record.cell_m),
+        Layer::of_levels(MOSAIC_FILE, "mosaic", mosaic_m),
+    ];
+    for (zone, tiles) in &by_zone {
+        for layer in &layers {
+            let has_layer = |tile: &&TileId| maps.get(*tile).is_some_and(|map| map.has(layer.file));
+            let tiles: Vec<TileId> = tiles.iter().filter(has_layer).copied().collect();
+            if tiles.is_empty() {
+                continue;
+            }
+            let name = format!(
+                "{}_{}{}.vrt",
+                layer.stem,
+                zone.number,
+                if zone.north { 'N' } else { 'S' }
+            );
+            let text = vrt(*zone, &tiles, layer);
+            let path = folder.join(&name);
+            write_atomically(&path, |mut to| to.write_all(text.as_bytes()))?;
+            names.push(name.clone());
+            if write_style(&path.with_extension("qml"), layer, &maps)? {
+                names.push(name.replace(".vrt", ".qml"));
+            }
+        }
+    }
+    let mut items = BTreeMap::new();
+    for (tile, record) in &maps {
+        if let Some(span) = span_unix_s(logs, *tile) {
+            let name = format!("{tile}.json");
+            write_json(&folder.join(&name), &item(*tile, record, span))?;
+            names.push(name);
+            items.insert(*tile, span);
+        }
+    }
+    names.push("collection.json".to_owned());
+    write_json(&folder.join("collection.json"), &collection(&items))?;
+    for name in names_in(&folder)? {
+        let is_of_index = [".json", ".vrt", ".qml"]
+            .iter()
+            .any(|end| name.ends_with(end));
+        if is_of_index && !names.contains(&name) {
+            // Of a tile or a zone that has no map any more.
+            let path = folder.join(&name);
+            fs::remove_file(&path)
+                .map_err(|error| format!("cannot remove the file: {error}: {}", path.display()))?;
+        }
+    }
+    Ok(())
+}
+
+/// Writes the colours of a layer for QGIS, of depths those of the whole archive; false where it has none.
+fn write_style(
+    path: &Path,
+    layer: &Layer,
+    maps: &BTreeMap<TileId, TileRecord>,
+) -> Result<bool, ArchiveError> {
+    match layer.file {
+        DEPTH => {
+            let depths_m = maps.values().flat_map(|map| map.depth_m.iter().copied());
+            let [least_m, most_m] = depths_m.fold(
+                [f64::INFINITY, f64::NEG_INFINITY],
+                |[least, most], depth_m| [least.min(depth_m), most.max(depth_m)],
+            );
+            qgis_style(path, [least_m, most_m], STYLE_STEPS, depth_colour)?;
+        }
+        UNCERTAINTY => qgis_style(path, UNCERTAIN_M, STYLE_STEPS, uncertainty_colour)?,
+        SOURCE => qgis_classes(path, &CellSource::classes())?,
+        _ => return Ok(false),
+    }
+    Ok(true)
+}
+
+/// Unix seconds of the first and the last row of a tile; `None` where no recorder knew the time.
+fn span_unix_s(logs: &[LogRecord], tile: TileId) -> Option<[f64; 2]> {
+    let spans = logs
+        .iter()
+        .filter_map(|log| <[f64; 2]>::try_from(log.rows_in(tile)?.unix_s.as_slice()).ok());
+    spans.reduce(|[a, b], [from, to]| [a.min(from), b.max(to)])
+}
+
+/// A time as STAC writes it.
+fn utc(unix_s: f64) -> String {
+    format!(
+        "{}T{}Z",
+        calendar::date(unix_s),
+        calendar::time_of_day(unix_s)
+    )
+}
+
+/// West, south, east and north of some tiles, metres of their zone.
+fn around(tiles: &[TileId]) -> [f64; 4] {
+    let start = [f64::MAX, f64::MAX, f64::MIN, f64::MIN];
+    tiles
+        .iter()
+        .map(TileId::bounds_m)
+        .fold(start, |[w, s, e, n], [west, south, east, north]| {
+            [w.min(west), s.min(south), e.max(east), n.max(north)]
+        })
+}
+
+/// Files of one kind, a file a tile.
+struct Layer {
+    file: &'static str,
+    /// What its VRT is called, with the zone.
+    stem: &'static str,
+    cell_m: f64,
+    /// As GDAL names it.
+    data_type: &'static str,
+    nodata: f32,
+}
+
+impl Layer {
+    fn of_metres(file: &'static str, stem: &'static str, cell_m: f64) -> Self {
+        Self {
+            file,
+            stem,
+            cell_m,
+            data_type: "Float32",
+            nodata: NODATA,
+        }
+    }
+
+    /// Of levels or classes, which are 0 where nothing is known.
+    fn of_levels(file: &'static str, stem: &'static str, cell_m: f64) -> Self {
+        Self {
+            data_type: "Byte",
+            nodata: 0.0,
+            ..Self::of_metres(file, stem, cell_m)
+        }
+    }
+}
+
+fn vrt(zone: UtmZone, tiles: &[TileId], layer: &Layer) -> String {
+    let Layer {
+        file,
+        cell_m,
+        data_type,
+        nodata,
+        ..
+    } = layer;
+    let [west, south, east, north] = around(tiles);
+    let cells = |metres: f64| (metres / cell_m).round() as usize;
+    let mut text = format!(
+        "<VRTDataset rasterXSize=\"{}\" rasterYSize=\"{}\">\n  <SRS>{}</SRS>\n  <GeoTransform>{west}, {cell_m}, 0, {north}, 0, -{cell_m}</GeoTransform>\n  <VRTRasterBand dataType=\"{data_type}\" band=\"1\">\n    <NoDataValue>{nodata}</NoDataValue>\n",
+        cells(east - west),
+        cells(north - south),
+        xml(&format!("EPSG:{}", zone.epsg())),
+    );
+    let side = cells(TILE_M);
+    for tile in tiles {
+        let [tile_west, _, _, tile_north] = tile.bounds_m();
+        let (x, y) = (cells(tile_west - west), cells(north - tile_north));
+        write!(
+            text,
+            "    <ComplexSource>\n      <SourceFilename relativeToVRT=\"1\">../{TILES}/{tile}/{file}</SourceFilename>\n      <SourceBand>1</SourceBand>\n      <SrcRect xOff=\"0\" yOff=\"0\" xSize=\"{side}\" ySize=\"{side}\"/>\n      <DstRect xOff=\"{x}\" yOff=\"{y}\" xSize=\"{side}\" ySize=\"{side}\"/>\n      <NODATA>{nodata}</NODATA>\n    </ComplexSource>\n"
+        )
+        .ok();
+    }
+    text + "  </VRTRasterBand>\n</VRTDataset>\n"
+}
+
+/// Longitudes and latitudes of the corners of a tile, counter-clockwise from the south-west, the first again at the end.
+fn corners(tile: TileId) -> [[f64; 2]; 5] {
+    ring(tile.zone, tile.bounds_m())
+}
+
+/// The corners of a box of a zone (west, south, east and north), longitude and latitude in degrees, closed.
+fn ring(zone: UtmZone, [west, south, east, north]: [f64; 4]) -> [[f64; 2]; 5] {
+    [
+        [west, south],
+        [east, south],
+        [east, north],
+        [west, north],
+        [west, south],
+    ]
+    .map(|place| {
+        let at = zone.to_lon_lat(place);
+        [at.lon_deg, at.lat_deg].map(|degrees| (degrees * 1e8).round() / 1e8)
+    })
+}
+
+/// West, south, east and north of some tiles, degrees.
+pub(super) fn tile_bounds_deg(tiles: &[TileId]) -> [f64; 4] {
+    zone_bounds_deg(tiles.iter().map(|tile| (tile.zone, tile.bounds_m())))
+}
+
+/// West, south, east and north of some boxes of zones, degrees.
+pub(super) fn zone_bounds_deg(boxes: impl Iterator<Item = (UtmZone, [f64; 4])>) -> [f64; 4] {
+    let all = boxes.flat_map(|(zone, bounds_m)| ring(zone, bounds_m));
+    bounds_deg(all.map(|[lon_deg, lat_deg]| LonLat { lon_deg, lat_deg }))
+}
+
+/// An item of STAC 1.1, which must have a time: that of a map is from the first to the last row that it was made from.
+fn item(tile: TileId, record: &TileRecord, span_unix_s: [f64; 2]) -> Value {
+    let [west, south, ..] = tile.bounds_m();
+    let asset = |file: &str, title: &str, kind: &str| json!({ "href": format!("../{TILES}/{tile}/{file}"), "title": title, "type": kind, "roles": ["data"] });
+    let raster = "image/tiff; application=geotiff; profile=cloud-optimized";
+    let lines = "application/geo+json";
+    let assets = [
+        (DEPTH, "depth", "Depth in metres, positive down", raster),
+        (
+            UNCERTAINTY,
+            "uncertainty",
+            "Standard deviation of the depths in metres",
+            raster,
+        ),
+        (
+            SOURCE,
+            "source",
+            "What the depth of a cell rests on",
+            raster,
+        ),
+        (ISOBATHS, "isobaths", "Lines of equal depth", lines),
+        (
+            MOSAIC_FILE,
+            "mosaic",
+            "Side-scan mosaic: echo levels",
+            raster,
+        ),
+    ];
+    let there = assets.into_iter().filter(|asset| record.has(asset.0));
+    let assets: Map<String, Value> = there
+        .map(|(file, key, title, kind)| (key.to_owned(), asset(file, title, kind)))
+        .collect();
+    json!({
+        "type": "Feature",
+        "stac_version": "1.1.0",
+        "stac_extensions": ["https://stac-extensions.github.io/projection/v2.0.0/schema.json"],
+        "id": tile.to_string(),
+        "collection": COLLECTION_ID,
+        "geometry": { "type": "Polygon", "coordinates": [corners(tile)] },
+        "bbox": tile_bounds_deg(&[tile]),
+        "properties": {
+            "datetime": null,
+            "start_datetime": utc(span_unix_s[0]),
+            "end_datetime": utc(span_unix_s[1]),
+            "proj:code": format!("EPSG:{}", Crs::of_zone(tile.zone).epsg()),
+            "proj:bbox": [west, south, west + TILE_M, south + TILE_M],
+            "depth_m": record.depth_m,
+            "cells": record.cells,
+        },
+        "links": [{ "rel": "collection", "href": "./collection.json", "type": "application/json" }],
+        "assets": assets,
+    })
+}
+
+fn collection(spans_unix_s: &BTreeMap<TileId, [f64; 2]>) -> Value {
+    let tiles: Vec<TileId> = spans_unix_s.keys().copied().collect();
+    let span = spans_unix_s
+        .values()
+        .copied()
+        .reduce(|[a, b], [from, to]| [a.min(from), b.max(to)]);
+    let interval = span.map(|span| span.map(utc));
+    let items = tiles.iter().map(|tile| {
+        json!({ "rel": "item", "href": format!("./{tile}.json"), "type": "application/geo+json" })
+    });
+    let bounds = match tiles.is_empty() {
+        true => [-180.0, -90.0, 180.0, 90.0],
+        false => tile_bounds_deg(&tiles),
+    };
+    json!({
+        "type": "Collection",
+        "stac_version": "1.1.0",
+        "id": COLLECTION_ID,
+        "description": "Depth maps and side-scan mosaics of a water by tile, from the logs of many fish-finders",
+        "license": "other",
+        "extent": {
+            "spatial": { "bbox": [bounds] },
+            "temporal": { "interval": [interval.map_or(json!([null, null]), |span| json!(span))] },
+        },
+        "links": items.collect::<Vec<Value>>(),
+    })
+}

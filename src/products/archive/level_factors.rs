@@ -1,0 +1,132 @@
+//! How much brighter or darker the echoes of each log are than those of the others, from what their parts of the mosaic show of the same ground.
+
+use super::adjust::solve;
+use super::error::ArchiveError;
+use super::log_mosaic::{MOSAIC, in_words, open_part};
+use super::log_record::LogRecord;
+use super::offsets::Offsets;
+use super::record::Archive;
+use super::tile::TileId;
+use crate::bottom::bathymetry::Grid;
+use crate::bottom::bathymetry::height_offsets::LogOverlap;
+use crate::formats::geotiff::RASTER_TILE;
+use crate::imagery::mosaic::{Gain, LEVEL_CELL_M, level_differences, level_factor};
+use crate::support::progress::Progress;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// What the levels of a log are multiplied by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct LevelFactor {
+    /// To a thousandth; 1 of a log that shows no ground with others.
+    pub factor: f64,
+    /// Blocks of ground that it showed with others when the factor was found; once there are any it stays.
+    pub ties: usize,
+}
+
+impl LevelFactor {
+    /// Of a log that nothing is known of.
+    pub const NONE: Self = Self {
+        factor: 1.0,
+        ties: 0,
+    };
+}
+
+/// The factors of all logs. Logs that are known keep theirs, and new ones are brought to these, so that a log that is added makes no mosaic
+/// stale but those of its own tiles. Levels that are shown as recorded stay as they are.
+///
+/// # Errors
+/// When a part cannot be read, or the work was cancelled.
+pub(super) fn level_factors(
+    archive: &Archive,
+    logs: &[LogRecord],
+    known: &Offsets,
+    progress: &Progress,
+) -> Result<Vec<LevelFactor>, ArchiveError> {
+    if archive.record.settings()?.mosaic.gain == Gain::Recorded {
+        return Ok(vec![LevelFactor::NONE; logs.len()]);
+    }
+    let held = |log: &LogRecord| {
+        let row = known.row(&log.log)?;
+        (row.is_pinned || row.level.ties > 0).then_some(row.level)
+    };
+    let held: Vec<Option<LevelFactor>> = logs.iter().map(held).collect();
+    let mut tiles: BTreeMap<TileId, Vec<usize>> = BTreeMap::new();
+    for (index, log) in logs.iter().enumerate() {
+        for rows in log.tiles.iter().filter(|rows| rows.mosaic_cells > 0) {
+            tiles.entry(rows.tile).or_default().push(index);
+        }
+    }
+    tiles.retain(|_, inside| inside.len() > 1 && inside.iter().any(|log| held[*log].is_none()));
+    let of_tile = |(tile, inside): (&TileId, &Vec<usize>)| {
+        progress.check()?;
+        let mut found = log_overlaps(archive, *tile, inside.iter().map(|log| &logs[*log]))?;
+        for log_overlap in &mut found {
+            log_overlap.logs = log_overlap.logs.map(|log| inside[log]);
+        }
+        Ok(found)
+    };
+    let found = tiles.par_iter().map(of_tile);
+    let found: Vec<Vec<LogOverlap>> = found.collect::<Result<_, ArchiveError>>()?;
+    let mut log_overlaps: Vec<LogOverlap> = found.into_iter().flatten().collect();
+    log_overlaps.sort_by_key(|log_overlap| log_overlap.logs);
+    let mut ties = vec![0; logs.len()];
+    for log in log_overlaps.iter().flat_map(|log_overlap| log_overlap.logs) {
+        ties[log] += 1;
+    }
+    let pinned: Vec<Option<f64>> = (held.iter())
+        .map(|level| level.map(|level| level.factor.ln()))
+        .collect();
+    let solved = solve(&log_overlaps, &pinned);
+    let factor = |(log, held): (usize, &Option<LevelFactor>)| {
+        held.unwrap_or_else(|| LevelFactor {
+            factor: (1e3 * level_factor(solved.logs[log].offset_m)).round() / 1e3,
+            ties: ties[log],
+        })
+    };
+    Ok(held.iter().enumerate().map(factor).collect())
+}
+
+/// Where the logs of a tile show the same ground, in cells of about a metre. The logs are named by their places among those given.
+fn log_overlaps<'a>(
+    archive: &Archive,
+    tile: TileId,
+    logs: impl Iterator<Item = &'a LogRecord>,
+) -> Result<Vec<LogOverlap>, ArchiveError> {
+    let fine = archive.record.mosaic_grid(tile)?;
+    let halvings = halvings(fine.cell_m, fine.columns);
+    let cells = (0..halvings).fold(fine.columns, |cells, _| cells.div_ceil(2));
+    let grid = Grid {
+        cell_m: fine.cell_m * f64::from(1 << halvings),
+        columns: cells,
+        rows: cells,
+        ..fine
+    };
+    let levels = logs.map(|log| {
+        let (part, path) = open_part(archive, MOSAIC, tile, &log.log)?;
+        let levels = part.overview(halvings);
+        levels.map_err(|error| ArchiveError::Refused(in_words(&error, &path)))
+    });
+    let levels: Vec<Vec<u8>> = levels.collect::<Result<_, ArchiveError>>()?;
+    Ok(level_differences(&levels, &grid))
+}
+
+/// How often cells are halved to be about a metre, among the overviews that a raster of so many has.
+fn halvings(cell_m: f64, cells: usize) -> usize {
+    let wanted = (LEVEL_CELL_M / cell_m).log2().round().max(0.0) as usize;
+    let there = (cells as f64 / RASTER_TILE as f64).log2().ceil().max(0.0) as usize;
+    wanted.min(there)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn levels_are_compared_in_cells_of_about_a_metre() {
+        assert_eq!(
+            [0.1, 0.125, 0.25, 0.5, 1.0, 2.0].map(|m| halvings(m, (512.0 / m) as usize)),
+            [3, 3, 2, 1, 0, 0]
+        );
+    }
+}

@@ -1,0 +1,248 @@
+//! A log's part of the mosaic, a picture of every tile that its echoes lie in: `mosaic/tile=.../SHA256.tif`, and, where `mosaic.overlap` weighs
+//! echoes, `mosaic_weights/tile=.../SHA256.tif`. All logs have the same cells, so that their parts join without being drawn anew.
+
+use super::add::make_folder;
+use super::error::ArchiveError;
+use super::record::Archive;
+use super::tile::TileId;
+use crate::bottom::bathymetry::Grid;
+use crate::formats::geotiff::{
+    Band, Cells, CellsError, NODATA, RASTER_TILE, RasterSpec, RasterTiles,
+};
+use crate::imagery::mosaic::{
+    GainTable, LogPart, MosaicLog, MosaicSettings, TILE_CELLS, TileIndex, part,
+};
+use crate::pipeline::{Derived, ProcessedLog, mosaic_layout};
+use crate::products::export::geotiff;
+use crate::support::geo::{Crs, MapPlane, UtmZone};
+use crate::support::progress::{Cancelled, Progress};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// The subfolder of the levels.
+pub(super) const MOSAIC: &str = "mosaic";
+/// The subfolder of what the levels count.
+pub(super) const WEIGHTS: &str = "mosaic_weights";
+
+const _: () = assert!(TILE_CELLS == RASTER_TILE, "a tile is drawn as it is stored");
+
+/// What a cell of the weights holds.
+const WEIGHT: Band = Band {
+    name: "weight of the echo level",
+    unit: "",
+    positive_down: false,
+};
+
+/// The mosaic of a log, laid out in every zone that it has rows in.
+pub(super) struct LogMosaic {
+    zones: BTreeMap<UtmZone, MosaicLog>,
+    /// The tiles that its echoes may lie in.
+    pub tiles: BTreeSet<TileId>,
+    settings: MosaicSettings,
+    name: String,
+}
+
+impl LogMosaic {
+    /// Of a log in some zones; without any tile where it has no side-scan, or nothing of it is known to lie on the ground.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn new(
+        log: &ProcessedLog,
+        zones: BTreeSet<UtmZone>,
+        progress: &Progress,
+    ) -> Result<Self, Cancelled> {
+        let mut made = Self {
+            zones: BTreeMap::new(),
+            tiles: BTreeSet::new(),
+            settings: log.products.settings.mosaic.clone(),
+            name: log.survey.name(),
+        };
+        let gain = match log.survey.has_side_scan() {
+            true => Derived::default().gain(log, progress)?,
+            false => None,
+        };
+        let Some(gain) = gain else {
+            return Ok(made);
+        };
+        for zone in zones {
+            let plane = MapPlane {
+                crs: Crs::of_zone(zone),
+                units: [1.0; 2],
+            };
+            let layout = mosaic_layout(&log.survey, &log.products, &plane);
+            let touched = layout.strip_bounds();
+            made.tiles
+                .extend(touched.flat_map(|bounds| TileId::touched(zone, bounds)));
+            let of_zone = MosaicLog {
+                survey: log.survey.clone(),
+                layout: layout.into(),
+                gain: GainTable::clone(&gain),
+            };
+            made.zones.insert(zone, of_zone);
+        }
+        Ok(made)
+    }
+
+    /// Writes its part of a tile; how many cells show something. Without any there is no file.
+    ///
+    /// # Errors
+    /// When a file cannot be written, or the work was cancelled.
+    pub fn write(
+        &self,
+        archive: &Archive,
+        tile: TileId,
+        log: &str,
+        progress: &Progress,
+    ) -> Result<usize, ArchiveError> {
+        let Some(of_zone) = self.zones.get(&tile.zone) else {
+            return Ok(0);
+        };
+        let grid = archive.record.mosaic_grid(tile)?;
+        let index = of_zone.layout.index(&grid);
+        let tile_part = TilePart {
+            log: of_zone,
+            index: &index,
+            settings: &self.settings,
+            tile,
+            grid,
+        };
+        let places: Vec<[usize; 2]> = (index.tiles()).map(|(row, column)| [row, column]).collect();
+        if places.iter().all(|place| tile_part.draw(*place).is_empty()) {
+            return Ok(0);
+        }
+        let path = |kind: &str| {
+            let path = archive.folder().join(Archive::rows_name(kind, tile, log));
+            make_folder(path.parent().unwrap_or(archive.folder()))?;
+            Ok::<_, ArchiveError>(path)
+        };
+        let description = format!(
+            "side-scan mosaic of {}; tile {tile} of an archive",
+            self.name
+        );
+        if self.settings.overlap.is_weighted() {
+            tile_part.write_weights(&path(WEIGHTS)?, &places, &description, progress)?;
+        }
+        tile_part.write_levels(&path(MOSAIC)?, &places, &description, progress)
+    }
+
+    /// The kinds of files that a tile has of it.
+    pub fn kinds(&self) -> &'static [&'static str] {
+        match self.settings.overlap.is_weighted() {
+            true => &[MOSAIC, WEIGHTS],
+            false => &[MOSAIC],
+        }
+    }
+}
+
+/// What a log shows of a tile.
+struct TilePart<'a> {
+    log: &'a MosaicLog,
+    index: &'a TileIndex,
+    settings: &'a MosaicSettings,
+    tile: TileId,
+    grid: Grid,
+}
+
+impl TilePart<'_> {
+    fn draw(&self, place: [usize; 2]) -> LogPart {
+        let mut drawn = part(self.log, self.index, &self.grid, self.settings, place);
+        if !self.tile.is_within_zone() {
+            self.blank_other_zones(&mut drawn, place);
+        }
+        drawn
+    }
+
+    /// Where a tile reaches across the edge of its zone, cells beyond belong to the other zone.
+    fn blank_other_zones(&self, drawn: &mut LogPart, [row, column]: [usize; 2]) {
+        let zone = self.tile.zone;
+        for (cell, level) in drawn.levels.iter_mut().enumerate() {
+            let at = self.grid.centre(
+                row * TILE_CELLS + cell / TILE_CELLS,
+                column * TILE_CELLS + cell % TILE_CELLS,
+            );
+            if *level > 0 && UtmZone::of(zone.to_lon_lat(at)) != zone {
+                *level = 0;
+                if let Some(weight) = drawn.weights.get_mut(cell) {
+                    *weight = 0.0;
+                }
+            }
+        }
+    }
+
+    /// Writes the levels; how many cells have one.
+    fn write_levels(
+        &self,
+        path: &Path,
+        places: &[[usize; 2]],
+        description: &str,
+        progress: &Progress,
+    ) -> Result<usize, ArchiveError> {
+        let cells = AtomicUsize::new(0);
+        let draw = |place| {
+            let levels = self.draw(place).levels;
+            let known = levels.iter().filter(|level| **level > 0).count();
+            cells.fetch_add(known, Ordering::Relaxed);
+            Ok(levels)
+        };
+        let spec = levels_spec(self.tile, &self.grid, format!("Part of the {description}"));
+        geotiff(path, &spec, places, draw, progress)?;
+        Ok(cells.into_inner())
+    }
+
+    fn write_weights(
+        &self,
+        path: &Path,
+        places: &[[usize; 2]],
+        description: &str,
+        progress: &Progress,
+    ) -> Result<(), ArchiveError> {
+        let draw = |place| {
+            let weights = self.draw(place).weights.into_iter();
+            let stored = weights.map(|weight| if weight > 0.0 { weight } else { NODATA });
+            Ok(stored.flat_map(f32::to_le_bytes).collect())
+        };
+        let spec = RasterSpec {
+            cells: Cells::Metres,
+            band: Some(WEIGHT),
+            ..levels_spec(
+                self.tile,
+                &self.grid,
+                format!("What levels count in the {description}"),
+            )
+        };
+        Ok(geotiff(path, &spec, places, draw, progress)?)
+    }
+}
+
+/// Opens a log's part of a tile; with its path.
+pub(super) fn open_part(
+    archive: &Archive,
+    kind: &str,
+    tile: TileId,
+    log: &str,
+) -> Result<(RasterTiles, PathBuf), ArchiveError> {
+    let path = archive.folder().join(Archive::rows_name(kind, tile, log));
+    let opened = RasterTiles::open(&path);
+    let opened = opened.map_err(|error| ArchiveError::Refused(in_words(&error, &path)))?;
+    Ok((opened, path))
+}
+
+/// What is wrong with a part.
+pub(super) fn in_words(error: &CellsError, path: &Path) -> String {
+    format!(
+        "a part of the mosaic cannot be used: {error}; process its log again: {}",
+        path.display()
+    )
+}
+
+/// A raster of levels over the grid of a tile's mosaic.
+pub(super) fn levels_spec(tile: TileId, grid: &Grid, description: String) -> RasterSpec {
+    RasterSpec {
+        cells: Cells::Level,
+        band: Some(Band::ECHO_LEVEL),
+        description,
+        ..tile.raster(grid)
+    }
+}

@@ -1,0 +1,179 @@
+//! Where the tracks of the logs of an archive meet, tile by tile.
+
+use super::error::ArchiveError;
+use super::log_record::LogRecord;
+use super::ping_rows::{self, PINGS};
+use super::point_rows::{self, POINTS};
+use super::record::Archive;
+use super::tile::TileId;
+use crate::bottom::bathymetry::crosslines::TrackDepth;
+use crate::bottom::bathymetry::height_offsets::{
+    FEW_CROSSINGS, LogOverlap, crossing_overlaps, overlaps,
+};
+use crate::bottom::bathymetry::position_offsets::{FoundShift, Shift, shifted};
+use crate::support::progress::{Cancelled, Progress};
+use rayon::prelude::*;
+use std::collections::{BTreeMap, HashMap};
+
+/// Where logs meet in all tiles: their tracks cross, or, of pairs that hardly do, run along each other. By pair.
+pub(super) fn log_overlaps(
+    archive: &Archive,
+    logs: &[LogRecord],
+    shifts: &[FoundShift],
+    progress: &Progress,
+) -> Result<Vec<LogOverlap>, ArchiveError> {
+    let shifts = shifts.iter().map(|found| found.shift).collect();
+    let search = Search::new(archive, logs, shifts, false, progress);
+    let relabelled = |found: Vec<LogOverlap>, inside: &[usize]| -> Vec<LogOverlap> {
+        let logs = |one: LogOverlap| LogOverlap {
+            logs: one.logs.map(|track| inside[track]),
+            ..one
+        };
+        found.into_iter().map(logs).collect()
+    };
+    let mut all = search.in_tiles(
+        |_| true,
+        |tracks, inside| {
+            let found = crossing_overlaps(tracks, &Progress::new())?;
+            Ok(relabelled(found, inside))
+        },
+        |one: &LogOverlap| one.place,
+    )?;
+    let mut counts: HashMap<[usize; 2], usize> = HashMap::new();
+    for log_overlap in &all {
+        *counts.entry(log_overlap.logs).or_default() += 1;
+    }
+    let is_few = |pair: [usize; 2]| counts.get(&pair).copied().unwrap_or(0) < FEW_CROSSINGS;
+    let has_few = |inside: &[usize]| {
+        let pairs = inside
+            .iter()
+            .enumerate()
+            .flat_map(|(rank, first)| inside[rank + 1..].iter().map(|second| [*first, *second]));
+        pairs.into_iter().any(is_few)
+    };
+    all.extend(search.in_tiles(
+        has_few,
+        |tracks, inside| {
+            let is_wanted = |pair: &[usize; 2]| is_few(pair.map(|track| inside[track]));
+            let found = overlaps(tracks, is_wanted, &Progress::new())?;
+            Ok(relabelled(found, inside))
+        },
+        |one: &LogOverlap| one.place,
+    )?);
+    all.sort_by_key(|log_overlap| log_overlap.logs);
+    Ok(all)
+}
+
+/// A search through the tiles that logs have rows in.
+pub(super) struct Search<'a> {
+    archive: &'a Archive,
+    logs: &'a [LogRecord],
+    /// How the positions of the logs are corrected before they are compared.
+    shifts: Vec<Shift>,
+    /// The logs of each tile.
+    tiles: BTreeMap<TileId, Vec<usize>>,
+    progress: &'a Progress,
+}
+
+impl<'a> Search<'a> {
+    /// Through the tiles of several logs, or of one alone too: it may cross itself.
+    pub fn new(
+        archive: &'a Archive,
+        logs: &'a [LogRecord],
+        shifts: Vec<Shift>,
+        with_alone: bool,
+        progress: &'a Progress,
+    ) -> Self {
+        let mut tiles: BTreeMap<TileId, Vec<usize>> = BTreeMap::new();
+        for (index, log) in logs.iter().enumerate() {
+            for rows in &log.tiles {
+                tiles.entry(rows.tile).or_default().push(index);
+            }
+        }
+        tiles.retain(|_, inside| with_alone || inside.len() > 1);
+        progress.start(2 * tiles.len() as u64);
+        Self {
+            archive,
+            logs,
+            shifts,
+            tiles,
+            progress,
+        }
+    }
+
+    /// What `find` gives for the tracks of the logs of every tile and the logs that they are of; what lies in the halo of a tile
+    /// is left to the tile beside it.
+    pub fn in_tiles<T: Send>(
+        &self,
+        is_wanted: impl Fn(&[usize]) -> bool + Sync,
+        find: impl Fn(&[Vec<TrackDepth>], &[usize]) -> Result<Vec<T>, Cancelled> + Sync,
+        place: impl Fn(&T) -> [f64; 2] + Sync,
+    ) -> Result<Vec<T>, ArchiveError> {
+        let of_tile = |(tile, inside): (&TileId, &Vec<usize>)| {
+            self.progress.check()?;
+            self.progress.advance(1);
+            if !is_wanted(inside) {
+                return Ok(Vec::new());
+            }
+            let tracks = inside.iter().map(|log| {
+                let track = track(self.archive, *tile, &self.logs[*log])?;
+                let shift = self.shifts[*log];
+                Ok(match shift == Shift::default() {
+                    true => track,
+                    false => shifted(&track, &shift),
+                })
+            });
+            let tracks: Vec<Vec<TrackDepth>> = tracks.collect::<Result<_, ArchiveError>>()?;
+            let mut found = find(&tracks, inside)?;
+            found.retain(|one| tile.holds(place(one), 0.0));
+            Ok(found)
+        };
+        let found = self.tiles.par_iter().map(of_tile);
+        let found: Vec<Vec<T>> = found.collect::<Result<_, ArchiveError>>()?;
+        Ok(found.into_iter().flatten().collect())
+    }
+}
+
+/// The depths under the boat of a log in a tile and its halo, in the order of time: its soundings, or where the log has none, the depths
+/// that its first returns give.
+fn track(
+    archive: &Archive,
+    tile: TileId,
+    log: &LogRecord,
+) -> Result<Vec<TrackDepth>, ArchiveError> {
+    let Some(rows) = log.rows_in(tile) else {
+        return Ok(Vec::new());
+    };
+    let path = |kind: &str| {
+        archive
+            .folder()
+            .join(Archive::rows_name(kind, tile, &log.log))
+    };
+    if log.soundings > 0 && rows.points > 0 {
+        let points = point_rows::read(&path(POINTS))?.into_iter();
+        let soundings = points.filter(|row| row.depth.is_sounding);
+        return Ok(soundings
+            .map(|row| TrackDepth {
+                time_s: row.time_s,
+                east_m: row.depth.east_m,
+                north_m: row.depth.north_m,
+                depth_m: row.depth.depth_m,
+            })
+            .collect());
+    }
+    if log.soundings > 0 || rows.pings == 0 {
+        return Ok(Vec::new());
+    }
+    let pings = ping_rows::read(&path(PINGS))?.into_iter();
+    let near = pings.filter(|row| {
+        tile.holds(row.footprint.place, archive.record.halo_m) && row.depth_m.is_finite()
+    });
+    Ok(near
+        .map(|row| TrackDepth {
+            time_s: row.time_s,
+            east_m: row.footprint.place[0],
+            north_m: row.footprint.place[1],
+            depth_m: row.depth_m,
+        })
+        .collect())
+}

@@ -1,0 +1,382 @@
+//! The maps of all tiles of an archive as one map of the web: `map_tiles/depth.mbtiles`, `depth.pmtiles`, `depth_values.pmtiles`, `index.html` and, last,
+//! `map_tiles.json`, which says what they were made from. Parts of the map over tiles that are as they were are not drawn again.
+
+use super::add::make_folder;
+use super::error::ArchiveError;
+use super::index::zone_bounds_deg;
+use super::map_parts::{DrawnWith, MapParts, remove_parts};
+use super::reach::beside;
+use super::record::{Archive, LONGEST_RECORD, write_json};
+use super::tile::TileId;
+use super::tile_content::TileContents;
+use super::tile_files::{DEPTH, DEPTH_FILES, TileRecord, remove};
+use super::tile_map::isobath_settings;
+use crate::bottom::bathymetry::isobaths::{Isobath, IsobathSettings, clipped};
+use crate::bottom::bathymetry::{Grid, Light, Surface, hill_shade};
+use crate::pipeline::Fingerprint;
+use crate::products::export::tile_sets::{TileSet, TileStore, map_page, mbtiles, pmtiles};
+use crate::products::map_tiles::{
+    LitSurface, MapPart, MapScales, Picture, Pixels, TileSource, WebTile, ZoomRange,
+};
+use crate::support::geo::{LonLat, UtmZone, boxes_meet};
+use crate::support::presentation::ticks::round_up;
+use crate::support::progress::Progress;
+use crate::support::regular_file;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::io;
+use std::path::Path;
+
+/// The folder of the files.
+const FOLDER: &str = "map_tiles";
+const RECORD: &str = "map_tiles.json";
+const CHART: &str = "depth.mbtiles";
+const PMTILES: [&str; 2] = ["depth.pmtiles", "depth_values.pmtiles"];
+const PAGE: &str = "index.html";
+/// The folder of the parts that the map was drawn in.
+const PARTS: &str = "map_parts";
+/// All files, the one first that says what the others are.
+const FILES: [&str; 5] = [RECORD, CHART, PMTILES[0], PMTILES[1], PAGE];
+/// Maps of tiles that the light is chosen by: evenly spread over the archive.
+const LIT_BY: usize = 16;
+/// Cells around a web tile that its hill-shade depends on, and around the cells with a depth that a pixel may show one of.
+const MARGIN_CELLS: f64 = 2.0;
+/// Steps of the scale of colours, of which its ends are multiples: a new log that is a little shallower or deeper than all others leaves the
+/// colours of the map as they are.
+const SCALE_STEPS: f64 = 10.0;
+/// What the map is called, whatever its folder.
+const NAME: &str = "Depth map of an archive";
+
+/// What was done about the tiles of the web.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MapTilesState {
+    /// They are what the maps of the archive's tiles give.
+    UpToDate,
+    /// They were made.
+    Made,
+    /// No tile of the archive has a map.
+    None,
+}
+
+/// What the tiles of the web are made from, and what they are.
+#[derive(PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Record {
+    made: MadeFrom,
+    files: Vec<Fingerprint>,
+}
+
+#[derive(Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MadeFrom {
+    program: String,
+    /// The maps of the archive's tiles by name, with their files.
+    tiles: BTreeMap<String, Vec<Fingerprint>>,
+}
+
+/// Joins the maps of tiles to one map of the web, if any of them is another than before.
+///
+/// # Errors
+/// When a map cannot be read, a file cannot be written, or the work was cancelled.
+pub fn write_map_tiles(
+    archive: &Archive,
+    tiles: &[TileId],
+    progress: &Progress,
+) -> Result<MapTilesState, ArchiveError> {
+    let folder = archive.folder().join(FOLDER);
+    let maps = tiles.iter().filter_map(|tile| {
+        let record = TileRecord::read(archive, *tile)?;
+        record.has(DEPTH).then_some((*tile, record))
+    });
+    let maps: BTreeMap<TileId, TileRecord> = maps.collect();
+    if maps.is_empty() {
+        FILES
+            .iter()
+            .try_for_each(|name| remove(&folder.join(name)))?;
+        remove_parts(&archive.folder().join(PARTS), |_| true)?;
+        return Ok(MapTilesState::None);
+    }
+    let made = MadeFrom {
+        program: program(),
+        tiles: (maps.iter())
+            .map(|(tile, record)| (tile.to_string(), depth_files(record)))
+            .collect(),
+    };
+    if is_up_to_date(&folder, &made) {
+        return Ok(MapTilesState::UpToDate);
+    }
+    make_folder(&folder)?;
+    // From here on the files may be those of two maps.
+    remove(&folder.join(RECORD))?;
+    write_files(archive, &maps, &folder, progress)?;
+    let files = FILES.iter().skip(1).map(|name| {
+        Fingerprint::of(&folder, name, progress).map_err(|error| {
+            format!(
+                "cannot read the file: {error}: {}",
+                folder.join(name).display()
+            )
+        })
+    });
+    let files = files.collect::<Result<_, _>>()?;
+    write_json(&folder.join(RECORD), &Record { made, files })?;
+    Ok(MapTilesState::Made)
+}
+
+fn program() -> String {
+    format!("bathyscope {}", env!("CARGO_PKG_VERSION"))
+}
+
+/// The files of a tile that the tiles of the web show.
+fn depth_files(record: &TileRecord) -> Vec<Fingerprint> {
+    let mut files = record.files.clone();
+    files.retain(|file| DEPTH_FILES.contains(&file.file.as_str()));
+    files
+}
+
+fn is_up_to_date(folder: &Path, made: &MadeFrom) -> bool {
+    let text = regular_file::read_text(&folder.join(RECORD), LONGEST_RECORD);
+    let record = text
+        .ok()
+        .and_then(|text| serde_json::from_str::<Record>(&text).ok());
+    record.is_some_and(|record| {
+        let is_there = |file: &Fingerprint| file.is_as_long_in(folder);
+        record.made == *made && record.files.iter().all(is_there)
+    })
+}
+
+fn write_files(
+    archive: &Archive,
+    maps: &BTreeMap<TileId, TileRecord>,
+    folder: &Path,
+    progress: &Progress,
+) -> Result<(), ArchiveError> {
+    let source = ArchiveTiles::new(archive, maps)?;
+    let store = TileStore::draw(folder, &source, progress)?;
+    let set = TileSet {
+        name: NAME.to_owned(),
+        description: format!(
+            "Depth in metres, of all logs of an archive. In cells of {} m, none farther than {} m from a depth.",
+            archive.record.cell_m,
+            archive.record.settings()?.surface.max_gap_m
+        ),
+        scales: source.scales,
+    };
+    mbtiles(&folder.join(CHART), &store, Picture::Chart, &set)?;
+    for (name, picture) in PMTILES.iter().zip([Picture::Colours, Picture::Elevations]) {
+        pmtiles(&folder.join(name), &store, picture, &set)?;
+    }
+    map_page(&folder.join(PAGE), &set, PMTILES)?;
+    source.parts.remove_others()
+}
+
+/// The maps of all tiles of an archive.
+struct ArchiveTiles {
+    contents: TileContents,
+    /// The tiles that have a map, with west, south, east and north of their depths in degrees.
+    tiles: BTreeMap<TileId, [f64; 4]>,
+    cell_m: f64,
+    scales: MapScales,
+    light: Light,
+    parts: MapParts,
+}
+
+impl ArchiveTiles {
+    fn new(archive: &Archive, maps: &BTreeMap<TileId, TileRecord>) -> Result<Self, ArchiveError> {
+        let cell_m = archive.record.cell_m;
+        let boxes = || {
+            let maps = maps.iter();
+            maps.map(|(tile, map)| {
+                (
+                    *tile,
+                    beside(map.depth_bounds_m(*tile), MARGIN_CELLS * cell_m),
+                )
+            })
+        };
+        let tiles = boxes().map(|(tile, bounds_m)| {
+            let own = std::iter::once((tile.zone, bounds_m));
+            (tile, zone_bounds_deg(own))
+        });
+        let tiles: BTreeMap<TileId, [f64; 4]> = tiles.collect();
+        let all: Vec<TileId> = maps.keys().copied().collect();
+        let of_map = zone_bounds_deg(boxes().map(|(tile, bounds_m)| (tile.zone, bounds_m)));
+        let zooms = ZoomRange::of_map(of_map, cell_m);
+        let depths = || maps.values().flat_map(|record| &record.depth_m);
+        let range_m = [
+            depths().copied().fold(f64::MAX, f64::min),
+            depths().copied().fold(f64::MIN, f64::max),
+        ];
+        let settings: IsobathSettings = isobath_settings(&archive.record.settings()?.isobaths);
+        let contents = TileContents::new(archive, zooms.finest);
+        let light = light(&contents, &all)?;
+        let scales = MapScales {
+            zooms,
+            range_m: colour_range_m(range_m),
+            // Too many are a warning of the tiles; the map is drawn without.
+            levels_m: settings.levels_m(range_m).unwrap_or_default(),
+            isobaths: settings,
+        };
+        let drawn_with = DrawnWith {
+            program: program(),
+            finest_zoom: zooms.finest,
+            range_m: scales.range_m,
+            exaggeration: light.exaggeration,
+            interval_m: scales.interval_m().map(|interval_m| interval_m as f32),
+            isobaths: scales.isobaths.clone(),
+        };
+        let files = maps
+            .iter()
+            .map(|(tile, record)| (*tile, depth_files(record)));
+        let parts = MapParts::new(archive.folder().join(PARTS), drawn_with, files.collect());
+        Ok(Self {
+            light,
+            scales,
+            contents,
+            tiles,
+            cell_m,
+            parts,
+        })
+    }
+
+    /// The tiles of the archive over a tile of the web.
+    fn under(&self, tile: WebTile) -> Vec<TileId> {
+        let own = tile.bounds_deg();
+        let tiles = self.tiles.iter();
+        let under = tiles.filter(|(_, bounds)| boxes_meet(own, **bounds));
+        under.map(|(tile, _)| *tile).collect()
+    }
+
+    /// The cells of a zone about a tile of the web, `None` where there is none.
+    fn window(
+        &self,
+        zone: UtmZone,
+        tile: WebTile,
+        under: &[TileId],
+    ) -> io::Result<Option<Surface>> {
+        let wanted = cells_around(zone, tile, self.cell_m);
+        let mut grid = None;
+        for one in under.iter().filter(|one| one.zone == zone) {
+            let content = self.contents.of(*one)?;
+            let (grid, depth_m) =
+                grid.get_or_insert_with(|| (wanted, vec![f32::NAN; wanted.len()]));
+            content.copy_into(grid, depth_m);
+        }
+        Ok(grid.map(|(grid, depth_m)| Surface::of_depths(grid, depth_m)))
+    }
+}
+
+/// Ends of the scale of colours for depths from the least to the greatest: round numbers beyond them.
+fn colour_range_m([least_m, most_m]: [f64; 2]) -> [f32; 2] {
+    let step_m = round_up((most_m - least_m) / SCALE_STEPS);
+    [
+        (least_m / step_m).floor() * step_m,
+        (most_m / step_m).ceil() * step_m,
+    ]
+    .map(|depth_m| depth_m as f32)
+}
+
+/// The grid of a zone's cells over a tile of the web and a little around it.
+fn cells_around(zone: UtmZone, tile: WebTile, cell_m: f64) -> Grid {
+    let [west, south, east, north] = tile.bounds_deg();
+    let steps = [0.0, 0.5, 1.0];
+    let places = steps
+        .iter()
+        .flat_map(|across| steps.map(|up| [*across, up]));
+    let start = [f64::MAX, f64::MAX, f64::MIN, f64::MIN];
+    let [west_m, south_m, east_m, north_m] = places.fold(start, |[w, s, e, n], [across, up]| {
+        let [x, y] = zone.to_metres(LonLat {
+            lon_deg: west + across * (east - west),
+            lat_deg: south + up * (north - south),
+        });
+        [w.min(x), s.min(y), e.max(x), n.max(y)]
+    });
+    let [first, last] = [[west_m, north_m], [east_m, south_m]].map(|at| at.map(|m| m / cell_m));
+    let (column, row) = (
+        (first[0] - MARGIN_CELLS).floor(),
+        (first[1] + MARGIN_CELLS).ceil(),
+    );
+    Grid {
+        west_m: column * cell_m,
+        north_m: row * cell_m,
+        cell_m,
+        columns: (last[0] + MARGIN_CELLS - column).ceil() as usize,
+        rows: (row - last[1] + MARGIN_CELLS).ceil() as usize,
+    }
+}
+
+/// The light that suits most of some tiles of the archive.
+fn light(contents: &TileContents, tiles: &[TileId]) -> Result<Light, ArchiveError> {
+    let mut lights = Vec::new();
+    for tile in tiles.iter().step_by(tiles.len().div_ceil(LIT_BY).max(1)) {
+        let content = contents.of(*tile).map_err(|error| error.to_string())?;
+        lights.push(Light::suited(&content.surface()));
+    }
+    lights.sort_by(|a, b| a.exaggeration.total_cmp(&b.exaggeration));
+    let middle = lights.get(lights.len() / 2);
+    middle
+        .copied()
+        .ok_or_else(|| ArchiveError::Refused("no tile of the archive has a map".to_owned()))
+}
+
+impl TileSource for ArchiveTiles {
+    fn scales(&self) -> &MapScales {
+        &self.scales
+    }
+
+    fn reaches(&self, tile: WebTile) -> bool {
+        let own = tile.bounds_deg();
+        self.tiles.values().any(|bounds| boxes_meet(own, *bounds))
+    }
+
+    fn pixels(&self, tile: WebTile) -> io::Result<Option<Pixels>> {
+        let under = self.under(tile);
+        let mut zones: Vec<UtmZone> = under.iter().map(|one| one.zone).collect();
+        zones.dedup();
+        let mut windows = Vec::with_capacity(zones.len());
+        for zone in zones {
+            if let Some(window) = self.window(zone, tile, &under)? {
+                let shade = hill_shade(&window, &self.light, &Progress::new());
+                windows.push((zone, window, shade.map_err(io::Error::other)?));
+            }
+        }
+        let lit: Vec<(UtmZone, LitSurface<'_>)> = (windows.iter())
+            .map(|(zone, window, shade)| (*zone, LitSurface::new(window, shade, &self.light)))
+            .collect();
+        Ok(Pixels::draw(tile, |at| {
+            lit.iter()
+                .find_map(|(zone, lit)| lit.at(zone.to_metres(at)))
+        }))
+    }
+
+    fn isobaths(&self, tile: WebTile) -> io::Result<Vec<Isobath>> {
+        let bounds = tile.pixel_bounds(self.scales.zooms.finest);
+        let mut lines = Vec::new();
+        for one in self.under(tile) {
+            let content = self.contents.of(one)?;
+            lines.extend(content.lines.iter().flat_map(|line| clipped(line, bounds)));
+        }
+        Ok(lines)
+    }
+
+    fn kept(&self, tile: WebTile) -> Option<MapPart> {
+        self.parts.read(tile, &self.under(tile))
+    }
+
+    fn keep(&self, tile: WebTile, part: &MapPart) -> io::Result<()> {
+        self.parts.write(tile, &self.under(tile), part)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_end_at_round_depths_beyond_all() {
+        assert_eq!(colour_range_m([1.29, 6.05]), [1.0, 6.5]);
+        assert_eq!(colour_range_m([1.41, 6.31]), [1.0, 6.5]);
+        assert_eq!(colour_range_m([-0.2, 0.7]), [-0.2, 0.7]);
+        assert_eq!(colour_range_m([0.0, 31.0]), [0.0, 35.0]);
+        let level_m = colour_range_m([2.5, 2.5]);
+        assert!((level_m[0] - 2.5).abs() < 1e-6 && (level_m[1] - 2.5).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,307 @@
+//! What the logs of an archive are off by against each other, in height, position and the levels of their echoes: `offsets.csv`, a table that people
+//! read, edit and pin.
+
+use super::error::ArchiveError;
+use super::level_factors::LevelFactor;
+use super::log_record::LogRecord;
+use super::record::Archive;
+use crate::bottom::bathymetry::position_offsets::Shift;
+use crate::products::export::write_atomically;
+use crate::support::regular_file;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// The table's name.
+pub(super) const OFFSETS: &str = "offsets.csv";
+const COLUMNS: [&str; 14] = [
+    "name",
+    "log",
+    "offset_m",
+    "standard_error_m",
+    "ties",
+    "group",
+    "pinned",
+    "east_m",
+    "north_m",
+    "shift_error_m",
+    "latency_s",
+    "latency_error_s",
+    "level_factor",
+    "level_ties",
+];
+/// Longer than any table.
+const LONGEST: u64 = 1 << 28;
+/// Bounds of a factor on levels that somebody may write.
+const FACTORS: [f64; 2] = [0.05, 20.0];
+/// No log is higher or lower than others by more, metres, as `height_offset_m`.
+const MOST_M: f64 = 100.0;
+
+/// Nor are its positions farther off than this to the east or north, metres, or later by more, seconds.
+const MOST_SHIFT_M: f64 = 6.0;
+const MOST_LATENCY_S: f64 = 2.0;
+
+/// The height offset of a log, and how its positions are corrected.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OffsetRow {
+    /// What the log is called.
+    pub name: String,
+    /// SHA-256 of the log.
+    pub log: String,
+    /// What is added to every elevation of the log, metres, so that it agrees with the others.
+    pub offset_m: f64,
+    /// Its standard error, metres; NaN where nothing ties the log, 0 where it is pinned.
+    pub standard_error_m: f64,
+    /// Places where it meets other logs.
+    pub ties: usize,
+    /// Logs of one group are tied to each other; heights of different groups cannot be compared.
+    pub group: usize,
+    /// Whether a person has set it: a benchmark log. It stays, and others are held against it.
+    pub is_pinned: bool,
+    /// How its positions are corrected; all zero where nobody asked for it.
+    pub shift: Shift,
+    /// Standard error of the shift in either direction, metres; NaN where none was looked for.
+    pub shift_error_m: f64,
+    /// Standard error of the latency, seconds; NaN where none was looked for.
+    pub latency_error_s: f64,
+    /// What the levels of its echoes are multiplied by in mosaics.
+    pub(super) level: LevelFactor,
+}
+
+/// A shift within the limits of the table, as the table writes it.
+pub(super) fn as_written(shift: Shift) -> Shift {
+    let rounded = |value: f64, most: f64| (value.clamp(-most, most) * 1e3).round() / 1e3 + 0.0;
+    Shift {
+        east_m: rounded(shift.east_m, MOST_SHIFT_M),
+        north_m: rounded(shift.north_m, MOST_SHIFT_M),
+        latency_s: rounded(shift.latency_s, MOST_LATENCY_S),
+    }
+}
+
+impl OffsetRow {
+    /// What the levels of its echoes are multiplied by in mosaics, so that they agree with those of the others.
+    pub fn level_factor(&self) -> f64 {
+        self.level.factor
+    }
+
+    /// Blocks of ground that its mosaic shows with those of others.
+    pub fn level_ties(&self) -> usize {
+        self.level.ties
+    }
+}
+
+/// The offsets of an archive.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Offsets {
+    by_log: BTreeMap<String, OffsetRow>,
+}
+
+impl Offsets {
+    /// Of some rows, of which each log has one.
+    pub(super) fn new(rows: Vec<OffsetRow>) -> Self {
+        let by_log = rows.into_iter().map(|row| (row.log.clone(), row)).collect();
+        Self { by_log }
+    }
+
+    /// The table of an archive; an empty one where there is none.
+    ///
+    /// # Errors
+    /// A sentence that names the line which cannot be used.
+    pub fn read(archive: &Archive) -> Result<Self, ArchiveError> {
+        let path = path_of(archive);
+        match path.exists() {
+            true => Ok(Self::new(rows_of(&path)?)),
+            false => Ok(Self::default()),
+        }
+    }
+
+    /// Writes the table, unless it is there as it is.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub(super) fn write(&self, archive: &Archive) -> Result<(), ArchiveError> {
+        let path = path_of(archive);
+        let fail = |error: String| {
+            format!(
+                "cannot write the table of offsets: {error}: {}",
+                path.display()
+            )
+        };
+        let mut table = csv::Writer::from_writer(Vec::new());
+        let mut lines = vec![COLUMNS.map(str::to_owned)];
+        lines.extend(self.rows().into_iter().map(fields));
+        for line in lines {
+            table
+                .write_record(&line)
+                .map_err(|error| fail(error.to_string()))?;
+        }
+        let text = table
+            .into_inner()
+            .map_err(|error| fail(error.to_string()))?;
+        if regular_file::read(&path, LONGEST).is_ok_and(|there| there == text) {
+            return Ok(());
+        }
+        Ok(write_atomically(&path, |mut file| {
+            std::io::Write::write_all(&mut file, &text)
+        })?)
+    }
+
+    /// The row of a log.
+    pub fn row(&self, log: &str) -> Option<&OffsetRow> {
+        self.by_log.get(log)
+    }
+
+    /// What is added to every elevation of a log, metres; 0 of one that has no row.
+    pub fn of(&self, log: &str) -> f64 {
+        self.row(log).map_or(0.0, |row| row.offset_m)
+    }
+
+    /// How the positions of a log are corrected; not at all of one that has no row.
+    pub fn shift_of(&self, log: &str) -> Shift {
+        self.row(log).map_or(Shift::default(), |row| row.shift)
+    }
+
+    /// What the levels of a log are multiplied by; 1 of one that has no row.
+    pub fn level_factor(&self, log: &str) -> f64 {
+        self.row(log).map_or(1.0, OffsetRow::level_factor)
+    }
+
+    /// All rows, by the names of the logs.
+    pub fn rows(&self) -> Vec<&OffsetRow> {
+        let mut rows: Vec<&OffsetRow> = self.by_log.values().collect();
+        rows.sort_by(|a, b| (&a.name, &a.log).cmp(&(&b.name, &b.log)));
+        rows
+    }
+
+    /// The logs that nothing ties to another, by name.
+    pub fn untied(&self) -> Vec<&str> {
+        let rows = self.rows().into_iter();
+        rows.filter(|row| row.ties == 0)
+            .map(|row| row.name.as_str())
+            .collect()
+    }
+
+    /// Logs that have no row yet.
+    pub fn missing<'a>(&self, logs: &'a [LogRecord]) -> Vec<&'a LogRecord> {
+        logs.iter()
+            .filter(|log| self.row(&log.log).is_none())
+            .collect()
+    }
+}
+
+fn path_of(archive: &Archive) -> PathBuf {
+    archive.folder().join(OFFSETS)
+}
+
+fn fields(row: &OffsetRow) -> [String; COLUMNS.len()] {
+    let error = |value: f64, decimals: usize| match value.is_nan() {
+        true => String::new(),
+        false => format!("{value:.decimals$}"),
+    };
+    let Shift {
+        east_m,
+        north_m,
+        latency_s,
+    } = row.shift;
+    [
+        row.name.clone(),
+        row.log.clone(),
+        // Without the sign of a zero.
+        format!("{:.4}", row.offset_m + 0.0),
+        error(row.standard_error_m, 4),
+        row.ties.to_string(),
+        row.group.to_string(),
+        u8::from(row.is_pinned).to_string(),
+        format!("{:.3}", east_m + 0.0),
+        format!("{:.3}", north_m + 0.0),
+        error(row.shift_error_m, 3),
+        format!("{:.3}", latency_s + 0.0),
+        error(row.latency_error_s, 3),
+        format!("{:.3}", row.level.factor),
+        row.level.ties.to_string(),
+    ]
+}
+
+fn rows_of(path: &Path) -> Result<Vec<OffsetRow>, ArchiveError> {
+    let fail = |what: String| ArchiveError::Refused(format!("{what}: {}", path.display()));
+    let text = regular_file::read_text(path, LONGEST)
+        .map_err(|error| fail(format!("cannot read the table of offsets: {error}")))?;
+    let mut table = csv::ReaderBuilder::new()
+        .trim(csv::Trim::All)
+        // Rows that somebody has written by hand may end early.
+        .flexible(true)
+        .from_reader(text.as_bytes());
+    let in_words = |error: csv::Error| fail(format!("cannot read the table of offsets: {error}"));
+    let header = table.headers().map_err(in_words)?.clone();
+    let column = |name: &str| {
+        let found = header.iter().position(|column| column == name);
+        found.ok_or_else(|| fail(format!("the table of offsets has no column {name}")))
+    };
+    let [log, offset, pinned] = [column("log")?, column("offset_m")?, column("pinned")?];
+    let others = [
+        "name",
+        "standard_error_m",
+        "ties",
+        "group",
+        "shift_error_m",
+        "latency_error_s",
+        "level_factor",
+        "level_ties",
+    ];
+    let others = others.map(|name| column(name).ok());
+    // A table that a person wrote may do without them.
+    let shifts = ["east_m", "north_m", "latency_s"].map(|name| column(name).ok());
+    let mut rows = Vec::new();
+    for (line, record) in (2..).zip(table.records()) {
+        let record = record.map_err(in_words)?;
+        let field = |column: usize| record.get(column).unwrap_or_default();
+        let other = |index: usize| others[index].map_or("", field);
+        let offset_m: Option<f64> = field(offset).parse().ok();
+        let offset_m = offset_m.filter(|metres| metres.abs() <= MOST_M);
+        let is_pinned = match field(pinned) {
+            "" | "0" | "no" | "false" => Some(false),
+            "1" | "yes" | "true" => Some(true),
+            _ => None,
+        };
+        let shift = |index: usize, most: f64| match shifts[index].map_or("", field) {
+            "" => Some(0.0),
+            text => text.parse().ok().filter(|value: &f64| value.abs() <= most),
+        };
+        let shift = || {
+            Some(Shift {
+                east_m: shift(0, MOST_SHIFT_M)?,
+                north_m: shift(1, MOST_SHIFT_M)?,
+                latency_s: shift(2, MOST_LATENCY_S)?,
+            })
+        };
+        let factor: Option<f64> = match other(6) {
+            "" => Some(1.0),
+            text => text.parse().ok(),
+        };
+        let factor = factor.filter(|factor| (FACTORS[0]..=FACTORS[1]).contains(factor));
+        let (Some(offset_m), Some(is_pinned), Some(shift), Some(factor)) =
+            (offset_m, is_pinned, shift(), factor)
+        else {
+            return Err(fail(format!(
+                "line {line} of the table of offsets cannot be used: offset_m is a number of metres up to {MOST_M}, pinned 1 or 0, east_m and north_m metres up to {MOST_SHIFT_M}, latency_s seconds up to {MOST_LATENCY_S}, level_factor {} to {}",
+                FACTORS[0], FACTORS[1]
+            )));
+        };
+        rows.push(OffsetRow {
+            name: other(0).to_owned(),
+            log: field(log).to_owned(),
+            offset_m,
+            standard_error_m: other(1).parse().unwrap_or(f64::NAN),
+            ties: other(2).parse().unwrap_or(0),
+            group: other(3).parse().unwrap_or(0),
+            is_pinned,
+            shift,
+            shift_error_m: other(4).parse().unwrap_or(f64::NAN),
+            latency_error_s: other(5).parse().unwrap_or(f64::NAN),
+            level: LevelFactor {
+                factor,
+                ties: other(7).parse().unwrap_or(0),
+            },
+        });
+    }
+    Ok(rows)
+}

@@ -1,0 +1,347 @@
+//! The side-scan pings of a log, a row each in every tile whose ground they saw: `pings/tile=.../SHA256.parquet`. They answer
+//! which ping, side and sample saw a place, without the log.
+
+use super::add::LogRows;
+use super::error::ArchiveError;
+use super::footprint::{Footprint, SideRange};
+use super::spread::{self, Row, RowsByTile};
+use super::tile::TileId;
+use crate::formats::parquet_table::{Column, ParquetError, ParquetFault, Values, read_parquet};
+use crate::imagery::mosaic::joined_way_m;
+use crate::support::geo::{LonLat, UtmZone};
+use crate::survey::{Side, SideSpan};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// The subfolder of the rows.
+pub(super) const PINGS: &str = "pings";
+/// Length over which the direction across the track is taken in the zone, metres.
+const PROBE_M: f64 = 20.0;
+/// Half of the ground of a ping that no other is near, metres.
+const ALONE_M: f64 = 0.5;
+
+/// What a ping saw, but for the zone that it is laid out in.
+struct Ping {
+    index: usize,
+    at: LonLat,
+    /// A place to starboard, [`PROBE_M`] away.
+    probe: LonLat,
+    altitude_m: f64,
+    behind_m: f64,
+    ahead_m: f64,
+    sides: [Option<SideRange>; 2],
+}
+
+/// Rows of pings and their footprints by tile, with the ground that they saw together there.
+pub(super) struct PingsByTile {
+    /// Rows as those of points; the tile of the boat itself has them as its core.
+    pub rows: RowsByTile,
+    /// Footprints of the same rows.
+    pub footprints: BTreeMap<TileId, Vec<Footprint>>,
+    /// Pings with a place and a heading.
+    pub count: usize,
+}
+
+/// Lays out the pings of a log. Pings without a place or a heading saw nothing that could be said.
+pub(super) fn by_tile(log: &LogRows<'_>) -> PingsByTile {
+    let altitudes_m = altitudes_m(log);
+    let halves_m = halves_m(log);
+    let pings = (0..log.survey.side_scan.len()).filter_map(|index| {
+        let boat = log.products.navigation.pings.get(index)?;
+        let [x, y] = boat.starboard()?;
+        let place = |out_m: f64| log.position(boat.east_m + out_m * x, boat.north_m + out_m * y);
+        let [behind_m, ahead_m] = *halves_m.get(index)?;
+        Some(Ping {
+            index,
+            at: place(0.0),
+            probe: place(PROBE_M),
+            altitude_m: *altitudes_m.get(index)?,
+            behind_m,
+            ahead_m,
+            sides: Side::BOTH.map(|side| {
+                log.survey
+                    .span(index, side)
+                    .map(|span| side_range(log, span))
+            }),
+        })
+    });
+    let mut made = PingsByTile {
+        rows: RowsByTile::new(),
+        footprints: BTreeMap::new(),
+        count: 0,
+    };
+    for ping in pings {
+        made.count += 1;
+        made.add(&ping);
+    }
+    made
+}
+
+impl PingsByTile {
+    fn add(&mut self, ping: &Ping) {
+        let far = |side: &SideRange| side.near_m + side.sample_m * f64::from(side.count);
+        let reach_m = ping.sides.iter().flatten().map(far).fold(0.0, f64::max);
+        for (rank, zone) in UtmZone::near(ping.at, reach_m).into_iter().enumerate() {
+            let footprint = ping.in_zone(zone);
+            let Some(bounds) = footprint
+                .bounds_m()
+                .filter(|bounds| bounds.iter().all(|m| m.is_finite()))
+            else {
+                continue;
+            };
+            let own = (rank == 0).then(|| TileId::at(zone, footprint.place));
+            for tile in TileId::touched(zone, bounds) {
+                self.rows.entry(tile).or_default().push(Row {
+                    index: ping.index,
+                    at: ping.at,
+                    zone,
+                    place: footprint.place,
+                    is_core: own == Some(tile),
+                });
+                self.footprints.entry(tile).or_default().push(footprint);
+            }
+        }
+    }
+}
+
+impl Ping {
+    fn in_zone(&self, zone: UtmZone) -> Footprint {
+        let place = zone.to_metres(self.at);
+        let probe = zone.to_metres(self.probe);
+        Footprint {
+            place,
+            starboard: [0, 1].map(|axis| (probe[axis] - place[axis]) / PROBE_M),
+            altitude_m: self.altitude_m,
+            behind_m: self.behind_m,
+            ahead_m: self.ahead_m,
+            sides: self.sides,
+        }
+    }
+}
+
+fn side_range(log: &LogRows<'_>, span: &SideSpan) -> SideRange {
+    let reduction = log.products.reduction();
+    let near_m = reduction.range_m(span, 0.0);
+    SideRange {
+        near_m,
+        // Every scale is linear in the sample.
+        sample_m: reduction.range_m(span, 1.0) - near_m,
+        count: i32::try_from(span.count).unwrap_or(i32::MAX),
+    }
+}
+
+/// Height of the transducer over the ground at every ping; where no depth is known, that of the last ping before, or the first
+/// after; 0 in a log without any.
+fn altitudes_m(log: &LogRows<'_>) -> Vec<f64> {
+    let pings = log.survey.side_scan.iter().zip(log.products.depths.iter());
+    let known: Vec<f64> = pings
+        .map(|(ping, depth)| {
+            let surface_m = log.products.correction.depth_m(ping.time_s, 0.0);
+            f64::from(depth.depth_m) - surface_m
+        })
+        .collect();
+    let first = known.iter().copied().find(|metres| metres.is_finite());
+    let mut last_m = first.unwrap_or(0.0);
+    let filled = known.into_iter().map(|metres| {
+        if metres.is_finite() {
+            last_m = metres;
+        }
+        last_m.max(0.0)
+    });
+    filled.collect()
+}
+
+/// Half of the ways to the pings before and behind, metres; where one is not joined, that to the other.
+fn halves_m(log: &LogRows<'_>) -> Vec<[f64; 2]> {
+    let half_m = |from: usize| {
+        let way_m = joined_way_m(log.survey, &log.products.navigation, from)?;
+        Some(0.5 * way_m)
+    };
+    let of_ping = |ping: usize| {
+        let behind = ping.checked_sub(1).and_then(half_m);
+        let ahead = half_m(ping);
+        let alone = behind.or(ahead).unwrap_or(ALONE_M);
+        [behind.unwrap_or(alone), ahead.unwrap_or(alone)]
+    };
+    (0..log.survey.side_scan.len()).map(of_ping).collect()
+}
+
+/// Columns of the rows of pings in a tile.
+pub(super) fn columns(log: &LogRows<'_>, rows: &[Row], footprints: &[Footprint]) -> Vec<Column> {
+    let of =
+        |value: &dyn Fn(&Footprint) -> f64| Values::Double(footprints.iter().map(value).collect());
+    let side = |side: usize, value: fn(&SideRange) -> f64| {
+        of(&move |ping: &Footprint| ping.sides[side].as_ref().map_or(f64::NAN, value))
+    };
+    let samples = |side: usize| {
+        let counts = footprints
+            .iter()
+            .map(|ping| ping.sides[side].map(|range| range.count));
+        Values::Whole(counts.collect())
+    };
+    let times_s: Vec<f64> = rows
+        .iter()
+        .map(|row| log.survey.side_scan[row.index].time_s)
+        .collect();
+    let depth_m = |row: &Row| f64::from(log.products.depths[row.index].depth_m);
+    let mut columns = vec![
+        spread::geometry(rows),
+        Column::new("x", of(&|ping| ping.place[0])),
+        Column::new("y", of(&|ping| ping.place[1])),
+        Column::new("starboard_x", of(&|ping| ping.starboard[0])),
+        Column::new("starboard_y", of(&|ping| ping.starboard[1])),
+        Column::new("altitude_m", of(&|ping| ping.altitude_m)),
+        Column::new(
+            "depth_m",
+            Values::Double(rows.iter().map(depth_m).collect()),
+        ),
+        Column::new("behind_m", of(&|ping| ping.behind_m)),
+        Column::new("ahead_m", of(&|ping| ping.ahead_m)),
+        Column::new("port_near_m", side(0, |range| range.near_m)),
+        Column::new("port_sample_m", side(0, |range| range.sample_m)),
+        Column::new("port_samples", samples(0)),
+        Column::new("starboard_near_m", side(1, |range| range.near_m)),
+        Column::new("starboard_sample_m", side(1, |range| range.sample_m)),
+        Column::new("starboard_samples", samples(1)),
+        Column::new(
+            "ping",
+            Values::Whole(
+                rows.iter()
+                    .map(|row| i32::try_from(row.index).ok())
+                    .collect(),
+            ),
+        ),
+        Column::new(
+            "left_out",
+            Values::Flag(
+                rows.iter()
+                    .map(|row| log.products.left_out.ping(row.index).is_some())
+                    .collect(),
+            ),
+        ),
+    ];
+    columns.extend(log.common_columns(rows, times_s));
+    columns
+}
+
+/// A ping of an archive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct PingRow {
+    /// Which ping of the log.
+    pub ping: i32,
+    /// What it saw.
+    pub footprint: Footprint,
+    /// Depth under it as the log has it, metres; NaN where none is known.
+    pub depth_m: f64,
+    /// Whether the boat was in the halo, or farther outside of the tile.
+    pub is_halo: bool,
+    /// Whether its echoes count for nothing.
+    pub is_left_out: bool,
+    /// Seconds after the log's time zero.
+    pub time_s: f64,
+    /// Microseconds since 1970, UTC, where the recorder knew the time.
+    pub unix_us: Option<i64>,
+}
+
+const NUMBERS: [&str; 13] = [
+    "x",
+    "y",
+    "starboard_x",
+    "starboard_y",
+    "altitude_m",
+    "depth_m",
+    "behind_m",
+    "ahead_m",
+    "port_near_m",
+    "port_sample_m",
+    "starboard_near_m",
+    "starboard_sample_m",
+    "time_s",
+];
+
+/// The rows of a file, in the order of the log.
+///
+/// # Errors
+/// When the file cannot be read.
+pub(super) fn read(path: &Path) -> Result<Vec<PingRow>, ArchiveError> {
+    const OTHERS: [&str; 6] = [
+        "port_samples",
+        "starboard_samples",
+        "ping",
+        "halo",
+        "left_out",
+        "time",
+    ];
+    let damaged = || {
+        ArchiveError::from(ParquetError {
+            what: ParquetFault::Damaged("its columns are not those of pings of an archive"),
+            path: path.to_owned(),
+        })
+    };
+    let numbers = read_parquet(path, &NUMBERS)?
+        .into_iter()
+        .map(|values| match values {
+            Values::Double(values) => Some(values),
+            _ => None,
+        });
+    let numbers: Vec<Vec<f64>> = numbers.collect::<Option<_>>().ok_or_else(damaged)?;
+    let Ok(
+        [
+            Values::Whole(port),
+            Values::Whole(starboard),
+            Values::Whole(pings),
+            Values::Flag(halo),
+            Values::Flag(left_out),
+            Values::Time(times),
+        ],
+    ) = <[Values; 6]>::try_from(read_parquet(path, &OTHERS)?)
+    else {
+        return Err(damaged());
+    };
+    let count = pings.len();
+    let others = [
+        port.len(),
+        starboard.len(),
+        halo.len(),
+        left_out.len(),
+        times.len(),
+    ];
+    if numbers
+        .iter()
+        .map(Vec::len)
+        .chain(others)
+        .any(|length| length != count)
+    {
+        return Err(damaged());
+    }
+    let row = |index: usize| {
+        let number = |column: usize| numbers[column][index];
+        let side = |near: usize, samples: &[Option<i32>]| {
+            Some(SideRange {
+                near_m: number(near),
+                sample_m: number(near + 1),
+                count: samples[index]?,
+            })
+        };
+        Some(PingRow {
+            ping: pings[index]?,
+            footprint: Footprint {
+                place: [number(0), number(1)],
+                starboard: [number(2), number(3)],
+                altitude_m: number(4),
+                behind_m: number(6),
+                ahead_m: number(7),
+                sides: [side(8, &port), side(10, &starboard)],
+            },
+            depth_m: number(5),
+            is_halo: halo[index],
+            is_left_out: left_out[index],
+            time_s: number(12),
+            unix_us: times[index],
+        })
+    };
+    (0..count)
+        .map(row)
+        .collect::<Option<_>>()
+        .ok_or_else(damaged)
+}

@@ -1,0 +1,170 @@
+//! The points of a log, a row each: `points/tile=.../SHA256.parquet`.
+
+use super::add::LogRows;
+use super::error::ArchiveError;
+use super::spread::{self, Row};
+use crate::bottom::bathymetry::DepthPoint;
+use crate::bottom::cloud::{CloudPoint, PointClass, PointSource};
+use crate::formats::parquet_table::{Column, ParquetError, ParquetFault, Values, read_parquet};
+use std::path::Path;
+
+/// The subfolder of the rows.
+pub(super) const POINTS: &str = "points";
+
+/// Columns of the rows of points in a tile.
+pub(super) fn columns(log: &LogRows<'_>, rows: &[Row]) -> Vec<Column> {
+    let points: Vec<(&CloudPoint, PointClass)> =
+        rows.iter().map(|row| log.point(row.index)).collect();
+    let of = |value: fn(&CloudPoint) -> f64| {
+        Values::Double(points.iter().map(|(point, _)| value(point)).collect())
+    };
+    let times_s: Vec<f64> = points.iter().map(|(point, _)| log.time_of(point)).collect();
+    let side = |point: &CloudPoint| match point.source {
+        PointSource::DownScan => "",
+        side => side.name(),
+    };
+    let ping = |point: &CloudPoint| {
+        let is_known = (point.ping as usize) < log.survey.side_scan.len();
+        is_known.then(|| i32::try_from(point.ping).ok()).flatten()
+    };
+    let sounding =
+        |point: &CloudPoint| point.sounding.and_then(|one| i32::try_from(one.get()).ok());
+    let each = points.iter();
+    let whole = |value: &dyn Fn(&CloudPoint) -> Option<i32>| {
+        Values::Whole(points.iter().map(|(point, _)| value(point)).collect())
+    };
+    let texts = |value: &dyn Fn(&CloudPoint) -> &'static str| {
+        Values::Text(points.iter().map(|(point, _)| value(point)).collect())
+    };
+    let mut columns = vec![
+        spread::geometry(rows),
+        Column::new(
+            "x",
+            Values::Double(rows.iter().map(|row| row.place[0]).collect()),
+        ),
+        Column::new(
+            "y",
+            Values::Double(rows.iter().map(|row| row.place[1]).collect()),
+        ),
+        Column::new("depth_m", of(|point| -point.z_m)),
+        Column::new("source", texts(&|point| point.source.name())),
+        Column::new("side", texts(&side)),
+        Column::new("ping", whole(&ping)),
+        Column::new("sounding", whole(&sounding)),
+        Column::new(
+            "sample",
+            Values::Float(each.clone().map(|(point, _)| point.sample).collect()),
+        ),
+        Column::new(
+            "confidence",
+            Values::Float(each.clone().map(|(point, _)| point.confidence).collect()),
+        ),
+        Column::new(
+            "weight",
+            Values::Double(
+                each.clone()
+                    .map(|(point, class)| log.weight(point, *class))
+                    .collect(),
+            ),
+        ),
+        Column::new(
+            "kept",
+            Values::Flag(each.clone().map(|(_, class)| class.is_kept()).collect()),
+        ),
+        Column::new(
+            "class",
+            Values::Whole(
+                each.map(|(_, class)| Some(i32::from(class.code())))
+                    .collect(),
+            ),
+        ),
+    ];
+    let velocities: Vec<[f64; 2]> = (rows.iter().zip(&times_s))
+        .map(|(row, time_s)| log.velocity_mps(*time_s, row.zone))
+        .collect();
+    let along = |axis: usize| {
+        let values = velocities.iter().map(|velocity| velocity[axis] as f32);
+        Values::Float(values.collect())
+    };
+    columns.push(Column::new("velocity_x_mps", along(0)));
+    columns.push(Column::new("velocity_y_mps", along(1)));
+    columns.extend(log.common_columns(rows, times_s));
+    columns
+}
+
+/// A point as maps and crossings need it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct PointRow {
+    /// Place in the zone, depth as the log has it, weight 0 where it does not count.
+    pub depth: DepthPoint,
+    /// Seconds after the log's time zero.
+    pub time_s: f64,
+    /// Velocity of the boat, metres a second along the zone's axes.
+    pub velocity_mps: [f64; 2],
+}
+
+/// The rows of a file that count for the depth map, in the order of the log.
+///
+/// # Errors
+/// When the file cannot be read.
+pub(super) fn read(path: &Path) -> Result<Vec<PointRow>, ArchiveError> {
+    const NAMES: [&str; 8] = [
+        "x",
+        "y",
+        "depth_m",
+        "weight",
+        "sounding",
+        "time_s",
+        "velocity_x_mps",
+        "velocity_y_mps",
+    ];
+    let read = read_parquet(path, &NAMES)?;
+    let damaged = || ParquetError {
+        what: ParquetFault::Damaged("its columns are not those of points of an archive"),
+        path: path.to_owned(),
+    };
+    let Ok(
+        [
+            Values::Double(x),
+            Values::Double(y),
+            Values::Double(depth_m),
+            Values::Double(weight),
+            Values::Whole(sounding),
+            Values::Double(time_s),
+            Values::Float(velocity_x),
+            Values::Float(velocity_y),
+        ],
+    ) = <[Values; 8]>::try_from(read)
+    else {
+        return Err(damaged().into());
+    };
+    let lengths = [
+        x.len(),
+        y.len(),
+        depth_m.len(),
+        weight.len(),
+        sounding.len(),
+        time_s.len(),
+        velocity_x.len(),
+        velocity_y.len(),
+    ];
+    if lengths.iter().any(|length| *length != x.len()) {
+        return Err(damaged().into());
+    }
+    let row = |index: usize| PointRow {
+        depth: DepthPoint {
+            east_m: x[index],
+            north_m: y[index],
+            depth_m: depth_m[index],
+            weight: weight[index],
+            is_sounding: sounding[index].is_some(),
+        },
+        time_s: time_s[index],
+        velocity_mps: [velocity_x[index], velocity_y[index]].map(f64::from),
+    };
+    let rows = (0..x.len()).map(row).filter(|row| {
+        let depth = &row.depth;
+        depth.weight > 0.0 && (depth.east_m + depth.north_m + depth.depth_m).is_finite()
+    });
+    Ok(rows.collect())
+}

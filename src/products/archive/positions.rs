@@ -1,0 +1,93 @@
+//! How far the positions of the logs of an archive are off and how late they are, from where tracks cross within tiles.
+
+use super::error::ArchiveError;
+use super::log_overlaps::Search;
+use super::log_record::LogRecord;
+use super::offsets::{Offsets, as_written};
+use super::record::{Archive, MOST_MOVED_M};
+use crate::bottom::bathymetry::crosslines::{Crossing, crossings};
+use crate::bottom::bathymetry::position_offsets::{
+    FoundShift, Placed, Shift, Wanted, settled_offsets,
+};
+use crate::support::progress::Progress;
+
+/// A correction that new logs move by less than this stays as it is, metres to the east or north and seconds, lest a log that is added make every
+/// map stale.
+const KEPT_SHIFT_M: f64 = 0.1;
+const KEPT_LATENCY_S: f64 = 0.05;
+
+/// How the positions of the logs are corrected: as the table has it, and as far as `wanted` as crossings show.
+pub(super) fn shifts(
+    archive: &Archive,
+    logs: &[LogRecord],
+    known: &Offsets,
+    pinned: &[Option<f64>],
+    wanted: Wanted,
+    progress: &Progress,
+) -> Result<Vec<FoundShift>, ArchiveError> {
+    let before = logs.iter().map(|log| match known.row(&log.log) {
+        Some(row) => FoundShift {
+            shift: row.shift,
+            shift_error_m: row.shift_error_m,
+            latency_error_s: row.latency_error_s,
+        },
+        None => FoundShift::NONE,
+    });
+    let before: Vec<FoundShift> = before.collect();
+    if !wanted.is_anything() {
+        return Ok(before);
+    }
+    let relabelled = |mut one: Crossing, inside: &[usize]| {
+        for pass in &mut one.passes {
+            pass.track = inside[pass.track];
+        }
+        one
+    };
+    let placed = before.iter().zip(pinned).map(|(before, pinned_m)| Placed {
+        shift: before.shift,
+        pinned_m: *pinned_m,
+    });
+    let placed: Vec<Placed> = placed.collect();
+    let found = settled_offsets(&placed, wanted, |placed| {
+        let shifts = placed.iter().map(|placed| placed.shift).collect();
+        let search = Search::new(archive, logs, shifts, wanted.latencies, progress);
+        let mut met = search.in_tiles(
+            |_| true,
+            |tracks, inside| {
+                let met = crossings(tracks, &Progress::new())?.into_iter();
+                Ok(met.map(|one| relabelled(one, inside)).collect())
+            },
+            |one: &Crossing| one.place,
+        )?;
+        met.sort_by_key(|one| one.passes.map(|pass| pass.track));
+        Ok::<_, ArchiveError>(met)
+    })?;
+    let mut found = found
+        .ok_or_else(|| "the equations for the positions of the logs have no solution".to_owned())?;
+    for (found, before) in found.iter_mut().zip(&before) {
+        found.shift = kept_shift(before, as_written(found.shift));
+        found.keep_errors_of(before);
+    }
+    Ok(found)
+}
+
+/// A place with its correction, metres of the zone: moved by no more than the halo has room for.
+pub(super) fn moved(place: [f64; 2], shift: Shift, velocity_mps: [f64; 2]) -> [f64; 2] {
+    let [x, y] = shift.at(velocity_mps);
+    let share = (MOST_MOVED_M / x.hypot(y).max(MOST_MOVED_M)).min(1.0);
+    [place[0] + share * x, place[1] + share * y]
+}
+
+/// A correction of positions that is known already, where the one that was found differs by little.
+fn kept_shift(known: &FoundShift, found: Shift) -> Shift {
+    let is_known = !(known.shift_error_m.is_nan() && known.latency_error_s.is_nan());
+    let [east_m, north_m, latency_s] = known.shift.values();
+    let moved_m = (found.east_m - east_m)
+        .abs()
+        .max((found.north_m - north_m).abs());
+    let is_near = moved_m <= KEPT_SHIFT_M && (found.latency_s - latency_s).abs() <= KEPT_LATENCY_S;
+    match is_known && is_near {
+        true => known.shift,
+        false => found,
+    }
+}

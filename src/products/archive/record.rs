@@ -1,0 +1,440 @@
+//! What all logs of an archive share: `lake.json`.
+
+use super::echo_rows::ECHOES;
+use super::error::ArchiveError;
+use super::log_mosaic::{MOSAIC, WEIGHTS};
+use super::log_record::{LOGS, LogRecord};
+use super::ping_rows::PINGS;
+use super::point_rows::POINTS;
+use super::reach;
+use super::tile::{TILE_M, TileId};
+use crate::bottom::bathymetry::{Grid, LOCAL_MARGIN_CELLS, local_reach_m};
+use crate::formats::read_area;
+use crate::pipeline::{
+    Fingerprint, SettingValues, Settings, is_of_one_log, setting_values, with_values,
+};
+use crate::products::export::write_atomically;
+use crate::support::regular_file;
+use crate::survey::WaterArea;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
+use std::fs;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+/// The record's name. Its old word stays: archives that exist are opened by it, also by older versions of the program.
+const RECORD: &str = "lake.json";
+/// The setting whose file the archive keeps a copy of, and what this is called before its ending.
+pub(super) const AREA: &str = "isobaths.clip";
+const AREA_STEM: &str = "isobath_area";
+/// Longer than any record.
+pub(super) const LONGEST_RECORD: u64 = 1 << 26;
+/// How rows are laid out: another number is another archive.
+const FORMAT: u32 = 4;
+/// Side of a cell where the settings name none, metres.
+const USUAL_CELL_M: f64 = 0.5;
+/// Least and greatest cell, metres: powers of two, so that the places of cells are the same number in every tile.
+const CELLS_M: [f64; 2] = [0.125, 8.0];
+/// More cells along the side of a tile's mosaic are refused: it would pass what a TIFF can hold.
+const MOST_MOSAIC_CELLS: f64 = 51_200.0;
+/// The halo is a multiple of this, metres, and so of every cell.
+const HALO_STEP_M: f64 = 16.0;
+/// Corrected positions move no point by more, metres: the halo holds what may come from so far.
+pub(super) const MOST_MOVED_M: f64 = 12.0;
+/// Settings, by their first word, that no row and no map of a tile depends on.
+const REGARDLESS_OF: [&str; 5] = ["crs", "detector", "picture", "points", "report"];
+/// Another one: mosaics of tiles are levels, which map programs colour.
+const COLOURS: &str = "mosaic.colours";
+/// The folders of what logs give to tiles, with the endings of their files.
+pub(super) const KINDS: [(&str, &str); 5] = [
+    (POINTS, "parquet"),
+    (PINGS, "parquet"),
+    (ECHOES, "parquet"),
+    (MOSAIC, "tif"),
+    (WEIGHTS, "tif"),
+];
+
+/// What all logs of an archive share.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ArchiveRecord {
+    /// How rows are laid out.
+    format: u32,
+    /// Side of a tile, metres.
+    tile_m: f64,
+    /// How far beyond its edges a tile has rows, metres.
+    pub halo_m: f64,
+    /// Side of a cell of the maps, metres.
+    pub cell_m: f64,
+    /// The settings that rows and maps depend on, but for those that belong to one log: draft, water level, mounting.
+    settings: SettingValues,
+    /// The file of the area that isobaths end at, in the folder of the archive: its content is the setting, not where it once lay.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    isobath_area: Option<Fingerprint>,
+}
+
+impl ArchiveRecord {
+    /// Of an archive whose logs are processed with some settings.
+    ///
+    /// # Errors
+    /// A sentence where `surface.cell_m` or `mosaic.cell_m` is no size for the cells of an archive.
+    pub fn new(settings: &Settings) -> Result<Self, ArchiveError> {
+        let cell_m = settings.surface.cell_m.unwrap_or(USUAL_CELL_M);
+        let is_power = cell_m.log2().fract() == 0.0;
+        if !is_power || !(CELLS_M[0]..=CELLS_M[1]).contains(&cell_m) {
+            return Err(ArchiveError::Refused(format!(
+                "surface.cell_m is {cell_m}, but the tiles of an archive have cells of 0.125, 0.25, 0.5, 1, 2, 4 or 8 m; choose one of them"
+            )));
+        }
+        let mosaic_m = settings.mosaic.cell_m;
+        if !divides_tiles(mosaic_m) {
+            return Err(ArchiveError::Refused(format!(
+                "mosaic.cell_m is {mosaic_m}, which does not divide the 512 m of a tile into whole cells; choose 0.1, 0.125, 0.2, 0.25, 0.5 or 1"
+            )));
+        }
+        let margin_m = cell_m * (LOCAL_MARGIN_CELLS + 1) as f64;
+        let least_m = local_reach_m(settings.surface.max_gap_m) + margin_m + MOST_MOVED_M;
+        let halo_m = (least_m / HALO_STEP_M).ceil() * HALO_STEP_M;
+        if halo_m.is_nan() || halo_m > TILE_M {
+            return Err(ArchiveError::Refused(format!(
+                "surface.max_gap_m is {}, which reaches across whole tiles of an archive; choose at most 200",
+                settings.surface.max_gap_m
+            )));
+        }
+        reach::check(settings, cell_m, halo_m)?;
+        let mut values = setting_values(settings);
+        values.retain(|key, _| is_shared(key));
+        let area = settings.isobaths.area.as_deref();
+        Ok(Self {
+            format: FORMAT,
+            tile_m: TILE_M,
+            halo_m,
+            cell_m,
+            settings: values,
+            isobath_area: area.map(fingerprint_of),
+        })
+    }
+
+    /// The grid of the mosaic of a tile.
+    ///
+    /// # Errors
+    /// As [`ArchiveRecord::settings`].
+    pub fn mosaic_grid(&self, tile: TileId) -> Result<Grid, ArchiveError> {
+        let cell_m = self.settings()?.mosaic.cell_m;
+        match divides_tiles(cell_m) {
+            true => Ok(tile.grid(0.0, cell_m)),
+            false => Err(ArchiveError::Refused(format!(
+                "mosaic.cell_m is {cell_m}, which is no size for an archive: {RECORD}"
+            ))),
+        }
+    }
+
+    /// The settings that maps are made with, without the area of the isobaths ([`Archive::settings`]).
+    ///
+    /// # Errors
+    /// A sentence where somebody has changed the record to what cannot be.
+    pub fn settings(&self) -> Result<Settings, ArchiveError> {
+        let settings = with_values(&Settings::default(), &self.settings);
+        settings.map_err(|error| ArchiveError::Refused(format!("{error}: {RECORD}")))
+    }
+
+    /// The first setting that differs from those of another, with both values.
+    fn difference(&self, other: &Self) -> Option<String> {
+        let keys: BTreeSet<&String> = self.settings.keys().chain(other.settings.keys()).collect();
+        let value = |record: &Self, key: &str| {
+            let value = record.settings.get(key);
+            value.map_or("not given".to_owned(), ToString::to_string)
+        };
+        let differs = keys
+            .into_iter()
+            .find(|key| self.settings.get(*key) != other.settings.get(*key));
+        let in_settings = differs.map(|key| {
+            format!(
+                "{key} is {} there, and {} here",
+                value(self, key),
+                value(other, key)
+            )
+        });
+        let areas = (self.isobath_area != other.isobath_area).then(|| {
+            let [there, here] = [self, other].map(|one| area_in_words(one.isobath_area.as_ref()));
+            format!("{AREA} is {there} there, and {here} here")
+        });
+        in_settings
+            .or(areas)
+            .or_else(|| (self != other).then(|| "its tiles are laid out in another way".to_owned()))
+    }
+}
+
+fn is_shared(key: &str) -> bool {
+    let group = key.split('.').next().unwrap_or(key);
+    !is_of_one_log(key) && !REGARDLESS_OF.contains(&group) && ![AREA, COLOURS].contains(&key)
+}
+
+/// Whether cells of a mosaic divide the side of a tile: the mosaics of neighbouring tiles then meet at whole cells.
+fn divides_tiles(cell_m: f64) -> bool {
+    let side = TILE_M / cell_m;
+    (side - side.round()).abs() < 1e-9 && (1.0..=MOST_MOSAIC_CELLS).contains(&side)
+}
+
+/// The copy of an area: its name in the archive, and what it holds.
+fn fingerprint_of(area: &WaterArea) -> Fingerprint {
+    let ending = area.path.extension().unwrap_or_default().to_string_lossy();
+    let is_plain = |ending: &str| ending.chars().all(|letter| letter.is_ascii_alphanumeric());
+    let file = match ending.to_lowercase() {
+        ending if !ending.is_empty() && is_plain(&ending) => format!("{AREA_STEM}.{ending}"),
+        _ => AREA_STEM.to_owned(),
+    };
+    Fingerprint {
+        file,
+        bytes: area.bytes as u64,
+        sha256: area.sha256.clone(),
+    }
+}
+
+/// A file by its first hexadecimal digits: two of one name may differ.
+fn area_in_words(area: Option<&Fingerprint>) -> String {
+    area.map_or("not given".to_owned(), |area| {
+        let digits = area.sha256.get(..12).unwrap_or(&area.sha256);
+        format!("a file of {} bytes (SHA-256 {digits}...)", area.bytes)
+    })
+}
+
+/// A folder with an archive.
+#[derive(Clone, Debug)]
+pub struct Archive {
+    folder: PathBuf,
+    /// What its logs share.
+    pub record: ArchiveRecord,
+    /// Logs that were added through this value or a copy of it.
+    begun: Arc<Mutex<BTreeSet<String>>>,
+    /// The area of the isobaths, once it has been read.
+    area: Arc<OnceLock<Arc<WaterArea>>>,
+}
+
+impl Archive {
+    /// The archive of a folder.
+    ///
+    /// # Errors
+    /// A sentence where there is none.
+    pub fn open(folder: &Path) -> Result<Self, ArchiveError> {
+        let path = folder.join(RECORD);
+        let text = regular_file::read_text(&path, LONGEST_RECORD).map_err(|error| {
+            format!(
+                "no archive in this folder ({RECORD}: {error}); `bathyscope process LOG... -o {0} --products tiles` makes one: {0}",
+                folder.display()
+            )
+        })?;
+        let record: ArchiveRecord = serde_json::from_str(&text).map_err(|error| {
+            format!(
+                "the record of the archive cannot be used: {error}: {}",
+                path.display()
+            )
+        })?;
+        if record.format != FORMAT || record.tile_m != TILE_M {
+            return Err(ArchiveError::Refused(format!(
+                "another version of the program laid this archive out; process its logs into a new folder: {}",
+                folder.display()
+            )));
+        }
+        record.settings()?;
+        Ok(Self {
+            folder: folder.to_owned(),
+            record,
+            begun: Arc::default(),
+            area: Arc::default(),
+        })
+    }
+
+    /// The archive of a folder for logs that are processed with some settings; made when there is none.
+    ///
+    /// # Errors
+    /// A sentence: the folder holds something else, an archive of other settings, or cannot be written into.
+    pub fn open_for(folder: &Path, settings: &Settings) -> Result<Self, ArchiveError> {
+        let record = ArchiveRecord::new(settings)?;
+        if !folder.join(RECORD).exists() {
+            refuse_other_content(folder)?;
+            fs::create_dir_all(folder).map_err(|error| {
+                format!("cannot make the folder: {error}: {}", folder.display())
+            })?;
+            write_json(&folder.join(RECORD), &record)?;
+        }
+        let archive = Self::open(folder)?;
+        archive.check(settings)?;
+        archive.keep_area(settings)?;
+        Ok(archive)
+    }
+
+    /// Refuses settings that rows of other logs of the archive were not made with, but for those that belong to one log.
+    ///
+    /// # Errors
+    /// A sentence that names the first setting, with both values.
+    pub fn check(&self, settings: &Settings) -> Result<(), ArchiveError> {
+        match self.record.difference(&ArchiveRecord::new(settings)?) {
+            None => Ok(()),
+            Some(what) => Err(ArchiveError::Refused(format!(
+                "the archive was made with other settings: {what}; give the same, or choose another folder: {}",
+                self.folder.display()
+            ))),
+        }
+    }
+
+    /// Copies the area of the isobaths into the archive, if it is not there: a run that made the archive may have ended before.
+    fn keep_area(&self, settings: &Settings) -> Result<(), ArchiveError> {
+        let (Some(kept), Some(area)) = (&self.record.isobath_area, &settings.isobaths.area) else {
+            return Ok(());
+        };
+        if kept.is_unchanged(&self.folder) {
+            return Ok(());
+        }
+        let bytes = regular_file::read(&area.path, kept.bytes)
+            .map_err(|error| format!("cannot read the area: {error}: {}", area.path.display()))?;
+        Ok(write_atomically(
+            &self.folder.join(&kept.file),
+            |mut file| file.write_all(&bytes),
+        )?)
+    }
+
+    /// The settings that maps are made with.
+    ///
+    /// # Errors
+    /// A sentence where somebody has changed the record, or the copy of the area of the isobaths, to what cannot be.
+    pub fn settings(&self) -> Result<Settings, ArchiveError> {
+        let mut settings = self.record.settings()?;
+        let Some(kept) = &self.record.isobath_area else {
+            return Ok(settings);
+        };
+        let area = match self.area.get() {
+            Some(area) => area.clone(),
+            None => {
+                let read = self.read_area(kept)?;
+                self.area.get_or_init(|| read).clone()
+            }
+        };
+        settings.isobaths.clip = Some(area.path.clone());
+        settings.isobaths.area = Some(area);
+        Ok(settings)
+    }
+
+    fn read_area(&self, kept: &Fingerprint) -> Result<Arc<WaterArea>, ArchiveError> {
+        let path = self.folder.join(&kept.file);
+        let area = read_area(&path).map_err(|error| error.to_string())?;
+        match area.sha256 == kept.sha256 {
+            true => Ok(Arc::new(area)),
+            false => Err(ArchiveError::Refused(format!(
+                "the area of the archive's isobaths is not the one that it was made with; put that one back: {}",
+                path.display()
+            ))),
+        }
+    }
+
+    /// Whether a log is added for the first time through this value or a copy of it: two names of one log must not be written at once.
+    pub(super) fn begins(&self, log: &str) -> bool {
+        let mut begun = self.begun.lock().unwrap_or_else(PoisonError::into_inner);
+        begun.insert(log.to_owned())
+    }
+
+    /// Where it lies.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// The name of what a log gives to a tile, of a kind of [`KINDS`], with `/` between folders.
+    pub(super) fn rows_name(kind: &str, tile: TileId, log: &str) -> String {
+        let ending = KINDS.iter().find(|(one, _)| *one == kind);
+        format!(
+            "{kind}/tile={tile}/{log}.{}",
+            ending.map_or("parquet", |(_, ending)| ending)
+        )
+    }
+
+    /// The records of the logs that the maps of some tiles are made from, by their hashes.
+    ///
+    /// # Errors
+    /// A sentence where one cannot be used.
+    pub fn logs_of_maps(&self, tiles: &[TileId]) -> Result<Vec<LogRecord>, ArchiveError> {
+        let swath = self.record.settings()?.surface.swath;
+        let read = tiles
+            .iter()
+            .flat_map(|tile| reach::tiles_read(swath, *tile));
+        self.logs_in(read)
+    }
+
+    /// The records of the logs that have rows in some tiles, by their hashes: no other is read, so that a tile takes no longer for logs
+    /// elsewhere.
+    ///
+    /// # Errors
+    /// A sentence where one cannot be used.
+    pub fn logs_in(
+        &self,
+        tiles: impl Iterator<Item = TileId>,
+    ) -> Result<Vec<LogRecord>, ArchiveError> {
+        let mut logs = BTreeSet::new();
+        for tile in tiles {
+            for (kind, ending) in KINDS {
+                let names = names_in(&self.folder.join(format!("{kind}/tile={tile}")))?;
+                let logs_of = names.iter().filter_map(|name| {
+                    let (log, end) = name.rsplit_once('.')?;
+                    (end == ending).then(|| log.to_owned())
+                });
+                logs.extend(logs_of);
+            }
+        }
+        let paths = logs
+            .iter()
+            .map(|log| self.folder.join(LOGS).join(format!("{log}.json")));
+        paths
+            .filter(|path| path.is_file())
+            .map(|path| LogRecord::read(&path))
+            .collect()
+    }
+
+    /// The records of all logs, by their hashes. A log that is being written, or was when the program ended, has none.
+    ///
+    /// # Errors
+    /// A sentence where one cannot be used.
+    pub fn logs(&self) -> Result<Vec<LogRecord>, ArchiveError> {
+        let mut names = names_in(&self.folder.join(LOGS))?;
+        names.retain(|name| name.ends_with(".json") && !name.starts_with('.'));
+        names.sort_unstable();
+        let read = |name: &String| LogRecord::read(&self.folder.join(LOGS).join(name));
+        names.iter().map(read).collect()
+    }
+}
+
+/// The names in a folder; none where there is no folder.
+pub(super) fn names_in(folder: &Path) -> Result<Vec<String>, ArchiveError> {
+    if !folder.exists() {
+        return Ok(Vec::new());
+    }
+    let fail = |error| format!("cannot read the folder: {error}: {}", folder.display());
+    let entries = fs::read_dir(folder).map_err(fail)?;
+    let names = entries.map(|entry| {
+        let name = entry.map_err(fail)?.file_name();
+        Ok(name.to_string_lossy().into_owned())
+    });
+    names.collect()
+}
+
+/// A folder of a run, or of anything else, is not mixed with an archive; another job may have made the archive at this moment.
+fn refuse_other_content(folder: &Path) -> Result<(), ArchiveError> {
+    let names = names_in(folder)?;
+    let other = names.iter().find(|name| !name.starts_with('.'));
+    match other.filter(|_| !names.iter().any(|name| name == RECORD)) {
+        None => Ok(()),
+        Some(name) => Err(ArchiveError::Refused(format!(
+            "the folder holds {name} and no archive; choose an empty or a new one: {}",
+            folder.display()
+        ))),
+    }
+}
+
+/// Writes a value as JSON, aside and then renamed.
+pub(super) fn write_json(path: &Path, value: &impl Serialize) -> Result<(), ArchiveError> {
+    let text = serde_json::to_string_pretty(value)
+        .map_err(|error| format!("cannot write the record: {error}: {}", path.display()))?;
+    Ok(write_atomically(path, |mut file| {
+        file.write_all(text.as_bytes())?;
+        file.write_all(b"\n")
+    })?)
+}

@@ -1,0 +1,190 @@
+//! The squares that an archive is cut into.
+
+use crate::bottom::bathymetry::Grid;
+use crate::formats::geotiff::{Cells, RasterSpec};
+use crate::support::geo::{Crs, UtmZone};
+use std::fmt;
+use std::str::FromStr;
+
+/// Side of a tile, metres of its zone.
+pub const TILE_M: f64 = 512.0;
+/// The same in whole metres.
+const TILE: i64 = 512;
+/// No northing or easting of a zone reaches farther, metres.
+const FARTHEST: i64 = 20_000_000;
+
+/// A square of 512 m of a UTM zone, aligned to its grid. It is written as zone, easting and northing of its south-west corner in metres:
+/// `12N_455680_4077568`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct TileId {
+    /// The zone.
+    pub zone: UtmZone,
+    /// Tiles from the zone's zero, east and north.
+    index: [i64; 2],
+}
+
+impl TileId {
+    /// The tile that holds a place of a zone; of a place on an edge, that to the east or north.
+    pub fn at(zone: UtmZone, place: [f64; 2]) -> Self {
+        Self {
+            zone,
+            index: place.map(|metres| (metres / TILE_M).floor() as i64),
+        }
+    }
+
+    /// The tiles of a zone that a box touches: west, south, east and north, metres.
+    pub fn touched(
+        zone: UtmZone,
+        [west, south, east, north]: [f64; 4],
+    ) -> impl Iterator<Item = Self> {
+        let from = Self::at(zone, [west, south]).index;
+        let to = Self::at(zone, [east, north]).index;
+        let columns = from[0]..=to[0];
+        columns.flat_map(move |column| {
+            (from[1]..=to[1]).map(move |row| Self {
+                zone,
+                index: [column, row],
+            })
+        })
+    }
+
+    /// West, south, east and north edge, metres of the zone.
+    pub fn bounds_m(&self) -> [f64; 4] {
+        let [west, south] = self.index.map(|index| index as f64 * TILE_M);
+        [west, south, west + TILE_M, south + TILE_M]
+    }
+
+    /// Whether all of it lies in its own zone; of one that does not, what lies beyond belongs to the other zone.
+    pub fn is_within_zone(&self) -> bool {
+        let [west, south, east, north] = self.bounds_m();
+        let middle = [0.5 * (west + east), 0.5 * (south + north)];
+        UtmZone::near(self.zone.to_lon_lat(middle), TILE_M) == [self.zone]
+    }
+
+    /// Its cells, and those of a margin around it, which is a multiple of them.
+    pub(super) fn grid(&self, margin_m: f64, cell_m: f64) -> Grid {
+        let [west_m, _, _, north_m] = self.bounds_m();
+        let side = ((TILE_M + 2.0 * margin_m) / cell_m).round() as usize;
+        Grid {
+            west_m: west_m - margin_m,
+            north_m: north_m + margin_m,
+            cell_m,
+            columns: side,
+            rows: side,
+        }
+    }
+
+    /// A raster over a grid in its zone; of nothing yet, which whoever writes it says.
+    pub(super) fn raster(&self, grid: &Grid) -> RasterSpec {
+        RasterSpec {
+            columns: grid.columns,
+            rows: grid.rows,
+            west: grid.west_m,
+            north: grid.north_m,
+            cell: [grid.cell_m; 2],
+            crs: Crs::of_zone(self.zone),
+            cells: Cells::Metres,
+            band: None,
+            description: String::new(),
+        }
+    }
+
+    /// Whether the tile, made larger by `halo_m` on all sides, holds a place of its zone.
+    pub fn holds(&self, [x, y]: [f64; 2], halo_m: f64) -> bool {
+        let [west, south, east, north] = self.bounds_m();
+        (west - halo_m..east + halo_m).contains(&x) && (south - halo_m..north + halo_m).contains(&y)
+    }
+}
+
+impl fmt::Display for TileId {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let UtmZone { number, north } = self.zone;
+        let hemisphere = if north { 'N' } else { 'S' };
+        let [easting, northing] = self.index.map(|index| index * TILE);
+        write!(out, "{number}{hemisphere}_{easting}_{northing}")
+    }
+}
+
+/// A text that names no tile.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("`{0}` names no tile; `bathyscope tiles DIR` lists them, as 12N_455680_4077568")]
+pub struct NoTile(String);
+
+impl FromStr for TileId {
+    type Err = NoTile;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let parsed = || {
+            let mut parts = text.trim_start_matches("tile=").split('_');
+            let zone = parts.next()?;
+            let (number, hemisphere) = zone.split_at_checked(zone.len().checked_sub(1)?)?;
+            let number: u8 = number
+                .parse()
+                .ok()
+                .filter(|number| (1..=60).contains(number))?;
+            let north = match hemisphere {
+                "N" => true,
+                "S" => false,
+                _ => return None,
+            };
+            let mut index = || {
+                let metres: i64 = parts.next()?.parse().ok()?;
+                let is_edge = metres % TILE == 0 && metres.abs() <= FARTHEST;
+                is_edge.then_some(metres / TILE)
+            };
+            let index = [index()?, index()?];
+            let zone = UtmZone { number, north };
+            parts.next().is_none().then_some(Self { zone, index })
+        };
+        parsed().ok_or_else(|| NoTile(text.to_owned()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ZONE: UtmZone = UtmZone {
+        number: 32,
+        north: true,
+    };
+
+    #[test]
+    fn a_tile_is_named_after_its_corner_and_found_by_its_name() {
+        let tile = TileId::at(ZONE, [512_345.6, 5_261_000.1]);
+        assert_eq!(tile.to_string(), "32N_512000_5260800");
+        assert_eq!(tile.to_string().parse(), Ok(tile));
+        assert_eq!("tile=32N_512000_5260800".parse(), Ok(tile));
+        assert_eq!(
+            tile.bounds_m(),
+            [512_000.0, 5_260_800.0, 512_512.0, 5_261_312.0]
+        );
+        for wrong in [
+            "",
+            "N_0_0",
+            "32N_512001_0",
+            "61N_0_0",
+            "32X_0_0",
+            "32N_0",
+            "32N_0_0_0",
+            "é_0_0",
+        ] {
+            assert!(wrong.parse::<TileId>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_place_lies_in_one_tile_and_in_the_halo_of_its_neighbours() {
+        let place = [512_500.0, 5_261_000.0];
+        let within = |halo_m: f64| {
+            let [x, y] = place;
+            let around = [x - halo_m, y - halo_m, x + halo_m, y + halo_m];
+            let touched = TileId::touched(ZONE, around);
+            touched.filter(|tile| tile.holds(place, halo_m)).count()
+        };
+        assert_eq!([within(0.0), within(64.0), within(250.0)], [1, 2, 4]);
+        assert!(TileId::at(ZONE, place).holds(place, 0.0));
+        let edge = [512_000.0, 5_260_800.0];
+        assert_eq!(TileId::at(ZONE, edge).bounds_m()[..2], edge);
+    }
+}

@@ -1,0 +1,193 @@
+//! The map of a tile as it lies in its files, read again; a few of them are kept, since neighbours ask for the same.
+
+use super::record::{Archive, LONGEST_RECORD};
+use super::tile::TileId;
+use super::tile_files::{DEPTH, ISOBATHS, folder_of};
+use crate::bottom::bathymetry::isobaths::Isobath;
+use crate::bottom::bathymetry::{Grid, Surface};
+use crate::formats::geotiff::read_values;
+use crate::products::map_tiles::web_pixel;
+use crate::support::geo::LonLat;
+use crate::support::regular_file;
+use serde::Deserialize;
+use std::io;
+use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Tiles that are kept, some 4 MB each.
+const KEPT: usize = 24;
+
+/// The map of a tile.
+pub struct TileContent {
+    /// Its cells.
+    grid: Grid,
+    /// Depths of its cells, row by row, metres; NaN where none is known. Nothing else of a surface is kept: it would take three times the memory.
+    depth_m: Vec<f32>,
+    /// Its isobaths, in pixels of a zoom of the web.
+    pub lines: Vec<Isobath>,
+}
+
+/// The maps of an archive's tiles, read when they are asked for.
+pub struct TileContents {
+    archive: Archive,
+    /// Which zoom lines are placed in.
+    zoom: u8,
+    /// Those asked for last at the end.
+    kept: Mutex<Vec<(TileId, Arc<TileContent>)>>,
+}
+
+impl TileContents {
+    /// Of an archive, with lines in pixels of a zoom.
+    pub fn new(archive: &Archive, zoom: u8) -> Self {
+        Self {
+            archive: archive.clone(),
+            zoom,
+            kept: Mutex::default(),
+        }
+    }
+
+    /// The map of a tile.
+    ///
+    /// # Errors
+    /// When one of its files cannot be read.
+    pub fn of(&self, tile: TileId) -> io::Result<Arc<TileContent>> {
+        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(at) = kept.iter().position(|(one, _)| *one == tile) {
+            let found = kept.remove(at);
+            let content = found.1.clone();
+            kept.push(found);
+            return Ok(content);
+        }
+        // Others wait: they are about to ask for the same tile.
+        let content = Arc::new(self.read(tile)?);
+        if kept.len() >= KEPT {
+            kept.remove(0);
+        }
+        kept.push((tile, content.clone()));
+        Ok(content)
+    }
+
+    fn read(&self, tile: TileId) -> io::Result<TileContent> {
+        let folder = folder_of(&self.archive, tile);
+        let with_name = |path: &Path, error: &dyn std::fmt::Display| {
+            io::Error::other(format!("{error}: {}", path.display()))
+        };
+        let depths = folder.join(DEPTH);
+        let isobaths = folder.join(ISOBATHS);
+        let grid = tile.grid(0.0, self.archive.record.cell_m);
+        let raster = read_values(&depths).map_err(|error| with_name(&depths, &error))?;
+        // A raster of another size is not the tile's: what it lacks is not known.
+        let mut depth_m = raster.values;
+        depth_m.resize(grid.len(), f32::NAN);
+        Ok(TileContent {
+            grid,
+            depth_m,
+            lines: lines(&isobaths, self.zoom).map_err(|error| with_name(&isobaths, &error))?,
+        })
+    }
+}
+
+/// The part of the file that is read: lines with their depths.
+#[derive(Deserialize)]
+struct Lines {
+    features: Vec<Line>,
+}
+
+#[derive(Deserialize)]
+struct Line {
+    geometry: Geometry,
+    properties: Properties,
+}
+
+#[derive(Deserialize)]
+struct Geometry {
+    coordinates: Vec<[f64; 2]>,
+}
+
+#[derive(Deserialize)]
+struct Properties {
+    depth_m: f64,
+}
+
+fn lines(path: &Path, zoom: u8) -> io::Result<Vec<Isobath>> {
+    let text = regular_file::read_text(path, LONGEST_RECORD)?;
+    let lines: Lines = serde_json::from_str(&text)?;
+    let lines = lines.features.into_iter().map(|line| Isobath {
+        depth_m: line.properties.depth_m,
+        points: (line.geometry.coordinates.into_iter())
+            .map(|[lon_deg, lat_deg]| web_pixel(LonLat { lon_deg, lat_deg }, zoom))
+            .collect(),
+    });
+    Ok(lines.collect())
+}
+
+impl TileContent {
+    /// Its depths as a surface.
+    pub fn surface(&self) -> Surface {
+        Surface::of_depths(self.grid, self.depth_m.clone())
+    }
+
+    /// Copies its depths into those of a grid of the same cells; what lies beyond either is left.
+    pub fn copy_into(&self, grid: &Grid, depth_m: &mut [f32]) {
+        let own = &self.grid;
+        let offset = |from_m: f64| (from_m / own.cell_m).round() as i64;
+        let (east, south) = (
+            offset(own.west_m - grid.west_m),
+            offset(grid.north_m - own.north_m),
+        );
+        let span = |offset: i64, own: usize, count: usize| {
+            let end = (count as i64 - offset).clamp(0, own as i64) as usize;
+            (-offset).clamp(0, own as i64) as usize..end
+        };
+        let columns = span(east, own.columns, grid.columns);
+        if columns.is_empty() {
+            return;
+        }
+        for row in span(south, own.rows, grid.rows) {
+            let from = &self.depth_m[row * own.columns..][columns.clone()];
+            let to = (row as i64 + south) as usize * grid.columns;
+            let first = to + (columns.start as i64 + east) as usize;
+            depth_m[first..first + from.len()].copy_from_slice(from);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_are_copied_to_their_place() {
+        let grid = |west_m: f64, north_m: f64, side: usize| Grid {
+            west_m,
+            north_m,
+            cell_m: 0.5,
+            columns: side,
+            rows: side,
+        };
+        let own = grid(100.0, 50.0, 4);
+        let content = TileContent {
+            grid: own,
+            depth_m: (0..16).map(|cell| cell as f32).collect(),
+            lines: Vec::new(),
+        };
+        let around = grid(99.0, 50.5, 8);
+        let mut depth_m = vec![f32::NAN; around.len()];
+        content.copy_into(&around, &mut depth_m);
+        for (cell, &depth_m) in depth_m.iter().enumerate() {
+            let [east_m, north_m] = around.centre(cell / 8, cell % 8);
+            let inside = (100.0..102.0).contains(&east_m) && (48.0..50.0).contains(&north_m);
+            let expected = own.index_at(east_m, north_m).filter(|_| inside);
+            let found = Some(depth_m).filter(|depth| !depth.is_nan());
+            assert_eq!(found, expected.map(|cell| cell as f32), "{cell}");
+        }
+        let within = grid(100.5, 49.5, 2);
+        let mut depth_m = vec![f32::NAN; 4];
+        content.copy_into(&within, &mut depth_m);
+        assert_eq!(depth_m, [5.0, 6.0, 9.0, 10.0]);
+        let elsewhere = grid(200.0, 49.5, 2);
+        let mut depth_m = vec![-1.0; 4];
+        content.copy_into(&elsewhere, &mut depth_m);
+        assert_eq!(depth_m, [-1.0; 4]);
+    }
+}

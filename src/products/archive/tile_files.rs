@@ -1,0 +1,370 @@
+//! The files of a tile: `tiles/NAME/depth.tif`, `uncertainty.tif`, `source.tif`, `isobaths.geojson`, `mosaic.tif` and, last, `tile.json`, which
+//! says what they were made from.
+
+use super::add::make_folder;
+use super::echo_rows::ECHOES;
+use super::error::ArchiveError;
+use super::log_mosaic::{MOSAIC, WEIGHTS};
+use super::log_record::LogRecord;
+use super::offsets::Offsets;
+use super::point_rows::POINTS;
+use super::reach::tiles_read;
+use super::record::{Archive, ArchiveRecord, LONGEST_RECORD, names_in, write_json};
+use super::tile::TileId;
+use super::tile_map::{TileMap, tile_map};
+use super::tile_mosaic::{logs_in_order, write_mosaic};
+use crate::bottom::bathymetry::{Surface, SurfaceMethod, SwathDepth};
+use crate::formats::geotiff::{Band, RasterSpec};
+use crate::pipeline::Fingerprint;
+use crate::products::export::{DrawnLines, isobaths_geojson, metres_raster, source_raster};
+use crate::support::progress::Progress;
+use crate::support::regular_file;
+use serde::{Deserialize, Serialize};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The folder of the maps.
+pub(super) const TILES: &str = "tiles";
+const RECORD: &str = "tile.json";
+pub(super) const DEPTH: &str = "depth.tif";
+pub(super) const UNCERTAINTY: &str = "uncertainty.tif";
+pub(super) const ISOBATHS: &str = "isobaths.geojson";
+pub(super) const SOURCE: &str = "source.tif";
+pub(super) const MOSAIC_FILE: &str = "mosaic.tif";
+/// Those of the depths that the map of the web is made of.
+pub(super) const DEPTH_FILES: [&str; 3] = [DEPTH, UNCERTAINTY, ISOBATHS];
+/// All of them, the one first that says what the others are.
+const FILES: [&str; 6] = [RECORD, DEPTH, UNCERTAINTY, SOURCE, ISOBATHS, MOSAIC_FILE];
+
+/// What is known of a tile's map.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TileRecord {
+    /// What it was made from.
+    made: MadeFrom,
+    /// Cells with a depth; without any there is no file of depths.
+    pub cells: usize,
+    /// Shallowest and deepest, metres; empty without any.
+    pub depth_m: Vec<f64>,
+    /// West, south, east and north edge of those cells, metres of the zone; empty without any.
+    pub bounds_m: Vec<f64>,
+    /// Lines of equal depth.
+    pub isobaths: usize,
+    /// Cells of the mosaic; without any there is none.
+    pub mosaic_cells: usize,
+    /// The files, in the folder of the tile.
+    pub files: Vec<Fingerprint>,
+}
+
+/// What a tile's map is made from: the same gives the same bytes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MadeFrom {
+    program: String,
+    archive: ArchiveRecord,
+    logs: Vec<TileLog>,
+    /// The parts of the mosaic, in the order in which they are laid over each other.
+    mosaic: Vec<MosaicPart>,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TileLog {
+    log: String,
+    /// Tile and SHA-256 of every file of its rows.
+    rows: Vec<String>,
+    offset_m: f64,
+    /// East, north and latency.
+    shift: [f64; 3],
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MosaicPart {
+    log: String,
+    sha256: String,
+    /// Of what the levels count; empty where they all count the same.
+    weights_sha256: String,
+    level_factor: f64,
+}
+
+/// How a tile's map stands to the rows and offsets of its logs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TileState {
+    /// It is what they give.
+    UpToDate,
+    /// It was made of others.
+    Stale,
+    /// There is none.
+    Missing,
+}
+
+impl TileState {
+    /// `up to date`, `stale`, `missing`.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::UpToDate => "up to date",
+            Self::Stale => "stale",
+            Self::Missing => "missing",
+        }
+    }
+}
+
+impl MadeFrom {
+    fn of(archive: &Archive, tile: TileId, logs: &[LogRecord], offsets: &Offsets) -> Self {
+        let swath = archive.record.settings().unwrap_or_default().surface.swath;
+        let with_rows = logs.iter().filter_map(|log| {
+            let rows = hashes_read(swath, tile, log);
+            (!rows.is_empty()).then(|| TileLog {
+                log: log.log.clone(),
+                rows,
+                offset_m: offsets.of(&log.log),
+                shift: offsets.shift_of(&log.log).values(),
+            })
+        });
+        let parts = logs_in_order(tile, logs).into_iter().filter_map(|log| {
+            let rows = log.rows_in(tile)?;
+            Some(MosaicPart {
+                log: log.log.clone(),
+                sha256: rows.sha256_of(MOSAIC).to_owned(),
+                weights_sha256: rows.sha256_of(WEIGHTS).to_owned(),
+                level_factor: offsets.level_factor(&log.log),
+            })
+        });
+        Self {
+            program: format!("bathyscope {}", env!("CARGO_PKG_VERSION")),
+            archive: archive.record.clone(),
+            logs: with_rows.collect(),
+            mosaic: parts.collect(),
+        }
+    }
+}
+
+/// SHA-256 of the rows of a log that the map of a tile is made from, by tile, kind after kind.
+fn hashes_read(swath: SwathDepth, tile: TileId, log: &LogRecord) -> Vec<String> {
+    let kinds: &[&str] = match swath {
+        SwathDepth::Off | SwathDepth::Auto => &[POINTS],
+        SwathDepth::Always => &[POINTS, ECHOES],
+    };
+    let tiles = tiles_read(swath, tile);
+    let rows = tiles
+        .iter()
+        .filter_map(|one| Some((one, log.rows_in(*one)?)));
+    rows.flat_map(|(one, rows)| {
+        let hashes = kinds.iter().map(|kind| rows.sha256_of(kind));
+        hashes
+            .filter(|hash| !hash.is_empty())
+            .map(move |hash| format!("{one} {hash}"))
+    })
+    .collect()
+}
+
+impl TileRecord {
+    /// The record of a tile, if it has a map.
+    pub fn read(archive: &Archive, tile: TileId) -> Option<Self> {
+        let text = regular_file::read_text(&folder_of(archive, tile).join(RECORD), LONGEST_RECORD);
+        serde_json::from_str(&text.ok()?).ok()
+    }
+
+    /// West, south, east and north edge of the cells with a depth, metres of the zone; of a record that does not say, those of the tile.
+    pub(super) fn depth_bounds_m(&self, tile: TileId) -> [f64; 4] {
+        <[f64; 4]>::try_from(self.bounds_m.as_slice()).unwrap_or(tile.bounds_m())
+    }
+
+    /// Whether the tile has a file of a name.
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.files.iter().any(|file| file.file == name)
+    }
+}
+
+/// Where the files of a tile's map lie.
+pub(super) fn folder_of(archive: &Archive, tile: TileId) -> PathBuf {
+    archive.folder().join(TILES).join(tile.to_string())
+}
+
+/// How the map of a tile stands.
+pub fn tile_state(
+    archive: &Archive,
+    tile: TileId,
+    logs: &[LogRecord],
+    offsets: &Offsets,
+) -> TileState {
+    let Some(record) = TileRecord::read(archive, tile) else {
+        return TileState::Missing;
+    };
+    let folder = folder_of(archive, tile);
+    let is_whole = record.files.iter().all(|file| file.is_as_long_in(&folder));
+    match is_whole && record.made == MadeFrom::of(archive, tile, logs, offsets) {
+        true => TileState::UpToDate,
+        false => TileState::Stale,
+    }
+}
+
+/// Removes the maps of tiles that no log has rows in any more, and gives back which these were.
+///
+/// # Errors
+/// When a file cannot be removed.
+pub fn remove_left_over(archive: &Archive, tiles: &[TileId]) -> Result<Vec<TileId>, ArchiveError> {
+    let names = names_in(&archive.folder().join(TILES))?;
+    let found = names.iter().filter_map(|name| name.parse::<TileId>().ok());
+    let mut left: Vec<TileId> = found.filter(|tile| !tiles.contains(tile)).collect();
+    left.sort_unstable();
+    for tile in &left {
+        let folder = folder_of(archive, *tile);
+        for name in FILES {
+            remove(&folder.join(name))?;
+        }
+        // What is not of the program stays, with its folder.
+        fs::remove_dir(&folder).ok();
+    }
+    Ok(left)
+}
+
+/// Removes a file that may not be there.
+pub(super) fn remove(path: &Path) -> Result<(), ArchiveError> {
+    match path.exists() {
+        false => Ok(()),
+        true => Ok(fs::remove_file(path)
+            .map_err(|error| format!("cannot remove the file: {error}: {}", path.display()))?),
+    }
+}
+
+/// Makes the map and the mosaic of a tile and writes their files, the record last.
+///
+/// # Errors
+/// When the tile has no rows, rows cannot be read, a file cannot be written, or the work was cancelled; the tile is then one whose map is
+/// missing, or as it was.
+pub fn write_tile(
+    archive: &Archive,
+    tile: TileId,
+    logs: &[LogRecord],
+    offsets: &Offsets,
+    progress: &Progress,
+) -> Result<TileRecord, ArchiveError> {
+    if logs.iter().all(|log| log.rows_in(tile).is_none()) {
+        return Err(ArchiveError::Refused(format!(
+            "no log of this archive has rows in tile {tile}; `bathyscope tiles` lists those that have: {}",
+            archive.folder().display()
+        )));
+    }
+    let made = tile_map(archive, tile, logs, offsets, progress)?;
+    let folder = folder_of(archive, tile);
+    make_folder(&folder)?;
+    // From here on its files are those of two maps.
+    remove(&folder.join(RECORD))?;
+    let mut record = TileRecord {
+        made: MadeFrom::of(archive, tile, logs, offsets),
+        cells: 0,
+        depth_m: Vec::new(),
+        bounds_m: Vec::new(),
+        isobaths: 0,
+        mosaic_cells: write_mosaic(
+            archive,
+            tile,
+            logs,
+            offsets,
+            &folder.join(MOSAIC_FILE),
+            progress,
+        )?,
+        files: Vec::new(),
+    };
+    if let Some(made) = made {
+        record.cells = made
+            .surface
+            .depth_m
+            .iter()
+            .filter(|depth| !depth.is_nan())
+            .count();
+        record.depth_m = Vec::from(made.surface.range_m());
+        record.bounds_m = (made.surface.known_bounds_m()).map_or_else(Vec::new, Vec::from);
+        record.isobaths = made.isobaths.len();
+        write_files(archive, tile, &made, progress)?;
+    }
+    for name in FILES.into_iter().skip(1) {
+        let path = folder.join(name);
+        let is_made = match name {
+            MOSAIC_FILE => record.mosaic_cells > 0,
+            _ => record.cells > 0,
+        };
+        if is_made {
+            let file = Fingerprint::of(&folder, name, progress)
+                .map_err(|error| format!("cannot read the file: {error}: {}", path.display()))?;
+            record.files.push(file);
+        } else {
+            remove(&path)?;
+        }
+    }
+    write_json(&folder.join(RECORD), &record)?;
+    Ok(record)
+}
+
+fn write_files(
+    archive: &Archive,
+    tile: TileId,
+    made: &TileMap,
+    progress: &Progress,
+) -> Result<(), ArchiveError> {
+    let folder = folder_of(archive, tile);
+    let surface = &made.surface;
+    let how = how(archive, surface)?;
+    let layers = [
+        (
+            DEPTH,
+            "depth",
+            true,
+            "Depth in metres, positive down",
+            &surface.depth_m,
+        ),
+        (
+            UNCERTAINTY,
+            "standard deviation of depth",
+            false,
+            "Standard deviation in metres of the depths that carry a cell",
+            &surface.spread_m,
+        ),
+    ];
+    let grid = &surface.grid;
+    for (file, name, positive_down, what, values_m) in layers {
+        let spec = RasterSpec {
+            band: Some(Band {
+                name,
+                unit: "metre",
+                positive_down,
+            }),
+            description: format!("{what}; tile {tile} of an archive. {how}"),
+            ..tile.raster(grid)
+        };
+        metres_raster(&folder.join(file), &spec, grid, values_m, progress)?;
+    }
+    let about = format!("tile {tile} of an archive. {how}");
+    let over = tile.raster(grid);
+    source_raster(&folder.join(SOURCE), over, surface, &about, progress)?;
+    let place = |at| tile.zone.to_lon_lat(at);
+    let settings = archive.record.settings()?.isobaths;
+    let mut levels_m: Vec<f64> = made.isobaths.iter().map(|line| line.depth_m).collect();
+    levels_m.dedup();
+    let drawn = DrawnLines {
+        lines: &made.isobaths,
+        settings: &settings,
+        index_levels_m: &settings.index_levels_m(&levels_m),
+    };
+    isobaths_geojson(&folder.join(ISOBATHS), &drawn, place)?;
+    Ok(())
+}
+
+/// How the cells were filled, and what was asked for in vain.
+fn how(archive: &Archive, surface: &Surface) -> Result<String, ArchiveError> {
+    let settings = archive.record.settings()?.surface;
+    let method = surface.method_in_words();
+    let instead = match settings.method {
+        SurfaceMethod::Linear => String::new(),
+        other => format!(
+            " in place of {}, which reaches beyond a tile",
+            other.in_words()
+        ),
+    };
+    Ok(format!(
+        "By {method}{instead} in cells of {} m, none farther than {} m from a depth.",
+        surface.grid.cell_m, settings.max_gap_m
+    ))
+}

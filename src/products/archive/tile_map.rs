@@ -1,0 +1,147 @@
+//! The depth map of a tile, from the rows of all logs in it.
+
+use super::error::ArchiveError;
+use super::index::tile_bounds_deg;
+use super::levels_map::surface_from_levels;
+use super::log_record::LogRecord;
+use super::offsets::Offsets;
+use super::record::Archive;
+use super::tile::TileId;
+use super::tile_points::depth_points;
+use crate::bottom::bathymetry::isobaths::{
+    Isobath, IsobathSettings, clipped, isobaths, smoothed, with_shoalest,
+};
+use crate::bottom::bathymetry::{Grid, LOCAL_MARGIN_CELLS, Surface, SwathDepth, local_surface};
+use crate::pipeline::clip_area;
+use crate::support::geo::UtmZone;
+use crate::support::progress::Progress;
+
+/// Metres from one isobath to the next where the settings name none: the same in all tiles, so that lines meet.
+const USUAL_INTERVAL_M: f64 = 0.5;
+
+/// The depth map of a tile.
+pub struct TileMap {
+    /// The cells of the tile, none of its halo.
+    pub surface: Surface,
+    /// Lines of equal depth, cut at its edges and at those of the area of the archive's isobaths.
+    pub isobaths: Vec<Isobath>,
+}
+
+/// The map of a tile by linear triangles, whatever `surface.method` says: the other methods reach farther than a halo. Its depths are corrected
+/// by echo levels where `surface.swath` says so. Neighbouring tiles are the parts of one map, to the bit. `None` where nothing is known.
+///
+/// # Errors
+/// When rows cannot be read, or the work was cancelled.
+pub fn tile_map(
+    archive: &Archive,
+    tile: TileId,
+    logs: &[LogRecord],
+    offsets: &Offsets,
+    progress: &Progress,
+) -> Result<Option<TileMap>, ArchiveError> {
+    let settings = archive.settings()?;
+    let cell_m = archive.record.cell_m;
+    // Its lines depend on some cells beyond its edges.
+    let grid = tile.grid(LOCAL_MARGIN_CELLS as f64 * cell_m, cell_m);
+    let mut window = tile_surface(archive, tile, grid, logs, offsets, progress)?;
+    blank_other_zones(&mut window, tile);
+    let surface = window.part(tile.grid(0.0, cell_m));
+    if surface.depth_m.iter().all(|depth| depth.is_nan()) {
+        return Ok(None);
+    }
+    if settings.isobaths.shoal_safe {
+        let points = depth_points(archive, tile, logs, offsets, progress)?;
+        window = with_shoalest(&window, &points);
+    }
+    let isobaths = lines(&window, &settings.isobaths, tile, progress)?;
+    Ok(Some(TileMap { surface, isobaths }))
+}
+
+/// The depths of a tile and of some cells around it, on a grid of the archive's cells that reaches no farther than a few metres beyond the tile: what the
+/// map of a neighbour has there, to the bit.
+///
+/// # Errors
+/// When rows cannot be read, or the work was cancelled.
+pub fn tile_surface(
+    archive: &Archive,
+    tile: TileId,
+    grid: Grid,
+    logs: &[LogRecord],
+    offsets: &Offsets,
+    progress: &Progress,
+) -> Result<Surface, ArchiveError> {
+    let settings = archive.settings()?.surface;
+    match settings.swath {
+        // A tile cannot test levels by what was left out of the whole archive.
+        SwathDepth::Off | SwathDepth::Auto => {
+            let points = depth_points(archive, tile, logs, offsets, progress)?;
+            Ok(local_surface(&points, grid, settings.max_gap_m, progress)?)
+        }
+        SwathDepth::Always => surface_from_levels(archive, tile, grid, logs, offsets, progress),
+    }
+}
+
+/// Where a tile reaches across the edge of its zone, cells beyond belong to the other zone.
+fn blank_other_zones(surface: &mut Surface, tile: TileId) {
+    if tile.is_within_zone() {
+        return;
+    }
+    let grid = surface.grid;
+    for cell in 0..grid.len() {
+        let at = tile
+            .zone
+            .to_lon_lat(grid.centre(cell / grid.columns, cell % grid.columns));
+        if UtmZone::of(at) != tile.zone {
+            surface.depth_m[cell] = f32::NAN;
+            surface.spread_m[cell] = f32::NAN;
+            surface.distance_m[cell] = f32::NAN;
+            surface.source[cell] = Default::default();
+        }
+    }
+}
+
+/// The settings of the isobaths with an interval that is the same in all tiles.
+pub(super) fn isobath_settings(settings: &IsobathSettings) -> IsobathSettings {
+    IsobathSettings {
+        interval_m: settings.interval_m.or(Some(USUAL_INTERVAL_M)),
+        ..settings.clone()
+    }
+}
+
+fn lines(
+    window: &Surface,
+    settings: &IsobathSettings,
+    tile: TileId,
+    progress: &Progress,
+) -> Result<Vec<Isobath>, ArchiveError> {
+    let levels_m = isobath_settings(settings)
+        .levels_m(window.range_m())
+        .map_err(|error| error.to_string())?;
+    let area = clip_area(settings, tile_bounds_deg(&[tile]), |at| {
+        tile.zone.to_metres(at)
+    });
+    let area = area.map_err(|error| error.to_string())?;
+    let drawn = isobaths(window, &levels_m, progress)?;
+    let cut = drawn.into_iter().flat_map(|line| {
+        let rounded = Isobath {
+            points: smoothed(&line.points, settings.smoothing()),
+            ..line
+        };
+        let parts = match &area {
+            Some(area) => area.parts_of(&rounded),
+            None => vec![rounded],
+        };
+        let in_tile = parts.into_iter();
+        in_tile.flat_map(|part| clipped(&part, tile.bounds_m()))
+    });
+    let mut lines: Vec<Isobath> = cut.collect();
+    // In one order, however the rows of the window were walked.
+    lines.sort_by(|a, b| {
+        let first = |line: &Isobath| line.points.first().copied().unwrap_or_default();
+        let (one, other) = (first(a), first(b));
+        (a.depth_m.total_cmp(&b.depth_m))
+            .then(one[0].total_cmp(&other[0]))
+            .then(one[1].total_cmp(&other[1]))
+    });
+    Ok(lines)
+}
