@@ -85,7 +85,7 @@ impl App {
             Command::SelectLogBox(id) => self.select_log_box(id),
             Command::FlyTo(id) => self.fly_to(id),
             Command::Nudge(nudge) => self.nudge_box(nudge),
-            Command::LeaveOut { log, part, leave } => self.leave_out(log, part, leave),
+            Command::Exclude { log, part, edit } => self.exclude(log, part, edit),
             Command::AcceptBottom {
                 side,
                 pings,

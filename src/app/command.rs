@@ -2,8 +2,8 @@
 
 use super::planning::PlanRequest;
 use super::{
-    Action, BottomStroke, KeyFocus, Keys, LayoutPreset, Leave, LogBox, LogId, Mark, Measure,
-    MistakeSort, Nudge, ReferenceBy, View, ViewOptions,
+    Action, BottomStroke, ExclusionEdit, KeyFocus, Keys, LayoutPreset, LogBox, LogId, Mark,
+    Measure, MistakeSort, Nudge, ReferenceBy, View, ViewOptions,
 };
 use crate::detection::review::{BoxId, Edit, Queue};
 use crate::detection::truth::Mistake;
@@ -144,14 +144,14 @@ pub enum Command {
     OpenReview(PathBuf),
     /// Read what is known to lie in the open survey, or in the one that is being opened, from a file.
     OpenTruth(PathBuf),
-    /// Leave a part of a log out of every result, or take it back in.
-    LeaveOut {
+    /// Exclude a part of a log from every result, or include it again.
+    Exclude {
         /// Which log.
         log: LogId,
         /// What of it.
         part: LogPart,
         /// What becomes of it.
-        leave: Leave,
+        edit: ExclusionEdit,
     },
     /// Accept the first returns of these pings, the first and the last, as bottom where they were found, or take that back.
     AcceptBottom {

@@ -90,9 +90,9 @@ impl App {
 
     /// The products that are ticked.
     fn requested(&self) -> Vec<Product> {
-        let left_out = &self.options.left_out;
+        let excluded_products = &self.options.excluded_products;
         let all = Product::ALL.into_iter();
-        all.filter(|one| !left_out.contains(one)).collect()
+        all.filter(|one| !excluded_products.contains(one)).collect()
     }
 
     /// The folder that products go into unless another is named: the one that was written last, else one beside the project or the log.

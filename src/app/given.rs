@@ -4,7 +4,8 @@
 
 use super::{Action, App, OpenLog};
 use crate::pipeline::{
-    SettingValues, Settings, is_of_one_log, setting_values, settings::row, with_values,
+    SettingValues, Settings, deserialize_values, is_of_one_log, setting_values, settings::row,
+    with_values,
 };
 use crate::support::printable::quoted;
 use crate::survey::{Identity, Survey};
@@ -21,6 +22,7 @@ const TRACK_FILE: &str = "track.file";
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Given {
     log: Identity,
+    #[serde(deserialize_with = "deserialize_values")]
     values: SettingValues,
 }
 

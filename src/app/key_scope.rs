@@ -105,7 +105,7 @@ impl Action {
             A::NextChannel | A::Orientation | A::FirstReturnLine => KeyScope::Waterfall,
             A::ThresholdDown | A::ThresholdUp => KeyScope::Waterfall,
             A::NewBox | A::MarkTarget | A::DrawBottom | A::HeightFromShadow => KeyScope::Waterfall,
-            A::LeaveOut | A::TakeBackIn | A::Calibrate => KeyScope::WaterfallAndMap,
+            A::Exclude | A::IncludeAgain | A::Calibrate => KeyScope::WaterfallAndMap,
             A::MeasureDistance | A::MeasureArea | A::DepthProfile => KeyScope::WaterfallAndMap,
             A::SetCorner | A::TakeCornerBack | A::EndFigure => KeyScope::WaterfallAndMap,
             A::Swipe | A::PlanLines => KeyScope::Map,

@@ -12,7 +12,7 @@ use crate::detection::objects::{
 use crate::detection::targets::{FittedShape, PassCount, PassLog, ShapeError, Target};
 use crate::pipeline::object_shape;
 use crate::pipeline::{Background, ProcessedLog, Same};
-use crate::survey::{LeftOut, Navigation, Survey};
+use crate::survey::{Exclusions, Navigation, Survey};
 use std::sync::Arc;
 
 /// A log as objects are made of it.
@@ -21,7 +21,7 @@ struct LogBoxes {
     review: LogReview,
     survey: Arc<Survey>,
     navigation: Arc<Navigation>,
-    left_out: Arc<LeftOut>,
+    exclusions: Arc<Exclusions>,
     entries: Entries,
 }
 
@@ -31,14 +31,14 @@ impl PartialEq for LogBoxes {
             && self.review.threshold == other.review.threshold
             && Arc::ptr_eq(&self.review.review, &other.review.review)
             && Arc::ptr_eq(&self.entries, &other.entries)
-            && Arc::ptr_eq(&self.left_out, &other.left_out)
+            && Arc::ptr_eq(&self.exclusions, &other.exclusions)
     }
 }
 
 impl LogBoxes {
     /// The boxes that count and are placed. One that was moved since is placed again in a moment; until then it counts where it was.
     fn boxes(&self, log: usize) -> impl Iterator<Item = ObjectBox> {
-        let boxes = self.review.boxes(&self.left_out);
+        let boxes = self.review.boxes(&self.exclusions);
         boxes.filter_map(move |one| {
             let (_, placed) = self.entries.get(&one.id)?;
             let target = placed.as_ref()?.target.clone();
@@ -189,7 +189,7 @@ impl App {
                 review: log.review(),
                 survey: log.survey.clone()?,
                 navigation: products.navigation.clone(),
-                left_out: products.left_out.clone(),
+                exclusions: products.exclusions.clone(),
                 entries: log.reviewing.entries().clone(),
             })
         };

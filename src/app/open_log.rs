@@ -2,8 +2,8 @@
 
 use super::bottom::BottomFile;
 use super::calibrating::Calibrating;
+use super::exclusions::ExclusionSearch;
 use super::external::External;
-use super::leaving_out::LeavingOut;
 use super::reviewing::Reviewing;
 use super::{Figures, Task};
 use crate::detection::objects::{LogId, LogReview};
@@ -71,7 +71,7 @@ pub struct OpenLog {
     pub reviewing: Reviewing,
     pub(super) counting: Option<Task<Option<Figures>>>,
     pub(super) bottom_file: BottomFile,
-    pub(super) leaving_out: LeavingOut,
+    pub(super) exclusion_search: ExclusionSearch,
     pub(super) calibrating: Calibrating,
 }
 
@@ -99,7 +99,7 @@ impl Default for OpenLog {
             reviewing: Reviewing::default(),
             counting: None,
             bottom_file: BottomFile::default(),
-            leaving_out: LeavingOut::default(),
+            exclusion_search: ExclusionSearch::default(),
             calibrating: Calibrating::default(),
         }
     }
@@ -203,7 +203,7 @@ impl OpenLog {
         self.counting.is_some()
             || self.external.is_reading()
             || self.reviewing.is_busy()
-            || self.leaving_out.is_busy()
+            || self.exclusion_search.is_busy()
             || self.calibrating.is_busy()
     }
 

@@ -415,8 +415,9 @@ pub struct ViewOptions {
     pub map: MapOptions,
     /// Cloud.
     pub cloud: CloudOptions,
-    /// Products that an export leaves out.
-    pub left_out: Vec<Product>,
+    /// Products that an export leaves out. Earlier versions called them `left_out`.
+    #[serde(alias = "left_out")]
+    pub excluded_products: Vec<Product>,
     /// How a view is printed.
     pub print: PrintOptions,
     /// Order and filter of the table of objects.

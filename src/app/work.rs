@@ -63,7 +63,7 @@ impl App {
         self.poll_judging();
         self.poll_places();
         self.poll_external();
-        self.poll_left_out();
+        self.poll_exclusions();
         self.poll_calibrating();
     }
 

@@ -15,7 +15,7 @@ use crate::pipeline::Settings;
 use crate::sonar::first_return::{self, FirstReturns, Normalisation, Pick};
 use crate::support::progress::{Cancelled, Progress};
 use crate::support::versions::Versions;
-use crate::survey::{LeftOut, Navigation, PingNav, Side, Survey, navigate_placed};
+use crate::survey::{Exclusions, Navigation, PingNav, Side, Survey, navigate_placed};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -75,7 +75,7 @@ struct Part {
 }
 
 /// The results of `before`, of the same log when it was shorter, with those of what was added. All pings before `unchanged` are as they
-/// were. Takes time for the new pings; of the rest only the classes of points are copied, and what lies under bottom edits and left-out
+/// were. Takes time for the new pings; of the rest only the classes of points are copied, and what lies under bottom edits and excluded
 /// stretches is found anew.
 ///
 /// # Errors
@@ -108,8 +108,8 @@ pub fn extend(
     settings.bottom.apply(survey, &mut returns);
     let versions = &mut growing.versions;
     let all_navigation = part.join_navigation(&before.navigation, &navigation, versions);
-    let left_out = LeftOut::new(survey, &all_navigation, &settings.left_out);
-    let counted = counted_of(&returns, part.context..survey.side_scan.len(), &left_out);
+    let exclusions = Exclusions::new(survey, &all_navigation, &settings.excluded);
+    let counted = counted_of(&returns, part.context..survey.side_scan.len(), &exclusions);
     let correction = &before.correction;
     let cloud = cloud::build(
         &stretch,
@@ -126,7 +126,7 @@ pub fn extend(
     let all_depths =
         (versions.depths).next_changed(&before.depths, part.first, new_depths, |all| {
             let first = part.first.min(all.len());
-            cloud::leave_depths_out(&mut all[first..], first, &left_out);
+            cloud::clear_excluded_depths(&mut all[first..], first, &exclusions);
             first
         });
     let new_depths = all_depths[part.first..].iter().map(|depth| depth.depth_m);
@@ -136,7 +136,7 @@ pub fn extend(
     let bottom_line = bottom_line(survey, settings, &returns, &reduction);
     let new_scales = PointScales::of(&stretch, &cloud, &classes, &reduction);
     let points = &mut versions.points;
-    let (points, classes) = part.join_points(before, &cloud.points, &classes, &left_out, points);
+    let (points, classes) = part.join_points(before, &cloud.points, &classes, &exclusions, points);
     let cloud = PointCloud {
         points,
         zero_heading: all_navigation.zero_heading,
@@ -144,7 +144,7 @@ pub fn extend(
     Ok(Products {
         settings: settings.clone(),
         navigation: Arc::new(all_navigation),
-        left_out: Arc::new(left_out),
+        exclusions: Arc::new(exclusions),
         flat_spots: before.flat_spots.clone(),
         found: Arc::new(found),
         returns,
@@ -191,9 +191,13 @@ fn found(
 }
 
 /// The picks of a stretch of pings that count.
-fn counted_of(returns: &FirstReturns, pings: Range<usize>, left_out: &LeftOut) -> FirstReturns {
+fn counted_of(
+    returns: &FirstReturns,
+    pings: Range<usize>,
+    exclusions: &Exclusions,
+) -> FirstReturns {
     let counted = |side: Side| {
-        let picks = pings.clone().map(|ping| match left_out.ping(ping) {
+        let picks = pings.clone().map(|ping| match exclusions.ping(ping) {
             Some(_) => Pick::NONE,
             None => returns.side(side)[ping],
         });
@@ -249,7 +253,7 @@ impl Part {
         before: &Products,
         new: &BySource<CloudPoint>,
         classes: &[PointClass],
-        left_out: &LeftOut,
+        exclusions: &Exclusions,
         versions: &mut [Versions<CloudPoint>; 3],
     ) -> (BySource<CloudPoint>, Vec<PointClass>) {
         let mut joined = Vec::with_capacity(before.classes.len() + classes.len());
@@ -263,7 +267,7 @@ impl Part {
             joined.extend_from_slice(&before.classes[start..start + known]);
             let of_source = new.of(source).iter().zip(&classes[new.start(source)..]);
             let added = of_source.filter_map(|(point, class)| {
-                let point = self.counted_point(point, left_out)?;
+                let point = self.counted_point(point, exclusions)?;
                 joined.push(*class);
                 Some(point)
             });
@@ -273,13 +277,16 @@ impl Part {
         (points, joined)
     }
 
-    /// A point of the stretch as one of the log; `None` where it lies before the part, or is left out.
-    fn counted_point(&self, point: &CloudPoint, left_out: &LeftOut) -> Option<CloudPoint> {
+    /// A point of the stretch as one of the log; `None` where it lies before the part, or is excluded.
+    fn counted_point(&self, point: &CloudPoint, exclusions: &Exclusions) -> Option<CloudPoint> {
         let ping = point.ping as usize + self.context;
         let sounding = point.sounding.map(|one| one.get() + self.context_sounding);
         let (is_new, reason) = match sounding {
-            Some(sounding) => (sounding >= self.first_sounding, left_out.sounding(sounding)),
-            None => (ping >= self.first, left_out.ping(ping)),
+            Some(sounding) => (
+                sounding >= self.first_sounding,
+                exclusions.sounding(sounding),
+            ),
+            None => (ping >= self.first, exclusions.ping(ping)),
         };
         (is_new && reason.is_none()).then(|| CloudPoint {
             ping: ping as u32,

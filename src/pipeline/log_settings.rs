@@ -3,10 +3,11 @@
 //! A log's settings are the shared ones with its own keys over them ([`LogSettings::compose`]); the pipeline takes the result as it
 //! takes the settings of a single log. Keys are those of `--set`: `draft_m`, `first_return.threshold`.
 
-use super::settings::row;
+use super::settings::{renamed, row};
 use super::{Settings, SettingsError};
 use crate::sonar::first_return::BottomSettings;
 use crate::survey::{Gauge, Identity, Survey, WaterArea};
+use serde::{Deserialize, Deserializer};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use toml::{Table, Value};
@@ -18,9 +19,9 @@ pub type SettingValues = BTreeMap<String, Value>;
 const OF_ONE_LOG: [&str; 28] = [
     "calibration.pings",
     "draft_m",
+    "excluded.log",
+    "excluded.stretches",
     "height_offset_m",
-    "left_out.log",
-    "left_out.stretches",
     "mounting.clock_offset_s",
     "mounting.forward_m",
     "mounting.heading_offset_deg",
@@ -48,9 +49,9 @@ const OF_ONE_LOG: [&str; 28] = [
 /// Of these, the keys that say nothing about another log, so that they cannot be shared.
 const NEVER_SHARED: [&str; 14] = [
     "calibration.pings",
+    "excluded.log",
+    "excluded.stretches",
     "height_offset_m",
-    "left_out.log",
-    "left_out.stretches",
     "mounting.clock_offset_s",
     "mounting.forward_m",
     "mounting.heading_offset_deg",
@@ -64,8 +65,21 @@ const NEVER_SHARED: [&str; 14] = [
 ];
 /// Kept by itself: it is made of many strokes.
 const BOTTOM: &str = "bottom";
-/// The log that left-out stretches are of.
-const LEFT_OUT_LOG: &str = "left_out.log";
+/// The log that excluded stretches are of.
+const EXCLUDED_LOG: &str = "excluded.log";
+
+/// Reads values that any version wrote, under the keys of this one.
+///
+/// # Errors
+/// When they are no table of values.
+pub fn deserialize_values<'de, D: Deserializer<'de>>(from: D) -> Result<SettingValues, D::Error> {
+    let values = SettingValues::deserialize(from)?.into_iter();
+    let current = |(key, value): (String, Value)| match renamed(&key) {
+        Some(now) => (now.to_owned(), value),
+        None => (key, value),
+    };
+    Ok(values.map(current).collect())
+}
 
 /// Whether there is a setting of this key; the bottom edits are none.
 pub fn is_setting(key: &str) -> bool {
@@ -73,7 +87,7 @@ pub fn is_setting(key: &str) -> bool {
 }
 
 /// Whether a change of this key is one of a single log, not of all: draft, water level, height offset,
-/// track and its clock, mounting, position shift, flat spot, left-out stretches, and how its picture is shown.
+/// track and its clock, mounting, position shift, flat spot, excluded stretches, and how its picture is shown.
 pub fn is_of_one_log(key: &str) -> bool {
     OF_ONE_LOG.contains(&key)
 }
@@ -283,7 +297,7 @@ impl LogSettings {
         Ok((changed, own))
     }
 
-    /// The same for a log of which more was written since: bottom edits and left-out stretches belong to it still. `None` where nothing
+    /// The same for a log of which more was written since: bottom edits and excluded stretches belong to it still. `None` where nothing
     /// has to be said anew.
     pub fn carried_to(&self, survey: &Survey) -> Option<LogSettings> {
         let own = Identity::of(survey);
@@ -295,7 +309,7 @@ impl LogSettings {
             carried.bottom.log_bytes = own.byte_count;
             carried.bottom.pings = own.pings;
         }
-        let named = self.own.get(LEFT_OUT_LOG).cloned();
+        let named = self.own.get(EXCLUDED_LOG).cloned();
         let named = named.and_then(|value| value.try_into::<Identity>().ok());
         if let Some(log) = named.filter(|log| survey.is_or_was(log))
             && let Ok(value) = Value::try_from(Identity {
@@ -303,7 +317,7 @@ impl LogSettings {
                 ..own
             })
         {
-            carried.own.insert(LEFT_OUT_LOG.to_owned(), value);
+            carried.own.insert(EXCLUDED_LOG.to_owned(), value);
         }
         (carried != *self).then_some(carried)
     }
@@ -339,12 +353,24 @@ mod tests {
     use super::*;
     use crate::pipeline::Preset;
     use crate::sonar::first_return::BottomEdit;
-    use crate::survey::{LeftOutReason, Side, Stretch};
+    use crate::survey::{ExclusionReason, Side, Stretch};
 
     fn settings(assignments: &[&str]) -> Settings {
         let apply = |settings: Settings, text: &&str| settings.with_assignment(text);
         let made = assignments.iter().try_fold(Settings::default(), apply);
         made.expect("settings")
+    }
+
+    #[test]
+    fn values_of_an_earlier_version_have_the_keys_of_this_one() {
+        #[derive(Deserialize)]
+        struct Record(#[serde(deserialize_with = "deserialize_values")] SettingValues);
+        let json = r#"{ "draft_m": 0.5, "left_out.min_duration_s": 4.0 }"#;
+        let Record(values) = serde_json::from_str(json).unwrap();
+        let keys: Vec<&str> = values.keys().map(String::as_str).collect();
+        assert_eq!(keys, ["draft_m", "excluded.min_duration_s"]);
+        let settings = from_values(&values).unwrap();
+        assert_eq!(settings.excluded.min_duration_s, 4.0);
     }
 
     #[test]
@@ -365,27 +391,27 @@ mod tests {
             corners: Vec::new(),
             accepted: false,
         });
-        after.left_out.log = Some(Identity {
+        after.excluded.log = Some(Identity {
             file: "pond.sl2".to_owned(),
             byte_count: 9,
             pings: 5,
             swapped_sides: false,
         });
-        after.left_out.stretches.push(Stretch {
+        after.excluded.stretches.push(Stretch {
             pings: Some([2, 3]),
             time_s: None,
-            reason: Some(LeftOutReason::Drawn),
+            reason: Some(ExclusionReason::Drawn),
         });
         let (all, one) = own.change(&shared, &after).expect("settings");
         assert_eq!(one.compose(&all).expect("settings"), after);
-        assert!(all.left_out.is_empty() && all.left_out.log.is_none());
+        assert!(all.excluded.is_empty() && all.excluded.log.is_none());
         assert_eq!(
             one.own().keys().collect::<Vec<_>>(),
             [
                 "draft_m",
                 "first_return.threshold",
-                "left_out.log",
-                "left_out.stretches"
+                "excluded.log",
+                "excluded.stretches"
             ]
         );
         assert_eq!((all.draft_m, all.outliers.min_neighbors), (0.0, 3));

@@ -48,7 +48,8 @@ pub use engine::{Engine, EngineStatus, StageFailed};
 pub use fingerprint::{Fingerprint, Input, InputError, LogFiles, in_hexadecimal, sha256_of};
 pub use growing::{GrowingResults, extend};
 pub use log_settings::{
-    LogSettings, SettingValues, from_values, is_of_one_log, is_setting, setting_values, with_values,
+    LogSettings, SettingValues, deserialize_values, from_values, is_of_one_log, is_setting,
+    setting_values, with_values,
 };
 pub use mosaic::{mosaic_layout, mosaic_layout_by};
 pub use objects::{list_objects, object_shape};

@@ -29,5 +29,5 @@ pub fn mosaic_layout_by(
     )
     .with_range_factor(products.correction.range_factor())
     .with_relief(&products.relief)
-    .without(&products.left_out)
+    .without(&products.exclusions)
 }

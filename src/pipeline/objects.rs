@@ -22,7 +22,7 @@ pub fn list_objects(
             continue;
         };
         let placing = Placing::new(&log.survey, &log.products);
-        for one in review.boxes(&log.products.left_out) {
+        for one in review.boxes(&log.products.exclusions) {
             progress.check()?;
             let target = placing.place_as(&one.mark, one.extent, one.shadow);
             boxes.push(review.object_box(index, one, target));

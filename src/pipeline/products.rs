@@ -9,7 +9,7 @@ use crate::bottom::cloud::{
 use crate::sonar::calibration::{self, Calibration, FlatSpot};
 use crate::sonar::first_return::{self, BottomLine, FirstReturns};
 use crate::support::progress::{Cancelled, Progress};
-use crate::survey::{LeftOut, Navigation, Relief, SideSpan, Sounding, Survey, navigate_placed};
+use crate::survey::{Exclusions, Navigation, Relief, SideSpan, Sounding, Survey, navigate_placed};
 use std::sync::Arc;
 
 /// A stage of the pipeline, in the order of the data.
@@ -67,7 +67,7 @@ impl Stage {
             || old.bottom != new.bottom
         {
             Some(Stage::FirstReturn)
-        } else if old.calibration != new.calibration || old.left_out != new.left_out {
+        } else if old.calibration != new.calibration || old.excluded != new.excluded {
             Some(Stage::Calibration)
         } else if old.cloud != new.cloud || old.depth() != new.depth() {
             Some(Stage::Cloud)
@@ -89,7 +89,7 @@ pub struct Products {
     /// Position and heading of every ping.
     pub navigation: Arc<Navigation>,
     /// What counts for nothing: no point, depth, echo or box comes from there.
-    pub left_out: Arc<LeftOut>,
+    pub exclusions: Arc<Exclusions>,
     /// Ranked flat stretches.
     pub flat_spots: Arc<Vec<FlatSpot>>,
     /// First returns as they were found.
@@ -124,19 +124,23 @@ impl Products {
         Reduction::new(&self.calibration, &self.correction)
     }
 
-    /// The first returns that count: those of left-out pings do not.
+    /// The first returns that count: those of excluded pings do not.
     pub(super) fn counted_returns(&self) -> Arc<FirstReturns> {
-        match self.left_out.is_empty() {
+        match self.exclusions.is_empty() {
             true => self.returns.clone(),
-            false => Arc::new(self.returns.without(&self.left_out)),
+            false => Arc::new(self.returns.without(&self.exclusions)),
         }
     }
 
     /// The first returns that a calibration may rest on.
     pub(super) fn judged_returns(&self, survey: &Survey) -> Arc<FirstReturns> {
-        judged(survey, &self.settings, &self.found, &self.left_out, || {
-            self.counted_returns()
-        })
+        judged(
+            survey,
+            &self.settings,
+            &self.found,
+            &self.exclusions,
+            || self.counted_returns(),
+        )
     }
 
     /// The points that count for the map, in the order of the cloud.
@@ -210,9 +214,9 @@ pub fn run(
             Arc::new(navigate_placed(survey, settings.placing(), progress)?)
         }
     };
-    let left_out = match previous.filter(|old| Arc::ptr_eq(&old.navigation, &navigation)) {
-        Some(old) if old.settings.left_out == settings.left_out => old.left_out.clone(),
-        _ => Arc::new(LeftOut::new(survey, &navigation, &settings.left_out)),
+    let exclusions = match previous.filter(|old| Arc::ptr_eq(&old.navigation, &navigation)) {
+        Some(old) if old.settings.excluded == settings.excluded => old.exclusions.clone(),
+        _ => Arc::new(Exclusions::new(survey, &navigation, &settings.excluded)),
     };
     let found = match reuse(Stage::FirstReturn) {
         Some(old) => old.found.clone(),
@@ -227,18 +231,18 @@ pub fn run(
         }
     };
     let returns = with_bottom(survey, settings, previous, &found);
-    let counted = match left_out.is_empty() {
+    let counted = match exclusions.is_empty() {
         true => returns.clone(),
-        false => Arc::new(returns.without(&left_out)),
+        false => Arc::new(returns.without(&exclusions)),
     };
     let (flat_spots, calibration) = match reuse(Stage::Calibration) {
         Some(old) => (old.flat_spots.clone(), old.calibration.clone()),
         None => {
             begin(Stage::Calibration)?;
             let previous = previous.filter(|old| {
-                Arc::ptr_eq(&old.returns, &returns) && Arc::ptr_eq(&old.left_out, &left_out)
+                Arc::ptr_eq(&old.returns, &returns) && Arc::ptr_eq(&old.exclusions, &exclusions)
             });
-            let judged = judged(survey, settings, &found, &left_out, || counted.clone());
+            let judged = judged(survey, settings, &found, &exclusions, || counted.clone());
             let spots = rank(survey, previous, &navigation, &judged, progress)?;
             let how = &settings.calibration;
             let made = calibration::calibrate(survey, &navigation, &judged, &spots, how, progress)?;
@@ -273,7 +277,7 @@ pub fn run(
                 &correction,
                 progress,
             )?;
-            Arc::new(made.without(&left_out))
+            Arc::new(made.without(&exclusions))
         }
     };
     let (classes, depths, depth_range_m, scales) = match reuse(Stage::Outliers) {
@@ -287,7 +291,7 @@ pub fn run(
             begin(Stage::Outliers)?;
             let classes = cloud::classify(&cloud, &settings.class_rules(), progress)?;
             let mut depths = cloud::ping_depths(survey, &cloud, &classes, &correction);
-            cloud::leave_depths_out(&mut depths, 0, &left_out);
+            cloud::clear_excluded_depths(&mut depths, 0, &exclusions);
             let range_m = depth_range_m(survey, &correction, &depths);
             let scales = PointScales::of(survey, &cloud, &classes, &reduction);
             (Arc::new(classes), Arc::new(depths), range_m, scales)
@@ -311,7 +315,7 @@ pub fn run(
     Ok(Products {
         settings: Arc::new(settings.clone()),
         navigation,
-        left_out,
+        exclusions,
         flat_spots,
         found,
         returns,
@@ -353,7 +357,7 @@ fn judged(
     survey: &Survey,
     settings: &Settings,
     found: &FirstReturns,
-    left_out: &LeftOut,
+    exclusions: &Exclusions,
     counted: impl FnOnce() -> Arc<FirstReturns>,
 ) -> Arc<FirstReturns> {
     if !settings.bottom.has_accepted() {
@@ -361,7 +365,7 @@ fn judged(
     }
     let mut returns = found.clone();
     settings.bottom.drawn_only().apply(survey, &mut returns);
-    Arc::new(returns.without(left_out))
+    Arc::new(returns.without(exclusions))
 }
 
 /// The bottom line by the settings.

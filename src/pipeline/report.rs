@@ -9,7 +9,7 @@ use crate::bottom::cloud::{
 };
 use crate::sonar::calibration::{Calibration, PingRange, ScaleMode};
 use crate::support::progress::{Cancelled, Progress};
-use crate::survey::{HeadingSource, LeftOutStretch, Side, Survey, Track};
+use crate::survey::{ExcludedStretch, HeadingSource, Side, Survey, Track};
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
 
@@ -37,7 +37,7 @@ pub struct Report {
     /// Counts.
     pub counts: Counts,
     /// Stretches that count for nothing, in time order, and why.
-    pub left_out: Vec<LeftOutStretch>,
+    pub excluded: Vec<ExcludedStretch>,
     /// Scales.
     pub calibration: CalibrationReport,
     /// What the depths along the track come from.
@@ -88,10 +88,10 @@ pub struct Counts {
     pub moving: usize,
     /// Pings without a heading.
     pub zero_heading: usize,
-    /// Side-scan pings that are left out.
-    pub left_out_pings: usize,
-    /// Soundings that are left out.
-    pub left_out_soundings: usize,
+    /// Side-scan pings that are excluded.
+    pub excluded_pings: usize,
+    /// Soundings that are excluded.
+    pub excluded_soundings: usize,
     /// Points, whatever their class.
     pub points: usize,
     /// Points that count for the depth map: `kept` of `cloud.csv`, class 40 of every file.
@@ -159,7 +159,7 @@ impl Report {
         let Products {
             settings,
             navigation,
-            left_out,
+            exclusions,
             returns,
             calibration,
             correction,
@@ -197,8 +197,8 @@ impl Report {
                 low_confidence: classes_of.count(PointClass::Unclassified),
                 moving: navigation.moving,
                 zero_heading: navigation.zero_heading,
-                left_out_pings: left_out.ping_count(),
-                left_out_soundings: left_out.sounding_count(),
+                excluded_pings: exclusions.ping_count(),
+                excluded_soundings: exclusions.sounding_count(),
                 points: classes_of.all(),
                 kept: classes_of.kept(),
                 classes: classes_of,
@@ -206,7 +206,7 @@ impl Report {
                 outliers_removed: classes_of.noise(),
                 outliers_removed_share: classes_of.noise_share(),
             },
-            left_out: left_out.stretches.clone(),
+            excluded: exclusions.stretches.clone(),
             calibration: CalibrationReport::new(calibration),
             track: TrackShare::of(&products.depths, &navigation.pings),
             residuals: residuals(survey, cloud, correction, classes),
@@ -243,7 +243,7 @@ impl Report {
     pub fn summary(&self) -> String {
         let Self {
             counts,
-            left_out,
+            excluded,
             calibration,
             track,
             residuals,
@@ -273,12 +273,12 @@ impl Report {
                 counts.zero_heading
             ),
         ];
-        if counts.left_out_pings + counts.left_out_soundings > 0 {
+        if counts.excluded_pings + counts.excluded_soundings > 0 {
             lines.push(format!(
-                "left out: {} stretches of {} pings and {} soundings",
-                left_out.len(),
-                counts.left_out_pings,
-                counts.left_out_soundings
+                "excluded: {} stretches of {} pings and {} soundings",
+                excluded.len(),
+                counts.excluded_pings,
+                counts.excluded_soundings
             ));
         }
         match logs {
@@ -331,8 +331,8 @@ impl Counts {
         self.low_confidence += other.low_confidence;
         self.moving += other.moving;
         self.zero_heading += other.zero_heading;
-        self.left_out_pings += other.left_out_pings;
-        self.left_out_soundings += other.left_out_soundings;
+        self.excluded_pings += other.excluded_pings;
+        self.excluded_soundings += other.excluded_soundings;
         self.points += other.points;
         self.kept += other.kept;
         self.classes.add(&other.classes);
@@ -403,7 +403,7 @@ pub fn warnings(survey: &Survey, products: &Products) -> Vec<String> {
     read.chain(products.bottom_line.warnings.iter().cloned())
         .chain(products.calibration.warnings.iter().cloned())
         .chain(products.correction.refused().map(ToString::to_string))
-        .chain(products.left_out.warnings.iter().cloned())
+        .chain(products.exclusions.warnings.iter().cloned())
         .collect()
 }
 

@@ -108,7 +108,7 @@ fn effect(
         &products.correction,
         progress,
     )?
-    .without(&products.left_out);
+    .without(&products.exclusions);
     let change = DepthChange::between(before, classes, &after);
     // The same first returns give the same points, each of which keeps its class.
     let is_alike = after.points.len() == before.points.len();

@@ -47,14 +47,14 @@ pub fn surveyed(
         let speeds = places.iter().map(|place| place.speed_mps);
         speeds_mps.extend(speeds.filter(|speed| *speed > MOVING_MPS));
     }
-    let left_out = sigma_by_distance(&points, max_gap_m, progress)?;
+    let held_out = sigma_by_distance(&points, max_gap_m, progress)?;
     let mut depths_m: Vec<f64> = points.iter().map(|point| point.depth_m).collect();
     let depth_m = median(&mut depths_m);
     let limit_m = spread_about(&mut depths_m, depth_m);
     let doubts = crossings(&tracks, progress)?.into_iter();
     Ok(Some(Surveyed {
         soundings: points.iter().map(|p| [p.east_m, p.north_m]).collect(),
-        sigma: SigmaLaw::new(left_out.as_ref(), finite_or_zero(limit_m)),
+        sigma: SigmaLaw::new(held_out.as_ref(), finite_or_zero(limit_m)),
         looks,
         objects: seen_objects(objects, &Log { log: first, frame }),
         doubts: doubts
@@ -129,7 +129,7 @@ impl Log<'_> {
         placed.collect()
     }
 
-    /// Adds the ground that both sides insonified, but for stretches that are left out, and the ranges.
+    /// Adds the ground that both sides insonified, but for stretches that are excluded, and the ranges.
     fn add_looks(&self, looks: &mut Vec<Look>, ranges_m: &mut Vec<f64>) {
         let ProcessedLog { survey, products } = self.log;
         if !survey.has_side_scan() {
@@ -143,7 +143,7 @@ impl Log<'_> {
             let Some([x, y]) = boat.starboard().filter(|_| step_m >= LOOK_STEP_M) else {
                 continue;
             };
-            if products.left_out.ping(ping).is_some() {
+            if products.exclusions.ping(ping).is_some() {
                 continue;
             }
             last = [boat.east_m, boat.north_m];

@@ -46,7 +46,7 @@
 //!
 //! port.1300 = { accepted = true, last = 1340 }      # first returns that are bottom where they were found
 //!
-//! [log.chart_1-3f9a2c41.left_out]          # a stretch that counts for nothing, or is kept: pings or time_s, first and last
+//! [log.chart_1-3f9a2c41.excluded]          # a stretch that counts for nothing, or is kept: pings or time_s, first and last
 //!
 //! pings.2000 = { last = 2150, reason = "turn" }
 //!

@@ -57,9 +57,18 @@ impl Row {
 }
 
 impl Key {
-    /// A key of these parts.
+    /// A key of these parts, of which one may have the name of an earlier version: files, journals and histories are read through this.
     pub fn new<T: Into<String>>(parts: impl IntoIterator<Item = T>) -> Self {
-        let parts: Vec<String> = parts.into_iter().map(Into::into).collect();
+        let mut parts: Vec<String> = parts.into_iter().map(Into::into).collect();
+        let group = match parts.first().map(String::as_str) {
+            Some("settings") => 1,
+            Some("log") if parts.get(2).is_some_and(|part| part == "settings") => 3,
+            Some("log") => 2,
+            _ => usize::MAX,
+        };
+        if let Some(group) = parts.get_mut(group).filter(|group| *group == "left_out") {
+            "excluded".clone_into(group);
+        }
         let most = if parts.first().is_some_and(|first| first == "log") {
             3
         } else {
@@ -332,6 +341,19 @@ mod tests {
         assert_eq!(sections[2], "settings");
         assert_eq!(keys[2].name(), "cloud.alpha2_deg");
         assert_eq!([&sections[5], &sections[7]], ["log.a", "log.a.box"]);
+    }
+
+    #[test]
+    fn a_group_of_an_earlier_version_has_its_present_name() {
+        for (then, now) in [
+            ("log.a.left_out.pings.30", "log.a.excluded.pings.30"),
+            ("log.a.settings.left_out.log", "log.a.settings.excluded.log"),
+            ("settings.left_out.log", "settings.excluded.log"),
+            ("log.left_out.file", "log.left_out.file"),
+        ] {
+            let key = Key::new(Key::parse(then).expect("a key"));
+            assert_eq!(key.to_string(), now);
+        }
     }
 
     #[test]

@@ -44,13 +44,13 @@ const BOX_FIELDS: [&str; 16] = [
 ];
 /// Fields of the row of a stretch of the bottom.
 const BOTTOM_FIELDS: [&str; 3] = ["accepted", "corners", "last"];
-/// The setting that holds the stretches that are left out of a log, and the one that says of which log.
-const LEFT_OUT: &str = "left_out.stretches";
-const LEFT_OUT_LOG: &str = "left_out.log";
+/// The setting that holds the stretches that are excluded of a log, and the one that says of which log.
+const EXCLUDED: &str = "excluded.stretches";
+const EXCLUDED_LOG: &str = "excluded.log";
 /// What a stretch is counted in.
-const LEFT_OUT_UNITS: [&str; 2] = ["pings", "time_s"];
-/// Fields of the row of a stretch that is left out.
-const LEFT_OUT_FIELDS: [&str; 2] = ["last", "reason"];
+const EXCLUDED_UNITS: [&str; 2] = ["pings", "time_s"];
+/// Fields of the row of a stretch that is excluded.
+const EXCLUDED_FIELDS: [&str; 2] = ["last", "reason"];
 /// Fields of the row of what was searched.
 const SEARCHED_FIELDS: [&str; 2] = ["end", "model"];
 
@@ -170,9 +170,9 @@ fn put_log(
     );
     let mut own = log.settings.own().clone();
     // Which log they are of is this one; each stretch is a line of its own.
-    own.remove(LEFT_OUT_LOG);
-    if let Some(Value::Array(stretches)) = own.remove(LEFT_OUT) {
-        put_left_out(put, key, &stretches);
+    own.remove(EXCLUDED_LOG);
+    if let Some(Value::Array(stretches)) = own.remove(EXCLUDED) {
+        put_excluded(put, key, &stretches);
     }
     put_settings(put, &["log", key, "settings"], &own, folder);
     if same.is_none_or(|same| same.settings.bottom != log.settings.bottom) {
@@ -197,11 +197,11 @@ fn put_log(
     put_review(put, log, same);
 }
 
-/// Stretches that are left out, by what they are counted in and where they begin; more than one from the same place are numbered.
-fn put_left_out(put: &mut impl FnMut(Key, &Value), log: &str, stretches: &[Value]) {
+/// Stretches that are excluded, by what they are counted in and where they begin; more than one from the same place are numbered.
+fn put_excluded(put: &mut impl FnMut(Key, &Value), log: &str, stretches: &[Value]) {
     let mut taken: BTreeMap<String, u32> = BTreeMap::new();
     for stretch in stretches.iter().filter_map(Value::as_table) {
-        for unit in LEFT_OUT_UNITS {
+        for unit in EXCLUDED_UNITS {
             let Some([first, last]) = stretch.get(unit).and_then(ends) else {
                 continue;
             };
@@ -215,7 +215,7 @@ fn put_left_out(put: &mut impl FnMut(Key, &Value), log: &str, stretches: &[Value
                 1 => first,
                 count => format!("{first} {count}"),
             };
-            let key = Key::new(["log", log, "left_out", unit, &name]);
+            let key = Key::new(["log", log, "excluded", unit, &name]);
             put(key, &Value::Table(row));
         }
     }

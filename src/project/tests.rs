@@ -80,9 +80,9 @@ fn full() -> Project {
     first.settings.bottom = bottom(&[line(Side::Port, [10, 20]), line(Side::Starboard, [3, 3])]);
     let stretches = r#"[{ pings = [30, 40], reason = "turn" }, { reason = "bad", time_s = [1.5, 2.0] }, { reason = "drawn", time_s = [1.5, 7.0] }]"#;
     let stretches = row::parse_value(stretches).expect("stretches");
-    first.settings.set("left_out.stretches", stretches);
+    first.settings.set("excluded.stretches", stretches);
     let identity = Value::try_from(first.file.identity()).expect("an identity");
-    first.settings.set("left_out.log", identity);
+    first.settings.set("excluded.log", identity);
     first.review = with_boxes(&first, 12);
     let mut second = log("pond");
     second.is_visible = false;
@@ -143,7 +143,7 @@ fn a_project_comes_back_from_its_text() {
     // The whole of it is TOML for whoever reads that.
     let table: Table = text.parse().expect("TOML");
     let settings = project.settings_of(&project.logs()[0]).expect("settings");
-    assert_eq!(settings.left_out.stretches.len(), 3);
+    assert_eq!(settings.excluded.stretches.len(), 3);
     for line in [
         "pings.30 = { last = 40, reason = \"turn\" }",
         "time_s.\"1.5 2\" = { last = 7.0, reason = \"drawn\" }",
@@ -408,7 +408,7 @@ fn what_is_wrong_is_said_in_a_sentence_with_its_line() {
             "lists within lists",
         ),
         ("last = 20", "last = 5", "pings of bottom.lines"),
-        ("last = 40", "last = 4", "left_out.stretches"),
+        ("last = 40", "last = 4", "excluded.stretches"),
         ("last = 40, ", "", "has no `last`"),
         (
             "reason = \"turn\"",

@@ -2,17 +2,17 @@
 //!
 //! `samples` reads echoes where they lie in the file, `track` holds the fixes, `bottom_lock` says which recorded depths can
 //! be believed, `mounting` says how the recorder is mounted on its boat, `identity` identifies a log, `tracks_apart` how far two tracks of one boat lie apart, `turn_rate` how fast it turns,
-//! `left_out` which stretches count for nothing, `relief` how the bottom lies across the track, `growing` what becomes of a log that is still being written, `echogram` holds the channels that look down. [`navigate`] places every ping on the ground, by `fitted_track` and its `local_fit` where a track is fitted.
+//! `exclusions` which stretches count for nothing, `relief` how the bottom lies across the track, `growing` what becomes of a log that is still being written, `echogram` holds the channels that look down. [`navigate`] places every ping on the ground, by `fitted_track` and its `local_fit` where a track is fitted.
 
 mod apart;
 mod area;
 mod bottom_lock;
 mod echogram;
+mod exclusions;
 mod fitted_track;
 mod gauge;
 mod growing;
 mod identity;
-mod left_out;
 mod local_fit;
 mod mounting;
 mod names;
@@ -29,11 +29,13 @@ pub use apart::{Apart, apart};
 pub use area::WaterArea;
 pub use bottom_lock::{give_depths, mark_bottom_lock};
 pub use echogram::{Echogram, EchogramPing};
+pub use exclusions::{
+    ExcludedStretch, ExclusionReason, ExclusionSettings, Exclusions, LogPart, Stretch,
+};
 pub use fitted_track::position_resolution_m;
 pub use gauge::{Gauge, WATER_LEVELS_M};
 pub use growing::{Seam, SurveyVersions};
 pub use identity::Identity;
-pub use left_out::{LeftOut, LeftOutReason, LeftOutSettings, LeftOutStretch, LogPart, Stretch};
 pub use mounting::{MountingSettings, arm_in_words};
 pub use names::distinct_names;
 pub use navigation::{

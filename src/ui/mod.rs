@@ -2,8 +2,8 @@
 
 mod dialogs;
 mod drop_down;
+mod exclusion_text;
 mod flat_spot_words;
-mod left_out_words;
 mod list_keys;
 pub mod offscreen;
 mod panels;

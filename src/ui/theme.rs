@@ -314,8 +314,8 @@ pub fn recorded_track_colour(options: &ViewOptions) -> Color32 {
     canvas_text_colour(options).gamma_multiply(0.45)
 }
 
-/// Left-out stretches on the map and the time line.
-pub fn left_out_colour(options: &ViewOptions) -> Color32 {
+/// Excluded stretches on the map and the time line.
+pub fn excluded_colour(options: &ViewOptions) -> Color32 {
     canvas_text_colour(options).gamma_multiply(0.75)
 }
 

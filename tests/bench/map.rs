@@ -148,7 +148,7 @@ fn products(survey: &Survey, nav: Vec<PingNav>) -> Products {
     let depths = ping_depths(survey, &cloud, &[], &correction);
     Products {
         settings: Arc::default(),
-        left_out: Arc::default(),
+        exclusions: Arc::default(),
         relief: Arc::default(),
         navigation: Arc::new(Navigation {
             antenna: Arc::default(),

@@ -21,7 +21,7 @@ use bathyscope::simulation::{
 };
 use bathyscope::support::geo::{Crs, MapPlane};
 use bathyscope::support::progress::Progress;
-use bathyscope::survey::{LeftOutReason, Side, Stretch, Survey};
+use bathyscope::survey::{ExclusionReason, Side, Stretch, Survey};
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
@@ -528,16 +528,16 @@ fn logs_of_one_mosaic_show_the_same_ground_alike() {
 }
 
 #[test]
-fn what_is_left_out_is_in_no_result() {
+fn what_is_excluded_is_in_no_result() {
     let lake = Lake::gentle();
     let progress = Progress::new();
     let log = &lake.logs[3];
     let mut settings = Settings::clone(&log.products.settings);
-    settings.left_out.max_turn_deg_s = Some(6.0);
-    settings.left_out.stretches = vec![Stretch {
+    settings.excluded.max_turn_deg_s = Some(6.0);
+    settings.excluded.stretches = vec![Stretch {
         pings: Some([100, 159]),
         time_s: None,
-        reason: Some(LeftOutReason::Bad),
+        reason: Some(ExclusionReason::Bad),
     }];
     let made = pipeline::run(
         &log.survey,
@@ -547,14 +547,14 @@ fn what_is_left_out_is_in_no_result() {
         |_| (),
     )
     .expect("nobody cancels");
-    let out = &made.left_out;
+    let out = &made.exclusions;
     let turns = out
         .stretches
         .iter()
-        .filter(|one| one.reason == LeftOutReason::Turn);
+        .filter(|one| one.reason == ExclusionReason::Turn);
     // Two lines and two cross lines have three turns, of which one is two.
     assert!((2..=5).contains(&turns.count()), "{:?}", out.stretches);
-    assert_eq!(out.ping(100), Some(LeftOutReason::Bad));
+    assert_eq!(out.ping(100), Some(ExclusionReason::Bad));
     assert!(out.sounding_count() > 30 && out.ping_count() > 100);
     for point in &made.cloud.points {
         let reason = match point.sounding {

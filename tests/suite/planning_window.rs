@@ -1,6 +1,6 @@
 //! Lines to sail next in the window: planned by key, dragged, removed, undone and written.
 
-use crate::left_out_window::{click, places_on_map};
+use crate::exclusion_window::{click, places_on_map};
 use crate::window::{Window, app, demo_window, drawn_window, press, settle};
 use bathyscope::app::{Action, Command, PlanRequest, View};
 use bathyscope::bottom::planning::{Leg, PlanSettings};

@@ -3,7 +3,7 @@
 use crate::cli::run;
 use crate::residuals::{pond, wait};
 use crate::truth::KnownSurvey;
-use bathyscope::app::{App, BottomStroke, Command, Ink, Jobs, Leave, LogId, PIXEL_M};
+use bathyscope::app::{App, BottomStroke, Command, ExclusionEdit, Ink, Jobs, LogId, PIXEL_M};
 use bathyscope::detection::review::{BoxId, Edit, Review};
 use bathyscope::detection::{Detection, Mark, Raster};
 use bathyscope::pipeline::Settings;
@@ -209,10 +209,10 @@ fn survey_of_two(folder: &Path) -> App {
     decide(&mut app, &folder.join("first-boxes.json"));
     app.apply(Command::ShowLog(ids[1]));
     set(&mut app, &["draft_m=0.3"]);
-    app.apply(Command::LeaveOut {
+    app.apply(Command::Exclude {
         log: ids[1],
         part: LogPart::Pings([100, 139]),
-        leave: Leave::Out,
+        edit: ExclusionEdit::Exclude,
     });
     decide(&mut app, &folder.join("second-boxes.json"));
     app.apply(Command::ShowLog(ids[0]));
@@ -248,14 +248,14 @@ fn window_and_process_write_the_same_bytes_of_several_logs() {
     let report = report(&by_window);
     let logs = report["logs"]["logs"].as_array().expect("logs");
     assert_eq!(logs.len(), 2);
-    assert_eq!(logs[1]["counts"]["left_out_pings"], 40);
+    assert_eq!(logs[1]["counts"]["excluded_pings"], 40);
     let statement = |log: usize| logs[log]["statement"].to_string();
     assert!(statement(1).contains("0.3 m") && !statement(0).contains("0.3 m"));
     let own = logs[1]["own_settings"].as_object().expect("settings");
     let keys: Vec<&str> = own.keys().map(String::as_str).collect();
     assert_eq!(keys[..2], ["bottom", "draft_m"], "{own:?}");
     assert!(own["bottom"].is_null(), "only the first was drawn on");
-    // A box of the second lies in the stretch that is left out, and one of the others is rejected in either.
+    // A box of the second lies in the stretch that is excluded, and one of the others is rejected in either.
     let page = std::fs::read_to_string(by_window.join("report.html")).unwrap();
     assert!(page.contains("2 accepted, 0 added, 2 rejected, 2 undecided"));
     let of_log = |name: &str| page.contains(&format!("<h3>{name}</h3>"));

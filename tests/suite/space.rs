@@ -160,7 +160,7 @@ fn products(
     let spots = vec![spot(520, 2.1), spot(3 * PINGS_A_LINE + 30, 2.9)];
     Products {
         settings: Arc::default(),
-        left_out: Arc::default(),
+        exclusions: Arc::default(),
         relief: Arc::default(),
         navigation: Arc::new(Navigation {
             antenna: Arc::default(),

@@ -1,9 +1,9 @@
-//! A survey as a new user would work on it, from a folder of four logs to its products: a turn left out, a bottom corrected, heights
+//! A survey as a new user would work on it, from a folder of four logs to its products: a turn excluded, a bottom corrected, heights
 //! compared and applied, objects of two logs reviewed; saved, closed, opened again and written out. By mouse and keys wherever the
 //! system's own dialogs are not in between.
 
 use crate::bottom::draw;
-use crate::left_out_window::{click, on_map};
+use crate::exclusion_window::{click, on_map};
 use crate::logs_window::{names, settle};
 use crate::many_logs::{HIGHER_M, write_logs};
 use crate::printing::name_file;
@@ -15,7 +15,7 @@ use bathyscope::detection::{Detection, Mark, Raster};
 use bathyscope::formats;
 use bathyscope::pipeline::{self, Settings};
 use bathyscope::support::progress::Progress;
-use bathyscope::survey::{Identity, LeftOutReason, Side, turn_rates_deg_s};
+use bathyscope::survey::{ExclusionReason, Identity, Side, turn_rates_deg_s};
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 use std::fs;
@@ -100,10 +100,10 @@ fn states(log: &OpenLog) -> Vec<State> {
 fn decisions(window: &Window) -> Vec<String> {
     let logs = app(window).logs().map(|log| {
         let settings = toml::to_string(&*log.settings).expect("settings are text");
-        let left_out = &log.left_out().expect("a result").left_out.stretches;
+        let exclusions = &log.exclusions().expect("a result").exclusions.stretches;
         let boxes: Vec<_> = log.reviewing.review.boxes().collect();
         format!(
-            "{} {} {settings} {left_out:?} {boxes:?}",
+            "{} {} {settings} {exclusions:?} {boxes:?}",
             log.name(),
             log.is_visible
         )
@@ -204,7 +204,7 @@ fn four_logs_from_the_folder_to_the_products() {
     assert_eq!(crate::project_window::hashes(folder), logs_before);
 }
 
-/// Draws over the longest turn of a log that is not shown at first; what was left out.
+/// Draws over the longest turn of a log that is not shown at first; what was excluded.
 fn leave_a_turn_out(window: &mut Window) -> [usize; 2] {
     show(window, "lake-1");
     let [first, last] = turn_of(log(window, "lake-1"));
@@ -217,11 +217,11 @@ fn leave_a_turn_out(window: &mut Window) -> [usize; 2] {
         (last as f64, -3.0),
     );
     settle(window);
-    let found = log(window, "lake-1").left_out().expect("found").clone();
-    let [stretch] = found.left_out.stretches[..] else {
-        panic!("{:?}", found.left_out.stretches)
+    let found = log(window, "lake-1").exclusions().expect("found").clone();
+    let [stretch] = found.exclusions.stretches[..] else {
+        panic!("{:?}", found.exclusions.stretches)
     };
-    assert_eq!(stretch.reason, LeftOutReason::Drawn);
+    assert_eq!(stretch.reason, ExclusionReason::Drawn);
     let turn = stretch.pings.expect("pings");
     assert!(turn[0].abs_diff(first) <= 3 && turn[1].abs_diff(last) <= 3);
     assert_eq!(kept_points(log(window, "lake-1"), turn), 0);
@@ -236,12 +236,12 @@ fn leave_a_turn_out(window: &mut Window) -> [usize; 2] {
     press(window, Modifiers::NONE, Key::Escape);
     let [from, to] = other.map(|ping| on_map(window, id, ping));
     press(window, Modifiers::NONE, Key::K);
-    assert_eq!(app(window).log.reviewing.tool, Tool::LeaveOut);
+    assert_eq!(app(window).log.reviewing.tool, Tool::Exclude);
     drag(window, from, to);
     settle(window);
-    let slip = log(window, "lake-3").left_out().expect("found").clone();
-    assert_eq!(slip.left_out.stretches.len(), 1);
-    let [first, last] = slip.left_out.stretches[0].pings.expect("pings");
+    let slip = log(window, "lake-3").exclusions().expect("found").clone();
+    assert_eq!(slip.exclusions.stretches.len(), 1);
+    let [first, last] = slip.exclusions.stretches[0].pings.expect("pings");
     press(window, Modifiers::NONE, Key::Escape);
     let middle = on_map(window, id, usize::midpoint(first, last));
     press(window, Modifiers::NONE, Key::K);
@@ -249,9 +249,9 @@ fn leave_a_turn_out(window: &mut Window) -> [usize; 2] {
     settle(window);
     assert!(
         log(window, "lake-3")
-            .left_out()
+            .exclusions()
             .expect("found")
-            .left_out
+            .exclusions
             .is_empty()
     );
     press(window, Modifiers::NONE, Key::Escape);
@@ -338,14 +338,14 @@ fn review_two_logs(window: &mut Window) {
 
 fn check_products(out: &Path, turn: [usize; 2], offsets: &[f64]) {
     let table = fs::read_to_string(out.join("points/first_returns.csv")).expect("a table");
-    let left_out = rows(&table, "lake-1", ["ping", "left_out"]);
-    let drawn = left_out.iter().filter(|[_, reason]| reason == "drawn");
+    let exclusions = rows(&table, "lake-1", ["ping", "excluded"]);
+    let drawn = exclusions.iter().filter(|[_, reason]| reason == "drawn");
     let drawn: Vec<usize> = drawn
         .map(|[ping, _]| ping.parse().expect("a ping"))
         .collect();
     assert_eq!(drawn, (turn[0]..=turn[1]).collect::<Vec<_>>());
     for other in ["lake-0", "lake-2", "lake-3"] {
-        let reasons = rows(&table, other, ["ping", "left_out"]);
+        let reasons = rows(&table, other, ["ping", "excluded"]);
         assert!(!reasons.is_empty() && reasons.iter().all(|[_, reason]| reason.is_empty()));
     }
     // The ranges are those of the calibration; edits are certain.
@@ -367,8 +367,8 @@ fn check_products(out: &Path, turn: [usize; 2], offsets: &[f64]) {
             log["log"]
         );
     }
-    assert_eq!(logs[1]["left_out"][0]["pings"], serde_json::json!(turn));
-    assert_eq!(report["counts"]["left_out_pings"], turn[1] + 1 - turn[0]);
+    assert_eq!(logs[1]["excluded"][0]["pings"], serde_json::json!(turn));
+    assert_eq!(report["counts"]["excluded_pings"], turn[1] + 1 - turn[0]);
     for name in [
         "depth/depth.tif",
         "points/cloud.copc.laz",

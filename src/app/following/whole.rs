@@ -115,7 +115,7 @@ impl App {
 fn bare(settings: &Settings) -> Settings {
     let mut bare = settings.clone();
     (bare.bottom.log_bytes, bare.bottom.pings) = (0, 0);
-    bare.left_out.log = None;
+    bare.excluded.log = None;
     bare.picture = PictureSettings::default();
     bare
 }

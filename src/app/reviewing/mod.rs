@@ -56,8 +56,8 @@ pub enum Tool {
     Point,
     /// Draws the bottom.
     Bottom,
-    /// Leaves stretches out; on the map too.
-    LeaveOut,
+    /// Excludes stretches; on the map too.
+    Exclude,
     /// Proposes a stretch for the scale; on the map too.
     Calibrate,
     /// Accepts first returns above the recorded depth as bottom.

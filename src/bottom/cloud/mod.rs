@@ -26,13 +26,13 @@ pub use class::{ClassCounts, ClassRules, PointClass, classify};
 pub use correction::{Correction, DepthReference, DepthSettings};
 pub use depth_change::DepthChange;
 pub use geometry::{BottomPoint, across_track, fixed_bottom_point};
-pub use ping_depth::{DepthSource, PingDepth, TrackShare, leave_depths_out, ping_depths};
+pub use ping_depth::{DepthSource, PingDepth, TrackShare, clear_excluded_depths, ping_depths};
 pub use reduction::Reduction;
 pub use residuals::{Residuals, residuals, same_ping_differences};
 pub use scales::PointScales;
 
 use crate::sonar::first_return::ground_confidence;
-use crate::survey::LeftOut;
+use crate::survey::Exclusions;
 use serde::{Deserialize, Serialize};
 use std::num::NonZero;
 use std::sync::Arc;
@@ -204,16 +204,16 @@ impl PointCloud {
         })
     }
 
-    /// The same without the points of pings and soundings that are left out.
+    /// The same without the points of pings and soundings that are excluded.
     #[must_use]
-    pub fn without(self, left_out: &LeftOut) -> Self {
-        if left_out.is_empty() {
+    pub fn without(self, exclusions: &Exclusions) -> Self {
+        if exclusions.is_empty() {
             return self;
         }
         let counts = |point: &&CloudPoint| {
             let reason = match point.sounding {
-                Some(sounding) => left_out.sounding(sounding.get()),
-                None => left_out.ping(point.ping as usize),
+                Some(sounding) => exclusions.sounding(sounding.get()),
+                None => exclusions.ping(point.ping as usize),
             };
             reason.is_none()
         };

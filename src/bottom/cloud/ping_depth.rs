@@ -1,7 +1,7 @@
 //! The depth under the boat at every ping, and what it comes from.
 
 use super::{Correction, PointClass, PointCloud, PointSource};
-use crate::survey::{LeftOut, PingNav, Survey};
+use crate::survey::{Exclusions, PingNav, Survey};
 use serde::Serialize;
 
 /// What the depth under the boat comes from.
@@ -57,10 +57,10 @@ pub fn ping_depths(
     depths
 }
 
-/// Takes the depths from the pings that are left out; `first` is the ping of the first of them.
-pub fn leave_depths_out(depths: &mut [PingDepth], first: usize, left_out: &LeftOut) {
+/// Takes the depths from the pings that are excluded; `first` is the ping of the first of them.
+pub fn clear_excluded_depths(depths: &mut [PingDepth], first: usize, exclusions: &Exclusions) {
     for (ping, depth) in (first..).zip(depths) {
-        if left_out.ping(ping).is_some() {
+        if exclusions.ping(ping).is_some() {
             *depth = PingDepth {
                 depth_m: f32::NAN,
                 source: DepthSource::None,

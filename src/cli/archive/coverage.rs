@@ -100,7 +100,7 @@ struct Printed<'a> {
     distance_m: f64,
     time: Option<String>,
     time_s: f64,
-    left_out: bool,
+    excluded: bool,
 }
 
 impl<'a> Printed<'a> {
@@ -116,7 +116,7 @@ impl<'a> Printed<'a> {
             distance_m: one.seen.distance_m,
             time: one.unix_us.map(utc),
             time_s: one.time_s,
-            left_out: one.is_left_out,
+            excluded: one.is_excluded,
         }
     }
 }
@@ -166,12 +166,12 @@ fn of_pass(pass: &[&PingCoverage]) -> String {
     let time = first
         .unix_us
         .map_or_else(|| format!("{:.1} s", first.time_s), utc);
-    let left_out = match pass.iter().all(|one| one.is_left_out) {
-        true => ", left out",
+    let excluded = match pass.iter().all(|one| one.is_excluded) {
+        true => ", excluded",
         false => "",
     };
     format!(
-        "{}: ping {}, {}, sample {}, slant range {:.1} m, {time}{left_out}",
+        "{}: ping {}, {}, sample {}, slant range {:.1} m, {time}{excluded}",
         first.name,
         range(first.ping, last.ping),
         first.side.name(),

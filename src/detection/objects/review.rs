@@ -3,7 +3,7 @@
 use super::{LogBox, LogId, LogNumbers, ObjectBox, ObjectNumbers};
 use crate::detection::review::{Review, Reviewed};
 use crate::detection::targets::Target;
-use crate::survey::LeftOut;
+use crate::survey::Exclusions;
 use std::sync::Arc;
 
 /// The boxes of a log, and from which confidence they count.
@@ -18,10 +18,13 @@ pub struct LogReview {
 }
 
 impl LogReview {
-    /// The boxes that count: none whose middle lies in a stretch that is left out.
-    pub fn boxes<'a>(&'a self, left_out: &'a LeftOut) -> impl Iterator<Item = &'a Arc<Reviewed>> {
+    /// The boxes that count: none whose middle lies in a stretch that is excluded.
+    pub fn boxes<'a>(
+        &'a self,
+        exclusions: &'a Exclusions,
+    ) -> impl Iterator<Item = &'a Arc<Reviewed>> {
         let counts = |one: &&Arc<Reviewed>| {
-            one.is_shown_from(self.threshold) && !left_out.is_middle_out(&one.mark.pings)
+            one.is_shown_from(self.threshold) && !exclusions.is_middle_excluded(&one.mark.pings)
         };
         self.review.shared().iter().filter(counts)
     }

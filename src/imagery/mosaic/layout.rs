@@ -7,7 +7,7 @@ use super::{MosaicSettings, TILE_CELLS};
 use crate::bottom::bathymetry::Grid;
 use crate::sonar::calibration::Calibration;
 use crate::sonar::first_return::FirstReturns;
-use crate::survey::{AcrossTrack, LeftOut, Navigation, Relief, Side, Survey, turn_rates_deg_s};
+use crate::survey::{AcrossTrack, Exclusions, Navigation, Relief, Side, Survey, turn_rates_deg_s};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -254,14 +254,14 @@ impl Layout {
         self.boxed()
     }
 
-    /// The same without the pings that are left out, and without the ground between them and the next.
+    /// The same without the pings that are excluded, and without the ground between them and the next.
     #[must_use]
-    pub fn without(mut self, left_out: &LeftOut) -> Self {
-        if left_out.is_empty() {
+    pub fn without(mut self, exclusions: &Exclusions) -> Self {
+        if exclusions.is_empty() {
             return self;
         }
         for (index, ping) in self.pings.iter().enumerate() {
-            if left_out.ping(*ping as usize).is_some() {
+            if exclusions.ping(*ping as usize).is_some() {
                 self.placed[index] = None;
                 self.joined[index] = false;
                 if let Some(before) = index.checked_sub(1) {

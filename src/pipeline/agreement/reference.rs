@@ -205,8 +205,8 @@ impl MissionLog {
             let mut settings = settings.clone();
             settings.calibration.pings = None;
             settings.bottom = BottomSettings::default();
-            settings.left_out.log = None;
-            settings.left_out.stretches.clear();
+            settings.excluded.log = None;
+            settings.excluded.stretches.clear();
             settings.height_offset_m = 0.0;
             settings
         });

@@ -22,7 +22,7 @@ pub fn log_echoes<'a>(
             .get(ping)
             .map_or(f64::NAN, |ping| ping.time_s);
         let navigation = products.navigation.pings.get(ping);
-        let counts = products.left_out.ping(ping).is_none();
+        let counts = products.exclusions.ping(ping).is_none();
         let (place_m, starboard) = navigation
             .filter(|_| counts)
             .and_then(|navigation| placed(navigation, &place))

@@ -5,7 +5,7 @@ use crate::pipeline::{ProcessedLog, Same, mosaic_layout_by};
 use crate::sonar::calibration::Calibration;
 use crate::sonar::first_return::FirstReturns;
 use crate::support::progress::{Cancelled, Progress};
-use crate::survey::{LeftOut, Navigation, Survey};
+use crate::survey::{Exclusions, Navigation, Survey};
 
 /// What the side-scan of a log is laid out by on the ground; equal keys give equal layouts.
 #[derive(Clone, PartialEq)]
@@ -14,7 +14,7 @@ pub struct SideScanKey {
     navigation: Same<Navigation>,
     bottom_line: Same<FirstReturns>,
     calibration: Same<Calibration>,
-    left_out: Same<LeftOut>,
+    exclusions: Same<Exclusions>,
     range_factor: f64,
 }
 
@@ -26,7 +26,7 @@ impl SideScanKey {
             navigation: Same(products.navigation.clone()),
             bottom_line: Same(products.bottom_line.clone()),
             calibration: Same(products.calibration.clone()),
-            left_out: Same(products.left_out.clone()),
+            exclusions: Same(products.exclusions.clone()),
             range_factor: products.correction.range_factor(),
         }
     }
@@ -61,7 +61,7 @@ pub fn made(log: &ProcessedLog, progress: &Progress) -> Result<Option<GainTable>
         None => {
             let placeless = Layout::placeless(survey, &products.bottom_line, &products.calibration)
                 .with_range_factor(products.correction.range_factor());
-            table(&placeless.without(&products.left_out))
+            table(&placeless.without(&products.exclusions))
         }
     }
 }

@@ -9,7 +9,7 @@ use crate::pipeline::{
     CalibrationReport, CommonUncertainty, Input, ProcessedLog, Report, Settings, setting_values,
 };
 use crate::support::progress::{Cancelled, Progress};
-use crate::survey::{LeftOutStretch, Survey, apart};
+use crate::survey::{ExcludedStretch, Survey, apart};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -49,7 +49,7 @@ pub struct LogReport {
     /// Counts.
     pub counts: Counts,
     /// Stretches that count for nothing.
-    pub left_out: Vec<LeftOutStretch>,
+    pub excluded: Vec<ExcludedStretch>,
     /// Scales.
     pub calibration: CalibrationReport,
     /// What the depths along the track come from.
@@ -82,7 +82,7 @@ pub fn joint_report(
     };
     let found = height_offsets(logs, Datum::Mean, progress)?;
     all.inputs = Vec::new();
-    all.left_out = Vec::new();
+    all.excluded = Vec::new();
     all.residuals = Residuals::of(&mut same_ping(logs));
     all.uncertainty = CommonUncertainty::of(logs, progress)?;
     all.warnings = Vec::new();
@@ -112,7 +112,7 @@ pub fn joint_report(
             offset,
             against_the_others: compare_logs(&[&logs[index]], &others, progress)?,
             counts: single.counts,
-            left_out: single.left_out,
+            excluded: single.excluded,
             calibration: single.calibration,
             track: single.track,
             residuals: single.residuals,
@@ -160,7 +160,7 @@ fn own_settings(first: &Settings, own: &Settings) -> BTreeMap<String, Option<tom
     let [values, others] = [first, own].map(setting_values);
     let keys = values.keys().chain(others.keys());
     // Which log the stretches were named for is known where they stand here.
-    let keys = keys.filter(|key| key.as_str() != "left_out.log");
+    let keys = keys.filter(|key| key.as_str() != "excluded.log");
     let differ = keys.filter(|key| values.get(*key) != others.get(*key));
     let differ = differ.map(|key| (key.clone(), others.get(key).cloned()));
     let mut differ: BTreeMap<_, _> = differ.collect();
@@ -213,7 +213,7 @@ pub fn contradictions<'a>(
         let [one, other] = pair.logs.map(|log| names.get(log).map_or("", String::as_str));
         let (left_m, places) = (pair.residual_m, pair.n);
         format!(
-            "{one} and {other} differ by {left_m:+.2} m at {places} places after all height offsets: look for a clock, a water level or a bottom that changed, and leave out what is wrong"
+            "{one} and {other} differ by {left_m:+.2} m at {places} places after all height offsets: look for a clock, a water level or a bottom that changed, and exclude what is wrong"
         )
     })
 }

@@ -21,7 +21,8 @@ impl Settings {
         self.with_overrides(over).map_err(|error| refused(error.0))
     }
 
-    fn with_overrides(&self, over: Table) -> Result<Self, SettingsError> {
+    fn with_overrides(&self, mut over: Table) -> Result<Self, SettingsError> {
+        rename_group(&mut over);
         if let Some(sentence) = unknown_in(&over) {
             return Err(SettingsError(sentence));
         }
@@ -151,8 +152,26 @@ fn flatten<'a>(prefix: &str, table: &'a Table, values: &mut Vec<(String, &'a Val
     }
 }
 
+/// A group of settings that is read under the name of an earlier version as well: then and now.
+const RENAMED_GROUP: (&str, &str) = ("left_out", "excluded");
+
+/// Gives the group its present name, unless the table has that too.
+fn rename_group(table: &mut Table) {
+    let (then, now) = RENAMED_GROUP;
+    if !table.contains_key(now)
+        && let Some(group) = table.remove(then)
+    {
+        table.insert(now.to_owned(), group);
+    }
+}
+
 /// Settings that were called otherwise in an earlier version: then and now.
-const RENAMED: [(&str, &str); 2] = [
+const RENAMED: [(&str, &str); 7] = [
+    ("left_out.log", "excluded.log"),
+    ("left_out.max_turn_deg_s", "excluded.max_turn_deg_s"),
+    ("left_out.min_duration_s", "excluded.min_duration_s"),
+    ("left_out.min_speed_mps", "excluded.min_speed_mps"),
+    ("left_out.stretches", "excluded.stretches"),
     ("picture.swap_sides", "picture.starboard_first"),
     ("water_level.clock_offset_s", "mounting.clock_offset_s"),
 ];
@@ -243,6 +262,10 @@ mod tests {
             "`water_level.clock_offset_s` is called `mounting.clock_offset_s` now"
         );
         assert!(RENAMED.iter().all(|(_, now)| row(now).is_some()));
+        let settings = Settings::default().with_assignment("left_out.min_duration_s=4");
+        assert_eq!(settings.map(|one| one.excluded.min_duration_s), Ok(4.0));
+        let file = Settings::default().with_toml("[left_out]\nmin_duration_s = 5.0\n");
+        assert_eq!(file.map(|one| one.excluded.min_duration_s), Ok(5.0));
         assert!(refused("nothing_alike=3").contains("--help"));
         assert_eq!(
             refused("cloud=3"),

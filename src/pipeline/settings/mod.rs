@@ -31,7 +31,7 @@ use crate::sonar::first_return::{
 };
 use crate::support::geo::{CrsChoice, SourceCrs};
 use crate::survey::{
-    HeadingSettings, HeadingSource, LeftOutSettings, MountingSettings, Placing, PositionShift,
+    ExclusionSettings, HeadingSettings, HeadingSource, MountingSettings, Placing, PositionShift,
     Projection, TrackSettings,
 };
 use serde::{Deserialize, Serialize};
@@ -104,8 +104,9 @@ pub struct Settings {
     pub source: SourceSettings,
     /// `track.*`, for a track from another receiver; it acts when the track is applied to the log, before any stage.
     pub track: TrackSettings,
-    /// `left_out.*`: turns, stops and other stretches that count for nothing.
-    pub left_out: LeftOutSettings,
+    /// `excluded.*`, once `left_out.*`: turns, stops and other stretches that count for nothing.
+    #[serde(alias = "left_out")]
+    pub excluded: ExclusionSettings,
     /// `outliers.*`.
     pub outliers: OutlierSettings,
     /// `detector.*`, for `process`. The window has its own choice of model and confidence.
@@ -268,8 +269,8 @@ impl Settings {
         settings.mounting = other.mounting;
         settings.position_shift = other.position_shift;
         settings.source = other.source.clone();
-        settings.left_out.log = other.left_out.log.clone();
-        settings.left_out.stretches = other.left_out.stretches.clone();
+        settings.excluded.log = other.excluded.log.clone();
+        settings.excluded.stretches = other.excluded.stretches.clone();
         settings.draft_m = other.draft_m;
         settings.water_level_m = other.water_level_m;
         settings.water_level = other.water_level.clone();
@@ -308,7 +309,7 @@ impl Settings {
     pub fn check(&self) -> Result<(), SettingsError> {
         rows::ROWS.iter().try_for_each(|row| row.check(self))?;
         let rules = self.sound_speed.check().and_then(|()| self.bottom.check());
-        let rules = rules.and_then(|()| self.left_out.check());
+        let rules = rules.and_then(|()| self.excluded.check());
         let rules = rules.and_then(|()| self.review.check());
         rules.map_err(|rule| SettingsError(rule.to_owned()))?;
         let crs = self.crs.check();

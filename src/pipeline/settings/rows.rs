@@ -212,19 +212,19 @@ rows! {
     SOURCE_CRS: "source.crs", "Metres of", "system of the log's metres",
         "Coordinate system of positions in metres, where the log does not name it, as XTF logs may not. Without it, positions are drawn at longitude 0, latitude 0.",
         Kind::Text("EPSG:NUMBER");
-    MAX_TURN: "left_out.max_turn_deg_s", "Turns from", "turns to exclude",
+    MAX_TURN: "excluded.max_turn_deg_s", "Turns from", "turns to exclude",
         "Stretches in which the boat turns faster than this are excluded from every result.",
-        number!(left_out.max_turn_deg_s, "°/s", [0.1, 360.0], 0.1, 1, LogSlider, Some("no turn is excluded"));
-    MIN_SPEED: "left_out.min_speed_mps", "Stops below", "stops to exclude",
+        number!(excluded.max_turn_deg_s, "°/s", [0.1, 360.0], 0.1, 1, LogSlider, Some("no turn is excluded"));
+    MIN_SPEED: "excluded.min_speed_mps", "Stops below", "stops to exclude",
         "Stretches in which the boat is slower than this are excluded from every result.",
-        number!(left_out.min_speed_mps, "m/s", [0.01, 20.0], 0.01, 2, LogSlider, Some("no stop is excluded"));
-    MIN_DURATION: "left_out.min_duration_s", "Shortest", "shortest turn or stop to exclude",
+        number!(excluded.min_speed_mps, "m/s", [0.01, 20.0], 0.01, 2, LogSlider, Some("no stop is excluded"));
+    MIN_DURATION: "excluded.min_duration_s", "Shortest", "shortest turn or stop to exclude",
         "Shorter turns and stops are not excluded; a shorter stretch between two of them is excluded with them.",
-        number!(left_out.min_duration_s, "s", [0.0, 3600.0], 0.1, 1, LogSlider);
-    LEFT_OUT_LOG: "left_out.log", "Log", "log of the stretches",
+        number!(excluded.min_duration_s, "s", [0.0, 3600.0], 0.1, 1, LogSlider);
+    EXCLUDED_LOG: "excluded.log", "Log", "log of the stretches",
         "The log that the stretches belong to; they are not applied to another log.",
         Kind::Text("size and hash of a log");
-    STRETCHES: "left_out.stretches", "Stretches", "excluded stretches",
+    STRETCHES: "excluded.stretches", "Stretches", "excluded stretches",
         "Stretches of one log that are excluded from every result, or kept although a turn or a stop is there.",
         Kind::Text("[{ pings = [A, B], reason = \"turn | stop | bad | drawn | kept\" }, ...], or time_s in place of pings");
     // Between the spacing of the densest points and the width of the largest swath.
@@ -329,7 +329,7 @@ rows! {
     NADIR_GAP: "mosaic.nadir_gap_deg", "Nadir gap", "nadir gap",
         "Ground within this angle from straight down is not drawn; 0 fills the gap under the boat.",
         number!(mosaic.nadir_gap_deg, "°", [0.0, 60.0], 1.0, 0, Slider);
-    // The quickest boat turns once in a few seconds: from there on nothing is left out.
+    // The quickest boat turns once in a few seconds: from there on nothing is excluded.
     MOST_TURN: "mosaic.most_turn_deg_s", "Turns from", "turn rate",
         "Pings at higher turn rates are not drawn, since their far ranges sweep over the ground.",
         number!(mosaic.most_turn_deg_s, "°/s", [0.1, 360.0], 0.1, 1, LogSlider);

@@ -129,10 +129,10 @@ mod tests {
         assert_eq!([draft.step, draft.ends[0]], [0.01, 0.0]);
         let stops = number(&rows::MIN_SPEED).shown_in(feet);
         stops.take(&mut settings, 1.0);
-        let mps = settings.left_out.min_speed_mps.unwrap();
+        let mps = settings.excluded.min_speed_mps.unwrap();
         assert!((mps - 1852.0 / 3600.0).abs() < 1e-12);
         stops.take(&mut settings, 0.0);
-        assert_eq!(settings.left_out.min_speed_mps, None);
+        assert_eq!(settings.excluded.min_speed_mps, None);
         let recorder = number(&rows::RECORDER_SPEED).shown_in(feet);
         recorder.take(&mut settings, 4800.0);
         assert!((settings.sound_speed.recorder_m_s - 1463.04).abs() < 1e-9);
@@ -149,7 +149,7 @@ mod tests {
         assert_eq!(rows::DRAFT.value_in_words(&settings, units), "0.30 m");
         let scale = rows::SCALE.value_in_words(&settings, units);
         assert_eq!(scale, "recorded range");
-        settings.left_out.min_speed_mps = None;
+        settings.excluded.min_speed_mps = None;
         assert_eq!(rows::MIN_SPEED.value_in_words(&settings, units), "none");
     }
 

@@ -34,8 +34,8 @@ pub struct PingCoverage {
     pub time_s: f64,
     /// Microseconds since 1970, UTC, where the recorder knew the time.
     pub unix_us: Option<i64>,
-    /// Whether the settings leave the ping out of every result.
-    pub is_left_out: bool,
+    /// Whether the settings exclude the ping from every result.
+    pub is_excluded: bool,
 }
 
 /// The place whose coverage is asked for.
@@ -204,7 +204,7 @@ fn sightings(search: &Search<'_>, pings: &[PingRow]) -> Vec<PingCoverage> {
                 seen,
                 time_s: ping.time_s,
                 unix_us: ping.unix_us,
-                is_left_out: ping.is_left_out,
+                is_excluded: ping.is_excluded,
             }));
         }
     }

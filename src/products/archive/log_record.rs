@@ -6,7 +6,8 @@ use super::record::LONGEST_RECORD;
 use super::tile::TileId;
 use crate::bottom::swath::LearntLevels;
 use crate::pipeline::{
-    Fingerprint, LogFiles, SettingValues, Settings, in_hexadecimal, setting_values,
+    Fingerprint, LogFiles, SettingValues, Settings, deserialize_values, in_hexadecimal,
+    setting_values,
 };
 use crate::support::regular_file;
 use crate::survey::Survey;
@@ -51,6 +52,7 @@ pub(super) struct Origin {
     /// The log's files, the track of another receiver and the readings of the water level.
     files: Vec<Fingerprint>,
     /// All settings.
+    #[serde(deserialize_with = "deserialize_values")]
     settings: SettingValues,
     /// SHA-256 of the bottom edits, where there are any.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -211,11 +211,12 @@ pub(super) fn columns(log: &LogRows<'_>, rows: &[Row], footprints: &[Footprint])
                     .collect(),
             ),
         ),
+        // Whether the settings exclude the ping. The column keeps its old name: archives hold files of many years.
         Column::new(
             "left_out",
             Values::Flag(
                 rows.iter()
-                    .map(|row| log.products.left_out.ping(row.index).is_some())
+                    .map(|row| log.products.exclusions.ping(row.index).is_some())
                     .collect(),
             ),
         ),
@@ -236,7 +237,7 @@ pub(super) struct PingRow {
     /// Whether the boat was in the halo, or farther outside of the tile.
     pub is_halo: bool,
     /// Whether its echoes count for nothing.
-    pub is_left_out: bool,
+    pub is_excluded: bool,
     /// Seconds after the log's time zero.
     pub time_s: f64,
     /// Microseconds since 1970, UTC, where the recorder knew the time.
@@ -291,7 +292,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<PingRow>, ArchiveError> {
             Values::Whole(starboard),
             Values::Whole(pings),
             Values::Flag(halo),
-            Values::Flag(left_out),
+            Values::Flag(excluded),
             Values::Time(times),
         ],
     ) = <[Values; 6]>::try_from(read_parquet(path, &OTHERS)?)
@@ -303,7 +304,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<PingRow>, ArchiveError> {
         port.len(),
         starboard.len(),
         halo.len(),
-        left_out.len(),
+        excluded.len(),
         times.len(),
     ];
     if numbers
@@ -335,7 +336,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<PingRow>, ArchiveError> {
             },
             depth_m: number(5),
             is_halo: halo[index],
-            is_left_out: left_out[index],
+            is_excluded: excluded[index],
             time_s: number(12),
             unix_us: times[index],
         })

@@ -11,7 +11,8 @@ use super::tile::{TILE_M, TileId};
 use crate::bottom::bathymetry::{Grid, LOCAL_MARGIN_CELLS, local_reach_m};
 use crate::formats::read_area;
 use crate::pipeline::{
-    Fingerprint, SettingValues, Settings, is_of_one_log, setting_values, with_values,
+    Fingerprint, SettingValues, Settings, deserialize_values, is_of_one_log, setting_values,
+    with_values,
 };
 use crate::products::export::write_atomically;
 use crate::support::regular_file;
@@ -68,6 +69,7 @@ pub struct ArchiveRecord {
     /// Side of a cell of the maps, metres.
     pub cell_m: f64,
     /// The settings that rows and maps depend on, but for those that belong to one log: draft, water level, mounting.
+    #[serde(deserialize_with = "deserialize_values")]
     settings: SettingValues,
     /// The file of the area that isobaths end at, in the folder of the archive: its content is the setting, not where it once lay.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -3,15 +3,15 @@
 use super::log_points::LogColumn;
 use super::{ExportError, LogPoints, Summary, write_atomically};
 use crate::bottom::cloud::slant_range_m;
-use crate::survey::{LeftOutReason, Side};
+use crate::survey::{ExclusionReason, Side};
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 const HEADER: &str = "ping,time_s,lon,lat,east_m,north_m,heading_deg,depth_m,\
-     port_sample,port_range_m,port_confidence,starboard_sample,starboard_range_m,starboard_confidence,left_out";
+     port_sample,port_range_m,port_confidence,starboard_sample,starboard_range_m,starboard_confidence,excluded";
 
 /// Writes one line for each side-scan ping; a field is empty where there is no value. `*_sample` counts u8 samples outward
-/// from the middle, `*_range_m` is after calibration, `left_out` why a ping counts for nothing. Of several logs the column `log` stands
+/// from the middle, `*_range_m` is after calibration, `excluded` why a ping counts for nothing. Of several logs the column `log` stands
 /// before the others.
 ///
 /// # Errors
@@ -62,7 +62,7 @@ fn write_ping(
         number(out, range_m, 4)?;
         number(out, confidence, 3)?;
     }
-    let reason = log.left_out.ping(index).map_or("", LeftOutReason::name);
+    let reason = log.exclusions.ping(index).map_or("", ExclusionReason::name);
     writeln!(out, ",{reason}")
 }
 

@@ -3,7 +3,7 @@
 use crate::bottom::cloud::{CloudPoint, Correction, PointClass, PointCloud, Reduction};
 use crate::sonar::calibration::Calibration;
 use crate::sonar::first_return::FirstReturns;
-use crate::survey::{LeftOut, Navigation, Survey};
+use crate::survey::{Exclusions, Navigation, Survey};
 use std::borrow::Cow;
 
 /// The points of a log and what they come from.
@@ -22,7 +22,7 @@ pub struct LogPoints<'a> {
     /// What was done to depths.
     pub correction: &'a Correction,
     /// What counts for nothing.
-    pub left_out: &'a LeftOut,
+    pub exclusions: &'a Exclusions,
     /// Its points.
     pub cloud: &'a PointCloud,
     /// The class of each point.

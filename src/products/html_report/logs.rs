@@ -19,7 +19,7 @@ pub fn section(from: &ReportData<'_>) -> String {
     };
     let mut html = String::from(
         "<h2>The logs</h2>\n<table><tr><th class=\"text\">log</th><th class=\"text\">recorded, UTC</th><th>track</th><th>pings</th><th>soundings</th>\
-         <th>left out</th><th>recorded depth, m</th><th>height offset, m</th><th>in force, m</th><th>overlaps</th><th>against the others, m</th><th>95 %, m</th></tr>\n",
+         <th>excluded</th><th>recorded depth, m</th><th>height offset, m</th><th>in force, m</th><th>overlaps</th><th>against the others, m</th><th>95 %, m</th></tr>\n",
     );
     for (report, log) in all.logs.iter().zip(from.logs) {
         html += &line(report, log);
@@ -49,12 +49,12 @@ fn line(report: &LogReport, log: &ProcessedLog) -> String {
         ),
         None => ("apart".to_owned(), String::new()),
     };
-    let left_out = match report.counts.left_out_pings {
+    let excluded = match report.counts.excluded_pings {
         0 => String::new(),
         pings => count(pings),
     };
     format!(
-        "<tr><td class=\"text\">{}</td><td class=\"text\">{}</td><td>{}</td><td>{}</td><td>{}</td><td>{left_out}</td><td>{}</td><td>{offset}</td><td>{}</td><td>{}</td><td>{median}</td><td>{p95}</td></tr>\n",
+        "<tr><td class=\"text\">{}</td><td class=\"text\">{}</td><td>{}</td><td>{}</td><td>{}</td><td>{excluded}</td><td>{}</td><td>{offset}</td><td>{}</td><td>{}</td><td>{median}</td><td>{p95}</td></tr>\n",
         xml(&report.log),
         recorded(&log.survey),
         way(sailed_m(log)),

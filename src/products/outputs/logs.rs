@@ -28,7 +28,7 @@ pub(super) fn log_points<'a>(logs: &'a [ProcessedLog], names: &'a [String]) -> V
             returns: &products.returns,
             calibration: &products.calibration,
             correction: &products.correction,
-            left_out: &products.left_out,
+            exclusions: &products.exclusions,
             cloud: &products.cloud,
             classes: &products.classes,
         }

@@ -79,7 +79,7 @@ fn outline(of: &ProcessedLog, target: &Target) -> Option<[LonLat; 4]> {
     is_known.then(|| target.corners().map(place))
 }
 
-/// Whether the middle of a box lies in a stretch that is left out.
-pub fn is_left_out(products: &Products, mark: &Mark) -> bool {
-    products.left_out.is_middle_out(&mark.pings)
+/// Whether the middle of a box lies in a stretch that is excluded.
+pub fn is_excluded(products: &Products, mark: &Mark) -> bool {
+    products.exclusions.is_middle_excluded(&mark.pings)
 }

@@ -4,7 +4,7 @@ use super::Product;
 use super::depth::tiles::MapTiles;
 use super::logs::{log_names, log_points, survey_name};
 use super::mosaic::grid;
-use super::objects::{Shapes, find_shapes, is_left_out};
+use super::objects::{Shapes, find_shapes, is_excluded};
 use super::registry::When;
 use super::track::Ground;
 use super::write::Order;
@@ -420,7 +420,7 @@ impl<'a> Results<'a> {
         made.map(Vec::as_slice)
     }
 
-    /// What a model finds in each log outside the stretches that are left out; `None` where none searches.
+    /// What a model finds in each log outside the stretches that are excluded; `None` where none searches.
     pub fn found(&self) -> Result<Option<&[Vec<Detection>]>, OutputError> {
         let Some(model) = self.order.search else {
             return Ok(None);
@@ -431,7 +431,7 @@ impl<'a> Results<'a> {
             }
             let (navigation, settings) = (&products.navigation, &products.settings.detector);
             let mut found = find(survey, navigation, model, settings, self.progress, |_| ())?;
-            found.retain(|one| !is_left_out(products, &one.mark));
+            found.retain(|one| !is_excluded(products, &one.mark));
             Ok(found)
         };
         let made = once(&self.found, || self.logs().map(of_log).collect());

@@ -5,7 +5,7 @@ use super::super::measurement::MeasurementRow;
 use super::super::row::{Key, Row, Rows, parse_value};
 use super::super::{Project, ProjectError, Unknown, paths};
 use super::{
-    BOTTOM_FIELDS, BOX_FIELDS, LEFT_OUT, LEFT_OUT_FIELDS, LEFT_OUT_LOG, PATH_KEYS, SEARCHED_FIELDS,
+    BOTTOM_FIELDS, BOX_FIELDS, EXCLUDED, EXCLUDED_FIELDS, EXCLUDED_LOG, PATH_KEYS, SEARCHED_FIELDS,
     value_of,
 };
 use crate::detection::NAMELESS_CLASS;
@@ -14,7 +14,7 @@ use crate::pipeline::settings::renamed;
 use crate::pipeline::{LogSettings, SettingValues, Settings, from_values, is_setting};
 use crate::sonar::first_return::{BottomEdit, BottomSettings};
 use crate::support::geo::LonLat;
-use crate::survey::{Identity, LeftOutSettings, Side, Stretch};
+use crate::survey::{ExclusionSettings, Identity, Side, Stretch};
 use serde::de::DeserializeOwned;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -45,7 +45,7 @@ struct LogLines {
     head: BTreeMap<String, Row>,
     settings: Vec<Line>,
     bottom: Vec<Line>,
-    left_out: Vec<Line>,
+    excluded: Vec<Line>,
     searched: Vec<Line>,
     boxes: Vec<Line>,
 }
@@ -146,7 +146,7 @@ impl LogLines {
             }
             ["settings", _, ..] => &mut self.settings,
             ["bottom", "port" | "starboard", ping] if is_number(ping) => &mut self.bottom,
-            ["left_out", "pings" | "time_s", _] => &mut self.left_out,
+            ["excluded", "pings" | "time_s", _] => &mut self.excluded,
             ["searched", ping] if is_number(ping) => &mut self.searched,
             ["box", number] if is_number(number) => &mut self.boxes,
             _ => return false,
@@ -286,10 +286,10 @@ impl Reading<'_> {
             ..log.file.identity()
         };
         settings.bottom = self.bottom(key, &lines.bottom, &of)?;
-        let left_out = self.left_out(key, &lines.left_out)?;
-        if !left_out.is_empty() {
-            settings.set(LEFT_OUT, Value::Array(left_out));
-            settings.set(LEFT_OUT_LOG, value_of(&log.file.identity()));
+        let excluded = self.excluded(key, &lines.excluded)?;
+        if !excluded.is_empty() {
+            settings.set(EXCLUDED, Value::Array(excluded));
+            settings.set(EXCLUDED_LOG, value_of(&log.file.identity()));
         }
         let composed = settings
             .compose(shared)
@@ -298,13 +298,13 @@ impl Reading<'_> {
         Ok(settings)
     }
 
-    /// The stretches that are left out, as the settings have them.
-    fn left_out(&mut self, log: &str, lines: &[Line]) -> Result<Vec<Value>, ProjectError> {
+    /// The stretches that are excluded, as the settings have them.
+    fn excluded(&mut self, log: &str, lines: &[Line]) -> Result<Vec<Value>, ProjectError> {
         let mut stretches = Vec::with_capacity(lines.len());
         for (parts, row) in lines {
-            let start = ["log", log, "left_out"].map(str::to_owned);
+            let start = ["log", log, "excluded"].map(str::to_owned);
             let key = Key::new(start.into_iter().chain(parts.iter().cloned()));
-            let mut fields: Table = self.fields(&key, row, &LEFT_OUT_FIELDS)?;
+            let mut fields: Table = self.fields(&key, row, &EXCLUDED_FIELDS)?;
             let wrong = |what: String| ProjectError::line(row.line, what);
             let [unit, first] = parts.as_slice() else {
                 continue;
@@ -312,15 +312,15 @@ impl Reading<'_> {
             // The second of two that begin at 30 is called `30 2`.
             let first = first.split(' ').next().unwrap_or_default();
             let first = parse_value(first).map_err(|error| wrong(error.to_string()))?;
-            let missing = || wrong("a stretch that is left out has no `last`".to_owned());
+            let missing = || wrong("a stretch that is excluded has no `last`".to_owned());
             let last = fields.remove("last").ok_or_else(missing)?;
             fields.insert(unit.clone(), Value::Array(vec![first, last]));
             let value = Value::Table(fields);
             // Each by itself first, so that the line is known.
             let one: Stretch = into(value.clone(), row.line)?;
-            let alone = LeftOutSettings {
+            let alone = ExclusionSettings {
                 stretches: vec![one],
-                ..LeftOutSettings::default()
+                ..ExclusionSettings::default()
             };
             alone.check().map_err(|what| wrong(what.to_owned()))?;
             stretches.push(value);

@@ -21,7 +21,7 @@ pub use normalise::Normalisation;
 pub use threshold::ThresholdIndex;
 
 use crate::support::progress::{Cancelled, Progress};
-use crate::survey::{LeftOut, Side, Survey};
+use crate::survey::{Exclusions, Side, Survey};
 use confidence::Found;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -154,13 +154,13 @@ impl FirstReturns {
         (self.drawn.iter()).any(|&(of, pings)| of == side && covers(pings))
     }
 
-    /// The same without picks at the pings that are left out.
+    /// The same without picks at the pings that are excluded.
     #[must_use]
-    pub fn without(&self, left_out: &LeftOut) -> Self {
+    pub fn without(&self, exclusions: &Exclusions) -> Self {
         let mut counted = self.clone();
         for side in [&mut counted.port, &mut counted.starboard] {
             for (ping, pick) in Arc::make_mut(side).iter_mut().enumerate() {
-                if left_out.ping(ping).is_some() {
+                if exclusions.ping(ping).is_some() {
                     *pick = Pick::NONE;
                 }
             }

@@ -6,7 +6,7 @@ use super::section::{Section, section};
 use crate::app::{Action, App, Command, LogId, OpenLog};
 use crate::support::presentation::units::Units;
 use crate::ui::list_keys::ListKeys;
-use crate::ui::{ViewContext, left_out_words, text, theme, toggle};
+use crate::ui::{ViewContext, exclusion_text, text, theme, toggle};
 use egui::{Button, Color32, RichText, Sense, Ui};
 
 /// Draws the section while a log is open.
@@ -154,8 +154,11 @@ fn describe(ui: &mut Ui, log: &OpenLog, units: Units) {
         .depth_span_m
         .map(|span_m| units.span(span_m.map(f64::from), 1));
     fact(ui, "Depths", "", depths.unwrap_or(text::NONE.to_owned()));
-    if let Some(found) = log.left_out().filter(|found| !found.left_out.is_empty()) {
-        let extent = left_out_words::extent(&found.extent(None), units);
+    if let Some(found) = log
+        .exclusions()
+        .filter(|found| !found.exclusions.is_empty())
+    {
+        let extent = exclusion_text::extent(&found.extent(None), units);
         fact(ui, "Excluded", "", extent);
     }
     for file in &survey.source.files {

@@ -3,10 +3,10 @@
 pub mod axes;
 mod calibration;
 pub mod cloud;
+pub mod exclusions;
 pub mod external_track;
 pub mod find_setting;
 pub mod first_return;
-pub mod left_out;
 pub mod logs;
 pub mod maps;
 pub mod mounting;
@@ -53,6 +53,6 @@ pub fn steps(ui: &mut egui::Ui, context: &mut ViewContext<'_>) {
     water::ui(ui, context);
     external_track::ui(ui, context);
     mounting::ui(ui, context);
-    left_out::ui(ui, context);
+    exclusions::ui(ui, context);
     residuals::ui(ui, context);
 }

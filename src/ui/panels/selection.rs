@@ -60,7 +60,7 @@ fn selected(ui: &mut Ui, context: &mut ViewContext<'_>, mark: Mark) {
             format!("{} {side}", units.measure(range, 2)),
         );
     }
-    if let Some(stretch) = context.app.left_out_at(context.app.log.id, mark.ping) {
+    if let Some(stretch) = context.app.excluded_at(context.app.log.id, mark.ping) {
         let hint = "Why the ping is excluded: no point, depth, echo or box comes from it.";
         fact(ui, "Excluded", hint, stretch.reason.name());
     }

@@ -105,12 +105,12 @@ fn products(ui: &mut Ui, context: &mut ViewContext<'_>, amounts: &Amounts) {
     let grid = egui::Grid::new("products").num_columns(2);
     grid.spacing([24.0, 4.0]).show(ui, |ui| {
         for product in Product::ALL {
-            let mut requested = !options.left_out.contains(&product);
+            let mut requested = !options.excluded_products.contains(&product);
             let tick = ui.checkbox(&mut requested, product.title());
             if tick.on_hover_text(files(context.app, product)).clicked() {
                 match requested {
-                    true => options.left_out.retain(|one| *one != product),
-                    false => options.left_out.push(product),
+                    true => options.excluded_products.retain(|one| *one != product),
+                    false => options.excluded_products.push(product),
                 }
             }
             let size = bytes(about_bytes(Some(product), amounts));
@@ -119,7 +119,7 @@ fn products(ui: &mut Ui, context: &mut ViewContext<'_>, amounts: &Amounts) {
         }
     });
     let ticked = Product::ALL.into_iter();
-    let ticked = ticked.filter(|product| !options.left_out.contains(product));
+    let ticked = ticked.filter(|product| !options.excluded_products.contains(product));
     let always = about_bytes(None, amounts);
     let chosen: u64 = (ticked.map(|product| about_bytes(Some(product), amounts))).sum();
     let sum = bytes(always + chosen);
@@ -127,7 +127,7 @@ fn products(ui: &mut Ui, context: &mut ViewContext<'_>, amounts: &Amounts) {
         "About {sum} with the tables of first returns and points, which are always written."
     );
     ui.add(egui::Label::new(text).wrap());
-    if options.left_out != context.app.options.left_out {
+    if options.excluded_products != context.app.options.excluded_products {
         context.push(Command::Show(Box::new(options)));
     }
 }

@@ -238,7 +238,7 @@ mod tests {
     const DEPEND: [&str; 10] = [
         "calibration.ppd",
         "cloud.alpha2_deg",
-        "left_out.min_duration_s",
+        "excluded.min_duration_s",
         "picture.black",
         "picture.white",
         "source.crs",

@@ -1,6 +1,6 @@
 //! Drags with a tool in hand, the same in all views.
 
-use crate::app::Leave;
+use crate::app::ExclusionEdit;
 use egui::{Key, Modifiers, PointerButton, Pos2, Response, Ui};
 
 /// Where a drag with a tool in hand began in this frame; with Space held it moves the picture instead.
@@ -17,13 +17,13 @@ pub fn is_given_up(ui: &Ui, response: &Response) -> bool {
     response.drag_stopped() && ui.input(|input| input.pointer.primary_down())
 }
 
-/// What the tool for left-out stretches does by the keys that are held.
-pub fn leave_by(held: Modifiers) -> Leave {
+/// What the tool for excluded stretches does by the keys that are held.
+pub fn exclusion_edit(held: Modifiers) -> ExclusionEdit {
     if held.alt {
-        Leave::AsFound
+        ExclusionEdit::Reset
     } else if held.command {
-        Leave::In
+        ExclusionEdit::Include
     } else {
-        Leave::Out
+        ExclusionEdit::Exclude
     }
 }

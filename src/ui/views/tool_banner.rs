@@ -36,7 +36,7 @@ impl Banner {
             return measuring(app, kind, view);
         }
         match (app.log.reviewing.tool, view) {
-            (Tool::LeaveOut, View::Waterfall | View::Map) => Some(Self::new(
+            (Tool::Exclude, View::Waterfall | View::Map) => Some(Self::new(
                 "Exclude stretches",
                 "drag along the pings; a click includes a stretch again",
                 "Ctrl: always include · Alt: reset · K or Esc ends",
@@ -115,7 +115,7 @@ impl Placed {
 /// Of a tool that is of use in the waterfall alone.
 fn of_picture(app: &App, tool: Tool) -> Option<Banner> {
     Some(match tool {
-        Tool::Look | Tool::LeaveOut | Tool::Calibrate => return None,
+        Tool::Look | Tool::Exclude | Tool::Calibrate => return None,
         Tool::Edit => {
             let edge = app.log.reviewing.edge;
             let next = match edge {
@@ -204,7 +204,7 @@ mod tests {
             (Action::NewBox, "New box"),
             (Action::MarkTarget, "Mark target"),
             (Action::DrawBottom, "Draw the bottom"),
-            (Action::LeaveOut, "Exclude stretches"),
+            (Action::Exclude, "Exclude stretches"),
             (Action::AcceptBottom, "Accept as bottom"),
             (Action::Calibrate, "Calibrate on a stretch"),
         ];

@@ -191,7 +191,7 @@ fn the_command_prints_passes_and_every_ping_as_json() {
         "range_m",
         "distance_m",
         "time",
-        "left_out",
+        "excluded",
     ] {
         assert!(all[0].get(key).is_some(), "{key}");
     }

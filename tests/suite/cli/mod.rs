@@ -109,7 +109,7 @@ fn simulate_info_process_and_filter_work_together() {
     assert_eq!(
         header(&out.join("points/first_returns.csv")),
         "ping,time_s,lon,lat,east_m,north_m,heading_deg,depth_m,port_sample,port_range_m,port_confidence,\
-         starboard_sample,starboard_range_m,starboard_confidence,left_out"
+         starboard_sample,starboard_range_m,starboard_confidence,excluded"
     );
     assert_eq!(
         header(&out.join("points/cloud.csv")),

@@ -113,12 +113,12 @@ fn results_of_the_tail_agree_with_those_of_the_whole_log() {
     let demo = std::fs::read(demo_log()).expect("the demo");
     for preset in [Preset::Recommended, Preset::Published] {
         let mut settings = Settings::preset(preset);
-        // Left-out stretches are found anew over all pings.
-        settings.left_out.max_turn_deg_s = Some(8.0);
+        // Excluded stretches are found anew over all pings.
+        settings.excluded.max_turn_deg_s = Some(8.0);
         let both = grow(&demo, 0.5, &settings);
         assert_agrees(&format!("the demo, {}", preset.name()), agreement(&both));
         let [(_, made), (_, expected)] = &both;
-        let ends = |products: &Products| products.left_out.stretches.len();
+        let ends = |products: &Products| products.exclusions.stretches.len();
         assert!(ends(made).abs_diff(ends(expected)) <= 1);
         let points = made
             .cloud

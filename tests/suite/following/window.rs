@@ -3,7 +3,7 @@
 use crate::residuals::wait;
 use crate::support::{demo_log, real_data};
 use bathyscope::app::{
-    Action, App, BottomStroke, Command, FollowStatus, Ink, Jobs, Leave, Mark, is_project,
+    Action, App, BottomStroke, Command, ExclusionEdit, FollowStatus, Ink, Jobs, Mark, is_project,
 };
 use bathyscope::detection::review::{Edit, State};
 use bathyscope::formats::open_bytes;
@@ -230,10 +230,10 @@ fn what_the_analyst_decides_while_a_log_grows_stays_and_can_be_undone() {
         };
         let edit = Edit::Add { mark, class: 0 };
         app.apply(Command::Edit { edit, live: false });
-        app.apply(Command::LeaveOut {
+        app.apply(Command::Exclude {
             log: app.log.id,
             part: LogPart::Pings([100, 120]),
-            leave: Leave::Out,
+            edit: ExclusionEdit::Exclude,
         });
         watch(app, |app| pings(app) > before + 50 && !app.log.is_behind());
     };
@@ -245,7 +245,7 @@ fn what_the_analyst_decides_while_a_log_grows_stays_and_can_be_undone() {
         (
             products.returns.is_drawn(Side::Port, 40),
             boxes,
-            products.left_out.ping(110).is_some(),
+            products.exclusions.ping(110).is_some(),
         )
     };
     assert_eq!(drawn(&app), (true, 1, true));

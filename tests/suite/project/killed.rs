@@ -7,7 +7,9 @@
 use super::names;
 use crate::handmade::{sl2, survey_frames};
 use crate::support::Moments;
-use bathyscope::app::{Action, App, BottomStroke, Command, Ink, Jobs, Leave, LogId, Measure};
+use bathyscope::app::{
+    Action, App, BottomStroke, Command, ExclusionEdit, Ink, Jobs, LogId, Measure,
+};
 use bathyscope::detection::Mark;
 use bathyscope::detection::review::{BoxId, Edit};
 use bathyscope::pipeline::Settings;
@@ -52,10 +54,10 @@ fn gesture(app: &App, number: usize, folder: &Path) -> Command {
     let ids: Vec<LogId> = app.logs().map(|log| log.id).collect();
     let other = ids[round % ids.len()];
     let part = LogPart::Pings([from, from + 5]);
-    let leave_out = |leave| Command::LeaveOut {
+    let exclude = |edit| Command::Exclude {
         log: other,
         part,
-        leave,
+        edit,
     };
     let mark = Mark {
         side: Side::Port,
@@ -76,7 +78,7 @@ fn gesture(app: &App, number: usize, folder: &Path) -> Command {
             "threshold",
         ),
         1 => change(app, &format!("draft_m=0.{}", 10 + from), "draft"),
-        2 | 13 => leave_out(Leave::Out),
+        2 | 13 => exclude(ExclusionEdit::Exclude),
         3 => Command::DrawBottom(BottomStroke {
             side: Side::Starboard,
             path: vec![[from as f64, 3.0], [from as f64 + 6.0, 3.5]],
@@ -97,11 +99,11 @@ fn gesture(app: &App, number: usize, folder: &Path) -> Command {
         12 => Command::Do(Action::MeasureDistance),
         14 | 15 => Command::Measure(Measure::Corner(corner)),
         16 => Command::Do(Action::EndFigure),
-        17 => leave_out(Leave::In),
+        17 => exclude(ExclusionEdit::Include),
         19 | 24 => Command::SaveProject,
         20 => Command::ShowLog(other),
         21 => Command::GoToStep(from % 6),
-        23 => leave_out(Leave::AsFound),
+        23 => exclude(ExclusionEdit::Reset),
         _ if round.is_multiple_of(4) => {
             let name = ["one.bathyscope", "two.bathyscope"][round / 4 % 2];
             Command::SaveProjectAs(folder.join(name))
@@ -139,8 +141,8 @@ fn edit(folder: &Path, begins: &str) {
         // What is found in a log is known once its results are there.
         let finds = matches!(
             command,
-            Command::LeaveOut {
-                leave: Leave::In,
+            Command::Exclude {
+                edit: ExclusionEdit::Include,
                 ..
             }
         );

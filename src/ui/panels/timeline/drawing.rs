@@ -147,7 +147,7 @@ impl Frame {
             Some(strips.x(self.all, ping.time_s))
         };
         let painter = ui.painter().with_clip_rect(self.all.expand(6.0));
-        self.left_out(ui, context, strips);
+        self.exclusions(ui, context, strips);
         for &time_s in &strips.warnings_s {
             let at = egui::pos2(strips.x(self.all, time_s), self.all.top() + 3.0);
             painter.circle_filled(at, 2.0, theme::stale_colour(app.options.theme));
@@ -179,13 +179,13 @@ impl Frame {
         }
     }
 
-    /// Veils the left-out stretches, with a bar above that names them by its colour.
-    fn left_out(&self, ui: &Ui, context: &ViewContext<'_>, strips: &Strips) {
+    /// Veils the excluded stretches, with a bar above that names them by its colour.
+    fn exclusions(&self, ui: &Ui, context: &ViewContext<'_>, strips: &Strips) {
         let painter = ui.painter().with_clip_rect(self.all);
         let veil = ui.visuals().extreme_bg_color.gamma_multiply(0.75);
-        let bar = theme::left_out_colour(&context.app.options);
-        let found = context.app.log.left_out().into_iter();
-        for stretch in found.flat_map(|found| &found.left_out.stretches) {
+        let bar = theme::excluded_colour(&context.app.options);
+        let found = context.app.log.exclusions().into_iter();
+        for stretch in found.flat_map(|found| &found.exclusions.stretches) {
             let [from, to] = stretch.time_s.map(|time_s| strips.x(self.all, time_s));
             let x = from..=to.max(from + 1.0);
             let area = Rect::from_x_y_ranges(x, self.all.y_range());

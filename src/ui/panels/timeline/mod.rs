@@ -9,7 +9,7 @@ use crate::bottom::cloud::{Correction, PingDepth};
 use crate::pipeline::Products;
 use crate::pipeline::{Background, Same};
 use crate::survey::{Navigation, Survey};
-use crate::ui::{ViewContext, left_out_words, theme};
+use crate::ui::{ViewContext, exclusion_text, theme};
 use drawing::Frame;
 use egui::{Sense, Ui};
 use std::sync::Arc;
@@ -91,8 +91,8 @@ impl TimeLine {
             let strips = self.strips.result().and_then(Option::as_ref);
             let depth = strips.and_then(|strips| strips.deepest(context.app.options.units));
             let depth = depth.map_or(String::new(), |depth| format!(", depth {depth}"));
-            let left_out = left_out_words::and_stretches(context.app);
-            let name = format!("Time line, ping {ping} of {count}{depth}{left_out}");
+            let excluded = exclusion_text::and_stretches(context.app);
+            let name = format!("Time line, ping {ping} of {count}{depth}{excluded}");
             egui::WidgetInfo::slider(true, ping as f64, name)
         });
         let Some(Some(strips)) = self.strips.result() else {

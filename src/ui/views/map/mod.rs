@@ -3,11 +3,11 @@
 mod base_map;
 mod depth_tiles;
 mod dots;
+mod exclusions;
 mod flat_spots;
 mod graticule;
 mod isobaths;
 mod layers;
-mod left_out;
 mod lines;
 mod measure;
 mod mosaic_tiles;
@@ -210,7 +210,7 @@ impl MapView {
             residuals: self.layers.residuals(&context.app.options.map.layers),
             lost_soundings: context.app.log.lost_soundings,
             made_of: (context.app.log.whole.as_ref()).map(|whole| whole.survey.side_scan.len()),
-            has_left_out: left_out::ping_count(context.app) > 0,
+            has_excluded: exclusions::ping_count(context.app) > 0,
             proposed: context.app.log.proposed_stretch(),
             options: &context.app.options,
         };
@@ -336,7 +336,7 @@ fn paint(ui: &Ui, context: &ViewContext<'_>, scene: &overlay::Scene<'_>, layers:
             layers.show(&painter, context, scene, shown.layer);
         }
     }
-    left_out::paint(&painter, scene, context.app);
+    exclusions::paint(&painter, scene, context.app);
     recorded_track::paint(&painter, scene, context.app);
     if scene.options.map.graticule {
         graticule::paint(&painter, scene);
@@ -385,7 +385,7 @@ fn name(app: &App, products: &Products, track: &TrackLayer) -> String {
     let reference = products.reduction().reference().name();
     let surveys = app.visible_logs().filter_map(|log| log.survey.as_ref());
     let pings = surveys.map(|survey| survey.side_scan.len()).sum();
-    let left_out = match left_out::ping_count(app) {
+    let excluded = match exclusions::ping_count(app) {
         0 => String::new(),
         count => format!(" of which {} excluded", text::count(count)),
     };
@@ -394,7 +394,7 @@ fn name(app: &App, products: &Products, track: &TrackLayer) -> String {
         format!(", depth {} {reference}", app.options.units.span(depths, 1))
     });
     format!(
-        "Map, track of {} pings{left_out}{depths}, {} flat stretches",
+        "Map, track of {} pings{excluded}{depths}, {} flat stretches",
         text::count(pings),
         products.flat_spots.len()
     )

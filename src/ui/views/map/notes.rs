@@ -35,7 +35,7 @@ fn notes(scene: &Scene<'_>) -> Vec<String> {
     }) {
         notes.push(format!("layers: first\n{} pings", count(pings)));
     }
-    if scene.has_left_out && scene.shows(MapLayer::Track) {
+    if scene.has_excluded && scene.shows(MapLayer::Track) {
         notes.push("fine dashes:\nexcluded".to_owned());
     }
     if let Some(depth_map) = scene.depth_map.filter(|_| shows(MapLayer::DepthMap)) {

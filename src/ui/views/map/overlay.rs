@@ -35,8 +35,8 @@ pub struct Scene<'a> {
     pub lost_soundings: usize,
     /// Pings of the shown log that depth map, isobaths and mosaic are made of, where it has more: it is followed.
     pub made_of: Option<usize>,
-    /// Whether some of the tracks is left out.
-    pub has_left_out: bool,
+    /// Whether some of the tracks is excluded.
+    pub has_excluded: bool,
     /// The stretch that is proposed for the scale.
     pub proposed: Option<PingRange>,
     pub options: &'a ViewOptions,

@@ -3,11 +3,11 @@
 use super::overlay::Scene;
 use super::transform::MapTransform;
 use super::{flat_spots, objects};
-use crate::app::{App, Command, Leave, LogId, Mark, PassesFound, Tool, mark_of};
+use crate::app::{App, Command, ExclusionEdit, LogId, Mark, PassesFound, Tool, mark_of};
 use crate::sonar::calibration::{FlatSpot, PingRange};
 use crate::support::geo::{CoordinateFormat, LonLat};
 use crate::ui::views::legend;
-use crate::ui::{ViewContext, left_out_words, place, text, theme};
+use crate::ui::{ViewContext, exclusion_text, place, text, theme};
 use egui::{Align2, PointerButton, Pos2, Response, Ui, vec2};
 
 /// How near the pointer must come to the track, points.
@@ -81,7 +81,7 @@ impl Pointer {
         if let Some(at) = response.interact_pointer_pos()
             && response.clicked()
             && !is_measuring
-            && context.app.log.reviewing.tool != Tool::LeaveOut
+            && context.app.log.reviewing.tool != Tool::Exclude
         {
             self.click(context, scene, at);
         }
@@ -153,11 +153,11 @@ impl Pointer {
                 }
                 ui.close();
             }
-            if let Some(stretch) = context.app.left_out_at(log, ping)
-                && left_out_words::take_back_in(ui, &stretch)
+            if let Some(stretch) = context.app.excluded_at(log, ping)
+                && exclusion_text::include_again(ui, &stretch)
             {
-                let (part, leave) = (stretch.part(), Leave::In);
-                context.push(Command::LeaveOut { log, part, leave });
+                let (part, edit) = (stretch.part(), ExclusionEdit::Include);
+                context.push(Command::Exclude { log, part, edit });
             }
             if ui.button("Show in the other views").clicked() {
                 context.push(Command::RevealIn(log, Mark::ping(ping)));
@@ -307,7 +307,7 @@ fn read_out(app: &App, scene: &Scene<'_>, at: Pos2, near: Option<(LogId, usize)>
     if let Some(near) = near {
         text += "   ";
         text += &named_ping(app, near);
-        if let Some(why) = left_out_words::at(app, near.0, near.1) {
+        if let Some(why) = exclusion_text::at(app, near.0, near.1) {
             text += &format!(", {why}");
         }
     }

@@ -1,15 +1,15 @@
-//! The tools that are pressed on a track and dragged along it: one leaves pings out, one proposes them for the scale.
+//! The tools that are pressed on a track and dragged along it: one excludes pings, one proposes them for the scale.
 
+use super::exclusions::{CASING, places};
 use super::layers::TrackLayer;
-use super::left_out::{CASING, places};
 use super::overlay::Scene;
 use super::pointer::REACH;
 use super::transform::MapTransform;
-use crate::app::{App, Command, Leave, LogId, Tool};
+use crate::app::{App, Command, ExclusionEdit, LogId, Tool};
 use crate::sonar::calibration::PingRange;
 use crate::survey::LogPart;
 use crate::ui::views::{drag, legend};
-use crate::ui::{ViewContext, left_out_words, theme};
+use crate::ui::{ViewContext, exclusion_text, theme};
 use egui::{Align2, CursorIcon, Painter, Pos2, Rect, Response, Shape, Stroke, Ui, vec2};
 
 /// The drag under way.
@@ -23,7 +23,7 @@ struct Drag {
     /// Pings where it began and where it is.
     ends: [usize; 2],
     /// What is done with the pings; `None` where they are proposed for the scale.
-    leave: Option<Leave>,
+    edit: Option<ExclusionEdit>,
 }
 
 impl Drag {
@@ -34,11 +34,11 @@ impl Drag {
 
     fn command(&self) -> Command {
         let pings @ [first, last] = self.pings();
-        match self.leave {
-            Some(leave) => Command::LeaveOut {
+        match self.edit {
+            Some(edit) => Command::Exclude {
                 log: self.log,
                 part: LogPart::Pings(pings),
-                leave,
+                edit,
             },
             None => Command::ProposeStretch(PingRange {
                 start: first,
@@ -79,20 +79,20 @@ impl StretchTool {
             ui.set_cursor_icon(CursorIcon::Crosshair);
         }
         if let Some((log, ping)) = drag::begun(ui, response).and_then(under) {
-            let leave = drag::leave_by(ui.input(|input| input.modifiers));
+            let edit = drag::exclusion_edit(ui.input(|input| input.modifiers));
             self.drag = Some(Drag {
                 log,
                 ends: [ping, ping],
-                leave: (!is_calibrating).then_some(leave),
+                edit: (!is_calibrating).then_some(edit),
             });
         }
         let clicked = response.clicked().then(|| response.interact_pointer_pos());
         if let Some((log, ping)) = clicked.flatten().and_then(under)
-            && let Some(stretch) = context.app.left_out_at(log, ping)
+            && let Some(stretch) = context.app.excluded_at(log, ping)
             && !is_calibrating
         {
-            let (part, leave) = (stretch.part(), Leave::In);
-            context.push(Command::LeaveOut { log, part, leave });
+            let (part, edit) = (stretch.part(), ExclusionEdit::Include);
+            context.push(Command::Exclude { log, part, edit });
         }
         if drag::is_given_up(ui, response) {
             self.drag = None;
@@ -126,16 +126,16 @@ impl StretchTool {
         let sailed = part.places(survey, &products.navigation);
         let line = places(scene, sailed);
         let last = line.last().copied();
-        let colour = match drag.leave {
+        let colour = match drag.edit {
             Some(_) => theme::hand_colour(),
             None => theme::proposal_colour(),
         };
         painter.add(Shape::line(line, Stroke::new(CASING, colour)));
         if let Some((at, extent)) = last.zip(app.extent_of(drag.log, part)) {
             let units = app.options.units;
-            let text = match drag.leave {
-                Some(leave) => left_out_words::of_drag(leave, &extent, units),
-                None => format!("propose {}", left_out_words::extent(&extent, units)),
+            let text = match drag.edit {
+                Some(edit) => exclusion_text::of_drag(edit, &extent, units),
+                None => format!("propose {}", exclusion_text::extent(&extent, units)),
             };
             let (at, ink) = (at + vec2(14.0, 14.0), scene.text_colour());
             legend::plate(painter, scene.options, at, Align2::LEFT_TOP, &text, ink);
@@ -145,5 +145,5 @@ impl StretchTool {
 
 /// Whether one of the tools is in hand.
 pub fn is_in_hand(app: &App) -> bool {
-    matches!(app.log.reviewing.tool, Tool::LeaveOut | Tool::Calibrate)
+    matches!(app.log.reviewing.tool, Tool::Exclude | Tool::Calibrate)
 }

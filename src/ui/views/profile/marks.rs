@@ -29,7 +29,7 @@ pub(super) fn draw(painter: &Painter, plot: &Plot, shown: &Shown<'_>, options: &
     for side in Side::BOTH {
         pick(painter, plot, shown, side, options);
     }
-    if let Some(why) = &shown.left_out {
+    if let Some(why) = &shown.excluded {
         let at = plot.area.center_bottom() - vec2(0.0, 4.0);
         let ink = theme::plot_ink(options);
         let font = FontId::proportional(10.5);

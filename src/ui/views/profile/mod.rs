@@ -12,7 +12,7 @@ use crate::pipeline::Settings;
 use crate::sonar::first_return::Pick;
 use crate::support::presentation::units::Units;
 use crate::survey::{Side, SidePing, Survey};
-use crate::ui::{ViewContext, left_out_words, place, theme};
+use crate::ui::{ViewContext, exclusion_text, place, theme};
 use egui::{Rect, Response, Sense, vec2};
 use plot::Plot;
 use scale::ScaleJob;
@@ -54,7 +54,7 @@ struct Shown<'a> {
     threshold: f32,
     dead_zone_m: f64,
     /// Why the ping does not count, in words.
-    left_out: Option<String>,
+    excluded: Option<String>,
 }
 
 /// A first return.
@@ -206,7 +206,7 @@ fn shown<'a>(survey: &'a Survey, ping: usize, context: &ViewContext<'a>) -> Opti
         picks: Side::BOTH.map(found),
         threshold: context.app.log.settings.first_return.threshold,
         dead_zone_m: context.app.log.settings.first_return.dead_zone_m,
-        left_out: left_out_words::at(context.app, context.app.log.id, ping),
+        excluded: exclusion_text::at(context.app, context.app.log.id, ping),
     })
 }
 
@@ -274,9 +274,9 @@ fn accessible_name(shown: &Shown<'_>, units: Units) -> String {
             bottom.by.name()
         )
     });
-    let left_out = (shown.left_out.as_ref()).map_or_else(String::new, |why| format!(", {why}"));
+    let excluded = (shown.excluded.as_ref()).map_or_else(String::new, |why| format!(", {why}"));
     format!(
-        "Profile of ping {}: {}, {}, threshold {:.2}{depth}{left_out}",
+        "Profile of ping {}: {}, {}, threshold {:.2}{depth}{excluded}",
         shown.ping, found[0], found[1], shown.threshold
     )
 }

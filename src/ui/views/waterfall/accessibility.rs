@@ -4,7 +4,7 @@ use super::marks;
 use crate::sonar::first_return::BottomLine;
 use crate::survey::Survey;
 use crate::ui::views::empty;
-use crate::ui::{ViewContext, left_out_words};
+use crate::ui::{ViewContext, exclusion_text};
 use egui::{Rect, Response, Role, Ui, WidgetInfo};
 use std::ops::Range;
 
@@ -66,7 +66,7 @@ fn name(visible: &Range<usize>, survey: &Survey, context: &ViewContext<'_>) -> S
     let units = context.app.options.units;
     let warning =
         marks::warning(survey, units).map_or_else(String::new, |text| format!(", {text}"));
-    let left_out = left_out_words::and_stretches(context.app);
+    let excluded = exclusion_text::and_stretches(context.app);
     let products = context.app.log.products.as_ref();
     let ranges = products
         .and_then(|products| products.calibration.range_change())
@@ -74,7 +74,7 @@ fn name(visible: &Range<usize>, survey: &Survey, context: &ViewContext<'_>) -> S
             format!(", {}", units.sentence(&change))
         });
     format!(
-        "Waterfall, pings {} to {} of {}, {first_return}{ranges}{left_out}{warning}",
+        "Waterfall, pings {} to {} of {}, {first_return}{ranges}{excluded}{warning}",
         visible.start,
         visible.end.saturating_sub(1),
         survey.side_scan.len()

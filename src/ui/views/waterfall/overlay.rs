@@ -4,7 +4,7 @@ use super::drawing::Drawing;
 use super::labels::Labels;
 use super::lens::Lens;
 use super::scales::RangeLines;
-use super::{bottom, boxes, flat_spots, left_out, lines, marks, scales};
+use super::{bottom, boxes, exclusions, flat_spots, lines, marks, scales};
 use crate::app::{App, Mark};
 use crate::imagery::picture::Geometry;
 use crate::survey::{Side, Survey};
@@ -54,7 +54,7 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
     if let Some(drawing) = shown.drawing.filter(|_| shows_water) {
         draw_lines(painter, lens, shown, drawing);
     }
-    let veiled = left_out::in_view(lens, shown.app);
+    let veiled = exclusions::in_view(lens, shown.app);
     for stretch in &veiled {
         stretch.draw(painter);
     }

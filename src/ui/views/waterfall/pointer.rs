@@ -2,9 +2,9 @@
 
 use super::lens::{Lens, Place};
 use super::{boxes, flat_spots, labels};
-use crate::app::{AboveStretch, App, Command, Leave, Mark, Tool};
+use crate::app::{AboveStretch, App, Command, ExclusionEdit, Mark, Tool};
 use crate::survey::{Side, SidePing, Survey};
-use crate::ui::{ViewContext, left_out_words, place, text, theme};
+use crate::ui::{ViewContext, exclusion_text, place, text, theme};
 use egui::{Align2, Painter, Pos2, Rect, Response, Ui, pos2};
 
 /// The mark at a place; `None` before the first and after the last ping.
@@ -65,7 +65,7 @@ pub(super) fn follow(
             Tool::Draw
                 | Tool::Point
                 | Tool::Bottom
-                | Tool::LeaveOut
+                | Tool::Exclude
                 | Tool::Calibrate
                 | Tool::Accept
         );
@@ -81,13 +81,13 @@ pub(super) fn follow(
             }
             None if matches!(
                 tool,
-                Tool::Look | Tool::Bottom | Tool::LeaveOut | Tool::Calibrate | Tool::Accept
+                Tool::Look | Tool::Bottom | Tool::Exclude | Tool::Calibrate | Tool::Accept
             ) =>
             {
                 let mark = mark_at(survey, lens.place_at(at));
                 context.push(Command::Select(mark));
-                if let Some(mark) = mark.filter(|_| tool == Tool::LeaveOut && response.clicked()) {
-                    take_back_in(context, mark.ping);
+                if let Some(mark) = mark.filter(|_| tool == Tool::Exclude && response.clicked()) {
+                    include_again(context, mark.ping);
                 }
             }
             None => {}
@@ -117,10 +117,10 @@ fn menu(response: &Response, context: &mut ViewContext<'_>) -> Option<usize> {
             ui.close();
         }
         accept(ui, context, mark);
-        if let Some(stretch) = context.app.left_out_at(context.app.log.id, mark.ping)
-            && left_out_words::take_back_in(ui, &stretch)
+        if let Some(stretch) = context.app.excluded_at(context.app.log.id, mark.ping)
+            && exclusion_text::include_again(ui, &stretch)
         {
-            take_back_in(context, mark.ping);
+            include_again(context, mark.ping);
         }
         if ui.button("Show in map and 3D").clicked() {
             context.push(Command::Reveal(mark));
@@ -182,12 +182,12 @@ fn accept(ui: &mut Ui, context: &mut ViewContext<'_>, mark: Mark) {
     }
 }
 
-/// Takes the left-out stretch at a ping back in, if there is one.
-fn take_back_in(context: &mut ViewContext<'_>, ping: usize) {
+/// Includes the excluded stretch at a ping again, if there is one.
+fn include_again(context: &mut ViewContext<'_>, ping: usize) {
     let log = context.app.log.id;
-    if let Some(stretch) = context.app.left_out_at(log, ping) {
-        let (part, leave) = (stretch.part(), Leave::In);
-        context.push(Command::LeaveOut { log, part, leave });
+    if let Some(stretch) = context.app.excluded_at(log, ping) {
+        let (part, edit) = (stretch.part(), ExclusionEdit::Include);
+        context.push(Command::Exclude { log, part, edit });
     }
 }
 
@@ -310,7 +310,7 @@ pub(super) fn describe(app: &App, survey: &Survey, at: Place) -> Option<String> 
     }
     lines += &format!("\ndepth {}", place::depth(app, mark.ping));
     lines += &doubts(app, ping, mark.ping, side);
-    if let Some(why) = left_out_words::at(app, app.log.id, mark.ping) {
+    if let Some(why) = exclusion_text::at(app, app.log.id, mark.ping) {
         lines += &format!("\n{why}");
     }
     if let Some(at) = place::lon_lat(app, mark) {

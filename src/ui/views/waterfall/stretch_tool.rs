@@ -1,14 +1,14 @@
-//! The tools that are dragged along the pings: one leaves them out, one proposes them for the scale, one accepts their first returns as
+//! The tools that are dragged along the pings: one excludes them, one proposes them for the scale, one accepts their first returns as
 //! bottom.
 
+use super::exclusions::{area, edges, veil};
 use super::labels;
-use super::left_out::{area, edges, veil};
 use super::lens::Lens;
-use crate::app::{App, Command, Leave, Tool};
+use crate::app::{App, Command, ExclusionEdit, Tool};
 use crate::sonar::calibration::PingRange;
 use crate::survey::{LogPart, Side};
 use crate::ui::views::drag;
-use crate::ui::{ViewContext, left_out_words, theme};
+use crate::ui::{ViewContext, exclusion_text, theme};
 use egui::{Align2, CursorIcon, Painter, Response, Stroke, Ui, pos2};
 
 /// The drag under way.
@@ -26,7 +26,7 @@ struct Drag {
 /// What comes of a drag.
 #[derive(Clone, Copy)]
 enum Does {
-    Leave(Leave),
+    Exclusion(ExclusionEdit),
     Propose,
     Accept(Side, bool),
 }
@@ -36,7 +36,7 @@ impl Does {
     fn of(tool: Tool, side: Side, ui: &Ui) -> Option<Self> {
         let modifiers = ui.input(|input| input.modifiers);
         match tool {
-            Tool::LeaveOut => Some(Self::Leave(drag::leave_by(modifiers))),
+            Tool::Exclude => Some(Self::Exclusion(drag::exclusion_edit(modifiers))),
             Tool::Calibrate => Some(Self::Propose),
             Tool::Accept => Some(Self::Accept(side, !modifiers.alt)),
             _ => None,
@@ -59,10 +59,10 @@ impl Drag {
     fn command(&self, app: &App) -> Option<Command> {
         let pings @ [first, last] = self.pings(ping_count(app))?;
         Some(match self.does {
-            Does::Leave(leave) => Command::LeaveOut {
+            Does::Exclusion(edit) => Command::Exclude {
                 log: app.log.id,
                 part: LogPart::Pings(pings),
-                leave,
+                edit,
             },
             Does::Propose => Command::ProposeStretch(PingRange {
                 start: first,
@@ -80,9 +80,9 @@ impl Drag {
     fn words(&self, app: &App, pings: [usize; 2]) -> Option<String> {
         let units = app.options.units;
         let extent = app.extent_of(app.log.id, LogPart::Pings(pings))?;
-        let covered = left_out_words::extent(&extent, units);
+        let covered = exclusion_text::extent(&extent, units);
         Some(match self.does {
-            Does::Leave(leave) => left_out_words::of_drag(leave, &extent, units),
+            Does::Exclusion(edit) => exclusion_text::of_drag(edit, &extent, units),
             Does::Propose => format!("propose {covered}"),
             Does::Accept(side, true) => format!("accept as bottom, {}: {covered}", side.name()),
             Does::Accept(side, false) => format!("no longer accepted, {}: {covered}", side.name()),
@@ -104,7 +104,7 @@ impl StretchTool {
         context: &mut ViewContext<'_>,
     ) -> bool {
         let tool = context.app.log.reviewing.tool;
-        if !matches!(tool, Tool::LeaveOut | Tool::Calibrate | Tool::Accept) {
+        if !matches!(tool, Tool::Exclude | Tool::Calibrate | Tool::Accept) {
             self.drag = None;
             return false;
         }
@@ -147,12 +147,12 @@ impl StretchTool {
         let Some(area) = area(lens, pings) else {
             return;
         };
-        if matches!(drag.does, Does::Leave(Leave::Out)) {
+        if matches!(drag.does, Does::Exclusion(ExclusionEdit::Exclude)) {
             veil(painter, area);
         }
         let colour = match drag.does {
             Does::Propose => theme::proposal_colour(),
-            Does::Leave(_) | Does::Accept(..) => theme::hand_colour(),
+            Does::Exclusion(_) | Does::Accept(..) => theme::hand_colour(),
         };
         for edge in edges(lens, pings) {
             painter.line_segment(edge, Stroke::new(2.0, colour));

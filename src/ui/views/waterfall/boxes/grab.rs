@@ -152,7 +152,7 @@ impl Boxes {
             Tool::Look
             | Tool::Point
             | Tool::Bottom
-            | Tool::LeaveOut
+            | Tool::Exclude
             | Tool::Calibrate
             | Tool::Accept => None,
         };

@@ -197,7 +197,7 @@ fn tool_in_hand(app: &App) -> &'static str {
         Tool::Point => ", marking a target",
         Tool::Draw => ", drawing a box",
         Tool::Bottom => ", drawing the bottom",
-        Tool::LeaveOut => ", excluding stretches",
+        Tool::Exclude => ", excluding stretches",
         Tool::Calibrate => ", choosing a stretch for the scale",
         Tool::Accept => ", accepting first returns as bottom",
     }

@@ -1,30 +1,30 @@
-//! What is left out of a log: drawn by the analyst, taken back in, and counted before the results follow.
+//! What is excluded from a log: drawn by the analyst, included again, and counted before the results follow.
 
 use super::{App, LogId, OpenLog};
 use crate::pipeline::{Background, Jobs, Same, Settings};
 use crate::survey::{
-    LeftOut, LeftOutReason, LeftOutSettings, LeftOutStretch, LogPart, Navigation, Survey,
+    ExcludedStretch, ExclusionReason, ExclusionSettings, Exclusions, LogPart, Navigation, Survey,
 };
 use std::sync::Arc;
 
 /// What an analyst says of a part of a log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Leave {
-    /// It is left out.
-    Out,
+pub enum ExclusionEdit {
+    /// It is excluded.
+    Exclude,
     /// It counts, whatever is found there.
-    In,
-    /// Nothing any more: turns and stops that are found there are left out, all else counts.
-    AsFound,
+    Include,
+    /// Nothing any more: turns and stops that are found there are excluded, all else counts.
+    Reset,
 }
 
-impl Leave {
+impl ExclusionEdit {
     /// Undo's name for it: `exclude pings 120..240`.
     fn label(self, part: LogPart) -> String {
         let what = match self {
-            Self::Out => "exclude",
-            Self::In => "include again",
-            Self::AsFound => "reset",
+            Self::Exclude => "exclude",
+            Self::Include => "include again",
+            Self::Reset => "reset",
         };
         match part {
             LogPart::Pings([first, last]) => format!("{what} pings {first}..{last}"),
@@ -33,16 +33,16 @@ impl Leave {
     }
 }
 
-/// What the settings leave out of a log, and how much that is.
+/// What the settings exclude from a log, and how much that is.
 #[derive(Clone, Debug, Default)]
-pub struct FoundLeftOut {
+pub struct FoundExclusions {
     /// Which pings and soundings.
-    pub left_out: LeftOut,
+    pub exclusions: Exclusions,
     /// Length of each stretch along the track, metres.
     pub lengths_m: Vec<f64>,
 }
 
-/// How much is left out.
+/// How much is excluded.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Extent {
     /// Stretches.
@@ -55,30 +55,30 @@ pub struct Extent {
     pub duration_s: f64,
 }
 
-impl FoundLeftOut {
+impl FoundExclusions {
     /// Of a log by its settings.
-    pub fn new(survey: &Survey, navigation: &Navigation, settings: &LeftOutSettings) -> Self {
-        let left_out = LeftOut::new(survey, navigation, settings);
-        let lengths_m = (left_out.stretches.iter())
+    pub fn new(survey: &Survey, navigation: &Navigation, settings: &ExclusionSettings) -> Self {
+        let exclusions = Exclusions::new(survey, navigation, settings);
+        let lengths_m = (exclusions.stretches.iter())
             .map(|stretch| stretch.length_m(survey, navigation))
             .collect();
         Self {
-            left_out,
+            exclusions,
             lengths_m,
         }
     }
 
     /// Each stretch with its length along the track, metres.
-    pub fn stretches(&self) -> impl Iterator<Item = (&LeftOutStretch, f64)> {
-        self.left_out
+    pub fn stretches(&self) -> impl Iterator<Item = (&ExcludedStretch, f64)> {
+        self.exclusions
             .stretches
             .iter()
             .zip(self.lengths_m.iter().copied())
     }
 
-    /// How much is left out, for one reason or for all.
-    pub fn extent(&self, reason: Option<LeftOutReason>) -> Extent {
-        let counted = |(stretch, _): &(&LeftOutStretch, f64)| {
+    /// How much is excluded, for one reason or for all.
+    pub fn extent(&self, reason: Option<ExclusionReason>) -> Extent {
+        let counted = |(stretch, _): &(&ExcludedStretch, f64)| {
             reason.is_none_or(|reason| stretch.reason == reason)
         };
         let all = self.stretches().filter(counted);
@@ -92,26 +92,26 @@ impl FoundLeftOut {
 }
 
 /// What it is found of; equal keys give the same.
-type Key = (Same<Survey>, Same<Navigation>, LeftOutSettings);
+type Key = (Same<Survey>, Same<Navigation>, ExclusionSettings);
 
-/// What the settings in force leave out: there before the results that go without it.
+/// What the settings in force exclude: there before the results that go without it.
 #[derive(Default)]
-pub(super) struct LeavingOut {
-    found: Background<Key, Arc<FoundLeftOut>>,
+pub(super) struct ExclusionSearch {
+    found: Background<Key, Arc<FoundExclusions>>,
 }
 
-impl LeavingOut {
+impl ExclusionSearch {
     fn follow(&mut self, log: (&Arc<Survey>, &Arc<Navigation>, &Settings), jobs: &Jobs) {
         let (survey, navigation, settings) = log;
         let key = (
             Same(survey.clone()),
             Same(navigation.clone()),
-            settings.left_out.clone(),
+            settings.excluded.clone(),
         );
         let (survey, navigation) = (survey.clone(), navigation.clone());
-        let settings = settings.left_out.clone();
+        let settings = settings.excluded.clone();
         self.found.ask(key, jobs, move |_| {
-            let found = FoundLeftOut::new(&survey, &navigation, &settings);
+            let found = FoundExclusions::new(&survey, &navigation, &settings);
             Some(Arc::new(found))
         });
     }
@@ -122,57 +122,57 @@ impl LeavingOut {
 }
 
 impl OpenLog {
-    /// What the settings in force leave out of it; `None` until it is known where its pings lie.
-    pub fn left_out(&self) -> Option<&Arc<FoundLeftOut>> {
-        self.leaving_out.found.result()
+    /// What the settings in force exclude from it; `None` until it is known where its pings lie.
+    pub fn exclusions(&self) -> Option<&Arc<FoundExclusions>> {
+        self.exclusion_search.found.result()
     }
 }
 
 impl App {
-    /// Has what is left out follow the settings.
-    pub(super) fn poll_left_out(&mut self) {
+    /// Has what is excluded follow the settings.
+    pub(super) fn poll_exclusions(&mut self) {
         let log = &mut self.log;
         if let (Some(survey), Some(products)) = (&log.survey, &log.products) {
             let found_in = (survey, &products.navigation, log.settings.as_ref());
-            log.leaving_out.follow(found_in, &self.jobs);
+            log.exclusion_search.follow(found_in, &self.jobs);
         }
     }
 
-    /// Leaves a part of a log out, or takes it back in, as an undo step.
-    pub(super) fn leave_out(&mut self, log: LogId, part: LogPart, leave: Leave) {
-        self.with_log(log, |app| app.leave_out_here(part, leave));
+    /// Excludes a part of a log or includes it again, as an undo step.
+    pub(super) fn exclude(&mut self, log: LogId, part: LogPart, edit: ExclusionEdit) {
+        self.with_log(log, |app| app.exclude_here(part, edit));
     }
 
-    fn leave_out_here(&mut self, part: LogPart, leave: Leave) {
+    fn exclude_here(&mut self, part: LogPart, edit: ExclusionEdit) {
         let Some(survey) = &self.log.survey else {
             return;
         };
         let mut settings = Settings::clone(&self.log.settings);
-        let left_out = &settings.left_out;
-        settings.left_out = match leave {
-            Leave::Out => left_out.leaving_out(survey, part),
+        let exclusions = &settings.excluded;
+        settings.excluded = match edit {
+            ExclusionEdit::Exclude => exclusions.excluding(survey, part),
             // Until it is known where the boat was nothing is found, and nothing has to be kept in.
-            Leave::In => match &self.log.products {
-                Some(products) => left_out.taking_in(survey, &products.navigation, part),
-                None => left_out.as_found(survey, part),
+            ExclusionEdit::Include => match &self.log.products {
+                Some(products) => exclusions.including(survey, &products.navigation, part),
+                None => exclusions.reset(survey, part),
             },
-            Leave::AsFound => left_out.as_found(survey, part),
+            ExclusionEdit::Reset => exclusions.reset(survey, part),
         };
-        self.change(settings, leave.label(part), false);
+        self.change(settings, edit.label(part), false);
     }
 
-    /// The stretch that a ping of a log is left out with.
-    pub fn left_out_at(&self, log: LogId, ping: usize) -> Option<LeftOutStretch> {
-        let left_out = &self.open_log(log)?.left_out()?.left_out;
-        let stretch = left_out.stretch_at(ping)?;
-        left_out.stretches.get(stretch).copied()
+    /// The excluded stretch that a ping of a log lies in.
+    pub fn excluded_at(&self, log: LogId, ping: usize) -> Option<ExcludedStretch> {
+        let exclusions = &self.open_log(log)?.exclusions()?.exclusions;
+        let stretch = exclusions.stretch_at(ping)?;
+        exclusions.stretches.get(stretch).copied()
     }
 
-    /// Takes the stretch that the selected ping lies in back in.
-    pub(super) fn take_back_in(&mut self) {
+    /// Includes the excluded stretch again that the selected ping lies in.
+    pub(super) fn include_again(&mut self) {
         let at = self.selection.map(|mark| mark.ping);
-        match at.and_then(|ping| self.left_out_at(self.log.id, ping)) {
-            Some(stretch) => self.leave_out(self.log.id, stretch.part(), Leave::In),
+        match at.and_then(|ping| self.excluded_at(self.log.id, ping)) {
+            Some(stretch) => self.exclude(self.log.id, stretch.part(), ExclusionEdit::Include),
             None => {
                 let text =
                     "the selected ping is not excluded; select a ping of an excluded stretch";

@@ -1,9 +1,9 @@
-//! The pings that are left out, under a veil.
+//! The pings that are excluded, under a veil.
 
 use super::labels::{self, Labels};
 use super::lens::Lens;
 use crate::app::App;
-use crate::survey::LeftOutReason;
+use crate::survey::ExclusionReason;
 use egui::{Align2, Color32, Painter, Pos2, Rect, Stroke, pos2, vec2};
 
 /// Points between the lines of the veil.
@@ -17,13 +17,13 @@ const WORDY: f32 = 90.0;
 pub(super) struct Veiled {
     area: Rect,
     edges: [[Pos2; 2]; 2],
-    reason: LeftOutReason,
+    reason: ExclusionReason,
 }
 
-/// The left-out stretches that a lens sees.
+/// The excluded stretches that a lens sees.
 pub(super) fn in_view(lens: &Lens, app: &App) -> Vec<Veiled> {
-    let found = app.log.left_out();
-    let stretches = found.iter().flat_map(|found| &found.left_out.stretches);
+    let found = app.log.exclusions();
+    let stretches = found.iter().flat_map(|found| &found.exclusions.stretches);
     let seen = stretches.filter_map(|stretch| {
         let pings = stretch.pings?;
         Some(Veiled {

@@ -1,13 +1,13 @@
-//! What is left out of every result: turns and stops that are found, and stretches that were drawn.
+//! What is excluded from every result: turns and stops that are found, and stretches that were drawn.
 
 use super::parts::{remark, setting, warning};
 use super::section::{Section, section};
-use crate::app::{Action, Command, FoundLeftOut, Leave, Mark, OpenLog, Tool};
+use crate::app::{Action, Command, ExclusionEdit, FoundExclusions, Mark, OpenLog, Tool};
 use crate::pipeline::Stage;
 use crate::pipeline::settings::rows;
-use crate::survey::{LeftOutReason, LeftOutStretch, LogPart, Stretch, Survey};
+use crate::survey::{ExcludedStretch, ExclusionReason, LogPart, Stretch, Survey};
 use crate::ui::list_keys::ListKeys;
-use crate::ui::{ViewContext, left_out_words, text};
+use crate::ui::{ViewContext, exclusion_text, text};
 use egui::{Align, Button, Layout, Response, ScrollArea, Ui};
 
 /// Height of a row of the list, points.
@@ -27,14 +27,14 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         for row in [&rows::MAX_TURN, &rows::MIN_SPEED] {
             setting(ui, context, row);
         }
-        let settings = &context.app.log.settings.left_out;
+        let settings = &context.app.log.settings.excluded;
         if settings.max_turn_deg_s.is_some() || settings.min_speed_mps.is_some() {
             setting(ui, context, &rows::MIN_DURATION);
         }
-        let Some(found) = context.app.log.left_out().cloned() else {
+        let Some(found) = context.app.log.exclusions().cloned() else {
             return;
         };
-        for text in &found.left_out.warnings {
+        for text in &found.exclusions.warnings {
             warning(ui, context, &context.app.options.units.sentence(text));
         }
         counts(ui, context, &found);
@@ -44,8 +44,8 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 fn tool(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let action = Action::LeaveOut;
-    let holds = context.app.log.reviewing.tool == Tool::LeaveOut;
+    let action = Action::Exclude;
+    let holds = context.app.log.reviewing.tool == Tool::Exclude;
     let button = ui.add(Button::new("Exclude stretches").selected(holds));
     let hint = format!("{} ({})", action.hint(), action.keys().unwrap_or_default());
     let button = button.accessible_name(action.label()).on_hover_text(hint);
@@ -54,11 +54,11 @@ fn tool(ui: &mut Ui, context: &mut ViewContext<'_>) {
     }
 }
 
-/// How much is left out, for each reason and of all logs.
-fn counts(ui: &mut Ui, context: &ViewContext<'_>, found: &FoundLeftOut) {
-    use LeftOutReason::{Bad, Drawn, Stop, Turn};
+/// How much is excluded, for each reason and of all logs.
+fn counts(ui: &mut Ui, context: &ViewContext<'_>, found: &FoundExclusions) {
+    use ExclusionReason::{Bad, Drawn, Stop, Turn};
     let units = context.app.options.units;
-    if found.left_out.is_empty() {
+    if found.exclusions.is_empty() {
         return remark(ui, "No part of this log is excluded.");
     }
     for (reason, one, many) in [
@@ -72,13 +72,13 @@ fn counts(ui: &mut Ui, context: &ViewContext<'_>, found: &FoundLeftOut) {
             let what = text::plural(extent.stretches, one, many);
             ui.label(format!(
                 "{what}: {}",
-                left_out_words::extent(&extent, units)
+                exclusion_text::extent(&extent, units)
             ));
         }
     }
-    let others = context.app.visible_logs().filter_map(OpenLog::left_out);
+    let others = context.app.visible_logs().filter_map(OpenLog::exclusions);
     let (logs, pings) = others.fold((0, 0), |(logs, pings), found| {
-        (logs + 1, pings + found.left_out.ping_count())
+        (logs + 1, pings + found.exclusions.ping_count())
     });
     if logs > 1 {
         let all = text::plural(pings, "ping", "pings");
@@ -86,18 +86,18 @@ fn counts(ui: &mut Ui, context: &ViewContext<'_>, found: &FoundLeftOut) {
     }
 }
 
-/// The stretches: a click shows one in all views, × takes it back in.
-fn list(ui: &mut Ui, context: &mut ViewContext<'_>, found: &FoundLeftOut) {
-    let stretches: Vec<(&LeftOutStretch, f64)> = found.stretches().collect();
+/// The stretches: a click shows one in all views, × includes it again.
+fn list(ui: &mut Ui, context: &mut ViewContext<'_>, found: &FoundExclusions) {
+    let stretches: Vec<(&ExcludedStretch, f64)> = found.stretches().collect();
     let Some(survey) = context.app.log.survey.clone() else {
         return;
     };
     let each = ROW + ui.spacing().item_spacing.y;
     let area = ScrollArea::vertical()
-        .id_salt("left-out stretches")
+        .id_salt("excluded stretches")
         .max_height(ROWS * each)
         .min_scrolled_height(ROWS * each);
-    let keys = ListKeys::read(ui, "left-out stretches", stretches.len());
+    let keys = ListKeys::read(ui, "excluded stretches", stretches.len());
     keys.scroll(area, each, ROWS)
         .show_rows(ui, ROW, stretches.len(), |ui, range| {
             let first = range.start;
@@ -107,7 +107,7 @@ fn list(ui: &mut Ui, context: &mut ViewContext<'_>, found: &FoundLeftOut) {
                 let where_at = place(&survey, part);
                 let label = format!("{}  {where_at}  {way}", stretch.reason.name());
                 let name = format!("{} {where_at}", stretch.reason.name());
-                let back = ("Include again", Leave::In);
+                let back = ("Include again", ExclusionEdit::Include);
                 let row = row(ui, context, [&label, &name], part, back);
                 keys.row(ui, first + index, &row);
             }
@@ -121,7 +121,7 @@ fn kept(ui: &mut Ui, context: &mut ViewContext<'_>) {
         return;
     };
     let settings = app.log.settings.clone();
-    let stretches = settings.left_out.stretches.iter();
+    let stretches = settings.excluded.stretches.iter();
     let part = |stretch: &Stretch| match (stretch.pings, stretch.time_s) {
         (Some(pings), _) => Some(LogPart::Pings(pings)),
         (None, time_s) => time_s.map(LogPart::Time),
@@ -134,7 +134,7 @@ fn kept(ui: &mut Ui, context: &mut ViewContext<'_>) {
         let where_at = place(&survey, part);
         let label = format!("kept  {where_at}");
         let name = format!("kept {where_at}");
-        let search = ("Reset", Leave::AsFound);
+        let search = ("Reset", ExclusionEdit::Reset);
         row(ui, context, [&label, &name], part, search);
     }
 }
@@ -145,7 +145,7 @@ fn row(
     context: &mut ViewContext<'_>,
     [label, name]: [&str; 2],
     part: LogPart,
-    (what, leave): (&str, Leave),
+    (what, edit): (&str, ExclusionEdit),
 ) -> Response {
     let log = context.app.log.id;
     let row = ui.horizontal(|ui| {
@@ -153,7 +153,7 @@ fn row(
             let button = ui.add(Button::new("×").small().frame(false));
             let button = button.accessible_name(format!("{what}: {name}"));
             if button.on_hover_text(what).clicked() {
-                context.push(Command::LeaveOut { log, part, leave });
+                context.push(Command::Exclude { log, part, edit });
             }
             let row = ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 let is_here = context.app.selection.is_some_and(|mark| holds(part, mark));

@@ -1,25 +1,29 @@
-//! Stretches left out in the window: drawn over waterfall and map, found by turn rate and speed, listed and taken back in.
+//! Stretches excluded in the window: drawn over waterfall and map, found by turn rate and speed, listed and included again.
 
 use crate::bottom::draw;
 use crate::logs_window::{change, opened, settle};
 use crate::review::mouse::{at, drag, pull};
 use crate::window::{Window, app, demo_window, drawn_window, press, settle as drawn};
 use bathyscope::app::{Command, LogId, OpenLog, Tool};
-use bathyscope::survey::{LeftOutReason, LeftOutStretch};
+use bathyscope::survey::{ExcludedStretch, ExclusionReason};
 use egui::{Key, Modifiers, Pos2, pos2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 
-fn out_of(log: &OpenLog) -> Vec<LeftOutStretch> {
-    log.left_out().expect("a result").left_out.stretches.clone()
+fn out_of(log: &OpenLog) -> Vec<ExcludedStretch> {
+    log.exclusions()
+        .expect("a result")
+        .exclusions
+        .stretches
+        .clone()
 }
 
-fn left_out(window: &Window) -> Vec<LeftOutStretch> {
+fn exclusions(window: &Window) -> Vec<ExcludedStretch> {
     out_of(&app(window).log)
 }
 
-/// First and last pings of what is left out of the log that is shown.
+/// First and last pings of what is excluded from the log that is shown.
 fn pings(window: &Window) -> Vec<[usize; 2]> {
-    let stretches = left_out(window).into_iter();
+    let stretches = exclusions(window).into_iter();
     stretches.filter_map(|one| one.pings).collect()
 }
 
@@ -91,7 +95,7 @@ fn a_drag_along_the_waterfall_leaves_pings_out_of_everything_as_one_step() {
     let before = points_in(&window, [300, 400]);
     assert!(before > 100 && pings(&window).is_empty());
     press(&mut window, Modifiers::NONE, Key::K);
-    assert_eq!(app(&window).log.reviewing.tool, Tool::LeaveOut);
+    assert_eq!(app(&window).log.reviewing.tool, Tool::Exclude);
     window.get_by_label_contains(", excluding stretches");
     // Backwards as well as forwards.
     draw(&mut window, Modifiers::NONE, (400.0, -4.0), (300.0, 5.0));
@@ -99,10 +103,10 @@ fn a_drag_along_the_waterfall_leaves_pings_out_of_everything_as_one_step() {
         panic!("{:?}", pings(&window))
     };
     assert!(near(stretch, [300, 400]), "{stretch:?}");
-    assert_eq!(left_out(&window)[0].reason, LeftOutReason::Drawn);
+    assert_eq!(exclusions(&window)[0].reason, ExclusionReason::Drawn);
     assert_eq!(points_in(&window, stretch), 0, "the results follow");
     let products = app(&window).log.products.as_ref().expect("results");
-    assert_eq!(products.left_out.stretches, left_out(&window));
+    assert_eq!(products.exclusions.stretches, exclusions(&window));
     for view in ["Waterfall, pings", "Time line, ping"] {
         let name = name_of(&window, view);
         assert!(name.contains(", 1 stretch excluded"), "{name}");
@@ -125,7 +129,7 @@ fn a_drag_along_the_waterfall_leaves_pings_out_of_everything_as_one_step() {
     press(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
     assert_eq!(pings(&window), [stretch]);
 
-    // A click takes it back in; beside it a click only selects.
+    // A click includes it again; beside it a click only selects.
     let beside = at(&window, 600.0, 4.0);
     click(&mut window, beside);
     assert_eq!(pings(&window), [stretch]);
@@ -136,7 +140,7 @@ fn a_drag_along_the_waterfall_leaves_pings_out_of_everything_as_one_step() {
     let inside = at(&window, 350.0, 4.0);
     click(&mut window, inside);
     assert!(pings(&window).is_empty());
-    assert!(app(&window).log.settings.left_out.is_empty());
+    assert!(app(&window).log.settings.excluded.is_empty());
     // Without the tool a drag moves the picture.
     press(&mut window, Modifiers::NONE, Key::Escape);
     draw(&mut window, Modifiers::NONE, (300.0, -6.0), (400.0, -4.0));
@@ -148,7 +152,7 @@ fn a_drag_that_is_given_up_changes_nothing() {
     let mut window = demo_window();
     press(&mut window, Modifiers::NONE, Key::F);
     let (from, to) = (at(&window, 300.0, 4.0), at(&window, 400.0, 6.0));
-    // Left-out stretches, the bottom, a new box.
+    // Excluded stretches, the bottom, a new box.
     for tool in [Key::K, Key::M, Key::N] {
         press(&mut window, Modifiers::NONE, tool);
         pull(&mut window, from, to);
@@ -165,12 +169,12 @@ fn a_drag_that_is_given_up_changes_nothing() {
 #[test]
 fn turns_are_found_listed_and_taken_back_in() {
     let mut window = demo_window();
-    change(&mut window, "left_out.max_turn_deg_s=4");
-    let found = left_out(&window);
+    change(&mut window, "excluded.max_turn_deg_s=4");
+    let found = exclusions(&window);
     assert!(!found.is_empty(), "the demo turns");
-    assert!(found.iter().all(|one| one.reason == LeftOutReason::Turn));
+    assert!(found.iter().all(|one| one.reason == ExclusionReason::Turn));
     let pings_out: usize = pings(&window).iter().map(|[a, b]| b + 1 - a).sum();
-    let extent = app(&window).log.left_out().expect("found").extent(None);
+    let extent = app(&window).log.exclusions().expect("found").extent(None);
     assert_eq!(extent.pings, pings_out);
     let name = if found.len() == 1 {
         "1 turn: "
@@ -191,18 +195,18 @@ fn turns_are_found_listed_and_taken_back_in() {
         .get_by_label(&format!("Include again: turn {first}..{last}"))
         .click_accesskit();
     settle(&mut window);
-    assert_eq!(left_out(&window), found[1..]);
+    assert_eq!(exclusions(&window), found[1..]);
     assert!(points_in(&window, [first, last]) > 0);
     // It is listed as kept, and left to the search again.
     window
         .get_by_label(&format!("Reset: kept {first}..{last}"))
         .click_accesskit();
     settle(&mut window);
-    assert_eq!(left_out(&window), found);
+    assert_eq!(exclusions(&window), found);
     // By key, at the selected ping.
     press(&mut window, Modifiers::SHIFT, Key::K);
     settle(&mut window);
-    assert_eq!(left_out(&window), found[1..]);
+    assert_eq!(exclusions(&window), found[1..]);
     press(&mut window, Modifiers::SHIFT, Key::K);
     assert!(
         window
@@ -231,10 +235,10 @@ fn a_drag_along_a_track_of_the_map_leaves_out_pings_of_its_log() {
         "{stretch:?}"
     );
     let products = other.products.as_ref().expect("results");
-    assert_eq!(products.left_out.stretches, [stretch]);
+    assert_eq!(products.exclusions.stretches, [stretch]);
     let name = name_of(&window, "Map, track of");
     assert!(name.contains(" excluded"), "{name}");
-    // A click with the tool takes it back in; without it a drag moves the map.
+    // A click with the tool includes it again; without it a drag moves the map.
     let inside = on_map_again(&mut window, ids[1], 90);
     click(&mut window, inside);
     settle(&mut window);
@@ -250,16 +254,16 @@ fn on_map_again(window: &mut Window, log: LogId, ping: usize) -> Pos2 {
 }
 
 #[test]
-fn left_out_stretches_look_as_they_did() {
+fn excluded_stretches_look_as_they_did() {
     let mut window = drawn_window([1400.0, 1000.0]);
     window.state_mut().app.apply(Command::OpenDemo);
     window.run();
-    change(&mut window, "left_out.max_turn_deg_s=4");
+    change(&mut window, "excluded.max_turn_deg_s=4");
     press(&mut window, Modifiers::NONE, Key::F);
     press(&mut window, Modifiers::NONE, Key::K);
     draw(&mut window, Modifiers::NONE, (300.0, -4.0), (380.0, -4.0));
     window.get_by_label("Exclude stretches").scroll_to_me();
     window.run();
     drawn(&mut window);
-    window.snapshot("window_left_out");
+    window.snapshot("window_excluded");
 }

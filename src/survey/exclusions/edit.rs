@@ -1,6 +1,6 @@
-//! What an analyst says about parts of a log: that they are left out, that they count, or nothing any more.
+//! What an analyst says about parts of a log: that they are excluded, that they count, or nothing any more.
 
-use super::{LeftOut, LeftOutReason, LeftOutSettings, Stretch};
+use super::{ExclusionReason, ExclusionSettings, Exclusions, Stretch};
 use crate::survey::{Identity, Navigation, PingNav, Survey};
 
 /// A part of a log.
@@ -51,12 +51,12 @@ impl LogPart {
     }
 }
 
-impl LeftOutSettings {
-    /// With a part of a log left out; what was drawn and touches it becomes one stretch with it.
-    pub fn leaving_out(&self, survey: &Survey, part: LogPart) -> Self {
+impl ExclusionSettings {
+    /// With a part of a log excluded; what was drawn and touches it becomes one stretch with it.
+    pub fn excluding(&self, survey: &Survey, part: LogPart) -> Self {
         let (mut whole, mut others) = (part, Vec::new());
         for stretch in self.stretches_of(survey) {
-            let joined = (stretch.reason == Some(LeftOutReason::Drawn))
+            let joined = (stretch.reason == Some(ExclusionReason::Drawn))
                 .then(|| joined(whole, &stretch, survey))
                 .flatten();
             match joined {
@@ -65,21 +65,21 @@ impl LeftOutSettings {
             }
         }
         let rest = others.iter().flat_map(|one| without(one, whole, survey));
-        let drawn = stretch(whole, Some(LeftOutReason::Drawn));
+        let drawn = stretch(whole, Some(ExclusionReason::Drawn));
         self.with_stretches(survey, rest.chain([drawn]).collect())
     }
 
-    /// With nothing said about a part of a log: turns and stops that are found there are left out, all else counts.
-    pub fn as_found(&self, survey: &Survey, part: LogPart) -> Self {
+    /// With nothing said about a part of a log: turns and stops that are found there are excluded, all else counts.
+    pub fn reset(&self, survey: &Survey, part: LogPart) -> Self {
         let stretches = self.stretches_of(survey);
         let rest = stretches.iter().flat_map(|one| without(one, part, survey));
         self.with_stretches(survey, rest.collect())
     }
 
     /// With a part of a log that counts, whatever is found there.
-    pub fn taking_in(&self, survey: &Survey, navigation: &Navigation, part: LogPart) -> Self {
-        let mut settings = self.as_found(survey, part);
-        let found = LeftOut::new(survey, navigation, &settings);
+    pub fn including(&self, survey: &Survey, navigation: &Navigation, part: LogPart) -> Self {
+        let mut settings = self.reset(survey, part);
+        let found = Exclusions::new(survey, navigation, &settings);
         let is_out = match part {
             LogPart::Pings([first, last]) => (first..=last).any(|ping| found.ping(ping).is_some()),
             LogPart::Time([from_s, to_s]) => {
@@ -123,7 +123,7 @@ fn start_s(stretch: &Stretch) -> f64 {
     stretch.time_s.map_or(0.0, |[from_s, _]| from_s)
 }
 
-fn stretch(part: LogPart, reason: Option<LeftOutReason>) -> Stretch {
+fn stretch(part: LogPart, reason: Option<ExclusionReason>) -> Stretch {
     let (pings, time_s) = match part {
         LogPart::Pings(pings) => (Some(pings), None),
         LogPart::Time(time_s) => (None, Some(time_s)),
@@ -213,7 +213,7 @@ mod tests {
     use super::super::tests::{sailed, turns_and_stops};
     use super::*;
 
-    fn named(settings: &LeftOutSettings) -> Vec<([usize; 2], Option<LeftOutReason>)> {
+    fn named(settings: &ExclusionSettings) -> Vec<([usize; 2], Option<ExclusionReason>)> {
         let stretches = settings.stretches.iter();
         stretches
             .filter_map(|one| Some((one.pings?, one.reason)))
@@ -222,30 +222,30 @@ mod tests {
 
     #[test]
     fn strokes_join_cut_and_are_taken_back() {
-        use LeftOutReason::{Bad, Drawn};
+        use ExclusionReason::{Bad, Drawn};
         let (survey, navigation) = sailed(true);
         let pings = |first, last| LogPart::Pings([first, last]);
-        let mut given = LeftOutSettings::default();
+        let mut given = ExclusionSettings::default();
         given.stretches.push(Stretch {
             pings: None,
             time_s: Some([1.0, 9.95]),
             reason: Some(Bad),
         });
-        let one = given.leaving_out(&survey, pings(120, 139));
-        let two = one.leaving_out(&survey, pings(140, 159));
+        let one = given.excluding(&survey, pings(120, 139));
+        let two = one.excluding(&survey, pings(140, 159));
         assert_eq!(named(&two), [([120, 159], Some(Drawn))], "they touch");
         assert_eq!(two.stretches[1], given.stretches[0], "it stays as given");
         assert!(two.log.is_some());
-        let three = two.leaving_out(&survey, pings(90, 125));
+        let three = two.excluding(&survey, pings(90, 125));
         assert_eq!(
             named(&three),
             [([10, 89], Some(Bad)), ([90, 159], Some(Drawn))]
         );
-        let four = three.taking_in(&survey, &navigation, pings(100, 110));
+        let four = three.including(&survey, &navigation, pings(100, 110));
         let drawn = [([90, 99], Some(Drawn)), ([111, 159], Some(Drawn))];
         assert_eq!(named(&four)[1..], drawn, "no turn is found there");
-        let none = four.as_found(&survey, pings(0, 599));
-        assert_eq!(none, LeftOutSettings::default());
+        let none = four.reset(&survey, pings(0, 599));
+        assert_eq!(none, ExclusionSettings::default());
         assert_eq!(none.check(), Ok(()));
     }
 
@@ -254,23 +254,23 @@ mod tests {
         for with_pings in [true, false] {
             let (survey, navigation) = sailed(with_pings);
             let settings = turns_and_stops();
-            let of = |settings: &LeftOutSettings| LeftOut::new(&survey, &navigation, settings);
+            let of = |settings: &ExclusionSettings| Exclusions::new(&survey, &navigation, settings);
             let turn = of(&settings).stretches[0];
-            let kept = settings.taking_in(&survey, &navigation, turn.part());
+            let kept = settings.including(&survey, &navigation, turn.part());
             assert_eq!(kept.check(), Ok(()));
             assert_eq!(kept.stretches[0].reason, None);
             let left = of(&kept).stretches;
             assert_eq!(left.len(), 1, "the stop: {left:?}");
             // A stroke over it counts more.
-            let out = kept.leaving_out(&survey, turn.part());
-            assert_eq!(of(&out).stretches[0].reason, LeftOutReason::Drawn);
+            let out = kept.excluding(&survey, turn.part());
+            assert_eq!(of(&out).stretches[0].reason, ExclusionReason::Drawn);
             assert_eq!(of(&out).stretches[0].time_s, turn.time_s);
-            let found = kept.as_found(&survey, turn.part());
+            let found = kept.reset(&survey, turn.part());
             assert_eq!(found, settings);
             let text = toml::to_string(&kept).expect("settings are text");
             assert!(text.contains("\"kept\""), "{text}");
-            assert_eq!(toml::from_str::<LeftOutSettings>(&text), Ok(kept));
-            assert!(toml::from_str::<LeftOutSettings>(&text.replace("kept", "gone")).is_err());
+            assert_eq!(toml::from_str::<ExclusionSettings>(&text), Ok(kept));
+            assert!(toml::from_str::<ExclusionSettings>(&text.replace("kept", "gone")).is_err());
         }
     }
 
@@ -279,7 +279,7 @@ mod tests {
         for with_pings in [true, false] {
             let (survey, navigation) = sailed(with_pings);
             let settings = turns_and_stops();
-            let turn = LeftOut::new(&survey, &navigation, &settings).stretches[0];
+            let turn = Exclusions::new(&survey, &navigation, &settings).stretches[0];
             let part = turn.part();
             let lasts_s = turn.time_s[1] - turn.time_s[0];
             assert!((part.duration_s(&survey) - lasts_s).abs() < 1e-9);

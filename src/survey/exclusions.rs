@@ -1,4 +1,4 @@
-//! Stretches of a log that are left out of every result: turns, stops, and what an analyst takes for bad. `edit` changes what an analyst
+//! Stretches of a log that are excluded from every result: turns, stops, and what an analyst takes for bad. `edit` changes what an analyst
 //! says of them, `verdict` is how a stretch of the settings says whether it counts.
 
 mod edit;
@@ -11,10 +11,10 @@ use super::{Identity, Navigation, PingNav, Survey};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// Why a stretch is left out.
+/// Why a stretch is excluded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum LeftOutReason {
+pub enum ExclusionReason {
     /// The boat turns: far echoes sweep over the ground.
     Turn,
     /// The boat lies still or drifts.
@@ -25,7 +25,7 @@ pub enum LeftOutReason {
     Drawn,
 }
 
-impl LeftOutReason {
+impl ExclusionReason {
     /// `turn`, `stop`, `bad` or `drawn`, as in settings and tables.
     pub fn name(self) -> &'static str {
         match self {
@@ -47,19 +47,19 @@ pub struct Stretch {
     /// First and last time, seconds of the log.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time_s: Option<[f64; 2]>,
-    /// Why it is left out; `None`, written `kept`, where it counts although a turn or a stop is found there.
+    /// Why it is excluded; `None`, written `kept`, where it counts although a turn or a stop is found there.
     #[serde(with = "verdict")]
-    pub reason: Option<LeftOutReason>,
+    pub reason: Option<ExclusionReason>,
 }
 
-/// `left_out.*` settings. Without any of them nothing is left out.
+/// `excluded.*` settings. Without any of them nothing is excluded.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct LeftOutSettings {
-    /// Stretches in which the boat turns faster than this are left out, degrees a second; none are when not given.
+pub struct ExclusionSettings {
+    /// Stretches in which the boat turns faster than this are excluded, degrees a second; none are when not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_turn_deg_s: Option<f64>,
-    /// Stretches in which the boat is slower than this are left out, metres a second; none are when not given.
+    /// Stretches in which the boat is slower than this are excluded, metres a second; none are when not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub min_speed_mps: Option<f64>,
     /// Shorter turns and stops stay in, seconds; and the way between two of them that is shorter goes with them.
@@ -71,7 +71,7 @@ pub struct LeftOutSettings {
     pub stretches: Vec<Stretch>,
 }
 
-impl Default for LeftOutSettings {
+impl Default for ExclusionSettings {
     fn default() -> Self {
         Self {
             max_turn_deg_s: None,
@@ -86,7 +86,7 @@ impl Default for LeftOutSettings {
 /// More stretches than this are no work of a hand.
 const MOST_STRETCHES: usize = 100_000;
 
-impl LeftOutSettings {
+impl ExclusionSettings {
     /// Refuses what cannot be, in one sentence.
     ///
     /// # Errors
@@ -100,11 +100,11 @@ impl LeftOutSettings {
         let rules = [
             (
                 self.stretches.len() <= MOST_STRETCHES,
-                "left_out.stretches may hold 100000 stretches at most",
+                "excluded.stretches may hold 100000 stretches at most",
             ),
             (
                 self.stretches.iter().all(is_span),
-                "left_out.stretches need either pings, the first and the last, or time_s, from and to",
+                "excluded.stretches need either pings, the first and the last, or time_s, from and to",
             ),
         ];
         rules
@@ -113,24 +113,24 @@ impl LeftOutSettings {
             .map_or(Ok(()), |(_, rule)| Err(*rule))
     }
 
-    /// Whether nothing can be left out.
+    /// Whether nothing can be excluded.
     pub fn is_empty(&self) -> bool {
         self.max_turn_deg_s.is_none() && self.min_speed_mps.is_none() && self.stretches.is_empty()
     }
 }
 
-/// A stretch that is left out.
+/// A stretch that is excluded.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct LeftOutStretch {
+pub struct ExcludedStretch {
     /// First and last side-scan ping; `None` where it holds none.
     pub pings: Option<[usize; 2]>,
     /// First and last time, seconds of the log.
     pub time_s: [f64; 2],
     /// Why.
-    pub reason: LeftOutReason,
+    pub reason: ExclusionReason,
 }
 
-impl LeftOutStretch {
+impl ExcludedStretch {
     /// Where it lies.
     pub fn part(&self) -> LogPart {
         self.pings
@@ -143,22 +143,22 @@ impl LeftOutStretch {
     }
 }
 
-/// What is left out of a log: a reason for every ping and every sounding that is.
+/// What is excluded from a log: a reason for every ping and every sounding that is.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct LeftOut {
-    /// One entry a side-scan ping; none at all where nothing is left out.
-    pings: Vec<Option<LeftOutReason>>,
-    /// One entry a sounding; none at all where nothing is left out.
-    soundings: Vec<Option<LeftOutReason>>,
+pub struct Exclusions {
+    /// One entry a side-scan ping; none at all where nothing is excluded.
+    pings: Vec<Option<ExclusionReason>>,
+    /// One entry a sounding; none at all where nothing is excluded.
+    soundings: Vec<Option<ExclusionReason>>,
     /// The stretches in time order.
-    pub stretches: Vec<LeftOutStretch>,
+    pub stretches: Vec<ExcludedStretch>,
     /// What could not be applied, in sentences.
     pub warnings: Vec<String>,
 }
 
-impl LeftOut {
-    /// Finds what the settings leave out.
-    pub fn new(survey: &Survey, navigation: &Navigation, settings: &LeftOutSettings) -> Self {
+impl Exclusions {
+    /// Finds what the settings exclude.
+    pub fn new(survey: &Survey, navigation: &Navigation, settings: &ExclusionSettings) -> Self {
         if settings.is_empty() {
             return Self::default();
         }
@@ -185,50 +185,50 @@ impl LeftOut {
         made
     }
 
-    /// Whether the middle of some side-scan pings, those of a box, is left out.
-    pub fn is_middle_out(&self, pings: &Range<usize>) -> bool {
+    /// Whether the middle of some side-scan pings, those of a box, is excluded.
+    pub fn is_middle_excluded(&self, pings: &Range<usize>) -> bool {
         self.ping(usize::midpoint(pings.start, pings.end)).is_some()
     }
 
-    /// Why a side-scan ping is left out; `None` where it counts.
-    pub fn ping(&self, ping: usize) -> Option<LeftOutReason> {
+    /// Why a side-scan ping is excluded; `None` where it counts.
+    pub fn ping(&self, ping: usize) -> Option<ExclusionReason> {
         self.pings.get(ping).copied().flatten()
     }
 
-    /// Why a sounding is left out; `None` where it counts.
-    pub fn sounding(&self, sounding: usize) -> Option<LeftOutReason> {
+    /// Why a sounding is excluded; `None` where it counts.
+    pub fn sounding(&self, sounding: usize) -> Option<ExclusionReason> {
         self.soundings.get(sounding).copied().flatten()
     }
 
-    /// Side-scan pings that are left out.
+    /// Side-scan pings that are excluded.
     pub fn ping_count(&self) -> usize {
         self.pings.iter().flatten().count()
     }
 
-    /// The stretch that a side-scan ping lies in, by its place in [`LeftOut::stretches`]; `None` where the ping counts.
+    /// The stretch that a side-scan ping lies in, by its place in [`Exclusions::stretches`]; `None` where the ping counts.
     pub fn stretch_at(&self, ping: usize) -> Option<usize> {
         self.ping(ping)?;
         let begun =
-            |stretch: &LeftOutStretch| stretch.pings.is_some_and(|[first, _]| first <= ping);
+            |stretch: &ExcludedStretch| stretch.pings.is_some_and(|[first, _]| first <= ping);
         self.stretches.partition_point(begun).checked_sub(1)
     }
 
-    /// Soundings that are left out.
+    /// Soundings that are excluded.
     pub fn sounding_count(&self) -> usize {
         self.soundings.iter().flatten().count()
     }
 
-    /// Whether nothing is left out.
+    /// Whether nothing is excluded.
     pub fn is_empty(&self) -> bool {
         self.stretches.is_empty()
     }
 }
 
-/// From and to, seconds, and why it is left out; `None` where it counts.
-type Span = ([f64; 2], Option<LeftOutReason>);
+/// From and to, seconds, and why it is excluded; `None` where it counts.
+type Span = ([f64; 2], Option<ExclusionReason>);
 
 /// Turns and stops.
-fn automatic(times_s: &[f64], places: &[PingNav], settings: &LeftOutSettings) -> Vec<Span> {
+fn automatic(times_s: &[f64], places: &[PingNav], settings: &ExclusionSettings) -> Vec<Span> {
     let min_s = settings.min_duration_s;
     let mut spans = Vec::new();
     if let Some(max_deg_s) = settings.max_turn_deg_s {
@@ -238,12 +238,12 @@ fn automatic(times_s: &[f64], places: &[PingNav], settings: &LeftOutSettings) ->
                 .get(index)
                 .is_some_and(|turn| f64::from(*turn) > max_deg_s)
         };
-        spans.extend(runs(times_s, is_out, LeftOutReason::Turn, min_s));
+        spans.extend(runs(times_s, is_out, ExclusionReason::Turn, min_s));
     }
     if let Some(min_mps) = settings.min_speed_mps {
         // A speed that is not known is no stop.
         let is_out = |index: usize| places.get(index).is_some_and(|at| at.speed_mps < min_mps);
-        spans.extend(runs(times_s, is_out, LeftOutReason::Stop, min_s));
+        spans.extend(runs(times_s, is_out, ExclusionReason::Stop, min_s));
     }
     spans
 }
@@ -252,7 +252,7 @@ fn automatic(times_s: &[f64], places: &[PingNav], settings: &LeftOutSettings) ->
 fn runs(
     times_s: &[f64],
     is_out: impl Fn(usize) -> bool,
-    reason: LeftOutReason,
+    reason: ExclusionReason,
     min_s: f64,
 ) -> Vec<Span> {
     let mut joined: Vec<[f64; 2]> = Vec::new();
@@ -274,7 +274,7 @@ fn runs(
 /// Stretches of another log.
 #[derive(Debug, thiserror::Error)]
 #[error(
-    "left_out.stretches are not applied: they belong to {}, a log of {} bytes and {} pings",
+    "excluded.stretches are not applied: they belong to {}, a log of {} bytes and {} pings",
     .0.file, .0.byte_count, .0.pings
 )]
 struct OtherLog<'a>(&'a Identity);
@@ -285,7 +285,7 @@ struct OtherLog<'a>(&'a Identity);
 /// Where they belong to another log.
 fn named<'a>(
     survey: &Survey,
-    settings: &'a LeftOutSettings,
+    settings: &'a ExclusionSettings,
     ping_times: &[f64],
 ) -> Result<Vec<Span>, OtherLog<'a>> {
     let own = Identity::of(survey);
@@ -306,7 +306,7 @@ fn named<'a>(
 }
 
 /// The reason at every time; empty where there is none at all.
-fn flags(times_s: &[f64], spans: &[Span]) -> Vec<Option<LeftOutReason>> {
+fn flags(times_s: &[f64], spans: &[Span]) -> Vec<Option<ExclusionReason>> {
     let mut flags = vec![None; times_s.len()];
     for ([from_s, to_s], reason) in spans {
         let first = times_s.partition_point(|time_s| time_s < from_s);
@@ -324,15 +324,15 @@ fn flags(times_s: &[f64], spans: &[Span]) -> Vec<Option<LeftOutReason>> {
 /// Runs of the same reason.
 fn stretches(
     times_s: &[f64],
-    flags: &[Option<LeftOutReason>],
+    flags: &[Option<ExclusionReason>],
     are_pings: bool,
-) -> Vec<LeftOutStretch> {
+) -> Vec<ExcludedStretch> {
     let mut start = 0;
     let mut found = Vec::new();
     for same in flags.chunk_by(|a, b| a == b) {
         let last = start + same.len() - 1;
         if let Some(reason) = same[0] {
-            found.push(LeftOutStretch {
+            found.push(ExcludedStretch {
                 pings: are_pings.then_some([start, last]),
                 time_s: [times_s[start], times_s[last]],
                 reason,
@@ -405,11 +405,11 @@ mod tests {
         (survey, navigation)
     }
 
-    pub(super) fn turns_and_stops() -> LeftOutSettings {
-        LeftOutSettings {
+    pub(super) fn turns_and_stops() -> ExclusionSettings {
+        ExclusionSettings {
             max_turn_deg_s: Some(6.0),
             min_speed_mps: Some(0.5),
-            ..LeftOutSettings::default()
+            ..ExclusionSettings::default()
         }
     }
 
@@ -417,21 +417,21 @@ mod tests {
     fn turns_and_stops_are_found_with_and_without_side_scan() {
         for with_pings in [true, false] {
             let (survey, navigation) = sailed(with_pings);
-            let out = LeftOut::new(&survey, &navigation, &turns_and_stops());
+            let out = Exclusions::new(&survey, &navigation, &turns_and_stops());
             let [turn, stop] = out.stretches[..] else {
                 panic!("{:?}", out.stretches)
             };
-            assert_eq!(turn.reason, LeftOutReason::Turn);
-            assert_eq!(stop.reason, LeftOutReason::Stop);
+            assert_eq!(turn.reason, ExclusionReason::Turn);
+            assert_eq!(stop.reason, ExclusionReason::Stop);
             // The rate is a mean over two seconds to both sides.
             for (found_s, true_s) in turn.time_s.iter().zip([20.0, 35.0]) {
                 assert!((found_s - true_s).abs() < 1.5, "{turn:?}");
             }
             assert!((stop.time_s[0] - 50.0).abs() < 0.3 && stop.time_s[1] > 59.0);
             assert_eq!(turn.pings.is_some(), with_pings);
-            assert_eq!(out.sounding(137), Some(LeftOutReason::Turn));
+            assert_eq!(out.sounding(137), Some(ExclusionReason::Turn));
             assert_eq!(out.sounding(20), None);
-            assert_eq!(out.ping(275), with_pings.then_some(LeftOutReason::Turn));
+            assert_eq!(out.ping(275), with_pings.then_some(ExclusionReason::Turn));
         }
     }
 
@@ -443,18 +443,18 @@ mod tests {
             Stretch {
                 pings: Some([250, 299]),
                 time_s: None,
-                reason: Some(LeftOutReason::Bad),
+                reason: Some(ExclusionReason::Bad),
             },
             Stretch {
                 pings: None,
                 time_s: Some([5.0, 5.95]),
-                reason: Some(LeftOutReason::Drawn),
+                reason: Some(ExclusionReason::Drawn),
             },
         ];
         assert_eq!(settings.check(), Ok(()));
-        let out = LeftOut::new(&survey, &navigation, &settings);
-        let reasons: Vec<LeftOutReason> = out.stretches.iter().map(|one| one.reason).collect();
-        use LeftOutReason::{Bad, Drawn, Stop, Turn};
+        let out = Exclusions::new(&survey, &navigation, &settings);
+        let reasons: Vec<ExclusionReason> = out.stretches.iter().map(|one| one.reason).collect();
+        use ExclusionReason::{Bad, Drawn, Stop, Turn};
         assert_eq!(reasons, [Drawn, Turn, Bad, Turn, Stop]);
         assert_eq!(out.stretches[0].pings, Some([50, 59]));
         assert_eq!(out.stretches[2].pings, Some([250, 299]));
@@ -467,7 +467,7 @@ mod tests {
             byte_count: 7,
             pings: 9,
         });
-        let other = LeftOut::new(&survey, &navigation, &settings);
+        let other = Exclusions::new(&survey, &navigation, &settings);
         assert_eq!(other.stretches.len(), 2);
         assert!(
             other.warnings[0].contains("other.sl2"),
@@ -479,13 +479,13 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_left_out_unasked() {
+    fn nothing_is_excluded_unasked() {
         let (survey, navigation) = sailed(true);
-        let out = LeftOut::new(&survey, &navigation, &LeftOutSettings::default());
-        assert_eq!(out, LeftOut::default());
+        let out = Exclusions::new(&survey, &navigation, &ExclusionSettings::default());
+        assert_eq!(out, Exclusions::default());
         // A turn that is shorter than the shortest stays.
         let mut settings = turns_and_stops();
         settings.min_duration_s = 20.0;
-        assert!(LeftOut::new(&survey, &navigation, &settings).is_empty());
+        assert!(Exclusions::new(&survey, &navigation, &settings).is_empty());
     }
 }

@@ -1,8 +1,8 @@
-//! What is said of left-out stretches, the same in all views and panels.
+//! What is said of excluded stretches, the same in all views and panels.
 
-use crate::app::{Action, App, Extent, Leave, LogId};
+use crate::app::{Action, App, ExclusionEdit, Extent, LogId};
 use crate::support::presentation::units::Units;
-use crate::survey::LeftOutStretch;
+use crate::survey::ExcludedStretch;
 use crate::ui::text;
 
 /// `412 pings · 512 m · 1:02`.
@@ -16,37 +16,37 @@ pub fn extent(extent: &Extent, units: Units) -> String {
 }
 
 /// What a drag with the tool will do.
-pub fn of_drag(leave: Leave, covered: &Extent, units: Units) -> String {
-    let what = match leave {
-        Leave::Out => "exclude",
-        Leave::In => "include again",
-        Leave::AsFound => "reset",
+pub fn of_drag(edit: ExclusionEdit, covered: &Extent, units: Units) -> String {
+    let what = match edit {
+        ExclusionEdit::Exclude => "exclude",
+        ExclusionEdit::Include => "include again",
+        ExclusionEdit::Reset => "reset",
     };
     format!("{what} {}", extent(covered, units))
 }
 
 /// Why a ping does not count, `excluded: turn`; `None` where it does.
 pub fn at(app: &App, log: LogId, ping: usize) -> Option<String> {
-    let stretch = app.left_out_at(log, ping)?;
+    let stretch = app.excluded_at(log, ping)?;
     Some(format!("excluded: {}", stretch.reason.name()))
 }
 
-/// An entry of a view's menu that takes a stretch back in; whether it was chosen.
-pub fn take_back_in(ui: &mut egui::Ui, stretch: &LeftOutStretch) -> bool {
+/// An entry of a view's menu that includes a stretch again; whether it was chosen.
+pub fn include_again(ui: &mut egui::Ui, stretch: &ExcludedStretch) -> bool {
     let hint = format!("Excluded: {}.", stretch.reason.name());
-    let chosen = ui.button(Action::TakeBackIn.label()).on_hover_text(hint);
+    let chosen = ui.button(Action::IncludeAgain.label()).on_hover_text(hint);
     if chosen.clicked() {
         ui.close();
     }
     chosen.clicked()
 }
 
-/// How much of the log that is shown is left out, behind a comma; empty where nothing is.
+/// How much of the log that is shown is excluded, behind a comma; empty where nothing is.
 pub fn and_stretches(app: &App) -> String {
     let count = app
         .log
-        .left_out()
-        .map_or(0, |found| found.left_out.stretches.len());
+        .exclusions()
+        .map_or(0, |found| found.exclusions.stretches.len());
     match count {
         0 => String::new(),
         count => format!(", {} excluded", text::plural(count, "stretch", "stretches")),

@@ -1,4 +1,4 @@
-//! The left-out stretches of the tracks.
+//! The excluded stretches of the tracks.
 
 use super::overlay::Scene;
 use crate::app::{App, MapLayer, OpenLog};
@@ -15,13 +15,13 @@ const WIDTH: f32 = 1.8;
 /// Length of the dashes and of the room between them, points.
 const DASH: f32 = 3.0;
 
-/// Draws the left-out stretches of all visible logs as fine grey dashes over their tracks.
+/// Draws the excluded stretches of all visible logs as fine grey dashes over their tracks.
 pub fn paint(painter: &Painter, scene: &Scene<'_>, app: &App) {
     if !scene.shows(MapLayer::Track) {
         return;
     }
     let casing = Stroke::new(CASING, theme::canvas_colour(scene.options));
-    let dashes = Stroke::new(WIDTH, theme::left_out_colour(scene.options));
+    let dashes = Stroke::new(WIDTH, theme::excluded_colour(scene.options));
     for log in app.visible_logs() {
         for sailed in stretches(log) {
             stroke(painter, &places(scene, sailed), casing, dashes);
@@ -29,20 +29,20 @@ pub fn paint(painter: &Painter, scene: &Scene<'_>, app: &App) {
     }
 }
 
-/// Where the boat was in the left-out stretches of a log.
+/// Where the boat was in the excluded stretches of a log.
 fn stretches(log: &OpenLog) -> impl Iterator<Item = &[PingNav]> {
     let found = log.survey.as_ref().zip(log.products.as_ref());
-    let found = found.zip(log.left_out()).into_iter();
+    let found = found.zip(log.exclusions()).into_iter();
     found.flat_map(|((survey, products), found)| {
-        let stretches = found.left_out.stretches.iter();
+        let stretches = found.exclusions.stretches.iter();
         stretches.map(|stretch| stretch.part().places(survey, &products.navigation))
     })
 }
 
-/// Side-scan pings of all visible logs that are left out.
+/// Side-scan pings of all visible logs that are excluded.
 pub fn ping_count(app: &App) -> usize {
-    let found = app.visible_logs().filter_map(OpenLog::left_out);
-    found.map(|found| found.left_out.ping_count()).sum()
+    let found = app.visible_logs().filter_map(OpenLog::exclusions);
+    found.map(|found| found.exclusions.ping_count()).sum()
 }
 
 /// Where the boat's places lie on the screen.

@@ -1,6 +1,6 @@
-//! The reason of a stretch as text: why it is left out, or `kept` where it counts.
+//! The reason of a stretch as text: why it is excluded, or `kept` where it counts.
 
-use super::LeftOutReason;
+use super::ExclusionReason;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// The reason of a stretch that counts.
@@ -16,18 +16,23 @@ enum Counts {
     expecting = "a reason is `turn`, `stop`, `bad`, `drawn` or `kept`"
 )]
 enum Verdict {
-    LeftOut(LeftOutReason),
+    Excluded(ExclusionReason),
     Counts(Counts),
 }
 
-pub fn serialize<S: Serializer>(reason: &Option<LeftOutReason>, to: S) -> Result<S::Ok, S::Error> {
-    let verdict = reason.map_or(Verdict::Counts(Counts::Kept), Verdict::LeftOut);
+pub fn serialize<S: Serializer>(
+    reason: &Option<ExclusionReason>,
+    to: S,
+) -> Result<S::Ok, S::Error> {
+    let verdict = reason.map_or(Verdict::Counts(Counts::Kept), Verdict::Excluded);
     verdict.serialize(to)
 }
 
-pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Option<LeftOutReason>, D::Error> {
+pub fn deserialize<'de, D: Deserializer<'de>>(
+    from: D,
+) -> Result<Option<ExclusionReason>, D::Error> {
     Ok(match Verdict::deserialize(from)? {
-        Verdict::LeftOut(reason) => Some(reason),
+        Verdict::Excluded(reason) => Some(reason),
         Verdict::Counts(Counts::Kept) => None,
     })
 }
