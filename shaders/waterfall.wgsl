@@ -3,7 +3,7 @@
 // Each tile is one instance of a quad. Texels are read with textureLoad and averaged over the pixel's footprint here, so
 // that the picture is the same on every driver; no sampler takes part. Layouts are those of src/render/waterfall.rs.
 
-struct Look {
+struct EchoStyle {
     gamma: f32,         // intensity ^ (1 / gamma)
     highlight: f32,     // share of the maximum in what is shown, the rest is the mean
     black: f32,         // intensity shown as 0, after gain
@@ -22,7 +22,7 @@ struct Look {
     padding: f32,
 }
 
-@group(0) @binding(0) var<uniform> look: Look;
+@group(0) @binding(0) var<uniform> look: EchoStyle;
 @group(0) @binding(1) var<uniform> palette: array<vec4u, 64>; // 256 colours, four bytes each
 @group(0) @binding(2) var pings: texture_2d<f32>;  // altitude, scale, offset, stripe factor: port and starboard beside each other
 @group(0) @binding(3) var<uniform> curves: array<vec4f, 64>; // 64 places each: port by range, by angle, starboard by range, by angle

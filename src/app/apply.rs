@@ -27,7 +27,7 @@ impl App {
                 self.open_paths(paths);
             }
             Command::Add(paths) => {
-                let place = Place::Beside { shown: true };
+                let place = Place::Added { shown: true };
                 self.load(paths.into_iter().map(Origin::Path), place);
             }
             Command::ShowLog(id) => self.show_log(id),

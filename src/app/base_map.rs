@@ -1,4 +1,4 @@
-//! The analyst's own picture under the map: opened off the window's thread, kept from survey to survey.
+//! The analyst's own picture under the map: opened in a background thread, kept from survey to survey.
 
 use super::{App, MapLayer, Outcome, Task};
 use crate::formats::base_map::{self, BaseMap};

@@ -184,7 +184,7 @@ impl App {
         self.change(settings, LABEL, false);
     }
 
-    /// Takes up what was drawn on the log that is opened, `read` off the window's thread.
+    /// Takes up what was drawn on the log that is opened, `read` in a background thread.
     pub(super) fn take_bottom(&mut self, log: Option<&Path>, read: Option<ReadBottom>) {
         let path = log.map(|log| log.with_extension(BottomSettings::SIDECAR));
         self.log.bottom_file = BottomFile {

@@ -89,7 +89,7 @@ pub enum Command {
     Visible(Range<usize>),
     /// Residuals are in view: compare the points, if that is not done.
     CompareWithReference,
-    /// Hold the points against a file of points (with its columns, perhaps: `FILE:x,y,z`) or against another log.
+    /// Compare the points with a file of points (with its columns, perhaps: `FILE:x,y,z`) or against another log.
     CompareWith(PathBuf),
     /// Take the reference of a point from elsewhere.
     MatchBy {

@@ -1,4 +1,4 @@
-//! What the survey is held against: a file of points or another mission, opened off the window's thread.
+//! What the survey is compared with: a file of points or another mission, opened in a background thread.
 
 use super::reference_comparison::{Of, ReferenceComparison};
 use super::{App, MapLayer, Outcome, Task};
@@ -23,7 +23,7 @@ const RADIUS_M: f64 = 1.0;
 
 /// The reference, and how points find it.
 pub struct Comparing {
-    /// What the survey is held against; its own soundings without.
+    /// What the survey is compared with; its own soundings without.
     pub reference: Option<Arc<Reference>>,
     /// Where the reference of a point is taken from.
     pub by: ReferenceBy,
@@ -159,7 +159,7 @@ impl App {
     }
 }
 
-/// Opens a reference, and holds the survey against it.
+/// Opens a reference, and compares the survey with it.
 fn open(
     path: &Path,
     logs: &[ProcessedLog],

@@ -1,4 +1,4 @@
-//! Depth map, isobaths and mosaic of all visible logs: asked for while a layer or a profile needs them, made off the window's thread;
+//! Depth map, isobaths and mosaic of all visible logs: asked for while a layer or a profile needs them, computed in a background thread;
 //! and what the waterfall of the shown log is drawn with.
 
 use super::{App, LogId, MapLayer};

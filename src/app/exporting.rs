@@ -41,7 +41,7 @@ impl Exporting {
 }
 
 impl App {
-    /// Writes something off the window's thread, and notifies of the outcome.
+    /// Writes something in a background thread, and notifies of the outcome.
     pub fn write(
         &mut self,
         write: impl FnOnce(&Progress) -> Result<String, String> + Send + 'static,

@@ -1,6 +1,6 @@
 //! What other instruments recorded of the open survey: readings of a gauge, and the track of another receiver.
 //!
-//! Files are read off the window's thread. A file becomes part of the settings only once it is known to fit the log: a bad one
+//! Files are read in a background thread. A file becomes part of the settings only once it is known to fit the log: a bad one
 //! leaves everything as it was.
 
 use super::{App, OpenLog, Outcome, Task};

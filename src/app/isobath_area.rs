@@ -1,4 +1,4 @@
-//! The area that isobaths end at: its file is read off the window's thread, and becomes part of the settings once it is known to be one.
+//! The area that isobaths end at: its file is read in a background thread, and becomes part of the settings once it is known to be one.
 
 use super::{App, Outcome, Task};
 use crate::formats::read_area;

@@ -1,4 +1,4 @@
-//! Opening a log off the window's thread.
+//! Opening a log in a background thread.
 
 use super::Jobs;
 use super::bottom::ReadBottom;
@@ -57,7 +57,7 @@ pub(super) enum Place {
     /// They are closed.
     Instead,
     /// They stay, and the log joins them.
-    Beside {
+    Added {
         /// It is the one that is shown then.
         shown: bool,
     },

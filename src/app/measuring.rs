@@ -7,7 +7,7 @@ use crate::bottom::bathymetry::Station;
 use crate::detection::MeasuredShadow;
 use crate::detection::review::{BoxId, Edit, Reviewed};
 use crate::detection::targets::{ShadowError, ShadowHeight};
-use crate::pipeline::Placing;
+use crate::pipeline::ObjectLocator;
 use crate::products::export;
 use crate::project::{Measurement, MeasurementKind, Pick};
 use crate::support::geo::LonLat;
@@ -184,9 +184,9 @@ impl App {
         on: &Pick,
         recorded_m: [f64; 2],
     ) -> Option<Result<ShadowHeight, ShadowError>> {
-        self.with_placing(on, |placing, _| {
-            let side = on.side_in(placing.survey());
-            placing.placer().shadow_height(side, on.ping, recorded_m)
+        self.with_locator(on, |locator, _| {
+            let side = on.side_in(locator.survey());
+            locator.placer().shadow_height(side, on.ping, recorded_m)
         })
     }
 
@@ -243,9 +243,9 @@ impl App {
 
     /// Where a pick lies on the bottom.
     fn ground_at(&self, pick: &Pick) -> Option<LonLat> {
-        self.with_placing(pick, |placing, log| {
-            let side = pick.side_in(placing.survey());
-            let [east_m, north_m] = placing.placer().ground(side, pick.ping, pick.slant_m)?;
+        self.with_locator(pick, |locator, log| {
+            let side = pick.side_in(locator.survey());
+            let [east_m, north_m] = locator.placer().ground(side, pick.ping, pick.slant_m)?;
             let track = &log.survey.as_ref()?.track;
             let navigation = &log.products.as_ref()?.navigation;
             Some(navigation.to_lon_lat(track, east_m, north_m))
@@ -253,10 +253,10 @@ impl App {
     }
 
     /// Hands over what places things of a pick's log.
-    fn with_placing<T>(
+    fn with_locator<T>(
         &self,
         pick: &Pick,
-        with: impl FnOnce(&Placing<'_>, &OpenLog) -> T,
+        with: impl FnOnce(&ObjectLocator<'_>, &OpenLog) -> T,
     ) -> Option<T> {
         let is_of = |log: &&OpenLog| {
             let own = log.survey.as_ref().map(|survey| Identity::of(survey));
@@ -264,7 +264,7 @@ impl App {
         };
         let log = self.logs().find(is_of)?;
         let (survey, products) = log.survey.as_ref().zip(log.products.as_ref())?;
-        Some(with(&Placing::new(survey, products), log))
+        Some(with(&ObjectLocator::new(survey, products), log))
     }
 
     /// Takes the last corner back; a finished figure is drawn on.

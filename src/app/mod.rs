@@ -88,8 +88,8 @@ pub use print_text::PrintText;
 pub use profile_line::ProfileLine;
 pub use project::is_project;
 pub use reviewing::{
-    BoxEdge, Judging, MistakeSort, Nudge, PIXEL_M, Placed, ReviewCounts, Reviewing, SearchStatus,
-    Tool, border_m, middle,
+    BoxEdge, Judging, LocatedObject, MistakeSort, Nudge, PIXEL_M, ReviewCounts, Reviewing,
+    SearchStatus, Tool, border_m, middle,
 };
 pub use state::{App, CloseUp, Enlarged, Mark, Reveal};
 pub use swipe::{Swipe, SwipeSide};

@@ -16,7 +16,7 @@ pub enum ObjectColumn {
     Class,
     /// How far the decisions are.
     State,
-    /// How sure the analyst is, and then the detector.
+    /// The confidence of the analyst, and then of the detector.
     #[serde(alias = "Sure")]
     Confidence,
     /// Metres along the track.

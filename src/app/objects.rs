@@ -3,7 +3,7 @@
 //! A background job makes the list again when a box, a place, the confidence or the logs are others. An object keeps its number while
 //! its boxes are decided, moved or hidden.
 
-use super::reviewing::{Entries, Placed};
+use super::reviewing::{Entries, LocatedObject};
 use super::{App, ObjectTable, OpenLog};
 use crate::detection::objects::{
     LogBox, LogId, LogNumbers, LogReview, ObjectBox, ObjectList, ObjectNumbers, SurveyObject,
@@ -67,7 +67,7 @@ struct PassesOf {
 }
 
 /// Boxes of an object in their places: what its shape is fitted to.
-type ShapeOf = Vec<(LogBox, Same<Placed>)>;
+type ShapeOf = Vec<(LogBox, Same<LocatedObject>)>;
 /// Its shape, and the boxes that it is of.
 type ShapeFound = (Vec<LogBox>, Result<FittedShape, ShapeError>);
 
@@ -228,7 +228,7 @@ impl App {
             };
             Some((id, processed, log.reviewing.placed(id.id)?.clone()))
         });
-        let placed: Vec<(LogBox, ProcessedLog, Arc<Placed>)> = placed.collect();
+        let placed: Vec<(LogBox, ProcessedLog, Arc<LocatedObject>)> = placed.collect();
         if placed.is_empty() {
             // Nobody would collect it, and the window would never rest.
             if self.findings.objects.shape.is_running() {

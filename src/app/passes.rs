@@ -1,5 +1,5 @@
-//! Which passes saw a place: for the menu of the map, and from a selected place to the next look at it. Logs are laid out for it, off the
-//! window's thread; a search that nobody waits for any more is dropped.
+//! Which passes saw a place: for the menu of the map, and from a selected place to the next look at it. Logs are laid out for it, in
+//! a background thread; a search that nobody waits for any more is dropped.
 
 use super::{App, LogId, Mark, Outcome, ShownLog, Task};
 use crate::pipeline::{Derived, Pass, passes_over, place_of};

@@ -1,9 +1,9 @@
-//! Lines to sail next: planned off the window's thread, changed by hand, written for plotters and autopilots.
+//! Lines to sail next: planned in a background thread, changed by hand, written for plotters and autopilots.
 
 use super::{App, Outcome, Task};
 use crate::bottom::planning::{Leg, Plan, PlanSettings, plan};
 use crate::pipeline::list_objects;
-use crate::pipeline::surveyed;
+use crate::pipeline::survey_coverage;
 use crate::products::export::{PlanFormat, PlannedWay};
 use crate::support::geo::{LocalFrame, LonLat};
 use crate::support::printable::quoted;
@@ -109,7 +109,8 @@ impl App {
         let work = move |progress: &Progress| {
             let objects =
                 list_objects(&logs, &review, progress).map_err(|error| error.to_string())?;
-            let known = surveyed(&logs, &objects, progress).map_err(|error| error.to_string())?;
+            let known =
+                survey_coverage(&logs, &objects, progress).map_err(|error| error.to_string())?;
             let known = known.ok_or("there is no log to plan from")?;
             let plan = plan(&known, None, &asked, progress).map_err(|error| error.to_string())?;
             Ok(PlannedLines {

@@ -1,4 +1,4 @@
-//! How points agree with a reference: found out when somebody looks, for it takes a triangulation of all soundings.
+//! How points agree with a reference: computed on demand, for it takes a triangulation of all soundings.
 
 use super::{App, Outcome, Task};
 use crate::bottom::bathymetry::SurfaceSettings;

@@ -302,7 +302,7 @@ impl App {
         self.log.is_behind() && self.engine_status() == EngineStatus::Idle
     }
 
-    /// How work off the window's thread is run.
+    /// How work in a background thread is run.
     pub fn jobs(&self) -> &Jobs {
         &self.jobs
     }

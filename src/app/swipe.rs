@@ -1,4 +1,4 @@
-//! Two layers of the map held against each other: a divider, and what is drawn on which side of it.
+//! Two layers of the map compared with each other: a divider, and what is drawn on which side of it.
 
 use super::{LayerStack, MapLayer};
 use serde::{Deserialize, Serialize};

@@ -1,4 +1,4 @@
-//! What runs off the window's thread: started here, collected here.
+//! What runs in a background thread: started here, collected here.
 
 use super::bottom::ReadBottom;
 use super::figures::Figures;
@@ -135,7 +135,7 @@ impl App {
                 self.logs.arrived.clear();
                 self.log.id
             }
-            Place::Beside { shown } => {
+            Place::Added { shown } => {
                 let id = self.add_log(survey);
                 if shown {
                     self.show_log(id);
@@ -278,7 +278,7 @@ impl App {
             let open = match request.place {
                 // The same log opened again is read again.
                 Place::Instead => Vec::new(),
-                Place::Beside { .. } => self.logs().filter_map(|log| log.survey.clone()).collect(),
+                Place::Added { .. } => self.logs().filter_map(|log| log.survey.clone()).collect(),
             };
             let in_project = self.project_path().is_some();
             self.files.loading = Some(Loading::start(request, open, in_project, &self.jobs));
@@ -306,7 +306,7 @@ fn requests(origins: impl Iterator<Item = Origin>, place: Place) -> VecDeque<Req
         origin,
         place: match index {
             0 => place,
-            _ => Place::Beside { shown: false },
+            _ => Place::Added { shown: false },
         },
     });
     each.collect()

@@ -7,7 +7,8 @@ use crate::detection::{Mark, Raster, TILE_PX};
 use crate::formats;
 use crate::products::export::{DatasetFolder, ExportError, Part, PartSummary};
 use crate::simulation::{
-    self, Look, ObjectKind, Sighting, Simulated, TrainingScene, training_scene, training_seed,
+    self, ObjectKind, ObjectPass, Simulated, TrainingPlace, TrainingScene, training_scene,
+    training_seed,
 };
 use crate::support::progress::Progress;
 use crate::survey::{HeadingSettings, Projection, Survey, navigate};
@@ -251,7 +252,7 @@ fn chips(
         .collect())
 }
 
-fn chip(survey: &Survey, raster: &Raster, look: &Look, known: &[Known]) -> Chip {
+fn chip(survey: &Survey, raster: &Raster, look: &TrainingPlace, known: &[Known]) -> Chip {
     let start = |share: f64, room: usize| (share * room as f64) as usize;
     let row = start(look.along, raster.rows().saturating_sub(TILE_PX));
     let column = start(look.outward, raster.columns().saturating_sub(LEAST_COLUMNS));
@@ -271,7 +272,7 @@ pub fn known_objects(simulated: &Simulated) -> Vec<Known> {
     known
 }
 
-fn of_sighting(class: usize, sighting: &Sighting, count: usize) -> Known {
+fn of_sighting(class: usize, sighting: &ObjectPass, count: usize) -> Known {
     let [near_m, far_m] = sighting.echo_and_shadow_m();
     let slices = sighting.shown.iter().flat_map(|shown| &shown.slices);
     Known {

@@ -3,7 +3,7 @@
 use super::folders::Folders;
 use super::settings::{Logs, SettingsArgs};
 use super::status_line::StatusLine;
-use super::{found, many, output};
+use super::{detection_summary, many, output};
 use crate::detection::model::shipped;
 use crate::detection::{DetectorSettings, Model, Picture};
 use crate::pipeline::ProcessedLog;
@@ -35,7 +35,7 @@ pub struct DetectArgs {
     /// Least confidence of a box, 0 to 1; without it the model's own
     #[arg(long, value_parser = share)]
     score: Option<f32>,
-    /// Overlap (IoU) above which the less sure of two boxes is dropped, 0 to 1; without it the model's own
+    /// Overlap (IoU) above which the box of less confidence is dropped, 0 to 1; without it the model's own
     #[arg(long, value_parser = share)]
     iou: Option<f32>,
     #[command(flatten)]
@@ -133,7 +133,7 @@ fn search_survey(
     status.step("detecting");
     let (found, replaced) = outputs::write_detected(&log, model, run, &progress)
         .map_err(|error| format!("{error}: {}", input.display()))?;
-    Ok((found::proposed(&found, model.names()), replaced))
+    Ok((detection_summary::proposed(&found, model.names()), replaced))
 }
 
 /// Searches a picture and reports what was found.
@@ -153,7 +153,7 @@ fn search_picture(
         outputs::write_detected_in_picture(&name, &picture, model, settings, run, &progress)
             .map_err(|error| format!("{error}: {}", input.display()))?;
     let names = found.iter().map(|one| model.names()[one.class].as_str());
-    Ok((found::boxes(names), replaced))
+    Ok((detection_summary::boxes(names), replaced))
 }
 
 /// The pixels of a file; the error is a sentence without the path.

@@ -1,7 +1,7 @@
 //! `bathyscope film`: the side-scan of a log as it runs down the screen of a recorder.
 
-use super::shown::{ShownArgs, ShownLog, parse_size};
 use super::status_line::StatusLine;
+use super::waterfall_options::{WaterfallArgs, WaterfallLog, parse_size};
 use super::{output, quiet_driver};
 use crate::app::{Command, Orientation, View};
 use crate::pipeline::Settings;
@@ -22,7 +22,7 @@ const GUESSED_AFTER: usize = 25;
 #[derive(Debug, clap::Args)]
 pub struct FilmArgs {
     #[command(flatten)]
-    shown: ShownArgs,
+    shown: WaterfallArgs,
     /// Film to write
     #[arg(short, long, value_name = "FILE.avi")]
     output: PathBuf,
@@ -97,7 +97,7 @@ struct Frames {
 
 impl Frames {
     /// Of a log in frames of some size, each so many seconds of the boat's time after the one before.
-    fn new(log: &ShownLog, [width, height]: [u32; 2], step_s: f64) -> Self {
+    fn new(log: &WaterfallLog, [width, height]: [u32; 2], step_s: f64) -> Self {
         let pings = log.pings.end - log.pings.start;
         let pixel_m = 2.0 * log.axis.far_m / f64::from(width);
         let high = log.axis.ping_m.map_or(f64::from(height), |ping_m| {

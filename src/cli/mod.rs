@@ -5,15 +5,16 @@
 mod archive;
 mod compare;
 mod dataset;
+mod default_command;
 mod default_folder;
 mod desktop;
 mod detect;
+mod detection_summary;
 mod evaluate;
 #[cfg(feature = "gui")]
 mod film;
 mod filter;
 mod folders;
-mod found;
 mod info;
 mod manual;
 mod many;
@@ -24,8 +25,6 @@ mod process;
 mod quiet_driver;
 mod review;
 mod settings;
-#[cfg(feature = "gui")]
-mod shown;
 mod simulate;
 #[cfg(feature = "gui")]
 mod snapshot;
@@ -34,9 +33,10 @@ mod snapshot;
 mod snapshot;
 #[cfg(feature = "gui")]
 mod sonogram;
-mod start;
 mod status_line;
 mod survey_logs;
+#[cfg(feature = "gui")]
+mod waterfall_options;
 mod window;
 
 pub use dataset::known_objects;
@@ -57,7 +57,7 @@ const LONGEST_TEXT: u64 = 1 << 20;
 #[derive(Debug, Parser)]
 #[command(name = "bathyscope", version, args_conflicts_with_subcommands = true)]
 struct Cli {
-    /// Logs to open in the window: SL2, SL3, Humminbird DAT, folder or SON, XTF
+    /// Logs to open in Bathyscope: SL2, SL3, Humminbird DAT, folder or SON, XTF
     surveys: Vec<PathBuf>,
 
     /// Open the bundled demo survey; without a display, process it into bathyscope-out
@@ -84,7 +84,7 @@ enum Command {
     Filter(filter::FilterArgs),
     /// Process logs: first returns, calibrated cloud and report
     Process(process::ProcessArgs),
-    /// Plan lines to sail next, where they mend most of a survey: GPX, KML, QGroundControl, Mission Planner
+    /// Plan survey lines where they reduce the uncertainty most: GPX, KML, QGroundControl, Mission Planner
     Plan(plan::PlanArgs),
     /// Bring an archive of many logs up to date: height offsets, maps and mosaics of its tiles, index
     #[command(alias = "lake")]
@@ -257,6 +257,6 @@ fn run(cli: Cli) -> Result<(), String> {
             surveys,
             demo,
             truth,
-        } => start::run(surveys, demo, truth),
+        } => default_command::run(surveys, demo, truth),
     }
 }

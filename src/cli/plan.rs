@@ -1,4 +1,4 @@
-//! `bathyscope plan`: lines to sail next, where they mend most of a survey.
+//! `bathyscope plan`: survey lines where they reduce the uncertainty most.
 
 use super::output;
 use super::process::all_processed;
@@ -8,7 +8,7 @@ use super::survey_logs::{OpenedLog, all_or, inputs, open_all, survey_review, tak
 use crate::bottom::planning::{Plan, PlanSettings, State, plan};
 use crate::formats::read_area;
 use crate::pipeline::list_objects;
-use crate::pipeline::surveyed;
+use crate::pipeline::survey_coverage;
 use crate::products::export::{PlanFormat, PlannedWay, is_same_file};
 use crate::support::geo::{LocalFrame, LonLat};
 use crate::support::presentation::text;
@@ -38,14 +38,14 @@ pub struct PlanArgs {
     /// Least radius that the boat turns with, metres
     #[arg(long, value_name = "METRES", default_value_t = PlanSettings::default().turn_radius_m)]
     turn_radius: f64,
-    /// Distance between lines that is close enough, metres; without it they come as close as mends most
+    /// Distance between lines that is close enough, metres; without it they come as close as reduces the uncertainty most
     #[arg(long, value_name = "METRES")]
     spacing: Option<f64>,
     /// Polygon of water that lines and turns stay in, rings within it are islands: GeoJSON, KML or GPX. Without it they stay within the
     /// outline of what was sailed, in which small gaps and islands count as water
     #[arg(long, value_name = "POLYGON")]
     area: Option<PathBuf>,
-    /// Decisions about the boxes of a log, LOG.review.json of the window: objects seen from one side only are passed on another. May be
+    /// Decisions about the boxes of a log, LOG.review.json of Bathyscope: objects seen from one side only are passed on another. May be
     /// given again, for each of several logs
     #[arg(long, value_name = "FILE")]
     review: Vec<PathBuf>,
@@ -136,7 +136,7 @@ fn planned(
     status.step("what is known");
     let review = survey_review(opened);
     let objects = list_objects(&logs, &review, &progress).map_err(|error| error.to_string())?;
-    let known = surveyed(&logs, &objects, &progress).map_err(|error| error.to_string())?;
+    let known = survey_coverage(&logs, &objects, &progress).map_err(|error| error.to_string())?;
     let known = known.ok_or("there is no log to plan from")?;
     let rings = area.map(|area| {
         let ring = |ring: &Vec<LonLat>| ring.iter().map(|at| frame.to_enu(*at)).collect();

@@ -42,10 +42,10 @@ pub struct ProcessArgs {
     /// `track.offset_s` is added to its times; the same as the setting `track.file`
     #[arg(long, value_name = "FILE")]
     track: Option<PathBuf>,
-    /// Also hold the survey against points or other logs, named as `compare` takes them: quality/comparison.json, quality/comparison.csv
+    /// Also compare the survey with points or other logs, named as `compare` takes them: quality/comparison.json, quality/comparison.csv
     #[arg(long, value_name = "FILE")]
     reference: Option<OsString>,
-    /// Decisions about the boxes of a log, LOG.review.json of the window: report.html shows them. May be given again, for each of several logs
+    /// Decisions about the boxes of a log, LOG.review.json of Bathyscope: report.html shows them. May be given again, for each of several logs
     #[arg(long, value_name = "FILE")]
     review: Vec<PathBuf>,
     /// Leave out the search for objects, which takes the longest

@@ -1,7 +1,9 @@
 //! `bathyscope snapshot`: the window's pictures without a window.
 
 use super::settings::SettingsArgs;
-use super::shown::{GeometryArgs, open, parse_pings, parse_size, take_over, wait, within};
+use super::waterfall_options::{
+    GeometryArgs, open, parse_pings, parse_size, take_over, wait, within,
+};
 use super::{output, quiet_driver};
 use crate::app::{
     Action, App, CloudColour, Command, Jobs, MapLayer, Mark, Origin, ThemeChoice, View, ViewOptions,
@@ -105,7 +107,7 @@ enum ShownBottom {
     Uncertainty,
     /// Distance to the nearest depth
     Distance,
-    /// What the depth rests on: a sounding, a first return, or depths around
+    /// The source of the depth: a sounding, a first return, or depths around
     Source,
     /// How bright the bed is by itself (with surface.swath)
     Hardness,

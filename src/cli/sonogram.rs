@@ -1,7 +1,7 @@
 //! `bathyscope sonogram`: the side-scan picture of a log in pages, with its scales.
 
-use super::shown::{ShownArgs, ShownLog, parse_size};
 use super::status_line::StatusLine;
+use super::waterfall_options::{WaterfallArgs, WaterfallLog, parse_size};
 use super::{output, quiet_driver};
 use crate::app::View;
 use crate::sonar::calibration::PingRange;
@@ -19,7 +19,7 @@ const NARROWEST: u32 = 160;
 #[derive(Debug, clap::Args)]
 pub struct SonogramArgs {
     #[command(flatten)]
-    shown: ShownArgs,
+    shown: WaterfallArgs,
     /// Folder of the pages, NAME_0001.png and so on
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
@@ -68,7 +68,7 @@ pub fn run(args: SonogramArgs) -> Result<(), String> {
 }
 
 /// Pings of a page on which a metre along is as long as one across; where the boat's speed is not known, one for each pixel.
-fn one_to_one(log: &ShownLog, width: u32, height: u32) -> usize {
+fn one_to_one(log: &WaterfallLog, width: u32, height: u32) -> usize {
     let pixel_m = 2.0 * log.axis.far_m / f64::from(height);
     let pings = log.axis.ping_m.map_or(f64::from(width), |ping_m| {
         f64::from(width) * pixel_m / ping_m

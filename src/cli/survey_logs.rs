@@ -233,7 +233,7 @@ pub fn take_reviews(logs: &mut [OpenedLog], files: &[PathBuf]) -> Result<(), Str
     Ok(())
 }
 
-/// Opens what logs are held against: points, another log, or the logs of a folder or a project.
+/// Opens what logs are compared with: points, another log, or the logs of a folder or a project.
 ///
 /// # Errors
 /// A sentence: it cannot be opened, or its metres lie nowhere near the first log.

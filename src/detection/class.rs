@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Class of a box that nobody has named: drawn before any model has named one, or found by a model that is too unsure what it is.
+/// Class of a box that nobody has named: drawn before any model has named one, or found by a model whose confidence in its class is too low.
 pub const NAMELESS_CLASS: &str = "object";
 
 /// Letters of the name of a class, a model or an object.

@@ -1,6 +1,6 @@
 //! Searches a whole survey, or a picture of another program, tile by tile.
 
-use super::merge::{Seen, merge};
+use super::merge::{TileDetection, merge};
 use super::{DetectError, Detection, Model, Nms, Picture, Raster, Rect, Scored, TILE_PX};
 use crate::support::progress::Progress;
 use crate::survey::{Navigation, Side, Survey};
@@ -11,7 +11,7 @@ use std::sync::{Mutex, PoisonError};
 
 /// Share of a tile that its neighbour sees as well: an object up to that length is whole in one of them.
 const OVERLAP: f32 = 0.25;
-/// A picture up to this many times the network's input is looked at as a whole.
+/// A picture up to this many times the network's input is evaluated as a whole.
 const WHOLE: f32 = 1.5;
 /// How often a search reports what it has found, about.
 const REPORTS: usize = 100;
@@ -24,7 +24,7 @@ pub struct DetectorSettings {
     pub model: Option<PathBuf>,
     /// Least confidence, 0 to 1; without one the model's own.
     pub score: Option<f32>,
-    /// Overlap above which the less sure of two boxes is dropped, 0 to 1; without one the model's own.
+    /// Overlap above which the box of less confidence is dropped, 0 to 1; without one the model's own.
     pub iou: Option<f32>,
     /// Confidence from which a box is named, 0 to 1, and below which it is an object of whatever class; without one the model's own.
     pub name_score: Option<f32>,
@@ -146,7 +146,7 @@ fn search(
     let score = settings.score.unwrap_or(model.score());
     let iou = settings.iou.unwrap_or(model.iou());
     let [width, height] = grid.size.map(|size| size as f32);
-    let look = |picture: usize, tile: usize| -> Result<Vec<Seen>, DetectError> {
+    let look = |picture: usize, tile: usize| -> Result<Vec<TileDetection>, DetectError> {
         progress.check()?;
         let (place, tile) = grid.place(tile);
         let picture = draw(picture, place);
@@ -160,7 +160,7 @@ fn search(
         Ok(boxes
             .into_iter()
             .filter_map(|found| inside(found, [width - tile.x0, height - tile.y0]))
-            .map(|found| Seen::new(found, tile, width, height))
+            .map(|found| TileDetection::new(found, tile, width, height))
             .collect())
     };
     let count = grid.count() * pictures;
@@ -198,7 +198,7 @@ fn search(
 struct Gathered<'a> {
     grid: &'a Grid,
     /// What each tile of each picture has seen.
-    seen: Vec<Vec<Vec<Seen>>>,
+    seen: Vec<Vec<Vec<TileDetection>>>,
     /// Tiles that are missing in each row, of all pictures.
     missing: Vec<usize>,
     /// Rows that are done, without a gap, and how many of them were reported.
@@ -219,7 +219,7 @@ impl<'a> Gathered<'a> {
     }
 
     /// Takes what a tile has seen; the rows that are done when a report is due.
-    fn add(&mut self, place: InPicture, seen: Vec<Seen>) -> Option<usize> {
+    fn add(&mut self, place: InPicture, seen: Vec<TileDetection>) -> Option<usize> {
         let row = place.tile / self.grid.counts[0];
         self.seen[place.picture][place.tile] = seen;
         self.missing[row] -= 1;
@@ -240,7 +240,7 @@ impl<'a> Gathered<'a> {
     fn merged(&self, rows: usize, nms: Nms, iou: f32) -> Vec<Vec<Scored>> {
         let is_all = rows == self.missing.len();
         let end = self.grid.end_of(rows);
-        let is_whole = |seen: &Seen| is_all || !seen.is_cut_at(end);
+        let is_whole = |seen: &TileDetection| is_all || !seen.is_cut_at(end);
         (self.seen.iter())
             .map(|picture| {
                 let tiles = &picture[..rows * self.grid.counts[0]];
@@ -381,7 +381,7 @@ mod tests {
                 score: 0.5,
                 rect,
             };
-            vec![Seen::new(found, tile, 500.0, 1000.0)]
+            vec![TileDetection::new(found, tile, 500.0, 1000.0)]
         };
         let places: Vec<InPicture> = (0..12).map(|index| grid.of_picture(index, 2)).collect();
         let order: Vec<[usize; 2]> = places.iter().map(|one| [one.picture, one.tile]).collect();

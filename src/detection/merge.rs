@@ -21,7 +21,7 @@ const BAND_PX: f32 = 512.0;
 
 /// A box as a tile saw it, in the whole picture's pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seen {
+pub struct TileDetection {
     /// What and where.
     pub found: Scored,
     /// The tile.
@@ -30,7 +30,7 @@ pub struct Seen {
     pub cut: bool,
 }
 
-impl Seen {
+impl TileDetection {
     /// `found` is in the pixels of `tile`, which lies in a picture that ends at `width` and `height`.
     pub fn new(found: Scored, tile: Rect, width: f32, height: f32) -> Self {
         let rect = found.rect.shifted(tile.x0, tile.y0);
@@ -51,32 +51,32 @@ impl Seen {
     }
 
     /// The two boxes within the strip that both tiles saw; `None` within one tile.
-    fn in_strip(&self, other: &Seen) -> Option<[Rect; 2]> {
+    fn in_strip(&self, other: &TileDetection) -> Option<[Rect; 2]> {
         let strip = self.tile.intersection(&other.tile);
         (self.tile != other.tile)
             .then(|| [self, other].map(|seen| seen.found.rect.intersection(&strip)))
     }
 
     /// Whether two cut boxes show one object.
-    fn continues(&self, other: &Seen) -> bool {
+    fn continues(&self, other: &TileDetection) -> bool {
         self.in_strip(other)
             .is_some_and(|[mine, theirs]| mine.iou(&theirs) >= SAME)
     }
 
     /// Whether a whole box takes the place of a cut one.
-    fn yields_to(&self, whole: &Seen) -> bool {
+    fn yields_to(&self, whole: &TileDetection) -> bool {
         let same = whole.found.class == self.found.class;
         let sure = whole.found.score >= SURE_ENOUGH * self.found.score;
         (same || sure) && self.is_piece_of(whole)
     }
 
     /// What a whole box comes to among those that take the place of a cut one: its own class first, then the surest.
-    fn rank_for(&self, cut: &Seen) -> f32 {
+    fn rank_for(&self, cut: &TileDetection) -> f32 {
         self.found.score + f32::from(u8::from(self.found.class == cut.found.class))
     }
 
     /// Whether a cut box is a piece of a whole one.
-    fn is_piece_of(&self, whole: &Seen) -> bool {
+    fn is_piece_of(&self, whole: &TileDetection) -> bool {
         self.in_strip(whole).is_some_and(|[mine, theirs]| {
             let covered = mine.intersection(&theirs).area();
             covered > 0.0 && covered >= SAME * mine.area()
@@ -85,8 +85,9 @@ impl Seen {
 }
 
 /// The objects, each once, by falling score. Takes time and memory in proportion to the boxes.
-pub fn merge(seen: Vec<Seen>, nms: Nms, iou: f32) -> Vec<Scored> {
-    let (mut cut, mut whole): (Vec<Seen>, Vec<Seen>) = seen.into_iter().partition(|seen| seen.cut);
+pub fn merge(seen: Vec<TileDetection>, nms: Nms, iou: f32) -> Vec<Scored> {
+    let (mut cut, mut whole): (Vec<TileDetection>, Vec<TileDetection>) =
+        seen.into_iter().partition(|seen| seen.cut);
     cut.sort_by(|a, b| b.found.score.total_cmp(&a.found.score));
 
     let mut wholes = Bands::default();
@@ -111,7 +112,7 @@ pub fn merge(seen: Vec<Seen>, nms: Nms, iou: f32) -> Vec<Scored> {
         }
         let piece = pieces
             .near(&rect)
-            .find(|(_, other): &&(usize, Seen)| other.continues(&seen))
+            .find(|(_, other): &&(usize, TileDetection)| other.continues(&seen))
             .map(|(object, _)| *object);
         let object = piece.unwrap_or(joined.len());
         match joined.get_mut(object) {
@@ -169,7 +170,7 @@ mod tests {
     }
 
     /// What the tiles see of an object between two rows, each with the score given for it.
-    fn seen(class: usize, [y0, y1]: [f32; 2], scores: [Option<f32>; 3]) -> Vec<Seen> {
+    fn seen(class: usize, [y0, y1]: [f32; 2], scores: [Option<f32>; 3]) -> Vec<TileDetection> {
         let object = Rect {
             x0: 100.0,
             y0,
@@ -187,12 +188,12 @@ mod tests {
                     score: score?,
                     rect,
                 };
-                Some(Seen::new(found, tile(index), 416.0, HEIGHT))
+                Some(TileDetection::new(found, tile(index), 416.0, HEIGHT))
             })
             .collect()
     }
 
-    fn merged(seen: Vec<Seen>) -> Vec<(f32, f32, f32)> {
+    fn merged(seen: Vec<TileDetection>) -> Vec<(f32, f32, f32)> {
         merge(seen, Nms::PLAIN, 0.45)
             .iter()
             .map(|one| (one.score, one.rect.y0, one.rect.y1))
@@ -231,7 +232,7 @@ mod tests {
             score: 0.9,
             rect: end,
         };
-        boxes.push(Seen::new(found, tile(0), 416.0, HEIGHT));
+        boxes.push(TileDetection::new(found, tile(0), 416.0, HEIGHT));
         assert_eq!(merged(boxes), [(0.8, 330.0, 420.0)]);
     }
 

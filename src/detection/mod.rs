@@ -43,6 +43,6 @@ pub use mark::{Detection, Mark};
 pub use model::{DetectError, Model, ModelError};
 pub use nms::{Nms, Overlap, suppress};
 pub use picture::Picture;
-pub use raster::{Raster, TILE_PX, Tile};
+pub use raster::{Raster, RasterTile, TILE_PX};
 pub use rect::{Labelled, Rect, Scored};
 pub use vote::vote;

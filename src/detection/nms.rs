@@ -16,7 +16,7 @@ pub enum Overlap {
 /// How boxes are suppressed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Nms {
-    /// The measure that is held against the threshold.
+    /// The measure that is compared with the threshold.
     pub overlap: Overlap,
     /// Whether a box also hides boxes of other classes.
     pub across_classes: bool,
@@ -77,7 +77,7 @@ pub fn suppress(boxes: &mut Vec<Scored>, how: Nms, iou: f32) {
 }
 
 /// Which of the sorted boxes a surer one drops. Only boxes that start within the tallest box's height of each other along
-/// the track can overlap, so that in a long survey each is held against its neighbours only.
+/// the track can overlap, so that in a long survey each is compared with its neighbours only.
 fn overlapped(boxes: &[Scored], how: Nms, threshold: f32) -> Vec<bool> {
     let start = |index: &usize| boxes[*index].rect.y0;
     let mut by_start: Vec<usize> = (0..boxes.len()).collect();

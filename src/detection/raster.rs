@@ -31,7 +31,7 @@ pub struct Raster {
 
 /// A piece of the picture.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Tile {
+pub struct RasterTile {
     /// The side.
     pub side: Side,
     /// Row of the picture that the tile starts at.
@@ -180,7 +180,7 @@ impl Raster {
 
     /// Draws a tile: each pixel is the mean of the samples that it covers in a ping, and between pings it is
     /// interpolated; where pings lie closer than rows it is the mean of those in the row.
-    pub fn tile(&self, survey: &Survey, side: Side, row: usize, column: usize) -> Tile {
+    pub fn tile(&self, survey: &Survey, side: Side, row: usize, column: usize) -> RasterTile {
         let mut pixels = vec![0; TILE_PX * TILE_PX];
         let mut lines = Lines::new(survey, side, self.pixel_m, column);
         let mut sum = [0.0_f32; TILE_PX];
@@ -199,7 +199,7 @@ impl Raster {
                 *out = sum.round().clamp(0.0, 255.0) as u8;
             }
         }
-        Tile {
+        RasterTile {
             side,
             row,
             column,

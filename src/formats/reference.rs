@@ -1,4 +1,4 @@
-//! What a survey can be held against.
+//! What a survey can be compared with.
 
 use super::OpenError;
 use super::points::{Elevations, PointFileError, is_named_as_elevations, read_elevations};
@@ -7,7 +7,7 @@ use crate::survey::Survey;
 use std::ffi::OsStr;
 use std::path::Path;
 
-/// What a file that a survey is held against holds.
+/// What a file holds that a survey is compared with.
 #[derive(Debug)]
 pub enum ReferenceFile {
     /// Points with elevations.
@@ -16,7 +16,7 @@ pub enum ReferenceFile {
     Log(Box<Survey>),
 }
 
-/// Why there is nothing to hold a survey against, in one sentence.
+/// Why there is nothing to compare a survey with, in one sentence.
 #[derive(Debug, thiserror::Error)]
 pub enum ReferenceError {
     /// The points cannot be read.

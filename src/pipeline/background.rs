@@ -1,4 +1,4 @@
-//! Work off the window's thread for what is on the screen: the newest request wins, the last result stays.
+//! Work in a background thread for what is on the screen: the newest request wins, the last result stays.
 
 use super::{Jobs, Outcome, Task};
 use crate::support::progress::Progress;

@@ -24,7 +24,7 @@ pub enum EngineStatus {
 #[error("a processing step failed unexpectedly; the last result stays")]
 pub struct StageFailed;
 
-/// Runs [`run`] off the window's thread. A new request cancels the one under way.
+/// Runs [`run`] in a background thread. A new request cancels the one under way.
 pub struct Engine {
     jobs: Jobs,
     running: Option<Running>,

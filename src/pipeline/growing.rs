@@ -15,7 +15,7 @@ use crate::pipeline::Settings;
 use crate::sonar::first_return::{self, FirstReturns, Normalisation, Pick};
 use crate::support::progress::{Cancelled, Progress};
 use crate::support::versions::Versions;
-use crate::survey::{Exclusions, Navigation, PingNav, Side, Survey, navigate_placed};
+use crate::survey::{Exclusions, Navigation, PingNav, Side, Survey, navigate_with};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -102,7 +102,7 @@ pub fn extend(
         first_sounding: survey.soundings.partition_point(|one| one.time_s < from_s),
         context_sounding,
     };
-    let navigation = navigate_placed(&stretch, settings.placing(), progress)?;
+    let navigation = navigate_with(&stretch, settings.position_settings(), progress)?;
     let found = found(&stretch, &part, before, settings, growing, progress)?;
     let mut returns = found.clone();
     settings.bottom.apply(survey, &mut returns);

@@ -3,8 +3,8 @@
 //! `settings` holds every setting and the two presets, `log_settings` those that one of several logs has for itself, `products` the
 //! stages and what they made, `engine` runs them on a worker for the window, `growing` over what was added to a log that is being written,
 //! `task` and `background` are how all work runs off its thread. `derived` makes what all logs give together, once and on demand. `depth` makes the depth map and what follows from it,
-//! `agreement` compares points with a reference, `mosaic` where echoes lie, `placing` where objects do, `report` sums a run
-//! up, `scale_trial` what another scale would change, `fingerprint` tells versions of files apart, `source` puts right what a log does not say of itself, `surveyed` what a plan of further lines starts from, `joint` what all logs of a survey give together. Nothing is written here: see `outputs`.
+//! `agreement` compares points with a reference, `mosaic` where echoes lie, `object_positions` where objects do, `report` sums a run
+//! up, `scale_trial` what another scale would change, `fingerprint` tells versions of files apart, `source` puts right what a log does not say of itself, `survey_coverage` what a plan of further lines starts from, `joint` what all logs of a survey give together. Nothing is written here: see `outputs`.
 
 mod agreement;
 mod background;
@@ -17,9 +17,9 @@ mod growing;
 pub mod joint;
 mod log_settings;
 mod mosaic;
+mod object_positions;
 mod objects;
 mod passes;
-mod placing;
 mod processed_log;
 mod products;
 mod relief;
@@ -27,7 +27,7 @@ mod report;
 mod scale_trial;
 pub mod settings;
 mod source;
-mod surveyed;
+mod survey_coverage;
 mod task;
 
 pub use agreement::{
@@ -52,16 +52,16 @@ pub use log_settings::{
     setting_values, with_values,
 };
 pub use mosaic::{mosaic_layout, mosaic_layout_by};
+pub use object_positions::ObjectLocator;
 pub use objects::{list_objects, object_shape};
 pub use passes::{Pass, passes_over, place_of};
-pub use placing::Placing;
 pub use processed_log::ProcessedLog;
 pub use products::{Products, Stage, colour_range_m, run};
 pub use report::{CalibrationReport, Report, warnings};
 pub use scale_trial::{ScaleEffect, ScaleTrial};
 pub use settings::{Preset, Settings, SettingsError};
 pub use source::{SourceError, SourceKey, as_mounted, as_set};
-pub use surveyed::surveyed;
+pub use survey_coverage::survey_coverage;
 pub use task::{Jobs, Outcome, Task};
 
 use crate::support::geo::{CrsError, MapPlane};

@@ -4,7 +4,7 @@
 use crate::detection::ObjectExtent;
 use crate::detection::objects::{ObjectList, SurveyReview};
 use crate::detection::targets::{BoxLevels, FittedShape, PassLog, ShapeError, Target, fit_shape};
-use crate::pipeline::{Placing, ProcessedLog};
+use crate::pipeline::{ObjectLocator, ProcessedLog};
 use crate::support::progress::{Cancelled, Progress};
 
 /// Places the boxes of the logs, and joins those that show one object.
@@ -21,10 +21,10 @@ pub fn list_objects(
         let Some(review) = review else {
             continue;
         };
-        let placing = Placing::new(&log.survey, &log.products);
+        let locator = ObjectLocator::new(&log.survey, &log.products);
         for one in review.boxes(&log.products.exclusions) {
             progress.check()?;
-            let target = placing.place_as(&one.mark, one.extent, one.shadow);
+            let target = locator.place_as(&one.mark, one.extent, one.shadow);
             boxes.push(review.object_box(index, one, target));
             progress.advance(1);
         }
@@ -43,8 +43,8 @@ pub fn object_shape(boxes: &[(&ProcessedLog, &Target)]) -> Result<FittedShape, S
         .map(|(log, target)| {
             let has_extent = target.extent != ObjectExtent::Point;
             let levels = has_extent.then(|| {
-                let placing = Placing::new(&log.survey, &log.products);
-                placing.placer().box_levels(&target.mark)
+                let locator = ObjectLocator::new(&log.survey, &log.products);
+                locator.placer().box_levels(&target.mark)
             });
             (*target, levels.flatten())
         })

@@ -9,7 +9,7 @@ use crate::bottom::cloud::{
 use crate::sonar::calibration::{self, Calibration, FlatSpot};
 use crate::sonar::first_return::{self, BottomLine, FirstReturns};
 use crate::support::progress::{Cancelled, Progress};
-use crate::survey::{Exclusions, Navigation, Relief, SideSpan, Sounding, Survey, navigate_placed};
+use crate::survey::{Exclusions, Navigation, Relief, SideSpan, Sounding, Survey, navigate_with};
 use std::sync::Arc;
 
 /// A stage of the pipeline, in the order of the data.
@@ -132,7 +132,7 @@ impl Products {
         }
     }
 
-    /// The first returns that a calibration may rest on.
+    /// The first returns that a calibration may be based on.
     pub(super) fn judged_returns(&self, survey: &Survey) -> Arc<FirstReturns> {
         judged(
             survey,
@@ -211,7 +211,11 @@ pub fn run(
         Some(old) => old.navigation.clone(),
         None => {
             begin(Stage::Navigation)?;
-            Arc::new(navigate_placed(survey, settings.placing(), progress)?)
+            Arc::new(navigate_with(
+                survey,
+                settings.position_settings(),
+                progress,
+            )?)
         }
     };
     let exclusions = match previous.filter(|old| Arc::ptr_eq(&old.navigation, &navigation)) {
@@ -351,7 +355,7 @@ fn with_bottom(
     Arc::new(returns)
 }
 
-/// The first returns that a calibration may rest on. What was accepted as bottom is flagged there as it was found: it is bottom beside the
+/// The first returns that a calibration may be based on. What was accepted as bottom is flagged there as it was found: it is bottom beside the
 /// boat, at another depth than that of the soundings. `counted` are all that count.
 fn judged(
     survey: &Survey,

@@ -35,7 +35,7 @@ pub struct Report {
     /// Every setting.
     pub settings: Settings,
     /// Counts.
-    pub counts: Counts,
+    pub counts: RunCounts,
     /// Stretches that count for nothing, in time order, and why.
     pub excluded: Vec<ExcludedStretch>,
     /// Scales.
@@ -65,7 +65,7 @@ pub struct Report {
 
 /// How many of everything.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Counts {
+pub struct RunCounts {
     /// Side-scan pings.
     pub pings: usize,
     /// Depths that the recorder gave.
@@ -78,11 +78,11 @@ pub struct Counts {
     pub starboard_first_returns: usize,
     /// First returns above the recorded depth: weed, fish or boulders.
     pub above_bottom: usize,
-    /// Points of these that do not count for the depth map, neither outliers nor too unsure.
+    /// Points of these that do not count for the depth map, neither outliers nor of too low confidence.
     pub above_bottom_left_out: usize,
     /// Points of these that count for the depth map: all, or those of long stretches.
     pub above_bottom_kept: usize,
-    /// Side-scan points that are not kept because their first return is less sure than `first_return.min_confidence`.
+    /// Side-scan points that are not kept because the confidence of their first return is less than `first_return.min_confidence`.
     pub low_confidence: usize,
     /// Pings at which the boat moves.
     pub moving: usize,
@@ -185,7 +185,7 @@ impl Report {
             start_unix_s: survey.start_unix_s,
             preset: settings.matching_preset().map_or("changed", Preset::name),
             settings: Settings::clone(settings),
-            counts: Counts {
+            counts: RunCounts {
                 pings: survey.side_scan.len(),
                 soundings: survey.soundings.len(),
                 soundings_without_bottom: lost_soundings(survey, cloud),
@@ -261,7 +261,7 @@ impl Report {
                 counts.above_bottom
             ),
             format!(
-                "{} points, {} from side-scan; {} count for the depth map; of the others {} are above-bottom returns, {} too unsure, {} outliers ({:.1} % of side-scan), {} soundings without bottom; {} pings without heading",
+                "{} points, {} from side-scan; {} count for the depth map; of the others {} are above-bottom returns, {} of low confidence, {} outliers ({:.1} % of side-scan), {} soundings without bottom; {} pings without heading",
                 counts.points,
                 counts.side_scan_points,
                 counts.kept,
@@ -289,7 +289,7 @@ impl Report {
         lines.extend(corrections.iter().map(ToString::to_string));
         if track.side_scan_only_pings > 0 && counts.soundings > 0 {
             lines.push(format!(
-                "depth rests on side-scan only over {:.0} of {:.0} m of track ({:.0} %): the recorder had no bottom there",
+                "depth comes from side-scan only over {:.0} of {:.0} m of track ({:.0} %): the recorder had no bottom there",
                 track.side_scan_only_m,
                 track.track_m,
                 100.0 * track.side_scan_only()
@@ -317,7 +317,7 @@ fn lost_soundings(survey: &Survey, cloud: &PointCloud) -> usize {
     lost.count() - of_lost.count()
 }
 
-impl Counts {
+impl RunCounts {
     /// Adds those of another log.
     pub(super) fn add(&mut self, other: &Self) {
         self.pings += other.pings;

@@ -1,9 +1,9 @@
-//! One piece of work off the window's thread.
+//! One piece of work in a background thread.
 
 use crate::support::progress::Progress;
 use std::sync::{Arc, mpsc};
 
-/// How work off the window's thread is run.
+/// How work in a background thread is run.
 #[derive(Clone)]
 pub enum Jobs {
     /// On worker threads, which call this when there is something to show.

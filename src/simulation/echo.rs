@@ -22,14 +22,14 @@ pub struct Echo {
     /// Slant range of the nearest weed, metres; infinite without any.
     pub canopy_m: f64,
     /// Objects insonified.
-    pub seen: Vec<Seen>,
+    pub seen: Vec<ObjectEcho>,
     /// For each object that the beam meets, its index and what `power` would be if it were not there.
     pub without: Vec<(usize, Vec<f64>)>,
 }
 
 /// An object as one ping insonified it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seen {
+pub struct ObjectEcho {
     /// Index of the object.
     pub object: usize,
     /// Slant range of the nearest point of its visible surface, metres.
@@ -208,14 +208,14 @@ impl Listener<'_> {
     }
 
     /// Where the middle ray sees an object, and where its shadow ends.
-    fn look_for(&self, object: usize, visible: &[[f64; 2]], reach_m: f64) -> Option<Seen> {
+    fn look_for(&self, object: usize, visible: &[[f64; 2]], reach_m: f64) -> Option<ObjectEcho> {
         let placed = &self.world.objects[object];
-        let mut found: Option<Seen> = None;
+        let mut found: Option<ObjectEcho> = None;
         for &[across, range] in visible {
             let [east, north] = self.place(across, 0.0);
             let height_m = placed.height_m(east, north);
             if height_m > 0.0 {
-                let seen = found.get_or_insert(Seen {
+                let seen = found.get_or_insert(ObjectEcho {
                     object,
                     near_m: range,
                     far_m: range,

@@ -2,7 +2,7 @@
 
 use super::random::{Purpose, Random};
 use super::simulate::{ReceivedPing, Run, mercator};
-use super::sl2::{self, Frame, WrittenFix};
+use super::sl2::{self, Sl2Frame, WrittenFix};
 use super::sonar::echogram;
 use crate::survey::ChannelKind;
 use std::f64::consts::TAU;
@@ -41,7 +41,7 @@ impl Run<'_> {
     }
 
     /// All frames in the order in which the recorder would write them; takes the side-scan bytes out of the pings.
-    pub fn frames(&self, received: &mut [ReceivedPing]) -> Vec<Frame> {
+    pub fn frames(&self, received: &mut [ReceivedPing]) -> Vec<Sl2Frame> {
         let mut log = Log::default();
         let every = u64::from(self.scene.recorder.sonar_every.max(1));
         let mut depth_m = 0.0;
@@ -99,7 +99,7 @@ struct Moment {
 /// Frames in file order, with the counters that the recorder keeps.
 #[derive(Default)]
 struct Log {
-    frames: Vec<Frame>,
+    frames: Vec<Sl2Frame>,
     next_index: [u32; 6],
     last_fix: Option<u64>,
 }
@@ -119,7 +119,7 @@ impl Log {
         *next_index += 1;
         let fresh = self.last_fix != Some(fix_number);
         self.last_fix = Some(fix_number);
-        self.frames.push(Frame {
+        self.frames.push(Sl2Frame {
             channel,
             index,
             range_m,

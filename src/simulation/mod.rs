@@ -35,13 +35,13 @@ mod ripples;
 mod scene;
 mod shape;
 mod shoal;
-mod shown;
 mod simulate;
 mod sl2;
 mod sonar;
 mod stones;
 mod training_scene;
 mod truth;
+mod visibility;
 mod weed;
 mod world;
 
@@ -51,7 +51,7 @@ pub use scene::{
     Artefacts, Bank, BedKind, BedSettings, Curve, Mound, ObjectSettings, Pit, RecorderSettings,
     RippleSettings, Scene, Shoal, Terrace, TrackSettings, WeedClump,
 };
-pub use shown::{Shown, Slice};
 pub use simulate::{Simulated, simulate};
-pub use training_scene::{Look, TrainingScene, training_scene, training_seed};
-pub use truth::{ObjectTruth, PingTruth, SideTruth, Sighting};
+pub use training_scene::{TrainingPlace, TrainingScene, training_scene, training_seed};
+pub use truth::{ObjectPass, ObjectTruth, PingTruth, SideTruth};
+pub use visibility::{Slice, VisiblePart};

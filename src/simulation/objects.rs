@@ -55,7 +55,7 @@ impl ObjectKind {
 }
 
 /// An object in its place.
-pub struct Placed {
+pub struct PlacedObject {
     /// What and where.
     pub settings: ObjectSettings,
     /// Radius of the circle that holds it, metres.
@@ -69,7 +69,7 @@ pub struct Placed {
 /// How much stronger stone, wood and metal scatter than the ground where the scene does not say (6 dB).
 const USUAL_STRENGTH: f64 = 4.0;
 
-impl Placed {
+impl PlacedObject {
     fn new(settings: ObjectSettings, seed: u64) -> Self {
         let heading = settings.heading_deg.to_radians();
         let (length, width) = (settings.length_m, settings.width_m);
@@ -98,13 +98,13 @@ impl Placed {
 }
 
 /// All objects of the scene: those it names, then those scattered beside the lines.
-pub fn place(scene: &Scene, path: &Path, seed: u64) -> Vec<Placed> {
+pub fn place(scene: &Scene, path: &Path, seed: u64) -> Vec<PlacedObject> {
     let mut random = Random::new(seed, Purpose::Objects, 0);
     let scattered = (0..scene.scattered_objects).map(|_| scatter(path, &mut random));
     let all: Vec<ObjectSettings> = scene.objects.iter().cloned().chain(scattered).collect();
     all.into_iter()
         .enumerate()
-        .map(|(index, settings)| Placed::new(settings, seed.wrapping_add(index as u64)))
+        .map(|(index, settings)| PlacedObject::new(settings, seed.wrapping_add(index as u64)))
         .collect()
 }
 
@@ -157,7 +157,7 @@ mod tests {
             strength_db: None,
         };
         // Heading 90 degrees: along is east, across is south.
-        Placed::new(settings, 1).height_m(10.0 + along, -4.0 - across)
+        PlacedObject::new(settings, 1).height_m(10.0 + along, -4.0 - across)
     }
 
     #[test]

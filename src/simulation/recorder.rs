@@ -8,7 +8,7 @@ use super::echo::{Echo, Listener};
 use super::path::Pose;
 use super::random::{Purpose, Random};
 use super::scene::{BedSettings, Curve, RecorderSettings, Scene};
-use super::shown::Trace;
+use super::visibility::Trace;
 use super::world::World;
 use crate::survey::Side;
 use std::ops::Range;

@@ -2,16 +2,16 @@
 
 use super::artefacts::{Plan, Trouble};
 use super::bed::Bed;
-use super::echo::{Echo, Seen};
+use super::echo::{Echo, ObjectEcho};
 use super::objects;
 use super::path::{Path, Pose};
 use super::random::{Purpose, Random};
 use super::recorder::{GRAIN, Receiver, speckle_stream};
 use super::scene::Scene;
 use super::shoal::Fishes;
-use super::shown::{Trace, shown};
-use super::sl2::{self, Frame};
-use super::truth::{self, ObjectTruth, PingTruth, SideTruth, Sighting};
+use super::sl2::{self, Sl2Frame};
+use super::truth::{self, ObjectPass, ObjectTruth, PingTruth, SideTruth};
+use super::visibility::{Trace, visible_part};
 use super::weed::Weed;
 use super::world::World;
 use crate::support::geo::{LocalFrame, LonLat, lowrance_mercator, lowrance_mercator_inverse};
@@ -28,7 +28,7 @@ pub struct Simulated {
     pub objects: Vec<ObjectTruth>,
     /// The survey's frame: its origin is the first recorded fix, so it equals that of the opened log.
     pub frame: LocalFrame,
-    frames: Vec<Frame>,
+    frames: Vec<Sl2Frame>,
     start_unix_s: u32,
     world: World,
     scene_frame: LocalFrame,
@@ -127,7 +127,7 @@ pub struct ReceivedPing {
     /// Counts all pings, the missing ones included.
     pub ping: u64,
     pub truth: PingTruth,
-    seen: Vec<(Side, Seen)>,
+    seen: Vec<(Side, ObjectEcho)>,
     traces: Vec<Trace>,
     /// Port far to near, then starboard near to far.
     pub composite: Vec<u8>,
@@ -205,7 +205,7 @@ impl<'a> Run<'a> {
         };
         let mut composite: Vec<u8> = left.iter().rev().copied().collect();
         composite.extend(right);
-        let seen = |side: Side, echo: &Echo| -> Vec<(Side, Seen)> {
+        let seen = |side: Side, echo: &Echo| -> Vec<(Side, ObjectEcho)> {
             echo.seen.iter().map(|seen| (side, *seen)).collect()
         };
         let position = self.scene_frame.to_lon_lat(pose.east_m, pose.north_m);
@@ -332,7 +332,7 @@ impl<'a> Run<'a> {
                 let middle_m = 0.5 * (sighting.near_m + sighting.far_m);
                 let spread_m = self.receivers[0].beam.spread_at_m(middle_m);
                 sighting.spread_pings = (spread_m / spacing_m).round() as usize;
-                sighting.shown = shown(&pass(received, index, sighting), spacing_m, GRAIN);
+                sighting.shown = visible_part(&pass(received, index, sighting), spacing_m, GRAIN);
             }
         }
         objects
@@ -379,7 +379,7 @@ fn traces(echo: &Echo, side: Side, trouble: &Trouble, receiver: &Receiver) -> Ve
 fn pass<'a>(
     received: &'a [ReceivedPing],
     object: usize,
-    sighting: &Sighting,
+    sighting: &ObjectPass,
 ) -> Vec<(usize, &'a Trace)> {
     // The rays at the beam's edge lie sqrt(3) standard deviations off.
     let margin = 2 * sighting.spread_pings + 1;

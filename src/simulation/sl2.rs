@@ -35,7 +35,7 @@ pub struct WrittenFix {
 
 /// A frame before it has a place in the file.
 #[derive(Clone, Debug)]
-pub struct Frame {
+pub struct Sl2Frame {
     pub channel: u16,
     /// Counts the pings of the channel.
     pub index: u32,
@@ -53,7 +53,7 @@ pub struct Frame {
 ///
 /// # Errors
 /// When writing fails, or when a frame or the file is larger than the format's fields can say.
-pub fn write(frames: &[Frame], start_unix_s: u32, out: &mut impl Write) -> io::Result<()> {
+pub fn write(frames: &[Sl2Frame], start_unix_s: u32, out: &mut impl Write) -> io::Result<()> {
     out.write_all(&FILE_HEADER)?;
     let mut writer = Writer {
         offset: FILE_HEADER.len() as u32,
@@ -78,7 +78,7 @@ struct Writer {
 }
 
 impl Writer {
-    fn header(&mut self, frame: &Frame) -> io::Result<Header> {
+    fn header(&mut self, frame: &Sl2Frame) -> io::Result<Header> {
         let too_large = || io::Error::other("the log is larger than SL2 can hold");
         let packet = u16::try_from(frame.bytes.len()).map_err(|_| too_large())?;
         let size = packet
@@ -121,7 +121,7 @@ impl Writer {
     }
 
     /// The hardware time field: Unix seconds in the first frame of the file, milliseconds later.
-    fn clock(&self, frame: &Frame) -> u32 {
+    fn clock(&self, frame: &Sl2Frame) -> u32 {
         match (self.previous_size, self.start_unix_s) {
             (0, 0) => u32::MAX,
             (0, seconds) => seconds,
@@ -142,7 +142,7 @@ fn frequency_code(channel: u16) -> u8 {
     }
 }
 
-fn flags(frame: &Frame) -> u16 {
+fn flags(frame: &Sl2Frame) -> u16 {
     let heading = frame.fix.compass_rad.map_or(0, |_| HEADING);
     heading | if frame.fresh { FRESH } else { REPEATED }
 }

@@ -16,12 +16,12 @@ pub struct TrainingScene {
     /// The survey.
     pub scene: Scene,
     /// The pictures.
-    pub looks: Vec<Look>,
+    pub looks: Vec<TrainingPlace>,
 }
 
 /// A place on one side of a survey, whatever its size in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Look {
+pub struct TrainingPlace {
     /// The side.
     pub side: Side,
     /// Where the picture starts along the track, of all places where it can start: 0 to 1.
@@ -66,7 +66,7 @@ pub fn training_scene(seed: u64, looks: usize, look_m: f64) -> TrainingScene {
     scene.shoals = shoals(&mut random, &strip);
     scene.weed_clumps = weed_clumps(&mut random, &strip);
     let first = usize::from(random.chance(0.5));
-    let looks = (0..looks).map(|index| Look {
+    let looks = (0..looks).map(|index| TrainingPlace {
         side: Side::BOTH[(first + index) % 2],
         along: ((index / 2) as f64 + random.unit()) / rows as f64,
         outward: if random.chance(0.5) {

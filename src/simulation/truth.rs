@@ -1,8 +1,8 @@
 //! What the log hides: where everything really was.
 
-use super::echo::Seen;
+use super::echo::ObjectEcho;
 use super::objects::ObjectKind;
-use super::shown::Shown;
+use super::visibility::VisiblePart;
 use crate::support::geo::LonLat;
 use crate::survey::Side;
 use std::io::{self, Write};
@@ -73,12 +73,12 @@ pub struct ObjectTruth {
     /// Direction of its length, degrees clockwise from north.
     pub heading_deg: f64,
     /// Each pass of the boat in which a side insonified it.
-    pub sightings: Vec<Sighting>,
+    pub sightings: Vec<ObjectPass>,
 }
 
 /// One pass of the boat along an object. Pings count recorded pings ([`super::Simulated::pings`]).
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sighting {
+pub struct ObjectPass {
     /// The side that insonified it.
     pub side: Side,
     /// First ping with its echo.
@@ -103,10 +103,10 @@ pub struct Sighting {
     /// of its two-way width on the ground.
     pub spread_pings: usize,
     /// What a picture shows of it; `None` where speckle, noise, or the shadow of another hides it.
-    pub shown: Option<Shown>,
+    pub shown: Option<VisiblePart>,
 }
 
-impl Sighting {
+impl ObjectPass {
     /// The recorded pings that show it, of `count` pings in all; the end excluded. Those that insonify it, the spread of the beam
     /// included, where nothing is shown.
     pub fn pings(&self, count: usize) -> Range<usize> {
@@ -134,7 +134,7 @@ impl Sighting {
 const PASS_GAP: usize = 3;
 
 /// Adds what one ping recorded of an object to its sightings.
-pub fn note(sightings: &mut Vec<Sighting>, ping: usize, side: Side, seen: &Seen) {
+pub fn note(sightings: &mut Vec<ObjectPass>, ping: usize, side: Side, seen: &ObjectEcho) {
     let pass = sightings.iter_mut().rev().find(|pass| pass.side == side);
     match pass.filter(|pass| ping - pass.last_ping <= PASS_GAP) {
         Some(pass) => {
@@ -151,7 +151,7 @@ pub fn note(sightings: &mut Vec<Sighting>, ping: usize, side: Side, seen: &Seen)
                 pass.top_height_m = seen.top_height_m;
             }
         }
-        None => sightings.push(Sighting {
+        None => sightings.push(ObjectPass {
             side,
             first_ping: ping,
             last_ping: ping,
@@ -198,8 +198,8 @@ pub fn write_pings(pings: &[PingTruth], out: &mut impl Write) -> io::Result<()> 
 
 /// Writes one line per sighting, and one with empty fields for an object that was never insonified:
 /// `object,kind,lon,lat,east_m,north_m,length_m,width_m,height_m,heading_deg,side,first_ping,last_ping,near_m,far_m,shadow_start_m,shadow_end_m,box_first_ping,box_last_ping,box_near_m,box_far_m,shown`.
-/// The box holds what a picture shows of echo and shadow, so what a detector should propose; `shown` is 0 where that is
-/// nothing ([`Sighting::shown`]). `count` pings were recorded.
+/// The box holds what a picture shows of echo and shadow, so what a detector should propose; `visibility` is 0 where that is
+/// nothing ([`ObjectPass::shown`]). `count` pings were recorded.
 pub fn write_objects(
     objects: &[ObjectTruth],
     count: usize,

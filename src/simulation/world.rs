@@ -2,14 +2,14 @@
 
 use super::arithmetic::{exp, ln};
 use super::bed::Bed;
-use super::objects::Placed;
+use super::objects::PlacedObject;
 use super::path::Pose;
 use super::weed::Weed;
 
 /// Everything that echoes. Places are metres from the scene's centre.
 pub struct World {
     pub bed: Bed,
-    pub objects: Vec<Placed>,
+    pub objects: Vec<PlacedObject>,
     pub weed: Vec<Weed>,
 }
 

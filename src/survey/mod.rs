@@ -39,8 +39,8 @@ pub use identity::Identity;
 pub use mounting::{MountingSettings, arm_in_words};
 pub use names::distinct_names;
 pub use navigation::{
-    HeadingSettings, HeadingSource, Navigation, PingNav, Placing, Projection, navigate,
-    navigate_placed,
+    HeadingSettings, HeadingSource, Navigation, PingNav, PositionSettings, Projection, navigate,
+    navigate_with,
 };
 pub use nearest::nearest_in_time;
 pub use position_shift::PositionShift;

@@ -140,7 +140,7 @@ impl Navigation {
     }
 }
 
-/// Places every ping and sounding of a survey whose antenna is right above its transducer: [`navigate_placed`] with no mounting and no shift.
+/// Places every ping and sounding of a survey whose antenna is right above its transducer: [`navigate_with`] with no mounting and no shift.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -150,18 +150,18 @@ pub fn navigate(
     projection: Projection,
     progress: &Progress,
 ) -> Result<Navigation, Cancelled> {
-    let placing = Placing {
+    let positions = PositionSettings {
         heading: settings,
         mounting: &MountingSettings::default(),
         shift: &PositionShift::default(),
         projection,
     };
-    navigate_placed(survey, placing, progress)
+    navigate_with(survey, positions, progress)
 }
 
 /// What decides where the pings and soundings of a log lie.
 #[derive(Clone, Copy, Debug)]
-pub struct Placing<'a> {
+pub struct PositionSettings<'a> {
     /// Where headings come from.
     pub heading: &'a HeadingSettings,
     /// How the recorder is mounted on the boat.
@@ -187,17 +187,17 @@ pub struct Placing<'a> {
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn navigate_placed(
+pub fn navigate_with(
     survey: &Survey,
-    placing: Placing<'_>,
+    positions: PositionSettings<'_>,
     progress: &Progress,
 ) -> Result<Navigation, Cancelled> {
-    let Placing {
+    let PositionSettings {
         heading: settings,
         mounting,
         shift,
         projection,
-    } = placing;
+    } = positions;
     let navigator = Navigator {
         compass_offset_rad: mounting.heading_offset_deg.to_radians(),
         latency_s: mounting.latency_s,

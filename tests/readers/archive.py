@@ -169,7 +169,7 @@ def check_isobaths(path, epsg, corner, count):
 
 
 def check_index(folder):
-    """The collection and its items, held against the core schemas, which come with pystac; those of extensions need the network."""
+    """The collection and its items, compared with the core schemas, which come with pystac; those of extensions need the network."""
     for path in folder.glob("index/*.json"):
         pystac.validation.validate_dict(json.loads(path.read_text()) | {"stac_extensions": []})
     collection = pystac.Collection.from_file(str(folder / "index/collection.json"))

@@ -82,7 +82,7 @@ def check_source(folder, record, points):
     path = folder / "depth/source.tif"
     with rasterio.open(path) as raster, rasterio.open(folder / "depth/depth.tif") as depths:
         check_raster("source.tif", raster, record)
-        assert raster.dtypes == ("uint8",) and raster.descriptions == ("what the depth rests on",)
+        assert raster.dtypes == ("uint8",) and raster.descriptions == ("source of the depth",)
         known = depths.read(1) != -9999
         classes, mask = raster.read(1), raster.dataset_mask()
         assert ((mask > 0) == known).all() and set(numpy.unique(classes[known])) <= {1, 2, 3, 4}

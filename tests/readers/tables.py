@@ -1,4 +1,4 @@
-"""The CSV tables against each other and the report; they are what the other products are held against."""
+"""The CSV tables against each other and the report; they are what the other products are compared with."""
 
 import copy
 import csv

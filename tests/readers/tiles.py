@@ -1,4 +1,4 @@
-"""MBTiles and PMTiles by sqlite3, GDAL and the `pmtiles` package, held against the depth map."""
+"""MBTiles and PMTiles by sqlite3, GDAL and the `pmtiles` package, compared with the depth map."""
 
 import io
 import json

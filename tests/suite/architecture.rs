@@ -380,7 +380,7 @@ fn ui_computes_no_result() {
     let mut offences = Vec::new();
     for path in rust_files(&source().join("ui")) {
         let code = code(&path);
-        // Tests hold what is drawn against results.
+        // Tests compare what is drawn with results.
         let code = code.split("#[cfg(test)]").next().unwrap_or_default();
         for module in MAKES_RESULTS {
             for name in names_of(code, module)

@@ -409,7 +409,11 @@ fn the_mosaic_goes_on_beside_the_depths_on_a_level_bed() {
         of(BottomColour::Mosaic, 4_000_000),
         of(BottomColour::Mosaic, 10_000),
     ];
-    assert!(!by_depth.has_level_bed && by_echo.has_level_bed && coarse.has_level_bed);
+    assert!(
+        !by_depth.has_flat_extrapolation
+            && by_echo.has_flat_extrapolation
+            && coarse.has_flat_extrapolation
+    );
     assert!(coarse.surface().grid.len() <= 10_000);
     let [least_m, most_m] = by_depth.range_m;
     let (depths, echoes) = (by_depth.surface(), by_echo.surface());

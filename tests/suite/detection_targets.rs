@@ -6,9 +6,9 @@ use bathyscope::detection::targets::{
     passes_over,
 };
 use bathyscope::formats;
-use bathyscope::pipeline::{Placing, Settings, run};
+use bathyscope::pipeline::{ObjectLocator, Settings, run};
 use bathyscope::simulation::{
-    Bank, ObjectKind, ObjectSettings, Scene, Sighting, Simulated, simulate,
+    Bank, ObjectKind, ObjectPass, ObjectSettings, Scene, Simulated, simulate,
 };
 use bathyscope::sonar::calibration::{Calibration, CalibrationSettings, calibrate};
 use bathyscope::sonar::first_return::{
@@ -48,7 +48,7 @@ fn sail(scene: &Scene, seed: u64) -> Sailed {
 }
 
 /// The box that a labeller draws around echo and shadow; `None` for a glimpse of under four pings.
-fn true_box(survey: &Survey, seen: &Sighting) -> Option<Mark> {
+fn true_box(survey: &Survey, seen: &ObjectPass) -> Option<Mark> {
     let pings = seen.first_ping..seen.last_ping + 1;
     let span = survey.span(seen.first_ping, seen.side)?;
     let shadow_end_m = seen.shadow_m[1];
@@ -143,7 +143,7 @@ fn what_is_known_of_the_water_moves_objects_as_it_moves_points() {
     let known = ["draft_m=0.3", "water_level_m=0.5", "sound_speed.m_s=1455"];
     let (plain, corrected) = (of(&[]), of(&known));
     let [plain, corrected] =
-        [&plain, &corrected].map(|products| Placing::new(&sailed.survey, products));
+        [&plain, &corrected].map(|products| ObjectLocator::new(&sailed.survey, products));
     let seen = sailed.truth.objects.iter().flat_map(|one| &one.sightings);
     let marks: Vec<Mark> = seen
         .filter_map(|seen| true_box(&sailed.survey, seen))
@@ -204,13 +204,13 @@ fn objects_on_a_bank_lie_where_they_are_and_not_where_a_level_bottom_has_them() 
         settings.surface.relief = relief;
         let made = run(&sailed.survey, &settings, None, &Progress::new(), |_| ());
         let products = made.expect("not cancelled");
-        let placing = Placing::new(&sailed.survey, &products);
+        let locator = ObjectLocator::new(&sailed.survey, &products);
         let (mut off_m, mut deeper_m) = (Vec::new(), Vec::new());
         let objects = sailed.truth.objects.iter().zip(&scene.objects);
         for (object, laid) in objects {
             for seen in &object.sightings {
                 let mark = true_box(&sailed.survey, seen);
-                let target = mark.and_then(|mark| placing.place(&mark));
+                let target = mark.and_then(|mark| locator.place(&mark));
                 // A turn smears what it sees.
                 let on_a_line = |one: &Target| one.heading_rad.sin().abs() > 0.99;
                 if let Some(target) = target.filter(on_a_line) {

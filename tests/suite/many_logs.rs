@@ -12,7 +12,7 @@ use bathyscope::imagery::mosaic::{
 };
 use bathyscope::pipeline::joint::{crossline_analysis, height_offsets};
 use bathyscope::pipeline::{
-    self, Derived, Mosaic, MosaicPlane, Placing, ProcessedLog, Settings, joint_depth_surface,
+    self, Derived, Mosaic, MosaicPlane, ObjectLocator, ProcessedLog, Settings, joint_depth_surface,
     mosaic_layout,
 };
 use bathyscope::simulation::{
@@ -362,7 +362,7 @@ fn one_depth_map_of_ten_logs_is_as_good_as_the_best_and_has_no_seams() {
 }
 
 /// The box that a labeller draws around echo and shadow.
-pub fn true_box(survey: &Survey, seen: &bathyscope::simulation::Sighting) -> Option<Mark> {
+pub fn true_box(survey: &Survey, seen: &bathyscope::simulation::ObjectPass) -> Option<Mark> {
     let pings = seen.first_ping..seen.last_ping + 1;
     let span = survey.span(seen.first_ping, seen.side)?;
     let far_m = match seen.shadow_m[1].is_nan() {
@@ -392,7 +392,7 @@ fn an_object_that_several_logs_saw_is_one() {
     // Every log, its object, and where it was placed; the receivers of other days are some decimetres off.
     let mut placed: Vec<(usize, usize, Target)> = Vec::new();
     for (log, (one, truth)) in lake.logs.iter().zip(&lake.truths).enumerate() {
-        let placing = Placing::new(&one.survey, &one.products);
+        let locator = ObjectLocator::new(&one.survey, &one.products);
         let day_m = [
             0.5 * (log as f64 * 2.1).sin(),
             0.5 * (log as f64 * 1.3).cos(),
@@ -403,7 +403,7 @@ fn an_object_that_several_logs_saw_is_one() {
                 .iter()
                 .filter_map(|seen| true_box(&one.survey, seen));
             placed.extend(marks.filter_map(|mark| {
-                let target = placing.place(&mark)?;
+                let target = locator.place(&mark)?;
                 let moved = Target {
                     east_m: target.east_m + day_m[0],
                     north_m: target.north_m + day_m[1],

@@ -53,7 +53,7 @@ fn origin(folder: &Path) -> LonLat {
 }
 
 #[test]
-fn points_of_all_logs_are_held_against_a_reference() {
+fn points_of_all_logs_are_compared_with_a_reference() {
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let folder = temporary.path();
     write_logs(folder, 3);
@@ -419,7 +419,7 @@ fn groups_of_logs_are_compared_with_each_other() {
     let medians_m: Vec<f64> = (found["logs"].as_array().expect("logs").iter())
         .map(|log| number(&log["median_m"]))
         .collect();
-    // Both are held against the same surface, so the second is lower by what it hangs higher over the bed.
+    // Both are compared with the same surface, so the second is lower by what it hangs higher over the bed.
     let lower_m = medians_m[0] - medians_m[1];
     eprintln!("apart by {lower_m:.3} m");
     assert!(

@@ -8,7 +8,7 @@ use bathyscope::imagery::mosaic::{
     window,
 };
 use bathyscope::pipeline::{self, Products, Settings};
-use bathyscope::simulation::{ObjectKind, ObjectSettings, Scene, Sighting, Simulated, simulate};
+use bathyscope::simulation::{ObjectKind, ObjectPass, ObjectSettings, Scene, Simulated, simulate};
 use bathyscope::support::progress::Progress;
 use bathyscope::survey::{Side, Survey};
 use std::sync::Arc;
@@ -131,7 +131,7 @@ fn echo_off_m(drawn: &Drawn, [east_m, north_m]: [f64; 2]) -> f64 {
 }
 
 /// The survey with the pings around a sighting alone.
-fn only(sailed: &Sailed, seen: &Sighting) -> Sailed {
+fn only(sailed: &Sailed, seen: &ObjectPass) -> Sailed {
     let mut products = sailed.products.clone();
     let mut navigation = (*products.navigation).clone();
     let shown = seen.first_ping.saturating_sub(40)..seen.last_ping + 40;

@@ -44,7 +44,7 @@ fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// Holds two folders against each other, byte for byte, and both against the rows that must be there.
+/// Compares two folders with each other, byte for byte, and both with the rows that must be there.
 fn assert_same(by_window: &Path, by_process: &Path, rows: impl Fn(&&OutputFile) -> bool) {
     assert_eq!(names(by_window), names(by_process));
     // Written where a setting asks for them.

@@ -58,7 +58,7 @@ fn depth_comes_from_side_scan_where_the_recorder_lost_the_bottom() {
     let report = Report::new(&pond.survey, &products, &Progress::new()).expect("not cancelled");
     assert_eq!(report.track, share);
     assert!(
-        report.summary().contains("rests on side-scan only over"),
+        report.summary().contains("comes from side-scan only over"),
         "{}",
         report.summary()
     );

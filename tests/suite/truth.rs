@@ -1,4 +1,4 @@
-//! Results held against what a simulated survey hides.
+//! Results compared with what a simulated survey hides.
 
 use bathyscope::bottom::bathymetry::{DepthPoint, Surface, SurfaceSettings, SwathDepth, surface};
 use bathyscope::bottom::cloud::{ClassRules, CloudPoint, PointSource, classify};

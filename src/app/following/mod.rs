@@ -20,7 +20,7 @@ use crate::support::printable::quoted;
 use crate::survey::{Bytes, Survey};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use step::{Ground, Grown, StepError, Tools};
+use step::{FollowedLog, Grown, StepError, Tools};
 
 /// Time between two looks at the log.
 const LOOK: Duration = Duration::from_millis(250);
@@ -50,9 +50,9 @@ struct Active {
     tools: Option<Tools>,
     starting: Option<Task<Result<Tools, StepError>>>,
     stepping: Option<Stepping>,
-    whole: Option<Task<Result<Ground, StepError>>>,
+    whole: Option<Task<Result<FollowedLog, StepError>>>,
     /// Results of the whole log as it was a moment ago: what the next step goes on from.
-    fresh: Option<Ground>,
+    fresh: Option<FollowedLog>,
     /// Bytes of the log when it was run over as a whole, and when that was.
     whole_bytes: u64,
     whole_at: Instant,
@@ -364,9 +364,9 @@ impl App {
     }
 
     /// What is known of a log, to go on from.
-    fn ground_of(&self, id: LogId) -> Option<Ground> {
+    fn ground_of(&self, id: LogId) -> Option<FollowedLog> {
         let log = self.open_log(id)?;
-        Some(Ground {
+        Some(FollowedLog {
             read: log.as_read.clone().or(log.survey.clone())?,
             survey: log.survey.clone()?,
             products: log.products.clone()?,

@@ -1,6 +1,6 @@
 //! A longer state of a log in the place of the one that was shown: what was decided about it is carried over.
 
-use super::step::Ground;
+use super::step::FollowedLog;
 use crate::app::{App, LogId};
 use crate::pipeline::{LogSettings, Products};
 use crate::survey::{Identity, Survey};
@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 impl App {
     /// Whether the log's settings are those that results were made with, whatever state of the log each of them names.
-    pub(super) fn is_as_set(&self, id: LogId, ground: &Ground) -> bool {
+    pub(super) fn is_as_set(&self, id: LogId, ground: &FollowedLog) -> bool {
         let shown = self
             .open_log(id)
             .and_then(|log| Some((log, log.survey.as_ref()?)));
@@ -25,10 +25,10 @@ impl App {
     }
 
     /// Shows a longer log with its results. The analyst's decisions are carried over to it.
-    pub(super) fn publish(&mut self, id: LogId, ground: Ground, is_provisional: bool) {
+    pub(super) fn publish(&mut self, id: LogId, ground: FollowedLog, is_provisional: bool) {
         let is_as_set = self.is_as_set(id, &ground);
         self.with_log(id, |app| {
-            let Ground {
+            let FollowedLog {
                 read,
                 survey,
                 mut products,

@@ -103,7 +103,7 @@ impl App {
     }
 }
 
-/// Whether results rest on the scale of these pings.
+/// Whether results depend on the scale of these pings.
 fn is_measured_on(products: &Products, pings: PingRange) -> bool {
     let made = &products.calibration;
     let spot = made.flat_spot.as_ref();

@@ -1,4 +1,4 @@
-//! What is done off the window's thread about a log that is followed: its new bytes are taken in, and its results made of them.
+//! What is done in a background thread about a log that is followed: its new bytes are taken in, and its results made of them.
 
 use crate::formats::{GrowingError, GrowingLog, OpenError, open_at_hand, open_growing, open_tail};
 use crate::pipeline::{
@@ -37,7 +37,7 @@ pub enum StepError {
 
 /// The log as it is known, with what is set for it.
 #[derive(Clone)]
-pub struct Ground {
+pub struct FollowedLog {
     /// As it was read.
     pub read: Arc<Survey>,
     /// As its settings have it.
@@ -47,7 +47,7 @@ pub struct Ground {
     pub own: Arc<LogSettings>,
 }
 
-impl Ground {
+impl FollowedLog {
     /// The recording and its results.
     pub fn settled(&self) -> ProcessedLog {
         ProcessedLog {
@@ -84,7 +84,7 @@ pub enum Grown {
     /// Nothing was added, or too little to be shown yet: so many bytes wait.
     Waits(u64),
     /// The log with what was added.
-    Longer(Box<Ground>),
+    Longer(Box<FollowedLog>),
     /// What was added does not tell how it goes on: all of it has to be read again.
     Anew,
 }
@@ -105,7 +105,7 @@ impl Tools {
     /// Takes in what was added, and makes results of it if that is enough, or if it is not to wait any longer.
     pub fn step(
         &mut self,
-        ground: &Ground,
+        ground: &FollowedLog,
         waits: bool,
         progress: &Progress,
     ) -> Result<Grown, StepError> {
@@ -138,7 +138,7 @@ impl Tools {
             results,
             progress,
         )?;
-        Ok(Grown::Longer(Box::new(Ground {
+        Ok(Grown::Longer(Box::new(FollowedLog {
             read,
             survey,
             products,
@@ -150,7 +150,7 @@ impl Tools {
     /// What the results go on with by the settings in force; measured over the whole log where they changed.
     fn results_for(
         &mut self,
-        ground: &Ground,
+        ground: &FollowedLog,
         progress: &Progress,
     ) -> Result<&mut GrowingResults, Cancelled> {
         let settings = &ground.products.settings;
@@ -175,9 +175,9 @@ pub fn whole(
     files: Vec<(PathBuf, Bytes)>,
     is_finished: bool,
     frame: Option<&LocalFrame>,
-    ground: &Ground,
+    ground: &FollowedLog,
     progress: &Progress,
-) -> Result<Ground, StepError> {
+) -> Result<FollowedLog, StepError> {
     let survey = match is_finished {
         true => open_at_hand(files, progress)?,
         false => open_growing(files, progress)?,
@@ -193,7 +193,7 @@ pub fn whole(
     let settings = own.compose(&ground.shared);
     let settings = settings.map_err(unusable)?;
     let products = run(&survey, &settings, None, progress, |_| ())?;
-    Ok(Ground {
+    Ok(FollowedLog {
         read,
         survey,
         products,

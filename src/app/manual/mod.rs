@@ -7,7 +7,7 @@ mod tables;
 /// A page of the manual.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, clap::ValueEnum)]
 pub enum Topic {
-    /// The window and its panels
+    /// The desktop program and its panels
     Window,
     /// Gain, levels, ranges and channels of the waterfall
     Waterfall,
@@ -40,7 +40,7 @@ pub enum Topic {
     Accuracy,
     /// What the program cannot do
     Limits,
-    /// Mouse, keys and commands of the window
+    /// Mouse, keys and commands
     Keys,
 }
 

@@ -1,10 +1,10 @@
-//! The boxes against the truth, when it is known: read off the window's thread, compared once per change of boxes, counted
+//! The boxes against the truth, when it is known: read in a background thread, compared once per change of boxes, counted
 //! once per move of the confidence slider.
 
 use super::{Reviewing, middle};
 use crate::app::{App, Outcome, Task};
 use crate::detection::review::read_text;
-use crate::detection::truth::{self, Comparison, Mistake, RasterTruth, Standing, Truth};
+use crate::detection::truth::{self, Mistake, RasterTruth, Standing, Truth, TruthComparison};
 use crate::survey::Identity;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -61,8 +61,8 @@ pub struct Judging {
     opening: Option<Opening>,
     /// Asked for while the log was still being opened.
     requested: Option<PathBuf>,
-    comparison: Option<Comparison>,
-    running: Option<Task<Comparison>>,
+    comparison: Option<TruthComparison>,
+    running: Option<Task<TruthComparison>>,
     /// Boxes, raster or truth have changed since the last comparison began.
     outdated: bool,
     standing: Option<Standing>,
@@ -86,7 +86,7 @@ impl Judging {
     }
 
     /// Boxes and truth, paired; perhaps of boxes of a moment ago.
-    pub fn comparison(&self) -> Option<&Comparison> {
+    pub fn comparison(&self) -> Option<&TruthComparison> {
         self.comparison.as_ref()
     }
 
@@ -298,7 +298,7 @@ impl App {
         judging.outdated = false;
         let truth = truth.clone();
         judging.running = Some(Task::start(&self.jobs, move |_| {
-            Comparison::new(&review, RasterTruth::new(&raster, truth), &raster)
+            TruthComparison::new(&review, RasterTruth::new(&raster, truth), &raster)
         }));
     }
 

@@ -2,14 +2,14 @@
 
 use super::Reviewing;
 use crate::app::{App, LogBox, OpenLog};
-use crate::detection::review::{BoxId, Counts, Edit, Queue, Reviewed, State};
+use crate::detection::review::{BoxId, DecisionCounts, Edit, Queue, Reviewed, State};
 use std::sync::Arc;
 
 /// How far the review of all logs is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ReviewCounts {
     /// The boxes in sight.
-    pub boxes: Counts,
+    pub boxes: DecisionCounts,
     /// Those that the filter lets through.
     pub in_line: usize,
     /// Logs that have boxes.

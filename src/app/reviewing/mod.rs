@@ -22,7 +22,7 @@ pub use detect::SearchStatus;
 pub use edges::{BoxEdge, border_m};
 pub use judging::{Judging, MistakeSort};
 pub use line::ReviewCounts;
-pub use places::Placed;
+pub use places::LocatedObject;
 
 pub(super) use detect::Search;
 pub(super) use places::Entries;
@@ -32,7 +32,7 @@ use super::mounting::Mountings;
 use super::planning::PlannedLines;
 use super::{LogId, Mark, OpenLog};
 use crate::detection::NAMELESS_CLASS;
-use crate::detection::review::{BoxId, Counts, Queue, Review, Reviewed};
+use crate::detection::review::{BoxId, DecisionCounts, Queue, Review, Reviewed};
 use crate::detection::{self, Raster};
 use crate::pipeline::{LogSettings, Settings};
 use crate::survey::{Identity, Navigation, Survey};
@@ -135,7 +135,7 @@ pub struct Reviewing {
     /// The boxes in line by their first ping, and the most pings that one covers.
     along: Vec<Arc<Reviewed>>,
     longest: usize,
-    counts: Counts,
+    counts: DecisionCounts,
     /// Some box was decided or corrected.
     is_touched: bool,
     /// The project keeps what is decided.
@@ -168,7 +168,7 @@ impl Default for Reviewing {
             line: Vec::new(),
             along: Vec::new(),
             longest: 0,
-            counts: Counts::default(),
+            counts: DecisionCounts::default(),
             is_touched: false,
             is_in_project: false,
             class: 0,
@@ -225,7 +225,7 @@ impl Reviewing {
     }
 
     /// How far the work is.
-    pub fn counts(&self) -> Counts {
+    pub fn counts(&self) -> DecisionCounts {
         self.counts
     }
 
@@ -298,7 +298,7 @@ impl Reviewing {
         self.along.sort_by_key(|one| one.mark.pings.start);
         let lengths = self.along.iter().map(|one| one.mark.pings.len());
         self.longest = lengths.max().unwrap_or(0);
-        self.counts = Counts::of(&self.review, &self.queue);
+        self.counts = DecisionCounts::of(&self.review, &self.queue);
     }
 
     /// Lays the raster out where pings lie elsewhere than before.

@@ -1,4 +1,4 @@
-//! Where the boxes' objects lie in the world: worked out off the window's thread, a box again when it was moved and all again
+//! Where the boxes' objects lie in the world: computed in a background thread, a box again when it was moved and all again
 //! when the track, the first returns or the scale are others.
 
 use super::Reviewing;
@@ -6,14 +6,14 @@ use crate::app::{App, Outcome, Task};
 use crate::detection::review::{BoxId, Reviewed};
 use crate::detection::targets::Target;
 use crate::detection::{Mark, MeasuredShadow, ObjectExtent};
-use crate::pipeline::{Placing, Products};
+use crate::pipeline::{ObjectLocator, Products};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::Arc;
 
 /// A box's object on the ground.
 #[derive(Clone, Debug)]
-pub struct Placed {
+pub struct LocatedObject {
     /// Place, extent, height and depth.
     pub target: Target,
     /// Corners of its footprint, metres east and north: length along the track, width across it; of a point all in its place.
@@ -40,7 +40,7 @@ impl Ground {
 type Drawn = (Mark, ObjectExtent, Option<MeasuredShadow>);
 
 /// A box as it was placed; `None` where it has no place.
-pub(in crate::app) type Entry = (Drawn, Option<Arc<Placed>>);
+pub(in crate::app) type Entry = (Drawn, Option<Arc<LocatedObject>>);
 
 /// The places of a log's boxes; another allocation when one of them is another.
 pub(in crate::app) type Entries = Arc<HashMap<BoxId, Entry>>;
@@ -62,7 +62,7 @@ pub(super) struct Places {
 
 impl Reviewing {
     /// The object of a box on the ground; `None` while it is not known, or when it cannot be.
-    pub fn placed(&self, id: BoxId) -> Option<&Arc<Placed>> {
+    pub fn placed(&self, id: BoxId) -> Option<&Arc<LocatedObject>> {
         self.places.known.get(&id)?.1.as_ref()
     }
 
@@ -141,11 +141,11 @@ impl App {
         }
         let (survey, from) = (survey.clone(), ground.clone());
         let task = Task::start(&self.jobs, move |progress| {
-            let placing = Placing::new(&survey, &from.0);
+            let locator = ObjectLocator::new(&survey, &from.0);
             let entry = |(id, (mark, extent, shadow)): (BoxId, Drawn)| {
-                let placed = placing.place_as(&mark, extent, shadow).map(|target| {
+                let placed = locator.place_as(&mark, extent, shadow).map(|target| {
                     let corners = target.corners();
-                    Arc::new(Placed { target, corners })
+                    Arc::new(LocatedObject { target, corners })
                 });
                 (id, ((mark, extent, shadow), placed))
             };

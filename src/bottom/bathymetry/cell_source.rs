@@ -1,9 +1,9 @@
-//! What the depth of each cell rests on.
+//! The source of the depth in each cell.
 
 use super::{DepthPoint, Grid};
 use crate::support::presentation::colours::{Rgb, SOURCES};
 
-/// What the depth of a cell rests on. The numbers are those of `depth/source.tif`.
+/// The source of the depth in a cell. The numbers are those of `depth/source.tif`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum CellSource {

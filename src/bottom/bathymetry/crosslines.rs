@@ -61,7 +61,7 @@ pub const REACH_M: f64 = 0.5;
 /// Depths within this distance of a crossing, along their own track, give the slope there, metres, and how many at least.
 const SLOPE_REACH_M: f64 = 3.0;
 const LEAST_FOR_SLOPE: usize = 5;
-/// Tracks that meet at a smaller angle run along each other: where they cross is chance, degrees.
+/// Tracks that cross at a smaller angle run along each other: where they cross is chance, degrees.
 pub const LEAST_ANGLE_DEG: f64 = 20.0;
 /// A boat that has gone less far than this along its track since has not come back, it has stayed, metres.
 const LEAST_WAY_M: f64 = 10.0;
@@ -103,7 +103,7 @@ pub fn crossings(
             // A boat that lay at anchor for a day has all its pieces in one square.
             progress.check()?;
             for &second in &inside[rank + 1..] {
-                let track_crossing = pieces[first].meets(&pieces[second], *square);
+                let track_crossing = pieces[first].crosses(&pieces[second], *square);
                 let crossing = track_crossing.map(|at| at.crossing(tracks));
                 found.extend(crossing.filter(|_| found.len() < MOST));
             }
@@ -176,7 +176,7 @@ fn pieces(track: usize, depths: &[TrackDepth]) -> Vec<Piece> {
     found
 }
 
-/// Where two pieces meet.
+/// Where two pieces cross.
 struct TrackCrossing<'a> {
     pieces: [&'a Piece; 2],
     place: [f64; 2],
@@ -226,7 +226,7 @@ impl Piece {
     }
 
     /// Where the pieces cross, if that lies in this square (a pair may share several).
-    fn meets<'a>(&'a self, other: &'a Piece, square: [i64; 2]) -> Option<TrackCrossing<'a>> {
+    fn crosses<'a>(&'a self, other: &'a Piece, square: [i64; 2]) -> Option<TrackCrossing<'a>> {
         let way_m = (other.along_m - self.along_m).abs();
         if self.track == other.track && way_m < LEAST_WAY_M {
             return None;

@@ -2,15 +2,16 @@
 //!
 //! `soundings` takes the depths with their places, `nodes` merges those of one place, `tin` (in an `insertion_order`), `inverse_distance` find the depth
 //! between them, `left_out` says what it is worth, `grid` chooses the cells and `surface` fills them; `local` does so for a part of a larger map. `spot_soundings` chooses those that a chart prints. `hill_shade` lights them, `isobaths` draws through them,
-//! `compare` holds points against a reference, `crosslines` compares the passes of a survey with each other, `height_offsets` finds what sets
+//! `compare` compares points with a reference, `crosslines` compares the passes of a survey with each other, `height_offsets` finds what sets
 //! the depths of one log off from those of others, `position_offsets` how far its positions are off and how late they are, `transect` looks at them
-//! along a line; `coarser` gives it larger cells, `level_bed` more ground, `change` says what changed between two of them, `cell_source` says what was measured in each.
+//! along a line; `coarser` gives it larger cells, `flat_extrapolation` more ground, `change` says what changed between two of them, `cell_source` says what was measured in each.
 
 mod cell_source;
 pub mod change;
 mod coarser;
 pub mod compare;
 pub mod crosslines;
+mod flat_extrapolation;
 mod from_levels;
 mod grid;
 pub mod height_offsets;
@@ -19,7 +20,6 @@ mod insertion_order;
 mod inverse_distance;
 pub mod isobaths;
 mod left_out;
-mod level_bed;
 mod local;
 mod nodes;
 pub mod position_offsets;

@@ -139,7 +139,7 @@ pub fn shifted(track: &[TrackDepth], shift: &Shift) -> Vec<TrackDepth> {
 
 /// A log that crossings are of.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Placed {
+pub struct CorrectedLog {
     /// How its positions were corrected before its depths were compared.
     pub shift: Shift,
     /// Its height offset, where that is known and the shift stays: a log that a person has pinned.
@@ -152,9 +152,9 @@ pub struct Placed {
 /// # Errors
 /// Those of `crossings`.
 pub fn settled_offsets<E>(
-    logs: &[Placed],
+    logs: &[CorrectedLog],
     wanted: Wanted,
-    mut crossings: impl FnMut(&[Placed]) -> Result<Vec<Crossing>, E>,
+    mut crossings: impl FnMut(&[CorrectedLog]) -> Result<Vec<Crossing>, E>,
 ) -> Result<Option<Vec<FoundShift>>, E> {
     let mut placed = logs.to_vec();
     let mut result = Vec::new();
@@ -180,7 +180,7 @@ pub fn settled_offsets<E>(
 /// The shifts of logs from crossings with each other and with themselves, by least squares with robust weights; a pass names its log as its track. `None` where the
 /// equations have no solution in numbers.
 fn position_offsets(
-    logs: &[Placed],
+    logs: &[CorrectedLog],
     crossings: &[Crossing],
     wanted: Wanted,
 ) -> Option<Vec<FoundShift>> {
@@ -234,7 +234,7 @@ fn position_offsets(
         }
     }
     let errors = errors(logs, &crossings, &factor?);
-    let found = |(log, placed): (usize, &Placed)| {
+    let found = |(log, placed): (usize, &CorrectedLog)| {
         let of = |unknown: usize| UNKNOWNS * log + unknown;
         let is_open = placed.pinned_m.is_none();
         let asked = |is_wanted: bool, unknown: usize| match is_wanted && is_open {
@@ -263,7 +263,7 @@ fn position_offsets(
 
 /// Standard errors of all unknowns: shifts against the mean of those of the logs that crossings tie to each other, unless one of them is pinned, for a
 /// shift that all share is not known.
-fn errors(logs: &[Placed], crossings: &[&Crossing], factor: &Factor) -> Vec<f64> {
+fn errors(logs: &[CorrectedLog], crossings: &[&Crossing], factor: &Factor) -> Vec<f64> {
     let count = UNKNOWNS * logs.len();
     let mut variances = factor.variances(count);
     let ties = crossings
@@ -300,7 +300,7 @@ fn errors(logs: &[Placed], crossings: &[&Crossing], factor: &Factor) -> Vec<f64>
 }
 
 /// What the unknowns add to the difference of a crossing, and what is known of it, metres.
-fn sides(logs: &[Placed], one: &Crossing, wanted: Wanted) -> (Vec<(usize, f64)>, f64) {
+fn sides(logs: &[CorrectedLog], one: &Crossing, wanted: Wanted) -> (Vec<(usize, f64)>, f64) {
     let mut terms = Vec::with_capacity(2 * UNKNOWNS);
     let mut known_m = 0.0;
     let [east, north] = one.gradient;
@@ -324,7 +324,7 @@ fn sides(logs: &[Placed], one: &Crossing, wanted: Wanted) -> (Vec<(usize, f64)>,
 }
 
 /// What some values of the unknowns leave of the difference of a crossing, metres.
-fn left_m(logs: &[Placed], one: &Crossing, wanted: Wanted, values: &[f64]) -> f64 {
+fn left_m(logs: &[CorrectedLog], one: &Crossing, wanted: Wanted, values: &[f64]) -> f64 {
     let (terms, known_m) = sides(logs, one, wanted);
     let explained: f64 = terms
         .iter()
@@ -391,9 +391,9 @@ mod tests {
         pinned_m: &[Option<f64>],
         wanted: Wanted,
     ) -> Vec<FoundShift> {
-        let logs: Vec<Placed> = pinned_m
+        let logs: Vec<CorrectedLog> = pinned_m
             .iter()
-            .map(|pinned_m| Placed {
+            .map(|pinned_m| CorrectedLog {
                 shift: Shift::default(),
                 pinned_m: *pinned_m,
             })

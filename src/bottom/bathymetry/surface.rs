@@ -88,7 +88,7 @@ impl Default for SurfaceSettings {
 }
 
 impl SurfaceSettings {
-    /// What a point of the bottom counts: a side-scan point by how sure it is; 0 when its source is left out.
+    /// What a point of the bottom counts: a side-scan point by its confidence; 0 when its source is left out.
     pub fn weight(&self, point: &CloudPoint) -> f64 {
         match point.source {
             PointSource::DownScan => self.down_scan_weight,
@@ -137,7 +137,7 @@ pub struct Surface {
     pub spread_m: Vec<f32>,
     /// Distance from the centre of each cell to the nearest sounding, metres; NaN where nothing is known.
     pub distance_m: Vec<f32>,
-    /// What the depth of each cell rests on.
+    /// The source of the depth in each cell.
     pub source: Vec<CellSource>,
     /// How much brighter the bed of each cell is than that of the median cell, decibels of power, once slope, angle, range and the
     /// recorder's gain are taken out: hard ground is bright; NaN where no echo says. `None` without depths from levels.

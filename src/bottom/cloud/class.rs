@@ -9,7 +9,7 @@ use serde::ser::{Serialize, SerializeMap, Serializer};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum PointClass {
-    /// A first return less sure than [`ClassRules::min_confidence`].
+    /// A first return of less confidence than [`ClassRules::min_confidence`].
     Unclassified = 1,
     /// A first return that the outlier filter removes.
     LowNoise = 7,
@@ -65,7 +65,7 @@ impl PointClass {
 /// What the class of a point is decided by.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClassRules<'a> {
-    /// First returns less sure than this are not kept, and nobody's neighbours (`first_return.min_confidence`).
+    /// First returns of less confidence than this are not kept, and nobody's neighbours (`first_return.min_confidence`).
     pub min_confidence: f32,
     /// Whether all above-bottom returns count as bottom (`surface.above_bottom`).
     pub above_bottom: bool,
@@ -82,7 +82,7 @@ impl ClassRules<'_> {
         match point.source {
             PointSource::DownScan if point.reliable => PointClass::Bottom,
             PointSource::DownScan => PointClass::NoBottom,
-            _ if self.is_unsure(point) => PointClass::Unclassified,
+            _ if self.has_low_confidence(point) => PointClass::Unclassified,
             _ if is_outlier && point.above_bottom => PointClass::HighNoise,
             _ if is_outlier => PointClass::LowNoise,
             _ if point.above_bottom && !self.above_bottom && !is_long => PointClass::AboveBottom,
@@ -91,13 +91,13 @@ impl ClassRules<'_> {
     }
 
     /// Soundings have no confidence. Whether an above-bottom return is the ground is decided by its stretch.
-    fn is_unsure(&self, point: &CloudPoint) -> bool {
+    fn has_low_confidence(&self, point: &CloudPoint) -> bool {
         point.ground_confidence() < self.min_confidence
     }
 }
 
 /// The class of every point. Outliers are found among the side-scan points as the published code does: with neither soundings nor points
-/// that are not sure enough as neighbours.
+/// of too low confidence as neighbours.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -107,7 +107,9 @@ pub fn classify(
     progress: &Progress,
 ) -> Result<Vec<PointClass>, Cancelled> {
     let place = |index: u32| match &cloud.points[index as usize] {
-        point if point.source == PointSource::DownScan || rules.is_unsure(point) => [f64::NAN; 3],
+        point if point.source == PointSource::DownScan || rules.has_low_confidence(point) => {
+            [f64::NAN; 3]
+        }
         point => [point.east_m, point.north_m, point.z_m],
     };
     let OutlierSettings {

@@ -171,7 +171,7 @@ pub struct CloudPoint {
     /// How far along the track most first returns of both sides lie above the recorded depth as this one does, metres; 0 where
     /// it does not.
     pub above_bottom_m: f32,
-    /// How sure the first return is ([`crate::sonar::first_return::Pick::confidence`]); NaN for a sounding.
+    /// The confidence of the first return ([`crate::sonar::first_return::Pick::confidence`]); NaN for a sounding.
     pub confidence: f32,
     /// First return in u8 samples outward; NaN for a sounding.
     pub sample: f32,

@@ -74,13 +74,13 @@ pub fn clear_excluded_depths(depths: &mut [PingDepth], first: usize, exclusions:
 pub struct TrackShare {
     /// Pings whose depth is the recorder's own.
     pub sounding_pings: usize,
-    /// Pings whose depth rests on side-scan only.
+    /// Pings whose depth comes from side-scan only.
     pub side_scan_only_pings: usize,
     /// Pings without a depth.
     pub pings_without_depth: usize,
     /// Length of the track, metres.
     pub track_m: f64,
-    /// Length of the track over which depth rests on side-scan only, metres.
+    /// Length of the track over which depth comes from side-scan only, metres.
     pub side_scan_only_m: f64,
 }
 
@@ -122,7 +122,7 @@ impl TrackShare {
         self.side_scan_only_m += other.side_scan_only_m;
     }
 
-    /// The share of the track over which depth rests on side-scan only, 0 to 1.
+    /// The share of the track over which depth comes from side-scan only, 0 to 1.
     pub fn side_scan_only(&self) -> f64 {
         self.side_scan_only_m / self.track_m.max(f64::MIN_POSITIVE)
     }

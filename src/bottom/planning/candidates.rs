@@ -1,6 +1,6 @@
-//! Lines that could be sailed: over many headings and offsets, each with the stretch that mends most for its time.
+//! Lines that could be sailed: over many headings and offsets, each with the stretch that reduces the uncertainty most for its time.
 
-use super::ground::Ground;
+use super::ground::PlanningGrid;
 use super::leg::{Leg, apart_m};
 use super::window::best_stretch;
 use crate::support::progress::{Cancelled, Progress};
@@ -90,7 +90,7 @@ impl Candidate {
 /// # Errors
 /// When the work was cancelled.
 pub fn candidates(
-    ground: &Ground,
+    ground: &PlanningGrid,
     ends: &[[f64; 2]],
     limits: &Limits,
     progress: &Progress,
@@ -123,7 +123,7 @@ struct Sheet {
 }
 
 impl Sheet {
-    fn new(ground: &Ground, heading_rad: f64) -> Self {
+    fn new(ground: &PlanningGrid, heading_rad: f64) -> Self {
         let (sin, cos) = heading_rad.sin_cos();
         let (along, across) = ([sin, cos], [cos, -sin]);
         let places = ground
@@ -155,7 +155,7 @@ impl Sheet {
     }
 
     /// What every line would mend of the cells beside it.
-    fn add_ground(&mut self, ground: &Ground) {
+    fn add_ground(&mut self, ground: &PlanningGrid) {
         let cell_m2 = ground.cell_m2() as f32;
         for cell in &ground.cells {
             let reach_m = ground.reach_m(cell);
@@ -171,7 +171,7 @@ impl Sheet {
     }
 
     /// What lines would show of objects from another side.
-    fn add_objects(&mut self, ground: &Ground, heading_rad: f64) {
+    fn add_objects(&mut self, ground: &PlanningGrid, heading_rad: f64) {
         let [near_m, far_m] = ground.useful_m;
         for object in &ground.objects {
             let better = object.crossing_with(heading_rad) - object.crossing();
@@ -212,7 +212,7 @@ impl Sheet {
     }
 
     /// The best stretches of its lines.
-    fn best(&self, ground: &Ground, ends: &[[f64; 2]], limits: &Limits) -> Vec<Candidate> {
+    fn best(&self, ground: &PlanningGrid, ends: &[[f64; 2]], limits: &Limits) -> Vec<Candidate> {
         let step_s = self.step_m / limits.speed_mps;
         let turn_s = PI * limits.radius_m / limits.speed_mps;
         let least = (limits.least_m() / self.step_m).ceil() as usize;
@@ -252,7 +252,7 @@ impl Sheet {
     }
 
     /// Steps of a line in open water, with room to turn at both ends.
-    fn runs(&self, ground: &Ground, line: usize, radius_m: f64) -> Vec<Range<usize>> {
+    fn runs(&self, ground: &PlanningGrid, line: usize, radius_m: f64) -> Vec<Range<usize>> {
         let room = (radius_m / self.step_m).ceil() as usize + 1;
         let mut runs = Vec::new();
         let mut start = 0;

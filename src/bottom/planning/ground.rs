@@ -1,6 +1,6 @@
 //! The ground cell by cell: how far the nearest sounding is, how often it was insonified, and what that leaves in doubt.
 
-use super::known::{Doubt, SeenObject, SigmaLaw, Surveyed};
+use super::known::{Doubt, SeenObject, SigmaLaw, SurveyCoverage};
 use super::leg::apart_m;
 use super::water::{Near, Water, thinned};
 use rayon::prelude::*;
@@ -32,7 +32,7 @@ pub struct Cell {
 
 /// What is known of each cell of the water, and what lies on it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Ground {
+pub struct PlanningGrid {
     /// The water.
     pub water: Water,
     /// Its cells, in the order of [`Water::cells`].
@@ -49,9 +49,9 @@ pub struct Ground {
     pub useful_m: [f64; 2],
 }
 
-impl Ground {
+impl PlanningGrid {
     /// Of what a survey knows, in some water.
-    pub fn new(known: &Surveyed, water: Water, spacing_m: Option<f64>) -> Self {
+    pub fn new(known: &SurveyCoverage, water: Water, spacing_m: Option<f64>) -> Self {
         let soundings = Near::new(thinned(&known.soundings, 0.25 * water.grid.cell_m));
         let doubts = largest(known);
         let places: Vec<(usize, [f64; 2])> = water.cells().collect();
@@ -172,7 +172,7 @@ impl Ground {
 }
 
 /// The doubts that noise does not explain, the largest of them.
-fn largest(known: &Surveyed) -> Vec<Doubt> {
+fn largest(known: &SurveyCoverage) -> Vec<Doubt> {
     let least_m = DOUBT_SIGMAS * f64::from(known.sigma.at(0.0));
     let doubts = known.doubts.iter().copied();
     let mut doubts: Vec<Doubt> = doubts
@@ -190,7 +190,7 @@ fn across_m(range_m: f64, depth_m: f64) -> f64 {
 }
 
 /// How many passes insonified each cell of the grid, up to 2.
-fn counted(water: &Water, looks: &[super::known::Look]) -> Vec<u8> {
+fn counted(water: &Water, looks: &[super::known::InsonifiedSide]) -> Vec<u8> {
     let grid = &water.grid;
     let mut counts = vec![0_u8; grid.len()];
     let mut last = vec![u32::MAX; grid.len()];

@@ -4,13 +4,13 @@ use crate::bottom::bathymetry::SigmaByDistance;
 
 /// What was sailed and what is known from it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Surveyed {
+pub struct SurveyCoverage {
     /// Places of the soundings.
     pub soundings: Vec<[f64; 2]>,
     /// What a depth is worth at a distance from them.
     pub sigma: SigmaLaw,
     /// Ground that side-scan pings insonified.
-    pub looks: Vec<Look>,
+    pub looks: Vec<InsonifiedSide>,
     /// Objects with the directions that they were seen from.
     pub objects: Vec<SeenObject>,
     /// Where passes disagree about the depth.
@@ -27,7 +27,7 @@ pub struct Surveyed {
 
 /// The ground that one ping insonified on one side.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Look {
+pub struct InsonifiedSide {
     /// Below the boat.
     pub from: [f64; 2],
     /// At the end of the range.

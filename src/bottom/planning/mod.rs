@@ -2,7 +2,7 @@
 //!
 //! `known` is what a survey knows of its ground, `water` where a boat may sail, `ground` what each cell of it lacks: depths (by the distance to
 //! the nearest sounding, `known::SigmaLaw`), a first or second look of the side-scan, a third pass where two disagree, another side
-//! of an object. `candidates` are straight lines over many headings, each with the stretch (`window`) that mends most for its time;
+//! of an object. `candidates` are straight lines over many headings, each with the stretch (`window`) that reduces the uncertainty most for its time;
 //! the best by far, counted with the turns to it, is taken, what it mends is taken off, and so on until the minutes are used or no line is worth its time. `route` orders
 //! the lines, with `turns` that the boat can make and that stay in the water. `plan` is what comes out.
 
@@ -16,13 +16,13 @@ mod turns;
 mod water;
 mod window;
 
-pub use known::{Doubt, Look, SeenObject, SigmaLaw, Surveyed};
+pub use known::{Doubt, InsonifiedSide, SeenObject, SigmaLaw, SurveyCoverage};
 pub use leg::Leg;
 pub use plan::{Plan, PlanSettings, State, Station, Waypoint};
 
 use crate::support::progress::{Cancelled, Progress};
 use candidates::{Candidate, Limits, candidates};
-use ground::Ground;
+use ground::PlanningGrid;
 use route::{Insertion, Route};
 use water::Water;
 
@@ -88,7 +88,7 @@ impl PlanError {
 /// # Errors
 /// [`PlanError`].
 pub fn plan(
-    known: &Surveyed,
+    known: &SurveyCoverage,
     area: Option<&[Vec<[f64; 2]>]>,
     settings: &PlanSettings,
     progress: &Progress,
@@ -104,13 +104,13 @@ pub fn plan(
     };
     progress.check()?;
     let speed_mps = settings.speed_of(known);
-    let whole = Ground::new(known, water, settings.spacing_m);
+    let whole = PlanningGrid::new(known, water, settings.spacing_m);
     let legs = sailed(&whole, settings, speed_mps, progress)?;
     Ok(Plan::new(whole, legs, settings, speed_mps))
 }
 
 /// The water of an area that the survey lies in or beside.
-fn within(rings: &[Vec<[f64; 2]>], known: &Surveyed) -> Result<Water, PlanError> {
+fn within(rings: &[Vec<[f64; 2]>], known: &SurveyCoverage) -> Result<Water, PlanError> {
     let water = Water::within(rings).ok_or(PlanError::NoArea)?;
     let near_m = known.sigma.reach_m().max(known.max_gap_m);
     let [first_m, last_m] = [0, 1].map(|axis| {
@@ -133,7 +133,7 @@ fn within(rings: &[Vec<[f64; 2]>], known: &Surveyed) -> Result<Water, PlanError>
 
 /// The lines in the order of sailing.
 fn sailed(
-    whole: &Ground,
+    whole: &PlanningGrid,
     settings: &PlanSettings,
     speed_mps: f64,
     progress: &Progress,
@@ -190,7 +190,7 @@ fn sailed(
 }
 
 /// Why no line was found in ground that none was planned in yet.
-fn why_none(ground: &Ground, limits: &Limits) -> PlanError {
+fn why_none(ground: &PlanningGrid, limits: &Limits) -> PlanError {
     let is_mendable = |cell: &ground::Cell| {
         let sigma_m = ground.sigma_m(cell);
         ground.mended_by(cell, sigma_m, 0.0) > 0.0
@@ -202,7 +202,7 @@ fn why_none(ground: &Ground, limits: &Limits) -> PlanError {
     }
 }
 
-/// The candidate that mends most for its time, counted with the turns to it, that fits into the rest of the way, shortened where it must be;
+/// The candidate that reduces the uncertainty most for its time, counted with the turns to it, that fits into the rest of the way, shortened where it must be;
 /// with what it mends a metre.
 fn best(
     found: &[Candidate],

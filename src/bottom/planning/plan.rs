@@ -1,10 +1,10 @@
 //! A plan: its lines, the way through them, and what it will leave of the doubt.
 
-use super::ground::Ground;
+use super::ground::PlanningGrid;
 use super::leg::Leg;
 use super::route::link;
 use super::turns::turns;
-use super::{PlanError, SeenObject, Surveyed};
+use super::{PlanError, SeenObject, SurveyCoverage};
 use crate::bottom::bathymetry::Grid;
 
 /// A boat's speed where the survey does not tell, metres a second.
@@ -65,7 +65,7 @@ impl PlanSettings {
     }
 
     /// The speed, from the survey where it is not given.
-    pub(super) fn speed_of(&self, known: &Surveyed) -> f64 {
+    pub(super) fn speed_of(&self, known: &SurveyCoverage) -> f64 {
         let own = Some(known.speed_mps).filter(|speed| (0.1..=20.0).contains(speed));
         self.speed_mps.or(own).unwrap_or(USUAL_SPEED_MPS)
     }
@@ -107,7 +107,7 @@ pub struct State {
 /// Lines to sail, and what they are good for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    ground: Ground,
+    ground: PlanningGrid,
     /// The lines in the order and direction of sailing.
     pub lines: Vec<Leg>,
     /// The way through them: corners of the turns between the ends of lines.
@@ -132,7 +132,7 @@ pub struct Plan {
 
 impl Plan {
     pub(super) fn new(
-        ground: Ground,
+        ground: PlanningGrid,
         lines: Vec<Leg>,
         settings: &PlanSettings,
         speed_mps: f64,
@@ -215,7 +215,7 @@ impl Plan {
 }
 
 impl State {
-    fn of(ground: &Ground) -> Self {
+    fn of(ground: &PlanningGrid) -> Self {
         let mut sigma_m = vec![f32::NAN; ground.water.grid.len()];
         let mut looked_m2 = [0.0; 2];
         let mut sum_m = 0.0;

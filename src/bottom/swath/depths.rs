@@ -1,10 +1,10 @@
 //! The rounds: the curves learnt on a sample of tiles, and the depths of all tiles with them.
 
 use super::layout::{Chunk, LaidOutLog};
-use super::looks::Look;
+use super::looks::SideChunk;
 use super::model::{Curves, FitPlace, Incidence};
 use super::nodes::{Blend, Nodes};
-use super::solve::{Given, Prior, TileState, learn};
+use super::solve::{Given, Prior, TileSolution, learn};
 use super::tiling::{Resolution, Tiling};
 use super::weed::Weed;
 use crate::bottom::bathymetry::{DepthPoint, Node, merge_repeated};
@@ -27,7 +27,7 @@ const LEAST_BINS: usize = 40;
 /// All that depths are found from.
 pub struct Input<'a> {
     /// Looks of all logs.
-    pub looks: Vec<Look>,
+    pub looks: Vec<SideChunk>,
     /// The recorder and the range setting of each set of curves.
     pub sets: Vec<(u32, i32)>,
     /// Measured depths, one a square.
@@ -82,11 +82,11 @@ impl<'a> Input<'a> {
                 let set = (*recorder, chunk.range_setting);
                 let curves = sets.partition_point(|one| *one < set);
                 Side::BOTH.map(|side| {
-                    Look::new(log, number, chunk, curves, side, &table, resolution.range_m)
+                    SideChunk::new(log, number, chunk, curves, side, &table, resolution.range_m)
                 })
             };
             let chunks = Chunk::joined(&log.chunks, resolution.chunks);
-            let found: Vec<[Option<Look>; 2]> = chunks.par_iter().map(of_chunk).collect();
+            let found: Vec<[Option<SideChunk>; 2]> = chunks.par_iter().map(of_chunk).collect();
             looks.extend(found.into_iter().flatten().flatten());
         }
         Ok(Self {
@@ -116,7 +116,7 @@ impl<'a> Input<'a> {
         counted.into_iter().map(|(_, tile)| tile).collect()
     }
 
-    /// The depths of all tiles by known curves; `None` where no reading lies in any.
+    /// The depths of all tiles by known curves; `None` where no observation lies in any.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -133,7 +133,7 @@ impl<'a> Input<'a> {
             progress.check()?;
             progress.advance(1);
             let nodes = &tiling.tiles[tile].nodes;
-            let state = TileState::new(tile, nodes, &self.measured, &self.looks);
+            let state = TileSolution::new(tile, nodes, &self.measured, &self.looks);
             let Some(mut state) = state else {
                 return Ok(None);
             };
@@ -142,7 +142,7 @@ impl<'a> Input<'a> {
                 let given = Given {
                     looks: &self.looks,
                     curves,
-                    piece_m: tiling.resolution.piece_m,
+                    level_cell_m: tiling.resolution.level_cell_m,
                     is_bed: &is_bed,
                     prior,
                     is_robust: round > 0,
@@ -192,7 +192,7 @@ pub fn merged(measured: &[DepthPoint]) -> Vec<Node> {
 /// Some tiles that curves are learnt on, together with the depths there.
 pub struct Sample {
     /// The tiles.
-    pub states: Vec<TileState>,
+    pub states: Vec<TileSolution>,
     /// The curves of each set, where they are known.
     pub curves: Vec<Option<Curves>>,
     resolution: Resolution,
@@ -209,9 +209,9 @@ impl Sample {
         curves: Option<Vec<Option<Curves>>>,
     ) -> Self {
         let state = |tile: &usize| {
-            TileState::new(*tile, &tiling.tiles[*tile].nodes, measured, &input.looks)
+            TileSolution::new(*tile, &tiling.tiles[*tile].nodes, measured, &input.looks)
         };
-        let states: Vec<TileState> = tiles.par_iter().filter_map(state).collect();
+        let states: Vec<TileSolution> = tiles.par_iter().filter_map(state).collect();
         Self {
             curves: curves.unwrap_or_else(|| first_curves(input, &states, tiling.resolution)),
             states,
@@ -236,12 +236,12 @@ impl Sample {
             let given = Given {
                 looks: &input.looks,
                 curves: &self.curves,
-                piece_m: self.resolution.piece_m,
+                level_cell_m: self.resolution.level_cell_m,
                 is_bed: &is_bed,
                 prior,
                 is_robust: self.is_learnt,
             };
-            let solve = |state: &mut TileState| {
+            let solve = |state: &mut TileSolution| {
                 progress.check()?;
                 progress.advance(1);
                 Ok(state.solve(&given, true).and_then(|solved| solved.border))
@@ -266,29 +266,35 @@ impl Sample {
 /// The curves that fit the levels on the beds of some tiles; `None` of a set with too few.
 fn first_curves(
     input: &Input<'_>,
-    states: &[TileState],
+    states: &[TileSolution],
     resolution: Resolution,
 ) -> Vec<Option<Curves>> {
     let mut bins: Vec<BTreeMap<(i32, i32, bool), [f64; 5]>> =
         vec![BTreeMap::new(); input.sets.len()];
     for bed in states.iter().map(|state| &state.bed) {
         for look in &input.looks {
-            look.read(bed, &bed.nodes, None, resolution.piece_m, |reading| {
-                if !input.weed.is_far_from(reading.place_m) {
-                    return;
-                }
-                let at = reading.at;
-                let key = (
-                    (at.range_m / FIT_RANGE_M) as i32,
-                    (at.phi_rad.to_degrees() / FIT_ANGLE_DEG) as i32,
-                    at.side > 0.0,
-                );
-                let sums = bins[look.curves].entry(key).or_default();
-                let values = [1.0, at.range_m, at.phi_rad, at.slope, reading.ln_power];
-                for (sum, value) in sums.iter_mut().zip(values) {
-                    *sum += reading.independent * value;
-                }
-            });
+            look.read(
+                bed,
+                &bed.nodes,
+                None,
+                resolution.level_cell_m,
+                |observation| {
+                    if !input.weed.is_far_from(observation.place_m) {
+                        return;
+                    }
+                    let at = observation.at;
+                    let key = (
+                        (at.range_m / FIT_RANGE_M) as i32,
+                        (at.phi_rad.to_degrees() / FIT_ANGLE_DEG) as i32,
+                        at.side > 0.0,
+                    );
+                    let sums = bins[look.curves].entry(key).or_default();
+                    let values = [1.0, at.range_m, at.phi_rad, at.slope, observation.ln_power];
+                    for (sum, value) in sums.iter_mut().zip(values) {
+                        *sum += observation.independent * value;
+                    }
+                },
+            );
         }
     }
     let fit = |bins: BTreeMap<(i32, i32, bool), [f64; 5]>| {

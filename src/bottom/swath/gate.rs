@@ -3,8 +3,8 @@
 use super::depths::{Input, LEARNING_ROUNDS, Sample, merged};
 use super::looks::Sides;
 use super::model::Curves;
-use super::readings::Bed;
-use super::solve::{Brightness, Prior, TileState};
+use super::observations::Bed;
+use super::solve::{Brightness, Prior, TileSolution};
 use super::tiling::Tiling;
 use crate::bottom::bathymetry::{Between, DepthPoint, Tin};
 use crate::support::progress::{Cancelled, Progress};
@@ -139,7 +139,7 @@ pub fn choose(
     let mut asked: Vec<Asked> = Vec::new();
     for point in split.asked {
         let place = [point.east_m, point.north_m];
-        let is_in_core = |state: &TileState| tiling.tiles[state.tile].core_nodes().holds(place);
+        let is_in_core = |state: &TileSolution| tiling.tiles[state.tile].core_nodes().holds(place);
         if let Some(state) = sample.states.iter().position(is_in_core) {
             asked.extend(triangles.depth_at(place).map(|triangles_m| Asked {
                 place,

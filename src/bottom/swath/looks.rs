@@ -11,7 +11,7 @@ const LEAST_STRAIGHT: f64 = 0.997;
 
 /// A chunk of pings on one side.
 #[derive(Clone, Debug)]
-pub struct Look {
+pub struct SideChunk {
     /// The place of its log among all, and which stretch of it.
     pub stretch: (u32, u32),
     /// The place of its curves among all.
@@ -58,7 +58,7 @@ impl Sides {
     }
 }
 
-impl Look {
+impl SideChunk {
     /// Of a side of a chunk, in ranges of a length in metres, or samples where these are longer; `None` where nothing was recorded, or the boat turns.
     pub fn new(
         log: &LaidOutLog<'_>,

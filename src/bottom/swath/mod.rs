@@ -5,7 +5,7 @@
 //! range and noise and the gain are found together, and hold to the depths that were measured. What is found is inferred, not measured.
 //!
 //! `echoes` is what is read of a log and `layout` what is found of all of it: its `law` turns levels into logarithms of power, `weed` says where echoes
-//! are none of the bed. `looks` are averaged levels, `readings` those placed on the bed; `model` says what they should be. `tiling` parts a
+//! are none of the bed. `looks` are averaged levels, `observations` those placed on the bed; `model` says what they should be. `tiling` parts a
 //! survey, or what a part of a larger map depends on, into tiles of `nodes`; `solve` solves one, in the order of `elimination`, `depths` runs the
 //! rounds, and `gate` decides by left-out soundings whether levels are used.
 
@@ -18,7 +18,7 @@ mod layout;
 mod looks;
 mod model;
 mod nodes;
-mod readings;
+mod observations;
 mod solve;
 mod tiling;
 mod weed;

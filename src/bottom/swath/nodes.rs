@@ -23,7 +23,7 @@ pub type Shares = [(usize, f64); 4];
 
 /// A part of the nodes: those that are solved for together.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tile {
+pub struct NodeTile {
     /// The first node in a row and the first row that are solved for.
     pub first: [usize; 2],
     /// Its nodes.
@@ -49,7 +49,7 @@ impl Blend {
     }
 
     /// Adds the values of a tile.
-    pub fn add(&mut self, all: &Nodes, tile: &Tile, values: &[f64]) {
+    pub fn add(&mut self, all: &Nodes, tile: &NodeTile, values: &[f64]) {
         for (node, value) in values.iter().enumerate() {
             let weight = tile.weight(node);
             let place = tile.index_in(all, node);
@@ -161,7 +161,7 @@ impl Nodes {
 
     /// Parts with cores of about even size and at most `core` nodes a side, and a halo of `halo` nodes around each; one part where all nodes are at
     /// most `most`.
-    pub fn tiles(&self, most: usize, core: usize, halo: usize) -> Vec<Tile> {
+    pub fn tiles(&self, most: usize, core: usize, halo: usize) -> Vec<NodeTile> {
         let cores = self.counts.map(|count| match self.len() <= most {
             true => count,
             false => count.div_ceil(count.div_ceil(core)),
@@ -170,7 +170,7 @@ impl Nodes {
     }
 
     /// Parts with cores of so many nodes in a row and rows, the outermost `margin` nodes being in no core, and a halo of `halo` nodes around each.
-    pub fn tiles_within(&self, margin: usize, cores: [usize; 2], halo: usize) -> Vec<Tile> {
+    pub fn tiles_within(&self, margin: usize, cores: [usize; 2], halo: usize) -> Vec<NodeTile> {
         let spans = |axis: usize| -> Vec<[usize; 4]> {
             let count = self.counts[axis];
             let end = count.saturating_sub(margin);
@@ -191,7 +191,7 @@ impl Nodes {
                 counts: spans.map(|span| span[3] - span[0]),
                 ..*self
             };
-            Tile {
+            NodeTile {
                 first,
                 nodes,
                 core: spans.map(|span| [span[1] - span[0], span[2] - span[0]]),
@@ -202,7 +202,7 @@ impl Nodes {
     }
 }
 
-impl Tile {
+impl NodeTile {
     /// The nodes of its core.
     pub fn core_nodes(&self) -> Nodes {
         let [columns, rows] = self.core;
@@ -254,7 +254,7 @@ mod tests {
     };
 
     /// The values at the nodes of a tile out of those at all nodes.
-    fn cut(tile: &Tile, values: &[f64]) -> Vec<f64> {
+    fn cut(tile: &NodeTile, values: &[f64]) -> Vec<f64> {
         let value = |node| values[tile.index_in(&NODES, node)];
         (0..tile.nodes.len()).map(value).collect()
     }

@@ -1,15 +1,15 @@
-//! One round: depth, brightness, gain and, where they are to be learnt, the curves, from all readings and all measured depths together, by least
+//! One round: depth, brightness, gain and, where they are to be learnt, the curves, from all observations and all measured depths together, by least
 //! squares.
 //!
-//! Unknown are depth `d` and logarithm of brightness `a` at the nodes and the gain of every stretch of a log. A reading at `x` that looks outward
+//! Unknown are depth `d` and logarithm of brightness `a` at the nodes and the gain of every stretch of a log. An observation at `x` that looks outward
 //! along `o` says `J_s (d(x + u o) - d(x - u o)) / 2u + J_d d(x) + q a(x) + gain + J_c c = over + J d' + q a'` with the values `'` of the round before. The
-//! curves `c` occur in every reading, so they are solved for by the Schur complement.
+//! curves `c` occur in every observation, so they are solved for by the Schur complement.
 
 use super::elimination;
-use super::looks::Look;
+use super::looks::SideChunk;
 use super::model::{Curves, PARAMETERS, solve_dense};
 use super::nodes::{Nodes, Shares};
-use super::readings::{Bed, Reading, place};
+use super::observations::{Bed, SlopeObservation, place};
 use crate::bottom::bathymetry::Node;
 use crate::support::sparse::{Equations, Factor, Normal, Pattern};
 use crate::support::statistics::median;
@@ -65,11 +65,11 @@ const SLOW_M: f64 = 0.5;
 #[derive(Clone, Copy)]
 pub struct Given<'a> {
     /// All looks.
-    pub looks: &'a [Look],
+    pub looks: &'a [SideChunk],
     /// The curves of each, `None` where they are unknown.
     pub curves: &'a [Option<Curves>],
-    /// Ground range of a piece, metres.
-    pub piece_m: f64,
+    /// Ground range of a level cell, metres.
+    pub level_cell_m: f64,
     /// Whether echoes of a place are those of the bed.
     pub is_bed: &'a (dyn Fn([f64; 2]) -> bool + Sync),
     /// What is known beforehand.
@@ -80,7 +80,7 @@ pub struct Given<'a> {
 
 /// What a round finds beside the bed.
 pub struct Solved {
-    /// Whether a reading lies next to each node.
+    /// Whether an observation lies next to each node.
     pub is_seen: Vec<bool>,
     /// Where the curves are to be learnt.
     pub border: Option<Border>,
@@ -97,7 +97,7 @@ pub struct Border {
 }
 
 /// A tile between its rounds.
-pub struct TileState {
+pub struct TileSolution {
     /// Which tile.
     pub tile: usize,
     /// Its bed as it is known so far.
@@ -106,9 +106,9 @@ pub struct TileState {
     looks: Vec<usize>,
 }
 
-impl TileState {
+impl TileSolution {
     /// Of a tile before its first round; `None` where no depth was measured in it.
-    pub fn new(tile: usize, nodes: &Nodes, measured: &[Node], looks: &[Look]) -> Option<Self> {
+    pub fn new(tile: usize, nodes: &Nodes, measured: &[Node], looks: &[SideChunk]) -> Option<Self> {
         let inside = measured.iter().filter(|depth| nodes.holds(place(depth)));
         let measured: Vec<Node> = inside.copied().collect();
         let bed = Bed::new(*nodes, &measured)?;
@@ -122,24 +122,30 @@ impl TileState {
         })
     }
 
-    /// The next round; `None` where no reading lies in the tile, or where the equations have no solution.
+    /// The next round; `None` where no observation lies in the tile, or where the equations have no solution.
     pub fn solve(&mut self, given: &Given<'_>, learns: bool) -> Option<Solved> {
         let nodes = self.bed.nodes;
         let mut system = System::new(&nodes);
         for look in self.looks.iter().map(|look| &given.looks[*look]) {
             if let Some(curves) = &given.curves[look.curves] {
                 system.gains.insert(look.stretch, 0);
-                look.read(&self.bed, &nodes, Some(curves), given.piece_m, |reading| {
-                    if (given.is_bed)(reading.place_m) {
-                        system.readings.push((look, reading));
-                    }
-                });
+                look.read(
+                    &self.bed,
+                    &nodes,
+                    Some(curves),
+                    given.level_cell_m,
+                    |observation| {
+                        if (given.is_bed)(observation.place_m) {
+                            system.observations.push((look, observation));
+                        }
+                    },
+                );
             }
         }
-        if system.readings.is_empty() {
+        if system.observations.is_empty() {
             return None;
         }
-        system.add_readings(&self.bed, given.piece_m, given.is_robust);
+        system.add_observations(&self.bed, given.level_cell_m, given.is_robust);
         for depth in &self.measured {
             let sd_m = SD_MEASURED_M.max(0.6 * depth.spread_m);
             let shares = nodes.shares(place(depth));
@@ -196,7 +202,7 @@ fn innovation(
 struct System<'a> {
     nodes: Nodes,
     equations: Equations,
-    readings: Vec<(&'a Look, Reading)>,
+    observations: Vec<(&'a SideChunk, SlopeObservation)>,
     /// The unknown of the gain of each stretch of a log.
     gains: BTreeMap<(u32, u32), usize>,
 }
@@ -206,7 +212,7 @@ impl<'a> System<'a> {
         Self {
             nodes: *nodes,
             equations: Equations::default(),
-            readings: Vec::new(),
+            observations: Vec::new(),
             gains: BTreeMap::new(),
         }
     }
@@ -215,31 +221,31 @@ impl<'a> System<'a> {
         2 * self.nodes.len() + self.gains.len()
     }
 
-    fn add_readings(&mut self, bed: &Bed, piece_m: f64, is_robust: bool) {
+    fn add_observations(&mut self, bed: &Bed, level_cell_m: f64, is_robust: bool) {
         let count = self.nodes.len();
         for (index, gain) in self.gains.values_mut().enumerate() {
             *gain = 2 * count + index;
         }
         let mut overs: Vec<f64> = self
-            .readings
+            .observations
             .iter()
-            .map(|(_, reading)| reading.over)
+            .map(|(_, observation)| observation.over)
             .collect();
         let middle = median(&mut overs);
-        for (look, reading) in &self.readings {
-            let half_m = 0.5 * piece_m;
+        for (look, observation) in &self.observations {
+            let half_m = 0.5 * level_cell_m;
             let at = |metres: f64| {
-                [0, 1].map(|axis| reading.place_m[axis] + metres * look.outward[axis])
+                [0, 1].map(|axis| observation.place_m[axis] + metres * look.outward[axis])
             };
             let places = [-half_m, 0.0, half_m].map(at);
             let [inner, here, outer] = places.map(|place| self.nodes.shares(place));
             let [before_inner, before, before_outer] =
                 places.map(|place| bed.nodes.value_at(&bed.depth_m, place));
-            let per_m = reading.per_slope / piece_m;
-            let goal = reading.over
+            let per_m = observation.per_slope / level_cell_m;
+            let goal = observation.over
                 + per_m * (before_outer - before_inner)
-                + reading.per_depth * before
-                + reading.share * bed.nodes.value_at(&bed.ln_brightness, reading.place_m);
+                + observation.per_depth * before
+                + observation.share * bed.nodes.value_at(&bed.ln_brightness, observation.place_m);
             let times = |shares: Shares, factor: f64, first: usize| {
                 shares
                     .into_iter()
@@ -247,13 +253,13 @@ impl<'a> System<'a> {
             };
             let terms = times(outer, per_m, 0)
                 .chain(times(inner, -per_m, 0))
-                .chain(times(here, reading.per_depth, 0))
-                .chain(times(here, reading.share, count))
+                .chain(times(here, observation.per_depth, 0))
+                .chain(times(here, observation.share, count))
                 .chain([(self.gains[&look.stretch], 1.0)]);
-            let mut sd = (SPECKLE_VARIANCE / reading.independent)
+            let mut sd = (SPECKLE_VARIANCE / observation.independent)
                 .sqrt()
                 .hypot(SD_MODEL);
-            let over = (reading.over - middle).abs() / sd;
+            let over = (observation.over - middle).abs() / sd;
             if is_robust && over > ROBUST {
                 sd *= (over / ROBUST).sqrt();
             }
@@ -306,22 +312,22 @@ impl<'a> System<'a> {
 
     fn is_seen(&self) -> Vec<bool> {
         let mut is_seen = vec![false; self.nodes.len()];
-        for (_, reading) in &self.readings {
-            is_seen[self.nodes.nearest(reading.place_m)] = true;
+        for (_, observation) in &self.observations {
+            is_seen[self.nodes.nearest(observation.place_m)] = true;
         }
         is_seen
     }
 
-    /// What the readings, which are the first of the equations, say of so many sets of curves.
+    /// What the observations, which are the first of the equations, say of so many sets of curves.
     fn border(&self, sets: usize, factor: &Factor, values: &[f64]) -> Border {
         let parameters = sets * PARAMETERS;
         let mut normal = Mat::<f64>::zeros(parameters, parameters);
         let mut right = vec![0.0; parameters];
-        // Of sets that no reading of the tile belongs to there is no column to solve for.
+        // Of sets that no observation of the tile belongs to there is no column to solve for.
         let mut occurring: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
-        for (equation, (look, reading)) in self.readings.iter().enumerate() {
+        for (equation, (look, observation)) in self.observations.iter().enumerate() {
             let mut by = [0.0; PARAMETERS];
-            Curves::add_derivatives(&reading.at, reading.share, &mut by);
+            Curves::add_derivatives(&observation.at, observation.share, &mut by);
             let weight = self.equations.weight(equation).powi(2);
             let first = PARAMETERS * look.curves;
             // What the solution without a step of the curves leaves.

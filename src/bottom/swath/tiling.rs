@@ -2,8 +2,8 @@
 //!
 //! The tiles of a part of a map are those of a lattice that all parts share: so each part finds, to the bit, what its neighbours find where they meet.
 
-use super::nodes::{Nodes, Tile};
-use super::readings::FARTHEST_M;
+use super::nodes::{NodeTile, Nodes};
+use super::observations::FARTHEST_M;
 use crate::bottom::bathymetry::Grid;
 
 /// Nodes along the side of a tile's core, and around it.
@@ -19,8 +19,8 @@ const MOST_NODES: usize = 8_000_000;
 pub struct Resolution {
     /// From one node to the next, metres.
     pub node_m: f64,
-    /// Ground range of a piece, metres.
-    pub piece_m: f64,
+    /// Ground range of a level cell, metres.
+    pub level_cell_m: f64,
     /// Length of the ranges that levels are averaged over, metres.
     pub range_m: f64,
     /// Chunks of pings that are averaged together.
@@ -33,7 +33,7 @@ impl Resolution {
     /// Of a survey of at most [`MOST_FINE`] such nodes.
     pub const FINE: Self = Self {
         node_m: 0.5,
-        piece_m: 0.5,
+        level_cell_m: 0.5,
         range_m: 0.06,
         chunks: 1,
         rounds: 2,
@@ -41,7 +41,7 @@ impl Resolution {
     /// Of a larger one, and of the parts of a map.
     pub const COARSE: Self = Self {
         node_m: 1.0,
-        piece_m: 1.0,
+        level_cell_m: 1.0,
         range_m: 0.12,
         chunks: 2,
         // On ponds a second one takes off a twentieth of the error, in a third more time.
@@ -75,7 +75,7 @@ pub struct Tiling {
     /// All nodes.
     pub nodes: Nodes,
     /// The parts of them that are solved for together.
-    pub tiles: Vec<Tile>,
+    pub tiles: Vec<NodeTile>,
 }
 
 impl Tiling {
@@ -128,12 +128,12 @@ mod tests {
         let [one, other] =
             [0.0, 512.0].map(|east_m| Tiling::of_part([east_m, 1024.0, east_m + 512.0, 1536.0]));
         assert_eq!(one.tiles.len(), 10 * 10);
-        let place = |tile: &Tile| (tile.nodes.first, tile.nodes.counts, tile.core);
+        let place = |tile: &NodeTile| (tile.nodes.first, tile.nodes.counts, tile.core);
         assert_eq!(
             place(&one.tiles[0]),
             ([-72, 952], [80, 80], [[8, 72], [8, 72]])
         );
-        let is_shared = |tile: &&Tile| other.tiles.iter().any(|one| place(one) == place(tile));
+        let is_shared = |tile: &&NodeTile| other.tiles.iter().any(|one| place(one) == place(tile));
         // A column of tiles on both sides of the edge.
         assert_eq!(one.tiles.iter().filter(is_shared).count(), 20);
     }

@@ -2,7 +2,7 @@
 
 use super::{Outcome, Source};
 use crate::detection::Rect;
-use crate::detection::metrics::{Counts, CurvePoint};
+use crate::detection::metrics::{CurvePoint, MatchCounts};
 use serde_json::{Value, json};
 
 /// Everything, with the lists of mistakes and the curve.
@@ -50,7 +50,7 @@ fn source(source: &Source) -> Value {
     })
 }
 
-fn counts(counts: &Counts) -> Value {
+fn counts(counts: &MatchCounts) -> Value {
     json!({
         "truths": counts.truths,
         "found": counts.found,

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 /// `bathyscope evaluate SURVEY... [--truth FILE]`, `bathyscope evaluate --truth DIR --predicted DIR [-o PAGE.html]`.
 #[derive(Debug, clap::Args)]
 pub struct EvaluateArgs {
-    /// Logs to search, each held against the objects that are known to lie in it: those of LOG.objects.csv beside it
+    /// Logs to search, each compared with the objects that are known to lie in it: those of LOG.objects.csv beside it
     #[arg(conflicts_with = "predicted", value_name = "SURVEY")]
     surveys: Vec<PathBuf>,
     /// True boxes: a folder of YOLO labels (class cx cy w h), or a COCO file; of one log its table of objects, or a review

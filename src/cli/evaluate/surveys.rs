@@ -1,4 +1,4 @@
-//! Logs whose objects are known: searched as `bathyscope detect` does, and held against them.
+//! Logs whose objects are known: searched as `bathyscope detect` does, and compared with them.
 
 use super::{Boxes, Source};
 use crate::cli::detect::load;

@@ -1,7 +1,7 @@
 //! The figures as text.
 
 use super::{Outcome, Source};
-use crate::detection::metrics::{Cause, Counts};
+use crate::detection::metrics::{Cause, MatchCounts};
 use std::fmt::Write as _;
 
 /// Everything, table by table.
@@ -64,7 +64,7 @@ fn counts(outcome: &Outcome, text: &mut String) -> Written {
         "{:<width$}  truths   found   false  missed  precision  recall     F1  IoU of found  Darknet's IoU",
         "class"
     )?;
-    let mut line = |name: &str, counts: &Counts| {
+    let mut line = |name: &str, counts: &MatchCounts| {
         writeln!(
             text,
             "{name:<width$}  {:>6}  {:>6}  {:>6}  {:>6}  {:>9}  {:>6}  {:>5}  {:>12}  {:>13}",

@@ -5,7 +5,7 @@ use crate::bottom::bathymetry::height_offsets::{Datum, LogOffset};
 use crate::bottom::bathymetry::position_offsets::Wanted;
 use crate::cli::status_line::StatusLine;
 use crate::cli::survey_logs::{OpenedLog, open_reference, survey_review};
-use crate::cli::{found, output};
+use crate::cli::{detection_summary, output};
 use crate::detection::Model;
 use crate::pipeline::joint::{LogPositions, RequestedCorrection, height_offsets, position_offsets};
 use crate::pipeline::{self, Derived, ProcessedLog, Settings};
@@ -23,7 +23,7 @@ pub struct How<'a> {
     pub model: Option<&'a Model>,
     /// The products.
     pub requested: &'a [Product],
-    /// What they are held against besides.
+    /// What they are compared with besides.
     pub reference: Option<&'a OsStr>,
     /// Whether the height offsets of several logs are applied, and what else of their positions.
     pub adjust: Option<Wanted>,
@@ -89,7 +89,7 @@ impl How<'_> {
             output::results(sentence)?;
         }
         if let (Some(found), Some(model)) = (&written.found, self.model) {
-            let objects = found::proposed(found, model.names());
+            let objects = detection_summary::proposed(found, model.names());
             output::results(format_args!("proposed by the detector: {objects}"))?;
         }
         output::results(written.summary(folder))

@@ -1,7 +1,7 @@
 //! A tile with the boxes in it.
 
 use super::Known;
-use crate::detection::{Labelled, Raster, TILE_PX, Tile, level};
+use crate::detection::{Labelled, Raster, RasterTile, TILE_PX, level};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder as _};
 
@@ -28,7 +28,7 @@ pub struct Boxes {
 impl Chip {
     /// Labels a tile, then levels it. An object whose part in the tile can be asked for ([`super::part::Part::is_plain`]) has a
     /// label; others that reach into the tile have an ignored box.
-    pub fn new(mut tile: Tile, raster: &Raster, known: &[Known]) -> Self {
+    pub fn new(mut tile: RasterTile, raster: &Raster, known: &[Known]) -> Self {
         let mut boxes = Boxes::default();
         for object in known.iter().filter(|object| object.whole.side == tile.side) {
             let Some(part) = object.part_in(&tile, raster) else {

@@ -3,7 +3,7 @@
 //! A tile's edge may cut an object. Where it is known what each ping shows, the box is that of the part in the tile: of a
 //! slanting pipe whose upper half is cut away only the lower half has a box.
 
-use crate::detection::{Mark, Raster, Rect, TILE_PX, Tile};
+use crate::detection::{Mark, Raster, RasterTile, Rect, TILE_PX};
 use crate::survey::Side;
 
 /// An object whose place is known.
@@ -78,7 +78,7 @@ impl Known {
     }
 
     /// What of it lies in a tile of its side; `None` where that is nothing.
-    pub fn part_in(&self, tile: &Tile, raster: &Raster) -> Option<Part> {
+    pub fn part_in(&self, tile: &RasterTile, raster: &Raster) -> Option<Part> {
         let place = |mark: &Mark| {
             let rect = raster.rect_of(mark);
             rect.shifted(-(tile.column as f32), -(tile.row as f32))

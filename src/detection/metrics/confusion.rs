@@ -1,6 +1,6 @@
 //! What was taken for what.
 
-use super::mistakes::Shown;
+use super::mistakes::ShownImages;
 use super::{Image, MetricSettings, Truth, iou};
 use crate::detection::Scored;
 
@@ -45,7 +45,7 @@ impl Confusion {
 /// falling score, is paired with the truth of another class that it overlaps most, if by enough.
 pub fn confusion(
     images: &[Image],
-    shown: &Shown,
+    shown: &ShownImages,
     classes: usize,
     settings: &MetricSettings,
 ) -> Confusion {

@@ -3,7 +3,7 @@
 use super::confusion::Confusion;
 use super::matched::{AtScore, Matched, rank, total};
 use super::mistakes::{FalseAlarm, Miss};
-use super::precision::{Counts, CurvePoint, average_precision, curve};
+use super::precision::{CurvePoint, MatchCounts, average_precision, curve};
 use super::ranking::{ANY_SIZE, Sizes};
 use super::{Image, Matching, MetricSettings};
 
@@ -11,7 +11,7 @@ use super::{Image, Matching, MetricSettings};
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClassReport {
     /// At the score of the settings.
-    pub counts: Counts,
+    pub counts: MatchCounts,
     /// Average precision at the IoU of the settings; NaN without truths.
     pub ap: f64,
     /// Mean of the average precisions at IoU 0.5, 0.55 .. 0.95; NaN without truths.
@@ -26,7 +26,7 @@ pub struct SizeReport {
     /// Square roots of the smallest and the largest area, pixels; infinite for the largest boxes.
     pub side_px: [f64; 2],
     /// At the score of the settings.
-    pub counts: Counts,
+    pub counts: MatchCounts,
     /// Mean over the classes at the IoU of the settings; NaN without truths.
     pub map: f64,
     /// Mean over the classes at IoU 0.5, 0.55 .. 0.95; NaN without truths.
@@ -39,7 +39,7 @@ pub struct Evaluation {
     /// One entry a class.
     pub classes: Vec<ClassReport>,
     /// All classes together.
-    pub counts: Counts,
+    pub counts: MatchCounts,
     /// Mean of the classes' `ap`; NaN without truths.
     pub map: f64,
     /// Mean of the classes' `ap_50_95`; NaN without truths.
@@ -171,7 +171,7 @@ fn sizes(images: &[Image], classes: usize, settings: &MetricSettings) -> Vec<Siz
         let rankings = rank(images, classes, settings, settings.iou, &areas);
         let counts = rankings
             .iter()
-            .map(|ranking| Counts::of(ranking.shown(settings.score), ranking.truths));
+            .map(|ranking| MatchCounts::of(ranking.shown(settings.score), ranking.truths));
         let ap = rankings
             .iter()
             .map(|ranking| average_precision(&ranking.ranked, ranking.truths, settings.ap));

@@ -1,8 +1,8 @@
 //! Predictions paired with truths once, to be counted at any score.
 
 use super::confusion::{Confusion, confusion};
-use super::mistakes::{FalseAlarm, Miss, Shown};
-use super::precision::{Counts, CurvePoint, curve};
+use super::mistakes::{FalseAlarm, Miss, ShownImages};
+use super::precision::{CurvePoint, MatchCounts, curve};
 use super::ranking::{ANY_SIZE, Ranked, Ranking, Sizes};
 use super::{Image, MetricSettings};
 use rayon::prelude::*;
@@ -20,9 +20,9 @@ pub struct Matched {
 #[derive(Clone, Debug, PartialEq)]
 pub struct AtScore {
     /// One entry a class.
-    pub classes: Vec<Counts>,
+    pub classes: Vec<MatchCounts>,
     /// All classes together.
-    pub counts: Counts,
+    pub counts: MatchCounts,
     /// What was taken for what.
     pub confusion: Confusion,
     /// By falling score.
@@ -54,13 +54,13 @@ impl Matched {
 
     /// Counts what is shown from a score on.
     pub fn at(&self, score: f32) -> AtScore {
-        let of_class = |ranking: &Ranking| Counts::of(ranking.shown(score), ranking.truths);
-        let classes: Vec<Counts> = self.rankings.iter().map(of_class).collect();
+        let of_class = |ranking: &Ranking| MatchCounts::of(ranking.shown(score), ranking.truths);
+        let classes: Vec<MatchCounts> = self.rankings.iter().map(of_class).collect();
         let shown = self
             .rankings
             .iter()
             .flat_map(|ranking| ranking.shown(score));
-        let shown = Shown::new(&self.images, shown);
+        let shown = ShownImages::new(&self.images, shown);
         AtScore {
             counts: total(classes.iter().copied()),
             confusion: confusion(&self.images, &shown, classes.len(), &self.settings),
@@ -103,6 +103,6 @@ pub(super) fn rank(
         .collect()
 }
 
-pub(super) fn total(counts: impl Iterator<Item = Counts>) -> Counts {
-    counts.fold(Counts::default(), Counts::plus)
+pub(super) fn total(counts: impl Iterator<Item = MatchCounts>) -> MatchCounts {
+    counts.fold(MatchCounts::default(), MatchCounts::plus)
 }

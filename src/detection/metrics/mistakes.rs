@@ -52,7 +52,7 @@ pub struct Miss {
 
 /// What the score lets through in every picture.
 #[derive(Debug)]
-pub struct Shown {
+pub struct ShownImages {
     pub images: Vec<ShownImage>,
 }
 
@@ -65,7 +65,7 @@ pub struct ShownImage {
     pub false_alarms: Vec<usize>,
 }
 
-impl Shown {
+impl ShownImages {
     /// Sorts the classes' predictions by picture.
     pub fn new<'a>(images: &[Image], shown: impl Iterator<Item = &'a Ranked>) -> Self {
         let none = |boxes: &Image| ShownImage {

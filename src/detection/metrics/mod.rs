@@ -19,7 +19,7 @@ pub use confusion::Confusion;
 pub use evaluate::{ClassReport, Evaluation, SizeReport, evaluate};
 pub use matched::{AtScore, Matched};
 pub use mistakes::{Cause, FalseAlarm, Miss};
-pub use precision::{ApMethod, Counts, CurvePoint};
+pub use precision::{ApMethod, CurvePoint, MatchCounts};
 
 use super::{Rect, Scored};
 

@@ -16,7 +16,7 @@ pub enum ApMethod {
 
 /// Found, false and missed, at one score.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Counts {
+pub struct MatchCounts {
     /// Truths that count.
     pub truths: usize,
     /// Predictions that found one (TP).
@@ -27,10 +27,10 @@ pub struct Counts {
     pub iou_sum: f64,
 }
 
-impl Counts {
+impl MatchCounts {
     /// Counts predictions among `truths`.
     pub fn of(shown: &[Ranked], truths: usize) -> Self {
-        let mut counts = Counts {
+        let mut counts = MatchCounts {
             truths,
             ..Self::default()
         };
@@ -107,15 +107,15 @@ pub struct CurvePoint {
 
 /// Precision, recall and F1 for every score that occurs, falling; `ranked` falls by score.
 pub fn curve(ranked: &[Ranked], truths: usize) -> Vec<CurvePoint> {
-    let mut counts = Counts {
+    let mut counts = MatchCounts {
         truths,
-        ..Counts::default()
+        ..MatchCounts::default()
     };
     let same_score = |a: &Ranked, b: &Ranked| a.score == b.score;
     ranked
         .chunk_by(same_score)
         .map(|equals| {
-            counts = counts.plus(Counts::of(equals, 0));
+            counts = counts.plus(MatchCounts::of(equals, 0));
             CurvePoint {
                 score: equals[0].score,
                 precision: counts.precision(),
@@ -164,14 +164,14 @@ fn area_under(recall: &[f64], precision: &[f64]) -> f64 {
 
 /// Recall after each prediction, and the best precision there or later.
 fn envelope(ranked: &[Ranked], truths: usize) -> (Vec<f64>, Vec<f64>) {
-    let mut counts = Counts {
+    let mut counts = MatchCounts {
         truths,
-        ..Counts::default()
+        ..MatchCounts::default()
     };
     let (recall, mut precision): (Vec<f64>, Vec<f64>) = ranked
         .iter()
         .map(|one| {
-            counts = counts.plus(Counts::of(std::slice::from_ref(one), 0));
+            counts = counts.plus(MatchCounts::of(std::slice::from_ref(one), 0));
             (counts.recall(), counts.precision())
         })
         .unzip();

@@ -59,7 +59,7 @@ pub struct Model {
     nms: Nms,
     /// Overlap above which boxes vote.
     vote: Option<f32>,
-    /// Whether a picture that seems to show something is looked at once more, mirrored.
+    /// Whether a picture that seems to show something is evaluated once more, mirrored.
     augments: bool,
     /// What the network's confidences come to.
     calibration: Calibration,
@@ -132,7 +132,7 @@ impl Model {
         self.score
     }
 
-    /// The overlap above which the less sure of two boxes is dropped, as its makers suggest.
+    /// The overlap above which the box of less confidence is dropped, as its makers suggest.
     pub fn iou(&self) -> f32 {
         self.iou
     }

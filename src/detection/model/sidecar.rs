@@ -22,7 +22,7 @@ pub struct Sidecar {
     pub pixel_m: Option<f64>,
     /// Whether tiles are brought to one level first.
     pub level: Option<LevelEntry>,
-    /// Whether a picture that seems to show something is looked at once more.
+    /// Whether a picture that seems to show something is evaluated once more.
     pub test_time_augmentation: Option<Augmentation>,
     /// Anchors of raw heads, one entry a head.
     pub heads: Vec<HeadEntry>,
@@ -122,7 +122,7 @@ pub enum LevelEntry {
     Raw,
 }
 
-/// How a picture is looked at once more.
+/// How a picture is evaluated once more.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Augmentation {
@@ -158,7 +158,7 @@ fn one() -> f32 {
 pub struct ThresholdEntry {
     /// Least confidence, 0 to 1.
     pub score: Option<f32>,
-    /// Overlap above which the less sure box is dropped, 0 to 1.
+    /// Overlap above which the box of less confidence is dropped, 0 to 1.
     pub iou: Option<f32>,
     /// Confidence from which a box is named, 0 to 1; without it every box is.
     pub name: Option<f32>,

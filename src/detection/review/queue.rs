@@ -125,7 +125,7 @@ fn by_position(a: &Reviewed, b: &Reviewed) -> Ordering {
 
 /// How far the work is, over the boxes that the confidence threshold leaves in sight.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Counts {
+pub struct DecisionCounts {
     /// Undecided.
     pub proposed: usize,
     /// Objects that a model found.
@@ -138,7 +138,7 @@ pub struct Counts {
     pub hidden: usize,
 }
 
-impl Counts {
+impl DecisionCounts {
     /// Counts.
     pub fn of(review: &Review, queue: &Queue) -> Self {
         let mut counts = Self::default();

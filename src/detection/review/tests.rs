@@ -288,9 +288,9 @@ fn what_was_decided_stays_in_sight_and_is_counted() {
         ..Queue::default()
     };
     assert_eq!(line(&review, &queue), [3]);
-    let counts = Counts::of(&review, &queue);
+    let counts = DecisionCounts::of(&review, &queue);
     assert_eq!((counts.rejected, counts.hidden), (1, 2));
-    let counts = Counts::of(&review, &Queue::default());
+    let counts = DecisionCounts::of(&review, &Queue::default());
     assert_eq!((counts.decided(), counts.total()), (1, 3));
 }
 

@@ -2,7 +2,7 @@
 
 use super::echo::Shadow;
 use super::heading::heading_sigma_rad;
-use super::seen::{DRAWN_SIGMA_M, EDGE_SIGMA_M, PART_SIGMA, Seen};
+use super::seen::{DRAWN_SIGMA_M, EDGE_SIGMA_M, MeasuredObject, PART_SIGMA};
 use super::{Parts, Target, altitude::altitude_m, echo, parts};
 use crate::detection::{Mark, MeasuredShadow, ObjectExtent};
 use crate::sonar::calibration::Calibration;
@@ -239,11 +239,11 @@ impl<'a> Placer<'a> {
         found: Option<Parts>,
         span: &SideSpan,
         altitudes_m: [f64; 2],
-    ) -> Seen {
+    ) -> MeasuredObject {
         let calibrated = |recorded_m: f64| self.calibrated_m(span, recorded_m);
         if extent == ObjectExtent::Point {
             let range_m = calibrated(0.5 * (mark.near_m + mark.far_m));
-            return Seen::point(altitudes_m, range_m);
+            return MeasuredObject::point(altitudes_m, range_m);
         }
         let is_drawn = extent.border_m().is_some();
         let large = echo::is_large(mark, self.sailed_over_m(mark));
@@ -261,7 +261,7 @@ impl<'a> Placer<'a> {
         };
         let longest = found.and_then(|found| found.longest);
         let [altitude_m, altitude_there_m] = altitudes_m;
-        Seen {
+        MeasuredObject {
             altitude_m,
             altitude_there_m,
             near_m: calibrated(mark.near_m),
@@ -282,7 +282,12 @@ impl<'a> Placer<'a> {
     }
 
     /// What is seen, with a shadow that was measured in place of the one in the box.
-    fn with_shadow(&self, seen: Seen, mark: &Mark, shadow: MeasuredShadow) -> Seen {
+    fn with_shadow(
+        &self,
+        seen: MeasuredObject,
+        mark: &Mark,
+        shadow: MeasuredShadow,
+    ) -> MeasuredObject {
         let Some(span) = self.survey.span(shadow.ping, mark.side) else {
             return seen;
         };
@@ -292,7 +297,7 @@ impl<'a> Placer<'a> {
             true => last_m,
             false => f64::NAN,
         };
-        Seen {
+        MeasuredObject {
             box_end_m: last_m,
             longest: Some(Shadow {
                 bright_end_m: start_m,

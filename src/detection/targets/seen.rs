@@ -29,7 +29,7 @@ pub(super) const PART_SIGMA: f64 = 0.15;
 
 /// What is measured of an object, by the calibration in force. Slant ranges and heights in metres.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Seen {
+pub(super) struct MeasuredObject {
     /// Height of the transducer above the bottom under the boat.
     pub(super) altitude_m: f64,
     /// And above that where the object lies.
@@ -48,7 +48,7 @@ pub(super) struct Seen {
     pub(super) longest: Option<Shadow>,
 }
 
-impl Seen {
+impl MeasuredObject {
     /// A place without size.
     pub(super) fn point([altitude_m, altitude_there_m]: [f64; 2], range_m: f64) -> Self {
         Self {
@@ -127,7 +127,7 @@ impl Seen {
         self.middle_raised_m(self.raised_m())
     }
 
-    /// Standard deviation of [`Seen::middle_m`]: how far the middle moves when the edges in range, the altitude and the
+    /// Standard deviation of [`MeasuredObject::middle_m`]: how far the middle moves when the edges in range, the altitude and the
     /// height change by theirs. That is far under the boat and little at long range, as `d ground / d slant = slant / ground`.
     pub(super) fn across_sigma_m(&self) -> f64 {
         let here_m = self.middle_m();
@@ -206,12 +206,12 @@ mod tests {
     use super::*;
 
     /// A block 0.5 m high from `ground_m` across-track on, 0.6 m wide, 2.5 m below the transducer; with its shadow.
-    fn block(ground_m: f64) -> Seen {
+    fn block(ground_m: f64) -> MeasuredObject {
         let back_m = ground_m + 0.6;
         let shadow_end_m = back_m * 2.5 / 2.0;
         let start_m = back_m.hypot(2.0);
         let end_m = shadow_end_m.hypot(2.5);
-        Seen {
+        MeasuredObject {
             altitude_m: 2.5,
             altitude_there_m: 2.5,
             near_m: ground_m.hypot(2.0),
@@ -258,12 +258,12 @@ mod tests {
 
     #[test]
     fn a_point_lies_where_its_ray_meets_the_bottom_and_has_no_height() {
-        let point = Seen::point([3.0; 2], 5.0);
+        let point = MeasuredObject::point([3.0; 2], 5.0);
         assert!((point.middle_m() - 4.0).abs() < 1e-12);
         assert!(point.height_m().is_nan() && point.shadow_m()[0].is_nan());
         assert!(point.across_sigma_m() > 0.0);
         // Nearer to the boat the same slant range says less of the place.
-        assert!(Seen::point([3.0; 2], 3.2).across_sigma_m() > point.across_sigma_m());
+        assert!(MeasuredObject::point([3.0; 2], 3.2).across_sigma_m() > point.across_sigma_m());
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::RasterTruth;
 use crate::detection::metrics::{
-    AtScore, Cause, Confusion, Counts, CurvePoint, Matched, MetricSettings,
+    AtScore, Cause, Confusion, CurvePoint, MatchCounts, Matched, MetricSettings,
 };
 use crate::detection::review::{BoxId, Review, Reviewed};
 use crate::detection::{NAMELESS_CLASS, Raster, Rect, Scored};
@@ -11,7 +11,7 @@ use crate::survey::Side;
 /// Boxes paired with the truth at every score: the model's, whatever was decided about them. Boxes that no model has seen have
 /// no score and are left out.
 #[derive(Clone, Debug)]
-pub struct Comparison {
+pub struct TruthComparison {
     on_raster: RasterTruth,
     /// Class names: those of the review, then those that only the truth has.
     classes: Vec<String>,
@@ -70,14 +70,14 @@ pub struct Standing {
     /// The score.
     pub score: f32,
     /// Found, false and missed, all classes together.
-    pub counts: Counts,
-    /// What was taken for what, by [`Comparison::classes`].
+    pub counts: MatchCounts,
+    /// What was taken for what, by [`TruthComparison::classes`].
     pub confusion: Confusion,
     /// False alarms by falling score, then misses by falling size.
     pub mistakes: Vec<Mistake>,
 }
 
-impl Comparison {
+impl TruthComparison {
     /// Pairs the boxes with the truth: Darknet's rule at IoU 0.5, in the raster's pixels, side by side. Classes are the same
     /// when their names are; a box without a name is of the class of the object that it lies on. Objects and boxes in pings that the review's search has not come to are left out: nobody has
     /// missed what nobody has looked for.

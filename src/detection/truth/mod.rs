@@ -9,7 +9,7 @@ mod raster_truth;
 #[cfg(test)]
 mod tests;
 
-pub use compare::{Comparison, Mistake, Standing};
+pub use compare::{Mistake, Standing, TruthComparison};
 pub use file::{SightingFault, TruthError};
 pub use raster_truth::RasterTruth;
 

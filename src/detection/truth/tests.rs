@@ -114,12 +114,12 @@ fn objects_that_nothing_shows_or_that_are_slivers_count_only_when_somebody_saw_t
 }
 
 /// Boxes at pings 20 (right), 60 (another class), 100 (nothing there) and 20 again (looser); nothing at 140.
-fn compared() -> Comparison {
+fn compared() -> TruthComparison {
     compared_with("tyre")
 }
 
 /// The same with the box at 60 of a class by its name.
-fn compared_with(at_60: &str) -> Comparison {
+fn compared_with(at_60: &str) -> TruthComparison {
     let (survey, navigation) = survey(200, |_, _| 0);
     let raster = Raster::new(&survey, &navigation, 0.04);
     let truth = Truth {
@@ -148,7 +148,7 @@ fn compared_with(at_60: &str) -> Comparison {
     let review = review.adopt("model", &names, &found, &raster);
     let review = review.apply(&Edit::Reject(BoxId(3))).expect("rejected");
     let on_raster = RasterTruth::new(&raster, Arc::new(truth));
-    Comparison::new(&review, on_raster, &raster)
+    TruthComparison::new(&review, on_raster, &raster)
 }
 
 #[test]

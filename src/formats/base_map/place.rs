@@ -1,7 +1,7 @@
 //! Where the pixels of a base map lie.
 
 use super::BaseMapFault;
-use crate::formats::geotiff::{GeoKeys, Placing};
+use crate::formats::geotiff::{GeoKeys, GeoTransform};
 use crate::support::geo::{Crs, LonLat};
 use std::io::{Read, Seek};
 use tiff::decoder::Decoder;
@@ -54,15 +54,15 @@ impl Place {
         // Degrees of NAD83 and ETRS89 lie within 2 m of those of WGS84.
         let known = if DEGREES.contains(&epsg) { WGS84 } else { epsg };
         let crs = Crs::from_epsg(known).map_err(|_| BaseMapFault::UnknownSystem(epsg))?;
-        let Some(placing) = Placing::read(decoder, &keys) else {
+        let Some(transform) = GeoTransform::read(decoder, &keys) else {
             return Err(BaseMapFault::Nowhere("it has no transform"));
         };
-        let ([width, down], [across, height]) = (placing.per_column, placing.per_row);
+        let ([width, down], [across, height]) = (transform.per_column, transform.per_row);
         let is_turned = down != 0.0 || across != 0.0;
         let pixel = [width, -height];
         let place = Self {
             crs,
-            corner: placing.of_corners().origin,
+            corner: transform.of_corners().origin,
             pixel,
         };
         let numbers = [place.corner, place.pixel].concat();

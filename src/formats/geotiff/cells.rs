@@ -1,7 +1,7 @@
 //! The cells of a GeoTIFF as points: one band of numbers, in strips or tiles, plain or packed with deflate or LZW.
 
+use super::geotransform::{GeoKeys, GeoTransform};
 use super::metadata::counts_downwards;
-use super::placing::{GeoKeys, Placing};
 use crate::support::catch_panic::catch_panic;
 use crate::support::regular_file;
 use std::fs::File;
@@ -41,7 +41,7 @@ pub struct RasterValues {
     /// Cells from north to south.
     pub rows: usize,
     /// From columns and rows to the coordinates of the system, whole numbers being the middles of cells.
-    pub placing: Placing,
+    pub transform: GeoTransform,
     /// What is stored, NaN where that is nothing.
     pub values: Vec<f32>,
     /// EPSG number of the system, where the raster names one.
@@ -114,7 +114,7 @@ struct Open {
     decoder: Decoder<BufReader<File>>,
     size: [u32; 2],
     keys: GeoKeys,
-    place: Placing,
+    place: GeoTransform,
     nodata: Option<f64>,
     downwards: bool,
 }
@@ -135,7 +135,7 @@ impl Open {
             return Err(CellsError::Picture);
         }
         let keys = GeoKeys::read(&mut decoder);
-        let place = Placing::read(&mut decoder, &keys)
+        let place = GeoTransform::read(&mut decoder, &keys)
             .ok_or(CellsError::Nowhere)?
             .of_middles();
         let nodata = decoder.get_tag_ascii_string(Tag::GdalNodata).ok();
@@ -207,7 +207,7 @@ fn values(mut raster: Open) -> Result<RasterValues, CellsError> {
     Ok(RasterValues {
         columns,
         rows,
-        placing: raster.place,
+        transform: raster.place,
         values,
         epsg: keys.projected().or_else(|| keys.geographic()),
         downwards: raster.downwards,

@@ -10,21 +10,21 @@
 //! ```
 //!
 //! `directory` lays out the tags, `metadata` what GDAL adds to a band, `statistics` its figures. `cells` reads a raster of any program
-//! back, as points or cell by cell, `tiles` one of our own tile by tile; `placing` is where its cells lie, also for the pixels of a base map.
+//! back, as points or cell by cell, `tiles` one of our own tile by tile; `geotransform` is where its cells lie, also for the pixels of a base map.
 
 mod cells;
 mod directory;
+mod geotransform;
 mod metadata;
 mod overview;
 mod pack;
-mod placing;
 mod scratch;
 mod statistics;
 mod tiles;
 mod writer;
 
 pub use cells::{CellsError, RasterPoints, RasterValues, read_cells, read_values};
-pub use placing::{GeoKeys, Placing};
+pub use geotransform::{GeoKeys, GeoTransform};
 pub use tiles::RasterTiles;
 
 use crate::support::geo::Crs;

@@ -1,6 +1,6 @@
 //! From frames to pings, depths and fixes in SI units.
 
-use super::frame::Frame;
+use super::frame::LowranceFrame;
 use super::sides;
 use crate::formats::clock::{Clock, Verdict};
 use crate::formats::collected::{Collected, Counted};
@@ -14,7 +14,7 @@ const UNIX_S: std::ops::Range<u32> = 946_684_800..4_102_444_800;
 /// Gives frames their meaning, a little behind the walk so that a damaged time is seen.
 #[derive(Default)]
 pub(super) struct Reader {
-    clock: Clock<Frame>,
+    clock: Clock<LowranceFrame>,
     keel_ft: f32,
     /// The last place, as recorded and as degrees: units repeat a fix for tens of frames.
     place: Option<([i32; 2], LonLat)>,
@@ -22,7 +22,7 @@ pub(super) struct Reader {
 
 impl Reader {
     /// Takes the next frame of the file.
-    pub(super) fn take(&mut self, log: &mut Collected, frame: Frame) {
+    pub(super) fn take(&mut self, log: &mut Collected, frame: LowranceFrame) {
         if let Some(verdict) = self.clock.push(time_s(&frame), frame) {
             self.settle(log, verdict);
         }
@@ -42,7 +42,7 @@ impl Reader {
         }
     }
 
-    fn settle(&mut self, log: &mut Collected, verdict: Verdict<Frame>) {
+    fn settle(&mut self, log: &mut Collected, verdict: Verdict<LowranceFrame>) {
         match verdict {
             Verdict::Sound { record, time_s } => self.keep(log, &record, time_s),
             Verdict::Damaged(frame) => {
@@ -55,7 +55,7 @@ impl Reader {
         }
     }
 
-    fn keep(&mut self, log: &mut Collected, frame: &Frame, time_s: f64) {
+    fn keep(&mut self, log: &mut Collected, frame: &LowranceFrame, time_s: f64) {
         let kind = channel_kind(frame.channel);
         if log.start_unix_s.is_none() && UNIX_S.contains(&frame.clock) {
             log.start_unix_s = Some(f64::from(frame.clock));
@@ -86,7 +86,7 @@ impl Reader {
         sides::keep(log, kind, frame, time_s);
     }
 
-    fn position(&mut self, frame: &Frame) -> LonLat {
+    fn position(&mut self, frame: &LowranceFrame) -> LonLat {
         let recorded = [frame.x_m, frame.y_m];
         if let Some((_, degrees)) = self.place.filter(|(place, _)| *place == recorded) {
             return degrees;
@@ -97,7 +97,7 @@ impl Reader {
     }
 }
 
-fn fix(frame: &Frame, time_s: f64, position: LonLat) -> Fix {
+fn fix(frame: &LowranceFrame, time_s: f64, position: LonLat) -> Fix {
     Fix {
         time_s,
         position,
@@ -140,7 +140,7 @@ fn frequency_khz(code: u16) -> Option<f32> {
     KHZ.get(usize::from(code)).copied()
 }
 
-fn time_s(frame: &Frame) -> f64 {
+fn time_s(frame: &LowranceFrame) -> f64 {
     f64::from(frame.time_ms) / 1000.0
 }
 

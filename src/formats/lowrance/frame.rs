@@ -19,7 +19,7 @@ const LONGEST_HEADER: usize = 256;
 
 /// What Bathyscope uses of a frame, still in the recorder's units.
 #[derive(Clone, Copy, Debug)]
-pub struct Frame {
+pub struct LowranceFrame {
     /// Where it begins.
     pub offset: usize,
     /// Header and data.
@@ -60,7 +60,7 @@ pub struct Frame {
 #[derive(Debug)]
 pub enum Found {
     /// A whole frame.
-    Whole(Frame),
+    Whole(LowranceFrame),
     /// A frame header whose data goes on behind the end of the file.
     Cut,
     /// No frame header.
@@ -120,10 +120,10 @@ fn data_start(size: usize, packet: usize, shortest: usize, usual: usize) -> usiz
     }
 }
 
-fn from_sl2(offset: usize, header: &sl2::Header) -> Frame {
+fn from_sl2(offset: usize, header: &sl2::Header) -> LowranceFrame {
     let size = usize::from(header.frame_size);
     let start = data_start(size, usize::from(header.packet), 144, 144);
-    Frame {
+    LowranceFrame {
         offset,
         size,
         data_offset: offset + start,
@@ -144,7 +144,7 @@ fn from_sl2(offset: usize, header: &sl2::Header) -> Frame {
     }
 }
 
-fn from_sl3(offset: usize, header: &sl3::Header) -> Frame {
+fn from_sl3(offset: usize, header: &sl3::Header) -> LowranceFrame {
     let size = usize::from(header.frame_size);
     let usual = if matches!(header.channel, 7 | 8) {
         128
@@ -152,7 +152,7 @@ fn from_sl3(offset: usize, header: &sl3::Header) -> Frame {
         168
     };
     let start = data_start(size, header.packet as usize, 128, usual);
-    Frame {
+    LowranceFrame {
         offset,
         size,
         data_offset: offset + start,

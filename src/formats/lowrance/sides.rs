@@ -1,14 +1,14 @@
 //! The sides of a side-scan frame: both in one (channel 5), or one alone (channels 3 and 4).
 
 use super::decode::metres;
-use super::frame::Frame;
+use super::frame::LowranceFrame;
 use crate::formats::collected::{Collected, HalfPing, is_range, is_sound};
 use crate::formats::report::Kind;
 use crate::survey::{ChannelKind, Encoding, Order, SidePing, SideSpan};
 use std::ops::Range;
 
 /// Keeps the sides of a frame that can hold a picture, and what looks down; says so where there is none.
-pub(super) fn keep(log: &mut Collected, kind: ChannelKind, frame: &Frame, time_s: f64) {
+pub(super) fn keep(log: &mut Collected, kind: ChannelKind, frame: &LowranceFrame, time_s: f64) {
     if let ChannelKind::Primary | ChannelKind::Secondary | ChannelKind::DownScan = kind {
         return log.add_echogram(kind, time_s, alone(frame));
     }
@@ -42,7 +42,7 @@ pub(super) fn keep(log: &mut Collected, kind: ChannelKind, frame: &Frame, time_s
 }
 
 /// Samples of one side.
-pub(super) fn samples_a_side(kind: ChannelKind, frame: &Frame) -> usize {
+pub(super) fn samples_a_side(kind: ChannelKind, frame: &LowranceFrame) -> usize {
     match kind {
         ChannelKind::Composite => frame.data_len / 2,
         _ => frame.data_len,
@@ -50,7 +50,7 @@ pub(super) fn samples_a_side(kind: ChannelKind, frame: &Frame) -> usize {
 }
 
 /// Near and far limit of the range, where the frame states one that can be.
-pub(super) fn range_m(kind: ChannelKind, frame: &Frame) -> Option<(f32, f32)> {
+pub(super) fn range_m(kind: ChannelKind, frame: &LowranceFrame) -> Option<(f32, f32)> {
     let (near_m, far_m) = match kind {
         ChannelKind::Composite => (0.0, metres(frame.max_range_ft)),
         ChannelKind::Port | ChannelKind::Starboard => {
@@ -65,7 +65,7 @@ pub(super) fn range_m(kind: ChannelKind, frame: &Frame) -> Option<(f32, f32)> {
 }
 
 /// Both halves of a composite frame: far port, nadir where the range is 0, far starboard.
-fn composite(frame: &Frame) -> [Option<SideSpan>; 2] {
+fn composite(frame: &LowranceFrame) -> [Option<SideSpan>; 2] {
     let (min_m, starboard_m) = (metres(frame.min_range_ft), metres(frame.max_range_ft));
     let port_m = if min_m < 0.0 { -min_m } else { starboard_m };
     let share = (port_m / (port_m + starboard_m)).clamp(0.0, 1.0);
@@ -77,7 +77,7 @@ fn composite(frame: &Frame) -> [Option<SideSpan>; 2] {
 }
 
 /// The one side of a left or right frame, or what looks down; its first sample is nearest.
-fn alone(frame: &Frame) -> SideSpan {
+fn alone(frame: &LowranceFrame) -> SideSpan {
     let a_m = metres(frame.min_range_ft).abs();
     let b_m = metres(frame.max_range_ft).abs();
     let all = 0..frame.data_len;
@@ -85,7 +85,12 @@ fn alone(frame: &Frame) -> SideSpan {
 }
 
 /// Some of a frame's samples, with their near and far limit in metres.
-fn span(frame: &Frame, samples: Range<usize>, order: Order, range_m: (f32, f32)) -> SideSpan {
+fn span(
+    frame: &LowranceFrame,
+    samples: Range<usize>,
+    order: Order,
+    range_m: (f32, f32),
+) -> SideSpan {
     SideSpan {
         file: 0,
         encoding: Encoding::U8,

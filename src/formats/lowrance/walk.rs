@@ -1,6 +1,6 @@
 //! From frame to frame through a log, over whatever is damaged in it.
 
-use super::frame::{self, Found, Frame, Layout};
+use super::frame::{self, Found, Layout, LowranceFrame};
 use crate::formats::report::{Kind, Report};
 use crate::support::progress::{Cancelled, Progress};
 use std::ops::Range;
@@ -28,7 +28,11 @@ pub(super) struct Walk<'a> {
 
 impl Walk<'_> {
     /// Calls `take` for every whole frame from `start` on.
-    pub(super) fn run(&self, start: Place, mut take: impl FnMut(Frame)) -> Result<(), Cancelled> {
+    pub(super) fn run(
+        &self,
+        start: Place,
+        mut take: impl FnMut(LowranceFrame),
+    ) -> Result<(), Cancelled> {
         let mut here = start;
         let mut reported = start.at;
         let mut frames = 0_usize;
@@ -53,8 +57,8 @@ impl Walk<'_> {
     fn step(
         &self,
         here: Place,
-        frame: Frame,
-        take: &mut impl FnMut(Frame),
+        frame: LowranceFrame,
+        take: &mut impl FnMut(LowranceFrame),
     ) -> Result<Place, Cancelled> {
         let next = here.at + frame.size;
         let goes_on =

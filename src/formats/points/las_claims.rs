@@ -1,4 +1,4 @@
-//! What a LAS header claims, held against the size of the file before the las crate allocates by it.
+//! What a LAS header claims, compared with the size of the file before the las crate allocates by it.
 
 use crate::support::regular_file;
 use std::fs::File;

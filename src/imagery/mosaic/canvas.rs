@@ -1,7 +1,7 @@
 //! The cells of a window while strips are painted over each other.
 
 use super::layout::Ray;
-use super::line::Line;
+use super::line::MosaicLine;
 use super::overlap::CellSum;
 use super::scan::spans;
 use super::{MosaicSettings, Overlap};
@@ -51,7 +51,7 @@ impl Canvas {
     }
 
     /// Lays a strip over the cells whose middles lie in it.
-    pub fn paint(&mut self, corners: &[[f64; 2]; 4], strip: &[Ray; 2], lines: [&Line; 2]) {
+    pub fn paint(&mut self, corners: &[[f64; 2]; 4], strip: &[Ray; 2], lines: [&MosaicLine; 2]) {
         let window = self.window;
         // In cells from the window's north-west corner, rows southward; a cell's middle is at + 0.5.
         let corners = corners.map(|[x, y]| {

@@ -42,7 +42,7 @@ impl<'a> Lines<'a> {
 }
 
 /// A part of one side of a ping: each level is the mean over a cell on the ground, and over at least one sample.
-pub struct Line {
+pub struct MosaicLine {
     side: Side,
     /// Which ping of the layout it is of, if any.
     of: Option<usize>,
@@ -60,7 +60,7 @@ pub struct Line {
     edges: Vec<f64>,
 }
 
-impl Line {
+impl MosaicLine {
     /// Of nothing yet.
     pub fn none(side: Side) -> Self {
         Self {

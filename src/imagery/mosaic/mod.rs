@@ -35,8 +35,8 @@ pub use joint::{
 };
 pub use layout::{Bounds, Layout, Ray, TileIndex, joined_way_m};
 pub use overlap::Overlap;
-pub use paint::{MosaicLog, TILE_CELLS, Tile, joint_tile, joint_window, tile, window};
-pub use part::{LogPart, join_parts, part};
+pub use paint::{MosaicLog, MosaicTile, TILE_CELLS, joint_tile, joint_window, tile, window};
+pub use part::{MosaicPart, join_parts, part};
 
 use crate::support::presentation::colours;
 use serde::{Deserialize, Serialize};

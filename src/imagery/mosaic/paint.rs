@@ -2,7 +2,7 @@
 
 use super::canvas::Canvas;
 use super::layout::{Layout, Ray, TileIndex, grid_bounds};
-use super::line::{Line, Lines};
+use super::line::{Lines, MosaicLine};
 use super::{GainTable, MosaicSettings};
 use crate::bottom::bathymetry::Grid;
 use crate::support::progress::{Cancelled, Progress};
@@ -15,12 +15,12 @@ pub const TILE_CELLS: usize = 256;
 
 /// A piece of the mosaic.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Tile {
+pub struct MosaicTile {
     /// Rows of [`TILE_CELLS`] levels: 0 where nothing was seen, else 1 to 255.
     pub levels: Vec<u8>,
 }
 
-impl Tile {
+impl MosaicTile {
     /// Whether no cell was seen.
     pub fn is_empty(&self) -> bool {
         self.levels.iter().all(|&level| level == 0)
@@ -67,7 +67,7 @@ pub fn tile(
     gain: &GainTable,
     settings: &MosaicSettings,
     place: [usize; 2],
-) -> Tile {
+) -> MosaicTile {
     let part = Part {
         survey,
         layout,
@@ -84,7 +84,7 @@ pub fn joint_tile(
     grid: &Grid,
     settings: &MosaicSettings,
     place: [usize; 2],
-) -> Tile {
+) -> MosaicTile {
     let parts = logs.iter().map(|(log, index)| Part::of(log, index));
     tile_of(parts, grid, settings, place)
 }
@@ -94,8 +94,8 @@ fn tile_of<'a>(
     grid: &Grid,
     settings: &MosaicSettings,
     place: [usize; 2],
-) -> Tile {
-    Tile {
+) -> MosaicTile {
+    MosaicTile {
         levels: painted(parts, grid, settings, place).finish(),
     }
 }
@@ -186,7 +186,7 @@ fn draw<E>(
     check: impl Fn() -> Result<(), E>,
 ) -> Result<(), E> {
     // The last two pings of each side.
-    let none = |side| [Line::none(side), Line::none(side)];
+    let none = |side| [MosaicLine::none(side), MosaicLine::none(side)];
     let mut kept = [Side::Port, Side::Starboard].map(none);
     for (ping, side) in strips {
         check()?;

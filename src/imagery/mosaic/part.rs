@@ -1,20 +1,20 @@
 //! What one log shows of a tile, in numbers that can be stored and joined with those of other logs at any later time.
 
 use super::overlap::CellSum;
-use super::paint::{TILE_CELLS, Tile, painted_log};
+use super::paint::{MosaicTile, TILE_CELLS, painted_log};
 use super::{MosaicLog, MosaicSettings, Overlap, TileIndex};
 use crate::bottom::bathymetry::Grid;
 
 /// What one log shows of a tile.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LogPart {
+pub struct MosaicPart {
     /// Rows of [`TILE_CELLS`] levels: 0 where nothing was seen, else 1 to 255.
     pub levels: Vec<u8>,
     /// What each of them counts where it meets those of other logs, 0 where nothing was seen; empty where `mosaic.overlap` weighs nothing.
     pub weights: Vec<f32>,
 }
 
-impl LogPart {
+impl MosaicPart {
     /// Whether no cell was seen.
     pub fn is_empty(&self) -> bool {
         self.levels.iter().all(|&level| level == 0)
@@ -37,14 +37,14 @@ pub fn part(
     grid: &Grid,
     settings: &MosaicSettings,
     place: [usize; 2],
-) -> LogPart {
+) -> MosaicPart {
     let canvas = painted_log(log, index, grid, settings, place);
     let sums = canvas.sums();
     let weights = match settings.overlap.is_weighted() {
         true => sums.iter().map(|sum| stepped(sum.weight())).collect(),
         false => Vec::new(),
     };
-    LogPart {
+    MosaicPart {
         levels: sums.iter().map(CellSum::level).collect(),
         weights,
     }
@@ -63,12 +63,12 @@ fn stepped(weight: f32) -> f32 {
 /// # Errors
 /// Those of the parts.
 pub fn join_parts<E>(
-    parts: impl Iterator<Item = Result<LogPart, E>>,
+    parts: impl Iterator<Item = Result<MosaicPart, E>>,
     overlap: Overlap,
-) -> Result<Tile, E> {
+) -> Result<MosaicTile, E> {
     let mut sums = vec![CellSum::default(); TILE_CELLS * TILE_CELLS];
     for part in parts {
-        let LogPart { levels, weights } = part?;
+        let MosaicPart { levels, weights } = part?;
         let weights = weights.into_iter().chain(std::iter::repeat(1.0));
         for ((sum, level), weight) in sums.iter_mut().zip(levels).zip(weights) {
             if level > 0 {
@@ -76,7 +76,7 @@ pub fn join_parts<E>(
             }
         }
     }
-    Ok(Tile {
+    Ok(MosaicTile {
         levels: sums.iter().map(CellSum::level).collect(),
     })
 }
@@ -86,12 +86,12 @@ mod tests {
     use super::*;
     use std::convert::Infallible;
 
-    fn part_of(cells: &[(u8, f32)], is_weighted: bool) -> LogPart {
+    fn part_of(cells: &[(u8, f32)], is_weighted: bool) -> MosaicPart {
         let mut levels: Vec<u8> = cells.iter().map(|cell| cell.0).collect();
         levels.resize(TILE_CELLS * TILE_CELLS, 0);
         let mut weights: Vec<f32> = cells.iter().map(|cell| stepped(cell.1)).collect();
         weights.resize(TILE_CELLS * TILE_CELLS, 0.0);
-        LogPart {
+        MosaicPart {
             levels,
             weights: if is_weighted { weights } else { Vec::new() },
         }

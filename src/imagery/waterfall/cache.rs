@@ -91,11 +91,11 @@ impl<K: Copy + Eq + Hash, V> Lru<K, V> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::imagery::waterfall::{Level, TileKey};
+    use crate::imagery::waterfall::{Level, WaterfallTileKey};
     use crate::survey::Side;
 
-    fn key(column: u32) -> TileKey {
-        TileKey {
+    fn key(column: u32) -> WaterfallTileKey {
+        WaterfallTileKey {
             side: Side::Port,
             level: Level {
                 along: 0,

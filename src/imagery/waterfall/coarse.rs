@@ -1,7 +1,7 @@
 //! The store behind the far-out levels: the whole survey at 16 pings x 8 bins a texel, or a little coarser.
 
 use super::resample::resample;
-use super::{Level, RangeAxis, TILE, Tile, TileKey};
+use super::{Level, RangeAxis, TILE, WaterfallTile, WaterfallTileKey};
 use crate::survey::{Side, Survey};
 
 /// Chunks of `TILE` rows, one a side and `TILE * 16` pings, each over the whole range axis.
@@ -37,10 +37,10 @@ impl Coarse {
         self.chunks.len() == self.chunk_count
     }
 
-    /// How much of it is built, 0 to [`Tile::COMPLETE`].
+    /// How much of it is built, 0 to [`WaterfallTile::COMPLETE`].
     pub fn completeness(&self) -> u8 {
         let whole = self.chunk_count.max(1);
-        (self.chunks.len() * usize::from(Tile::COMPLETE) / whole) as u8
+        (self.chunks.len() * usize::from(WaterfallTile::COMPLETE) / whole) as u8
     }
 
     /// Builds the first stretch that is missing, if any.
@@ -57,7 +57,7 @@ impl Coarse {
     }
 
     /// A tile of this level or coarser, from what is built; its completeness says how much that was.
-    pub fn tile(&self, axis: &RangeAxis, key: TileKey) -> Tile {
+    pub fn tile(&self, axis: &RangeAxis, key: WaterfallTileKey) -> WaterfallTile {
         let (width, height) = size(axis, key);
         let step = Level {
             along: key.level.along - self.level.along,
@@ -79,7 +79,7 @@ impl Coarse {
             }
             texels.extend(sums.iter().map(Mean::texel));
         }
-        Tile {
+        WaterfallTile {
             key,
             width,
             height,
@@ -98,7 +98,7 @@ impl Coarse {
 }
 
 /// Texels of a tile that the survey fills: width over range, height over pings.
-pub(super) fn size(axis: &RangeAxis, key: TileKey) -> (usize, usize) {
+pub(super) fn size(axis: &RangeAxis, key: WaterfallTileKey) -> (usize, usize) {
     let left = |extent: usize, first: usize, step: usize| {
         extent.saturating_sub(first).div_ceil(step).min(TILE)
     };
@@ -146,7 +146,7 @@ mod tests {
         for (along, across) in [(4, 3), (5, 3), (6, 5)] {
             let level = Level { along, across };
             for column in 0..2 {
-                let key = TileKey {
+                let key = WaterfallTileKey {
                     side: Side::Starboard,
                     level,
                     column,

@@ -22,5 +22,5 @@ pub use axis::RangeAxis;
 pub use cache::Lru;
 pub use levels::{Levels, MOST_SAMPLED_PINGS, beyond_pulse};
 pub use line::{LineSpan, LineStep, PickLines, RangeLine};
-pub use tile::{Level, TILE, Tile, TileKey, Want};
+pub use tile::{Level, TILE, Want, WaterfallTile, WaterfallTileKey};
 pub use worker::{Made, Tiler};

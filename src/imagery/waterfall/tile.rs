@@ -38,7 +38,7 @@ impl Level {
 
 /// A tile's place in the pyramid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct TileKey {
+pub struct WaterfallTileKey {
     /// Side of the boat.
     pub side: Side,
     /// How much it is reduced.
@@ -49,7 +49,7 @@ pub struct TileKey {
     pub row: u32,
 }
 
-impl TileKey {
+impl WaterfallTileKey {
     /// First ping of the tile.
     pub fn first_ping(&self) -> usize {
         self.column as usize * TILE * self.level.pings()
@@ -70,8 +70,8 @@ impl TileKey {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Want {
     /// Which.
-    pub key: TileKey,
-    /// How complete the one is that the view has ([`Tile::completeness`]); `None` when it has none.
+    pub key: WaterfallTileKey,
+    /// How complete the one is that the view has ([`WaterfallTile::completeness`]); `None` when it has none.
     pub have: Option<u8>,
 }
 
@@ -80,21 +80,21 @@ pub struct Want {
 /// 0 means that nothing was recorded there; a recorded 0 is stored as 1. The rows are pings, and within a row the texels
 /// go outward from the boat.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Tile {
+pub struct WaterfallTile {
     /// Its place.
-    pub key: TileKey,
+    pub key: WaterfallTileKey,
     /// Texels in a row.
     pub width: usize,
     /// Rows.
     pub height: usize,
     /// `[mean, max]` of each texel, row by row.
     pub texels: Vec<[u8; 2]>,
-    /// 0 to [`Tile::COMPLETE`]: how much of the store that it was reduced from existed.
+    /// 0 to [`WaterfallTile::COMPLETE`]: how much of the store that it was reduced from existed.
     pub completeness: u8,
 }
 
-impl Tile {
-    /// [`Tile::completeness`] of a tile that will not change any more.
+impl WaterfallTile {
+    /// [`WaterfallTile::completeness`] of a tile that will not change any more.
     pub const COMPLETE: u8 = 16;
 
     /// Bytes of its texels.

@@ -1,8 +1,8 @@
-//! The worker that makes tiles and lines off the window's thread: what is requested now comes first, the far-out store next.
+//! The worker that makes tiles and lines in a background thread: what is requested now comes first, the far-out store next.
 
 use super::coarse::{Coarse, size};
 use super::resample::resample;
-use super::{Levels, PickLines, RangeAxis, RangeLine, Tile, TileKey, Want};
+use super::{Levels, PickLines, RangeAxis, RangeLine, Want, WaterfallTile, WaterfallTileKey};
 use crate::sonar::first_return::FirstReturns;
 use crate::survey::Survey;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, mpsc};
@@ -18,7 +18,7 @@ pub enum Made {
     /// The levels that suit the survey; come before the first tile, so that no picture changes its tone.
     Levels(Levels),
     /// A tile.
-    Tile(Tile),
+    WaterfallTile(WaterfallTile),
     /// The extent of a log that has grown; tiles that reach to its old end are to be asked for again, or all of them where the axis is
     /// another one.
     Grown {
@@ -49,7 +49,7 @@ struct Shared {
 #[derive(Default)]
 struct Orders {
     tiles: Vec<Want>,
-    making: Option<TileKey>,
+    making: Option<WaterfallTileKey>,
     picks: Option<Arc<FirstReturns>>,
     grown: Option<Arc<Survey>>,
     stop: bool,
@@ -153,7 +153,7 @@ struct Work {
 enum Task {
     Grow(Arc<Survey>),
     Picks(Arc<FirstReturns>),
-    Tile(TileKey),
+    WaterfallTile(WaterfallTileKey),
     Store,
 }
 
@@ -166,7 +166,7 @@ impl Work {
                     let lines = PickLines::new(&self.survey, returns);
                     out.send(Made::Picks(Arc::new(lines)));
                 }
-                Task::Tile(key) => out.send(Made::Tile(self.tile(key))),
+                Task::WaterfallTile(key) => out.send(Made::WaterfallTile(self.tile(key))),
                 Task::Store => {
                     self.coarse.build_next(&self.survey, &self.axis);
                 }
@@ -212,7 +212,7 @@ impl Work {
             if let Some(place) = orders.tiles.iter().position(|want| self.can_improve(want)) {
                 let key = orders.tiles.remove(place).key;
                 orders.making = Some(key);
-                return Some(Task::Tile(key));
+                return Some(Task::WaterfallTile(key));
             }
             if !self.coarse.is_complete() {
                 return Some(Task::Store);
@@ -227,7 +227,7 @@ impl Work {
     /// Whether making the tile now gives more than the view has.
     fn can_improve(&self, want: &Want) -> bool {
         let now = if self.is_from_samples(want.key) {
-            Tile::COMPLETE
+            WaterfallTile::COMPLETE
         } else {
             self.coarse.completeness()
         };
@@ -235,12 +235,12 @@ impl Work {
     }
 
     /// Near levels always come from the samples; middling ones do until the store is complete.
-    fn is_from_samples(&self, key: TileKey) -> bool {
+    fn is_from_samples(&self, key: WaterfallTileKey) -> bool {
         let stored = self.axis.store.is_finer_or_equal(key.level);
         key.level.is_near() && !(stored && self.coarse.is_complete())
     }
 
-    fn tile(&self, key: TileKey) -> Tile {
+    fn tile(&self, key: WaterfallTileKey) -> WaterfallTile {
         if !self.is_from_samples(key) {
             return self.coarse.tile(&self.axis, key);
         }
@@ -256,12 +256,12 @@ impl Work {
             key.first_bin(),
             width,
         );
-        Tile {
+        WaterfallTile {
             key,
             width,
             height,
             texels,
-            completeness: Tile::COMPLETE,
+            completeness: WaterfallTile::COMPLETE,
         }
     }
 }
@@ -274,10 +274,10 @@ mod tests {
     use crate::survey::Side;
     use std::time::{Duration, Instant};
 
-    fn next_tile(tiler: &Tiler) -> Tile {
+    fn next_tile(tiler: &Tiler) -> WaterfallTile {
         let start = Instant::now();
         loop {
-            if let Some(Made::Tile(tile)) = tiler.poll() {
+            if let Some(Made::WaterfallTile(tile)) = tiler.poll() {
                 return tile;
             }
             assert!(
@@ -291,7 +291,7 @@ mod tests {
     #[test]
     fn far_out_tiles_grow_until_they_are_complete() {
         let tiler = Tiler::start(Arc::new(even(30_000, 64)), || ());
-        let key = TileKey {
+        let key = WaterfallTileKey {
             side: Side::Port,
             level: Level {
                 along: 6,
@@ -306,7 +306,7 @@ mod tests {
             let tile = next_tile(&tiler);
             assert!(have < Some(tile.completeness), "made again without gain");
             have = Some(tile.completeness);
-            if have == Some(Tile::COMPLETE) {
+            if have == Some(WaterfallTile::COMPLETE) {
                 break tile;
             }
         };
@@ -325,18 +325,18 @@ mod tests {
         let tiler = Tiler::start(Arc::new(shorter), || ());
         let fresh = Tiler::start(Arc::new(whole.clone()), || ());
         let level = |along| Level { along, across: 3 };
-        let keys = [(0, 9), (2, 3), (5, 0)].map(|(along, column)| TileKey {
+        let keys = [(0, 9), (2, 3), (5, 0)].map(|(along, column)| WaterfallTileKey {
             side: Side::Port,
             level: level(along),
             column,
             row: 0,
         });
-        let tile = |tiler: &Tiler, key: TileKey| {
+        let tile = |tiler: &Tiler, key: WaterfallTileKey| {
             let mut have = None;
             loop {
                 tiler.want(vec![Want { key, have }]);
                 let tile = next_tile(tiler);
-                if tile.key == key && tile.completeness == Tile::COMPLETE {
+                if tile.key == key && tile.completeness == WaterfallTile::COMPLETE {
                     return tile;
                 }
                 have = (tile.key == key).then_some(tile.completeness).or(have);

@@ -1,6 +1,6 @@
 //! How the points of a survey, of one log or of several, agree with a reference, one by one.
 //!
-//! `reference` is what can be held against it: a file of points or another mission. `tables` sorts the differences by what they may
+//! `reference` is what it can be compared with: a file of points or another mission. `tables` sorts the differences by what they may
 //! hang on, `by_source` tells the sources of points apart.
 
 mod by_source;
@@ -24,7 +24,7 @@ use std::sync::Arc;
 pub struct Agreement {
     /// The points, log by log.
     pub logs: Vec<LogDifferences>,
-    /// What they were held against; `None` for the survey's own soundings.
+    /// What they were compared with; `None` for the survey's own soundings.
     pub reference: Option<Arc<Reference>>,
     /// How a point found its reference.
     pub matching: Matching,
@@ -39,7 +39,7 @@ pub struct Agreement {
 pub struct LogDifferences {
     /// The cloud that they are of.
     pub cloud: Arc<PointCloud>,
-    /// Points that were held against the reference.
+    /// Points that were compared with the reference.
     pub measured: usize,
     /// Those that have one, in the cloud's order: `measured` of each is the index there. Empty where the reference is elsewhere.
     pub differences: Vec<Match>,

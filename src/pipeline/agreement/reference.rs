@@ -1,4 +1,4 @@
-//! What a survey can be held against: points of a file, or another mission over the same water.
+//! What a survey can be compared with: points of a file, or another mission over the same water.
 
 use super::{AgreementError, ReferenceFault};
 use crate::bottom::cloud::Correction;
@@ -15,7 +15,7 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// What a survey is held against.
+/// What a survey is compared with.
 #[derive(Debug)]
 pub struct Reference {
     path: PathBuf,
@@ -43,12 +43,12 @@ enum Held {
 pub struct MissionLog {
     /// The recording; without settings of its own as it was read, with them as these have it.
     pub survey: Arc<Survey>,
-    /// The settings that it is processed with; those of the survey that is held against it where it has none of its own.
+    /// The settings that it is processed with; those of the survey that is compared with it where it has none of its own.
     pub settings: Option<Settings>,
 }
 
 impl Reference {
-    /// Opens what a survey is to be held against: points or a log, as [`open_reference`] tells them apart.
+    /// Opens what a survey is to be compared with: points or a log, as [`open_reference`] tells them apart.
     ///
     /// # Errors
     /// When it cannot be read, its metres lie nowhere near the survey, or the work was cancelled.
@@ -91,7 +91,7 @@ impl Reference {
         })
     }
 
-    /// Another mission of one log, which is processed with the settings of the survey that is held against it.
+    /// Another mission of one log, which is processed with the settings of the survey that is compared with it.
     fn of_mission(survey: Survey) -> Self {
         let path = survey.source.files.first().cloned().unwrap_or_default();
         let log = MissionLog {
@@ -193,7 +193,7 @@ impl Reference {
 
 impl MissionLog {
     /// What the pipeline makes of it, and the recording as it is mounted. A flat spot, strokes, stretches and a height offset of the log
-    /// that is held against it mean nothing here; that log's mounting is taken for its own.
+    /// that is compared with it mean nothing here; that log's mounting is taken for its own.
     fn processed(
         &self,
         settings: &Settings,

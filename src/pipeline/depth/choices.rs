@@ -1,4 +1,4 @@
-//! What each choice of geometry and calibration costs: the same picks, held against the same soundings.
+//! What each choice of geometry and calibration costs: the same picks, compared with the same soundings.
 
 use super::residuals::{kept_of, place};
 use crate::bottom::bathymetry::compare::{Matching, Reference};

@@ -9,7 +9,7 @@ use crate::support::progress::{Cancelled, Progress};
 use crate::survey::Survey;
 use serde::Serialize;
 
-/// Farthest sounding that a side-scan point is held against by place, metres.
+/// Farthest sounding that a side-scan point is compared with by place, metres.
 const RADIUS_M: f64 = 1.0;
 
 /// How the depths of one source agree with those of another.
@@ -17,7 +17,7 @@ const RADIUS_M: f64 = 1.0;
 pub struct NamedComparison {
     /// What was measured.
     pub source: &'static str,
-    /// What it is held against.
+    /// What it is compared with.
     pub reference: String,
     /// How a point finds its reference, in words.
     pub matching: String,
@@ -59,7 +59,7 @@ pub fn comparisons(
             format!("nearest point within {RADIUS_M} m"),
         ),
     ];
-    // Where the recorder had lost the bottom, depth rests on these alone: what soundings there are nearby is held against them.
+    // Where the recorder had lost the bottom, depth comes from these alone: nearby soundings are compared with them.
     let is_lost =
         |survey: &Survey, point: &CloudPoint| survey.locked_depth_m(point.ping as usize).is_nan();
     let sides: [(&'static str, &[PointSource], bool); 4] = [

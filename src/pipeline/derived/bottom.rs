@@ -35,7 +35,7 @@ pub enum BottomColour {
     Uncertainty,
     /// How far away the nearest depth was measured.
     Distance,
-    /// What the depth rests on.
+    /// The source of the depth.
     Source,
     /// How bright the bed is by itself: `depth/hardness.tif`. Without depths from echo levels nothing is known.
     Hardness,
@@ -104,7 +104,7 @@ pub struct Bottom {
     /// What it was made of.
     pub depth_map: Arc<DepthMap>,
     /// Its means over larger cells, where it has more corners than were asked for; under the mosaic with the ground that has an echo and no
-    /// depth, on a level bed.
+    /// depth, on a flat extrapolation.
     made: Option<Surface>,
     /// Shallowest and deepest depth of the depth map, metres.
     pub range_m: [f64; 2],
@@ -114,11 +114,11 @@ pub struct Bottom {
     pub rgb: Vec<Rgb>,
     /// Mean colour of the ground around each corner, for pictures from far away; `None` where colours are even enough.
     far_rgb: Option<Vec<Rgb>>,
-    /// Values at the ends of the colours, metres, of hardness decibels; none of the mosaic's and of what depths rest on, and where nothing is
+    /// Values at the ends of the colours, metres, of hardness decibels; none of the mosaic's and of the source of depths, and where nothing is
     /// known.
     pub ends: Option<[f32; 2]>,
-    /// Whether it has ground of which an echo is shown and no depth is known, on a bed that goes on level from the depths.
-    pub has_level_bed: bool,
+    /// Whether it has ground of which an echo is shown and no depth is known, on a flat extrapolation of the depths.
+    pub has_flat_extrapolation: bool,
 }
 
 /// A corner of the bottom.
@@ -141,7 +141,7 @@ pub struct BottomCorner {
 pub enum CornerGround {
     /// Nothing, and nothing is to be seen there.
     Unknown,
-    /// An echo of it is shown, on a bed that is assumed to go on level from the depths.
+    /// An echo of it is shown, on a flat extrapolation of the depths.
     Level,
     /// A depth.
     Depth,
@@ -188,7 +188,7 @@ impl Bottom {
             rgb,
             far_rgb: None,
             ends,
-            has_level_bed: false,
+            has_flat_extrapolation: false,
             made,
         })
     }
@@ -233,7 +233,7 @@ impl Bottom {
         let surface = depth_map
             .surface
             .coarser(times)
-            .on_level_bed(around, |_| true);
+            .extrapolated_flat(around, |_| true);
         progress.check()?;
         let mut surface = surface.finer(finer);
         let cells = surface.depth_m.par_iter_mut().zip(&surface.source);
@@ -257,12 +257,12 @@ impl Bottom {
             far_rgb: Some(far_rgb.collect()),
             rgb,
             ends: None,
-            has_level_bed: is_level_bed(&surface),
+            has_flat_extrapolation: is_flat_extrapolation(&surface),
             made: Some(surface),
         })
     }
 
-    /// Depth of the cell at a place east and north of the survey's origin, known or on the level bed, metres.
+    /// Depth of the cell at a place east and north of the survey's origin, known or extrapolated flat, metres.
     pub fn depth_at(&self, place: [f64; 2]) -> Option<f32> {
         let [easting_m, northing_m] = self.depth_map.to_map(place);
         let (depth_m, _) = self.surface().at(easting_m, northing_m)?;
@@ -389,7 +389,7 @@ fn between(grid: &Grid, levels: &[u8], place: [f64; 2]) -> Option<u8> {
     (sums[1] > 0.0).then(|| (sums[0] / sums[1]).round() as u8)
 }
 
-fn is_level_bed(surface: &Surface) -> bool {
+fn is_flat_extrapolation(surface: &Surface) -> bool {
     let mut cells = surface.depth_m.iter().zip(&surface.source);
     cells.any(|(depth_m, source)| !depth_m.is_nan() && *source == CellSource::None)
 }

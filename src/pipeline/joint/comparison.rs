@@ -1,4 +1,4 @@
-//! Logs of one survey held against each other by their points.
+//! Logs of one survey compared with each other by their points.
 
 use crate::bottom::bathymetry::compare::{Comparison, Matching, Reference};
 use crate::pipeline::ProcessedLog;

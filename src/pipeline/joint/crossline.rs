@@ -3,7 +3,7 @@
 use crate::bottom::bathymetry::crosslines::{Crossing, TrackDepth, crossings};
 use crate::bottom::bathymetry::height_offsets::{self as offsets, Datum, HeightOffsets};
 use crate::bottom::bathymetry::position_offsets::{
-    FoundShift, Placed, Shift, Wanted, settled_offsets, shifted,
+    CorrectedLog, FoundShift, Shift, Wanted, settled_offsets, shifted,
 };
 use crate::bottom::cloud::{PointSource, Residuals};
 use crate::pipeline::ProcessedLog;
@@ -161,13 +161,17 @@ pub fn position_offsets(
     progress: &Progress,
 ) -> Result<Option<Vec<LogPositions>>, Cancelled> {
     let tracks: Vec<Vec<TrackDepth>> = logs.iter().map(track_depths).collect();
-    let found = settled_offsets(&vec![Placed::default(); logs.len()], wanted, |placed| {
-        let moved = tracks.iter().zip(placed);
-        let moved: Vec<Vec<TrackDepth>> = moved
-            .map(|(track, placed)| shifted(track, &placed.shift))
-            .collect();
-        crossings(&moved, progress)
-    })?;
+    let found = settled_offsets(
+        &vec![CorrectedLog::default(); logs.len()],
+        wanted,
+        |placed| {
+            let moved = tracks.iter().zip(placed);
+            let moved: Vec<Vec<TrackDepth>> = moved
+                .map(|(track, placed)| shifted(track, &placed.shift))
+                .collect();
+            crossings(&moved, progress)
+        },
+    )?;
     let of_log = |(log, found): (&ProcessedLog, FoundShift)| {
         let settings = &log.products.settings;
         let PositionShift { east_m, north_m } = settings.position_shift;

@@ -4,7 +4,7 @@ use super::{CrosslineAnalysis, compare_logs, crossline_analysis, height_offsets}
 use crate::bottom::bathymetry::compare::Comparison;
 use crate::bottom::bathymetry::height_offsets::{Datum, LogOffset, PairDifference};
 use crate::bottom::cloud::{Residuals, TrackShare, same_ping_differences};
-use crate::pipeline::report::Counts;
+use crate::pipeline::report::RunCounts;
 use crate::pipeline::{
     CalibrationReport, CommonUncertainty, Input, ProcessedLog, Report, Settings, setting_values,
 };
@@ -20,7 +20,7 @@ pub struct LogsReport {
     pub datum: &'static str,
     /// Every log.
     pub logs: Vec<LogReport>,
-    /// How every two logs differ that meet, before any offset is applied; `residual_m` is what the offsets found leave of it.
+    /// How every two logs differ that cross or overlap, before any offset is applied; `residual_m` is what the offsets found leave of it.
     pub pairs: Vec<PairDifference>,
     /// Crossings of all tracks, with the offsets in force; `None` where none crosses another or itself.
     pub crosslines: Option<CrosslineAnalysis>,
@@ -47,7 +47,7 @@ pub struct LogReport {
     /// How its points agree with the triangulated points of all others.
     pub against_the_others: Comparison,
     /// Counts.
-    pub counts: Counts,
+    pub counts: RunCounts,
     /// Stretches that count for nothing.
     pub excluded: Vec<ExcludedStretch>,
     /// Scales.
@@ -229,7 +229,7 @@ impl LogsReport {
                 ..
             } = log.offset;
             match log_overlaps {
-                0 => format!("{}: meets no other log", log.log),
+                0 => format!("{}: crosses no other log", log.log),
                 _ => format!(
                     "{}: height offset {offset_m:+.3} +- {standard_error_m:.3} m by {log_overlaps} overlaps, {:+.3} m in force",
                     log.log, log.height_offset_in_force_m

@@ -1,18 +1,18 @@
 //! All settings of the pipeline under the keys that scripts use, and the two presets.
 //!
 //! `rows` is the table of them: key, range, unit, words. `table` makes check, help and the manual's page of it, `keys` lays files and
-//! assignments over settings, `shown` has a number in the unit of the window.
+//! assignments over settings, `display_units` has a number in the unit of the window.
 
+mod display_units;
 mod keys;
 pub mod rows;
-mod shown;
 mod table;
 #[cfg(test)]
 mod tests;
 
+pub use display_units::ShownNumber;
 pub use keys::renamed;
 pub(crate) use keys::slips;
-pub use shown::ShownNumber;
 pub use table::{Choice, Control, Kind, Named, Number, Row, help, markdown, row};
 
 use crate::bottom::bathymetry::SurfaceSettings;
@@ -31,8 +31,8 @@ use crate::sonar::first_return::{
 };
 use crate::support::geo::{CrsChoice, SourceCrs};
 use crate::survey::{
-    ExclusionSettings, HeadingSettings, HeadingSource, MountingSettings, Placing, PositionShift,
-    Projection, TrackSettings,
+    ExclusionSettings, HeadingSettings, HeadingSource, MountingSettings, PositionSettings,
+    PositionShift, Projection, TrackSettings,
 };
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -229,8 +229,8 @@ impl Settings {
     }
 
     /// What decides where pings lie.
-    pub fn placing(&self) -> Placing<'_> {
-        Placing {
+    pub fn position_settings(&self) -> PositionSettings<'_> {
+        PositionSettings {
             heading: &self.heading,
             mounting: &self.mounting,
             shift: &self.position_shift,

@@ -1,4 +1,4 @@
-//! How much higher or lower the depths of each log are than those of the others, from where their tracks meet within tiles, and where somebody
+//! How much higher or lower the depths of each log are than those of the others, from where their tracks cross or overlap within tiles, and where somebody
 //! asks for it how far its positions are off and how late they are; and, by `level_factors`, how much brighter its echoes.
 
 use super::error::ArchiveError;
@@ -31,9 +31,9 @@ pub struct Adjusted {
 }
 
 /// Finds the height offsets of all logs of an archive, the factors on their levels and, as far as `wanted`, how their positions are to be corrected, and
-/// writes its table. Positions that are corrected already stay so. Logs that a person has pinned keep theirs and are what the others are held
-/// against. Without any, the mean offset of tied logs is zero when they first meet; from then on the logs that are known keep their
-/// heights, and new ones are held against these.
+/// writes its table. Positions that are corrected already stay so. Logs that a person has pinned keep theirs and are what the others are compared
+/// against. Without any, the mean offset of tied logs is zero when they first cross; from then on the logs that are known keep their
+/// heights, and new ones are compared with these.
 ///
 /// # Errors
 /// When rows or the table cannot be used, or the work was cancelled.
@@ -226,7 +226,7 @@ mod tests {
     #[test]
     fn pinned_logs_hold_the_others_and_each_other() {
         // True offsets of five logs, of which the first and the last are pinned 10 cm away from where the overlaps have them, and the
-        // fourth meets nobody.
+        // fourth crosses nobody.
         let true_m = [0.3, -0.2, 0.5, 0.0, 0.1];
         let pairs = [[0, 1], [1, 2], [2, 4], [0, 4]];
         let log_overlaps: Vec<LogOverlap> = pairs

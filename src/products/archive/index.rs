@@ -265,7 +265,7 @@ fn item(tile: TileId, record: &TileRecord, span_unix_s: [f64; 2]) -> Value {
         (
             SOURCE,
             "source",
-            "What the depth of a cell rests on",
+            "The source of the depth in a cell",
             raster,
         ),
         (ISOBATHS, "isobaths", "Lines of equal depth", lines),

@@ -10,7 +10,7 @@ use crate::formats::geotiff::{
     Band, Cells, CellsError, NODATA, RASTER_TILE, RasterSpec, RasterTiles,
 };
 use crate::imagery::mosaic::{
-    GainTable, LogPart, MosaicLog, MosaicSettings, TILE_CELLS, TileIndex, part,
+    GainTable, MosaicLog, MosaicPart, MosaicSettings, TILE_CELLS, TileIndex, part,
 };
 use crate::pipeline::{Derived, ProcessedLog, mosaic_layout};
 use crate::products::export::geotiff;
@@ -146,7 +146,7 @@ struct TilePart<'a> {
 }
 
 impl TilePart<'_> {
-    fn draw(&self, place: [usize; 2]) -> LogPart {
+    fn draw(&self, place: [usize; 2]) -> MosaicPart {
         let mut drawn = part(self.log, self.index, &self.grid, self.settings, place);
         if !self.tile.is_within_zone() {
             self.blank_other_zones(&mut drawn, place);
@@ -155,7 +155,7 @@ impl TilePart<'_> {
     }
 
     /// Where a tile reaches across the edge of its zone, cells beyond belong to the other zone.
-    fn blank_other_zones(&self, drawn: &mut LogPart, [row, column]: [usize; 2]) {
+    fn blank_other_zones(&self, drawn: &mut MosaicPart, [row, column]: [usize; 2]) {
         let zone = self.tile.zone;
         for (cell, level) in drawn.levels.iter_mut().enumerate() {
             let at = self.grid.centre(

@@ -1,4 +1,4 @@
-//! Where the tracks of the logs of an archive meet, tile by tile.
+//! Where the tracks of the logs of an archive cross or overlap, tile by tile.
 
 use super::error::ArchiveError;
 use super::log_record::LogRecord;
@@ -15,7 +15,7 @@ use crate::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
 
-/// Where logs meet in all tiles: their tracks cross, or, of pairs that hardly do, run along each other. By pair.
+/// Where logs cross or overlap in all tiles: their tracks cross, or, of pairs that hardly do, run along each other. By pair.
 pub(super) fn log_overlaps(
     archive: &Archive,
     logs: &[LogRecord],

@@ -9,7 +9,7 @@ use crate::bottom::bathymetry::isobaths::{Isobath, IsobathSettings};
 use crate::formats::parquet_table::{Column, Values, read_parquet, write_parquet};
 use crate::pipeline::{Fingerprint, in_hexadecimal};
 use crate::products::export::write_atomically;
-use crate::products::map_tiles::{Known, MapPart, Picture, Pixels, WebTile};
+use crate::products::map_tiles::{Known, MapPart, Pixels, TileStyle, WebTile};
 use flate2::Compression;
 use flate2::read::ZlibDecoder;
 use flate2::write::ZlibEncoder;
@@ -26,7 +26,7 @@ const ENDING: &str = ".parquet";
 const HASH: usize = 12;
 /// Names of the columns: what a row is, the tile of a picture, and the bytes.
 const COLUMNS: [&str; 5] = ["content", "zoom", "x", "y", "bytes"];
-/// What a row is: a picture, by its place in [`Picture::ALL`], or what is known of the tile itself.
+/// What a row is: a picture, by its place in [`TileStyle::ALL`], or what is known of the tile itself.
 const PIXELS: i32 = 3;
 const LINE: i32 = 4;
 /// No tile has more bytes of pixels; a damaged file may say that it has.
@@ -188,7 +188,7 @@ fn read(path: &Path) -> Option<MapPart> {
             PIXELS => pixels = Some(unpacked(&bytes)?),
             LINE => lines.push(line_of(&bytes)?),
             other => {
-                let picture = *Picture::ALL.get(usize::try_from(other).ok()?)?;
+                let picture = *TileStyle::ALL.get(usize::try_from(other).ok()?)?;
                 let tile = WebTile {
                     zoom: u8::try_from(zoom[row]?).ok()?,
                     x: u32::try_from(x[row]?).ok()?,
@@ -274,7 +274,7 @@ mod tests {
             depth_m: 0.1 + 0.2,
             points: vec![[1.0 / 3.0, 2e7 / 7.0], [0.1, 1e7 / 3.0]],
         };
-        let pictures = Picture::ALL.map(|picture| (picture, TILE, vec![picture as u8; 9]));
+        let pictures = TileStyle::ALL.map(|picture| (picture, TILE, vec![picture as u8; 9]));
         MapPart {
             known: pixels.map(|pixels| Known {
                 pixels,

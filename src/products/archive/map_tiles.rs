@@ -16,7 +16,7 @@ use crate::bottom::bathymetry::{Grid, Light, Surface, hill_shade};
 use crate::pipeline::Fingerprint;
 use crate::products::export::tile_sets::{TileSet, TileStore, map_page, mbtiles, pmtiles};
 use crate::products::map_tiles::{
-    LitSurface, MapPart, MapScales, Picture, Pixels, TileSource, WebTile, ZoomRange,
+    LitSurface, MapPart, MapScales, Pixels, TileSource, TileStyle, WebTile, ZoomRange,
 };
 use crate::support::geo::{LonLat, UtmZone, boxes_meet};
 use crate::support::presentation::ticks::round_up;
@@ -161,8 +161,11 @@ fn write_files(
         ),
         scales: source.scales,
     };
-    mbtiles(&folder.join(CHART), &store, Picture::Chart, &set)?;
-    for (name, picture) in PMTILES.iter().zip([Picture::Colours, Picture::Elevations]) {
+    mbtiles(&folder.join(CHART), &store, TileStyle::Chart, &set)?;
+    for (name, picture) in PMTILES
+        .iter()
+        .zip([TileStyle::Colours, TileStyle::Elevations])
+    {
         pmtiles(&folder.join(name), &store, picture, &set)?;
     }
     map_page(&folder.join(PAGE), &set, PMTILES)?;

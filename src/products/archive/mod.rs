@@ -50,7 +50,7 @@ pub use coverage::{CoverageQuery, PingCoverage, coverage_at};
 pub use error::ArchiveError;
 pub use footprint::{CoveredSamples, Footprint, SideRange};
 pub use index::write_index;
-pub use list::{TileContent, contents};
+pub use list::{TileRowCounts, contents};
 pub use log_record::{LogRecord, TileRows};
 pub use map_tiles::{MapTilesState, write_map_tiles};
 pub use offsets::{OffsetRow, Offsets};

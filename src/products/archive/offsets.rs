@@ -51,11 +51,11 @@ pub struct OffsetRow {
     pub offset_m: f64,
     /// Its standard error, metres; NaN where nothing ties the log, 0 where it is pinned.
     pub standard_error_m: f64,
-    /// Places where it meets other logs.
+    /// Places where it crosses or overlaps other logs.
     pub ties: usize,
     /// Logs of one group are tied to each other; heights of different groups cannot be compared.
     pub group: usize,
-    /// Whether a person has set it: a benchmark log. It stays, and others are held against it.
+    /// Whether a person has set it: a benchmark log. It stays, and others are compared with it.
     pub is_pinned: bool,
     /// How its positions are corrected; all zero where nobody asked for it.
     pub shift: Shift,

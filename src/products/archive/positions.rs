@@ -7,7 +7,7 @@ use super::offsets::{Offsets, as_written};
 use super::record::{Archive, MOST_MOVED_M};
 use crate::bottom::bathymetry::crosslines::{Crossing, crossings};
 use crate::bottom::bathymetry::position_offsets::{
-    FoundShift, Placed, Shift, Wanted, settled_offsets,
+    CorrectedLog, FoundShift, Shift, Wanted, settled_offsets,
 };
 use crate::support::progress::Progress;
 
@@ -43,24 +43,27 @@ pub(super) fn shifts(
         }
         one
     };
-    let placed = before.iter().zip(pinned).map(|(before, pinned_m)| Placed {
-        shift: before.shift,
-        pinned_m: *pinned_m,
-    });
-    let placed: Vec<Placed> = placed.collect();
+    let placed = before
+        .iter()
+        .zip(pinned)
+        .map(|(before, pinned_m)| CorrectedLog {
+            shift: before.shift,
+            pinned_m: *pinned_m,
+        });
+    let placed: Vec<CorrectedLog> = placed.collect();
     let found = settled_offsets(&placed, wanted, |placed| {
         let shifts = placed.iter().map(|placed| placed.shift).collect();
         let search = Search::new(archive, logs, shifts, wanted.latencies, progress);
-        let mut met = search.in_tiles(
+        let mut found = search.in_tiles(
             |_| true,
             |tracks, inside| {
-                let met = crossings(tracks, &Progress::new())?.into_iter();
-                Ok(met.map(|one| relabelled(one, inside)).collect())
+                let found = crossings(tracks, &Progress::new())?.into_iter();
+                Ok(found.map(|one| relabelled(one, inside)).collect())
             },
             |one: &Crossing| one.place,
         )?;
-        met.sort_by_key(|one| one.passes.map(|pass| pass.track));
-        Ok::<_, ArchiveError>(met)
+        found.sort_by_key(|one| one.passes.map(|pass| pass.track));
+        Ok::<_, ArchiveError>(found)
     })?;
     let mut found = found
         .ok_or_else(|| "the equations for the positions of the logs have no solution".to_owned())?;

@@ -18,7 +18,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 const KEPT: usize = 24;
 
 /// The map of a tile.
-pub struct TileContent {
+pub struct TileDepths {
     /// Its cells.
     grid: Grid,
     /// Depths of its cells, row by row, metres; NaN where none is known. Nothing else of a surface is kept: it would take three times the memory.
@@ -33,7 +33,7 @@ pub struct TileContents {
     /// Which zoom lines are placed in.
     zoom: u8,
     /// Those asked for last at the end.
-    kept: Mutex<Vec<(TileId, Arc<TileContent>)>>,
+    kept: Mutex<Vec<(TileId, Arc<TileDepths>)>>,
 }
 
 impl TileContents {
@@ -50,7 +50,7 @@ impl TileContents {
     ///
     /// # Errors
     /// When one of its files cannot be read.
-    pub fn of(&self, tile: TileId) -> io::Result<Arc<TileContent>> {
+    pub fn of(&self, tile: TileId) -> io::Result<Arc<TileDepths>> {
         let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(at) = kept.iter().position(|(one, _)| *one == tile) {
             let found = kept.remove(at);
@@ -67,7 +67,7 @@ impl TileContents {
         Ok(content)
     }
 
-    fn read(&self, tile: TileId) -> io::Result<TileContent> {
+    fn read(&self, tile: TileId) -> io::Result<TileDepths> {
         let folder = folder_of(&self.archive, tile);
         let with_name = |path: &Path, error: &dyn std::fmt::Display| {
             io::Error::other(format!("{error}: {}", path.display()))
@@ -79,7 +79,7 @@ impl TileContents {
         // A raster of another size is not the tile's: what it lacks is not known.
         let mut depth_m = raster.values;
         depth_m.resize(grid.len(), f32::NAN);
-        Ok(TileContent {
+        Ok(TileDepths {
             grid,
             depth_m,
             lines: lines(&isobaths, self.zoom).map_err(|error| with_name(&isobaths, &error))?,
@@ -121,7 +121,7 @@ fn lines(path: &Path, zoom: u8) -> io::Result<Vec<Isobath>> {
     Ok(lines.collect())
 }
 
-impl TileContent {
+impl TileDepths {
     /// Its depths as a surface.
     pub fn surface(&self) -> Surface {
         Surface::of_depths(self.grid, self.depth_m.clone())
@@ -166,7 +166,7 @@ mod tests {
             rows: side,
         };
         let own = grid(100.0, 50.0, 4);
-        let content = TileContent {
+        let content = TileDepths {
             grid: own,
             depth_m: (0..16).map(|cell| cell as f32).collect(),
             lines: Vec::new(),

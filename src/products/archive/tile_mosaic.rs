@@ -7,7 +7,7 @@ use super::offsets::Offsets;
 use super::record::Archive;
 use super::tile::TileId;
 use crate::formats::geotiff::{CellsError, RasterTiles};
-use crate::imagery::mosaic::{LogPart, join_parts};
+use crate::imagery::mosaic::{MosaicPart, join_parts};
 use crate::products::export::geotiff;
 use crate::support::progress::Progress;
 use std::collections::BTreeSet;
@@ -102,10 +102,10 @@ impl StoredPart {
         })
     }
 
-    fn read(&self, place: [usize; 2]) -> io::Result<LogPart> {
+    fn read(&self, place: [usize; 2]) -> io::Result<MosaicPart> {
         let fail = |error: CellsError| io::Error::other(in_words(&error, &self.path));
         let weights = self.weights.as_ref().map(|weights| weights.values(place));
-        let part = LogPart {
+        let part = MosaicPart {
             levels: self.levels.levels(place).map_err(fail)?,
             weights: weights.transpose().map_err(fail)?.unwrap_or_default(),
         };

@@ -40,7 +40,7 @@ pub struct BottomCell {
     pub sigma_m: f32,
     /// To the nearest depth that was measured, metres.
     pub distance_m: f32,
-    /// What the depth rests on, by the number of [`crate::bottom::bathymetry::CellSource`].
+    /// The source of the depth, by the number of [`crate::bottom::bathymetry::CellSource`].
     pub source: u8,
     /// Whether it was measured there.
     pub is_measured: bool,

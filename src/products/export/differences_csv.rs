@@ -1,4 +1,4 @@
-//! Points with what they were held against: one line a point.
+//! Points with what they were compared with: one line a point.
 
 use super::log_points::LogColumn;
 use super::{ExportError, LogPoints, Summary, write_atomically};

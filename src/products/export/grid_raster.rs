@@ -49,7 +49,7 @@ pub fn metres_raster(
     )
 }
 
-/// Writes what the depths of a surface rest on, as the numbers of [`CellSource`]; `about` is said of it beside what the numbers are.
+/// Writes the source of the depths of a surface, as the numbers of [`CellSource`]; `about` is said of it beside what the numbers are.
 ///
 /// # Errors
 /// As [`grid_raster`].
@@ -64,12 +64,12 @@ pub fn source_raster(
     let spec = RasterSpec {
         cells: Cells::Class,
         band: Some(Band {
-            name: "what the depth rests on",
+            name: "source of the depth",
             unit: "",
             positive_down: false,
         }),
         description: format!(
-            "What the depth of a cell rests on: {}; {about}",
+            "The source of the depth in a cell: {}; {about}",
             names.join(", ")
         ),
         ..spec

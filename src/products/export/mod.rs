@@ -80,10 +80,10 @@ pub use profile_csv::{profile_csv, write_profile_csv};
 pub use qgis_style::{qgis_classes, qgis_style};
 pub use summary::Summary;
 pub use survey_layers::{
-    Placed, depth_area_layer, footprint_layer, isobath_layer, spot_sounding_layer, track_layer,
+    MapGeometry, depth_area_layer, footprint_layer, isobath_layer, spot_sounding_layer, track_layer,
 };
 pub use track::{TrackPiece, TrackPoint, track, track_geojson, track_gpx};
-pub use vector::{Line, areas_kmz, lines_kmz, lines_shapefile};
+pub use vector::{LabelledLine, areas_kmz, lines_kmz, lines_shapefile};
 
 /// For all that is written as XML or HTML.
 pub use crate::support::printable::xml;

@@ -18,12 +18,12 @@ const STEPS_M: f64 = 1e3;
 const STEPS_DEG: f64 = 1e8;
 
 /// How what lies in the plane of a map becomes geometries in its system.
-pub struct Placed<'a> {
+pub struct MapGeometry<'a> {
     map: &'a MapPlane,
     steps: f64,
 }
 
-impl<'a> Placed<'a> {
+impl<'a> MapGeometry<'a> {
     /// In the system of a map.
     pub fn new(map: &'a MapPlane) -> Self {
         let steps = match map.crs.is_degrees() {
@@ -53,7 +53,7 @@ impl<'a> Placed<'a> {
 }
 
 /// The way of the boat, a line a piece.
-pub fn track_layer(placed: &Placed<'_>, pieces: &[TrackPiece]) -> Layer {
+pub fn track_layer(placed: &MapGeometry<'_>, pieces: &[TrackPiece]) -> Layer {
     let feature = |piece: &TrackPiece| {
         let places = piece
             .points
@@ -78,7 +78,12 @@ pub fn track_layer(placed: &Placed<'_>, pieces: &[TrackPiece]) -> Layer {
 }
 
 /// The ground that the side-scan covers, one feature with its area on the ground.
-pub fn footprint_layer(placed: &Placed<'_>, name: &str, shapes: &[Polygon], area_m2: f64) -> Layer {
+pub fn footprint_layer(
+    placed: &MapGeometry<'_>,
+    name: &str,
+    shapes: &[Polygon],
+    area_m2: f64,
+) -> Layer {
     let polygons = placed.polygons(shapes);
     let is_some = !polygons.is_empty();
     let values = vec![text(name), Value::Real((area_m2 * 10.0).round() / 10.0)];
@@ -95,7 +100,7 @@ pub fn footprint_layer(placed: &Placed<'_>, name: &str, shapes: &[Polygon], area
 }
 
 /// Lines of equal depth. A metre of the plane is `scale` metres on the ground.
-pub fn isobath_layer(placed: &Placed<'_>, drawn: &DrawnLines<'_>, scale: f64) -> Layer {
+pub fn isobath_layer(placed: &MapGeometry<'_>, drawn: &DrawnLines<'_>, scale: f64) -> Layer {
     let feature = |line: &Isobath| {
         let places = line.points.iter().map(|point| placed.place(*point));
         let depth = drawn.settings.in_unit(line.depth_m);
@@ -126,7 +131,7 @@ pub fn isobath_layer(placed: &Placed<'_>, drawn: &DrawnLines<'_>, scale: f64) ->
 /// The areas between depths, coloured by how deep they are: `colour` is that of a share of the way from the shallowest to the deepest. A
 /// square metre of the plane is `ground` square metres on the ground.
 pub fn depth_area_layer(
-    placed: &Placed<'_>,
+    placed: &MapGeometry<'_>,
     areas: &[DepthArea],
     ground: f64,
     colour: impl Fn(f32) -> [u8; 3],
@@ -162,7 +167,7 @@ pub fn depth_area_layer(
 
 /// Depths as the figures that a chart prints.
 pub fn spot_sounding_layer(
-    placed: &Placed<'_>,
+    placed: &MapGeometry<'_>,
     soundings: &[DepthPoint],
     settings: &IsobathSettings,
 ) -> Layer {

@@ -1,6 +1,6 @@
 //! The map of depths: colours, isobaths with their depths, track and objects.
 
-use super::frame::{Bounds, Frame};
+use super::frame::{Bounds, PageTransform};
 use super::{ReportData, raster};
 use crate::bottom::bathymetry::Surface;
 use crate::bottom::bathymetry::isobaths::Isobath;
@@ -22,7 +22,7 @@ pub fn depth_plan(from: &ReportData<'_>, progress: &Progress) -> Result<Option<S
         return Ok(None);
     };
     let surface = &depth_map.surface;
-    let Some(frame) = Frame::around(bounds(surface), from.map) else {
+    let Some(frame) = PageTransform::around(bounds(surface), from.map) else {
         return Ok(None);
     };
     let range_m = surface.range_m().map(|depth_m| depth_m as f32);
@@ -65,7 +65,7 @@ struct Lit<'a> {
 
 impl Lit<'_> {
     /// The depths as a picture, cells joined where there are more than can be seen.
-    fn picture(&self, frame: &Frame) -> String {
+    fn picture(&self, frame: &PageTransform) -> String {
         let grid = &self.surface.grid;
         let joined = grid.columns.max(grid.rows).div_ceil(MOST_CELLS).max(1);
         let (columns, rows) = (grid.columns.div_ceil(joined), grid.rows.div_ceil(joined));
@@ -129,7 +129,7 @@ impl Mean {
 }
 
 /// The lines, and the depth of the longer ones in their middle.
-fn isobath_lines(lines: &[Isobath], frame: &Frame) -> String {
+fn isobath_lines(lines: &[Isobath], frame: &PageTransform) -> String {
     let mut drawn = String::from(
         "<g fill=\"none\" stroke=\"#ffffff\" stroke-opacity=\"0.85\" stroke-width=\"0.9\">\n",
     );
@@ -167,7 +167,7 @@ fn isobath_lines(lines: &[Isobath], frame: &Frame) -> String {
 }
 
 /// A column of colours with depths beside it, shallow on top.
-fn legend([least_m, most_m]: [f32; 2], frame: &Frame) -> String {
+fn legend([least_m, most_m]: [f32; 2], frame: &PageTransform) -> String {
     const STEPS: usize = 32;
     let [x, y] = frame.legend_at();
     let height = (frame.height_px() - 40.0).min(240.0);

@@ -24,7 +24,7 @@ const BETWEEN_PX: f64 = 180.0;
 pub type Bounds = [f64; 4];
 
 /// Where the metres of a plane lie on the page.
-pub struct Frame {
+pub struct PageTransform {
     map: MapPlane,
     west_m: f64,
     north_m: f64,
@@ -33,7 +33,7 @@ pub struct Frame {
     height_px: f64,
 }
 
-impl Frame {
+impl PageTransform {
     /// A frame around some bounds in the plane of a map; `None` where these are no place.
     pub fn around([west, south, east, north]: Bounds, map: &MapPlane) -> Option<Self> {
         let (width_m, height_m) = (east - west, north - south);
@@ -257,7 +257,7 @@ mod tests {
     #[test]
     fn places_keep_their_shape_and_lie_inside() {
         let bounds = [456_000.0, 4_087_000.0, 456_400.0, 4_087_100.0];
-        let frame = Frame::around(bounds, &zone_12()).unwrap();
+        let frame = PageTransform::around(bounds, &zone_12()).unwrap();
         let [west, south] = frame.place([bounds[0], bounds[1]]);
         let [east, north] = frame.place([bounds[2], bounds[3]]);
         assert!(((east - west) / (south - north) - 4.0).abs() < 1e-9);
@@ -268,13 +268,15 @@ mod tests {
 
     #[test]
     fn no_extent_makes_no_map() {
-        assert!(Frame::around([1.0, 1.0, 1.0, 1.0], &zone_12()).is_none());
-        assert!(Frame::around([f64::MAX, f64::MAX, f64::MIN, f64::MIN], &zone_12()).is_none());
+        assert!(PageTransform::around([1.0, 1.0, 1.0, 1.0], &zone_12()).is_none());
+        assert!(
+            PageTransform::around([f64::MAX, f64::MAX, f64::MIN, f64::MIN], &zone_12()).is_none()
+        );
     }
 
     #[test]
     fn paths_break_at_gaps_and_keep_their_ends() {
-        let frame = Frame::around([0.0, 0.0, 100.0, 100.0], &zone_12()).unwrap();
+        let frame = PageTransform::around([0.0, 0.0, 100.0, 100.0], &zone_12()).unwrap();
         let dense = (0..1000).map(|step| [f64::from(step) * 0.001, 0.0]);
         let path = frame.path(dense.chain([[f64::NAN, 0.0], [50.0, 50.0], [60.0, 60.0]]));
         assert_eq!(path.matches('M').count(), 2, "{path}");

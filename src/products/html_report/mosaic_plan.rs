@@ -1,6 +1,6 @@
 //! The map of echoes: the mosaic with the track and the objects.
 
-use super::frame::Frame;
+use super::frame::PageTransform;
 use super::{ReportData, objects, raster};
 use crate::bottom::bathymetry::Grid;
 use crate::imagery::mosaic::joint_grid;
@@ -29,7 +29,7 @@ pub fn mosaic_plan(
     let Some(grid) = joint_grid(&mosaic.logs, cell_m) else {
         return Ok(None);
     };
-    let Some(frame) = Frame::around(bounds(&grid), from.map) else {
+    let Some(frame) = PageTransform::around(bounds(&grid), from.map) else {
         return Ok(None);
     };
     let pixels = pixels(mosaic, &grid, progress)?;
@@ -82,7 +82,7 @@ fn pixels(mosaic: &Mosaic, grid: &Grid, progress: &Progress) -> Result<Vec<u8>, 
 }
 
 /// The way of the boat in all logs.
-pub fn track(from: &ReportData<'_>, frame: &Frame, colour: &str, opacity: f64) -> String {
+pub fn track(from: &ReportData<'_>, frame: &PageTransform, colour: &str, opacity: f64) -> String {
     let of_log = |log: &ProcessedLog| {
         let navigation = &log.products.navigation;
         let pings = match navigation.pings.is_empty() {

@@ -1,6 +1,6 @@
 //! What lies there: marks on the maps, and a table with a picture of each.
 
-use super::frame::Frame;
+use super::frame::PageTransform;
 use super::{ReportData, raster};
 use crate::detection::objects::{ObjectBox, SurveyObject};
 use crate::detection::review::State;
@@ -50,7 +50,7 @@ pub fn count(from: &ReportData<'_>) -> usize {
 }
 
 /// A ring with its number at each target.
-pub fn marks(from: &ReportData<'_>, frame: &Frame) -> String {
+pub fn marks(from: &ReportData<'_>, frame: &PageTransform) -> String {
     let mut drawn = String::from(
         "<g font-size=\"11\" fill=\"#111111\" paint-order=\"stroke\" stroke=\"#ffffff\" stroke-width=\"3\">\n",
     );

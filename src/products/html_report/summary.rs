@@ -112,7 +112,7 @@ fn sentences(from: &ReportData<'_>) -> String {
     if track.side_scan_only_pings > 0 {
         write!(
             text,
-            " Over {} of the track ({:.0} %) depth rests on side-scan only.",
+            " Over {} of the track ({:.0} %) depth comes from side-scan only.",
             way(track.side_scan_only_m),
             100.0 * track.side_scan_only(),
         )
@@ -121,7 +121,7 @@ fn sentences(from: &ReportData<'_>) -> String {
     if counts.low_confidence > 0 {
         write!(
             text,
-            " {} first returns are less sure than {:.2} and were set aside.",
+            " {} first returns have a confidence below {:.2} and were set aside.",
             count(counts.low_confidence),
             from.products.settings.first_return.min_confidence,
         )

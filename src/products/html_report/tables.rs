@@ -37,7 +37,7 @@ fn agreement(from: &ReportData<'_>, html: &mut String) -> Written {
     if from.comparisons.is_empty() {
         return writeln!(
             html,
-            "<p>There is nothing that these depths could be held against.</p>"
+            "<p>There is nothing that these depths could be compared with.</p>"
         );
     }
     write!(

@@ -18,5 +18,5 @@ mod web_tile;
 
 pub use lit_surface::LitSurface;
 pub use pixels::{Pixel, Pixels, TILE_PIXELS};
-pub use pyramid::{Known, MapPart, MapScales, Picture, TileSource, pyramid};
+pub use pyramid::{Known, MapPart, MapScales, TileSource, TileStyle, pyramid};
 pub use web_tile::{WebTile, ZoomRange, web_pixel};

@@ -12,7 +12,7 @@ use std::sync::{Mutex, PoisonError};
 
 /// What a picture of a tile shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Picture {
+pub enum TileStyle {
     /// Lit colours of depth, under lines that the web map draws itself.
     Colours,
     /// The same with isobaths and their depths.
@@ -21,7 +21,7 @@ pub enum Picture {
     Elevations,
 }
 
-impl Picture {
+impl TileStyle {
     /// All of them, in the order of their declaration.
     pub const ALL: [Self; 3] = [Self::Colours, Self::Chart, Self::Elevations];
 }
@@ -90,7 +90,7 @@ pub struct MapPart {
     /// What is known of the tile, `None` where that is nothing.
     pub known: Option<Known>,
     /// Its pictures and those of the finer tiles, PNG, in order.
-    pub pictures: Vec<(Picture, WebTile, Vec<u8>)>,
+    pub pictures: Vec<(TileStyle, WebTile, Vec<u8>)>,
 }
 
 impl MapPart {
@@ -98,7 +98,7 @@ impl MapPart {
     fn count(&self, zoom: u8) -> u64 {
         let tiles = self.pictures.iter();
         let of_zoom =
-            tiles.filter(|(picture, tile, _)| *picture == Picture::Colours && tile.zoom == zoom);
+            tiles.filter(|(picture, tile, _)| *picture == TileStyle::Colours && tile.zoom == zoom);
         of_zoom.count() as u64
     }
 }
@@ -120,7 +120,7 @@ const LEAST_LENGTH: f64 = 4.0;
 pub fn pyramid(
     source: &impl TileSource,
     progress: &Progress,
-    keep: &(impl Fn(Picture, WebTile, Vec<u8>) -> io::Result<()> + Sync),
+    keep: &(impl Fn(TileStyle, WebTile, Vec<u8>) -> io::Result<()> + Sync),
 ) -> io::Result<()> {
     let zooms = source.scales().zooms;
     progress.start(zooms.tiles(zooms.finest).len() as u64);
@@ -136,7 +136,7 @@ pub fn pyramid(
         .try_for_each(|tile| pyramid.tile(*tile).map(drop))
 }
 
-type Keep<'a> = &'a (dyn Fn(Picture, WebTile, Vec<u8>) -> io::Result<()> + Sync);
+type Keep<'a> = &'a (dyn Fn(TileStyle, WebTile, Vec<u8>) -> io::Result<()> + Sync);
 
 struct Pyramid<'a, S> {
     source: &'a S,
@@ -178,7 +178,7 @@ impl<S: TileSource> Pyramid<'_, S> {
     }
 
     fn drawn_part(&self, tile: WebTile) -> io::Result<MapPart> {
-        let pictures: Mutex<Vec<(Picture, WebTile, Vec<u8>)>> = Mutex::default();
+        let pictures: Mutex<Vec<(TileStyle, WebTile, Vec<u8>)>> = Mutex::default();
         let keep = |picture, tile, bytes| {
             let mut pictures = pictures.lock().unwrap_or_else(PoisonError::into_inner);
             pictures.push((picture, tile, bytes));
@@ -251,7 +251,7 @@ impl<S: TileSource> Pyramid<'_, S> {
 
     fn pictures(&self, tile: WebTile, known: &Known) -> io::Result<()> {
         let mut picture = known.pixels.colours(self.source.scales().range_m);
-        (self.keep)(Picture::Colours, tile, png(&picture)?)?;
+        (self.keep)(TileStyle::Colours, tile, png(&picture)?)?;
         let ([west, north], side) = tile.corner_at(self.zooms.finest);
         let scale = TILE_PIXELS as f64 / side;
         let in_tile = |line: &Isobath| Isobath {
@@ -264,8 +264,12 @@ impl<S: TileSource> Pyramid<'_, S> {
         };
         let lines: Vec<Isobath> = known.lines.iter().map(in_tile).collect();
         draw_isobaths(&mut picture, &lines, &self.source.scales().isobaths);
-        (self.keep)(Picture::Chart, tile, png(&picture)?)?;
-        (self.keep)(Picture::Elevations, tile, png(&known.pixels.elevations())?)
+        (self.keep)(TileStyle::Chart, tile, png(&picture)?)?;
+        (self.keep)(
+            TileStyle::Elevations,
+            tile,
+            png(&known.pixels.elevations())?,
+        )
     }
 }
 
@@ -378,7 +382,7 @@ mod tests {
         }
     }
 
-    type Pictures = BTreeMap<(Picture, WebTile), Vec<u8>>;
+    type Pictures = BTreeMap<(TileStyle, WebTile), Vec<u8>>;
 
     fn drawn(source: &Slope) -> Pictures {
         let kept = Mutex::new(Pictures::new());
@@ -404,7 +408,7 @@ mod tests {
                         .to_rgba8()
                 };
                 let [colours, chart, elevations] =
-                    [Picture::Colours, Picture::Chart, Picture::Elevations].map(of);
+                    [TileStyle::Colours, TileStyle::Chart, TileStyle::Elevations].map(of);
                 for (x, y, pixel) in elevations.enumerate_pixels() {
                     let at = [x, y].map(|number| f64::from(number) + 0.5);
                     let (at, [red, green, blue, opacity]) = (tile.place(at), pixel.0);

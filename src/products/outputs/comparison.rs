@@ -52,7 +52,7 @@ struct ReferenceRecord<'a> {
     notes: &'a [String],
 }
 
-const NO_REFERENCE: &str = "the survey was not held against a reference";
+const NO_REFERENCE: &str = "the survey was not compared with a reference";
 const SIGN: &str = "measured minus reference elevation, metres; positive is shallower";
 const MISSION: &str = "The reference is another mission, processed with the same settings.";
 const MISSION_OF_LOGS: &str =

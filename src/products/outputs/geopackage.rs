@@ -4,7 +4,7 @@ use super::depth::contours::Drawn;
 use super::manifest::{Coordinates, FileContent};
 use super::objects::target_rows;
 use super::results::{Need, Results};
-use crate::products::export::{self, Placed};
+use crate::products::export::{self, MapGeometry};
 use crate::products::outputs::OutputError;
 use crate::support::presentation::colours::depth_colour;
 use std::path::Path;
@@ -13,7 +13,7 @@ use std::path::Path;
 /// draw the layers in the order in which they are named here, the first at the bottom.
 pub fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let map = &results.plane.map;
-    let placed = Placed::new(map);
+    let placed = MapGeometry::new(map);
     let has = |need| Ok::<bool, OutputError>(results.missing(need)?.is_none());
     let mut layers = Vec::new();
     if has(Need::Surface)? && has(Need::Levels)? {

@@ -7,8 +7,8 @@ use super::manifest::FileContent;
 use super::results::{Need, Results};
 use super::write::Run;
 use super::{
-    Product, clouds, comparison, depth, detections, geopackage, mosaic, page, residuals, targets,
-    track,
+    Product, clouds, comparison, depth, detections, geopackage, mosaic, report_page, residuals,
+    targets, track,
 };
 use crate::products::outputs::OutputError;
 use kinds::{
@@ -501,7 +501,7 @@ pub const OUTPUT_FILES: [OutputFile; 48] = [
         ..row(
             "report.html",
             When::Chosen(Product::Report),
-            Writer::Run(page::write),
+            Writer::Run(report_page::write),
         )
     },
     OutputFile {

@@ -29,7 +29,7 @@ struct Record<'a> {
     settings: &'a Settings,
 }
 
-/// A log held against its own soundings and its own track.
+/// A log compared with its own soundings and its own track.
 #[derive(Serialize)]
 struct LogRecord {
     log: String,
@@ -43,7 +43,7 @@ struct LogRecord {
 const SIGN: &str = "measured minus reference elevation, metres; positive is shallower";
 const STATEMENT: &str = "Soundings and first returns of one log share transducer, position and sound speed: this is agreement \
      within one instrument, not accuracy against a reference.";
-const STATEMENT_OF_LOGS: &str = "Points of all logs are held against the soundings of all of them: what the heights of the logs differ by \
+const STATEMENT_OF_LOGS: &str = "Points of all logs are compared with the soundings of all of them: what the heights of the logs differ by \
      is in it. Each log against its own soundings stands under `logs`.";
 
 /// Writes `residuals.json`: how side-scan agrees with soundings, what that hangs on, and what other choices of geometry and calibration

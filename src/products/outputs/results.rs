@@ -6,7 +6,7 @@ use super::logs::{log_names, log_points, survey_name};
 use super::mosaic::grid;
 use super::objects::{Shapes, find_shapes, is_excluded};
 use super::registry::When;
-use super::track::Ground;
+use super::track::SideScanCoverage;
 use super::write::Order;
 use crate::bottom::bathymetry::isobaths::NoIsobaths;
 use crate::bottom::bathymetry::{DepthPoint, FromLevels, Surface, spot_radius_m, spot_soundings};
@@ -85,7 +85,7 @@ pub(super) struct Results<'a> {
     pub names: Vec<String>,
     pub progress: &'a Progress,
     track: OnceLock<Vec<TrackPiece>>,
-    ground: OnceLock<Ground>,
+    ground: OnceLock<SideScanCoverage>,
     depth_map: OnceLock<Option<Arc<DepthMap>>>,
     contours: OnceLock<Result<Contours, NoContours>>,
     map_tiles: OnceLock<MapTiles>,
@@ -281,7 +281,7 @@ impl<'a> Results<'a> {
     }
 
     /// The ground that the side-scan covers.
-    pub fn ground(&self) -> Result<&Ground, OutputError> {
+    pub fn ground(&self) -> Result<&SideScanCoverage, OutputError> {
         once(&self.ground, || {
             let map = &self.plane.map;
             let layouts: Vec<Layout> = self
@@ -289,7 +289,7 @@ impl<'a> Results<'a> {
                 .map(|(survey, products)| mosaic_layout(survey, products, map))
                 .collect();
             let shapes = footprint(&layouts, self.progress)?;
-            Ok(Ground::new(shapes, map))
+            Ok(SideScanCoverage::new(shapes, map))
         })
     }
 

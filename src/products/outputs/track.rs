@@ -3,7 +3,7 @@
 use super::manifest::{Coordinates, FileContent};
 use super::results::Results;
 use crate::bottom::bathymetry::isobaths::Polygon;
-use crate::products::export::{self, ExportError, Line, Summary, TrackPiece};
+use crate::products::export::{self, ExportError, LabelledLine, Summary, TrackPiece};
 use crate::products::outputs::OutputError;
 use crate::support::geo::MapPlane;
 use std::path::Path;
@@ -12,14 +12,14 @@ use std::path::Path;
 const COLOUR: [u8; 3] = [214, 39, 40];
 
 /// The ground that the side-scan covers.
-pub struct Ground {
+pub struct SideScanCoverage {
     /// Its outlines, in the plane of the map; empty without side-scan.
     pub shapes: Vec<Polygon>,
     /// Its area on the ground, square metres.
     pub area_m2: f64,
 }
 
-impl Ground {
+impl SideScanCoverage {
     /// Of outlines in the plane of a map.
     pub fn new(shapes: Vec<Polygon>, map: &MapPlane) -> Self {
         // A shape without a point covers nothing that could be drawn.
@@ -79,15 +79,15 @@ pub fn shapefile(results: &Results<'_>, path: &Path) -> Result<FileContent, Outp
         .map_err(OutputError::from)
 }
 
-fn lines(results: &Results<'_>, name: &str) -> Vec<Line> {
+fn lines(results: &Results<'_>, name: &str) -> Vec<LabelledLine> {
     let numbered = (1..).zip(results.track());
     numbered.map(|(n, piece)| line(name, n, piece)).collect()
 }
 
-fn line(name: &str, number: usize, piece: &TrackPiece) -> Line {
+fn line(name: &str, number: usize, piece: &TrackPiece) -> LabelledLine {
     let ping =
         |point: Option<&export::TrackPoint>| point.map_or(f64::NAN, |point| point.ping as f64);
-    Line {
+    LabelledLine {
         points: piece.points.iter().map(|point| point.position).collect(),
         label: format!("{name} {number}"),
         numbers: vec![
@@ -116,7 +116,7 @@ pub fn footprint_kmz(results: &Results<'_>, path: &Path) -> Result<FileContent, 
 }
 
 fn with_area(
-    ground: &Ground,
+    ground: &SideScanCoverage,
     written: Result<FileContent, OutputError>,
 ) -> Result<FileContent, OutputError> {
     let mut content = written?;

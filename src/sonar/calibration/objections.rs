@@ -3,7 +3,7 @@
 use super::FlatSpot;
 use crate::survey::{Side, Survey};
 
-/// A stretch shorter than this rests on a handful of soundings, metres.
+/// A stretch shorter than this is based on a handful of soundings, metres.
 const SHORT_M: f64 = 5.0;
 /// A bottom that slopes more than this along the track is not level, metres a metre.
 const SLOPING: f64 = 0.03;

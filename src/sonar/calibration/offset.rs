@@ -13,7 +13,7 @@ use crate::survey::Side;
 const BLOCK_PINGS: usize = 24;
 /// Picks on each side of a block, at least.
 const MIN_PICKS: usize = 8;
-/// Blocks that an offset rests on, at least.
+/// Blocks that an offset is based on, at least.
 const MIN_BLOCKS: usize = 4;
 
 /// Largest offset that an instrument causes: a pulse of a few hundred microseconds or a draft, metres, and the receiver's and
@@ -50,9 +50,9 @@ pub struct RangeOffset {
     pub offset_m: f64,
     /// How far it may be off by the scatter of its blocks, metres (two standard errors).
     pub uncertainty_m: f64,
-    /// Blocks of pings that it rests on.
+    /// Blocks of pings that it is based on.
     pub blocks: usize,
-    /// Share of the blocks at recorded depths that it rests on, 0 to 1: the others are above-bottom returns.
+    /// Share of the blocks at recorded depths that it is based on, 0 to 1: the others are above-bottom returns.
     pub share: f64,
     /// Median recorded depth of the blocks, metres.
     pub depth_m: f64,
@@ -121,7 +121,7 @@ impl RangeOffset {
             .contains(&offset_m);
         if blocks < MIN_BLOCKS {
             Some(format!(
-                "The offset of {offset_m:+.2} m between first returns and recorded depths rests on too few pings: it is not taken off the ranges."
+                "The offset of {offset_m:+.2} m between first returns and recorded depths is based on too few pings: it is not taken off the ranges."
             ))
         } else if let Some(excess) = self.excess(sample_m) {
             Some(excess)

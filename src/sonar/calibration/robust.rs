@@ -4,7 +4,7 @@ use crate::support::statistics::{median, spread_about};
 
 /// A straight line `y = slope x + offset` with the robust standard deviation about it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Line {
+pub(crate) struct FittedLine {
     pub(crate) slope: f64,
     pub(crate) offset: f64,
     pub(crate) spread: f64,
@@ -19,7 +19,7 @@ const CUT_SIGMAS: f64 = 4.685;
 
 /// Robust line through `(x, y)`: Theil-Sen over an even subsample, then least squares with Tukey's weights. `None` when
 /// `x` hardly varies.
-pub(crate) fn robust_line(points: &[(f64, f64)]) -> Option<Line> {
+pub(crate) fn robust_line(points: &[(f64, f64)]) -> Option<FittedLine> {
     let mut line = theil_sen(points)?;
     for _ in 0..ROUNDS {
         let scale = CUT_SIGMAS * line.spread.max(1e-6);
@@ -28,7 +28,7 @@ pub(crate) fn robust_line(points: &[(f64, f64)]) -> Option<Line> {
             (x, y, (1.0 - u * u).max(0.0).powi(2))
         });
         let (slope, offset) = weighted_line(weighted)?;
-        line = Line {
+        line = FittedLine {
             slope,
             offset,
             spread: spread(points, slope, offset),
@@ -45,7 +45,7 @@ fn spread(points: &[(f64, f64)], slope: f64, offset: f64) -> f64 {
     spread_about(&mut residuals, 0.0)
 }
 
-fn theil_sen(points: &[(f64, f64)]) -> Option<Line> {
+fn theil_sen(points: &[(f64, f64)]) -> Option<FittedLine> {
     let step = points.len().div_ceil(START_POINTS).max(1);
     let sample: Vec<(f64, f64)> = points.iter().copied().step_by(step).collect();
     let mut slopes = Vec::with_capacity(sample.len() * sample.len() / 2);
@@ -65,7 +65,7 @@ fn theil_sen(points: &[(f64, f64)]) -> Option<Line> {
             .map(|&(x, y)| y - slope * x)
             .collect::<Vec<_>>(),
     );
-    Some(Line {
+    Some(FittedLine {
         slope,
         offset,
         spread: spread(points, slope, offset),

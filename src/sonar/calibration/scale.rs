@@ -10,7 +10,7 @@ use std::ops::Range;
 /// or stopped at the edge of the dead zone.
 const RATIO_LIMIT: f64 = 1.6;
 
-/// Picks that a scale rests on, at least, as a share of what the stretch could give: fewer are accidents of the search.
+/// Picks that a scale is based on, at least, as a share of what the stretch could give: fewer are accidents of the search.
 const MIN_SHARE: f64 = 0.05;
 
 /// A pick that may calibrate.

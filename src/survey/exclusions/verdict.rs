@@ -6,7 +6,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 /// The reason of a stretch that counts.
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-enum Counts {
+enum Included {
     Kept,
 }
 
@@ -17,14 +17,14 @@ enum Counts {
 )]
 enum Verdict {
     Excluded(ExclusionReason),
-    Counts(Counts),
+    Included(Included),
 }
 
 pub fn serialize<S: Serializer>(
     reason: &Option<ExclusionReason>,
     to: S,
 ) -> Result<S::Ok, S::Error> {
-    let verdict = reason.map_or(Verdict::Counts(Counts::Kept), Verdict::Excluded);
+    let verdict = reason.map_or(Verdict::Included(Included::Kept), Verdict::Excluded);
     verdict.serialize(to)
 }
 
@@ -33,6 +33,6 @@ pub fn deserialize<'de, D: Deserializer<'de>>(
 ) -> Result<Option<ExclusionReason>, D::Error> {
     Ok(match Verdict::deserialize(from)? {
         Verdict::Excluded(reason) => Some(reason),
-        Verdict::Counts(Counts::Kept) => None,
+        Verdict::Included(Included::Kept) => None,
     })
 }

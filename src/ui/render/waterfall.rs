@@ -10,10 +10,10 @@ const PING_TEXELS: u32 = 2048;
 /// Places of a curve in the table of curves. Same as in the shader.
 const CURVE_PLACES: usize = 64;
 
-/// How echo strength becomes colour. Same layout as `Look` in `shaders/waterfall.wgsl`.
+/// How echo strength becomes colour. Same layout as `EchoStyle` in `shaders/waterfall.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct Look {
+pub struct EchoStyle {
     /// Exponent is 1 / gamma.
     pub gamma: f32,
     /// Share of the maximum in what is shown; the rest is the mean.
@@ -109,7 +109,7 @@ impl WaterfallPicture {
         let look = buffer(
             device,
             "waterfall look",
-            size_of::<Look>(),
+            size_of::<EchoStyle>(),
             wgpu::BufferUsages::UNIFORM,
         );
         let bytes = MAX_QUADS * size_of::<Quad>();
@@ -205,11 +205,11 @@ impl WaterfallPicture {
     pub fn prepare<'a>(
         &self,
         queue: &wgpu::Queue,
-        look: Look,
+        look: EchoStyle,
         quads: impl Iterator<Item = &'a Quad>,
     ) {
         let linear_target = u32::from(self.linear_target);
-        let look = Look {
+        let look = EchoStyle {
             linear_target,
             ..look
         };
@@ -376,34 +376,34 @@ mod tests {
         let look = module
             .types
             .iter()
-            .find(|(_, kind)| kind.name.as_deref() == Some("Look"))
+            .find(|(_, kind)| kind.name.as_deref() == Some("EchoStyle"))
             .map(|(_, kind)| &kind.inner);
         let Some(TypeInner::Struct { members, span }) = look else {
-            panic!("the shader has no struct Look");
+            panic!("the shader has no struct EchoStyle");
         };
         let offsets: Vec<usize> = members
             .iter()
             .map(|member| member.offset as usize)
             .collect();
         let expected = [
-            offset_of!(Look, gamma),
-            offset_of!(Look, highlight),
-            offset_of!(Look, black),
-            offset_of!(Look, white),
-            offset_of!(Look, time_is_down),
-            offset_of!(Look, linear_target),
-            offset_of!(Look, geometry),
-            offset_of!(Look, filters),
-            offset_of!(Look, spreading),
-            offset_of!(Look, absorption),
-            offset_of!(Look, middle_m),
-            offset_of!(Look, port),
-            offset_of!(Look, starboard),
-            offset_of!(Look, curve_far_m),
-            offset_of!(Look, curve_factor),
-            offset_of!(Look, padding),
+            offset_of!(EchoStyle, gamma),
+            offset_of!(EchoStyle, highlight),
+            offset_of!(EchoStyle, black),
+            offset_of!(EchoStyle, white),
+            offset_of!(EchoStyle, time_is_down),
+            offset_of!(EchoStyle, linear_target),
+            offset_of!(EchoStyle, geometry),
+            offset_of!(EchoStyle, filters),
+            offset_of!(EchoStyle, spreading),
+            offset_of!(EchoStyle, absorption),
+            offset_of!(EchoStyle, middle_m),
+            offset_of!(EchoStyle, port),
+            offset_of!(EchoStyle, starboard),
+            offset_of!(EchoStyle, curve_far_m),
+            offset_of!(EchoStyle, curve_factor),
+            offset_of!(EchoStyle, padding),
         ];
         assert_eq!(offsets, expected);
-        assert_eq!(*span as usize, size_of::<Look>());
+        assert_eq!(*span as usize, size_of::<EchoStyle>());
     }
 }

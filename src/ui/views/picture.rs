@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 /// A target that follows the size of a view and is registered with the window's painter.
 #[derive(Default)]
-pub struct Picture {
+pub struct ViewTexture {
     shown: Option<Shown>,
 }
 
@@ -24,7 +24,7 @@ impl Drop for Shown {
     }
 }
 
-impl Picture {
+impl ViewTexture {
     /// Makes the target as large as `rect` on screen; whether it is a new one that has to be drawn.
     pub fn resize(&mut self, state: &RenderState, rect: Rect, pixels_per_point: f32) -> bool {
         let size = rect.round_to_pixels(pixels_per_point).size() * pixels_per_point;

@@ -57,14 +57,14 @@ impl Banner {
     }
 
     /// Lays it out in the upper left corner of `room`.
-    pub fn place(&self, ui: &Ui, room: Rect) -> Placed {
+    pub fn place(&self, ui: &Ui, room: Rect) -> PlacedBanner {
         // All keys where they stand in two lines, else the one that leaves it: a banner that covers a small view helps nobody.
         let has_room = room.height() >= ROOM_FOR_KEYS;
         let whole = has_room.then(|| self.lay_out(ui, room, self.keys));
         let whole = whole.filter(|galley| galley.rows.len() <= 2);
         let leave = self.keys.rsplit(" · ").next().unwrap_or_default();
         let galley = whole.unwrap_or_else(|| self.lay_out(ui, room, leave));
-        Placed {
+        PlacedBanner {
             plate: Rect::from_min_size(room.min, galley.size() + 2.0 * MARGIN),
             galley,
             words: self.words(),
@@ -87,14 +87,14 @@ impl Banner {
 }
 
 /// A banner in its place.
-pub struct Placed {
+pub struct PlacedBanner {
     /// What it covers.
     pub plate: Rect,
     galley: Arc<Galley>,
     words: String,
 }
 
-impl Placed {
+impl PlacedBanner {
     /// Draws it.
     pub fn draw(&self, ui: &Ui) {
         let plate = self.plate;
@@ -183,7 +183,7 @@ fn measuring(app: &App, kind: MeasurementKind, view: View) -> Option<Banner> {
 }
 
 /// The banner of the tool in hand at the top of a view, if there is one and there is room.
-pub fn in_view(ui: &Ui, app: &App, view: View, rect: Rect) -> Option<Placed> {
+pub fn in_view(ui: &Ui, app: &App, view: View, rect: Rect) -> Option<PlacedBanner> {
     let banner = Banner::of(app, view).filter(|_| !app.is_picture)?;
     let room = rect.shrink2(vec2(4.0, 4.0));
     legend::has_width(room).then(|| banner.place(ui, room))

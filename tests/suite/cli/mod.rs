@@ -11,7 +11,7 @@ mod records;
 mod refused;
 mod report_page;
 mod review;
-mod shown;
+mod waterfall_options;
 
 use crate::support;
 use std::fs;

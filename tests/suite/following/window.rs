@@ -108,7 +108,7 @@ fn export(app: &mut App, folder: &Path) {
     assert!(folder.join("manifest.json").is_file(), "{:?}", app.notices);
 }
 
-/// Holds what following came to against the finished file, in results and in files.
+/// Compares what following came to with the finished file, in results and in files.
 fn assert_as_finished(app: &mut App, path: &Path, folder: &Path) {
     let mut fresh = opened(path);
     let both = [&app.log, &fresh.log].map(|log| {
@@ -154,7 +154,7 @@ fn assert_as_finished(app: &mut App, path: &Path, folder: &Path) {
     }
 }
 
-/// Follows a log that is written from a share on, and holds the end against the finished file.
+/// Follows a log that is written from a share on, and compares the end with the finished file.
 fn follow(
     whole: &[u8],
     name: &str,

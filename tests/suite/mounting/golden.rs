@@ -3,8 +3,8 @@
 use bathyscope::support::geo::{LonLat, distance_m};
 use bathyscope::support::progress::Progress;
 use bathyscope::survey::{
-    Fix, HeadingSettings, HeadingSource, MountingSettings, Placing, PositionShift, Projection,
-    SidePing, Survey, Track, navigate_placed,
+    Fix, HeadingSettings, HeadingSource, MountingSettings, PositionSettings, PositionShift,
+    Projection, SidePing, Survey, Track, navigate_with,
 };
 use serde_json::Value;
 use std::sync::Arc;
@@ -59,13 +59,13 @@ fn a_transducer_lies_where_pyproj_has_it() {
             ..HeadingSettings::default()
         };
         for projection in [Projection::Enu, Projection::Mercator] {
-            let placing = Placing {
+            let positions = PositionSettings {
                 heading: &heading,
                 mounting: &mounting,
                 shift: &PositionShift::default(),
                 projection,
             };
-            let made = navigate_placed(&survey, placing, &Progress::new());
+            let made = navigate_with(&survey, positions, &Progress::new());
             let made = made.expect("nobody cancels");
             let [ping] = made.pings[..] else {
                 panic!("one ping")

@@ -6,7 +6,7 @@ use crate::many_logs::{rms, true_box};
 use crate::truth::KnownSurvey;
 use bathyscope::detection::review::{Edit, Review};
 use bathyscope::formats::TrackFile;
-use bathyscope::pipeline::{Placing, Products};
+use bathyscope::pipeline::{ObjectLocator, Products};
 use bathyscope::simulation::{BedSettings, Mound, Scene};
 use bathyscope::survey::{HeadingSource, Identity, Side, Survey};
 use std::path::Path;
@@ -16,7 +16,7 @@ const ARM_M: [f64; 2] = [2.5, -1.5];
 
 /// Distances of the sightings of all objects from their true places, and of the sightings of one object from each other, metres.
 fn objects_m(known: &KnownSurvey, survey: &Survey, products: &Products) -> [Vec<f64>; 2] {
-    let placing = Placing::new(survey, products);
+    let locator = ObjectLocator::new(survey, products);
     let mut found = [Vec::new(), Vec::new()];
     for object in &known.truth.objects {
         // The lines run east and west; what is seen in the turn between them is smeared.
@@ -24,7 +24,7 @@ fn objects_m(known: &KnownSurvey, survey: &Survey, products: &Products) -> [Vec<
         let seen = object.sightings.iter();
         let seen = seen.filter(|seen| on_a_line(seen.first_ping) && on_a_line(seen.last_ping));
         let places: Vec<[f64; 2]> = seen
-            .filter_map(|seen| placing.place(&true_box(survey, seen)?))
+            .filter_map(|seen| locator.place(&true_box(survey, seen)?))
             .map(|target| [target.east_m, target.north_m])
             .collect();
         let apart = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);

@@ -5,16 +5,16 @@ mod ponds;
 use crate::cli::{refusal, run};
 use crate::support::demo_log;
 use bathyscope::bottom::planning::{
-    Leg, PlanError, PlanSettings, SeenObject, SigmaLaw, Station, Surveyed, plan,
+    Leg, PlanError, PlanSettings, SeenObject, SigmaLaw, Station, SurveyCoverage, plan,
 };
 use bathyscope::support::progress::Progress;
 use serde_json::Value;
 use std::fs;
 
 /// Lines from west to east with soundings a metre apart.
-fn known(lines: &[f64], length_m: f64) -> Surveyed {
+fn known(lines: &[f64], length_m: f64) -> SurveyCoverage {
     let line = |north: f64| (0..=length_m as u32).map(move |step| [f64::from(step), north]);
-    Surveyed {
+    SurveyCoverage {
         soundings: lines.iter().copied().flat_map(line).collect(),
         sigma: SigmaLaw::new(None, 0.6),
         looks: Vec::new(),
@@ -177,7 +177,7 @@ fn what_cannot_be_planned_is_said_in_a_sentence() {
             [east - half_m, half_m],
         ]]
     };
-    let of = |known: &Surveyed, area: Option<&[Vec<[f64; 2]>]>, settings: &PlanSettings| {
+    let of = |known: &SurveyCoverage, area: Option<&[Vec<[f64; 2]>]>, settings: &PlanSettings| {
         plan(known, area, settings, &Progress::new()).expect_err("no plan")
     };
     let usual = asked(10.0, 4.0);

@@ -5,7 +5,7 @@ use bathyscope::bottom::bathymetry::Surface;
 use bathyscope::bottom::planning::{Plan, PlanSettings, plan};
 use bathyscope::detection::objects::ObjectList;
 use bathyscope::formats;
-use bathyscope::pipeline::{self, ProcessedLog, Settings, joint_depth_surface, surveyed};
+use bathyscope::pipeline::{self, ProcessedLog, Settings, joint_depth_surface, survey_coverage};
 use bathyscope::simulation::{
     Artefacts, BedKind, BedSettings, RecorderSettings, Scene, Simulated, TrackSettings, simulate,
 };
@@ -229,7 +229,7 @@ fn sail(index: u64) -> Outcome {
     let progress = Progress::new();
     let (first, truth) = processed(&pond.scene(pond.corners.clone(), None), 10 * index, None);
     let frame = first.survey.track.frame.clone();
-    let known = surveyed(
+    let known = survey_coverage(
         std::slice::from_ref(&first),
         &ObjectList::default(),
         &progress,

@@ -4,7 +4,7 @@
 use bathyscope::detection::model::shipped;
 use bathyscope::detection::{Detection, DetectorSettings, Mark, Model, Picture, Raster, find};
 use bathyscope::formats;
-use bathyscope::simulation::{Scene, Sighting, simulate};
+use bathyscope::simulation::{ObjectPass, Scene, simulate};
 use bathyscope::support::progress::Progress;
 use bathyscope::survey::{HeadingSettings, Projection, Survey, navigate};
 
@@ -14,7 +14,7 @@ const DEMO: &[u8] = include_bytes!("../../../assets/demo.sl2");
 const SCENE: &str = include_str!("../../../assets/demo.toml");
 
 /// Echo and shadow of a sighting; `None` for a glimpse of under four pings, or a shadow that runs off the range.
-fn clear_box(seen: &Sighting) -> Option<Mark> {
+fn clear_box(seen: &ObjectPass) -> Option<Mark> {
     let pings = seen.first_ping..seen.last_ping + 1;
     let far_m = seen.shadow_m[1].max(seen.far_m);
     (pings.len() >= 4 && seen.shadow_m[1].is_finite()).then_some(Mark {

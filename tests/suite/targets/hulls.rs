@@ -5,7 +5,7 @@ use bathyscope::app::{Action, App, Command, Measure};
 use bathyscope::detection::review::{Edit, Review};
 use bathyscope::detection::{Mark, MeasuredShadow};
 use bathyscope::project::Pick;
-use bathyscope::simulation::{ObjectKind, ObjectSettings, Scene, Sighting};
+use bathyscope::simulation::{ObjectKind, ObjectPass, ObjectSettings, Scene};
 use bathyscope::survey::Identity;
 
 const LENGTH_M: f64 = 30.0;
@@ -34,7 +34,7 @@ fn scene() -> Scene {
 }
 
 /// What an analyst draws who sees all of it: pings and edges of the echo, the end of the longest shadow, and that shadow.
-fn edges(seen: &Sighting) -> (Mark, f64, MeasuredShadow) {
+fn edges(seen: &ObjectPass) -> (Mark, f64, MeasuredShadow) {
     let [top_m, end_m] = seen.shadow_m;
     let mark = Mark {
         side: seen.side,

@@ -6,7 +6,7 @@ use bathyscope::app::{App, Command};
 use bathyscope::detection::Mark;
 use bathyscope::detection::review::Edit;
 use bathyscope::detection::targets::{FittedShape, ShapeError, ShapeKind};
-use bathyscope::simulation::{ObjectKind, ObjectSettings, Scene, Sighting};
+use bathyscope::simulation::{ObjectKind, ObjectPass, ObjectSettings, Scene};
 use std::path::Path;
 
 const OBJECTS: usize = 60;
@@ -108,7 +108,7 @@ fn scene(seed: u64, looks: Looks) -> Scene {
 }
 
 /// A box as an analyst draws it around what the picture shows; `None` where it shows nothing.
-fn drawn(seen: &Sighting) -> Option<Mark> {
+fn drawn(seen: &ObjectPass) -> Option<Mark> {
     let shown = seen.shown.as_ref()?;
     Some(Mark {
         side: seen.side,

@@ -45,7 +45,7 @@ pub fn match_points(
     Reference::new(reference.iter().copied(), matching).matches(measured, |point| *point, progress)
 }
 
-/// A reference that several measurements are held against.
+/// A reference that several measurements are compared with.
 pub struct Reference(Prepared);
 
 enum Prepared {

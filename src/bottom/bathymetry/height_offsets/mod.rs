@@ -1,4 +1,4 @@
-//! How much higher or lower the depths of one log are than those of the others, from where logs meet.
+//! How much higher or lower the depths of one log are than those of the others, from where logs cross or overlap.
 //!
 //! Drafts, water levels and the recorders' own constants differ from log to log, and each moves all depths of its log by the same
 //! height. Where two logs measured the same place their depths differ by the difference of these heights, so all overlaps together
@@ -26,7 +26,7 @@ pub enum Datum {
     Log(usize),
 }
 
-/// How two logs meet.
+/// Whether two logs cross or overlap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum OverlapKind {
@@ -41,7 +41,7 @@ pub enum OverlapKind {
 pub struct LogOverlap {
     /// Indices of the logs, the smaller first.
     pub logs: [usize; 2],
-    /// How they meet.
+    /// Whether they cross or overlap.
     pub kind: OverlapKind,
     /// East and north, metres.
     pub place: [f64; 2],
@@ -84,9 +84,9 @@ impl LogOverlap {
 /// The height offset of a log.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LogOffset {
-    /// What is to be added to every elevation of the log, metres, so that it agrees with the others; 0 for a log that meets no other.
+    /// What is to be added to every elevation of the log, metres, so that it agrees with the others; 0 for a log that crosses and overlaps no other.
     pub offset_m: f64,
-    /// Its standard error against the datum, metres; NaN for a log that meets no other.
+    /// Its standard error against the datum, metres; NaN for a log that crosses and overlaps no other.
     pub standard_error_m: f64,
     /// Logs of the same group are connected by overlaps; groups are numbered by their first log. Heights of different groups cannot
     /// be compared.
@@ -108,9 +108,9 @@ impl LogOffset {
 pub struct PairDifference {
     /// Indices of the logs, the smaller first.
     pub logs: [usize; 2],
-    /// How they meet.
+    /// Whether they cross or overlap.
     pub kind: OverlapKind,
-    /// Places where they meet.
+    /// Places where they cross or overlap.
     pub n: usize,
     /// Median elevation by the second log minus that by the first, metres.
     pub difference_m: f64,
@@ -140,7 +140,7 @@ impl PairDifference {
 pub struct HeightOffsets {
     /// One a log.
     pub logs: Vec<LogOffset>,
-    /// Every pair of logs that meet, in order.
+    /// Every pair of logs that cross or overlap, in order.
     pub pairs: Vec<PairDifference>,
 }
 
@@ -151,7 +151,7 @@ impl HeightOffsets {
     }
 }
 
-/// Finds where logs meet and solves for their heights. `tracks` holds the depths under the boat of every log in time order, all in
+/// Finds where logs cross or overlap and solves for their heights. `tracks` holds the depths under the boat of every log in time order, all in
 /// one plane, corrected for what is known.
 ///
 /// # Errors

@@ -99,7 +99,7 @@ fn weighted_shares(residuals: &[f64], weight: &dyn Fn(f64) -> f64) -> (Vec<f64>,
     (shares, scale)
 }
 
-/// The group of every log, numbered in the order of their first logs: those that meet, directly or through others, share one.
+/// The group of every log, numbered in the order of their first logs: those that cross or overlap, directly or through others, share one.
 pub fn groups(count: usize, log_overlaps: impl Iterator<Item = [usize; 2]>) -> Vec<usize> {
     // Each log leads to one before it, or to itself where it is the first of its group.
     let mut first: Vec<usize> = (0..count).collect();
@@ -409,19 +409,19 @@ fn pair_differences(log_overlaps: &[LogOverlap], logs: &[LogOffset]) -> Vec<Pair
     }
     by_pair
         .into_iter()
-        .map(|([a, b], met)| {
-            let mut differences: Vec<f64> = met.iter().map(|one| one.difference_m).collect();
+        .map(|([a, b], found)| {
+            let mut differences: Vec<f64> = found.iter().map(|one| one.difference_m).collect();
             let difference_m = median(&mut differences);
             let spread_m = match differences.len() {
                 1 => f64::NAN,
                 _ => spread_about(&mut differences, difference_m),
             };
-            let n = met.len();
+            let n = found.len();
             // Few differences may agree by chance.
             let sigma_m = spread_m.max(DEPTH_SIGMA_M / (n as f64).sqrt());
             PairDifference {
                 logs: [a, b],
-                kind: met[0].kind,
+                kind: found[0].kind,
                 n,
                 difference_m,
                 spread_m,

@@ -8,7 +8,7 @@ use crate::support::geo::{Crs, MapPlane, bounds_deg, boxes_meet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What `process` and `archive` call the depths, and beside them their standard deviations and what they rest on.
+/// What `process` and `archive` call the depths, and beside them their standard deviations and sources.
 const DEPTH: &str = "depth.tif";
 const UNCERTAINTY: &str = "uncertainty.tif";
 const SOURCE: &str = "source.tif";
@@ -110,7 +110,7 @@ fn cells_beside<T>(
     }
 }
 
-/// Depths of one file, with their standard deviations and what they rest on.
+/// Depths of one file, with their standard deviations and sources.
 pub struct DepthPart {
     raster: RasterValues,
     sigma_m: Option<Vec<f32>>,
@@ -177,17 +177,17 @@ impl DepthPart {
         let [columns, rows] = self.size().map(|count| count as f64 - 0.5);
         let corners = [[-0.5, -0.5], [columns, -0.5], [-0.5, rows], [columns, rows]];
         let corners = corners.into_iter();
-        bounds_deg(corners.map(|at| self.crs.to_lon_lat(self.raster.placing.at(at))))
+        bounds_deg(corners.map(|at| self.crs.to_lon_lat(self.raster.transform.at(at))))
     }
 
     /// Square metres of a cell on the ground, in the middle of the map.
     pub fn cell_area_m2(&self) -> f64 {
         let middle = self.size().map(|count| 0.5 * count as f64);
-        let middle = self.crs.to_lon_lat(self.raster.placing.at(middle));
+        let middle = self.crs.to_lon_lat(self.raster.transform.at(middle));
         let plane = MapPlane::new(self.crs.clone(), middle);
-        let placing = &self.raster.placing;
+        let transform = &self.raster.transform;
         let cell_m2 =
-            placing.per_column[0] * -placing.per_row[1] / (plane.units[0] * plane.units[1]);
+            transform.per_column[0] * -transform.per_row[1] / (plane.units[0] * plane.units[1]);
         cell_m2 / plane.area_scale_at(plane.place(middle))
     }
 
@@ -212,15 +212,15 @@ impl DepthPart {
     /// What is known at the middle of a cell of another map: between the middles of its own cells, or `None` where one of those that count
     /// is unknown.
     pub fn at_cell_of(&self, other: &Self, [column, row]: [usize; 2]) -> Option<Depth> {
-        let there = other.raster.placing.at([column as f64, row as f64]);
+        let there = other.raster.transform.at([column as f64, row as f64]);
         let place = match other.crs == self.crs {
             true => there,
             false => self.crs.place(other.crs.to_lon_lat(there)),
         };
-        let placing = &self.raster.placing;
+        let transform = &self.raster.transform;
         let at = [
-            (place[0] - placing.origin[0]) / placing.per_column[0],
-            (place[1] - placing.origin[1]) / placing.per_row[1],
+            (place[0] - transform.origin[0]) / transform.per_column[0],
+            (place[1] - transform.origin[1]) / transform.per_row[1],
         ];
         self.between(at)
     }
@@ -262,14 +262,14 @@ impl DepthPart {
 
     /// Where a raster of its cells lies; of nothing yet.
     pub fn spec(&self) -> RasterSpec {
-        let placing = &self.raster.placing;
-        let [west, north] = placing.at([-0.5, -0.5]);
+        let transform = &self.raster.transform;
+        let [west, north] = transform.at([-0.5, -0.5]);
         RasterSpec {
             columns: self.raster.columns,
             rows: self.raster.rows,
             west,
             north,
-            cell: [placing.per_column[0], -placing.per_row[1]],
+            cell: [transform.per_column[0], -transform.per_row[1]],
             crs: self.crs.clone(),
             cells: Cells::Metres,
             band: None,

@@ -1,8 +1,8 @@
 //! `bathyscope compare NEW OLD --change DIR`: how the bottom changed between two depth maps.
 
 mod maps;
-mod page;
 mod record;
+mod report_page;
 
 use super::CompareArgs;
 use crate::bottom::bathymetry::Grid;
@@ -96,7 +96,7 @@ pub fn run(args: &CompareArgs, folder: &Path) -> Result<(), String> {
             })?;
         }
         written.push(change.write(folder, &errors, &regions, &progress)?);
-        shown.get_or_insert_with(|| page::picture(&change.rise_m, part.size()));
+        shown.get_or_insert_with(|| report_page::picture(&change.rise_m, part.size()));
     }
     let Some(shown) = shown else {
         return Err(format!(
@@ -112,7 +112,7 @@ pub fn run(args: &CompareArgs, folder: &Path) -> Result<(), String> {
     let shown = (written.len() == 1).then_some(shown);
     write_text(
         &folder.join("change.html"),
-        &page::of(&record, shown.as_deref()),
+        &report_page::of(&record, shown.as_deref()),
     )?;
     drop(status);
     match args.json {

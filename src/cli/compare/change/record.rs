@@ -14,7 +14,7 @@ pub struct ChangeRecord {
     /// The older map.
     pub older: String,
     sign: &'static str,
-    /// How sure the level of detection and the intervals are.
+    /// The confidence of the level of detection and the intervals.
     confidence: f64,
     /// Standard deviation of what is the same everywhere, metres.
     pub systematic_m: f64,

@@ -5,12 +5,12 @@
 //! no lower than the darkest shadow. Strength and darkness belong to a pass, size and heading to the object, and each pass may place it a
 //! little elsewhere, as its receiver did.
 
+use super::initial_guess::{InitialGuess, beginnings};
 use super::levels::BoxLevels;
 use super::predict::PosedSolid;
 use super::problem::{Numbers, OF_OBJECT, Problem, State};
 use super::search::{follow, search};
 use super::solid::ShapeKind;
-use super::start::{Start, beginnings};
 
 /// A kind as it fits best.
 #[derive(Clone, Debug)]
@@ -38,7 +38,7 @@ const FINE: (usize, usize, usize) = (4, 5, 2);
 
 /// Fits all kinds to looks, of which each has its start, and gives back those that explain enough to be told apart, the best first. Each kind
 /// is fitted to each of the first two looks, which are to show the object best, and from there to all.
-pub(super) fn fits(looks: &[BoxLevels], starts: &[Start]) -> Vec<Fit> {
+pub(super) fn fits(looks: &[BoxLevels], starts: &[InitialGuess]) -> Vec<Fit> {
     let mut best: Vec<Fit> = Vec::new();
     for first in 0..looks.len().min(2) {
         for (kind, beginnings) in coarse_fits(&looks[first], &starts[first]) {
@@ -58,7 +58,7 @@ pub(super) fn fits(looks: &[BoxLevels], starts: &[Start]) -> Vec<Fit> {
 fn fit(
     kind: ShapeKind,
     looks: &[BoxLevels],
-    starts: &[Start],
+    starts: &[InitialGuess],
     first: usize,
     beginnings: Vec<Numbers>,
 ) -> Fit {
@@ -88,7 +88,7 @@ fn fit(
 
 impl Fit {
     /// The solid as a look places it that it was not fitted to.
-    pub(super) fn placed_in(&self, look: &BoxLevels, start: &Start) -> PosedSolid {
+    pub(super) fn placed_in(&self, look: &BoxLevels, start: &InitialGuess) -> PosedSolid {
         let problem = Problem::of_known(self.kind, std::slice::from_ref(look));
         let numbers = [&self.of_object[..], &start.of_look()].concat();
         let mut state = State::new(&problem, numbers);
@@ -99,7 +99,7 @@ impl Fit {
 
 /// The kinds that may explain a look, each with numbers to begin with, found in a coarse picture of it: there a solid that lies a little off
 /// is right in part, and a trial costs less.
-fn coarse_fits(look: &BoxLevels, start: &Start) -> Vec<(ShapeKind, Vec<Numbers>)> {
+fn coarse_fits(look: &BoxLevels, start: &InitialGuess) -> Vec<(ShapeKind, Vec<Numbers>)> {
     let coarse = [look.coarser(COARSE)];
     let mut of_kinds: Vec<(ShapeKind, Vec<State>)> = (ShapeKind::ALL.into_iter())
         .map(|kind| {
@@ -200,7 +200,7 @@ mod tests {
             *level += (bottom + 4.0 * object).max(0.1).ln() / SPECKLE_LN as f32;
         }
         // What the box says: extents along and across the track that hold echo and shadow, and a place between the two.
-        let start = Start {
+        let start = InitialGuess {
             place_m: [5.8, 0.0],
             heading_rad: 0.0,
             along_m: 4.6,

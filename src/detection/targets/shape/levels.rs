@@ -125,7 +125,7 @@ impl BoxLevels {
 
 impl Placer<'_> {
     /// What the pass of a box recorded around it; `None` where that is no picture (less than three pings with a place, no samples, or no
-    /// bottom beside the box that it could be held against).
+    /// bottom beside the box that it could be compared with).
     pub fn box_levels(&self, mark: &Mark) -> Option<BoxLevels> {
         let middle = usize::midpoint(mark.pings.start, mark.pings.end);
         let span = self.span(mark.side, middle)?;

@@ -5,12 +5,12 @@
 //! there is none, and the reason is said.
 
 mod fit;
+mod initial_guess;
 mod levels;
 mod predict;
 mod problem;
 mod search;
 mod solid;
-mod start;
 
 pub use levels::BoxLevels;
 pub use predict::{PosedSolid, ShapeOnPing};
@@ -18,7 +18,7 @@ pub use solid::{ShapeKind, Solid};
 
 use super::Target;
 use fit::{Fit, fits};
-use start::Start;
+use initial_guess::InitialGuess;
 
 /// A solid that explains what was recorded of an object.
 #[derive(Clone, Debug, PartialEq)]
@@ -81,8 +81,10 @@ pub fn fit_shape(sightings: &[(&Target, Option<BoxLevels>)]) -> Result<FittedSha
     let Some((_, target, _)) = best.first() else {
         return Err(ShapeError::Faint);
     };
-    let starts = best.iter().map(|(_, target, look)| Start::of(target, look));
-    let starts: Vec<Start> = starts.collect();
+    let starts = best
+        .iter()
+        .map(|(_, target, look)| InitialGuess::of(target, look));
+    let starts: Vec<InitialGuess> = starts.collect();
     let looks: Vec<BoxLevels> = best.iter().map(|(.., look)| (*look).clone()).collect();
     let fits = fits(&looks, &starts);
     let bare: f64 = looks.iter().map(BoxLevels::squares).sum();
@@ -107,7 +109,7 @@ pub fn fit_shape(sightings: &[(&Target, Option<BoxLevels>)]) -> Result<FittedSha
         let fitted_to = best.iter().position(|(fitted_to, ..)| *fitted_to == index);
         let posed = match fitted_to {
             Some(at) => fitted.posed[at],
-            None => fitted.placed_in(look, &Start::of(target, look)),
+            None => fitted.placed_in(look, &InitialGuess::of(target, look)),
         };
         predict::on_pings(look, &posed)
     };

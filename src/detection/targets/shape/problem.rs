@@ -1,4 +1,4 @@
-//! What a solid is held against: the looks, and what numbers of it predict of them.
+//! What a solid is compared with: the looks, and what numbers of it predict of them.
 
 use super::levels::BoxLevels;
 use super::predict::{PosedSolid, Predicted, predict};
@@ -158,7 +158,7 @@ impl<'a> Problem<'a> {
         self.weigh(state, look);
     }
 
-    /// Holds one look against what is predicted.
+    /// Compares one look with what is predicted.
     fn weigh(&self, state: &mut State, look: usize) {
         let of_look = &state.numbers[OF_OBJECT + look * OF_LOOK..];
         let strength = of_look[2].exp() as f32;

@@ -4,7 +4,7 @@
 use super::{TileSet, TileStore};
 use crate::products::export::ExportError;
 use crate::products::export::sqlite::{Kind, Value, database, insert, run, text};
-use crate::products::map_tiles::{Picture, WebTile};
+use crate::products::map_tiles::{TileStyle, WebTile};
 use std::path::Path;
 
 /// `MPBX`.
@@ -22,7 +22,7 @@ const TILES_SQL: &str = "CREATE TABLE tiles (zoom_level INTEGER NOT NULL, tile_c
 pub fn mbtiles(
     path: &Path,
     store: &TileStore,
-    picture: Picture,
+    picture: TileStyle,
     set: &TileSet,
 ) -> Result<(), ExportError> {
     database(path, KIND, |file| {

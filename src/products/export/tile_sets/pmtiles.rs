@@ -6,7 +6,7 @@
 use super::store::Stored;
 use super::{TileSet, TileStore};
 use crate::products::export::{ExportError, write_atomically};
-use crate::products::map_tiles::Picture;
+use crate::products::map_tiles::TileStyle;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use serde_json::json;
@@ -30,7 +30,7 @@ const PNG: u8 = 2;
 pub fn pmtiles(
     path: &Path,
     store: &TileStore,
-    picture: Picture,
+    picture: TileStyle,
     set: &TileSet,
 ) -> Result<(), ExportError> {
     write_atomically(path, |file| {
@@ -137,7 +137,7 @@ fn gzip(bytes: &[u8]) -> io::Result<Vec<u8>> {
     packed.finish()
 }
 
-fn metadata(picture: Picture, set: &TileSet) -> Vec<u8> {
+fn metadata(picture: TileStyle, set: &TileSet) -> Vec<u8> {
     let mut metadata = json!({
         "name": set.name,
         "description": set.description,
@@ -145,7 +145,7 @@ fn metadata(picture: Picture, set: &TileSet) -> Vec<u8> {
         "type": "overlay",
         "version": "1",
     });
-    if picture == Picture::Elevations {
+    if picture == TileStyle::Elevations {
         metadata["encoding"] = json!("terrarium");
     }
     metadata.to_string().into_bytes()

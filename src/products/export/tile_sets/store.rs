@@ -1,7 +1,7 @@
 //! Pictures of tiles, from when they are drawn until they are written in the order that a file wants.
 
 use crate::products::export::{ExportError, RasterError};
-use crate::products::map_tiles::{Picture, TileSource, WebTile, pyramid};
+use crate::products::map_tiles::{TileSource, TileStyle, WebTile, pyramid};
 use crate::support::progress::Progress;
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -18,7 +18,7 @@ struct Inner {
     file: File,
     end: u64,
     /// By what they show and by the tile's number along Hilbert's curve.
-    places: BTreeMap<(Picture, u64), Stored>,
+    places: BTreeMap<(TileStyle, u64), Stored>,
 }
 
 /// Where the picture of a tile lies.
@@ -71,7 +71,7 @@ impl TileStore {
     ///
     /// # Errors
     /// When it cannot be written.
-    pub fn keep(&self, picture: Picture, tile: WebTile, bytes: &[u8]) -> io::Result<()> {
+    pub fn keep(&self, picture: TileStyle, tile: WebTile, bytes: &[u8]) -> io::Result<()> {
         let length = u32::try_from(bytes.len()).map_err(io::Error::other)?;
         let mut inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
         let at = inner.end;
@@ -84,7 +84,7 @@ impl TileStore {
     }
 
     /// The tiles that have a picture, along Hilbert's curve, from the coarsest zoom to the finest.
-    pub fn tiles(&self, picture: Picture) -> Vec<(u64, Stored)> {
+    pub fn tiles(&self, picture: TileStyle) -> Vec<(u64, Stored)> {
         let inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
         let of_picture = inner.places.range((picture, 0)..=(picture, u64::MAX));
         of_picture.map(|((_, id), stored)| (*id, *stored)).collect()

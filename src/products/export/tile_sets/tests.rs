@@ -1,5 +1,5 @@
 use super::*;
-use crate::products::map_tiles::{Picture, WebTile, ZoomRange, web_pixel};
+use crate::products::map_tiles::{TileStyle, WebTile, ZoomRange, web_pixel};
 use crate::support::geo::LonLat;
 use flate2::read::GzDecoder;
 use std::fs;
@@ -27,7 +27,7 @@ fn store(folder: &std::path::Path, zooms: ZoomRange) -> TileStore {
             let mixed = tile.hilbert_id().wrapping_mul(0x9e37_79b9_7f4a_7c15);
             let length = (mixed ^ mixed >> 29).wrapping_mul(0xbf58_476d_1ce4_e5b9) >> 56;
             let bytes = [&tile.x.to_le_bytes()[..], &vec![7; length as usize]].concat();
-            store.keep(Picture::Colours, tile, &bytes).unwrap();
+            store.keep(TileStyle::Colours, tile, &bytes).unwrap();
         }
     }
     store
@@ -104,7 +104,7 @@ fn every_tile_of_a_pmtiles_file_is_found_whether_it_has_one_directory_or_many() 
         let bounds_deg = [-111.49, 36.85, -111.49 + wide, 36.85 + wide];
         set.scales.zooms = ZoomRange::of_map(bounds_deg, cell_m);
         let store = store(folder.path(), set.scales.zooms);
-        pmtiles(&path, &store, Picture::Colours, &set).unwrap();
+        pmtiles(&path, &store, TileStyle::Colours, &set).unwrap();
         let reader = Reader(fs::read(&path).unwrap());
         assert_eq!(&reader.0[..8], b"PMTiles\x03");
         assert_eq!(!reader.part(40).is_empty(), has_leaves);
@@ -113,7 +113,7 @@ fn every_tile_of_a_pmtiles_file_is_found_whether_it_has_one_directory_or_many() 
         let metadata: serde_json::Value =
             serde_json::from_slice(&Reader::unpacked(reader.part(24))).unwrap();
         assert_eq!(metadata["name"], "pond");
-        let tiles = store.tiles(Picture::Colours);
+        let tiles = store.tiles(TileStyle::Colours);
         assert_eq!(reader.number(72), tiles.len());
         for (id, stored) in tiles.iter().step_by(37) {
             let expected = store.read(*stored).unwrap();
@@ -137,16 +137,18 @@ fn the_same_tiles_give_the_same_bytes_in_whatever_order_they_come() {
     let zooms = set().scales.zooms;
     let turned = TileStore::in_folder(folder.path()).unwrap();
     let first = store(folder.path(), zooms);
-    for (_, stored) in first.tiles(Picture::Colours) {
+    for (_, stored) in first.tiles(TileStyle::Colours) {
         let bytes = first.read(stored).unwrap();
-        turned.keep(Picture::Colours, stored.tile, &bytes).unwrap();
+        turned
+            .keep(TileStyle::Colours, stored.tile, &bytes)
+            .unwrap();
     }
     let files =
         ["a.pmtiles", "b.pmtiles", "a.mbtiles", "b.mbtiles"].map(|name| folder.path().join(name));
     for (path, store) in files.iter().zip([&first, &turned, &first, &turned]) {
         match path.extension().is_some_and(|ending| ending == "pmtiles") {
-            true => pmtiles(path, store, Picture::Colours, &set()).unwrap(),
-            false => mbtiles(path, store, Picture::Colours, &set()).unwrap(),
+            true => pmtiles(path, store, TileStyle::Colours, &set()).unwrap(),
+            false => mbtiles(path, store, TileStyle::Colours, &set()).unwrap(),
         }
     }
     let [a, b, c, d] = files.map(|path| fs::read(path).unwrap());

@@ -1,6 +1,6 @@
 //! `*.kmz`: KML 2.2 (OGC 07-147r2) in a zip archive, as map programs and phones open it.
 
-use super::Line;
+use super::LabelledLine;
 use super::zipped::one_file;
 use crate::bottom::bathymetry::isobaths::Polygon;
 use crate::products::export::geojson::{areas, positions};
@@ -18,7 +18,7 @@ const LABELLED_DEG: f64 = 1e-4;
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn lines_kmz(path: &Path, name: &str, lines: &[Line]) -> Result<Summary, ExportError> {
+pub fn lines_kmz(path: &Path, name: &str, lines: &[LabelledLine]) -> Result<Summary, ExportError> {
     archive(path, name, |out| {
         let mut summary = Summary::default();
         let mut labels = String::new();

@@ -11,7 +11,7 @@ use crate::support::geo::LonLat;
 
 /// A line with what a map says about it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Line {
+pub struct LabelledLine {
     /// Its corners.
     pub points: Vec<LonLat>,
     /// What stands beside it.

@@ -1,6 +1,6 @@
 //! `*.shp` with its `.shx`, `.dbf`, `.prj` and `.cpg` (ESRI, July 1998): what every map program of the last decades opens.
 
-use super::Line;
+use super::LabelledLine;
 use crate::products::export::{ExportError, Summary, write_atomically};
 use crate::support::geo::Crs;
 use shapefile::dbase::{FieldError, FieldName, FieldWriter, TableWriterBuilder, WritableRecord};
@@ -23,7 +23,7 @@ pub fn lines_shapefile(
     path: &Path,
     crs: &Crs,
     names: &[&'static str],
-    lines: &[Line],
+    lines: &[LabelledLine],
 ) -> Result<Summary, ExportError> {
     let beside = |extension: &str| path.with_extension(extension);
     write_atomically(&beside("prj"), |mut file| {
@@ -45,7 +45,7 @@ pub fn lines_shapefile(
 fn shapes(
     writer: &mut ShapeWriter<BufWriter<File>>,
     crs: &Crs,
-    lines: &[Line],
+    lines: &[LabelledLine],
 ) -> Result<Summary, shapefile::Error> {
     let mut summary = Summary::default();
     for line in lines {
@@ -63,7 +63,7 @@ fn shapes(
     Ok(summary)
 }
 
-fn table(file: File, names: &[&'static str], lines: &[Line]) -> io::Result<()> {
+fn table(file: File, names: &[&'static str], lines: &[LabelledLine]) -> io::Result<()> {
     let name = |name: &str| FieldName::try_from(name).map_err(io::Error::other);
     let (digits, decimals) = DIGITS;
     let mut fields = TableWriterBuilder::new().add_character_field(name("label")?, LETTERS);
@@ -77,7 +77,7 @@ fn table(file: File, names: &[&'static str], lines: &[Line]) -> io::Result<()> {
     writer.finalize().map_err(io::Error::other)
 }
 
-struct Row<'a>(&'a Line);
+struct Row<'a>(&'a LabelledLine);
 
 impl WritableRecord for Row<'_> {
     fn write_using<W: Write>(&self, writer: &mut FieldWriter<'_, W>) -> Result<(), FieldError> {

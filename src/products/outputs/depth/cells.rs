@@ -24,7 +24,7 @@ pub fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputEr
         .map_err(OutputError::from)
 }
 
-/// Writes `bottom.copc.laz`: the same cells as points, each with what its depth rests on, so that what was inferred is not taken for measured.
+/// Writes `bottom.copc.laz`: the same cells as points, each with the source of its depth, so that what was inferred is not taken for measured.
 pub fn points(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let depth_map = results.depth_map()?.ok_or(super::NO_SURFACE)?;
     let (surface, map) = (&depth_map.surface, &results.plane.map);

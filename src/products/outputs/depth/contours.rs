@@ -2,7 +2,7 @@
 
 use crate::bottom::bathymetry::isobaths::IsobathSettings;
 use crate::pipeline::Contours;
-use crate::products::export::{self, DrawnLines, ExportError, Line, Summary};
+use crate::products::export::{self, DrawnLines, ExportError, LabelledLine, Summary};
 use crate::products::outputs::OutputError;
 use crate::products::outputs::manifest::{Coordinates, FileContent};
 use crate::products::outputs::results::Results;
@@ -102,7 +102,7 @@ pub fn storage(results: &Results<'_>, path: &Path) -> Result<FileContent, Output
 }
 
 /// The lines with their depth beside them, the deeper the darker.
-fn named_lines(drawn: &Drawn<'_>, results: &Results<'_>) -> Vec<Line> {
+fn named_lines(drawn: &Drawn<'_>, results: &Results<'_>) -> Vec<LabelledLine> {
     let (lines, ground) = (&drawn.contours.isobaths.lines, drawn.ground.sqrt());
     let depths = lines.iter().map(|line| line.depth_m);
     let [least_m, most_m] = depths.fold([f64::MAX, f64::MIN], |[least, most], depth| {
@@ -112,7 +112,7 @@ fn named_lines(drawn: &Drawn<'_>, results: &Results<'_>) -> Vec<Line> {
         let share = (line.depth_m - least_m) / (most_m - least_m).max(f64::MIN_POSITIVE);
         let [light, dark] = COLOURS;
         let depth = drawn.settings.in_unit(line.depth_m);
-        Line {
+        LabelledLine {
             points: line
                 .points
                 .iter()

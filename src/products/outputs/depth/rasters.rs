@@ -1,4 +1,4 @@
-//! The surface as rasters: metres as f32 on one grid, and what they rest on, each with what was and was not corrected in its description, and beside each its
+//! The surface as rasters: metres as f32 on one grid, and their source, each with what was and was not corrected in its description, and beside each its
 //! colours for QGIS (`.qml`).
 
 use crate::bottom::bathymetry::isobaths::shoalest_m;

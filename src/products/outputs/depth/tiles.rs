@@ -6,7 +6,7 @@ use crate::pipeline::DepthMap;
 use crate::products::export::Summary;
 use crate::products::export::tile_sets::{TileSet, TileStore, map_page, mbtiles, pmtiles};
 use crate::products::map_tiles::{
-    LitSurface, MapScales, Picture, Pixels, TileSource, WebTile, ZoomRange, web_pixel,
+    LitSurface, MapScales, Pixels, TileSource, TileStyle, WebTile, ZoomRange, web_pixel,
 };
 use crate::products::outputs::OutputError;
 use crate::products::outputs::manifest::{Coordinates, FileContent};
@@ -29,24 +29,24 @@ pub struct MapTiles {
 /// Writes `depth.mbtiles`.
 pub fn chart(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let tiles = results.map_tiles(path)?;
-    mbtiles(path, &tiles.store, Picture::Chart, &tiles.set)?;
-    content(results, tiles, Picture::Chart)
+    mbtiles(path, &tiles.store, TileStyle::Chart, &tiles.set)?;
+    content(results, tiles, TileStyle::Chart)
 }
 
 /// Writes `depth.pmtiles`.
 pub fn colours(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
-    archive(results, path, Picture::Colours)
+    archive(results, path, TileStyle::Colours)
 }
 
 /// Writes `depth_values.pmtiles`.
 pub fn values(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
-    archive(results, path, Picture::Elevations)
+    archive(results, path, TileStyle::Elevations)
 }
 
 fn archive(
     results: &Results<'_>,
     path: &Path,
-    picture: Picture,
+    picture: TileStyle,
 ) -> Result<FileContent, OutputError> {
     let tiles = results.map_tiles(path)?;
     pmtiles(path, &tiles.store, picture, &tiles.set)?;
@@ -63,7 +63,7 @@ pub fn page(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputErr
 fn content(
     results: &Results<'_>,
     tiles: &MapTiles,
-    picture: Picture,
+    picture: TileStyle,
 ) -> Result<FileContent, OutputError> {
     let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
     let mut summary = Summary {

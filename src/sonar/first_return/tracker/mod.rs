@@ -2,7 +2,7 @@
 //! to bottom and jumps least.
 //!
 //! `runs` cuts the log where the line may break and into chunks, `rows` brings the picture, `score` measures the step at
-//! every sample, `depth` holds the recorded depth against it, `viterbi` finds the best path, `line` says where it is a pick
+//! every sample, `depth` compares the recorded depth with it, `viterbi` finds the best path, `line` says where it is a pick
 //! and how sure, and `refine` finds the edge within a fraction of a sample on the picture that `straight` lays along the line,
 //! with what `onset` finds just before it.
 

@@ -39,7 +39,7 @@ pub fn distance_colour(share: f32) -> Rgb {
     ramp(&PURPLES, share)
 }
 
-/// Colours of what a depth can rest on: a sounding, a first return, nothing but its neighbours.
+/// Colours of the sources of a depth: a sounding, a first return, nothing but its neighbours.
 pub const SOURCES: [Rgb; 4] = [
     [0, 90, 160],
     [230, 130, 0],

@@ -34,7 +34,7 @@ pub enum Family {
 
 /// A line with its name.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Line {
+pub struct GraticuleLine {
     /// Degrees or metres at which it lies.
     pub value: f64,
     /// `36.8775° N`, `462500 E`.
@@ -90,7 +90,7 @@ impl Net {
     }
 
     /// The lines of a family within bounds, at least `least` degrees or metres apart.
-    pub fn lines(&self, family: Family, bounds: Bounds, least: f64) -> Vec<Line> {
+    pub fn lines(&self, family: Family, bounds: Bounds, least: f64) -> Vec<GraticuleLine> {
         let [west, south, east, north] = bounds;
         let [low, high] = match family {
             Family::Upright => [west, east],
@@ -99,7 +99,7 @@ impl Net {
         match self {
             Self::Degrees { format, .. } => {
                 let graticule = Graticule::new(*format, least);
-                let line = |value| Line {
+                let line = |value| GraticuleLine {
                     value,
                     label: graticule.label(value, family.axis()),
                 };
@@ -111,7 +111,7 @@ impl Net {
                     Family::Upright => 'E',
                     Family::Level => 'N',
                 };
-                let line = |value| Line {
+                let line = |value| GraticuleLine {
                     value,
                     label: format!("{} {letter}", ticks::label(value, step)),
                 };

@@ -1,4 +1,4 @@
-//! What the points are held against, and how a point finds its reference.
+//! What the points are compared with, and how a point finds its reference.
 
 use crate::app::{Action, Command, ReferenceBy};
 use crate::ui::ViewContext;

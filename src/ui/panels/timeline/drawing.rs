@@ -8,14 +8,14 @@ use crate::ui::{ViewContext, text, theme};
 use egui::{Color32, Mesh, Pos2, Rect, Response, Stroke, Ui};
 
 /// Where the parts of the panel lie.
-pub struct Frame {
+pub struct TimelineLayout {
     depth: Rect,
     speed: Rect,
     all: Rect,
     axis_y: f32,
 }
 
-impl Frame {
+impl TimelineLayout {
     const GUTTER: f32 = 104.0;
     const AXIS: f32 = 14.0;
 

@@ -10,7 +10,7 @@ use crate::pipeline::Products;
 use crate::pipeline::{Background, Same};
 use crate::survey::{Navigation, Survey};
 use crate::ui::{ViewContext, exclusion_text, theme};
-use drawing::Frame;
+use drawing::TimelineLayout;
 use egui::{Sense, Ui};
 use std::sync::Arc;
 use strips::Strips;
@@ -108,7 +108,7 @@ impl TimeLine {
             );
             return;
         };
-        let frame = Frame::new(outer);
+        let frame = TimelineLayout::new(outer);
         frame.strips(ui, context, strips);
         frame.marks(ui, context, strips);
         frame.pointer(&response, context, strips);

@@ -1,4 +1,4 @@
-//! The bottom, ready to draw; uploaded off the window's thread.
+//! The bottom, ready to draw; uploaded in a background thread.
 
 use crate::app::{App, CloudOptions, Jobs};
 use crate::pipeline::{Background, Bottom, BottomColour, CornerGround, Same};
@@ -95,7 +95,7 @@ impl ShownBottom {
             let buffers = upload(&bottom, origin_m, &uploader);
             progress.check().ok()?;
             Some(Arc::new(BottomScene {
-                wide: buffers.extent().filter(|_| bottom.has_level_bed),
+                wide: buffers.extent().filter(|_| bottom.has_flat_extrapolation),
                 bottom,
                 buffers,
                 origin_m,

@@ -184,7 +184,7 @@ pub fn paint_legend(
         at.y = plate.bottom() + 1.0;
         covered.push(plate);
     };
-    if bottom.is_some_and(|one| one.has_level_bed) {
+    if bottom.is_some_and(|one| one.has_flat_extrapolation) {
         let text = "mosaic on a level bed where no depth is known";
         note(text, theme::canvas_text_colour(options));
     }

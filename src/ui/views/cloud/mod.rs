@@ -22,7 +22,7 @@ use axes::Axes;
 use bottom::ShownBottom;
 use egui::{Rect, Response, Role, Sense, Ui, Vec2, WidgetInfo};
 use picture::{CloudPicture, Drawing};
-use pointer::Seen;
+use pointer::PickScene;
 use scene::{CloudScene, ColourEnds, LogPoints, SceneBox, ShownPoints};
 use std::sync::Arc;
 
@@ -139,7 +139,7 @@ impl CloudView {
             Some(wide) => scene.extent().as_wide_as(wide),
             None => scene.extent(),
         };
-        let seen = Seen {
+        let seen = PickScene {
             scene: &scene,
             bottom: bottom.as_deref(),
             all,
@@ -232,7 +232,7 @@ impl CloudView {
         context: &ViewContext<'_>,
         rect: Rect,
         response: &Response,
-        seen: Seen<'_>,
+        seen: PickScene<'_>,
     ) -> OrbitCamera {
         let scene = seen.scene;
         self.follow(seen.all);

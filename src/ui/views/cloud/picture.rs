@@ -3,7 +3,7 @@
 use super::bottom::BottomScene;
 use super::scene::CloudScene;
 use crate::ui::render::{BottomDraw, BottomRenderer, CloudDraw, CloudRenderer, Target};
-use crate::ui::views::picture::Picture;
+use crate::ui::views::picture::ViewTexture;
 use eframe::egui_wgpu::RenderState;
 use egui::{Painter, Rect};
 use std::sync::Arc;
@@ -40,7 +40,7 @@ struct Renderers {
 /// GPU objects of one cloud view.
 #[derive(Default)]
 pub struct CloudPicture {
-    picture: Picture,
+    picture: ViewTexture,
     renderers: Option<Renderers>,
     drawn: Option<Drawing>,
 }

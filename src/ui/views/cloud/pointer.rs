@@ -27,7 +27,7 @@ pub struct Pointer {
 
 /// What the camera moves in.
 #[derive(Clone, Copy)]
-pub struct Seen<'a> {
+pub struct PickScene<'a> {
     /// The points.
     pub scene: &'a CloudScene,
     /// The bottom, where it is shown.
@@ -40,14 +40,14 @@ pub struct Seen<'a> {
 /// a picture of nothing. Where no point is in the picture it comes no nearer.
 pub fn zoom(
     camera: &mut OrbitCamera,
-    seen: Seen<'_>,
+    seen: PickScene<'_>,
     (shown, rect): (ShownPoints, Rect),
     at: Pos2,
     factor: f32,
 ) {
     let aspect = rect.width().max(1.0) / rect.height().max(1.0);
     let ndc_of = |at: Pos2| ndc(rect, at);
-    let Seen { scene, bottom, all } = seen;
+    let PickScene { scene, bottom, all } = seen;
     let looks = scene.shown(shown.outliers) <= MOST_ON_HOVER;
     let under = || bottom?.under(&camera.projection(aspect), ndc_of(at));
     let under = under().filter(|place| factor > 1.0 && shown.part.holds(*place));
@@ -97,7 +97,7 @@ pub fn move_camera(
     ui: &Ui,
     (shown, rect): (ShownPoints, Rect),
     response: &Response,
-    seen: Seen<'_>,
+    seen: PickScene<'_>,
     camera: &mut OrbitCamera,
 ) {
     let height = rect.height().max(1.0);
@@ -127,7 +127,7 @@ impl Pointer {
         &mut self,
         context: &mut ViewContext<'_>,
         response: &Response,
-        Seen { scene, bottom, .. }: Seen<'_>,
+        PickScene { scene, bottom, .. }: PickScene<'_>,
         (axes, camera): (&Axes<'_>, OrbitCamera),
     ) {
         let shown = axes.shown();
@@ -197,7 +197,7 @@ pub fn paint_marks(
     painter: &Painter,
     app: &App,
     products: &Products,
-    seen: Seen<'_>,
+    seen: PickScene<'_>,
     axes: &Axes<'_>,
 ) {
     let marks = [
@@ -315,7 +315,7 @@ mod tests {
                 let mut camera = OrbitCamera::default();
                 camera.fit(scene.corners, 1.5, 1.2);
                 for _ in 0..100 {
-                    let seen = Seen {
+                    let seen = PickScene {
                         scene: &scene,
                         bottom: None,
                         all: scene.extent(),

@@ -1,4 +1,4 @@
-//! The cloud, ready to draw and to pick; made off the window's thread.
+//! The cloud, ready to draw and to pick; computed in a background thread.
 
 use crate::app::{CloudColour, LogId, Mark, ShownLog, ViewOptions};
 use crate::bottom::cloud::{
@@ -19,7 +19,7 @@ const CHECK: usize = 1 << 16;
 
 /// How many points there are of each kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Counts {
+pub struct PointCounts {
     /// Kept, under the boat.
     pub down_scan: usize,
     /// Kept, port.
@@ -30,7 +30,7 @@ pub struct Counts {
     pub set_aside: usize,
 }
 
-impl Counts {
+impl PointCounts {
     /// Kept points.
     pub fn kept(&self) -> usize {
         self.down_scan + self.port + self.starboard
@@ -145,7 +145,7 @@ pub struct CloudScene {
     /// Corners of the box around the kept points.
     pub corners: [Vec3; 2],
     /// How many points there are.
-    pub counts: Counts,
+    pub counts: PointCounts,
     /// Kept points of each log.
     kept: Vec<usize>,
     /// How many points there are of each class.
@@ -383,8 +383,8 @@ fn is_placed(point: &CloudPoint) -> bool {
     place.iter().all(|metres| metres.is_finite())
 }
 
-fn counts(logs: &[LogPoints]) -> Counts {
-    let mut counts = Counts::default();
+fn counts(logs: &[LogPoints]) -> PointCounts {
+    let mut counts = PointCounts::default();
     for requested in [true, false] {
         let points = logs.iter().flat_map(|log| log.points(requested));
         points.for_each(|(_, point)| counts.add(point.source, requested));

@@ -1,6 +1,6 @@
 //! The analyst's own picture, painted in tiles under the other layers.
 
-use super::tiles::{SIDE, TileKey, TileSource};
+use super::tiles::{MapTileKey, SIDE, TileSource};
 use super::transform::GroundBounds;
 use super::warp::Warp;
 use crate::formats::base_map::BaseMap;
@@ -104,7 +104,7 @@ impl TileSource for BaseTiles {
         self.finest
     }
 
-    fn paint(&self, key: TileKey, progress: &Progress) -> Option<Vec<Color32>> {
+    fn paint(&self, key: MapTileKey, progress: &Progress) -> Option<Vec<Color32>> {
         let map = &self.key.map.0;
         let (survey, navigation) = (&self.key.survey.0, &self.key.navigation.0);
         let warp = Warp::new(key, |[east_m, north_m]| {

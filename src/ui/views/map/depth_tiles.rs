@@ -1,6 +1,6 @@
 //! The tiles of the depth map and of its hill-shade.
 
-use super::tiles::{SIDE, TileKey, TileSource};
+use super::tiles::{MapTileKey, SIDE, TileSource};
 use super::transform::GroundBounds;
 use super::warp::Warp;
 use crate::bottom::bathymetry::Grid;
@@ -20,7 +20,7 @@ const MOST_LOOKS: usize = 4;
 const FINEST_SHARE: f64 = 16.0;
 
 /// Where the texels of a tile's picture lie on the grid.
-fn warp(depth_map: &DepthMap, key: TileKey) -> Warp {
+fn warp(depth_map: &DepthMap, key: MapTileKey) -> Warp {
     let grid = &depth_map.surface.grid;
     Warp::new(key, |place| {
         let [easting_m, northing_m] = depth_map.to_map(place);
@@ -34,7 +34,7 @@ fn warp(depth_map: &DepthMap, key: TileKey) -> Warp {
 /// Calls `colour` for every texel with the looks into it, row by row.
 fn paint<const N: usize>(
     depth_map: &DepthMap,
-    key: TileKey,
+    key: MapTileKey,
     progress: &Progress,
     look: impl Fn([f64; 2]) -> Option<[f32; N]>,
     colour: impl Fn([f32; N]) -> Color32,
@@ -116,7 +116,7 @@ impl TileSource for DepthTiles {
         finest(&self.0)
     }
 
-    fn paint(&self, key: TileKey, progress: &Progress) -> Option<Vec<Color32>> {
+    fn paint(&self, key: MapTileKey, progress: &Progress) -> Option<Vec<Color32>> {
         let depth_map = &self.0;
         let surface = &depth_map.surface;
         let gap_m = depth_map.gap_m as f32;
@@ -144,7 +144,7 @@ impl TileSource for ShadeTiles {
         finest(&self.0)
     }
 
-    fn paint(&self, key: TileKey, progress: &Progress) -> Option<Vec<Color32>> {
+    fn paint(&self, key: MapTileKey, progress: &Progress) -> Option<Vec<Color32>> {
         let depth_map = &self.0;
         let level = f32::from(depth_map.light.level_ground());
         let shades = depth_map.shade(progress).ok()?;

@@ -1,6 +1,6 @@
 //! Tiles of coloured dots, and which of them is nearest to a place.
 
-use super::tiles::{SIDE, TileKey, TileSource};
+use super::tiles::{MapTileKey, SIDE, TileSource};
 use super::transform::GroundBounds;
 use crate::support::progress::Progress;
 use egui::Color32;
@@ -104,7 +104,7 @@ impl TileSource for Dots {
         FINEST
     }
 
-    fn paint(&self, key: TileKey, progress: &Progress) -> Option<Vec<Color32>> {
+    fn paint(&self, key: MapTileKey, progress: &Progress) -> Option<Vec<Color32>> {
         let (texel_m, [west_m, north_m]) = (key.texel_m(), key.corner());
         let far = SIDE as f64 + RADIUS;
         let inside = |[west, south, east, north]: &GroundBounds| {
@@ -172,7 +172,7 @@ mod tests {
         let colours = vec![Color32::WHITE, Color32::BLUE];
         let dots = Dots::new(dots, colours).expect("two with a place");
         let inked = |column: i32| {
-            let key = TileKey {
+            let key = MapTileKey {
                 level: 0,
                 column,
                 row: 0,

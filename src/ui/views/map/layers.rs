@@ -1,6 +1,6 @@
-//! The track, made off the window's thread so that a frame costs the same for any survey.
+//! The track, computed in a background thread so that a frame costs the same for any survey.
 
-use super::lines::Line;
+use super::lines::MapLine;
 use super::ping_boxes::PingBoxes;
 use super::transform::GroundBounds;
 use crate::app::{LogId, ShownLog};
@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 /// Seconds without a record after which the track is broken instead of bridged.
 const BREAK_S: f64 = 10.0;
-/// Where depth rests on side-scan only, the track shows it in dashes so long, with so much grey between, metres.
+/// Where depth comes from side-scan only, the track shows it in dashes so long, with so much grey between, metres.
 const DASH_M: [f64; 2] = [5.0, 2.5];
 
 /// What the tracks of some logs are made of; equal keys give equal tracks.
@@ -61,12 +61,12 @@ pub struct TrackLayer {
     pub bounds: GroundBounds,
     /// Ends of the colour scale, metres.
     pub range_m: Option<[f32; 2]>,
-    /// Whether depth rests on side-scan only somewhere.
+    /// Whether depth comes from side-scan only somewhere.
     pub side_scan_only: bool,
     /// Names and colours of the logs; empty where the tracks are coloured by depth.
     pub logs: Vec<(String, [u8; 3])>,
     /// The line.
-    pub line: Line,
+    pub line: MapLine,
     boxes: Vec<(LogId, PingBoxes)>,
 }
 
@@ -94,7 +94,7 @@ impl TrackLayer {
             };
             line.extend(vertices(&records, origin_m, &colouring));
         }
-        let line = Line::new(origin_m, line, Specks::Kept, uploader);
+        let line = MapLine::new(origin_m, line, Specks::Kept, uploader);
         progress.check().ok()?;
         let boxes = logs.iter().map(|shown| {
             let navigation = shown.log.products.navigation.clone();

@@ -4,13 +4,13 @@ use super::overlay::Scene;
 use crate::ui::render::{
     LineDraw, LinePyramid, LineRenderer, LineUniform, Specks, TrackBuffers, Vertex,
 };
-use crate::ui::views::picture::Picture;
+use crate::ui::views::picture::ViewTexture;
 use eframe::egui_wgpu::RenderState;
 use egui::{Color32, Painter};
 use std::sync::Arc;
 
 /// A line with its levels of detail.
-pub struct Line {
+pub struct MapLine {
     /// What the places of `pyramid` are relative to, metres.
     pub origin_m: [f64; 2],
     /// The levels.
@@ -19,7 +19,7 @@ pub struct Line {
     pub buffers: Option<TrackBuffers>,
 }
 
-impl Line {
+impl MapLine {
     /// Builds the levels of a line and uploads them.
     pub fn new(
         origin_m: [f64; 2],
@@ -54,7 +54,7 @@ pub struct Pen {
 
 /// GPU objects of one picture of lines. `T` owns the lines.
 pub struct LinePicture<T> {
-    picture: Picture,
+    picture: ViewTexture,
     renderer: Option<LineRenderer>,
     drawn: Option<(Arc<T>, Vec<LineDraw>)>,
 }
@@ -62,7 +62,7 @@ pub struct LinePicture<T> {
 impl<T> Default for LinePicture<T> {
     fn default() -> Self {
         Self {
-            picture: Picture::default(),
+            picture: ViewTexture::default(),
             renderer: None,
             drawn: None,
         }
@@ -77,7 +77,7 @@ impl<T> LinePicture<T> {
         state: &RenderState,
         scene: &Scene<'_>,
         of: &Arc<T>,
-        lines: [(&Line, Pen); N],
+        lines: [(&MapLine, Pen); N],
     ) {
         let pixels_per_point = painter.pixels_per_point();
         let is_new = self.picture.resize(state, scene.rect, pixels_per_point);
@@ -107,7 +107,7 @@ impl<T> LinePicture<T> {
     }
 }
 
-fn line_draw(pixels_per_point: f32, scene: &Scene<'_>, line: &Line, pen: Pen) -> LineDraw {
+fn line_draw(pixels_per_point: f32, scene: &Scene<'_>, line: &MapLine, pen: Pen) -> LineDraw {
     let [east_m, north_m] = line.origin_m;
     let widest = pen.widths[0].max(pen.widths[1]);
     let margin_m = f64::from(widest) * scene.transform.metres_per_point;

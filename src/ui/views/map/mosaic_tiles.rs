@@ -1,6 +1,6 @@
 //! The tiles of the side-scan mosaic.
 
-use super::tiles::{SIDE, TileKey, TileSource};
+use super::tiles::{MapTileKey, SIDE, TileSource};
 use super::transform::GroundBounds;
 use crate::bottom::bathymetry::Grid;
 use crate::imagery::mosaic::{MosaicSettings, Overlap};
@@ -49,7 +49,7 @@ impl TileSource for MosaicTiles {
         FINEST
     }
 
-    fn paint(&self, key: TileKey, progress: &Progress) -> Option<Vec<Color32>> {
+    fn paint(&self, key: MapTileKey, progress: &Progress) -> Option<Vec<Color32>> {
         let [west_m, north_m] = key.corner();
         let grid = Grid {
             west_m,

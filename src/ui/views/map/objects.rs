@@ -1,7 +1,7 @@
 //! Objects on the map: a mark by state for each box, and its footprint where that can be seen.
 
 use super::overlay::Scene;
-use crate::app::{App, LogBox, MapLayer, OpenLog, Placed};
+use crate::app::{App, LocatedObject, LogBox, MapLayer, OpenLog};
 use crate::detection::review::{Reviewed, State};
 use crate::ui::theme;
 use crate::ui::views::legend;
@@ -46,7 +46,7 @@ fn placed<'a>(scene: &Scene<'_>, app: &'a App) -> impl Iterator<Item = Seen<'a>>
 struct Seen<'a> {
     log: &'a OpenLog,
     one: &'a Reviewed,
-    placed: &'a Arc<Placed>,
+    placed: &'a Arc<LocatedObject>,
     /// Its middle on the screen.
     at: Pos2,
 }

@@ -102,7 +102,7 @@ mod tests {
     use crate::bottom::bathymetry::compare::{Comparison, Match, Matching};
     use crate::bottom::cloud::{CloudPoint, PointCloud, PointSource};
     use crate::pipeline::{LogDifferences, ResidualTables};
-    use crate::ui::views::map::tiles::{SIDE, TileKey};
+    use crate::ui::views::map::tiles::{MapTileKey, SIDE};
 
     /// Points 10 m apart on a line eastwards, each with its difference from a reference.
     fn layer(differences_m: &[f64]) -> ResidualLayer {
@@ -156,7 +156,7 @@ mod tests {
         assert!((layer.reach_m - 0.3).abs() < 1e-12);
         assert_eq!(layer.at([20.4, 5.3], 1.0), Some(f64::from(-0.3_f32)));
         assert_eq!(layer.at([24.9, 5.0], 1.0), None, "none is near");
-        let key = TileKey {
+        let key = MapTileKey {
             level: -3,
             column: 0,
             row: 0,

@@ -1,4 +1,4 @@
-//! The layers of the map: made off the window's thread when they are shown, and drawn in the order of the stack.
+//! The layers of the map: computed in a background thread when they are shown, and drawn in the order of the stack.
 
 use super::base_map::BaseMapKey;
 use super::depth_tiles::{DepthTiles, ShadeTiles};

@@ -1,6 +1,6 @@
 //! From the texels of a tile into another plane: exact on a coarse net, linear between.
 
-use super::tiles::{SIDE, TileKey};
+use super::tiles::{MapTileKey, SIDE};
 
 /// Meshes of the net along a tile's side. In a tile of 65 km a projection bends a mesh of 8 km by less than half a texel.
 const MESHES: usize = 8;
@@ -12,7 +12,7 @@ pub struct Warp {
 
 impl Warp {
     /// By `into`, which takes metres east and north of the survey's origin to the other plane.
-    pub fn new(key: TileKey, into: impl Fn([f64; 2]) -> [f64; 2]) -> Self {
+    pub fn new(key: MapTileKey, into: impl Fn([f64; 2]) -> [f64; 2]) -> Self {
         let [west, north] = key.corner();
         let step_m = key.texel_m() * SIDE as f64 / MESHES as f64;
         let node = |index: usize| {
@@ -69,7 +69,7 @@ mod tests {
         let (frame, zone) = (LocalFrame::new(origin), UtmZone::of(origin));
         let into = |[east_m, north_m]: [f64; 2]| zone.to_metres(frame.to_lon_lat(east_m, north_m));
         for level in [-4, 4, 8] {
-            let key = TileKey {
+            let key = MapTileKey {
                 level,
                 column: 0,
                 row: -1,

@@ -1,4 +1,4 @@
-//! The normalisation of the whole picture, measured once off the window's thread.
+//! The normalisation of the whole picture, measured once in a background thread.
 
 use crate::pipeline::Background;
 use crate::sonar::first_return::{ImageSettings, Normalisation, SampleMode};

@@ -3,7 +3,9 @@
 use super::lens::Lens;
 use super::tiles::TileSet;
 use crate::imagery::picture::LogPicture;
-use crate::imagery::waterfall::{Levels, Made, PickLines, RangeAxis, RangeLine, Tile, Tiler};
+use crate::imagery::waterfall::{
+    Levels, Made, PickLines, RangeAxis, RangeLine, Tiler, WaterfallTile,
+};
 use crate::sonar::first_return::FirstReturns;
 use crate::survey::Survey;
 use crate::ui::render::waterfall::{Quad, TileTexture};
@@ -21,7 +23,7 @@ pub(super) struct Drawing {
     survey: Arc<Survey>,
     tiler: Tiler,
     tiles: TileSet,
-    arrived: VecDeque<Tile>,
+    arrived: VecDeque<WaterfallTile>,
     /// Outer `None`: not known yet. Inner `None`: there is nothing to draw.
     axis: Option<Option<RangeAxis>>,
     requested_returns: Option<Arc<FirstReturns>>,
@@ -77,7 +79,7 @@ impl Drawing {
             match made {
                 Made::Axis(axis) => self.axis = Some(axis),
                 Made::Levels(levels) => self.levels = levels,
-                Made::Tile(tile) => self.arrived.push_back(tile),
+                Made::WaterfallTile(tile) => self.arrived.push_back(tile),
                 Made::Grown {
                     mut axis,
                     unchanged,
@@ -85,7 +87,9 @@ impl Drawing {
                     // A usual step that changes with every ping would stretch the picture a little each time.
                     axis.ping_m = self.axis().and_then(|axis| axis.ping_m).or(axis.ping_m);
                     self.axis = Some(Some(axis));
-                    let stays = |tile: &Tile| unchanged.is_some_and(|to| tile.key.end_ping() <= to);
+                    let stays = |tile: &WaterfallTile| {
+                        unchanged.is_some_and(|to| tile.key.end_ping() <= to)
+                    };
                     self.arrived.retain(stays);
                     self.tiles.outdate(unchanged);
                 }

@@ -1,6 +1,6 @@
 //! Hands the tiles in view to the renderer inside egui's pass.
 
-use crate::ui::render::waterfall::{Look, Quad, Tables, TileTexture, WaterfallPicture};
+use crate::ui::render::waterfall::{EchoStyle, Quad, Tables, TileTexture, WaterfallPicture};
 use eframe::egui_wgpu::{Callback, CallbackResources, CallbackTrait, ScreenDescriptor};
 use egui::{Painter, Rect};
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use std::time::Duration;
 /// One frame's picture. Holds its renderer itself: two waterfalls never share a buffer.
 pub(super) struct PictureCallback {
     pub picture: Arc<WaterfallPicture>,
-    pub look: Look,
+    pub look: EchoStyle,
     pub tables: Tables,
     pub tiles: Vec<(Quad, TileTexture)>,
 }

@@ -3,7 +3,9 @@
 use super::lens::Lens;
 use crate::app::Orientation;
 use crate::imagery::picture::{Geometry, LogPicture};
-use crate::imagery::waterfall::{Level, Lru, RangeAxis, TILE, Tile, TileKey, Want};
+use crate::imagery::waterfall::{
+    Level, Lru, RangeAxis, TILE, Want, WaterfallTile, WaterfallTileKey,
+};
 use crate::survey::Side;
 use crate::ui::render::waterfall::{Quad, TileTexture};
 use std::ops::Range;
@@ -21,7 +23,7 @@ pub(super) struct Resident {
 
 /// The tiles of one survey that were drawn lately.
 pub(super) struct TileSet {
-    cache: Lru<TileKey, Resident>,
+    cache: Lru<WaterfallTileKey, Resident>,
 }
 
 /// One frame: what to draw, and what to ask the worker for.
@@ -37,7 +39,7 @@ impl TileSet {
         }
     }
 
-    pub fn insert(&mut self, tile: &Tile, texture: TileTexture) {
+    pub fn insert(&mut self, tile: &WaterfallTile, texture: TileTexture) {
         let resident = Resident {
             texture,
             completeness: tile.completeness,
@@ -78,7 +80,7 @@ impl TileSet {
         let level = axis.coarsest();
         for side in Side::BOTH {
             self.want(
-                TileKey {
+                WaterfallTileKey {
                     side,
                     level,
                     column: 0,
@@ -90,7 +92,7 @@ impl TileSet {
         plan
     }
 
-    fn plan_tile(&mut self, scale: &Scale<'_>, key: TileKey, plan: &mut Plan) {
+    fn plan_tile(&mut self, scale: &Scale<'_>, key: WaterfallTileKey, plan: &mut Plan) {
         self.want(key, plan);
         let Some(area) = scale.area(&key, &scale.whole(key.side)) else {
             return;
@@ -109,15 +111,15 @@ impl TileSet {
         }
     }
 
-    fn want(&self, key: TileKey, plan: &mut Plan) {
+    fn want(&self, key: WaterfallTileKey, plan: &mut Plan) {
         let have = self.cache.peek(&key).map(|resident| resident.completeness);
-        if have != Some(Tile::COMPLETE) && plan.want.iter().all(|want| want.key != key) {
+        if have != Some(WaterfallTile::COMPLETE) && plan.want.iter().all(|want| want.key != key) {
             plan.want.push(Want { key, have });
         }
     }
 
     /// The tile itself, or else the finest coarser one that covers it.
-    fn nearest(&self, scale: &Scale<'_>, key: TileKey) -> Option<TileKey> {
+    fn nearest(&self, scale: &Scale<'_>, key: WaterfallTileKey) -> Option<WaterfallTileKey> {
         let coarsest = scale.axis.coarsest();
         let most = Level {
             along: coarsest.along.saturating_sub(key.level.along),
@@ -126,7 +128,7 @@ impl TileSet {
         (0..=most.along + most.across)
             .flat_map(|sum| (0..=sum.min(most.along)).map(move |along| (along, sum - along)))
             .filter(|(_, across)| *across <= most.across)
-            .map(|(along, across)| TileKey {
+            .map(|(along, across)| WaterfallTileKey {
                 level: Level {
                     along: key.level.along + along,
                     across: key.level.across + across,
@@ -229,7 +231,7 @@ impl<'a> Scale<'a> {
     }
 
     /// Tiles in view, those in the middle of the track first.
-    fn keys_in_view(&self) -> Vec<TileKey> {
+    fn keys_in_view(&self) -> Vec<WaterfallTileKey> {
         let tiles = |extent: &Range<f64>, step: usize| {
             let size = (TILE * step) as f64;
             (extent.start / size).floor() as u32..(extent.end / size).ceil().max(0.0) as u32
@@ -239,7 +241,7 @@ impl<'a> Scale<'a> {
             let seen = self.whole(side);
             for column in tiles(&seen.pings, self.level.pings()) {
                 for row in tiles(&seen.bins, self.level.bins()) {
-                    keys.push(TileKey {
+                    keys.push(WaterfallTileKey {
                         side,
                         level: self.level,
                         column,
@@ -251,14 +253,14 @@ impl<'a> Scale<'a> {
         let pings = self.lens.pings();
         let middle = (pings.start + pings.end) / 2.0 / (TILE * self.level.pings()) as f64 - 0.5;
         keys.sort_by(|a, b| {
-            let far = |key: &TileKey| (f64::from(key.column) - middle).abs();
+            let far = |key: &WaterfallTileKey| (f64::from(key.column) - middle).abs();
             far(a).total_cmp(&far(b))
         });
         keys
     }
 
     /// The part of `within` that a tile covers.
-    fn area(&self, key: &TileKey, within: &Area) -> Option<Area> {
+    fn area(&self, key: &WaterfallTileKey, within: &Area) -> Option<Area> {
         let clip = |first: usize, step: usize, within: &Range<f64>| {
             let (first, last) = (first as f64, (first + TILE * step) as f64);
             let clipped = first.max(within.start)..last.min(within.end);
@@ -270,7 +272,7 @@ impl<'a> Scale<'a> {
         })
     }
 
-    fn quad(&self, key: &TileKey, area: &Area) -> Quad {
+    fn quad(&self, key: &WaterfallTileKey, area: &Area) -> Quad {
         let seen = self.lens.pings();
         let metres = self.lens.metres();
         let share = |value: f64, seen: &Range<f64>| (value - seen.start) / (seen.end - seen.start);
@@ -313,7 +315,7 @@ impl<'a> Scale<'a> {
     }
 
     /// Where a tile's pings are in the table of pings.
-    fn pair(&self, key: &TileKey) -> [u32; 3] {
+    fn pair(&self, key: &WaterfallTileKey) -> [u32; 3] {
         let side = u32::from(key.side == Side::Starboard);
         let (halvings, first) = (key.level.along, key.first_ping());
         self.picture.map_or([0, 1, side], |picture| {

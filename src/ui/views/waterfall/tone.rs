@@ -5,7 +5,7 @@ use crate::app::{App, Orientation};
 use crate::imagery::picture::{Geometry, LogPicture};
 use crate::imagery::waterfall::Levels;
 use crate::survey::Side;
-use crate::ui::render::waterfall::{Look, Tables, WaterfallPicture};
+use crate::ui::render::waterfall::{EchoStyle, Tables, WaterfallPicture};
 use eframe::egui_wgpu::RenderState;
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use std::sync::Arc;
 const HIGHLIGHT: f32 = 0.3;
 /// White is above black by this share of the colours, at least.
 const LEAST_CONTRAST: f32 = 1e-3;
-/// Bits of [`Look::filters`].
+/// Bits of [`EchoStyle::filters`].
 const GAIN: u32 = 1;
 const STRIPES: u32 = 2;
 const MEDIAN: u32 = 4;
@@ -58,7 +58,12 @@ pub(super) fn upload(
 }
 
 /// `first` are the levels that suit the echoes as recorded, until those with gain are counted.
-pub(super) fn look(app: &App, lens: &Lens, picture: Option<&LogPicture>, first: Levels) -> Look {
+pub(super) fn look(
+    app: &App,
+    lens: &Lens,
+    picture: Option<&LogPicture>,
+    first: Levels,
+) -> EchoStyle {
     let settings = &app.log.settings.picture;
     let tone = settings.tone();
     let automatic = app.histogram().map_or(first, |counted| counted.automatic);
@@ -72,7 +77,7 @@ pub(super) fn look(app: &App, lens: &Lens, picture: Option<&LogPicture>, first: 
     // Without the scales of the pings, nothing is known that gain goes by.
     let known = picture.is_some();
     let [port, starboard] = tone.sides;
-    Look {
+    EchoStyle {
         gamma: settings.gamma.max(0.01) as f32,
         highlight: HIGHLIGHT,
         black,
@@ -99,8 +104,8 @@ pub(super) fn look(app: &App, lens: &Lens, picture: Option<&LogPicture>, first: 
 }
 
 /// Echoes as recorded, by levels that suit them.
-pub(super) fn plain_look(app: &App, lens: &Lens, levels: Levels) -> Look {
-    Look {
+pub(super) fn plain_look(app: &App, lens: &Lens, levels: Levels) -> EchoStyle {
+    EchoStyle {
         gamma: app.log.settings.picture.gamma.max(0.01) as f32,
         highlight: HIGHLIGHT,
         black: levels.black,

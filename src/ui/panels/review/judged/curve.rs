@@ -2,8 +2,8 @@
 
 use super::share;
 use crate::app::{Command, ViewOptions};
-use crate::detection::metrics::{Counts, CurvePoint};
-use crate::detection::truth::{Comparison, Standing};
+use crate::detection::metrics::{CurvePoint, MatchCounts};
+use crate::detection::truth::{Standing, TruthComparison};
 use crate::support::presentation::plot::Axis;
 use crate::ui::panels::axes::Axes;
 use crate::ui::{ViewContext, text, theme};
@@ -23,7 +23,7 @@ const FIGURES: f32 = 116.0;
 pub fn ui(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,
-    comparison: &Comparison,
+    comparison: &TruthComparison,
     standing: &Standing,
 ) {
     let width = (ui.available_width() - FIGURES).clamp(96.0, WIDTH);
@@ -67,7 +67,7 @@ fn said(standing: &Standing) -> String {
     )
 }
 
-fn figures(ui: &mut Ui, counts: &Counts) {
+fn figures(ui: &mut Ui, counts: &MatchCounts) {
     let mut line = |name: &str, value: String, hint: &str| {
         ui.horizontal(|ui| {
             let size = vec2(54.0, ui.spacing().interact_size.y);
@@ -135,7 +135,7 @@ fn nearest<'a>(axes: &Axes, curve: &'a [CurvePoint], at: Pos2) -> Option<&'a Cur
 fn draw(
     painter: &Painter,
     plot: &Axes,
-    comparison: &Comparison,
+    comparison: &TruthComparison,
     standing: &Standing,
     options: &ViewOptions,
 ) {

@@ -1,7 +1,7 @@
 //! What was taken for what, as a grid of numbers.
 
 use crate::detection::metrics::Confusion;
-use crate::detection::truth::{Comparison, Standing};
+use crate::detection::truth::{Standing, TruthComparison};
 use crate::ui::{ViewContext, text, theme};
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 
@@ -26,7 +26,7 @@ struct Grid<'a> {
 }
 
 impl<'a> Grid<'a> {
-    fn new(comparison: &'a Comparison, standing: &'a Standing) -> Self {
+    fn new(comparison: &'a TruthComparison, standing: &'a Standing) -> Self {
         let confusion = &standing.confusion;
         let background = confusion.classes();
         let all = 0..=background;
@@ -81,7 +81,12 @@ impl<'a> Grid<'a> {
 }
 
 /// Draws the grid; the cell under the pointer is described in its tooltip.
-pub fn ui(ui: &mut Ui, context: &ViewContext<'_>, comparison: &Comparison, standing: &Standing) {
+pub fn ui(
+    ui: &mut Ui,
+    context: &ViewContext<'_>,
+    comparison: &TruthComparison,
+    standing: &Standing,
+) {
     let grid = Grid::new(comparison, standing);
     let count = grid.shown.len() as f32;
     let width = ui.available_width();

@@ -3,13 +3,13 @@
 use super::super::super::parts::{list_rows, remark, row};
 use crate::app::{Action, Command, MistakeSort};
 use crate::detection::metrics::Cause;
-use crate::detection::truth::{Comparison, Mistake};
+use crate::detection::truth::{Mistake, TruthComparison};
 use crate::ui::drop_down::DropDown;
 use crate::ui::{ViewContext, theme};
 use egui::{Button, RichText, Ui};
 
 /// Draws the list, how it is sorted, and the buttons that walk along it.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, comparison: &Comparison) {
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, comparison: &TruthComparison) {
     let reviewing = &context.app.log.reviewing;
     let mistakes = reviewing.judging.mistakes();
     if mistakes.is_empty() {
@@ -41,7 +41,12 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, comparison: &Comparison) {
     list(ui, context, comparison, mistakes);
 }
 
-fn list(ui: &mut Ui, context: &mut ViewContext<'_>, comparison: &Comparison, mistakes: &[Mistake]) {
+fn list(
+    ui: &mut Ui,
+    context: &mut ViewContext<'_>,
+    comparison: &TruthComparison,
+    mistakes: &[Mistake],
+) {
     let here = context.app.log.reviewing.mistake_at();
     list_rows(ui, "mistakes", mistakes.len(), here, |ui, index| {
         let mistake = mistakes.get(index)?;
@@ -59,7 +64,7 @@ fn list(ui: &mut Ui, context: &mut ViewContext<'_>, comparison: &Comparison, mis
 }
 
 /// `rock 0.87, background, 1.2 m` or `missed tyre, 0.8 m`.
-fn said(context: &ViewContext<'_>, comparison: &Comparison, mistake: &Mistake) -> String {
+fn said(context: &ViewContext<'_>, comparison: &TruthComparison, mistake: &Mistake) -> String {
     let size = context.app.options.units.measure(mistake.size_m(), 1);
     match mistake {
         Mistake::FalseAlarm {

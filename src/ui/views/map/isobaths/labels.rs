@@ -1,7 +1,7 @@
 //! Where the depths stand along isobaths: upright, on straight pieces, none over another.
 //!
 //! Labels keep their size on the screen, so where they fit depends on the zoom. They are placed once for every octave of it,
-//! away from the window's thread, and move with the map in between.
+//! in a background thread, and move with the map in between.
 
 use super::{GroundLine, IsobathLayer};
 use crate::support::progress::Progress;

@@ -4,7 +4,7 @@ mod labels;
 
 pub use labels::{Labels, octave};
 
-use super::lines::{Line, LinePicture, Pen};
+use super::lines::{LinePicture, MapLine, Pen};
 use super::overlay::Scene;
 use crate::app::{DrawnIsobaths, ThemeChoice};
 use crate::bottom::bathymetry::isobaths::{INDEX, IsobathSettings, NoIsobaths};
@@ -50,8 +50,8 @@ pub struct IsobathLayer {
     pub lines: Vec<GroundLine>,
     /// What the legend says of them.
     pub note: String,
-    thin: Line,
-    thick: Line,
+    thin: MapLine,
+    thick: MapLine,
 }
 
 impl IsobathLayer {
@@ -96,7 +96,7 @@ impl IsobathLayer {
                 true => Specks::Dropped,
                 false => Specks::Kept,
             };
-            Line::new(origin_m, vertices, specks, uploader)
+            MapLine::new(origin_m, vertices, specks, uploader)
         });
         Some(Self {
             origin_m,

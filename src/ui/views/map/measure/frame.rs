@@ -10,7 +10,7 @@ use egui::{Align2, Painter, Pos2, Rect, Stroke, pos2, vec2};
 const ROOM: [f32; 2] = [40.0, 18.0];
 
 /// Between metres and the screen.
-pub struct Frame {
+pub struct ProfileTransform {
     /// Where the curve lies.
     pub area: Rect,
     length_m: f64,
@@ -18,7 +18,7 @@ pub struct Frame {
     depths_m: [f64; 2],
 }
 
-impl Frame {
+impl ProfileTransform {
     /// Holds all of a line, with room above and below its depths; `None` while there is no depth on it, or no place for it.
     pub fn new(rect: Rect, stations: &[Station]) -> Option<Self> {
         let length_m = stations.last()?.distance_m;
@@ -46,7 +46,7 @@ impl Frame {
         self.area.left() + (distance_m / self.length_m) as f32 * self.area.width()
     }
 
-    /// Inverse of [`Frame::x`], kept on the line.
+    /// Inverse of [`ProfileTransform::x`], kept on the line.
     pub fn distance_m(&self, x: f32) -> f64 {
         let share = (x - self.area.left()) / self.area.width();
         f64::from(share.clamp(0.0, 1.0)) * self.length_m

@@ -1,6 +1,6 @@
 //! The plot of a depth profile below the map.
 
-use super::frame::Frame;
+use super::frame::ProfileTransform;
 use crate::app::{Action, App, Command, ProfileLine};
 use crate::bottom::bathymetry::Station;
 use crate::support::presentation::units::Units;
@@ -56,7 +56,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, hovered_m: &mu
         ui.visuals().widgets.noninteractive.bg_stroke,
     );
     let (head, body) = rect.split_top_bottom_at_y(rect.top() + HEAD);
-    let frame = Frame::new(body, stations);
+    let frame = ProfileTransform::new(body, stations);
     head_line(ui, context, head.shrink2(vec2(8.0, 2.0)), frame.as_ref());
     let response = ui.interact(body, ui.scope_id().with("depth profile"), Sense::hover());
     let Some(frame) = frame else {
@@ -88,7 +88,12 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, hovered_m: &mu
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
 }
 
-fn head_line(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, frame: Option<&Frame>) {
+fn head_line(
+    ui: &mut Ui,
+    context: &mut ViewContext<'_>,
+    rect: Rect,
+    frame: Option<&ProfileTransform>,
+) {
     let line = context.app.measuring.profile();
     let units = context.app.options.units;
     ui.scope_builder(UiBuilder::new().max_rect(rect), |ui| {
@@ -168,7 +173,12 @@ fn words(station: &Station, units: Units) -> String {
 }
 
 /// The bed as a line with the ground under it, broken where nothing is known.
-fn curve(painter: &Painter, frame: &Frame, stations: &[Station], context: &ViewContext<'_>) {
+fn curve(
+    painter: &Painter,
+    frame: &ProfileTransform,
+    stations: &[Station],
+    context: &ViewContext<'_>,
+) {
     let colour = theme::measure_colour();
     for run in stations.split(|station| station.depth_m.is_none()) {
         let line: Vec<Pos2> = run.iter().filter_map(|station| frame.at(station)).collect();
@@ -210,7 +220,7 @@ fn ground(line: &[Pos2], bottom: f32, colour: Color32) -> Shape {
 }
 
 /// The station under the pointer.
-fn mark(painter: &Painter, frame: &Frame, station: &Station, context: &ViewContext<'_>) {
+fn mark(painter: &Painter, frame: &ProfileTransform, station: &Station, context: &ViewContext<'_>) {
     let options = &context.app.options;
     let x = frame.x(station.distance_m);
     let stroke = Stroke::new(1.0, theme::hover_colour());

@@ -13,7 +13,7 @@ const LEVELS: [i8; 2] = [-8, 24];
 
 /// A tile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct TileKey {
+pub struct MapTileKey {
     /// A texel's side is 2 to this, metres.
     pub level: i8,
     /// Counted eastwards from the survey's origin.
@@ -22,7 +22,7 @@ pub struct TileKey {
     pub row: i32,
 }
 
-impl TileKey {
+impl MapTileKey {
     /// Side of a texel, metres.
     pub fn texel_m(self) -> f64 {
         2f64.powi(i32::from(self.level))
@@ -57,7 +57,7 @@ impl TileKey {
     }
 
     /// Which part of the picture of `self` or of one of its forebears shows this tile: left, top, right and bottom as shares.
-    pub fn part_of(self, forebear: TileKey) -> [f32; 4] {
+    pub fn part_of(self, forebear: MapTileKey) -> [f32; 4] {
         let up = u32::from((forebear.level - self.level).max(0).unsigned_abs());
         let count = f64::from(2u32.pow(up.min(30)));
         let east = f64::from(self.column) - f64::from(forebear.column) * count;
@@ -88,7 +88,7 @@ pub fn overview_level(bounds: GroundBounds) -> i8 {
 }
 
 /// The tiles of a level that touch both bounds, those nearest to the middle of the first first.
-pub fn tiles(level: i8, view: GroundBounds, all: GroundBounds) -> Vec<TileKey> {
+pub fn tiles(level: i8, view: GroundBounds, all: GroundBounds) -> Vec<MapTileKey> {
     let side_m = TEXELS as f64 * 2f64.powi(i32::from(level));
     let both: [f64; 4] = std::array::from_fn(|edge| match edge < 2 {
         true => view[edge].max(all[edge]),
@@ -102,11 +102,11 @@ pub fn tiles(level: i8, view: GroundBounds, all: GroundBounds) -> Vec<TileKey> {
     let span = |from: f64, to: f64| {
         (from / side_m).floor() as i32..=((to / side_m).ceil() as i32).saturating_sub(1)
     };
-    let mut found: Vec<TileKey> = span(south, north)
-        .flat_map(|row| span(west, east).map(move |column| TileKey { level, column, row }))
+    let mut found: Vec<MapTileKey> = span(south, north)
+        .flat_map(|row| span(west, east).map(move |column| MapTileKey { level, column, row }))
         .collect();
     let middle = [0.5 * (view[0] + view[2]), 0.5 * (view[1] + view[3])];
-    let off = |key: &TileKey| {
+    let off = |key: &MapTileKey| {
         let [west, south, east, north] = key.bounds();
         (0.5 * (west + east) - middle[0]).hypot(0.5 * (south + north) - middle[1])
     };
@@ -146,7 +146,7 @@ mod tests {
 
     #[test]
     fn a_forebear_s_picture_shows_the_tile_where_it_lies() {
-        let key = TileKey {
+        let key = MapTileKey {
             level: 0,
             column: -3,
             row: 5,

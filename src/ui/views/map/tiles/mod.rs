@@ -1,11 +1,11 @@
-//! A layer of the map that is painted in tiles, off the window's thread: what is in view, as finely as the screen shows it.
+//! A layer of the map that is painted in tiles, in a background thread: what is in view, as finely as the screen shows it.
 //!
 //! The work grows with what is on the screen, the memory is bounded, and until a tile is there a coarser one stands in for it,
 //! or what it looked like before its settings were changed.
 
 mod key;
 
-pub use key::{SIDE, TileKey};
+pub use key::{MapTileKey, SIDE};
 
 use super::transform::{GroundBounds, MapTransform};
 use crate::app::{Jobs, Outcome, Task};
@@ -31,7 +31,7 @@ pub trait TileSource: Send + Sync {
 
     /// [`SIDE`] rows of as many colours, from the north-west corner of the tile with its border; `None` where there is nothing
     /// or when cancelled.
-    fn paint(&self, key: TileKey, progress: &Progress) -> Option<Vec<Color32>>;
+    fn paint(&self, key: MapTileKey, progress: &Progress) -> Option<Vec<Color32>>;
 }
 
 /// A tile as it was last painted; without a texture where there is nothing.
@@ -41,7 +41,7 @@ struct Resident {
 }
 
 struct Running {
-    key: TileKey,
+    key: MapTileKey,
     generation: u64,
     task: Task<Option<ColorImage>>,
 }
@@ -52,7 +52,7 @@ pub struct TileLayer {
     source: Option<Arc<dyn TileSource>>,
     /// Grows with every new source.
     generation: u64,
-    cache: Lru<TileKey, Resident>,
+    cache: Lru<MapTileKey, Resident>,
     running: Vec<Running>,
     /// Tiles in view that are as they are to be, and all of them.
     ready: [usize; 2],
@@ -138,7 +138,7 @@ impl TileLayer {
         self.ready = [ready, seen.len()];
     }
 
-    fn is_fresh(&self, key: TileKey) -> bool {
+    fn is_fresh(&self, key: MapTileKey) -> bool {
         let resident = self.cache.peek(&key);
         resident.is_some_and(|resident| resident.generation == self.generation)
     }
@@ -178,7 +178,7 @@ impl TileLayer {
     fn order(
         &mut self,
         source: &Arc<dyn TileSource>,
-        requested: Vec<TileKey>,
+        requested: Vec<MapTileKey>,
         context: &egui::Context,
         jobs: &Jobs,
     ) {
@@ -210,7 +210,7 @@ impl TileLayer {
     fn draw(
         &mut self,
         painter: &Painter,
-        key: TileKey,
+        key: MapTileKey,
         coarsest: i8,
         at: impl Fn(f64, f64) -> Pos2,
     ) {
@@ -273,7 +273,7 @@ mod tests {
             -6
         }
 
-        fn paint(&self, _key: TileKey, _progress: &Progress) -> Option<Vec<Color32>> {
+        fn paint(&self, _key: MapTileKey, _progress: &Progress) -> Option<Vec<Color32>> {
             self.painted.fetch_add(1, Ordering::Relaxed);
             Some(vec![self.colour; SIDE * SIDE])
         }

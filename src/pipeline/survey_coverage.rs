@@ -4,7 +4,7 @@ use super::ProcessedLog;
 use super::joint::track_depths;
 use crate::bottom::bathymetry::crosslines::{TrackDepth, crossings};
 use crate::bottom::bathymetry::{DepthPoint, sigma_by_distance};
-use crate::bottom::planning::{Doubt, Look, SeenObject, SigmaLaw, Surveyed};
+use crate::bottom::planning::{Doubt, InsonifiedSide, SeenObject, SigmaLaw, SurveyCoverage};
 use crate::detection::objects::{ObjectList, SurveyObject};
 use crate::support::geo::LocalFrame;
 use crate::support::progress::{Cancelled, Progress};
@@ -24,11 +24,11 @@ const MOVING_MPS: f64 = 0.3;
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn surveyed(
+pub fn survey_coverage(
     logs: &[ProcessedLog],
     objects: &ObjectList,
     progress: &Progress,
-) -> Result<Option<Surveyed>, Cancelled> {
+) -> Result<Option<SurveyCoverage>, Cancelled> {
     let Some(first) = logs.first() else {
         return Ok(None);
     };
@@ -52,7 +52,7 @@ pub fn surveyed(
     let depth_m = median(&mut depths_m);
     let limit_m = spread_about(&mut depths_m, depth_m);
     let doubts = crossings(&tracks, progress)?.into_iter();
-    Ok(Some(Surveyed {
+    Ok(Some(SurveyCoverage {
         soundings: points.iter().map(|p| [p.east_m, p.north_m]).collect(),
         sigma: SigmaLaw::new(held_out.as_ref(), finite_or_zero(limit_m)),
         looks,
@@ -130,7 +130,7 @@ impl Log<'_> {
     }
 
     /// Adds the ground that both sides insonified, but for stretches that are excluded, and the ranges.
-    fn add_looks(&self, looks: &mut Vec<Look>, ranges_m: &mut Vec<f64>) {
+    fn add_looks(&self, looks: &mut Vec<InsonifiedSide>, ranges_m: &mut Vec<f64>) {
         let ProcessedLog { survey, products } = self.log;
         if !survey.has_side_scan() {
             return;
@@ -166,7 +166,7 @@ impl Log<'_> {
                     Side::Port => -across_m,
                     Side::Starboard => across_m,
                 };
-                looks.push(Look {
+                looks.push(InsonifiedSide {
                     from: self.place(boat.east_m, boat.north_m),
                     to: self.place(boat.east_m + x * out_m, boat.north_m + y * out_m),
                     pass,

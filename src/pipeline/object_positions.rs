@@ -7,13 +7,13 @@ use crate::detection::{Mark, MeasuredShadow, ObjectExtent};
 use crate::survey::Survey;
 
 /// Places boxes of one survey.
-pub struct Placing<'a> {
+pub struct ObjectLocator<'a> {
     placer: Placer<'a>,
     survey: &'a Survey,
     correction: &'a Correction,
 }
 
-impl<'a> Placing<'a> {
+impl<'a> ObjectLocator<'a> {
     /// Gets ready for the boxes of a survey.
     pub fn new(survey: &'a Survey, products: &'a Products) -> Self {
         let Products {
@@ -39,7 +39,7 @@ impl<'a> Placing<'a> {
         self.place_as(mark, ObjectExtent::Found, None)
     }
 
-    /// As [`Placing::place`], with what the analyst has drawn: [`Placer::place_as`].
+    /// As [`ObjectLocator::place`], with what the analyst has drawn: [`Placer::place_as`].
     pub fn place_as(
         &self,
         mark: &Mark,

@@ -13,7 +13,7 @@ const OUTWARD: [f64; 3] = [-0.15, 0.0, 0.15];
 
 /// What is known of an object before, from one of its boxes.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Start {
+pub(super) struct InitialGuess {
     /// Its place, metres east and north.
     pub(super) place_m: [f64; 2],
     /// Direction of the track, radians clockwise from north.
@@ -29,7 +29,7 @@ pub(super) struct Start {
     pub(super) height_m: f64,
 }
 
-impl Start {
+impl InitialGuess {
     /// Of a box that is placed, and its look.
     pub(super) fn of(target: &Target, look: &BoxLevels) -> Self {
         Self {
@@ -52,7 +52,7 @@ impl Start {
 
 /// Sizes and poses to begin with: of a typical slenderness, as long as the extents along the track, across it, or both say, and in the
 /// middle of the picture or a little nearer or farther.
-pub(super) fn beginnings(kind: ShapeKind, start: &Start) -> Vec<Numbers> {
+pub(super) fn beginnings(kind: ShapeKind, start: &InitialGuess) -> Vec<Numbers> {
     let usual = kind.usual();
     let slenderness = usual.typical_slenderness;
     let headings = match kind {

@@ -28,13 +28,13 @@ pub fn run(surveys: Vec<PathBuf>, demo: bool, truth: Option<PathBuf>) -> Result<
     }
     if surveys.is_empty() && !demo {
         return Err(
-            "no display to open the window on; try `bathyscope --demo`, or `bathyscope process SURVEY -o DIR`"
+            "no display to open Bathyscope on; try `bathyscope --demo`, or `bathyscope process SURVEY -o DIR`"
                 .to_owned(),
         );
     }
     quiet_driver::restart_if_noisy();
     output::results(format_args!(
-        "no display: processing into {OUTPUT} instead of opening the window"
+        "no display: processing into {OUTPUT} instead of opening Bathyscope"
     ))?;
     let mut folders = Folders::in_folder(Path::new(OUTPUT));
     let paths = surveys.into_iter().map(Origin::Path);
@@ -42,7 +42,7 @@ pub fn run(surveys: Vec<PathBuf>, demo: bool, truth: Option<PathBuf>) -> Result<
         without_display(&origin, &mut folders)?;
     }
     output::results(
-        "for the window, run the same command in a desktop session (DISPLAY or WAYLAND_DISPLAY is set)",
+        "for the desktop program, run the same command in a desktop session (DISPLAY or WAYLAND_DISPLAY is set)",
     )
 }
 

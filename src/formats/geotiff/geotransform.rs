@@ -49,7 +49,7 @@ impl GeoKeys {
 
 /// From columns and rows to the coordinates of a system: `ModelPixelScale` with `ModelTiepoint`, or `ModelTransformation`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Placing {
+pub struct GeoTransform {
     /// Of column and row 0.
     pub origin: [f64; 2],
     /// From one column to the next.
@@ -60,7 +60,7 @@ pub struct Placing {
     is_point: bool,
 }
 
-impl Placing {
+impl GeoTransform {
     /// That of the picture that the decoder is at; `None` where it has none.
     pub fn read<R: Read + Seek>(decoder: &mut Decoder<R>, keys: &GeoKeys) -> Option<Self> {
         let mut numbers = |tag| decoder.get_tag_f64_vec(tag).unwrap_or_default();

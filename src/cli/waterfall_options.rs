@@ -32,7 +32,7 @@ impl GeometryArgs {
 
 /// A log, and how it is shown.
 #[derive(Debug, clap::Args)]
-pub struct ShownArgs {
+pub struct WaterfallArgs {
     /// The log; the bundled demo survey when left out
     survey: Option<PathBuf>,
     /// Side-scan pings to show, B left out; all of them when left out
@@ -48,7 +48,7 @@ pub struct ShownArgs {
 }
 
 /// A log that was opened and processed, with the part of it that is shown.
-pub struct ShownLog {
+pub struct WaterfallLog {
     /// The state that pictures are drawn of.
     pub app: App,
     /// First ping, and one after the last.
@@ -59,12 +59,12 @@ pub struct ShownLog {
     pub name: String,
 }
 
-impl ShownArgs {
+impl WaterfallArgs {
     /// Opens the log and waits for all that its picture needs.
     ///
     /// # Errors
     /// A sentence when the log or a setting cannot be used, or there is no picture in it.
-    pub fn open(self) -> Result<ShownLog, String> {
+    pub fn open(self) -> Result<WaterfallLog, String> {
         let settings = self.settings.resolve()?;
         let mut app = App::new(Jobs::Threads(Arc::new(|| ())));
         app.use_settings(&settings);
@@ -78,7 +78,7 @@ impl ShownArgs {
         let survey = app.log.survey.clone().unwrap_or_default();
         let axis = RangeAxis::of(&survey).filter(|_| survey.has_side_scan());
         let axis = axis.ok_or("the log holds no side-scan that could be shown")?;
-        Ok(ShownLog {
+        Ok(WaterfallLog {
             pings: within(&survey, self.pings)?,
             axis,
             name: survey.name(),

@@ -1,15 +1,15 @@
-//! Levels placed on the bed as it is known so far: averaged over pieces of a chunk of pings by a length of ground, with what each says of depth, slope,
+//! Levels placed on the bed as it is known so far: averaged over level cells: a chunk of pings by a length of ground each, with what each says of depth, slope,
 //! brightness and curves.
 
-use super::looks::Look;
+use super::looks::SideChunk;
 use super::model::{Curves, Incidence};
 use super::nodes::Nodes;
 use crate::bottom::bathymetry::{Between, Node, Tin};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
-/// Ground range from which on pieces lie, metres: nearer the beam looks straight down, and depths were measured.
+/// Ground range from which on level cells lie, metres: nearer the beam looks straight down, and depths were measured.
 const NEAREST_M: f64 = 1.2;
-/// Ground range up to which pieces lie, metres.
+/// Ground range up to which level cells lie, metres.
 pub const FARTHEST_M: f64 = 40.0;
 /// Steps in which a ray is followed along the ground, metres, and half the steps that its slope is taken over.
 const RAY_STEP_M: f64 = 0.125;
@@ -17,7 +17,7 @@ const SLOPE_STEPS: usize = 2;
 /// Greatest angle from straight down, and least from the bed's normal, degrees.
 const FLATTEST_DEG: f64 = 88.0;
 const STEEPEST_DEG: f64 = 24.0;
-/// Pieces of fewer independent samples say too little.
+/// Level cells of fewer independent samples say too little.
 const LEAST_INDEPENDENT: f64 = 8.0;
 /// Nothing is known farther than this from a measured depth, metres.
 const KNOWN_M: f64 = 20.0;
@@ -100,9 +100,9 @@ impl Bed {
     }
 }
 
-/// The mean level of a piece over the expected one, and what that changes by.
+/// The mean level of a cell over the expected one, and what that changes by.
 #[derive(Clone, Copy, Debug)]
-pub struct Reading {
+pub struct SlopeObservation {
     /// Mean logarithm of power over the expected one.
     pub over: f64,
     /// The mean itself.
@@ -146,7 +146,7 @@ struct Ray {
 
 impl Ray {
     /// Between ground ranges in metres. What lies nearer casts no shadow on it.
-    fn new(look: &Look, bed: &Bed, [from_m, to_m]: [f64; 2]) -> Self {
+    fn new(look: &SideChunk, bed: &Bed, [from_m, to_m]: [f64; 2]) -> Self {
         let steps = ((to_m - from_m) / RAY_STEP_M) as usize + 1 + SLOPE_STEPS;
         let mut depth_m = Vec::with_capacity(steps + 1);
         for step in 0..=steps {
@@ -180,13 +180,13 @@ impl Ray {
     }
 }
 
-impl Look {
+impl SideChunk {
     /// The place at a ground range, east and north, metres.
     pub fn at(&self, ground_m: f64) -> [f64; 2] {
         [0, 1].map(|axis| self.place_m[axis] + ground_m * self.outward[axis])
     }
 
-    /// The ground ranges between which pieces may lie within some nodes, metres; `None` where there are none.
+    /// The ground ranges between which level cells may lie within some nodes, metres; `None` where there are none.
     pub fn within(&self, nodes: &Nodes) -> Option<[f64; 2]> {
         let last_m = self.first_m + self.step_m * self.ln_power.len() as f64;
         let [west_m, south_m, east_m, north_m] = nodes.bounds_m();
@@ -204,27 +204,27 @@ impl Look {
         (from_m < to_m).then_some([from_m, to_m])
     }
 
-    /// Hands the readings of the pieces of this look that lie within some nodes to `found`; the bed's nodes may reach farther. Without curves
+    /// Hands the observations of the level cells of this look that lie within some nodes to `found`; the bed's nodes may reach farther. Without curves
     /// only what is measured is said.
     pub fn read(
         &self,
         bed: &Bed,
         within: &Nodes,
         curves: Option<&Curves>,
-        piece_m: f64,
-        mut found: impl FnMut(Reading),
+        level_cell_m: f64,
+        mut found: impl FnMut(SlopeObservation),
     ) {
         let Some(span_m) = self.within(within) else {
             return;
         };
         let ray = Ray::new(self, bed, span_m);
         let mut sums = Sums::default();
-        let mut piece = 0;
+        let mut cell = 0;
         let mut step = 0;
         let [flattest, steepest] = [FLATTEST_DEG, STEEPEST_DEG].map(f64::to_radians);
         let mut finish = |sums: &mut Sums| {
-            let reading = self.reading(&std::mem::take(sums));
-            reading
+            let observation = self.observation(&std::mem::take(sums));
+            observation
                 .filter(|one| within.holds(one.place_m))
                 .into_iter()
                 .for_each(&mut found);
@@ -254,10 +254,10 @@ impl Look {
             if phi_rad > flattest || phi_rad + slope.atan() < steepest {
                 continue;
             }
-            let here = (ground_m / piece_m) as usize;
-            if here != piece {
+            let here = (ground_m / level_cell_m) as usize;
+            if here != cell {
                 finish(&mut sums);
-                piece = here;
+                cell = here;
             }
             let at = Incidence {
                 range_m,
@@ -272,10 +272,10 @@ impl Look {
     }
 
     /// `None` of too few samples.
-    fn reading(&self, sums: &Sums) -> Option<Reading> {
+    fn observation(&self, sums: &Sums) -> Option<SlopeObservation> {
         let mean = |sum: f64| sum / sums.count;
         let independent = sums.count * self.independent;
-        (independent >= LEAST_INDEPENDENT).then(|| Reading {
+        (independent >= LEAST_INDEPENDENT).then(|| SlopeObservation {
             over: mean(sums.over),
             ln_power: mean(sums.ln_power),
             independent,

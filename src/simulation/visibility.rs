@@ -25,7 +25,7 @@ pub struct Trace {
 
 /// What is shown of an object in one pass, and the box around it. Pings count recorded pings.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Shown {
+pub struct VisiblePart {
     /// First ping that shows it.
     pub first_ping: usize,
     /// Last ping that shows it.
@@ -69,7 +69,7 @@ const TRIMMED: f64 = 0.01;
 
 /// What the pings of one pass show; `None` where nothing stands out. `rows` are pings, in their order, and what stands out
 /// in them; `spacing_m` lies between two pings, and `grain` neighbouring samples have one speckle.
-pub fn shown(rows: &[(usize, &Trace)], spacing_m: f64, grain: f32) -> Option<Shown> {
+pub fn visible_part(rows: &[(usize, &Trace)], spacing_m: f64, grain: f32) -> Option<VisiblePart> {
     let (first, last) = (rows.first()?, rows.last()?);
     let metres_per_sample = first.1.metres_per_sample;
     // A recorder that changes its range in the middle of an object shows it twice; the first scale is the one kept.
@@ -103,7 +103,7 @@ pub fn shown(rows: &[(usize, &Trace)], spacing_m: f64, grain: f32) -> Option<Sho
     };
     let slices: Vec<Slice> = pings.clone().filter_map(slice).collect();
     let visibility: f32 = slices.iter().map(|slice| slice.visibility).sum();
-    (visibility >= 1.0).then(|| Shown {
+    (visibility >= 1.0).then(|| VisiblePart {
         first_ping: first.0 + pings.start,
         last_ping: first.0 + pings.end - 1,
         near_m: range_m(samples.start),
@@ -235,7 +235,7 @@ mod tests {
         let levels = [vec![1.5; 10], vec![-1.0; 30], vec![-0.1; 20]].concat();
         let traces: Vec<Trace> = (0..12).map(|_| trace(100, levels.clone())).collect();
         let rows: Vec<(usize, &Trace)> = (40..).zip(&traces).collect();
-        let found = shown(&rows, 0.1, 1.0).expect("a box");
+        let found = visible_part(&rows, 0.1, 1.0).expect("a box");
         assert_eq!([found.first_ping, found.last_ping], [40, 51]);
         assert_eq!(found.slices.len(), 12);
         let slice = found.slices[3];
@@ -252,10 +252,10 @@ mod tests {
     fn speckle_hides_what_is_faint_or_single() {
         let faint = trace(5, vec![0.3; 50]);
         let rows: Vec<(usize, &Trace)> = (0..9).map(|ping| (ping, &faint)).collect();
-        assert_eq!(shown(&rows, 0.1, 1.0), None);
+        assert_eq!(visible_part(&rows, 0.1, 1.0), None);
         let single = trace(5, vec![1.5]);
-        assert_eq!(shown(&[(3, &single)], 0.1, 1.0), None);
-        assert_eq!(shown(&[], 0.1, 1.0), None);
+        assert_eq!(visible_part(&[(3, &single)], 0.1, 1.0), None);
+        assert_eq!(visible_part(&[], 0.1, 1.0), None);
     }
 
     #[test]
@@ -264,8 +264,8 @@ mod tests {
         let plain = trace(5, vec![0.5; 30]);
         let rows: Vec<(usize, &Trace)> = rows(&plain).collect();
         // Some 250 samples at a half, but for the edges: the root of 63 is 8; with four samples to a grain half of that.
-        assert!(shown(&rows, 0.1, 1.0).is_some());
-        assert_eq!(shown(&rows, 0.1, 4.0), None);
+        assert!(visible_part(&rows, 0.1, 1.0).is_some());
+        assert_eq!(visible_part(&rows, 0.1, 4.0), None);
     }
 
     #[test]

@@ -1,5 +1,5 @@
-//! A surface on more ground than was measured: the picture of a side-scan reaches farther than the depths do, and is laid on a bed that
-//! goes on level from them.
+//! A surface on more ground than was measured: the picture of a side-scan reaches farther than the depths do, and is laid on a flat
+//! extrapolation of them.
 
 use super::coarser::means;
 use super::{CellSource, Grid, Surface};
@@ -31,7 +31,7 @@ impl Surface {
     /// known, the mean of those around it, over the more ground the farther away they are. Such a cell has [`CellSource::None`], and neither
     /// spread nor distance.
     #[must_use]
-    pub fn on_level_bed(&self, grid: Grid, wanted: impl Fn(usize) -> bool + Sync) -> Self {
+    pub fn extrapolated_flat(&self, grid: Grid, wanted: impl Fn(usize) -> bool + Sync) -> Self {
         let depth_m = carried(&self.grid, &self.depth_m, &grid, f32::NAN);
         let held_m = held(&grid, &depth_m);
         let cells = depth_m.into_par_iter().zip(held_m).enumerate();
@@ -189,7 +189,7 @@ mod tests {
         let strip = strip(|_| 4.0);
         let grid = strip.grid.reaching([90.0, 40.0, 130.0, 60.0]);
         let columns = grid.columns;
-        let wide = strip.on_level_bed(grid, |cell| cell % columns != 7);
+        let wide = strip.extrapolated_flat(grid, |cell| cell % columns != 7);
         for (cell, (depth_m, source)) in wide.depth_m.iter().zip(&wide.source).enumerate() {
             let [east_m, north_m] = grid.centre(cell / columns, cell % columns);
             let known = strip.at(east_m, north_m);
@@ -205,7 +205,7 @@ mod tests {
     fn beside_a_slope_the_bed_is_as_deep_as_abreast_and_evens_out_farther_away() {
         let strip = strip(|column| 2.0 + 0.1 * column as f32);
         let grid = strip.grid.reaching([100.0, 30.0, 120.0, 70.0]);
-        let wide = strip.on_level_bed(grid, |_| true);
+        let wide = strip.extrapolated_flat(grid, |_| true);
         let along = |north_m: f64| {
             let at = |east_m| f64::from(wide.at(east_m, north_m).expect("within").0);
             (at(102.25), at(117.75))
@@ -253,7 +253,7 @@ mod tests {
     fn where_nothing_is_known_nothing_is_made_up() {
         let nothing = strip(|_| f32::NAN);
         let grid = nothing.grid.reaching([90.0, 40.0, 130.0, 60.0]);
-        let wide = nothing.on_level_bed(grid, |_| true);
+        let wide = nothing.extrapolated_flat(grid, |_| true);
         assert!(wide.depth_m.iter().all(|depth_m| depth_m.is_nan()));
     }
 }
