@@ -58,7 +58,7 @@ pub fn run(args: FilmArgs) -> Result<(), String> {
     });
     let mut shell = Shell::new(app);
     shell.show_alone(Alone::View(View::Waterfall));
-    let studio = Studio::new()?;
+    let studio = Studio::new().map_err(|error| error.to_string())?;
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
     status.step("film");
@@ -146,7 +146,7 @@ fn write(
     shell: &mut Shell,
     progress: &Progress,
 ) -> Result<(), String> {
-    let mut reel = studio.reel(size)?;
+    let mut reel = studio.reel(size).map_err(|error| error.to_string())?;
     progress.start(frames.count as u64);
     let written = write_atomically(path, |file| {
         let mut film = AviWriter::new(BufWriter::new(file), size, fps)?;

@@ -10,7 +10,6 @@ use crate::products::export::Part;
 use crate::products::outputs;
 use crate::support::progress::Progress;
 use std::path::PathBuf;
-use std::sync::Arc;
 
 /// `bathyscope review SURVEY... -o DIR`.
 #[derive(Debug, clap::Args)]

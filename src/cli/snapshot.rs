@@ -186,12 +186,14 @@ pub fn run(args: SnapshotArgs) -> Result<(), String> {
     if let Some(pings) = args.pings {
         shell.show_pings(pings.start..pings.end);
     }
-    let studio = Studio::new()?;
-    let picture = studio.draw(&mut shell, args.size, args.scale, &Progress::new())?;
+    let studio = Studio::new().map_err(|error| error.to_string())?;
+    let picture = studio
+        .draw(&mut shell, args.size, args.scale, &Progress::new())
+        .map_err(|error| error.to_string())?;
     if let Some(error) = shell.app.notices.iter().find(|notice| notice.is_error) {
         return Err(error.text.clone());
     }
-    write_picture(&picture, &args.output)?;
+    write_picture(&picture, &args.output).map_err(|error| error.to_string())?;
     output::notify(format_args!("drawn by {}", studio.adapter()));
     Ok(())
 }
@@ -233,13 +235,15 @@ pub fn draw_into(origin: &Origin, folder: &Path) -> Result<(Vec<&'static str>, S
     open(&mut app, origin)?;
     select(&mut app, None)?;
     let mut shell = Shell::new(app);
-    let studio = Studio::new()?;
+    let studio = Studio::new().map_err(|error| error.to_string())?;
     for (name, view, size) in PICTURES {
         if let Some(alone) = alone(view) {
             shell.show_alone(alone);
         }
-        let picture = studio.draw(&mut shell, size, 1.0, &Progress::new())?;
-        write_picture(&picture, &folder.join(name))?;
+        let picture = studio
+            .draw(&mut shell, size, 1.0, &Progress::new())
+            .map_err(|error| error.to_string())?;
+        write_picture(&picture, &folder.join(name)).map_err(|error| error.to_string())?;
     }
     Ok((
         PICTURES.iter().map(|(name, ..)| *name).collect(),

@@ -44,7 +44,7 @@ pub fn run(args: SonogramArgs) -> Result<(), String> {
         .map_err(|error| format!("cannot make the folder: {error}: {}", args.output.display()))?;
     let (mut shell, name) = (Shell::new(log.app), log.name);
     shell.show_alone(Alone::View(View::Waterfall));
-    let studio = Studio::new()?;
+    let studio = Studio::new().map_err(|error| error.to_string())?;
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
     status.step("sonogram");
@@ -53,9 +53,11 @@ pub fn run(args: SonogramArgs) -> Result<(), String> {
         let share = (pings.end - pings.start) as f64 / page as f64;
         let width = ((f64::from(width) * share).round() as u32).max(NARROWEST.min(width));
         shell.show_pings(pings.start..pings.end);
-        let picture = studio.draw(&mut shell, [width, height], 1.0, &Progress::new())?;
+        let picture = studio
+            .draw(&mut shell, [width, height], 1.0, &Progress::new())
+            .map_err(|error| error.to_string())?;
         let file = format!("{name}_{:04}.png", number + 1);
-        write_picture(&picture, &args.output.join(file))?;
+        write_picture(&picture, &args.output.join(file)).map_err(|error| error.to_string())?;
         progress.advance(1);
     }
     drop(status);

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 /// Opens the window on a log, on the demo survey, or empty; returns when it is closed.
 #[cfg(feature = "gui")]
 pub fn run(paths: Vec<PathBuf>, demo: bool, truth: Option<PathBuf>) -> Result<(), String> {
-    crate::ui::open_window(paths, demo, truth)
+    crate::ui::open_window(paths, demo, truth).map_err(|error| error.to_string())
 }
 
 /// Says that there is none.

@@ -5,7 +5,6 @@ use crate::cli::detect::load;
 use crate::cli::status_line::StatusLine;
 use crate::detection::labels::Paired;
 use crate::detection::metrics::Image;
-use crate::detection::review::read_text;
 use crate::detection::truth::{self, RasterTruth, Truth};
 use crate::detection::{DetectorSettings, Model, Nms, Raster, Scored, find};
 use crate::formats;
@@ -73,9 +72,7 @@ impl Known {
                 log.display()
             ));
         }
-        let text = read_text(path, "truth").map_err(|error| error.to_string())?;
-        let truth = Truth::parse(&text, &Identity::of(&survey))
-            .map_err(|error| format!("{error}: {}", path.display()))?;
+        let truth = Truth::read(path, &Identity::of(&survey)).map_err(|error| error.to_string())?;
         let settings = Settings::default();
         let navigation = navigate(&survey, &settings.heading, settings.projection, &progress)
             .map_err(|error| error.to_string())?;
