@@ -2,7 +2,7 @@
 
 use super::settings::SettingsArgs;
 use super::shown::{GeometryArgs, open, parse_pings, parse_size, take_over, wait, within};
-use super::{output, quiet_driver};
+use super::{Failure, output, quiet_driver};
 use crate::app::{
     Action, App, CloudColour, Command, Jobs, MapLayer, Mark, Origin, ThemeChoice, View, ViewOptions,
 };
@@ -141,7 +141,7 @@ enum Coordinates {
 }
 
 /// Draws the picture and writes it; says on stderr which adapter drew it.
-pub fn run(args: SnapshotArgs) -> Result<(), String> {
+pub fn run(args: SnapshotArgs) -> Result<(), Failure> {
     quiet_driver::restart_if_noisy();
     let settings = args.settings.resolve()?;
     check_picture(&args.output)?;
@@ -149,7 +149,8 @@ pub fn run(args: SnapshotArgs) -> Result<(), String> {
         return Err(format!(
             "a picture's scale lies between 0.5 and 8; got {}",
             args.scale
-        ));
+        )
+        .into());
     }
     let mut app = App::new(Jobs::Threads(std::sync::Arc::new(|| ())));
     app.use_settings(&settings);
@@ -186,14 +187,12 @@ pub fn run(args: SnapshotArgs) -> Result<(), String> {
     if let Some(pings) = args.pings {
         shell.show_pings(pings.start..pings.end);
     }
-    let studio = Studio::new().map_err(|error| error.to_string())?;
-    let picture = studio
-        .draw(&mut shell, args.size, args.scale, &Progress::new())
-        .map_err(|error| error.to_string())?;
+    let studio = Studio::new()?;
+    let picture = studio.draw(&mut shell, args.size, args.scale, &Progress::new())?;
     if let Some(error) = shell.app.notices.iter().find(|notice| notice.is_error) {
-        return Err(error.text.clone());
+        return Err(error.text.clone().into());
     }
-    write_picture(&picture, &args.output).map_err(|error| error.to_string())?;
+    write_picture(&picture, &args.output)?;
     output::notify(format_args!("drawn by {}", studio.adapter()));
     Ok(())
 }
@@ -224,7 +223,7 @@ fn show_as(options: &mut ViewOptions, args: &SnapshotArgs) {
 }
 
 /// Draws the window and each view of a survey into `folder`; the files' names and the adapter that drew them.
-pub fn draw_into(origin: &Origin, folder: &Path) -> Result<(Vec<&'static str>, String), String> {
+pub fn draw_into(origin: &Origin, folder: &Path) -> Result<(Vec<&'static str>, String), Failure> {
     const PICTURES: [(&str, Picture, [u32; 2]); 4] = [
         ("window.png", Picture::All, [1600, 1000]),
         ("waterfall.png", Picture::Waterfall, [1600, 800]),
@@ -235,15 +234,13 @@ pub fn draw_into(origin: &Origin, folder: &Path) -> Result<(Vec<&'static str>, S
     open(&mut app, origin)?;
     select(&mut app, None)?;
     let mut shell = Shell::new(app);
-    let studio = Studio::new().map_err(|error| error.to_string())?;
+    let studio = Studio::new()?;
     for (name, view, size) in PICTURES {
         if let Some(alone) = alone(view) {
             shell.show_alone(alone);
         }
-        let picture = studio
-            .draw(&mut shell, size, 1.0, &Progress::new())
-            .map_err(|error| error.to_string())?;
-        write_picture(&picture, &folder.join(name)).map_err(|error| error.to_string())?;
+        let picture = studio.draw(&mut shell, size, 1.0, &Progress::new())?;
+        write_picture(&picture, &folder.join(name))?;
     }
     Ok((
         PICTURES.iter().map(|(name, ..)| *name).collect(),
@@ -262,7 +259,7 @@ fn alone(picture: Picture) -> Option<Alone> {
 }
 
 /// Selects the middle of the pings asked for, or of the log, so that the profile and the selection show something.
-fn select(app: &mut App, pings: Option<PingRange>) -> Result<(), String> {
+fn select(app: &mut App, pings: Option<PingRange>) -> Result<(), Failure> {
     let survey = app.log.survey.clone().unwrap_or_default();
     let pings = within(&survey, pings)?;
     if !survey.side_scan.is_empty() {
@@ -273,10 +270,10 @@ fn select(app: &mut App, pings: Option<PingRange>) -> Result<(), String> {
 }
 
 /// Refuses a name that is no picture's before any work, a mistyped log's among them: that log would be replaced.
-fn check_picture(path: &Path) -> Result<(), String> {
+fn check_picture(path: &Path) -> Result<(), Failure> {
     let suffix = path.extension().unwrap_or_default();
     if suffix.eq_ignore_ascii_case("png") {
         return Ok(());
     }
-    Err(format!("a picture's name ends in .png: {}", path.display()))
+    Err(format!("a picture's name ends in .png: {}", path.display()).into())
 }

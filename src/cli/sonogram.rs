@@ -2,7 +2,7 @@
 
 use super::shown::{ShownArgs, ShownLog, parse_size};
 use super::status_line::StatusLine;
-use super::{output, quiet_driver};
+use super::{Failure, output, quiet_driver};
 use crate::app::View;
 use crate::sonar::calibration::PingRange;
 use crate::support::progress::Progress;
@@ -32,7 +32,7 @@ pub struct SonogramArgs {
 }
 
 /// Draws the pages and writes them; says on stderr which adapter drew them.
-pub fn run(args: SonogramArgs) -> Result<(), String> {
+pub fn run(args: SonogramArgs) -> Result<(), Failure> {
     quiet_driver::restart_if_noisy();
     let log = args.shown.open()?;
     let [width, height] = args.size;
@@ -44,7 +44,7 @@ pub fn run(args: SonogramArgs) -> Result<(), String> {
         .map_err(|error| format!("cannot make the folder: {error}: {}", args.output.display()))?;
     let (mut shell, name) = (Shell::new(log.app), log.name);
     shell.show_alone(Alone::View(View::Waterfall));
-    let studio = Studio::new().map_err(|error| error.to_string())?;
+    let studio = Studio::new()?;
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
     status.step("sonogram");
@@ -53,11 +53,9 @@ pub fn run(args: SonogramArgs) -> Result<(), String> {
         let share = (pings.end - pings.start) as f64 / page as f64;
         let width = ((f64::from(width) * share).round() as u32).max(NARROWEST.min(width));
         shell.show_pings(pings.start..pings.end);
-        let picture = studio
-            .draw(&mut shell, [width, height], 1.0, &Progress::new())
-            .map_err(|error| error.to_string())?;
+        let picture = studio.draw(&mut shell, [width, height], 1.0, &Progress::new())?;
         let file = format!("{name}_{:04}.png", number + 1);
-        write_picture(&picture, &args.output.join(file)).map_err(|error| error.to_string())?;
+        write_picture(&picture, &args.output.join(file))?;
         progress.advance(1);
     }
     drop(status);
@@ -79,12 +77,13 @@ fn one_to_one(log: &ShownLog, width: u32, height: u32) -> usize {
 }
 
 /// The pings of each page.
-fn pages(pings: PingRange, page: usize) -> Result<Vec<PingRange>, String> {
+fn pages(pings: PingRange, page: usize) -> Result<Vec<PingRange>, Failure> {
     let count = (pings.end - pings.start).div_ceil(page);
     if count > MOST_PAGES {
         return Err(format!(
             "that makes {count} pages; ask for more pings a page, {MOST_PAGES} pages are the most"
-        ));
+        )
+        .into());
     }
     let starts = (pings.start..pings.end).step_by(page);
     let pages = starts.map(|start| PingRange {

@@ -1,9 +1,9 @@
 //! `bathyscope adjust`: the height offsets of the logs of a lake, and how their positions are corrected.
 
 use crate::bottom::bathymetry::position_offsets::Wanted;
-use crate::cli::output;
 use crate::cli::status_line::StatusLine;
-use crate::products::lake::{Adjusted, Lake, OffsetRow, adjust};
+use crate::cli::{Failure, output};
+use crate::products::lake::{Adjusted, Lake, LakeError, OffsetRow, adjust};
 use crate::support::presentation::text;
 use crate::support::progress::Progress;
 use serde::Serialize;
@@ -44,8 +44,8 @@ struct Printed<'a> {
 }
 
 /// Finds the offsets, writes the table and prints it.
-pub fn run(args: &AdjustArgs) -> Result<(), String> {
-    let lake = Lake::open(&args.lake).map_err(|error| error.to_string())?;
+pub fn run(args: &AdjustArgs) -> Result<(), Failure> {
+    let lake = Lake::open(&args.lake)?;
     let wanted = Wanted {
         shifts: args.positions,
         latencies: args.latency,
@@ -79,11 +79,11 @@ pub fn run(args: &AdjustArgs) -> Result<(), String> {
 }
 
 /// Finds the offsets of a lake and writes its table.
-pub fn adjusted(lake: &Lake, wanted: Wanted) -> Result<Adjusted, String> {
+pub fn adjusted(lake: &Lake, wanted: Wanted) -> Result<Adjusted, LakeError> {
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
     status.step("height offsets");
-    adjust(lake, wanted, &progress).map_err(|error| error.to_string())
+    adjust(lake, wanted, &progress)
 }
 
 /// Names what offsets cannot settle.

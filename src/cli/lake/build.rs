@@ -3,11 +3,11 @@
 use super::adjust::{adjusted, summary, tell};
 use super::make_maps;
 use crate::bottom::bathymetry::position_offsets::Wanted;
-use crate::cli::output;
 use crate::cli::status_line::StatusLine;
+use crate::cli::{Failure, output};
 use crate::products::lake::{
-    Lake, LakeError, MapTilesState, TileId, TileState, contents, remove_left_over, tile_state,
-    write_index, write_map_tiles,
+    Lake, MapTilesState, TileId, TileState, contents, remove_left_over, tile_state, write_index,
+    write_map_tiles,
 };
 use crate::support::presentation::text;
 use crate::support::progress::Progress;
@@ -21,28 +21,27 @@ pub struct LakeArgs {
 }
 
 /// Finds the offsets, makes the maps that are stale or missing, and the index of all.
-pub fn run(args: &LakeArgs) -> Result<(), String> {
-    let in_words = |error: LakeError| error.to_string();
-    let lake = Lake::open(&args.lake).map_err(in_words)?;
-    let logs = lake.logs().map_err(in_words)?;
+pub fn run(args: &LakeArgs) -> Result<(), Failure> {
+    let lake = Lake::open(&args.lake)?;
+    let logs = lake.logs()?;
     let adjusted = adjusted(&lake, Wanted::default())?;
     tell(&adjusted);
     output::results(summary(&adjusted))?;
-    let all: Vec<TileId> = contents(&lake).map_err(in_words)?.into_keys().collect();
+    let all: Vec<TileId> = contents(&lake)?.into_keys().collect();
     let is_due =
         |tile: &TileId| tile_state(&lake, *tile, &logs, &adjusted.offsets) != TileState::UpToDate;
     let due: Vec<TileId> = all.iter().copied().filter(is_due).collect();
     make_maps(&lake, &due, &logs, &adjusted.offsets)?;
-    for tile in remove_left_over(&lake, &all).map_err(in_words)? {
+    for tile in remove_left_over(&lake, &all)? {
         output::results(format_args!(
             "removed {tile}: no log has rows in it any more"
         ))?;
     }
-    write_index(&lake, &logs, &all).map_err(in_words)?;
+    write_index(&lake, &logs, &all)?;
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
     status.step("map tiles");
-    let joined = write_map_tiles(&lake, &all, &progress).map_err(in_words)?;
+    let joined = write_map_tiles(&lake, &all, &progress)?;
     drop(status);
     if joined == MapTilesState::Made {
         output::results(

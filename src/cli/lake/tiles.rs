@@ -1,6 +1,6 @@
 //! `bathyscope tiles`: what exists of a lake.
 
-use crate::cli::output;
+use crate::cli::{Failure, output};
 use crate::products::lake::{Lake, Offsets, TileState, contents, tile_state};
 use crate::support::presentation::text;
 use serde::Serialize;
@@ -30,12 +30,11 @@ struct Printed {
 }
 
 /// Prints a line for each tile.
-pub fn run(args: &TilesArgs) -> Result<(), String> {
-    let in_words = |error: crate::products::lake::LakeError| error.to_string();
-    let lake = Lake::open(&args.lake).map_err(in_words)?;
-    let logs = lake.logs().map_err(in_words)?;
-    let offsets = Offsets::read(&lake).map_err(in_words)?;
-    let tiles = contents(&lake).map_err(in_words)?;
+pub fn run(args: &TilesArgs) -> Result<(), Failure> {
+    let lake = Lake::open(&args.lake)?;
+    let logs = lake.logs()?;
+    let offsets = Offsets::read(&lake)?;
+    let tiles = contents(&lake)?;
     let all = tiles.len();
     let mut printed = Vec::new();
     for (tile, content) in tiles {

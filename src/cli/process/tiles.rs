@@ -1,10 +1,10 @@
 //! `bathyscope process --products tiles`: the rows of logs into a lake.
 
 use super::ProcessArgs;
-use crate::cli::output;
 use crate::cli::parallel::each_in_parallel;
 use crate::cli::status_line::StatusLine;
 use crate::cli::survey_logs::{LogInput, all_or};
+use crate::cli::{Failure, output};
 use crate::products::lake::{Added, Lake, LogRecord, add};
 use crate::support::presentation::text;
 use crate::support::progress::Progress;
@@ -14,21 +14,20 @@ use crate::support::progress::Progress;
 const MOST_AT_ONCE: usize = 4;
 
 /// Adds every log to the lake of the folder. One that cannot be used does not keep the others out.
-pub fn run(inputs: &[LogInput], args: &ProcessArgs) -> Result<(), String> {
+pub fn run(inputs: &[LogInput], args: &ProcessArgs) -> Result<(), Failure> {
     let folder = args
         .output
         .as_deref()
         .ok_or("tiles go into the folder of a lake, which many runs share; name it with -o DIR")?;
     if args.adjust || args.reference.is_some() || !args.review.is_empty() {
         return Err(
-            "tiles are written of each log by itself: --adjust, --reference and --review do not go with them (`bathyscope adjust DIR` finds height offsets)"
-                .to_owned(),
+            "tiles are written of each log by itself: --adjust, --reference and --review do not go with them (`bathyscope adjust DIR` finds height offsets)".into(),
         );
     }
     let Some(first) = inputs.first() else {
         return Ok(());
     };
-    let lake = Lake::open_for(folder, &first.logs.settings).map_err(|error| error.to_string())?;
+    let lake = Lake::open_for(folder, &first.logs.settings)?;
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
     status.step("tiles");
@@ -52,7 +51,7 @@ pub fn run(inputs: &[LogInput], args: &ProcessArgs) -> Result<(), String> {
             Ok(Added::UpToDate(record)) => {
                 output::results(format_args!("up to date: {}", in_words(&record)))?;
             }
-            Err(sentence) => {
+            Err(Failure { sentence }) => {
                 failed += 1;
                 output::notify(format_args!("bathyscope: {sentence}"));
             }
@@ -61,13 +60,12 @@ pub fn run(inputs: &[LogInput], args: &ProcessArgs) -> Result<(), String> {
     all_or(failed, inputs.len())
 }
 
-fn added(lake: &Lake, input: &LogInput) -> Result<Added, String> {
+fn added(lake: &Lake, input: &LogInput) -> Result<Added, Failure> {
     // Each log of a project has settings of its own.
-    lake.check(&input.logs.settings)
-        .map_err(|error| error.to_string())?;
+    lake.check(&input.logs.settings)?;
     let log = input.open()?;
     let added = add(lake, &log.survey, &log.settings, &Progress::new());
-    added.map_err(|error| format!("{error}: {}", input.path.display()))
+    Ok(added.map_err(|error| format!("{error}: {}", input.path.display()))?)
 }
 
 fn in_words(record: &LogRecord) -> String {
