@@ -2,6 +2,7 @@
 
 mod handlers;
 
+use super::error::AppError;
 use super::external::Instrument;
 use super::loader::Place;
 use super::mounting::with_sides;
@@ -126,17 +127,16 @@ impl App {
         label: impl Into<Cow<'static, str>>,
         live: bool,
     ) {
-        let allowed = settings.check().map_err(|error| error.to_string());
+        let allowed = settings.check().map_err(AppError::from);
         let settings = with_sides(settings, &self.log.settings);
         let before = self.step_now();
         let allowed = allowed.and_then(|()| self.follow_source(&settings));
-        let parts = allowed.and_then(|()| {
-            let parts = self.log.own.change(&self.document.shared, &settings);
-            parts.map_err(|error| error.to_string())
-        });
+        let parts =
+            allowed.and_then(|()| Ok(self.log.own.change(&self.document.shared, &settings)?));
         let (shared, own) = match parts {
             Ok(parts) => parts,
-            Err(text) => {
+            Err(error) => {
+                let text = error.to_string();
                 // A drag would say it over and over.
                 if self.notices.last().is_none_or(|last| last.text != text) {
                     self.notify(text, true);
@@ -181,8 +181,8 @@ impl App {
     }
 
     fn set(&mut self, settings: Settings, live: bool) {
-        if let Err(text) = self.follow_source(&settings) {
-            return self.notify(text, true);
+        if let Err(error) = self.follow_source(&settings) {
+            return self.notify(error.to_string(), true);
         }
         let changed = settings != *self.log.settings;
         if changed {

@@ -1,5 +1,6 @@
 //! The analyst's own picture under the map: opened in a background thread, kept from survey to survey.
 
+use super::error::AppError;
 use super::{App, MapLayer, Outcome, Task};
 use crate::formats::base_map::{self, BaseMap};
 use std::path::PathBuf;
@@ -7,7 +8,7 @@ use std::sync::Arc;
 
 /// A base map that is being opened.
 pub(super) struct OpeningBaseMap {
-    task: Task<Result<BaseMap, String>>,
+    task: Task<Result<BaseMap, AppError>>,
     /// It lay there when the window was closed: nobody asked for it now.
     is_of_last_time: bool,
 }
@@ -35,7 +36,7 @@ impl App {
         // It has to be found again from whatever folder the next run starts in.
         let path = std::path::absolute(&path).unwrap_or(path);
         let open = move |progress: &crate::support::progress::Progress| {
-            base_map::open(&path, progress).map_err(|error| error.to_string())
+            Ok(base_map::open(&path, progress)?)
         };
         self.files.opening_base_map = Some(OpeningBaseMap {
             task: Task::start(&self.jobs, open),
@@ -66,7 +67,7 @@ impl App {
         let opened = match opening.task.poll() {
             Outcome::Pending => return,
             Outcome::Done(opened) => opened,
-            Outcome::Failed => Err("opening the base map failed unexpectedly".to_owned()),
+            Outcome::Failed => Err(AppError::Failed("opening the base map")),
         };
         self.files.opening_base_map = None;
         match opened {
@@ -77,7 +78,7 @@ impl App {
                 self.options.map.layers.set_visible(MapLayer::BaseMap, true);
                 self.base_map = Some(Arc::new(map));
             }
-            Err(text) => self.notify(text, !is_of_last_time),
+            Err(error) => self.notify(error.to_string(), !is_of_last_time),
         }
     }
 

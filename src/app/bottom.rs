@@ -1,6 +1,8 @@
 //! Bottom edits: strokes of the pen and steps of the keys become settings, which undo takes back, and are kept
 //! in the sidecar file `LOG.bottom.toml` as they are made.
 
+use super::error::AppError;
+use super::loader::ReadBottom;
 use super::{Action, App, Mark};
 use crate::pipeline::Settings;
 use crate::products::export;
@@ -194,9 +196,9 @@ impl App {
         let kept = match read {
             None => return,
             Some(Ok(kept)) => kept,
-            Some(Err(text)) => {
+            Some(Err(error)) => {
                 self.log.bottom_file.refused = true;
-                return self.notify(text, true);
+                return self.notify(error.to_string(), true);
             }
         };
         let swapped = self
@@ -248,9 +250,9 @@ impl App {
         let bottom = &self.log.settings.bottom;
         match write(&path, bottom) {
             Ok(()) => self.log.bottom_file.written = bottom.clone(),
-            Err(text) => {
+            Err(error) => {
                 self.log.bottom_file.path = None;
-                let text = format!("the bottom edits cannot be saved: {text}");
+                let text = format!("the bottom edits cannot be saved: {error}");
                 self.notify(text, true);
             }
         }
@@ -264,20 +266,20 @@ fn half_a_sample_m(survey: &Survey, side: Side, path: &[[f64; 2]]) -> f64 {
     0.5 * span.map_or(0.02, |span| span.metres_per_sample())
 }
 
-/// The bottom edits of a sidecar file, or why they cannot be used.
-pub(super) type ReadBottom = Result<BottomSettings, String>;
-
-fn write(path: &Path, bottom: &BottomSettings) -> Result<(), String> {
+fn write(path: &Path, bottom: &BottomSettings) -> Result<(), AppError> {
     if bottom.is_empty() {
         return match fs::remove_file(path) {
-            Err(error) if path.exists() => Err(format!("{error}: {}", path.display())),
+            Err(source) if path.exists() => Err(AppError::Remove {
+                source,
+                path: path.to_owned(),
+            }),
             _ => Ok(()),
         };
     }
     let kept = Kept {
         bottom: bottom.clone(),
     };
-    let text = toml::to_string(&kept).map_err(|error| error.to_string())?;
-    export::write_atomically(path, |mut file| file.write_all(text.as_bytes()))
-        .map_err(|error| error.to_string())
+    let text = toml::to_string(&kept)?;
+    let written = export::write_atomically(path, |mut file| file.write_all(text.as_bytes()));
+    Ok(written?)
 }

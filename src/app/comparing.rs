@@ -1,9 +1,10 @@
 //! What the survey is compared with: a file of points or another mission, opened in a background thread.
 
+use super::error::AppError;
 use super::reference_comparison::{Of, ReferenceComparison};
 use super::{App, MapLayer, Outcome, Task};
 use crate::bottom::bathymetry::compare::Matching;
-use crate::pipeline::{Agreement, ProcessedLog, Reference, Settings};
+use crate::pipeline::{Agreement, AgreementError, ProcessedLog, Reference, Settings};
 use crate::support::progress::Progress;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -38,7 +39,7 @@ struct Opened {
     agreement: Agreement,
 }
 
-type Opening = Task<Result<Opened, String>>;
+type Opening = Task<Result<Opened, AppError>>;
 
 impl Default for Comparing {
     fn default() -> Self {
@@ -107,7 +108,7 @@ impl App {
         };
         let matching = self.comparing.matching(&first.products.settings);
         self.comparing.opening = Some(Task::start(&self.jobs, move |progress| {
-            open(&path, &logs, matching, progress)
+            Ok(open(&path, &logs, matching, progress)?)
         }));
     }
 
@@ -143,7 +144,7 @@ impl App {
         let opened = match self.comparing.opening.as_ref().map(Task::poll) {
             None | Some(Outcome::Pending) => return,
             Some(Outcome::Done(opened)) => opened,
-            Some(Outcome::Failed) => Err("opening the reference failed unexpectedly".to_owned()),
+            Some(Outcome::Failed) => Err(AppError::Failed("opening the reference")),
         };
         self.comparing.opening = None;
         match opened {
@@ -154,7 +155,7 @@ impl App {
                 self.comparing.reference = agreement.reference.clone();
                 self.findings.reference_comparison.take(of, agreement);
             }
-            Err(text) => self.notify(text, true),
+            Err(error) => self.notify(error.to_string(), true),
         }
     }
 }
@@ -165,15 +166,14 @@ fn open(
     logs: &[ProcessedLog],
     matching: Matching,
     progress: &Progress,
-) -> Result<Opened, String> {
+) -> Result<Opened, AgreementError> {
     let Some(first) = logs.first() else {
-        return Err("there is no log to compare".to_owned());
+        return Err(AgreementError::NoLog);
     };
     let settings = &first.products.settings;
-    let opened = Reference::open(path.as_os_str(), &first.survey, settings, progress);
-    let reference = Arc::new(opened.map_err(|error| error.to_string())?);
-    let agreement = Agreement::with_reference(logs, &reference, matching, progress);
-    let agreement = agreement.map_err(|error| error.to_string())?;
+    let reference = Reference::open(path.as_os_str(), &first.survey, settings, progress)?;
+    let reference = Arc::new(reference);
+    let agreement = Agreement::with_reference(logs, &reference, matching, progress)?;
     let of = Of::new(logs, Some((reference, matching)));
     Ok(Opened { of, agreement })
 }

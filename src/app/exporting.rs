@@ -1,14 +1,16 @@
 //! Products and reviewed boxes on their way into a folder.
 
+use super::error::AppError;
 use super::{Action, App, Jobs, LogId, Outcome, Task};
 use crate::products::outputs::{self, Amounts, EarlierRun, Order, OutputFile, Product};
 use crate::support::progress::Progress;
+use std::error::Error;
 use std::path::{Path, PathBuf};
 
 /// Products or boxes being written.
 pub(super) struct Exporting {
     /// What was written, in a sentence.
-    task: Task<Result<String, String>>,
+    task: Task<Result<String, AppError>>,
     /// The folder it is written into, where it is one.
     into: Option<PathBuf>,
     /// Where the files of a run go, and of which log.
@@ -24,10 +26,13 @@ pub(super) struct Exported {
 
 impl Exporting {
     /// Starts writing.
-    pub fn start(
+    pub fn start<E: Error + Send + Sync + 'static>(
         jobs: &Jobs,
-        write: impl FnOnce(&Progress) -> Result<String, String> + Send + 'static,
+        write: impl FnOnce(&Progress) -> Result<String, E> + Send + 'static,
     ) -> Self {
+        let write = |progress: &Progress| {
+            write(progress).map_err(|error| AppError::Exporting(Box::new(error)))
+        };
         Self {
             task: Task::start(jobs, write),
             into: None,
@@ -42,9 +47,9 @@ impl Exporting {
 
 impl App {
     /// Writes something in a background thread, and notifies of the outcome.
-    pub fn write(
+    pub fn write<E: Error + Send + Sync + 'static>(
         &mut self,
-        write: impl FnOnce(&Progress) -> Result<String, String> + Send + 'static,
+        write: impl FnOnce(&Progress) -> Result<String, E> + Send + 'static,
     ) {
         self.files.exporting = Some(Exporting::start(&self.jobs, write));
     }
@@ -66,8 +71,7 @@ impl App {
         let exporting = Exporting::start(&self.jobs, move |progress| {
             let reference = against.as_ref().map(|(reference, _)| &**reference);
             let surveys = logs.iter().map(|log| &*log.survey);
-            let run =
-                outputs::begin(&folder, surveys, reference).map_err(|error| error.to_string())?;
+            let run = outputs::begin(&folder, surveys, reference)?;
             let order = Order {
                 logs: &logs,
                 derived: &derived,
@@ -77,9 +81,8 @@ impl App {
                 review: &review,
                 corrections: &[],
             };
-            let written =
-                outputs::write(&order, run, progress, |_| ()).map_err(|error| error.to_string())?;
-            Ok(written.summary(&folder))
+            let written = outputs::write(&order, run, progress, |_| ());
+            written.map(|written| written.summary(&folder))
         });
         self.files.exporting = Some(Exporting {
             run,
@@ -132,7 +135,7 @@ impl App {
         let written = match exporting.task.poll() {
             Outcome::Pending => return,
             Outcome::Done(written) => written,
-            Outcome::Failed => Err("the export failed unexpectedly".to_owned()),
+            Outcome::Failed => Err(AppError::Failed("the export")),
         };
         let (run, into) = (exporting.run.clone(), exporting.into.clone());
         self.files.exporting = None;
@@ -149,7 +152,7 @@ impl App {
                     None => self.notify(text, false),
                 }
             }
-            Err(text) => self.notify(text, true),
+            Err(error) => self.notify(error.to_string(), true),
         }
     }
 }

@@ -3,11 +3,12 @@
 //! Files are read in a background thread. A file becomes part of the settings only once it is known to fit the log: a bad one
 //! leaves everything as it was.
 
+use super::error::AppError;
 use super::{App, OpenLog, Outcome, Task};
 use crate::bottom::cloud::Correction;
 use crate::bottom::cloud::correction::WaterLevelSettings;
-use crate::formats::{TrackFile, read_gauge};
-use crate::pipeline::{Settings, SourceError, SourceKey, as_set};
+use crate::formats::{TrackError, TrackFile, read_gauge};
+use crate::pipeline::{Settings, SourceKey, as_set};
 use crate::support::geo::{Crs, LocalFrame};
 use crate::support::progress::Progress;
 use crate::support::regular_file;
@@ -44,7 +45,7 @@ pub struct External {
     pub apart: Arc<TracksApart>,
     /// The tracks read for the open survey: undo goes back to them.
     tracks: Vec<Arc<TrackFile>>,
-    reading: Option<Task<Result<Read, String>>>,
+    reading: Option<Task<Result<Read, AppError>>>,
 }
 
 impl External {
@@ -67,12 +68,11 @@ impl External {
     }
 
     /// The track of a file, read before or now.
-    fn track(&mut self, path: &Path) -> Result<Arc<TrackFile>, String> {
+    fn track(&mut self, path: &Path) -> Result<Arc<TrackFile>, TrackError> {
         if let Some(known) = self.tracks.iter().find(|track| track.path() == path) {
             return Ok(known.clone());
         }
-        let read = TrackFile::read(path).map_err(|error| error.to_string())?;
-        let read = Arc::new(read);
+        let read = Arc::new(TrackFile::read(path)?);
         self.tracks.push(read.clone());
         Ok(read)
     }
@@ -91,12 +91,8 @@ impl App {
             return self.notify(text.to_owned(), true);
         }
         let work = move |_: &Progress| match instrument.or_else(|| instrument_of(&path)) {
-            Some(Instrument::Gauge) => read_gauge(&path)
-                .map(Read::Levels)
-                .map_err(|error| error.to_string()),
-            Some(Instrument::Receiver) => TrackFile::read(&path)
-                .map(Read::Track)
-                .map_err(|error| error.to_string()),
+            Some(Instrument::Gauge) => Ok(Read::Levels(read_gauge(&path)?)),
+            Some(Instrument::Receiver) => Ok(Read::Track(TrackFile::read(&path)?)),
             None => Ok(Read::Points(path)),
         };
         self.log.external.reading = Some(Task::start(&self.jobs, work));
@@ -107,14 +103,14 @@ impl App {
         let read = match self.log.external.reading.as_ref().map(Task::poll) {
             None | Some(Outcome::Pending) => return,
             Some(Outcome::Done(read)) => read,
-            Some(Outcome::Failed) => Err("reading the table failed unexpectedly".to_owned()),
+            Some(Outcome::Failed) => Err(AppError::Failed("reading the table")),
         };
         self.log.external.reading = None;
         match read {
             Ok(Read::Levels(gauge)) => self.take_levels(gauge),
             Ok(Read::Track(track)) => self.take_track(track),
             Ok(Read::Points(path)) => self.compare_with(path),
-            Err(text) => self.notify(text, true),
+            Err(error) => self.notify(error.to_string(), true),
         }
     }
 
@@ -159,8 +155,8 @@ impl App {
     }
 
     /// Makes the open survey what the settings say of its source: its sides, its clock, the system of its metres, and the track of
-    /// another receiver. The error is a sentence; the survey is as it was then.
-    pub(super) fn follow_source(&mut self, settings: &Settings) -> Result<(), String> {
+    /// another receiver. After an error the survey is as it was.
+    pub(super) fn follow_source(&mut self, settings: &Settings) -> Result<(), AppError> {
         let Some(survey) = self.log.survey.clone() else {
             return Ok(());
         };
@@ -169,13 +165,12 @@ impl App {
             return Ok(());
         }
         let read = self.log.as_read.clone().unwrap_or(survey.clone());
-        let sentence = |error: SourceError| error.to_string();
-        let recorded = as_set(Survey::clone(&read), settings, None).map_err(sentence)?;
+        let recorded = as_set(Survey::clone(&read), settings, None)?;
         let now = match &request.track.file {
             None => recorded.clone(),
             Some(path) => {
                 let track = self.log.external.track(path)?;
-                as_set(Survey::clone(&read), settings, Some(&track)).map_err(sentence)?
+                as_set(Survey::clone(&read), settings, Some(&track))?
             }
         };
         let now = match self.log_count() {

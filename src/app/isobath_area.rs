@@ -1,5 +1,6 @@
 //! The area that isobaths end at: its file is read in a background thread, and becomes part of the settings once it is known to be one.
 
+use super::error::AppError;
 use super::{App, Outcome, Task};
 use crate::formats::read_area;
 use crate::pipeline::Settings;
@@ -12,7 +13,7 @@ const LABEL: &str = "isobath area";
 
 /// The file that is being read.
 #[derive(Default)]
-pub(super) struct ReadingArea(Option<Task<Result<WaterArea, String>>>);
+pub(super) struct ReadingArea(Option<Task<Result<WaterArea, AppError>>>);
 
 impl ReadingArea {
     /// Whether one is.
@@ -31,7 +32,7 @@ impl App {
     pub(super) fn open_isobath_area(&mut self, path: PathBuf) {
         // The settings must hold its path wherever the next run starts.
         let path = std::path::absolute(&path).unwrap_or(path);
-        let work = move |_: &_| read_area(&path).map_err(|error| error.to_string());
+        let work = move |_: &_| Ok(read_area(&path)?);
         self.files.reading_area.0 = Some(Task::start(&self.jobs, work));
     }
 
@@ -40,12 +41,12 @@ impl App {
         let read = match self.files.reading_area.0.as_ref().map(Task::poll) {
             None | Some(Outcome::Pending) => return,
             Some(Outcome::Done(read)) => read,
-            Some(Outcome::Failed) => Err("reading the area failed unexpectedly".to_owned()),
+            Some(Outcome::Failed) => Err(AppError::Failed("reading the area")),
         };
         self.files.reading_area.stop();
         match read {
             Ok(area) => self.set_isobath_area(Some(area)),
-            Err(text) => self.notify(text, true),
+            Err(error) => self.notify(error.to_string(), true),
         }
     }
 

@@ -1,10 +1,11 @@
 //! Opening a log in a background thread.
 
 use super::Jobs;
-use super::bottom::ReadBottom;
+use super::error::AppError;
 use super::{Outcome, Task};
 use crate::formats;
-use crate::project::{LogFile, read_bottom};
+use crate::project::{BottomFileError, LogFile, read_bottom};
+use crate::sonar::first_return::BottomSettings;
 use crate::support::progress::Progress;
 use crate::survey::{Identity, Survey};
 use std::path::{Path, PathBuf};
@@ -70,6 +71,9 @@ pub(super) struct Request {
     pub place: Place,
 }
 
+/// The bottom edits of a sidecar file, or why they cannot be used.
+pub(super) type ReadBottom = Result<BottomSettings, BottomFileError>;
+
 /// What a path turned out to be.
 pub(super) enum Opened {
     /// A log, what was drawn on it when it was last open, and its file where it is to be kept in a project.
@@ -83,7 +87,7 @@ pub(super) enum Opened {
 /// A log being opened. Dropping it cancels it.
 pub(super) struct Loading {
     pub request: Request,
-    task: Task<Result<Opened, String>>,
+    task: Task<Result<Opened, AppError>>,
 }
 
 impl Loading {
@@ -97,37 +101,29 @@ impl Loading {
                     return Ok(Opened::Folder(logs));
                 }
             }
-            let mut survey = requested
-                .open(progress)
-                .map_err(|error| error.to_string())?;
+            let mut survey = requested.open(progress)?;
             if let Some(known) = open.iter().find(|known| is_same_recording(known, &survey)) {
                 return Ok(Opened::Known(known.name()));
             }
-            formats::load_removable_into_memory(&mut survey, progress)
-                .map_err(|error| error.to_string())?;
+            formats::load_removable_into_memory(&mut survey, progress)?;
             let log = survey.source.files.first();
             let drawn = match &requested {
                 Origin::Path(_) => log.and_then(|log| read_bottom(log, &survey)),
                 Origin::Demo => None,
             };
-            let drawn = drawn.map(|read| read.map_err(|error| error.to_string()));
             let is_file = matches!(requested, Origin::Path(_));
             let file = (in_project && is_file).then(|| LogFile::of(&survey, progress));
-            let file = file.transpose().map_err(|error| error.to_string())?;
-            Ok(Opened::Log(Box::new(survey), drawn, file))
+            Ok(Opened::Log(Box::new(survey), drawn, file.transpose()?))
         });
         Self { request, task }
     }
 
     /// The outcome, once.
-    pub fn poll(&self) -> Option<Result<Opened, String>> {
+    pub fn poll(&self) -> Option<Result<Opened, AppError>> {
         match self.task.poll() {
             Outcome::Done(opened) => Some(opened),
             Outcome::Pending => None,
-            Outcome::Failed => Some(Err(format!(
-                "opening failed unexpectedly: {}",
-                self.request.origin.name()
-            ))),
+            Outcome::Failed => Some(Err(AppError::OpeningFailed(self.request.origin.name()))),
         }
     }
 
@@ -140,10 +136,9 @@ impl Loading {
 }
 
 /// Opens a log that is named in a project, into memory where it lies on a card.
-pub(super) fn hold_log(path: &Path, progress: &Progress) -> Result<Survey, String> {
-    let mut survey = formats::open(path, progress).map_err(|error| error.to_string())?;
-    formats::load_removable_into_memory(&mut survey, progress)
-        .map_err(|error| error.to_string())?;
+pub(super) fn hold_log(path: &Path, progress: &Progress) -> Result<Survey, AppError> {
+    let mut survey = formats::open(path, progress)?;
+    formats::load_removable_into_memory(&mut survey, progress)?;
     Ok(survey)
 }
 

@@ -16,6 +16,7 @@ mod clip_box;
 mod command;
 mod comparing;
 mod deriving;
+mod error;
 mod exclusions;
 mod exporting;
 mod external;

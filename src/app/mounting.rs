@@ -1,5 +1,6 @@
 //! How recorders are mounted: exchanging sides, and the default that a recorder has for its logs.
 
+use super::error::AppError;
 use super::{App, LogId};
 use crate::pipeline::Settings;
 use crate::survey::MountingSettings;
@@ -55,8 +56,8 @@ impl App {
     /// Mounts a log that was just opened as its recorder is as a rule. The first look at a log is no step that could be taken back.
     pub(super) fn mount_as_usual(&mut self) {
         let shared = Settings::clone(&self.log.settings);
-        if let Err(text) = self.follow_source(&shared) {
-            self.notify(text, true);
+        if let Err(error) = self.follow_source(&shared) {
+            self.notify(error.to_string(), true);
         }
         let Some(mounting) = self.usual_mounting() else {
             return;
@@ -67,7 +68,7 @@ impl App {
                 format!("{name} has the default mounting of {recorder}"),
                 false,
             ),
-            Err(text) => self.notify(text, true),
+            Err(error) => self.notify(error.to_string(), true),
         }
     }
 
@@ -91,8 +92,8 @@ impl App {
                 let is_same = app.recorder() == recorder && app.log.settings.mounting != mounting;
                 is_same.then(|| app.mount(mounting))
             });
-            if let Some(Some(Err(text))) = mounted {
-                self.notify(text, true);
+            if let Some(Some(Err(error))) = mounted {
+                self.notify(error.to_string(), true);
             }
         }
         let after = self.step_now();
@@ -119,15 +120,14 @@ impl App {
         );
     }
 
-    /// Mounts a log, with its boxes and its bottom edits. The error is a sentence; the log is as it was then.
-    fn mount(&mut self, mounting: MountingSettings) -> Result<(), String> {
+    /// Mounts a log, with its boxes and its bottom edits. After an error the log is as it was.
+    fn mount(&mut self, mounting: MountingSettings) -> Result<(), AppError> {
         let mut settings = Settings::clone(&self.log.settings);
         settings.mounting = mounting;
         let settings = with_sides(settings, &self.log.settings);
-        settings.check().map_err(|error| error.to_string())?;
+        settings.check()?;
         self.follow_source(&settings)?;
-        let parts = self.log.own.change(&self.document.shared, &settings);
-        let (_, own) = parts.map_err(|error| error.to_string())?;
+        let (_, own) = self.log.own.change(&self.document.shared, &settings)?;
         self.log.own = Arc::new(own);
         self.log.settings = Arc::new(settings);
         self.exchange_boxes();

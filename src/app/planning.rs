@@ -1,7 +1,8 @@
 //! Lines to sail next: planned in a background thread, changed by hand, written for plotters and autopilots.
 
+use super::error::AppError;
 use super::{App, Outcome, Task};
-use crate::bottom::planning::{Leg, Plan, PlanSettings, plan};
+use crate::bottom::planning::{Leg, Plan, PlanError, PlanSettings, plan};
 use crate::pipeline::list_objects;
 use crate::pipeline::survey_coverage;
 use crate::products::export::{PlanFormat, PlannedWay};
@@ -62,7 +63,7 @@ pub struct Planning {
     pub lines: Option<Arc<PlannedLines>>,
     /// The line that commands act on.
     pub selected: Option<usize>,
-    task: Option<Task<Result<PlannedLines, String>>>,
+    task: Option<Task<Result<PlannedLines, PlanError>>>,
 }
 
 impl Planning {
@@ -107,12 +108,9 @@ impl App {
         let logs: Vec<_> = shown.into_iter().map(|shown| shown.log).collect();
         let asked = self.planning.asked;
         let work = move |progress: &Progress| {
-            let objects =
-                list_objects(&logs, &review, progress).map_err(|error| error.to_string())?;
-            let known =
-                survey_coverage(&logs, &objects, progress).map_err(|error| error.to_string())?;
-            let known = known.ok_or("there is no log to plan from")?;
-            let plan = plan(&known, None, &asked, progress).map_err(|error| error.to_string())?;
+            let objects = list_objects(&logs, &review, progress)?;
+            let known = survey_coverage(&logs, &objects, progress)?.ok_or(PlanError::NoLog)?;
+            let plan = plan(&known, None, &asked, progress)?;
             Ok(PlannedLines {
                 plan,
                 frame,
@@ -128,7 +126,7 @@ impl App {
         match self.planning.task.as_ref().map(Task::poll) {
             None | Some(Outcome::Pending) => return,
             Some(Outcome::Done(Ok(lines))) => self.set_lines(Some(lines), "planned lines"),
-            Some(Outcome::Done(Err(text))) => self.notify(text, true),
+            Some(Outcome::Done(Err(error))) => self.notify(error.to_string(), true),
             Some(Outcome::Failed) => {
                 self.notify("planning lines failed unexpectedly".to_owned(), true);
             }
@@ -219,11 +217,8 @@ impl App {
             frame: &planned.frame,
             home: planned.home,
         };
-        let format = PlanFormat::of(&path).map_err(|error| error.to_string());
-        let written = format.and_then(|format| {
-            let written = way.write(&path, format);
-            written.map_err(|error| error.to_string())
-        });
+        let format = PlanFormat::of(&path).map_err(AppError::from);
+        let written = format.and_then(|format| Ok(way.write(&path, format)?));
         match written {
             Ok(()) => {
                 let path = path.display().to_string();
@@ -232,7 +227,7 @@ impl App {
                     false,
                 );
             }
-            Err(text) => self.notify(text, true),
+            Err(error) => self.notify(error.to_string(), true),
         }
     }
 }

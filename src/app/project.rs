@@ -1,6 +1,7 @@
 //! The survey as a project: one file that holds the logs and all that was decided about them. Every step that undo takes back is in it
 //! at once, so that a crash costs the last gesture at most.
 
+use super::error::AppError;
 use super::loader::hold_log;
 use super::measuring::Figure;
 use super::{App, LogId, OpenLog, Outcome, Task, ViewOptions};
@@ -36,7 +37,7 @@ pub(super) struct ProjectSaving {
     store: Option<Store>,
     /// What is in it: what this window does not show is kept from here.
     project: Project,
-    opening: Option<Task<Result<OpenedLogs, String>>>,
+    opening: Option<Task<Result<OpenedLogs, AppError>>>,
     /// A project that is about to be written for the first time: where, and what the open logs' files are.
     naming: Option<(PathBuf, Task<Hashed>)>,
     /// It is being written for the first time, with this in it.
@@ -307,7 +308,7 @@ impl App {
                 self.files.project_saving.opening = None;
                 match read {
                     Ok(read) => self.take_project(read),
-                    Err(text) => self.notify(text, true),
+                    Err(error) => self.notify(error.to_string(), true),
                 }
             }
             Some(Outcome::Failed) => {
@@ -447,8 +448,8 @@ impl App {
         self.log.file = Some(log.file.clone());
         self.log.is_visible = log.is_visible;
         self.log.own = Arc::new(log.settings.clone().with_files_of(&settings));
-        if let Err(text) = self.follow_source(&settings) {
-            self.notify(text, true);
+        if let Err(error) = self.follow_source(&settings) {
+            self.notify(error.to_string(), true);
         }
         self.log.settings = Arc::new(settings);
         self.log.reviewing.take_kept(log.review.clone());
@@ -517,10 +518,10 @@ impl KeptQueue {
 }
 
 /// Reads a project and opens its logs.
-fn read(path: &Path, progress: &Progress) -> Result<OpenedLogs, String> {
-    let mut opened = Store::open(path).map_err(|error| error.to_string())?;
+fn read(path: &Path, progress: &Progress) -> Result<OpenedLogs, AppError> {
+    let mut opened = Store::open(path)?;
     let folder = opened.store.folder();
-    let places = find(&opened.project, &folder, progress).map_err(|error| error.to_string())?;
+    let places = find(&opened.project, &folder, progress)?;
     let (mut logs, mut notes) = (Vec::new(), Vec::new());
     // Once for all logs.
     if let Err(error) = opened.project.settings.load_files() {
@@ -546,10 +547,7 @@ fn read(path: &Path, progress: &Progress) -> Result<OpenedLogs, String> {
                 continue;
             }
         };
-        let mut settings = opened
-            .project
-            .settings_of(&log)
-            .map_err(|error| error.to_string())?;
+        let mut settings = opened.project.settings_of(&log)?;
         if let Err(error) = settings.load_files() {
             let text = error.to_string();
             // Of what all logs share it is said once.
@@ -559,7 +557,7 @@ fn read(path: &Path, progress: &Progress) -> Result<OpenedLogs, String> {
         }
         match hold_log(&log.file.path, progress) {
             Ok(survey) => logs.push((log, survey, settings)),
-            Err(text) => notes.push(text),
+            Err(error) => notes.push(error.to_string()),
         }
     }
     Ok(OpenedLogs {

@@ -1,5 +1,6 @@
 //! How points agree with a reference: computed on demand, for it takes a triangulation of all soundings.
 
+use super::error::AppError;
 use super::{App, Outcome, Task};
 use crate::bottom::bathymetry::SurfaceSettings;
 use crate::bottom::bathymetry::compare::Matching;
@@ -11,7 +12,7 @@ use std::sync::Arc;
 const STOPPED: &str = "Comparing was stopped; Update results starts it again.";
 
 /// An agreement, or why there is none.
-type Found = Result<Option<Agreement>, String>;
+type Found = Result<Option<Agreement>, AppError>;
 
 /// An agreement, and the work on it.
 #[derive(Default)]
@@ -139,11 +140,9 @@ impl App {
             match &of.reference {
                 Some((reference, matching)) => {
                     let made = Agreement::with_reference(&logs, reference, *matching, progress);
-                    made.map(Some).map_err(|error| error.to_string())
+                    Ok(Some(made?))
                 }
-                None => {
-                    Agreement::with_soundings(&logs, progress).map_err(|error| error.to_string())
-                }
+                None => Ok(Agreement::with_soundings(&logs, progress)?),
             }
         }));
     }
@@ -153,13 +152,13 @@ impl App {
         let made = &mut self.findings.reference_comparison;
         let found = match made.task.as_ref().map(Task::poll) {
             Some(Outcome::Done(found)) => found,
-            Some(Outcome::Failed) => Err("comparing failed unexpectedly".to_owned()),
+            Some(Outcome::Failed) => Err(AppError::Failed("comparing")),
             Some(Outcome::Pending) | None => return,
         };
         made.task = None;
         (made.agreement, made.problem) = match found {
             Ok(agreement) => (agreement.map(Arc::new), None),
-            Err(problem) => (None, Some(problem)),
+            Err(error) => (None, Some(error.to_string())),
         };
     }
 }

@@ -1,6 +1,7 @@
 //! What was measured, on its way into a file.
 
 use super::App;
+use super::error::AppError;
 use crate::products::export::{self, MeasuredFigure};
 use crate::project::MeasurementKind;
 use std::path::{Path, PathBuf};
@@ -52,12 +53,12 @@ impl App {
                 format!("Wrote the measurement to {}", path.display()),
                 false,
             ),
-            Err(text) => self.notify(text, true),
+            Err(error) => self.notify(error.to_string(), true),
         }
     }
 }
 
-fn write(app: &App, figure: &MeasuredFigure, path: &Path) -> Result<(), String> {
+fn write(app: &App, figure: &MeasuredFigure, path: &Path) -> Result<(), AppError> {
     let ending = path.extension().unwrap_or_default().to_string_lossy();
     let written = match ending.to_lowercase().as_str() {
         "geojson" | "json" => export::figure_geojson(path, figure),
@@ -66,12 +67,7 @@ fn write(app: &App, figure: &MeasuredFigure, path: &Path) -> Result<(), String> 
             Some(text) => export::write_profile_csv(path, &text),
             None => export::figure_csv(path, figure),
         },
-        _ => {
-            return Err(format!(
-                "a measurement's name ends in .geojson or .csv: {}",
-                path.display()
-            ));
-        }
+        _ => return Err(AppError::FigureFormat(path.to_owned())),
     };
-    written.map_err(|error| error.to_string())
+    Ok(written?)
 }

@@ -1,8 +1,7 @@
 //! What runs in a background thread: started here, collected here.
 
-use super::bottom::ReadBottom;
 use super::figures::Figures;
-use super::loader::{Loading, Opened, Place, Request};
+use super::loader::{Loading, Opened, Place, ReadBottom, Request};
 use super::preview::Request as PreviewRequest;
 use super::{Action, App, Origin, Outcome, Task};
 use crate::pipeline::Products;
@@ -109,7 +108,7 @@ impl App {
                 let text = format!("This recording is open already, as {name}: {origin}");
                 self.notify(text, false);
             }
-            Err(text) => self.notify(with_name_quoted(text, &origin), true),
+            Err(error) => self.notify(with_name_quoted(error.to_string(), &origin), true),
         }
         self.load_next();
     }

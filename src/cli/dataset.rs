@@ -1,11 +1,11 @@
 //! `bathyscope simulate --dataset`: pictures of random simulated surveys, with labels for YOLO and COCO tools.
 
 use super::status_line::StatusLine;
-use super::{output, simulate};
+use super::{Failure, output, simulate};
 use crate::detection::dataset::{Boxes, Chip, Known, Slice};
 use crate::detection::{Mark, Raster, TILE_PX};
 use crate::formats;
-use crate::products::export::{DatasetFolder, ExportError, Part, PartSummary};
+use crate::products::export::{DatasetFolder, Part, PartSummary};
 use crate::simulation::{
     self, ObjectKind, ObjectPass, Simulated, TrainingPlace, TrainingScene, training_scene,
     training_seed,
@@ -52,15 +52,15 @@ const MOST_IMAGES: usize = 1_000_000;
 struct Split([usize; 3]);
 
 impl Split {
-    fn parse(text: &str) -> Result<Self, String> {
-        let wrong = || "give three numbers of pictures, for example 332/33/41".to_owned();
+    fn parse(text: &str) -> Result<Self, &'static str> {
+        const WRONG: &str = "give three numbers of pictures, for example 332/33/41";
         let parts: Result<Vec<usize>, _> = text.split('/').map(str::parse).collect();
         let parts: [usize; 3] = parts
             .ok()
             .and_then(|parts| parts.try_into().ok())
-            .ok_or_else(wrong)?;
+            .ok_or(WRONG)?;
         if parts.iter().any(|&part| part > MOST_IMAGES) || parts == [0; 3] {
-            return Err(wrong());
+            return Err(WRONG);
         }
         Ok(Self(parts))
     }
@@ -82,17 +82,17 @@ impl Split {
 }
 
 /// Makes the dataset.
-pub fn run(args: &DatasetArgs, seed: u64) -> Result<(), String> {
+pub fn run(args: &DatasetArgs, seed: u64) -> Result<(), Failure> {
     let Some(folder) = &args.dataset else {
         return Err("nothing to do; name an output with -o or --dataset".into());
     };
     let images = args.split.of(args.images);
     if images.iter().sum::<usize>() > MOST_IMAGES {
-        return Err(format!("more than {MOST_IMAGES} pictures; ask for fewer"));
+        return Err(format!("more than {MOST_IMAGES} pictures; ask for fewer").into());
     }
     refuse_in_use(folder)?;
     let names = ObjectKind::ALL.map(|kind| kind.name().to_owned());
-    let dataset = DatasetFolder::new(folder, &names).map_err(export_error)?;
+    let dataset = DatasetFolder::new(folder, &names)?;
     let mut pool = rayon::ThreadPoolBuilder::new();
     if let Some(threads) = args.threads {
         pool = pool.num_threads(threads);
@@ -121,10 +121,10 @@ pub fn run(args: &DatasetArgs, seed: u64) -> Result<(), String> {
                 };
                 maker.part()
             })
-            .collect::<Result<Vec<Made>, String>>()
+            .collect::<Result<Vec<Made>, Failure>>()
     })?;
     let manifest = Manifest::new(args, seed, &made);
-    dataset.manifest(&manifest).map_err(export_error)?;
+    dataset.manifest(&manifest)?;
     drop(status);
     let labels: usize = made
         .iter()
@@ -138,19 +138,16 @@ pub fn run(args: &DatasetArgs, seed: u64) -> Result<(), String> {
 }
 
 /// An old dataset is never mixed with a new one.
-fn refuse_in_use(folder: &Path) -> Result<(), String> {
+fn refuse_in_use(folder: &Path) -> Result<(), Failure> {
     let in_use = fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some());
     match in_use {
         true => Err(format!(
             "the folder is not empty; name a new one: {}",
             folder.display()
-        )),
+        )
+        .into()),
         false => Ok(()),
     }
-}
-
-fn export_error(error: ExportError) -> String {
-    error.to_string()
 }
 
 /// Makes one part of the dataset.
@@ -176,7 +173,7 @@ struct Made {
 }
 
 impl Maker<'_> {
-    fn part(&self) -> Result<Made, String> {
+    fn part(&self) -> Result<Made, Failure> {
         if let Some(folder) = &self.surveys {
             fs::create_dir_all(folder).map_err(|error| {
                 format!("cannot make the folder: {error}: {}", folder.display())
@@ -186,13 +183,10 @@ impl Maker<'_> {
         let boxes: Vec<Vec<Boxes>> = (0..scenes)
             .into_par_iter()
             .map(|scene| self.scene(scene))
-            .collect::<Result<_, String>>()?;
+            .collect::<Result<_, Failure>>()?;
         let boxes: Vec<Boxes> = boxes.into_iter().flatten().collect();
         Ok(Made {
-            part: self
-                .dataset
-                .finish(self.part, &boxes)
-                .map_err(export_error)?,
+            part: self.dataset.finish(self.part, &boxes)?,
             scenes,
             scene_seeds: (0..scenes).map(|scene| self.seed_of(scene)).collect(),
         })
@@ -203,24 +197,21 @@ impl Maker<'_> {
     }
 
     /// Simulates one scene and writes its pictures and their YOLO labels.
-    fn scene(&self, index: usize) -> Result<Vec<Boxes>, String> {
-        self.progress.check().map_err(|error| error.to_string())?;
+    fn scene(&self, index: usize) -> Result<Vec<Boxes>, Failure> {
+        self.progress.check()?;
         let seed = self.seed_of(index);
         let training = training_scene(seed, self.per_scene, TILE_PX as f64 * PIXEL_M);
         let first = index * self.per_scene;
         let requested = self.per_scene.min(self.images - first);
         let quiet = Progress::new();
-        let simulated = simulation::simulate(&training.scene, seed, &quiet)
-            .map_err(|error| error.to_string())?;
+        let simulated = simulation::simulate(&training.scene, seed, &quiet)?;
         if let Some(folder) = &self.surveys {
             simulate::write(&simulated, &folder.join(format!("{index:04}")))?;
         }
         let chips = chips(&training, &simulated, requested)?;
         let mut all = Vec::with_capacity(chips.len());
         for (number, chip) in (first..).zip(chips) {
-            self.dataset
-                .chip(self.part, number, &chip)
-                .map_err(export_error)?;
+            self.dataset.chip(self.part, number, &chip)?;
             all.push(chip.boxes);
         }
         self.progress.advance(all.len() as u64);
@@ -233,17 +224,15 @@ fn chips(
     training: &TrainingScene,
     simulated: &Simulated,
     requested: usize,
-) -> Result<Vec<Chip>, String> {
+) -> Result<Vec<Chip>, Failure> {
     let quiet = Progress::new();
-    let survey = formats::open_bytes("scene.sl2", simulated.sl2_bytes(), &quiet)
-        .map_err(|error| error.to_string())?;
+    let survey = formats::open_bytes("scene.sl2", simulated.sl2_bytes(), &quiet)?;
     let navigation = navigate(
         &survey,
         &HeadingSettings::default(),
         Projection::Enu,
         &quiet,
-    )
-    .map_err(|error| error.to_string())?;
+    )?;
     let raster = Raster::new(&survey, &navigation, PIXEL_M);
     let known = known_objects(simulated);
     let looks = training.looks.iter().take(requested);

@@ -4,7 +4,7 @@ use super::detect;
 use super::folders::Folders;
 use super::process::How;
 use super::survey_logs::OpenedLog;
-use super::{output, quiet_driver, snapshot, window};
+use super::{Failure, output, quiet_driver, snapshot, window};
 use crate::app::Origin;
 use crate::pipeline::Settings;
 use crate::products::outputs::Product;
@@ -16,20 +16,18 @@ use std::sync::Arc;
 const OUTPUT: &str = "bathyscope-out";
 
 /// Opens the window on the surveys; without a display processes them into [`OUTPUT`] and draws their pictures.
-pub fn run(surveys: Vec<PathBuf>, demo: bool, truth: Option<PathBuf>) -> Result<(), String> {
+pub fn run(surveys: Vec<PathBuf>, demo: bool, truth: Option<PathBuf>) -> Result<(), Failure> {
     if window::display_available() {
         return window::run(surveys, demo, truth);
     }
     if truth.is_some() {
         return Err(
-            "no display to compare boxes with the truth on; try `bathyscope snapshot SURVEY --objects --truth FILE -o window.png`"
-                .to_owned(),
+            "no display to compare boxes with the truth on; try `bathyscope snapshot SURVEY --objects --truth FILE -o window.png`".into(),
         );
     }
     if surveys.is_empty() && !demo {
         return Err(
-            "no display to open Bathyscope on; try `bathyscope --demo`, or `bathyscope process SURVEY -o DIR`"
-                .to_owned(),
+            "no display to open Bathyscope on; try `bathyscope --demo`, or `bathyscope process SURVEY -o DIR`".into(),
         );
     }
     quiet_driver::restart_if_noisy();
@@ -46,10 +44,8 @@ pub fn run(surveys: Vec<PathBuf>, demo: bool, truth: Option<PathBuf>) -> Result<
     )
 }
 
-fn without_display(origin: &Origin, folders: &mut Folders) -> Result<(), String> {
-    let survey = origin
-        .open(&Progress::new())
-        .map_err(|error| error.to_string())?;
+fn without_display(origin: &Origin, folders: &mut Folders) -> Result<(), Failure> {
+    let survey = origin.open(&Progress::new())?;
     let folder = folders.next(&survey.name());
     let how = How {
         model: Some(&detect::load(None)?),
@@ -68,6 +64,6 @@ fn without_display(origin: &Origin, folders: &mut Folders) -> Result<(), String>
         Ok((files, adapter)) => {
             output::results(format_args!("drew {} on {adapter}", files.join(", ")))
         }
-        Err(reason) => output::results(format_args!("no pictures: {reason}")),
+        Err(Failure { sentence }) => output::results(format_args!("no pictures: {sentence}")),
     }
 }

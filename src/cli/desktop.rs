@@ -4,9 +4,10 @@
 
 mod share;
 
-use super::output;
+use super::{Failure, output};
 use crate::products::export::write_atomically;
 use share::{APPLICATIONS, MIME, ShareFile};
+use std::fmt::Display;
 use std::fs;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -24,7 +25,7 @@ pub struct DesktopArgs {
 }
 
 /// Writes or removes desktop entry, file types, icon, manual pages and completions.
-pub fn run(args: &DesktopArgs) -> Result<(), String> {
+pub fn run(args: &DesktopArgs) -> Result<(), Failure> {
     let (folder, program) = match &args.into {
         Some(folder) => (folder.clone(), None),
         None => (data_folder()?, Some(program()?)),
@@ -52,44 +53,42 @@ pub fn run(args: &DesktopArgs) -> Result<(), String> {
 }
 
 /// Where a user's desktop entries lie, by the XDG base directory specification.
-fn data_folder() -> Result<PathBuf, String> {
+fn data_folder() -> Result<PathBuf, Failure> {
     let set = |name: &str| {
         let value = std::env::var_os(name).map(PathBuf::from);
         value.filter(|path| path.is_absolute())
     };
     let folder = set("XDG_DATA_HOME").or_else(|| Some(set("HOME")?.join(".local/share")));
     folder.ok_or_else(|| {
-        "there is no folder for desktop entries here: neither XDG_DATA_HOME nor HOME is set"
-            .to_owned()
+        "there is no folder for desktop entries here: neither XDG_DATA_HOME nor HOME is set".into()
     })
 }
 
 /// Where this program lies.
-fn program() -> Result<String, String> {
-    let cannot = |why: String| format!("cannot tell where this program lies: {why}");
-    let program = std::env::current_exe().map_err(|error| cannot(error.to_string()))?;
+fn program() -> Result<String, Failure> {
+    let cannot = |why: &dyn Display| format!("cannot tell where this program lies: {why}");
+    let program = std::env::current_exe().map_err(|error| cannot(&error))?;
     match program.to_str() {
         Some(path) => Ok(path.to_owned()),
-        None => Err(cannot(format!(
-            "its path is no text: {}",
-            program.display()
-        ))),
+        None => {
+            let why = format_args!("its path is no text: {}", program.display());
+            Err(cannot(&why).into())
+        }
     }
 }
 
-fn write(path: &Path, content: &[u8]) -> Result<(), String> {
+fn write(path: &Path, content: &[u8]) -> Result<(), Failure> {
     let folder = path.parent().unwrap_or(Path::new("."));
     fs::create_dir_all(folder)
         .map_err(|error| format!("cannot make the folder: {error}: {}", folder.display()))?;
-    write_atomically(path, |mut file| file.write_all(content)).map_err(|error| error.to_string())
+    Ok(write_atomically(path, |mut file| file.write_all(content))?)
 }
 
-fn remove(path: &Path) -> Result<(), String> {
+fn remove(path: &Path) -> Result<(), Failure> {
     match fs::remove_file(path) {
-        Err(error) if path.exists() => Err(format!(
-            "cannot remove the file: {error}: {}",
-            path.display()
-        )),
+        Err(error) if path.exists() => {
+            Err(format!("cannot remove the file: {error}: {}", path.display()).into())
+        }
         _ => Ok(()),
     }
 }

@@ -3,9 +3,9 @@
 use super::folders::Folders;
 use super::settings::{Logs, SettingsArgs};
 use super::status_line::StatusLine;
-use super::{detection_summary, many, output};
+use super::{Failure, detection_summary, many, output};
 use crate::detection::model::shipped;
-use crate::detection::{DetectorSettings, Model, Picture};
+use crate::detection::{DetectorSettings, Model, ModelError, Picture};
 use crate::pipeline::ProcessedLog;
 use crate::products::outputs::{self, Replaced, RunFolder};
 use crate::support::catch_panic::catch_panic;
@@ -42,15 +42,15 @@ pub struct DetectArgs {
     settings: SettingsArgs,
 }
 
-fn share(text: &str) -> Result<f32, String> {
+fn share(text: &str) -> Result<f32, &'static str> {
     let number = text.parse().ok();
     number
         .filter(|share| (0.0..=1.0).contains(share))
-        .ok_or_else(|| "a number between 0 and 1 is expected".to_owned())
+        .ok_or("a number between 0 and 1 is expected")
 }
 
 /// Searches every input. Of several, one that cannot be used does not keep the others from being searched.
-pub fn run(args: DetectArgs) -> Result<(), String> {
+pub fn run(args: DetectArgs) -> Result<(), Failure> {
     let mut settings = args.settings.resolve()?;
     let detector = &mut settings.detector;
     detector.model = args.model.or(detector.model.take());
@@ -67,21 +67,20 @@ pub fn run(args: DetectArgs) -> Result<(), String> {
 }
 
 /// The model at a path, or the one that comes with the program.
-pub fn load(path: Option<&Path>) -> Result<Model, String> {
-    let loaded = match path {
+pub fn load(path: Option<&Path>) -> Result<Model, ModelError> {
+    match path {
         Some(path) => Model::load(path),
         None => shipped(),
-    };
-    loaded.map_err(|error| error.to_string())
+    }
 }
 
-fn each(inputs: &[PathBuf], model: &Model, logs: &Logs, output: &Path) -> Result<(), String> {
+fn each(inputs: &[PathBuf], model: &Model, logs: &Logs, output: &Path) -> Result<(), Failure> {
     let mut folders = Folders::in_folder(output);
     let mut failed = 0;
     for input in inputs {
         let name = input.file_stem().unwrap_or(input.as_os_str());
         let folder = folders.next(&name.to_string_lossy());
-        if let Err(sentence) = detect_into(input, model, logs, &folder) {
+        if let Err(Failure { sentence }) = detect_into(input, model, logs, &folder) {
             failed += 1;
             output::notify(format_args!("bathyscope: {sentence}"));
         }
@@ -92,12 +91,13 @@ fn each(inputs: &[PathBuf], model: &Model, logs: &Logs, output: &Path) -> Result
     Err(format!(
         "{failed} of {} inputs could not be searched, for the reasons above",
         inputs.len()
-    ))
+    )
+    .into())
 }
 
-fn detect_into(input: &Path, model: &Model, logs: &Logs, folder: &Path) -> Result<(), String> {
+fn detect_into(input: &Path, model: &Model, logs: &Logs, folder: &Path) -> Result<(), Failure> {
     // Before the work: a folder that cannot be written into should not cost minutes first.
-    let run = RunFolder::begin(folder).map_err(|error| error.to_string())?;
+    let run = RunFolder::begin(folder)?;
     let (found, replaced) = if is_picture(input) {
         search_picture(input, model, &logs.settings.detector, run)?
     } else {
@@ -121,7 +121,7 @@ fn search_survey(
     model: &Model,
     logs: &Logs,
     run: RunFolder,
-) -> Result<(String, Replaced), String> {
+) -> Result<(String, Replaced), Failure> {
     let progress = Progress::new();
     let survey = logs.open(input, &progress)?;
     let status = StatusLine::new(&progress);
@@ -142,12 +142,13 @@ fn search_picture(
     model: &Model,
     settings: &DetectorSettings,
     run: RunFolder,
-) -> Result<(String, Replaced), String> {
+) -> Result<(String, Replaced), Failure> {
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
     status.step("detecting");
-    let picture = read_picture(input)
-        .map_err(|error| format!("cannot read the picture: {error}: {}", input.display()))?;
+    let picture = read_picture(input).map_err(|Failure { sentence }| {
+        format!("cannot read the picture: {sentence}: {}", input.display())
+    })?;
     let name = input.file_name().unwrap_or_default().to_string_lossy();
     let (found, replaced) =
         outputs::write_detected_in_picture(&name, &picture, model, settings, run, &progress)
@@ -157,21 +158,19 @@ fn search_picture(
 }
 
 /// The pixels of a file; the error is a sentence without the path.
-fn read_picture(path: &Path) -> Result<Picture, String> {
-    catch_panic(|| decode_picture(path)).unwrap_or_else(|| Err("it is damaged".to_owned()))
+fn read_picture(path: &Path) -> Result<Picture, Failure> {
+    catch_panic(|| decode_picture(path)).unwrap_or_else(|| Err("it is damaged".into()))
 }
 
-fn decode_picture(path: &Path) -> Result<Picture, String> {
+fn decode_picture(path: &Path) -> Result<Picture, Failure> {
     let mut limits = Limits::default();
     limits.max_image_width = Some(LARGEST_PICTURE);
     limits.max_image_height = Some(LARGEST_PICTURE);
     limits.max_alloc = Some(LARGEST_UNPACKED);
-    let mut reader = ImageReader::open(path)
-        .and_then(ImageReader::with_guessed_format)
-        .map_err(|error| error.to_string())?;
+    let mut reader = ImageReader::open(path).and_then(ImageReader::with_guessed_format)?;
     reader.limits(limits);
     let format = reader.format();
-    let decoder = reader.into_decoder().map_err(|error| error.to_string())?;
+    let decoder = reader.into_decoder()?;
     let (width, height) = decoder.dimensions();
     let pixels = u64::from(width) * u64::from(height);
     let besides = match (format, decoder.color_type()) {
@@ -186,9 +185,9 @@ fn decode_picture(path: &Path) -> Result<Picture, String> {
         return Err(format!(
             "its {width} by {height} pixels take more than {} MiB to unpack; cut it into pieces, or save it as grey with 8 bits",
             LARGEST_UNPACKED >> 20
-        ));
+        ).into());
     }
-    let decoded = DynamicImage::from_decoder(decoder).map_err(|error| error.to_string())?;
+    let decoded = DynamicImage::from_decoder(decoder)?;
     let (width, height) = (decoded.width() as usize, decoded.height() as usize);
     Ok(if decoded.color().has_color() {
         Picture {

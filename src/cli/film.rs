@@ -2,7 +2,7 @@
 
 use super::status_line::StatusLine;
 use super::waterfall_options::{WaterfallArgs, WaterfallLog, parse_size};
-use super::{output, quiet_driver};
+use super::{Failure, output, quiet_driver};
 use crate::app::{Command, Orientation, View};
 use crate::pipeline::Settings;
 use crate::products::export::avi::{self, AviWriter};
@@ -38,11 +38,11 @@ pub struct FilmArgs {
 }
 
 /// Draws the film and writes it; says on stderr how long it runs.
-pub fn run(args: FilmArgs) -> Result<(), String> {
+pub fn run(args: FilmArgs) -> Result<(), Failure> {
     quiet_driver::restart_if_noisy();
     check_film(&args.output)?;
     if !(args.speed > 0.0 && args.speed.is_finite()) {
-        return Err(format!("a film's speed lies above 0; got {}", args.speed));
+        return Err(format!("a film's speed lies above 0; got {}", args.speed).into());
     }
     let log = args.shown.open()?;
     let frames = Frames::new(&log, args.size, args.speed / f64::from(args.fps));
@@ -145,10 +145,10 @@ fn write(
     studio: &Studio,
     shell: &mut Shell,
     progress: &Progress,
-) -> Result<(), String> {
+) -> Result<(), Failure> {
     let mut reel = studio.reel(size)?;
     progress.start(frames.count as u64);
-    let written = write_atomically(path, |file| {
+    write_atomically(path, |file| {
         let mut film = AviWriter::new(BufWriter::new(file), size, fps)?;
         for frame in 0..frames.count {
             shell.show_pings(frames.pings(frame));
@@ -164,15 +164,15 @@ fn write(
             progress.advance(1);
         }
         film.finish().map(drop)
-    });
-    written.map_err(|error| error.to_string())
+    })?;
+    Ok(())
 }
 
 /// Refuses a name that is no film's before any work, a mistyped log's among them: that log would be replaced.
-fn check_film(path: &Path) -> Result<(), String> {
+fn check_film(path: &Path) -> Result<(), Failure> {
     let suffix = path.extension().unwrap_or_default();
     if suffix.eq_ignore_ascii_case("avi") {
         return Ok(());
     }
-    Err(format!("a film's name ends in .avi: {}", path.display()))
+    Err(format!("a film's name ends in .avi: {}", path.display()).into())
 }

@@ -1,7 +1,7 @@
 //! `bathyscope filter`: radius outlier removal on a point file.
 
-use super::output;
 use super::status_line::StatusLine;
+use super::{Failure, output};
 use crate::bottom::cloud::outliers;
 use crate::formats::points::{self, PointFormat, split_columns};
 use crate::products::export::kept_points;
@@ -25,22 +25,22 @@ pub struct FilterArgs {
     min_neighbors: usize,
 }
 
-fn parse_radius(text: &str) -> Result<f64, String> {
+fn parse_radius(text: &str) -> Result<f64, &'static str> {
     let radius = text.parse().ok();
     radius
         .filter(|radius: &f64| *radius > 0.0 && radius.is_finite())
-        .ok_or_else(|| "a radius is a number above 0".to_owned())
+        .ok_or("a radius is a number above 0")
 }
 
-fn parse_neighbors(text: &str) -> Result<usize, String> {
+fn parse_neighbors(text: &str) -> Result<usize, &'static str> {
     let count = text.parse().ok();
     count
         .filter(|&count| count >= 1)
-        .ok_or_else(|| "the number of neighbours is a whole number, at least 1".to_owned())
+        .ok_or("the number of neighbours is a whole number, at least 1")
 }
 
 /// Filters the file and says how many points are left.
-pub fn run(args: FilterArgs) -> Result<(), String> {
+pub fn run(args: FilterArgs) -> Result<(), Failure> {
     let FilterArgs {
         cloud,
         output: destination,
@@ -48,18 +48,17 @@ pub fn run(args: FilterArgs) -> Result<(), String> {
         min_neighbors,
     } = args;
     let (path, columns) = split_columns(&cloud);
-    let format = PointFormat::of(&destination).map_err(|error| error.to_string())?;
-    let file = points::read(&path, columns.as_ref()).map_err(|error| error.to_string())?;
+    let format = PointFormat::of(&destination)?;
+    let file = points::read(&path, columns.as_ref())?;
     if let Some(note) = &file.note {
         output::notify(format_args!("warning: {note}: {}", path.display()));
     }
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
     status.step("outliers");
-    let kept = outliers::keep(&file.points, radius, min_neighbors, &progress)
-        .map_err(|error| error.to_string())?;
+    let kept = outliers::keep(&file.points, radius, min_neighbors, &progress)?;
     status.step("writing");
-    kept_points(&destination, format, &file, &kept).map_err(|error| error.to_string())?;
+    kept_points(&destination, format, &file, &kept)?;
     drop(status);
     let count = kept.iter().filter(|&&kept| kept).count();
     output::results(format_args!(

@@ -1,6 +1,6 @@
 //! `bathyscope info`: what is in a log.
 
-use super::output;
+use super::{Failure, output};
 use crate::formats;
 use crate::sonar::calibration::header_scale;
 use crate::support::calendar;
@@ -21,7 +21,7 @@ pub struct InfoArgs {
 }
 
 /// Prints the summary of a log, or a line for each log of a folder.
-pub fn run(args: InfoArgs) -> Result<(), String> {
+pub fn run(args: InfoArgs) -> Result<(), Failure> {
     let logs = formats::logs_in(&args.survey);
     if logs.len() > 1 {
         return match args.json {
@@ -29,8 +29,7 @@ pub fn run(args: InfoArgs) -> Result<(), String> {
             false => output::results(list_to_text(&args.survey, &logs)),
         };
     }
-    let survey =
-        formats::open(&args.survey, &Progress::new()).map_err(|error| error.to_string())?;
+    let survey = formats::open(&args.survey, &Progress::new())?;
     if args.json {
         output::json(&to_json(&survey))
     } else {

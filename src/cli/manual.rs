@@ -1,6 +1,6 @@
 //! `bathyscope manual`: the manual, or one page of it, as Markdown.
 
-use super::output;
+use super::{Failure, output};
 use crate::app::manual::{self, Topic};
 
 /// `bathyscope manual [TOPIC]`.
@@ -14,7 +14,7 @@ pub struct ManualArgs {
 ///
 /// # Errors
 /// stdout cannot be written.
-pub fn run(args: ManualArgs) -> Result<(), String> {
+pub fn run(args: ManualArgs) -> Result<(), Failure> {
     let text = args.topic.map_or_else(manual::whole, Topic::text);
     output::results(text.trim_end())
 }

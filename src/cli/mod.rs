@@ -11,6 +11,7 @@ mod desktop;
 mod detect;
 mod detection_summary;
 mod evaluate;
+mod failure;
 #[cfg(feature = "gui")]
 mod film;
 mod filter;
@@ -47,6 +48,7 @@ use crate::pipeline::settings::slips;
 use crate::support::catch_panic::panic_as_error;
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
+use failure::Failure;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -160,19 +162,19 @@ pub fn main() -> ExitCode {
         false => panic_as_error(|| run(cli)).unwrap_or_else(|fault| {
             Err(format!(
                 "a fault in Bathyscope itself stopped the work, and no half file is left: {fault}; please report it, with the file that it was about"
-            ))
+            ).into())
         }),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
-        Err(sentence) => {
+        Err(Failure { sentence }) => {
             output::notify(format_args!("bathyscope: {sentence}"));
             ExitCode::FAILURE
         }
     }
 }
 
-fn run(cli: Cli) -> Result<(), String> {
+fn run(cli: Cli) -> Result<(), Failure> {
     match cli {
         Cli {
             command: Some(Command::Info(args)),

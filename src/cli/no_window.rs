@@ -1,5 +1,6 @@
 //! `bathyscope snapshot` of a program that was built without a window.
 
+use super::Failure;
 use crate::app::Origin;
 use std::ffi::OsString;
 use std::path::Path;
@@ -16,11 +17,11 @@ pub struct SnapshotArgs {
 }
 
 /// Says that nothing can be drawn.
-pub fn run(_: SnapshotArgs) -> Result<(), String> {
-    Err(NO_WINDOW.to_owned())
+pub fn run(_: SnapshotArgs) -> Result<(), Failure> {
+    Err(NO_WINDOW.into())
 }
 
 /// Says the same.
-pub fn draw_into(_: &Origin, _: &Path) -> Result<(Vec<&'static str>, String), String> {
-    Err(NO_WINDOW.to_owned())
+pub fn draw_into(_: &Origin, _: &Path) -> Result<(Vec<&'static str>, String), Failure> {
+    Err(NO_WINDOW.into())
 }

@@ -1,6 +1,7 @@
 //! Text for stdout and stderr. The standard macros panic where nobody reads any more or the disk is full. Whatever a file holds,
 //! what reaches a terminal from here is text that it shows and no command to it.
 
+use super::Failure;
 use crate::support::printable;
 use crate::support::system_words::in_plain_words;
 use serde::Serialize;
@@ -8,23 +9,23 @@ use std::fmt::Display;
 use std::io::{self, ErrorKind, Write as _};
 
 /// Prints results on stdout, a line end after them. A reader that has gone away (`| head`) has seen enough: no error.
-pub fn results(text: impl Display) -> Result<(), String> {
+pub fn results(text: impl Display) -> Result<(), Failure> {
     print(&printable::lines(&text.to_string()))
 }
 
 /// Prints a value as JSON on stdout, with all that its strings hold.
-pub fn json(value: &impl Serialize) -> Result<(), String> {
+pub fn json(value: &impl Serialize) -> Result<(), Failure> {
     match serde_json::to_string_pretty(value) {
         Ok(text) => print(&printable::json(&text)),
-        Err(error) => Err(format!("cannot print the results as JSON: {error}")),
+        Err(error) => Err(format!("cannot print the results as JSON: {error}").into()),
     }
 }
 
-fn print(text: &str) -> Result<(), String> {
+fn print(text: &str) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
     match writeln!(out, "{text}").and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            Err(format!("cannot write the results to stdout: {error}"))
+            Err(format!("cannot write the results to stdout: {error}").into())
         }
         _ => Ok(()),
     }

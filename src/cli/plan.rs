@@ -1,11 +1,11 @@
 //! `bathyscope plan`: survey lines where they reduce the uncertainty most.
 
-use super::output;
 use super::process::all_processed;
 use super::settings::SettingsArgs;
 use super::status_line::StatusLine;
 use super::survey_logs::{OpenedLog, all_or, inputs, open_all, survey_review, take_reviews};
-use crate::bottom::planning::{Plan, PlanSettings, State, plan};
+use super::{Failure, output};
+use crate::bottom::planning::{Plan, PlanError, PlanSettings, State, plan};
 use crate::formats::read_area;
 use crate::pipeline::list_objects;
 use crate::pipeline::survey_coverage;
@@ -57,13 +57,12 @@ pub struct PlanArgs {
 }
 
 /// Plans and writes the lines.
-pub fn run(args: PlanArgs) -> Result<(), String> {
+pub fn run(args: PlanArgs) -> Result<(), Failure> {
     // Before the work, which takes minutes for a long survey.
-    let format = PlanFormat::of(&args.output).map_err(|error| error.to_string())?;
+    let format = PlanFormat::of(&args.output)?;
     let settings = args.plan_settings();
-    settings.check().map_err(|error| error.to_string())?;
-    let area = args.area.as_deref().map(read_area).transpose();
-    let area = area.map_err(|error| error.to_string())?;
+    settings.check()?;
+    let area = args.area.as_deref().map(read_area).transpose()?;
     args.refuse_overwrite()?;
     let inputs = inputs(&args.surveys, &args.settings, None)?;
     let (mut opened, failed) = match inputs.as_slice() {
@@ -82,8 +81,7 @@ pub fn run(args: PlanArgs) -> Result<(), String> {
             frame: &frame,
             home: home.unwrap_or(frame.origin()),
         };
-        way.write(&args.output, format)
-            .map_err(|error| error.to_string())?;
+        way.write(&args.output, format)?;
         if made.minutes() < USED * args.minutes {
             output::notify(format_args!(
                 "warning: the lines take {:.1} of {} minutes: no other fits into the water and mends enough to be worth its time; --area names a larger one",
@@ -110,14 +108,14 @@ impl PlanArgs {
     }
 
     /// Refuses to write the lines over a file that they are made from.
-    fn refuse_overwrite(&self) -> Result<(), String> {
+    fn refuse_overwrite(&self) -> Result<(), Failure> {
         let read = self.surveys.iter().chain(&self.area).chain(&self.review);
         let mut same = read.filter(|path| is_same_file(path, &self.output));
         match same.next() {
             Some(path) => Err(format!(
                 "the lines would be written over a file that they are made from; choose another name: {}",
                 path.display()
-            )),
+            ).into()),
             None => Ok(()),
         }
     }
@@ -129,23 +127,22 @@ fn planned(
     settings: &PlanSettings,
     area: Option<&WaterArea>,
     frame: &LocalFrame,
-) -> Result<Plan, String> {
+) -> Result<Plan, Failure> {
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
     let logs = all_processed(opened, &status, &progress)?;
     status.step("what is known");
     let review = survey_review(opened);
-    let objects = list_objects(&logs, &review, &progress).map_err(|error| error.to_string())?;
-    let known = survey_coverage(&logs, &objects, &progress).map_err(|error| error.to_string())?;
-    let known = known.ok_or("there is no log to plan from")?;
+    let objects = list_objects(&logs, &review, &progress)?;
+    let known = survey_coverage(&logs, &objects, &progress)?.ok_or(PlanError::NoLog)?;
     let rings = area.map(|area| {
         let ring = |ring: &Vec<LonLat>| ring.iter().map(|at| frame.to_enu(*at)).collect();
         area.rings.iter().map(ring).collect::<Vec<Vec<[f64; 2]>>>()
     });
     status.step("lines");
     plan(&known, rings.as_deref(), settings, &progress).map_err(|error| match area {
-        Some(area) if error.is_about_area() => format!("{error}: {}", area.path.display()),
-        _ => error.to_string(),
+        Some(area) if error.is_about_area() => format!("{error}: {}", area.path.display()).into(),
+        _ => error.into(),
     })
 }
 

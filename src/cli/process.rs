@@ -8,7 +8,7 @@ use super::default_folder::{DefaultFolders, name_of};
 use super::folders::Folders;
 use super::settings::SettingsArgs;
 use super::survey_logs::{self, LogInput, OpenedLog, all_or, is_of, open_all, take_reviews};
-use super::{detect, output};
+use super::{Failure, detect, output};
 use crate::bottom::bathymetry::position_offsets::Wanted;
 use crate::products::outputs::Product;
 use requested::Requested;
@@ -59,7 +59,7 @@ pub struct ProcessArgs {
 }
 
 /// Processes every log. Of several, one that cannot be used does not keep the others from being processed.
-pub fn run(args: ProcessArgs) -> Result<(), String> {
+pub fn run(args: ProcessArgs) -> Result<(), Failure> {
     let inputs = survey_logs::inputs(&args.surveys, &args.settings, args.track.clone())?;
     let products = args.products()?;
     if products.is_empty() {
@@ -99,7 +99,7 @@ pub fn run(args: ProcessArgs) -> Result<(), String> {
 
 impl ProcessArgs {
     /// The groups of files that are asked for; none of them for tiles.
-    fn products(&self) -> Result<Vec<Product>, String> {
+    fn products(&self) -> Result<Vec<Product>, Failure> {
         let files = self.products.iter().filter_map(|one| match one {
             Requested::Files(product) => Some(*product),
             Requested::Tiles => None,
@@ -108,8 +108,7 @@ impl ProcessArgs {
         let tiles = self.products.contains(&Requested::Tiles);
         match (tiles, files.is_empty()) {
             (true, false) => Err(
-                "tiles go into the folder of an archive, other products into one of their own; ask for --products tiles alone"
-                    .to_owned(),
+                "tiles go into the folder of an archive, other products into one of their own; ask for --products tiles alone".into(),
             ),
             (false, true) => Ok(Product::ALL.to_vec()),
             _ => Ok(files),
@@ -118,7 +117,7 @@ impl ProcessArgs {
 }
 
 /// Where the products of one survey go.
-fn folder_of_all(args: &ProcessArgs, logs: &[OpenedLog]) -> Result<PathBuf, String> {
+fn folder_of_all(args: &ProcessArgs, logs: &[OpenedLog]) -> Result<PathBuf, Failure> {
     match &args.output {
         Some(folder) => Ok(folder.clone()),
         None => {
@@ -129,13 +128,13 @@ fn folder_of_all(args: &ProcessArgs, logs: &[OpenedLog]) -> Result<PathBuf, Stri
 }
 
 /// A folder that nobody has named, said before the work begins.
-fn chosen(folder: PathBuf) -> Result<PathBuf, String> {
+fn chosen(folder: PathBuf) -> Result<PathBuf, Failure> {
     output::results(format_args!("writing into the folder {}", folder.display()))?;
     Ok(folder)
 }
 
 /// Processes each log by itself.
-fn each(inputs: &[LogInput], how: &How<'_>, args: &ProcessArgs) -> Result<(), String> {
+fn each(inputs: &[LogInput], how: &How<'_>, args: &ProcessArgs) -> Result<(), Failure> {
     let mut named = args.output.as_deref().map(Folders::in_folder);
     let mut unnamed = DefaultFolders::in_folder(Path::new(""));
     let mut failed = 0;
@@ -152,7 +151,7 @@ fn each(inputs: &[LogInput], how: &How<'_>, args: &ProcessArgs) -> Result<(), St
             take_reviews(&mut logs, &own)?;
             how.process_into(&logs, &folder)
         });
-        if let Err(sentence) = processed {
+        if let Err(Failure { sentence }) = processed {
             failed += 1;
             output::notify(format_args!("bathyscope: {sentence}"));
         }

@@ -1,11 +1,11 @@
 //! `bathyscope review`: what was decided about the boxes of a log, or of all logs of a survey, written for maps and for training.
 
-use super::output;
 use super::process::all_processed;
 use super::settings::SettingsArgs;
 use super::status_line::StatusLine;
 use super::survey_logs::{OpenedLog, all_or, inputs, open_all, survey_review, take_reviews};
-use crate::detection::review::Review;
+use super::{Failure, output};
+use crate::detection::review::{Review, ReviewError};
 use crate::products::export::Part;
 use crate::products::outputs;
 use crate::support::progress::Progress;
@@ -31,13 +31,13 @@ pub struct ReviewArgs {
     settings: SettingsArgs,
 }
 
-fn parse_part(text: &str) -> Result<Part, String> {
+fn parse_part(text: &str) -> Result<Part, &'static str> {
     let part = Part::ALL.into_iter().find(|part| part.name() == text);
-    part.ok_or_else(|| "it is train, val or test".to_owned())
+    part.ok_or("it is train, val or test")
 }
 
 /// Places the boxes and writes everything.
-pub fn run(args: ReviewArgs) -> Result<(), String> {
+pub fn run(args: ReviewArgs) -> Result<(), Failure> {
     let inputs = inputs(&args.surveys, &args.settings, None)?;
     let (mut opened, failed) = match inputs.as_slice() {
         [input] => (vec![input.open()?], 0),
@@ -52,15 +52,14 @@ pub fn run(args: ReviewArgs) -> Result<(), String> {
     let logs = all_processed(&opened, &status, &progress)?;
     status.step("writing");
     let review = survey_review(&opened);
-    let written = outputs::write_boxes(&logs, &review, args.part, &args.output, &progress)
-        .map_err(|error| error.to_string())?;
+    let written = outputs::write_boxes(&logs, &review, args.part, &args.output, &progress)?;
     drop(status);
     output::results(written.summary(&args.output))?;
     all_or(failed, inputs.len())
 }
 
 /// Reads the files next to the logs that no project has boxes of. Of several logs not all need to have one; a single log must.
-fn take_sidecars(logs: &mut [OpenedLog]) -> Result<(), String> {
+fn take_sidecars(logs: &mut [OpenedLog]) -> Result<(), ReviewError> {
     let is_single = logs.len() == 1;
     for log in logs.iter_mut().filter(|log| log.review.is_none()) {
         let file = log.survey.source.files.first();
@@ -68,8 +67,7 @@ fn take_sidecars(logs: &mut [OpenedLog]) -> Result<(), String> {
         let Some(path) = path.filter(|path| is_single || path.is_file()) else {
             continue;
         };
-        let review = Review::open_for(&path, &log.survey);
-        log.review = Some(review.map_err(|error| error.to_string())?.into());
+        log.review = Some(Review::open_for(&path, &log.survey)?.into());
     }
     Ok(())
 }

@@ -1,12 +1,12 @@
 //! The settings that a command works with, and logs opened and processed as they ask.
 
 use super::status_line::StatusLine;
-use super::{LONGEST_TEXT, output};
+use super::{Failure, LONGEST_TEXT, output};
 use crate::bottom::cloud::Correction;
-use crate::formats::{self, TrackFile};
+use crate::formats::{self, TrackError, TrackFile};
 use crate::pipeline::{self, Preset, Products, Settings, SourceError};
 use crate::sonar::first_return::BottomSettings;
-use crate::support::progress::Progress;
+use crate::support::progress::{Cancelled, Progress};
 use crate::support::regular_file;
 use crate::survey::Survey;
 use std::path::{Path, PathBuf};
@@ -34,7 +34,7 @@ impl SettingsArgs {
     }
 
     /// The settings that the arguments describe.
-    pub fn resolve(&self) -> Result<Settings, String> {
+    pub fn resolve(&self) -> Result<Settings, Failure> {
         let mut settings = Settings::preset(self.preset);
         for path in &self.settings {
             let text = regular_file::read_text(path, LONGEST_TEXT).map_err(|error| {
@@ -45,12 +45,10 @@ impl SettingsArgs {
                 .map_err(|error| format!("{error}: {}", path.display()))?;
         }
         for assignment in &self.assignments {
-            settings = settings
-                .with_assignment(assignment)
-                .map_err(|error| error.to_string())?;
+            settings = settings.with_assignment(assignment)?;
         }
-        settings.check().map_err(|error| error.to_string())?;
-        settings.load_files().map_err(|error| error.to_string())?;
+        settings.check()?;
+        settings.load_files()?;
         Ok(settings)
     }
 }
@@ -66,14 +64,11 @@ impl Logs {
     /// Reads the track that the settings name.
     ///
     /// # Errors
-    /// A sentence when it cannot be used.
-    pub fn new(settings: Settings) -> Result<Self, String> {
+    /// When it cannot be used.
+    pub fn new(settings: Settings) -> Result<Self, TrackError> {
         let track = settings.track.file.as_deref();
         Ok(Self {
-            track: track
-                .map(TrackFile::read)
-                .transpose()
-                .map_err(|error| error.to_string())?,
+            track: track.map(TrackFile::read).transpose()?,
             settings,
         })
     }
@@ -81,10 +76,10 @@ impl Logs {
     /// Opens a log, applies the track, and names sidecar files that are not used.
     ///
     /// # Errors
-    /// A sentence when it cannot be opened, or does not hold what the settings ask for.
-    pub fn open(&self, path: &Path, progress: &Progress) -> Result<Survey, String> {
+    /// When it cannot be opened, or does not hold what the settings ask for.
+    pub fn open(&self, path: &Path, progress: &Progress) -> Result<Survey, Failure> {
         let track = self.track.as_ref();
-        let recorded = formats::open(path, progress).map_err(|error| error.to_string())?;
+        let recorded = formats::open(path, progress)?;
         let survey = pipeline::as_set(recorded, &self.settings, track)
             .map_err(|error| format!("{error}{}", of_log(&error, path)))?;
         tell_of_drawing(&survey, &self.settings);
@@ -95,18 +90,17 @@ impl Logs {
     /// Runs the pipeline on one that was opened.
     ///
     /// # Errors
-    /// A sentence when it cannot be processed.
+    /// When the work was cancelled.
     pub fn process(
         &self,
         survey: &Survey,
         status: &StatusLine,
         progress: &Progress,
-    ) -> Result<Products, String> {
+    ) -> Result<Products, Cancelled> {
         status.work_on("", survey.side_scan.len());
-        let products = pipeline::run(survey, &self.settings, None, progress, |stage| {
+        pipeline::run(survey, &self.settings, None, progress, |stage| {
             status.step(stage.name())
-        });
-        products.map_err(|error| error.to_string())
+        })
     }
 }
 
@@ -131,13 +125,12 @@ fn tell_of_drawing(survey: &Survey, settings: &Settings) {
 }
 
 /// Refuses settings that ask for what this log does not hold.
-pub fn check_against(survey: &Survey, settings: &Settings) -> Result<(), String> {
+pub fn check_against(survey: &Survey, settings: &Settings) -> Result<(), Failure> {
     if let Some(why) = Correction::new(settings.depth(), survey).refused() {
-        return Err(why.to_string());
+        return Err(why.into());
     }
     let origin = survey.track.frame.origin();
-    let crs = settings.crs.at(origin);
-    crs.map_err(|error| error.to_string())?;
+    settings.crs.at(origin)?;
     let count = survey.side_scan.len();
     match settings.calibration.pings {
         Some(pings) if pings.end > count => Err(format!(
@@ -148,7 +141,7 @@ pub fn check_against(survey: &Survey, settings: &Settings) -> Result<(), String>
                 .files
                 .first()
                 .map_or(String::new(), |path| path.display().to_string())
-        )),
+        ).into()),
         _ => Ok(()),
     }
 }

@@ -2,8 +2,8 @@
 
 use super::dataset::{self, DatasetArgs};
 use super::status_line::StatusLine;
-use super::{LONGEST_TEXT, output};
-use crate::products::export::write_atomically;
+use super::{Failure, LONGEST_TEXT, output};
+use crate::products::export::{ExportError, write_atomically};
 use crate::simulation::{Scene, Simulated, simulate};
 use crate::support::progress::Progress;
 use crate::support::regular_file;
@@ -32,7 +32,7 @@ pub struct SimulateArgs {
 }
 
 /// Simulates the scene and writes the log and its truth.
-pub fn run(args: SimulateArgs) -> Result<(), String> {
+pub fn run(args: SimulateArgs) -> Result<(), Failure> {
     let Some(prefix) = &args.output else {
         return dataset::run(&args.dataset, args.seed);
     };
@@ -44,7 +44,7 @@ pub fn run(args: SimulateArgs) -> Result<(), String> {
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
     status.step("simulating");
-    let survey = simulate(&scene, args.seed, &progress).map_err(|error| error.to_string())?;
+    let survey = simulate(&scene, args.seed, &progress)?;
     status.step("writing");
     let written = write(&survey, prefix)?;
     drop(status);
@@ -57,12 +57,13 @@ pub fn run(args: SimulateArgs) -> Result<(), String> {
 }
 
 /// Refuses what the three files could not be named after, before the work begins.
-fn check_prefix(prefix: &Path) -> Result<(), String> {
+fn check_prefix(prefix: &Path) -> Result<(), Failure> {
     if prefix.is_dir() {
         return Err(format!(
             "the output is a folder; add the beginning of the file names to it, for example {}",
             prefix.join("pond").display()
-        ));
+        )
+        .into());
     }
     // A log beside its truth was simulated and may be simulated again; any other may be somebody's survey.
     let log = with_ending(prefix, "sl2");
@@ -70,26 +71,27 @@ fn check_prefix(prefix: &Path) -> Result<(), String> {
         return Err(format!(
             "a log of that name is there and was not simulated (it has no truth beside it); choose another prefix: {}",
             log.display()
-        ));
+        ).into());
     }
     match prefix.parent() {
         Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => Err(format!(
             "there is no folder to write into; make it first: {}",
             folder.display()
-        )),
+        )
+        .into()),
         _ => Ok(()),
     }
 }
 
-fn read_scene(path: &Path) -> Result<Scene, String> {
+fn read_scene(path: &Path) -> Result<Scene, Failure> {
     let text = regular_file::read_text(path, LONGEST_TEXT)
         .map_err(|error| format!("cannot read the scene: {error}: {}", path.display()))?;
-    Scene::from_toml(&text)
-        .map_err(|error| format!("cannot use the scene: {error}: {}", path.display()))
+    let scene = Scene::from_toml(&text);
+    Ok(scene.map_err(|error| format!("cannot use the scene: {error}: {}", path.display()))?)
 }
 
 /// Writes the three files; returns their names.
-pub fn write(survey: &Simulated, prefix: &Path) -> Result<String, String> {
+pub fn write(survey: &Simulated, prefix: &Path) -> Result<String, ExportError> {
     let log = written(prefix, "sl2", |out| survey.write_sl2(out))?;
     let truth = written(prefix, "truth.csv", |out| survey.write_truth_csv(out))?;
     let objects = written(prefix, "objects.csv", |out| survey.write_objects_csv(out))?;
@@ -101,14 +103,13 @@ fn written(
     prefix: &Path,
     ending: &str,
     fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
-) -> Result<String, String> {
+) -> Result<String, ExportError> {
     let path = with_ending(prefix, ending);
     write_atomically(&path, |file| {
         let mut out = BufWriter::new(file);
         fill(&mut out)?;
         out.flush()
-    })
-    .map_err(|error| error.to_string())?;
+    })?;
     Ok(path.display().to_string())
 }
 

@@ -4,7 +4,7 @@ use super::settings::SettingsArgs;
 use super::waterfall_options::{
     GeometryArgs, open, parse_pings, parse_size, take_over, wait, within,
 };
-use super::{output, quiet_driver};
+use super::{Failure, output, quiet_driver};
 use crate::app::{
     Action, App, CloudColour, Command, Jobs, MapLayer, Mark, Origin, ThemeChoice, View, ViewOptions,
 };
@@ -143,7 +143,7 @@ enum Coordinates {
 }
 
 /// Draws the picture and writes it; says on stderr which adapter drew it.
-pub fn run(args: SnapshotArgs) -> Result<(), String> {
+pub fn run(args: SnapshotArgs) -> Result<(), Failure> {
     quiet_driver::restart_if_noisy();
     let settings = args.settings.resolve()?;
     check_picture(&args.output)?;
@@ -151,7 +151,8 @@ pub fn run(args: SnapshotArgs) -> Result<(), String> {
         return Err(format!(
             "a picture's scale lies between 0.5 and 8; got {}",
             args.scale
-        ));
+        )
+        .into());
     }
     let mut app = App::new(Jobs::Threads(std::sync::Arc::new(|| ())));
     app.use_settings(&settings);
@@ -191,7 +192,7 @@ pub fn run(args: SnapshotArgs) -> Result<(), String> {
     let studio = Studio::new()?;
     let picture = studio.draw(&mut shell, args.size, args.scale, &Progress::new())?;
     if let Some(error) = shell.app.notices.iter().find(|notice| notice.is_error) {
-        return Err(error.text.clone());
+        return Err(error.text.clone().into());
     }
     write_picture(&picture, &args.output)?;
     output::notify(format_args!("drawn by {}", studio.adapter()));
@@ -224,7 +225,7 @@ fn show_as(options: &mut ViewOptions, args: &SnapshotArgs) {
 }
 
 /// Draws the window and each view of a survey into `folder`; the files' names and the adapter that drew them.
-pub fn draw_into(origin: &Origin, folder: &Path) -> Result<(Vec<&'static str>, String), String> {
+pub fn draw_into(origin: &Origin, folder: &Path) -> Result<(Vec<&'static str>, String), Failure> {
     const PICTURES: [(&str, Picture, [u32; 2]); 4] = [
         ("window.png", Picture::All, [1600, 1000]),
         ("waterfall.png", Picture::Waterfall, [1600, 800]),
@@ -260,7 +261,7 @@ fn alone(picture: Picture) -> Option<Alone> {
 }
 
 /// Selects the middle of the pings asked for, or of the log, so that the profile and the selection show something.
-fn select(app: &mut App, pings: Option<PingRange>) -> Result<(), String> {
+fn select(app: &mut App, pings: Option<PingRange>) -> Result<(), Failure> {
     let survey = app.log.survey.clone().unwrap_or_default();
     let pings = within(&survey, pings)?;
     if !survey.side_scan.is_empty() {
@@ -271,10 +272,10 @@ fn select(app: &mut App, pings: Option<PingRange>) -> Result<(), String> {
 }
 
 /// Refuses a name that is no picture's before any work, a mistyped log's among them: that log would be replaced.
-fn check_picture(path: &Path) -> Result<(), String> {
+fn check_picture(path: &Path) -> Result<(), Failure> {
     let suffix = path.extension().unwrap_or_default();
     if suffix.eq_ignore_ascii_case("png") {
         return Ok(());
     }
-    Err(format!("a picture's name ends in .png: {}", path.display()))
+    Err(format!("a picture's name ends in .png: {}", path.display()).into())
 }

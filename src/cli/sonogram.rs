@@ -2,7 +2,7 @@
 
 use super::status_line::StatusLine;
 use super::waterfall_options::{WaterfallArgs, WaterfallLog, parse_size};
-use super::{output, quiet_driver};
+use super::{Failure, output, quiet_driver};
 use crate::app::View;
 use crate::sonar::calibration::PingRange;
 use crate::support::progress::Progress;
@@ -32,7 +32,7 @@ pub struct SonogramArgs {
 }
 
 /// Draws the pages and writes them; says on stderr which adapter drew them.
-pub fn run(args: SonogramArgs) -> Result<(), String> {
+pub fn run(args: SonogramArgs) -> Result<(), Failure> {
     quiet_driver::restart_if_noisy();
     let log = args.shown.open()?;
     let [width, height] = args.size;
@@ -77,12 +77,13 @@ fn one_to_one(log: &WaterfallLog, width: u32, height: u32) -> usize {
 }
 
 /// The pings of each page.
-fn pages(pings: PingRange, page: usize) -> Result<Vec<PingRange>, String> {
+fn pages(pings: PingRange, page: usize) -> Result<Vec<PingRange>, Failure> {
     let count = (pings.end - pings.start).div_ceil(page);
     if count > MOST_PAGES {
         return Err(format!(
             "that makes {count} pages; ask for more pings a page, {MOST_PAGES} pages are the most"
-        ));
+        )
+        .into());
     }
     let starts = (pings.start..pings.end).step_by(page);
     let pages = starts.map(|start| PingRange {

@@ -1,10 +1,10 @@
 //! The logs of one survey on the command line: named one by one, as folders, or by a project, and opened in one frame.
 
 use super::settings::{Logs, SettingsArgs};
-use super::{many, output};
+use super::{Failure, many, output};
 use crate::app::is_project;
 use crate::detection::objects::{KeptReview, SurveyReview};
-use crate::detection::review::Review;
+use crate::detection::review::{Review, ReviewError};
 use crate::formats;
 use crate::pipeline::settings::SourceSettings;
 use crate::pipeline::{MissionLog, Reference, Settings};
@@ -51,19 +51,20 @@ pub fn survey_review(opened: &[OpenedLog]) -> SurveyReview {
 /// `track` is the file of another receiver's track.
 ///
 /// # Errors
-/// A sentence: settings that cannot be used, a project beside logs or with settings from elsewhere, or one that cannot be read.
+/// When settings cannot be used, a project stands beside logs or has settings from elsewhere, or one cannot be read.
 pub fn inputs(
     paths: &[PathBuf],
     settings: &SettingsArgs,
     track: Option<PathBuf>,
-) -> Result<Vec<LogInput>, String> {
+) -> Result<Vec<LogInput>, Failure> {
     match paths {
         [path] if is_project(path) => {
             if settings.are_given() || track.is_some() {
                 return Err(format!(
                     "a project brings its settings; change them in it, or name its logs: {}",
                     path.display()
-                ));
+                )
+                .into());
             }
             of_project(path)
         }
@@ -72,7 +73,8 @@ pub fn inputs(
                 return Err(format!(
                     "a project is processed by itself; name it alone: {}",
                     path.display()
-                ));
+                )
+                .into());
             }
             let mut settings = settings.resolve()?;
             if track.is_some() {
@@ -97,8 +99,8 @@ pub fn inputs(
     }
 }
 
-fn of_project(path: &Path) -> Result<Vec<LogInput>, String> {
-    let inputs = project::inputs(path, &Progress::new()).map_err(|error| error.to_string())?;
+fn of_project(path: &Path) -> Result<Vec<LogInput>, Failure> {
+    let inputs = project::inputs(path, &Progress::new())?;
     let input = |input: project::Input| {
         if let Some(warning) = &input.warning {
             output::notify(format_args!("warning: {warning}"));
@@ -122,8 +124,8 @@ impl LogInput {
     /// Opens the log by itself.
     ///
     /// # Errors
-    /// A sentence: it cannot be opened, or does not hold what its settings ask for.
-    pub fn open(&self) -> Result<OpenedLog, String> {
+    /// When it cannot be opened, or does not hold what its settings ask for.
+    pub fn open(&self) -> Result<OpenedLog, Failure> {
         let survey = self.logs.open(&self.path, &Progress::new())?;
         let survey = match &self.frame {
             Some(frame) => survey.in_frame_if_near(frame),
@@ -145,7 +147,7 @@ pub fn open_all(inputs: &[LogInput]) -> (Vec<OpenedLog>, usize) {
     for input in inputs {
         match input.open() {
             Ok(log) => add(&mut opened, log, &input.path),
-            Err(sentence) => {
+            Err(Failure { sentence }) => {
                 failed += 1;
                 output::notify(format_args!("bathyscope: {sentence}"));
             }
@@ -157,13 +159,13 @@ pub fn open_all(inputs: &[LogInput]) -> (Vec<OpenedLog>, usize) {
 /// An error where some of the logs could not be used.
 ///
 /// # Errors
-/// A sentence that counts them.
-pub fn all_or(failed: usize, all: usize) -> Result<(), String> {
+/// When there are some; it counts them.
+pub fn all_or(failed: usize, all: usize) -> Result<(), Failure> {
     match failed {
         0 => Ok(()),
-        _ => Err(format!(
-            "{failed} of {all} logs could not be processed, for the reasons above"
-        )),
+        _ => Err(
+            format!("{failed} of {all} logs could not be processed, for the reasons above").into(),
+        ),
     }
 }
 
@@ -209,8 +211,8 @@ pub fn is_of(path: &Path, log: &OpenedLog) -> bool {
 /// Gives each review that is named by its file to the log that it is of, in the place of what that has.
 ///
 /// # Errors
-/// A sentence that names the file, where it cannot be used or is of none of the logs.
-pub fn take_reviews(logs: &mut [OpenedLog], files: &[PathBuf]) -> Result<(), String> {
+/// Where a file cannot be used or is of none of the logs.
+pub fn take_reviews(logs: &mut [OpenedLog], files: &[PathBuf]) -> Result<(), ReviewError> {
     for path in files {
         let mut refused = None;
         let is_taken = logs
@@ -221,13 +223,13 @@ pub fn take_reviews(logs: &mut [OpenedLog], files: &[PathBuf]) -> Result<(), Str
                     true
                 }
                 Err(error) => {
-                    refused = Some(error.to_string());
+                    refused = Some(error);
                     false
                 }
             });
         // Of one log, its own words; of several, those about the last are those about all, but for the name in them.
-        if let Some(sentence) = refused.filter(|_| !is_taken) {
-            return Err(sentence);
+        if let Some(error) = refused.filter(|_| !is_taken) {
+            return Err(error);
         }
     }
     Ok(())
@@ -236,12 +238,12 @@ pub fn take_reviews(logs: &mut [OpenedLog], files: &[PathBuf]) -> Result<(), Str
 /// Opens what logs are compared with: points, another log, or the logs of a folder or a project.
 ///
 /// # Errors
-/// A sentence: it cannot be opened, or its metres lie nowhere near the first log.
+/// When it cannot be opened, or its metres lie nowhere near the first log.
 pub fn open_reference(
     argument: &OsStr,
     first: &OpenedLog,
     progress: &Progress,
-) -> Result<Reference, String> {
+) -> Result<Reference, Failure> {
     let path = Path::new(argument);
     let inputs = match is_project(path) {
         true => of_project(path)?,
@@ -266,7 +268,7 @@ pub fn open_reference(
         }
         false => {
             let opened = Reference::open(argument, &first.survey, &first.settings, progress);
-            return opened.map_err(|error| error.to_string());
+            return Ok(opened?);
         }
     };
     let (opened, failed) = open_all(&inputs);

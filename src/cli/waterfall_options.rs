@@ -1,10 +1,11 @@
 //! How a command shows a log's side-scan: what pictures, pages and films share.
 
+use super::Failure;
 use super::settings::{SettingsArgs, check_against};
 use crate::app::{App, Command, Jobs, Origin};
 use crate::imagery::waterfall::RangeAxis;
 use crate::pipeline::{self, Settings};
-use crate::sonar::calibration::PingRange;
+use crate::sonar::calibration::{PingRange, PingRangeError};
 use crate::survey::Survey;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -63,8 +64,8 @@ impl WaterfallArgs {
     /// Opens the log and waits for all that its picture needs.
     ///
     /// # Errors
-    /// A sentence when the log or a setting cannot be used, or there is no picture in it.
-    pub fn open(self) -> Result<WaterfallLog, String> {
+    /// When the log or a setting cannot be used, or there is no picture in it.
+    pub fn open(self) -> Result<WaterfallLog, Failure> {
         let settings = self.settings.resolve()?;
         let mut app = App::new(Jobs::Threads(Arc::new(|| ())));
         app.use_settings(&settings);
@@ -90,8 +91,8 @@ impl WaterfallArgs {
 /// The pings asked for, or all of a log.
 ///
 /// # Errors
-/// A sentence where the log has not so many.
-pub fn within(survey: &Survey, pings: Option<PingRange>) -> Result<PingRange, String> {
+/// When the log has not so many.
+pub fn within(survey: &Survey, pings: Option<PingRange>) -> Result<PingRange, Failure> {
     let count = survey.side_scan.len();
     let pings = pings.unwrap_or(PingRange {
         start: 0,
@@ -101,7 +102,8 @@ pub fn within(survey: &Survey, pings: Option<PingRange>) -> Result<PingRange, St
         return Err(format!(
             "the log has {count} side-scan pings; pings {}..{} were asked for",
             pings.start, pings.end
-        ));
+        )
+        .into());
     }
     Ok(pings)
 }
@@ -109,31 +111,34 @@ pub fn within(survey: &Survey, pings: Option<PingRange>) -> Result<PingRange, St
 /// Reads `A..B`.
 ///
 /// # Errors
-/// A sentence that says how pings are written.
-pub fn parse_pings(text: &str) -> Result<PingRange, String> {
-    PingRange::try_from(text.to_owned()).map_err(|error| error.to_string())
+/// When pings are not written so.
+pub fn parse_pings(text: &str) -> Result<PingRange, PingRangeError> {
+    PingRange::try_from(text.to_owned())
 }
+
+/// A text that is no size.
+#[derive(Debug, PartialEq, thiserror::Error)]
+#[error("a size is written WxH in pixels, 16 to 16384 a side, for example 1600x1000; got `{0}`")]
+pub struct SizeError(String);
 
 /// Reads `WxH`.
 ///
 /// # Errors
-/// A sentence that says how a size is written.
-pub fn parse_size(text: &str) -> Result<[u32; 2], String> {
+/// When a size is not written so, or no picture has it.
+pub fn parse_size(text: &str) -> Result<[u32; 2], SizeError> {
     let parsed = text
         .split_once(['x', 'X', '×'])
         .and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
     parsed
         .filter(|size: &[u32; 2]| size.iter().all(|side| (16..=16_384).contains(side)))
-        .ok_or_else(|| {
-            format!("a size is written WxH in pixels, 16 to 16384 a side, for example 1600x1000; got `{text}`")
-        })
+        .ok_or_else(|| SizeError(text.to_owned()))
 }
 
 /// Opens the log and waits for all results.
 ///
 /// # Errors
-/// A sentence when it cannot be used.
-pub fn open(app: &mut App, origin: &Origin) -> Result<(), String> {
+/// When it cannot be used.
+pub fn open(app: &mut App, origin: &Origin) -> Result<(), Failure> {
     app.apply(match origin {
         Origin::Path(path) => Command::Open(path.clone()),
         Origin::Demo => Command::OpenDemo,
@@ -145,15 +150,15 @@ pub fn open(app: &mut App, origin: &Origin) -> Result<(), String> {
 /// forgotten it: in the window, it belonged to the log before.
 ///
 /// # Errors
-/// A sentence when the settings do not fit the log.
-pub fn take_over(app: &mut App, settings: Settings) -> Result<(), String> {
+/// When the settings do not fit the log.
+pub fn take_over(app: &mut App, settings: Settings) -> Result<(), Failure> {
     if settings == *app.log.settings {
         return Ok(());
     }
     if let Some(survey) = &app.log.survey {
         let recorded = Survey::clone(survey);
         let mounted = pipeline::as_mounted(recorded, &settings.mounting, settings.source.crs);
-        check_against(&mounted.map_err(|error| error.to_string())?, &settings)?;
+        check_against(&mounted?, &settings)?;
     }
     app.apply(Command::Change {
         settings: Box::new(settings),
@@ -167,14 +172,14 @@ pub fn take_over(app: &mut App, settings: Settings) -> Result<(), String> {
 ///
 /// # Errors
 /// The sentence of what failed.
-pub fn wait(app: &mut App) -> Result<(), String> {
+pub fn wait(app: &mut App) -> Result<(), Failure> {
     app.poll();
     while !app.is_idle() {
         std::thread::sleep(Duration::from_millis(2));
         app.poll();
     }
     match app.notices.iter().find(|notice| notice.is_error) {
-        Some(error) => Err(error.text.clone()),
+        Some(error) => Err(error.text.clone().into()),
         None => Ok(()),
     }
 }

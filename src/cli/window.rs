@@ -1,17 +1,18 @@
 //! The window, opened from the command line.
 
+use super::Failure;
 use std::path::PathBuf;
 
 /// Opens the window on a log, on the demo survey, or empty; returns when it is closed.
 #[cfg(feature = "gui")]
-pub fn run(paths: Vec<PathBuf>, demo: bool, truth: Option<PathBuf>) -> Result<(), String> {
-    crate::ui::open_window(paths, demo, truth)
+pub fn run(paths: Vec<PathBuf>, demo: bool, truth: Option<PathBuf>) -> Result<(), Failure> {
+    Ok(crate::ui::open_window(paths, demo, truth)?)
 }
 
 /// Says that there is none.
 #[cfg(not(feature = "gui"))]
-pub fn run(_: Vec<PathBuf>, _: bool, _: Option<PathBuf>) -> Result<(), String> {
-    Err(super::snapshot::NO_WINDOW.to_owned())
+pub fn run(_: Vec<PathBuf>, _: bool, _: Option<PathBuf>) -> Result<(), Failure> {
+    Err(super::snapshot::NO_WINDOW.into())
 }
 
 /// Whether a window can be opened here. Elsewhere than on Linux and the BSDs there is always a display.

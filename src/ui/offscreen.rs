@@ -1,10 +1,10 @@
 //! The window without a window: frames are drawn into a texture and read back, on a GPU or on lavapipe.
 
 use super::Shell;
-use crate::products::export::write_atomically;
-use crate::support::progress::Progress;
+use crate::products::export::{ExportError, write_atomically};
+use crate::support::progress::{Cancelled, Progress};
 use eframe::egui_wgpu::{
-    RenderState, RendererOptions, ScreenDescriptor, WgpuConfiguration, WgpuSetup, wgpu,
+    RenderState, RendererOptions, ScreenDescriptor, WgpuConfiguration, WgpuError, WgpuSetup, wgpu,
 };
 use image::RgbaImage;
 use std::future::Future;
@@ -24,18 +24,61 @@ const STEPS: u64 = 100;
 /// Longest wait for the GPU to finish one frame.
 const FRAME_LIMIT: Duration = Duration::from_secs(60);
 
+/// Why there is no picture, in one sentence.
+#[derive(Debug, thiserror::Error)]
+pub enum PictureError {
+    /// Nothing here draws.
+    #[error(
+        "no graphics adapter: install a Vulkan driver (on Debian, `mesa-vulkan-drivers` has one that needs no GPU): {0}"
+    )]
+    NoAdapter(#[from] WgpuError),
+    /// The adapter holds no picture of this size.
+    #[error(
+        "a picture must have 1 to {largest} pixels a side on this adapter; asked for {}x{}", size[0], size[1]
+    )]
+    Size {
+        /// Width and height that were asked for.
+        size: [u32; 2],
+        /// Longest side that the adapter holds.
+        largest: u32,
+    },
+    /// It takes too long.
+    #[error(
+        "the picture was not ready after {} s; ask for fewer pings or a smaller size", TIME_LIMIT.as_secs()
+    )]
+    Late,
+    /// The adapter hangs.
+    #[error("the graphics adapter did not finish a frame: {0}")]
+    Frame(#[from] wgpu::PollError),
+    /// The adapter does not give it back.
+    #[error("the picture could not be read back: {0}")]
+    ReadBack(#[from] wgpu::MapRangeError),
+    /// The adapter gives a part of it back.
+    #[error("the picture could not be read back whole")]
+    Cut,
+    /// What it is to show cannot be had, as the window says.
+    #[error("{0}")]
+    Notice(String),
+    /// The drawing was cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// Its file cannot be written.
+    #[error(transparent)]
+    File(#[from] ExportError),
+}
+
 /// A graphics device that draws pictures. What the views keep on the device belongs to it: draw one shell with one studio.
 pub struct Studio {
     gpu: RenderState,
 }
 
 impl Studio {
-    /// Opens the first usable adapter; the error says what to install when there is none.
+    /// Opens the first usable adapter.
     ///
     /// # Errors
-    /// What to install where there is no adapter.
-    pub fn new() -> Result<Self, String> {
-        gpu().map(|gpu| Self { gpu })
+    /// When there is none.
+    pub fn new() -> Result<Self, PictureError> {
+        Ok(Self { gpu: gpu()? })
     }
 
     /// Name, interface and kind of the adapter.
@@ -46,14 +89,15 @@ impl Studio {
 
     /// Draws the shell into a picture of `size` pixels.
     ///
-    /// Errors say in a sentence what is wrong: a picture larger than the adapter can hold, a time limit, cancelled.
+    /// # Errors
+    /// When the picture is larger than the adapter can hold, takes too long, or is cancelled.
     pub fn draw(
         &self,
         shell: &mut Shell,
         size: [u32; 2],
         pixels_per_point: f32,
         progress: &Progress,
-    ) -> Result<RgbaImage, String> {
+    ) -> Result<RgbaImage, PictureError> {
         let mut host = self.host(size, pixels_per_point)?;
         host.settle(shell, STILL, progress)?;
         host.read_back()
@@ -63,18 +107,15 @@ impl Studio {
     ///
     /// # Errors
     /// As [`Studio::draw`].
-    pub fn reel(&self, size: [u32; 2]) -> Result<Reel, String> {
+    pub fn reel(&self, size: [u32; 2]) -> Result<Reel, PictureError> {
         let host = self.host(size, 1.0)?;
         Ok(Reel { host })
     }
 
-    fn host(&self, size: [u32; 2], pixels_per_point: f32) -> Result<Host, String> {
+    fn host(&self, size: [u32; 2], pixels_per_point: f32) -> Result<Host, PictureError> {
         let largest = self.gpu.device.limits().max_texture_dimension_2d;
         if size.iter().any(|side| *side == 0 || *side > largest) {
-            return Err(format!(
-                "a picture must have 1 to {largest} pixels a side on this adapter; asked for {}x{}",
-                size[0], size[1]
-            ));
+            return Err(PictureError::Size { size, largest });
         }
         Ok(Host::new(self.gpu.clone(), size, pixels_per_point))
     }
@@ -90,8 +131,12 @@ impl Reel {
     ///
     /// # Errors
     /// As [`Studio::draw`].
-    pub fn draw(&mut self, shell: &mut Shell, progress: &Progress) -> Result<RgbaImage, String> {
-        progress.check().map_err(|error| error.to_string())?;
+    pub fn draw(
+        &mut self,
+        shell: &mut Shell,
+        progress: &Progress,
+    ) -> Result<RgbaImage, PictureError> {
+        progress.check()?;
         // Sizes have settled with the first one.
         let still = if self.host.frames == 0 { STILL } else { 2 };
         self.host.settle(shell, still, &Progress::new())?;
@@ -103,18 +148,17 @@ impl Reel {
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn write_picture(picture: &RgbaImage, path: &Path) -> Result<(), String> {
-    let written = write_atomically(path, |file| {
+pub fn write_picture(picture: &RgbaImage, path: &Path) -> Result<(), ExportError> {
+    write_atomically(path, |file| {
         let mut out = BufWriter::new(file);
         picture
             .write_to(&mut out, image::ImageFormat::Png)
             .map_err(io::Error::other)?;
         out.flush()
-    });
-    written.map_err(|error| error.to_string())
+    })
 }
 
-fn gpu() -> Result<RenderState, String> {
+fn gpu() -> Result<RenderState, WgpuError> {
     let setup = WgpuSetup::without_display_handle();
     let config = WgpuConfiguration {
         wgpu_setup: setup.clone(),
@@ -122,11 +166,7 @@ fn gpu() -> Result<RenderState, String> {
     };
     let instance = block_on(setup.new_instance());
     let created = RenderState::create(&config, &instance, None, RendererOptions::PREDICTABLE);
-    block_on(created).map_err(|error| {
-        format!(
-            "no graphics adapter: install a Vulkan driver (on Debian, `mesa-vulkan-drivers` has one that needs no GPU): {error}"
-        )
-    })
+    block_on(created)
 }
 
 /// An egui context and the texture that it is drawn into.
@@ -164,13 +204,18 @@ impl Host {
     }
 
     /// Draws frames until everything is computed and drawn at its final quality.
-    fn settle(&mut self, shell: &mut Shell, still: u32, progress: &Progress) -> Result<(), String> {
+    fn settle(
+        &mut self,
+        shell: &mut Shell,
+        still: u32,
+        progress: &Progress,
+    ) -> Result<(), PictureError> {
         let started = Instant::now();
         let mut drawn = 0;
         progress.start(STEPS);
         let mut quiet = 0;
         while quiet < still {
-            progress.check().map_err(|error| error.to_string())?;
+            progress.check()?;
             let repaint = self.frame(shell)?;
             let now = (shell.drawn_share() * STEPS as f32) as u64;
             progress.advance(now.saturating_sub(drawn));
@@ -181,10 +226,7 @@ impl Host {
                 0
             };
             if started.elapsed() > TIME_LIMIT {
-                return Err(format!(
-                    "the picture was not ready after {} s; ask for fewer pings or a smaller size",
-                    TIME_LIMIT.as_secs()
-                ));
+                return Err(PictureError::Late);
             }
             if quiet == 0 {
                 std::thread::sleep(Duration::from_millis(5));
@@ -209,7 +251,7 @@ impl Host {
     }
 
     /// Draws one frame; returns whether another one was asked for at once.
-    fn frame(&mut self, shell: &mut Shell) -> Result<bool, String> {
+    fn frame(&mut self, shell: &mut Shell) -> Result<bool, PictureError> {
         let input = self.input();
         let gpu = self.gpu.clone();
         let output = self.ctx.run_ui(input, |ui| shell.frame(ui, Some(&gpu)));
@@ -221,7 +263,7 @@ impl Host {
         Ok(repaint)
     }
 
-    fn paint(&mut self, mut output: egui::FullOutput) -> Result<(), String> {
+    fn paint(&mut self, mut output: egui::FullOutput) -> Result<(), PictureError> {
         let primitives = self.ctx.tessellate(output.shapes, output.pixels_per_point);
         let screen = ScreenDescriptor {
             size_in_pixels: self.size,
@@ -257,10 +299,10 @@ impl Host {
             renderer.free_texture(&id);
         }
         drop(renderer);
-        wait(device)
+        Ok(wait(device)?)
     }
 
-    fn read_back(&self) -> Result<RgbaImage, String> {
+    fn read_back(&self) -> Result<RgbaImage, PictureError> {
         let [width, height] = self.size;
         let bytes_per_row = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
         let RenderState { device, queue, .. } = &self.gpu;
@@ -286,17 +328,13 @@ impl Host {
         queue.submit([encoder.finish()]);
         buffer.slice(..).map_async(wgpu::MapMode::Read, |_| ());
         wait(device)?;
-        let mapped = buffer
-            .slice(..)
-            .get_mapped_range()
-            .map_err(|error| format!("the picture could not be read back: {error}"))?;
+        let mapped = buffer.slice(..).get_mapped_range()?;
         let mut pixels = Vec::with_capacity(4 * (width * height) as usize);
         for row in mapped.chunks(bytes_per_row as usize) {
             pixels.extend_from_slice(&row[..4 * width as usize]);
         }
         opaque(&mut pixels, self.gpu.target_format);
-        RgbaImage::from_raw(width, height, pixels)
-            .ok_or_else(|| "the picture could not be read back whole".to_owned())
+        RgbaImage::from_raw(width, height, pixels).ok_or(PictureError::Cut)
     }
 }
 
@@ -319,14 +357,12 @@ fn extent([width, height]: [u32; 2]) -> wgpu::Extent3d {
     }
 }
 
-fn wait(device: &wgpu::Device) -> Result<(), String> {
-    device
-        .poll(wgpu::PollType::Wait {
-            submission_index: None,
-            timeout: Some(FRAME_LIMIT),
-        })
-        .map(|_| ())
-        .map_err(|error| format!("the graphics adapter did not finish a frame: {error}"))
+fn wait(device: &wgpu::Device) -> Result<(), wgpu::PollError> {
+    let polled = device.poll(wgpu::PollType::Wait {
+        submission_index: None,
+        timeout: Some(FRAME_LIMIT),
+    });
+    polled.map(|_| ())
 }
 
 /// Parks this thread until a future is ready: adapters and devices are asked for once, nothing else is async here.

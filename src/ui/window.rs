@@ -5,13 +5,22 @@ use crate::app::{App, Command, Jobs};
 use std::path::PathBuf;
 use std::sync::Arc;
 
+/// Why the window cannot be opened: what is missing, a display or a graphics driver.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "the window cannot be opened: {0}; `bathyscope process` and `bathyscope snapshot` work without one"
+)]
+pub struct WindowError(#[from] eframe::Error);
+
 /// Opens the window on the first of `paths`, on the demo survey, or empty, with the `truth` about it; returns when it is closed.
 ///
-/// Errors say what is missing: a display, or a graphics driver.
-///
 /// # Errors
-/// What is missing: a display, or a graphics driver.
-pub fn open_window(paths: Vec<PathBuf>, demo: bool, truth: Option<PathBuf>) -> Result<(), String> {
+/// When a display or a graphics driver is missing.
+pub fn open_window(
+    paths: Vec<PathBuf>,
+    demo: bool,
+    truth: Option<PathBuf>,
+) -> Result<(), WindowError> {
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_title("Bathyscope")
@@ -40,9 +49,5 @@ pub fn open_window(paths: Vec<PathBuf>, demo: bool, truth: Option<PathBuf>) -> R
         }
         Ok(Box::new(shell) as Box<dyn eframe::App>)
     };
-    eframe::run_native("bathyscope", options, Box::new(start)).map_err(|error| {
-        format!(
-            "the window cannot be opened: {error}; `bathyscope process` and `bathyscope snapshot` work without one"
-        )
-    })
+    Ok(eframe::run_native("bathyscope", options, Box::new(start))?)
 }

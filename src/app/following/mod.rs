@@ -246,7 +246,7 @@ impl App {
     fn collect_start(&mut self, active: &mut Active) {
         let started = match active.starting.as_ref().map(Task::poll) {
             Some(Outcome::Done(started)) => started,
-            Some(Outcome::Failed) => Err(StepError::Settings("it failed unexpectedly".to_owned())),
+            Some(Outcome::Failed) => Err(StepError::Failed),
             Some(Outcome::Pending) | None => return,
         };
         active.starting = None;
@@ -328,7 +328,7 @@ impl App {
     fn collect_whole(&mut self, active: &mut Active) {
         let made = match active.whole.as_ref().map(Task::poll) {
             Some(Outcome::Done(made)) => made,
-            Some(Outcome::Failed) => Err(StepError::Settings("it failed unexpectedly".to_owned())),
+            Some(Outcome::Failed) => Err(StepError::Failed),
             Some(Outcome::Pending) | None => return,
         };
         active.whole = None;

@@ -28,8 +28,11 @@ pub enum StepError {
     #[error(transparent)]
     Source(#[from] SourceError),
     /// The settings cannot be used.
-    #[error("{0}")]
-    Settings(String),
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+    /// It ended in a panic.
+    #[error("it failed unexpectedly")]
+    Failed,
     /// It was stopped.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
@@ -64,8 +67,7 @@ impl FollowedLog {
         let Some(own) = self.own.carried_to(survey) else {
             return Ok((self.own.clone(), self.products.settings.clone()));
         };
-        let settings = own.compose(&self.shared);
-        let settings = settings.map_err(unusable)?;
+        let settings = own.compose(&self.shared)?;
         Ok((Arc::new(own), Arc::new(settings)))
     }
 }
@@ -183,15 +185,10 @@ pub fn whole(
         false => open_growing(files, progress)?,
     };
     let read = Arc::new(survey);
-    let survey = as_it_is_set(
-        &read,
-        &ground.own.compose(&ground.shared).map_err(unusable)?,
-        frame,
-    )?;
+    let survey = as_it_is_set(&read, &ground.own.compose(&ground.shared)?, frame)?;
     let own = ground.own.carried_to(&survey);
     let own = own.map_or_else(|| ground.own.clone(), Arc::new);
-    let settings = own.compose(&ground.shared);
-    let settings = settings.map_err(unusable)?;
+    let settings = own.compose(&ground.shared)?;
     let products = run(&survey, &settings, None, progress, |_| ())?;
     Ok(FollowedLog {
         read,
@@ -218,8 +215,4 @@ fn as_it_is_set(
         Some(frame) => set.in_frame(frame),
         None => set,
     }))
-}
-
-fn unusable(error: SettingsError) -> StepError {
-    StepError::Settings(error.to_string())
 }

@@ -2,9 +2,10 @@
 //! and when the log or the window is closed. What an earlier run left there is offered, never mixed in unasked.
 
 use super::{Parked, Reviewing, is_touched};
+use crate::app::error::AppError;
 use crate::app::{Action, App, Outcome, Task};
 use crate::detection::review::{Review, Reviewed};
-use crate::products::export;
+use crate::products::export::{self, ExportError};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -18,7 +19,7 @@ const SUFFIX: &str = "review.unsaved.json";
 /// A version on its way into the file.
 struct Writing {
     review: Arc<Review>,
-    task: Task<Result<(), String>>,
+    task: Task<Result<(), ExportError>>,
 }
 
 /// What is kept, and what an earlier run left.
@@ -30,7 +31,7 @@ pub(super) struct Autosave {
     written: Option<Arc<Review>>,
     last: Option<Instant>,
     writing: Option<Writing>,
-    looking: Option<Task<Result<Review, String>>>,
+    looking: Option<Task<Result<Review, AppError>>>,
     /// Decisions of an earlier run that nobody has taken up yet.
     left: Option<Arc<Review>>,
     /// The file cannot be written; it was said.
@@ -67,12 +68,12 @@ impl Autosave {
 
     /// What one write does: where to, and whether decisions that lie there were never taken up. They go under another name, that of no
     /// file.
-    fn next(&mut self) -> Option<impl FnOnce(&Review) -> Result<(), String> + Send + use<>> {
+    fn next(&mut self) -> Option<impl FnOnce(&Review) -> Result<(), ExportError> + Send + use<>> {
         let path = self.path()?;
         let was_left = self.left.take().is_some();
         Some(move |review: &Review| {
             if was_left {
-                export::rename_older(&path).map_err(|error| error.to_string())?;
+                export::rename_older(&path)?;
             }
             write(&path, review)
         })
@@ -90,13 +91,12 @@ impl Autosave {
     }
 }
 
-fn write(path: &Path, review: &Review) -> Result<(), String> {
+fn write(path: &Path, review: &Review) -> Result<(), ExportError> {
     let text = review.to_json();
     export::write_atomically(path, |mut file| {
         file.write_all(text.as_bytes())?;
         file.write_all(b"\n")
     })
-    .map_err(|error| error.to_string())
 }
 
 impl Parked {
@@ -146,8 +146,8 @@ impl App {
             match writing.task.poll() {
                 Outcome::Pending => self.log.reviewing.autosave.writing = Some(writing),
                 Outcome::Done(Ok(())) => self.log.reviewing.autosave.written = Some(writing.review),
-                Outcome::Done(Err(text)) => self.cannot_keep(&text),
-                Outcome::Failed => self.cannot_keep("the writing failed unexpectedly"),
+                Outcome::Done(Err(error)) => self.cannot_keep(&error.into()),
+                Outcome::Failed => self.cannot_keep(&AppError::Failed("the writing")),
             }
         }
         if self.log.reviewing.autosave_due() == Some(Duration::ZERO) {
@@ -181,12 +181,12 @@ impl App {
             .map(|write| write(&review))
         {
             Some(Ok(())) => self.log.reviewing.autosave.written = Some(review),
-            Some(Err(text)) => self.cannot_keep(&text),
+            Some(Err(error)) => self.cannot_keep(&error.into()),
             None => {}
         }
     }
 
-    fn cannot_keep(&mut self, why: &str) {
+    fn cannot_keep(&mut self, why: &AppError) {
         self.log.reviewing.autosave.failed = true;
         let text = format!(
             "decisions cannot be saved automatically; save the review in the Review menu: {why}"
@@ -206,7 +206,7 @@ impl App {
         };
         let survey = survey.clone();
         autosave.looking = Some(Task::start(&self.jobs, move |_| {
-            Review::open_for(&path, &survey).map_err(|error| error.to_string())
+            Ok(Review::open_for(&path, &survey)?)
         }));
     }
 
@@ -218,7 +218,7 @@ impl App {
         let autosave = &mut self.log.reviewing.autosave;
         let left = match autosave.looking.as_ref().map(Task::poll) {
             Some(Outcome::Done(left)) => left,
-            Some(Outcome::Failed) => Err("reading them failed unexpectedly".to_owned()),
+            Some(Outcome::Failed) => Err(AppError::Failed("reading them")),
             Some(Outcome::Pending) | None => return,
         };
         autosave.looking = None;
@@ -234,10 +234,10 @@ impl App {
                 );
                 self.offer(text, Action::TakeUpUnsaved);
             }
-            Err(text) => {
+            Err(error) => {
                 // Never written over: it may be somebody's work.
                 autosave.log = None;
-                self.notify(format!("cannot use the unsaved decisions: {text}"), true);
+                self.notify(format!("cannot use the unsaved decisions: {error}"), true);
             }
         }
     }

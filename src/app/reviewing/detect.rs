@@ -2,10 +2,11 @@
 
 mod tail;
 
+use crate::app::error::AppError;
 use crate::app::{App, LogId, OpenLog, Outcome, Task};
 use crate::detection::model::shipped;
 use crate::detection::review::Queue;
-use crate::detection::{Detection, DetectorSettings, Model, SoFar, find};
+use crate::detection::{Detection, DetectorSettings, Model, ModelError, SoFar, find};
 use crate::pipeline::EngineStatus;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
@@ -39,7 +40,7 @@ struct Detecting {
     /// Pings from the log's start on that it has come over, and all that the log had when it began.
     pings: usize,
     all: usize,
-    task: Task<Result<Vec<Detection>, String>>,
+    task: Task<Result<Vec<Detection>, AppError>>,
 }
 
 /// The detector of the window, and the search of one log after the other.
@@ -199,8 +200,8 @@ impl App {
             let on_found = |so_far| {
                 sender.send(SearchMessage::SoFar(so_far)).ok();
             };
-            find(&survey, &navigation, &model, &settings, progress, on_found)
-                .map_err(|error| error.to_string())
+            let found = find(&survey, &navigation, &model, &settings, progress, on_found);
+            Ok(found?)
         });
         self.findings.search.running = Some(Detecting {
             log: self.log.id,
@@ -289,15 +290,15 @@ impl App {
                 return;
             }
             Outcome::Done(found) => found,
-            Outcome::Failed => Err("the search for objects failed unexpectedly".to_owned()),
+            Outcome::Failed => Err(AppError::Failed("the search for objects")),
         };
         match found {
             Ok(found) => self.take_found(id, &found, running.all),
-            Err(text) => {
+            Err(error) => {
                 // The same model would fail on the next log as well.
                 self.findings.search.ahead.clear();
                 self.with_log(id, |app| app.end_search(last));
-                self.notify(text, true);
+                self.notify(error.to_string(), true);
             }
         }
     }
@@ -351,11 +352,11 @@ fn file_name(path: &Path) -> String {
     name.to_string_lossy().into_owned()
 }
 
-fn load(path: Option<PathBuf>) -> Result<Detector, String> {
-    let loaded = match &path {
-        Some(path) => Model::load(path),
-        None => shipped(),
+fn load(path: Option<PathBuf>) -> Result<Detector, ModelError> {
+    let model = match &path {
+        Some(path) => Model::load(path)?,
+        None => shipped()?,
     };
-    let model = Arc::new(loaded.map_err(|error| error.to_string())?);
+    let model = Arc::new(model);
     Ok(Detector { path, model })
 }

@@ -1,5 +1,6 @@
 //! The file that a review is kept in: a sidecar file of the log, which is never changed.
 
+use crate::app::error::AppError;
 use crate::app::{App, LogId, OpenLog, Outcome, Task};
 use crate::detection::review::Review;
 use crate::products::export;
@@ -17,7 +18,7 @@ pub(super) struct Opening {
     path: PathBuf,
     /// A sidecar file of the log: it was found, not opened.
     unasked: bool,
-    task: Task<Result<Review, String>>,
+    task: Task<Result<Review, AppError>>,
 }
 
 impl App {
@@ -104,9 +105,8 @@ impl App {
             return;
         }
         self.write(move |progress| {
-            let written = write_boxes(&logs, &review, export::Part::Train, &folder, progress)
-                .map_err(|error| error.to_string())?;
-            Ok(written.summary(&folder))
+            let written = write_boxes(&logs, &review, export::Part::Train, &folder, progress);
+            written.map(|written| written.summary(&folder))
         });
     }
 
@@ -131,9 +131,7 @@ impl App {
             return self.notify(text.to_owned(), true);
         };
         let (survey, from) = (survey.clone(), path.clone());
-        let task = Task::start(&self.jobs, move |_| {
-            Review::open_for(&from, &survey).map_err(|error| error.to_string())
-        });
+        let task = Task::start(&self.jobs, move |_| Ok(Review::open_for(&from, &survey)?));
         self.log.reviewing.opening = Some(Opening {
             path,
             unasked,
@@ -149,7 +147,7 @@ impl App {
         let read = match opening.task.poll() {
             Outcome::Pending => return,
             Outcome::Done(read) => read,
-            Outcome::Failed => Err("reading the review failed unexpectedly".to_owned()),
+            Outcome::Failed => Err(AppError::Failed("reading the review")),
         };
         let Some(opening) = self.log.reviewing.opening.take() else {
             return;
@@ -174,9 +172,9 @@ impl App {
                 self.notify(text, false);
                 self.log.reviewing.path = Some(opening.path);
             }
-            Err(text) => {
+            Err(error) => {
                 self.log.reviewing.refused = opening.unasked.then_some(opening.path);
-                self.notify(text, true);
+                self.notify(error.to_string(), true);
             }
         }
     }

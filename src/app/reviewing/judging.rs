@@ -2,8 +2,8 @@
 //! once per move of the confidence slider.
 
 use super::{Reviewing, middle};
+use crate::app::error::AppError;
 use crate::app::{App, Outcome, Task};
-use crate::detection::review::read_text;
 use crate::detection::truth::{self, Mistake, RasterTruth, Standing, Truth, TruthComparison};
 use crate::survey::Identity;
 use std::path::PathBuf;
@@ -51,7 +51,7 @@ struct Opening {
     source: Source,
     /// A sidecar file of the log: it was found, not opened.
     unasked: bool,
-    task: Task<Result<Truth, String>>,
+    task: Task<Result<Truth, AppError>>,
 }
 
 /// The truth, and how the boxes stand to it.
@@ -220,15 +220,9 @@ impl App {
             return self.notify(text.to_owned(), true);
         };
         let (identity, from) = (Identity::of(survey), source.clone());
-        let task = Task::start(&self.jobs, move |_| {
-            let parse = |text: &str| Truth::parse(text, &identity);
-            match &from {
-                Source::Demo => parse(DEMO_TRUTH).map_err(|error| error.to_string()),
-                Source::File(path) => {
-                    let text = read_text(path, "truth").map_err(|error| error.to_string())?;
-                    parse(&text).map_err(|error| format!("{error}: {}", path.display()))
-                }
-            }
+        let task = Task::start(&self.jobs, move |_| match &from {
+            Source::Demo => Ok(Truth::parse(DEMO_TRUTH, &identity)?),
+            Source::File(path) => Ok(Truth::read(path, &identity)?),
         });
         self.log.reviewing.judging.opening = Some(Opening {
             source,
@@ -259,9 +253,7 @@ impl App {
         let judging = &mut self.log.reviewing.judging;
         let read = match judging.opening.as_ref().map(|opening| opening.task.poll()) {
             Some(Outcome::Done(read)) => read,
-            Some(Outcome::Failed) => {
-                Err("reading the known objects failed unexpectedly".to_owned())
-            }
+            Some(Outcome::Failed) => Err(AppError::Failed("reading the known objects")),
             Some(Outcome::Pending) | None => return,
         };
         let Some(opening) = judging.opening.take() else {
@@ -282,7 +274,7 @@ impl App {
                     self.notify(text, false);
                 }
             }
-            Err(text) => self.notify(text, true),
+            Err(error) => self.notify(error.to_string(), true),
         }
     }
 

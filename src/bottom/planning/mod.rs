@@ -39,6 +39,9 @@ const WORTH: f64 = 0.03;
 /// Why there is no plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PlanError {
+    /// Nothing was surveyed.
+    #[error("there is no log to plan from")]
+    NoLog,
     /// A survey without soundings.
     #[error(
         "the survey has no depths to plan from; process logs that hold soundings or side-scan with positions"

@@ -1,9 +1,9 @@
 //! `bathyscope adjust`: the height offsets of the logs of an archive, and how their positions are corrected.
 
 use crate::bottom::bathymetry::position_offsets::Wanted;
-use crate::cli::output;
 use crate::cli::status_line::StatusLine;
-use crate::products::archive::{Adjusted, Archive, OffsetRow, adjust};
+use crate::cli::{Failure, output};
+use crate::products::archive::{Adjusted, Archive, ArchiveError, OffsetRow, adjust};
 use crate::support::presentation::text;
 use crate::support::progress::Progress;
 use serde::Serialize;
@@ -44,8 +44,8 @@ struct Printed<'a> {
 }
 
 /// Finds the offsets, writes the table and prints it.
-pub fn run(args: &AdjustArgs) -> Result<(), String> {
-    let archive = Archive::open(&args.archive).map_err(|error| error.to_string())?;
+pub fn run(args: &AdjustArgs) -> Result<(), Failure> {
+    let archive = Archive::open(&args.archive)?;
     let wanted = Wanted {
         shifts: args.positions,
         latencies: args.latency,
@@ -79,11 +79,11 @@ pub fn run(args: &AdjustArgs) -> Result<(), String> {
 }
 
 /// Finds the offsets of an archive and writes its table.
-pub fn adjusted(archive: &Archive, wanted: Wanted) -> Result<Adjusted, String> {
+pub fn adjusted(archive: &Archive, wanted: Wanted) -> Result<Adjusted, ArchiveError> {
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
     status.step("height offsets");
-    adjust(archive, wanted, &progress).map_err(|error| error.to_string())
+    adjust(archive, wanted, &progress)
 }
 
 /// Names what offsets cannot settle.

@@ -3,11 +3,11 @@
 use super::adjust::{adjusted, summary, tell};
 use super::make_maps;
 use crate::bottom::bathymetry::position_offsets::Wanted;
-use crate::cli::output;
 use crate::cli::status_line::StatusLine;
+use crate::cli::{Failure, output};
 use crate::products::archive::{
-    Archive, ArchiveError, MapTilesState, TileId, TileState, contents, remove_left_over,
-    tile_state, write_index, write_map_tiles,
+    Archive, MapTilesState, TileId, TileState, contents, remove_left_over, tile_state, write_index,
+    write_map_tiles,
 };
 use crate::support::presentation::text;
 use crate::support::progress::Progress;
@@ -21,29 +21,28 @@ pub struct ArchiveArgs {
 }
 
 /// Finds the offsets, makes the maps that are stale or missing, and the index of all.
-pub fn run(args: &ArchiveArgs) -> Result<(), String> {
-    let in_words = |error: ArchiveError| error.to_string();
-    let archive = Archive::open(&args.archive).map_err(in_words)?;
-    let logs = archive.logs().map_err(in_words)?;
+pub fn run(args: &ArchiveArgs) -> Result<(), Failure> {
+    let archive = Archive::open(&args.archive)?;
+    let logs = archive.logs()?;
     let adjusted = adjusted(&archive, Wanted::default())?;
     tell(&adjusted);
     output::results(summary(&adjusted))?;
-    let all: Vec<TileId> = contents(&archive).map_err(in_words)?.into_keys().collect();
+    let all: Vec<TileId> = contents(&archive)?.into_keys().collect();
     let is_due = |tile: &TileId| {
         tile_state(&archive, *tile, &logs, &adjusted.offsets) != TileState::UpToDate
     };
     let due: Vec<TileId> = all.iter().copied().filter(is_due).collect();
     make_maps(&archive, &due, &logs, &adjusted.offsets)?;
-    for tile in remove_left_over(&archive, &all).map_err(in_words)? {
+    for tile in remove_left_over(&archive, &all)? {
         output::results(format_args!(
             "removed {tile}: no log has rows in it any more"
         ))?;
     }
-    write_index(&archive, &logs, &all).map_err(in_words)?;
+    write_index(&archive, &logs, &all)?;
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
     status.step("map tiles");
-    let joined = write_map_tiles(&archive, &all, &progress).map_err(in_words)?;
+    let joined = write_map_tiles(&archive, &all, &progress)?;
     drop(status);
     if joined == MapTilesState::Made {
         output::results(

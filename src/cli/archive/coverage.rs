@@ -1,7 +1,7 @@
 //! `bathyscope coverage`: which logs cover a place.
 
-use crate::cli::output;
 use crate::cli::status_line::StatusLine;
+use crate::cli::{Failure, output};
 use crate::formats::read_area;
 use crate::products::archive::{Archive, CoverageQuery, PingCoverage, coverage_at};
 use crate::support::calendar;
@@ -41,45 +41,43 @@ struct Place {
 }
 
 impl FromStr for Place {
-    type Err = String;
+    type Err = &'static str;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
         let numbers = text.split(',').map(|part| part.trim().parse::<f64>());
         let numbers: Vec<f64> = numbers.collect::<Result<_, _>>().unwrap_or_default();
-        let ([lon_deg, lat_deg], radius_m) =
-            match numbers.as_slice() {
-                [lon, lat] => ([*lon, *lat], 0.0),
-                [lon, lat, radius_m] => ([*lon, *lat], *radius_m),
-                _ => return Err(
-                    "give longitude and latitude in degrees, and a radius in metres: 9.5,47.6,10"
-                        .to_owned(),
-                ),
-            };
+        let ([lon_deg, lat_deg], radius_m) = match numbers.as_slice() {
+            [lon, lat] => ([*lon, *lat], 0.0),
+            [lon, lat, radius_m] => ([*lon, *lat], *radius_m),
+            _ => {
+                return Err(
+                    "give longitude and latitude in degrees, and a radius in metres: 9.5,47.6,10",
+                );
+            }
+        };
         let at = LonLat { lon_deg, lat_deg };
         match at.is_on_earth() && (0.0..=10_000.0).contains(&radius_m) {
             true => Ok(Self { at, radius_m }),
             false => Err(
-                "longitudes go from -180 to 180 degrees, latitudes from -90 to 90, the radius from 0 to 10000 m".to_owned(),
+                "longitudes go from -180 to 180 degrees, latitudes from -90 to 90, the radius from 0 to 10000 m",
             ),
         }
     }
 }
 
 /// Prints which logs cover the place.
-pub fn run(args: &CoverageArgs) -> Result<(), String> {
-    let archive = Archive::open(&args.archive).map_err(|error| error.to_string())?;
-    let area = (args.area.as_deref().map(read_area))
-        .transpose()
-        .map_err(|error| error.to_string())?;
+pub fn run(args: &CoverageArgs) -> Result<(), Failure> {
+    let archive = Archive::open(&args.archive)?;
+    let area = args.area.as_deref().map(read_area).transpose()?;
     let asked = match (&area, args.place) {
         (Some(area), _) => CoverageQuery::Within(&area.rings),
         (None, Some(Place { at, radius_m })) => CoverageQuery::Around(at, radius_m),
-        (None, None) => return Err("give a place or an area".to_owned()),
+        (None, None) => return Err("give a place or an area".into()),
     };
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
     status.step("rows of pings");
-    let found = coverage_at(&archive, asked, &progress).map_err(|error| error.to_string())?;
+    let found = coverage_at(&archive, asked, &progress)?;
     drop(status);
     match args.json {
         true => output::json(&found.iter().map(Printed::new).collect::<Vec<_>>()),

@@ -12,9 +12,9 @@ pub use coverage::{CoverageArgs, run as run_coverage};
 pub use tile::{TileArgs, run as run_tile};
 pub use tiles::{TilesArgs, run as run_tiles};
 
-use crate::cli::output;
 use crate::cli::parallel::each_in_parallel;
 use crate::cli::status_line::StatusLine;
+use crate::cli::{Failure, output};
 use crate::products::archive::{Archive, LogRecord, Offsets, TileId, TileRecord, write_tile};
 use crate::support::presentation::text;
 use crate::support::progress::Progress;
@@ -40,7 +40,7 @@ fn make_maps(
     tiles: &[TileId],
     logs: &[LogRecord],
     offsets: &Offsets,
-) -> Result<(), String> {
+) -> Result<(), Failure> {
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
     status.step("maps");
@@ -52,7 +52,7 @@ fn make_maps(
     });
     drop(status);
     for (tile, made) in tiles.iter().zip(done) {
-        let record = made.map_err(|error| error.to_string())?;
+        let record = made?;
         output::results(format_args!("wrote {}", of_tile(*tile, &record)))?;
     }
     Ok(())

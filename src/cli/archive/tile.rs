@@ -1,7 +1,8 @@
 //! `bathyscope tile`: the map of some tiles.
 
 use super::{make_maps, tell_of_missing};
-use crate::products::archive::{Archive, ArchiveError, Offsets, TileId};
+use crate::cli::Failure;
+use crate::products::archive::{Archive, Offsets, TileId};
 use std::path::PathBuf;
 
 /// `bathyscope tile DIR TILE...`.
@@ -15,11 +16,10 @@ pub struct TileArgs {
 }
 
 /// Makes the maps of the tiles, whether they are stale or not.
-pub fn run(args: &TileArgs) -> Result<(), String> {
-    let in_words = |error: ArchiveError| error.to_string();
-    let archive = Archive::open(&args.archive).map_err(in_words)?;
-    let logs = archive.logs_of_maps(&args.tiles).map_err(in_words)?;
-    let offsets = Offsets::read(&archive).map_err(in_words)?;
+pub fn run(args: &TileArgs) -> Result<(), Failure> {
+    let archive = Archive::open(&args.archive)?;
+    let logs = archive.logs_of_maps(&args.tiles)?;
+    let offsets = Offsets::read(&archive)?;
     tell_of_missing(&offsets, &logs);
     let mut tiles = args.tiles.clone();
     tiles.sort_unstable();

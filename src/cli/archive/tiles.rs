@@ -1,6 +1,6 @@
 //! `bathyscope tiles`: what exists of an archive.
 
-use crate::cli::output;
+use crate::cli::{Failure, output};
 use crate::products::archive::{Archive, Offsets, TileState, contents, tile_state};
 use crate::support::presentation::text;
 use serde::Serialize;
@@ -30,12 +30,11 @@ struct Printed {
 }
 
 /// Prints a line for each tile.
-pub fn run(args: &TilesArgs) -> Result<(), String> {
-    let in_words = |error: crate::products::archive::ArchiveError| error.to_string();
-    let archive = Archive::open(&args.archive).map_err(in_words)?;
-    let logs = archive.logs().map_err(in_words)?;
-    let offsets = Offsets::read(&archive).map_err(in_words)?;
-    let tiles = contents(&archive).map_err(in_words)?;
+pub fn run(args: &TilesArgs) -> Result<(), Failure> {
+    let archive = Archive::open(&args.archive)?;
+    let logs = archive.logs()?;
+    let offsets = Offsets::read(&archive)?;
+    let tiles = contents(&archive)?;
     let all = tiles.len();
     let mut printed = Vec::new();
     for (tile, content) in tiles {

@@ -1,11 +1,11 @@
 //! Logs on either side of a comparison, one or those of a folder or project: processed as `bathyscope process` would.
 
 use super::{CompareArgs, table};
-use crate::cli::output;
 use crate::cli::process::all_processed;
 use crate::cli::settings::SettingsArgs;
 use crate::cli::status_line::StatusLine;
 use crate::cli::survey_logs::{OpenedLog, all_or, inputs, open_all, open_reference};
+use crate::cli::{Failure, output};
 use crate::formats::points::{Elevations, Plane};
 use crate::pipeline::{self, Agreement};
 use crate::products::outputs::{ComparisonRecord, write_differences};
@@ -15,7 +15,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Compares the points that the depth map of some logs is made of, and prints the statistics.
-pub fn run(args: &CompareArgs) -> Result<(), String> {
+pub fn run(args: &CompareArgs) -> Result<(), Failure> {
     let opened = opened(&args.measured, &args.settings)?;
     let Some(first) = opened.first() else {
         return Ok(());
@@ -26,15 +26,12 @@ pub fn run(args: &CompareArgs) -> Result<(), String> {
     status.step("comparing");
     let reference = Arc::new(open_reference(&args.reference, first, &progress)?);
     let matching = args.matching();
-    let agreement = Agreement::with_reference(&measured, &reference, matching, &progress);
-    let agreement = agreement.map_err(|error| error.to_string())?;
+    let agreement = Agreement::with_reference(&measured, &reference, matching, &progress)?;
     if let Some(path) = &args.output {
-        write_differences(path, &measured, &agreement).map_err(|error| error.to_string())?;
+        write_differences(path, &measured, &agreement)?;
     }
-    let inputs = reference.inputs(&progress);
-    let inputs = inputs.map_err(|error| error.to_string())?;
-    let record =
-        ComparisonRecord::new(&measured, &agreement, &inputs).map_err(|error| error.to_string())?;
+    let inputs = reference.inputs(&progress)?;
+    let record = ComparisonRecord::new(&measured, &agreement, &inputs)?;
     drop(status);
     for note in &reference.notes {
         let path = reference.path().display();
@@ -53,7 +50,7 @@ pub fn run(args: &CompareArgs) -> Result<(), String> {
 }
 
 /// The same points of logs as a file of points would hold them.
-pub fn elevations(argument: &OsStr, settings: &SettingsArgs) -> Result<Elevations, String> {
+pub fn elevations(argument: &OsStr, settings: &SettingsArgs) -> Result<Elevations, Failure> {
     let opened = opened(argument, settings)?;
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
@@ -71,7 +68,7 @@ pub fn elevations(argument: &OsStr, settings: &SettingsArgs) -> Result<Elevation
 }
 
 /// The logs that an argument names, in one frame.
-fn opened(argument: &OsStr, settings: &SettingsArgs) -> Result<Vec<OpenedLog>, String> {
+fn opened(argument: &OsStr, settings: &SettingsArgs) -> Result<Vec<OpenedLog>, Failure> {
     let inputs = inputs(&[PathBuf::from(argument)], settings, None)?;
     if let [input] = inputs.as_slice() {
         return Ok(vec![input.open()?]);

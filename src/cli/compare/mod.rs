@@ -8,9 +8,10 @@ use super::output;
 use super::settings::SettingsArgs;
 use super::status_line::StatusLine;
 use crate::bottom::bathymetry::compare::{Comparison, Match, Matching, match_points};
+use crate::cli::Failure;
 use crate::formats::points::{Elevations, is_named_as_elevations, read_elevations, split_columns};
 use crate::pipeline::matching_in_words;
-use crate::products::export::{is_same_file, write_atomically};
+use crate::products::export::{ExportError, is_same_file, write_atomically};
 use crate::support::progress::Progress;
 use plane::into_one_plane;
 use serde::Serialize;
@@ -80,11 +81,11 @@ enum By {
     Surface,
 }
 
-fn parse_metres(text: &str) -> Result<f64, String> {
+fn parse_metres(text: &str) -> Result<f64, &'static str> {
     let metres = text.parse().ok();
     metres
         .filter(|metres: &f64| *metres > 0.0 && metres.is_finite())
-        .ok_or_else(|| "a distance is a number above 0".to_owned())
+        .ok_or("a distance is a number above 0")
 }
 
 /// What is printed as JSON.
@@ -101,7 +102,7 @@ struct Printed<'a> {
 const SIGN: &str = "measured minus reference elevation, metres; positive is shallower";
 
 /// Compares and prints the statistics.
-pub fn run(args: CompareArgs) -> Result<(), String> {
+pub fn run(args: CompareArgs) -> Result<(), Failure> {
     if let Some(folder) = args.change.folder() {
         return change::run(&args, folder);
     }
@@ -113,7 +114,7 @@ pub fn run(args: CompareArgs) -> Result<(), String> {
 }
 
 /// Refuses to write the points over a file that they are made from.
-fn refuse_overwrite_of_inputs(args: &CompareArgs) -> Result<(), String> {
+fn refuse_overwrite_of_inputs(args: &CompareArgs) -> Result<(), Failure> {
     let inputs = [&args.measured, &args.reference];
     let output = args.output.as_deref();
     let is_input = |path: &&Path| {
@@ -124,13 +125,14 @@ fn refuse_overwrite_of_inputs(args: &CompareArgs) -> Result<(), String> {
         Some(path) => Err(format!(
             "that is one of the files compared; choose another name: {}",
             path.display()
-        )),
+        )
+        .into()),
         None => Ok(()),
     }
 }
 
 /// Compares a file of points.
-fn points(args: &CompareArgs) -> Result<(), String> {
+fn points(args: &CompareArgs) -> Result<(), Failure> {
     let mut measured = read(&args.measured)?;
     let mut reference = match is_named_as_elevations(&args.reference) {
         true => read(&args.reference)?,
@@ -142,15 +144,14 @@ fn points(args: &CompareArgs) -> Result<(), String> {
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
     status.step("matching");
-    let matches = match_points(&measured.points, &reference.points, matching, &progress)
-        .map_err(|error| error.to_string())?;
+    let matches = match_points(&measured.points, &reference.points, matching, &progress)?;
     drop(status);
     let comparison = Comparison::new(measured.points.len(), &matches, args.water_level);
     if matches.is_empty() {
         return Err(format!(
             "no measured point has a reference ({by}); give a larger distance, or see whether both files count from the same origin: {}",
             measured.path.display()
-        ));
+        ).into());
     }
     if let Some(path) = &args.output {
         write_matches(path, &measured, &matches)?;
@@ -167,8 +168,8 @@ fn points(args: &CompareArgs) -> Result<(), String> {
     })
 }
 
-fn read(argument: &OsStr) -> Result<Elevations, String> {
-    let file = read_elevations(argument).map_err(|error| error.to_string())?;
+fn read(argument: &OsStr) -> Result<Elevations, Failure> {
+    let file = read_elevations(argument)?;
     let shown = file.path.display();
     if let Some(note) = &file.note {
         output::notify(format_args!("warning: {note}: {shown}"));
@@ -219,7 +220,7 @@ fn table(comparison: &Comparison, by: &str) -> String {
     lines.join("\n")
 }
 
-fn write_matches(path: &Path, measured: &Elevations, matches: &[Match]) -> Result<(), String> {
+fn write_matches(path: &Path, measured: &Elevations, matches: &[Match]) -> Result<(), ExportError> {
     write_atomically(path, |file| {
         let mut out = BufWriter::new(file);
         writeln!(out, "x_m,y_m,z_m,reference_z_m,difference_m")?;
@@ -234,5 +235,4 @@ fn write_matches(path: &Path, measured: &Elevations, matches: &[Match]) -> Resul
         }
         out.flush()
     })
-    .map_err(|error| error.to_string())
 }

@@ -1,18 +1,22 @@
 //! Two files of points in one plane.
 
+use crate::cli::Failure;
 use crate::formats::points::{Elevations, Plane};
 use crate::support::geo::{Crs, LocalFrame, LonLat};
 
 /// Puts both files into one plane: metres that say nothing else of themselves are taken as those of the other file; degrees, and metres
 /// of different systems, become metres about the first reference point.
-pub fn into_one_plane(measured: &mut Elevations, reference: &mut Elevations) -> Result<(), String> {
+pub fn into_one_plane(
+    measured: &mut Elevations,
+    reference: &mut Elevations,
+) -> Result<(), Failure> {
     match (measured.plane, reference.plane) {
         (Plane::Degrees, Plane::Metres) | (Plane::Metres, Plane::Degrees) => {
             return Err(format!(
                 "one file is in degrees and the other in metres, so they do not fit onto each other; name columns of one kind: {} and {}",
                 measured.path.display(),
                 reference.path.display()
-            ));
+            ).into());
         }
         (Plane::Metres, _) | (_, Plane::Metres) => return Ok(()),
         (Plane::Degrees, Plane::Degrees) => {}
@@ -33,8 +37,8 @@ pub fn into_one_plane(measured: &mut Elevations, reference: &mut Elevations) -> 
     Ok(())
 }
 
-/// `None` for degrees; the error is a sentence.
-fn system(file: &Elevations) -> Result<Option<Crs>, String> {
+/// `None` for degrees.
+fn system(file: &Elevations) -> Result<Option<Crs>, Failure> {
     let epsg = match file.plane {
         Plane::Utm(zone) => zone.epsg() as u16,
         Plane::Epsg(epsg) => epsg,

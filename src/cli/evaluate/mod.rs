@@ -6,9 +6,10 @@ mod surveys;
 mod table;
 
 use super::output;
-use crate::detection::labels::{self, LabelSet, Paired};
+use crate::cli::Failure;
+use crate::detection::labels::{self, LabelError, LabelSet, Paired};
 use crate::detection::metrics::{ApMethod, Evaluation, Image, MetricSettings, evaluate};
-use crate::products::export::write_atomically;
+use crate::products::export::{ExportError, write_atomically};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -44,11 +45,11 @@ pub struct EvaluateArgs {
 /// Score of labels from which boxes are counted, as Darknet has it.
 const LABEL_SCORE: f64 = 0.25;
 
-fn parse_share(text: &str) -> Result<f64, String> {
+fn parse_share(text: &str) -> Result<f64, &'static str> {
     let share = text.parse().ok();
     share
         .filter(|share| (0.0..=1.0).contains(share))
-        .ok_or_else(|| "it is a number from 0 to 1".to_owned())
+        .ok_or("it is a number from 0 to 1")
 }
 
 /// Where one of the two sets of boxes comes from.
@@ -130,7 +131,7 @@ impl Outcome {
 }
 
 /// Measures, prints and draws.
-pub fn run(args: EvaluateArgs) -> Result<(), String> {
+pub fn run(args: EvaluateArgs) -> Result<(), Failure> {
     if let Some(page) = &args.output {
         check_page(page)?;
     }
@@ -156,11 +157,11 @@ pub fn run(args: EvaluateArgs) -> Result<(), String> {
     output::results(table::of(&outcome).trim_end())
 }
 
-fn of_labels(truth: &Path, predicted: &Path, score: Option<f64>) -> Result<Boxes, String> {
-    let truth = labels::read_truth(truth).map_err(|error| error.to_string())?;
-    let predicted = labels::read_predicted(predicted, &truth).map_err(|error| error.to_string())?;
+fn of_labels(truth: &Path, predicted: &Path, score: Option<f64>) -> Result<Boxes, LabelError> {
+    let truth = labels::read_truth(truth)?;
+    let predicted = labels::read_predicted(predicted, &truth)?;
     Ok(Boxes {
-        paired: labels::pair(&truth, &predicted).map_err(|error| error.to_string())?,
+        paired: labels::pair(&truth, &predicted)?,
         truth: Source::of_labels(&truth),
         predicted: Source::of_labels(&predicted),
         ranked: None,
@@ -169,7 +170,7 @@ fn of_labels(truth: &Path, predicted: &Path, score: Option<f64>) -> Result<Boxes
 }
 
 /// Refuses a name that is no page's before any work: labels of that name would be replaced.
-fn check_page(path: &Path) -> Result<(), String> {
+fn check_page(path: &Path) -> Result<(), Failure> {
     let suffix = path.extension().unwrap_or_default();
     if ["html", "htm"]
         .iter()
@@ -177,10 +178,9 @@ fn check_page(path: &Path) -> Result<(), String> {
     {
         return Ok(());
     }
-    Err(format!("a page's name ends in .html: {}", path.display()))
+    Err(format!("a page's name ends in .html: {}", path.display()).into())
 }
 
-fn write_page(path: &Path, text: &str) -> Result<(), String> {
+fn write_page(path: &Path, text: &str) -> Result<(), ExportError> {
     write_atomically(path, |mut file| file.write_all(text.as_bytes()))
-        .map_err(|error| error.to_string())
 }

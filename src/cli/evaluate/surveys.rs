@@ -1,13 +1,13 @@
 //! Logs whose objects are known: searched as `bathyscope detect` does, and compared with them.
 
 use super::{Boxes, Source};
+use crate::cli::Failure;
 use crate::cli::detect::load;
 use crate::cli::status_line::StatusLine;
 use crate::detection::labels::Paired;
 use crate::detection::metrics::Image;
-use crate::detection::review::read_text;
 use crate::detection::truth::{self, RasterTruth, Truth};
-use crate::detection::{DetectorSettings, Model, Nms, Raster, Scored, find};
+use crate::detection::{DetectError, DetectorSettings, Model, Nms, Raster, Scored, find};
 use crate::formats;
 use crate::pipeline::Settings;
 use crate::support::progress::Progress;
@@ -25,7 +25,7 @@ pub fn search(
     truth: Option<&Path>,
     model: Option<&Path>,
     score: Option<f64>,
-) -> Result<Boxes, String> {
+) -> Result<Boxes, Failure> {
     if let (Some(_), [_, _, ..]) = (truth, logs) {
         return Err(
             "--truth is about one log; of several each has its LOG.objects.csv beside it".into(),
@@ -45,9 +45,9 @@ pub fn search(
     let status = StatusLine::new(&Progress::new());
     for (number, log) in (1..).zip(logs) {
         status.step(&format!("log {number} of {}", logs.len()));
-        let fail = |error: String| format!("{error}: {}", log.display());
         let known = Known::open(log, truth, searches[0].0.pixel_m())?;
-        found.add(&known, &searches).map_err(fail)?;
+        let searched = found.add(&known, &searches);
+        searched.map_err(|error| format!("{error}: {}", log.display()))?;
     }
     drop(status);
     Ok(found.finish(logs, score))
@@ -62,23 +62,20 @@ struct Known {
 }
 
 impl Known {
-    fn open(log: &Path, truth: Option<&Path>, pixel_m: f64) -> Result<Self, String> {
+    fn open(log: &Path, truth: Option<&Path>, pixel_m: f64) -> Result<Self, Failure> {
         let progress = Progress::new();
-        let survey = formats::open(log, &progress).map_err(|error| error.to_string())?;
+        let survey = formats::open(log, &progress)?;
         let sidecar = log.with_extension(truth::SIDECAR);
         let path = truth.unwrap_or(&sidecar);
         if truth.is_none() && !path.is_file() {
             return Err(format!(
                 "nothing is known of the objects in this log; name a table of them or a review with --truth: {}",
                 log.display()
-            ));
+            ).into());
         }
-        let text = read_text(path, "truth").map_err(|error| error.to_string())?;
-        let truth = Truth::parse(&text, &Identity::of(&survey))
-            .map_err(|error| format!("{error}: {}", path.display()))?;
+        let truth = Truth::read(path, &Identity::of(&survey))?;
         let settings = Settings::default();
-        let navigation = navigate(&survey, &settings.heading, settings.projection, &progress)
-            .map_err(|error| error.to_string())?;
+        let navigation = navigate(&survey, &settings.heading, settings.projection, &progress)?;
         let raster = Raster::new(&survey, &navigation, pixel_m);
         let on_raster = RasterTruth::new(&raster, Arc::new(truth));
         Ok(Self {
@@ -90,7 +87,7 @@ impl Known {
     }
 
     /// The boxes of a search, by side.
-    fn search(&self, model: &Model, score: f32) -> Result<[Vec<Scored>; 2], String> {
+    fn search(&self, model: &Model, score: f32) -> Result<[Vec<Scored>; 2], DetectError> {
         let settings = DetectorSettings {
             score: Some(score),
             // How well it names is part of what is evaluated.
@@ -105,8 +102,7 @@ impl Known {
             &settings,
             &progress,
             |_| (),
-        )
-        .map_err(|error| error.to_string())?;
+        )?;
         Ok(Side::BOTH.map(|side| {
             let of_side = found.iter().filter(|one| one.mark.side == side);
             let scored = of_side.map(|one| Scored {
@@ -138,7 +134,7 @@ impl Found {
     }
 
     /// Searches a log with both.
-    fn add(&mut self, known: &Known, searches: &[(Model, f32); 2]) -> Result<(), String> {
+    fn add(&mut self, known: &Known, searches: &[(Model, f32); 2]) -> Result<(), DetectError> {
         let name = known.survey.name();
         let images = known.on_raster.images(&mut self.classes);
         for ((model, score), into) in searches.iter().zip([&mut self.ranked, &mut self.shown]) {

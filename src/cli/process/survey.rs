@@ -5,12 +5,12 @@ use crate::bottom::bathymetry::height_offsets::{Datum, LogOffset};
 use crate::bottom::bathymetry::position_offsets::Wanted;
 use crate::cli::status_line::StatusLine;
 use crate::cli::survey_logs::{OpenedLog, open_reference, survey_review};
-use crate::cli::{detection_summary, output};
+use crate::cli::{Failure, detection_summary, output};
 use crate::detection::Model;
 use crate::pipeline::joint::{LogPositions, RequestedCorrection, height_offsets, position_offsets};
 use crate::pipeline::{self, Derived, ProcessedLog, Settings};
 use crate::products::outputs::{self, Order, Product};
-use crate::support::progress::Progress;
+use crate::support::progress::{Cancelled, Progress};
 use crate::survey::Survey;
 use std::ffi::OsStr;
 use std::path::Path;
@@ -34,8 +34,8 @@ impl How<'_> {
     /// products and reports in a few lines what came out.
     ///
     /// # Errors
-    /// A sentence that says what could not be done.
-    pub fn process_into(&self, opened: &[OpenedLog], folder: &Path) -> Result<(), String> {
+    /// When something cannot be done.
+    pub fn process_into(&self, opened: &[OpenedLog], folder: &Path) -> Result<(), Failure> {
         let Some(first) = opened.first() else {
             return Ok(());
         };
@@ -44,8 +44,7 @@ impl How<'_> {
         let open = |argument| open_reference(argument, first, &progress);
         let reference = self.reference.map(open).transpose()?.map(Arc::new);
         let surveys = opened.iter().map(|log| &*log.survey);
-        let run = outputs::begin(folder, surveys, reference.as_deref())
-            .map_err(|error| error.to_string())?;
+        let run = outputs::begin(folder, surveys, reference.as_deref())?;
         let mut logs = all_processed(opened, &status, &progress)?;
         let mut corrections = Vec::new();
         if let Some(wanted) = self.adjust {
@@ -78,8 +77,7 @@ impl How<'_> {
             review: &review,
             corrections: &corrections,
         };
-        let written = outputs::write(&order, run, &progress, |what| status.step(what))
-            .map_err(|error| error.to_string())?;
+        let written = outputs::write(&order, run, &progress, |what| status.step(what))?;
         drop(status);
         for warning in &written.report.warnings {
             output::notify(format_args!("warning: {warning}"));
@@ -99,12 +97,12 @@ impl How<'_> {
 /// Runs the pipeline on every log of a survey with its own settings.
 ///
 /// # Errors
-/// When the work was cancelled, in a sentence.
+/// When the work was cancelled.
 pub fn all_processed(
     opened: &[OpenedLog],
     status: &StatusLine,
     progress: &Progress,
-) -> Result<Vec<ProcessedLog>, String> {
+) -> Result<Vec<ProcessedLog>, Cancelled> {
     let one = |(number, log): (usize, &OpenedLog)| {
         let name = match opened.len() {
             1 => String::new(),
@@ -122,21 +120,21 @@ pub fn all_processed(
 /// Runs the pipeline on a log; what does not depend on the settings that changed is taken from `previous`.
 ///
 /// # Errors
-/// When the work was cancelled, in a sentence.
+/// When the work was cancelled.
 fn processed(
     survey: &Arc<Survey>,
     settings: &Settings,
     previous: Option<&ProcessedLog>,
     status: &StatusLine,
     progress: &Progress,
-) -> Result<ProcessedLog, String> {
+) -> Result<ProcessedLog, Cancelled> {
     let previous = previous.map(|log| &log.products);
     let products = pipeline::run(survey, settings, previous, progress, |stage| {
         status.step(stage.name());
     });
     Ok(ProcessedLog {
         survey: survey.clone(),
-        products: products.map_err(|error| error.to_string())?,
+        products: products?,
     })
 }
 
@@ -147,8 +145,8 @@ fn placed(
     corrections: &mut Vec<RequestedCorrection>,
     status: &StatusLine,
     progress: &Progress,
-) -> Result<Vec<ProcessedLog>, String> {
-    let found = position_offsets(logs, wanted, progress).map_err(|error| error.to_string())?;
+) -> Result<Vec<ProcessedLog>, Cancelled> {
+    let found = position_offsets(logs, wanted, progress)?;
     for (index, name) in outputs::log_names(logs).iter().enumerate() {
         let of_log = found.as_ref().and_then(|found| found.get(index));
         corrections.extend(RequestedCorrection::of_positions(name, wanted, of_log));
@@ -177,8 +175,8 @@ fn adjusted(
     logs: &[ProcessedLog],
     status: &StatusLine,
     progress: &Progress,
-) -> Result<Vec<ProcessedLog>, String> {
-    let found = height_offsets(logs, Datum::Mean, progress).map_err(|error| error.to_string())?;
+) -> Result<Vec<ProcessedLog>, Cancelled> {
+    let found = height_offsets(logs, Datum::Mean, progress)?;
     let with = |(log, offset): (&ProcessedLog, &LogOffset)| {
         let mut settings = Settings::clone(&log.products.settings);
         settings.height_offset_m = offset.applied_m();

@@ -1,10 +1,10 @@
 //! `bathyscope process --products tiles`: the rows of logs into an archive.
 
 use super::ProcessArgs;
-use crate::cli::output;
 use crate::cli::parallel::each_in_parallel;
 use crate::cli::status_line::StatusLine;
 use crate::cli::survey_logs::{LogInput, all_or};
+use crate::cli::{Failure, output};
 use crate::products::archive::{Added, Archive, LogRecord, add};
 use crate::support::presentation::text;
 use crate::support::progress::Progress;
@@ -14,21 +14,19 @@ use crate::support::progress::Progress;
 const MOST_AT_ONCE: usize = 4;
 
 /// Adds every log to the archive of the folder. One that cannot be used does not keep the others out.
-pub fn run(inputs: &[LogInput], args: &ProcessArgs) -> Result<(), String> {
+pub fn run(inputs: &[LogInput], args: &ProcessArgs) -> Result<(), Failure> {
     let folder = args.output.as_deref().ok_or(
         "tiles go into the folder of an archive, which many runs share; name it with -o DIR",
     )?;
     if args.adjust || args.reference.is_some() || !args.review.is_empty() {
         return Err(
-            "tiles are written of each log by itself: --adjust, --reference and --review do not go with them (`bathyscope adjust DIR` finds height offsets)"
-                .to_owned(),
+            "tiles are written of each log by itself: --adjust, --reference and --review do not go with them (`bathyscope adjust DIR` finds height offsets)".into(),
         );
     }
     let Some(first) = inputs.first() else {
         return Ok(());
     };
-    let archive =
-        Archive::open_for(folder, &first.logs.settings).map_err(|error| error.to_string())?;
+    let archive = Archive::open_for(folder, &first.logs.settings)?;
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
     status.step("tiles");
@@ -52,7 +50,7 @@ pub fn run(inputs: &[LogInput], args: &ProcessArgs) -> Result<(), String> {
             Ok(Added::UpToDate(record)) => {
                 output::results(format_args!("up to date: {}", in_words(&record)))?;
             }
-            Err(sentence) => {
+            Err(Failure { sentence }) => {
                 failed += 1;
                 output::notify(format_args!("bathyscope: {sentence}"));
             }
@@ -61,14 +59,12 @@ pub fn run(inputs: &[LogInput], args: &ProcessArgs) -> Result<(), String> {
     all_or(failed, inputs.len())
 }
 
-fn added(archive: &Archive, input: &LogInput) -> Result<Added, String> {
+fn added(archive: &Archive, input: &LogInput) -> Result<Added, Failure> {
     // Each log of a project has settings of its own.
-    archive
-        .check(&input.logs.settings)
-        .map_err(|error| error.to_string())?;
+    archive.check(&input.logs.settings)?;
     let log = input.open()?;
     let added = add(archive, &log.survey, &log.settings, &Progress::new());
-    added.map_err(|error| format!("{error}: {}", input.path.display()))
+    Ok(added.map_err(|error| format!("{error}: {}", input.path.display()))?)
 }
 
 fn in_words(record: &LogRecord) -> String {

@@ -2,10 +2,11 @@
 
 use super::Truth;
 use crate::detection::dataset::Known;
-use crate::detection::review::{Review, ReviewError};
+use crate::detection::review::{Review, ReviewError, read_text};
 use crate::detection::{Mark, ObjectExtent, class_index};
 use crate::survey::{Identity, Side};
 use csv::StringRecord;
+use std::path::{Path, PathBuf};
 
 /// More sightings than any survey holds.
 const MOST_OBJECTS: usize = 200_000;
@@ -40,6 +41,23 @@ pub enum TruthError {
     TooMany,
 }
 
+/// Why a file cannot be taken for the truth about the open survey, in a sentence that ends with the file.
+#[derive(Debug, thiserror::Error)]
+pub enum TruthFileError {
+    /// It cannot be read.
+    #[error(transparent)]
+    Unreadable(#[from] ReviewError),
+    /// It does not describe the survey.
+    #[error("{what}: {}", path.display())]
+    Unusable {
+        /// What is wrong with it.
+        #[source]
+        what: TruthError,
+        /// The file.
+        path: PathBuf,
+    },
+}
+
 /// What is wrong with a sighting of an object.
 #[derive(Debug, thiserror::Error)]
 pub enum SightingFault {
@@ -68,6 +86,18 @@ pub enum SightingFault {
 }
 
 impl Truth {
+    /// Reads the truth about the log `of` from a file.
+    ///
+    /// # Errors
+    /// When the file cannot be read, or as [`Truth::parse`].
+    pub fn read(path: &Path, of: &Identity) -> Result<Self, TruthFileError> {
+        let text = read_text(path, "truth")?;
+        Self::parse(&text, of).map_err(|what| TruthFileError::Unusable {
+            what,
+            path: path.to_owned(),
+        })
+    }
+
     /// Reads the table of objects that `bathyscope simulate` writes, or the review of the log `of` (its accepted and added
     /// boxes).
     ///

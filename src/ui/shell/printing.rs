@@ -6,7 +6,7 @@ use crate::support::progress::Progress;
 use crate::ui::ViewContext;
 use crate::ui::dialogs::Purpose;
 use crate::ui::drop_down::DropDown;
-use crate::ui::offscreen::{Studio, write_picture};
+use crate::ui::offscreen::{PictureError, Studio, write_picture};
 use crate::ui::theme;
 use egui::{DragValue, Id, Label, Modal, Panel, RichText, Ui};
 use std::path::{Path, PathBuf};
@@ -256,13 +256,13 @@ fn draw(
     sheet: Sheet,
     path: &Path,
     progress: &Progress,
-) -> Result<String, String> {
+) -> Result<String, PictureError> {
     let studio = Studio::new()?;
     let picture = studio.draw(&mut shell, sheet.size_px, sheet.pixels_per_point, progress)?;
     if let Some(error) = shell.app.notices.iter().find(|notice| notice.is_error) {
-        return Err(error.text.clone());
+        return Err(PictureError::Notice(error.text.clone()));
     }
-    progress.check().map_err(|error| error.to_string())?;
+    progress.check()?;
     write_picture(&picture, path)?;
     let [width, height] = sheet.size_px;
     Ok(format!(

@@ -4,6 +4,7 @@
 //! leaves pings unsearched, and they are searched again.
 
 use super::{LEAST_SCORE, file_name};
+use crate::app::error::AppError;
 use crate::app::{App, LogId, Outcome, Task};
 use crate::detection::{Detection, DetectorSettings, find};
 use crate::survey::Navigation;
@@ -26,7 +27,7 @@ struct Running {
     /// First ping and the one behind the last.
     from: usize,
     to: usize,
-    task: Task<Result<Vec<Detection>, String>>,
+    task: Task<Result<Vec<Detection>, AppError>>,
 }
 
 impl TailSearch {
@@ -88,7 +89,7 @@ impl App {
             };
             let model = &detector.model;
             let found = find(&stretch, &navigation, model, &settings, progress, |_| ());
-            let mut found = found.map_err(|error| error.to_string())?;
+            let mut found = found?;
             for one in &mut found {
                 one.mark.pings = one.mark.pings.start + from..one.mark.pings.end + from;
             }
@@ -113,7 +114,7 @@ impl App {
             .map(|running| running.task.poll())
         {
             Some(Outcome::Done(found)) => found,
-            Some(Outcome::Failed) => Err("the search for objects failed unexpectedly".to_owned()),
+            Some(Outcome::Failed) => Err(AppError::Failed("the search for objects")),
             Some(Outcome::Pending) | None => return,
         };
         let Some(running) = self.findings.search.tail.running.take() else {
@@ -125,10 +126,10 @@ impl App {
                     app.adopt_tail(&found, running.from, running.to)
                 });
             }
-            Err(text) => {
+            Err(error) => {
                 // The same model would fail again.
                 self.findings.search.tail.stop();
-                self.notify(text, true);
+                self.notify(error.to_string(), true);
             }
         }
     }

@@ -1,6 +1,7 @@
 //! The depth maps of either side of a change: of a run, of an archive, or of any program.
 
 use crate::bottom::bathymetry::CellSource;
+use crate::cli::Failure;
 use crate::formats::geotiff::{
     Cells, CellsError, RasterSpec, RasterTiles, RasterValues, read_values,
 };
@@ -21,7 +22,7 @@ pub struct DepthMaps {
 
 impl DepthMaps {
     /// The map that an argument names: a GeoTIFF, the folder of a run, or an archive.
-    pub fn open(path: &Path) -> Result<Self, String> {
+    pub fn open(path: &Path) -> Result<Self, Failure> {
         let of_run = path.join("depth").join(DEPTH);
         let files = match (path.is_dir(), of_run.is_file()) {
             (false, _) => vec![path.to_owned()],
@@ -32,7 +33,7 @@ impl DepthMaps {
             return Err(format!(
                 "there is no depth map in this folder; give a folder of `bathyscope process`, an archive with maps, or a GeoTIFF: {}",
                 path.display()
-            ));
+            ).into());
         }
         Ok(Self {
             path: path.to_owned(),
@@ -53,12 +54,12 @@ impl DepthMaps {
     }
 
     /// Every part of the map, one after the other.
-    pub fn parts(&self) -> impl Iterator<Item = Result<DepthPart, String>> {
+    pub fn parts(&self) -> impl Iterator<Item = Result<DepthPart, Failure>> {
         self.files.iter().map(|file| DepthPart::read(file))
     }
 
     /// The parts that lie around another one.
-    pub fn around(&self, other: &DepthPart) -> Result<Vec<DepthPart>, String> {
+    pub fn around(&self, other: &DepthPart) -> Result<Vec<DepthPart>, Failure> {
         let own = other.bounds_deg();
         let parts = self.files.iter().map(|file| {
             let part = DepthPart::read(file)?;
@@ -70,7 +71,7 @@ impl DepthMaps {
 }
 
 /// The maps of an archive's tiles, in the order of their names.
-fn tiles(archive: &Path) -> Result<Vec<PathBuf>, String> {
+fn tiles(archive: &Path) -> Result<Vec<PathBuf>, Failure> {
     let folder = archive.join("tiles");
     if !folder.is_dir() {
         return Ok(Vec::new());
@@ -78,7 +79,7 @@ fn tiles(archive: &Path) -> Result<Vec<PathBuf>, String> {
     let fail = |error| format!("cannot read the folder: {error}: {}", folder.display());
     let entries = fs::read_dir(&folder).map_err(fail)?;
     let files = entries.map(|entry| Ok(entry.map_err(fail)?.path().join(DEPTH)));
-    let mut files: Vec<PathBuf> = files.collect::<Result<_, String>>()?;
+    let mut files: Vec<PathBuf> = files.collect::<Result<_, Failure>>()?;
     files.retain(|file| file.is_file());
     files.sort_unstable();
     Ok(files)
@@ -96,17 +97,18 @@ fn cells_beside<T>(
     name: &str,
     size: [usize; 2],
     read: impl Fn(&Path) -> Result<([usize; 2], Vec<T>), CellsError>,
-) -> Result<Option<Vec<T>>, String> {
+) -> Result<Option<Vec<T>>, Failure> {
     let Some(path) = beside(depths, name) else {
         return Ok(None);
     };
     match read(&path) {
-        Err(error) => Err(format!("{error}: {}", path.display())),
+        Err(error) => Err(format!("{error}: {}", path.display()).into()),
         Ok((found, cells)) if found == size => Ok(Some(cells)),
         Ok(_) => Err(format!(
             "it has other cells than the depths beside it: {}",
             path.display()
-        )),
+        )
+        .into()),
     }
 }
 
@@ -133,7 +135,7 @@ pub struct Depth {
 }
 
 impl DepthPart {
-    fn read(path: &Path) -> Result<Self, String> {
+    fn read(path: &Path) -> Result<Self, Failure> {
         let fail = |error: &dyn std::fmt::Display| format!("{error}: {}", path.display());
         let mut raster = read_values(path).map_err(|error| fail(&error))?;
         if !raster.downwards {

@@ -9,10 +9,12 @@ use crate::bottom::bathymetry::Grid;
 use crate::bottom::bathymetry::change::{
     CellChange, ChangeErrors, ChangeField, ChangeRegion, ChangeTotals,
 };
-use crate::cli::output;
 use crate::cli::status_line::StatusLine;
+use crate::cli::{Failure, output};
 use crate::formats::geotiff::{Band, RasterSpec};
-use crate::products::export::{metres_raster, qgis_style, write_atomically};
+use crate::products::export::{
+    ExportError, RasterError, metres_raster, qgis_style, write_atomically,
+};
 use crate::support::presentation::colours::{
     difference_colour, difference_reach_m, uncertainty_colour,
 };
@@ -42,11 +44,11 @@ pub struct ChangeArgs {
     error_range: f64,
 }
 
-fn parse_error(text: &str) -> Result<f64, String> {
+fn parse_error(text: &str) -> Result<f64, &'static str> {
     let metres = text.parse().ok();
     metres
         .filter(|metres: &f64| *metres >= 0.0 && metres.is_finite())
-        .ok_or_else(|| "an error is a number that is not below 0".to_owned())
+        .ok_or("an error is a number that is not below 0")
 }
 
 impl ChangeArgs {
@@ -64,7 +66,7 @@ impl ChangeArgs {
 }
 
 /// Compares two depth maps, writes what changed and prints the volumes.
-pub fn run(args: &CompareArgs, folder: &Path) -> Result<(), String> {
+pub fn run(args: &CompareArgs, folder: &Path) -> Result<(), Failure> {
     let [newer, older] =
         [&args.measured, &args.reference].map(|name| DepthMaps::open(Path::new(name)));
     let (newer, older) = (newer?, older?);
@@ -103,7 +105,8 @@ pub fn run(args: &CompareArgs, folder: &Path) -> Result<(), String> {
             "the two maps have no cell in common: {} and {}",
             newer.path().display(),
             older.path().display()
-        ));
+        )
+        .into());
     };
     write_styles(&written, &totals)?;
     let record = ChangeRecord::new([newer.path(), older.path()], &totals, errors);
@@ -121,9 +124,8 @@ pub fn run(args: &CompareArgs, folder: &Path) -> Result<(), String> {
     }
 }
 
-fn write_text(path: &Path, text: &str) -> Result<(), String> {
+fn write_text(path: &Path, text: &str) -> Result<(), ExportError> {
     write_atomically(path, |mut file| file.write_all(text.as_bytes()))
-        .map_err(|error| error.to_string())
 }
 
 /// What changed in the cells of a part of the newer map.
@@ -200,7 +202,7 @@ impl<'a> PartChange<'a> {
         errors: &ChangeErrors,
         regions: &[ChangeRegion],
         progress: &Progress,
-    ) -> Result<[PathBuf; 3], String> {
+    ) -> Result<[PathBuf; 3], RasterError> {
         let named = |what: &str| match self.part.name.as_str() {
             "" => folder.join(format!("{what}.tif")),
             tile => folder.join(format!("{tile}_{what}.tif")),
@@ -235,8 +237,7 @@ impl<'a> PartChange<'a> {
                 description: description.to_owned(),
                 ..self.part.spec()
             };
-            metres_raster(path, &spec, &cells_of(&spec), values_m, progress)
-                .map_err(|error| error.to_string())?;
+            metres_raster(path, &spec, &cells_of(&spec), values_m, progress)?;
         }
         Ok(paths)
     }
@@ -254,13 +255,13 @@ fn cells_of(spec: &RasterSpec) -> Grid {
 }
 
 /// Colours for QGIS, the same for all parts of a map: blue where the bottom sank, red where it rose.
-fn write_styles(written: &[[PathBuf; 3]], totals: &ChangeTotals) -> Result<(), String> {
+fn write_styles(written: &[[PathBuf; 3]], totals: &ChangeTotals) -> Result<(), ExportError> {
     let reach_m = difference_reach_m(totals.reach_m());
     let level_m = totals.median_level_m().unwrap_or_default();
     for [rise, level, uncertainty] in written {
         let style = |raster: &Path, ends_m, colour: fn(f32) -> [u8; 3]| {
             let path = raster.with_extension("qml");
-            qgis_style(&path, ends_m, STEPS, colour).map_err(|error| error.to_string())
+            qgis_style(&path, ends_m, STEPS, colour)
         };
         style(rise, [-reach_m, reach_m], difference_colour)?;
         style(level, [0.0, 2.0 * level_m], uncertainty_colour)?;

@@ -108,9 +108,8 @@ impl ChangeRecord {
     }
 
     /// The record as a file holds it.
-    pub fn json(&self) -> Result<String, String> {
-        let text = serde_json::to_string_pretty(self).map_err(|error| error.to_string())?;
-        Ok(text + "\n")
+    pub fn json(&self) -> Result<String, serde_json::Error> {
+        Ok(serde_json::to_string_pretty(self)? + "\n")
     }
 
     /// Names and figures, a line each.

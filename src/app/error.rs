@@ -1,0 +1,93 @@
+//! Why something that was asked for is not done.
+
+use crate::detection::review::ReviewError;
+use crate::detection::truth::{TruthError, TruthFileError};
+use crate::detection::{DetectError, ModelError};
+use crate::formats::base_map::BaseMapError;
+use crate::formats::{AreaError, GaugeError, OpenError, TrackError};
+use crate::pipeline::{AgreementError, SettingsError, SourceError};
+use crate::products::export::{ExportError, PlanFormatError};
+use crate::project::StoreError;
+use crate::support::progress::Cancelled;
+use std::error::Error;
+use std::io;
+use std::path::PathBuf;
+
+/// Why something that was asked for is not done, in one sentence for the analyst.
+#[derive(Debug, thiserror::Error)]
+pub enum AppError {
+    /// The work ended in a panic.
+    #[error("{0} failed unexpectedly")]
+    Failed(&'static str),
+    /// Opening a log ended in a panic.
+    #[error("opening failed unexpectedly: {0}")]
+    OpeningFailed(String),
+    /// The work was cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// A log cannot be read.
+    #[error(transparent)]
+    Open(#[from] OpenError),
+    /// A log cannot be taken as its settings have it.
+    #[error(transparent)]
+    Source(#[from] SourceError),
+    /// The settings cannot be used.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+    /// The track of another receiver cannot be read.
+    #[error(transparent)]
+    Track(#[from] TrackError),
+    /// The readings of a gauge cannot be read.
+    #[error(transparent)]
+    Gauge(#[from] GaugeError),
+    /// A polygon cannot be read.
+    #[error(transparent)]
+    Area(#[from] AreaError),
+    /// A base map cannot be opened.
+    #[error(transparent)]
+    BaseMap(#[from] BaseMapError),
+    /// The survey cannot be compared with a reference.
+    #[error(transparent)]
+    Agreement(#[from] AgreementError),
+    /// A model cannot be used.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// The search for objects ended.
+    #[error(transparent)]
+    Search(#[from] DetectError),
+    /// A review cannot be used.
+    #[error(transparent)]
+    Review(#[from] ReviewError),
+    /// The truth of the demo survey cannot be used.
+    #[error(transparent)]
+    DemoTruth(#[from] TruthError),
+    /// A file of truth cannot be used.
+    #[error(transparent)]
+    Truth(#[from] TruthFileError),
+    /// A project cannot be opened.
+    #[error(transparent)]
+    Project(#[from] StoreError),
+    /// A plan's name tells no format.
+    #[error(transparent)]
+    PlanFormat(#[from] PlanFormatError),
+    /// A measurement's name tells no format.
+    #[error("a measurement's name ends in .geojson or .csv: {}", .0.display())]
+    FigureFormat(PathBuf),
+    /// A file cannot be written.
+    #[error(transparent)]
+    Export(#[from] ExportError),
+    /// A file cannot be removed.
+    #[error("{source}: {}", path.display())]
+    Remove {
+        /// What the system said.
+        source: io::Error,
+        /// Which file.
+        path: PathBuf,
+    },
+    /// Bottom edits cannot be written as text.
+    #[error(transparent)]
+    Bottom(#[from] toml::ser::Error),
+    /// What is exported cannot be made. The window draws pictures, and has errors of its own.
+    #[error(transparent)]
+    Exporting(Box<dyn Error + Send + Sync>),
+}
