@@ -3,11 +3,13 @@
 mod dialogs;
 mod drop_down;
 mod exclusion_text;
+mod flat;
 mod flat_spot_words;
 mod list_keys;
 pub mod offscreen;
 mod panels;
 mod place;
+mod raster;
 pub mod render;
 mod shell;
 pub mod theme;

@@ -289,18 +289,12 @@ impl Behavior<View> for Panes<'_, '_> {
         120.0
     }
 
-    fn tab_bar_color(&self, visuals: &egui::Visuals) -> Color32 {
-        visuals.panel_fill
+    fn tab_bar_color(&self, _: &egui::Visuals) -> Color32 {
+        Color32::TRANSPARENT
     }
 
-    fn tab_bg_color(
-        &self,
-        visuals: &egui::Visuals,
-        _: &Tiles<View>,
-        _: TileId,
-        _: &TabState,
-    ) -> Color32 {
-        visuals.panel_fill
+    fn tab_bg_color(&self, _: &egui::Visuals, _: &Tiles<View>, _: TileId, _: &TabState) -> Color32 {
+        Color32::TRANSPARENT
     }
 
     fn tab_outline_stroke(

@@ -22,7 +22,7 @@ mod toolbar;
 use super::dialogs::{Dialogs, Purpose};
 use super::panels::{self, Section, review::ReviewPanel, timeline::TimeLine};
 use super::views::{CloudView, MapView, ObjectsView, ProfileView, WaterfallView};
-use super::{ViewContext, ViewRequest, theme};
+use super::{ViewContext, ViewRequest, flat, theme};
 use crate::app::{Action, App, Command, KeyFocus, PrintText, View};
 use eframe::egui_wgpu::RenderState;
 use egui::{CentralPanel, Frame, LayerId, Panel, Rect, Response, Ui};
@@ -359,9 +359,10 @@ impl Shell {
             draw_alone(ui, &mut self.views, &mut context, alone);
             return None;
         }
-        let bar = Frame::new()
-            .fill(ui.visuals().panel_fill)
-            .inner_margin(egui::Margin::symmetric(8, 3));
+        // One fill under everything: panels have none of their own.
+        let (window, fill) = (ui.content_rect(), ui.visuals().panel_fill);
+        flat::fill(ui.painter(), window, fill, render_state);
+        let bar = Frame::new().inner_margin(egui::Margin::symmetric(8, 3));
         Panel::top("menu bar").frame(bar).show(ui, |ui| {
             menu::ui(ui, &mut context);
         });

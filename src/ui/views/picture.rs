@@ -1,12 +1,11 @@
-//! An offscreen picture shown as an image of the window.
+//! An offscreen picture shown in the window.
 
+use crate::ui::flat;
 use crate::ui::render::Target;
-use eframe::egui_wgpu::{RenderState, Renderer};
-use egui::mutex::RwLock;
-use egui::{Color32, Painter, Rect, TextureId, emath::GuiRounding as _};
-use std::sync::Arc;
+use eframe::egui_wgpu::RenderState;
+use egui::{Painter, Rect, emath::GuiRounding as _};
 
-/// A target that follows the size of a view and is registered with the window's painter.
+/// A target that follows the size of a view.
 #[derive(Default)]
 pub struct ViewTexture {
     shown: Option<Shown>,
@@ -14,14 +13,8 @@ pub struct ViewTexture {
 
 struct Shown {
     target: Target,
-    texture: TextureId,
-    renderer: Arc<RwLock<Renderer>>,
-}
-
-impl Drop for Shown {
-    fn drop(&mut self) {
-        self.renderer.write().free_texture(&self.texture);
-    }
+    /// How the window's pass reads it.
+    binding: wgpu::BindGroup,
 }
 
 impl ViewTexture {
@@ -30,36 +23,15 @@ impl ViewTexture {
         let size = rect.round_to_pixels(pixels_per_point).size() * pixels_per_point;
         let requested = [size.x.round() as u32, size.y.round() as u32];
         let requested = Target::possible(&state.device, requested);
-        match &mut self.shown {
-            Some(shown) if shown.target.size_px() == requested => false,
-            Some(shown) => {
-                shown.target = Target::new(&state.device, requested);
-                state
-                    .renderer
-                    .write()
-                    .update_egui_texture_from_wgpu_texture(
-                        &state.device,
-                        shown.target.colour(),
-                        wgpu::FilterMode::Nearest,
-                        shown.texture,
-                    );
-                true
-            }
-            none => {
-                let target = Target::new(&state.device, requested);
-                let texture = state.renderer.write().register_native_texture(
-                    &state.device,
-                    target.colour(),
-                    wgpu::FilterMode::Nearest,
-                );
-                *none = Some(Shown {
-                    target,
-                    texture,
-                    renderer: state.renderer.clone(),
-                });
-                true
-            }
+        if self.target().is_some_and(|now| now.size_px() == requested) {
+            return false;
         }
+        let target = Target::new(&state.device, requested);
+        self.shown = Some(Shown {
+            binding: flat::bind_picture(state, target.colour()),
+            target,
+        });
+        true
     }
 
     /// What to draw into.
@@ -67,12 +39,11 @@ impl ViewTexture {
         self.shown.as_ref().map(|shown| &shown.target)
     }
 
-    /// Shows the picture.
-    pub fn paint(&self, painter: &Painter, rect: Rect) {
+    /// Shows the picture over what lies below, as faded as the painter is.
+    pub fn paint(&self, painter: &Painter, rect: Rect, state: &RenderState) {
         if let Some(shown) = &self.shown {
             let rect = rect.round_to_pixels(painter.pixels_per_point());
-            let whole = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
-            painter.image(shown.texture, rect, whole, Color32::WHITE);
+            flat::picture(painter, rect, &shown.binding, state);
         }
     }
 }

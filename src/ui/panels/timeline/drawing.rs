@@ -4,8 +4,9 @@ use super::columns::{Columns, resampled, span};
 use super::strips::Strips;
 use crate::app::{Command, Mark};
 use crate::support::presentation::ticks;
+use crate::ui::raster::{Raster, RasterTexture};
 use crate::ui::{ViewContext, text, theme};
-use egui::{Color32, Mesh, Pos2, Rect, Response, Stroke, Ui};
+use egui::{Color32, Pos2, Rect, Response, Stroke, Ui};
 
 /// Where the parts of the panel lie.
 pub struct TimelineLayout {
@@ -36,13 +37,18 @@ impl TimelineLayout {
         }
     }
 
-    /// Draws both strips and the axis.
-    pub fn strips(&self, ui: &Ui, context: &ViewContext<'_>, strips: &Strips) {
+    /// Draws both strips and the axis; `pictures` holds those of the strips.
+    pub fn strips(
+        &self,
+        ui: &Ui,
+        context: &ViewContext<'_>,
+        strips: &Strips,
+        pictures: &mut [Option<RasterTexture>; 2],
+    ) {
         let look = context.app.options.theme;
         let well = ui.visuals().extreme_bg_color;
-        for rect in [self.depth, self.speed] {
-            ui.painter().rect_filled(rect, 0.0, well);
-        }
+        let [mut above, mut below] =
+            [self.depth, self.speed].map(|rect| Raster::new(ui.painter(), rect, well));
         let high = |columns: &Columns| span(columns).map(|[_, high]| high);
         let known = [high(&strips.depth), high(&strips.side_scan)];
         let deepest = known.into_iter().flatten().reduce(f32::max);
@@ -60,13 +66,30 @@ impl TimelineLayout {
             hanging: false,
         };
         let lost = theme::stale_colour(look).gamma_multiply(0.5);
-        depth.draw(ui, &strips.lost, Color32::TRANSPARENT, lost);
+        depth.paint(&mut above, &strips.lost, Color32::TRANSPARENT, lost);
         let colour = theme::depth_strip_colour(look);
-        depth.draw(ui, &strips.depth, colour.gamma_multiply(0.35), colour);
+        depth.paint(
+            &mut above,
+            &strips.depth,
+            colour.gamma_multiply(0.35),
+            colour,
+        );
         // A line without a body: depth by side-scan only.
-        depth.draw(ui, &strips.side_scan, colour.gamma_multiply(0.12), colour);
+        depth.paint(
+            &mut above,
+            &strips.side_scan,
+            colour.gamma_multiply(0.12),
+            colour,
+        );
         let colour = theme::speed_strip_colour(look);
-        speed.draw(ui, &strips.speed, colour.gamma_multiply(0.35), colour);
+        speed.paint(
+            &mut below,
+            &strips.speed,
+            colour.gamma_multiply(0.35),
+            colour,
+        );
+        above.show(ui.painter(), &mut pictures[0]);
+        below.show(ui.painter(), &mut pictures[1]);
         let units = context.app.options.units;
         let reach = |high: Option<f32>, written: &dyn Fn(f64) -> String| match high {
             Some(high) => format!("to {}", written(f64::from(high))),
@@ -252,31 +275,21 @@ impl Band {
         }
     }
 
-    /// Draws a body up to the series and its low-to-high band on the edge.
-    fn draw(&self, ui: &Ui, columns: &Columns, body: Color32, edge: Color32) {
+    /// Paints a body up to the series and its low-to-high band on the edge.
+    fn paint(&self, raster: &mut Raster, columns: &Columns, body: Color32, edge: Color32) {
         if self.reach <= 0.0 {
             return;
         }
         let base = self.y(0.0);
-        let mut mesh = Mesh::default();
-        // One strip a screen point, each with the extremes of all columns under it.
-        let count = self.rect.width().round().max(1.0) as usize;
-        for (index, column) in resampled(columns, count).enumerate() {
+        // Each column of pixels has the extremes of all columns under it.
+        for (x, column) in resampled(columns, raster.width()).enumerate() {
             let Some([low, high]) = column else {
                 continue;
             };
-            let left = self.rect.left().round() + index as f32;
-            let x = left..=left + 1.0;
             let (near, far) = (self.y(low), self.y(high));
-            mesh.add_colored_rect(Rect::from_x_y_ranges(x.clone(), sorted(base, far)), body);
-            let between = sorted(near, far);
-            let line = *between.start() - 0.75..=*between.end() + 0.75;
-            mesh.add_colored_rect(Rect::from_x_y_ranges(x, line), edge);
+            raster.span(x, base, far, body);
+            let [top, bottom] = [near.min(far), near.max(far)];
+            raster.span(x, top - 0.75, bottom + 0.75, edge);
         }
-        ui.painter().add(mesh);
     }
-}
-
-fn sorted(a: f32, b: f32) -> std::ops::RangeInclusive<f32> {
-    a.min(b)..=a.max(b)
 }

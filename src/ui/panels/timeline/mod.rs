@@ -9,6 +9,7 @@ use crate::bottom::cloud::{Correction, PingDepth};
 use crate::pipeline::Products;
 use crate::pipeline::{Background, Same};
 use crate::survey::{Navigation, Survey};
+use crate::ui::raster::RasterTexture;
 use crate::ui::{ViewContext, exclusion_text, theme};
 use drawing::TimelineLayout;
 use egui::{Sense, Ui};
@@ -47,6 +48,8 @@ impl Key {
 pub struct TimeLine {
     /// `None` inside where the log has no times.
     strips: Background<Key, Option<Strips>>,
+    /// Depth and speed as they are on screen.
+    pictures: [Option<RasterTexture>; 2],
     seen_survey: u64,
     /// The pointer was over the panel in the last frame.
     was_over: bool,
@@ -109,7 +112,7 @@ impl TimeLine {
             return;
         };
         let frame = TimelineLayout::new(outer);
-        frame.strips(ui, context, strips);
+        frame.strips(ui, context, strips, &mut self.pictures);
         frame.marks(ui, context, strips);
         frame.pointer(&response, context, strips);
         if self.was_over && !response.hovered() {

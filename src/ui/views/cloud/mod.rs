@@ -17,7 +17,7 @@ use crate::app::{
 };
 use crate::pipeline::Background;
 use crate::ui::render::{CloudDraw, Direction, OrbitCamera, Uploader};
-use crate::ui::{ViewContext, ViewRequest, place, text, theme};
+use crate::ui::{ViewContext, ViewRequest, flat, place, text, theme};
 use axes::Axes;
 use bottom::ShownBottom;
 use egui::{Rect, Response, Role, Sense, Ui, Vec2, WidgetInfo};
@@ -67,7 +67,8 @@ impl CloudView {
     pub fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
         let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         let painter = ui.painter_at(rect);
-        painter.rect_filled(rect, 0.0, theme::canvas_colour(&context.app.options));
+        let canvas = theme::canvas_colour(&context.app.options);
+        flat::fill(&painter, rect, canvas, context.render_state);
         if self.seen_plane != context.app.plane_serial {
             self.seen_plane = context.app.plane_serial;
             self.camera = None;

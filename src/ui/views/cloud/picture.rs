@@ -59,7 +59,7 @@ impl CloudPicture {
             renderers.draw(state, target, &drawing);
             self.drawn = Some(drawing);
         }
-        self.picture.paint(painter, rect);
+        self.picture.paint(painter, rect, state);
     }
 }
 

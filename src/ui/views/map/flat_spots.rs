@@ -12,6 +12,8 @@ use std::ops::Range;
 const BADGE: f32 = 8.5;
 /// Places drawn along a stretch.
 const MOST_PLACES: usize = 48;
+/// Least distance of two places of a stretch on the screen, points.
+const LEAST_STEP: f32 = 2.0;
 
 /// Where a stretch's name may stand from its middle, best first; its number stands above.
 const SIDES: [(Vec2, Align2); 4] = [
@@ -107,12 +109,20 @@ fn places(scene: &Scene<'_>, pings: &Range<usize>) -> Vec<Pos2> {
     let end = pings.end.min(navigation.len());
     let start = pings.start.min(end);
     let step = ((end - start) / MOST_PLACES).max(1);
-    navigation[start..end]
-        .iter()
-        .step_by(step)
-        .filter(|ping| ping.east_m.is_finite() && ping.north_m.is_finite())
-        .map(|ping| scene.at([ping.east_m, ping.north_m]))
-        .collect()
+    let along = navigation[start..end].iter().step_by(step);
+    let known = along.filter(|ping| ping.east_m.is_finite() && ping.north_m.is_finite());
+    let places = known.map(|ping| scene.at([ping.east_m, ping.north_m]));
+    let mut line: Vec<Pos2> = Vec::new();
+    for place in places {
+        // Nearer places show nothing more.
+        if line
+            .last()
+            .is_none_or(|last| last.distance(place) >= LEAST_STEP)
+        {
+            line.push(place);
+        }
+    }
+    line
 }
 
 fn stretch(painter: &Painter, scene: &Scene<'_>, pings: &Range<usize>, colour: Color32) {

@@ -103,7 +103,7 @@ impl<T> LinePicture<T> {
             renderer.draw(&state.device, &state.queue, target, &drawn);
             self.drawn = Some((of.clone(), draws));
         }
-        self.picture.paint(painter, scene.rect);
+        self.picture.paint(painter, scene.rect, state);
     }
 }
 

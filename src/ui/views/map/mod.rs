@@ -37,7 +37,7 @@ use crate::pipeline::Background;
 use crate::pipeline::Products;
 use crate::survey::Survey;
 use crate::ui::render::Uploader;
-use crate::ui::{ViewContext, ViewRequest, place, text, theme};
+use crate::ui::{ViewContext, ViewRequest, flat, place, text, theme};
 use egui::{Rect, Response, Role, Sense, Ui, WidgetInfo, vec2};
 use layers::{TrackKey, TrackLayer};
 use plan::Taken;
@@ -78,7 +78,8 @@ impl MapView {
         self.make_room(whole.height() - rect.height());
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
         let painter = ui.painter_at(rect);
-        painter.rect_filled(rect, 0.0, theme::canvas_colour(&context.app.options));
+        let canvas = theme::canvas_colour(&context.app.options);
+        flat::fill(&painter, rect, canvas, context.render_state);
         self.forget_other_plane(context);
         let name = self.content(ui, context, rect, &response);
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));

@@ -6,8 +6,12 @@ use crate::app::ViewOptions;
 use crate::bottom::cloud::Reduction;
 use crate::sonar::first_return::Normalisation;
 use crate::survey::{Side, SideSpan};
+use crate::ui::raster::{Raster, RasterTexture};
 use crate::ui::theme;
-use egui::{Color32, Painter, Pos2, Stroke, pos2};
+use egui::{Color32, Painter, Pos2, pos2};
+
+/// Width of a curve, points.
+const WIDTH: f32 = 1.0;
 
 /// Draws both curves on both sides.
 pub(super) fn draw(
@@ -16,9 +20,10 @@ pub(super) fn draw(
     shown: &Shown<'_>,
     normalisation: &Normalisation,
     options: &ViewOptions,
+    picture: &mut Option<RasterTexture>,
 ) {
     let ink = theme::plot_ink(options);
-    let painter = painter.with_clip_rect(plot.area.expand(1.0));
+    let mut raster = Raster::new(painter, plot.area.expand(1.0), Color32::TRANSPARENT);
     for side in Side::BOTH {
         let Some(span) = shown.recorded.side(side) else {
             continue;
@@ -28,31 +33,24 @@ pub(super) fn draw(
                 .map(|index| f32::from(samples.get(index)) / 255.0)
                 .collect();
             let faint = ink.gamma_multiply(0.45);
-            line(&painter, plot, shown.reduction, span, side, &raw, faint);
+            let points = points(plot, shown.reduction, span, side, &raw);
+            raster.line(&points, WIDTH, faint);
         }
         let normalised = normalisation.profile(shown.survey, shown.ping, side);
-        line(
-            &painter,
-            plot,
-            shown.reduction,
-            span,
-            side,
-            &normalised,
-            ink,
-        );
+        let points = points(plot, shown.reduction, span, side, &normalised);
+        raster.line(&points, WIDTH, ink);
     }
+    raster.show(painter, picture);
 }
 
 /// One vertex a value, or the largest and smallest of a pixel column where values share one.
-fn line(
-    painter: &Painter,
+fn points(
     plot: &Plot,
     reduction: Reduction<'_>,
     span: &SideSpan,
     side: Side,
     values: &[f32],
-    colour: Color32,
-) {
+) -> Vec<Pos2> {
     let samples_per_value = f64::from(span.count) / values.len().max(1) as f64;
     let x = |index: usize| {
         let range_m = reduction.range_m(span, (index as f64 + 0.5) * samples_per_value);
@@ -84,5 +82,5 @@ fn line(
         };
     }
     finish(column);
-    painter.line(points, Stroke::new(1.0, colour));
+    points
 }

@@ -12,7 +12,8 @@ use crate::pipeline::Settings;
 use crate::sonar::first_return::Pick;
 use crate::support::presentation::units::Units;
 use crate::survey::{Side, SidePing, Survey};
-use crate::ui::{ViewContext, exclusion_text, place, theme};
+use crate::ui::raster::RasterTexture;
+use crate::ui::{ViewContext, exclusion_text, flat, place, theme};
 use egui::{Rect, Response, Sense, vec2};
 use plot::Plot;
 use scale::ScaleJob;
@@ -29,6 +30,8 @@ pub struct ProfileView {
     zoom: f32,
     drags_threshold: bool,
     was_over: bool,
+    /// The curves as they are on screen.
+    curves: Option<RasterTexture>,
 }
 
 impl Default for ProfileView {
@@ -38,6 +41,7 @@ impl Default for ProfileView {
             zoom: 1.0,
             drags_threshold: false,
             was_over: false,
+            curves: None,
         }
     }
 }
@@ -79,7 +83,8 @@ impl ProfileView {
         let size = vec2(available.x, height);
         let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
         let painter = ui.painter_at(rect);
-        painter.rect_filled(rect, 0.0, theme::canvas_colour(&context.app.options));
+        let canvas = theme::canvas_colour(&context.app.options);
+        flat::fill(&painter, rect, canvas, context.render_state);
         let survey = context.app.log.survey.clone();
         let mark = context.app.hover.or(context.app.selection);
         let Some((survey, mark)) = survey.zip(mark) else {
@@ -106,6 +111,7 @@ impl ProfileView {
             &shown,
             &normalisation,
             &context.app.options,
+            &mut self.curves,
         );
         marks::draw(&painter, &plot, &shown, &context.app.options);
         self.drag_threshold(ui, &response, &plot, context);

@@ -33,7 +33,7 @@ use crate::imagery::waterfall::RangeAxis;
 use crate::support::presentation::colours;
 use crate::survey::Survey;
 use crate::ui::render::waterfall::WaterfallPicture;
-use crate::ui::{ViewContext, ViewRequest, theme};
+use crate::ui::{ViewContext, ViewRequest, flat, theme};
 use camera::{Camera, Extent, Size};
 use drawing::Drawing;
 use eframe::egui_wgpu::RenderState;
@@ -86,8 +86,8 @@ impl WaterfallView {
         let whole = ui
             .available_rect_before_wrap()
             .round_to_pixels(ui.pixels_per_point());
-        ui.painter()
-            .rect_filled(whole, 0.0, theme::canvas_colour(&context.app.options));
+        let canvas = theme::canvas_colour(&context.app.options);
+        flat::fill(ui.painter(), whole, canvas, context.render_state);
         self.follow_survey(ui.ctx(), context);
         if whole.width() < 1.0 || whole.height() < 1.0 {
             ui.allocate_rect(whole, Sense::hover());

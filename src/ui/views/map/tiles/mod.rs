@@ -4,6 +4,7 @@
 //! or what it looked like before its settings were changed.
 
 mod key;
+mod occupied;
 
 pub use key::{MapTileKey, SIDE};
 
@@ -11,7 +12,10 @@ use super::transform::{GroundBounds, MapTransform};
 use crate::app::{Jobs, Outcome, Task};
 use crate::imagery::waterfall::Lru;
 use crate::support::progress::Progress;
-use egui::{Color32, ColorImage, Mesh, Painter, Pos2, Rect, Shape, TextureHandle, TextureOptions};
+use egui::{
+    Color32, ColorImage, Mesh, Painter, Pos2, Rect, Shape, TextureHandle, TextureOptions, lerp,
+};
+use occupied::Occupied;
 use std::sync::Arc;
 
 /// Bytes of textures that a layer keeps besides what is on the screen.
@@ -36,14 +40,14 @@ pub trait TileSource: Send + Sync {
 
 /// A tile as it was last painted; without a texture where there is nothing.
 struct Resident {
-    texture: Option<TextureHandle>,
+    texture: Option<(TextureHandle, Occupied)>,
     generation: u64,
 }
 
 struct Running {
     key: MapTileKey,
     generation: u64,
-    task: Task<Option<ColorImage>>,
+    task: Task<Option<(ColorImage, Occupied)>>,
 }
 
 /// The tiles of a layer, and the work under way.
@@ -160,9 +164,16 @@ impl TileLayer {
         }
     }
 
-    fn keep(&mut self, context: &egui::Context, done: &Running, painted: Option<ColorImage>) {
-        let texture =
-            painted.map(|image| context.load_texture(self.name, image, TextureOptions::LINEAR));
+    fn keep(
+        &mut self,
+        context: &egui::Context,
+        done: &Running,
+        painted: Option<(ColorImage, Occupied)>,
+    ) {
+        let texture = painted.map(|(image, occupied)| {
+            let texture = context.load_texture(self.name, image, TextureOptions::LINEAR);
+            (texture, occupied)
+        });
         let bytes = match texture {
             Some(_) => SIDE * SIDE * size_of::<Color32>(),
             None => EMPTY,
@@ -194,7 +205,11 @@ impl TileLayer {
             let source = source.clone();
             let task = Task::start(jobs, move |progress| {
                 let colours = source.paint(key, progress)?;
-                (colours.len() == SIDE * SIDE).then(|| ColorImage::new([SIDE, SIDE], colours))
+                (colours.len() == SIDE * SIDE).then(|| {
+                    let image = ColorImage::new([SIDE, SIDE], colours);
+                    let occupied = Occupied::of(&image);
+                    (image, occupied)
+                })
             });
             self.running.push(Running {
                 key,
@@ -221,7 +236,7 @@ impl TileLayer {
             }
             shown = shown.parent();
         }
-        let Some(texture) = self
+        let Some((texture, occupied)) = self
             .cache
             .use_now(&shown)
             .and_then(|tile| tile.texture.as_ref())
@@ -230,12 +245,20 @@ impl TileLayer {
         };
         let [west, south, east, north] = key.bounds();
         let [left, top, right, bottom] = key.part_of(shown);
+        let whole = Rect::from_min_max(at(west, north), at(east, south));
+        let on_screen = |x: f32, y: f32| {
+            let across = (x - left) / (right - left);
+            let down = (y - top) / (bottom - top);
+            Pos2::new(lerp(whole.x_range(), across), lerp(whole.y_range(), down))
+        };
         let mut mesh = Mesh::with_texture(texture.id());
-        mesh.add_rect_with_uv(
-            Rect::from_min_max(at(west, north), at(east, south)),
-            Rect::from_min_max(Pos2::new(left, top), Pos2::new(right, bottom)),
-            Color32::WHITE,
-        );
+        for [left, top, right, bottom] in occupied.within([left, top, right, bottom]) {
+            mesh.add_rect_with_uv(
+                Rect::from_min_max(on_screen(left, top), on_screen(right, bottom)),
+                Rect::from_min_max(Pos2::new(left, top), Pos2::new(right, bottom)),
+                Color32::WHITE,
+            );
+        }
         painter.add(Shape::mesh(mesh));
     }
 }
