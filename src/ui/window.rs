@@ -33,6 +33,9 @@ pub fn open_window(
     };
     let start = move |cc: &eframe::CreationContext<'_>| {
         let ctx = cc.egui_ctx.clone();
+        // Soft edges multiply the triangles, each of which costs a processor that draws them as much as 16 pixels.
+        let is_soft = !draws_on_processor(cc);
+        ctx.tessellation_options_mut(|options| options.feathering = is_soft);
         let mut shell = Shell::new(App::new(Jobs::Threads(Arc::new(move || {
             ctx.request_repaint()
         }))));
@@ -50,4 +53,10 @@ pub fn open_window(
         Ok(Box::new(shell) as Box<dyn eframe::App>)
     };
     Ok(eframe::run_native("bathyscope", options, Box::new(start))?)
+}
+
+/// Whether there is no graphics card.
+fn draws_on_processor(cc: &eframe::CreationContext<'_>) -> bool {
+    let adapter = cc.wgpu_render_state.as_ref().map(|state| &state.adapter);
+    adapter.is_some_and(|adapter| adapter.get_info().device_type == wgpu::DeviceType::Cpu)
 }
