@@ -63,3 +63,11 @@ pub mod support;
 pub mod survey;
 #[cfg(feature = "gui")]
 pub mod ui;
+
+/// The benchmarks, run by `cargo bench --features bench`.
+#[cfg(all(feature = "bench", not(test)))]
+#[path = "../tests/bench/mod.rs"]
+pub mod bench;
+#[cfg(all(test, feature = "gui"))]
+#[path = "../tests/suite/mod.rs"]
+mod suite;

@@ -5,12 +5,12 @@
 //! is what breaks a constant scale from a flat spot.
 
 use super::truth::KnownSurvey;
-use bathyscope::bottom::cloud::{Geometry, Residuals};
-use bathyscope::pipeline::{self, Preset, Products, Settings};
-use bathyscope::simulation::Scene;
-use bathyscope::sonar::calibration::{OffsetMode, PpdReach, ScaleMode};
-use bathyscope::sonar::first_return::{Method, SampleMode};
-use bathyscope::support::progress::Progress;
+use crate::bottom::cloud::{Geometry, Residuals};
+use crate::pipeline::{self, Preset, Products, Settings};
+use crate::simulation::Scene;
+use crate::sonar::calibration::{OffsetMode, PpdReach, ScaleMode};
+use crate::sonar::first_return::{Method, SampleMode};
+use crate::support::progress::Progress;
 
 /// Ponds of each kind; `BATHYSCOPE_SEEDS` takes fewer.
 const SEEDS: u64 = 20;

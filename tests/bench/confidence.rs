@@ -1,12 +1,12 @@
 //! What the confidence of a first return is worth: the share of picks within 25 cm of the true first return at each level.
 
 use super::truth::KnownSurvey;
-use bathyscope::simulation::Scene;
-use bathyscope::sonar::first_return::{
+use crate::simulation::Scene;
+use crate::sonar::first_return::{
     Evidence, FirstReturnSettings, ImageSettings, Method, SampleMode, evidence,
 };
-use bathyscope::support::progress::Progress;
-use bathyscope::survey::Side;
+use crate::support::progress::Progress;
+use crate::survey::Side;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 

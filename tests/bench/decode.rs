@@ -1,8 +1,8 @@
 //! Opening a 500 MB SL2, beside a plain read of the same bytes; and the memory that a 2 GB log takes while open.
 
-use crate::large_log;
-use bathyscope::support::progress::Progress;
-use bathyscope::survey::{Side, Survey};
+use crate::bench::large_log;
+use crate::support::progress::Progress;
+use crate::survey::{Side, Survey};
 use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
@@ -53,7 +53,7 @@ fn once(path: &Path) -> [f64; 3] {
     let read = start.elapsed().as_secs_f64();
 
     let start = Instant::now();
-    let survey = bathyscope::formats::open(path, &Progress::new()).expect("a log that opens");
+    let survey = crate::formats::open(path, &Progress::new()).expect("a log that opens");
     let open = start.elapsed().as_secs_f64();
     sum += sum_samples(&survey);
     let decode = start.elapsed().as_secs_f64();

@@ -1,12 +1,12 @@
 //! First returns over 100 000 pings: a step of the threshold slider, and the tracker.
 
-use bathyscope::formats;
-use bathyscope::simulation::{Scene, simulate};
-use bathyscope::sonar::first_return::{
+use crate::formats;
+use crate::simulation::{Scene, simulate};
+use crate::sonar::first_return::{
     FirstReturnSettings, FirstReturns, ImageSettings, Normalisation, ThresholdIndex, track_range,
 };
-use bathyscope::support::progress::Progress;
-use bathyscope::survey::{Side, Survey};
+use crate::support::progress::Progress;
+use crate::survey::{Side, Survey};
 use std::hint::black_box;
 use std::time::Instant;
 

@@ -6,14 +6,14 @@
 use super::missions::Mission;
 use super::surface::{BETWEEN_M, KINDS, errors_of, from_levels, scene};
 use super::truth::{kept, map, map_with};
-use bathyscope::bottom::bathymetry::{FromLevels, Surface, SurfaceSettings, SwathDepth};
-use bathyscope::bottom::cloud::{CloudPoint, PointSource, Residuals};
-use bathyscope::bottom::swath::PingPlace;
-use bathyscope::formats;
-use bathyscope::pipeline::{self, Products, Settings, log_echoes};
-use bathyscope::simulation::{Curve, Scene};
-use bathyscope::support::progress::Progress;
-use bathyscope::survey::Survey;
+use crate::bottom::bathymetry::{FromLevels, Surface, SurfaceSettings, SwathDepth};
+use crate::bottom::cloud::{CloudPoint, PointSource, Residuals};
+use crate::bottom::swath::PingPlace;
+use crate::formats;
+use crate::pipeline::{self, Products, Settings, log_echoes};
+use crate::simulation::{Curve, Scene};
+use crate::support::progress::Progress;
+use crate::survey::Survey;
 use std::path::{Path, PathBuf};
 
 /// Ponds of each kind and change; `BATHYSCOPE_SEEDS` takes another number.

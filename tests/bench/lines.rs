@@ -1,9 +1,9 @@
 //! A survey of ten lines side by side.
 
-use bathyscope::formats;
-use bathyscope::simulation::{Scene, simulate};
-use bathyscope::support::progress::Progress;
-use bathyscope::survey::Survey;
+use crate::formats;
+use crate::simulation::{Scene, simulate};
+use crate::support::progress::Progress;
+use crate::survey::Survey;
 
 const LINES: u32 = 10;
 

@@ -8,9 +8,9 @@
 
 use super::missions::{Mission, repeatability};
 use super::truth::MapError;
-use bathyscope::bottom::bathymetry::{Surface, SurfaceMethod, SurfaceSettings, SwathDepth};
-use bathyscope::bottom::cloud::Residuals;
-use bathyscope::simulation::{Mound, Scene};
+use crate::bottom::bathymetry::{Surface, SurfaceMethod, SurfaceSettings, SwathDepth};
+use crate::bottom::cloud::Residuals;
+use crate::simulation::{Mound, Scene};
 
 /// Ponds of each kind; `BATHYSCOPE_SEEDS` takes fewer.
 const SEEDS: u64 = 10;

@@ -1,10 +1,10 @@
 //! A frame of the waterfall must cost the window's thread the same for a short log and for a very long one.
 
-use bathyscope::app::{App, Jobs, Mark, View};
-use bathyscope::sonar::first_return::{FirstReturns, Pick};
-use bathyscope::survey::{Bytes, Encoding, Order, SidePing, SideScanState, SideSpan, Survey};
-use bathyscope::ui::views::WaterfallView;
-use bathyscope::ui::{ViewContext, ViewRequest};
+use crate::app::{App, Jobs, Mark, View};
+use crate::sonar::first_return::{FirstReturns, Pick};
+use crate::survey::{Bytes, Encoding, Order, SidePing, SideScanState, SideSpan, Survey};
+use crate::ui::views::WaterfallView;
+use crate::ui::{ViewContext, ViewRequest};
 use egui_kittest::Harness;
 use egui_kittest::wgpu::{create_render_state, default_wgpu_setup};
 use std::sync::Arc;

@@ -1,14 +1,14 @@
 //! The bottom in 3D: what the GPU draws of it, what the window shows and the file holds.
 
-use crate::cli::run;
-use crate::map_tools::click;
-use crate::review::mouse::drag;
-use crate::window::{Window, app, demo_window, drawn_window, press, settle};
-use bathyscope::app::{Action, ClipBox, Command, Measure};
-use bathyscope::bottom::bathymetry::CellSource;
-use bathyscope::pipeline::{BottomColour, Derived, ProcessedLog, place_of};
-use bathyscope::support::progress::Progress;
-use bathyscope::ui::render::{
+use crate::app::{Action, ClipBox, Command, Measure};
+use crate::bottom::bathymetry::CellSource;
+use crate::pipeline::{BottomColour, Derived, ProcessedLog, place_of};
+use crate::suite::cli::run;
+use crate::suite::map_tools::click;
+use crate::suite::review::mouse::drag;
+use crate::suite::window::{Window, app, demo_window, drawn_window, press, settle};
+use crate::support::progress::Progress;
+use crate::ui::render::{
     BOTTOM_TILE, BottomBuffers, BottomDraw, BottomPart, BottomRenderer, BottomVertex, Cut,
     OrbitCamera, Part, Target, Uploader, towards_light,
 };

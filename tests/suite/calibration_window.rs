@@ -1,11 +1,11 @@
 //! The guided step of the calibration in the window: a stretch is proposed, what it would change is shown, and only then it is taken.
 
-use crate::support::real_data;
-use crate::window::{Window, app, demo_window, drop_file, empty_window, press};
-use bathyscope::app::{Action, Command, Mark, Tool};
-use bathyscope::bottom::cloud::PointClass;
-use bathyscope::sonar::calibration::{PingRange, ScaleMode};
-use bathyscope::survey::Side;
+use crate::app::{Action, Command, Mark, Tool};
+use crate::bottom::cloud::PointClass;
+use crate::sonar::calibration::{PingRange, ScaleMode};
+use crate::suite::support::real_data;
+use crate::suite::window::{Window, app, demo_window, drop_file, empty_window, press};
+use crate::survey::Side;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 
@@ -263,13 +263,13 @@ fn a_stretch_is_accepted_as_bottom_with_one_action() {
     // What a script reads gives the same.
     let bottom = app(&window).log.settings.bottom.clone();
     assert_eq!(bottom.accepted_count(), last - first + 1);
-    let settings = bathyscope::pipeline::Settings {
+    let settings = crate::pipeline::Settings {
         bottom,
         ..Default::default()
     };
     let survey = app(&window).log.survey.clone().expect("the demo");
-    let progress = bathyscope::support::progress::Progress::new();
-    let made = bathyscope::pipeline::run(&survey, &settings, None, &progress, |_| ());
+    let progress = crate::support::progress::Progress::new();
+    let made = crate::pipeline::run(&survey, &settings, None, &progress, |_| ());
     let made = made.expect("not cancelled");
     assert_eq!(made.kept_points().count(), after.1);
     act(&mut window, Action::Undo);

@@ -1,10 +1,10 @@
 //! The cloud: the outlier filter against Open3D's table, a brute-force count and kiddo.
 
-use crate::truth::KnownSurvey;
-use bathyscope::bottom::cloud::{Residuals, outliers};
-use bathyscope::pipeline::{self, Settings};
-use bathyscope::simulation::Scene;
-use bathyscope::support::progress::Progress;
+use crate::bottom::cloud::{Residuals, outliers};
+use crate::pipeline::{self, Settings};
+use crate::simulation::Scene;
+use crate::suite::truth::KnownSurvey;
+use crate::support::progress::Progress;
 use proptest::prelude::*;
 
 fn keep(points: &[[f64; 3]], radius_m: f64, min_neighbors: usize) -> Vec<bool> {

@@ -1,10 +1,10 @@
 //! A thousand cuts and a thousand lost kilobytes in every kind of log: no panic, no hang, and nothing is lost beyond the
 //! frames that the damage touched. What can be lost is known from a walk of its own over the whole log.
 
-use crate::{handmade, support};
-use bathyscope::formats::{self, OpenError};
-use bathyscope::support::progress::Progress;
-use bathyscope::survey::{Side, SideSpan, Survey};
+use crate::formats::{self, OpenError};
+use crate::suite::{handmade, support};
+use crate::support::progress::Progress;
+use crate::survey::{Side, SideSpan, Survey};
 use std::fs::{self, OpenOptions};
 use std::io::{Seek, SeekFrom, Write};
 use std::ops::Range;

@@ -1,14 +1,12 @@
 //! Labelled pictures of simulated surveys: boxes against what objects really change in the picture, and the files.
 
-use bathyscope::cli::known_objects;
-use bathyscope::detection::dataset::Chip;
-use bathyscope::detection::{Raster, Rect, TILE_PX};
-use bathyscope::formats;
-use bathyscope::simulation::{
-    Scene, Simulated, TrainingScene, simulate, training_scene, training_seed,
-};
-use bathyscope::support::progress::Progress;
-use bathyscope::survey::{HeadingSettings, Projection, Survey, navigate};
+use crate::cli::known_objects;
+use crate::detection::dataset::Chip;
+use crate::detection::{Raster, Rect, TILE_PX};
+use crate::formats;
+use crate::simulation::{Scene, Simulated, TrainingScene, simulate, training_scene, training_seed};
+use crate::support::progress::Progress;
+use crate::survey::{HeadingSettings, Projection, Survey, navigate};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -150,7 +148,7 @@ fn boxes_hold_what_objects_change_in_the_picture() {
 }
 
 fn make(folder: &Path, arguments: &[&str]) {
-    let output = Command::new(env!("CARGO_BIN_EXE_bathyscope"))
+    let output = Command::new(crate::suite::support::program())
         .args(["simulate", "--dataset"])
         .arg(folder)
         .args(arguments)
@@ -220,7 +218,7 @@ fn a_dataset_is_whole_and_the_same_for_a_seed() {
     let names = String::from_utf8(files[Path::new("classes.txt")].clone()).expect("text");
     assert_eq!(names, "rock\nblock\ncylinder\ntyre\nboat\nlog\neffigy\n");
 
-    let refused = Command::new(env!("CARGO_BIN_EXE_bathyscope"))
+    let refused = Command::new(crate::suite::support::program())
         .args(["simulate", "--images", "1", "--dataset"])
         .arg(&once)
         .output()

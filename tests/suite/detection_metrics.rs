@@ -1,10 +1,10 @@
 //! The detector's figures against `pycocotools` 2.0.11 and `mean_average_precision` 2024.1.5, on the boxes that
 //! `detection_fixtures/make_metrics.py` made.
 
-use bathyscope::detection::metrics::{
+use crate::detection::metrics::{
     ApMethod, Cause, Evaluation, Image, MetricSettings, Truth, evaluate,
 };
-use bathyscope::detection::{Rect, Scored};
+use crate::detection::{Rect, Scored};
 use serde::Deserialize;
 
 #[derive(Deserialize)]

@@ -1,21 +1,19 @@
 //! Objects in the world: boxes on simulated surveys against where the objects really were.
 
-use bathyscope::detection::Mark;
-use bathyscope::detection::targets::{
+use crate::detection::Mark;
+use crate::detection::targets::{
     Group, GroupSettings, LogPings, PassCount, Placer, Sighting as Claim, Target, group,
     passes_over,
 };
-use bathyscope::formats;
-use bathyscope::pipeline::{ObjectLocator, Settings, run};
-use bathyscope::simulation::{
-    Bank, ObjectKind, ObjectPass, ObjectSettings, Scene, Simulated, simulate,
-};
-use bathyscope::sonar::calibration::{Calibration, CalibrationSettings, calibrate};
-use bathyscope::sonar::first_return::{
+use crate::formats;
+use crate::pipeline::{ObjectLocator, Settings, run};
+use crate::simulation::{Bank, ObjectKind, ObjectPass, ObjectSettings, Scene, Simulated, simulate};
+use crate::sonar::calibration::{Calibration, CalibrationSettings, calibrate};
+use crate::sonar::first_return::{
     self, BottomEdit, BottomSettings, FirstReturnSettings, FirstReturns, ImageSettings,
 };
-use bathyscope::support::progress::Progress;
-use bathyscope::survey::{HeadingSettings, Navigation, Projection, Side, Survey, navigate};
+use crate::support::progress::Progress;
+use crate::survey::{HeadingSettings, Navigation, Projection, Side, Survey, navigate};
 
 struct Sailed {
     truth: Simulated,

@@ -1,7 +1,7 @@
 //! Files that other programs open, read back; point files of other programs, filtered.
 
-use bathyscope::formats::points::{self, PointFormat};
-use bathyscope::products::export::kept_points;
+use crate::formats::points::{self, PointFormat};
+use crate::products::export::kept_points;
 use std::fs;
 use std::path::{Path, PathBuf};
 

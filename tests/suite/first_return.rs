@@ -3,11 +3,11 @@
 mod ponds;
 mod real;
 
-use bathyscope::sonar::first_return::{
+use crate::sonar::first_return::{
     FirstReturnSettings, ImageSettings, Method, Pick, SampleMode, ThresholdIndex, detect,
 };
-use bathyscope::support::progress::Progress;
-use bathyscope::survey::{Bytes, Encoding, Order, Side, SidePing, SideScanState, SideSpan, Survey};
+use crate::support::progress::Progress;
+use crate::survey::{Bytes, Encoding, Order, Side, SidePing, SideScanState, SideSpan, Survey};
 
 /// A survey of composite rows (port far to near, then starboard near to far) over `far_m` of range on each side.
 fn composite(rows: &[Vec<u8>], far_m: f32, depth_m: f32) -> Survey {

@@ -1,19 +1,19 @@
 //! Logs whose headers say anything at all, through the whole pipeline: opened, processed, written as every product. What
 //! comes out may be empty, but it is whole, holds numbers only, and nothing panics.
 
-use crate::handmade::{self, Frame};
-use bathyscope::bottom::cloud::Geometry;
-use bathyscope::detection::objects::SurveyReview;
-use bathyscope::formats::{
+use crate::bottom::cloud::Geometry;
+use crate::detection::objects::SurveyReview;
+use crate::formats::{
     self,
     points::{self, PointFormat},
 };
-use bathyscope::pipeline::{self, Derived, Preset, ProcessedLog, Settings};
-use bathyscope::products::export::kept_points;
-use bathyscope::products::outputs::{self, Order, Product, RunFolder};
-use bathyscope::sonar::first_return::{Method, SampleMode};
-use bathyscope::support::progress::Progress;
-use bathyscope::survey::{HeadingSource, Projection, Survey};
+use crate::pipeline::{self, Derived, Preset, ProcessedLog, Settings};
+use crate::products::export::kept_points;
+use crate::products::outputs::{self, Order, Product, RunFolder};
+use crate::sonar::first_return::{Method, SampleMode};
+use crate::suite::handmade::{self, Frame};
+use crate::support::progress::Progress;
+use crate::survey::{HeadingSource, Projection, Survey};
 use proptest::prelude::*;
 use std::fs;
 use std::path::{Path, PathBuf};

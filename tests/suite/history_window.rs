@@ -1,9 +1,9 @@
 //! The history as a list: steps by name, where we are in it, and a click or a key that goes anywhere.
 
-use crate::logs_window::{change, ids, names, opened, settle};
-use crate::window::{Window, app, press};
-use bathyscope::app::{BottomStroke, Command, Ink};
-use bathyscope::survey::Side;
+use crate::app::{BottomStroke, Command, Ink};
+use crate::suite::logs_window::{change, ids, names, opened, settle};
+use crate::suite::window::{Window, app, press};
+use crate::survey::Side;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 
@@ -47,7 +47,7 @@ fn steps_are_named_by_what_became_of_which_log_and_a_click_goes_there() {
             key: "first_return.threshold".to_owned(),
             own: true,
         },
-        Command::UsePreset(bathyscope::pipeline::Preset::Published),
+        Command::UsePreset(crate::pipeline::Preset::Published),
     ] {
         window.state_mut().app.apply(command);
         settle(&mut window);

@@ -1,12 +1,12 @@
 //! Boxes that an analyst draws around a hull: the object is what was drawn, and its picture shows all of it.
 
-use bathyscope::detection::targets::{Placer, Target};
-use bathyscope::detection::{Mark, Raster};
-use bathyscope::products::export;
-use bathyscope::sonar::calibration::{Calibration, CalibrationSettings, calibrate};
-use bathyscope::sonar::first_return::{FirstReturns, Pick};
-use bathyscope::support::progress::Progress;
-use bathyscope::survey::{
+use crate::detection::targets::{Placer, Target};
+use crate::detection::{Mark, Raster};
+use crate::products::export;
+use crate::sonar::calibration::{Calibration, CalibrationSettings, calibrate};
+use crate::sonar::first_return::{FirstReturns, Pick};
+use crate::support::progress::Progress;
+use crate::survey::{
     Bytes, Encoding, Navigation, Order, PingNav, Projection, Side, SidePing, SideSpan, Survey,
 };
 use std::sync::Arc;

@@ -1,27 +1,27 @@
 //! Several logs over one lake, with their own drafts, clocks and water levels, as one survey.
 
-use bathyscope::bottom::bathymetry::Surface;
-use bathyscope::bottom::bathymetry::height_offsets::{Datum, HeightOffsets};
-use bathyscope::bottom::cloud::DepthSource;
-use bathyscope::detection::Mark;
-use bathyscope::detection::objects::{PlacedBox, joint_objects};
-use bathyscope::detection::targets::{GroupSettings, PassLog, Target};
-use bathyscope::formats;
-use bathyscope::imagery::mosaic::{
+use crate::bottom::bathymetry::Surface;
+use crate::bottom::bathymetry::height_offsets::{Datum, HeightOffsets};
+use crate::bottom::cloud::DepthSource;
+use crate::detection::Mark;
+use crate::detection::objects::{PlacedBox, joint_objects};
+use crate::detection::targets::{GroupSettings, PassLog, Target};
+use crate::formats;
+use crate::imagery::mosaic::{
     MosaicLog, MosaicSettings, TileIndex, joint_grid, joint_tile, match_levels, window,
 };
-use bathyscope::pipeline::joint::{crossline_analysis, height_offsets};
-use bathyscope::pipeline::{
+use crate::pipeline::joint::{crossline_analysis, height_offsets};
+use crate::pipeline::{
     self, Derived, Mosaic, MosaicPlane, ObjectLocator, ProcessedLog, Settings, joint_depth_surface,
     mosaic_layout,
 };
-use bathyscope::simulation::{
+use crate::simulation::{
     Artefacts, BedKind, BedSettings, ObjectKind, ObjectSettings, Scene, Simulated, TrackSettings,
     simulate,
 };
-use bathyscope::support::geo::{Crs, MapPlane};
-use bathyscope::support::progress::Progress;
-use bathyscope::survey::{ExclusionReason, Side, Stretch, Survey};
+use crate::support::geo::{Crs, MapPlane};
+use crate::support::progress::Progress;
+use crate::survey::{ExclusionReason, Side, Stretch, Survey};
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
@@ -362,7 +362,7 @@ fn one_depth_map_of_ten_logs_is_as_good_as_the_best_and_has_no_seams() {
 }
 
 /// The box that a labeller draws around echo and shadow.
-pub fn true_box(survey: &Survey, seen: &bathyscope::simulation::ObjectPass) -> Option<Mark> {
+pub fn true_box(survey: &Survey, seen: &crate::simulation::ObjectPass) -> Option<Mark> {
     let pings = seen.first_ping..seen.last_ping + 1;
     let span = survey.span(seen.first_ping, seen.side)?;
     let far_m = match seen.shadow_m[1].is_nan() {

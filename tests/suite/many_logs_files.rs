@@ -1,15 +1,15 @@
 //! The files of a survey of several logs over one lake, written without a window, against the known bed.
 
-use crate::cli::{refusal, run};
-use crate::many_logs::{HIGHER_M, OBJECTS, sailed, true_boxes, true_offsets_m, write_logs};
-use crate::support::{manifest, manifest_entry};
-use bathyscope::detection::review::{Edit, Review};
-use bathyscope::formats;
-use bathyscope::products::outputs::{OUTPUT_FILES, Product, When};
-use bathyscope::simulation::Scene;
-use bathyscope::support::geo::{LocalFrame, LonLat};
-use bathyscope::support::progress::Progress;
-use bathyscope::survey::Identity;
+use crate::detection::review::{Edit, Review};
+use crate::formats;
+use crate::products::outputs::{OUTPUT_FILES, Product, When};
+use crate::simulation::Scene;
+use crate::suite::cli::{refusal, run};
+use crate::suite::many_logs::{HIGHER_M, OBJECTS, sailed, true_boxes, true_offsets_m, write_logs};
+use crate::suite::support::{manifest, manifest_entry};
+use crate::support::geo::{LocalFrame, LonLat};
+use crate::support::progress::Progress;
+use crate::survey::Identity;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;

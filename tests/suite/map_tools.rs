@@ -1,11 +1,11 @@
 //! The tools of the map, driven by keys and mouse.
 
-use crate::base_map;
-use crate::printing::name_file;
-use crate::window::{Window, app, demo_window, drawn_window, drop_file, press, settle};
-use bathyscope::app::{Action, Command, MapLayer, Mark, Measure, View};
-use bathyscope::support::geo::{CoordinateFormat, LonLat};
-use bathyscope::ui::Alone;
+use crate::app::{Action, Command, MapLayer, Mark, Measure, View};
+use crate::suite::base_map;
+use crate::suite::printing::name_file;
+use crate::suite::window::{Window, app, demo_window, drawn_window, drop_file, press, settle};
+use crate::support::geo::{CoordinateFormat, LonLat};
+use crate::ui::Alone;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Pos2, pos2};
 use egui_kittest::kittest::Queryable as _;

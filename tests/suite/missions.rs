@@ -1,12 +1,12 @@
 //! Two missions over one pond, whose agreement the simulation knows.
 
 use super::truth::{KnownSurvey, kept};
-use bathyscope::bottom::bathymetry::SurfaceSettings;
-use bathyscope::bottom::bathymetry::compare::{Matching, match_points};
-use bathyscope::bottom::cloud::Residuals;
-use bathyscope::pipeline::{self, Products, Settings};
-use bathyscope::simulation::Scene;
-use bathyscope::support::progress::Progress;
+use crate::bottom::bathymetry::SurfaceSettings;
+use crate::bottom::bathymetry::compare::{Matching, match_points};
+use crate::bottom::cloud::Residuals;
+use crate::pipeline::{self, Products, Settings};
+use crate::simulation::Scene;
+use crate::support::progress::Progress;
 
 /// One mission and what the program made of it.
 pub struct Mission {

@@ -1,16 +1,16 @@
 //! The mosaic of simulated surveys: objects at their true places, no holes, no seams, even levels.
 
-use crate::detection_targets::trough;
-use bathyscope::bottom::bathymetry::Grid;
-use bathyscope::formats;
-use bathyscope::imagery::mosaic::{
+use crate::bottom::bathymetry::Grid;
+use crate::formats;
+use crate::imagery::mosaic::{
     Gain, GainTable, Layout, MosaicSettings, Overlap, TILE_CELLS, TileIndex, gain_table, tile,
     window,
 };
-use bathyscope::pipeline::{self, Products, Settings};
-use bathyscope::simulation::{ObjectKind, ObjectPass, ObjectSettings, Scene, Simulated, simulate};
-use bathyscope::support::progress::Progress;
-use bathyscope::survey::{Side, Survey};
+use crate::pipeline::{self, Products, Settings};
+use crate::simulation::{ObjectKind, ObjectPass, ObjectSettings, Scene, Simulated, simulate};
+use crate::suite::detection_targets::trough;
+use crate::support::progress::Progress;
+use crate::survey::{Side, Survey};
 use std::sync::Arc;
 
 struct Sailed {

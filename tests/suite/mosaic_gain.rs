@@ -1,12 +1,12 @@
 //! How even the gain makes a mosaic: no step under the boat, no bands along the track, no bars across it, relief kept.
 
-use crate::{river, support};
-use bathyscope::formats;
-use bathyscope::imagery::mosaic::{Gain, Layout, MosaicSettings, gain_table, window};
-use bathyscope::pipeline::{self, Products, Settings};
-use bathyscope::simulation::{Artefacts, Scene, simulate};
-use bathyscope::support::progress::Progress;
-use bathyscope::survey::{Bytes, Order, Side, Survey};
+use crate::formats;
+use crate::imagery::mosaic::{Gain, Layout, MosaicSettings, gain_table, window};
+use crate::pipeline::{self, Products, Settings};
+use crate::simulation::{Artefacts, Scene, simulate};
+use crate::suite::{river, support};
+use crate::support::progress::Progress;
+use crate::survey::{Bytes, Order, Side, Survey};
 use std::ops::Range;
 use std::sync::Arc;
 

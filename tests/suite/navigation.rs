@@ -1,11 +1,11 @@
 //! Position and heading from coarse, repeated fixes.
 
-use crate::truth::KnownSurvey;
-use bathyscope::pipeline::{Preset, Settings};
-use bathyscope::simulation::{Scene, TrackSettings};
-use bathyscope::support::geo::{LocalFrame, LonLat, lowrance_mercator, lowrance_mercator_inverse};
-use bathyscope::support::progress::Progress;
-use bathyscope::survey::{
+use crate::pipeline::{Preset, Settings};
+use crate::simulation::{Scene, TrackSettings};
+use crate::suite::truth::KnownSurvey;
+use crate::support::geo::{LocalFrame, LonLat, lowrance_mercator, lowrance_mercator_inverse};
+use crate::support::progress::Progress;
+use crate::survey::{
     Fix, HeadingSettings, HeadingSource, Navigation, Projection, SidePing, SideScanState, Survey,
     Track, navigate,
 };

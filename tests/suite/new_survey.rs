@@ -1,13 +1,13 @@
 //! What a survey that is opened anew starts from: nothing of the survey before, and what its own log was last given.
 
-use crate::many_logs::write_logs;
-use bathyscope::app::{Action, App, Command, Jobs, ViewOptions};
-use bathyscope::pipeline::settings::rows::ROWS;
-use bathyscope::pipeline::settings::{Kind, Row};
-use bathyscope::pipeline::{Settings, setting_values};
-use bathyscope::simulation::{Scene, TrackSettings, simulate};
-use bathyscope::support::presentation::units::LengthUnit;
-use bathyscope::support::progress::Progress;
+use crate::app::{Action, App, Command, Jobs, ViewOptions};
+use crate::pipeline::settings::rows::ROWS;
+use crate::pipeline::settings::{Kind, Row};
+use crate::pipeline::{Settings, setting_values};
+use crate::simulation::{Scene, TrackSettings, simulate};
+use crate::suite::many_logs::write_logs;
+use crate::support::presentation::units::LengthUnit;
+use crate::support::progress::Progress;
 use std::path::{Path, PathBuf};
 
 /// Lets everything that is asked for come to its end.

@@ -1,14 +1,14 @@
 //! Whether the constant that is taken off the ranges is the true one, on logs of any range, depth, pulse and sounding.
 
-use crate::truth::KnownSurvey;
-use bathyscope::pipeline::Settings;
-use bathyscope::simulation::{
+use crate::pipeline::Settings;
+use crate::simulation::{
     Artefacts, BedKind, BedSettings, Curve, RecorderSettings, Scene, TrackSettings,
 };
-use bathyscope::sonar::calibration::{Calibration, calibrate};
-use bathyscope::sonar::first_return::{FirstReturns, detect};
-use bathyscope::support::progress::Progress;
-use bathyscope::survey::{Projection, RangeSource, Side, Survey, navigate};
+use crate::sonar::calibration::{Calibration, calibrate};
+use crate::sonar::first_return::{FirstReturns, detect};
+use crate::suite::truth::KnownSurvey;
+use crate::support::progress::Progress;
+use crate::survey::{Projection, RangeSource, Side, Survey, navigate};
 use std::sync::Arc;
 
 /// How far an offset in force may lie from the truth, metres.

@@ -1,16 +1,16 @@
 //! The registry of outputs against what runs really write.
 
-use crate::cli::run;
-use crate::truth::KnownSurvey;
-use bathyscope::app::{App, Command, Jobs};
-use bathyscope::detection::objects::SurveyReview;
-use bathyscope::pipeline::{self, Derived, ProcessedLog, Settings};
-use bathyscope::products::outputs::{
+use crate::app::{App, Command, Jobs};
+use crate::detection::objects::SurveyReview;
+use crate::pipeline::{self, Derived, ProcessedLog, Settings};
+use crate::products::outputs::{
     self, EarlierRun, OUTPUT_FILES, Order, OutputFile, Product, RunFolder, When, row_of,
 };
-use bathyscope::simulation::Scene;
-use bathyscope::support::progress::Progress;
-use bathyscope::survey::Survey;
+use crate::simulation::Scene;
+use crate::suite::cli::run;
+use crate::suite::truth::KnownSurvey;
+use crate::support::progress::Progress;
+use crate::survey::Survey;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;

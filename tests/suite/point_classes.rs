@@ -1,13 +1,13 @@
 //! Each point has one class: the map, every file of points, the report and its page count them alike.
 
-use crate::truth::KnownSurvey;
-use bathyscope::bottom::cloud::{ClassCounts, PointClass, PointSource};
-use bathyscope::detection::objects::SurveyReview;
-use bathyscope::pipeline::{self, Derived, Preset, ProcessedLog, Settings, joint_depth_points};
-use bathyscope::products::outputs::{self, Order, Product, RunFolder};
-use bathyscope::simulation::Scene;
-use bathyscope::support::presentation::text::typeset_count;
-use bathyscope::support::progress::Progress;
+use crate::bottom::cloud::{ClassCounts, PointClass, PointSource};
+use crate::detection::objects::SurveyReview;
+use crate::pipeline::{self, Derived, Preset, ProcessedLog, Settings, joint_depth_points};
+use crate::products::outputs::{self, Order, Product, RunFolder};
+use crate::simulation::Scene;
+use crate::suite::truth::KnownSurvey;
+use crate::support::presentation::text::typeset_count;
+use crate::support::progress::Progress;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -140,8 +140,8 @@ fn every_file_counts_points_alike_and_weed_is_not_kept() {
         let truth = &pond.truth.pings[point.ping as usize];
         let side = match point.source {
             PointSource::DownScan => return false,
-            PointSource::Port => truth.side(bathyscope::survey::Side::Port),
-            PointSource::Starboard => truth.side(bathyscope::survey::Side::Starboard),
+            PointSource::Port => truth.side(crate::survey::Side::Port),
+            PointSource::Starboard => truth.side(crate::survey::Side::Starboard),
         };
         let bed_m = pond.truth.bed_depth_m(point.east_m, point.north_m);
         side.weed && bed_m + point.z_m > 0.25

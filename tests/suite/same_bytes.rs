@@ -1,14 +1,14 @@
 //! Window and command line write the same bytes of the same survey.
 
-use crate::cli::run;
-use crate::residuals::{pond, wait};
-use crate::truth::KnownSurvey;
-use bathyscope::app::{App, BottomStroke, Command, ExclusionEdit, Ink, Jobs, LogId, PIXEL_M};
-use bathyscope::detection::review::{BoxId, Edit, Review};
-use bathyscope::detection::{Detection, Mark, Raster};
-use bathyscope::pipeline::Settings;
-use bathyscope::products::outputs::{OUTPUT_FILES, OutputFile, When};
-use bathyscope::survey::{Identity, LogPart, Side};
+use crate::app::{App, BottomStroke, Command, ExclusionEdit, Ink, Jobs, LogId, PIXEL_M};
+use crate::detection::review::{BoxId, Edit, Review};
+use crate::detection::{Detection, Mark, Raster};
+use crate::pipeline::Settings;
+use crate::products::outputs::{OUTPUT_FILES, OutputFile, When};
+use crate::suite::cli::run;
+use crate::suite::residuals::{pond, wait};
+use crate::suite::truth::KnownSurvey;
+use crate::survey::{Identity, LogPart, Side};
 use serde_json::Value;
 use std::path::Path;
 use std::sync::Arc;

@@ -1,11 +1,11 @@
 //! Simulated surveys: what the log says against what was simulated, and the truth against geometry worked out apart.
 
-use bathyscope::formats;
-use bathyscope::simulation::{
+use crate::formats;
+use crate::simulation::{
     Artefacts, ObjectKind, ObjectSettings, Scene, Simulated, Terrace, TrackSettings, simulate,
 };
-use bathyscope::support::progress::{Cancelled, Progress};
-use bathyscope::survey::{Side, SideScanState, Survey};
+use crate::support::progress::{Cancelled, Progress};
+use crate::survey::{Side, SideScanState, Survey};
 use std::f64::consts::PI;
 use std::path::Path;
 

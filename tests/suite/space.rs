@@ -1,22 +1,22 @@
 //! Map and 3D cloud: gestures, names and pictures on a pond made here, and the depth map of the real river.
 
-use crate::support;
-use bathyscope::app::{Action, App, CloudColour, Command, Jobs, Mark, ThemeChoice, View};
-use bathyscope::bottom::bathymetry::{SurfaceSettings, depth_points, depth_range, surface};
-use bathyscope::bottom::cloud::{
+use crate::app::{Action, App, CloudColour, Command, Jobs, Mark, ThemeChoice, View};
+use crate::bottom::bathymetry::{SurfaceSettings, depth_points, depth_range, surface};
+use crate::bottom::cloud::{
     CloudPoint, Correction, PointClass, PointCloud, PointSource, SoundingIndex, ping_depths,
 };
-use bathyscope::formats;
-use bathyscope::pipeline::Products;
-use bathyscope::sonar::calibration::{Calibration, FlatSpot, PingRange, PpdReach, ScaleMode};
-use bathyscope::support::geo::LonLat;
-use bathyscope::support::progress::Progress;
-use bathyscope::survey::{
+use crate::formats;
+use crate::pipeline::Products;
+use crate::sonar::calibration::{Calibration, FlatSpot, PingRange, PpdReach, ScaleMode};
+use crate::suite::support;
+use crate::support::geo::LonLat;
+use crate::support::progress::Progress;
+use crate::survey::{
     Fix, HeadingSettings, Navigation, PingNav, Projection, SidePing, SideScanState, Sounding,
     Survey, Track, navigate,
 };
-use bathyscope::ui::views::{CloudView, MapView};
-use bathyscope::ui::{ViewContext, ViewRequest};
+use crate::ui::views::{CloudView, MapView};
+use crate::ui::{ViewContext, ViewRequest};
 use eframe::egui_wgpu::{RenderState, RendererOptions};
 use egui::{Pos2, Vec2, vec2};
 use egui_kittest::Harness;

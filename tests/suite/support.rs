@@ -15,6 +15,40 @@ pub fn real_data() -> Option<PathBuf> {
     None
 }
 
+/// The program, which cargo builds with the tests.
+///
+/// # Panics
+/// When it is missing or older than its source, as after `cargo test --lib`.
+pub fn program() -> PathBuf {
+    let tests = std::env::current_exe().expect("the path of the tests");
+    let folder = tests.ancestors().nth(2).expect("the folder of the build");
+    let program = folder
+        .join("bathyscope")
+        .with_extension(std::env::consts::EXE_EXTENSION);
+    let built = std::fs::metadata(&program).and_then(|file| file.modified());
+    let source = newest_change(&PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("src"));
+    assert!(
+        built.is_ok_and(|built| built >= source),
+        "{} is missing or older than its source: run `cargo build --release` first",
+        program.display()
+    );
+    program
+}
+
+/// When a file in a folder was changed last.
+fn newest_change(folder: &Path) -> std::time::SystemTime {
+    let entries = std::fs::read_dir(folder).expect("the source");
+    let changes = entries.map(|entry| {
+        let entry = entry.expect("a file of the source");
+        let about = entry.metadata().expect("a file of the source");
+        match about.is_dir() {
+            true => newest_change(&entry.path()),
+            false => about.modified().expect("a time"),
+        }
+    });
+    changes.max().unwrap_or(std::time::UNIX_EPOCH)
+}
+
 /// The bundled demo survey as a file.
 pub fn demo_log() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("assets/demo.sl2")

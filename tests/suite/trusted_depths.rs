@@ -1,14 +1,14 @@
 //! Which depths count: side-scan where the recorder lost the bottom, first returns by their confidence, and what lies above the
 //! recorded depth.
 
-use crate::truth::KnownSurvey;
-use bathyscope::bottom::cloud::{
+use crate::bottom::cloud::{
     ClassRules, DepthSource, PointClass, PointSource, TrackShare, classify,
 };
-use bathyscope::pipeline::{self, Preset, Products, Report, Settings};
-use bathyscope::simulation::Scene;
-use bathyscope::sonar::first_return::Method;
-use bathyscope::support::progress::Progress;
+use crate::pipeline::{self, Preset, Products, Report, Settings};
+use crate::simulation::Scene;
+use crate::sonar::first_return::Method;
+use crate::suite::truth::KnownSurvey;
+use crate::support::progress::Progress;
 use std::sync::Arc;
 
 fn processed(pond: &KnownSurvey, settings: &Settings) -> Products {

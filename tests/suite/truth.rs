@@ -1,13 +1,13 @@
 //! Results compared with what a simulated survey hides.
 
-use bathyscope::bottom::bathymetry::{DepthPoint, Surface, SurfaceSettings, SwathDepth, surface};
-use bathyscope::bottom::cloud::{ClassRules, CloudPoint, PointSource, classify};
-use bathyscope::bottom::swath::{LogEchoes, correct};
-use bathyscope::formats;
-use bathyscope::pipeline::{Products, log_echoes};
-use bathyscope::simulation::{Scene, Simulated, simulate};
-use bathyscope::support::progress::Progress;
-use bathyscope::survey::{Side, Survey};
+use crate::bottom::bathymetry::{DepthPoint, Surface, SurfaceSettings, SwathDepth, surface};
+use crate::bottom::cloud::{ClassRules, CloudPoint, PointSource, classify};
+use crate::bottom::swath::{LogEchoes, correct};
+use crate::formats;
+use crate::pipeline::{Products, log_echoes};
+use crate::simulation::{Scene, Simulated, simulate};
+use crate::support::progress::Progress;
+use crate::survey::{Side, Survey};
 
 /// What is wrong with a cell of a map.
 #[derive(Clone, Copy)]

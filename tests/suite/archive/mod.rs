@@ -10,10 +10,10 @@ mod offsets;
 pub mod positions;
 mod rows;
 
-use crate::cli::run;
-use bathyscope::simulation::{Artefacts, BedSettings, Scene, Simulated, TrackSettings, simulate};
-use bathyscope::support::geo::{UtmZone, metres_per_degree};
-use bathyscope::support::progress::Progress;
+use crate::simulation::{Artefacts, BedSettings, Scene, Simulated, TrackSettings, simulate};
+use crate::suite::cli::run;
+use crate::support::geo::{UtmZone, metres_per_degree};
+use crate::support::progress::Progress;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;

@@ -13,13 +13,13 @@ mod report_page;
 mod review;
 mod waterfall_options;
 
-use crate::support;
+use crate::suite::support;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
 fn bathyscope(folder: &Path, args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_bathyscope"))
+    Command::new(crate::suite::support::program())
         .args(args)
         .current_dir(folder)
         .env_remove("DISPLAY")

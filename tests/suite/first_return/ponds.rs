@@ -1,13 +1,13 @@
 //! First returns against the truth of simulated ponds.
 
-use bathyscope::formats;
-use bathyscope::simulation::{PingTruth, Scene, simulate};
-use bathyscope::sonar::first_return::{
+use crate::formats;
+use crate::simulation::{PingTruth, Scene, simulate};
+use crate::sonar::first_return::{
     FirstReturnSettings, FirstReturns, ImageSettings, Method, Normalisation, SampleMode, detect,
     track_range,
 };
-use bathyscope::support::progress::Progress;
-use bathyscope::survey::{Side, Survey};
+use crate::support::progress::Progress;
+use crate::survey::{Side, Survey};
 
 /// A pond with what is true about it.
 struct Pond {

@@ -1,10 +1,10 @@
 //! First returns on real recordings, against what can be known of them without truth.
 
-use crate::support;
-use bathyscope::formats;
-use bathyscope::sonar::first_return::{FirstReturnSettings, FirstReturns, ImageSettings, detect};
-use bathyscope::support::progress::Progress;
-use bathyscope::survey::{Side, Survey};
+use crate::formats;
+use crate::sonar::first_return::{FirstReturnSettings, FirstReturns, ImageSettings, detect};
+use crate::suite::support;
+use crate::support::progress::Progress;
+use crate::survey::{Side, Survey};
 
 fn tracked(file: &str) -> Option<(Survey, FirstReturns)> {
     let path = support::real_data()?.join(file);

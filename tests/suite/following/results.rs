@@ -1,10 +1,10 @@
 //! Results that are made of a log's tail are those of the whole log, but for what is measured over all of it.
 
-use crate::support::{demo_log, real_data};
-use bathyscope::formats::{open_bytes, open_growing, open_tail};
-use bathyscope::pipeline::{GrowingResults, Preset, Products, Settings, extend, run};
-use bathyscope::support::progress::Progress;
-use bathyscope::survey::{Bytes, Side, Survey, SurveyVersions};
+use crate::formats::{open_bytes, open_growing, open_tail};
+use crate::pipeline::{GrowingResults, Preset, Products, Settings, extend, run};
+use crate::suite::support::{demo_log, real_data};
+use crate::support::progress::Progress;
+use crate::survey::{Bytes, Side, Survey, SurveyVersions};
 use std::path::PathBuf;
 use std::sync::Arc;
 

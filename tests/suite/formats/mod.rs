@@ -7,11 +7,11 @@ mod real;
 mod refused;
 mod xtf;
 
-use crate::handmade::{self, Frame};
-use crate::support;
-use bathyscope::formats::{self, OpenError};
-use bathyscope::support::progress::Progress;
-use bathyscope::survey::{ChannelKind, Order, Side, SideScanState, Survey};
+use crate::formats::{self, OpenError};
+use crate::suite::handmade::{self, Frame};
+use crate::suite::support;
+use crate::support::progress::Progress;
+use crate::survey::{ChannelKind, Order, Side, SideScanState, Survey};
 use std::path::{Path, PathBuf};
 
 fn open(file: &str) -> Option<Survey> {

@@ -2,12 +2,12 @@
 
 use super::mutate::{self, Random, WILD};
 use super::run::program;
-use crate::handmade;
-use bathyscope::detection::Mark;
-use bathyscope::detection::review::{Edit, Review};
-use bathyscope::formats;
-use bathyscope::support::progress::Progress;
-use bathyscope::survey::{Identity, Side};
+use crate::detection::Mark;
+use crate::detection::review::{Edit, Review};
+use crate::formats;
+use crate::suite::handmade;
+use crate::support::progress::Progress;
+use crate::survey::{Identity, Side};
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
@@ -167,7 +167,7 @@ impl Seeds {
     }
 }
 
-fn review_of(survey: &bathyscope::survey::Survey) -> String {
+fn review_of(survey: &crate::survey::Survey) -> String {
     let names = vec!["rock".to_owned(), "tyre".to_owned()];
     let mut review = Review::new(Identity::of(survey), names);
     for index in 0..6 {
@@ -186,7 +186,7 @@ fn review_of(survey: &bathyscope::survey::Survey) -> String {
     review.to_json()
 }
 
-fn bottom_of(survey: &bathyscope::survey::Survey) -> String {
+fn bottom_of(survey: &crate::survey::Survey) -> String {
     let bytes = survey.source.byte_count;
     let pings = survey.side_scan.len();
     format!(

@@ -26,7 +26,7 @@ pub struct Outcome {
 
 /// Runs `bathyscope` in a folder.
 pub fn program(folder: &Path, args: &[String]) -> Outcome {
-    let mut child = Command::new(env!("CARGO_BIN_EXE_bathyscope"))
+    let mut child = Command::new(crate::suite::support::program())
         .args(args)
         .current_dir(folder)
         .env_remove("DISPLAY")

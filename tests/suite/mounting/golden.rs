@@ -1,8 +1,8 @@
 //! Lever arms against geodesics.
 
-use bathyscope::support::geo::{LonLat, distance_m};
-use bathyscope::support::progress::Progress;
-use bathyscope::survey::{
+use crate::support::geo::{LonLat, distance_m};
+use crate::support::progress::Progress;
+use crate::survey::{
     Fix, HeadingSettings, HeadingSource, MountingSettings, PositionSettings, PositionShift,
     Projection, SidePing, Survey, Track, navigate_with,
 };

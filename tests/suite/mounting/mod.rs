@@ -5,12 +5,12 @@ mod sailed;
 mod source;
 mod window;
 
-use crate::truth::KnownSurvey;
-use bathyscope::formats::TrackFile;
-use bathyscope::pipeline::{self, Products, Settings};
-use bathyscope::simulation::{Artefacts, ObjectKind, ObjectSettings, Scene, TrackSettings};
-use bathyscope::support::progress::Progress;
-use bathyscope::survey::Survey;
+use crate::formats::TrackFile;
+use crate::pipeline::{self, Products, Settings};
+use crate::simulation::{Artefacts, ObjectKind, ObjectSettings, Scene, TrackSettings};
+use crate::suite::truth::KnownSurvey;
+use crate::support::progress::Progress;
+use crate::survey::Survey;
 
 /// Two lines to and fro over a gentle bed with three objects that both see, and nothing that disturbs but speckle.
 fn scene() -> Scene {
@@ -64,5 +64,5 @@ fn off_m(known: &KnownSurvey, products: &Products) -> f64 {
     // At both ends the line of the fit is one-sided.
     let off: Vec<f64> = off.skip(60).collect();
     let inner = &off[..off.len() - 60];
-    crate::many_logs::rms(inner)
+    crate::suite::many_logs::rms(inner)
 }

@@ -2,13 +2,13 @@
 
 use super::golden::golden;
 use super::settings;
-use crate::cli::{refusal, run, stderr_of};
-use crate::handmade;
-use bathyscope::formats;
-use bathyscope::pipeline::{self, Settings};
-use bathyscope::support::geo::{LonLat, distance_m};
-use bathyscope::support::progress::Progress;
-use bathyscope::survey::Survey;
+use crate::formats;
+use crate::pipeline::{self, Settings};
+use crate::suite::cli::{refusal, run, stderr_of};
+use crate::suite::handmade;
+use crate::support::geo::{LonLat, distance_m};
+use crate::support::progress::Progress;
+use crate::survey::Survey;
 
 /// An XTF log of 20 pings, half a metre to the north each, that says that its positions are metres.
 fn log(origin: (f64, f64)) -> Survey {

@@ -2,12 +2,12 @@
 
 mod ponds;
 
-use crate::cli::{refusal, run};
-use crate::support::demo_log;
-use bathyscope::bottom::planning::{
+use crate::bottom::planning::{
     Leg, PlanError, PlanSettings, SeenObject, SigmaLaw, Station, SurveyCoverage, plan,
 };
-use bathyscope::support::progress::Progress;
+use crate::suite::cli::{refusal, run};
+use crate::suite::support::demo_log;
+use crate::support::progress::Progress;
 use serde_json::Value;
 use std::fs;
 

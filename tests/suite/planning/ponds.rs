@@ -1,16 +1,16 @@
 //! What sailing the planned lines does for simulated ponds whose survey has a hole.
 
-use crate::support::Moments;
-use bathyscope::bottom::bathymetry::Surface;
-use bathyscope::bottom::planning::{Plan, PlanSettings, plan};
-use bathyscope::detection::objects::ObjectList;
-use bathyscope::formats;
-use bathyscope::pipeline::{self, ProcessedLog, Settings, joint_depth_surface, survey_coverage};
-use bathyscope::simulation::{
+use crate::bottom::bathymetry::Surface;
+use crate::bottom::planning::{Plan, PlanSettings, plan};
+use crate::detection::objects::ObjectList;
+use crate::formats;
+use crate::pipeline::{self, ProcessedLog, Settings, joint_depth_surface, survey_coverage};
+use crate::simulation::{
     Artefacts, BedKind, BedSettings, RecorderSettings, Scene, Simulated, TrackSettings, simulate,
 };
-use bathyscope::support::geo::{CrsChoice, LocalFrame, LonLat, MapPlane};
-use bathyscope::support::progress::Progress;
+use crate::suite::support::Moments;
+use crate::support::geo::{CrsChoice, LocalFrame, LonLat, MapPlane};
+use crate::support::progress::Progress;
 use std::fs;
 use std::sync::Arc;
 

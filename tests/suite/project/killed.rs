@@ -5,17 +5,15 @@
 //! an own run of the same gestures that nobody kills.
 
 use super::names;
-use crate::handmade::{sl2, survey_frames};
-use crate::support::Moments;
-use bathyscope::app::{
-    Action, App, BottomStroke, Command, ExclusionEdit, Ink, Jobs, LogId, Measure,
-};
-use bathyscope::detection::Mark;
-use bathyscope::detection::review::{BoxId, Edit};
-use bathyscope::pipeline::Settings;
-use bathyscope::project::Store;
-use bathyscope::support::geo::LonLat;
-use bathyscope::survey::{LogPart, Side};
+use crate::app::{Action, App, BottomStroke, Command, ExclusionEdit, Ink, Jobs, LogId, Measure};
+use crate::detection::Mark;
+use crate::detection::review::{BoxId, Edit};
+use crate::pipeline::Settings;
+use crate::project::Store;
+use crate::suite::handmade::{sl2, survey_frames};
+use crate::suite::support::Moments;
+use crate::support::geo::LonLat;
+use crate::survey::{LogPart, Side};
 use sha2::{Digest as _, Sha256};
 use std::fs;
 use std::io::{BufRead as _, BufReader, Write as _};
@@ -281,7 +279,7 @@ fn without_numbers(text: &str) -> String {
 /// The project's text with what is in its journal; it must open.
 fn found(folder: &Path, name: &str) -> (String, bool) {
     let path = folder.join(name);
-    let in_file = bathyscope::project::read(&path).expect("a whole project");
+    let in_file = crate::project::read(&path).expect("a whole project");
     let opened = Store::open(&path).expect("a project");
     let text = opened.project.to_text(folder);
     // As it was found: what is not saved stays in the journal.

@@ -2,12 +2,12 @@
 
 mod killed;
 
-use crate::cli::stderr_of;
-use bathyscope::detection::review::{BoxId, Edit};
-use bathyscope::formats;
-use bathyscope::project::{self, Change, LogFile, Project, ProjectLog, Store, StoreError};
-use bathyscope::support::geo::LonLat;
-use bathyscope::support::progress::Progress;
+use crate::detection::review::{BoxId, Edit};
+use crate::formats;
+use crate::project::{self, Change, LogFile, Project, ProjectLog, Store, StoreError};
+use crate::suite::cli::stderr_of;
+use crate::support::geo::LonLat;
+use crate::support::progress::Progress;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -306,8 +306,8 @@ fn a_journal_of_nonsense_does_no_harm() {
     let folder = temporary.path();
     let (mut store, project) = saved(folder);
     let edit = Edit::Add {
-        mark: bathyscope::detection::Mark {
-            side: bathyscope::survey::Side::Port,
+        mark: crate::detection::Mark {
+            side: crate::survey::Side::Port,
             pings: 5..9,
             near_m: 1.0,
             far_m: 2.0,

@@ -1,12 +1,12 @@
 //! The detector that comes with the program: on the demo survey, whose objects are known, and against onnxruntime
 //! (`oracle.py` made `boxes.json` from the shipped file and a chip of the test split).
 
-use bathyscope::detection::model::shipped;
-use bathyscope::detection::{Detection, DetectorSettings, Mark, Model, Picture, Raster, find};
-use bathyscope::formats;
-use bathyscope::simulation::{ObjectPass, Scene, simulate};
-use bathyscope::support::progress::Progress;
-use bathyscope::survey::{HeadingSettings, Projection, Survey, navigate};
+use crate::detection::model::shipped;
+use crate::detection::{Detection, DetectorSettings, Mark, Model, Picture, Raster, find};
+use crate::formats;
+use crate::simulation::{ObjectPass, Scene, simulate};
+use crate::support::progress::Progress;
+use crate::survey::{HeadingSettings, Projection, Survey, navigate};
 
 const ONNX: &[u8] = include_bytes!("../../../assets/detector/default.onnx");
 const SIDECAR: &str = include_str!("../../../assets/detector/default.json");

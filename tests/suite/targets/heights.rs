@@ -1,12 +1,10 @@
 //! Heights of many objects, by the edges of the shadows that the program finds.
 
 use super::{edit, level_scene, opened, target, written};
-use crate::support::Moments;
-use bathyscope::detection::Mark;
-use bathyscope::detection::review::Edit;
-use bathyscope::simulation::{
-    Curve, ObjectKind, ObjectSettings, RecorderSettings, Scene, Simulated,
-};
+use crate::detection::Mark;
+use crate::detection::review::Edit;
+use crate::simulation::{Curve, ObjectKind, ObjectSettings, RecorderSettings, Scene, Simulated};
+use crate::suite::support::Moments;
 use std::path::Path;
 
 const OBJECTS: usize = 50;

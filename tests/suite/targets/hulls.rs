@@ -1,12 +1,12 @@
 //! Sunken boats of 30 m, upright or keel up, with a list, by edges drawn by hand.
 
 use super::{edit, level_scene, only_box, opened, see_far, settle, target, written};
-use bathyscope::app::{Action, App, Command, Measure};
-use bathyscope::detection::review::{Edit, Review};
-use bathyscope::detection::{Mark, MeasuredShadow};
-use bathyscope::project::Pick;
-use bathyscope::simulation::{ObjectKind, ObjectPass, ObjectSettings, Scene};
-use bathyscope::survey::Identity;
+use crate::app::{Action, App, Command, Measure};
+use crate::detection::review::{Edit, Review};
+use crate::detection::{Mark, MeasuredShadow};
+use crate::project::Pick;
+use crate::simulation::{ObjectKind, ObjectPass, ObjectSettings, Scene};
+use crate::survey::Identity;
 
 const LENGTH_M: f64 = 30.0;
 const WIDTH_M: f64 = 6.0;

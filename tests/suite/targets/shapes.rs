@@ -1,12 +1,12 @@
 //! Shapes fitted to simulated objects of known kind and size.
 
 use super::{edit, level_scene, log_box, opened, see_far, target, written};
-use crate::support::Moments;
-use bathyscope::app::{App, Command};
-use bathyscope::detection::Mark;
-use bathyscope::detection::review::Edit;
-use bathyscope::detection::targets::{FittedShape, ShapeError, ShapeKind};
-use bathyscope::simulation::{ObjectKind, ObjectPass, ObjectSettings, Scene};
+use crate::app::{App, Command};
+use crate::detection::Mark;
+use crate::detection::review::Edit;
+use crate::detection::targets::{FittedShape, ShapeError, ShapeKind};
+use crate::simulation::{ObjectKind, ObjectPass, ObjectSettings, Scene};
+use crate::suite::support::Moments;
 use std::path::Path;
 
 const OBJECTS: usize = 60;

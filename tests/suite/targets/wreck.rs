@@ -1,11 +1,11 @@
 //! A sunken barge of 30 m on a level bed, from the picture to the report.
 
 use super::{edit, level_scene, log_box, only_box, opened, see_far, settle, target, written};
-use bathyscope::app::{Action, App, Command};
-use bathyscope::detection::review::{Confidence, Edit, Review, State};
-use bathyscope::detection::{Mark, ObjectExtent};
-use bathyscope::simulation::{ObjectKind, ObjectSettings, Scene, Simulated};
-use bathyscope::survey::{Identity, Side};
+use crate::app::{Action, App, Command};
+use crate::detection::review::{Confidence, Edit, Review, State};
+use crate::detection::{Mark, ObjectExtent};
+use crate::simulation::{ObjectKind, ObjectSettings, Scene, Simulated};
+use crate::survey::{Identity, Side};
 use std::path::Path;
 
 const LENGTH_M: f64 = 30.0;

@@ -2,12 +2,12 @@
 
 use super::synthetic::{bed_m, even_bottom, pond};
 use super::{app_with, name, pond_app, window};
-use bathyscope::app::{Command, Mark};
-use bathyscope::sonar::first_return::{
+use crate::app::{Command, Mark};
+use crate::sonar::first_return::{
     FirstReturnSettings, ImageSettings, Method, Normalisation, SampleMode, detect,
 };
-use bathyscope::support::progress::Progress;
-use bathyscope::survey::Side;
+use crate::support::progress::Progress;
+use crate::survey::Side;
 use egui::pos2;
 use std::time::Duration;
 

@@ -1,7 +1,7 @@
 //! Surveys made up for the waterfall: an even bottom, and a pond with a target and a change of range.
 
-use bathyscope::sonar::first_return::{FirstReturns, Pick};
-use bathyscope::survey::{Bytes, Encoding, Order, Side, SidePing, SideScanState, SideSpan, Survey};
+use crate::sonar::first_return::{FirstReturns, Pick};
+use crate::survey::{Bytes, Encoding, Order, Side, SidePing, SideScanState, SideSpan, Survey};
 use std::sync::Arc;
 
 pub fn survey_of(bytes: Vec<u8>, spans: impl Iterator<Item = [Option<SideSpan>; 2]>) -> Survey {

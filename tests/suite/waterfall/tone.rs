@@ -2,12 +2,12 @@
 
 use super::synthetic::{span, survey_of};
 use super::{Window, settle, window};
-use bathyscope::app::{Action, App, ColourMap, Command, Jobs, Tool};
-use bathyscope::imagery::mosaic::Gain;
-use bathyscope::imagery::picture::Geometry;
-use bathyscope::pipeline::{self, Settings};
-use bathyscope::support::progress::Progress;
-use bathyscope::survey::{Side, Survey};
+use crate::app::{Action, App, ColourMap, Command, Jobs, Tool};
+use crate::imagery::mosaic::Gain;
+use crate::imagery::picture::Geometry;
+use crate::pipeline::{self, Settings};
+use crate::support::progress::Progress;
+use crate::survey::{Side, Survey};
 use egui::pos2;
 use egui_kittest::Harness;
 use std::sync::Arc;

@@ -1,5 +1,5 @@
-//! One test binary: building and linking it once is what keeps CI short.
-//! A module a room; `support` finds the real recordings and simulated surveys.
+//! Tests of several modules together, of the window and of the program. They are part of the library, so that they reach what is no part
+//! of its interface, and so that it is built once for all tests. `support` finds real recordings and simulated surveys.
 
 mod architecture;
 mod archive;

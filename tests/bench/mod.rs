@@ -1,4 +1,4 @@
-//! Benchmarks: `cargo bench` runs all, `cargo bench -- NAME...` some of them.
+//! Benchmarks: `cargo bench --features bench` runs all, with `-- NAME...` some of them.
 //!
 //! A figure is a ratio against a baseline in the same run, or a throughput beside a plain read of the same bytes:
 //! absolute times of one machine prove nothing on another.
@@ -28,10 +28,6 @@ mod surface;
 mod truth;
 mod waterfall;
 
-/// That of the program: what is measured of memory is what its users see.
-#[global_allocator]
-static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
-
 /// Name on the command line and what it runs.
 const BENCHES: &[(&str, fn())] = &[
     ("decode", decode::run),
@@ -53,7 +49,8 @@ const BENCHES: &[(&str, fn())] = &[
     ("confidence", confidence::run),
 ];
 
-fn main() {
+/// Runs the benchmarks that the command line names, all of them without a name.
+pub fn main() {
     // Cargo passes `--bench`; what is left are names.
     let requested: Vec<String> = std::env::args()
         .skip(1)
