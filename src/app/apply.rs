@@ -107,7 +107,6 @@ impl App {
             Command::ByKey { .. }
             | Command::ShowSetting(_)
             | Command::Focus(_)
-            | Command::Layout(_)
             | Command::ChooseExportFolder(_)
             | Command::PrintInto(_) => {}
         }

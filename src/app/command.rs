@@ -2,8 +2,8 @@
 
 use super::planning::PlanRequest;
 use super::{
-    Action, BottomStroke, ExclusionEdit, KeyFocus, Keys, LayoutPreset, LogBox, LogId, Mark,
-    Measure, MistakeSort, Nudge, ReferenceBy, View, ViewOptions,
+    Action, BottomStroke, ExclusionEdit, KeyFocus, Keys, LogBox, LogId, Mark, Measure, MistakeSort,
+    Nudge, ReferenceBy, View, ViewOptions,
 };
 use crate::detection::review::{BoxId, Edit, Queue};
 use crate::detection::truth::Mistake;
@@ -52,6 +52,7 @@ pub enum Command {
     /// Go to the state after so many steps of the history, of those taken back as well.
     GoToStep(usize),
     /// Make a setting one of the shown log alone, or one that all logs share again.
+    #[cfg_attr(not(test), expect(dead_code, reason = "no control offers it yet"))]
     SetOwn {
         /// Its key.
         key: String,
@@ -102,8 +103,6 @@ pub enum Command {
     ShowSetting(&'static str),
     /// Move the keyboard focus to a view.
     Focus(View),
-    /// Arrange the views.
-    Layout(LayoutPreset),
     /// Write the ticked products into a folder.
     Export(PathBuf),
     /// Take this folder in the dialog of the products.

@@ -24,11 +24,6 @@ impl FoundHeights {
         self.ids.iter().copied().zip(&self.offsets.logs)
     }
 
-    /// All of it: the logs by their number in [`FoundHeights::logs`].
-    pub fn offsets(&self) -> &HeightOffsets {
-        &self.offsets
-    }
-
     /// How many groups of connected logs there are.
     pub fn groups(&self) -> usize {
         self.offsets.groups()

@@ -5,7 +5,7 @@ use super::reviewing::{LogStep, Step};
 use super::{Action, App, LogId};
 use crate::pipeline::settings::{Kind, Number, row};
 use crate::pipeline::{Settings, setting_values};
-use crate::project::{self, Change, History, PastStep, Project, ProjectLog, UNDONE};
+use crate::project::{self, History, PastStep, Project, ProjectLog, UNDONE};
 use crate::support::presentation::units::Units;
 use crate::support::printable::quoted;
 use std::borrow::Cow;
@@ -163,12 +163,9 @@ impl App {
             entry.is_visible = log.is_visible;
             entry.settings = log.own.as_ref().clone();
             entry.review = log.review.clone();
-            let moved = Change::Move {
-                log: entry.key.clone(),
-                to: place,
-            };
+            let key = entry.key.clone();
             version = version.with_changed(entry).unwrap_or(version);
-            version = version.apply(&moved).unwrap_or(version);
+            version = version.with_log_at(&key, place).unwrap_or(version);
         }
         keep_figure(&mut version, step.figure.as_ref());
         Some(version)

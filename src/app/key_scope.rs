@@ -32,6 +32,7 @@ pub enum KeyScope {
 
 impl KeyScope {
     /// All of them.
+    #[cfg(test)]
     pub const ALL: [KeyScope; 7] = [
         KeyScope::Views,
         KeyScope::Boxes,

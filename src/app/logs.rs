@@ -6,7 +6,9 @@
 use super::open_log::log_colour;
 use super::reviewing::Parked;
 use super::{App, LogId, Mark, OpenLog};
-use crate::pipeline::{EngineStatus, ProcessedLog, Products, Settings};
+#[cfg(any(test, feature = "bench"))]
+use crate::pipeline::Products;
+use crate::pipeline::{EngineStatus, ProcessedLog, Settings};
 use crate::project::History;
 use crate::support::printable::quoted;
 use crate::survey::{Identity, Survey, distinct_names};
@@ -135,6 +137,7 @@ impl App {
     }
 
     /// The settings that all logs share.
+    #[cfg(any(test, feature = "bench"))]
     pub fn shared_settings(&self) -> &Settings {
         &self.document.shared
     }
@@ -147,6 +150,7 @@ impl App {
     }
 
     /// Shows a log that is at hand already, with what was made of it, in the place of those that are open.
+    #[cfg(any(test, feature = "bench"))]
     pub fn show_survey(&mut self, survey: Arc<Survey>, products: Option<Products>) {
         self.pipeline.is_waiting = true;
         self.replace_logs(survey);

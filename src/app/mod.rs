@@ -58,21 +58,19 @@ mod work;
 pub use above_bottom::{AboveBottom, AboveStretch};
 pub use action::{Action, Keys};
 pub use bottom::{BottomStroke, Ink};
-pub use by_key::BeforeKey;
 pub use clip_box::ClipBox;
 pub use command::Command;
-pub use comparing::{Comparing, ReferenceBy};
+pub use comparing::ReferenceBy;
 pub use deriving::DrawnIsobaths;
 pub use exclusions::{ExclusionEdit, Extent, FoundExclusions};
 pub use figures::Figures;
 pub use following::FollowStatus;
 pub use given::GivenSettings;
-pub use heights::FoundHeights;
-pub use key_scope::{KeyFocus, KeyScope, is_bare};
+pub use key_scope::{KeyFocus, is_bare};
 pub use loader::{LoadStatus, Origin};
 pub use logs::ShownLog;
 pub use map_layers::{LayerShown, LayerStack, MapLayer};
-pub use measuring::{Figure, Measure, Measuring};
+pub use measuring::{Measure, Measuring};
 pub use mounting::Mountings;
 pub use notices::Notice;
 pub use object_table::{ObjectColumn, ObjectFilter, ObjectTable};
@@ -81,19 +79,20 @@ pub use options::{
     CloudColour, CloudOptions, ColourMap, EchogramChannel, LayoutPreset, MapOptions, Orientation,
     PanelOptions, PanelShown, SideColours, ThemeChoice, View, ViewOptions, WaterfallOptions,
 };
-pub use passes::{LogPass, PassesFound, mark_of};
-pub use planning::{PlanRequest, PlannedLines, Planning};
+pub use passes::{PassesFound, mark_of};
+pub use planning::{PlanRequest, PlannedLines};
 pub use positions::FoundPositions;
 pub use print::{Paper, PrintOptions, Sheet};
 pub use print_text::PrintText;
 pub use profile_line::ProfileLine;
 pub use project::is_project;
 pub use reviewing::{
-    BoxEdge, Judging, LocatedObject, MistakeSort, Nudge, PIXEL_M, ReviewCounts, Reviewing,
-    SearchStatus, Tool, border_m, middle,
+    BoxEdge, LocatedObject, MistakeSort, Nudge, PIXEL_M, Reviewing, SearchStatus, Tool, border_m,
 };
 pub use state::{App, CloseUp, Enlarged, Mark, Reveal};
 pub use swipe::{Swipe, SwipeSide};
 
-pub use crate::detection::objects::{LogBox, LogId, ObjectState, ObjectSummary, SurveyObject};
+pub use crate::detection::objects::{LogBox, LogId, ObjectState, SurveyObject};
 pub use crate::pipeline::{Jobs, Outcome, Task};
+#[cfg(any(test, feature = "bench"))]
+pub use passes::LogPass;

@@ -200,6 +200,7 @@ impl App {
     }
 
     /// Whether the project is being written into its file.
+    #[cfg(any(test, feature = "bench"))]
     pub fn is_keeping(&self) -> bool {
         self.files.project_saving.is_writing()
     }
@@ -252,8 +253,7 @@ impl App {
             .map(|log| log.key.clone())
             .collect();
         for key in gone {
-            let change = crate::project::Change::Remove(key);
-            project = project.apply(&change).unwrap_or(project);
+            project = project.without_log(&key).unwrap_or(project);
         }
         for (place, (log, file)) in open
             .iter()
@@ -279,11 +279,7 @@ impl App {
                 false => project.with_changed(entry),
             };
             project = after.unwrap_or(project);
-            let moved = crate::project::Change::Move {
-                log: key,
-                to: place,
-            };
-            project = project.apply(&moved).unwrap_or(project);
+            project = project.with_log_at(&key, place).unwrap_or(project);
         }
         keep_figure(&mut project, self.measuring.figure.as_ref());
         match &self.base_map {

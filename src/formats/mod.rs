@@ -34,14 +34,13 @@ mod unsupported;
 mod xml;
 pub mod xtf;
 
-pub use area_file::{AreaError, AreaFault, read_area};
-pub use gauge_file::{GaugeError, GaugeFault, read_gauge};
-pub use gpx::GpxError;
+pub use area_file::{AreaError, read_area};
+pub use gauge_file::{GaugeError, read_gauge};
 pub use growing_log::{GrowingError, GrowingLog};
 pub use reference::{ReferenceError, ReferenceFile, open_reference};
 pub use removable::load_removable_into_memory;
 pub use scalar::ByteOrder;
-pub use track_file::{TrackError, TrackFault, TrackFile};
+pub use track_file::{TrackError, TrackFile};
 
 use crate::support::progress::Progress;
 use crate::survey::{Bytes, Seam, Source, Survey};

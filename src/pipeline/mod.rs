@@ -30,9 +30,10 @@ mod source;
 mod survey_coverage;
 mod task;
 
+#[cfg(any(test, feature = "bench"))]
+pub use agreement::LogDifferences;
 pub use agreement::{
-    Agreement, AgreementError, LogDifferences, MissionLog, Reference, ReferenceFault,
-    ResidualTables, matching_in_words, positions,
+    Agreement, AgreementError, MissionLog, Reference, ResidualTables, matching_in_words, positions,
 };
 pub use background::{Background, Same};
 pub use clip_area::clip_area;
@@ -41,10 +42,10 @@ pub use depth::{
     crosslines, depth_points, joint_depth_points, joint_depth_surface, log_echoes,
 };
 pub use derived::{
-    Bottom, BottomColour, BottomCorner, BottomKey, CornerGround, DepthMap, DepthMapKey, Derived,
-    FINEST, IsobathKey, Isobaths, Mosaic, MosaicKey, MosaicPlane, PictureKey,
+    Bottom, BottomColour, BottomKey, CornerGround, DepthMap, DepthMapKey, Derived, FINEST,
+    IsobathKey, Isobaths, Mosaic, MosaicKey, MosaicPlane, PictureKey,
 };
-pub use engine::{Engine, EngineStatus, StageFailed};
+pub use engine::{Engine, EngineStatus};
 pub use fingerprint::{Fingerprint, Input, InputError, LogFiles, in_hexadecimal, sha256_of};
 pub use growing::{GrowingResults, extend};
 pub use log_settings::{
@@ -57,7 +58,7 @@ pub use objects::{list_objects, object_shape};
 pub use passes::{Pass, passes_over, place_of};
 pub use processed_log::ProcessedLog;
 pub use products::{Products, Stage, colour_range_m, run};
-pub use report::{CalibrationReport, Report, warnings};
+pub use report::{CalibrationReport, Report};
 pub use scale_trial::{ScaleEffect, ScaleTrial};
 pub use settings::{Preset, Settings, SettingsError};
 pub use source::{SourceError, SourceKey, as_mounted, as_set};

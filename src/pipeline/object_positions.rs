@@ -35,6 +35,7 @@ impl<'a> ObjectLocator<'a> {
     }
 
     /// Where a box's object lies, its depth below the level that depths count from; `None` as [`Placer::place`].
+    #[cfg(any(test, feature = "bench"))]
     pub fn place(&self, mark: &Mark) -> Option<Target> {
         self.place_as(mark, ObjectExtent::Found, None)
     }

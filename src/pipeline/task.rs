@@ -8,7 +8,11 @@ use std::sync::{Arc, mpsc};
 pub enum Jobs {
     /// On worker threads, which call this when there is something to show.
     Threads(Arc<dyn Fn() + Send + Sync>),
-    /// Inside the call: tests and headless pictures.
+    /// Inside the call.
+    #[cfg_attr(
+        not(any(test, feature = "bench")),
+        expect(dead_code, reason = "tests wait for nothing")
+    )]
     Inline,
 }
 

@@ -1,6 +1,6 @@
 //! A survey as a project: its logs and all that was decided about them, as one text file that lasts.
 //!
-//! `log` is one log, `change` what an analyst changes, `history` what undo goes back to, and `past` keeps that on disk. `rows` turns a project into lines and
+//! `log` is one log, `log_list` their order, `history` what undo goes back to, and `past` keeps that on disk. `rows` turns a project into lines and
 //! back, `row` is one line, `text` the file of them, `migrate` takes in what older versions wrote, `paths` how files are named in it.
 //! `store` keeps the file: saved aside and renamed, every gesture in a `journal` beside it, guarded by a `lock`. `find` looks for logs
 //! that were moved, `inputs` hands them to work without a window, `sidecar` takes in the files that earlier versions kept beside a log. No log is ever written.
@@ -70,13 +70,13 @@
 //! different decisions merge by themselves. Where two people added lines at the same place git asks; both stay, unless they have the
 //! same number. What this version does not know, a line or a field of one, is kept and written back. Comments are not.
 
-mod change;
 mod find;
 mod history;
 mod inputs;
 mod journal;
 mod lock;
 mod log;
+mod log_list;
 mod measurement;
 mod migrate;
 mod past;
@@ -87,16 +87,19 @@ mod sidecar;
 mod store;
 mod text;
 
-pub use change::Change;
 pub use find::{Found, find};
 pub use history::{History, Step};
-pub use inputs::{Input, InputError, inputs};
+pub use inputs::{Input, inputs};
 pub use log::{LogFile, LogKey, ProjectLog};
 pub use measurement::{Measurement, MeasurementKind, Pick};
 pub use past::{PastStep, UNDONE};
 pub use row::Key;
-pub use sidecar::{BottomFault, BottomFileError, Sidecars, read_bottom, read_sidecars};
-pub use store::{ENDING, Opened, Owner, Saving, Store, StoreError, Written, read};
+pub use sidecar::{BottomFileError, read_bottom};
+#[cfg(test)]
+pub use store::read;
+pub use store::{ENDING, Opened, Store, StoreError, Written};
+#[cfg(test)]
+pub use tests::change::Change;
 
 use crate::pipeline::{Settings, SettingsError};
 use crate::support::geo::LonLat;
@@ -151,7 +154,7 @@ struct Unknown {
     fields: BTreeMap<Key, Table>,
 }
 
-/// Everything that an analyst decides about a survey. A value: a change makes another one ([`Project::apply`]), which shares what
+/// Everything that an analyst decides about a survey. A value: a change makes another one ([`Project::with_changed`]), which shares what
 /// stayed.
 #[derive(Clone, Debug, Default)]
 pub struct Project {

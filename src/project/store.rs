@@ -201,6 +201,7 @@ impl Store {
     ///
     /// # Errors
     /// When another window has it open, when it is a log or not called `NAME.bathyscope`, or when it cannot be written.
+    #[cfg(any(test, feature = "bench"))]
     pub fn create(path: &Path, project: &Project) -> Result<Self, StoreError> {
         Self::create_with_past(path, project, Vec::new())
     }
@@ -296,6 +297,7 @@ impl Store {
     ///
     /// # Errors
     /// When another program has changed the file, or it cannot be written; what was done stays in the journal.
+    #[cfg(any(test, feature = "bench"))]
     pub fn save(&mut self, project: &Project) -> Result<(), StoreError> {
         let saving = self.begin_save(project)?;
         self.end_save(saving.write())
@@ -365,6 +367,7 @@ impl Store {
     }
 
     /// Leaves the project. What was done since it was saved stays in the journal for the next time if `keep`, or is forgotten.
+    #[cfg(any(test, feature = "bench"))]
     pub fn close(mut self, keep: bool) {
         if !keep && let Some(journal) = self.journal.take() {
             journal.remove();

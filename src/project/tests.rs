@@ -4,8 +4,10 @@ use crate::detection::review::{BoxId, Confidence, Edit, Review};
 use crate::sonar::first_return::{BottomEdit, BottomSettings};
 use crate::support::geo::LonLat;
 use crate::survey::Side;
+use change::Change;
 use std::process::Command;
 
+pub mod change;
 mod changes;
 
 /// A log of so many pings that needs no file.

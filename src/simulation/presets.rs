@@ -1,6 +1,10 @@
 //! Ready scenes, and scenes from TOML.
 
-use super::scene::{BedKind, BedSettings, Scene, TrackSettings};
+use super::scene::Scene;
+#[cfg(feature = "bench")]
+use super::scene::TrackSettings;
+#[cfg(any(test, feature = "bench"))]
+use super::scene::{BedKind, BedSettings};
 
 /// A scene that cannot be simulated, in one sentence.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -12,16 +16,19 @@ const DEMO: &str = include_str!("../../assets/demo.toml");
 
 impl Scene {
     /// A pond with long swells and slopes up to 4 degrees; the default.
+    #[cfg(any(test, feature = "bench"))]
     pub fn gentle() -> Self {
         Self::default()
     }
 
     /// Ridges and troughs with slopes up to 20 degrees.
+    #[cfg(any(test, feature = "bench"))]
     pub fn steep() -> Self {
         Self::of_kind(BedKind::Steep, 3.2)
     }
 
     /// Gravel and stones.
+    #[cfg(any(test, feature = "bench"))]
     pub fn rough() -> Self {
         Self::of_kind(BedKind::Rough, 2.6)
     }
@@ -32,6 +39,7 @@ impl Scene {
         Self::from_toml(DEMO).unwrap_or_default()
     }
 
+    #[cfg(any(test, feature = "bench"))]
     fn of_kind(kind: BedKind, mean_depth_m: f64) -> Self {
         Self {
             bed: BedSettings {
@@ -44,6 +52,7 @@ impl Scene {
     }
 
     /// A default scene with about `pings` pings a side: longer lines, at the same speed. For benchmarks.
+    #[cfg(feature = "bench")]
     pub fn with_pings(pings: u32) -> Self {
         let track = TrackSettings::default();
         let metres = f64::from(pings) * track.speed_mps / track.ping_rate_hz;

@@ -382,6 +382,7 @@ impl Default for Artefacts {
 
 impl Artefacts {
     /// A recorder's dream: speckle and ring-down only.
+    #[cfg(any(test, feature = "bench"))]
     pub fn none() -> Self {
         Self {
             speckle: true,

@@ -18,7 +18,7 @@ pub mod views;
 mod window;
 
 pub use shell::{Alone, Shell};
-pub use window::{WindowError, open_window};
+pub use window::open_window;
 
 use crate::app::{App, Command, View};
 use crate::support::presentation::text;

@@ -253,7 +253,7 @@ fn from_far_away_the_bottom_has_the_mean_colours_of_its_ground() {
             let corner = |(number, vertex): (usize, BottomVertex)| {
                 let [r, g, b] = if number % 3 == 0 { [255; 3] } else { [0; 3] };
                 let colour = [r, g, b, vertex.colour[3]];
-                BottomVertex { colour, ..vertex }.from_far([85; 3])
+                BottomVertex { colour, ..vertex }.with_far_colour([85; 3])
             };
             tile.into_iter().enumerate().map(corner).collect()
         };

@@ -21,7 +21,6 @@ pub use decide::Nudge;
 pub use detect::SearchStatus;
 pub use edges::{BoxEdge, border_m};
 pub use judging::{Judging, MistakeSort};
-pub use line::ReviewCounts;
 pub use places::LocatedObject;
 
 pub(super) use detect::Search;

@@ -33,12 +33,14 @@ mod transect;
 
 pub use cell_source::CellSource;
 pub use from_levels::{FromLevels, LevelsRefused, SwathDepth};
-pub use grid::{CentresAbout, Grid, suited_cell_m};
+pub use grid::{Grid, suited_cell_m};
 pub use hill_shade::{Light, hill_shade};
 pub use left_out::{SigmaByDistance, sigma_by_distance};
 pub use local::{LOCAL_MARGIN_CELLS, local_reach_m, local_surface};
 pub use nodes::{Node, merge_repeated};
-pub use soundings::{DepthPoint, depth_points, depth_range};
+#[cfg(any(test, feature = "bench"))]
+pub use soundings::depth_points;
+pub use soundings::{DepthPoint, depth_range};
 pub use spot_soundings::{spot_radius_m, spot_soundings};
 pub use surface::{Spread, Surface, SurfaceMethod, SurfaceSettings, surface, surface_of_depths};
 pub use tin::{Between, Tin, TinSampler};

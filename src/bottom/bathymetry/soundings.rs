@@ -1,6 +1,7 @@
 //! Depths with a place.
 
 use crate::support::statistics;
+#[cfg(any(test, feature = "bench"))]
 use crate::survey::{Navigation, Survey};
 
 /// A depth at a place.
@@ -19,6 +20,7 @@ pub struct DepthPoint {
 }
 
 /// Every sounding of the survey that has both a place and a depth, in time order.
+#[cfg(any(test, feature = "bench"))]
 pub fn depth_points(survey: &Survey, navigation: &Navigation) -> Vec<DepthPoint> {
     let placed = survey.soundings.iter().zip(navigation.soundings.iter());
     placed

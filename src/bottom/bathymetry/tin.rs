@@ -127,6 +127,7 @@ impl Tin {
     }
 
     /// The depth at one place on its triangle's plane, metres; `None` where there is no triangle.
+    #[cfg(test)]
     pub fn depth_at(&self, east_m: f64, north_m: f64) -> Option<f64> {
         self.sampler(Between::Linear).depth_at([east_m, north_m])
     }

@@ -25,7 +25,10 @@ pub use by_source::BySource;
 pub use class::{ClassCounts, ClassRules, PointClass, classify};
 pub use correction::{Correction, DepthReference, DepthSettings};
 pub use depth_change::DepthChange;
-pub use geometry::{BottomPoint, across_track, fixed_bottom_point};
+#[cfg(any(test, feature = "bench"))]
+pub use geometry::across_track;
+#[cfg(any(test, feature = "bench"))]
+pub use geometry::fixed_bottom_point;
 pub use ping_depth::{DepthSource, PingDepth, TrackShare, clear_excluded_depths, ping_depths};
 pub use reduction::Reduction;
 pub use residuals::{Residuals, residuals, same_ping_differences};

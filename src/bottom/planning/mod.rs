@@ -18,7 +18,7 @@ mod window;
 
 pub use known::{Doubt, InsonifiedSide, SeenObject, SigmaLaw, SurveyCoverage};
 pub use leg::Leg;
-pub use plan::{Plan, PlanSettings, State, Station, Waypoint};
+pub use plan::{Plan, PlanSettings, State, Station};
 
 use crate::support::progress::{Cancelled, Progress};
 use candidates::{Candidate, Limits, candidates};

@@ -5,6 +5,7 @@ use super::leg::Leg;
 use super::route::link;
 use super::turns::turns;
 use super::{PlanError, SeenObject, SurveyCoverage};
+#[cfg(any(test, feature = "bench"))]
 use crate::bottom::bathymetry::Grid;
 
 /// A boat's speed where the survey does not tell, metres a second.
@@ -199,18 +200,15 @@ impl Plan {
     }
 
     /// The cells of [`State::sigma_m`].
+    #[cfg(any(test, feature = "bench"))]
     pub fn grid(&self) -> &Grid {
         &self.ground.water.grid
     }
 
     /// Whether a place lies in the water that was planned for.
+    #[cfg(any(test, feature = "bench"))]
     pub fn is_water(&self, place: [f64; 2]) -> bool {
         self.ground.water.holds(place)
-    }
-
-    /// Distance across the track that side-scan insonifies on a level bottom, metres; 0 without any.
-    pub fn swath_m(&self) -> f64 {
-        self.ground.swath_m
     }
 }
 

@@ -24,7 +24,6 @@ mod tiling;
 mod weed;
 
 pub use echoes::{Levels, LogEchoes, PingPlace, SideEchoes};
-pub use law::Law;
 pub use layout::{Chunk, LaidOutLog};
 pub use tiling::{PART_DEPTHS_M, PART_PINGS_M, PART_STEP_M};
 

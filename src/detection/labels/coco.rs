@@ -161,7 +161,7 @@ fn add(
         let name = match set.numbers.get(&number) {
             Some(name) => name.clone(),
             None if set.numbers.is_empty() => number,
-            None => return refuse(AnnotationFault::NoPicture(number)),
+            None => return refuse(AnnotationFault::UnknownPicture(number)),
         };
         let class = if set.categories.is_empty() {
             usize::try_from(annotation.category_id)
@@ -171,7 +171,7 @@ fn add(
             set.categories.get(&annotation.category_id).copied()
         };
         let Some(class) = class else {
-            return refuse(AnnotationFault::NoCategory(annotation.category_id));
+            return refuse(AnnotationFault::UnknownCategory(annotation.category_id));
         };
         let score = annotation
             .score

@@ -121,10 +121,10 @@ pub enum LineFault {
 pub enum AnnotationFault {
     /// Its picture is not in the file.
     #[error("there is no picture {0}")]
-    NoPicture(String),
+    UnknownPicture(String),
     /// Its category is not in the file.
     #[error("there is no category {0}")]
-    NoCategory(u64),
+    UnknownCategory(u64),
     /// It is predicted and has no score.
     #[error("a predicted box needs a score from 0 to 1")]
     NoScore,

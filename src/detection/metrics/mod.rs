@@ -16,9 +16,9 @@ mod precision;
 mod ranking;
 
 pub use confusion::Confusion;
-pub use evaluate::{ClassReport, Evaluation, SizeReport, evaluate};
+pub use evaluate::{Evaluation, SizeReport, evaluate};
 pub use matched::{AtScore, Matched};
-pub use mistakes::{Cause, FalseAlarm, Miss};
+pub use mistakes::Cause;
 pub use precision::{ApMethod, CurvePoint, MatchCounts};
 
 use super::{Rect, Scored};

@@ -15,7 +15,7 @@ mod tiles;
 pub use confidence::Confidence;
 pub use edit::Edit;
 pub use file::{BoxRow, ReviewError, ReviewRows, SearchRow, read_text};
-pub use queue::{DecisionCounts, Filter, Queue, Sort};
+pub use queue::{DecisionCounts, Queue, Sort};
 pub use searched::Searched;
 pub use tiles::ReviewedTile;
 

@@ -19,14 +19,22 @@ mod shadow;
 mod shape;
 mod spread;
 
-pub use echo::{Parts, Shadow, parts};
-pub use group::{Group, GroupSettings, ObjectHeight, Sighting, group};
-pub use passes::{LogPings, Pass, PassCount, PassLog, count_seen, passes_over};
+pub use echo::{Parts, parts};
+#[cfg(any(test, feature = "bench"))]
+pub use group::Group;
+pub use group::{GroupSettings, ObjectHeight, Sighting, group};
+#[cfg(any(test, feature = "bench"))]
+pub use passes::passes_over;
+pub use passes::{LogPings, PassCount, PassLog, count_seen};
 pub use place::Placer;
 pub use shadow::{ShadowError, ShadowHeight};
-pub use shape::{
-    BoxLevels, FittedShape, PosedSolid, ShapeError, ShapeKind, ShapeOnPing, Solid, fit_shape,
-};
+#[cfg(any(test, feature = "bench"))]
+pub use shape::PosedSolid;
+#[cfg(any(test, feature = "bench"))]
+pub use shape::ShapeKind;
+#[cfg(any(test, feature = "bench"))]
+pub use shape::Solid;
+pub use shape::{BoxLevels, FittedShape, ShapeError, ShapeOnPing, fit_shape};
 
 use super::{Mark, MeasuredShadow, ObjectExtent};
 use crate::support::geo::LonLat;

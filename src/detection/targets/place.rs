@@ -73,6 +73,7 @@ impl<'a> Placer<'a> {
 
     /// Where a box's object lies; `None` where the boat has no position or heading there, nothing was recorded, or the
     /// altitude is unknown.
+    #[cfg(any(test, feature = "bench"))]
     pub fn place(&self, mark: &Mark) -> Option<Target> {
         self.place_as(mark, ObjectExtent::Found, None)
     }

@@ -54,14 +54,6 @@ impl Mistake {
             Mistake::FalseAlarm { size_m, .. } | Mistake::Miss { size_m, .. } => *size_m,
         }
     }
-
-    /// Confidence; `None` for a miss.
-    pub fn score(&self) -> Option<f32> {
-        match self {
-            Mistake::FalseAlarm { score, .. } => Some(*score),
-            Mistake::Miss { .. } => None,
-        }
-    }
 }
 
 /// What the boxes of at least a score amount to.

@@ -10,7 +10,7 @@ mod raster_truth;
 mod tests;
 
 pub use compare::{Mistake, Standing, TruthComparison};
-pub use file::{SightingFault, TruthError, TruthFileError};
+pub use file::{TruthError, TruthFileError};
 pub use raster_truth::RasterTruth;
 
 use super::dataset::Known;

@@ -23,7 +23,7 @@ mod statistics;
 mod tiles;
 mod writer;
 
-pub use cells::{CellsError, RasterPoints, RasterValues, read_cells, read_values};
+pub use cells::{CellsError, RasterValues, read_cells, read_values};
 pub use geotransform::{GeoKeys, GeoTransform};
 pub use tiles::RasterTiles;
 

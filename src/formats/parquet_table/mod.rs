@@ -50,11 +50,6 @@ impl Values {
             Self::Bytes(values) => values.len(),
         }
     }
-
-    /// Whether there is no row.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
 }
 
 /// A column with its name.

@@ -35,7 +35,9 @@ pub use joint::{
 };
 pub use layout::{Bounds, Layout, Ray, TileIndex, joined_way_m};
 pub use overlap::Overlap;
-pub use paint::{MosaicLog, MosaicTile, TILE_CELLS, joint_tile, joint_window, tile, window};
+#[cfg(any(test, feature = "bench"))]
+pub use paint::tile;
+pub use paint::{MosaicLog, TILE_CELLS, joint_tile, joint_window, window};
 pub use part::{MosaicPart, join_parts, part};
 
 use crate::support::presentation::colours;

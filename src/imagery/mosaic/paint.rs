@@ -20,12 +20,7 @@ pub struct MosaicTile {
     pub levels: Vec<u8>,
 }
 
-impl MosaicTile {
-    /// Whether no cell was seen.
-    pub fn is_empty(&self) -> bool {
-        self.levels.iter().all(|&level| level == 0)
-    }
-}
+impl MosaicTile {}
 
 /// A log of a mosaic.
 #[derive(Clone, Debug)]
@@ -59,6 +54,7 @@ impl<'a> Part<'a> {
 }
 
 /// Draws the tile of a row and column of tiles. `gain` is used where the settings ask for it.
+#[cfg(any(test, feature = "bench"))]
 pub fn tile(
     survey: &Survey,
     layout: &Layout,

@@ -16,9 +16,11 @@ mod settings;
 mod stripes;
 mod table;
 
-pub use histogram::{HISTOGRAM_BARS, Histogram};
+pub use histogram::Histogram;
 pub use log_picture::LogPicture;
 pub use scales::{Extremes, Geometry, PingScale, PingScales};
-pub use settings::{LEAST_RANGE_M, PictureSettings, Tone};
+#[cfg(any(test, feature = "bench"))]
+pub use settings::LEAST_RANGE_M;
+pub use settings::{PictureSettings, Tone};
 pub use stripes::stripe_factors;
 pub use table::PingTable;

@@ -83,6 +83,7 @@ impl<K: Copy + Eq + Hash, V> Lru<K, V> {
     }
 
     /// Bytes of all values.
+    #[cfg(test)]
     pub fn byte_count(&self) -> usize {
         self.bytes
     }

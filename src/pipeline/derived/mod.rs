@@ -20,7 +20,7 @@ mod mosaic;
 mod node;
 mod picture;
 
-pub use bottom::{Bottom, BottomColour, BottomCorner, BottomKey, CornerGround};
+pub use bottom::{Bottom, BottomColour, BottomKey, CornerGround};
 pub use depth_map::{DepthMap, DepthMapKey};
 pub use isobaths::{IsobathKey, Isobaths};
 pub use mosaic::{FINEST, Mosaic, MosaicKey, MosaicPlane};

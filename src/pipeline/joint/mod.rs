@@ -11,7 +11,7 @@ mod crossline;
 mod report;
 
 pub use comparison::compare_logs;
-pub use corrections::{FoundCorrection, RequestedCorrection};
+pub use corrections::RequestedCorrection;
 pub use crossline::{
     CrosslineAnalysis, LogLatency, LogPositions, crossline_analysis, height_offsets, latencies,
     position_offsets, track_depths,

@@ -13,7 +13,7 @@ mod tests;
 pub use display_units::ShownNumber;
 pub use keys::renamed;
 pub(crate) use keys::slips;
-pub use table::{Choice, Control, Kind, Named, Number, Row, help, markdown, row};
+pub use table::{Choice, Control, Kind, Number, Row, help, markdown, row};
 
 use crate::bottom::bathymetry::SurfaceSettings;
 use crate::bottom::bathymetry::isobaths::IsobathSettings;

@@ -48,13 +48,17 @@ pub use add::{Added, add};
 pub use adjust::{Adjusted, adjust};
 pub use coverage::{CoverageQuery, PingCoverage, coverage_at};
 pub use error::ArchiveError;
-pub use footprint::{CoveredSamples, Footprint, SideRange};
 pub use index::write_index;
-pub use list::{TileRowCounts, contents};
-pub use log_record::{LogRecord, TileRows};
+pub use list::contents;
+pub use log_record::LogRecord;
 pub use map_tiles::{MapTilesState, write_map_tiles};
 pub use offsets::{OffsetRow, Offsets};
-pub use record::{Archive, ArchiveRecord};
-pub use tile::{NoTile, TILE_M, TileId};
+pub use record::Archive;
+#[cfg(any(test, feature = "bench"))]
+pub use tile::TILE_M;
+pub use tile::TileId;
 pub use tile_files::{TileRecord, TileState, remove_left_over, tile_state, write_tile};
-pub use tile_map::{TileMap, tile_map, tile_surface};
+#[cfg(any(test, feature = "bench"))]
+pub use tile_map::tile_map;
+#[cfg(any(test, feature = "bench"))]
+pub use tile_map::tile_surface;

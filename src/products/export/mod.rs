@@ -63,7 +63,7 @@ pub use footprint::footprint_geojson;
 pub use geopackage::geopackage;
 pub use geotiff::{RasterError, geotiff};
 pub use glb::{TexturedMesh, glb};
-pub use grid_raster::{grid_raster, metres_raster, source_raster};
+pub use grid_raster::{metres_raster, source_raster};
 pub use isobaths::{
     DrawnLines, depth_areas_geojson, isobaths_geojson, spot_soundings_geojson, storage_csv,
 };
@@ -84,9 +84,6 @@ pub use survey_layers::{
 };
 pub use track::{TrackPiece, TrackPoint, track, track_geojson, track_gpx};
 pub use vector::{LabelledLine, areas_kmz, lines_kmz, lines_shapefile};
-
-/// For all that is written as XML or HTML.
-pub use crate::support::printable::xml;
 
 use crate::bottom::cloud::PointSource;
 

@@ -33,17 +33,17 @@ mod track;
 mod training_tiles;
 mod write;
 
-pub use boxes::{BoxesWritten, write_boxes};
+pub use boxes::write_boxes;
 pub use comparison::{ComparisonRecord, write_differences};
 pub use detections::{Proposed, write_detected, write_detected_in_picture};
 pub use earlier_run::{EarlierRun, is_run_of};
 pub use error::OutputError;
 pub use logs::log_names;
-pub use mosaic::NoMosaic;
 pub use overwrite::begin;
 pub use product::{Product, files_in_words};
-pub use registry::{Described, OUTPUT_FILES, OutputFile, When, row_of};
-pub use results::{Need, NoContours};
+#[cfg(any(test, feature = "bench"))]
+pub use registry::row_of;
+pub use registry::{OUTPUT_FILES, OutputFile, When};
 pub use run_folder::{Replaced, RunFolder};
 pub use sizes::{Amounts, about_bytes};
 pub use write::{Order, Written, write};

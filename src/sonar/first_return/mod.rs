@@ -15,7 +15,9 @@ mod threshold;
 mod tracker;
 
 pub use bottom_line::{BottomLine, at_recorded_depth};
-pub use confidence::{ABOVE_BOTTOM_SHARE, Evidence, ground_confidence};
+#[cfg(feature = "bench")]
+pub use confidence::Evidence;
+pub use confidence::ground_confidence;
 pub use manual_picks::{BottomEdit, BottomSettings, OtherLog};
 pub use normalise::Normalisation;
 pub use threshold::ThresholdIndex;
@@ -231,6 +233,7 @@ fn none(survey: &Survey) -> FirstReturns {
 }
 
 /// What speaks for the picks that [`detect`] finds, port and starboard: what the law of their confidence is fitted to.
+#[cfg(feature = "bench")]
 pub fn evidence(
     survey: &Survey,
     image: &ImageSettings,

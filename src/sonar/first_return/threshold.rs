@@ -77,11 +77,6 @@ impl ThresholdIndex {
         })
     }
 
-    /// The scale that thresholds are measured on.
-    pub fn normalisation(&self) -> &Normalisation {
-        &self.normalisation
-    }
-
     /// The first sample of every side of every ping, outward, whose normalised intensity reaches `level`.
     pub(super) fn found(&self, level: f32) -> Settled {
         let levels = Levels::new(&self.normalisation, level);

@@ -14,7 +14,7 @@ mod mercator;
 mod utm;
 
 pub use coordinates::CoordinateFormat;
-pub use crs::{Crs, CrsChoice, CrsError, NoSystem, SourceCrs, metres_per_degree};
+pub use crs::{Crs, CrsChoice, CrsError, SourceCrs, metres_per_degree};
 pub use geodesic::{area_m2, course_rad, distance_m};
 pub use local_frame::LocalFrame;
 pub use map_plane::MapPlane;

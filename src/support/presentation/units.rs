@@ -126,7 +126,7 @@ impl SpeedUnit {
 
 impl Units {
     /// A length in the unit in use, without its name.
-    pub fn from_m(self, value_m: f64) -> f64 {
+    pub fn in_unit(self, value_m: f64) -> f64 {
         value_m / self.length.metres()
     }
 
@@ -138,7 +138,7 @@ impl Units {
     /// A length without its unit, with the decimals that so many of metres are worth; a dash where there is none.
     pub fn number(self, value_m: f64, decimals_of_metres: usize) -> String {
         text::decimal(
-            self.from_m(value_m),
+            self.in_unit(value_m),
             self.length.decimals(decimals_of_metres),
         )
     }
@@ -171,20 +171,20 @@ impl Units {
     /// A small length with its sign also above 0.
     pub fn signed(self, value_m: f64, decimals_of_metres: usize) -> String {
         let decimals = self.length.fine_decimals(decimals_of_metres);
-        format!("{:+.decimals$} {}", self.from_m(value_m), self.symbol())
+        format!("{:+.decimals$} {}", self.in_unit(value_m), self.symbol())
     }
 
     /// How far such a length may be off, without its unit.
     pub fn spread(self, value_m: f64, decimals_of_metres: usize) -> String {
         let decimals = self.length.fine_decimals(decimals_of_metres);
-        text::decimal(self.from_m(value_m), decimals)
+        text::decimal(self.in_unit(value_m), decimals)
     }
 
     /// A small length and how far it may be off: `+0.12 ±0.05 m`.
     pub fn signed_within(self, value_m: f64, spread_m: f64, decimals_of_metres: usize) -> String {
         let decimals = self.length.fine_decimals(decimals_of_metres);
         let spread = self.spread(spread_m, decimals_of_metres);
-        let value = self.from_m(value_m);
+        let value = self.in_unit(value_m);
         format!("{value:+.decimals$} ±{spread} {}", self.symbol())
     }
 
@@ -271,23 +271,23 @@ impl Units {
 
     /// A length as it was chosen, with no more decimals than it needs: three at most.
     pub fn chosen(self, value_m: f64) -> String {
-        let value = (self.from_m(value_m) * 1e3).round() / 1e3 + 0.0;
+        let value = (self.in_unit(value_m) * 1e3).round() / 1e3 + 0.0;
         format!("{value} {}", self.symbol())
     }
 
     /// The smallest round length, in metres, that is at least so many metres: round in the unit in use.
     pub fn round_up_m(self, least_m: f64) -> f64 {
-        ticks::round_up(self.from_m(least_m)) * self.length.metres()
+        ticks::round_up(self.in_unit(least_m)) * self.length.metres()
     }
 
     /// A round step, in metres, that divides a span of metres into at most so many parts: round in the unit in use.
     pub fn round_step_m(self, span_m: f64, most: f64) -> f64 {
-        ticks::round_step(self.from_m(span_m), most) * self.length.metres()
+        ticks::round_step(self.in_unit(span_m), most) * self.length.metres()
     }
 
     /// The number at a tick, with as many decimals as the step between ticks needs.
     pub fn tick(self, value_m: f64, step_m: f64) -> String {
-        ticks::label(self.from_m(value_m), self.from_m(step_m))
+        ticks::label(self.in_unit(value_m), self.in_unit(step_m))
     }
 
     /// The number at a tick with its unit.

@@ -64,7 +64,7 @@ impl BottomVertex {
 
     /// In another colour from far away.
     #[must_use]
-    pub fn from_far(self, [r, g, b]: [u8; 3]) -> Self {
+    pub fn with_far_colour(self, [r, g, b]: [u8; 3]) -> Self {
         let [.., lit] = self.far_colour;
         Self {
             far_colour: [r, g, b, lit],

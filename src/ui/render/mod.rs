@@ -21,7 +21,7 @@ pub use bottom::{
 pub use camera::{Direction, OrbitCamera, Projection};
 pub use cloud::{CloudBuffers, CloudDraw, CloudRenderer, PointVertex};
 pub use flat::{FlatRenderer, Rgba};
-pub use lod::{LineLevel, LinePyramid, Specks, Vertex};
+pub use lod::{LinePyramid, Specks, Vertex};
 pub use map::{LineDraw, LineRenderer, LineUniform, TrackBuffers};
 pub use part::{Cut, Part};
 pub use target::Target;

@@ -32,7 +32,6 @@ impl Shell {
             Command::Focus(view) => self.layout.focus(view),
             Command::PrintInto(path) => self.print_into(path),
             Command::ChooseExportFolder(path) => self.export.take_folder(&path),
-            Command::Layout(preset) => self.layout.arrange(preset),
             other => self.app.apply(other),
         }
     }

@@ -79,7 +79,7 @@ impl Scale {
     pub fn of_depth(range_m: [f32; 2], reference: DepthReference, units: Units) -> Self {
         Self {
             title: reference.title(units.symbol()),
-            ends: range_m.map(|depth_m| units.from_m(f64::from(depth_m))),
+            ends: range_m.map(|depth_m| units.in_unit(f64::from(depth_m))),
             colour: depth_colour,
             signed: false,
         }
@@ -99,7 +99,7 @@ impl Scale {
     pub fn of_ranges(range_m: [f32; 2], units: Units) -> Self {
         Self {
             title: format!("slant range, {}", units.symbol()),
-            ends: range_m.map(|range_m| units.from_m(f64::from(range_m))),
+            ends: range_m.map(|range_m| units.in_unit(f64::from(range_m))),
             colour: share_colour,
             signed: false,
         }
@@ -109,7 +109,7 @@ impl Scale {
     pub fn of_uncertainty(ends_m: [f32; 2], units: Units) -> Self {
         Self {
             title: format!("uncertainty, {}", units.symbol()),
-            ends: ends_m.map(|metres| units.from_m(f64::from(metres))),
+            ends: ends_m.map(|metres| units.in_unit(f64::from(metres))),
             colour: uncertainty_colour,
             signed: false,
         }
@@ -119,7 +119,7 @@ impl Scale {
     pub fn of_distance(ends_m: [f32; 2], units: Units) -> Self {
         Self {
             title: format!("to a depth, {}", units.symbol()),
-            ends: ends_m.map(|metres| units.from_m(f64::from(metres))),
+            ends: ends_m.map(|metres| units.in_unit(f64::from(metres))),
             colour: distance_colour,
             signed: false,
         }
@@ -137,7 +137,7 @@ impl Scale {
 
     /// Residuals up to `reach_m` to either side of zero, the higher on top.
     pub fn of_residuals(reach_m: f64, units: Units) -> Self {
-        let reach = units.from_m(reach_m);
+        let reach = units.in_unit(reach_m);
         Self {
             title: format!("residual, {}", units.symbol()),
             ends: [reach, -reach],

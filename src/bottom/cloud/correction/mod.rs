@@ -9,7 +9,7 @@ mod sound_speed;
 mod statement;
 
 pub use error::WaterLevelError;
-pub use sound_speed::{SoundSpeedSettings, sound_speed_m_s};
+pub use sound_speed::SoundSpeedSettings;
 pub use statement::DepthReference;
 
 use crate::survey::{Gauge, Survey};

@@ -14,7 +14,9 @@ mod solid;
 
 pub use levels::BoxLevels;
 pub use predict::{PosedSolid, ShapeOnPing};
-pub use solid::{ShapeKind, Solid};
+pub use solid::ShapeKind;
+#[cfg(any(test, feature = "bench"))]
+pub use solid::Solid;
 
 use super::Target;
 use fit::{Fit, fits};

@@ -51,14 +51,6 @@ impl PosedSolid {
             self.north_m + along_m * cos - across_m * sin,
         ]
     }
-
-    /// Height above the bottom at a place, metres; 0 beside it.
-    pub fn height_at_m(&self, [east_m, north_m]: [f64; 2]) -> f64 {
-        let (sin, cos) = self.heading_rad.sin_cos();
-        let (east_m, north_m) = (east_m - self.east_m, north_m - self.north_m);
-        self.solid
-            .height_at_m(east_m * sin + north_m * cos, east_m * cos - north_m * sin)
-    }
 }
 
 /// Where echo and shadow of a solid lie in a ping, slant ranges on the recorder's scale, metres.

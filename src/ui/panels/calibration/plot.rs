@@ -74,7 +74,7 @@ impl<'a> Points<'a> {
         options: &ViewOptions,
     ) {
         let units = options.units;
-        let ends = self.depths_m.map(|depth_m| units.from_m(depth_m));
+        let ends = self.depths_m.map(|depth_m| units.in_unit(depth_m));
         let across = Axis::new(&format!("sounding, {}", units.symbol()), ends);
         let up = Axis::new(
             &format!("range, {}", units.symbol()),
@@ -83,12 +83,13 @@ impl<'a> Points<'a> {
         let axes = Axes::new(painter, rect, across, up);
         axes.draw(painter, theme::plot_ink(options));
         let at = |point: &RangeAtDepth| {
-            axes.at(units.from_m(point.depth_m), units.from_m(point.range_m))
+            axes.at(units.in_unit(point.depth_m), units.in_unit(point.range_m))
         };
         let inner = painter.with_clip_rect(axes.area);
         dots(&inner, self.log.iter().map(|one| at(one)), faint(options));
         let line = |range_m: &dyn Fn(f64) -> f64| {
-            let of = |depth_m: f64| axes.at(units.from_m(depth_m), units.from_m(range_m(depth_m)));
+            let of =
+                |depth_m: f64| axes.at(units.in_unit(depth_m), units.in_unit(range_m(depth_m)));
             self.depths_m.map(of)
         };
         let used = line(&|depth_m| match (in_use.mode, in_use.factor()) {
@@ -109,7 +110,7 @@ impl<'a> Points<'a> {
         let all = self.log.iter().map(|point| left_m(point).abs());
         let [_, reach_m] = ends(all.collect());
         let reach_m = reach_m.max(LEAST_REACH_M);
-        let ends = self.depths_m.map(|depth_m| units.from_m(depth_m));
+        let ends = self.depths_m.map(|depth_m| units.in_unit(depth_m));
         let across = Axis::new(&format!("residual over sounding, {}", units.symbol()), ends);
         let up = Axis {
             // In the numbers' place there is no room for a name.
@@ -121,7 +122,7 @@ impl<'a> Points<'a> {
         };
         let axes = Axes::new(painter, rect, across, up);
         axes.draw(painter, theme::plot_ink(options));
-        let at = |point: &RangeAtDepth| axes.at(units.from_m(point.depth_m), left_m(point));
+        let at = |point: &RangeAtDepth| axes.at(units.in_unit(point.depth_m), left_m(point));
         let inner = painter.with_clip_rect(axes.area);
         dots(&inner, self.log.iter().map(|one| at(one)), faint(options));
         dots(&inner, self.stretch.iter().map(|one| at(one)), ink(options));

@@ -69,7 +69,7 @@ pub fn picture(ui: &mut Ui, tables: &ResidualTables, over: Over, options: &ViewO
     let units = options.units;
     let written = |value: f64| match over {
         Over::Heading => format!("{}°", short(value)),
-        _ => format!("{} {}", short(units.from_m(value)), units.symbol()),
+        _ => format!("{} {}", short(units.in_unit(value)), units.symbol()),
     };
     medians(&painter, rect, bins, written, options);
     let said = format!("Differences in {} stretches", bins.len());
@@ -103,7 +103,7 @@ fn columns(painter: &Painter, rect: Rect, histogram: &Histogram, options: &ViewO
         .max((from_m + width_m * counts.len() as f64).abs());
     let across = axis([-reach_m, reach_m], [-reach_m, 0.0, reach_m], |value| {
         let units = options.units;
-        format!("{} {}", short(units.from_m(value)), units.symbol())
+        format!("{} {}", short(units.in_unit(value)), units.symbol())
     });
     let up = axis([0.0, most], [0.0, most], |count| format!("{count:.0}"));
     let axes = Axes::new(painter, rect, across, up);

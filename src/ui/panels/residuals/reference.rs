@@ -69,8 +69,8 @@ fn matching(ui: &mut Ui, context: &mut ViewContext<'_>) {
         }
     });
     let units = context.app.options.units;
-    let [least, most] = RADII_M.map(|radius_m| units.from_m(radius_m));
-    let (mut radius, radii) = (units.from_m(radius_m), least..=most);
+    let [least, most] = RADII_M.map(|radius_m| units.in_unit(radius_m));
+    let (mut radius, radii) = (units.in_unit(radius_m), least..=most);
     let mut moved = false;
     if by == ReferenceBy::Nearest {
         let hint = "How far the nearest point may be.";

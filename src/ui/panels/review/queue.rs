@@ -100,8 +100,8 @@ fn score(ui: &mut Ui, queue: &mut Queue) {
 
 fn size(ui: &mut Ui, queue: &mut Queue, units: Units) {
     let filter = &mut queue.filter.size_m;
-    let before = [*filter.start(), filter.end().min(ANY_M)].map(|size_m| units.from_m(size_m));
-    let any = units.from_m(ANY_M);
+    let before = [*filter.start(), filter.end().min(ANY_M)].map(|size_m| units.in_unit(size_m));
+    let any = units.in_unit(ANY_M);
     let [mut low, mut high] = before;
     let hint = "Only boxes whose longer side is between these.";
     let name = format!("Size, {}", units.symbol());

@@ -128,7 +128,8 @@ fn upload(
                 CornerGround::Level => BottomPart::Plain,
                 CornerGround::Depth => BottomPart::Lit,
             };
-            BottomVertex::new(place, corner.normal, corner.rgb, part).from_far(corner.far_rgb)
+            BottomVertex::new(place, corner.normal, corner.rgb, part)
+                .with_far_colour(corner.far_rgb)
         });
         vertices.collect()
     });

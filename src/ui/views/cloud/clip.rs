@@ -172,11 +172,11 @@ fn number(
     name: &str,
 ) -> Option<f32> {
     let origin_m = scene.origin_m[axis];
-    let before = units.from_m(f64::from(local) + origin_m);
+    let before = units.in_unit(f64::from(local) + origin_m);
     let mut value = before;
     let size_m = f64::from(scene.corners[1][axis] - scene.corners[0][axis]);
     let field = DragValue::new(&mut value)
-        .speed(units.from_m(0.005 * size_m))
+        .speed(units.in_unit(0.005 * size_m))
         .fixed_decimals(2)
         .suffix(format!(" {}", units.symbol()));
     let response = ui

@@ -1,12 +1,11 @@
-//! What an analyst changes about a survey: every command that undo takes back.
+//! Changes of every kind, which tests make in any order.
 
-use super::Project;
-use super::log::{LogKey, ProjectLog};
-use super::measurement::Measurement;
-use crate::detection::review::{BoxId, Edit, Review};
+use crate::detection::review::{Edit, Review};
 use crate::pipeline::Settings;
+use crate::project::Project;
+use crate::project::log::{LogKey, ProjectLog};
+use crate::project::measurement::Measurement;
 use crate::sonar::first_return::BottomSettings;
-use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -77,62 +76,6 @@ pub enum Change {
     Forget(u32),
     /// Another file of the survey, by what it is, or none any more.
     File(String, Option<PathBuf>),
-}
-
-impl Change {
-    /// What it is called in menus and in the history: `accept box 17 of pond`. `project` is the one before it.
-    pub fn label(&self, project: &Project) -> Cow<'static, str> {
-        let name = |key: &LogKey| {
-            let log = project.log(key);
-            log.map_or_else(|| key.to_string(), |log| log.name.clone())
-        };
-        let many = project.logs().len() > 1;
-        let of = |what: String, key: &LogKey| match many {
-            true => format!("{what} of {}", name(key)),
-            false => what,
-        };
-        let text = match self {
-            Self::Settings {
-                log: Some(log),
-                label,
-                ..
-            } => of((*label).to_owned(), log),
-            Self::Settings {
-                log: None, label, ..
-            } => return Cow::Borrowed(label),
-            Self::Own {
-                log,
-                key,
-                own: true,
-            } => format!("own {key} for {}", name(log)),
-            Self::Own {
-                log,
-                key,
-                own: false,
-            } => format!("shared {key} for {}", name(log)),
-            Self::Bottom { log, .. } => of("bottom".to_owned(), log),
-            Self::Box { log, edit } => {
-                let number = edit.target().map(|BoxId(number)| format!(" {number}"));
-                of(
-                    format!("{}{}", edit.label(), number.unwrap_or_default()),
-                    log,
-                )
-            }
-            Self::Review { log, label, .. } => of((*label).to_owned(), log),
-            Self::Add(log) => format!("add {}", log.name),
-            Self::Remove(log) => format!("remove {}", name(log)),
-            Self::Move { log, .. } => format!("move {}", name(log)),
-            Self::Rename(log, _) => format!("rename {}", name(log)),
-            Self::Colour(log, _) => format!("colour of {}", name(log)),
-            Self::Show(log, true) => format!("show {}", name(log)),
-            Self::Show(log, false) => format!("hide {}", name(log)),
-            Self::Measure(_, measurement) => format!("measure {}", measurement.kind.name()),
-            Self::Forget(number) => format!("remove measurement {number}"),
-            Self::File(what, Some(_)) => format!("open {}", what.replace('_', " ")),
-            Self::File(what, None) => format!("remove {}", what.replace('_', " ")),
-        };
-        Cow::Owned(text)
-    }
 }
 
 impl Project {
@@ -208,49 +151,6 @@ impl Project {
             }
         }
         (changed != *self).then_some(changed)
-    }
-
-    fn without_log(&self, key: &LogKey) -> Option<Self> {
-        self.log(key)?;
-        let mut after = self.clone();
-        after.logs.retain(|log| log.key != *key);
-        Some(after)
-    }
-
-    /// With a log elsewhere in the list. Its order becomes one between its neighbours', so that nothing is said anew of the others;
-    /// where there is no number between, all are numbered.
-    fn with_log_at(&self, key: &LogKey, to: usize) -> Option<Self> {
-        let from = self.logs.iter().position(|log| log.key == *key)?;
-        let mut after = self.clone();
-        let log = after.logs.remove(from);
-        let to = to.min(after.logs.len());
-        if from == to {
-            return None;
-        }
-        let before = to.checked_sub(1).map(|index| after.logs[index].order);
-        let next = after.logs.get(to).map(|log| log.order);
-        let order = match (before, next) {
-            (Some(before), Some(next)) => 0.5 * (before + next),
-            (Some(before), None) => before.floor() + 1.0,
-            (None, Some(next)) => next.ceil() - 1.0,
-            (None, None) => return None,
-        };
-        let fits =
-            before.is_none_or(|before| before < order) && next.is_none_or(|next| order < next);
-        let renumbered = |log: &ProjectLog, order: f64| {
-            Arc::new(ProjectLog {
-                order,
-                ..log.clone()
-            })
-        };
-        after.logs.insert(to, renumbered(&log, order));
-        if !fits {
-            let logs = after.logs.iter().enumerate();
-            after.logs = logs
-                .map(|(index, log)| renumbered(log, index as f64 + 1.0))
-                .collect();
-        }
-        Some(after)
     }
 
     fn with_measurement(&self, number: Option<u32>, measurement: &Measurement) -> Option<Self> {
