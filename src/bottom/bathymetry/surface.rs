@@ -302,7 +302,10 @@ pub fn surface(
     };
     if let Some(between) = between {
         let nodes: Vec<Node> = tin.nodes().collect();
-        state_error(&mut made, &nodes, between, progress)?;
+        let cells = (made.grid, &made.distance_m[..]);
+        if state_error(cells, &mut made.spread_m, &nodes, between, progress)? {
+            made.spread_is = Spread::OfError;
+        }
     }
     Ok(Some(made))
 }

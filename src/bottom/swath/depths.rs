@@ -93,7 +93,7 @@ impl<'a> Input<'a> {
             looks,
             sets,
             measured: merged(measured),
-            weed: Weed::of(logs),
+            weed: Weed::of(logs.iter().map(|log| (&log.echoes, &log.is_weed[..]))),
             logs,
         })
     }

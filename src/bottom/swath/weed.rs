@@ -1,7 +1,6 @@
 //! Where first returns lie above the bottom on both sides: weed, whose brightness says nothing of the bed's slope.
 
 use super::echoes::{LogEchoes, PingPlace};
-use super::layout::LaidOutLog;
 use crate::survey::Side;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
@@ -16,14 +15,14 @@ const REACH_M: f64 = 3.5;
 pub struct Weed(Option<ImmutableKdTree<f64, 2>>);
 
 impl Weed {
-    /// Of some logs.
-    pub fn of(logs: &[LaidOutLog<'_>]) -> Self {
-        let in_weed = |log: &LaidOutLog<'_>| -> Vec<[f64; 2]> {
-            let pings = log.echoes.pings.iter().zip(&log.is_weed);
+    /// Of some logs, each with whether each of its pings is in a stretch of weed.
+    pub fn of<'a>(logs: impl Iterator<Item = (&'a LogEchoes<'a>, &'a [bool])>) -> Self {
+        let in_weed = |(log, is_weed): (&LogEchoes<'_>, &[bool])| -> Vec<[f64; 2]> {
+            let pings = log.pings.iter().zip(is_weed);
             let pings = pings.filter(|(ping, is_weed)| **is_weed && ping.is_placed());
             pings.map(|(ping, _)| ping.place_m).collect()
         };
-        let places: Vec<[f64; 2]> = logs.iter().flat_map(in_weed).collect();
+        let places: Vec<[f64; 2]> = logs.flat_map(in_weed).collect();
         let tree = ImmutableKdTree::new_from_slice(&places).ok();
         Self(tree.filter(|_| !places.is_empty()))
     }

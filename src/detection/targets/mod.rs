@@ -2,8 +2,8 @@
 //!
 //! `echo` finds the echo and the shadow inside a box (`profile` has the levels, `runs` the edges), `seen` makes distances and
 //! a height of them, `shadow` a height of a shadow that the analyst measures, `place` puts them on the bottom (`altitude` above it),
-//! `passes` tells which passes of the boat covered a place, `group` makes one object of the same object seen from several lines (`pairs`
-//! says which sightings may be one, `spread` and `heading` how sure that is), `shape` fits a solid to what they recorded of it.
+//! `passes` tells which passes of the boat covered a place, `group` makes one object of the same object seen from several lines (`sighting` is what
+//! is grouped, `pairs` says which sightings may be one, `spread` and `heading` how sure that is), `shape` fits a solid to what they recorded of it.
 
 mod altitude;
 mod echo;
@@ -17,24 +17,18 @@ mod runs;
 mod seen;
 mod shadow;
 mod shape;
+mod sighting;
 mod spread;
 
-pub use echo::{Parts, parts};
-#[cfg(any(test, feature = "bench"))]
-pub use group::Group;
-pub use group::{GroupSettings, ObjectHeight, Sighting, group};
-#[cfg(any(test, feature = "bench"))]
-pub use passes::passes_over;
-pub use passes::{LogPings, PassCount, PassLog, count_seen};
+pub use echo::{Parts, Shadow, parts};
+pub use group::{Group, ObjectHeight, group};
+pub use passes::{LogPings, Pass, PassCount, PassLog, count_seen, passes_over};
 pub use place::Placer;
 pub use shadow::{ShadowError, ShadowHeight};
-#[cfg(any(test, feature = "bench"))]
-pub use shape::PosedSolid;
-#[cfg(any(test, feature = "bench"))]
-pub use shape::ShapeKind;
-#[cfg(any(test, feature = "bench"))]
-pub use shape::Solid;
-pub use shape::{BoxLevels, FittedShape, ShapeError, ShapeOnPing, fit_shape};
+pub use shape::{
+    BoxLevels, FittedShape, PosedSolid, ShapeError, ShapeKind, ShapeOnPing, Solid, fit_shape,
+};
+pub use sighting::{GroupSettings, Sighting};
 
 use super::{Mark, MeasuredShadow, ObjectExtent};
 use crate::support::geo::LonLat;

@@ -1,7 +1,8 @@
 //! Which sightings may be of the same object.
 
+use super::Target;
+use super::sighting::{GroupSettings, Sighting};
 use super::spread::Spread;
-use super::{GroupSettings, Sighting, Target};
 
 /// Two sightings of one side that lie along the track by less than this, metres sailed, with less change of heading than this,
 /// radians, are of one pass: a boat that goes straight on passes a thing once.

@@ -1,11 +1,11 @@
 //! From frames to pings, depths and fixes in SI units.
 
-use super::frame::LowranceFrame;
+use super::frame::{LowranceFrame, metres};
 use super::sides;
 use crate::formats::clock::{Clock, Verdict};
 use crate::formats::collected::{Collected, Counted};
 use crate::formats::report::Kind;
-use crate::support::geo::{self, LonLat, METRES_PER_FOOT, MPS_PER_KNOT};
+use crate::support::geo::{self, LonLat, MPS_PER_KNOT};
 use crate::survey::{ChannelKind, Fix};
 
 /// Unix seconds below this (year 2000) are a counter, not a time; above the other (2100), damage.
@@ -142,8 +142,4 @@ fn frequency_khz(code: u16) -> Option<f32> {
 
 fn time_s(frame: &LowranceFrame) -> f64 {
     f64::from(frame.time_ms) / 1000.0
-}
-
-pub(super) fn metres(feet: f32) -> f32 {
-    (f64::from(feet) * METRES_PER_FOOT) as f32
 }

@@ -2,6 +2,7 @@
 
 use super::{sl2, sl3};
 use crate::formats::scalar;
+use crate::support::geo::METRES_PER_FOOT;
 
 /// The two frame layouts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -171,4 +172,9 @@ fn from_sl3(offset: usize, header: &sl3::Header) -> LowranceFrame {
         heading_rad: header.heading_rad,
         time_ms: header.time_ms,
     }
+}
+
+/// Feet, as a frame has them, in metres.
+pub(super) fn metres(feet: f32) -> f32 {
+    (f64::from(feet) * METRES_PER_FOOT) as f32
 }

@@ -1,7 +1,6 @@
 //! The sides of a side-scan frame: both in one (channel 5), or one alone (channels 3 and 4).
 
-use super::decode::metres;
-use super::frame::LowranceFrame;
+use super::frame::{LowranceFrame, metres};
 use crate::formats::collected::{Collected, HalfPing, is_range, is_sound};
 use crate::formats::report::Kind;
 use crate::survey::{ChannelKind, Encoding, Order, SidePing, SideSpan};

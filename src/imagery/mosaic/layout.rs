@@ -2,8 +2,8 @@
 
 mod thinned;
 
+use super::MosaicSettings;
 use super::altitude::altitudes_m;
-use super::{MosaicSettings, TILE_CELLS};
 use crate::bottom::bathymetry::Grid;
 use crate::sonar::calibration::Calibration;
 use crate::sonar::first_return::FirstReturns;
@@ -11,6 +11,9 @@ use crate::survey::{AcrossTrack, Exclusions, Navigation, Relief, Side, Survey, t
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
+
+/// Cells along a tile's side.
+pub const TILE_CELLS: usize = 256;
 
 /// Longest way and pause between two pings that are joined: beyond them the log was interrupted.
 const LONGEST_STEP_M: f64 = 3.0;

@@ -33,11 +33,9 @@ pub use gain::{GainTable, gain_table};
 pub use joint::{
     LEVEL_CELL_M, joint_bounds, joint_grid, level_differences, level_factor, match_levels,
 };
-pub use layout::{Bounds, Layout, Ray, TileIndex, joined_way_m};
+pub use layout::{Bounds, Layout, Ray, TILE_CELLS, TileIndex, joined_way_m};
 pub use overlap::Overlap;
-#[cfg(any(test, feature = "bench"))]
-pub use paint::tile;
-pub use paint::{MosaicLog, TILE_CELLS, joint_tile, joint_window, window};
+pub use paint::{MosaicLog, MosaicTile, joint_tile, joint_window, tile, window};
 pub use part::{MosaicPart, join_parts, part};
 
 use crate::support::presentation::colours;

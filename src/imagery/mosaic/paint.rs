@@ -1,7 +1,7 @@
 //! Draws tiles and other windows: each cell takes the mean of the samples that it covers on the ray through its middle.
 
 use super::canvas::Canvas;
-use super::layout::{Layout, Ray, TileIndex, grid_bounds};
+use super::layout::{Layout, Ray, TILE_CELLS, TileIndex, grid_bounds};
 use super::line::{Lines, MosaicLine};
 use super::{GainTable, MosaicSettings};
 use crate::bottom::bathymetry::Grid;
@@ -9,9 +9,6 @@ use crate::support::progress::{Cancelled, Progress};
 use crate::survey::{Side, Survey};
 use std::convert::Infallible;
 use std::sync::Arc;
-
-/// Cells along a tile's side.
-pub const TILE_CELLS: usize = 256;
 
 /// A piece of the mosaic.
 #[derive(Clone, Debug, PartialEq)]

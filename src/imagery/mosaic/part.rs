@@ -1,7 +1,8 @@
 //! What one log shows of a tile, in numbers that can be stored and joined with those of other logs at any later time.
 
+use super::layout::TILE_CELLS;
 use super::overlap::CellSum;
-use super::paint::{MosaicTile, TILE_CELLS, painted_log};
+use super::paint::{MosaicTile, painted_log};
 use super::{MosaicLog, MosaicSettings, Overlap, TileIndex};
 use crate::bottom::bathymetry::Grid;
 

@@ -1,10 +1,11 @@
 //! The coordinate reference systems that files are written in.
 
+use super::wgs84::{metres_per_degree, transformed, wgs84};
 use super::{LonLat, UtmZone, web_mercator, web_mercator_inverse};
-use proj4rs::{Proj, transform::transform};
+use proj4rs::Proj;
 use serde::{Deserialize, Serialize};
 use std::fmt;
-use std::sync::{Arc, LazyLock};
+use std::sync::Arc;
 
 /// EPSG's number of WGS84 in degrees.
 const WGS84: u16 = 4326;
@@ -364,19 +365,6 @@ pub(super) fn area_scale(crs: &Crs, at: LonLat) -> f64 {
     (east[0] * north[1] - east[1] * north[0]).abs() / (lon_m * lat_m)
 }
 
-/// Metres on WGS84 in a degree of longitude and of latitude: radii of the prime vertical and of the meridian.
-pub fn metres_per_degree(at: LonLat) -> [f64; 2] {
-    const A_M: f64 = 6_378_137.0;
-    const F: f64 = 1.0 / 298.257_223_563;
-    let (sin, cos) = at.lat_deg.to_radians().sin_cos();
-    let e2 = F * (2.0 - F);
-    let w2 = 1.0 - e2 * sin * sin;
-    let vertical_m = A_M / w2.sqrt();
-    let meridian_m = vertical_m * (1.0 - e2) / w2;
-    // At a pole all longitudes are one place: any width will do.
-    [(vertical_m * cos).max(1.0), meridian_m].map(f64::to_radians)
-}
-
 /// The projection, if it is one in metres on a datum that agrees with WGS84.
 fn projection(epsg: u16, proj4: &str, wkt: &str) -> Result<Proj, CrsError> {
     let refused =
@@ -415,24 +403,6 @@ fn agrees_with_wgs84(epsg: u16, proj4: &str, wkt: &str) -> bool {
     let shifted = SHIFTED_DATUMS.iter().any(|name| datum.starts_with(name));
     let by_grid = word("+nadgrids=").is_some();
     shift_is_none && ellipsoid && !shifted && !by_grid && !SHIFTED_SYSTEMS.contains(&epsg)
-}
-
-/// Longitude and latitude on WGS84, radians.
-pub(super) fn wgs84() -> &'static Proj {
-    static WGS84_RADIANS: LazyLock<Proj> = LazyLock::new(|| {
-        let made = Proj::from_proj_string("+proj=longlat +datum=WGS84 +no_defs");
-        made.expect("the words are those of the library's own documentation")
-    });
-    &WGS84_RADIANS
-}
-
-/// Some coordinates of one system in another; NaN where that does not reach.
-pub(super) fn transformed(from: &Proj, to: &Proj, [x, y]: [f64; 2]) -> [f64; 2] {
-    let mut point = (x, y, 0.0);
-    match transform(from, to, &mut point) {
-        Ok(()) => [point.0, point.1],
-        Err(_) => [f64::NAN; 2],
-    }
 }
 
 /// Without the shift to WGS84, which is none but keeps PROJ from recognising the system.

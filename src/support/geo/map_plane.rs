@@ -1,6 +1,7 @@
 //! The plane that maps are drawn in: metres, whatever the unit of the system.
 
-use super::crs::{area_scale, metres_per_degree};
+use super::crs::area_scale;
+use super::wgs84::metres_per_degree;
 use super::{Crs, LonLat};
 
 /// A system that stretches the ground by less than this has metres that are metres enough.

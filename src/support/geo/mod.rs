@@ -3,7 +3,7 @@
 //! `local_frame` is the east-north plane of a survey, `mercator` the spherical Mercators that recorders and the paper use,
 //! `utm` the metres that survey programs expect in a file, `coordinates` how a person reads a position,
 //! `geodesic` the lengths and areas of what is drawn. `crs` has these and the other systems that files are written
-//! in, `map_plane` makes any of them a plane in metres.
+//! in, `wgs84` what all projections start from, `map_plane` makes any of them a plane in metres.
 
 mod coordinates;
 mod crs;
@@ -12,9 +12,10 @@ mod local_frame;
 mod map_plane;
 mod mercator;
 mod utm;
+mod wgs84;
 
 pub use coordinates::CoordinateFormat;
-pub use crs::{Crs, CrsChoice, CrsError, SourceCrs, metres_per_degree};
+pub use crs::{Crs, CrsChoice, CrsError, NoSystem, SourceCrs};
 pub use geodesic::{area_m2, course_rad, distance_m};
 pub use local_frame::LocalFrame;
 pub use map_plane::MapPlane;
@@ -23,6 +24,7 @@ pub use mercator::{
     web_mercator_inverse,
 };
 pub use utm::UtmZone;
+pub use wgs84::metres_per_degree;
 
 /// A WGS84 position in degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! Universal Transverse Mercator on WGS84: the metres that survey programs expect in a file.
 
 use super::LonLat;
-use super::crs::{metres_per_degree, transformed, wgs84};
+use super::wgs84::{metres_per_degree, transformed, wgs84};
 use proj4rs::Proj;
 use std::sync::OnceLock;
 

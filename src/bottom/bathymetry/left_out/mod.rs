@@ -9,7 +9,7 @@ mod roughness;
 
 pub use by_distance::SigmaByDistance;
 
-use super::{Between, DepthPoint, Grid, Node, Spread, Surface, Tin, merge_repeated, suited_cell_m};
+use super::{Between, DepthPoint, Grid, Node, Tin, merge_repeated, suited_cell_m};
 use crate::support::progress::{Cancelled, Progress};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use rayon::prelude::*;
@@ -45,25 +45,25 @@ struct StatedError {
     far: Roughness,
 }
 
-/// Gives the known cells of a surface the standard deviation of their depth's error for their spread; the spread stays as it is where too
-/// few soundings can be left out to tell.
+/// Gives the known cells of a grid the standard deviation of their depth's error for their spread. `false` where too few soundings can be
+/// left out to tell: the spread then stays as it is.
 ///
 /// # Errors
 /// When the work was cancelled.
 pub(super) fn state_error(
-    made: &mut Surface,
+    (grid, distance_m): (Grid, &[f32]),
+    spread_m: &mut [f32],
     nodes: &[Node],
     between: Between,
     progress: &Progress,
-) -> Result<(), Cancelled> {
-    let known = made.distance_m.iter().filter(|away_m| !away_m.is_nan());
+) -> Result<bool, Cancelled> {
+    let known = distance_m.iter().filter(|away_m| !away_m.is_nan());
     let usual_m = usual_of(known.copied().collect());
-    let squares = Squares::over(&made.grid, usual_m);
+    let squares = Squares::over(&grid, usual_m);
     let Some(stated) = StatedError::of(nodes, squares, between, progress)? else {
-        return Ok(());
+        return Ok(false);
     };
-    let grid = made.grid;
-    let cells = made.spread_m.par_iter_mut().zip(&made.distance_m);
+    let cells = spread_m.par_iter_mut().zip(distance_m);
     cells
         .enumerate()
         .filter(|(_, (spread_m, _))| !spread_m.is_nan())
@@ -71,8 +71,7 @@ pub(super) fn state_error(
             let place = grid.centre(cell / grid.columns, cell % grid.columns);
             *spread_m = stated.at(place, f64::from(*away_m)) as f32;
         });
-    made.spread_is = Spread::OfError;
-    Ok(())
+    Ok(true)
 }
 
 /// What the error of a depth between soundings is by the distance to the nearest, as leaving soundings out shows it; distances up to

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::bottom::bathymetry::testing::point;
-use crate::bottom::bathymetry::{SurfaceSettings, surface};
+use crate::bottom::bathymetry::{Spread, Surface, SurfaceSettings, surface};
 
 /// Four lines 8 m apart over a bed, a sounding each half metre, with noise of `noise_m`.
 fn lines(noise_m: f64, bed: impl Fn(f64, f64) -> f64) -> Vec<DepthPoint> {

@@ -1,7 +1,7 @@
 //! Counts neighbours, row by row.
 
 use super::cells::Cells;
-use super::tree::Tree;
+use super::tree::{Tree, distance_square};
 use crate::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -168,10 +168,4 @@ impl Counter<'_> {
         }
         false
     }
-}
-
-/// Square of the distance between two points.
-pub(super) fn distance_square(a: &[f64; 3], b: &[f64; 3]) -> f64 {
-    let [x, y, z] = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
-    x * x + y * y + z * z
 }

@@ -4,7 +4,6 @@
 //! a million points at one place cost one test. Rounding is monotonic: the square of the distance to the far corner of a box,
 //! computed as for a point, is never below that of a point in the box, so that the outcome is that of testing each.
 
-use super::sweep::distance_square;
 use std::collections::VecDeque;
 use std::ops::Range;
 
@@ -124,6 +123,12 @@ fn halve(points: &mut [[f64; 3]], index: usize, boxes: &mut Vec<Bounds>) {
     let (left, right) = points.split_at_mut(left.end);
     halve(left, 2 * index + 1, boxes);
     halve(right, 2 * index + 2, boxes);
+}
+
+/// Square of the distance between two points.
+pub(super) fn distance_square(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    let [x, y, z] = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+    x * x + y * y + z * z
 }
 
 #[cfg(test)]
