@@ -8,10 +8,9 @@
 use super::arithmetic::{atan, from_db};
 use super::beam::Beam;
 use super::ground::Ground;
-use super::path::Pose;
+use super::listener::Listener;
 use super::weed::Weed;
-use super::world::{World, backscatter};
-use crate::survey::Side;
+use super::world::backscatter;
 
 /// Echoes that one side of one ping received, before losses, gain and noise.
 pub struct Echo {
@@ -42,22 +41,6 @@ pub struct ObjectEcho {
     pub top_height_m: f64,
     /// Slant range at which the ground, seen or not, ends: the recorded range or the shore, metres.
     pub reach_m: f64,
-}
-
-/// One listening side at one place.
-pub struct Listener<'a> {
-    pub world: &'a World,
-    pub beam: &'a Beam,
-    pub pose: Pose,
-    /// The pose's unit vector (east, north) forward.
-    pub forward: [f64; 2],
-    pub side: Side,
-    /// Roll towards this side, radians: the beam looks that much deeper.
-    pub roll_rad: f64,
-    pub metres_per_sample: f64,
-    /// Added to every slant range where it is recorded, metres.
-    pub range_offset_m: f64,
-    pub samples: usize,
 }
 
 /// Scattering strength of weed, dB per square metre.
@@ -104,19 +87,6 @@ impl Listener<'_> {
         let weed = self.world.weed.iter();
         let canopies = weed.map(|weed| self.weed_echo_m(weed, &ground.depth_m[1], reach_m, power));
         canopies.fold(f64::INFINITY, f64::min)
-    }
-
-    /// The place `across_m` to this side and `along_m` ahead of the boat.
-    pub fn place(&self, across_m: f64, along_m: f64) -> [f64; 2] {
-        let [east, north] = self.forward;
-        let across_m = match self.side {
-            Side::Starboard => across_m,
-            Side::Port => -across_m,
-        };
-        [
-            self.pose.east_m + along_m * east + across_m * north,
-            self.pose.north_m + along_m * north - across_m * east,
-        ]
     }
 
     fn nearest(&self, depth_m: &[f64]) -> f64 {
@@ -269,6 +239,9 @@ mod tests {
     use super::*;
     use crate::simulation::Scene;
     use crate::simulation::bed::Bed;
+    use crate::simulation::path::Pose;
+    use crate::simulation::world::World;
+    use crate::survey::Side;
 
     /// Level ground 3 m deep, seen to starboard with samples of 1 cm.
     fn level_echo() -> Echo {

@@ -1,7 +1,7 @@
 //! The ground as the three rays of a side meet it, with what lies on it or without one of the objects.
 
 use super::arithmetic::atan;
-use super::echo::Listener;
+use super::listener::Listener;
 
 /// The ground as the rays meet it, one entry per step of the beam as far as there is water and range.
 pub struct Ground {

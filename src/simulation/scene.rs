@@ -1,7 +1,7 @@
 //! What a simulated survey is made of. All of it can be written as TOML; what is left out keeps its default.
 
 pub use super::clutter::{Mound, Pit, RippleSettings, Shoal, WeedClump};
-use super::objects::ObjectKind;
+use super::object_kind::ObjectKind;
 use crate::survey::MountingSettings;
 use serde::{Deserialize, Serialize};
 

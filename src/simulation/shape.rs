@@ -3,7 +3,7 @@
 use super::hull::Hull;
 use super::limbs::Limbs;
 use super::noise::Field;
-use super::objects::ObjectKind;
+use super::object_kind::ObjectKind;
 use super::random::{Purpose, Random};
 use super::scene::ObjectSettings;
 

@@ -1,7 +1,7 @@
 //! What the log hides: where everything really was.
 
 use super::echo::ObjectEcho;
-use super::objects::ObjectKind;
+use super::object_kind::ObjectKind;
 use super::visibility::VisiblePart;
 use crate::support::geo::LonLat;
 use crate::survey::Side;

@@ -2,7 +2,7 @@
 
 use super::{log_between, up_to};
 use crate::simulation::arithmetic::{cos, sin};
-use crate::simulation::objects::ObjectKind;
+use crate::simulation::object_kind::ObjectKind;
 use crate::simulation::random::Random;
 use crate::simulation::scene::{ObjectSettings, Pit, Scene, Shoal, WeedClump};
 

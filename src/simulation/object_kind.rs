@@ -1,0 +1,49 @@
+//! The kinds of objects that a scene may hold.
+
+use serde::{Deserialize, Serialize};
+
+/// What an object is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ObjectKind {
+    /// A rounded, bumpy boulder.
+    Rock,
+    /// A crate or block with steep sides and a flat top.
+    Block,
+    /// A pipe or drum lying on its side.
+    Cylinder,
+    /// A tyre lying flat: a ring.
+    Tyre,
+    /// A sunken boat, open or keel up; its bow points along the heading.
+    Boat,
+    /// A tree trunk with branches, tapering and bent.
+    Log,
+    /// A body: head, torso and limbs.
+    Effigy,
+}
+
+impl ObjectKind {
+    /// All kinds, in the order of a detector's classes.
+    pub const ALL: [ObjectKind; 7] = [
+        ObjectKind::Rock,
+        ObjectKind::Block,
+        ObjectKind::Cylinder,
+        ObjectKind::Tyre,
+        ObjectKind::Boat,
+        ObjectKind::Log,
+        ObjectKind::Effigy,
+    ];
+
+    /// One word, as in scenes and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            ObjectKind::Rock => "rock",
+            ObjectKind::Block => "block",
+            ObjectKind::Cylinder => "cylinder",
+            ObjectKind::Tyre => "tyre",
+            ObjectKind::Boat => "boat",
+            ObjectKind::Log => "log",
+            ObjectKind::Effigy => "effigy",
+        }
+    }
+}
