@@ -4,7 +4,7 @@
 //! stages and what they made, `engine` runs them on a worker for the window, `growing` over what was added to a log that is being written,
 //! `task` and `background` are how all work runs off its thread. `derived` makes what all logs give together, once and on demand. `depth` makes the depth map and what follows from it,
 //! `agreement` compares points with a reference, `mosaic` where echoes lie, `object_positions` where objects do, `report` sums a run
-//! up, `scale_trial` what another scale would change, `fingerprint` tells versions of files apart, `source` puts right what a log does not say of itself, `survey_coverage` what a plan of further lines starts from, `joint` what all logs of a survey give together. Nothing is written here: see `outputs`.
+//! up (`log_report` has what it says of each log), `scale_trial` what another scale would change, `fingerprint` tells versions of files apart, `source` puts right what a log does not say of itself, `survey_coverage` what a plan of further lines starts from, `joint` what all logs of a survey give together. Nothing is written here: see `outputs`.
 
 mod agreement;
 mod background;
@@ -15,6 +15,7 @@ mod engine;
 mod fingerprint;
 mod growing;
 pub mod joint;
+mod log_report;
 mod log_settings;
 mod mosaic;
 mod object_positions;
@@ -48,6 +49,7 @@ pub use derived::{
 pub use engine::{Engine, EngineStatus};
 pub use fingerprint::{Fingerprint, Input, InputError, LogFiles, in_hexadecimal, sha256_of};
 pub use growing::{GrowingResults, extend};
+pub use log_report::CalibrationReport;
 pub use log_settings::{
     LogSettings, SettingValues, deserialize_values, from_values, is_of_one_log, is_setting,
     setting_values, with_values,
@@ -58,7 +60,7 @@ pub use objects::{list_objects, object_shape};
 pub use passes::{Pass, passes_over, place_of};
 pub use processed_log::ProcessedLog;
 pub use products::{Products, Stage, colour_range_m, run};
-pub use report::{CalibrationReport, Report};
+pub use report::{Report, warnings};
 pub use scale_trial::{ScaleEffect, ScaleTrial};
 pub use settings::{Preset, Settings, SettingsError};
 pub use source::{SourceError, SourceKey, as_mounted, as_set};

@@ -1,7 +1,8 @@
 //! The cloud in the metres of a map.
 
-use crate::bottom::bathymetry::{DepthPoint, SurfaceSettings};
-use crate::bottom::cloud::{CloudPoint, PointClass, PointCloud, PointSource};
+use super::points::{depth_points, is_finite};
+use crate::bottom::bathymetry::DepthPoint;
+use crate::bottom::cloud::CloudPoint;
 use crate::pipeline::Products;
 use crate::pipeline::map_plane;
 use crate::support::geo::{Crs, CrsError, LonLat, MapPlane};
@@ -78,36 +79,4 @@ impl<'a> Plane<'a> {
         let [east_m, north_m] = self.map.place(position);
         [east_m, north_m, point.z_m]
     }
-}
-
-/// The kept points of a cloud that count for a surface, as weighted depths; `place` gives east, north and elevation in its plane.
-pub fn depth_points(
-    cloud: &PointCloud,
-    classes: &[PointClass],
-    settings: &SurfaceSettings,
-    place: impl Fn(&CloudPoint) -> [f64; 3],
-) -> Vec<DepthPoint> {
-    let weighted = || {
-        let weighted = cloud
-            .kept(classes)
-            .map(|(_, point)| (point, settings.weight(point)));
-        weighted.filter(|(_, weight)| *weight > 0.0)
-    };
-    // Counted first: a vector of a million points that grows takes three times their memory for a moment.
-    let mut points = Vec::with_capacity(weighted().count());
-    let placed = weighted().map(|(point, weight)| (place(point), weight, point.source));
-    points.extend(placed.filter(|(place, ..)| is_finite(place)).map(
-        |([east_m, north_m, z_m], weight, source)| DepthPoint {
-            east_m,
-            north_m,
-            depth_m: -z_m,
-            weight,
-            is_sounding: source == PointSource::DownScan,
-        },
-    ));
-    points
-}
-
-fn is_finite(place: &[f64; 3]) -> bool {
-    place.iter().all(|value| value.is_finite())
 }

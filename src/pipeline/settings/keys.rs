@@ -1,7 +1,7 @@
 //! Settings by their keys: files and `--set` laid over others, and what to say of a key that is none.
 
+use super::help::row;
 use super::rows::ROWS;
-use super::table::row;
 use super::{Kind, Row, Settings, SettingsError};
 use toml::{Table, Value};
 

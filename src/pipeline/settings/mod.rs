@@ -1,9 +1,10 @@
 //! All settings of the pipeline under the keys that scripts use, and the two presets.
 //!
-//! `rows` is the table of them: key, range, unit, words. `table` makes check, help and the manual's page of it, `keys` lays files and
-//! assignments over settings, `display_units` has a number in the unit of the window.
+//! `rows` is the table of them: key, range, unit, words. `table` says what a row is and checks by it, `help` makes the help and the
+//! manual's page, `keys` lays files and assignments over settings, `display_units` has a number in the unit of the window.
 
 mod display_units;
+mod help;
 mod keys;
 pub mod rows;
 mod table;
@@ -11,9 +12,10 @@ mod table;
 mod tests;
 
 pub use display_units::ShownNumber;
+pub use help::{help, markdown, row};
 pub use keys::renamed;
 pub(crate) use keys::slips;
-pub use table::{Choice, Control, Kind, Number, Row, help, markdown, row};
+pub use table::{Choice, Control, Kind, Named, Number, Row};
 
 use crate::bottom::bathymetry::SurfaceSettings;
 use crate::bottom::bathymetry::isobaths::IsobathSettings;
