@@ -17,6 +17,6 @@ mod stroke;
 mod web_tile;
 
 pub use lit_surface::LitSurface;
-pub use pixels::{Pixel, Pixels, TILE_PIXELS};
+pub use pixels::{Pixel, Pixels};
 pub use pyramid::{Known, MapPart, MapScales, TileSource, TileStyle, pyramid};
-pub use web_tile::{WebTile, ZoomRange, web_pixel};
+pub use web_tile::{TILE_PIXELS, WebTile, ZoomRange, web_pixel};

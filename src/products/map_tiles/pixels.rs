@@ -1,11 +1,8 @@
 //! What is known of a tile, pixel by pixel, and the pictures of it.
 
-use super::WebTile;
+use super::web_tile::{TILE_PIXELS, WebTile};
 use crate::support::geo::LonLat;
 use crate::support::presentation::colours::lit_depth_colour;
-
-/// Pixels along a side of a tile.
-pub const TILE_PIXELS: usize = 256;
 
 /// What is known of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]

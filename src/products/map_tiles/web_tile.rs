@@ -1,7 +1,9 @@
 //! Which square of the earth a tile shows.
 
-use super::TILE_PIXELS;
 use crate::support::geo::{LonLat, web_mercator, web_mercator_inverse};
+
+/// Pixels along a side of a tile.
+pub const TILE_PIXELS: usize = 256;
 
 /// Half the side of the square that Web Mercator makes of the earth, metres: half the equator of its sphere.
 const HALF_M: f64 = std::f64::consts::PI * 6_378_137.0;

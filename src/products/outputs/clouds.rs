@@ -1,6 +1,6 @@
 //! The tables of pings and points, and the cloud for other programs.
 
-use super::manifest::{Coordinates, FileContent};
+use super::content::{Coordinates, FileContent};
 use super::results::Results;
 use crate::bottom::cloud::CloudPoint;
 use crate::products::export::{self, LasPacking, LogPoints};

@@ -1,7 +1,8 @@
 //! `comparison.json` and `comparison.csv`: a survey against a reference, in figures and point by point.
 
+use super::content::{Coordinates, FileContent};
+use super::json_record::write_json;
 use super::logs::{log_names, log_points};
-use super::manifest::{Coordinates, FileContent, write_json};
 use super::results::Results;
 use crate::bottom::bathymetry::compare::{Comparison, Match};
 use crate::pipeline::{

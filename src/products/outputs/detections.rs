@@ -1,19 +1,12 @@
 //! What a search for objects proposes: `detections.*` and `chips`, with a run or into a folder that may hold the files of one.
 
-use super::manifest::{Coordinates, FileContent};
+use super::content::{Coordinates, FileContent};
 use super::objects::all_rows;
-use super::registry::{When, row_of, row_of_beside};
 use super::results::Results;
-use super::run_folder::{Replaced, RunFolder};
-use super::write::{Order, write_rows};
-use crate::detection::objects::{SurveyObject, SurveyReview};
-use crate::detection::{
-    Detection, DetectorSettings, Model, Picture, Raster, Scored, find_in_picture,
-};
-use crate::pipeline::{Derived, ProcessedLog};
+use crate::detection::objects::SurveyObject;
+use crate::detection::{Detection, Raster};
 use crate::products::export::{self, ChipLog, ExportError, ObjectRow, Summary};
 use crate::products::outputs::OutputError;
-use crate::support::progress::Progress;
 use std::path::Path;
 
 /// What a search proposes.
@@ -43,61 +36,6 @@ impl Proposed {
                 .count(),
         }))
     }
-}
-
-/// Searches a survey and writes what is found, in the place of what an earlier search wrote there; gives back what became of that, too.
-///
-/// # Errors
-/// A sentence that names the file, or says that the work was cancelled; the folder is then as it was.
-pub fn write_detected(
-    log: &ProcessedLog,
-    model: &Model,
-    run: RunFolder,
-    progress: &Progress,
-) -> Result<(Proposed, Replaced), OutputError> {
-    let order = Order {
-        logs: std::slice::from_ref(log),
-        derived: &Derived::default(),
-        requested: &[],
-        reference: None,
-        search: Some(model),
-        review: &SurveyReview::default(),
-        corrections: &[],
-    };
-    let mut results = Results::new(&order, progress)?;
-    let searched = |when| when == When::Searched;
-    write_rows(&mut results, &run.path(), searched, &mut |_| ())?;
-    let found = Proposed::of(&results)?;
-    let found = found.ok_or("nothing searched for objects")?;
-    Ok((found, run.commit_group(is_of_search)?))
-}
-
-/// The same for a picture of another program, by its name in the table.
-///
-/// # Errors
-/// As [`write_detected`].
-pub fn write_detected_in_picture(
-    name: &str,
-    picture: &Picture,
-    model: &Model,
-    settings: &DetectorSettings,
-    run: RunFolder,
-    progress: &Progress,
-) -> Result<(Vec<Scored>, Replaced), OutputError> {
-    let found = find_in_picture(picture, model, settings, progress)?;
-    let folder = run.path().join("objects");
-    // The chips come first, and make the folder.
-    export::picture_chips(&folder, picture, model.names(), &found).and_then(|_| {
-        let table = folder.join("detections.csv");
-        export::picture_boxes_csv(&table, name, model.names(), &found)
-    })?;
-    Ok((found, run.commit_group(is_of_search)?))
-}
-
-/// Whether a file is of a search, in whatever version's layout.
-fn is_of_search(name: &str) -> bool {
-    let row = row_of(name).or_else(|| row_of_beside(name));
-    row.is_some_and(|row| row.when == When::Searched)
 }
 
 /// Writes `detections.csv`.

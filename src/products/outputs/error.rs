@@ -1,12 +1,23 @@
 //! Why files could not be written.
 
-use super::mosaic::NoMosaic;
-use super::results::NoContours;
+use super::mosaic_grid::NoMosaic;
+use crate::bottom::bathymetry::isobaths::NoIsobaths;
 use crate::detection::DetectError;
 use crate::pipeline::{AgreementError, InputError};
 use crate::products::export::{ChipError, ExportError, RasterError};
 use crate::support::geo::CrsError;
 use crate::support::progress::Cancelled;
+
+/// Why there are no isobaths.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NoContours {
+    /// The depths span no surface.
+    #[error("there is no depth map")]
+    NoDepthMap,
+    /// They cannot be drawn as the settings say.
+    #[error(transparent)]
+    Isobaths(#[from] NoIsobaths),
+}
 
 /// Why files could not be written. The folder is then as it was.
 #[derive(Debug, thiserror::Error)]

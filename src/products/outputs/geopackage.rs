@@ -1,9 +1,10 @@
 //! All lines, areas and objects of a survey in one file.
 
+use super::content::{Coordinates, FileContent};
 use super::depth::contours::Drawn;
-use super::manifest::{Coordinates, FileContent};
+use super::need::Need;
 use super::objects::target_rows;
-use super::results::{Need, Results};
+use super::results::Results;
 use crate::products::export::{self, MapGeometry};
 use crate::products::outputs::OutputError;
 use crate::support::presentation::colours::depth_colour;

@@ -1,50 +1,15 @@
 //! `manifest.json`: every file of a run, with where it comes from, its coordinate system, extent and hash.
 
+use super::content::{Coordinates, FileContent};
+use super::json_record::write_json;
+use super::need::Need;
 use super::registry::{Described, OutputFile, row_of};
-use super::results::Need;
 use crate::pipeline::{Fingerprint, Input, Report, Settings};
-use crate::products::export::{self, Summary};
+use crate::products::export::Summary;
 use crate::products::outputs::OutputError;
-use crate::support::geo::{Crs, LonLat};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
-use std::io::Write as _;
 use std::path::Path;
-
-/// What the coordinates of a file are.
-#[derive(Clone, Debug)]
-pub enum Coordinates {
-    /// A coordinate reference system.
-    System(Crs),
-    /// Longitude and latitude on WGS84.
-    Degrees,
-    /// Metres east and north of the survey's origin, in the plane that `projection` names.
-    Local(LonLat),
-    /// None: the file is a table of something else.
-    None,
-}
-
-/// What a file holds.
-#[derive(Clone, Debug)]
-pub struct FileContent {
-    /// What its coordinates are.
-    pub coordinates: Coordinates,
-    /// How much it holds.
-    pub summary: Summary,
-    /// What is to be said of it besides, with the comma before it.
-    pub detail: &'static str,
-}
-
-impl FileContent {
-    /// Content in some coordinates.
-    pub fn new(coordinates: Coordinates, summary: Summary) -> Self {
-        Self {
-            coordinates,
-            summary,
-            detail: "",
-        }
-    }
-}
 
 /// `manifest.json`: what goes for all files of a run, and an entry a file.
 #[derive(Serialize)]
@@ -170,19 +135,6 @@ fn content_entry(described: Described, content: &FileContent) -> ContentEntry<'s
         more_inputs: &[],
         regardless_of: &[],
     }
-}
-
-/// Writes a record, indented, with a line's end.
-///
-/// # Errors
-/// A sentence that names the file.
-pub fn write_json(path: &Path, record: &impl Serialize) -> Result<(), OutputError> {
-    export::write_atomically(path, |mut file| {
-        let text = serde_json::to_vec_pretty(record)?;
-        file.write_all(&text)?;
-        file.write_all(b"\n")
-    })
-    .map_err(OutputError::from)
 }
 
 fn coordinates(coordinates: &Coordinates) -> Value {

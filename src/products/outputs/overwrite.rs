@@ -1,28 +1,14 @@
 //! No file is written over one that it is made from.
 
 use super::MANIFEST;
+use super::order::Order;
 use super::registry::{OUTPUT_FILES, OutputFile};
-use super::run_folder::{EARLIER_MANIFESTS, RunFolder, has_foreign_manifest};
-use super::write::Order;
+use super::run_folder::{RunFolder, has_foreign_manifest, is_stem_of_output};
 use crate::pipeline::Reference;
 use crate::products::export::is_same_file;
 use crate::products::outputs::OutputError;
 use crate::survey::Survey;
 use std::path::{Path, PathBuf};
-
-/// Whether a run may write a file whose name, without its ending, is this one. What lies on top and holds data is of later versions than
-/// those that wrote all files there: `survey.gpkg` is no danger to `survey.sl2`.
-pub(super) fn is_stem_of_output(stem: &str) -> bool {
-    let is_new = |row: &&OutputFile| row.folder().is_empty() && row.described.is_some();
-    let rows = OUTPUT_FILES.iter().filter(|row| !is_new(row));
-    let stems = rows.map(OutputFile::stem);
-    let manifests = EARLIER_MANIFESTS
-        .iter()
-        .map(|name| name.trim_end_matches(".json"));
-    stems
-        .chain(manifests)
-        .any(|one| one.eq_ignore_ascii_case(stem))
-}
 
 /// Subfolders in which a run may write a file whose name, without its ending, is this one.
 fn folders_of(stem: &str) -> impl Iterator<Item = &'static str> {

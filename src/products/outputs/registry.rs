@@ -3,13 +3,12 @@
 
 mod kinds;
 
-use super::manifest::FileContent;
-use super::results::{Need, Results};
-use super::write::Run;
-use super::{
-    Product, clouds, comparison, depth, detections, geopackage, mosaic, report_page, residuals,
-    targets, track,
-};
+use super::content::FileContent;
+use super::need::Need;
+use super::order::When;
+use super::product::Product;
+use super::results::Results;
+use super::{clouds, comparison, depth, detections, geopackage, mosaic, residuals, targets, track};
 use crate::products::outputs::OutputError;
 use kinds::{
     CLASSED_POINTS, KEPT_POINTS, LAS_POINTS, NOT_OF_BODY, NOT_OF_CLOUD, NOT_OF_DEPTHS,
@@ -51,26 +50,24 @@ pub struct Described {
     pub measured: &'static str,
 }
 
-/// Who asks for a file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum When {
-    /// Every run writes it.
-    Always,
-    /// It belongs to a group that is chosen.
-    Chosen(Product),
-    /// A run that compares with a reference writes it.
-    Compared,
-    /// A run that searches for objects writes it.
-    Searched,
-}
-
 /// What writes a file.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Writer {
     /// From the results of the survey.
     Results(fn(&Results<'_>, &Path) -> Result<FileContent, OutputError>),
     /// From the run, when all other files are there.
-    Run(fn(&mut Run<'_>, &Path) -> Result<(), OutputError>),
+    Run(RunFile),
+}
+
+/// A file that tells of all others.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum RunFile {
+    /// `report.html`.
+    Page,
+    /// `report.json`.
+    Record,
+    /// `manifest.json`.
+    Manifest,
 }
 
 impl OutputFile {
@@ -501,23 +498,19 @@ pub const OUTPUT_FILES: [OutputFile; 48] = [
         ..row(
             "report.html",
             When::Chosen(Product::Report),
-            Writer::Run(report_page::write),
+            Writer::Run(RunFile::Page),
         )
     },
     OutputFile {
         brief: "the report for programs: inputs, settings, counts, statistics",
-        ..row(
-            "report.json",
-            When::Always,
-            Writer::Run(super::write::report_json),
-        )
+        ..row("report.json", When::Always, Writer::Run(RunFile::Record))
     },
     OutputFile {
         brief: "list of all files: what each is, coordinate system, extent, count, SHA-256",
         ..row(
             super::MANIFEST,
             When::Always,
-            Writer::Run(super::write::manifest),
+            Writer::Run(RunFile::Manifest),
         )
     },
 ];

@@ -1,9 +1,9 @@
 //! `report.html`: what was made, on one page.
 
 use super::objects::{Shapes, target_rows};
-use super::registry::When;
+use super::order::When;
 use super::results::Results;
-use super::write::Run;
+use super::run::Run;
 use crate::detection::Raster;
 use crate::detection::objects::{ObjectList, SurveyObject};
 use crate::detection::review::{PIXEL_M, Review, State};
@@ -17,7 +17,7 @@ use std::io::Write as _;
 use std::path::Path;
 
 /// Writes the page.
-pub fn write(run: &mut Run<'_>, path: &Path) -> Result<(), OutputError> {
+pub fn write(run: &Run<'_>, path: &Path) -> Result<(), OutputError> {
     let results = &run.results;
     let (products, order) = (results.products, results.order);
     let boxes = Boxes::of(results)?;

@@ -1,6 +1,7 @@
 //! `residuals.json`: side-scan points against the soundings of the survey, the tracks against themselves and each other.
 
-use super::manifest::{Coordinates, FileContent, write_json};
+use super::content::{Coordinates, FileContent};
+use super::json_record::write_json;
 use super::results::Results;
 use crate::pipeline::{
     Agreement, Choice, Crosslines, NamedComparison, ProcessedLog, ResidualTables, Settings,

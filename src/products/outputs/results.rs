@@ -1,14 +1,15 @@
 //! What the files of a run are made from: each is computed once, when the first file asks for it.
 
-use super::Product;
-use super::depth::tiles::MapTiles;
+use super::depth::NO_SURFACE;
+use super::depth::map_tiles::MapTiles;
+use super::error::NoContours;
+use super::ground::SideScanCoverage;
 use super::logs::{log_names, log_points, survey_name};
-use super::mosaic::grid;
+use super::mosaic_grid::mosaic_grid;
+use super::need::{Missing, Need};
 use super::objects::{Shapes, find_shapes, is_excluded};
-use super::registry::When;
-use super::track::SideScanCoverage;
-use super::write::Order;
-use crate::bottom::bathymetry::isobaths::NoIsobaths;
+use super::order::{Order, When};
+use super::product::Product;
 use crate::bottom::bathymetry::{DepthPoint, FromLevels, Surface, spot_radius_m, spot_soundings};
 use crate::detection::objects::{LogId, LogReview, ObjectList, SurveyReview};
 use crate::detection::review::Review;
@@ -27,53 +28,6 @@ use crate::support::progress::Progress;
 use crate::survey::{Identity, Survey};
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
-
-/// What a file cannot be made without.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Need {
-    /// A point that the outlier filter keeps.
-    KeptPoints,
-    /// `points.las`.
-    PlainLas,
-    /// A boat that moves, with positions.
-    Track,
-    /// Ground that the side-scan covers.
-    Footprint,
-    /// Depths that span a surface.
-    Surface,
-    /// Depths from echo levels, which tell how bright the bed is.
-    Hardness,
-    /// Levels for isobaths that are not too many.
-    Levels,
-    /// A line of equal depth.
-    Isobaths,
-    /// The area that isobaths end at, where one is named: their own files say what is wrong with it.
-    Area,
-    /// Side-scan points over soundings, or a track that crosses itself.
-    Agreement,
-    /// Side-scan.
-    SideScan,
-    /// Side-scan with a place, in a map of a size that can be drawn.
-    Mosaic,
-    /// A box that an analyst accepted or added.
-    Targets,
-    /// What the depths are compared with besides.
-    Reference,
-}
-
-/// Why a file cannot be made, in a sentence; `None` where nobody needs to be told.
-pub(super) struct Missing(pub Option<String>);
-
-/// Why there are no isobaths.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum NoContours {
-    /// The depths span no surface.
-    #[error("there is no depth map")]
-    NoDepthMap,
-    /// They cannot be drawn as the settings say.
-    #[error(transparent)]
-    Isobaths(#[from] NoIsobaths),
-}
 
 /// The results of a survey that its files are made from.
 pub(super) struct Results<'a> {
@@ -211,10 +165,13 @@ impl<'a> Results<'a> {
                 }
             }
             Need::SideScan if !self.has_side_scan() => silent(),
-            Need::Mosaic => match grid(self)? {
-                Err(why) => told(&why.to_string()),
-                Ok(_) => None,
-            },
+            Need::Mosaic => {
+                let cell_m = self.products.settings.mosaic.cell_m;
+                match mosaic_grid(self.mosaic()?.as_deref(), cell_m) {
+                    Err(why) => told(&why.to_string()),
+                    Ok(_) => None,
+                }
+            }
             Need::Targets if !self.order.review.has_targets() => silent(),
             Need::Reference if self.order.reference.is_none() => silent(),
             Need::PlainLas
@@ -352,7 +309,13 @@ impl<'a> Results<'a> {
     /// The tiles of the depth map; on the way they take room beside a file of theirs.
     pub fn map_tiles(&self, file: &Path) -> Result<&MapTiles, OutputError> {
         let folder = file.parent().unwrap_or(file);
-        once(&self.map_tiles, || MapTiles::new(self, folder))
+        once(&self.map_tiles, || {
+            let depth_map = self.depth_map()?.ok_or(NO_SURFACE)?;
+            // Too many isobaths are a warning of their group; the map is drawn without.
+            let isobaths = self.isobaths()?.unwrap_or_default();
+            let log = (self.survey, self.products);
+            MapTiles::new(depth_map, &isobaths, log, folder, self.progress)
+        })
     }
 
     /// The depths that a chart prints, in the plane of the map; none without a depth map.

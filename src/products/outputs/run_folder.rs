@@ -16,7 +16,7 @@ use crate::products::export::{earlier_chips, remove_passing_chips};
 use crate::products::outputs::OutputError;
 use crate::support::progress::Progress;
 use earlier::EarlierFiles;
-pub(super) use earlier::has_foreign_manifest;
+pub(super) use earlier::{has_foreign_manifest, is_stem_of_output};
 use journal::Journal;
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Write as _};

@@ -1,7 +1,7 @@
 //! `targets.*`: the objects that an analyst accepted or drew, in every run of a survey with a review.
 
+use super::content::FileContent;
 use super::detections::{in_degrees, objects_csv, objects_geojson};
-use super::manifest::FileContent;
 use super::objects::target_rows;
 use super::results::Results;
 use crate::detection::objects::SurveyObject;

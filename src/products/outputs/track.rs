@@ -1,45 +1,14 @@
 //! The track and the insonified ground, for plotters and maps.
 
-use super::manifest::{Coordinates, FileContent};
+use super::content::{Coordinates, FileContent};
+use super::ground::SideScanCoverage;
 use super::results::Results;
-use crate::bottom::bathymetry::isobaths::Polygon;
 use crate::products::export::{self, ExportError, LabelledLine, Summary, TrackPiece};
 use crate::products::outputs::OutputError;
-use crate::support::geo::MapPlane;
 use std::path::Path;
 
 /// Red, which stays legible on a map and on a picture of the earth.
 const COLOUR: [u8; 3] = [214, 39, 40];
-
-/// The ground that the side-scan covers.
-pub struct SideScanCoverage {
-    /// Its outlines, in the plane of the map; empty without side-scan.
-    pub shapes: Vec<Polygon>,
-    /// Its area on the ground, square metres.
-    pub area_m2: f64,
-}
-
-impl SideScanCoverage {
-    /// Of outlines in the plane of a map.
-    pub fn new(shapes: Vec<Polygon>, map: &MapPlane) -> Self {
-        // A shape without a point covers nothing that could be drawn.
-        let Some(first) = shapes
-            .first()
-            .and_then(|shape| shape.outline.first())
-            .copied()
-        else {
-            return Self {
-                shapes: Vec::new(),
-                area_m2: 0.0,
-            };
-        };
-        let on_map_m2: f64 = shapes.iter().map(|shape| shape.area_m2()).sum();
-        Self {
-            shapes,
-            area_m2: on_map_m2 / map.area_scale_at(first),
-        }
-    }
-}
 
 fn in_degrees(summary: Result<Summary, ExportError>) -> Result<FileContent, OutputError> {
     summary

@@ -1,57 +1,25 @@
 //! All files of a run.
 
+use super::content::FileContent;
 use super::detections::Proposed;
-use super::manifest::{FileContent, write_json, write_manifest};
+use super::json_record::write_json;
+use super::manifest::write_manifest;
+use super::need::{Missing, Need};
+use super::order::{Order, When};
 use super::overwrite::refuse_overwrite;
 use super::product::Product;
-use super::registry::{OUTPUT_FILES, OutputFile, When, Writer};
-use super::results::{Missing, Need, Results};
+use super::registry::{OUTPUT_FILES, OutputFile, RunFile, Writer};
+use super::report_page;
+use super::results::Results;
+use super::run::Run;
 use super::run_folder::{Replaced, RunFolder};
-use crate::bottom::bathymetry::compare::Matching;
-use crate::detection::Model;
-use crate::detection::objects::SurveyReview;
-use crate::pipeline::joint::{RequestedCorrection, joint_report};
-use crate::pipeline::{Derived, Fingerprint, ProcessedLog, Reference, Report};
+use crate::pipeline::Report;
+use crate::pipeline::joint::joint_report;
 use crate::products::outputs::OutputError;
 use crate::support::presentation::text::bytes;
 use crate::support::progress::{Cancelled, Progress};
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-
-/// What is to be written.
-pub struct Order<'a> {
-    /// The logs that the files are of, with what the pipeline made of them: one, or all of a survey, in the frame of the first.
-    pub logs: &'a [ProcessedLog],
-    /// What is made of all logs together, each once.
-    pub derived: &'a Derived,
-    /// What is written beside the tables of pings and points, `report.json` and the manifest.
-    pub requested: &'a [Product],
-    /// What the depths are compared with besides, and how a point finds its reference.
-    pub reference: Option<(&'a Arc<Reference>, Matching)>,
-    /// What searches for objects: they are written as `detections.*` and `chips`.
-    pub search: Option<&'a Model>,
-    /// Boxes of each log that were found before and decided about: the report shows them, before those of a search.
-    pub review: &'a SurveyReview,
-    /// What became of corrections of positions and heights that were asked for: the report says it.
-    pub corrections: &'a [RequestedCorrection],
-}
-
-impl Order<'_> {
-    /// Whether files that are written at such a time are to be written.
-    pub(super) fn asks_for(&self, when: When) -> bool {
-        match when {
-            When::Always => true,
-            When::Chosen(product) => self.requested.contains(&product),
-            When::Compared => self.reference.is_some(),
-            // Without side-scan there is nothing to search.
-            When::Searched => {
-                let mut surveys = self.logs.iter().map(|log| &log.survey);
-                self.search.is_some() && surveys.any(|survey| survey.has_side_scan())
-            }
-        }
-    }
-}
 
 /// What was written.
 #[derive(Clone, Debug)]
@@ -80,29 +48,6 @@ impl Written {
             folder.display(),
             self.replaced.in_words()
         )
-    }
-}
-
-/// A run whose files are being written.
-pub(super) struct Run<'a> {
-    pub results: Results<'a>,
-    pub report: Report,
-    /// Made of the results so far.
-    made: Vec<(&'static OutputFile, FileContent)>,
-    /// What was made of the results, by its hashes.
-    hashed: Vec<Fingerprint>,
-    folder: &'a RunFolder,
-}
-
-impl Run<'_> {
-    /// What is in the folder in the end beside the page, as the page lists it: folders last.
-    pub fn listed(&self) -> impl Iterator<Item = &'static OutputFile> {
-        let of_run =
-            |row: &&OutputFile| row.when == When::Always && matches!(row.writer, Writer::Run(_));
-        let (folders, files): (Vec<_>, Vec<_>) =
-            (self.made.iter().map(|(row, _)| *row)).partition(|row| !row.file_name().contains('.'));
-        let of_run = OUTPUT_FILES.iter().filter(of_run);
-        files.into_iter().chain(of_run).chain(folders)
     }
 }
 
@@ -146,10 +91,15 @@ pub fn write(
     }
     let mut files: Vec<&OutputFile> = run.made.iter().map(|(row, _)| *row).collect();
     for row in OUTPUT_FILES.iter().filter(|row| asked(row.when)) {
-        if let Writer::Run(write) = row.writer
+        if let Writer::Run(file) = row.writer
             && first_missing(row, &run.results)?.is_none()
         {
-            write(&mut run, &place(&path, row)?)?;
+            let path = place(&path, row)?;
+            match file {
+                RunFile::Page => report_page::write(&run, &path)?,
+                RunFile::Record => write_json(&path, &run.report)?,
+                RunFile::Manifest => manifest(&run, &path)?,
+            }
             files.push(row);
         }
     }
@@ -273,13 +223,8 @@ fn place(folder: &Path, row: &OutputFile) -> Result<PathBuf, OutputError> {
     Ok(path)
 }
 
-/// Writes `report.json`.
-pub(super) fn report_json(run: &mut Run<'_>, path: &Path) -> Result<(), OutputError> {
-    write_json(path, &run.report)
-}
-
 /// Writes `manifest.json`, which names every other file of the run.
-pub(super) fn manifest(run: &mut Run<'_>, path: &Path) -> Result<(), OutputError> {
+fn manifest(run: &Run<'_>, path: &Path) -> Result<(), OutputError> {
     let files = (run.folder).files(&run.hashed, run.results.progress)?;
     let compared = run
         .made

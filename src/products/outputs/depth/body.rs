@@ -4,7 +4,7 @@ use crate::bottom::bathymetry::{Grid, Surface};
 use crate::pipeline::{Bottom, BottomColour};
 use crate::products::export::{Summary, TexturedMesh, glb};
 use crate::products::outputs::OutputError;
-use crate::products::outputs::manifest::{Coordinates, FileContent};
+use crate::products::outputs::content::{Coordinates, FileContent};
 use crate::products::outputs::results::Results;
 use crate::support::presentation::colours::Rgb;
 use image::{ExtendedColorType, ImageEncoder as _, codecs::png::PngEncoder};

@@ -3,7 +3,7 @@
 use crate::bottom::bathymetry::CellSource;
 use crate::products::export::{self, BottomCell};
 use crate::products::outputs::OutputError;
-use crate::products::outputs::manifest::{Coordinates, FileContent};
+use crate::products::outputs::content::{Coordinates, FileContent};
 use crate::products::outputs::results::Results;
 use crate::support::presentation::colours::{depth_colour, depth_share};
 use std::path::Path;

@@ -4,7 +4,7 @@ use crate::bottom::bathymetry::isobaths::IsobathSettings;
 use crate::pipeline::Contours;
 use crate::products::export::{self, DrawnLines, ExportError, LabelledLine, Summary};
 use crate::products::outputs::OutputError;
-use crate::products::outputs::manifest::{Coordinates, FileContent};
+use crate::products::outputs::content::{Coordinates, FileContent};
 use crate::products::outputs::results::Results;
 use std::path::Path;
 

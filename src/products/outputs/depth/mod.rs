@@ -4,8 +4,24 @@
 pub mod body;
 pub mod cells;
 pub mod contours;
+pub mod map_tiles;
 pub mod rasters;
 pub mod tiles;
 
+use crate::bottom::bathymetry::Surface;
+use crate::pipeline::Products;
+
 /// The registry asks for a surface before it has one written.
-const NO_SURFACE: &str = "there is no depth map";
+pub(super) const NO_SURFACE: &str = "there is no depth map";
+
+/// What was and was not corrected, and how the cells were filled.
+fn applied(products: &Products, surface: &Surface) -> String {
+    let settings = &products.settings;
+    format!(
+        "{} By {} in cells of {} m, none farther than {} m from a depth.",
+        products.correction.statement(),
+        surface.method_in_words(),
+        surface.grid.cell_m,
+        settings.surface.max_gap_m
+    )
+}

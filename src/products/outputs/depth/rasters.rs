@@ -1,13 +1,14 @@
 //! The surface as rasters: metres as f32 on one grid, and their source, each with what was and was not corrected in its description, and beside each its
 //! colours for QGIS (`.qml`).
 
+use super::applied;
 use crate::bottom::bathymetry::isobaths::shoalest_m;
 use crate::bottom::bathymetry::{CellSource, Grid, Spread, Surface};
 use crate::formats::geotiff::{Band, Cells, RasterSpec};
-use crate::pipeline::{Plane, Products};
+use crate::pipeline::Plane;
 use crate::products::export::{Summary, metres_raster, qgis_classes, qgis_style, source_raster};
 use crate::products::outputs::OutputError;
-use crate::products::outputs::manifest::{Coordinates, FileContent};
+use crate::products::outputs::content::{Coordinates, FileContent};
 use crate::products::outputs::raster;
 use crate::products::outputs::results::Results;
 use crate::support::presentation::colours::{
@@ -170,16 +171,4 @@ fn summary(plane: &Plane<'_>, grid: &Grid, values: &[f32]) -> Summary {
         summary.reach(plane.map.in_crs(corner));
     }
     summary
-}
-
-/// What was and was not corrected, and how the cells were filled.
-pub(super) fn applied(products: &Products, surface: &Surface) -> String {
-    let settings = &products.settings;
-    format!(
-        "{} By {} in cells of {} m, none farther than {} m from a depth.",
-        products.correction.statement(),
-        surface.method_in_words(),
-        surface.grid.cell_m,
-        settings.surface.max_gap_m
-    )
 }

@@ -1,8 +1,9 @@
 //! Rows of files of a kind: the columns that they share.
 
-use super::{Described, OutputFile, When, Writer};
-use crate::products::outputs::Product;
-use crate::products::outputs::results::Need;
+use super::{Described, OutputFile, Writer};
+use crate::products::outputs::need::Need;
+use crate::products::outputs::order::When;
+use crate::products::outputs::product::Product;
 
 /// What no table of pings depends on.
 pub(super) const NOT_OF_POINTS: &[&str] = &["detector", "isobaths", "mosaic", "review", "surface"];

@@ -3,8 +3,9 @@
 use super::journal::is_plain;
 use super::{EARLIER_MANIFESTS, Fingerprint};
 use crate::products::export::remove_leftovers;
-use crate::products::outputs::overwrite::is_stem_of_output;
-use crate::products::outputs::registry::{file_part, row_of, row_of_beside};
+use crate::products::outputs::registry::{
+    OUTPUT_FILES, OutputFile, file_part, row_of, row_of_beside,
+};
 use crate::products::outputs::{MANIFEST, OutputError};
 use serde_json::Value;
 use std::fs;
@@ -22,6 +23,20 @@ pub(super) struct EarlierFiles {
     pub unchanged: Vec<String>,
     /// These are no longer what the run wrote.
     pub changed: Vec<String>,
+}
+
+/// Whether a run may write a file whose name, without its ending, is this one. What lies on top and holds data is of later versions than
+/// those that wrote all files there: `survey.gpkg` is no danger to `survey.sl2`.
+pub(in crate::products::outputs) fn is_stem_of_output(stem: &str) -> bool {
+    let is_new = |row: &&OutputFile| row.folder().is_empty() && row.described.is_some();
+    let rows = OUTPUT_FILES.iter().filter(|row| !is_new(row));
+    let stems = rows.map(OutputFile::stem);
+    let manifests = EARLIER_MANIFESTS
+        .iter()
+        .map(|name| name.trim_end_matches(".json"));
+    stems
+        .chain(manifests)
+        .any(|one| one.eq_ignore_ascii_case(stem))
 }
 
 /// The files that an earlier run wrote into a folder, as far as they `go`.

@@ -1,0 +1,115 @@
+//! The pictures of a depth map as tiles, which several files share.
+
+use super::applied;
+use crate::bottom::bathymetry::isobaths::{Isobath, IsobathSettings, clipped};
+use crate::pipeline::{DepthMap, Isobaths, Products};
+use crate::products::export::tile_sets::{TileSet, TileStore};
+use crate::products::map_tiles::{
+    LitSurface, MapScales, Pixels, TileSource, WebTile, ZoomRange, web_pixel,
+};
+use crate::products::outputs::OutputError;
+use crate::support::geo::{MapPlane, boxes_meet};
+use crate::support::progress::Progress;
+use crate::survey::Survey;
+use std::io;
+use std::path::Path;
+
+/// The tiles of a depth map, drawn once for all files of them.
+pub struct MapTiles {
+    pub(super) store: TileStore,
+    pub(super) set: TileSet,
+}
+
+impl MapTiles {
+    /// Draws all tiles of the depth map of a log, or of all; on the way their pictures take room in a folder.
+    ///
+    /// # Errors
+    /// When the folder cannot be written into, or the work was cancelled.
+    pub fn new(
+        depth_map: &DepthMap,
+        isobaths: &Isobaths,
+        (survey, products): (&Survey, &Products),
+        folder: &Path,
+        progress: &Progress,
+    ) -> Result<Self, OutputError> {
+        let settings = &products.settings.isobaths;
+        let source = RunTiles::new(
+            depth_map,
+            depth_map.shade(progress)?,
+            &isobaths.lines,
+            isobaths.levels_m.clone(),
+            settings,
+        );
+        let store = TileStore::draw(folder, &source, progress)?;
+        Ok(Self {
+            set: TileSet {
+                name: survey.name(),
+                description: format!("Depth in metres. {}", applied(products, &depth_map.surface)),
+                scales: source.scales,
+            },
+            store,
+        })
+    }
+}
+
+/// The depth map of a run.
+struct RunTiles<'a> {
+    lit: LitSurface<'a>,
+    map: &'a MapPlane,
+    scales: MapScales,
+    /// In pixels of the finest zoom.
+    lines: Vec<Isobath>,
+}
+
+impl<'a> RunTiles<'a> {
+    fn new(
+        depth_map: &'a DepthMap,
+        shade: &'a [u8],
+        lines: &[Isobath],
+        levels_m: Vec<f64>,
+        settings: &IsobathSettings,
+    ) -> Self {
+        let map = &depth_map.map;
+        let zooms = ZoomRange::of_map(depth_map.bounds_deg(), depth_map.surface.grid.cell_m);
+        let in_pixels = |line: &Isobath| Isobath {
+            points: (line.points.iter())
+                .map(|place| web_pixel(map.to_lon_lat(*place), zooms.finest))
+                .collect(),
+            ..*line
+        };
+        Self {
+            lit: LitSurface::new(&depth_map.surface, shade, &depth_map.light),
+            map,
+            scales: MapScales {
+                zooms,
+                range_m: depth_map.colour_range_m,
+                levels_m,
+                isobaths: settings.clone(),
+            },
+            lines: lines.iter().map(in_pixels).collect(),
+        }
+    }
+}
+
+impl TileSource for RunTiles<'_> {
+    fn scales(&self) -> &MapScales {
+        &self.scales
+    }
+
+    fn reaches(&self, tile: WebTile) -> bool {
+        boxes_meet(tile.bounds_deg(), self.scales.zooms.bounds_deg)
+    }
+
+    fn pixels(&self, tile: WebTile) -> io::Result<Option<Pixels>> {
+        Ok(Pixels::draw(tile, |at| self.lit.at(self.map.place(at))))
+    }
+
+    fn isobaths(&self, tile: WebTile) -> io::Result<Vec<Isobath>> {
+        let bounds = tile.pixel_bounds(self.scales.zooms.finest);
+        Ok(self
+            .lines
+            .iter()
+            .flat_map(|line| clipped(line, bounds))
+            .collect())
+    }
+}

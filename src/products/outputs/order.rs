@@ -1,0 +1,56 @@
+//! What is ordered of a run, and which of its files that asks for.
+
+use super::product::Product;
+use crate::bottom::bathymetry::compare::Matching;
+use crate::detection::Model;
+use crate::detection::objects::SurveyReview;
+use crate::pipeline::joint::RequestedCorrection;
+use crate::pipeline::{Derived, ProcessedLog, Reference};
+use std::sync::Arc;
+
+/// Who asks for a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum When {
+    /// Every run writes it.
+    Always,
+    /// It belongs to a group that is chosen.
+    Chosen(Product),
+    /// A run that compares with a reference writes it.
+    Compared,
+    /// A run that searches for objects writes it.
+    Searched,
+}
+
+/// What is to be written.
+pub struct Order<'a> {
+    /// The logs that the files are of, with what the pipeline made of them: one, or all of a survey, in the frame of the first.
+    pub logs: &'a [ProcessedLog],
+    /// What is made of all logs together, each once.
+    pub derived: &'a Derived,
+    /// What is written beside the tables of pings and points, `report.json` and the manifest.
+    pub requested: &'a [Product],
+    /// What the depths are compared with besides, and how a point finds its reference.
+    pub reference: Option<(&'a Arc<Reference>, Matching)>,
+    /// What searches for objects: they are written as `detections.*` and `chips`.
+    pub search: Option<&'a Model>,
+    /// Boxes of each log that were found before and decided about: the report shows them, before those of a search.
+    pub review: &'a SurveyReview,
+    /// What became of corrections of positions and heights that were asked for: the report says it.
+    pub corrections: &'a [RequestedCorrection],
+}
+
+impl Order<'_> {
+    /// Whether files that are written at such a time are to be written.
+    pub(super) fn asks_for(&self, when: When) -> bool {
+        match when {
+            When::Always => true,
+            When::Chosen(product) => self.requested.contains(&product),
+            When::Compared => self.reference.is_some(),
+            // Without side-scan there is nothing to search.
+            When::Searched => {
+                let mut surveys = self.logs.iter().map(|log| &log.survey);
+                self.search.is_some() && surveys.any(|survey| survey.has_side_scan())
+            }
+        }
+    }
+}

@@ -1,0 +1,31 @@
+//! A run while its files are written.
+
+use super::content::FileContent;
+use super::order::When;
+use super::registry::{OUTPUT_FILES, OutputFile, Writer};
+use super::results::Results;
+use super::run_folder::RunFolder;
+use crate::pipeline::{Fingerprint, Report};
+
+/// A run whose files are being written.
+pub(super) struct Run<'a> {
+    pub results: Results<'a>,
+    pub report: Report,
+    /// Made of the results so far.
+    pub made: Vec<(&'static OutputFile, FileContent)>,
+    /// What was made of the results, by its hashes.
+    pub hashed: Vec<Fingerprint>,
+    pub folder: &'a RunFolder,
+}
+
+impl Run<'_> {
+    /// What is in the folder in the end beside the page, as the page lists it: folders last.
+    pub fn listed(&self) -> impl Iterator<Item = &'static OutputFile> {
+        let of_run =
+            |row: &&OutputFile| row.when == When::Always && matches!(row.writer, Writer::Run(_));
+        let (folders, files): (Vec<_>, Vec<_>) =
+            (self.made.iter().map(|(row, _)| *row)).partition(|row| !row.file_name().contains('.'));
+        let of_run = OUTPUT_FILES.iter().filter(of_run);
+        files.into_iter().chain(of_run).chain(folders)
+    }
+}
