@@ -1,27 +1,25 @@
 //! Writing the rows of a log into an archive.
 
-use super::echo_rows::{ECHOES, EchoesByTile};
+use super::echo_rows::EchoesByTile;
 use super::error::ArchiveError;
+use super::folders::{ECHOES, KINDS, LOGS, PINGS, POINTS, make_folder, names_in, write_json};
 use super::log_mosaic::LogMosaic;
-use super::log_record::{LOGS, LogRecord, TileRows};
-use super::ping_rows::{self, PINGS, PingsByTile};
-use super::point_rows::{self, POINTS};
-use super::record::{Archive, KINDS, names_in, write_json};
+use super::log_record::{LogRecord, TileRows};
+use super::log_rows::{LogRows, track};
+use super::ping_rows::{self, PingsByTile};
+use super::point_rows;
+use super::record::Archive;
 use super::spread::{self, Row, RowsByTile};
 use super::tile::TileId;
 use crate::bottom::bathymetry::SwathDepth;
-use crate::bottom::bathymetry::crosslines::{TrackDepth, velocity_mps};
-use crate::bottom::cloud::{CloudPoint, PointClass};
 use crate::formats::parquet_table::{Column, Values, geo_key, write_parquet};
-use crate::pipeline::{self, Fingerprint, LogFiles, ProcessedLog, Products, Settings};
+use crate::pipeline::{self, Fingerprint, LogFiles, ProcessedLog, Settings};
 use crate::products::export::write_atomically;
-use crate::support::geo::{LonLat, UtmZone};
 use crate::support::progress::Progress;
-use crate::survey::{PingNav, Survey};
+use crate::survey::Survey;
 use serde_json::json;
 use std::collections::BTreeSet;
 use std::fs;
-use std::path::Path;
 use std::sync::Arc;
 
 /// What became of a log.
@@ -33,145 +31,6 @@ pub enum Added {
     UpToDate(LogRecord),
     /// The same bytes were added before under another name.
     Twice,
-}
-
-/// A log whose rows are written.
-pub(super) struct LogRows<'a> {
-    pub survey: &'a Survey,
-    pub products: &'a Products,
-    pub sha256: &'a str,
-    /// The boat's place in the log's plane by time, of every sounding or, in a log without any, of every ping; no two at one time.
-    pub track: &'a [TrackDepth],
-}
-
-/// What [`LogRows::track`] is; depths do not count.
-fn track(survey: &Survey, products: &Products) -> Vec<TrackDepth> {
-    let navigation = &products.navigation;
-    let of_soundings = survey.soundings.iter().map(|one| one.time_s);
-    let of_pings = survey.side_scan.iter().map(|one| one.time_s);
-    let fixes: Vec<(f64, &PingNav)> = match survey.soundings.is_empty() {
-        false => of_soundings.zip(navigation.soundings.iter()).collect(),
-        true => of_pings.zip(navigation.pings.iter()).collect(),
-    };
-    let depth = |(time_s, fix): (f64, &PingNav)| TrackDepth {
-        time_s,
-        east_m: fix.east_m,
-        north_m: fix.north_m,
-        depth_m: 0.0,
-    };
-    let mut track: Vec<TrackDepth> = (fixes.into_iter().map(depth))
-        .filter(|one| (one.time_s + one.east_m + one.north_m).is_finite())
-        .collect();
-    track.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
-    track.dedup_by(|a, b| a.time_s == b.time_s);
-    track
-}
-
-impl LogRows<'_> {
-    /// A point of the cloud and its class.
-    pub fn point(&self, index: usize) -> (&CloudPoint, PointClass) {
-        (
-            &self.products.cloud.points[index],
-            self.products.classes[index],
-        )
-    }
-
-    /// What a point counts for maps.
-    pub fn weight(&self, point: &CloudPoint, class: PointClass) -> f64 {
-        match class.is_kept() {
-            true => self.products.settings.surface.weight(point),
-            false => 0.0,
-        }
-    }
-
-    /// Seconds after the log's time zero.
-    pub fn time_of(&self, point: &CloudPoint) -> f64 {
-        let sounding = point
-            .sounding
-            .and_then(|one| self.survey.soundings.get(one.get()));
-        let ping = || {
-            self.survey
-                .side_scan
-                .get(point.ping as usize)
-                .map(|ping| ping.time_s)
-        };
-        let time_s = sounding.map(|one| one.time_s).or_else(ping);
-        time_s.unwrap_or(f64::NAN)
-    }
-
-    /// Microseconds since 1970 of a time of the log.
-    pub fn unix_us(&self, time_s: f64) -> Option<i64> {
-        let unix_us = 1e6 * (self.survey.start_unix_s? + time_s);
-        unix_us.is_finite().then_some(unix_us.round() as i64)
-    }
-
-    /// Unix seconds of the first and the last of some rows of points and pings; empty where the recorder did not know the time.
-    fn span_unix_s(&self, points: Option<&Vec<Row>>, pings: Option<&Vec<Row>>) -> Vec<f64> {
-        let Some(start_unix_s) = self.survey.start_unix_s else {
-            return Vec::new();
-        };
-        let of_points = points
-            .into_iter()
-            .flatten()
-            .map(|row| self.time_of(self.point(row.index).0));
-        let of_pings = pings
-            .into_iter()
-            .flatten()
-            .map(|row| self.survey.side_scan[row.index].time_s);
-        let span = of_points
-            .chain(of_pings)
-            .filter(|time_s| time_s.is_finite())
-            .fold(None, |span, time_s| {
-                let [from_s, to_s]: [f64; 2] = span.unwrap_or([time_s; 2]);
-                Some([from_s.min(time_s), to_s.max(time_s)])
-            });
-        span.map_or(Vec::new(), |span| {
-            span.map(|time_s| start_unix_s + time_s).to_vec()
-        })
-    }
-
-    /// What the rows of points and of pings end with: whether they lie in the halo, when they were recorded (`times_s`, seconds after the
-    /// log's time zero), and of which log they are.
-    pub fn common_columns(&self, rows: &[Row], times_s: Vec<f64>) -> [Column; 5] {
-        let halo = rows.iter().map(|row| !row.is_core).collect();
-        let unix_us = times_s.iter().map(|time_s| self.unix_us(*time_s)).collect();
-        [
-            Column::new("halo", Values::Flag(halo)),
-            Column::new("time", Values::Time(unix_us)),
-            Column::new("time_s", Values::Double(times_s)),
-            Column::new("log", Values::Same(self.sha256.to_owned(), rows.len())),
-            Column::new("name", Values::Same(self.survey.name(), rows.len())),
-        ]
-    }
-
-    /// Velocity of the boat at a time of the log, metres a second along the axes of a zone; zero where it is not known.
-    pub fn velocity_mps(&self, time_s: f64, zone: UtmZone) -> [f64; 2] {
-        let after = self.track.partition_point(|one| one.time_s < time_s);
-        let Some(here) = self
-            .track
-            .get(after.min(self.track.len().saturating_sub(1)))
-        else {
-            return [0.0; 2];
-        };
-        let index = after.min(self.track.len() - 1);
-        let [east, north] = velocity_mps(self.track, index);
-        let place = |seconds: f64| {
-            let at = [here.east_m + seconds * east, here.north_m + seconds * north];
-            zone.to_metres(self.position(at[0], at[1]))
-        };
-        let ([from_x, from_y], [to_x, to_y]) = (place(0.0), place(1.0));
-        let velocity = [to_x - from_x, to_y - from_y];
-        match velocity.iter().all(|value| value.is_finite()) {
-            true => velocity,
-            false => [0.0; 2],
-        }
-    }
-
-    /// Where a place of the log's plane lies.
-    pub fn position(&self, east_m: f64, north_m: f64) -> LonLat {
-        let navigation = &self.products.navigation;
-        navigation.to_lon_lat(&self.survey.track, east_m, north_m)
-    }
 }
 
 /// Writes the points and pings of a log and its parts of the mosaic into an archive, unless they are there. The rows of a version of it that was made otherwise go.
@@ -386,11 +245,6 @@ fn fingerprint(archive: &Archive, name: &str) -> Result<Fingerprint, ArchiveErro
             archive.folder().join(name).display()
         )
     })?)
-}
-
-pub(super) fn make_folder(folder: &Path) -> Result<(), ArchiveError> {
-    Ok(fs::create_dir_all(folder)
-        .map_err(|error| format!("cannot make the folder: {error}: {}", folder.display()))?)
 }
 
 /// Removes rows of the log in tiles where it has none any more.

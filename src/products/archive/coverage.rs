@@ -2,10 +2,11 @@
 
 use super::area::Area;
 use super::error::ArchiveError;
+use super::folders::PINGS;
 use super::footprint::{CoveredSamples, Footprint};
 use super::log_record::LogRecord;
 use super::offsets::Offsets;
-use super::ping_rows::{self, PINGS, PingRow};
+use super::ping_rows::{self, PingRow};
 use super::positions::moved;
 use super::record::{Archive, MOST_MOVED_M};
 use super::tile::TileId;

@@ -1,9 +1,9 @@
 //! The echoes of a log, a row each side-scan ping with a place: `echoes/tile=.../SHA256.parquet`, in archives whose depths come from echo levels.
 //! They have all that the correction reads of the log, so that a tile needs no log.
 
-use super::add::LogRows;
 use super::error::ArchiveError;
 use super::log_record::LogRecord;
+use super::log_rows::LogRows;
 use super::offsets::Offsets;
 use super::positions::moved;
 use super::spread::{self, Row, RowsByTile};
@@ -17,9 +17,6 @@ use crate::support::geo::{LonLat, UtmZone};
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::Side;
 use std::path::Path;
-
-/// The subfolder of the rows.
-pub(super) const ECHOES: &str = "echoes";
 
 /// The echoes of a whole log, laid out by tile.
 pub(super) struct EchoesByTile<'a> {

@@ -2,17 +2,17 @@
 //! It is made of the records of tiles and logs alone, so that the same maps have the same index. A tile that no recorder knew the time of is in the
 //! VRT only.
 
-use super::add::make_folder;
 use super::error::ArchiveError;
+use super::folders::{make_folder, names_in, write_json};
 use super::log_record::LogRecord;
-use super::record::{Archive, names_in, write_json};
-use super::tile::{TILE_M, TileId};
+use super::record::Archive;
+use super::tile::{TILE_M, TileId, ring, tile_bounds_deg};
 use super::tile_files::{DEPTH, ISOBATHS, MOSAIC_FILE, SOURCE, TILES, TileRecord, UNCERTAINTY};
 use crate::bottom::bathymetry::CellSource;
 use crate::formats::geotiff::NODATA;
 use crate::products::export::{qgis_classes, qgis_style, write_atomically};
 use crate::support::calendar;
-use crate::support::geo::{Crs, LonLat, UtmZone, bounds_deg};
+use crate::support::geo::{Crs, UtmZone};
 use crate::support::presentation::colours::{depth_colour, uncertainty_colour};
 use crate::support::printable::xml;
 use serde_json::{Map, Value, json};
@@ -220,32 +220,6 @@ fn vrt(zone: UtmZone, tiles: &[TileId], layer: &Layer) -> String {
 /// Longitudes and latitudes of the corners of a tile, counter-clockwise from the south-west, the first again at the end.
 fn corners(tile: TileId) -> [[f64; 2]; 5] {
     ring(tile.zone, tile.bounds_m())
-}
-
-/// The corners of a box of a zone (west, south, east and north), longitude and latitude in degrees, closed.
-fn ring(zone: UtmZone, [west, south, east, north]: [f64; 4]) -> [[f64; 2]; 5] {
-    [
-        [west, south],
-        [east, south],
-        [east, north],
-        [west, north],
-        [west, south],
-    ]
-    .map(|place| {
-        let at = zone.to_lon_lat(place);
-        [at.lon_deg, at.lat_deg].map(|degrees| (degrees * 1e8).round() / 1e8)
-    })
-}
-
-/// West, south, east and north of some tiles, degrees.
-pub(super) fn tile_bounds_deg(tiles: &[TileId]) -> [f64; 4] {
-    zone_bounds_deg(tiles.iter().map(|tile| (tile.zone, tile.bounds_m())))
-}
-
-/// West, south, east and north of some boxes of zones, degrees.
-pub(super) fn zone_bounds_deg(boxes: impl Iterator<Item = (UtmZone, [f64; 4])>) -> [f64; 4] {
-    let all = boxes.flat_map(|(zone, bounds_m)| ring(zone, bounds_m));
-    bounds_deg(all.map(|[lon_deg, lat_deg]| LonLat { lon_deg, lat_deg }))
 }
 
 /// An item of STAC 1.1, which must have a time: that of a map is from the first to the last row that it was made from.

@@ -1,11 +1,12 @@
 //! How much brighter or darker the echoes of each log are than those of the others, from what their parts of the mosaic show of the same ground.
 
-use super::adjust::solve;
 use super::error::ArchiveError;
-use super::log_mosaic::{MOSAIC, in_words, open_part};
+use super::folders::MOSAIC;
+use super::log_mosaic::{in_words, open_part};
 use super::log_record::LogRecord;
-use super::offsets::Offsets;
+use super::offsets::{LevelFactor, Offsets};
 use super::record::Archive;
+use super::solve::solve;
 use super::tile::TileId;
 use crate::bottom::bathymetry::Grid;
 use crate::bottom::bathymetry::height_offsets::LogOverlap;
@@ -14,23 +15,6 @@ use crate::imagery::mosaic::{Gain, LEVEL_CELL_M, level_differences, level_factor
 use crate::support::progress::Progress;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-
-/// What the levels of a log are multiplied by.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct LevelFactor {
-    /// To a thousandth; 1 of a log that shows no ground with others.
-    pub factor: f64,
-    /// Blocks of ground that it showed with others when the factor was found; once there are any it stays.
-    pub ties: usize,
-}
-
-impl LevelFactor {
-    /// Of a log that nothing is known of.
-    pub const NONE: Self = Self {
-        factor: 1.0,
-        ties: 0,
-    };
-}
 
 /// The factors of all logs. Logs that are known keep theirs, and new ones are brought to these, so that a log that is added makes no mosaic
 /// stale but those of its own tiles. Levels that are shown as recorded stay as they are.

@@ -1,7 +1,8 @@
 //! The depths of a tile with those from echo levels: they depend on what lies around the tile, in its eight neighbours.
 
-use super::echo_rows::{ECHOES, StoredEchoes};
+use super::echo_rows::StoredEchoes;
 use super::error::ArchiveError;
+use super::folders::ECHOES;
 use super::log_record::LogRecord;
 use super::offsets::Offsets;
 use super::reach::{beside, tiles_read};

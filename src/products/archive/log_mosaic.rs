@@ -1,8 +1,8 @@
 //! A log's part of the mosaic, a picture of every tile that its echoes lie in: `mosaic/tile=.../SHA256.tif`, and, where `mosaic.overlap` weighs
 //! echoes, `mosaic_weights/tile=.../SHA256.tif`. All logs have the same cells, so that their parts join without being drawn anew.
 
-use super::add::make_folder;
 use super::error::ArchiveError;
+use super::folders::{MOSAIC, WEIGHTS, make_folder};
 use super::record::Archive;
 use super::tile::TileId;
 use crate::bottom::bathymetry::Grid;
@@ -19,11 +19,6 @@ use crate::support::progress::{Cancelled, Progress};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
-
-/// The subfolder of the levels.
-pub(super) const MOSAIC: &str = "mosaic";
-/// The subfolder of what the levels count.
-pub(super) const WEIGHTS: &str = "mosaic_weights";
 
 const _: () = assert!(TILE_CELLS == RASTER_TILE, "a tile is drawn as it is stored");
 

@@ -1,11 +1,11 @@
 //! Where the tracks of the logs of an archive cross or overlap, tile by tile.
 
 use super::error::ArchiveError;
+use super::folders::{PINGS, POINTS};
 use super::log_record::LogRecord;
-use super::ping_rows::{self, PINGS};
-use super::point_rows::{self, POINTS};
 use super::record::Archive;
 use super::tile::TileId;
+use super::{ping_rows, point_rows};
 use crate::bottom::bathymetry::crosslines::TrackDepth;
 use crate::bottom::bathymetry::height_offsets::{
     FEW_CROSSINGS, LogOverlap, crossing_overlaps, overlaps,

@@ -1,8 +1,7 @@
 //! What is known of one log of an archive: `logs/SHA256.json`, written when all of its rows are in place.
 
 use super::error::ArchiveError;
-use super::record::AREA;
-use super::record::LONGEST_RECORD;
+use super::folders::LONGEST_RECORD;
 use super::tile::TileId;
 use crate::bottom::swath::LearntLevels;
 use crate::pipeline::{
@@ -15,8 +14,8 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
 use std::path::Path;
 
-/// The folder of the records.
-pub(super) const LOGS: &str = "logs";
+/// The setting whose file the archive keeps a copy of.
+pub(super) const AREA: &str = "isobaths.clip";
 
 /// A log of an archive.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,9 +1,8 @@
 //! Parts of the map of the web that were drawn before: `map_parts/ZOOM_X_Y_HASH.parquet`. What a part was drawn from is in the hash of its name, so
 //! that a file is used exactly where the same would be drawn again.
 
-use super::add::make_folder;
 use super::error::ArchiveError;
-use super::record::names_in;
+use super::folders::{make_folder, names_in};
 use super::tile::TileId;
 use crate::bottom::bathymetry::isobaths::{Isobath, IsobathSettings};
 use crate::formats::parquet_table::{Column, Values, read_parquet, write_parquet};

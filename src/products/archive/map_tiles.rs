@@ -1,13 +1,12 @@
 //! The maps of all tiles of an archive as one map of the web: `map_tiles/depth.mbtiles`, `depth.pmtiles`, `depth_values.pmtiles`, `index.html` and, last,
 //! `map_tiles.json`, which says what they were made from. Parts of the map over tiles that are as they were are not drawn again.
 
-use super::add::make_folder;
 use super::error::ArchiveError;
-use super::index::zone_bounds_deg;
+use super::folders::{LONGEST_RECORD, make_folder, write_json};
 use super::map_parts::{DrawnWith, MapParts, remove_parts};
 use super::reach::beside;
-use super::record::{Archive, LONGEST_RECORD, write_json};
-use super::tile::TileId;
+use super::record::Archive;
+use super::tile::{TileId, zone_bounds_deg};
 use super::tile_content::TileContents;
 use super::tile_files::{DEPTH, DEPTH_FILES, TileRecord, remove};
 use super::tile_map::isobath_settings;

@@ -2,7 +2,6 @@
 //! read, edit and pin.
 
 use super::error::ArchiveError;
-use super::level_factors::LevelFactor;
 use super::log_record::LogRecord;
 use super::record::Archive;
 use crate::bottom::bathymetry::position_offsets::Shift;
@@ -65,6 +64,23 @@ pub struct OffsetRow {
     pub latency_error_s: f64,
     /// What the levels of its echoes are multiplied by in mosaics.
     pub(super) level: LevelFactor,
+}
+
+/// What the levels of a log are multiplied by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct LevelFactor {
+    /// To a thousandth; 1 of a log that shows no ground with others.
+    pub factor: f64,
+    /// Blocks of ground that it showed with others when the factor was found; once there are any it stays.
+    pub ties: usize,
+}
+
+impl LevelFactor {
+    /// Of a log that nothing is known of.
+    pub const NONE: Self = Self {
+        factor: 1.0,
+        ties: 0,
+    };
 }
 
 /// A shift within the limits of the table, as the table writes it.

@@ -1,9 +1,9 @@
 //! The side-scan pings of a log, a row each in every tile whose ground they saw: `pings/tile=.../SHA256.parquet`. They answer
 //! which ping, side and sample saw a place, without the log.
 
-use super::add::LogRows;
 use super::error::ArchiveError;
 use super::footprint::{Footprint, SideRange};
+use super::log_rows::LogRows;
 use super::spread::{self, Row, RowsByTile};
 use super::tile::TileId;
 use crate::formats::parquet_table::{Column, ParquetError, ParquetFault, Values, read_parquet};
@@ -13,8 +13,6 @@ use crate::survey::{Side, SideSpan};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// The subfolder of the rows.
-pub(super) const PINGS: &str = "pings";
 /// Length over which the direction across the track is taken in the zone, metres.
 const PROBE_M: f64 = 20.0;
 /// Half of the ground of a ping that no other is near, metres.

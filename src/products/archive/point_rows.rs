@@ -1,15 +1,12 @@
 //! The points of a log, a row each: `points/tile=.../SHA256.parquet`.
 
-use super::add::LogRows;
 use super::error::ArchiveError;
+use super::log_rows::LogRows;
 use super::spread::{self, Row};
 use crate::bottom::bathymetry::DepthPoint;
 use crate::bottom::cloud::{CloudPoint, PointClass, PointSource};
 use crate::formats::parquet_table::{Column, ParquetError, ParquetFault, Values, read_parquet};
 use std::path::Path;
-
-/// The subfolder of the rows.
-pub(super) const POINTS: &str = "points";
 
 /// Columns of the rows of points in a tile.
 pub(super) fn columns(log: &LogRows<'_>, rows: &[Row]) -> Vec<Column> {

@@ -1,11 +1,8 @@
 //! What all logs of an archive share: `lake.json`.
 
-use super::echo_rows::ECHOES;
 use super::error::ArchiveError;
-use super::log_mosaic::{MOSAIC, WEIGHTS};
-use super::log_record::{LOGS, LogRecord};
-use super::ping_rows::PINGS;
-use super::point_rows::POINTS;
+use super::folders::{KINDS, LOGS, LONGEST_RECORD, names_in, write_json};
+use super::log_record::{AREA, LogRecord};
 use super::reach;
 use super::tile::{TILE_M, TileId};
 use crate::bottom::bathymetry::{Grid, LOCAL_MARGIN_CELLS, local_reach_m};
@@ -26,11 +23,8 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// The record's name. Its old word stays: archives that exist are opened by it, also by older versions of the program.
 const RECORD: &str = "lake.json";
-/// The setting whose file the archive keeps a copy of, and what this is called before its ending.
-pub(super) const AREA: &str = "isobaths.clip";
+/// What the copy of the area of the isobaths is called before its ending.
 const AREA_STEM: &str = "isobath_area";
-/// Longer than any record.
-pub(super) const LONGEST_RECORD: u64 = 1 << 26;
 /// How rows are laid out: another number is another archive.
 const FORMAT: u32 = 4;
 /// Side of a cell where the settings name none, metres.
@@ -47,14 +41,6 @@ pub(super) const MOST_MOVED_M: f64 = 12.0;
 const REGARDLESS_OF: [&str; 5] = ["crs", "detector", "picture", "points", "report"];
 /// Another one: mosaics of tiles are levels, which map programs colour.
 const COLOURS: &str = "mosaic.colours";
-/// The folders of what logs give to tiles, with the endings of their files.
-pub(super) const KINDS: [(&str, &str); 5] = [
-    (POINTS, "parquet"),
-    (PINGS, "parquet"),
-    (ECHOES, "parquet"),
-    (MOSAIC, "tif"),
-    (WEIGHTS, "tif"),
-];
 
 /// What all logs of an archive share.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -404,20 +390,6 @@ impl Archive {
     }
 }
 
-/// The names in a folder; none where there is no folder.
-pub(super) fn names_in(folder: &Path) -> Result<Vec<String>, ArchiveError> {
-    if !folder.exists() {
-        return Ok(Vec::new());
-    }
-    let fail = |error| format!("cannot read the folder: {error}: {}", folder.display());
-    let entries = fs::read_dir(folder).map_err(fail)?;
-    let names = entries.map(|entry| {
-        let name = entry.map_err(fail)?.file_name();
-        Ok(name.to_string_lossy().into_owned())
-    });
-    names.collect()
-}
-
 /// A folder of a run, or of anything else, is not mixed with an archive; another job may have made the archive at this moment.
 fn refuse_other_content(folder: &Path) -> Result<(), ArchiveError> {
     let names = names_in(folder)?;
@@ -429,14 +401,4 @@ fn refuse_other_content(folder: &Path) -> Result<(), ArchiveError> {
             folder.display()
         ))),
     }
-}
-
-/// Writes a value as JSON, aside and then renamed.
-pub(super) fn write_json(path: &Path, value: &impl Serialize) -> Result<(), ArchiveError> {
-    let text = serde_json::to_string_pretty(value)
-        .map_err(|error| format!("cannot write the record: {error}: {}", path.display()))?;
-    Ok(write_atomically(path, |mut file| {
-        file.write_all(text.as_bytes())?;
-        file.write_all(b"\n")
-    })?)
 }

@@ -2,7 +2,7 @@
 
 use crate::bottom::bathymetry::Grid;
 use crate::formats::geotiff::{Cells, RasterSpec};
-use crate::support::geo::{Crs, UtmZone};
+use crate::support::geo::{Crs, LonLat, UtmZone, bounds_deg};
 use std::fmt;
 use std::str::FromStr;
 
@@ -138,6 +138,32 @@ impl FromStr for TileId {
         };
         parsed().ok_or_else(|| NoTile(text.to_owned()))
     }
+}
+
+/// The corners of a box of a zone (west, south, east and north), longitude and latitude in degrees, closed.
+pub(super) fn ring(zone: UtmZone, [west, south, east, north]: [f64; 4]) -> [[f64; 2]; 5] {
+    [
+        [west, south],
+        [east, south],
+        [east, north],
+        [west, north],
+        [west, south],
+    ]
+    .map(|place| {
+        let at = zone.to_lon_lat(place);
+        [at.lon_deg, at.lat_deg].map(|degrees| (degrees * 1e8).round() / 1e8)
+    })
+}
+
+/// West, south, east and north of some tiles, degrees.
+pub(super) fn tile_bounds_deg(tiles: &[TileId]) -> [f64; 4] {
+    zone_bounds_deg(tiles.iter().map(|tile| (tile.zone, tile.bounds_m())))
+}
+
+/// West, south, east and north of some boxes of zones, degrees.
+pub(super) fn zone_bounds_deg(boxes: impl Iterator<Item = (UtmZone, [f64; 4])>) -> [f64; 4] {
+    let all = boxes.flat_map(|(zone, bounds_m)| ring(zone, bounds_m));
+    bounds_deg(all.map(|[lon_deg, lat_deg]| LonLat { lon_deg, lat_deg }))
 }
 
 #[cfg(test)]

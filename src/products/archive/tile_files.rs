@@ -1,15 +1,14 @@
 //! The files of a tile: `tiles/NAME/depth.tif`, `uncertainty.tif`, `source.tif`, `isobaths.geojson`, `mosaic.tif` and, last, `tile.json`, which
 //! says what they were made from.
 
-use super::add::make_folder;
-use super::echo_rows::ECHOES;
 use super::error::ArchiveError;
-use super::log_mosaic::{MOSAIC, WEIGHTS};
+use super::folders::{
+    ECHOES, LONGEST_RECORD, MOSAIC, POINTS, WEIGHTS, make_folder, names_in, write_json,
+};
 use super::log_record::LogRecord;
 use super::offsets::Offsets;
-use super::point_rows::POINTS;
 use super::reach::tiles_read;
-use super::record::{Archive, ArchiveRecord, LONGEST_RECORD, names_in, write_json};
+use super::record::{Archive, ArchiveRecord};
 use super::tile::TileId;
 use super::tile_map::{TileMap, tile_map};
 use super::tile_mosaic::{logs_in_order, write_mosaic};

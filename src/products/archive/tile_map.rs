@@ -1,12 +1,11 @@
 //! The depth map of a tile, from the rows of all logs in it.
 
 use super::error::ArchiveError;
-use super::index::tile_bounds_deg;
 use super::levels_map::surface_from_levels;
 use super::log_record::LogRecord;
 use super::offsets::Offsets;
 use super::record::Archive;
-use super::tile::TileId;
+use super::tile::{TileId, tile_bounds_deg};
 use super::tile_points::depth_points;
 use crate::bottom::bathymetry::isobaths::{
     Isobath, IsobathSettings, clipped, isobaths, smoothed, with_shoalest,

@@ -1,7 +1,8 @@
 //! The mosaic of a tile, from the parts of all logs in it.
 
 use super::error::ArchiveError;
-use super::log_mosaic::{MOSAIC, WEIGHTS, in_words, levels_spec, open_part};
+use super::folders::{MOSAIC, WEIGHTS};
+use super::log_mosaic::{in_words, levels_spec, open_part};
 use super::log_record::LogRecord;
 use super::offsets::Offsets;
 use super::record::Archive;

@@ -1,9 +1,10 @@
 //! The depths that the map of a tile is made of, each log at its height and its corrected positions.
 
 use super::error::ArchiveError;
+use super::folders::POINTS;
 use super::log_record::LogRecord;
 use super::offsets::Offsets;
-use super::point_rows::{self, POINTS, PointRow};
+use super::point_rows::{self, PointRow};
 use super::positions::moved;
 use super::record::Archive;
 use super::tile::TileId;

@@ -1,0 +1,61 @@
+//! The folders and files of an archive, by name.
+
+use super::error::ArchiveError;
+use crate::products::export::write_atomically;
+use serde::Serialize;
+use std::fs;
+use std::io::Write as _;
+use std::path::Path;
+
+/// The subfolder of the rows.
+pub(super) const POINTS: &str = "points";
+/// The subfolder of the rows.
+pub(super) const PINGS: &str = "pings";
+/// The subfolder of the rows.
+pub(super) const ECHOES: &str = "echoes";
+/// The subfolder of the levels.
+pub(super) const MOSAIC: &str = "mosaic";
+/// The subfolder of what the levels count.
+pub(super) const WEIGHTS: &str = "mosaic_weights";
+/// The folder of the records.
+pub(super) const LOGS: &str = "logs";
+/// The folders of what logs give to tiles, with the endings of their files.
+pub(super) const KINDS: [(&str, &str); 5] = [
+    (POINTS, "parquet"),
+    (PINGS, "parquet"),
+    (ECHOES, "parquet"),
+    (MOSAIC, "tif"),
+    (WEIGHTS, "tif"),
+];
+/// Longer than any record.
+pub(super) const LONGEST_RECORD: u64 = 1 << 26;
+
+/// Makes a folder, with those that it lies in.
+pub(super) fn make_folder(folder: &Path) -> Result<(), ArchiveError> {
+    Ok(fs::create_dir_all(folder)
+        .map_err(|error| format!("cannot make the folder: {error}: {}", folder.display()))?)
+}
+
+/// The names in a folder; none where there is no folder.
+pub(super) fn names_in(folder: &Path) -> Result<Vec<String>, ArchiveError> {
+    if !folder.exists() {
+        return Ok(Vec::new());
+    }
+    let fail = |error| format!("cannot read the folder: {error}: {}", folder.display());
+    let entries = fs::read_dir(folder).map_err(fail)?;
+    let names = entries.map(|entry| {
+        let name = entry.map_err(fail)?.file_name();
+        Ok(name.to_string_lossy().into_owned())
+    });
+    names.collect()
+}
+
+/// Writes a value as JSON, aside and then renamed.
+pub(super) fn write_json(path: &Path, value: &impl Serialize) -> Result<(), ArchiveError> {
+    let text = serde_json::to_string_pretty(value)
+        .map_err(|error| format!("cannot write the record: {error}: {}", path.display()))?;
+    Ok(write_atomically(path, |mut file| {
+        file.write_all(text.as_bytes())?;
+        file.write_all(b"\n")
+    })?)
+}
