@@ -1,6 +1,6 @@
 //! What bare keys change is never silent: it is said, with undo. A slip of the hand, or a text typed into no field, is seen at once.
 
-use super::reviewing::{LogStep, Step};
+use super::step::{LogStep, Step};
 use super::{Action, App, Command, KeyFocus, LogBox, MapLayer, View};
 use crate::detection::review::BoxId;
 use crate::pipeline::{SettingValues, setting_values};

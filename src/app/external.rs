@@ -4,7 +4,7 @@
 //! leaves everything as it was.
 
 use super::error::AppError;
-use super::{App, OpenLog, Outcome, Task};
+use super::{App, Outcome, Task};
 use crate::bottom::cloud::Correction;
 use crate::bottom::cloud::correction::WaterLevelSettings;
 use crate::formats::{TrackError, TrackFile, read_gauge};
@@ -215,16 +215,14 @@ impl App {
         if !std::mem::take(&mut self.document.is_plane_moved) || self.log_count() < 2 {
             return;
         }
-        let placed = |log: &&OpenLog| log.survey.as_ref().is_some_and(|one| one.has_place());
-        let on_earth = |log: &&OpenLog| {
-            let survey = log.survey.as_ref();
-            survey.is_some_and(|survey| {
-                survey.track.projected.is_none() || system_of(survey).is_some()
-            })
-        };
-        let visible = || self.visible_logs().filter(placed);
-        let first = visible().find(on_earth).or_else(|| visible().next());
-        let first = first.or_else(|| self.logs().find(placed));
+        let is_placed =
+            |survey: &Option<Arc<Survey>>| survey.as_ref().is_some_and(|survey| survey.has_place());
+        let on_earth =
+            |survey: &Arc<Survey>| survey.track.projected.is_none() || system_of(survey).is_some();
+        let visible = || self.visible_logs().filter(|log| is_placed(&log.survey));
+        let first = visible().find(|log| log.survey.as_ref().is_some_and(on_earth));
+        let first = first.or_else(|| visible().next());
+        let first = first.or_else(|| self.logs().find(|log| is_placed(&log.survey)));
         let fix = first.and_then(|log| log.survey.as_ref()?.track.fixes.first());
         let Some(fix) = fix else {
             return;

@@ -1,7 +1,7 @@
 //! The history of what an analyst changes: what each step is called, and going to any of them.
 
 use super::project::{keep_figure, kept_figure};
-use super::reviewing::{LogStep, Step};
+use super::step::{LogStep, Step};
 use super::{Action, App, LogId};
 use crate::pipeline::settings::{Kind, Number, row};
 use crate::pipeline::{Settings, setting_values};

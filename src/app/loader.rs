@@ -11,6 +11,9 @@ use crate::survey::{Identity, Survey};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+/// The bundled demo survey.
+const DEMO: &[u8] = include_bytes!("../../assets/demo.sl2");
+
 /// What is opened.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Origin {
@@ -36,9 +39,7 @@ impl Origin {
     pub fn open(&self, progress: &Progress) -> Result<Survey, formats::OpenError> {
         match self {
             Origin::Path(path) => formats::open(path, progress),
-            Origin::Demo => {
-                formats::open_bytes("demo.sl2", crate::app::state::DEMO.to_vec(), progress)
-            }
+            Origin::Demo => formats::open_bytes("demo.sl2", DEMO.to_vec(), progress),
         }
     }
 }

@@ -1,7 +1,9 @@
 //! What the analyst draws to measure: a line, an area or the line of a depth profile on the map and in the waterfall, and the height
 //! of what casts a shadow in the waterfall.
 
-use super::reviewing::{Step, Tool};
+use super::drawn_figure::Figure;
+use super::reviewing::Tool;
+use super::step::Step;
 use super::{App, OpenLog, ProfileLine};
 use crate::bottom::bathymetry::Station;
 use crate::detection::MeasuredShadow;
@@ -19,15 +21,6 @@ use std::sync::Arc;
 const NO_BOX: &str = "no height is measured on a box: measure a shadow (H) on the pings of a box, and select that box";
 const NO_PLACE: &str =
     "nothing can be measured here: the track or the results of the log are missing";
-
-/// What is drawn.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Figure {
-    /// What it measures, and between which corners.
-    pub measurement: Measurement,
-    /// The next corner begins another figure.
-    pub done: bool,
-}
 
 /// A request about the figure.
 #[derive(Clone, Debug, PartialEq)]

@@ -16,6 +16,7 @@ mod clip_box;
 mod command;
 mod comparing;
 mod deriving;
+mod drawn_figure;
 mod error;
 mod exclusions;
 mod exporting;
@@ -32,6 +33,7 @@ mod logs;
 mod logs_task;
 pub mod manual;
 mod map_layers;
+mod mark;
 mod measuring;
 mod mounting;
 mod notices;
@@ -52,6 +54,7 @@ mod reference_comparison;
 mod reviewing;
 mod saving_figure;
 mod state;
+mod step;
 mod swipe;
 mod work;
 
@@ -62,6 +65,7 @@ pub use clip_box::ClipBox;
 pub use command::Command;
 pub use comparing::ReferenceBy;
 pub use deriving::DrawnIsobaths;
+pub use drawn_figure::Figure;
 pub use exclusions::{ExclusionEdit, Extent, FoundExclusions};
 pub use figures::Figures;
 pub use following::FollowStatus;
@@ -70,6 +74,7 @@ pub use key_scope::{KeyFocus, is_bare};
 pub use loader::{LoadStatus, Origin};
 pub use logs::ShownLog;
 pub use map_layers::{LayerShown, LayerStack, MapLayer};
+pub use mark::{CloseUp, Enlarged, Mark, Reveal};
 pub use measuring::{Measure, Measuring};
 pub use mounting::Mountings;
 pub use notices::Notice;
@@ -89,7 +94,7 @@ pub use project::is_project;
 pub use reviewing::{
     BoxEdge, LocatedObject, MistakeSort, Nudge, PIXEL_M, Reviewing, SearchStatus, Tool, border_m,
 };
-pub use state::{App, CloseUp, Enlarged, Mark, Reveal};
+pub use state::App;
 pub use swipe::{Swipe, SwipeSide};
 
 pub use crate::detection::objects::{LogBox, LogId, ObjectState, SurveyObject};

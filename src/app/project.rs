@@ -1,9 +1,9 @@
 //! The survey as a project: one file that holds the logs and all that was decided about them. Every step that undo takes back is in it
 //! at once, so that a crash costs the last gesture at most.
 
+use super::drawn_figure::Figure;
 use super::error::AppError;
 use super::loader::hold_log;
-use super::measuring::Figure;
 use super::{App, LogId, OpenLog, Outcome, Task, ViewOptions};
 use crate::detection::objects::ObjectNumbers;
 use crate::detection::review::{Queue, Sort};

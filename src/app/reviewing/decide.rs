@@ -1,6 +1,7 @@
 //! Decisions and corrections of single boxes, and the steps that undo goes back to.
 
-use super::{BoxEdge, Reviewing, Step, Tool, border_m, middle};
+use super::{BoxEdge, Reviewing, Tool, border_m, middle};
+use crate::app::step::Step;
 use crate::app::{App, LogBox, Orientation};
 use crate::detection::review::{BoxId, Edit, Review};
 use crate::detection::{Mark, ObjectExtent};

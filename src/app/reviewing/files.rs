@@ -1,7 +1,7 @@
 //! The file that a review is kept in: a sidecar file of the log, which is never changed.
 
 use crate::app::error::AppError;
-use crate::app::{App, LogId, OpenLog, Outcome, Task};
+use crate::app::{App, LogId, Outcome, Task};
 use crate::detection::review::Review;
 use crate::products::export;
 use crate::products::outputs::write_boxes;
@@ -38,13 +38,11 @@ impl App {
 
     /// Writes the reviews of all logs that differ from their files, each into the file that it has or the sidecar file of its log.
     pub(in crate::app) fn save_reviews(&mut self) {
-        let changed = |log: &&OpenLog| {
+        let changed = self.reviewed_logs().filter(|log| {
             let reviewing = &log.reviewing;
             reviewing.has_boxes() && !Arc::ptr_eq(&reviewing.review, &reviewing.saved)
-        };
-        let changed: Vec<LogId> = (self.reviewed_logs().filter(changed))
-            .map(|log| log.id)
-            .collect();
+        });
+        let changed: Vec<LogId> = changed.map(|log| log.id).collect();
         if changed.is_empty() {
             self.notify("the reviews are saved already".to_owned(), false);
         }

@@ -26,14 +26,10 @@ pub use places::LocatedObject;
 pub(super) use detect::Search;
 pub(super) use places::Entries;
 
-use super::measuring::Figure;
-use super::mounting::Mountings;
-use super::planning::PlannedLines;
-use super::{LogId, Mark, OpenLog};
+use super::Mark;
 use crate::detection::NAMELESS_CLASS;
 use crate::detection::review::{BoxId, DecisionCounts, Queue, Review, Reviewed};
 use crate::detection::{self, Raster};
-use crate::pipeline::{LogSettings, Settings};
 use crate::survey::{Identity, Navigation, Survey};
 use autosave::Autosave;
 use files::Opening;
@@ -61,50 +57,6 @@ pub enum Tool {
     Calibrate,
     /// Accepts first returns above the recorded depth as bottom.
     Accept,
-}
-
-/// What undo goes back to: everything that an analyst changes.
-#[derive(Clone, PartialEq)]
-pub(super) struct Step {
-    pub shared: Arc<Settings>,
-    /// The logs in the order of the list.
-    pub logs: Vec<LogStep>,
-    /// Logs that were closed and can be opened again.
-    pub closed: Vec<LogId>,
-    pub figure: Option<Arc<Figure>>,
-    pub planned: Option<Arc<PlannedLines>>,
-    pub mountings: Arc<Mountings>,
-}
-
-/// What undo goes back to of one log.
-#[derive(Clone)]
-pub(super) struct LogStep {
-    pub id: LogId,
-    pub is_visible: bool,
-    pub own: Arc<LogSettings>,
-    pub review: Arc<Review>,
-}
-
-impl LogStep {
-    /// What undo would go back to of a log as it is.
-    pub fn of(log: &OpenLog) -> Self {
-        Self {
-            id: log.id,
-            is_visible: log.is_visible,
-            own: log.own.clone(),
-            review: log.reviewing.review.clone(),
-        }
-    }
-}
-
-/// A review is the same when it is the same version, which undo brings back as it was.
-impl PartialEq for LogStep {
-    fn eq(&self, other: &Self) -> bool {
-        self.id == other.id
-            && self.is_visible == other.is_visible
-            && Arc::ptr_eq(&self.review, &other.review)
-            && (Arc::ptr_eq(&self.own, &other.own) || self.own == other.own)
-    }
 }
 
 /// A review of another log, for when that is opened again.

@@ -1,0 +1,53 @@
+//! What undo goes back to.
+
+use super::drawn_figure::Figure;
+use super::mounting::Mountings;
+use super::planning::PlannedLines;
+use super::{LogId, OpenLog};
+use crate::detection::review::Review;
+use crate::pipeline::{LogSettings, Settings};
+use std::sync::Arc;
+
+/// What undo goes back to: everything that an analyst changes.
+#[derive(Clone, PartialEq)]
+pub(super) struct Step {
+    pub shared: Arc<Settings>,
+    /// The logs in the order of the list.
+    pub logs: Vec<LogStep>,
+    /// Logs that were closed and can be opened again.
+    pub closed: Vec<LogId>,
+    pub figure: Option<Arc<Figure>>,
+    pub planned: Option<Arc<PlannedLines>>,
+    pub mountings: Arc<Mountings>,
+}
+
+/// What undo goes back to of one log.
+#[derive(Clone)]
+pub(super) struct LogStep {
+    pub id: LogId,
+    pub is_visible: bool,
+    pub own: Arc<LogSettings>,
+    pub review: Arc<Review>,
+}
+
+impl LogStep {
+    /// What undo would go back to of a log as it is.
+    pub fn of(log: &OpenLog) -> Self {
+        Self {
+            id: log.id,
+            is_visible: log.is_visible,
+            own: log.own.clone(),
+            review: log.reviewing.review.clone(),
+        }
+    }
+}
+
+/// A review is the same when it is the same version, which undo brings back as it was.
+impl PartialEq for LogStep {
+    fn eq(&self, other: &Self) -> bool {
+        self.id == other.id
+            && self.is_visible == other.is_visible
+            && Arc::ptr_eq(&self.review, &other.review)
+            && (Arc::ptr_eq(&self.own, &other.own) || self.own == other.own)
+    }
+}
