@@ -1,9 +1,9 @@
 //! The list of open logs: which one is shown, which take part, in which order, and how their heights stand to each other.
 
-use super::parts::{fact, remark, warning};
+use super::parts::{fact, name_of, press, press_short, remark, warning};
 use super::positions;
 use super::section::{Section, section};
-use crate::app::{Action, App, Command, LogId, OpenLog};
+use crate::app::{Action, App, Command, OpenLog};
 use crate::support::presentation::units::Units;
 use crate::ui::list_keys::ListKeys;
 use crate::ui::{ViewContext, exclusion_text, text, theme, toggle};
@@ -229,27 +229,4 @@ fn heights(ui: &mut Ui, context: &mut ViewContext<'_>) {
     for text in app.height_contradictions() {
         warning(ui, context, &app.options.units.sentence(&text));
     }
-}
-
-/// A small button of an action.
-pub(super) fn press(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action, is_enabled: bool) {
-    press_short(ui, context, (action, action.label()), is_enabled);
-}
-
-/// A small button of an action with a label that the button before it explains.
-pub(super) fn press_short(
-    ui: &mut Ui,
-    context: &mut ViewContext<'_>,
-    (action, label): (Action, &str),
-    is_enabled: bool,
-) {
-    let button = ui.add_enabled(is_enabled, Button::new(label).small());
-    let button = button.accessible_name(action.label());
-    if button.on_hover_text(action.hint()).clicked() {
-        context.push(Command::Do(action));
-    }
-}
-
-pub(super) fn name_of(app: &App, id: LogId) -> String {
-    app.open_log(id).map_or_else(String::new, OpenLog::name)
 }

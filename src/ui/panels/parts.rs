@@ -1,13 +1,13 @@
 //! The few parts that all panels are made of: rows, facts, and controls that change a setting.
 
 use super::find_setting;
-use crate::app::{Action, Command};
+use crate::app::{Action, App, Command, LogId, OpenLog};
 use crate::pipeline::Settings;
 use crate::pipeline::settings::{Choice, Control, Kind, Number, Row, ShownNumber};
 use crate::ui::drop_down::DropDown;
 use crate::ui::list_keys::ListKeys;
 use crate::ui::{ViewContext, theme};
-use egui::{Align, DragValue, Layout, Response, RichText, Ui, WidgetText};
+use egui::{Align, Button, DragValue, Layout, Response, RichText, Ui, WidgetText};
 
 /// Whether a notice says what could not be done, as a triangle with `!`, or what was, as a circle with `i`.
 pub fn severity(ui: &mut Ui, look: crate::app::ThemeChoice, is_error: bool) {
@@ -328,6 +328,30 @@ fn choice(
         });
     }
     response
+}
+
+/// A small button of an action.
+pub fn press(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action, is_enabled: bool) {
+    press_short(ui, context, (action, action.label()), is_enabled);
+}
+
+/// A small button of an action with a label that the button before it explains.
+pub fn press_short(
+    ui: &mut Ui,
+    context: &mut ViewContext<'_>,
+    (action, label): (Action, &str),
+    is_enabled: bool,
+) {
+    let button = ui.add_enabled(is_enabled, Button::new(label).small());
+    let button = button.accessible_name(action.label());
+    if button.on_hover_text(action.hint()).clicked() {
+        context.push(Command::Do(action));
+    }
+}
+
+/// The name of an open log; empty where it is open no longer.
+pub fn name_of(app: &App, id: LogId) -> String {
+    app.open_log(id).map_or_else(String::new, OpenLog::name)
 }
 
 #[cfg(test)]

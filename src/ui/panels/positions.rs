@@ -1,7 +1,6 @@
 //! How far the positions of the logs are off, and how late they are.
 
-use super::logs::{name_of, press, press_short};
-use super::parts::remark;
+use super::parts::{name_of, press, press_short, remark};
 use crate::app::{Action, App, FoundPositions};
 use crate::bottom::bathymetry::position_offsets::FoundShift;
 use crate::ui::{ViewContext, text};

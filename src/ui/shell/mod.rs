@@ -14,6 +14,7 @@ mod notice_list;
 mod palette;
 mod persist;
 mod play;
+mod print_picture;
 mod printing;
 mod sides;
 mod swipe;

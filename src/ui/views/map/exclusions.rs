@@ -1,6 +1,6 @@
 //! The excluded stretches of the tracks.
 
-use super::overlay::Scene;
+use super::scene::Scene;
 use crate::app::{App, MapLayer, OpenLog};
 use crate::survey::PingNav;
 use crate::ui::theme;

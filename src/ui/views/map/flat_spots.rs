@@ -1,6 +1,6 @@
 //! The ranked flat stretches, numbered, the one that the calibration was measured on, and the one that is proposed.
 
-use super::overlay::Scene;
+use super::scene::Scene;
 use crate::sonar::calibration::{FlatSpot, ScaleMode};
 use crate::support::presentation::units::Units;
 use crate::ui::theme;

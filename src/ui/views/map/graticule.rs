@@ -1,6 +1,6 @@
 //! The graticule: lines at round degrees, or metres of the UTM zone, named along the lower and the left edge.
 
-use super::overlay::Scene;
+use super::scene::Scene;
 use crate::support::geo::{LonLat, UtmZone};
 use crate::support::presentation::graticule::{Bounds, Family, Net};
 use crate::ui::theme;

@@ -1,12 +1,12 @@
 //! Long lines on the map, drawn by the GPU and only when something about them changed.
 
-use super::overlay::Scene;
+use super::transform::MapTransform;
 use crate::ui::render::{
     LineDraw, LinePyramid, LineRenderer, LineUniform, Specks, TrackBuffers, Vertex,
 };
 use crate::ui::views::picture::ViewTexture;
 use eframe::egui_wgpu::RenderState;
-use egui::{Color32, Painter};
+use egui::{Color32, Painter, Rect};
 use std::sync::Arc;
 
 /// A line with its levels of detail.
@@ -75,15 +75,15 @@ impl<T> LinePicture<T> {
         &mut self,
         painter: &Painter,
         state: &RenderState,
-        scene: &Scene<'_>,
+        (rect, transform): (Rect, &MapTransform),
         of: &Arc<T>,
         lines: [(&MapLine, Pen); N],
     ) {
         let pixels_per_point = painter.pixels_per_point();
-        let is_new = self.picture.resize(state, scene.rect, pixels_per_point);
+        let is_new = self.picture.resize(state, rect, pixels_per_point);
         let draws: Vec<LineDraw> = lines
             .iter()
-            .map(|(line, pen)| line_draw(pixels_per_point, scene, line, *pen))
+            .map(|(line, pen)| line_draw(pixels_per_point, (rect, transform), line, *pen))
             .collect();
         let same = self
             .drawn
@@ -103,26 +103,29 @@ impl<T> LinePicture<T> {
             renderer.draw(&state.device, &state.queue, target, &drawn);
             self.drawn = Some((of.clone(), draws));
         }
-        self.picture.paint(painter, scene.rect, state);
+        self.picture.paint(painter, rect, state);
     }
 }
 
-fn line_draw(pixels_per_point: f32, scene: &Scene<'_>, line: &MapLine, pen: Pen) -> LineDraw {
+fn line_draw(
+    pixels_per_point: f32,
+    (rect, transform): (Rect, &MapTransform),
+    line: &MapLine,
+    pen: Pen,
+) -> LineDraw {
     let [east_m, north_m] = line.origin_m;
     let widest = pen.widths[0].max(pen.widths[1]);
-    let margin_m = f64::from(widest) * scene.transform.metres_per_point;
-    let [west, south, east, north] = scene.transform.visible(scene.rect);
+    let margin_m = f64::from(widest) * transform.metres_per_point;
+    let [west, south, east, north] = transform.visible(rect);
     let view = [
         (west - east_m - margin_m) as f32,
         (south - north_m - margin_m) as f32,
         (east - east_m + margin_m) as f32,
         (north - north_m + margin_m) as f32,
     ];
-    let metres_per_px = scene.transform.metres_per_point as f32 / pixels_per_point;
+    let metres_per_px = transform.metres_per_point as f32 / pixels_per_point;
     let (level, runs) = line.pyramid.choose(metres_per_px, view, pen.most_segments);
-    let px_from_world = scene
-        .transform
-        .pixels(scene.rect, pixels_per_point, line.origin_m);
+    let px_from_world = transform.pixels(rect, pixels_per_point, line.origin_m);
     let stroke = |index: usize| {
         let [r, g, b, a] = pen.colours[index]
             .unwrap_or(Color32::TRANSPARENT)

@@ -21,6 +21,7 @@ mod pointer;
 mod points;
 mod recorded_track;
 mod residuals;
+mod scene;
 mod stack;
 mod stretch_tool;
 mod swipe;
@@ -200,7 +201,7 @@ impl MapView {
             self.plan.follow(ui, response, &place, context)
         });
         let transform = self.navigate(ui, context, response, &track, !draws && !taken.drag);
-        let scene = overlay::Scene {
+        let scene = scene::Scene {
             rect,
             transform,
             survey: &survey,
@@ -327,7 +328,7 @@ impl MapView {
     }
 }
 
-fn paint(ui: &Ui, context: &ViewContext<'_>, scene: &overlay::Scene<'_>, layers: &mut Layers) {
+fn paint(ui: &Ui, context: &ViewContext<'_>, scene: &scene::Scene<'_>, layers: &mut Layers) {
     let painter = ui.painter_at(scene.rect);
     for shown in scene.options.map.layers.bottom_up() {
         if scene.options.map.layers.is_visible(shown.layer) {

@@ -1,6 +1,6 @@
 //! Where antenna and transducer were at the selected ping, while they are apart.
 
-use super::overlay::Scene;
+use super::scene::Scene;
 use crate::app::App;
 use crate::ui::theme;
 use crate::ui::views::legend;

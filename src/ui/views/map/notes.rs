@@ -1,6 +1,6 @@
 //! What the colour scale does not say by itself: a few short lines for each layer that is drawn.
 
-use super::overlay::Scene;
+use super::scene::Scene;
 use super::{mosaic_tiles, points};
 use crate::app::MapLayer;
 use crate::support::presentation::text::count;

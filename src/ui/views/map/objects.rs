@@ -1,6 +1,6 @@
 //! Objects on the map: a mark by state for each box, and its footprint where that can be seen.
 
-use super::overlay::Scene;
+use super::scene::Scene;
 use crate::app::{App, LocatedObject, LogBox, MapLayer, OpenLog};
 use crate::detection::review::{Reviewed, State};
 use crate::ui::theme;

@@ -1,6 +1,6 @@
 //! Planned lines on the map: drawn with the way through them, selected by a click, their ends dragged.
 
-use super::overlay::Scene;
+use super::scene::Scene;
 use super::transform::MapTransform;
 use crate::app::{Action, App, Command, PlanRequest, PlannedLines};
 use crate::bottom::planning::Leg;

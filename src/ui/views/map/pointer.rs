@@ -1,6 +1,6 @@
 //! What the pointer does on the map: move, read, select, propose a stretch for the scale.
 
-use super::overlay::Scene;
+use super::scene::Scene;
 use super::transform::MapTransform;
 use super::{flat_spots, objects};
 use crate::app::{App, Command, ExclusionEdit, LogId, Mark, PassesFound, Tool, mark_of};

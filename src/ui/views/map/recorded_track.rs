@@ -1,6 +1,6 @@
 //! The recorder's own track under another receiver's: thin, and joined to it where both were at the same times.
 
-use super::overlay::Scene;
+use super::scene::Scene;
 use crate::app::{App, MapLayer};
 use crate::ui::theme;
 use egui::{Painter, Pos2, Shape, Stroke};

@@ -2,8 +2,8 @@
 
 use super::exclusions::{CASING, places};
 use super::layers::TrackLayer;
-use super::overlay::Scene;
 use super::pointer::REACH;
+use super::scene::Scene;
 use super::transform::MapTransform;
 use crate::app::{App, Command, ExclusionEdit, LogId, Tool};
 use crate::sonar::calibration::PingRange;

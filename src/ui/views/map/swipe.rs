@@ -1,6 +1,6 @@
 //! The divider between two stacks of layers: dragged, or moved by the arrow keys once it was clicked.
 
-use super::overlay::Scene;
+use super::scene::Scene;
 use crate::app::{Command, MapLayer, Swipe, SwipeSide};
 use crate::ui::views::legend;
 use crate::ui::{ViewContext, theme};

@@ -2,7 +2,7 @@
 
 use super::layers::TrackLayer;
 use super::lines::{LinePicture, Pen};
-use super::overlay::Scene;
+use super::scene::Scene;
 use crate::ui::theme;
 use crate::ui::views::{empty, legend};
 use eframe::egui_wgpu::RenderState;
@@ -46,7 +46,7 @@ pub fn show(
     picture.show(
         painter,
         state,
-        scene,
+        (scene.rect, &scene.transform),
         scene.track,
         [(&scene.track.line, pen)],
     );

@@ -3,7 +3,7 @@
 //! Labels keep their size on the screen, so where they fit depends on the zoom. They are placed once for every octave of it,
 //! in a background thread, and move with the map in between.
 
-use super::{GroundLine, IsobathLayer};
+use super::layer::{GroundLine, IsobathLayer};
 use crate::support::progress::Progress;
 use std::collections::HashMap;
 use std::sync::Arc;

@@ -4,7 +4,7 @@ use crate::app::App;
 use crate::bottom::bathymetry::Station;
 use crate::project::{Measurement, MeasurementKind};
 use crate::ui::theme;
-use crate::ui::views::map::overlay::Scene;
+use crate::ui::views::map::scene::Scene;
 use crate::ui::views::{legend, measured};
 use egui::{Align2, Painter, Pos2, Shape, Stroke, vec2};
 

@@ -6,7 +6,7 @@ mod figure;
 mod frame;
 mod profile;
 
-use super::overlay::Scene;
+use super::scene::Scene;
 use crate::app::{Action, App, Command, Measure, View};
 use crate::bottom::bathymetry::Station;
 use crate::project::{Measurement, MeasurementKind};

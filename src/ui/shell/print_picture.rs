@@ -1,0 +1,90 @@
+//! The picture of a printed view: it is drawn off screen while the window goes on.
+
+use super::printing::map_scale;
+use super::{Alone, Shell, Views};
+use crate::app::{App, Command, Paper, Sheet, ThemeChoice, View};
+use crate::support::progress::Progress;
+use crate::ui::offscreen::{PictureError, Studio, write_picture};
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+impl Shell {
+    /// Starts drawing the view that was chosen, as it looks now, into a file.
+    pub(super) fn print_into(&mut self, path: PathBuf) {
+        let view = self.printing.view.unwrap_or(View::Map);
+        let is_png = path
+            .extension()
+            .is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
+        if !is_png {
+            let text = format!("a picture's name ends in .png: {}", path.display());
+            return self.app.apply(Command::Notify(text));
+        }
+        let options = &self.app.options.print;
+        let sheet = options.sheet(self.views.size(view));
+        let mut copy = self.app.for_picture();
+        if options.light {
+            copy.options.theme = ThemeChoice::Light;
+        }
+        let scale = scale(&self.app, view, sheet, &self.views);
+        let text = self.app.print_text(view, scale, SystemTime::now());
+        let mut shell = Shell::new(copy);
+        shell.views = self.views.for_picture(&self.app);
+        shell.show_alone(Alone::View(view));
+        shell.frame_with(text);
+        self.app
+            .write(move |progress| draw(shell, view, sheet, &path, progress));
+    }
+}
+
+/// The scale of a printed view in a sentence.
+fn scale(app: &App, view: View, sheet: Sheet, views: &Views) -> String {
+    let is_paper = app.options.print.paper != Paper::Pixels;
+    match view {
+        View::Map => match map_scale(sheet, views).filter(|_| is_paper) {
+            Some(denominator) => {
+                let paper = app.options.print.paper.name();
+                format!(
+                    "Scale about 1 : {denominator:.0} on {paper}; the scale bar is right at any size."
+                )
+            }
+            None => "The scale bar gives the scale.".to_owned(),
+        },
+        View::Waterfall => {
+            let across = match app.options.waterfall.ground_range {
+                true => "distance on level ground",
+                false => "slant range",
+            };
+            format!(
+                "Range lines give the scale across the track, {across}; ping and time that along it."
+            )
+        }
+        View::Cloud => format!(
+            "Perspective view: the axes give the scale, elevations x{}.",
+            app.options.cloud.vertical_exaggeration
+        ),
+        View::Objects => String::new(),
+    }
+}
+
+/// Draws a view on a device of its own and writes it; what was written, in a sentence.
+fn draw(
+    mut shell: Shell,
+    view: View,
+    sheet: Sheet,
+    path: &Path,
+    progress: &Progress,
+) -> Result<String, PictureError> {
+    let studio = Studio::new()?;
+    let picture = studio.draw(&mut shell, sheet.size_px, sheet.pixels_per_point, progress)?;
+    if let Some(error) = shell.app.notices.iter().find(|notice| notice.is_error) {
+        return Err(PictureError::Notice(error.text.clone()));
+    }
+    progress.check()?;
+    write_picture(&picture, path)?;
+    let [width, height] = sheet.size_px;
+    Ok(format!(
+        "Drew the {} in {width} x {height} pixels: {}",
+        view.title().to_lowercase(),
+        path.display()
+    ))
+}

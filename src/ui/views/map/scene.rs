@@ -1,0 +1,68 @@
+//! What a frame of the map is made of.
+
+use super::isobaths::layer::IsobathLayer;
+use super::layers::TrackLayer;
+use super::residuals::ResidualLayer;
+use super::transform::MapTransform;
+use crate::app::{MapLayer, ViewOptions};
+use crate::pipeline::{DepthMap, Products};
+use crate::sonar::calibration::PingRange;
+use crate::support::geo::LonLat;
+use crate::survey::Survey;
+use crate::ui::theme;
+use egui::{Color32, Pos2, Rect};
+use std::sync::Arc;
+
+/// What a frame of the map is made of.
+pub struct Scene<'a> {
+    pub rect: Rect,
+    pub transform: MapTransform,
+    pub survey: &'a Survey,
+    pub products: &'a Products,
+    pub track: &'a Arc<TrackLayer>,
+    /// The depth map, while something of it is shown and once it is made; inner `None` where the depths span none.
+    pub depth_map: Option<Option<&'a Arc<DepthMap>>>,
+    /// The isobaths, while they are shown and once they are drawn.
+    pub isobaths: Option<Arc<IsobathLayer>>,
+    /// The residuals, while they are shown and once they are placed.
+    pub residuals: Option<Arc<ResidualLayer>>,
+    /// Soundings after the recorder had lost the bottom: they leave the track grey.
+    pub lost_soundings: usize,
+    /// Pings of the shown log that depth map, isobaths and mosaic are made of, where it has more: it is followed.
+    pub made_of: Option<usize>,
+    /// Whether some of the tracks is excluded.
+    pub has_excluded: bool,
+    /// The stretch that is proposed for the scale.
+    pub proposed: Option<PingRange>,
+    pub options: &'a ViewOptions,
+}
+
+impl Scene<'_> {
+    /// Where a place is on the screen.
+    pub fn at(&self, place: [f64; 2]) -> Pos2 {
+        self.transform.to_screen(self.rect, place)
+    }
+
+    /// WGS84 position of a place on the screen.
+    pub fn position(&self, at: Pos2) -> LonLat {
+        let [east_m, north_m] = self.transform.to_ground(self.rect, at);
+        let navigation = &self.products.navigation;
+        navigation.to_lon_lat(&self.survey.track, east_m, north_m)
+    }
+
+    /// Ends of the colour scale of depth, metres.
+    pub fn range_m(&self) -> Option<[f32; 2]> {
+        let of_surface = || Some(self.depth_map.flatten()?.colour_range_m);
+        self.track.range_m.or_else(of_surface)
+    }
+
+    /// Whether a layer is drawn.
+    pub fn shows(&self, layer: MapLayer) -> bool {
+        self.options.map.layers.is_visible(layer)
+    }
+
+    /// Colour of words on the map.
+    pub fn text_colour(&self) -> Color32 {
+        theme::canvas_text_colour(self.options)
+    }
+}
