@@ -1,7 +1,7 @@
 //! `bathyscope simulate --dataset`: pictures of random simulated surveys, with labels for YOLO and COCO tools.
 
 use super::status_line::StatusLine;
-use super::{Failure, output, simulate};
+use super::{Failure, output, simulated_files};
 use crate::detection::dataset::{Boxes, Chip, Known, Slice};
 use crate::detection::{Mark, Raster, TILE_PX};
 use crate::formats;
@@ -206,7 +206,7 @@ impl Maker<'_> {
         let quiet = Progress::new();
         let simulated = simulation::simulate(&training.scene, seed, &quiet)?;
         if let Some(folder) = &self.surveys {
-            simulate::write(&simulated, &folder.join(format!("{index:04}")))?;
+            simulated_files::write(&simulated, &folder.join(format!("{index:04}")))?;
         }
         let chips = chips(&training, &simulated, requested)?;
         let mut all = Vec::with_capacity(chips.len());

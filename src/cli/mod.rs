@@ -27,6 +27,7 @@ mod quiet_driver;
 mod review;
 mod settings;
 mod simulate;
+mod simulated_files;
 #[cfg(feature = "gui")]
 mod snapshot;
 #[cfg(not(feature = "gui"))]
