@@ -1,5 +1,7 @@
 //! The borders between the modules: data flows one way, and the widgets and the GPU stay where they belong.
 
+mod imports;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -407,6 +409,20 @@ fn ui_computes_no_result() {
     assert!(!seen(
         "use crate::bottom::bathymetry::isobaths::IsobathSettings;"
     ));
+}
+
+#[test]
+fn no_files_import_each_other() {
+    let imports = imports::imports();
+    let found = imports.values().map(|taken| taken.len()).sum::<usize>();
+    assert!(found > 4000, "only {found} imports were found");
+    let circles = imports::circles(&imports);
+    assert!(circles.is_empty(), "{circles:#?}");
+    // The check itself: it sees a way back through a third file.
+    let one = |name: &str| [(name.to_owned(), ["Item".to_owned()].into())].into();
+    let three = [("a", "b"), ("b", "c"), ("c", "a"), ("d", "a")];
+    let three = three.map(|(from, to)| (from.to_owned(), one(to)));
+    assert_eq!(imports::circles(&three.into()).len(), 3);
 }
 
 #[test]
