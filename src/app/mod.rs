@@ -65,7 +65,6 @@ pub use clip_box::ClipBox;
 pub use command::Command;
 pub use comparing::ReferenceBy;
 pub use deriving::DrawnIsobaths;
-pub use drawn_figure::Figure;
 pub use exclusions::{ExclusionEdit, Extent, FoundExclusions};
 pub use figures::Figures;
 pub use following::FollowStatus;

@@ -60,7 +60,7 @@ pub use objects::{list_objects, object_shape};
 pub use passes::{Pass, passes_over, place_of};
 pub use processed_log::ProcessedLog;
 pub use products::{Products, Stage, colour_range_m, run};
-pub use report::{Report, warnings};
+pub use report::Report;
 pub use scale_trial::{ScaleEffect, ScaleTrial};
 pub use settings::{Preset, Settings, SettingsError};
 pub use source::{SourceError, SourceKey, as_mounted, as_set};

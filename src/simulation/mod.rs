@@ -48,11 +48,27 @@ mod weed;
 mod world;
 
 pub use object_kind::ObjectKind;
-pub use presets::SceneError;
-pub use scene::{
-    Artefacts, Bank, BedKind, BedSettings, Curve, Mound, ObjectSettings, Pit, RecorderSettings,
-    RippleSettings, Scene, Shoal, Terrace, TrackSettings, WeedClump,
-};
+#[cfg(any(test, feature = "bench"))]
+pub use scene::Artefacts;
+#[cfg(any(test, feature = "bench"))]
+pub use scene::Bank;
+#[cfg(any(test, feature = "bench"))]
+pub use scene::BedKind;
+#[cfg(any(test, feature = "bench"))]
+pub use scene::BedSettings;
+#[cfg(any(test, feature = "bench"))]
+pub use scene::Curve;
+#[cfg(any(test, feature = "bench"))]
+pub use scene::Mound;
+#[cfg(any(test, feature = "bench"))]
+pub use scene::ObjectSettings;
+#[cfg(any(test, feature = "bench"))]
+pub use scene::RecorderSettings;
+pub use scene::Scene;
+#[cfg(any(test, feature = "bench"))]
+pub use scene::Terrace;
+#[cfg(any(test, feature = "bench"))]
+pub use scene::TrackSettings;
 pub use simulate::{Simulated, simulate};
 pub use training_scene::{TrainingPlace, TrainingScene, training_scene, training_seed};
 pub use truth::ObjectPass;

@@ -20,14 +20,22 @@ mod shape;
 mod sighting;
 mod spread;
 
-pub use echo::{Parts, Shadow, parts};
-pub use group::{Group, ObjectHeight, group};
-pub use passes::{LogPings, Pass, PassCount, PassLog, count_seen, passes_over};
+pub use echo::{Parts, parts};
+#[cfg(any(test, feature = "bench"))]
+pub use group::Group;
+pub use group::{ObjectHeight, group};
+#[cfg(any(test, feature = "bench"))]
+pub use passes::passes_over;
+pub use passes::{LogPings, PassCount, PassLog, count_seen};
 pub use place::Placer;
 pub use shadow::{ShadowError, ShadowHeight};
-pub use shape::{
-    BoxLevels, FittedShape, PosedSolid, ShapeError, ShapeKind, ShapeOnPing, Solid, fit_shape,
-};
+#[cfg(any(test, feature = "bench"))]
+pub use shape::PosedSolid;
+#[cfg(any(test, feature = "bench"))]
+pub use shape::ShapeKind;
+#[cfg(any(test, feature = "bench"))]
+pub use shape::Solid;
+pub use shape::{BoxLevels, FittedShape, ShapeError, ShapeOnPing, fit_shape};
 pub use sighting::{GroupSettings, Sighting};
 
 use super::{Mark, MeasuredShadow, ObjectExtent};

@@ -35,7 +35,9 @@ pub use joint::{
 };
 pub use layout::{Bounds, Layout, Ray, TILE_CELLS, TileIndex, joined_way_m};
 pub use overlap::Overlap;
-pub use paint::{MosaicLog, MosaicTile, joint_tile, joint_window, tile, window};
+#[cfg(any(test, feature = "bench"))]
+pub use paint::tile;
+pub use paint::{MosaicLog, joint_tile, joint_window, window};
 pub use part::{MosaicPart, join_parts, part};
 
 use crate::support::presentation::colours;

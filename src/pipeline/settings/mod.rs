@@ -15,7 +15,7 @@ pub use display_units::ShownNumber;
 pub use help::{help, markdown, row};
 pub use keys::renamed;
 pub(crate) use keys::slips;
-pub use table::{Choice, Control, Kind, Named, Number, Row};
+pub use table::{Choice, Control, Kind, Number, Row};
 
 use crate::bottom::bathymetry::SurfaceSettings;
 use crate::bottom::bathymetry::isobaths::IsobathSettings;

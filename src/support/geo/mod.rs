@@ -15,7 +15,7 @@ mod utm;
 mod wgs84;
 
 pub use coordinates::CoordinateFormat;
-pub use crs::{Crs, CrsChoice, CrsError, NoSystem, SourceCrs};
+pub use crs::{Crs, CrsChoice, CrsError, SourceCrs};
 pub use geodesic::{area_m2, course_rad, distance_m};
 pub use local_frame::LocalFrame;
 pub use map_plane::MapPlane;

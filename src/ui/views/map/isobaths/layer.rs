@@ -70,7 +70,7 @@ impl IsobathLayer {
             |place: &[f64; 2]| [0, 1].map(|axis| (place[axis] - origin_m[axis]) as f32);
         let lines: Vec<GroundLine> = (isobaths.lines.iter().zip(&drawn.on_ground))
             .map(|(line, places)| GroundLine {
-                text: format!("{:.decimals$}", units.from_m(line.depth_m) + 0.0),
+                text: format!("{:.decimals$}", units.in_unit(line.depth_m) + 0.0),
                 is_index: step_m
                     .is_some_and(|step_m| IsobathSettings::is_index(line.depth_m, step_m)),
                 points: places.iter().map(from_origin).collect(),
@@ -117,7 +117,7 @@ fn decimals(levels_m: &[f64], units: Units) -> usize {
     };
     let needs = |level_m: &f64| {
         let fits = |digits: &i32| {
-            let scaled = units.from_m(*level_m) * 10f64.powi(*digits);
+            let scaled = units.in_unit(*level_m) * 10f64.powi(*digits);
             (scaled - scaled.round()).abs() < 1e-6
         };
         (0..most).find(fits).unwrap_or(most) as usize
@@ -132,7 +132,7 @@ fn note(settings: &IsobathSettings, levels_m: &[f64], units: Units) -> String {
     match settings.step_m(levels_m) {
         Some(step_m) => {
             let decimals = decimals(&[step_m], units);
-            let [thin, thick] = [1.0, INDEX].map(|times| units.from_m(times * step_m));
+            let [thin, thick] = [1.0, INDEX].map(|times| units.in_unit(times * step_m));
             let unit = units.symbol();
             format!("isobaths: {thin:.decimals$} {unit},\nthick {thick:.decimals$} {unit}")
         }
