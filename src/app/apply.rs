@@ -48,15 +48,15 @@ impl App {
             } => self.change(*settings, label, live),
             Command::UsePreset(preset) => self.use_preset(preset),
             Command::ProposeStretch(pings) => self.propose_stretch(pings),
-            Command::Show(options) => self.options = *options,
-            Command::Hover(mark) => self.hover = mark,
+            Command::Show(options) => self.view.options = *options,
+            Command::Hover(mark) => self.view.hover = mark,
             Command::Select(mark) => {
-                self.selection = mark;
+                self.view.selection = mark;
                 self.log.reviewing.selected = None;
                 self.log.reviewing.judging.look_away();
             }
             Command::Reveal(mark) => self.reveal(mark),
-            Command::Visible(pings) => self.visible = pings,
+            Command::Visible(pings) => self.view.visible = pings,
             Command::CompareWithReference => self.compare_with_reference(),
             Command::CompareWith(path) => self.compare_with(path),
             Command::MatchBy { by, radius_m } => self.match_by(by, radius_m),
@@ -237,9 +237,9 @@ impl App {
     }
 
     pub(super) fn reveal(&mut self, mark: Mark) {
-        let serial = self.reveal.map_or(0, |reveal| reveal.serial) + 1;
-        self.selection = Some(mark);
-        self.reveal = Some(Reveal {
+        let serial = self.view.reveal.map_or(0, |reveal| reveal.serial) + 1;
+        self.view.selection = Some(mark);
+        self.view.reveal = Some(Reveal {
             mark,
             serial,
             close_up: None,
@@ -270,8 +270,8 @@ impl App {
     }
 
     fn toggle_boxes(&mut self) {
-        let shown = !self.options.shows_boxes();
-        self.options.show_boxes(shown);
+        let shown = !self.view.options.shows_boxes();
+        self.view.options.show_boxes(shown);
         if !shown && self.has_boxes() {
             let keys = Action::Boxes.keys().unwrap_or_default();
             self.notify(format!("boxes are hidden; {keys} shows them again"), false);
@@ -287,7 +287,7 @@ impl App {
         else {
             return;
         };
-        let ping = match self.selection {
+        let ping = match self.view.selection {
             Some(mark) => mark.ping.saturating_add_signed(pings).min(last),
             None if pings == isize::MAX => last,
             None => 0,

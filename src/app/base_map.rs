@@ -46,7 +46,7 @@ impl App {
 
     /// Takes the base map off the map.
     pub(super) fn close_base_map(&mut self) {
-        self.base_map = None;
+        self.map.base_map = None;
         self.files.opening_base_map = None;
     }
 
@@ -72,11 +72,15 @@ impl App {
         self.files.opening_base_map = None;
         match opened {
             // As it was left: shown or not, and without a word.
-            Ok(map) if is_of_last_time => self.base_map = Some(Arc::new(map)),
+            Ok(map) if is_of_last_time => self.map.base_map = Some(Arc::new(map)),
             Ok(map) => {
                 self.notify(self.words_about(&map), false);
-                self.options.map.layers.set_visible(MapLayer::BaseMap, true);
-                self.base_map = Some(Arc::new(map));
+                self.view
+                    .options
+                    .map
+                    .layers
+                    .set_visible(MapLayer::BaseMap, true);
+                self.map.base_map = Some(Arc::new(map));
             }
             Err(error) => self.notify(error.to_string(), !is_of_last_time),
         }

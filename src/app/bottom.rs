@@ -104,7 +104,7 @@ impl App {
             true => "Accepted as bottom",
             false => "No longer accepted as bottom",
         };
-        let sides = match self.options.waterfall.bottom_both_sides {
+        let sides = match self.view.options.waterfall.bottom_both_sides {
             true => "both sides".to_owned(),
             false => side.name().to_owned(),
         };
@@ -116,13 +116,13 @@ impl App {
     }
 
     fn sides_of(&self, side: Side) -> impl Iterator<Item = Side> + use<> {
-        let both = self.options.waterfall.bottom_both_sides;
+        let both = self.view.options.waterfall.bottom_both_sides;
         (Side::BOTH.into_iter()).filter(move |&one| both || one == side)
     }
 
     /// Moves the bottom at the selected ping outward by samples; where none is detected, it begins at the recorded depth.
     pub(super) fn nudge_bottom(&mut self, samples: i32) {
-        let (Some(survey), Some(mark)) = (self.log.survey.clone(), self.selection) else {
+        let (Some(survey), Some(mark)) = (self.log.survey.clone(), self.view.selection) else {
             let text = "select a ping first, with the arrow keys or a click";
             return self.notify(text.to_owned(), true);
         };

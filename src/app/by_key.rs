@@ -32,7 +32,7 @@ impl App {
         match *command {
             Command::Do(action) if action.asks_by_key() => self.ask_by_key(keys, action),
             Command::Do(Action::ThresholdDown | Action::ThresholdUp) => {
-                let is_blind = self.selection.is_none();
+                let is_blind = self.view.selection.is_none();
                 if is_blind {
                     let text = "select a ping first: its profile shows the threshold";
                     self.notify(text.to_owned(), true);
@@ -66,7 +66,7 @@ impl App {
             return true;
         };
         let (BoxId(number), pings) = (one.id, one.mark.pings.clone());
-        let options = &self.options;
+        let options = &self.view.options;
         let is_drawn = match focus {
             KeyFocus::View(View::Waterfall) => options.waterfall.boxes,
             KeyFocus::View(View::Map) => options.map.layers.is_visible(MapLayer::Boxes),
@@ -79,7 +79,7 @@ impl App {
             return true;
         }
         let is_in_view = focus != KeyFocus::View(View::Waterfall)
-            || pings.start < self.visible.end && self.visible.start < pings.end;
+            || pings.start < self.view.visible.end && self.view.visible.start < pings.end;
         if !is_in_view {
             self.bring_in(LogBox {
                 log: self.log.id,

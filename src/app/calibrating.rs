@@ -85,6 +85,7 @@ impl App {
             return;
         }
         let here = self
+            .view
             .selection
             .and_then(|mark| self.stretch_around(mark.ping));
         let products = self.log.products.as_ref();

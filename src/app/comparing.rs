@@ -106,30 +106,30 @@ impl App {
             self.notify(format!("{text}: {}", path.display()), true);
             return;
         };
-        let matching = self.comparing.matching(&first.products.settings);
-        self.comparing.opening = Some(Task::start(&self.jobs, move |progress| {
+        let matching = self.map.comparing.matching(&first.products.settings);
+        self.map.comparing.opening = Some(Task::start(&self.jobs, move |progress| {
             Ok(open(&path, &logs, matching, progress)?)
         }));
     }
 
     /// Compares side-scan with soundings again.
     pub(super) fn leave_reference(&mut self) {
-        self.comparing.leave();
+        self.map.comparing.leave();
         self.findings.reference_comparison = ReferenceComparison::default();
     }
 
     /// Takes the reference of a point from elsewhere.
     pub(super) fn match_by(&mut self, by: ReferenceBy, radius_m: f64) {
-        self.comparing.by = by;
+        self.map.comparing.by = by;
         if radius_m > 0.0 && radius_m.is_finite() {
-            self.comparing.radius_m = radius_m;
+            self.map.comparing.radius_m = radius_m;
         }
     }
 
     /// Done share of a comparison with a reference under way, 0 to 1.
     pub fn comparing_fraction(&self) -> Option<f32> {
-        let opening = self.comparing.opening.as_ref().map(Task::fraction);
-        let has_reference = self.comparing.reference.is_some();
+        let opening = self.map.comparing.opening.as_ref().map(Task::fraction);
+        let has_reference = self.map.comparing.reference.is_some();
         let reference_comparison = || {
             self.findings
                 .reference_comparison
@@ -141,18 +141,18 @@ impl App {
 
     /// Collects a reference that was opened.
     pub(super) fn poll_comparing(&mut self) {
-        let opened = match self.comparing.opening.as_ref().map(Task::poll) {
+        let opened = match self.map.comparing.opening.as_ref().map(Task::poll) {
             None | Some(Outcome::Pending) => return,
             Some(Outcome::Done(opened)) => opened,
             Some(Outcome::Failed) => Err(AppError::Failed("opening the reference")),
         };
-        self.comparing.opening = None;
+        self.map.comparing.opening = None;
         match opened {
             Ok(Opened { of, agreement }) => {
                 self.notify(words_about(&agreement), false);
-                let layers = &mut self.options.map.layers;
+                let layers = &mut self.view.options.map.layers;
                 layers.set_visible(MapLayer::Residuals, true);
-                self.comparing.reference = agreement.reference.clone();
+                self.map.comparing.reference = agreement.reference.clone();
                 self.findings.reference_comparison.take(of, agreement);
             }
             Err(error) => self.notify(error.to_string(), true),

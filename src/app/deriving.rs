@@ -71,7 +71,7 @@ impl Deriving {
 impl App {
     /// Has made what is shown, and collects what is there. Costs next to nothing when nothing changed.
     pub(super) fn derive(&mut self) {
-        let layers = &self.options.map.layers;
+        let layers = &self.view.options.map.layers;
         let [isobaths, mosaic] =
             [MapLayer::Isobaths, MapLayer::Mosaic].map(|layer| layers.is_visible(layer));
         let depths = self.needs_depth_map();
@@ -89,7 +89,7 @@ impl App {
         if isobaths {
             self.derive_isobaths(&logs);
         }
-        if self.options.cloud.bottom {
+        if self.view.options.cloud.bottom {
             self.derive_bottom(&logs);
         }
     }
@@ -174,7 +174,7 @@ impl App {
         };
         let settings = first.products.settings.isobaths.clone();
         let results = self.pipeline.deriving.results.clone();
-        let unit = self.options.units.length;
+        let unit = self.view.options.units.length;
         let key = (IsobathKey::of(&depth_map, &settings), unit);
         self.pipeline
             .deriving
@@ -204,7 +204,7 @@ impl App {
             self.pipeline.deriving.bottom = Background::default();
             return;
         };
-        let colour = self.options.cloud.bottom_colour;
+        let colour = self.view.options.cloud.bottom_colour;
         let key = BottomKey::of(&depth_map, logs, colour, BOTTOM_CORNERS);
         let (results, of) = (self.pipeline.deriving.results.clone(), logs.to_vec());
         self.pipeline
@@ -248,11 +248,11 @@ impl App {
 
     /// Whether something on the map is drawn or measured from the depth map; otherwise it may be older than its settings.
     pub fn needs_depth_map(&self) -> bool {
-        let layers = &self.options.map.layers;
+        let layers = &self.view.options.map.layers;
         let shows = |layer: &MapLayer| layers.is_visible(*layer);
         FROM_DEPTH_MAP.iter().any(shows)
-            || self.measuring.shows_profile()
-            || self.options.cloud.bottom
+            || self.map.measuring.shows_profile()
+            || self.view.options.cloud.bottom
     }
 
     /// The isobaths as they were made last.
@@ -267,7 +267,7 @@ impl App {
 
     /// The bottom as a body, as it was made last; `None` where there is none, or it is not shown.
     pub fn bottom(&self) -> Option<&Arc<Bottom>> {
-        let is_shown = self.options.cloud.bottom;
+        let is_shown = self.view.options.cloud.bottom;
         self.pipeline
             .deriving
             .bottom
@@ -279,9 +279,9 @@ impl App {
     /// Metres from one isobath on the bottom in 3D to the next, and the depth of one of them; `None` where none are shown, and where the
     /// settings name depths that are not equally far apart.
     pub fn bottom_isobaths_m(&self) -> Option<[f32; 2]> {
-        let bottom = self.bottom().filter(|_| self.options.cloud.isobaths)?;
+        let bottom = self.bottom().filter(|_| self.view.options.cloud.isobaths)?;
         let settings = &self.log.settings.isobaths;
-        let settings = settings.round_in(self.options.units.length.metres(), bottom.range_m);
+        let settings = settings.round_in(self.view.options.units.length.metres(), bottom.range_m);
         let levels_m = settings.levels_m(bottom.range_m).ok()?;
         evenly_apart_m(&levels_m).map(|metres| metres.map(|metres| metres as f32))
     }

@@ -170,7 +170,7 @@ impl App {
 
     /// Includes the excluded stretch again that the selected ping lies in.
     pub(super) fn include_again(&mut self) {
-        let at = self.selection.map(|mark| mark.ping);
+        let at = self.view.selection.map(|mark| mark.ping);
         match at.and_then(|ping| self.excluded_at(self.log.id, ping)) {
             Some(stretch) => self.exclude(self.log.id, stretch.part(), ExclusionEdit::Include),
             None => {

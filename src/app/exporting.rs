@@ -62,7 +62,7 @@ impl App {
             return;
         };
         let requested = self.requested();
-        let against = self.comparing.against(&first.products.settings);
+        let against = self.map.comparing.against(&first.products.settings);
         let against = against.filter(|_| requested.contains(&Product::Residuals));
         let review = self.survey_review();
         let run = (logs.len() == 1).then(|| (self.log.id, folder.clone()));
@@ -93,7 +93,7 @@ impl App {
 
     /// The products that are ticked.
     fn requested(&self) -> Vec<Product> {
-        let excluded_products = &self.options.excluded_products;
+        let excluded_products = &self.view.options.excluded_products;
         let all = Product::ALL.into_iter();
         all.filter(|one| !excluded_products.contains(one)).collect()
     }

@@ -204,7 +204,10 @@ impl App {
             return;
         }
         self.pipeline.previewer.forget();
-        for mark in [&mut self.selection, &mut self.hover].into_iter().flatten() {
+        for mark in [&mut self.view.selection, &mut self.view.hover]
+            .into_iter()
+            .flatten()
+        {
             mark.side = mark.side.map(Side::other);
         }
     }

@@ -19,8 +19,8 @@ impl App {
             shared: self.document.shared.clone(),
             logs: self.logs().map(LogStep::of).collect(),
             closed: self.closed_logs().collect(),
-            figure: self.measuring.figure.clone(),
-            planned: self.planning.lines.clone(),
+            figure: self.map.measuring.figure.clone(),
+            planned: self.map.planning.lines.clone(),
             mountings: self.document.mountings.clone(),
         }
     }
@@ -211,7 +211,7 @@ impl App {
 
     fn title(&self, label: &str, before: &Step, after: &Step) -> String {
         let mut title = label.to_owned();
-        if let Some(value) = value_of_change(before, after, self.options.units) {
+        if let Some(value) = value_of_change(before, after, self.view.options.units) {
             title += &format!(" {value}");
         }
         let name = |id: LogId| self.open_log(id).map(|log| quoted(&log.name()));

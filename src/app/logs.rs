@@ -182,19 +182,19 @@ impl App {
         self.log.settings = self.document.shared.clone();
         self.take_over(&mut last);
         self.document.history = History::default();
-        self.measuring = super::Measuring::default();
+        self.map.measuring = super::Measuring::default();
         self.findings.heights = super::heights::Heights::default();
         self.findings.positions = super::positions::Positions::default();
         self.findings.objects = super::objects::Objects::default();
-        self.comparing.leave();
+        self.map.comparing.leave();
         self.meet_log();
     }
 
     /// Notes that the logs lie in another plane: what was counted in that of before means nothing any more.
     pub(super) fn enter_plane(&mut self) {
-        self.plane_serial += 1;
-        self.options.cloud.clip = None;
-        self.options.cloud.cut = false;
+        self.view.plane_serial += 1;
+        self.view.options.cloud.clip = None;
+        self.view.options.cloud.cut = false;
     }
 
     /// Opens a log in an empty window.
@@ -204,7 +204,7 @@ impl App {
         // What was closed before lay in another plane.
         self.logs.closed.clear();
         self.document.history = History::default();
-        self.measuring = super::Measuring::default();
+        self.map.measuring = super::Measuring::default();
         let log = self.opened(survey);
         let mut last = std::mem::replace(&mut self.log, log);
         self.take_over(&mut last);
@@ -271,10 +271,10 @@ impl App {
     /// Puts everything at rest that was of the log shown before.
     fn meet_log(&mut self) {
         self.logs.shown = self.log.id;
-        self.survey_serial += 1;
-        self.selection = None;
-        self.hover = None;
-        self.visible = 0..0;
+        self.view.survey_serial += 1;
+        self.view.selection = None;
+        self.view.hover = None;
+        self.view.visible = 0..0;
         self.findings.reference_comparison =
             super::reference_comparison::ReferenceComparison::default();
         self.pipeline.previewer.forget();
@@ -324,7 +324,7 @@ impl App {
                 self.log.settings = self.document.shared.clone();
                 self.take_over(&mut last);
                 self.logs.close(last);
-                self.comparing.leave();
+                self.map.comparing.leave();
                 self.meet_log();
             }
         }

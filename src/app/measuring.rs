@@ -91,15 +91,15 @@ impl Measuring {
 impl App {
     /// Takes a measuring tool in hand, or lays it down.
     pub(super) fn take_measuring_tool(&mut self, kind: MeasurementKind) {
-        let again = self.measuring.tool == Some(kind);
+        let again = self.map.measuring.tool == Some(kind);
         self.end_figure();
-        self.measuring.tool = (!again && self.log.survey.is_some()).then_some(kind);
+        self.map.measuring.tool = (!again && self.log.survey.is_some()).then_some(kind);
         self.log.reviewing.tool = Tool::Look;
     }
 
     /// Lays the tool down; whether there was one in hand.
     pub(super) fn leave_measuring(&mut self) -> bool {
-        let had_tool = self.measuring.tool.take().is_some();
+        let had_tool = self.map.measuring.tool.take().is_some();
         if had_tool {
             self.end_figure();
         }
@@ -108,8 +108,8 @@ impl App {
 
     /// Removes the figure, and lays the tool down.
     pub(super) fn remove_figure(&mut self) {
-        self.measuring.tool = None;
-        if self.measuring.figure.is_some() {
+        self.map.measuring.tool = None;
+        if self.map.measuring.figure.is_some() {
             self.draw(None);
         }
     }
@@ -119,7 +119,7 @@ impl App {
         match request {
             Measure::Corner(at) => {
                 // A shadow is seen in the waterfall only.
-                if self.measuring.tool != Some(MeasurementKind::Height) {
+                if self.map.measuring.tool != Some(MeasurementKind::Height) {
                     self.add_corner(at, None);
                 }
             }
@@ -130,17 +130,17 @@ impl App {
                     None => self.notify(NO_PLACE.to_owned(), true),
                 }
             }
-            Measure::Next(place) => self.measuring.next = place,
+            Measure::Next(place) => self.map.measuring.next = place,
         }
     }
 
     /// Adds a corner to the figure, or begins one with it.
     fn add_corner(&mut self, at: LonLat, pick: Option<Pick>) {
-        let Some(kind) = self.measuring.tool else {
+        let Some(kind) = self.map.measuring.tool else {
             return;
         };
-        let open = self.measuring.figure.as_ref();
-        let open = open.filter(|_| self.measuring.is_drawing());
+        let open = self.map.measuring.figure.as_ref();
+        let open = open.filter(|_| self.map.measuring.is_drawing());
         let begun = open.map_or_else(
             || Measurement::new(kind),
             |figure| figure.measurement.clone(),
@@ -151,14 +151,14 @@ impl App {
             done: false,
         }));
         // Both ends of a shadow are all there is.
-        if kind == MeasurementKind::Height && self.measuring.picks().len() == 2 {
+        if kind == MeasurementKind::Height && self.map.measuring.picks().len() == 2 {
             self.end_figure();
         }
     }
 
     /// A pick of a shadow's end lies on the ping and side of its top.
     pub fn on_one_ping(&self, pick: Pick) -> Pick {
-        let measuring = &self.measuring;
+        let measuring = &self.map.measuring;
         let is_shadow = measuring.tool == Some(MeasurementKind::Height) && measuring.is_drawing();
         let top = measuring.picks().get(&0).filter(|_| is_shadow);
         match top {
@@ -185,7 +185,7 @@ impl App {
 
     /// The height that is measured, once both ends of its shadow are set.
     pub fn measured_height(&self) -> Option<Result<ShadowHeight, ShadowError>> {
-        let figure = self.measuring.figure.as_deref()?;
+        let figure = self.map.measuring.figure.as_deref()?;
         let (top, recorded_m) = figure.measurement.shadow()?;
         self.shadow_height(top, recorded_m)
     }
@@ -193,7 +193,7 @@ impl App {
     /// Has the measured shadow tell the height of a box: of the selected one, or of the one that it was measured in. Of a box with such a
     /// height, where no other shadow is measured, the height is that of its own shadow again.
     pub(super) fn use_shadow(&mut self) {
-        let figure = self.measuring.figure.as_deref();
+        let figure = self.map.measuring.figure.as_deref();
         let shadow = figure.and_then(|figure| figure.measurement.shadow());
         let own = self.log.survey.as_ref().map(|survey| Identity::of(survey));
         let is_of_log = |pick: &Pick| own.as_ref().is_some_and(|own| own.is_same_log(&pick.log));
@@ -262,7 +262,7 @@ impl App {
 
     /// Takes the last corner back; a finished figure is drawn on.
     pub(super) fn take_corner_back(&mut self) {
-        if let Some(figure) = &self.measuring.figure {
+        if let Some(figure) = &self.map.measuring.figure {
             let mut figure = (**figure).clone();
             figure.measurement = figure.measurement.without_last();
             let is_left = !figure.measurement.corners.is_empty();
@@ -273,10 +273,10 @@ impl App {
 
     /// Ends the figure: the next corner begins another one. What cannot be measured goes.
     pub(super) fn end_figure(&mut self) {
-        match &self.measuring.figure {
+        match &self.map.measuring.figure {
             Some(figure) if !figure.measurement.is_measurable() => self.draw(None),
             Some(figure) if !figure.done => {
-                self.measuring.figure = Some(Arc::new(Figure {
+                self.map.measuring.figure = Some(Arc::new(Figure {
                     done: true,
                     ..(**figure).clone()
                 }));
@@ -297,15 +297,15 @@ impl App {
             Some(_) => "corner",
             None => "measurement",
         };
-        self.measuring.figure = after.figure.clone();
+        self.map.measuring.figure = after.figure.clone();
         self.record_step(&before, &after, label, false);
     }
 
     /// The depth profile as a table; `None` while there is none.
     pub fn profile_csv(&self) -> Option<String> {
         let (survey, products) = self.log.survey.as_ref().zip(self.log.products.as_ref())?;
-        let stations = self.measuring.stations();
-        let drawn = self.measuring.shows_profile() && !stations.is_empty();
+        let stations = self.map.measuring.stations();
+        let drawn = self.map.measuring.shows_profile() && !stations.is_empty();
         drawn.then(|| export::profile_csv(survey, &products.navigation, stations))
     }
 

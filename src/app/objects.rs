@@ -212,7 +212,7 @@ impl App {
         let Some(list) = list.result().cloned() else {
             return;
         };
-        let table = self.options.objects.clone();
+        let table = self.view.options.objects.clone();
         let key = (Same(list.clone()), table.clone());
         listing.ask(key, &self.jobs, move |_| Some(table.list(list.objects())));
     }

@@ -166,7 +166,7 @@ impl App {
     }
 
     fn selected(&self) -> Option<(LogId, Mark)> {
-        self.selection.map(|mark| (self.log.id, mark))
+        self.view.selection.map(|mark| (self.log.id, mark))
     }
 
     /// Collects the passes that were found.

@@ -52,7 +52,7 @@ impl App {
             let has = |kind| survey.is_some_and(|survey| survey.has_echogram(kind));
             channel.kind().is_some_and(has)
         };
-        let shown = &mut self.options.waterfall;
+        let shown = &mut self.view.options.waterfall;
         let there = EchogramChannel::ALL.into_iter().filter(has);
         let each = there.flat_map(|channel| [(channel, false), (channel, true)]);
         let all: Vec<_> = [(EchogramChannel::None, false)]

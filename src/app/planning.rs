@@ -106,7 +106,7 @@ impl App {
         let name = format!("{} lines", survey.name());
         let review = self.survey_review();
         let logs: Vec<_> = shown.into_iter().map(|shown| shown.log).collect();
-        let asked = self.planning.asked;
+        let asked = self.map.planning.asked;
         let work = move |progress: &Progress| {
             let objects = list_objects(&logs, &review, progress)?;
             let known = survey_coverage(&logs, &objects, progress)?.ok_or(PlanError::NoLog)?;
@@ -118,12 +118,12 @@ impl App {
                 name,
             })
         };
-        self.planning.task = Some(Task::start(&self.jobs, work));
+        self.map.planning.task = Some(Task::start(&self.jobs, work));
     }
 
     /// Collects the lines.
     pub(super) fn poll_planning(&mut self) {
-        match self.planning.task.as_ref().map(Task::poll) {
+        match self.map.planning.task.as_ref().map(Task::poll) {
             None | Some(Outcome::Pending) => return,
             Some(Outcome::Done(Ok(lines))) => self.set_lines(Some(lines), "planned lines"),
             Some(Outcome::Done(Err(error))) => self.notify(error.to_string(), true),
@@ -131,16 +131,16 @@ impl App {
                 self.notify("planning lines failed unexpectedly".to_owned(), true);
             }
         }
-        self.planning.task = None;
+        self.map.planning.task = None;
     }
 
     /// Carries out a request about the lines.
     pub(super) fn change_plan(&mut self, request: PlanRequest) {
         match request {
-            PlanRequest::Ask(asked) => self.planning.asked = asked,
-            PlanRequest::Select(line) => self.planning.selected = line,
+            PlanRequest::Ask(asked) => self.map.planning.asked = asked,
+            PlanRequest::Select(line) => self.map.planning.selected = line,
             PlanRequest::Move { line, end, to } => {
-                let Some(planned) = self.planning.lines.clone() else {
+                let Some(planned) = self.map.planning.lines.clone() else {
                     return;
                 };
                 let mut lines = planned.plan.lines.clone();
@@ -150,7 +150,7 @@ impl App {
                     (Some(leg), _) => leg.to = place,
                     (None, _) => return,
                 }
-                self.planning.selected = Some(line);
+                self.map.planning.selected = Some(line);
                 self.replace_lines(&planned, lines, "end of a planned line");
             }
         }
@@ -158,11 +158,15 @@ impl App {
 
     /// Removes the selected line.
     pub(super) fn remove_line(&mut self) {
-        let Some(planned) = self.planning.lines.clone() else {
+        let Some(planned) = self.map.planning.lines.clone() else {
             return self.notify(NO_LINES.to_owned(), true);
         };
         let mut lines = planned.plan.lines.clone();
-        let selected = self.planning.selected.filter(|line| *line < lines.len());
+        let selected = self
+            .map
+            .planning
+            .selected
+            .filter(|line| *line < lines.len());
         let Some(line) = selected else {
             return self.notify(NO_LINE.to_owned(), true);
         };
@@ -186,26 +190,26 @@ impl App {
 
     /// The lines of a step that undo or redo comes to.
     pub(super) fn take_planned(&mut self, lines: Option<Arc<PlannedLines>>) {
-        if self.planning.lines != lines {
-            self.planning.selected = None;
+        if self.map.planning.lines != lines {
+            self.map.planning.selected = None;
         }
-        self.planning.lines = lines;
+        self.map.planning.lines = lines;
     }
 
     /// Makes lines the planned ones, as an undo step.
     fn set_lines(&mut self, lines: Option<PlannedLines>, label: &'static str) {
         let before = self.step_now();
-        self.planning.lines = lines.map(Arc::new);
+        self.map.planning.lines = lines.map(Arc::new);
         let count = |lines: &Arc<PlannedLines>| lines.plan.lines.len();
-        let count = self.planning.lines.as_ref().map_or(0, count);
-        self.planning.selected = self.planning.selected.filter(|line| *line < count);
+        let count = self.map.planning.lines.as_ref().map_or(0, count);
+        self.map.planning.selected = self.map.planning.selected.filter(|line| *line < count);
         let after = self.step_now();
         self.record_step(&before, &after, label, false);
     }
 
     /// Writes the lines into a file; its ending says for whom.
     pub(super) fn save_plan(&mut self, path: PathBuf) {
-        let Some(planned) = self.planning.lines.clone() else {
+        let Some(planned) = self.map.planning.lines.clone() else {
             return self.notify(NO_LINES.to_owned(), true);
         };
         if self.refuses_log(&path) {

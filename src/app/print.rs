@@ -115,18 +115,18 @@ impl App {
     /// What the views show of this state, to be drawn elsewhere: without buttons, and without what the pointer has selected.
     pub fn for_picture(&self) -> App {
         let mut copy = App::new(Jobs::Threads(Arc::new(|| ())));
-        copy.is_picture = true;
+        copy.view.is_picture = true;
         copy.log = self.log.for_picture();
-        copy.planning = self.planning.for_picture();
+        copy.map.planning = self.map.planning.for_picture();
         copy.logs = self.logs.for_picture();
         copy.pipeline.deriving = self.pipeline.deriving.for_picture();
-        copy.survey_serial = self.survey_serial;
-        copy.plane_serial = self.plane_serial;
-        copy.options = self.options.clone();
-        copy.base_map = self.base_map.clone();
-        copy.comparing = self.comparing.for_picture();
+        copy.view.survey_serial = self.view.survey_serial;
+        copy.view.plane_serial = self.view.plane_serial;
+        copy.view.options = self.view.options.clone();
+        copy.map.base_map = self.map.base_map.clone();
+        copy.map.comparing = self.map.comparing.for_picture();
         copy.findings.reference_comparison = self.findings.reference_comparison.for_picture();
-        copy.measuring = self.measuring.for_picture();
+        copy.map.measuring = self.map.measuring.for_picture();
         copy
     }
 }

@@ -74,11 +74,11 @@ impl App {
     fn system(&self, view: View) -> Option<String> {
         let survey = self.log.survey.as_ref()?;
         let zone = UtmZone::of(survey.track.frame.origin());
-        let positions = match self.options.coordinates {
+        let positions = match self.view.options.coordinates {
             CoordinateFormat::Utm => format!("{} (EPSG:{})", zone.name(), zone.epsg()),
             other => format!("WGS 84 (EPSG:4326), {}", other.name()),
         };
-        let lengths = self.options.units.length.name();
+        let lengths = self.view.options.units.length.name();
         Some(match view {
             View::Map => format!("Coordinates: {positions}. Lengths in {lengths}."),
             View::Waterfall | View::Cloud | View::Objects => {
@@ -91,7 +91,7 @@ impl App {
     fn datum(&self) -> Option<String> {
         let products: &Products = self.log.products.as_ref()?;
         let statement = products.correction.statement();
-        Some(self.options.units.sentence(&statement))
+        Some(self.view.options.units.sentence(&statement))
     }
 }
 
@@ -121,7 +121,7 @@ mod tests {
         assert!(system.contains("metres"), "{system}");
         assert!(datum.starts_with("Depths are below"), "{datum}");
         assert_eq!(scale, "Scale 1 : 500.");
-        app.options.coordinates = CoordinateFormat::Utm;
+        app.view.options.coordinates = CoordinateFormat::Utm;
         let text = app.print_text(View::Map, String::new(), day);
         assert!(text.facts[1].contains("EPSG:326"), "{}", text.facts[1]);
     }

@@ -60,36 +60,41 @@ const NO_LINE: &str = "there is no line to cut along: draw a depth profile on th
 impl App {
     /// Cuts the 3D view along the line of the profile, or shows it whole again.
     pub(super) fn toggle_cut(&mut self) {
-        if self.measuring.stations().is_empty() {
+        if self.map.measuring.stations().is_empty() {
             return self.notify(NO_LINE.to_owned(), true);
         }
-        self.options.cloud.cut = !self.options.cloud.cut;
+        self.view.options.cloud.cut = !self.view.options.cloud.cut;
     }
 
     /// Looks at the depths along the line again where the line or the depth map is another one.
     pub(super) fn follow_profile(&mut self) {
         let is_profile = |line: &Measurement| line.kind == MeasurementKind::Profile;
-        let figure = self.measuring.figure.as_deref();
+        let figure = self.map.measuring.figure.as_deref();
         let set = figure.map(|figure| figure.measurement.clone());
         let set = set.filter(is_profile);
-        let next = self.measuring.next.filter(|_| self.measuring.is_drawing());
+        let next = self
+            .map
+            .measuring
+            .next
+            .filter(|_| self.map.measuring.is_drawing());
         let drawn = set.clone().map(|line| match next {
             Some(next) => line.with(next, None),
             None => line,
         });
-        self.measuring.set = self.profile_line(set, self.measuring.set.as_ref());
-        self.measuring.drawn = match drawn {
+        self.map.measuring.set = self.profile_line(set, self.map.measuring.set.as_ref());
+        self.map.measuring.drawn = match drawn {
             // One line, once.
             Some(drawn)
                 if self
+                    .map
                     .measuring
                     .set
                     .as_ref()
                     .is_some_and(|set| set.line == drawn) =>
             {
-                self.measuring.set.clone()
+                self.map.measuring.set.clone()
             }
-            drawn => self.profile_line(drawn, self.measuring.drawn.as_ref()),
+            drawn => self.profile_line(drawn, self.map.measuring.drawn.as_ref()),
         };
     }
 

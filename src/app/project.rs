@@ -281,8 +281,8 @@ impl App {
             project = after.unwrap_or(project);
             project = project.with_log_at(&key, place).unwrap_or(project);
         }
-        keep_figure(&mut project, self.measuring.figure.as_ref());
-        match &self.base_map {
+        keep_figure(&mut project, self.map.measuring.figure.as_ref());
+        match &self.map.base_map {
             Some(map) => {
                 project.files.insert(BASE_MAP.to_owned(), map.path.clone());
             }
@@ -290,7 +290,7 @@ impl App {
                 project.files.remove(BASE_MAP);
             }
         }
-        project.set_view(VIEW, &self.options);
+        project.set_view(VIEW, &self.view.options);
         project.set_view(REVIEW_VIEW, &KeptQueue::of(&self.log.reviewing.queue));
         project
     }
@@ -400,7 +400,7 @@ impl App {
         self.close_all();
         self.document.shared = Arc::new(project.settings.clone());
         if let Some(options) = project.view::<ViewOptions>(VIEW) {
-            self.options = options;
+            self.view.options = options;
         }
         let queue = project.view::<KeptQueue>(REVIEW_VIEW);
         let frame = project.origin.map(LocalFrame::new);
@@ -419,7 +419,7 @@ impl App {
         if let Some(queue) = queue.filter(|kept| (0.0..=1.0).contains(&kept.threshold)) {
             self.set_queue(&queue.into_queue());
         }
-        self.measuring.figure = kept_figure(&project, None);
+        self.map.measuring.figure = kept_figure(&project, None);
         self.files.project_saving.project = project;
         self.files.project_saving.store = Some(store);
         self.take_past(past);

@@ -130,7 +130,7 @@ impl App {
         let Some(first) = logs.first() else {
             return;
         };
-        let of = Of::new(&logs, self.comparing.against(&first.products.settings));
+        let of = Of::new(&logs, self.map.comparing.against(&first.products.settings));
         let made = &mut self.findings.reference_comparison;
         if made.of.as_ref() == Some(&of) {
             return;

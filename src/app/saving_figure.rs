@@ -10,14 +10,14 @@ impl App {
     /// What is measured, once there is something between its corners.
     pub fn measured(&self) -> Option<MeasuredFigure> {
         let (survey, products) = self.log.survey.as_ref().zip(self.log.products.as_ref())?;
-        let figure = &self.measuring.figure.as_deref()?.measurement;
+        let figure = &self.map.measuring.figure.as_deref()?.measurement;
         if !figure.is_measurable() {
             return None;
         }
         let (area_m2, stations) = match figure.kind {
             MeasurementKind::Distance => (None, &[][..]),
             MeasurementKind::Area => (Some(figure.area_m2()), &[][..]),
-            MeasurementKind::Profile => (None, self.measuring.stations()),
+            MeasurementKind::Profile => (None, self.map.measuring.stations()),
             MeasurementKind::Height => (None, &[][..]),
         };
         let shadow = self.measured_height().and_then(Result::ok);

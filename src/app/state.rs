@@ -142,15 +142,9 @@ impl Findings {
     }
 }
 
-/// Everything that the window shows.
-pub struct App {
-    /// The log that waterfall, profile and panels show: the one under the selection.
-    pub log: OpenLog,
-    pub(super) logs: Logs,
-    pub(super) document: Document,
-    pub(super) pipeline: PipelineWork,
-    pub(super) files: FileWork,
-    pub(super) findings: Findings,
+/// What the views show, and how.
+#[derive(Default)]
+pub struct ViewState {
     /// Grows when another log is shown; views drop what they cached of it when it changes.
     pub survey_serial: u64,
     /// Grows when the plane of the survey moves: with each survey opened, and with each track applied to it.
@@ -165,11 +159,13 @@ pub struct App {
     pub visible: Range<usize>,
     /// How things are shown.
     pub options: ViewOptions,
-    /// Logs opened before, newest first.
-    pub recent: Vec<PathBuf>,
-    /// What is said on the screen.
-    pub notices: Vec<Notice>,
-    pub(super) said: NoticeHistory,
+    /// Only a picture is drawn of it: views leave their buttons out.
+    pub is_picture: bool,
+}
+
+/// What the analyst lays on the map.
+#[derive(Default)]
+pub struct MapWork {
     /// The analyst's own picture under the map.
     pub base_map: Option<Arc<BaseMap>>,
     /// What the points are compared with.
@@ -178,9 +174,27 @@ pub struct App {
     pub measuring: Measuring,
     /// Lines to sail next.
     pub planning: Planning,
+}
+
+/// Everything that the window shows.
+pub struct App {
+    /// The log that waterfall, profile and panels show: the one under the selection.
+    pub log: OpenLog,
+    pub(super) logs: Logs,
+    pub(super) document: Document,
+    pub(super) pipeline: PipelineWork,
+    pub(super) files: FileWork,
+    pub(super) findings: Findings,
+    /// What the views show, and how.
+    pub view: ViewState,
+    /// What the analyst lays on the map.
+    pub map: MapWork,
+    /// Logs opened before, newest first.
+    pub recent: Vec<PathBuf>,
+    /// What is said on the screen.
+    pub notices: Vec<Notice>,
+    pub(super) said: NoticeHistory,
     pub(super) following: Following,
-    /// Only a picture is drawn of it: views leave their buttons out.
-    pub is_picture: bool,
     /// The folder that was written last.
     pub written_into: Option<PathBuf>,
     pub(super) jobs: Jobs,
@@ -196,22 +210,12 @@ impl App {
             pipeline: PipelineWork::new(jobs.clone()),
             files: FileWork::default(),
             findings: Findings::default(),
-            survey_serial: 0,
-            plane_serial: 0,
-            selection: None,
-            hover: None,
-            reveal: None,
-            visible: 0..0,
-            options: ViewOptions::default(),
+            view: ViewState::default(),
+            map: MapWork::default(),
             recent: Vec::new(),
             notices: Vec::new(),
             said: NoticeHistory::default(),
-            base_map: None,
-            comparing: Comparing::default(),
-            measuring: Measuring::default(),
-            planning: Planning::default(),
             following: Following::default(),
-            is_picture: false,
             written_into: None,
             jobs,
         }
@@ -262,9 +266,9 @@ impl App {
         let is_busy = self.pipeline.is_busy()
             || self.files.is_busy()
             || self.findings.is_busy()
-            || self.planning.is_busy()
+            || self.map.planning.is_busy()
             || self.following.is_busy()
-            || self.comparing.is_opening()
+            || self.map.comparing.is_opening()
             || self.logs().any(OpenLog::is_busy);
         !is_busy
     }

@@ -128,7 +128,7 @@ impl App {
         let id = match place {
             Place::Instead => {
                 if self.log.survey.is_some() {
-                    self.options = self.options.for_new_survey();
+                    self.view.options = self.view.options.for_new_survey();
                 }
                 self.replace_logs(Arc::new(survey));
                 self.logs.arrived.clear();
@@ -218,7 +218,7 @@ impl App {
             image: self.log.settings.image.clone(),
             first_return: self.log.settings.first_return.clone(),
             bottom: self.log.settings.bottom.clone(),
-            visible: self.visible.clone(),
+            visible: self.view.visible.clone(),
             base: self.log.products.as_ref()?.returns.clone(),
         })
     }
@@ -236,8 +236,8 @@ impl App {
         self.files.exporting = None;
         self.files.opening_base_map = None;
         self.files.reading_area.stop();
-        self.comparing.stop();
-        self.planning.stop();
+        self.map.comparing.stop();
+        self.map.planning.stop();
         self.findings.passes.stop();
         self.findings.reference_comparison.stop();
         self.each_log(|app| app.log.external.stop_reading());

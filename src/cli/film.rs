@@ -48,7 +48,7 @@ pub fn run(args: FilmArgs) -> Result<(), Failure> {
     let frames = Frames::new(&log, args.size, args.speed / f64::from(args.fps));
     let mut app = log.app;
     // As on a recorder: the newest ping is on top.
-    app.options.waterfall.orientation = Orientation::Vertical;
+    app.view.options.waterfall.orientation = Orientation::Vertical;
     let mut settings = Settings::clone(&app.log.settings);
     settings.picture.flip = !settings.picture.flip;
     app.apply(Command::Change {

@@ -156,7 +156,7 @@ pub fn run(args: SnapshotArgs) -> Result<(), Failure> {
     }
     let mut app = App::new(Jobs::Threads(std::sync::Arc::new(|| ())));
     app.use_settings(&settings);
-    show_as(&mut app.options, &args);
+    show_as(&mut app.view.options, &args);
     args.geometry.apply(&mut app);
     open(&mut app, &args.survey.map_or(Origin::Demo, Origin::Path))?;
     take_over(&mut app, settings)?;
@@ -170,12 +170,12 @@ pub fn run(args: SnapshotArgs) -> Result<(), Failure> {
         wait(&mut app)?;
     }
     if let Some(path) = args.reference {
-        let layers = app.options.map.layers.clone();
+        let layers = app.view.options.map.layers.clone();
         app.apply(Command::CompareWith(path));
         wait(&mut app)?;
         if args.layers.is_some() {
             // Those that were named, and no other.
-            app.options.map.layers = layers;
+            app.view.options.map.layers = layers;
         }
     }
     if args.objects {

@@ -25,7 +25,7 @@ pub struct GeometryArgs {
 impl GeometryArgs {
     /// Takes it over.
     pub fn apply(self, app: &mut App) {
-        let waterfall = &mut app.options.waterfall;
+        let waterfall = &mut app.view.options.waterfall;
         waterfall.ground_range = self.ground;
         waterfall.water_column = !self.no_water;
     }
@@ -70,7 +70,7 @@ impl WaterfallArgs {
         let mut app = App::new(Jobs::Threads(Arc::new(|| ())));
         app.use_settings(&settings);
         self.geometry.apply(&mut app);
-        let waterfall = &mut app.options.waterfall;
+        let waterfall = &mut app.view.options.waterfall;
         waterfall.first_return = self.first_return;
         waterfall.flat_stretches = false;
         waterfall.boxes = false;

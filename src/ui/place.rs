@@ -106,7 +106,7 @@ pub fn depth(app: &App, ping: usize) -> String {
         |bottom| {
             format!(
                 "{} {}, {}",
-                app.options.units.measure(bottom.depth_m, 2),
+                app.view.options.units.measure(bottom.depth_m, 2),
                 reduction(app).reference().name(),
                 bottom.by.name()
             )
@@ -169,7 +169,7 @@ pub fn written(app: &App, at: LonLat) -> String {
         .as_ref()
         .map(|survey| survey.track.frame.origin());
     let zone = UtmZone::of(start.unwrap_or(at));
-    app.options.coordinates.write(at, zone)
+    app.view.options.coordinates.write(at, zone)
 }
 
 /// WGS84 position of a mark.

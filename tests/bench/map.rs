@@ -43,7 +43,7 @@ pub fn run() {
         app.show_survey(survey.clone(), Some(products.clone()));
         for layer in MapLayer::ALL {
             let shown = every_layer || layer == MapLayer::Track;
-            app.options.map.layers.set_visible(layer, shown);
+            app.view.options.map.layers.set_visible(layer, shown);
         }
         let mut window = Window::new(app);
         let before = processor_s();

@@ -80,7 +80,7 @@ fn window(pings: usize) -> Harness<'static, Window> {
     let mut app = App::new(Jobs::Inline);
     app.show_survey(Arc::new(survey(pings)), None);
     app.log.preview = Some(Arc::new(returns(pings)));
-    app.selection = Some(Mark::ping(pings / 2));
+    app.view.selection = Some(Mark::ping(pings / 2));
     let state = Window {
         app,
         view: WaterfallView::default(),

@@ -323,7 +323,7 @@ fn faces_of_the_clip_box_are_dragged_and_what_lies_outside_goes() {
     press(&mut window, Modifiers::NONE, Key::Num3);
     press(&mut window, Modifiers::SHIFT, Key::F11);
     settle(&mut window);
-    let clip = |window: &Window| app(window).options.cloud.clip;
+    let clip = |window: &Window| app(window).view.options.cloud.clip;
     let points_seen = |window: &mut Window| {
         let seen = window.render().expect("a picture");
         let [r, g, b, _] = egui::Color32::from_rgb(50, 130, 255).to_array();
@@ -383,11 +383,11 @@ fn the_bottom_is_shown_coloured_lit_and_hidden_by_keys() {
     press(&mut window, Modifiers::SHIFT, Key::M);
     assert_eq!(shown(&window), Some(BottomColour::Mosaic));
     press(&mut window, Modifiers::SHIFT, Key::L);
-    assert_eq!(app(&window).options.cloud.light_deg, [0.0, 45.0]);
+    assert_eq!(app(&window).view.options.cloud.light_deg, [0.0, 45.0]);
     press(&mut window, Modifiers::SHIFT, Key::V);
     assert_eq!(shown(&window), None);
     press(&mut window, Modifiers::SHIFT, Key::P);
-    assert!(!app(&window).options.cloud.points);
+    assert!(!app(&window).view.options.cloud.points);
     // The colours' key brings the bottom back as it was.
     press(&mut window, Modifiers::SHIFT, Key::M);
     assert_eq!(shown(&window), Some(BottomColour::Mosaic));
@@ -468,7 +468,7 @@ fn a_click_on_the_mosaic_in_3d_shows_the_place_in_the_waterfall() {
     let place = |window: &mut Window, at: Pos2| {
         click(window, at);
         settle(window);
-        let mark = app(window).selection.expect("a place");
+        let mark = app(window).view.selection.expect("a place");
         let (side, sample) = mark.side.zip(mark.sample).expect("beside the track");
         place_of(&layout, mark.ping, side, f64::from(sample)).expect("on the ground")
     };
@@ -620,7 +620,7 @@ fn the_3d_view_is_cut_along_the_profile_and_shows_the_water_surface() {
     press(&mut window, Modifiers::SHIFT, Key::F11);
     settle(&mut window);
     press(&mut window, Modifiers::SHIFT, Key::Q);
-    assert!(!app(&window).options.cloud.cut, "there is no line yet");
+    assert!(!app(&window).view.options.cloud.cut, "there is no line yet");
     assert!(
         window
             .query_by_label_contains("draw a depth profile on the map first")
@@ -646,11 +646,11 @@ fn the_3d_view_is_cut_along_the_profile_and_shows_the_water_surface() {
     press(&mut window, Modifiers::SHIFT, Key::Q);
     press(&mut window, Modifiers::SHIFT, Key::W);
     settle(&mut window);
-    let cloud = &app(&window).options.cloud;
+    let cloud = &app(&window).view.options.cloud;
     assert!(cloud.cut && cloud.water);
     window.snapshot("cloud_cross_section");
     // Another survey has another section.
     window.state_mut().app.apply(Command::OpenDemo);
     settle(&mut window);
-    assert!(!app(&window).options.cloud.cut);
+    assert!(!app(&window).view.options.cloud.cut);
 }

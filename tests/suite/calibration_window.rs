@@ -95,7 +95,7 @@ fn a_drag_in_the_waterfall_proposes_its_pings_and_escape_leaves_tool_then_propos
     act(&mut window, Action::Calibrate);
     let first = app(&window).log.proposed_stretch();
     let picture = window.get_by_label_contains("Waterfall, pings").rect();
-    let seen = app(&window).visible.clone();
+    let seen = app(&window).view.visible.clone();
     let at = |share: f32| picture.left_center() + egui::vec2(picture.width() * share, -30.0);
     window.drag_at(at(0.40));
     window.step();
@@ -184,7 +184,10 @@ fn candidates_are_buttons_that_propose_and_say_what_is_worse() {
     window.run();
     let proposed = app(&window).log.proposed_stretch();
     assert_eq!(proposed, Some(spots[1].range()));
-    assert!(app(&window).selection.is_some(), "it is shown in all views");
+    assert!(
+        app(&window).view.selection.is_some(),
+        "it is shown in all views"
+    );
     let second = window.get_by_label_contains("Flat stretch 2, pings");
     let toggled = second.accesskit_node().toggled();
     assert_eq!(toggled, Some(egui::accesskit::Toggled::True));

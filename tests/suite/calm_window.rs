@@ -138,10 +138,10 @@ fn the_panels_go_and_come_by_key_and_stay_so() {
     assert!(window.query_by_label("Selection section").is_none());
     assert!(views(&window).width() > before + 450.0);
     // As the window keeps it between runs.
-    let text = serde_json::to_string(&app(&window).options).expect("text");
+    let text = serde_json::to_string(&app(&window).view.options).expect("text");
     let kept: crate::app::ViewOptions = serde_json::from_str(&text).expect("options");
     let mut next = demo_window();
-    next.state_mut().app.options = kept;
+    next.state_mut().app.view.options = kept;
     next.run();
     assert!(next.query_by_label("First return section").is_none());
     let button = Action::StepsPanel.label();
@@ -165,7 +165,7 @@ fn notices_are_kept_in_a_list_and_lie_over_no_time_line() {
     let mut window = demo_window();
     let folder = tempfile::tempdir().expect("a temporary folder");
     let missing = folder.path().join("lake 5 m deep.sl2");
-    window.state_mut().app.options.units = Units {
+    window.state_mut().app.view.options.units = Units {
         length: LengthUnit::Feet,
         ..Units::default()
     };
@@ -204,11 +204,11 @@ fn what_is_typed_in_the_frame_of_the_palettes_key_goes_into_its_field() {
     let events: Vec<Event> = std::iter::once(key(Key::P, Modifiers::COMMAND))
         .chain(typed)
         .collect();
-    let before = app(&window).options.waterfall.orientation;
+    let before = app(&window).view.options.waterfall.orientation;
     window.input_mut().events.extend(events);
     window.step();
     // T, N and W mean tools: none was taken.
-    assert!(app(&window).measuring.tool.is_none());
+    assert!(app(&window).map.measuring.tool.is_none());
     assert_eq!(app(&window).log.reviewing.tool, Default::default());
     window.step();
     let field = window.get_by_label("Command");
@@ -216,7 +216,7 @@ fn what_is_typed_in_the_frame_of_the_palettes_key_goes_into_its_field() {
     assert_eq!(value.as_deref(), Some("turn the w"));
     window.event(Event::Text("a".to_owned()));
     press(&mut window, Modifiers::NONE, Key::Enter);
-    assert_ne!(app(&window).options.waterfall.orientation, before);
+    assert_ne!(app(&window).view.options.waterfall.orientation, before);
 }
 
 #[test]
@@ -276,7 +276,7 @@ fn a_change_is_named_in_the_units_of_the_day_it_is_read() {
         length: LengthUnit::Feet,
         ..Units::default()
     };
-    window.state_mut().app.options.units = feet;
+    window.state_mut().app.view.options.units = feet;
     window.run();
     let draft = window.get_by_role_and_label(Role::Slider, "Draft");
     draft.set_value_accesskit(5.0);
@@ -292,10 +292,10 @@ fn the_next_box_comes_one_to_one() {
     let mut window = demo_window();
     let found = detections(&window, 6);
     propose(&mut window, &found, folder.path());
-    let wide = app(&window).visible.len();
+    let wide = app(&window).view.visible.len();
     press(&mut window, Modifiers::NONE, Key::Tab);
     window.run();
-    let near = app(&window).visible.clone();
+    let near = app(&window).view.visible.clone();
     let shown = app(&window).log.reviewing.selected_box().expect("a box");
     let pings = shown.mark.pings.clone();
     assert!(near.start <= pings.start && pings.end <= near.end);
@@ -304,14 +304,14 @@ fn the_next_box_comes_one_to_one() {
     // The same scale for the next one, and left alone when that is wished for.
     press(&mut window, Modifiers::NONE, Key::Tab);
     window.run();
-    let next = app(&window).visible.len();
+    let next = app(&window).view.visible.len();
     assert!(next.abs_diff(near.len()) <= near.len() / 4, "{next}");
     press(&mut window, Modifiers::SHIFT, Key::Z);
-    assert!(!app(&window).options.waterfall.zooms_to_boxes);
+    assert!(!app(&window).view.options.waterfall.zooms_to_boxes);
     press(&mut window, Modifiers::NONE, Key::F);
     press(&mut window, Modifiers::NONE, Key::Tab);
     window.run();
-    assert!(app(&window).visible.len() > 1000);
+    assert!(app(&window).view.visible.len() > 1000);
 }
 
 #[test]
@@ -330,7 +330,7 @@ fn small_windows_look_as_they_did() {
     let found = detections(&window, 12);
     propose(&mut window, &found, folder.path());
     window.state_mut().app.notices.clear();
-    window.state_mut().app.options.theme = ThemeChoice::Light;
+    window.state_mut().app.view.options.theme = ThemeChoice::Light;
     press(&mut window, Modifiers::NONE, Key::Tab);
     press(&mut window, Modifiers::NONE, Key::E);
     settle(&mut window);

@@ -52,9 +52,9 @@ fn the_window_takes_the_whole_screen_and_gives_it_back() {
     set_full_screen(&mut window, true);
     // Escape is the tool's first, and the palette's.
     press(&mut window, Modifiers::NONE, Key::D);
-    assert!(app(&window).measuring.tool.is_some());
+    assert!(app(&window).map.measuring.tool.is_some());
     assert!(asked_by(&mut window, Key::Escape).is_empty());
-    assert!(app(&window).measuring.tool.is_none());
+    assert!(app(&window).map.measuring.tool.is_none());
     press(&mut window, Modifiers::COMMAND, Key::K);
     assert!(asked_by(&mut window, Key::Escape).is_empty());
     set_full_screen(&mut window, false);
@@ -76,7 +76,7 @@ fn the_palette_opens_by_both_of_its_keys() {
 /// Survey seconds that playing runs over in some frames, as fast as it is set to.
 fn played_s(window: &mut Window) -> f64 {
     let time_s = |window: &Window| {
-        let mark = app(window).selection.expect("a selection");
+        let mark = app(window).view.selection.expect("a selection");
         let survey = app(window).log.survey.as_ref().expect("a survey");
         survey.side_scan[mark.ping].time_s
     };
@@ -116,7 +116,7 @@ fn all_boxes_are_hidden_and_shown_by_a_key() {
     let found = detections(&window, 3);
     propose(&mut window, &found, folder.path());
     let shown = |window: &Window| {
-        let options = &app(window).options;
+        let options = &app(window).view.options;
         let on_map = options.map.layers.is_visible(MapLayer::Boxes);
         [options.waterfall.boxes, on_map, options.cloud.boxes]
     };
@@ -128,7 +128,7 @@ fn all_boxes_are_hidden_and_shown_by_a_key() {
     press(&mut window, Modifiers::SHIFT, Key::B);
     assert_eq!(shown(&window), [true; 3]);
     // Where one view shows them, all are to be hidden first.
-    let mut options = app(&window).options.clone();
+    let mut options = app(&window).view.options.clone();
     options.waterfall.boxes = false;
     let show = Command::Show(Box::new(options));
     window.state_mut().app.apply(show);
@@ -139,7 +139,7 @@ fn all_boxes_are_hidden_and_shown_by_a_key() {
 #[test]
 fn the_recorded_depth_is_shown_and_hidden_by_a_key() {
     let mut window = demo_window();
-    let is_shown = |window: &Window| app(window).options.waterfall.depth_line;
+    let is_shown = |window: &Window| app(window).view.options.waterfall.depth_line;
     let before = is_shown(&window);
     press(&mut window, Modifiers::COMMAND, Key::B);
     assert_eq!(is_shown(&window), !before);

@@ -70,7 +70,7 @@ pub fn places_on_map(window: &mut Window) -> impl Fn([f64; 2]) -> Pos2 + use<> {
     for probe in probes {
         click(window, probe);
     }
-    let figure = app(window).measuring.figure.clone().expect("a line");
+    let figure = app(window).map.measuring.figure.clone().expect("a line");
     press(window, Modifiers::NONE, Key::Escape);
     press(window, Modifiers::NONE, Key::Escape);
     let log = &app(window).log;
@@ -134,7 +134,7 @@ fn a_drag_along_the_waterfall_leaves_pings_out_of_everything_as_one_step() {
     click(&mut window, beside);
     assert_eq!(pings(&window), [stretch]);
     assert!(near(
-        [app(&window).selection.expect("a ping").ping; 2],
+        [app(&window).view.selection.expect("a ping").ping; 2],
         [600; 2]
     ));
     let inside = at(&window, 350.0, 4.0);
@@ -187,7 +187,7 @@ fn turns_are_found_listed_and_taken_back_in() {
         .get_by_label(&format!("Stretch turn {first}..{last}"))
         .click_accesskit();
     settle(&mut window);
-    let shown = app(&window).selection.expect("a ping").ping;
+    let shown = app(&window).view.selection.expect("a ping").ping;
     assert!((first..=last).contains(&shown));
     window.get_by_label_contains(", excluded: turn");
 

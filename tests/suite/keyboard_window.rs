@@ -49,7 +49,7 @@ fn the_main_job_is_done_without_a_pointer() {
     let found = app(&window).log.products.as_ref().expect("results");
     let port = found.returns.port.iter().filter(|pick| pick.is_some());
     assert!(port.count() > 1000, "the first return is found");
-    let is_shown = |window: &Window| app(window).options.waterfall.first_return;
+    let is_shown = |window: &Window| app(window).view.options.waterfall.first_return;
     press(&mut window, Modifiers::NONE, Key::B);
     assert!(!is_shown(&window));
     press(&mut window, Modifiers::NONE, Key::B);
@@ -81,8 +81,8 @@ fn the_main_job_is_done_without_a_pointer() {
     press(&mut window, Modifiers::NONE, Key::X);
     press(&mut window, Modifiers::NONE, Key::Enter);
     press(&mut window, Modifiers::NONE, Key::Escape);
-    assert!(app(&window).measuring.tool.is_none());
-    let figure = app(&window).measuring.figure.clone().expect("a figure");
+    assert!(app(&window).map.measuring.tool.is_none());
+    let figure = app(&window).map.measuring.figure.clone().expect("a figure");
     let length_m = figure.measurement.length_m();
     println!("measured {length_m:.2} m by keys");
     assert!(length_m > 1.0, "{length_m}");

@@ -129,7 +129,7 @@ fn rest(window: &mut Window) {
     app.apply(Command::Select(None));
     app.apply(Command::SelectBox(None));
     app.apply(Command::Do(Action::RemoveFigure));
-    if app.measuring.tool.is_some() {
+    if app.map.measuring.tool.is_some() {
         app.apply(Command::Do(Action::LeaveTool));
     }
     window.run();
@@ -311,12 +311,12 @@ fn a_box_that_was_scrolled_away_is_not_decided_unseen() {
         .pings
         .clone();
     let is_seen = |window: &Window| {
-        let seen = app(window).visible.clone();
+        let seen = app(window).view.visible.clone();
         pings.start < seen.end && seen.start < pings.end
     };
     assert!(is_seen(&window));
     press(&mut window, Modifiers::NONE, Key::End);
-    assert!(!is_seen(&window), "{:?}", app(&window).visible);
+    assert!(!is_seen(&window), "{:?}", app(&window).view.visible);
     press(&mut window, Modifiers::NONE, Key::A);
     assert_eq!(app(&window).review_counts().boxes.accepted, 0);
     assert_eq!(app(&window).log.reviewing.selected, Some(id));
@@ -367,7 +367,7 @@ fn keys_that_change_every_depth_ask_first() {
 #[test]
 fn a_key_acts_in_the_view_that_was_clicked_wherever_the_pointer_is() {
     let mut window = crate::suite::window::demo_window();
-    let is_ground = |window: &Window| app(window).options.waterfall.ground_range;
+    let is_ground = |window: &Window| app(window).view.options.waterfall.ground_range;
     press(&mut window, Modifiers::NONE, Key::Num2);
     press(&mut window, Modifiers::NONE, Key::G);
     assert!(!is_ground(&window), "G is a key of the waterfall");
@@ -386,9 +386,9 @@ fn a_key_acts_in_the_view_that_was_clicked_wherever_the_pointer_is() {
     press(&mut window, Modifiers::NONE, Key::G);
     assert!(is_ground(&window));
     // With Shift a letter is another key: it does not turn the waterfall where the bottom in 3D is not.
-    let turned = app(&window).options.waterfall.orientation;
+    let turned = app(&window).view.options.waterfall.orientation;
     press(&mut window, Modifiers::SHIFT, Key::V);
-    assert_eq!(app(&window).options.waterfall.orientation, turned);
+    assert_eq!(app(&window).view.options.waterfall.orientation, turned);
     let scope = Action::GroundRange.key_scope().expect("a bare key");
     assert!(
         scope.holds(KeyFocus::View(View::Waterfall)) && !scope.holds(KeyFocus::View(View::Map))

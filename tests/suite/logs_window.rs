@@ -99,8 +99,8 @@ fn a_folder_of_logs_is_one_survey_on_map_and_in_cloud() {
     let first = origins.clone().next().expect("three logs");
     assert!(origins.clone().all(|origin| origin == first));
 
-    window.state_mut().app.options.cloud.colour = CloudColour::Log;
-    window.state_mut().app.options.map.track_by_log = true;
+    window.state_mut().app.view.options.cloud.colour = CloudColour::Log;
+    window.state_mut().app.view.options.map.track_by_log = true;
     drawn(&mut window);
     window.snapshot("window_logs");
 }
@@ -119,7 +119,7 @@ fn another_log_is_shown_by_its_row_by_key_and_by_a_place_of_it() {
     window.state_mut().app.apply(place);
     settle(&mut window);
     assert_eq!(app(&window).log.id, second);
-    assert_eq!(app(&window).selection.map(|mark| mark.ping), Some(40));
+    assert_eq!(app(&window).view.selection.map(|mark| mark.ping), Some(40));
 }
 
 #[test]

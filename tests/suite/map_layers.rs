@@ -6,11 +6,11 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable as _;
 
 fn shown(window: &Window, layer: MapLayer) -> LayerShown {
-    app(window).options.map.layers.of(layer)
+    app(window).view.options.map.layers.of(layer)
 }
 
 fn order(window: &Window) -> Vec<MapLayer> {
-    let layers = &app(window).options.map.layers;
+    let layers = &app(window).view.options.map.layers;
     layers.bottom_up().map(|shown| shown.layer).collect()
 }
 

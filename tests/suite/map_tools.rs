@@ -52,7 +52,7 @@ fn every_panel_writes_a_position_in_the_form_that_was_chosen() {
         ),
     ] {
         by_palette(&mut window, name);
-        assert_eq!(app(&window).options.coordinates, format);
+        assert_eq!(app(&window).view.options.coordinates, format);
         let written = window.query_all_by_label_contains(sign).count();
         assert_eq!(written, 2, "in the selection and the status line: {sign}");
     }
@@ -61,16 +61,16 @@ fn every_panel_writes_a_position_in_the_form_that_was_chosen() {
 #[test]
 fn the_graticule_follows_the_coordinates() {
     let mut window = map_window();
-    window.state_mut().app.options.coordinates = CoordinateFormat::Seconds;
+    window.state_mut().app.view.options.coordinates = CoordinateFormat::Seconds;
     settle(&mut window);
     window.snapshot("map_graticule_seconds");
-    window.state_mut().app.options.coordinates = CoordinateFormat::Utm;
+    window.state_mut().app.view.options.coordinates = CoordinateFormat::Utm;
     press(&mut window, Modifiers::NONE, Key::L);
     settle(&mut window);
     window.snapshot("map_graticule_utm_light");
     let off = Command::Do(Action::Graticule);
     window.state_mut().app.apply(off);
-    assert!(!app(&window).options.map.graticule);
+    assert!(!app(&window).view.options.map.graticule);
 }
 
 /// A click with the main button.
@@ -91,7 +91,7 @@ pub fn click(window: &mut Window, at: Pos2) {
 }
 
 fn corners(window: &Window) -> Vec<LonLat> {
-    let figure = app(window).measuring.figure.as_ref();
+    let figure = app(window).map.measuring.figure.as_ref();
     figure.map_or_else(Vec::new, |figure| figure.measurement.corners.clone())
 }
 
@@ -126,6 +126,7 @@ fn a_distance_is_measured_by_mouse_and_taken_back() {
         "{places:?}"
     );
     let distances_m = app(&window)
+        .map
         .measuring
         .figure
         .as_ref()
@@ -136,7 +137,11 @@ fn a_distance_is_measured_by_mouse_and_taken_back() {
         (distances_m[2] - legs[0] - legs[1]).abs() < 1e-6,
         "{distances_m:?}"
     );
-    assert_eq!(app(&window).selection, None, "the clicks select no ping");
+    assert_eq!(
+        app(&window).view.selection,
+        None,
+        "the clicks select no ping"
+    );
     press(&mut window, Modifiers::NONE, Key::Backspace);
     assert_eq!(corners(&window), found[..2]);
     press(&mut window, Modifiers::NONE, Key::Enter);
@@ -145,7 +150,7 @@ fn a_distance_is_measured_by_mouse_and_taken_back() {
     click(&mut window, pos2(500.0, 300.0));
     assert_eq!(corners(&window).len(), 1, "another line begins");
     press(&mut window, Modifiers::NONE, Key::Escape);
-    assert_eq!(app(&window).measuring.tool, None);
+    assert_eq!(app(&window).map.measuring.tool, None);
     assert_eq!(corners(&window).len(), 0, "one corner measures nothing");
     press(&mut window, Modifiers::COMMAND, Key::Z);
     assert_eq!(corners(&window).len(), 1, "undone");
@@ -171,7 +176,7 @@ fn an_area_is_drawn_by_keys_alone() {
     press(&mut window, Modifiers::NONE, Key::X);
     press(&mut window, Modifiers::NONE, Key::Enter);
     window.step();
-    let figure = app(&window).measuring.figure.clone().expect("a figure");
+    let figure = app(&window).map.measuring.figure.clone().expect("a figure");
     assert!(
         figure.done && figure.measurement.corners.len() == 3,
         "{figure:?}"
@@ -185,7 +190,7 @@ fn an_area_is_drawn_by_keys_alone() {
         "half of a rectangle"
     );
     assert_eq!(
-        app(&window).selection,
+        app(&window).view.selection,
         None,
         "the arrows walk along no pings"
     );
@@ -196,7 +201,7 @@ fn an_area_is_drawn_by_keys_alone() {
     );
     press(&mut window, Modifiers::NONE, Key::Escape);
     press(&mut window, Modifiers::NONE, Key::Escape);
-    assert_eq!(app(&window).measuring.figure, None);
+    assert_eq!(app(&window).map.measuring.figure, None);
 }
 
 #[test]
@@ -217,8 +222,8 @@ fn a_depth_profile_is_plotted_marked_and_saved() {
     settle(&mut window);
     window.snapshot("map_profile");
 
-    let stations = app(&window).measuring.stations().to_vec();
-    let figure = app(&window).measuring.figure.clone().unwrap();
+    let stations = app(&window).map.measuring.stations().to_vec();
+    let figure = app(&window).map.measuring.figure.clone().unwrap();
     let text = app(&window).profile_csv().expect("a profile");
     let mut lines = text.lines();
     assert_eq!(
@@ -291,9 +296,9 @@ fn the_map_is_swiped_by_mouse_and_by_arrows() {
     let mut window = map_window();
     press(&mut window, Modifiers::NONE, Key::W);
     settle(&mut window);
-    let swipe = |window: &Window| app(window).options.map.swipe.clone();
+    let swipe = |window: &Window| app(window).view.options.map.swipe.clone();
     assert!(swipe(&window).on);
-    let layers = &app(&window).options.map.layers;
+    let layers = &app(&window).view.options.map.layers;
     assert!(
         layers.is_visible(MapLayer::Mosaic),
         "the left has something to show"
@@ -317,7 +322,7 @@ fn the_map_is_swiped_by_mouse_and_by_arrows() {
     window.step();
     assert!((swipe(&window).share - dragged + 0.08).abs() < 1e-4);
     assert_eq!(
-        app(&window).selection,
+        app(&window).view.selection,
         None,
         "the arrows walk along no pings"
     );
@@ -335,13 +340,13 @@ fn a_dropped_picture_lies_under_the_map() {
     let mut window = map_window();
     drop_file(&mut window, base_map::file("utm_rgb.tif"));
     settle(&mut window);
-    let map = app(&window).base_map.clone().expect("a base map");
+    let map = app(&window).map.base_map.clone().expect("a base map");
     assert_eq!(map.size, [200, 150]);
     assert!(app(&window).log.survey.is_some(), "the survey stays open");
     assert!(app(&window).notices[0].text.starts_with(
         "Opened the base map of 200 by 150 pixels of 0.30 m, EPSG:32617 (WGS 84 / UTM zone 17N): "
     ));
-    let layers = &mut window.state_mut().app.options.map.layers;
+    let layers = &mut window.state_mut().app.view.options.map.layers;
     layers.set_visible(MapLayer::DepthMap, false);
     layers.set_visible(MapLayer::HillShade, false);
     settle(&mut window);
@@ -353,11 +358,11 @@ fn a_dropped_picture_lies_under_the_map() {
             .last()
             .is_some_and(|notice| notice.is_error)
     );
-    assert!(app(&window).base_map.is_some(), "the one before stays");
+    assert!(app(&window).map.base_map.is_some(), "the one before stays");
     let close = Command::Do(Action::CloseBaseMap);
     window.state_mut().app.apply(close);
     settle(&mut window);
-    assert!(app(&window).base_map.is_none());
+    assert!(app(&window).map.base_map.is_none());
 }
 
 #[test]
@@ -371,6 +376,7 @@ fn a_base_map_is_opened_by_its_command() {
     press(&mut window, Modifiers::NONE, Key::Enter);
     assert_eq!(
         app(&window)
+            .map
             .base_map
             .as_ref()
             .map(|map| map.place.crs.epsg()),
@@ -401,7 +407,7 @@ fn a_measured_area_is_saved_as_what_it_is() {
     app_now.apply(Command::Do(Action::EndFigure));
     app_now.apply(Command::Do(Action::LeaveTool));
     window.run();
-    let figure = app(&window).measuring.figure.clone().unwrap();
+    let figure = app(&window).map.measuring.figure.clone().unwrap();
     for name in ["area.geojson", "area.csv", "area.txt"] {
         window.get_by_label("Save the measurement…").click();
         window.run();
@@ -471,9 +477,9 @@ fn a_file_that_is_to_be_named_has_the_keyboard() {
     click(&mut window, pos2(300.0, 400.0));
     press(&mut window, Modifiers::NONE, Key::Enter);
     let mut window = {
-        let figure = app(&window).measuring.figure.clone();
+        let figure = app(&window).map.measuring.figure.clone();
         let mut whole = demo_window();
-        whole.state_mut().app.measuring.figure = figure;
+        whole.state_mut().app.map.measuring.figure = figure;
         whole
     };
     window.run();

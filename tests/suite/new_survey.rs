@@ -130,7 +130,7 @@ fn a_view_that_hides_a_part_is_not_that_of_the_next_survey() {
     let [one, two] = logs(folder.path());
     let mut app = App::new(Jobs::Inline);
     open(&mut app, &one);
-    let mut options = app.options.clone();
+    let mut options = app.view.options.clone();
     options.waterfall.ground_range = true;
     options.waterfall.water_column = false;
     options.waterfall.echogram_alone = true;
@@ -141,7 +141,7 @@ fn a_view_that_hides_a_part_is_not_that_of_the_next_survey() {
     open(&mut app, &two);
     let mut expected = ViewOptions::default();
     expected.units.length = LengthUnit::Feet;
-    assert_eq!(app.options, expected);
+    assert_eq!(app.view.options, expected);
 }
 
 #[test]

@@ -138,7 +138,7 @@ fn an_object_of_two_logs_is_one_in_the_list_and_leads_to_both() {
     assert_eq!(selected(&window), other);
     assert_eq!(app(&window).log.name(), "lake-1");
     let mark = &app(&window).log_box(other).expect("a box").mark;
-    let ping = app(&window).selection.expect("it is revealed").ping;
+    let ping = app(&window).view.selection.expect("it is revealed").ping;
     assert!(mark.pings.contains(&ping));
 
     // The key walks through them all, and around.
@@ -300,7 +300,7 @@ fn the_table_is_walked_through_by_keys() {
         let object = app(&window).selected_object().expect("an object");
         assert_eq!(object.number, expected, "{key:?}");
         // Its box is revealed in the views.
-        let ping = app(&window).selection.expect("a selected ping").ping;
+        let ping = app(&window).view.selection.expect("a selected ping").ping;
         let mark = &app(&window).log_box(selected(&window)).expect("a box").mark;
         assert!(mark.pings.contains(&ping), "{key:?}");
     }
@@ -309,7 +309,7 @@ fn the_table_is_walked_through_by_keys() {
     press(&mut window, Modifiers::NONE, Key::Enter);
     settle(&mut window);
     assert!(window.query_by_label_contains(waterfall).is_some());
-    let reveal = app(&window).reveal.expect("a place");
+    let reveal = app(&window).view.reveal.expect("a place");
     assert!(reveal.close_up.is_some(), "it is enlarged");
     // A digit would name the class of the box now.
     press(&mut window, Modifiers::COMMAND, Key::T);
@@ -536,7 +536,7 @@ fn the_window_with_an_object_of_four_logs_looks_as_it_did() {
     assert_eq!(object.logs().len(), 4);
     let app = &mut window.state_mut().app;
     app.apply(Command::SelectLogBox(object.boxes[0]));
-    app.options.map.track_by_log = true;
+    app.view.options.map.track_by_log = true;
     drawn(&mut window);
     window.snapshot("window_objects");
 }

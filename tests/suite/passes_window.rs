@@ -87,7 +87,7 @@ fn every_pass_has_the_place_where_it_says_and_the_selection_goes_from_one_to_the
     for _ in 0..passes.len() {
         press(&mut window, Modifiers::SHIFT, Key::T);
         settle(&mut window);
-        let mark = app(&window).selection.expect("a selection");
+        let mark = app(&window).view.selection.expect("a selection");
         let (side, sample) = mark.side.zip(mark.sample).expect("a place");
         let place = place_of(&layout, mark.ping, side, f64::from(sample)).expect("a place");
         let wanted = plane(at);
@@ -139,7 +139,7 @@ fn an_answer_that_nobody_waits_for_any_more_is_dropped() {
     assert!(!app.is_idle());
     app.apply(Command::Select(Some(Mark::ping(7))));
     app.poll();
-    assert_eq!(app.selection, Some(Mark::ping(7)));
+    assert_eq!(app.view.selection, Some(Mark::ping(7)));
     assert!(app.is_idle());
     // A place alone is shown in the first pass that saw it; one that none saw leaves the selection.
     app.apply(Command::ShowPlace(places[1]));
@@ -148,13 +148,13 @@ fn an_answer_that_nobody_waits_for_any_more_is_dropped() {
         panic!("it was found before");
     };
     let first = mark_of(pass);
-    assert_eq!(app.selection, Some(first));
+    assert_eq!(app.view.selection, Some(first));
     app.apply(Command::ShowPlace(LonLat {
         lat_deg: 0.0,
         ..places[1]
     }));
     app.poll();
-    assert_eq!(app.selection, Some(first));
+    assert_eq!(app.view.selection, Some(first));
     let said = app.notices.last().map(|notice| notice.text.clone());
     assert_eq!(
         said.as_deref(),

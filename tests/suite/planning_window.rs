@@ -10,7 +10,7 @@ use egui_kittest::kittest::Queryable as _;
 use std::fs;
 
 fn lines(window: &Window) -> Vec<Leg> {
-    let planned = app(window).planning.lines.as_ref();
+    let planned = app(window).map.planning.lines.as_ref();
     planned.map_or_else(Vec::new, |planned| planned.plan.lines.clone())
 }
 
@@ -68,7 +68,7 @@ fn lines_are_planned_dragged_removed_and_every_step_is_undone() {
     // A click on its middle selects it; the command removes it.
     let middle = [0, 1].map(|axis| 0.5 * (dragged[0].from[axis] + dragged[0].to[axis]));
     click(&mut window, at(middle));
-    assert_eq!(app(&window).planning.selected, Some(0));
+    assert_eq!(app(&window).map.planning.selected, Some(0));
     window
         .state_mut()
         .app

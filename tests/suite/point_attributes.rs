@@ -174,11 +174,11 @@ fn files_of_points_have_level_and_range_and_plain_las_is_written_where_it_is_ask
 #[test]
 fn colours_of_points_go_round_by_key_and_a_picture_is_drawn_in_each() {
     let mut window = demo_window();
-    let mut seen = vec![app(&window).options.cloud.colour];
+    let mut seen = vec![app(&window).view.options.cloud.colour];
     press(&mut window, Modifiers::NONE, Key::Num3);
     for _ in 0..4 {
         press(&mut window, Modifiers::SHIFT, Key::C);
-        seen.push(app(&window).options.cloud.colour);
+        seen.push(app(&window).view.options.cloud.colour);
     }
     // One log: nothing to tell apart by logs.
     let expected = [

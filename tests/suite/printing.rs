@@ -22,7 +22,7 @@ pub(crate) fn name_file(window: &mut Window, label: &str, path: &Path, verb: &st
 }
 
 fn print(window: &mut Window, view: &str, options: PrintOptions, path: &Path) {
-    let mut shown = app(window).options.clone();
+    let mut shown = app(window).view.options.clone();
     shown.print = options;
     window.state_mut().app.apply(Command::Show(Box::new(shown)));
     press(window, Modifiers::COMMAND | Modifiers::SHIFT, Key::E);
@@ -48,10 +48,10 @@ fn notice(window: &Window) -> Vec<(&str, bool)> {
 fn views_are_printed_on_paper_and_in_pixels() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut window = demo_window();
-    let mosaic = &mut window.state_mut().app.options.map.layers;
+    let mosaic = &mut window.state_mut().app.view.options.map.layers;
     mosaic.set_visible(MapLayer::Mosaic, true);
     window.run();
-    let before = app(&window).options.clone();
+    let before = app(&window).view.options.clone();
     let paper = PrintOptions {
         dpi: 150,
         ..PrintOptions::default()
@@ -91,7 +91,7 @@ fn views_are_printed_on_paper_and_in_pixels() {
                 .all(|&level| (level > 150) == (view == "Map"))
         );
     }
-    let mut after = app(&window).options.clone();
+    let mut after = app(&window).view.options.clone();
     after.print = before.print.clone();
     assert_eq!(after, before, "the window looks as it did");
     let left = std::fs::read_dir(folder.path()).expect("a folder").count();

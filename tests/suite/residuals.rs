@@ -52,6 +52,7 @@ fn the_map_shows_how_each_point_differs_from_the_soundings() {
     act(&mut window, Action::ResidualLayer);
     assert!(
         !app(&window)
+            .view
             .options
             .map
             .layers
@@ -128,7 +129,7 @@ fn a_second_mission_under_higher_water_is_lower_by_as_much() {
     assert!((mean_m(&window) - 0.20).abs() < 0.01, "{}", mean_m(&window));
     let (text, is_error) = notice(&window);
     assert!(!is_error && text.contains("shallower"), "{text}");
-    let layers = &app(&window).options.map.layers;
+    let layers = &app(&window).view.options.map.layers;
     assert!(layers.is_visible(MapLayer::Residuals));
     for command in [
         Command::Do(Action::CloseReference),
@@ -281,7 +282,7 @@ fn what_cannot_be_compared_is_reported_and_changes_nothing() {
         let (text, is_error) = notice(&window);
         assert!(is_error && text.contains(said), "{name}: {text}");
         assert_eq!(app(&window).notices.len(), before + 1, "{name}");
-        assert!(app(&window).comparing.reference.is_none(), "{name}");
+        assert!(app(&window).map.comparing.reference.is_none(), "{name}");
     }
 }
 
@@ -299,14 +300,14 @@ fn comparing_is_stopped_and_taken_up_again() {
     app.apply(Command::OpenDemo);
     wait(&mut app);
     app.apply(Command::CompareWith(demo_log()));
-    assert!(app.comparing.is_opening() && app.comparing_fraction().is_some());
+    assert!(app.map.comparing.is_opening() && app.comparing_fraction().is_some());
     app.apply(Command::Do(Action::Cancel));
     wait(&mut app);
-    assert!(app.comparing.reference.is_none() && app.notices.is_empty());
+    assert!(app.map.comparing.reference.is_none() && app.notices.is_empty());
 
     app.apply(Command::CompareWith(demo_log()));
     wait(&mut app);
-    assert!(app.comparing.reference.is_some() && app.agreement().is_some());
+    assert!(app.map.comparing.reference.is_some() && app.agreement().is_some());
     let nearest = Command::MatchBy {
         by: ReferenceBy::Nearest,
         radius_m: 0.5,

@@ -256,7 +256,7 @@ type Window = Harness<'static, Room>;
 fn open(room: Room) -> Window {
     let state = create_render_state(default_wgpu_setup(), RendererOptions::PREDICTABLE);
     let for_view = state.clone();
-    let dark = room.app.options.theme == ThemeChoice::Dark;
+    let dark = room.app.view.options.theme == ThemeChoice::Dark;
     let mut window = Harness::builder()
         .with_size(SIZE)
         .with_pixels_per_point(1.0)
@@ -351,10 +351,10 @@ fn the_views_name_what_they_show_and_look_as_they_did() {
     cloud.snapshot("cloud");
 
     let mut room = Room::cloud();
-    room.app.options.theme = ThemeChoice::Light;
-    room.app.options.cloud.colour = CloudColour::Depth;
-    room.app.options.cloud.outlier_preview = true;
-    room.app.selection = Some(Mark::ping(200));
+    room.app.view.options.theme = ThemeChoice::Light;
+    room.app.view.options.cloud.colour = CloudColour::Depth;
+    room.app.view.options.cloud.outlier_preview = true;
+    room.app.view.selection = Some(Mark::ping(200));
     let mut light = open(room);
     light.snapshot("cloud_light_by_depth");
 
@@ -370,13 +370,13 @@ fn the_pointer_on_the_map_finds_the_nearest_ping() {
     click(&mut window, at);
     // The map is fitted to the pond.
     let ping = nearest_ping(20.0, 24.0);
-    assert_eq!(window.state().app.hover, Some(Mark::ping(ping)));
-    assert_eq!(window.state().app.selection, Some(Mark::ping(ping)));
+    assert_eq!(window.state().app.view.hover, Some(Mark::ping(ping)));
+    assert_eq!(window.state().app.view.selection, Some(Mark::ping(ping)));
     let reveals = |command: &Command| matches!(command, Command::RevealIn(_, mark) if *mark == Mark::ping(ping));
     assert!(window.state().pushed.iter().any(reveals));
     window.remove_cursor();
     window.run();
-    assert_eq!(window.state().app.hover, None);
+    assert_eq!(window.state().app.view.hover, None);
 }
 
 fn proposals(window: &Window) -> Vec<PingRange> {
@@ -397,7 +397,7 @@ fn a_click_with_the_tool_proposes_the_stretch_around_it() {
     window.get_by_label("Calibrate on a stretch").click();
     window.run();
     click(&mut window, at);
-    let ping = window.state().app.hover.unwrap().ping;
+    let ping = window.state().app.view.hover.unwrap().ping;
     let [proposed] = proposals(&window)[..] else {
         panic!("one proposal: {:?}", window.state().pushed);
     };
@@ -430,6 +430,7 @@ fn a_click_on_a_point_leads_to_its_ping_and_sample() {
     let mark = window
         .state()
         .app
+        .view
         .selection
         .expect("a point near the middle");
     let products = window.state().app.log.products.clone().unwrap();
@@ -450,7 +451,7 @@ fn outliers_are_shown_only_on_request() {
     };
     let without = amber(Room::cloud());
     let mut room = Room::cloud();
-    room.app.options.cloud.outlier_preview = true;
+    room.app.view.options.cloud.outlier_preview = true;
     let with = amber(room);
     assert!(with > without + 31, "{without} {with}");
 }
@@ -493,7 +494,7 @@ fn wheel_and_drag_move_the_map_and_a_reveal_brings_a_ping_back() {
     window.run();
     window.hover_at(at);
     window.run();
-    assert_eq!(window.state().app.hover, Some(Mark::ping(0)));
+    assert_eq!(window.state().app.view.hover, Some(Mark::ping(0)));
     window.remove_cursor();
     window.state_mut().app.apply(Command::Select(None));
     window.state_mut().map.request(ViewRequest::Fit);

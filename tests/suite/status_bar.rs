@@ -65,7 +65,7 @@ fn the_status_bar_names_the_place_and_lets_the_least_important_parts_go() {
         };
         for format in CoordinateFormat::ALL {
             let state = window.state_mut();
-            state.app.options.coordinates = format;
+            state.app.view.options.coordinates = format;
             state.app.apply(Command::Select(Some(mark)));
             window.run();
             let bar = status_bar(&window);

@@ -103,8 +103,8 @@ fn feet_window() -> Window {
     window.run();
     by_palette(&mut window, "Units: feet");
     by_palette(&mut window, "Speeds: knots");
-    assert_eq!(app(&window).options.units, FEET);
-    let layers = &mut window.state_mut().app.options.map.layers;
+    assert_eq!(app(&window).view.options.units, FEET);
+    let layers = &mut window.state_mut().app.view.options.map.layers;
     for layer in [MapLayer::Isobaths, MapLayer::Residuals, MapLayer::DepthMap] {
         if !layers.is_visible(layer) {
             layers.toggle(layer);
@@ -250,7 +250,7 @@ fn hints_of_settings_are_turned_too() {
 #[test]
 fn a_number_typed_in_feet_sets_metres() {
     let mut window = demo_window();
-    window.state_mut().app.options.units = FEET;
+    window.state_mut().app.view.options.units = FEET;
     window.run();
     window
         .get_by_role_and_label(Role::SpinButton, "Water level")
@@ -324,7 +324,7 @@ fn range_lines_scale_bar_and_isobaths_are_round_in_feet() {
 fn the_window_in_feet_looks_as_it_did() {
     let mut window = drawn_window([1200.0, 760.0]);
     window.state_mut().app.apply(Command::OpenDemo);
-    let options = &mut window.state_mut().app.options;
+    let options = &mut window.state_mut().app.view.options;
     options.units = FEET;
     if !options.map.layers.is_visible(MapLayer::Isobaths) {
         options.map.layers.toggle(MapLayer::Isobaths);

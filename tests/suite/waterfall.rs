@@ -131,7 +131,7 @@ fn wheel(window: &mut Harness<'_, Window>, at: Pos2, delta: Vec2, modifiers: Mod
 }
 
 fn visible(window: &Harness<'_, Window>) -> std::ops::Range<usize> {
-    window.state().app.visible.clone()
+    window.state().app.view.visible.clone()
 }
 
 #[test]
@@ -143,7 +143,7 @@ fn the_waterfall_says_what_it_shows() {
         "Waterfall, pings 0 to 799 of 3000, first return not yet found"
     );
     window.state_mut().waterfall.show_pings(1000..1600);
-    window.state_mut().app.options.waterfall.first_return = false;
+    window.state_mut().app.view.options.waterfall.first_return = false;
     settle(&mut window);
     assert_eq!(
         name(&window),
@@ -251,7 +251,7 @@ fn keys_zoom_about_the_middle_and_fit() {
 fn hover_and_click_name_ping_side_and_sample() {
     for orientation in [Orientation::Horizontal, Orientation::Vertical] {
         let mut app = app_with(even_bottom(400));
-        app.options.waterfall.orientation = orientation;
+        app.view.options.waterfall.orientation = orientation;
         let mut window = window(app, [400.0, 400.0]);
         settle(&mut window);
         // 100.5 points along: ping 100. 5 m of 20 to port: a quarter of half the window, sample 100 of 400.
@@ -264,6 +264,7 @@ fn hover_and_click_name_ping_side_and_sample() {
         let mark = window
             .state()
             .app
+            .view
             .hover
             .expect("the pointer is over a ping");
         assert_eq!((mark.ping, mark.side), (100, Some(Side::Port)));
@@ -274,10 +275,10 @@ fn hover_and_click_name_ping_side_and_sample() {
         window.drag_at(at);
         window.drop_at(at);
         window.run_steps(1);
-        assert_eq!(window.state().app.selection, Some(mark));
+        assert_eq!(window.state().app.view.selection, Some(mark));
         window.event(Event::PointerGone);
         window.run_steps(1);
-        assert_eq!(window.state().app.hover, None);
+        assert_eq!(window.state().app.view.hover, None);
     }
 }
 
@@ -340,8 +341,8 @@ fn a_bright_sample_survives_in_the_overview() {
     let marked = [even[0], Some(span(400, 400, 20.0))];
     let spans = (0..20_000).map(|ping| if ping == 10_025 { marked } else { even });
     let mut app = app_with(survey_of(bytes, spans));
-    app.options.waterfall.range_lines = false;
-    app.options.waterfall.colour_map = crate::app::ColourMap::Grey;
+    app.view.options.waterfall.range_lines = false;
+    app.view.options.waterfall.colour_map = crate::app::ColourMap::Grey;
     let mut window = window(app, [400.0, 300.0]);
     window.state_mut().waterfall.request(ViewRequest::Fit);
     settle(&mut window);
@@ -399,7 +400,7 @@ fn the_line_follows_new_picks_in_the_next_frame() {
 #[test]
 fn looks_as_it_did_along_the_screen() {
     let mut app = pond_app();
-    app.selection = Some(Mark {
+    app.view.selection = Some(Mark {
         side: Some(Side::Starboard),
         sample: Some(186.0),
         ..Mark::ping(202)
@@ -412,9 +413,9 @@ fn looks_as_it_did_along_the_screen() {
 #[test]
 fn looks_as_it_did_down_the_screen_and_near() {
     let mut app = pond_app();
-    app.options.waterfall.orientation = Orientation::Vertical;
-    app.options.waterfall.colour_map = crate::app::ColourMap::Viridis;
-    app.options.waterfall.depth_line = true;
+    app.view.options.waterfall.orientation = Orientation::Vertical;
+    app.view.options.waterfall.colour_map = crate::app::ColourMap::Viridis;
+    app.view.options.waterfall.depth_line = true;
     let mut window = window(app, [240.0, 300.0]);
     window.state_mut().waterfall.show_pings(385..415);
     settle(&mut window);

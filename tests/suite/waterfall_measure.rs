@@ -64,7 +64,10 @@ fn a_drag_along_a_shadow_gives_the_height_of_a_known_block() {
     press(&mut window, Modifiers::NONE, Key::F);
     let seen = &sightings("0")[0];
     press(&mut window, Modifiers::NONE, Key::H);
-    assert_eq!(app(&window).measuring.tool, Some(MeasurementKind::Height));
+    assert_eq!(
+        app(&window).map.measuring.tool,
+        Some(MeasurementKind::Height)
+    );
     let [start_m, end_m] = seen.shadow_m;
     draw(
         &mut window,
@@ -87,7 +90,7 @@ fn a_drag_along_a_shadow_gives_the_height_of_a_known_block() {
     assert!(off.abs() < 0.1, "{found:?}");
     assert!(!found.is_least);
     // The end lies on the ping of the top, wherever the hand let go.
-    let figure = app(&window).measuring.figure.clone().expect("a figure");
+    let figure = app(&window).map.measuring.figure.clone().expect("a figure");
     assert!(figure.done);
     assert_eq!(
         figure.measurement.picks[&0].ping,
@@ -126,7 +129,7 @@ fn a_block_on_two_passes_is_no_farther_apart_than_it_is_large() {
         click(&mut window, one.ping, one.echo_m);
     }
     press(&mut window, Modifiers::NONE, Key::Enter);
-    let figure = app(&window).measuring.figure.clone().expect("a figure");
+    let figure = app(&window).map.measuring.figure.clone().expect("a figure");
     let apart_m = figure.measurement.length_m();
     println!("one block on two passes: {apart_m:.2} m apart");
     assert_eq!(figure.measurement.picks.len(), 2);
@@ -140,7 +143,7 @@ fn a_block_on_two_passes_is_no_farther_apart_than_it_is_large() {
         click(&mut window, ping, across_m);
     }
     press(&mut window, Modifiers::NONE, Key::Enter);
-    let figure = app(&window).measuring.figure.clone().expect("a figure");
+    let figure = app(&window).map.measuring.figure.clone().expect("a figure");
     let across_m = figure.measurement.length_m();
     println!("10 m of slant range across the boat: {across_m:.2} m on the ground");
     assert!((8.5..9.5).contains(&across_m), "{across_m}");
@@ -168,7 +171,7 @@ fn a_shadow_is_measured_by_keys_alone() {
         press(&mut window, Modifiers::NONE, Key::ArrowDown);
     }
     press(&mut window, Modifiers::NONE, Key::X);
-    let figure = app(&window).measuring.figure.clone().expect("a figure");
+    let figure = app(&window).map.measuring.figure.clone().expect("a figure");
     assert!(
         figure.done && figure.measurement.picks.len() == 2,
         "{figure:?}"

@@ -88,10 +88,14 @@ fn a_dropped_log_opens_and_is_remembered() {
 #[test]
 fn a_dropped_file_that_is_no_log_is_reported_and_can_be_dismissed() {
     let mut window = demo_window();
-    let serial = app(&window).survey_serial;
+    let serial = app(&window).view.survey_serial;
     let this_file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml");
     drop_file(&mut window, this_file);
-    assert_eq!(app(&window).survey_serial, serial, "the open survey stays");
+    assert_eq!(
+        app(&window).view.survey_serial,
+        serial,
+        "the open survey stays"
+    );
     assert!(window.query_by_label_contains("not a sonar log").is_some());
     window.get_by_label("Dismiss").click();
     window.run();
@@ -137,7 +141,7 @@ fn the_first_return_follows_the_threshold_while_it_is_dragged_and_the_drag_is_on
         let products = app(&window).log.products.as_ref().expect("results");
         assert_eq!(products.settings.first_return.threshold, dragged);
         assert!(app(&window).log.preview.is_none());
-        let seen = app(&window).visible.clone();
+        let seen = app(&window).view.visible.clone();
         assert!(seen.len() > 100);
         // As text: no pick is a NaN, which is not equal to itself.
         assert_eq!(
@@ -187,10 +191,10 @@ fn outliers_are_shown_before_they_go() {
         .get_by_role_and_label(Role::CheckBox, "Outlier preview")
         .click_accesskit();
     window.run();
-    assert!(app(&window).options.cloud.outlier_preview);
+    assert!(app(&window).view.options.cloud.outlier_preview);
     press(&mut window, Modifiers::NONE, Key::Num3);
     press(&mut window, Modifiers::NONE, Key::O);
-    assert!(!app(&window).options.cloud.outlier_preview);
+    assert!(!app(&window).view.options.cloud.outlier_preview);
 }
 
 #[test]
@@ -200,11 +204,14 @@ fn the_time_line_and_the_keys_move_along_the_survey() {
     let middle = line.center();
     window.hover_at(middle);
     window.step();
-    assert!(app(&window).hover.is_some(), "hovering marks all views");
+    assert!(
+        app(&window).view.hover.is_some(),
+        "hovering marks all views"
+    );
     window.drag_at(middle);
     window.drop_at(middle);
     window.run();
-    let ping = app(&window).selection.expect("a selection").ping;
+    let ping = app(&window).view.selection.expect("a selection").ping;
     let pings = app(&window)
         .log
         .survey
@@ -218,12 +225,12 @@ fn the_time_line_and_the_keys_move_along_the_survey() {
     press(&mut window, Modifiers::SHIFT, Key::ArrowRight);
     press(&mut window, Modifiers::NONE, Key::ArrowLeft);
     assert_eq!(
-        app(&window).selection.map(|mark| mark.ping),
+        app(&window).view.selection.map(|mark| mark.ping),
         Some(ping + 24)
     );
     press(&mut window, Modifiers::NONE, Key::End);
     assert_eq!(
-        app(&window).selection.map(|mark| mark.ping),
+        app(&window).view.selection.map(|mark| mark.ping),
         Some(pings - 1)
     );
 }
@@ -233,23 +240,23 @@ fn playing_runs_along_the_survey_and_stops() {
     let mut window = demo_window();
     window.key_press(Key::Space);
     window.run_steps(6);
-    let ping = app(&window).selection.expect("a selection").ping;
+    let ping = app(&window).view.selection.expect("a selection").ping;
     assert!(ping > 0);
     window
         .state_mut()
         .app
         .apply(Command::Select(Some(Mark::ping(900))));
     window.run_steps(3);
-    let ping = app(&window).selection.expect("a selection").ping;
+    let ping = app(&window).view.selection.expect("a selection").ping;
     assert!(
         (901..1000).contains(&ping),
         "it goes on from the click: {ping}"
     );
     window.key_press(Key::Space);
     window.run_steps(4);
-    let stopped = app(&window).selection.map(|mark| mark.ping);
+    let stopped = app(&window).view.selection.map(|mark| mark.ping);
     window.run_steps(4);
-    assert_eq!(app(&window).selection.map(|mark| mark.ping), stopped);
+    assert_eq!(app(&window).view.selection.map(|mark| mark.ping), stopped);
 }
 
 #[test]
@@ -259,18 +266,18 @@ fn the_palette_finds_a_command_by_a_few_letters() {
     window.get_by_label("Command").type_text("light");
     window.run();
     assert_eq!(
-        app(&window).options.theme,
+        app(&window).view.options.theme,
         ThemeChoice::Dark,
         "letters are text here, not keys"
     );
     press(&mut window, Modifiers::NONE, Key::Enter);
-    assert_eq!(app(&window).options.theme, ThemeChoice::Light);
+    assert_eq!(app(&window).view.options.theme, ThemeChoice::Light);
     assert!(
         window.query_by_label("Command").is_none(),
         "the palette closes"
     );
     press(&mut window, Modifiers::NONE, Key::L);
-    assert_eq!(app(&window).options.theme, ThemeChoice::Dark);
+    assert_eq!(app(&window).view.options.theme, ThemeChoice::Dark);
 }
 
 #[test]
@@ -387,7 +394,7 @@ fn options_and_arrangement_come_back_but_no_setting_of_a_survey() {
 
     let mut next = Shell::new(App::new(Jobs::Inline));
     next.restore(&store);
-    assert_eq!(next.app.options.theme, ThemeChoice::Light);
+    assert_eq!(next.app.view.options.theme, ThemeChoice::Light);
     assert_eq!(*next.app.log.settings, Settings::default());
 
     for text in store.0.values_mut() {
@@ -396,7 +403,7 @@ fn options_and_arrangement_come_back_but_no_setting_of_a_survey() {
     let mut fresh = Shell::new(App::new(Jobs::Inline));
     fresh.restore(&store);
     assert_eq!(
-        fresh.app.options.theme,
+        fresh.app.view.options.theme,
         ThemeChoice::Dark,
         "half a file is no file"
     );
@@ -411,7 +418,7 @@ fn the_base_map_comes_back_or_is_said_to_be_gone() {
     std::fs::copy(picture, &path).expect("a copy");
     let mut window = demo_window();
     drop_file(&mut window, path.clone());
-    assert!(app(&window).base_map.is_some());
+    assert!(app(&window).map.base_map.is_some());
     let mut store = Store::default();
     eframe::App::save(window.state_mut(), &mut store);
     let again = |store: &Store| {
@@ -422,16 +429,16 @@ fn the_base_map_comes_back_or_is_said_to_be_gone() {
     };
     let next = again(&store);
     assert_eq!(
-        next.base_map.map(|map| map.path.clone()),
+        next.map.base_map.map(|map| map.path.clone()),
         Some(path.clone())
     );
     assert!(next.notices.is_empty());
     std::fs::write(&path, "no picture any more").expect("another file");
     let next = again(&store);
-    assert!(next.base_map.is_none() && !next.notices[0].is_error);
+    assert!(next.map.base_map.is_none() && !next.notices[0].is_error);
     std::fs::remove_file(&path).expect("a file less");
     let next = again(&store);
-    assert!(next.base_map.is_none());
+    assert!(next.map.base_map.is_none());
     assert!(
         next.notices[0].text.contains("is missing"),
         "{:?}",

@@ -42,7 +42,7 @@ fn the_main_job_is_done_by_keys_alone() {
     assert!(app(&window).log.settings.calibration.pings.is_some());
     press(&mut window, Modifiers::NONE, Key::Num3);
     press(&mut window, Modifiers::NONE, Key::O);
-    assert!(app(&window).options.cloud.outlier_preview);
+    assert!(app(&window).view.options.cloud.outlier_preview);
     let folder = tempfile::tempdir().expect("a temporary folder");
     let into = folder.path().join("out");
     type_export_folder(&mut window, &into);
@@ -61,7 +61,7 @@ fn keys_belong_to_the_path_field_while_it_is_open() {
     press(&mut window, Modifiers::COMMAND, Key::Z);
     press(&mut window, Modifiers::NONE, Key::O);
     assert_eq!(threshold(&window), 0.31, "nothing is taken back behind it");
-    assert!(!app(&window).options.cloud.outlier_preview);
+    assert!(!app(&window).view.options.cloud.outlier_preview);
     press(&mut window, Modifiers::NONE, Key::Escape);
     press(&mut window, Modifiers::COMMAND, Key::Z);
     assert_eq!(threshold(&window), 0.30);
@@ -92,7 +92,7 @@ fn a_second_survey_takes_nothing_over_from_the_first() {
     window.run_steps(4);
     window.state_mut().app.apply(Command::Open(half));
     window.run();
-    assert_eq!(app(&window).selection, None, "it plays no more");
+    assert_eq!(app(&window).view.selection, None, "it plays no more");
     assert_eq!(app(&window).log.settings.calibration.pings, None);
     assert_eq!(app(&window).undo_label(), None);
     assert_eq!(app(&window).log.figures, app(&fresh).log.figures);

@@ -135,134 +135,140 @@ const SURVEY: &[(Action, Handler)] = &[
 /// Commands that change only how things are shown.
 const SHOWN: &[(Action, Handler)] = &[
     (Action::FirstReturnLine, |app| {
-        let waterfall = &mut app.options.waterfall;
+        let waterfall = &mut app.view.options.waterfall;
         waterfall.first_return = !waterfall.first_return;
     }),
     (Action::DepthLine, |app| {
-        let waterfall = &mut app.options.waterfall;
+        let waterfall = &mut app.view.options.waterfall;
         waterfall.depth_line = !waterfall.depth_line;
     }),
     (Action::RangeLines, |app| {
-        let waterfall = &mut app.options.waterfall;
+        let waterfall = &mut app.view.options.waterfall;
         waterfall.range_lines = !waterfall.range_lines;
     }),
     (Action::DepthMapLayer, |app| {
-        app.options.map.layers.toggle(MapLayer::DepthMap)
+        app.view.options.map.layers.toggle(MapLayer::DepthMap)
     }),
     (Action::HillShadeLayer, |app| {
-        app.options.map.layers.toggle(MapLayer::HillShade)
+        app.view.options.map.layers.toggle(MapLayer::HillShade)
     }),
     (Action::MosaicLayer, |app| {
-        app.options.map.layers.toggle(MapLayer::Mosaic)
+        app.view.options.map.layers.toggle(MapLayer::Mosaic)
     }),
     (Action::IsobathLayer, |app| {
-        app.options.map.layers.toggle(MapLayer::Isobaths)
+        app.view.options.map.layers.toggle(MapLayer::Isobaths)
     }),
     (Action::PointLayer, |app| {
-        app.options.map.layers.toggle(MapLayer::Points)
+        app.view.options.map.layers.toggle(MapLayer::Points)
     }),
     (Action::ResidualLayer, |app| {
-        app.options.map.layers.toggle(MapLayer::Residuals)
+        app.view.options.map.layers.toggle(MapLayer::Residuals)
     }),
     (Action::TrackLayer, |app| {
-        app.options.map.layers.toggle(MapLayer::Track)
+        app.view.options.map.layers.toggle(MapLayer::Track)
     }),
     (Action::BoxLayer, |app| {
-        app.options.map.layers.toggle(MapLayer::Boxes)
+        app.view.options.map.layers.toggle(MapLayer::Boxes)
     }),
     (Action::SideColours, |app| {
-        app.options.side_colours = match app.options.side_colours {
+        app.view.options.side_colours = match app.view.options.side_colours {
             SideColours::Paper => SideColours::Maritime,
             SideColours::Maritime => SideColours::Paper,
         }
     }),
     (Action::BaseMapLayer, |app| {
-        app.options.map.layers.toggle(MapLayer::BaseMap)
+        app.view.options.map.layers.toggle(MapLayer::BaseMap)
     }),
     (Action::Swipe, |app| {
-        app.options.map.swipe.toggle(&mut app.options.map.layers)
+        app.view
+            .options
+            .map
+            .swipe
+            .toggle(&mut app.view.options.map.layers)
     }),
     (Action::Graticule, |app| {
-        app.options.map.graticule = !app.options.map.graticule
+        app.view.options.map.graticule = !app.view.options.map.graticule
     }),
     (Action::CoordinatesDegrees, |app| {
-        app.options.coordinates = CoordinateFormat::Degrees
+        app.view.options.coordinates = CoordinateFormat::Degrees
     }),
     (Action::CoordinatesMinutes, |app| {
-        app.options.coordinates = CoordinateFormat::Minutes
+        app.view.options.coordinates = CoordinateFormat::Minutes
     }),
     (Action::CoordinatesSeconds, |app| {
-        app.options.coordinates = CoordinateFormat::Seconds
+        app.view.options.coordinates = CoordinateFormat::Seconds
     }),
     (Action::CoordinatesUtm, |app| {
-        app.options.coordinates = CoordinateFormat::Utm
+        app.view.options.coordinates = CoordinateFormat::Utm
     }),
     (Action::UnitsMetres, |app| {
-        app.options.units.length = LengthUnit::Metres
+        app.view.options.units.length = LengthUnit::Metres
     }),
     (Action::UnitsFeet, |app| {
-        app.options.units.length = LengthUnit::Feet
+        app.view.options.units.length = LengthUnit::Feet
     }),
     (Action::UnitsFathoms, |app| {
-        app.options.units.length = LengthUnit::Fathoms
+        app.view.options.units.length = LengthUnit::Fathoms
     }),
     (Action::SpeedMetres, |app| {
-        app.options.units.speed = SpeedUnit::MetresPerSecond
+        app.view.options.units.speed = SpeedUnit::MetresPerSecond
     }),
     (Action::SpeedKnots, |app| {
-        app.options.units.speed = SpeedUnit::Knots
+        app.view.options.units.speed = SpeedUnit::Knots
     }),
     (Action::OutlierPreview, |app| {
-        app.options.cloud.outlier_preview = !app.options.cloud.outlier_preview;
+        app.view.options.cloud.outlier_preview = !app.view.options.cloud.outlier_preview;
     }),
     (Action::NextCloudColour, |app| {
         let has_several = app.log_count() > 1;
-        app.options.cloud.colour = app.options.cloud.colour.next(has_several);
+        app.view.options.cloud.colour = app.view.options.cloud.colour.next(has_several);
     }),
     (Action::Bottom3d, |app| {
-        app.options.cloud.bottom = !app.options.cloud.bottom
+        app.view.options.cloud.bottom = !app.view.options.cloud.bottom
     }),
     (Action::NextBottomColour, |app| {
-        let cloud = &mut app.options.cloud;
+        let cloud = &mut app.view.options.cloud;
         // What is not shown is shown as it was.
         if std::mem::replace(&mut cloud.bottom, true) {
             cloud.bottom_colour = cloud.bottom_colour.next();
         }
     }),
     (Action::BottomIsobaths, |app| {
-        app.options.cloud.isobaths = !app.options.cloud.isobaths
+        app.view.options.cloud.isobaths = !app.view.options.cloud.isobaths
     }),
-    (Action::TurnLight, |app| app.options.cloud.turn_light()),
-    (Action::ClipBox3d, |app| app.options.cloud.toggle_clip()),
+    (Action::TurnLight, |app| app.view.options.cloud.turn_light()),
+    (Action::ClipBox3d, |app| {
+        app.view.options.cloud.toggle_clip()
+    }),
     (Action::Water3d, |app| {
-        app.options.cloud.water = !app.options.cloud.water
+        app.view.options.cloud.water = !app.view.options.cloud.water
     }),
     (Action::Points3d, |app| {
-        app.options.cloud.points = !app.options.cloud.points
+        app.view.options.cloud.points = !app.view.options.cloud.points
     }),
     (Action::Theme, |app| {
-        app.options.theme = match app.options.theme {
+        app.view.options.theme = match app.view.options.theme {
             ThemeChoice::Dark => ThemeChoice::Light,
             ThemeChoice::Light => ThemeChoice::Dark,
         }
     }),
     (Action::Orientation, |app| {
-        let waterfall = &mut app.options.waterfall;
+        let waterfall = &mut app.view.options.waterfall;
         waterfall.orientation = match waterfall.orientation {
             Orientation::Horizontal => Orientation::Vertical,
             Orientation::Vertical => Orientation::Horizontal,
         }
     }),
     (Action::GroundRange, |app| {
-        let waterfall = &mut app.options.waterfall;
+        let waterfall = &mut app.view.options.waterfall;
         waterfall.ground_range = !waterfall.ground_range;
     }),
     (Action::WaterColumn, |app| {
-        let waterfall = &mut app.options.waterfall;
+        let waterfall = &mut app.view.options.waterfall;
         waterfall.water_column = !waterfall.water_column;
     }),
     (Action::BottomBothSides, |app| {
-        let both = &mut app.options.waterfall.bottom_both_sides;
+        let both = &mut app.view.options.waterfall.bottom_both_sides;
         *both = !*both;
     }),
 ];

@@ -98,7 +98,7 @@ impl App {
         if let Some(file) = &mut self.log.file {
             file.pings = identity.pings;
         }
-        if let Some(figure) = &self.measuring.figure
+        if let Some(figure) = &self.map.measuring.figure
             && figure
                 .measurement
                 .picks
@@ -111,7 +111,7 @@ impl App {
                     pick.log = identity.clone();
                 }
             }
-            self.measuring.figure = Some(Arc::new(figure));
+            self.map.measuring.figure = Some(Arc::new(figure));
         }
         self.log.reviewing.carry(identity);
     }

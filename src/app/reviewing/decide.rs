@@ -35,7 +35,7 @@ impl Reviewing {
 impl App {
     /// Goes back or forward to a step, and to the box that it is about. The label is what the project's journal has for it.
     pub(in crate::app) fn take_step(&mut self, step: Step, label: &str) {
-        self.measuring.figure = step.figure;
+        self.map.measuring.figure = step.figure;
         self.take_planned(step.planned);
         self.document.mountings = step.mountings;
         self.open_and_close(&step.closed);
@@ -181,7 +181,7 @@ impl App {
         let Some(one) = self.log.reviewing.selected_box() else {
             return;
         };
-        let (along, across) = match self.options.waterfall.orientation {
+        let (along, across) = match self.view.options.waterfall.orientation {
             Orientation::Horizontal => (nudge.right, nudge.down),
             Orientation::Vertical => (nudge.down, nudge.right),
         };

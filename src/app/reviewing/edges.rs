@@ -118,7 +118,7 @@ impl App {
         if self.log.reviewing.tool != Tool::Point {
             return self.take_tool(Tool::Point);
         }
-        let places = [self.hover, self.selection].into_iter().flatten();
+        let places = [self.view.hover, self.view.selection].into_iter().flatten();
         match places.into_iter().find(|mark| mark.sample.is_some()) {
             Some(mark) => self.mark_target(mark),
             None => {

@@ -19,7 +19,7 @@ impl App {
     /// wished for.
     pub(in crate::app) fn come_to(&mut self, id: LogBox) {
         self.select_log_box(id);
-        self.enlarge(match self.options.waterfall.zooms_to_boxes {
+        self.enlarge(match self.view.options.waterfall.zooms_to_boxes {
             true => Enlarged::OneToOne,
             false => Enlarged::AsItIs,
         });
@@ -33,7 +33,7 @@ impl App {
 
     /// Has the boxes of the queue come one to one, or in the scale that the waterfall has.
     pub(in crate::app) fn toggle_zoom_to_boxes(&mut self) {
-        let zooms = &mut self.options.waterfall.zooms_to_boxes;
+        let zooms = &mut self.view.options.waterfall.zooms_to_boxes;
         *zooms = !*zooms;
         if let Some(id) = self.selected_log_box() {
             self.come_to(id);
@@ -44,7 +44,7 @@ impl App {
         let reviewing = &self.log.reviewing;
         let one = reviewing.selected_box();
         let close_up = one.map(|one| close_up(reviewing, one, one.id, enlarged));
-        if let Some(reveal) = &mut self.reveal {
+        if let Some(reveal) = &mut self.view.reveal {
             reveal.close_up = close_up;
         }
     }

@@ -36,7 +36,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         if let (Some(products), Some(figures)) =
             (&context.app.log.products, &context.app.log.figures)
         {
-            found(ui, products, figures, context.app.options.units);
+            found(ui, products, figures, context.app.view.options.units);
         }
         controls(ui, context);
     });

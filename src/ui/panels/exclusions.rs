@@ -35,7 +35,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
             return;
         };
         for text in &found.exclusions.warnings {
-            warning(ui, context, &context.app.options.units.sentence(text));
+            warning(ui, context, &context.app.view.options.units.sentence(text));
         }
         counts(ui, context, &found);
         list(ui, context, &found);
@@ -57,7 +57,7 @@ fn tool(ui: &mut Ui, context: &mut ViewContext<'_>) {
 /// How much is excluded, for each reason and of all logs.
 fn counts(ui: &mut Ui, context: &ViewContext<'_>, found: &FoundExclusions) {
     use ExclusionReason::{Bad, Drawn, Stop, Turn};
-    let units = context.app.options.units;
+    let units = context.app.view.options.units;
     if found.exclusions.is_empty() {
         return remark(ui, "No part of this log is excluded.");
     }
@@ -102,7 +102,7 @@ fn list(ui: &mut Ui, context: &mut ViewContext<'_>, found: &FoundExclusions) {
         .show_rows(ui, ROW, stretches.len(), |ui, range| {
             let first = range.start;
             for (index, (stretch, length_m)) in stretches[range].iter().enumerate() {
-                let way = context.app.options.units.way(*length_m);
+                let way = context.app.view.options.units.way(*length_m);
                 let part = stretch.part();
                 let where_at = place(&survey, part);
                 let label = format!("{}  {where_at}  {way}", stretch.reason.name());
@@ -156,7 +156,11 @@ fn row(
                 context.push(Command::Exclude { log, part, edit });
             }
             let row = ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                let is_here = context.app.selection.is_some_and(|mark| holds(part, mark));
+                let is_here = context
+                    .app
+                    .view
+                    .selection
+                    .is_some_and(|mark| holds(part, mark));
                 let label = ui.add(Button::selectable(is_here, label).truncate());
                 let label = label.accessible_name(format!("Stretch {name}"));
                 let label = label.on_hover_text("Shows it in all views.");

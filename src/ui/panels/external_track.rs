@@ -48,7 +48,7 @@ fn clock(ui: &mut Ui, context: &mut ViewContext<'_>) {
                     smallest where their clocks agree.";
         let text = format!(
             "{} from the recorder's",
-            context.app.options.units.measure(apart.median_m, 2)
+            context.app.view.options.units.measure(apart.median_m, 2)
         );
         fact(ui, "Lies", hint, text);
     }

@@ -188,7 +188,7 @@ pub fn answer(ui: &Ui, context: &ViewContext<'_>, key: &str, control: &Response)
     }
     let is_marked = ctx.data(|data| data.get_temp(marked_id()) == Some(key.to_owned()));
     if is_marked && (control.has_focus() || control.gained_focus()) {
-        let stroke = Stroke::new(1.5, theme::accent_colour(context.app.options.theme));
+        let stroke = Stroke::new(1.5, theme::accent_colour(context.app.view.options.theme));
         let frame = control.rect.expand(2.0);
         ui.painter()
             .rect_stroke(frame, 3.0, stroke, StrokeKind::Outside);

@@ -52,7 +52,7 @@ fn found(ui: &mut Ui, context: &mut ViewContext<'_>) {
         return;
     };
     // A preview may hold the visible pings only; the counts are those of the whole log.
-    let options = &context.app.options;
+    let options = &context.app.view.options;
     let pings = products.returns.port.len().max(1);
     let hint = |side: &str, found: usize| {
         let share = 100.0 * found as f64 / pings as f64;
@@ -77,7 +77,7 @@ fn found(ui: &mut Ui, context: &mut ViewContext<'_>) {
             .on_hover_text(format!("{share:.1} % of all first returns are below the minimum confidence; neither cloud nor map uses them."));
     }
     for text in &products.bottom_line.warnings {
-        parts::warning(ui, context, &context.app.options.units.sentence(text));
+        parts::warning(ui, context, &context.app.view.options.units.sentence(text));
     }
 }
 
@@ -89,7 +89,7 @@ fn bottom_edits(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let mut requested = None;
     ui.horizontal(|ui| {
         let holds = app.log.reviewing.tool == Tool::Bottom;
-        let mut both = app.options.waterfall.bottom_both_sides;
+        let mut both = app.view.options.waterfall.bottom_both_sides;
         let pen = Button::new("Draw bottom").selected(holds);
         let pen = action(toggle::underline(ui, holds, pen), Action::DrawBottom);
         let sides = action(

@@ -27,7 +27,8 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
             if let Some(why) = &log.apart {
                 remark(
                     ui,
-                    app.options
+                    app.view
+                        .options
                         .units
                         .sentence(&format!("Not on the map: {why}.")),
                 );
@@ -106,7 +107,7 @@ fn row(
                 .as_ref()
                 .map_or(0, |survey| survey.warnings.len());
             if warnings > 0 {
-                let colour = theme::stale_colour(app.options.theme);
+                let colour = theme::stale_colour(app.view.options.theme);
                 ui.colored_label(colour, "!")
                     .on_hover_text(text::plural(warnings, "warning", "warnings"));
             }
@@ -116,7 +117,7 @@ fn row(
                 let label = Button::selectable(is_it, title).truncate();
                 let label = toggle::underline(ui, is_it, label);
                 let label = accessible(label, egui::Role::Button, &format!("Log {name}"));
-                let shown = label.on_hover_ui(|ui| describe(ui, log, app.options.units));
+                let shown = label.on_hover_ui(|ui| describe(ui, log, app.view.options.units));
                 keys.row(ui, place, &shown);
                 ask(shown.clicked(), Command::ShowLog(id));
             });
@@ -207,8 +208,8 @@ fn heights(ui: &mut Ui, context: &mut ViewContext<'_>) {
                 let (value, error) = match offset.log_overlaps {
                     0 => (text::NONE.to_owned(), text::NONE.to_owned()),
                     _ => (
-                        app.options.units.signed(offset.offset_m, 3),
-                        app.options.units.spread(offset.standard_error_m, 3),
+                        app.view.options.units.signed(offset.offset_m, 3),
+                        app.view.options.units.spread(offset.standard_error_m, 3),
                     ),
                 };
                 ui.label(RichText::new(value).small());
@@ -227,6 +228,6 @@ fn heights(ui: &mut Ui, context: &mut ViewContext<'_>) {
         );
     }
     for text in app.height_contradictions() {
-        warning(ui, context, &app.options.units.sentence(&text));
+        warning(ui, context, &app.view.options.units.sentence(&text));
     }
 }

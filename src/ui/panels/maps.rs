@@ -23,7 +23,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 
 /// Shows or hides a layer, and says which it is now.
 fn layer_button(ui: &mut Ui, context: &mut ViewContext<'_>, layer: MapLayer, action: Action) {
-    let shown = context.app.options.map.layers.is_visible(layer);
+    let shown = context.app.view.options.map.layers.is_visible(layer);
     let text = match shown {
         true => "Hide on the map",
         false => "Show on the map",
@@ -76,14 +76,14 @@ fn worth(ui: &mut Ui, context: &ViewContext<'_>) {
     let hint = "Method that gives the depths between measured ones.";
     fact(ui, "Interpolation", hint, map.surface.method.in_words());
     let hint = "Whether depths between the lines are interpolated, or come from echo levels where these predict withheld soundings.";
-    let units = context.app.options.units;
+    let units = context.app.view.options.units;
     fact(ui, "Between lines", hint, between_lines(map.surface.levels));
     if let Some(text) = withheld_errors(map.surface.levels, units) {
         let hint = "What withheld soundings are missed by: with depths from echo levels, and by interpolation alone.";
         fact(ui, "Withheld", hint, text);
     }
     if let Some([half_m, most_m]) = map.usual_error_m {
-        let units = context.app.options.units;
+        let units = context.app.view.options.units;
         let hint = "Standard deviation of mapped depths, from withheld depths: the median, and what 90 % of the map do not exceed.";
         let [half, most] = [half_m, most_m].map(|sigma_m| units.spread(sigma_m, 2));
         let text = format!("±{half} to ±{most} {}", units.symbol());

@@ -44,7 +44,7 @@ fn effect(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
     let settings = &context.app.log.settings;
     let mounting = &settings.mounting;
     if let Some(arm_m) = mounting.lever_arm_m() {
-        let units = context.app.options.units;
+        let units = context.app.view.options.units;
         let arm = arm_in_words(arm_m, |metres| units.measure(metres, 2));
         remark(ui, format!("The transducer is {arm} of the antenna."));
     }
@@ -103,7 +103,7 @@ fn system(ui: &mut Ui, context: &mut ViewContext<'_>, survey: &Survey) {
     let row = &rows::SOURCE_CRS;
     let in_force = context.app.log.settings.source.crs.map(String::from);
     let in_force = in_force.unwrap_or_default();
-    let typed = egui::Id::unique(("system of the log's metres", context.app.survey_serial));
+    let typed = egui::Id::unique(("system of the log's metres", context.app.view.survey_serial));
     let mut text = ui
         .data(|data| data.get_temp::<String>(typed))
         .unwrap_or_else(|| in_force.clone());

@@ -59,7 +59,7 @@ fn search(ui: &mut Ui, context: &mut ViewContext<'_>) {
             let bar = ProgressBar::new(status.share)
                 .desired_width(140.0)
                 .desired_height(8.0)
-                .fill(theme::accent_colour(context.app.options.theme));
+                .fill(theme::accent_colour(context.app.view.options.theme));
             ui.add(bar);
             if ui
                 .small_button("Stop")

@@ -165,7 +165,7 @@ pub fn remark(ui: &mut Ui, text: impl Into<String>) {
 
 /// Something that does not agree or could not be used.
 pub fn warning(ui: &mut Ui, context: &ViewContext<'_>, text: &str) {
-    let colour = theme::stale_colour(context.app.options.theme);
+    let colour = theme::stale_colour(context.app.view.options.theme);
     ui.add(egui::Label::new(RichText::new(text).small().color(colour)).wrap());
 }
 
@@ -226,7 +226,7 @@ fn number(
     setting: &'static Row,
     number: &'static Number,
 ) -> Response {
-    let units = context.app.options.units;
+    let units = context.app.view.options.units;
     let shown = number.shown_in(units);
     let [least, most] = shown.ends;
     let mut requested = shown.value(&context.app.log.settings);

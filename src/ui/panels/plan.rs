@@ -17,8 +17,8 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 fn plan(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let before = context.app.planning.asked;
-    let units = context.app.options.units;
+    let before = context.app.map.planning.asked;
+    let units = context.app.view.options.units;
     let mut asked = before;
     let hint = "Time from the start of the first line to the end of the last, turns included.";
     row(ui, "Time", hint, |ui| {
@@ -65,7 +65,7 @@ fn plan(ui: &mut Ui, context: &mut ViewContext<'_>) {
     }
     ui.horizontal(|ui| {
         let action = Action::PlanLines;
-        let busy = context.app.planning.is_busy();
+        let busy = context.app.map.planning.is_busy();
         let button = ui.add_enabled(!busy, egui::Button::new(action.label()));
         if button.on_hover_text(action.hint()).clicked() {
             context.push(Command::Do(action));

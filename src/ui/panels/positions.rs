@@ -68,7 +68,7 @@ fn table(ui: &mut Ui, app: &App, found: &FoundPositions) {
 }
 
 fn values(app: &App, found: &FoundShift) -> [String; 5] {
-    let units = app.options.units;
+    let units = app.view.options.units;
     let of = |error: f64, value: &dyn Fn() -> String| match error.is_nan() {
         true => text::NONE.to_owned(),
         false => value(),

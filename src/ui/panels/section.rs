@@ -110,7 +110,7 @@ fn heading(
     folded: bool,
     freshness: Freshness,
 ) -> Response {
-    let look = context.app.options.theme;
+    let look = context.app.view.options.theme;
     let size = egui::vec2(ui.available_width(), 20.0);
     let (rect, response) = ui.allocate_exact_size(size, egui::Sense::click());
     let painter = ui.painter();

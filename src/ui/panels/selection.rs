@@ -16,7 +16,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         stage: None,
     };
     section(ui, context, &heading, |ui, context| {
-        match context.app.selection {
+        match context.app.view.selection {
             Some(mark) => selected(ui, context, mark),
             None => remark(
                 ui,
@@ -27,7 +27,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 fn selected(ui: &mut Ui, context: &mut ViewContext<'_>, mark: Mark) {
-    let units = context.app.options.units;
+    let units = context.app.view.options.units;
     let Some(survey) = context.app.log.survey.clone() else {
         return;
     };
@@ -102,14 +102,17 @@ fn first_return(ui: &mut Ui, context: &ViewContext<'_>, ping: usize, side: Side)
             };
             format!(
                 "{} · conf. {:.2}{above_bottom}",
-                context.app.options.units.measure(range, 2),
+                context.app.view.options.units.measure(range, 2),
                 pick.confidence
             )
         }
     };
     let (name, colour) = match side {
-        Side::Port => ("Port", theme::side_colour(&context.app.options, side)),
-        Side::Starboard => ("Starboard", theme::side_colour(&context.app.options, side)),
+        Side::Port => ("Port", theme::side_colour(&context.app.view.options, side)),
+        Side::Starboard => (
+            "Starboard",
+            theme::side_colour(&context.app.view.options, side),
+        ),
     };
     fact(
         ui,
@@ -137,7 +140,7 @@ fn heading(ui: &mut Ui, context: &ViewContext<'_>, ping: usize) {
         ui,
         "Speed",
         "Over ground.",
-        context.app.options.units.speed(here.speed_mps, 1),
+        context.app.view.options.units.speed(here.speed_mps, 1),
     );
 }
 
@@ -149,7 +152,7 @@ fn mounting(ui: &mut Ui, context: &ViewContext<'_>, ping: usize) {
     let mounting = &products.settings.mounting;
     let is_apart = products.navigation.antenna.get(ping).is_some();
     if let Some(arm_m) = mounting.lever_arm_m().filter(|_| is_apart) {
-        let units = context.app.options.units;
+        let units = context.app.view.options.units;
         let arm = arm_in_words(arm_m, |metres| units.measure(metres, 2));
         let hint = "Position of the transducer, which positions refer to.";
         fact(ui, "Transducer", hint, format!("{arm} of the antenna"));
@@ -189,7 +192,7 @@ fn point(ui: &mut Ui, context: &ViewContext<'_>, mark: Mark) {
         "The selected point of the cloud: its source, depth and echo level (0 to 255).",
         format!(
             "{source} · {} deep{level}{class}",
-            context.app.options.units.measure(-point.z_m, 2),
+            context.app.view.options.units.measure(-point.z_m, 2),
         ),
     );
 }

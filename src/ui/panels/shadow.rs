@@ -14,7 +14,7 @@ const DRAWING_HEIGHT: f32 = 110.0;
 
 /// Draws the section; nothing where no height is measured.
 pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let measuring = &context.app.measuring;
+    let measuring = &context.app.map.measuring;
     let figure = measuring.figure.as_deref();
     let is_height = |kind| kind == MeasurementKind::Height;
     if !figure.is_some_and(|figure| is_height(figure.measurement.kind)) {
@@ -29,7 +29,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(ui, context, &heading, |ui, context| match found {
         None => remark(ui, "Drag in the waterfall to the end of the shadow."),
         Some(Err(error)) => {
-            let why = context.app.options.units.sentence(&error.to_string());
+            let why = context.app.view.options.units.sentence(&error.to_string());
             remark(ui, format!("There is no height: {why}."));
         }
         Some(Ok(shadow)) => inputs(ui, context, &shadow),
@@ -37,7 +37,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 fn inputs(ui: &mut Ui, context: &mut ViewContext<'_>, shadow: &ShadowHeight) {
-    let units = context.app.options.units;
+    let units = context.app.view.options.units;
     drawing(ui, context, shadow);
     fact(
         ui,
@@ -89,7 +89,7 @@ fn drawing(ui: &mut Ui, context: &ViewContext<'_>, shadow: &ShadowHeight) {
         ui.allocate_exact_size(vec2(ui.available_width(), DRAWING_HEIGHT), Sense::hover());
     let spoken = format!(
         "Construction: height {}",
-        measured::height(&Ok(*shadow), context.app.options.units)
+        measured::height(&Ok(*shadow), context.app.view.options.units)
     );
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &spoken));
     let painter = ui.painter_at(area);
@@ -122,7 +122,11 @@ fn drawing(ui: &mut Ui, context: &ViewContext<'_>, shadow: &ShadowHeight) {
     ));
     painter.line_segment([boat, end], Stroke::new(1.0, weak));
     painter.line_segment([foot, top], Stroke::new(3.0, theme::measure_colour()));
-    painter.circle_filled(boat, 3.0, theme::accent_colour(context.app.options.theme));
+    painter.circle_filled(
+        boat,
+        3.0,
+        theme::accent_colour(context.app.view.options.theme),
+    );
     let font = FontId::proportional(theme::SMALL);
     let words = [
         (

@@ -64,7 +64,7 @@ fn summary(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
             ui.label(file.display().to_string());
         }
     });
-    channels(ui, survey, context.app.options.units);
+    channels(ui, survey, context.app.view.options.units);
     let span = time_span(survey);
     let pings = survey.side_scan.len();
     let length = span.map_or(text::NONE.to_owned(), |(from, to)| {
@@ -126,6 +126,7 @@ fn soundings(context: &ViewContext<'_>, survey: &Survey) -> String {
         Some([low, high]) => {
             let span = context
                 .app
+                .view
                 .options
                 .units
                 .span([low, high].map(f64::from), 1);
@@ -163,7 +164,7 @@ fn channels(ui: &mut Ui, survey: &Survey, units: Units) {
 }
 
 fn state_line(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
-    let units = context.app.options.units;
+    let units = context.app.view.options.units;
     match survey.side_scan_state {
         SideScanState::Usable => {}
         SideScanState::Absent => warning(
@@ -201,7 +202,7 @@ fn warnings(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
                         text::count(offset as usize)
                     )
                 });
-                let said = context.app.options.units.sentence(&one.text);
+                let said = context.app.view.options.units.sentence(&one.text);
                 warning(ui, context, &format!("{said}{place}"));
             }
             if count > WARNINGS_SHOWN {
@@ -237,7 +238,7 @@ fn preset_line(ui: &mut Ui, context: &mut ViewContext<'_>) {
             }
         }
         if in_force.is_none() {
-            let colour = crate::ui::theme::stale_colour(context.app.options.theme);
+            let colour = crate::ui::theme::stale_colour(context.app.view.options.theme);
             ui.colored_label(colour, "changed").on_hover_text(
                 "Some settings differ from the preset; a click on a preset restores all of its settings.",
             );

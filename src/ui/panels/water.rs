@@ -24,7 +24,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         sound_speed(ui, context);
         if let Some(products) = &context.app.log.products {
             for sentence in products.correction.sentences() {
-                parts::remark(ui, context.app.options.units.sentence(&sentence));
+                parts::remark(ui, context.app.view.options.units.sentence(&sentence));
             }
         }
     });

@@ -158,9 +158,9 @@ impl Shell {
     }
 
     fn toggle_panel(&mut self, panel: SidePanel, ctx: &egui::Context) {
-        let (panels, width) = (self.app.options.panels, ctx.content_rect().width());
+        let (panels, width) = (self.app.view.options.panels, ctx.content_rect().width());
         let is_shown = panel.is_shown(panels, width);
-        self.app.options.panels = panel.set_shown(panels, !is_shown, width);
+        self.app.view.options.panels = panel.set_shown(panels, !is_shown, width);
     }
 
     /// Moves the keyboard on: to the steps, to the details, back to the views.
@@ -173,7 +173,7 @@ impl Shell {
             Some(SidePanel::Steps) => &[SidePanel::Details],
             Some(SidePanel::Details) => &[],
         };
-        let panels = self.app.options.panels;
+        let panels = self.app.view.options.panels;
         let next = rest.iter().find(|panel| panel.is_shown(panels, width));
         self.keyboard_in = next.copied();
         let title = match next {
@@ -189,9 +189,9 @@ impl Shell {
     fn show_setting(&mut self, ctx: &egui::Context, key: &'static str) {
         match find_setting::place_of(key) {
             Some(Place::Section(title)) => {
-                let (panels, width) = (self.app.options.panels, ctx.content_rect().width());
+                let (panels, width) = (self.app.view.options.panels, ctx.content_rect().width());
                 if !SidePanel::Steps.is_shown(panels, width) {
-                    self.app.options.panels = SidePanel::Steps.set_shown(panels, true, width);
+                    self.app.view.options.panels = SidePanel::Steps.set_shown(panels, true, width);
                 }
                 panels::unfold_section(ctx, title);
             }
@@ -231,9 +231,9 @@ impl Shell {
             let text = "select a box first, with Tab or a click";
             return self.app.apply(Command::Notify(text.to_owned()));
         }
-        let (panels, width) = (self.app.options.panels, ctx.content_rect().width());
+        let (panels, width) = (self.app.view.options.panels, ctx.content_rect().width());
         if !SidePanel::Details.is_shown(panels, width) {
-            self.app.options.panels = SidePanel::Details.set_shown(panels, true, width);
+            self.app.view.options.panels = SidePanel::Details.set_shown(panels, true, width);
         }
         panels::unfold_section(ctx, "Review");
         self.review.name_box();
@@ -288,7 +288,7 @@ impl Shell {
     }
 
     fn save_plan(&mut self) {
-        if self.app.planning.lines.is_some() {
+        if self.app.map.planning.lines.is_some() {
             let proposed = self.sidecar_path("lines.gpx");
             self.dialogs
                 .name(Purpose::SavePlan, proposed, self.app.jobs());

@@ -101,7 +101,7 @@ impl ExportDialog {
 
 /// A box to tick for each group of files, with its size.
 fn products(ui: &mut Ui, context: &mut ViewContext<'_>, amounts: &Amounts) {
-    let mut options = context.app.options.clone();
+    let mut options = context.app.view.options.clone();
     let grid = egui::Grid::new("products").num_columns(2);
     grid.spacing([24.0, 4.0]).show(ui, |ui| {
         for product in Product::ALL {
@@ -127,7 +127,7 @@ fn products(ui: &mut Ui, context: &mut ViewContext<'_>, amounts: &Amounts) {
         "About {sum} with the tables of first returns and points, which are always written."
     );
     ui.add(egui::Label::new(text).wrap());
-    if options.excluded_products != context.app.options.excluded_products {
+    if options.excluded_products != context.app.view.options.excluded_products {
         context.push(Command::Show(Box::new(options)));
     }
 }
@@ -135,7 +135,7 @@ fn products(ui: &mut Ui, context: &mut ViewContext<'_>, amounts: &Amounts) {
 /// The files of a product.
 fn files(app: &App, product: Product) -> String {
     let files = product.files();
-    if product != Product::Residuals || app.comparing.reference.is_none() {
+    if product != Product::Residuals || app.map.comparing.reference.is_none() {
         return files;
     }
     let compared = OUTPUT_FILES.iter().filter(|row| row.when == When::Compared);

@@ -228,15 +228,17 @@ fn has_meaning(app: &App, action: Action, control_focused: bool) -> bool {
     match action {
         Action::NextBox | Action::PreviousBox => app.has_boxes() && !control_focused,
         Action::LeaveTool => {
-            let drawn = app.measuring.tool.is_some() || app.measuring.figure.is_some();
+            let drawn = app.map.measuring.tool.is_some() || app.map.measuring.figure.is_some();
             let is_in_use = reviewing.is_in_use() || app.log.proposed_stretch().is_some();
             is_in_use || drawn
         }
-        Action::SetCorner | Action::EndFigure => app.measuring.tool.is_some(),
-        Action::TakeCornerBack => app.measuring.tool.is_some() && app.measuring.figure.is_some(),
+        Action::SetCorner | Action::EndFigure => app.map.measuring.tool.is_some(),
+        Action::TakeCornerBack => {
+            app.map.measuring.tool.is_some() && app.map.measuring.figure.is_some()
+        }
         // With a tool for corners or targets in hand the arrows move its cross.
         Action::PreviousPing | Action::NextPing | Action::Back25 | Action::Forward25 => {
-            app.measuring.tool.is_none() && reviewing.tool != Tool::Point
+            app.map.measuring.tool.is_none() && reviewing.tool != Tool::Point
         }
         _ => true,
     }

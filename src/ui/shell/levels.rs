@@ -234,7 +234,7 @@ fn bars(painter: &Painter, area: Rect, counted: &Histogram, reach: f64, ink: Col
 
 fn knob(painter: &Painter, area: Rect, x: f32, which: Level, context: &ViewContext<'_>) {
     let x = x.clamp(area.left(), area.right());
-    let accent = theme::accent_colour(context.app.options.theme);
+    let accent = theme::accent_colour(context.app.view.options.theme);
     painter.line_segment(
         [pos2(x, area.top()), pos2(x, area.bottom())],
         Stroke::new(1.5, accent),

@@ -275,7 +275,7 @@ fn mounting(ui: &mut Ui, context: &mut ViewContext<'_>) {
 
 fn edit(ui: &mut Ui, context: &mut ViewContext<'_>) {
     // A change that was made in metres is named in the units in use.
-    let units = context.app.options.units;
+    let units = context.app.view.options.units;
     for (action, label) in [
         (Action::Undo, context.app.undo_label()),
         (Action::Redo, context.app.redo_label()),
@@ -294,7 +294,7 @@ fn view(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.separator();
     entries(ui, context, CAMERAS);
     ui.separator();
-    let before = context.app.options.clone();
+    let before = context.app.view.options.clone();
     let mut options = before.clone();
     ui.menu_button("Waterfall", |ui| {
         for map in ColourMap::ALL {
@@ -371,7 +371,7 @@ fn survey(ui: &mut Ui, context: &mut ViewContext<'_>) {
     for &action in COMPARING {
         let enabled = match action {
             Action::CompareWith => context.app.log.products.is_some(),
-            _ => context.app.comparing.reference.is_some(),
+            _ => context.app.map.comparing.reference.is_some(),
         };
         titled(ui, context, action, action.label(), enabled);
     }
@@ -413,7 +413,7 @@ fn truth(ui: &mut Ui, context: &mut ViewContext<'_>) {
 fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let undo = context.app.undo_label();
     let redo = context.app.redo_label();
-    let units = context.app.options.units;
+    let units = context.app.view.options.units;
     let open = "Open";
     for (action, label, enabled, what) in [
         (Action::Open, open, true, None),
@@ -437,7 +437,7 @@ fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 fn theme_button(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let label = match context.app.options.theme {
+    let label = match context.app.view.options.theme {
         ThemeChoice::Dark => "Light",
         ThemeChoice::Light => "Dark",
     };

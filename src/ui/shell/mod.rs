@@ -222,7 +222,7 @@ impl Shell {
         self.app.poll();
         self.meet_survey(ui.ctx());
         self.guard_decisions(ui.ctx());
-        theme::apply(ui.ctx(), self.app.options.theme);
+        theme::apply(ui.ctx(), self.app.view.options.theme);
         let mut commands = Vec::new();
         self.dialogs.poll(&mut commands);
         drop::collect(ui, self.app.log_count() > 0, &mut commands);
@@ -272,8 +272,8 @@ impl Shell {
             ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
             self.title = title;
         }
-        if self.met != self.app.survey_serial {
-            self.met = self.app.survey_serial;
+        if self.met != self.app.view.survey_serial {
+            self.met = self.app.view.survey_serial;
             self.play.stop();
         }
     }
@@ -416,7 +416,7 @@ fn forget_vanished_control(ctx: &egui::Context) {
 }
 
 fn draw_alone(ui: &mut Ui, views: &mut Views, context: &mut ViewContext<'_>, alone: Alone) {
-    let canvas = Frame::new().fill(theme::canvas_colour(&context.app.options));
+    let canvas = Frame::new().fill(theme::canvas_colour(&context.app.view.options));
     CentralPanel::no_frame()
         .frame(canvas)
         .show(ui, |ui| match alone {

@@ -51,9 +51,9 @@ fn list(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 fn line(ui: &mut Ui, context: &mut ViewContext<'_>, notice: &Notice) {
-    let said = context.app.options.units.sentence(&notice.text);
+    let said = context.app.view.options.units.sentence(&notice.text);
     ui.horizontal_top(|ui| {
-        parts::severity(ui, context.app.options.theme, notice.is_error);
+        parts::severity(ui, context.app.view.options.theme, notice.is_error);
         let unix_s = notice.at.duration_since(UNIX_EPOCH).unwrap_or_default();
         let clock = text::clock(Some(0.0), unix_s.as_secs_f64());
         ui.label(RichText::new(clock).monospace().weak());

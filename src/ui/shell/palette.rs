@@ -164,7 +164,7 @@ fn settings(context: &ViewContext<'_>) -> Vec<Item> {
     if app.log.survey.is_none() {
         return Vec::new();
     }
-    let units = app.options.units;
+    let units = app.view.options.units;
     let item = |place: Place, row: &'static Row| Item {
         label: format!("{}: {}", place.name(), row.name),
         alias: row.label,

@@ -39,10 +39,15 @@ struct Saving<'a> {
 /// Writes the window's state into the store.
 pub fn save(shell: &Shell, storage: &mut dyn eframe::Storage) {
     let saving = Saving {
-        options: &shell.app.options,
+        options: &shell.app.view.options,
         layout: &shell.layout,
         recent: &shell.app.recent,
-        base_map: shell.app.base_map.as_ref().map(|map| map.path.as_path()),
+        base_map: shell
+            .app
+            .map
+            .base_map
+            .as_ref()
+            .map(|map| map.path.as_path()),
         mountings: shell.app.mountings(),
         given: shell.app.given_settings(),
     };
@@ -61,7 +66,7 @@ impl Shell {
             let given = serde_json::from_value(saved.given);
             self.app.use_given_settings(given.unwrap_or_default());
             self.app.use_mountings(saved.mountings);
-            self.app.options = saved.options.for_new_survey();
+            self.app.view.options = saved.options.for_new_survey();
             self.app.recent = saved.recent;
             self.layout = saved.layout;
             if let Some(path) = saved.base_map {

@@ -38,7 +38,7 @@ impl Play {
         let Some(pings) = app.log.survey.as_ref().map(|survey| &survey.side_scan) else {
             return;
         };
-        let here = app.selection.map_or(0, |mark| mark.ping);
+        let here = app.view.selection.map_or(0, |mark| mark.ping);
         let from = if here + 1 >= pings.len() { 0 } else { here };
         if let Some(ping) = pings.get(from) {
             self.time_s = ping.time_s;
@@ -69,7 +69,7 @@ impl Play {
         };
         let pings = &survey.side_scan;
         // Whoever selects another ping meanwhile wants to go on from there.
-        let moved = app.selection.filter(|mark| mark.ping != self.ping);
+        let moved = app.view.selection.filter(|mark| mark.ping != self.ping);
         if let Some(ping) = moved.and_then(|mark| pings.get(mark.ping)) {
             self.time_s = ping.time_s;
         }
@@ -81,7 +81,7 @@ impl Play {
         }
         let ping = next.saturating_sub(1);
         self.ping = ping;
-        if app.selection.map(|mark| mark.ping) != Some(ping) {
+        if app.view.selection.map(|mark| mark.ping) != Some(ping) {
             commands.push(Command::Reveal(Mark::ping(ping)));
         }
         ui.ctx().request_repaint_after(Duration::from_millis(16));

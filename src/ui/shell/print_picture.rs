@@ -19,11 +19,11 @@ impl Shell {
             let text = format!("a picture's name ends in .png: {}", path.display());
             return self.app.apply(Command::Notify(text));
         }
-        let options = &self.app.options.print;
+        let options = &self.app.view.options.print;
         let sheet = options.sheet(self.views.size(view));
         let mut copy = self.app.for_picture();
         if options.light {
-            copy.options.theme = ThemeChoice::Light;
+            copy.view.options.theme = ThemeChoice::Light;
         }
         let scale = scale(&self.app, view, sheet, &self.views);
         let text = self.app.print_text(view, scale, SystemTime::now());
@@ -38,11 +38,11 @@ impl Shell {
 
 /// The scale of a printed view in a sentence.
 fn scale(app: &App, view: View, sheet: Sheet, views: &Views) -> String {
-    let is_paper = app.options.print.paper != Paper::Pixels;
+    let is_paper = app.view.options.print.paper != Paper::Pixels;
     match view {
         View::Map => match map_scale(sheet, views).filter(|_| is_paper) {
             Some(denominator) => {
-                let paper = app.options.print.paper.name();
+                let paper = app.view.options.print.paper.name();
                 format!(
                     "Scale about 1 : {denominator:.0} on {paper}; the scale bar is right at any size."
                 )
@@ -50,7 +50,7 @@ fn scale(app: &App, view: View, sheet: Sheet, views: &Views) -> String {
             None => "The scale bar gives the scale.".to_owned(),
         },
         View::Waterfall => {
-            let across = match app.options.waterfall.ground_range {
+            let across = match app.view.options.waterfall.ground_range {
                 true => "distance on level ground",
                 false => "slant range",
             };
@@ -60,7 +60,7 @@ fn scale(app: &App, view: View, sheet: Sheet, views: &Views) -> String {
         }
         View::Cloud => format!(
             "Perspective view: the axes give the scale, elevations x{}.",
-            app.options.cloud.vertical_exaggeration
+            app.view.options.cloud.vertical_exaggeration
         ),
         View::Objects => String::new(),
     }

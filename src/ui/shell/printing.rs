@@ -40,7 +40,7 @@ impl Printing {
         let Some(mut view) = self.view.filter(|_| self.is_open) else {
             return false;
         };
-        let before = context.app.options.print.clone();
+        let before = context.app.view.options.print.clone();
         let mut options = before.clone();
         let modal = Modal::new(Id::unique("print")).show(ctx, |ui| {
             ui.set_width(320.0);
@@ -54,7 +54,7 @@ impl Printing {
         });
         self.view = Some(view);
         if options != before {
-            let mut shown = context.app.options.clone();
+            let mut shown = context.app.view.options.clone();
             shown.print = options;
             context.push(Command::Show(Box::new(shown)));
         }
@@ -134,8 +134,8 @@ const BELOW: f32 = 70.0;
 
 /// Title and facts of a print, above and below its view.
 pub(super) fn frame(ui: &mut Ui, app: &App, text: &PrintText) {
-    let fill = theme::canvas_colour(&app.options);
-    let ink = theme::canvas_text_colour(&app.options);
+    let fill = theme::canvas_colour(&app.view.options);
+    let ink = theme::canvas_text_colour(&app.view.options);
     let frame = egui::Frame::new()
         .fill(fill)
         .inner_margin(egui::Margin::symmetric(10, 6));

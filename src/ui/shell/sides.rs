@@ -85,7 +85,7 @@ impl SidePanel {
         add: impl FnOnce(&mut Ui, &mut ViewContext<'_>),
     ) {
         let width = ui.content_rect().width();
-        let options = context.app.options.panels;
+        let options = context.app.view.options.panels;
         let was_shown = self.is_shown(options, width);
         let mut is_shown = was_shown;
         // What an earlier run saved is held to that as well: on a small screen the views keep half of the width.
@@ -107,7 +107,7 @@ impl SidePanel {
     /// The button that shows and hides it: a window whose side is filled while the panel is shown.
     pub fn button(self, ui: &mut Ui, context: &mut ViewContext<'_>) {
         let action = self.action();
-        let is_shown = self.is_shown(context.app.options.panels, ui.content_rect().width());
+        let is_shown = self.is_shown(context.app.view.options.panels, ui.content_rect().width());
         let button = ui.add(Button::new("").min_size(vec2(26.0, 18.0)));
         let hint = format!("{} ({})", action.hint(), action.keys().unwrap_or_default());
         button.widget_info(|| {
@@ -143,7 +143,7 @@ fn default_width(window: f32) -> f32 {
 }
 
 fn show(context: &mut ViewContext<'_>, panels: PanelOptions) {
-    let mut options = context.app.options.clone();
+    let mut options = context.app.view.options.clone();
     options.panels = panels;
     context.push(Command::Show(Box::new(options)));
 }

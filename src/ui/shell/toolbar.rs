@@ -29,7 +29,7 @@ pub fn ui(ui: &mut Ui, view: View, context: &mut ViewContext<'_>) {
     }
     ui.add_space(6.0);
     ui.spacing_mut().item_spacing.x = 4.0;
-    let before = context.app.options.clone();
+    let before = context.app.view.options.clone();
     let mut options = before.clone();
     if ui.available_width() < room(view) {
         let title = egui::RichText::new("Options").small();
@@ -203,7 +203,7 @@ fn cloud(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptions) 
     if is_clipped != shown.clip.is_some() {
         shown.toggle_clip();
     }
-    if !context.app.measuring.stations().is_empty() {
+    if !context.app.map.measuring.stations().is_empty() {
         switch(
             ui,
             &mut shown.cut,

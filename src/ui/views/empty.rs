@@ -10,7 +10,7 @@ pub const NO_GPU: &str =
 
 /// A sentence in the middle of the view.
 pub fn say(ui: &mut Ui, context: &ViewContext<'_>, rect: Rect, text: &str) {
-    let colour = theme::canvas_text_colour(&context.app.options);
+    let colour = theme::canvas_text_colour(&context.app.view.options);
     middle(ui, rect, 20.0, |ui| {
         ui.label(RichText::new(text).color(colour));
     });
@@ -21,7 +21,7 @@ pub fn wait(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, text: &str) 
     if !context.app.is_stopped() {
         return say(ui, context, rect, text);
     }
-    let colour = theme::canvas_text_colour(&context.app.options);
+    let colour = theme::canvas_text_colour(&context.app.view.options);
     middle(ui, rect, 48.0, |ui| {
         ui.label(RichText::new("Processing was stopped before there was a result.").color(colour));
         button(ui, context, Action::Update);
@@ -30,7 +30,7 @@ pub fn wait(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, text: &str) 
 
 /// Says what would fill the view, and offers to open something.
 pub fn offer_to_open(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, text: &str) {
-    let colour = theme::canvas_text_colour(&context.app.options);
+    let colour = theme::canvas_text_colour(&context.app.view.options);
     middle(ui, rect, 84.0, |ui| {
         ui.label(RichText::new(text).color(colour));
         for action in [Action::Open, Action::OpenDemo] {

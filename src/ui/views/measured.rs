@@ -21,14 +21,14 @@ pub fn beside(app: &App, figure: &Measurement) -> Option<String> {
     if figure.corners.len() == 2 || figure.kind == MeasurementKind::Area {
         return Some(whole);
     }
-    let leg = app.options.units.ground_length(distance_m(from, to));
+    let leg = app.view.options.units.ground_length(distance_m(from, to));
     let course = text::and_course(course_rad(from, to));
     Some(format!("{whole}\nleg {leg}{course}"))
 }
 
 /// What is measured; `None` while there is nothing between the corners.
 fn measured(app: &App, figure: &Measurement) -> Option<String> {
-    let units = app.options.units;
+    let units = app.view.options.units;
     let length = units.ground_length(figure.length_m());
     match (figure.kind, &figure.corners[..]) {
         (_, [] | [_]) => None,
@@ -80,16 +80,16 @@ pub fn strip(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, shown: &Mea
     let Some(text) = words(context.app, shown) else {
         return;
     };
-    let is_drawing = context.app.measuring.is_drawing();
+    let is_drawing = context.app.map.measuring.is_drawing();
     let foot = rect.left_bottom();
     let right = rect.right() - 84.0;
     let bar = Rect::from_min_max(foot + vec2(6.0, -78.0), pos2(right, foot.y - 50.0));
     ui.scope_builder(UiBuilder::new().max_rect(bar), |ui| {
-        legend::frame(&context.app.options).show(ui, |ui| {
+        legend::frame(&context.app.view.options).show(ui, |ui| {
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = 4.0;
                 ui.label(RichText::new(&text).size(11.5));
-                if is_drawing || context.app.is_picture {
+                if is_drawing || context.app.view.is_picture {
                     return;
                 }
                 let copy = ui

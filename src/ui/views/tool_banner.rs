@@ -32,7 +32,7 @@ impl Banner {
 
     /// Of the tool in hand that is of use in a view; `None` without one.
     pub fn of(app: &App, view: View) -> Option<Self> {
-        if let Some(kind) = app.measuring.tool {
+        if let Some(kind) = app.map.measuring.tool {
             return measuring(app, kind, view);
         }
         match (app.log.reviewing.tool, view) {
@@ -152,7 +152,7 @@ fn of_picture(app: &App, tool: Tool) -> Option<Banner> {
 }
 
 fn measuring(app: &App, kind: MeasurementKind, view: View) -> Option<Banner> {
-    let is_drawing = app.measuring.is_drawing();
+    let is_drawing = app.map.measuring.is_drawing();
     let (name, next) = match (kind, view) {
         (_, View::Cloud | View::Objects) => return None,
         (MeasurementKind::Distance, _) => ("Measure distance", "click the corners of a line"),
@@ -184,7 +184,7 @@ fn measuring(app: &App, kind: MeasurementKind, view: View) -> Option<Banner> {
 
 /// The banner of the tool in hand at the top of a view, if there is one and there is room.
 pub fn in_view(ui: &Ui, app: &App, view: View, rect: Rect) -> Option<PlacedBanner> {
-    let banner = Banner::of(app, view).filter(|_| !app.is_picture)?;
+    let banner = Banner::of(app, view).filter(|_| !app.view.is_picture)?;
     let room = rect.shrink2(vec2(4.0, 4.0));
     legend::has_width(room).then(|| banner.place(ui, room))
 }

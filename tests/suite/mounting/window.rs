@@ -171,7 +171,7 @@ fn boxes_and_strokes_stay_on_their_echoes_when_sides_are_exchanged() {
     assert_eq!(sides(&window), [Side::Starboard; 3]);
     assert_eq!(picks(&window), [starboard.clone(), port.clone()]);
     assert_eq!(
-        app(&window).selection.and_then(|mark| mark.side),
+        app(&window).view.selection.and_then(|mark| mark.side),
         Some(Side::Starboard)
     );
     assert_eq!(app(&window).undo_label(), Some("sides of the recorder"));

@@ -121,7 +121,7 @@ fn mistakes_are_walked_by_keys_and_by_clicks_and_shown_on_the_waterfall() {
     press(&mut window, Modifiers::NONE, Key::Period);
     let ghost = review_of(&window).get(selected(&window)).expect("a box");
     assert_eq!(ghost.score, Some(0.61), "the surest false alarm first");
-    let serial = |window: &Window| app(window).reveal.map(|reveal| reveal.serial);
+    let serial = |window: &Window| app(window).view.reveal.map(|reveal| reveal.serial);
     let before = serial(&window);
     for _ in 0..2 {
         press(&mut window, Modifiers::NONE, Key::Period);
@@ -131,7 +131,7 @@ fn mistakes_are_walked_by_keys_and_by_clicks_and_shown_on_the_waterfall() {
     assert!(app(&window).log.reviewing.selected.is_none());
     let comparison = judging.comparison().expect("a comparison");
     let whole = comparison.truth().objects[object].whole.clone();
-    let at = app(&window).selection.expect("a place");
+    let at = app(&window).view.selection.expect("a place");
     assert!(whole.pings.contains(&at.ping) && at.side == Some(whole.side));
     assert_eq!(serial(&window), before.map(|serial| serial + 2));
     press(&mut window, Modifiers::NONE, Key::Comma);

@@ -5,7 +5,7 @@ use super::*;
 /// Where a place is on the screen of a waterfall that shows all of the demo, time to the right.
 pub(crate) fn at(window: &Window, ping: f64, across_m: f64) -> Pos2 {
     let view = window.get_by_label_contains("Waterfall, pings").rect();
-    let seen = &app(window).visible;
+    let seen = &app(window).view.visible;
     let share = (ping - seen.start as f64) / seen.len() as f64;
     // The range that is shown is the demo's longest.
     let far_m = farthest_m(window);
@@ -142,7 +142,7 @@ fn a_click_selects_the_box_under_it_and_beside_it_a_ping() {
     window.drop_at(beside);
     window.run();
     assert_eq!(app(&window).log.reviewing.selected, None);
-    assert!(app(&window).selection.is_some());
+    assert!(app(&window).view.selection.is_some());
 }
 
 #[test]

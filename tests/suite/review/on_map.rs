@@ -19,8 +19,8 @@ fn the_mosaic_with_boxes_looks_as_it_did() {
     fs::write(&path, review.to_json()).expect("a file");
     let app = app_mut(&mut window);
     app.apply(Command::OpenReview(path));
-    app.options.map.flat_spots = false;
-    let layers = &mut app.options.map.layers;
+    app.view.options.map.flat_spots = false;
+    let layers = &mut app.view.options.map.layers;
     layers.set_visible(MapLayer::Mosaic, true);
     layers.set_visible(MapLayer::HillShade, false);
     layers.set_opacity(MapLayer::Track, 0.5);

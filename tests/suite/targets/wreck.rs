@@ -195,7 +195,7 @@ fn a_wreck_is_named_kept_exported_and_has_its_page_in_the_report() {
     // All views enlarge it: about a third of each is hull.
     let id = log_box(&app, one.id);
     app.apply(Command::FlyTo(id));
-    let close_up = app.reveal.and_then(|reveal| reveal.close_up);
+    let close_up = app.view.reveal.and_then(|reveal| reveal.close_up);
     let close_up = close_up.expect("a close-up");
     assert!((close_up.size_m / LENGTH_M - 1.0).abs() < 0.05);
     assert_eq!(close_up.pings, [one.mark.pings.start, one.mark.pings.end]);

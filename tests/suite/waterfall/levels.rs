@@ -18,8 +18,8 @@ fn the_automatic_level_lifts_a_dim_survey_alike_near_and_far() {
     let bytes = (0..400_usize).map(|sample| (sample / 4) as u8).collect();
     let sides = [None, Some(span(0, 400, 20.0))];
     let mut app = app_with(survey_of(bytes, std::iter::repeat_n(sides, 3_000)));
-    app.options.waterfall.colour_map = ColourMap::Grey;
-    app.options.waterfall.range_lines = false;
+    app.view.options.waterfall.colour_map = ColourMap::Grey;
+    app.view.options.waterfall.range_lines = false;
     let mut window = window(app, [400.0, 300.0]);
     // Black is at 10 and white at 99 / 0.9.
     let expected = (255.0 * (50.0 - 10.0) / (99.0 / 0.9 - 10.0)) as u8;

@@ -14,7 +14,7 @@ use std::time::Duration;
 #[test]
 fn the_profile_says_its_values() {
     let mut app = pond_app();
-    app.selection = Some(Mark::ping(100));
+    app.view.selection = Some(Mark::ping(100));
     let mut window = window(app, [300.0, 180.0]);
     window.state_mut().shows_profile = true;
     window.run_steps(2);
@@ -72,7 +72,7 @@ fn the_profile_is_the_intensity_that_the_search_sees() {
 #[test]
 fn the_threshold_line_can_be_dragged() {
     let mut app = app_with(even_bottom(10));
-    app.selection = Some(Mark::ping(5));
+    app.view.selection = Some(Mark::ping(5));
     let mut window = window(app, [300.0, 180.0]);
     window.state_mut().shows_profile = true;
     window.run_steps(2);
@@ -105,7 +105,7 @@ fn the_threshold_line_can_be_dragged() {
 #[test]
 fn the_profile_looks_as_it_did() {
     let mut app = pond_app();
-    app.selection = Some(Mark::ping(100));
+    app.view.selection = Some(Mark::ping(100));
     let mut window = window(app, [300.0, 180.0]);
     window.state_mut().shows_profile = true;
     // The scale of the whole picture is measured on a worker.

@@ -46,7 +46,7 @@ fn shown(change: impl FnOnce(&mut Settings)) -> App {
     let made = pipeline::run(&survey, &settings, None, &Progress::new(), |_| ());
     let mut app = App::new(Jobs::Inline);
     app.show_survey(survey, Some(made.expect("nobody cancels")));
-    let waterfall = &mut app.options.waterfall;
+    let waterfall = &mut app.view.options.waterfall;
     waterfall.colour_map = ColourMap::Grey;
     waterfall.range_lines = false;
     waterfall.first_return = false;
@@ -98,9 +98,9 @@ fn the_shader_shows_what_the_numbers_say_in_every_geometry() {
             settings.picture.absorption_db_m = 0.1;
             settings.picture.balance_db = 3.0;
         });
-        app.options.waterfall.ground_range = ground;
-        app.options.waterfall.water_column = water;
-        let geometry = app.options.waterfall.geometry();
+        app.view.options.waterfall.ground_range = ground;
+        app.view.options.waterfall.water_column = water;
+        let geometry = app.view.options.waterfall.geometry();
         let mut window = window(app, [400.0, 300.0]);
         let greys = greys(&mut window, 210);
         let app = &window.state().app;
@@ -184,14 +184,14 @@ fn the_stripe_filter_takes_a_bright_ping_to_its_neighbours() {
 #[test]
 fn ground_range_puts_an_echo_and_the_pointer_where_they_lie() {
     let mut app = shown(|settings| settings.picture.gain = Gain::Recorded);
-    app.options.waterfall.ground_range = true;
+    app.view.options.waterfall.ground_range = true;
     let mut window = window(app, [400.0, 300.0]);
     settle(&mut window);
     // 9 m on the ground to starboard is a slant range of 9.85 m.
     window.hover_at(pos2(210.5, 150.0 + (9.0 / FAR_M * 150.0) as f32));
     window.run_steps(2);
     let state = window.state();
-    let mark = state.app.hover.expect("the pointer is over a ping");
+    let mark = state.app.view.hover.expect("the pointer is over a ping");
     let scale = state
         .app
         .picture()
@@ -220,6 +220,7 @@ fn ground_range_puts_an_echo_and_the_pointer_where_they_lie() {
     let mark = window
         .state()
         .app
+        .view
         .hover
         .expect("the pointer is over a ping");
     assert!(
@@ -249,6 +250,7 @@ fn flipped_and_swapped_a_ping_is_read_where_it_is_shown() {
     let mark = window
         .state()
         .app
+        .view
         .hover
         .expect("the pointer is over a ping");
     assert_eq!((mark.ping, mark.side), (299, Some(Side::Starboard)));

@@ -32,7 +32,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
             return;
         };
         let calibration = &products.calibration;
-        in_use(ui, calibration, context.app.options.units);
+        in_use(ui, calibration, context.app.view.options.units);
         setting(
             ui,
             context,
@@ -47,7 +47,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
             return;
         };
         for text in &calibration.warnings {
-            parts::warning(ui, context, &context.app.options.units.sentence(text));
+            parts::warning(ui, context, &context.app.view.options.units.sentence(text));
         }
         tools(ui, context, calibration.mode);
         proposal::ui(ui, context, &products, is_new);

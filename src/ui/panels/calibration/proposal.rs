@@ -21,7 +21,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, products: &Products, is_ne
         ui.label(
             title
                 .strong()
-                .color(theme::accent_colour(context.app.options.theme)),
+                .color(theme::accent_colour(context.app.view.options.theme)),
         );
         match &trial {
             Some(trial) => found(ui, context, products, trial),
@@ -35,7 +35,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, products: &Products, is_ne
 }
 
 fn found(ui: &mut Ui, context: &ViewContext<'_>, products: &Products, trial: &ScaleTrial) {
-    let units = context.app.options.units;
+    let units = context.app.view.options.units;
     let spot = &trial.spot;
     let place = format!(
         "{} long, {} deep, relief {}",
@@ -58,7 +58,7 @@ fn found(ui: &mut Ui, context: &ViewContext<'_>, products: &Products, trial: &Sc
         "What recorded ranges would be multiplied with: recorded depth over recorded range, median over the first returns of the stretch, with the spread of single pings.",
         format!("range {factor} {spread}"),
     );
-    plot::ui(ui, trial, products, &context.app.options);
+    plot::ui(ui, trial, products, &context.app.view.options);
     match &trial.effect {
         Some(effect) => changes(ui, effect, units),
         None => parts::remark(ui, "The log has no side-scan depths that would change."),

@@ -33,7 +33,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         let same_ping = figures
             .filter(|_| agreement.reference.is_none() && agreement.logs.len() == 1)
             .and_then(|figures| figures.residuals.as_ref());
-        let units = context.app.options.units;
+        let units = context.app.view.options.units;
         figures::ui(ui, &agreement.comparison, same_ping, units);
         let id = egui::Id::unique("residuals over");
         let mut over = ui.data(|data| data.get_temp(id)).unwrap_or_default();
@@ -45,7 +45,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
             }
         });
         ui.data_mut(|data| data.insert_temp(id, over));
-        plots::picture(ui, &agreement.tables, over, &context.app.options);
+        plots::picture(ui, &agreement.tables, over, &context.app.view.options);
         let of = match agreement.reference.is_some() {
             true => "Elevation of the points minus that of the reference at their place",
             false => "Elevation of side-scan points minus that of the soundings at their place",
@@ -66,7 +66,7 @@ fn lack(app: &App) -> &str {
 
 /// Whether the map shows them, point by point.
 fn on_map(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let layers = &context.app.options.map.layers;
+    let layers = &context.app.view.options.map.layers;
     let mut is_shown = layers.is_visible(MapLayer::Residuals);
     let check = ui.checkbox(&mut is_shown, "Residuals on the map");
     if check.on_hover_text(MapLayer::Residuals.hint()).clicked() {

@@ -23,7 +23,7 @@ const BYS: [(ReferenceBy, &str, &str); 2] = [
 
 /// Draws it.
 pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let reference = context.app.comparing.reference.clone();
+    let reference = context.app.map.comparing.reference.clone();
     let (name, hint) = match &reference {
         Some(reference) => (reference.name(), reference.path().display().to_string()),
         None => (
@@ -41,12 +41,12 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         parts::remark(ui, "Another mission, processed with the same settings.");
     }
     for note in &reference.notes {
-        parts::remark(ui, context.app.options.units.sentence(note));
+        parts::remark(ui, context.app.view.options.units.sentence(note));
     }
 }
 
 fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>, is_open: bool) {
-    let ready = context.app.log.products.is_some() && !context.app.comparing.is_opening();
+    let ready = context.app.log.products.is_some() && !context.app.map.comparing.is_opening();
     ui.horizontal_wrapped(|ui| {
         for (action, enabled) in [
             (Action::CompareWith, ready),
@@ -61,14 +61,14 @@ fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>, is_open: bool) {
 }
 
 fn matching(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let comparing = &context.app.comparing;
+    let comparing = &context.app.map.comparing;
     let (before, mut by, radius_m) = (comparing.by, comparing.by, comparing.radius_m);
     ui.horizontal_wrapped(|ui| {
         for (each, name, hint) in BYS {
             ui.selectable_value(&mut by, each, name).on_hover_text(hint);
         }
     });
-    let units = context.app.options.units;
+    let units = context.app.view.options.units;
     let [least, most] = RADII_M.map(|radius_m| units.in_unit(radius_m));
     let (mut radius, radii) = (units.in_unit(radius_m), least..=most);
     let mut moved = false;

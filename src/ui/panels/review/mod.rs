@@ -91,7 +91,7 @@ fn progress(ui: &mut Ui, context: &ViewContext<'_>) {
         let bar = ProgressBar::new(share)
             .desired_width(ui.available_width())
             .desired_height(8.0)
-            .fill(theme::accent_colour(context.app.options.theme));
+            .fill(theme::accent_colour(context.app.view.options.theme));
         ui.add(bar);
     });
     let parts = [

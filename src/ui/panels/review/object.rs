@@ -54,7 +54,7 @@ impl ObjectPictures {
 
     fn pictures(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>, object: &SurveyObject) {
         let app = context.app;
-        let options = &app.options.waterfall;
+        let options = &app.view.options.waterfall;
         let picture = |id: &LogBox| {
             let mark = &app.log_box(*id)?.mark;
             Some((*id, chip::Key::of(app.open_log(id.log)?, mark, options)?))
@@ -146,7 +146,7 @@ fn facts(ui: &mut Ui, context: &ViewContext<'_>, object: &SurveyObject) {
         let at = RichText::new(place::written(app, object.position)).monospace();
         fact(ui, "Position", hint, at);
         let hint = "Standard deviation of the position, without the error of the receiver.";
-        let within = app.options.units.measure(object.joint.sigma_m, 2);
+        let within = app.view.options.units.measure(object.joint.sigma_m, 2);
         fact(ui, "Uncertainty", hint, within);
     }
 }
@@ -183,7 +183,7 @@ fn shape(ui: &mut Ui, context: &ViewContext<'_>) {
     let words = match found {
         Ok(fitted) => {
             let solid = &fitted.posed.solid;
-            let units = app.options.units;
+            let units = app.view.options.units;
             let size = size([solid.length_m, solid.width_m], units);
             let rivals = match fitted.rivals.first() {
                 Some(rival) if rival.is_boat() != solid.kind.is_boat() || !rival.is_boat() => {

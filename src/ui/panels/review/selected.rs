@@ -41,7 +41,7 @@ impl ReviewPanel {
 
     fn picture(&mut self, ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed) {
         let app = context.app;
-        let shown = &app.options.waterfall;
+        let shown = &app.view.options.waterfall;
         let Some(key) = chip::Key::of(&app.log, &one.mark, shown) else {
             return;
         };
@@ -49,7 +49,7 @@ impl ReviewPanel {
         self.chip
             .ask(key, app.jobs(), move |_| Chip::new(&of, &ctx));
         if let Some(picture) = self.chip.result() {
-            picture.ui(ui, one, &app.log.reviewing.review, app.options.units);
+            picture.ui(ui, one, &app.log.reviewing.review, app.view.options.units);
         }
     }
 }
@@ -70,7 +70,7 @@ fn title(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed) {
         if let Some(score) = one.score {
             ui.label(format!("{score:.2}"));
         }
-        let colour = theme::box_colour_on_panel(context.app.options.theme, one.state);
+        let colour = theme::box_colour_on_panel(context.app.view.options.theme, one.state);
         let state = RichText::new(one.state.name()).color(colour);
         ui.label(state);
         let corrected = if one.edited { ", corrected" } else { "" };
@@ -125,10 +125,10 @@ fn facts(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed) {
         ui,
         "Size",
         "Along the track and in slant range; echo and shadow together.",
-        size(app.log.reviewing.size_m(mark), app.options.units),
+        size(app.log.reviewing.size_m(mark), app.view.options.units),
     );
     fact(ui, "Range", "Slant range of its near and far edge.", {
-        let ranges = app.options.units.span(place::ranges_m(app, mark), 2);
+        let ranges = app.view.options.units.span(place::ranges_m(app, mark), 2);
         format!("{ranges} {}", mark.side.name())
     });
     if let Some(placed) = app.log.reviewing.placed(one.id) {
@@ -141,7 +141,7 @@ fn facts(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed) {
 /// Where its object lies and how large it is.
 fn on_the_ground(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed, target: &Target) {
     let app = context.app;
-    let units = app.options.units;
+    let units = app.view.options.units;
     fact(
         ui,
         "Position",

@@ -23,7 +23,7 @@ impl Cell {
 
 /// Position, ping, range, altitude, depth, heading, speed and time of a place, in the order of the bar.
 pub(super) fn of(app: &App, mark: Mark) -> Vec<Cell> {
-    let units = app.options.units;
+    let units = app.view.options.units;
     let survey = app.log.survey.as_ref();
     let Some(ping) = survey.and_then(|survey| survey.side_scan.get(mark.ping)) else {
         return Vec::new();

@@ -38,7 +38,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         let room = ui.available_width().min(width - taken);
         ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
             ui.spacing_mut().item_spacing.x = 14.0;
-            match context.app.hover.or(context.app.selection) {
+            match context.app.view.hover.or(context.app.view.selection) {
                 Some(mark) => place_under_pointer(ui, context, mark, room),
                 None => {
                     ui.label(RichText::new("Nothing under the pointer").weak());
@@ -96,7 +96,7 @@ fn following(ui: &mut Ui, context: &ViewContext<'_>) {
         FollowStatus::Ending => "reading the log to its end".to_owned(),
     };
     let is_silent = matches!(status, FollowStatus::Silent { .. });
-    let theme = context.app.options.theme;
+    let theme = context.app.view.options.theme;
     let colour = match is_silent {
         true => theme::stale_colour(theme),
         false => theme::accent_colour(theme),
@@ -119,7 +119,7 @@ fn rest(ui: &mut Ui, context: &ViewContext<'_>) {
         ui.label(shown)
             .on_hover_text("Frames a second when they last followed each other.");
     }
-    let map = context.app.options.waterfall.colour_map.name();
+    let map = context.app.view.options.waterfall.colour_map.name();
     ui.label(RichText::new(map).weak().small());
 }
 
@@ -134,7 +134,7 @@ fn jobs(ui: &mut Ui, context: &mut ViewContext<'_>) {
             let exporting = context.app.export_fraction();
             let base_map = context.app.base_map_fraction();
             let comparing = context.app.comparing_fraction();
-            let planning = context.app.planning.fraction();
+            let planning = context.app.map.planning.fraction();
             let passes = context.app.passes_fraction();
             (detecting.map(|share| ("finding objects".to_owned(), share)))
                 .or(exporting.map(|share| ("exporting".to_owned(), share)))
@@ -168,7 +168,7 @@ fn jobs(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let bar = egui::ProgressBar::new(share)
         .desired_width(110.0)
         .desired_height(8.0)
-        .fill(theme::accent_colour(context.app.options.theme));
+        .fill(theme::accent_colour(context.app.view.options.theme));
     ui.add(bar);
     ui.label(RichText::new(text).small());
 }
@@ -184,5 +184,5 @@ fn stopped(ui: &mut Ui, context: &mut ViewContext<'_>) {
         context.push(Command::Do(action));
     }
     let text = RichText::new("stopped before it was done").small();
-    ui.label(text.color(theme::stale_colour(context.app.options.theme)));
+    ui.label(text.color(theme::stale_colour(context.app.view.options.theme)));
 }

@@ -45,7 +45,7 @@ impl TimelineLayout {
         strips: &Strips,
         pictures: &mut [Option<RasterTexture>; 2],
     ) {
-        let look = context.app.options.theme;
+        let look = context.app.view.options.theme;
         let well = ui.visuals().extreme_bg_color;
         let [mut above, mut below] =
             [self.depth, self.speed].map(|rect| Raster::new(ui.painter(), rect, well));
@@ -90,7 +90,7 @@ impl TimelineLayout {
         );
         above.show(ui.painter(), &mut pictures[0]);
         below.show(ui.painter(), &mut pictures[1]);
-        let units = context.app.options.units;
+        let units = context.app.view.options.units;
         let reach = |high: Option<f32>, written: &dyn Fn(f64) -> String| match high {
             Some(high) => format!("to {}", written(f64::from(high))),
             None => text::NONE.to_owned(),
@@ -173,23 +173,23 @@ impl TimelineLayout {
         self.exclusions(ui, context, strips);
         for &time_s in &strips.warnings_s {
             let at = egui::pos2(strips.x(self.all, time_s), self.all.top() + 3.0);
-            painter.circle_filled(at, 2.0, theme::stale_colour(app.options.theme));
+            painter.circle_filled(at, 2.0, theme::stale_colour(app.view.options.theme));
         }
         let seen = (
-            x_of(app.visible.start),
-            x_of(app.visible.end.saturating_sub(1)),
+            x_of(app.view.visible.start),
+            x_of(app.view.visible.end.saturating_sub(1)),
         );
-        if let (Some(from), Some(to), false) = (seen.0, seen.1, app.visible.is_empty()) {
+        if let (Some(from), Some(to), false) = (seen.0, seen.1, app.view.visible.is_empty()) {
             self.window(ui, from, to);
         }
-        if let Some(x) = app.hover.and_then(|mark| x_of(mark.ping)) {
+        if let Some(x) = app.view.hover.and_then(|mark| x_of(mark.ping)) {
             painter.vline(
                 x,
                 self.all.y_range(),
                 Stroke::new(1.0, theme::hover_colour()),
             );
         }
-        if let Some(x) = app.selection.and_then(|mark| x_of(mark.ping)) {
+        if let Some(x) = app.view.selection.and_then(|mark| x_of(mark.ping)) {
             let colour = theme::selection_colour();
             painter.vline(x, self.all.y_range(), Stroke::new(1.5, colour));
             let top = self.all.top();
@@ -206,7 +206,7 @@ impl TimelineLayout {
     fn exclusions(&self, ui: &Ui, context: &ViewContext<'_>, strips: &Strips) {
         let painter = ui.painter().with_clip_rect(self.all);
         let veil = ui.visuals().extreme_bg_color.gamma_multiply(0.75);
-        let bar = theme::excluded_colour(&context.app.options);
+        let bar = theme::excluded_colour(&context.app.view.options);
         let found = context.app.log.exclusions().into_iter();
         for stretch in found.flat_map(|found| &found.exclusions.stretches) {
             let [from, to] = stretch.time_s.map(|time_s| strips.x(self.all, time_s));

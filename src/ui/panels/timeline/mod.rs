@@ -67,9 +67,9 @@ impl TimeLine {
             *self = Self::default();
             return;
         };
-        if self.seen_survey != app.survey_serial {
+        if self.seen_survey != app.view.survey_serial {
             // Strips of another log would be drawn until those of this one are there.
-            self.seen_survey = app.survey_serial;
+            self.seen_survey = app.view.survey_serial;
             self.strips = Background::default();
         }
         let key = Key::of(survey, app.log.products.as_ref());
@@ -89,10 +89,10 @@ impl TimeLine {
             .survey
             .as_ref()
             .map_or(0, |survey| survey.side_scan.len());
-        let ping = context.app.selection.map_or(0, |mark| mark.ping);
+        let ping = context.app.view.selection.map_or(0, |mark| mark.ping);
         response.widget_info(|| {
             let strips = self.strips.result().and_then(Option::as_ref);
-            let depth = strips.and_then(|strips| strips.deepest(context.app.options.units));
+            let depth = strips.and_then(|strips| strips.deepest(context.app.view.options.units));
             let depth = depth.map_or(String::new(), |depth| format!(", depth {depth}"));
             let excluded = exclusion_text::and_stretches(context.app);
             let name = format!("Time line, ping {ping} of {count}{depth}{excluded}");

@@ -144,7 +144,7 @@ pub fn draw(
     pixels_per_point: f32,
     part: Part,
 ) -> BottomDraw {
-    let options: &CloudOptions = &app.options.cloud;
+    let options: &CloudOptions = &app.view.options.cloud;
     let [azimuth_deg, altitude_deg] = options.light_deg;
     BottomDraw {
         projection,

@@ -69,7 +69,7 @@ pub fn show(
     scene: SceneBox,
     axes: &Axes<'_>,
 ) -> Option<ClipBox> {
-    let clip = context.app.options.cloud.clip?;
+    let clip = context.app.view.options.cloud.clip?;
     let dragged = handles(ui, scene, axes, clip);
     let changed = match legend::has_room(axes.rect) {
         true => numbers(ui, context, scene, axes, dragged),
@@ -135,7 +135,7 @@ fn numbers(
     axes: &Axes<'_>,
     mut clip: ClipBox,
 ) -> ClipBox {
-    let options = &context.app.options;
+    let options = &context.app.view.options;
     let reference = place::reduction(context.app).reference();
     let size = vec2(196.0, 84.0);
     let corner = axes.rect.right_top() + vec2(-4.0 - size.x, 4.0);

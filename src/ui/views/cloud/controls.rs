@@ -27,7 +27,7 @@ pub fn show(
     rect: Rect,
     request: &mut Option<ViewRequest>,
 ) {
-    let mut options = context.app.options.clone();
+    let mut options = context.app.view.options.clone();
     let frame = legend::frame(&options);
     let top = Rect::from_min_size(rect.min + vec2(4.0, 4.0), vec2(120.0, 28.0));
     ui.scope_builder(UiBuilder::new().max_rect(top), |ui| {
@@ -55,7 +55,7 @@ pub fn show(
             })
         });
     });
-    if options.cloud != context.app.options.cloud {
+    if options.cloud != context.app.view.options.cloud {
         context.push(Command::Show(Box::new(options)));
     }
 }
@@ -88,16 +88,16 @@ pub fn paint_read_out(
     survey: &Survey,
     products: &Products,
 ) {
-    let index = app.hover.and_then(|mark| mark.point);
+    let index = app.view.hover.and_then(|mark| mark.point);
     let Some(point) = index.and_then(|index| products.cloud.points.get(index)) else {
         return;
     };
     let class = index.and_then(|index| products.classes.get(index));
     let class = class.filter(|class| !class.is_kept());
     let class = class.map_or(String::new(), |class| format!(", {}", class.name()));
-    let units = app.options.units;
+    let units = app.view.options.units;
     // What the colours say, as a number; there is no room for all that is known.
-    let coloured = match app.options.cloud.colour {
+    let coloured = match app.view.options.cloud.colour {
         CloudColour::Level if point.source != PointSource::DownScan => {
             format!(", level {}", point.level)
         }
@@ -122,8 +122,15 @@ pub fn paint_read_out(
         place::written(app, position),
     );
     let at = rect.left_top() + vec2(50.0, 9.0);
-    let colour = theme::canvas_text_colour(&app.options);
-    legend::plate(painter, &app.options, at, Align2::LEFT_TOP, &text, colour);
+    let colour = theme::canvas_text_colour(&app.view.options);
+    legend::plate(
+        painter,
+        &app.view.options,
+        at,
+        Align2::LEFT_TOP,
+        &text,
+        colour,
+    );
 }
 
 /// Why there are no side-scan points, when there are none.

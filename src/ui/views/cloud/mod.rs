@@ -67,10 +67,10 @@ impl CloudView {
     pub fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
         let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         let painter = ui.painter_at(rect);
-        let canvas = theme::canvas_colour(&context.app.options);
+        let canvas = theme::canvas_colour(&context.app.view.options);
         flat::fill(&painter, rect, canvas, context.render_state);
-        if self.seen_plane != context.app.plane_serial {
-            self.seen_plane = context.app.plane_serial;
+        if self.seen_plane != context.app.view.plane_serial {
+            self.seen_plane = context.app.view.plane_serial;
             self.camera = None;
             self.scene = Background::default();
         }
@@ -83,7 +83,7 @@ impl CloudView {
         Self {
             camera: self.camera,
             aim: self.aspect,
-            seen_plane: app.plane_serial,
+            seen_plane: app.view.plane_serial,
             ..Self::default()
         }
     }
@@ -146,7 +146,7 @@ impl CloudView {
             all,
         };
         let camera = self.navigate(ui, context, rect, response, seen);
-        let options = &context.app.options;
+        let options = &context.app.view.options;
         let projection = camera.projection(aspect(rect));
         let axes = Axes {
             rect,
@@ -187,13 +187,13 @@ impl CloudView {
         controls::paint_read_out(&painter, rect, context.app, &survey, &products);
         self.pointer
             .handle(context, response, seen, (&axes, camera));
-        if context.app.is_picture {
+        if context.app.view.is_picture {
             controls::paint_exaggeration(&painter, rect, options);
             clip::paint_note(&painter, rect, options);
         } else {
             controls::show(ui, context, rect, &mut self.request);
             if let Some(changed) = clip::show(ui, context, all, &axes) {
-                let mut options = context.app.options.clone();
+                let mut options = context.app.view.options.clone();
                 options.cloud.clip = Some(changed);
                 context.push(Command::Show(Box::new(options)));
             }
@@ -209,7 +209,7 @@ impl CloudView {
     }
 
     fn ask_for_scene(&mut self, context: &ViewContext<'_>) {
-        let options = context.app.options.clone();
+        let options = context.app.view.options.clone();
         let colours = (options.cloud.colour, options.theme, options.side_colours);
         let logs: Vec<LogPoints> = context.app.shown_logs().iter().map(LogPoints::of).collect();
         let uploader = context
@@ -242,17 +242,23 @@ impl CloudView {
             .is_some_and(|(fitted, size)| self.camera == Some(fitted) && size != rect.size());
         let is_new = self.camera.is_none() || outgrown;
         let mut camera = self.camera.unwrap_or_default();
-        camera.exaggeration = context.app.options.cloud.vertical_exaggeration.max(0.1);
+        camera.exaggeration = context
+            .app
+            .view
+            .options
+            .cloud
+            .vertical_exaggeration
+            .max(0.1);
         self.aspect = Some(aspect(rect));
         // What is seen is as tall in any frame: a narrower one would cut its sides off.
         if let Some(seen) = self.aim.take().filter(|seen| aspect(rect) < *seen) {
             camera.zoom(aspect(rect) / seen, glam::Vec2::ZERO, aspect(rect));
         }
         let request = self.request.take();
-        let clip = context.app.options.cloud.clip;
+        let clip = context.app.view.options.cloud.clip;
         let eye = camera.projection(aspect(rect)).eye;
         let shown = ShownPoints {
-            outliers: context.app.options.cloud.outlier_preview,
+            outliers: context.app.view.options.cloud.outlier_preview,
             part: section::part(context.app, scene, eye),
         };
         let shown = (shown, rect);
@@ -273,7 +279,7 @@ impl CloudView {
             self.fitted = Some((camera, rect.size()));
         }
         pointer::move_camera(ui, shown, response, seen, &mut camera);
-        if let Some(reveal) = context.app.reveal
+        if let Some(reveal) = context.app.view.reveal
             && reveal.serial != self.seen_reveal
         {
             self.seen_reveal = reveal.serial;

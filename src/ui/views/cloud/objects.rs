@@ -17,7 +17,7 @@ const LEAST_WIDTH: f32 = 1.5;
 
 /// Draws the footprints of the boxes of all visible logs that are in the queue; those that were rejected only while they are selected.
 pub fn paint(painter: &Painter, app: &App, scene: &CloudScene, axes: &Axes<'_>) {
-    if !app.options.cloud.boxes {
+    if !app.view.options.cloud.boxes {
         return;
     }
     for log in app.visible_logs() {

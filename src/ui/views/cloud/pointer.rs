@@ -135,7 +135,7 @@ impl Pointer {
             true => response.interact_pointer_pos(),
             false => response.hover_pos().filter(|_| !response.dragged()),
         };
-        let looks = context.app.options.cloud.points
+        let looks = context.app.view.options.cloud.points
             && (scene.shown(shown.outliers) <= MOST_ON_HOVER || response.clicked());
         let point = at.filter(|_| looks).and_then(|at| match self.looked {
             Some((last, with, point)) if last == at && with == camera => point,
@@ -161,7 +161,7 @@ impl Pointer {
 
     fn hover(&mut self, context: &mut ViewContext<'_>, mark: Option<Mark>) {
         let ours = mark.is_some() || self.hovering;
-        if ours && context.app.hover != mark {
+        if ours && context.app.view.hover != mark {
             context.push(Command::Hover(mark));
         }
         self.hovering = mark.is_some();
@@ -183,7 +183,7 @@ fn position_on(bottom: &BottomScene, app: &App, axes: &Axes<'_>, at: Pos2) -> Op
 fn pick(app: &App, scene: &CloudScene, axes: &Axes<'_>, at: Pos2) -> Option<usize> {
     let size = axes.rect.size();
     let off = at - axes.rect.min;
-    let cover = (0.5 * app.options.cloud.point_size).max(1.0);
+    let cover = (0.5 * app.view.options.cloud.point_size).max(1.0);
     axes.projection.pick(
         scene.places(axes.shown()),
         Vec2::new(off.x, off.y),
@@ -201,8 +201,8 @@ pub fn paint_marks(
     axes: &Axes<'_>,
 ) {
     let marks = [
-        (app.selection, theme::selection_colour(), 2.0),
-        (app.hover, theme::hover_colour(), 1.0),
+        (app.view.selection, theme::selection_colour(), 2.0),
+        (app.view.hover, theme::hover_colour(), 1.0),
     ];
     for (mark, colour, width) in marks {
         if let Some(mark) = mark {

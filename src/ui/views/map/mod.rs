@@ -79,7 +79,7 @@ impl MapView {
         self.make_room(whole.height() - rect.height());
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
         let painter = ui.painter_at(rect);
-        let canvas = theme::canvas_colour(&context.app.options);
+        let canvas = theme::canvas_colour(&context.app.view.options);
         flat::fill(&painter, rect, canvas, context.render_state);
         self.forget_other_plane(context);
         let name = self.content(ui, context, rect, &response);
@@ -123,7 +123,7 @@ impl MapView {
         Self {
             aim: self.visible,
             // What is open is no other survey to it.
-            seen_plane: app.plane_serial,
+            seen_plane: app.view.plane_serial,
             ..Self::default()
         }
     }
@@ -141,8 +141,8 @@ impl MapView {
     }
 
     fn forget_other_plane(&mut self, context: &ViewContext<'_>) {
-        if self.seen_plane != context.app.plane_serial {
-            self.seen_plane = context.app.plane_serial;
+        if self.seen_plane != context.app.view.plane_serial {
+            self.seen_plane = context.app.view.plane_serial;
             self.transform = None;
             self.track = Background::default();
             self.layers.forget();
@@ -173,6 +173,7 @@ impl MapView {
         };
         if context
             .app
+            .view
             .options
             .map
             .layers
@@ -208,13 +209,13 @@ impl MapView {
             products: &products,
             track: &track,
             depth_map: (context.app.depth_map()).filter(|_| context.app.needs_depth_map()),
-            isobaths: self.layers.isobaths(&context.app.options.map.layers),
-            residuals: self.layers.residuals(&context.app.options.map.layers),
+            isobaths: self.layers.isobaths(&context.app.view.options.map.layers),
+            residuals: self.layers.residuals(&context.app.view.options.map.layers),
             lost_soundings: context.app.log.lost_soundings,
             made_of: (context.app.log.whole.as_ref()).map(|whole| whole.survey.side_scan.len()),
             has_excluded: exclusions::ping_count(context.app) > 0,
             proposed: context.app.log.proposed_stretch(),
-            options: &context.app.options,
+            options: &context.app.view.options,
         };
         paint(ui, context, &scene, &mut self.layers);
         let painter = ui.painter_at(rect);
@@ -225,7 +226,7 @@ impl MapView {
         self.plan.ui(ui, context, &scene);
         self.measure.ui(ui, context, &scene, response);
         swipe::ui(ui, context, &scene);
-        if !context.app.is_picture {
+        if !context.app.view.is_picture {
             toolbar::show(ui, context, rect, &mut self.request);
             self.banner(ui, context.app, rect);
         }
@@ -256,7 +257,7 @@ impl MapView {
         let uploader = context
             .render_state
             .map(|state| Uploader::new(&state.device, &state.queue));
-        let by_log = context.app.options.map.track_by_log;
+        let by_log = context.app.view.options.map.track_by_log;
         let logs = context.app.shown_logs();
         let range_m = context.app.depth_range_m();
         let key = TrackKey::of(&logs, range_m, by_log);
@@ -279,15 +280,15 @@ impl MapView {
     ) -> MapTransform {
         let rect = response.rect;
         // A double-click ends a measurement.
-        let fits = context.app.measuring.tool.is_none();
+        let fits = context.app.map.measuring.tool.is_none();
         let is_asked = self.request == Some(ViewRequest::Fit) || fits && response.double_clicked();
         if self.transform.is_none() || is_asked {
-            let shown = context.app.options.map.layers.bottom_up();
+            let shown = context.app.view.options.map.layers.bottom_up();
             let shown = shown.filter(|shown| shown.visible).map(|shown| shown.layer);
             self.fits = shown.collect();
         }
         let bounds = self.layers.extent(&self.fits, track.bounds);
-        let layers = &context.app.options.map.layers;
+        let layers = &context.app.view.options.map.layers;
         let scales = 1 + usize::from(layers.is_visible(MapLayer::Residuals));
         let whole = || MapTransform::fit(bounds, rect, scales);
         let moved = self.transform.filter(|now| Some(*now) != self.fitted);
@@ -305,7 +306,7 @@ impl MapView {
         if fits && response.double_clicked() {
             transform = whole();
         }
-        if let Some(reveal) = context.app.reveal
+        if let Some(reveal) = context.app.view.reveal
             && reveal.serial != self.seen_reveal
         {
             self.seen_reveal = reveal.serial;
@@ -371,9 +372,9 @@ fn boxes(context: &ViewContext<'_>) -> String {
 
 /// What is drawn, bottom first.
 fn layers(context: &ViewContext<'_>) -> String {
-    let stack = &context.app.options.map.layers;
+    let stack = &context.app.view.options.map.layers;
     let shown = stack.bottom_up().map(|shown| shown.layer);
-    let has_base_map = context.app.base_map.is_some();
+    let has_base_map = context.app.map.base_map.is_some();
     let is_there = |layer: &MapLayer| *layer != MapLayer::BaseMap || has_base_map;
     let shown = shown.filter(|layer| stack.is_visible(*layer) && is_there(layer));
     let names: Vec<String> = shown.map(|layer| layer.name().to_lowercase()).collect();
@@ -393,7 +394,10 @@ fn name(app: &App, products: &Products, track: &TrackLayer) -> String {
     };
     let depths = track.range_m.map_or_else(String::new, |[shallow, deep]| {
         let depths = [shallow, deep].map(f64::from);
-        format!(", depth {} {reference}", app.options.units.span(depths, 1))
+        format!(
+            ", depth {} {reference}",
+            app.view.options.units.span(depths, 1)
+        )
     });
     format!(
         "Map, track of {} pings{excluded}{depths}, {} flat stretches",

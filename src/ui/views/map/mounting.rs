@@ -13,7 +13,7 @@ const NAMED: f32 = 34.0;
 
 /// Places of antenna and transducer at the selected ping, metres east and north; `None` while they are at one place.
 fn places(scene: &Scene<'_>, app: &App) -> Option<[[f64; 2]; 2]> {
-    let ping = app.selection?.ping;
+    let ping = app.view.selection?.ping;
     let navigation = &scene.products.navigation;
     let antenna = *navigation.antenna.get(ping)?;
     let transducer = navigation.pings.get(ping)?;
@@ -69,7 +69,7 @@ pub fn paint(painter: &Painter, scene: &Scene<'_>, app: &App) {
 pub fn name(app: &App) -> String {
     let products = app.log.products.as_ref();
     let apart = products
-        .zip(app.selection)
+        .zip(app.view.selection)
         .is_some_and(|(products, mark)| products.navigation.antenna.get(mark.ping).is_some());
     match apart {
         true => ", antenna and transducer of the selected ping".to_owned(),

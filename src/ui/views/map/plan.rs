@@ -79,8 +79,9 @@ impl PlanTool {
         context: &mut ViewContext<'_>,
     ) -> Taken {
         let app = context.app;
-        let has_other_tool = app.measuring.tool.is_some() || super::stretch_tool::is_in_hand(app);
-        let Some(planned) = app.planning.lines.clone().filter(|_| !has_other_tool) else {
+        let has_other_tool =
+            app.map.measuring.tool.is_some() || super::stretch_tool::is_in_hand(app);
+        let Some(planned) = app.map.planning.lines.clone().filter(|_| !has_other_tool) else {
             self.drag = None;
             return Taken::default();
         };
@@ -117,7 +118,7 @@ impl PlanTool {
         }
         let clicked = response.clicked().then(|| response.interact_pointer_pos());
         let under = clicked.flatten().and_then(|at| line_under(&lines, at));
-        if under.is_some() || response.clicked() && app.planning.selected.is_some() {
+        if under.is_some() || response.clicked() && app.map.planning.selected.is_some() {
             context.push(Command::Plan(PlanRequest::Select(under)));
         }
         Taken {
@@ -128,7 +129,7 @@ impl PlanTool {
 
     /// Draws the lines, and says what they are good for.
     pub fn ui(&self, ui: &mut Ui, context: &mut ViewContext<'_>, scene: &Scene<'_>) {
-        let Some(planned) = context.app.planning.lines.clone() else {
+        let Some(planned) = context.app.map.planning.lines.clone() else {
             return;
         };
         let place = Place {
@@ -146,7 +147,13 @@ impl PlanTool {
         let way = planned.plan.way.iter();
         let way: Vec<Pos2> = way.map(|one| place.at(&planned, one.place)).collect();
         let painter = ui.painter_at(scene.rect);
-        paint(&painter, scene, &way, &lines, context.app.planning.selected);
+        paint(
+            &painter,
+            scene,
+            &way,
+            &lines,
+            context.app.map.planning.selected,
+        );
         strip(ui, context, scene.rect, &planned);
     }
 }
@@ -215,7 +222,7 @@ fn strip(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, planned: &Plann
     let bar = Rect::from_min_max(foot + vec2(6.0, -84.0 - height), pos2(right, foot.y - 84.0));
     let words = RichText::new(words(context.app, planned)).size(11.5);
     ui.scope_builder(UiBuilder::new().max_rect(bar), |ui| {
-        legend::frame(&context.app.options).show(ui, |ui| match is_narrow {
+        legend::frame(&context.app.view.options).show(ui, |ui| match is_narrow {
             true => {
                 ui.label(words);
                 ui.horizontal(|ui| buttons(ui, context));
@@ -232,11 +239,11 @@ fn strip(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, planned: &Plann
 
 /// What can be done with the lines; nothing in a picture.
 fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    if context.app.is_picture {
+    if context.app.view.is_picture {
         return;
     }
     ui.spacing_mut().item_spacing.x = 4.0;
-    let is_selected = context.app.planning.selected.is_some();
+    let is_selected = context.app.map.planning.selected.is_some();
     for (action, name) in [
         (Action::SavePlan, "Save…"),
         (Action::RemoveLine, "Remove line"),
@@ -254,7 +261,7 @@ fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>) {
 
 /// `14 lines, 2.31 km, 19.8 min at 1.9 m/s; sigma 0.21 m, then 0.13 m`.
 fn words(app: &App, planned: &PlannedLines) -> String {
-    let (plan, units) = (&planned.plan, app.options.units);
+    let (plan, units) = (&planned.plan, app.view.options.units);
     let lines = text::plural(plan.lines.len(), "line", "lines");
     let outside = match plan.turns_outside {
         0 => String::new(),

@@ -67,7 +67,7 @@ impl Pointer {
     ) {
         let at = response.hover_pos();
         // A measuring tool in hand has a use of its own for the pointer.
-        let is_measuring = context.app.measuring.tool.is_some();
+        let is_measuring = context.app.map.measuring.tool.is_some();
         let near = at
             .and_then(|at| nearest(scene, context.app, at))
             .filter(|_| !is_measuring);
@@ -101,7 +101,7 @@ impl Pointer {
     fn hover(&mut self, context: &mut ViewContext<'_>, ping: Option<usize>) {
         let hover = ping.map(Mark::ping);
         let ours = hover.is_some() || self.hovering;
-        if ours && context.app.hover != hover {
+        if ours && context.app.view.hover != hover {
             context.push(Command::Hover(hover));
         }
         self.hovering = hover.is_some();
@@ -191,7 +191,7 @@ impl Pointer {
             && let Some(spot) = scene.products.flat_spots.get(rank)
         {
             let below = plate.left_bottom() + vec2(0.0, 2.0);
-            let text = flat_spots::describe(rank, spot, context.app.options.units);
+            let text = flat_spots::describe(rank, spot, context.app.view.options.units);
             legend::plate(
                 &painter,
                 scene.options,
@@ -229,7 +229,7 @@ fn passes_menu(ui: &mut Ui, context: &mut ViewContext<'_>, at: LonLat) {
         egui::ScrollArea::vertical().show(ui, |ui| {
             for (log, pass) in passes {
                 let [first, last] = pass.pings;
-                let away = context.app.options.units.measure(pass.range_m, 1);
+                let away = context.app.view.options.units.measure(pass.range_m, 1);
                 let side = pass.side.name();
                 let ping = named_ping(context.app, (*log, first));
                 let to = match first == last {
@@ -278,9 +278,9 @@ fn read_out(app: &App, scene: &Scene<'_>, at: Pos2, near: Option<(LogId, usize)>
         true => "\n",
         false => "   ",
     };
-    let units = app.options.units;
+    let units = app.view.options.units;
     let mut text = place::written(app, scene.position(at));
-    if app.options.coordinates != CoordinateFormat::Utm {
+    if app.view.options.coordinates != CoordinateFormat::Utm {
         text += gap(TWO_PLACES);
         text += &format!(
             "E {}  N {}",

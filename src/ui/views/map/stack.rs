@@ -90,7 +90,7 @@ impl Layers {
         products: &Products,
         logs: &[ShownLog],
     ) {
-        let stack = &context.app.options.map.layers;
+        let stack = &context.app.view.options.map.layers;
         self.deriving = context.app.deriving().collect();
         self.take_depths(context.app.depth_map().flatten());
         let settings = logs.first().map(|one| &one.log.products.settings.mosaic);
@@ -99,7 +99,7 @@ impl Layers {
             self.ask_for_isobaths(context);
         }
         if stack.is_visible(MapLayer::Points) {
-            let (logs, options) = (logs.to_vec(), context.app.options.clone());
+            let (logs, options) = (logs.to_vec(), context.app.view.options.clone());
             let key = PointKey::of(&logs, &options);
             self.points.ask(key, context.app.jobs(), move |progress| {
                 points::source(&logs, &options, progress)
@@ -111,7 +111,7 @@ impl Layers {
     }
 
     fn ask_for_residuals(&mut self, context: &ViewContext<'_>) {
-        let is_shown = (context.app.options.map.layers).is_visible(MapLayer::Residuals);
+        let is_shown = (context.app.view.options.map.layers).is_visible(MapLayer::Residuals);
         self.comparing = is_shown && context.app.is_tabulating();
         let agreement = context.app.agreement().filter(|_| is_shown).cloned();
         match agreement {
@@ -134,7 +134,7 @@ impl Layers {
         survey: &Arc<Survey>,
         products: &Products,
     ) {
-        let Some(map) = &context.app.base_map else {
+        let Some(map) = &context.app.map.base_map else {
             self.base_map = Background::default();
             return;
         };
@@ -203,7 +203,7 @@ impl Layers {
             self.isobaths = Background::default();
             return;
         };
-        let units = context.app.options.units;
+        let units = context.app.view.options.units;
         let key = (Same(drawn.clone()), units);
         let uploader = context
             .render_state

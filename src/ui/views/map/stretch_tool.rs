@@ -132,7 +132,7 @@ impl StretchTool {
         };
         painter.add(Shape::line(line, Stroke::new(CASING, colour)));
         if let Some((at, extent)) = last.zip(app.extent_of(drag.log, part)) {
-            let units = app.options.units;
+            let units = app.view.options.units;
             let text = match drag.edit {
                 Some(edit) => exclusion_text::of_drag(edit, &extent, units),
                 None => format!("propose {}", exclusion_text::extent(&extent, units)),

@@ -50,7 +50,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, scene: &Scene<'_>) {
         )
     });
     if let Some(by) = moved(ui, scene.rect, &response) {
-        let mut options = context.app.options.clone();
+        let mut options = context.app.view.options.clone();
         options.map.swipe.shift(by);
         context.push(Command::Show(Box::new(options)));
     }

@@ -15,7 +15,7 @@ pub fn show(
 ) {
     let bar = Rect::from_min_size(rect.min + vec2(4.0, 4.0), vec2(rect.width() - 60.0, 28.0));
     ui.scope_builder(UiBuilder::new().max_rect(bar), |ui| {
-        legend::frame(&context.app.options).show(ui, |ui| {
+        legend::frame(&context.app.view.options).show(ui, |ui| {
             ui.horizontal(|ui| {
                 buttons(ui, context, request);
                 measure(ui, context);
@@ -49,7 +49,7 @@ fn measure(ui: &mut Ui, context: &mut ViewContext<'_>) {
         (Action::DepthProfile, MeasurementKind::Profile),
         (Action::HeightFromShadow, MeasurementKind::Height),
     ];
-    let tool = context.app.measuring.tool;
+    let tool = context.app.map.measuring.tool;
     let title = egui::RichText::new("Measure");
     let title = match tool {
         Some(_) => title.color(theme::measure_colour()),

@@ -139,7 +139,7 @@ pub(super) fn decisions(object: &SurveyObject) -> (String, State) {
 
 /// The text of a cell; empty for what is not known.
 pub(super) fn cell_text(app: &App, object: &SurveyObject, column: ObjectColumn) -> String {
-    let (summary, units) = (&object.summary, app.options.units);
+    let (summary, units) = (&object.summary, app.view.options.units);
     let length = |value_m: f64| match value_m.is_finite() {
         true => units.number(value_m, 2),
         false => String::new(),

@@ -51,7 +51,7 @@ impl ObjectsView {
         let rect = ui.available_rect_before_wrap();
         if context.app.log.survey.is_none() {
             ui.painter()
-                .rect_filled(rect, 0.0, theme::canvas_colour(&context.app.options));
+                .rect_filled(rect, 0.0, theme::canvas_colour(&context.app.view.options));
             let text = "The objects of a survey are listed here.";
             return empty::offer_to_open(ui, context, rect, text);
         }

@@ -101,7 +101,7 @@ impl Row<'_> {
         }
         let colour = match column {
             ObjectColumn::State => {
-                theme::box_colour_on_panel(app.options.theme, decisions(self.object).1)
+                theme::box_colour_on_panel(app.view.options.theme, decisions(self.object).1)
             }
             _ if self.is_selected => ui.visuals().selection.stroke.color,
             _ => ui.visuals().text_color(),

@@ -38,7 +38,7 @@ impl Thumbnails {
         let wanted = |object: &SurveyObject| -> Option<Wanted> {
             let id = app.best_box(object)?;
             let mark = &app.log_box(id)?.mark;
-            let key = Key::of(app.open_log(id.log)?, mark, &app.options.waterfall)?;
+            let key = Key::of(app.open_log(id.log)?, mark, &app.view.options.waterfall)?;
             Some((id, key))
         };
         let wanted: Vec<Wanted> = in_sight.filter_map(wanted).collect();

@@ -83,10 +83,10 @@ impl ProfileView {
         let size = vec2(available.x, height);
         let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
         let painter = ui.painter_at(rect);
-        let canvas = theme::canvas_colour(&context.app.options);
+        let canvas = theme::canvas_colour(&context.app.view.options);
         flat::fill(&painter, rect, canvas, context.render_state);
         let survey = context.app.log.survey.clone();
-        let mark = context.app.hover.or(context.app.selection);
+        let mark = context.app.view.hover.or(context.app.view.selection);
         let Some((survey, mark)) = survey.zip(mark) else {
             empty(
                 &painter,
@@ -103,24 +103,29 @@ impl ProfileView {
         let normalisation = self.scale.of(context, &survey);
         self.zoom_at(ui, &response);
         let plot = Plot::new(rect, far_m(&shown) / f64::from(self.zoom));
-        plot::axes(&painter, &plot, &context.app.options);
-        marks::dead_zone(&painter, &plot, shown.dead_zone_m, &context.app.options);
+        plot::axes(&painter, &plot, &context.app.view.options);
+        marks::dead_zone(
+            &painter,
+            &plot,
+            shown.dead_zone_m,
+            &context.app.view.options,
+        );
         curve::draw(
             &painter,
             &plot,
             &shown,
             &normalisation,
-            &context.app.options,
+            &context.app.view.options,
             &mut self.curves,
         );
-        marks::draw(&painter, &plot, &shown, &context.app.options);
+        marks::draw(&painter, &plot, &shown, &context.app.view.options);
         self.drag_threshold(ui, &response, &plot, context);
         self.hover(&response, &plot, &shown, context);
         response.widget_info(|| {
             egui::WidgetInfo::labeled(
                 egui::Role::Image,
                 true,
-                accessible_name(&shown, context.app.options.units),
+                accessible_name(&shown, context.app.view.options.units),
             )
         });
     }
@@ -181,7 +186,7 @@ impl ProfileView {
         match at {
             Some(at) => {
                 let mark = mark_at(shown, plot.across_m(at.x));
-                if context.app.hover != Some(mark) {
+                if context.app.view.hover != Some(mark) {
                     context.push(Command::Hover(Some(mark)));
                 }
                 if response.clicked() {

@@ -23,7 +23,7 @@ impl ScaleJob {
     pub fn of(&mut self, context: &ViewContext<'_>, survey: &Arc<Survey>) -> Normalisation {
         let settings = &context.app.log.settings;
         let key = Key {
-            survey_serial: context.app.survey_serial,
+            survey_serial: context.app.view.survey_serial,
             image: settings.image.clone(),
             dead_zone_m: settings.first_return.dead_zone_m,
         };

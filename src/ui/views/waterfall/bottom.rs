@@ -65,7 +65,7 @@ impl BottomPen {
             return;
         };
         for side in Side::BOTH {
-            if side == stroke.side || app.options.waterfall.bottom_both_sides {
+            if side == stroke.side || app.view.options.waterfall.bottom_both_sides {
                 let points = stroke
                     .path
                     .iter()

@@ -46,7 +46,7 @@ impl EchogramPart {
         ctx: &egui::Context,
         context: &ViewContext<'_>,
     ) -> [Rect; 2] {
-        let options = &context.app.options.waterfall;
+        let options = &context.app.view.options.waterfall;
         self.follow(ctx, context.app);
         if self
             .shown
@@ -86,8 +86,9 @@ impl EchogramPart {
             self.shown = None;
             return;
         };
-        let is_it =
-            |shown: &Shown| shown.channel == channel && shown.survey_serial == app.survey_serial;
+        let is_it = |shown: &Shown| {
+            shown.channel == channel && shown.survey_serial == app.view.survey_serial
+        };
         if let Some(shown) = self.shown.as_mut().filter(|shown| is_it(shown)) {
             if !Arc::ptr_eq(&shown.of, survey) {
                 shown.of = survey.clone();
@@ -101,9 +102,10 @@ impl EchogramPart {
         let seen = survey.looking_down(kind).map(Arc::new);
         self.shown = Some(Shown {
             channel,
-            survey_serial: app.survey_serial,
+            survey_serial: app.view.survey_serial,
             of: survey.clone(),
-            drawing: (seen.clone()).map(|survey| Drawing::start(survey, app.survey_serial, ctx)),
+            drawing: (seen.clone())
+                .map(|survey| Drawing::start(survey, app.view.survey_serial, ctx)),
             survey: seen,
             camera: None,
         });
@@ -138,7 +140,7 @@ impl EchogramPart {
             });
             return drawing.is_settled();
         };
-        let options = &context.app.options.waterfall;
+        let options = &context.app.view.options.waterfall;
         let arrangement = Arrangement {
             orientation: options.orientation,
             flip: context.app.log.settings.picture.flip,
@@ -196,7 +198,7 @@ impl EchogramPart {
 
 /// The channel that was chosen; in a log without side-scan one that there is.
 fn channel_of(app: &App, survey: &Survey) -> EchogramChannel {
-    let chosen = app.options.waterfall.echogram;
+    let chosen = app.view.options.waterfall.echogram;
     if chosen != EchogramChannel::None || !survey.side_scan.is_empty() {
         return chosen;
     }
@@ -217,7 +219,7 @@ fn draw_picture(
     lens: &Lens,
     app: &App,
 ) -> bool {
-    gpu.colour(state, app.options.waterfall.colour_map);
+    gpu.colour(state, app.view.options.waterfall.colour_map);
     let uploaded = gpu
         .levelling
         .get_or_insert_with(|| tone::upload(&gpu.picture, state, None));
@@ -245,7 +247,7 @@ struct Over<'a> {
 
 impl Over<'_> {
     fn draw(&self, painter: &Painter, lens: &Lens, app: &App) {
-        let options = &app.options;
+        let options = &app.view.options;
         let ink = theme::picture_ink(options);
         let as_recorded = Reduction::default();
         let range_lines = options.waterfall.range_lines.then(|| {
@@ -256,8 +258,8 @@ impl Over<'_> {
         }
         self.bottom(painter, lens, app);
         let marked = [
-            (app.selection, theme::selection_colour()),
-            (app.hover, theme::hover_colour()),
+            (app.view.selection, theme::selection_colour()),
+            (app.view.hover, theme::hover_colour()),
         ];
         for (mark, colour) in marked {
             if let Some(mark) = mark {
@@ -299,7 +301,7 @@ impl Over<'_> {
         lines::depth(painter, lens, self.survey, self.drawing, as_recorded, depth);
         let returns = app
             .bottom_line()
-            .filter(|_| app.options.waterfall.first_return);
+            .filter(|_| app.view.options.waterfall.first_return);
         let (Some(returns), Some(side_scan), Some(log)) =
             (returns, self.side_scan, &app.log.survey)
         else {
@@ -311,7 +313,7 @@ impl Over<'_> {
                 lines: side_scan.picks.as_deref(),
                 side,
             };
-            let found = pen(theme::side_colour(&app.options, side));
+            let found = pen(theme::side_colour(&app.view.options, side));
             lines::first_return_below(painter, lens, log, step, side, found);
         }
     }
@@ -335,14 +337,14 @@ fn point(
         .is_some_and(|log| ping < log.side_scan.len());
     if is_of_log {
         let mark = Mark::ping(ping);
-        if context.app.hover != Some(mark) {
+        if context.app.view.hover != Some(mark) {
             context.push(Command::Hover(Some(mark)));
         }
         if response.clicked() {
             context.push(Command::Select(Some(mark)));
         }
     }
-    let units = context.app.options.units;
+    let units = context.app.view.options.units;
     let mut words = format!(
         "ping {ping}  {}\n{} below the transducer",
         text::clock(survey.start_unix_s, recorded.time_s),

@@ -57,7 +57,7 @@ pub(super) fn in_view(lens: &Lens, app: &App) -> Vec<Stretch> {
         let name = "proposed for the scale".to_owned();
         stretch(lens, &pings, Kind::Proposed, name)
     });
-    let units = app.options.units;
+    let units = app.view.options.units;
     let ranked = products.flat_spots.iter().enumerate();
     let ranked = ranked
         .filter(|_| shows_ranked(app))
@@ -69,7 +69,7 @@ pub(super) fn in_view(lens: &Lens, app: &App) -> Vec<Stretch> {
 }
 
 fn shows_ranked(app: &App) -> bool {
-    app.options.waterfall.flat_stretches || app.log.reviewing.tool == Tool::Calibrate
+    app.view.options.waterfall.flat_stretches || app.log.reviewing.tool == Tool::Calibrate
 }
 
 /// The ranked stretch whose bar is under the pointer.

@@ -42,7 +42,7 @@ impl MeasureTool {
         context: &mut ViewContext<'_>,
     ) -> bool {
         let by_key = std::mem::take(&mut self.wants_corner);
-        let Some(kind) = context.app.measuring.tool else {
+        let Some(kind) = context.app.map.measuring.tool else {
             *self = Self::default();
             return false;
         };
@@ -85,7 +85,7 @@ impl MeasureTool {
 
     /// Draws what is measured in this log, on to the next corner while it is drawn.
     pub fn draw(&self, painter: &Painter, lens: &Lens, app: &App) {
-        if app.measuring.tool.is_some() {
+        if app.map.measuring.tool.is_some() {
             self.cross.draw(painter, lens);
         }
         let Some(shown) = self.shown(app) else {
@@ -107,7 +107,7 @@ impl MeasureTool {
 
     /// What the figure in hand covers of the screen; `None` while nothing is drawn.
     pub fn area(&self, lens: &Lens, app: &App) -> Option<Rect> {
-        let shown = self.shown(app).filter(|_| app.measuring.is_drawing())?;
+        let shown = self.shown(app).filter(|_| app.map.measuring.is_drawing())?;
         let places = on_screen(lens, app, &shown);
         let points: Vec<Pos2> = places.into_iter().map(|(_, at)| at).collect();
         (!points.is_empty()).then(|| Rect::from_points(&points))
@@ -115,8 +115,11 @@ impl MeasureTool {
 
     /// The figure as it is: with the next corner while it is being drawn.
     fn shown(&self, app: &App) -> Option<Measurement> {
-        let figure = &app.measuring.figure.as_deref()?.measurement;
-        let next = self.next.as_ref().filter(|_| app.measuring.is_drawing());
+        let figure = &app.map.measuring.figure.as_deref()?.measurement;
+        let next = self
+            .next
+            .as_ref()
+            .filter(|_| app.map.measuring.is_drawing());
         let at = figure.corners.last().copied();
         Some(match next.zip(at) {
             // Its place on the ground is not known before it is set; only the picture needs it until then.
@@ -221,7 +224,7 @@ fn shadow(painter: &Painter, lens: &Lens, app: &App, figure: &Measurement) {
     let words = figure
         .shadow()
         .and_then(|(top, recorded_m)| app.shadow_height(top, recorded_m))
-        .map(|found| measured::height(&found, app.options.units));
+        .map(|found| measured::height(&found, app.view.options.units));
     if let Some(((_, at), words)) = ends.last().zip(words) {
         label(painter, lens, *at, &words);
     }

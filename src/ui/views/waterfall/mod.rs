@@ -86,7 +86,7 @@ impl WaterfallView {
         let whole = ui
             .available_rect_before_wrap()
             .round_to_pixels(ui.pixels_per_point());
-        let canvas = theme::canvas_colour(&context.app.options);
+        let canvas = theme::canvas_colour(&context.app.view.options);
         flat::fill(ui.painter(), whole, canvas, context.render_state);
         self.follow_survey(ui.ctx(), context);
         if whole.width() < 1.0 || whole.height() < 1.0 {
@@ -172,7 +172,7 @@ impl WaterfallView {
                 drawing: self.drawing.as_ref(),
                 far_m: axis.far_m,
                 // The pointer's own mark reaches the state only after this frame.
-                hover: self.was_over.or(context.app.hover),
+                hover: self.was_over.or(context.app.view.hover),
                 boxes: &boxes,
                 missed: &missed,
                 has_gpu: context.render_state.is_some(),
@@ -210,7 +210,7 @@ impl WaterfallView {
             &seen,
             read_out.as_deref(),
         );
-        if context.app.visible != visible {
+        if context.app.view.visible != visible {
             context.push(Command::Visible(visible));
         }
     }
@@ -275,7 +275,7 @@ impl WaterfallView {
     /// Starts over when another survey is open; when its sides are exchanged, the camera stays where it is.
     fn follow_survey(&mut self, ctx: &egui::Context, context: &mut ViewContext<'_>) {
         let app = context.app;
-        let serial = app.log.survey.as_ref().map(|_| app.survey_serial);
+        let serial = app.log.survey.as_ref().map(|_| app.view.survey_serial);
         let is_other = self.drawing.as_ref().map(|drawing| drawing.survey_serial) != serial;
         let sides = app.log.survey.as_ref().map(|survey| survey.swapped_sides);
         let turned = self.drawing.as_ref().map(|drawing| drawing.swapped_sides) != sides;
@@ -288,7 +288,7 @@ impl WaterfallView {
                 .log
                 .survey
                 .as_ref()
-                .map(|survey| Drawing::start(survey.clone(), app.survey_serial, ctx));
+                .map(|survey| Drawing::start(survey.clone(), app.view.survey_serial, ctx));
         }
         if let (Some(drawing), Some(survey)) = (&mut self.drawing, &app.log.survey) {
             drawing.follow(survey);
@@ -305,7 +305,7 @@ impl WaterfallView {
 
     /// How the picture is laid out. Who draws the bottom sees the water above it.
     fn arrangement(&self, app: &App) -> Arrangement {
-        let options = &app.options.waterfall;
+        let options = &app.view.options.waterfall;
         let picture = &app.log.settings.picture;
         let fits = |gpu: &Gpu| gpu.levelling.as_ref().is_none_or(|uploaded| uploaded.fits);
         let is_levelled = self.gpu.as_ref().is_none_or(fits);
@@ -345,7 +345,7 @@ impl WaterfallView {
                 Request::View(request) => gestures::carry_out(&mut camera, request, extent, size),
             }
         }
-        if let Some(reveal) = context.app.reveal
+        if let Some(reveal) = context.app.view.reveal
             && reveal.serial != self.reveal_serial
         {
             self.reveal_serial = reveal.serial;
@@ -370,7 +370,7 @@ impl WaterfallView {
             }
         }
         self.end.keep(&mut camera, extent, size, context.app);
-        let fits = context.app.measuring.tool.is_none();
+        let fits = context.app.map.measuring.tool.is_none();
         gestures::apply(
             &mut camera,
             ui,
@@ -392,7 +392,7 @@ impl WaterfallView {
             self.settled = true;
             return;
         };
-        let options = &context.app.options.waterfall;
+        let options = &context.app.view.options.waterfall;
         let gpu = self.gpu.get_or_insert_with(|| Gpu::new(render_state));
         gpu.colour(render_state, options.colour_map);
         drawing.upload(|size, texels| {

@@ -35,7 +35,7 @@ pub(super) struct Shown<'a> {
 
 /// Draws it.
 pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
-    let options = &shown.app.options;
+    let options = &shown.app.view.options;
     let ink = theme::picture_ink(options);
     let wants_range_lines = options.waterfall.range_lines;
     let reduction = place::reduction(shown.app);
@@ -59,7 +59,7 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
         stretch.draw(painter);
     }
     let marked = [
-        (shown.app.selection, theme::selection_colour()),
+        (shown.app.view.selection, theme::selection_colour()),
         (shown.hover, theme::hover_colour()),
     ];
     for (mark, colour) in marked {
@@ -73,7 +73,7 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
     for shown_box in shown.boxes {
         shown_box.draw(painter, lens, &shown.app.log.reviewing);
     }
-    if shown.app.options.waterfall.boxes {
+    if shown.app.view.options.waterfall.boxes {
         boxes::shape::draw(painter, lens, shown.app);
     }
     let mut labels = Labels::new(painter);
@@ -113,11 +113,12 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
 /// What keeps the picture from being one, if anything does.
 fn warning(shown: &Shown<'_>) -> Option<String> {
     let no_gpu = || "no picture: there is no graphics adapter that can draw it".to_owned();
-    marks::warning(shown.survey, shown.app.options.units).or_else(|| (!shown.has_gpu).then(no_gpu))
+    marks::warning(shown.survey, shown.app.view.options.units)
+        .or_else(|| (!shown.has_gpu).then(no_gpu))
 }
 
 fn draw_lines(painter: &Painter, lens: &Lens, shown: &Shown<'_>, drawing: &Drawing) {
-    let options = &shown.app.options;
+    let options = &shown.app.view.options;
     if options.waterfall.depth_line {
         let pen = lines::Pen {
             colour: theme::depth_line_colour(),

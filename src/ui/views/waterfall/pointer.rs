@@ -54,7 +54,7 @@ pub(super) fn follow(
     }
     let clicked = response.clicked() || response.secondary_clicked();
     // A measuring tool in hand has a use of its own for a click, and so have the others.
-    let measures = context.app.measuring.tool.is_some() && response.clicked();
+    let measures = context.app.map.measuring.tool.is_some() && response.clicked();
     if clicked
         && !measures
         && let Some(at) = response.interact_pointer_pos()
@@ -104,7 +104,7 @@ fn menu(response: &Response, context: &mut ViewContext<'_>) -> Option<usize> {
     let mut equal_scales_at = None;
     response.context_menu(|ui| {
         theme::whole_words(ui);
-        let Some(mark) = context.app.selection else {
+        let Some(mark) = context.app.view.selection else {
             ui.label("no ping here");
             return;
         };
@@ -132,7 +132,7 @@ fn menu(response: &Response, context: &mut ViewContext<'_>) -> Option<usize> {
             equal_scales_at = Some(mark.ping);
             ui.close();
         }
-        let mut options = context.app.options.clone();
+        let mut options = context.app.view.options.clone();
         let shown = &mut options.waterfall;
         let changed = ui
             .checkbox(&mut shown.first_return, "First return")
@@ -264,7 +264,7 @@ fn anchor(right: bool, below: bool) -> Align2 {
 
 /// Why a line is dashed at a ping.
 fn doubts(app: &App, ping: &SidePing, number: usize, side: Side) -> String {
-    let shown = &app.options.waterfall;
+    let shown = &app.view.options.waterfall;
     let mut lines = String::new();
     if shown.depth_line && ping.depth_m.is_finite() && !ping.depth_locked {
         lines += "\ndepth dashed: the recorder had lost the bottom";
@@ -283,7 +283,7 @@ pub(super) fn describe(app: &App, survey: &Survey, at: Place) -> Option<String> 
     let mark = mark_at(survey, at)?;
     let ping = survey.side_scan.get(mark.ping)?;
     let side = at.side();
-    let units = app.options.units;
+    let units = app.view.options.units;
     let mut lines = format!(
         "ping {}  {}\n{}, range {}",
         mark.ping,

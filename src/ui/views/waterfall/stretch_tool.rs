@@ -78,7 +78,7 @@ impl Drag {
 
     /// What it will do, with how much it covers.
     fn words(&self, app: &App, pings: [usize; 2]) -> Option<String> {
-        let units = app.options.units;
+        let units = app.view.options.units;
         let extent = app.extent_of(app.log.id, LogPart::Pings(pings))?;
         let covered = exclusion_text::extent(&extent, units);
         Some(match self.does {

@@ -65,7 +65,7 @@ fn list(
 
 /// `rock 0.87, background, 1.2 m` or `missed tyre, 0.8 m`.
 fn said(context: &ViewContext<'_>, comparison: &TruthComparison, mistake: &Mistake) -> String {
-    let size = context.app.options.units.measure(mistake.size_m(), 1);
+    let size = context.app.view.options.units.measure(mistake.size_m(), 1);
     match mistake {
         Mistake::FalseAlarm {
             id, score, cause, ..
@@ -92,7 +92,7 @@ fn said(context: &ViewContext<'_>, comparison: &TruthComparison, mistake: &Mista
 }
 
 fn colour(context: &ViewContext<'_>, mistake: &Mistake) -> egui::Color32 {
-    let look = context.app.options.theme;
+    let look = context.app.view.options.theme;
     match mistake {
         Mistake::FalseAlarm { id, .. } => {
             let one = context.app.log.reviewing.review.get(*id);

@@ -87,7 +87,7 @@ impl MeasureTool {
         scene: &Scene<'_>,
         response: &Response,
     ) -> Option<[f64; 2]> {
-        let tool = context.app.measuring.tool;
+        let tool = context.app.map.measuring.tool;
         if tool.is_none() || tool == Some(MeasurementKind::Height) {
             self.cross = None;
             return None;
@@ -117,7 +117,7 @@ impl MeasureTool {
         next: Option<[f64; 2]>,
     ) {
         let by_key = std::mem::take(&mut self.wants_corner);
-        let tool = context.app.measuring.tool;
+        let tool = context.app.map.measuring.tool;
         if tool.is_none() || tool == Some(MeasurementKind::Height) {
             return;
         }
@@ -137,14 +137,14 @@ impl MeasureTool {
     /// Tells the state where the next corner of a profile would be: it looks at the depths up to there.
     fn tell_next(&mut self, ui: &Ui, context: &mut ViewContext<'_>, next: Option<LonLat>) {
         let is_drawing =
-            context.app.measuring.is_drawing() && context.app.measuring.shows_profile();
+            context.app.map.measuring.is_drawing() && context.app.map.measuring.shows_profile();
         let next = next.filter(|_| is_drawing);
         if self.next != next {
             self.next = next;
             context.push(Command::Measure(Measure::Next(next)));
             ui.ctx().request_repaint();
         }
-        if context.app.measuring.profile().is_none() {
+        if context.app.map.measuring.profile().is_none() {
             self.hovered_m = None;
         }
     }
@@ -171,7 +171,7 @@ impl MeasureTool {
 
 /// The figure as it is on the map: with the next corner while it is being drawn.
 fn shown(app: &App, next: Option<LonLat>) -> Option<Measurement> {
-    let measuring = &app.measuring;
+    let measuring = &app.map.measuring;
     let figure = &measuring.figure.as_deref()?.measurement;
     Some(match next.filter(|_| measuring.is_drawing()) {
         Some(next) => figure.with(next, None),
@@ -181,5 +181,8 @@ fn shown(app: &App, next: Option<LonLat>) -> Option<Measurement> {
 
 /// The depths along the line of the profile.
 fn stations(app: &App) -> &[Station] {
-    app.measuring.profile().map_or(&[], |line| &line.stations)
+    app.map
+        .measuring
+        .profile()
+        .map_or(&[], |line| &line.stations)
 }

@@ -15,7 +15,7 @@ const HEAD: f32 = 24.0;
 
 /// The part of the view that is the map, and the one that the plot takes while it is shown.
 pub fn split(whole: Rect, app: &App) -> (Rect, Option<Rect>) {
-    let requested = app.measuring.shows_profile() && app.log.products.is_some();
+    let requested = app.map.measuring.shows_profile() && app.log.products.is_some();
     if !requested || whole.height() < 120.0 {
         return (whole, None);
     }
@@ -44,12 +44,12 @@ pub fn nearest(stations: &[Station], at_m: f64) -> Option<&Station> {
 /// Words, buttons and the curve.
 pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, hovered_m: &mut Option<f64>) {
     let app = context.app;
-    let line = app.measuring.profile();
+    let line = app.map.measuring.profile();
     let (stations, corners_m) = line.map_or((&[][..], &[][..]), |line| {
         (&line.stations[..], &line.corners_m[..])
     });
     let painter = ui.painter_at(rect);
-    painter.rect_filled(rect, 0.0, theme::canvas_colour(&context.app.options));
+    painter.rect_filled(rect, 0.0, theme::canvas_colour(&context.app.view.options));
     painter.hline(
         rect.x_range(),
         rect.top(),
@@ -77,13 +77,13 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, hovered_m: &mu
     if let Some(at) = response.hover_pos() {
         *hovered_m = Some(frame.distance_m(at.x));
     }
-    frame.axes(&painter, &context.app.options, corners_m);
+    frame.axes(&painter, &context.app.view.options, corners_m);
     curve(&painter, &frame, stations, context);
     let pointed = hovered_m.and_then(|at_m| nearest(stations, at_m));
     if let Some(station) = pointed {
         mark(&painter, &frame, station, context);
     }
-    let units = context.app.options.units;
+    let units = context.app.view.options.units;
     let name = name(stations, pointed, units);
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
 }
@@ -94,12 +94,12 @@ fn head_line(
     rect: Rect,
     frame: Option<&ProfileTransform>,
 ) {
-    let line = context.app.measuring.profile();
-    let units = context.app.options.units;
+    let line = context.app.map.measuring.profile();
+    let units = context.app.view.options.units;
     ui.scope_builder(UiBuilder::new().max_rect(rect), |ui| {
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
-            let ready = !context.app.measuring.stations().is_empty();
+            let ready = !context.app.map.measuring.stations().is_empty();
             for (action, label) in [
                 (Action::RemoveFigure, "Close"),
                 (Action::SaveProfile, "Save CSV…"),
@@ -197,11 +197,11 @@ fn curve(
             }
         }
     }
-    let ink = theme::plot_ink(&context.app.options);
+    let ink = theme::plot_ink(&context.app.view.options);
     let corner = frame.area.left_top() + vec2(4.0, 2.0);
     let font = crate::ui::views::legend::font();
     let title = place::reduction(context.app).reference();
-    let title = title.title(context.app.options.units.symbol());
+    let title = title.title(context.app.view.options.units.symbol());
     painter.text(corner, egui::Align2::LEFT_TOP, title, font, ink);
 }
 
@@ -221,7 +221,7 @@ fn ground(line: &[Pos2], bottom: f32, colour: Color32) -> Shape {
 
 /// The station under the pointer.
 fn mark(painter: &Painter, frame: &ProfileTransform, station: &Station, context: &ViewContext<'_>) {
-    let options = &context.app.options;
+    let options = &context.app.view.options;
     let x = frame.x(station.distance_m);
     let stroke = Stroke::new(1.0, theme::hover_colour());
     painter.vline(x, frame.area.y_range(), stroke);

@@ -230,7 +230,7 @@ fn reach(lens: &Lens, one: &Reviewed) -> Rect {
 
 /// The box under the pointer: of several the smallest, which the others would otherwise hide.
 pub(in crate::ui::views::waterfall) fn under(lens: &Lens, app: &App, at: Pos2) -> Option<BoxId> {
-    if !app.options.waterfall.boxes {
+    if !app.view.options.waterfall.boxes {
         return None;
     }
     let count = app.log.survey.as_ref()?.side_scan.len();

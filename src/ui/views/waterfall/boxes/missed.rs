@@ -18,7 +18,7 @@ impl<'a> Missed<'a> {
     /// Those that a lens sees; none before anything was proposed, which would only give the truth away.
     pub fn in_view(lens: &Lens, app: &'a App) -> Vec<Self> {
         let judging = &app.log.reviewing.judging;
-        let shown = app.options.waterfall.boxes && app.log.reviewing.has_boxes();
+        let shown = app.view.options.waterfall.boxes && app.log.reviewing.has_boxes();
         let Some(comparison) = judging.comparison().filter(|_| shown) else {
             return Vec::new();
         };

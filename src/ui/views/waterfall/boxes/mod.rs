@@ -32,7 +32,7 @@ pub(super) struct Shown<'a> {
 pub(super) fn in_view<'a>(lens: &Lens, app: &'a App) -> Vec<Shown<'a>> {
     let reviewing = &app.log.reviewing;
     let pings = match &app.log.survey {
-        Some(survey) if app.options.waterfall.boxes => lens.visible(survey.side_scan.len()),
+        Some(survey) if app.view.options.waterfall.boxes => lens.visible(survey.side_scan.len()),
         _ => return Vec::new(),
     };
     let shown = |one: &'a Reviewed| Shown {
