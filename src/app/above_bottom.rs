@@ -17,7 +17,7 @@ const ONE_SIDED: f64 = 0.75;
 
 /// First returns that lie above the recorded depth by more than the margin: dashed in the waterfall.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct AboveBottom {
+pub(crate) struct AboveBottom {
     /// How many, both sides.
     pub count: usize,
     /// Those that stand out from the bed, which the recorder follows less closely elsewhere nearby.
@@ -34,7 +34,7 @@ pub struct AboveBottom {
 
 /// A stretch of them on one side.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AboveStretch {
+pub(crate) struct AboveStretch {
     /// The side.
     pub side: Side,
     /// First and last ping.
@@ -87,7 +87,7 @@ impl AboveBottom {
     }
 
     /// The stretch that a ping of a side lies in.
-    pub fn stretch_at(&self, side: Side, ping: usize) -> Option<&AboveStretch> {
+    pub(crate) fn stretch_at(&self, side: Side, ping: usize) -> Option<&AboveStretch> {
         let holds =
             |one: &&AboveStretch| one.side == side && (one.pings[0]..=one.pings[1]).contains(&ping);
         self.stretches.iter().find(holds)

@@ -17,7 +17,7 @@ use std::sync::Arc;
 
 impl App {
     /// Carries out a command. Those that only the window can do are left to it.
-    pub fn apply(&mut self, command: Command) {
+    pub(crate) fn apply(&mut self, command: Command) {
         match command {
             Command::Do(action) => self.act(action),
             Command::Open(path) => self.open_paths(vec![path]),

@@ -19,7 +19,7 @@ const LABEL: &str = "bottom";
 
 /// What a stroke of the pen says of its pings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ink {
+pub(crate) enum Ink {
     /// The bottom is where it was drawn.
     Bottom,
     /// No bottom is detected.
@@ -30,7 +30,7 @@ pub enum Ink {
 
 /// A stroke of the pen over the waterfall.
 #[derive(Clone, Debug, PartialEq)]
-pub struct BottomStroke {
+pub(crate) struct BottomStroke {
     /// The side it began on.
     pub side: Side,
     /// Pings with their fractions, and slant ranges, metres by the recorder's scale.

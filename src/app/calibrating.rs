@@ -47,19 +47,19 @@ impl Calibrating {
         });
     }
 
-    pub fn is_busy(&self) -> bool {
+    pub(super) fn is_busy(&self) -> bool {
         self.trial.is_running()
     }
 }
 
 impl OpenLog {
     /// The stretch that is proposed for the scale; nothing depends on it before it is taken.
-    pub fn proposed_stretch(&self) -> Option<PingRange> {
+    pub(crate) fn proposed_stretch(&self) -> Option<PingRange> {
         self.calibrating.proposal
     }
 
     /// What the proposed stretch would change; `None` until that is known.
-    pub fn scale_trial(&self) -> Option<&Arc<ScaleTrial>> {
+    pub(crate) fn scale_trial(&self) -> Option<&Arc<ScaleTrial>> {
         let proposal = self.calibrating.proposal?;
         let trial = self.calibrating.trial.result();
         trial.filter(|trial| trial.spot.range() == proposal)
@@ -96,7 +96,7 @@ impl App {
     }
 
     /// The stretch about a ping, as long as those that are ranked.
-    pub fn stretch_around(&self, ping: usize) -> Option<PingRange> {
+    pub(crate) fn stretch_around(&self, ping: usize) -> Option<PingRange> {
         let survey = self.log.survey.as_ref()?;
         let pings = match &self.log.products {
             Some(products) => calibration::stretch_around(survey, &products.navigation, ping),

@@ -17,7 +17,7 @@ use std::path::PathBuf;
 /// A request of the analyst. Applied by [`super::App::apply`]; those of the window alone (layout, dialogs) pass through it
 /// and are carried out by the shell.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Command {
+pub(crate) enum Command {
     /// One of the commands of the table: menu, palette or key.
     Do(Action),
     /// What a bare key asks for: what it changes is said, with undo.

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 /// Where the reference of a point is taken from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ReferenceBy {
+pub(crate) enum ReferenceBy {
     /// The triangulated points of the reference, across gaps as wide as the depth map spans.
     #[default]
     Surface,
@@ -23,7 +23,7 @@ pub enum ReferenceBy {
 const RADIUS_M: f64 = 1.0;
 
 /// The reference, and how points find it.
-pub struct Comparing {
+pub(crate) struct Comparing {
     /// What the survey is compared with; its own soundings without.
     pub reference: Option<Arc<Reference>>,
     /// Where the reference of a point is taken from.
@@ -54,7 +54,7 @@ impl Default for Comparing {
 
 impl Comparing {
     /// Whether a reference is being opened.
-    pub fn is_opening(&self) -> bool {
+    pub(crate) fn is_opening(&self) -> bool {
         self.opening.is_some()
     }
 
@@ -127,7 +127,7 @@ impl App {
     }
 
     /// Done share of a comparison with a reference under way, 0 to 1.
-    pub fn comparing_fraction(&self) -> Option<f32> {
+    pub(crate) fn comparing_fraction(&self) -> Option<f32> {
         let opening = self.map.comparing.opening.as_ref().map(Task::fraction);
         let has_reference = self.map.comparing.reference.is_some();
         let reference_comparison = || {

@@ -19,7 +19,7 @@ const FROM_DEPTH_MAP: [MapLayer; 3] = [MapLayer::DepthMap, MapLayer::HillShade, 
 const BOTTOM_CORNERS: usize = 4_000_000;
 
 /// Isobaths as they are drawn.
-pub struct DrawnIsobaths {
+pub(crate) struct DrawnIsobaths {
     /// What they run through.
     pub depth_map: Arc<DepthMap>,
     /// Which depths they are at: an interval that is left to the depths is round in the unit in use.
@@ -51,7 +51,7 @@ struct CountedLevels {
 }
 
 impl Deriving {
-    pub fn is_busy(&self) -> bool {
+    pub(super) fn is_busy(&self) -> bool {
         self.depth_map.is_running()
             || self.isobaths.is_running()
             || self.mosaic.is_running()
@@ -60,7 +60,7 @@ impl Deriving {
     }
 
     /// The same results for a picture.
-    pub fn for_picture(&self) -> Self {
+    pub(super) fn for_picture(&self) -> Self {
         Self {
             results: self.results.clone(),
             ..Self::default()
@@ -133,14 +133,14 @@ impl App {
     }
 
     /// What the waterfall of the shown log is drawn with, as it was made last; `None` before its first results.
-    pub fn picture(&self) -> Option<&Arc<LogPicture>> {
+    pub(crate) fn picture(&self) -> Option<&Arc<LogPicture>> {
         let made = self.pipeline.deriving.picture.result();
         let of_shown = made.filter(|(log, _)| *log == self.log.id);
         of_shown.map(|(_, picture)| picture)
     }
 
     /// The levels of the shown log's picture, with the gain that is set.
-    pub fn histogram(&self) -> Option<&Arc<Histogram>> {
+    pub(crate) fn histogram(&self) -> Option<&Arc<Histogram>> {
         let picture = self.picture()?;
         let counted = self.pipeline.deriving.histogram.as_ref();
         let of_shown = counted.filter(|counted| {
@@ -227,7 +227,7 @@ impl App {
     }
 
     /// The depth map of all visible logs as it was made last; outer `None` before that, inner where the depths span no surface.
-    pub fn depth_map(&self) -> Option<Option<&Arc<DepthMap>>> {
+    pub(crate) fn depth_map(&self) -> Option<Option<&Arc<DepthMap>>> {
         self.pipeline
             .deriving
             .depth_map
@@ -236,18 +236,18 @@ impl App {
     }
 
     /// Ends of the one colour scale of depth over all visible logs, metres: the same on the map and in the cloud.
-    pub fn depth_range_m(&self) -> Option<[f32; 2]> {
+    pub(crate) fn depth_range_m(&self) -> Option<[f32; 2]> {
         colour_range_m(self.visible_logs().filter_map(|log| log.products.as_ref()))
     }
 
     /// Ends of the colour scales of points over all visible logs.
-    pub fn point_scales(&self) -> PointScales {
+    pub(crate) fn point_scales(&self) -> PointScales {
         let logs = self.visible_logs().filter_map(|log| log.products.as_ref());
         logs.fold(PointScales::default(), |all, one| all.with(one.scales))
     }
 
     /// Whether something on the map is drawn or measured from the depth map; otherwise it may be older than its settings.
-    pub fn needs_depth_map(&self) -> bool {
+    pub(crate) fn needs_depth_map(&self) -> bool {
         let layers = &self.view.options.map.layers;
         let shows = |layer: &MapLayer| layers.is_visible(*layer);
         FROM_DEPTH_MAP.iter().any(shows)
@@ -256,17 +256,17 @@ impl App {
     }
 
     /// The isobaths as they were made last.
-    pub fn isobaths(&self) -> Option<&Arc<DrawnIsobaths>> {
+    pub(crate) fn isobaths(&self) -> Option<&Arc<DrawnIsobaths>> {
         self.pipeline.deriving.isobaths.result()
     }
 
     /// The mosaic as it was made last; inner `None` where nothing is shown.
-    pub fn mosaic(&self) -> Option<Option<&Arc<Mosaic>>> {
+    pub(crate) fn mosaic(&self) -> Option<Option<&Arc<Mosaic>>> {
         self.pipeline.deriving.mosaic.result().map(Option::as_ref)
     }
 
     /// The bottom as a body, as it was made last; `None` where there is none, or it is not shown.
-    pub fn bottom(&self) -> Option<&Arc<Bottom>> {
+    pub(crate) fn bottom(&self) -> Option<&Arc<Bottom>> {
         let is_shown = self.view.options.cloud.bottom;
         self.pipeline
             .deriving
@@ -278,7 +278,7 @@ impl App {
 
     /// Metres from one isobath on the bottom in 3D to the next, and the depth of one of them; `None` where none are shown, and where the
     /// settings name depths that are not equally far apart.
-    pub fn bottom_isobaths_m(&self) -> Option<[f32; 2]> {
+    pub(crate) fn bottom_isobaths_m(&self) -> Option<[f32; 2]> {
         let bottom = self.bottom().filter(|_| self.view.options.cloud.isobaths)?;
         let settings = &self.log.settings.isobaths;
         let settings = settings.round_in(self.view.options.units.length.metres(), bottom.range_m);
@@ -287,7 +287,7 @@ impl App {
     }
 
     /// What is being made of all logs, in words.
-    pub fn deriving(&self) -> impl Iterator<Item = &'static str> {
+    pub(crate) fn deriving(&self) -> impl Iterator<Item = &'static str> {
         let jobs = [
             (
                 self.pipeline.deriving.depth_map.is_running(),

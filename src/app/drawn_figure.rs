@@ -4,7 +4,7 @@ use crate::project::Measurement;
 
 /// What is drawn.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Figure {
+pub(crate) struct Figure {
     /// What it measures, and between which corners.
     pub measurement: Measurement,
     /// The next corner begins another figure.

@@ -15,7 +15,7 @@ use std::path::PathBuf;
 
 /// Why something that was asked for is not done, in one sentence for the analyst.
 #[derive(Debug, thiserror::Error)]
-pub enum AppError {
+pub(super) enum AppError {
     /// The work ended in a panic.
     #[error("{0} failed unexpectedly")]
     Failed(&'static str),

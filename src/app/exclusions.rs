@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 /// What an analyst says of a part of a log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ExclusionEdit {
+pub(crate) enum ExclusionEdit {
     /// It is excluded.
     Exclude,
     /// It counts, whatever is found there.
@@ -35,7 +35,7 @@ impl ExclusionEdit {
 
 /// What the settings exclude from a log, and how much that is.
 #[derive(Clone, Debug, Default)]
-pub struct FoundExclusions {
+pub(crate) struct FoundExclusions {
     /// Which pings and soundings.
     pub exclusions: Exclusions,
     /// Length of each stretch along the track, metres.
@@ -44,7 +44,7 @@ pub struct FoundExclusions {
 
 /// How much is excluded.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Extent {
+pub(crate) struct Extent {
     /// Stretches.
     pub stretches: usize,
     /// Side-scan pings.
@@ -57,7 +57,11 @@ pub struct Extent {
 
 impl FoundExclusions {
     /// Of a log by its settings.
-    pub fn new(survey: &Survey, navigation: &Navigation, settings: &ExclusionSettings) -> Self {
+    pub(crate) fn new(
+        survey: &Survey,
+        navigation: &Navigation,
+        settings: &ExclusionSettings,
+    ) -> Self {
         let exclusions = Exclusions::new(survey, navigation, settings);
         let lengths_m = (exclusions.stretches.iter())
             .map(|stretch| stretch.length_m(survey, navigation))
@@ -69,7 +73,7 @@ impl FoundExclusions {
     }
 
     /// Each stretch with its length along the track, metres.
-    pub fn stretches(&self) -> impl Iterator<Item = (&ExcludedStretch, f64)> {
+    pub(crate) fn stretches(&self) -> impl Iterator<Item = (&ExcludedStretch, f64)> {
         self.exclusions
             .stretches
             .iter()
@@ -77,7 +81,7 @@ impl FoundExclusions {
     }
 
     /// How much is excluded, for one reason or for all.
-    pub fn extent(&self, reason: Option<ExclusionReason>) -> Extent {
+    pub(crate) fn extent(&self, reason: Option<ExclusionReason>) -> Extent {
         let counted = |(stretch, _): &(&ExcludedStretch, f64)| {
             reason.is_none_or(|reason| stretch.reason == reason)
         };
@@ -116,14 +120,14 @@ impl ExclusionSearch {
         });
     }
 
-    pub fn is_busy(&self) -> bool {
+    pub(super) fn is_busy(&self) -> bool {
         self.found.is_running()
     }
 }
 
 impl OpenLog {
     /// What the settings in force exclude from it; `None` until it is known where its pings lie.
-    pub fn exclusions(&self) -> Option<&Arc<FoundExclusions>> {
+    pub(crate) fn exclusions(&self) -> Option<&Arc<FoundExclusions>> {
         self.exclusion_search.found.result()
     }
 }
@@ -162,7 +166,7 @@ impl App {
     }
 
     /// The excluded stretch that a ping of a log lies in.
-    pub fn excluded_at(&self, log: LogId, ping: usize) -> Option<ExcludedStretch> {
+    pub(crate) fn excluded_at(&self, log: LogId, ping: usize) -> Option<ExcludedStretch> {
         let exclusions = &self.open_log(log)?.exclusions()?.exclusions;
         let stretch = exclusions.stretch_at(ping)?;
         exclusions.stretches.get(stretch).copied()
@@ -182,7 +186,7 @@ impl App {
     }
 
     /// How much a part of a log is.
-    pub fn extent_of(&self, log: LogId, part: LogPart) -> Option<Extent> {
+    pub(crate) fn extent_of(&self, log: LogId, part: LogPart) -> Option<Extent> {
         let log = self.open_log(log)?;
         let survey = log.survey.as_ref()?;
         Some(Extent {

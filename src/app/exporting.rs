@@ -26,7 +26,7 @@ pub(super) struct Exported {
 
 impl Exporting {
     /// Starts writing.
-    pub fn start<E: Error + Send + Sync + 'static>(
+    pub(super) fn start<E: Error + Send + Sync + 'static>(
         jobs: &Jobs,
         write: impl FnOnce(&Progress) -> Result<String, E> + Send + 'static,
     ) -> Self {
@@ -40,14 +40,14 @@ impl Exporting {
         }
     }
 
-    pub fn fraction(&self) -> f32 {
+    pub(super) fn fraction(&self) -> f32 {
         self.task.fraction()
     }
 }
 
 impl App {
     /// Writes something in a background thread, and notifies of the outcome.
-    pub fn write<E: Error + Send + Sync + 'static>(
+    pub(crate) fn write<E: Error + Send + Sync + 'static>(
         &mut self,
         write: impl FnOnce(&Progress) -> Result<String, E> + Send + 'static,
     ) {
@@ -99,7 +99,7 @@ impl App {
     }
 
     /// The folder that products go into unless another is named: the one that was written last, else one beside the project or the log.
-    pub fn export_folder(&self) -> PathBuf {
+    pub(crate) fn export_folder(&self) -> PathBuf {
         if let Some(folder) = &self.written_into {
             return folder.clone();
         }
@@ -115,13 +115,13 @@ impl App {
     }
 
     /// What the sizes of the products follow from.
-    pub fn amounts(&self) -> Amounts {
+    pub(crate) fn amounts(&self) -> Amounts {
         let depth_map = self.depth_map().flatten();
         Amounts::of(&self.processed_logs(), depth_map.map(|map| &**map))
     }
 
     /// Files that were written last of the log at hand and would be others with its settings of now, and their folder.
-    pub fn out_of_date(&self) -> Option<(&Path, Vec<&'static OutputFile>)> {
+    pub(crate) fn out_of_date(&self) -> Option<(&Path, Vec<&'static OutputFile>)> {
         let Exported { log, folder, run } = self.files.exported.as_ref()?;
         let files = run.out_of_date(&self.log.settings);
         (*log == self.log.id && !files.is_empty()).then_some((folder, files))

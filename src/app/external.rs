@@ -22,7 +22,7 @@ const PAIRS: usize = 400;
 
 /// What recorded a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Instrument {
+pub(super) enum Instrument {
     /// A gauge or tide table: readings of the water's height.
     Gauge,
     /// A receiver of satellites: a track.
@@ -38,7 +38,7 @@ enum Read {
 
 /// What other instruments recorded, and what became of it.
 #[derive(Default)]
-pub struct External {
+pub(crate) struct External {
     /// The survey with the recorder's own track, while another lies over it.
     pub recorded: Option<Arc<Survey>>,
     /// How far the two tracks lie apart.
@@ -50,7 +50,7 @@ pub struct External {
 
 impl External {
     /// Whether a file is being read.
-    pub fn is_reading(&self) -> bool {
+    pub(crate) fn is_reading(&self) -> bool {
         self.reading.is_some()
     }
 

@@ -9,7 +9,7 @@ use crate::survey::{Side, Survey};
 
 /// How much of everything there is in a result.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Figures {
+pub(crate) struct Figures {
     /// First returns found to port.
     pub port_picks: usize,
     /// First returns found to starboard.
@@ -24,7 +24,7 @@ pub struct Figures {
 
 impl Figures {
     /// Counts.
-    pub fn of(
+    pub(crate) fn of(
         survey: &Survey,
         products: &Products,
         progress: &Progress,

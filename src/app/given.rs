@@ -28,7 +28,7 @@ struct Given {
 
 /// The settings that logs were last given, by log, the newest first.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct GivenSettings(Vec<Given>);
+pub(crate) struct GivenSettings(Vec<Given>);
 
 impl GivenSettings {
     /// Remembers the settings of a log; of one that has the settings of the preset, that there are none.
@@ -57,7 +57,7 @@ fn is_of(given: &Given, survey: &Survey) -> bool {
 
 impl App {
     /// The settings that logs were last given, with those of the open ones: what is kept between runs.
-    pub fn given_settings(&self) -> GivenSettings {
+    pub(crate) fn given_settings(&self) -> GivenSettings {
         let mut given = self.document.given.clone();
         if self.project_path().is_none() {
             // The shown log is the newest.
@@ -69,7 +69,7 @@ impl App {
     }
 
     /// Begins with these settings by log.
-    pub fn use_given_settings(&mut self, given: GivenSettings) {
+    pub(crate) fn use_given_settings(&mut self, given: GivenSettings) {
         self.document.given = given;
     }
 

@@ -13,19 +13,19 @@ const KEY: &str = "height_offset_m";
 
 /// The offsets of some logs.
 #[derive(Clone, Debug)]
-pub struct FoundHeights {
+pub(crate) struct FoundHeights {
     ids: Vec<LogId>,
     offsets: HeightOffsets,
 }
 
 impl FoundHeights {
     /// Every log with its offset, in the order of the list when they were found.
-    pub fn logs(&self) -> impl Iterator<Item = (LogId, &LogOffset)> {
+    pub(crate) fn logs(&self) -> impl Iterator<Item = (LogId, &LogOffset)> {
         self.ids.iter().copied().zip(&self.offsets.logs)
     }
 
     /// How many groups of connected logs there are.
-    pub fn groups(&self) -> usize {
+    pub(crate) fn groups(&self) -> usize {
         self.offsets.groups()
     }
 }
@@ -35,17 +35,17 @@ pub(super) type Heights = LogsTask<FoundHeights>;
 
 impl App {
     /// Whether heights are being compared.
-    pub fn is_matching_heights(&self) -> bool {
+    pub(crate) fn is_matching_heights(&self) -> bool {
         self.findings.heights.is_busy()
     }
 
     /// By how much the heights of the logs differ, once that was asked for.
-    pub fn height_offsets(&self) -> Option<&FoundHeights> {
+    pub(crate) fn height_offsets(&self) -> Option<&FoundHeights> {
         self.findings.heights.found()
     }
 
     /// A warning for every two logs that no height offsets bring together.
-    pub fn height_contradictions(&self) -> Vec<String> {
+    pub(crate) fn height_contradictions(&self) -> Vec<String> {
         let Some(found) = self.height_offsets() else {
             return Vec::new();
         };

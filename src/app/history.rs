@@ -61,17 +61,17 @@ impl App {
     }
 
     /// Steps in the order in which they were done, and after them those that were taken back.
-    pub fn history(&self) -> impl Iterator<Item = project::Step<'_>> {
+    pub(crate) fn history(&self) -> impl Iterator<Item = project::Step<'_>> {
         self.document.history.steps()
     }
 
     /// Name of the change that undo would take back.
-    pub fn undo_label(&self) -> Option<&str> {
+    pub(crate) fn undo_label(&self) -> Option<&str> {
         self.document.history.undo_label()
     }
 
     /// Name of the change that redo would do again.
-    pub fn redo_label(&self) -> Option<&str> {
+    pub(crate) fn redo_label(&self) -> Option<&str> {
         self.document.history.redo_label()
     }
 

@@ -17,12 +17,12 @@ pub(super) struct ReadingArea(Option<Task<Result<WaterArea, AppError>>>);
 
 impl ReadingArea {
     /// Whether one is.
-    pub fn is_busy(&self) -> bool {
+    pub(super) fn is_busy(&self) -> bool {
         self.0.is_some()
     }
 
     /// Stops reading.
-    pub fn stop(&mut self) {
+    pub(super) fn stop(&mut self) {
         self.0 = None;
     }
 }

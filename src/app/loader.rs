@@ -16,7 +16,7 @@ const DEMO: &[u8] = include_bytes!("../../assets/demo.sl2");
 
 /// What is opened.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Origin {
+pub(crate) enum Origin {
     /// A file or folder.
     Path(PathBuf),
     /// The bundled demo survey.
@@ -25,7 +25,7 @@ pub enum Origin {
 
 impl Origin {
     /// What to call it.
-    pub fn name(&self) -> String {
+    pub(crate) fn name(&self) -> String {
         match self {
             Origin::Path(path) => path.file_name().map_or_else(
                 || path.display().to_string(),
@@ -36,7 +36,7 @@ impl Origin {
     }
 
     /// Opens it.
-    pub fn open(&self, progress: &Progress) -> Result<Survey, formats::OpenError> {
+    pub(crate) fn open(&self, progress: &Progress) -> Result<Survey, formats::OpenError> {
         match self {
             Origin::Path(path) => formats::open(path, progress),
             Origin::Demo => formats::open_bytes("demo.sl2", DEMO.to_vec(), progress),
@@ -46,7 +46,7 @@ impl Origin {
 
 /// What is being opened, for the status line.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LoadStatus {
+pub(crate) struct LoadStatus {
     /// Its name.
     pub name: String,
     /// Done share, 0 to 1.
@@ -93,7 +93,12 @@ pub(super) struct Loading {
 
 impl Loading {
     /// Starts opening a log beside those that are `open`.
-    pub fn start(request: Request, open: Vec<Arc<Survey>>, in_project: bool, jobs: &Jobs) -> Self {
+    pub(super) fn start(
+        request: Request,
+        open: Vec<Arc<Survey>>,
+        in_project: bool,
+        jobs: &Jobs,
+    ) -> Self {
         let requested = request.origin.clone();
         let task = Task::start(jobs, move |progress| {
             if let Origin::Path(path) = &requested {
@@ -120,7 +125,7 @@ impl Loading {
     }
 
     /// The outcome, once.
-    pub fn poll(&self) -> Option<Result<Opened, AppError>> {
+    pub(super) fn poll(&self) -> Option<Result<Opened, AppError>> {
         match self.task.poll() {
             Outcome::Done(opened) => Some(opened),
             Outcome::Pending => None,
@@ -128,7 +133,7 @@ impl Loading {
         }
     }
 
-    pub fn status(&self) -> LoadStatus {
+    pub(super) fn status(&self) -> LoadStatus {
         LoadStatus {
             name: self.request.origin.name(),
             fraction: self.task.fraction(),

@@ -21,7 +21,7 @@ const CLOSED: usize = 10;
 
 /// A log that takes part in maps and clouds, with its results.
 #[derive(Clone, Debug)]
-pub struct ShownLog {
+pub(crate) struct ShownLog {
     /// Which it is.
     pub id: LogId,
     /// Its name: [`OpenLog::name`].
@@ -56,7 +56,7 @@ impl Logs {
     }
 
     /// What views show of them.
-    pub fn for_picture(&self) -> Self {
+    pub(super) fn for_picture(&self) -> Self {
         Self {
             others: self.others.iter().map(OpenLog::for_picture).collect(),
             order: self.order.clone(),
@@ -84,17 +84,17 @@ impl Logs {
 
 impl App {
     /// The open logs in the order of the list.
-    pub fn logs(&self) -> impl Iterator<Item = &OpenLog> {
+    pub(crate) fn logs(&self) -> impl Iterator<Item = &OpenLog> {
         self.logs.order.iter().filter_map(|id| self.open_log(*id))
     }
 
     /// The logs that take part in maps, clouds and products, in the order of the list.
-    pub fn visible_logs(&self) -> impl Iterator<Item = &OpenLog> {
+    pub(crate) fn visible_logs(&self) -> impl Iterator<Item = &OpenLog> {
         self.logs().filter(|log| log.is_visible)
     }
 
     /// The visible logs that have results, in the order of the list: what maps and clouds are made of.
-    pub fn shown_logs(&self) -> Vec<ShownLog> {
+    pub(crate) fn shown_logs(&self) -> Vec<ShownLog> {
         let shown = |log: &OpenLog| {
             Some(ShownLog {
                 id: log.id,
@@ -126,24 +126,24 @@ impl App {
     }
 
     /// How many logs are open.
-    pub fn log_count(&self) -> usize {
+    pub(crate) fn log_count(&self) -> usize {
         self.logs.order.len()
     }
 
     /// An open log.
-    pub fn open_log(&self, id: LogId) -> Option<&OpenLog> {
+    pub(crate) fn open_log(&self, id: LogId) -> Option<&OpenLog> {
         let mut all = [&self.log].into_iter().chain(&self.logs.others);
         all.find(|log| log.id == id && log.survey.is_some())
     }
 
     /// The settings that all logs share.
     #[cfg(any(test, feature = "bench"))]
-    pub fn shared_settings(&self) -> &Settings {
+    pub(crate) fn shared_settings(&self) -> &Settings {
         &self.document.shared
     }
 
     /// Has new surveys start from these settings, but for those that belong to one survey.
-    pub fn use_settings(&mut self, settings: &Settings) {
+    pub(crate) fn use_settings(&mut self, settings: &Settings) {
         self.document.start = Arc::new(settings.with_survey_of(&Settings::default()));
         self.document.shared = self.document.start.clone();
         self.log.settings = self.document.shared.clone();
@@ -151,7 +151,7 @@ impl App {
 
     /// Shows a log that is at hand already, with what was made of it, in the place of those that are open.
     #[cfg(any(test, feature = "bench"))]
-    pub fn show_survey(&mut self, survey: Arc<Survey>, products: Option<Products>) {
+    pub(crate) fn show_survey(&mut self, survey: Arc<Survey>, products: Option<Products>) {
         self.pipeline.is_waiting = true;
         self.replace_logs(survey);
         self.log.products = products;
@@ -282,7 +282,7 @@ impl App {
     }
 
     /// Writes what is not in a file yet: the window closes.
-    pub fn keep_all(&mut self) {
+    pub(crate) fn keep_all(&mut self) {
         self.each_log(App::keep_decisions);
         self.keep_project("close");
         self.finish_keeping();
@@ -471,7 +471,7 @@ impl App {
     }
 
     /// Whether a log is being processed.
-    pub fn is_processing(&self, id: LogId) -> bool {
+    pub(crate) fn is_processing(&self, id: LogId) -> bool {
         let processed = self
             .pipeline
             .requested

@@ -31,17 +31,17 @@ impl<T> Default for LogsTask<T> {
 
 impl<T: Send + 'static> LogsTask<T> {
     /// Whether it is at work.
-    pub fn is_busy(&self) -> bool {
+    pub(super) fn is_busy(&self) -> bool {
         self.task.is_some()
     }
 
     /// What it found last.
-    pub fn found(&self) -> Option<&T> {
+    pub(super) fn found(&self) -> Option<&T> {
         self.found.as_ref()
     }
 
     /// Begins to look; a search under way is given up.
-    pub fn start(
+    pub(super) fn start(
         &mut self,
         jobs: &Jobs,
         search: impl FnOnce(&Progress) -> Option<T> + Send + 'static,
@@ -50,7 +50,7 @@ impl<T: Send + 'static> LogsTask<T> {
     }
 
     /// Takes over what was found.
-    pub fn poll(&mut self) -> Stands {
+    pub(super) fn poll(&mut self) -> Stands {
         let stands = match self.task.as_ref().map(Task::poll) {
             None | Some(Outcome::Pending) => return Stands::Still,
             Some(Outcome::Done(Some(found))) => {

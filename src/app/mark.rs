@@ -4,7 +4,7 @@ use crate::survey::Side;
 
 /// A place in the survey, the same in all views.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mark {
+pub(crate) struct Mark {
     /// Side-scan ping.
     pub ping: usize,
     /// Side, when the place is off the track.
@@ -17,7 +17,7 @@ pub struct Mark {
 
 impl Mark {
     /// A place on the track.
-    pub fn ping(ping: usize) -> Self {
+    pub(crate) fn ping(ping: usize) -> Self {
         Self {
             ping,
             side: None,
@@ -29,7 +29,7 @@ impl Mark {
 
 /// A request to bring a place into view; views act when the serial number changes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reveal {
+pub(crate) struct Reveal {
     /// The place.
     pub mark: Mark,
     /// Grows with each request.
@@ -40,7 +40,7 @@ pub struct Reveal {
 
 /// How large an object is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Enlarged {
+pub(crate) enum Enlarged {
     /// It fills about a third of the view.
     Third,
     /// A sample of the picture is a point of the screen; what does not fit in so, with what lies around it, is smaller. For the
@@ -52,7 +52,7 @@ pub enum Enlarged {
 
 /// An object that the views enlarge.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CloseUp {
+pub(crate) struct CloseUp {
     /// How large.
     pub enlarged: Enlarged,
     /// First ping of its box, and the first one after it.

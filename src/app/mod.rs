@@ -31,7 +31,7 @@ mod key_scope;
 mod loader;
 mod logs;
 mod logs_task;
-pub mod manual;
+pub(crate) mod manual;
 mod map_layers;
 mod mark;
 mod measuring;
@@ -58,45 +58,45 @@ mod step;
 mod swipe;
 mod work;
 
-pub use above_bottom::{AboveBottom, AboveStretch};
-pub use action::{Action, Keys};
-pub use bottom::{BottomStroke, Ink};
-pub use clip_box::ClipBox;
-pub use command::Command;
-pub use comparing::ReferenceBy;
-pub use deriving::DrawnIsobaths;
-pub use exclusions::{ExclusionEdit, Extent, FoundExclusions};
-pub use figures::Figures;
-pub use following::FollowStatus;
-pub use given::GivenSettings;
-pub use key_scope::{KeyFocus, is_bare};
-pub use loader::{LoadStatus, Origin};
-pub use logs::ShownLog;
-pub use map_layers::{LayerShown, LayerStack, MapLayer};
-pub use mark::{CloseUp, Enlarged, Mark, Reveal};
-pub use measuring::{Measure, Measuring};
-pub use mounting::Mountings;
-pub use notices::Notice;
-pub use object_table::{ObjectColumn, ObjectFilter, ObjectTable};
-pub use open_log::OpenLog;
-pub use options::{
+pub(crate) use above_bottom::{AboveBottom, AboveStretch};
+pub(crate) use action::{Action, Keys};
+pub(crate) use bottom::{BottomStroke, Ink};
+pub(crate) use clip_box::ClipBox;
+pub(crate) use command::Command;
+pub(crate) use comparing::ReferenceBy;
+pub(crate) use deriving::DrawnIsobaths;
+pub(crate) use exclusions::{ExclusionEdit, Extent, FoundExclusions};
+pub(crate) use figures::Figures;
+pub(crate) use following::FollowStatus;
+pub(crate) use given::GivenSettings;
+pub(crate) use key_scope::{KeyFocus, is_bare};
+pub(crate) use loader::{LoadStatus, Origin};
+pub(crate) use logs::ShownLog;
+pub(crate) use map_layers::{LayerShown, LayerStack, MapLayer};
+pub(crate) use mark::{CloseUp, Enlarged, Mark, Reveal};
+pub(crate) use measuring::{Measure, Measuring};
+pub(crate) use mounting::Mountings;
+pub(crate) use notices::Notice;
+pub(crate) use object_table::{ObjectColumn, ObjectFilter, ObjectTable};
+pub(crate) use open_log::OpenLog;
+pub(crate) use options::{
     CloudColour, CloudOptions, ColourMap, EchogramChannel, LayoutPreset, MapOptions, Orientation,
     PanelOptions, PanelShown, SideColours, ThemeChoice, View, ViewOptions, WaterfallOptions,
 };
-pub use passes::{PassesFound, mark_of};
-pub use planning::{PlanRequest, PlannedLines};
-pub use positions::FoundPositions;
-pub use print::{Paper, PrintOptions, Sheet};
-pub use print_text::PrintText;
-pub use profile_line::ProfileLine;
-pub use project::is_project;
-pub use reviewing::{
+pub(crate) use passes::{PassesFound, mark_of};
+pub(crate) use planning::{PlanRequest, PlannedLines};
+pub(crate) use positions::FoundPositions;
+pub(crate) use print::{Paper, PrintOptions, Sheet};
+pub(crate) use print_text::PrintText;
+pub(crate) use profile_line::ProfileLine;
+pub(crate) use project::is_project;
+pub(crate) use reviewing::{
     BoxEdge, LocatedObject, MistakeSort, Nudge, PIXEL_M, Reviewing, SearchStatus, Tool, border_m,
 };
-pub use state::App;
-pub use swipe::{Swipe, SwipeSide};
+pub(crate) use state::App;
+pub(crate) use swipe::{Swipe, SwipeSide};
 
-pub use crate::detection::objects::{LogBox, LogId, ObjectState, SurveyObject};
-pub use crate::pipeline::{Jobs, Outcome, Task};
+pub(crate) use crate::detection::objects::{LogBox, LogId, ObjectState, SurveyObject};
+pub(crate) use crate::pipeline::{Jobs, Outcome, Task};
 #[cfg(any(test, feature = "bench"))]
-pub use passes::LogPass;
+pub(crate) use passes::LogPass;

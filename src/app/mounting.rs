@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Mountings by recorder ([`crate::survey::Source::recorder`]).
-pub type Mountings = BTreeMap<String, MountingSettings>;
+pub(crate) type Mountings = BTreeMap<String, MountingSettings>;
 
 /// Settings whose bottom edits lie on the echoes that they were drawn on, when the sides are exchanged by them.
 pub(super) fn with_sides(mut settings: Settings, before: &Settings) -> Settings {
@@ -21,23 +21,23 @@ pub(super) fn with_sides(mut settings: Settings, before: &Settings) -> Settings 
 
 impl App {
     /// What the shown log tells of its recorder; empty without a log.
-    pub fn recorder(&self) -> String {
+    pub(crate) fn recorder(&self) -> String {
         let survey = self.log.survey.as_ref();
         survey.map_or_else(String::new, |survey| survey.source.recorder())
     }
 
     /// How the recorder of the shown log is mounted as a rule, where that is known.
-    pub fn usual_mounting(&self) -> Option<MountingSettings> {
+    pub(crate) fn usual_mounting(&self) -> Option<MountingSettings> {
         self.document.mountings.get(&self.recorder()).copied()
     }
 
     /// The mountings by recorder: what is kept between runs.
-    pub fn mountings(&self) -> &Mountings {
+    pub(crate) fn mountings(&self) -> &Mountings {
         &self.document.mountings
     }
 
     /// Begins with these mountings by recorder.
-    pub fn use_mountings(&mut self, mountings: Mountings) {
+    pub(crate) fn use_mountings(&mut self, mountings: Mountings) {
         self.document.mountings = Arc::new(mountings);
     }
 

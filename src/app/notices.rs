@@ -11,7 +11,7 @@ const KEPT: usize = 500;
 
 /// A sentence for the analyst.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Notice {
+pub(crate) struct Notice {
     /// What happened and what to do.
     pub text: String,
     /// Something could not be done (otherwise: something was).
@@ -32,7 +32,7 @@ pub(super) struct NoticeHistory {
 
 impl App {
     /// All that was said since the program was started, the newest first; the oldest of very many are forgotten.
-    pub fn said(&self) -> impl ExactSizeIterator<Item = &Notice> {
+    pub(crate) fn said(&self) -> impl ExactSizeIterator<Item = &Notice> {
         self.said.all.iter().rev()
     }
 

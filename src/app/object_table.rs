@@ -6,7 +6,7 @@ use std::cmp::Ordering;
 
 /// A column of the table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum ObjectColumn {
+pub(crate) enum ObjectColumn {
     /// As they were found, along the first log.
     #[default]
     Number,
@@ -39,7 +39,7 @@ pub enum ObjectColumn {
 
 impl ObjectColumn {
     /// All columns, from left to right.
-    pub const ALL: [Self; 13] = [
+    pub(crate) const ALL: [Self; 13] = [
         Self::Number,
         Self::Name,
         Self::Class,
@@ -56,7 +56,7 @@ impl ObjectColumn {
     ];
 
     /// Its heading.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Number => "no.",
             Self::Name => "name",
@@ -85,7 +85,7 @@ impl ObjectColumn {
 
 /// Which objects the table shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum ObjectFilter {
+pub(crate) enum ObjectFilter {
     /// Objects with undecided boxes.
     Undecided,
     /// Objects whose boxes were accepted or added.
@@ -96,10 +96,10 @@ pub enum ObjectFilter {
 
 impl ObjectFilter {
     /// All of them, in the order of the work.
-    pub const ALL: [Self; 3] = [Self::Undecided, Self::Accepted, Self::Rejected];
+    pub(crate) const ALL: [Self; 3] = [Self::Undecided, Self::Accepted, Self::Rejected];
 
     /// Its name in the list.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Undecided => "undecided",
             Self::Accepted => "accepted",
@@ -119,7 +119,7 @@ impl ObjectFilter {
 /// Order and filter of the table.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct ObjectTable {
+pub(crate) struct ObjectTable {
     /// The column that it is sorted by.
     pub sort: ObjectColumn,
     /// From the largest down.
@@ -133,7 +133,7 @@ pub struct ObjectTable {
 
 impl ObjectTable {
     /// Sorts by a column, or, where it is the one already, the other way around.
-    pub fn sort_by(&mut self, column: ObjectColumn) {
+    pub(crate) fn sort_by(&mut self, column: ObjectColumn) {
         self.falling = match self.sort == column {
             true => !self.falling,
             false => column.begins_with_largest(),
@@ -143,7 +143,7 @@ impl ObjectTable {
 
     /// Numbers of the objects that are shown, in order. Objects come by number, and stay so where they are alike; what is not known
     /// comes last.
-    pub fn list(&self, objects: &[SurveyObject]) -> Vec<u32> {
+    pub(crate) fn list(&self, objects: &[SurveyObject]) -> Vec<u32> {
         let text = self.text.trim().to_lowercase();
         let passes = |object: &&SurveyObject| {
             let of_state = self.state;

@@ -30,7 +30,7 @@ pub(super) fn log_colour(number: usize) -> [u8; 3] {
 }
 
 /// A log with its settings, its results and its boxes. The default one is that of an empty window.
-pub struct OpenLog {
+pub(crate) struct OpenLog {
     /// Which it is.
     pub id: LogId,
     pub(super) name: String,
@@ -128,7 +128,7 @@ impl OpenLog {
     }
 
     /// The recording and its results as a whole: while it is followed, those of the last run over all of it.
-    pub fn settled(&self) -> Option<ProcessedLog> {
+    pub(crate) fn settled(&self) -> Option<ProcessedLog> {
         let now = || {
             Some(ProcessedLog {
                 survey: self.survey.clone()?,
@@ -139,7 +139,7 @@ impl OpenLog {
     }
 
     /// Its name for people, which no other open log has; empty in an empty window.
-    pub fn name(&self) -> String {
+    pub(crate) fn name(&self) -> String {
         self.name.clone()
     }
 
@@ -154,7 +154,7 @@ impl OpenLog {
 
     /// The first returns to draw: those under the slider if there are any, else those of the last result, but for those of the other
     /// sides.
-    pub fn returns(&self) -> Option<&Arc<FirstReturns>> {
+    pub(crate) fn returns(&self) -> Option<&Arc<FirstReturns>> {
         let swapped = self.settings.mounting.swap_sides;
         let products = self.products.as_ref();
         let products = products.filter(|made| made.settings.mounting.swap_sides == swapped);
@@ -163,7 +163,7 @@ impl OpenLog {
     }
 
     /// The bottom line to draw: the first returns under the slider if there are any, else that of the last result.
-    pub fn bottom_line(&self) -> Option<&Arc<FirstReturns>> {
+    pub(crate) fn bottom_line(&self) -> Option<&Arc<FirstReturns>> {
         let is_of_result = self.preview.is_none() && self.returns().is_some();
         let products = self.products.as_ref().filter(|_| is_of_result);
         let line = products.map(|products| &products.bottom_line);
@@ -171,13 +171,13 @@ impl OpenLog {
     }
 
     /// The first stage whose result is older than its settings.
-    pub fn stale(&self) -> Option<Stage> {
+    pub(crate) fn stale(&self) -> Option<Stage> {
         let products = self.products.as_ref()?;
         Stage::first_stale(&products.settings, &self.settings)
     }
 
     /// Whether results are missing or older than their settings.
-    pub fn is_behind(&self) -> bool {
+    pub(crate) fn is_behind(&self) -> bool {
         let is_current = |products: &Products| products.settings == self.settings;
         self.survey.is_some() && !self.products.as_ref().is_some_and(is_current)
     }

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 /// A view of the centre.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub enum View {
+pub(crate) enum View {
     /// Side-scan picture over ping and range.
     Waterfall,
     /// Track, depth map and flat stretches from above.
@@ -24,12 +24,12 @@ pub enum View {
 
 impl View {
     /// All views in the order of their number keys.
-    pub const ALL: [View; 4] = [View::Waterfall, View::Map, View::Cloud, View::Objects];
+    pub(crate) const ALL: [View; 4] = [View::Waterfall, View::Map, View::Cloud, View::Objects];
     /// The views that are pictures, and can be printed.
-    pub const PICTURES: [View; 3] = [View::Waterfall, View::Map, View::Cloud];
+    pub(crate) const PICTURES: [View; 3] = [View::Waterfall, View::Map, View::Cloud];
 
     /// Title on the tab.
-    pub fn title(self) -> &'static str {
+    pub(crate) fn title(self) -> &'static str {
         match self {
             View::Waterfall => "Waterfall",
             View::Map => "Map",
@@ -41,7 +41,7 @@ impl View {
 
 /// An arrangement of the views to start from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum LayoutPreset {
+pub(crate) enum LayoutPreset {
     /// Waterfall above, map and cloud below.
     Survey,
     /// A large waterfall above, map and cloud below.
@@ -52,7 +52,7 @@ pub enum LayoutPreset {
 
 /// Dark or light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum ThemeChoice {
+pub(crate) enum ThemeChoice {
     /// Dark, as waterfalls are.
     #[default]
     Dark,
@@ -62,7 +62,7 @@ pub enum ThemeChoice {
 
 /// Colours of echo strength.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum ColourMap {
+pub(crate) enum ColourMap {
     /// Black to copper: what fish-finders and their users are used to.
     #[default]
     Copper,
@@ -78,7 +78,7 @@ pub enum ColourMap {
 
 impl ColourMap {
     /// All maps in the order of the menu.
-    pub const ALL: [ColourMap; 5] = [
+    pub(crate) const ALL: [ColourMap; 5] = [
         ColourMap::Copper,
         ColourMap::Grey,
         ColourMap::InverseGrey,
@@ -87,7 +87,7 @@ impl ColourMap {
     ];
 
     /// Name in the menu.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             ColourMap::Copper => "copper",
             ColourMap::Grey => "grey",
@@ -100,7 +100,7 @@ impl ColourMap {
 
 /// Which way time runs in the waterfall.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Orientation {
+pub(crate) enum Orientation {
     /// Time runs to the right; port is up, starboard down.
     #[default]
     Horizontal,
@@ -110,7 +110,7 @@ pub enum Orientation {
 
 /// Colours of the two sides.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum SideColours {
+pub(crate) enum SideColours {
     /// Starboard red, port blue, as in the paper.
     #[default]
     Paper,
@@ -120,7 +120,7 @@ pub enum SideColours {
 
 /// A channel that looks down.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum EchogramChannel {
+pub(crate) enum EchogramChannel {
     /// None of them.
     #[default]
     None,
@@ -134,7 +134,7 @@ pub enum EchogramChannel {
 
 impl EchogramChannel {
     /// All in the order of the menu.
-    pub const ALL: [EchogramChannel; 4] = [
+    pub(crate) const ALL: [EchogramChannel; 4] = [
         EchogramChannel::None,
         EchogramChannel::DownScan,
         EchogramChannel::Primary,
@@ -142,7 +142,7 @@ impl EchogramChannel {
     ];
 
     /// The channel of a log; `None` without one.
-    pub fn kind(self) -> Option<ChannelKind> {
+    pub(crate) fn kind(self) -> Option<ChannelKind> {
         match self {
             EchogramChannel::None => None,
             EchogramChannel::DownScan => Some(ChannelKind::DownScan),
@@ -152,7 +152,7 @@ impl EchogramChannel {
     }
 
     /// Name in the menu.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             EchogramChannel::None => "side-scan alone",
             EchogramChannel::DownScan => "down-scan",
@@ -165,7 +165,7 @@ impl EchogramChannel {
 /// Waterfall display.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct WaterfallOptions {
+pub(crate) struct WaterfallOptions {
     /// Colours of echo strength.
     pub colour_map: ColourMap,
     /// Which way time runs.
@@ -196,7 +196,7 @@ pub struct WaterfallOptions {
 
 impl WaterfallOptions {
     /// What is measured across the track.
-    pub fn geometry(&self) -> Geometry {
+    pub(crate) fn geometry(&self) -> Geometry {
         match (self.ground_range, self.water_column) {
             (true, _) => Geometry::Ground,
             (false, true) => Geometry::Slant,
@@ -228,7 +228,7 @@ impl Default for WaterfallOptions {
 /// Map display.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct MapOptions {
+pub(crate) struct MapOptions {
     /// What is drawn, in which order.
     pub layers: LayerStack,
     /// Colour the tracks by the log that they are of, instead of by depth.
@@ -255,7 +255,7 @@ impl Default for MapOptions {
 
 /// What the colour of a point says.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
-pub enum CloudColour {
+pub(crate) enum CloudColour {
     /// Down-scan, port or starboard.
     #[default]
     #[value(name = "side")]
@@ -272,7 +272,7 @@ pub enum CloudColour {
 
 impl CloudColour {
     /// All of them in the order of the menu.
-    pub const ALL: [CloudColour; 5] = [
+    pub(crate) const ALL: [CloudColour; 5] = [
         CloudColour::Source,
         CloudColour::Depth,
         CloudColour::Level,
@@ -281,7 +281,7 @@ impl CloudColour {
     ];
 
     /// Name in the menu.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             CloudColour::Source => "side",
             CloudColour::Depth => "depth",
@@ -293,7 +293,7 @@ impl CloudColour {
 
     /// The next one in the menu; logs are told apart only where there are several.
     #[must_use]
-    pub fn next(self, has_several_logs: bool) -> Self {
+    pub(crate) fn next(self, has_several_logs: bool) -> Self {
         let all = match has_several_logs {
             true => &Self::ALL[..],
             false => &Self::ALL[..4],
@@ -306,7 +306,7 @@ impl CloudColour {
 /// Cloud display.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct CloudOptions {
+pub(crate) struct CloudOptions {
     /// What the colour of a point says.
     pub colour: CloudColour,
     /// Factor on z.
@@ -339,7 +339,7 @@ pub struct CloudOptions {
 
 impl CloudOptions {
     /// Turns the clip box on, around everything, or off.
-    pub fn toggle_clip(&mut self) {
+    pub(crate) fn toggle_clip(&mut self) {
         self.clip = match self.clip {
             Some(_) => None,
             None => Some(ClipBox::WHOLE),
@@ -347,7 +347,7 @@ impl CloudOptions {
     }
 
     /// The light comes from an eighth of a turn farther clockwise.
-    pub fn turn_light(&mut self) {
+    pub(crate) fn turn_light(&mut self) {
         self.light_deg[0] = (self.light_deg[0] + 45.0).rem_euclid(360.0);
     }
 }
@@ -375,7 +375,7 @@ impl Default for CloudOptions {
 
 /// Whether a panel beside the views is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum PanelShown {
+pub(crate) enum PanelShown {
     /// Where the window is wide enough for it and the views.
     #[default]
     WithRoom,
@@ -388,7 +388,7 @@ pub enum PanelShown {
 /// The panels beside the views.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct PanelOptions {
+pub(crate) struct PanelOptions {
     /// The paper's steps, left.
     pub steps: PanelShown,
     /// What is selected, right.
@@ -398,7 +398,7 @@ pub struct PanelOptions {
 /// All display options.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct ViewOptions {
+pub(crate) struct ViewOptions {
     /// Dark or light.
     pub theme: ThemeChoice,
     /// The panels beside the views.
@@ -427,7 +427,7 @@ pub struct ViewOptions {
 impl ViewOptions {
     /// What a person likes, for a survey that is opened anew: what hides or transforms a part of the one before is as it is by default.
     #[must_use]
-    pub fn for_new_survey(&self) -> Self {
+    pub(crate) fn for_new_survey(&self) -> Self {
         let usual = WaterfallOptions::default();
         let mut options = self.clone();
         options.waterfall = WaterfallOptions {
@@ -445,12 +445,12 @@ impl ViewOptions {
     }
 
     /// Whether boxes are drawn in any view.
-    pub fn shows_boxes(&self) -> bool {
+    pub(crate) fn shows_boxes(&self) -> bool {
         self.waterfall.boxes || self.cloud.boxes || self.map.layers.is_visible(MapLayer::Boxes)
     }
 
     /// Draws the boxes in all views, or in none.
-    pub fn show_boxes(&mut self, shown: bool) {
+    pub(crate) fn show_boxes(&mut self, shown: bool) {
         self.waterfall.boxes = shown;
         self.cloud.boxes = shown;
         self.map.layers.set_visible(MapLayer::Boxes, shown);

@@ -11,11 +11,11 @@ const NO_OTHER: &str = "no other pass of the visible logs saw this place";
 const NO_PASS: &str = "no pass of the visible logs saw this place";
 
 /// A pass, and the log that it is of.
-pub type LogPass = (LogId, Pass);
+pub(crate) type LogPass = (LogId, Pass);
 
 /// What is known of the passes over a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum PassesFound<'a> {
+pub(crate) enum PassesFound<'a> {
     /// They are being looked for.
     Searching,
     /// Nobody asked for those over this place last.
@@ -61,19 +61,19 @@ enum Goal {
 
 impl Passes {
     /// Whether passes are being looked for.
-    pub fn is_busy(&self) -> bool {
+    pub(super) fn is_busy(&self) -> bool {
         self.fraction().is_some()
     }
 
     /// Done share of the search under way, 0 to 1.
-    pub fn fraction(&self) -> Option<f32> {
+    pub(super) fn fraction(&self) -> Option<f32> {
         let listed = self.listed.as_ref().and_then(|listed| listed.task.as_ref());
         let next = self.next.as_ref().map(|next| &next.task);
         listed.map(Task::fraction).or(next.map(Task::fraction))
     }
 
     /// Stops looking; what was found stays.
-    pub fn stop(&mut self) {
+    pub(super) fn stop(&mut self) {
         self.next = None;
         if let Some(listed) = &mut self.listed {
             listed.task = None;
@@ -82,7 +82,7 @@ impl Passes {
 }
 
 /// The place of a pass that the other views show.
-pub fn mark_of(pass: &Pass) -> Mark {
+pub(crate) fn mark_of(pass: &Pass) -> Mark {
     let (ping, sample) = pass.middle;
     Mark {
         side: Some(pass.side),
@@ -93,7 +93,7 @@ pub fn mark_of(pass: &Pass) -> Mark {
 
 impl App {
     /// What is known of the passes of all visible logs over a position, in the order of the list of logs.
-    pub fn passes_at(&self, at: LonLat) -> PassesFound<'_> {
+    pub(crate) fn passes_at(&self, at: LonLat) -> PassesFound<'_> {
         let listed = self
             .findings
             .passes
@@ -109,7 +109,7 @@ impl App {
     }
 
     /// Done share of a search for passes under way, 0 to 1.
-    pub fn passes_fraction(&self) -> Option<f32> {
+    pub(crate) fn passes_fraction(&self) -> Option<f32> {
         self.findings.passes.fraction()
     }
 

@@ -18,7 +18,7 @@ const NO_LINE: &str = "no planned line is selected; click one on the map first";
 
 /// Planned lines, and where on the Earth they lie.
 #[derive(Clone, Debug)]
-pub struct PlannedLines {
+pub(crate) struct PlannedLines {
     /// The plan.
     pub plan: Plan,
     /// The frame of its plane.
@@ -38,7 +38,7 @@ impl PartialEq for PlannedLines {
 
 /// A request about the planned lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum PlanRequest {
+pub(crate) enum PlanRequest {
     /// Plan the next lines with these numbers.
     Ask(PlanSettings),
     /// Select a line by its number, or none.
@@ -56,7 +56,7 @@ pub enum PlanRequest {
 
 /// The planned lines and the work on them.
 #[derive(Default)]
-pub struct Planning {
+pub(crate) struct Planning {
     /// What the next plan is asked for.
     pub asked: PlanSettings,
     /// The lines, once there are some.
@@ -68,12 +68,12 @@ pub struct Planning {
 
 impl Planning {
     /// Whether lines are being planned.
-    pub fn is_busy(&self) -> bool {
+    pub(crate) fn is_busy(&self) -> bool {
         self.task.is_some()
     }
 
     /// Done share of the work under way, 0 to 1.
-    pub fn fraction(&self) -> Option<f32> {
+    pub(crate) fn fraction(&self) -> Option<f32> {
         self.task.as_ref().map(Task::fraction)
     }
 

@@ -77,7 +77,7 @@ pub(super) struct Preview {
 
 impl Preview {
     /// Whether these are still the settings in force.
-    pub fn is_for(&self, settings: &Settings) -> bool {
+    pub(super) fn is_for(&self, settings: &Settings) -> bool {
         self.image == settings.image && self.first_return.finds_the_same(&settings.first_return)
     }
 }
@@ -100,17 +100,17 @@ pub(super) struct Previewer {
 
 impl Previewer {
     /// Drops everything that belongs to the survey and whatever is under way.
-    pub fn forget(&mut self) {
+    pub(super) fn forget(&mut self) {
         *self = Self::default();
     }
 
     /// Whether an answer is still to come.
-    pub fn is_busy(&self) -> bool {
+    pub(super) fn is_busy(&self) -> bool {
         self.running.is_some() || self.queued.is_some()
     }
 
     /// Measures what `request` would need, so that the first drag finds it.
-    pub fn warm_up(&mut self, request: Request, jobs: &Jobs) {
+    pub(super) fn warm_up(&mut self, request: Request, jobs: &Jobs) {
         let known = self.measured.as_ref().map(|(key, _)| *key);
         if known != Some(request.key()) && !self.is_busy() {
             self.start(request, jobs, false);
@@ -118,7 +118,7 @@ impl Previewer {
     }
 
     /// Asks for first returns; an older request that has not begun is dropped.
-    pub fn want(&mut self, request: Request, jobs: &Jobs) {
+    pub(super) fn want(&mut self, request: Request, jobs: &Jobs) {
         if self.running.is_some() {
             self.queued = Some(request);
         } else {
@@ -136,7 +136,7 @@ impl Previewer {
     }
 
     /// The newest answer, once.
-    pub fn poll(&mut self, jobs: &Jobs) -> Option<Preview> {
+    pub(super) fn poll(&mut self, jobs: &Jobs) -> Option<Preview> {
         let outcome = self.running.as_ref()?.poll();
         let answer = match outcome {
             Outcome::Pending => return None,

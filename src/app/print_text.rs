@@ -12,7 +12,7 @@ const NAMED: usize = 3;
 
 /// The words around a printed view.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct PrintText {
+pub(crate) struct PrintText {
     /// Above the view.
     pub title: String,
     /// Below it, a sentence a line.
@@ -21,7 +21,7 @@ pub struct PrintText {
 
 impl App {
     /// What stands around a print of a view. `scale` says how large it is on paper; printed at `now`.
-    pub fn print_text(&self, view: View, scale: String, now: SystemTime) -> PrintText {
+    pub(crate) fn print_text(&self, view: View, scale: String, now: SystemTime) -> PrintText {
         let facts = [
             self.recorded(now),
             self.system(view),

@@ -12,7 +12,7 @@ const MOST_STATIONS: usize = 2000;
 
 /// The depths along a line, and what they were taken from.
 #[derive(Clone)]
-pub struct ProfileLine {
+pub(crate) struct ProfileLine {
     line: Measurement,
     map: Option<Arc<DepthMap>>,
     /// Places along the line with their depths.
@@ -23,7 +23,7 @@ pub struct ProfileLine {
 
 impl ProfileLine {
     /// Whether there is no depth map to look at.
-    pub fn lacks_map(&self) -> bool {
+    pub(crate) fn lacks_map(&self) -> bool {
         self.map.is_none()
     }
 

@@ -52,7 +52,7 @@ pub(super) struct ProjectSaving {
 
 impl ProjectSaving {
     /// Whether a project is being opened or written.
-    pub fn is_busy(&self) -> bool {
+    pub(super) fn is_busy(&self) -> bool {
         self.opening.is_some() || self.is_writing()
     }
 
@@ -61,7 +61,7 @@ impl ProjectSaving {
     }
 
     /// Drops what is under way; what is being written is written.
-    pub fn stop(&mut self) {
+    pub(super) fn stop(&mut self) {
         self.opening = None;
         self.naming = None;
     }
@@ -94,19 +94,19 @@ struct OpenedLogs {
 }
 
 /// Whether a path is named as a project is.
-pub fn is_project(path: &Path) -> bool {
+pub(crate) fn is_project(path: &Path) -> bool {
     path.extension()
         .is_some_and(|ending| ending.eq_ignore_ascii_case(ENDING))
 }
 
 impl App {
     /// The file of the open project.
-    pub fn project_path(&self) -> Option<&Path> {
+    pub(crate) fn project_path(&self) -> Option<&Path> {
         self.files.project_saving.store.as_ref().map(Store::path)
     }
 
     /// Whether the project has changes that its file does not hold; they are in the journal beside it.
-    pub fn is_project_unsaved(&self) -> bool {
+    pub(crate) fn is_project_unsaved(&self) -> bool {
         let store = self.files.project_saving.store.as_ref();
         store.is_some_and(|store| store.is_unsaved(&self.files.project_saving.project))
     }
@@ -201,7 +201,7 @@ impl App {
 
     /// Whether the project is being written into its file.
     #[cfg(any(test, feature = "bench"))]
-    pub fn is_keeping(&self) -> bool {
+    pub(crate) fn is_keeping(&self) -> bool {
         self.files.project_saving.is_writing()
     }
 

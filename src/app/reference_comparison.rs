@@ -34,7 +34,10 @@ pub(super) struct Of {
 
 impl Of {
     /// The kept points of some logs.
-    pub fn new(logs: &[ProcessedLog], reference: Option<(Arc<Reference>, Matching)>) -> Self {
+    pub(super) fn new(
+        logs: &[ProcessedLog],
+        reference: Option<(Arc<Reference>, Matching)>,
+    ) -> Self {
         let of_log = |log: &ProcessedLog| {
             let products = &log.products;
             (products.classes.clone(), products.settings.surface.clone())
@@ -64,17 +67,17 @@ impl PartialEq for Of {
 
 impl ReferenceComparison {
     /// Whether points are being compared.
-    pub fn is_busy(&self) -> bool {
+    pub(super) fn is_busy(&self) -> bool {
         self.task.is_some()
     }
 
     /// Done share, 0 to 1.
-    pub fn fraction(&self) -> Option<f32> {
+    pub(super) fn fraction(&self) -> Option<f32> {
         self.task.as_ref().map(Task::fraction)
     }
 
     /// What is drawn of it.
-    pub fn for_picture(&self) -> Self {
+    pub(super) fn for_picture(&self) -> Self {
         Self {
             of: self.of.clone(),
             agreement: self.agreement.clone(),
@@ -83,7 +86,7 @@ impl ReferenceComparison {
     }
 
     /// Takes an agreement over that was found elsewhere.
-    pub fn take(&mut self, of: Of, agreement: Agreement) {
+    pub(super) fn take(&mut self, of: Of, agreement: Agreement) {
         *self = Self {
             of: Some(of),
             agreement: Some(Arc::new(agreement)),
@@ -92,7 +95,7 @@ impl ReferenceComparison {
     }
 
     /// Stops comparing.
-    pub fn stop(&mut self) {
+    pub(super) fn stop(&mut self) {
         if self.task.take().is_some() {
             self.agreement = None;
             self.problem = Some(STOPPED.to_owned());
@@ -100,7 +103,7 @@ impl ReferenceComparison {
     }
 
     /// Lets what was stopped be started again.
-    pub fn resume(&mut self) {
+    pub(super) fn resume(&mut self) {
         if self.problem.take().is_some() {
             self.of = None;
         }
@@ -110,17 +113,17 @@ impl ReferenceComparison {
 impl App {
     /// How the points differ from the reference, or side-scan from soundings while there is none; `None` until it was asked
     /// for, and where no point lies over them.
-    pub fn agreement(&self) -> Option<&Arc<Agreement>> {
+    pub(crate) fn agreement(&self) -> Option<&Arc<Agreement>> {
         self.findings.reference_comparison.agreement.as_ref()
     }
 
     /// Why there is no agreement, in a sentence.
-    pub fn agreement_problem(&self) -> Option<&str> {
+    pub(crate) fn agreement_problem(&self) -> Option<&str> {
         self.findings.reference_comparison.problem.as_deref()
     }
 
     /// Whether residuals are being tabulated.
-    pub fn is_tabulating(&self) -> bool {
+    pub(crate) fn is_tabulating(&self) -> bool {
         self.findings.reference_comparison.is_busy()
     }
 

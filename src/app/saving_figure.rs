@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 impl App {
     /// What is measured, once there is something between its corners.
-    pub fn measured(&self) -> Option<MeasuredFigure> {
+    pub(crate) fn measured(&self) -> Option<MeasuredFigure> {
         let (survey, products) = self.log.survey.as_ref().zip(self.log.products.as_ref())?;
         let figure = &self.map.measuring.figure.as_deref()?.measurement;
         if !figure.is_measurable() {

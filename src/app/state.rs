@@ -144,7 +144,7 @@ impl Findings {
 
 /// What the views show, and how.
 #[derive(Default)]
-pub struct ViewState {
+pub(crate) struct ViewState {
     /// Grows when another log is shown; views drop what they cached of it when it changes.
     pub survey_serial: u64,
     /// Grows when the plane of the survey moves: with each survey opened, and with each track applied to it.
@@ -165,7 +165,7 @@ pub struct ViewState {
 
 /// What the analyst lays on the map.
 #[derive(Default)]
-pub struct MapWork {
+pub(crate) struct MapWork {
     /// The analyst's own picture under the map.
     pub base_map: Option<Arc<BaseMap>>,
     /// What the points are compared with.
@@ -177,7 +177,7 @@ pub struct MapWork {
 }
 
 /// Everything that the window shows.
-pub struct App {
+pub(crate) struct App {
     /// The log that waterfall, profile and panels show: the one under the selection.
     pub log: OpenLog,
     pub(super) logs: Logs,
@@ -202,7 +202,7 @@ pub struct App {
 
 impl App {
     /// An empty window.
-    pub fn new(jobs: Jobs) -> Self {
+    pub(crate) fn new(jobs: Jobs) -> Self {
         Self {
             log: OpenLog::default(),
             logs: Logs::default(),
@@ -222,47 +222,47 @@ impl App {
     }
 
     /// The first returns to draw: those under the slider if there are any, else those of the last result.
-    pub fn returns(&self) -> Option<&Arc<FirstReturns>> {
+    pub(crate) fn returns(&self) -> Option<&Arc<FirstReturns>> {
         self.log.returns()
     }
 
     /// The bottom line to draw over the waterfall: what the picture is laid out by, or the first returns under the slider.
-    pub fn bottom_line(&self) -> Option<&Arc<FirstReturns>> {
+    pub(crate) fn bottom_line(&self) -> Option<&Arc<FirstReturns>> {
         self.log.bottom_line()
     }
 
     /// The first stage whose result is older than its settings.
-    pub fn stale(&self) -> Option<Stage> {
+    pub(crate) fn stale(&self) -> Option<Stage> {
         self.log.stale()
     }
 
     /// Whether results are missing or older than their settings and nothing is under way to change that.
-    pub fn is_stopped(&self) -> bool {
+    pub(crate) fn is_stopped(&self) -> bool {
         self.log.is_behind() && self.engine_status() == EngineStatus::Idle
     }
 
     /// How work in a background thread is run.
-    pub fn jobs(&self) -> &Jobs {
+    pub(crate) fn jobs(&self) -> &Jobs {
         &self.jobs
     }
 
     /// What the engine does.
-    pub fn engine_status(&self) -> EngineStatus {
+    pub(crate) fn engine_status(&self) -> EngineStatus {
         self.pipeline.engine.status()
     }
 
     /// What is being opened.
-    pub fn load_status(&self) -> Option<LoadStatus> {
+    pub(crate) fn load_status(&self) -> Option<LoadStatus> {
         self.files.loading.as_ref().map(Loading::status)
     }
 
     /// Done share of the export under way, 0 to 1.
-    pub fn export_fraction(&self) -> Option<f32> {
+    pub(crate) fn export_fraction(&self) -> Option<f32> {
         self.files.exporting.as_ref().map(Exporting::fraction)
     }
 
     /// Whether nothing is being opened, computed or written.
-    pub fn is_idle(&self) -> bool {
+    pub(crate) fn is_idle(&self) -> bool {
         let is_busy = self.pipeline.is_busy()
             || self.files.is_busy()
             || self.findings.is_busy()

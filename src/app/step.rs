@@ -32,7 +32,7 @@ pub(super) struct LogStep {
 
 impl LogStep {
     /// What undo would go back to of a log as it is.
-    pub fn of(log: &OpenLog) -> Self {
+    pub(super) fn of(log: &OpenLog) -> Self {
         Self {
             id: log.id,
             is_visible: log.is_visible,

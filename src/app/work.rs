@@ -18,7 +18,7 @@ const RECENT: usize = 10;
 
 impl App {
     /// Collects what the workers finished. Call once a frame.
-    pub fn poll(&mut self) {
+    pub(crate) fn poll(&mut self) {
         self.poll_loading();
         self.poll_engine();
         self.poll_following();

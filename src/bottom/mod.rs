@@ -2,7 +2,7 @@
 //!
 //! In: a survey with first returns and calibration. Out: point clouds, surfaces and plans. It uses `sonar`, `survey` and `support`.
 
-pub mod bathymetry;
-pub mod cloud;
-pub mod planning;
-pub mod swath;
+pub(crate) mod bathymetry;
+pub(crate) mod cloud;
+pub(crate) mod planning;
+pub(crate) mod swath;

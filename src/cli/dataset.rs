@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 
 /// What is made, and how much of it.
 #[derive(Debug, clap::Args)]
-pub struct DatasetArgs {
+pub(super) struct DatasetArgs {
     /// Instead of one survey, write pictures of many random ones with labels into this new folder
     #[arg(long, value_name = "DIR", conflicts_with_all = ["scene", "output"])]
     dataset: Option<PathBuf>,
@@ -82,7 +82,7 @@ impl Split {
 }
 
 /// Makes the dataset.
-pub fn run(args: &DatasetArgs, seed: u64) -> Result<(), Failure> {
+pub(super) fn run(args: &DatasetArgs, seed: u64) -> Result<(), Failure> {
     let Some(folder) = &args.dataset else {
         return Err("nothing to do; name an output with -o or --dataset".into());
     };

@@ -16,7 +16,11 @@ use std::sync::Arc;
 const OUTPUT: &str = "bathyscope-out";
 
 /// Opens the window on the surveys; without a display processes them into [`OUTPUT`] and draws their pictures.
-pub fn run(surveys: Vec<PathBuf>, demo: bool, truth: Option<PathBuf>) -> Result<(), Failure> {
+pub(super) fn run(
+    surveys: Vec<PathBuf>,
+    demo: bool,
+    truth: Option<PathBuf>,
+) -> Result<(), Failure> {
     if window::display_available() {
         return window::run(surveys, demo, truth);
     }

@@ -18,7 +18,7 @@ const SURVEY: &str = "survey";
 const LEAST: usize = 3;
 
 /// Chooses folders for surveys, each another one.
-pub struct DefaultFolders {
+pub(super) struct DefaultFolders {
     parent: PathBuf,
     /// Lower case: on some file systems `REC` and `Rec` are one folder.
     taken: HashSet<String>,
@@ -26,7 +26,7 @@ pub struct DefaultFolders {
 
 impl DefaultFolders {
     /// Folders in `parent`.
-    pub fn in_folder(parent: &Path) -> Self {
+    pub(super) fn in_folder(parent: &Path) -> Self {
         Self {
             parent: parent.to_owned(),
             taken: HashSet::new(),
@@ -35,7 +35,7 @@ impl DefaultFolders {
 
     /// The folder of a survey: its name, else `NAME-products`, `NAME-products-2` and so on, the first that is missing, empty or of an
     /// earlier run of these logs.
-    pub fn next(&mut self, name: &str, logs: &[OpenedLog]) -> PathBuf {
+    pub(super) fn next(&mut self, name: &str, logs: &[OpenedLog]) -> PathBuf {
         let surveys: Vec<&Survey> = logs.iter().map(|log| &*log.survey).collect();
         let name = match name.trim_matches(['.', ' ']) {
             "" => SURVEY.to_owned(),
@@ -71,7 +71,7 @@ fn is_free(folder: &Path, surveys: &[&Survey]) -> bool {
 }
 
 /// What the survey of some arguments is called: after the project, the log, the folder of the logs, or what their names have in common.
-pub fn name_of(arguments: &[PathBuf], logs: &[OpenedLog]) -> String {
+pub(super) fn name_of(arguments: &[PathBuf], logs: &[OpenedLog]) -> String {
     let text =
         |part: Option<&std::ffi::OsStr>| part.map(|part| part.to_string_lossy().into_owned());
     if let [path] = arguments {

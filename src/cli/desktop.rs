@@ -15,7 +15,7 @@ use std::process::{Command, Stdio};
 
 /// `bathyscope desktop [--remove] [--into DIR]`.
 #[derive(Debug, clap::Args)]
-pub struct DesktopArgs {
+pub(super) struct DesktopArgs {
     /// Take away again what was written
     #[arg(long)]
     remove: bool,
@@ -25,7 +25,7 @@ pub struct DesktopArgs {
 }
 
 /// Writes or removes desktop entry, file types, icon, manual pages and completions.
-pub fn run(args: &DesktopArgs) -> Result<(), Failure> {
+pub(super) fn run(args: &DesktopArgs) -> Result<(), Failure> {
     let (folder, program) = match &args.into {
         Some(folder) => (folder.clone(), None),
         None => (data_folder()?, Some(program()?)),

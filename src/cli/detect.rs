@@ -21,7 +21,7 @@ const LARGEST_UNPACKED: u64 = 320 << 20;
 
 /// `bathyscope detect SURVEY|PICTURE... -o DIR`.
 #[derive(Debug, clap::Args)]
-pub struct DetectArgs {
+pub(super) struct DetectArgs {
     /// Logs, folders of logs, or pictures (PNG, JPEG); of several, each is written into a folder of its own
     #[arg(required = true, value_name = "SURVEY|PICTURE")]
     inputs: Vec<PathBuf>,
@@ -50,7 +50,7 @@ fn share(text: &str) -> Result<f32, &'static str> {
 }
 
 /// Searches every input. Of several, one that cannot be used does not keep the others from being searched.
-pub fn run(args: DetectArgs) -> Result<(), Failure> {
+pub(super) fn run(args: DetectArgs) -> Result<(), Failure> {
     let mut settings = args.settings.resolve()?;
     let detector = &mut settings.detector;
     detector.model = args.model.or(detector.model.take());
@@ -67,7 +67,7 @@ pub fn run(args: DetectArgs) -> Result<(), Failure> {
 }
 
 /// The model at a path, or the one that comes with the program.
-pub fn load(path: Option<&Path>) -> Result<Model, ModelError> {
+pub(super) fn load(path: Option<&Path>) -> Result<Model, ModelError> {
     match path {
         Some(path) => Model::load(path),
         None => shipped(),

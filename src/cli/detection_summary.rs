@@ -4,7 +4,7 @@ use crate::products::outputs::Proposed;
 use std::collections::BTreeMap;
 
 /// `7 boxes (4 rock, 3 tyre)`, of the classes' names.
-pub fn boxes<'a>(names: impl Iterator<Item = &'a str>) -> String {
+pub(super) fn boxes<'a>(names: impl Iterator<Item = &'a str>) -> String {
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     for name in names {
         *counts.entry(name).or_default() += 1;
@@ -21,7 +21,7 @@ pub fn boxes<'a>(names: impl Iterator<Item = &'a str>) -> String {
 }
 
 /// `7 boxes (4 rock, 3 tyre) on 5 objects`: an object that several lines saw has as many boxes.
-pub fn proposed(found: &Proposed, names: &[String]) -> String {
+pub(super) fn proposed(found: &Proposed, names: &[String]) -> String {
     let name = |class: usize| names.get(class).map_or("object", String::as_str);
     let boxes = boxes(found.boxes.iter().map(|one| name(one.class)));
     let objects = match found.objects {

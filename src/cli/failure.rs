@@ -4,7 +4,7 @@ use std::fmt::Display;
 
 /// Why a command ends. Errors and sentences become one with `?`. It is no `Display` itself: a failure is never made of another.
 #[derive(Debug)]
-pub struct Failure {
+pub(super) struct Failure {
     /// What is printed.
     pub sentence: String,
 }

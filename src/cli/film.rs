@@ -20,7 +20,7 @@ const GUESSED_AFTER: usize = 25;
 
 /// `bathyscope film LOG -o FILE.avi`.
 #[derive(Debug, clap::Args)]
-pub struct FilmArgs {
+pub(super) struct FilmArgs {
     #[command(flatten)]
     shown: WaterfallArgs,
     /// Film to write
@@ -38,7 +38,7 @@ pub struct FilmArgs {
 }
 
 /// Draws the film and writes it; says on stderr how long it runs.
-pub fn run(args: FilmArgs) -> Result<(), Failure> {
+pub(super) fn run(args: FilmArgs) -> Result<(), Failure> {
     quiet_driver::restart_if_noisy();
     check_film(&args.output)?;
     if !(args.speed > 0.0 && args.speed.is_finite()) {

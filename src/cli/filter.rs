@@ -11,7 +11,7 @@ use std::path::PathBuf;
 
 /// `bathyscope filter CLOUD -o CLOUD --radius R --min-neighbors N`.
 #[derive(Debug, clap::Args)]
-pub struct FilterArgs {
+pub(super) struct FilterArgs {
     /// The points: xyz, csv, txt, ply, las, laz or copc.laz; FILE.csv:x,y,z names its columns
     cloud: OsString,
     /// Where the kept points go; the suffix decides the format
@@ -40,7 +40,7 @@ fn parse_neighbors(text: &str) -> Result<usize, &'static str> {
 }
 
 /// Filters the file and says how many points are left.
-pub fn run(args: FilterArgs) -> Result<(), Failure> {
+pub(super) fn run(args: FilterArgs) -> Result<(), Failure> {
     let FilterArgs {
         cloud,
         output: destination,

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 /// Names folders after surveys; two recorders both begin with `Rec00001`, and neither may replace the other's products.
-pub struct Folders {
+pub(super) struct Folders {
     parent: PathBuf,
     /// Lower case: on some file systems `REC` and `Rec` are one folder.
     taken: HashSet<String>,
@@ -12,7 +12,7 @@ pub struct Folders {
 
 impl Folders {
     /// Folders in `parent`.
-    pub fn in_folder(parent: &Path) -> Self {
+    pub(super) fn in_folder(parent: &Path) -> Self {
         Self {
             parent: parent.to_owned(),
             taken: HashSet::new(),
@@ -20,7 +20,7 @@ impl Folders {
     }
 
     /// The folder of the next survey: its name, with `-2`, `-3` ... behind it where that was given away before.
-    pub fn next(&mut self, name: &str) -> PathBuf {
+    pub(super) fn next(&mut self, name: &str) -> PathBuf {
         let mut folder = name.to_owned();
         let mut count = 1;
         while !self.taken.insert(folder.to_lowercase()) {

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 /// `bathyscope info SURVEY [--json]`.
 #[derive(Debug, clap::Args)]
-pub struct InfoArgs {
+pub(super) struct InfoArgs {
     /// The log to look into, or a folder of logs to list
     survey: PathBuf,
     /// Print JSON for scripts
@@ -21,7 +21,7 @@ pub struct InfoArgs {
 }
 
 /// Prints the summary of a log, or a line for each log of a folder.
-pub fn run(args: InfoArgs) -> Result<(), Failure> {
+pub(super) fn run(args: InfoArgs) -> Result<(), Failure> {
     let logs = formats::logs_in(&args.survey);
     if logs.len() > 1 {
         return match args.json {

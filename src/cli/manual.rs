@@ -5,7 +5,7 @@ use crate::app::manual::{self, Topic};
 
 /// `bathyscope manual [TOPIC]`.
 #[derive(Debug, clap::Args)]
-pub struct ManualArgs {
+pub(super) struct ManualArgs {
     /// The page to print; all pages without it
     topic: Option<Topic>,
 }
@@ -14,7 +14,7 @@ pub struct ManualArgs {
 ///
 /// # Errors
 /// stdout cannot be written.
-pub fn run(args: ManualArgs) -> Result<(), Failure> {
+pub(super) fn run(args: ManualArgs) -> Result<(), Failure> {
     let text = args.topic.map_or_else(manual::whole, Topic::text);
     output::results(text.trim_end())
 }

@@ -9,12 +9,12 @@ use std::fmt::Display;
 use std::io::{self, ErrorKind, Write as _};
 
 /// Prints results on stdout, a line end after them. A reader that has gone away (`| head`) has seen enough: no error.
-pub fn results(text: impl Display) -> Result<(), Failure> {
+pub(super) fn results(text: impl Display) -> Result<(), Failure> {
     print(&printable::lines(&text.to_string()))
 }
 
 /// Prints a value as JSON on stdout, with all that its strings hold.
-pub fn json(value: &impl Serialize) -> Result<(), Failure> {
+pub(super) fn json(value: &impl Serialize) -> Result<(), Failure> {
     match serde_json::to_string_pretty(value) {
         Ok(text) => print(&printable::json(&text)),
         Err(error) => Err(format!("cannot print the results as JSON: {error}").into()),
@@ -32,7 +32,7 @@ fn print(text: &str) -> Result<(), Failure> {
 }
 
 /// Writes one line to stderr. Where stderr takes nothing, there is no place left to complain.
-pub fn notify(text: impl Display) {
+pub(super) fn notify(text: impl Display) {
     let text = text.to_string();
     let line = printable::one_line(&in_plain_words(&text));
     writeln!(io::stderr(), "{line}").ok();

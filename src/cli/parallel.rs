@@ -7,7 +7,7 @@ use std::thread;
 /// Does some work on each of many things, on as many threads as there are processors and at most `most`; results are in the order of
 /// the things. The threads are not those of rayon, where one that waits for a part of its own work would begin the next thing
 /// meanwhile, so that there is never more than one in the memory of each.
-pub fn each_in_parallel<T: Sync, R: Send>(
+pub(super) fn each_in_parallel<T: Sync, R: Send>(
     things: &[T],
     most: usize,
     work: impl Fn(&T) -> R + Sync,

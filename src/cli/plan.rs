@@ -22,7 +22,7 @@ const USED: f64 = 0.8;
 
 /// `bathyscope plan SURVEY... -o FILE`.
 #[derive(Debug, clap::Args)]
-pub struct PlanArgs {
+pub(super) struct PlanArgs {
     /// The logs, or folders of logs; several are one survey. Or a project, NAME.bathyscope, with its settings and decisions
     #[arg(required = true)]
     surveys: Vec<PathBuf>,
@@ -57,7 +57,7 @@ pub struct PlanArgs {
 }
 
 /// Plans and writes the lines.
-pub fn run(args: PlanArgs) -> Result<(), Failure> {
+pub(super) fn run(args: PlanArgs) -> Result<(), Failure> {
     // Before the work, which takes minutes for a long survey.
     let format = PlanFormat::of(&args.output)?;
     let settings = args.plan_settings();

@@ -14,11 +14,11 @@ use crate::products::outputs::Product;
 use requested::Requested;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-pub use survey::{How, all_processed};
+pub(crate) use survey::{How, all_processed};
 
 /// `bathyscope process SURVEY... [-o DIR]`.
 #[derive(Debug, clap::Args)]
-pub struct ProcessArgs {
+pub(super) struct ProcessArgs {
     /// The logs, or folders of logs; several are one survey, with one set of products. Or a project, NAME.bathyscope, with its settings
     #[arg(required = true)]
     surveys: Vec<PathBuf>,
@@ -59,7 +59,7 @@ pub struct ProcessArgs {
 }
 
 /// Processes every log. Of several, one that cannot be used does not keep the others from being processed.
-pub fn run(args: ProcessArgs) -> Result<(), Failure> {
+pub(super) fn run(args: ProcessArgs) -> Result<(), Failure> {
     let inputs = survey_logs::inputs(&args.surveys, &args.settings, args.track.clone())?;
     let products = args.products()?;
     if products.is_empty() {

@@ -6,7 +6,7 @@ const NO_CHOICE: &str = "NODEVICE_SELECT";
 
 /// Starts the program anew in the same process, with the same arguments and the variable set, where the driver would complain.
 /// Returns where it would not, or where starting anew fails: then it complains, and all else works.
-pub fn restart_if_noisy() {
+pub(super) fn restart_if_noisy() {
     #[cfg(target_os = "linux")]
     {
         use std::os::unix::process::CommandExt as _;

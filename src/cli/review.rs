@@ -13,7 +13,7 @@ use std::path::PathBuf;
 
 /// `bathyscope review SURVEY... -o DIR`.
 #[derive(Debug, clap::Args)]
-pub struct ReviewArgs {
+pub(super) struct ReviewArgs {
     /// The logs, or folders of logs; several are one survey, in which sightings of one object are one. Or a project, NAME.bathyscope, with
     /// its decisions
     #[arg(required = true)]
@@ -37,7 +37,7 @@ fn parse_part(text: &str) -> Result<Part, &'static str> {
 }
 
 /// Places the boxes and writes everything.
-pub fn run(args: ReviewArgs) -> Result<(), Failure> {
+pub(super) fn run(args: ReviewArgs) -> Result<(), Failure> {
     let inputs = inputs(&args.surveys, &args.settings, None)?;
     let (mut opened, failed) = match inputs.as_slice() {
         [input] => (vec![input.open()?], 0),

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 /// Where settings come from: the preset, then the files, then each `--set`, the last word winning.
 #[derive(Debug, Default, clap::Args)]
-pub struct SettingsArgs {
+pub(super) struct SettingsArgs {
     /// The settings to start from
     #[arg(long, value_enum, default_value_t)]
     preset: Preset,
@@ -27,14 +27,14 @@ pub struct SettingsArgs {
 
 impl SettingsArgs {
     /// Whether any of them was given: a project brings its own.
-    pub fn are_given(&self) -> bool {
+    pub(super) fn are_given(&self) -> bool {
         self.preset != Preset::default()
             || !self.settings.is_empty()
             || !self.assignments.is_empty()
     }
 
     /// The settings that the arguments describe.
-    pub fn resolve(&self) -> Result<Settings, Failure> {
+    pub(super) fn resolve(&self) -> Result<Settings, Failure> {
         let mut settings = Settings::preset(self.preset);
         for path in &self.settings {
             let text = regular_file::read_text(path, LONGEST_TEXT).map_err(|error| {
@@ -54,7 +54,7 @@ impl SettingsArgs {
 }
 
 /// How logs are opened: the settings, and the track of another receiver if they name one, read once for all.
-pub struct Logs {
+pub(super) struct Logs {
     /// All settings.
     pub settings: Settings,
     track: Option<TrackFile>,
@@ -65,7 +65,7 @@ impl Logs {
     ///
     /// # Errors
     /// When it cannot be used.
-    pub fn new(settings: Settings) -> Result<Self, TrackError> {
+    pub(super) fn new(settings: Settings) -> Result<Self, TrackError> {
         let track = settings.track.file.as_deref();
         Ok(Self {
             track: track.map(TrackFile::read).transpose()?,
@@ -77,7 +77,7 @@ impl Logs {
     ///
     /// # Errors
     /// When it cannot be opened, or does not hold what the settings ask for.
-    pub fn open(&self, path: &Path, progress: &Progress) -> Result<Survey, Failure> {
+    pub(super) fn open(&self, path: &Path, progress: &Progress) -> Result<Survey, Failure> {
         let track = self.track.as_ref();
         let recorded = formats::open(path, progress)?;
         let survey = pipeline::as_set(recorded, &self.settings, track)
@@ -91,7 +91,7 @@ impl Logs {
     ///
     /// # Errors
     /// When the work was cancelled.
-    pub fn process(
+    pub(super) fn process(
         &self,
         survey: &Survey,
         status: &StatusLine,
@@ -125,7 +125,7 @@ fn tell_of_drawing(survey: &Survey, settings: &Settings) {
 }
 
 /// Refuses settings that ask for what this log does not hold.
-pub fn check_against(survey: &Survey, settings: &Settings) -> Result<(), Failure> {
+pub(super) fn check_against(survey: &Survey, settings: &Settings) -> Result<(), Failure> {
     if let Some(why) = Correction::new(settings.depth(), survey).refused() {
         return Err(why.into());
     }

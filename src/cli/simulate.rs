@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 /// `bathyscope simulate [SCENE.toml] -o PREFIX [--seed N]`, `bathyscope simulate --dataset DIR [--images N] [--seed N]`.
 #[derive(Debug, clap::Args)]
-pub struct SimulateArgs {
+pub(super) struct SimulateArgs {
     /// The scene; without one, the scene of the bundled demo survey
     scene: Option<PathBuf>,
     /// Written are PREFIX.sl2, PREFIX.truth.csv and PREFIX.objects.csv
@@ -30,7 +30,7 @@ pub struct SimulateArgs {
 }
 
 /// Simulates the scene and writes the log and its truth.
-pub fn run(args: SimulateArgs) -> Result<(), Failure> {
+pub(super) fn run(args: SimulateArgs) -> Result<(), Failure> {
     let Some(prefix) = &args.output else {
         return dataset::run(&args.dataset, args.seed);
     };

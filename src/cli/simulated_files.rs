@@ -7,7 +7,7 @@ use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
 /// Writes the three files; returns their names.
-pub fn write(survey: &Simulated, prefix: &Path) -> Result<String, ExportError> {
+pub(super) fn write(survey: &Simulated, prefix: &Path) -> Result<String, ExportError> {
     let log = written(prefix, "sl2", |out| survey.write_sl2(out))?;
     let truth = written(prefix, "truth.csv", |out| survey.write_truth_csv(out))?;
     let objects = written(prefix, "objects.csv", |out| survey.write_objects_csv(out))?;
@@ -30,7 +30,7 @@ fn written(
 }
 
 /// `PREFIX.ending`, whatever dots the prefix holds.
-pub fn with_ending(prefix: &Path, ending: &str) -> PathBuf {
+pub(super) fn with_ending(prefix: &Path, ending: &str) -> PathBuf {
     let mut name = prefix.as_os_str().to_owned();
     name.push(".");
     name.push(ending);

@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 
 /// `bathyscope snapshot SURVEY -o FILE.png`.
 #[derive(Debug, clap::Args)]
-pub struct SnapshotArgs {
+pub(super) struct SnapshotArgs {
     /// The log; the bundled demo survey when left out
     survey: Option<PathBuf>,
     /// Picture to write
@@ -143,7 +143,7 @@ enum Coordinates {
 }
 
 /// Draws the picture and writes it; says on stderr which adapter drew it.
-pub fn run(args: SnapshotArgs) -> Result<(), Failure> {
+pub(super) fn run(args: SnapshotArgs) -> Result<(), Failure> {
     quiet_driver::restart_if_noisy();
     let settings = args.settings.resolve()?;
     check_picture(&args.output)?;
@@ -225,7 +225,10 @@ fn show_as(options: &mut ViewOptions, args: &SnapshotArgs) {
 }
 
 /// Draws the window and each view of a survey into `folder`; the files' names and the adapter that drew them.
-pub fn draw_into(origin: &Origin, folder: &Path) -> Result<(Vec<&'static str>, String), Failure> {
+pub(super) fn draw_into(
+    origin: &Origin,
+    folder: &Path,
+) -> Result<(Vec<&'static str>, String), Failure> {
     const PICTURES: [(&str, Picture, [u32; 2]); 4] = [
         ("window.png", Picture::All, [1600, 1000]),
         ("waterfall.png", Picture::Waterfall, [1600, 800]),

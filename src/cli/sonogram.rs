@@ -17,7 +17,7 @@ const NARROWEST: u32 = 160;
 
 /// `bathyscope sonogram LOG -o DIR`.
 #[derive(Debug, clap::Args)]
-pub struct SonogramArgs {
+pub(super) struct SonogramArgs {
     #[command(flatten)]
     shown: WaterfallArgs,
     /// Folder of the pages, NAME_0001.png and so on
@@ -32,7 +32,7 @@ pub struct SonogramArgs {
 }
 
 /// Draws the pages and writes them; says on stderr which adapter drew them.
-pub fn run(args: SonogramArgs) -> Result<(), Failure> {
+pub(super) fn run(args: SonogramArgs) -> Result<(), Failure> {
     quiet_driver::restart_if_noisy();
     let log = args.shown.open()?;
     let [width, height] = args.size;

@@ -19,7 +19,7 @@ const LEAST: Duration = Duration::from_secs(2);
 const LONGEST: Duration = Duration::from_secs(10);
 
 /// Shows the step under way and its done share until dropped.
-pub struct StatusLine {
+pub(super) struct StatusLine {
     step: Arc<Mutex<Step>>,
     is_terminal: bool,
     /// Gone, it ends the painter.
@@ -46,7 +46,7 @@ struct Work {
 
 impl StatusLine {
     /// Starts showing `progress`.
-    pub fn new(progress: &Progress) -> Self {
+    pub(super) fn new(progress: &Progress) -> Self {
         let step = Arc::new(Mutex::new(Step {
             name: String::new(),
             began: Instant::now(),
@@ -79,7 +79,7 @@ impl StatusLine {
     }
 
     /// Says what the steps that follow are done to: how many side-scan pings, and `log 2 of 5` where there is more than one thing.
-    pub fn work_on(&self, name: &str, pings: usize) {
+    pub(super) fn work_on(&self, name: &str, pings: usize) {
         lock(&self.step).work = Work {
             name: name.to_owned(),
             pings,
@@ -87,7 +87,7 @@ impl StatusLine {
     }
 
     /// Names the step that begins.
-    pub fn step(&self, name: &str) {
+    pub(super) fn step(&self, name: &str) {
         let (ended, begun) = {
             let mut step = lock(&self.step);
             let ended = step.ended(Instant::now());

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// A log to open, with the settings for it.
-pub struct LogInput {
+pub(super) struct LogInput {
     /// Its file or folder.
     pub path: PathBuf,
     /// How it is opened and processed.
@@ -29,7 +29,7 @@ pub struct LogInput {
 }
 
 /// A log that was opened.
-pub struct OpenedLog {
+pub(super) struct OpenedLog {
     /// The recording.
     pub survey: Arc<Survey>,
     /// The settings that it is processed with.
@@ -39,7 +39,7 @@ pub struct OpenedLog {
 }
 
 /// What was decided about the boxes of all logs.
-pub fn survey_review(opened: &[OpenedLog]) -> SurveyReview {
+pub(super) fn survey_review(opened: &[OpenedLog]) -> SurveyReview {
     let mut all = SurveyReview::default();
     for log in opened {
         all.add(log.review.clone());
@@ -52,7 +52,7 @@ pub fn survey_review(opened: &[OpenedLog]) -> SurveyReview {
 ///
 /// # Errors
 /// When settings cannot be used, a project stands beside logs or has settings from elsewhere, or one cannot be read.
-pub fn inputs(
+pub(super) fn inputs(
     paths: &[PathBuf],
     settings: &SettingsArgs,
     track: Option<PathBuf>,
@@ -125,7 +125,7 @@ impl LogInput {
     ///
     /// # Errors
     /// When it cannot be opened, or does not hold what its settings ask for.
-    pub fn open(&self) -> Result<OpenedLog, Failure> {
+    pub(super) fn open(&self) -> Result<OpenedLog, Failure> {
         let survey = self.logs.open(&self.path, &Progress::new())?;
         let survey = match &self.frame {
             Some(frame) => survey.in_frame_if_near(frame),
@@ -141,7 +141,7 @@ impl LogInput {
 
 /// Opens logs in the frame of the first that has a place, and counts those that cannot be used: they are named on stderr and do not keep
 /// the others from being opened. The same bytes under another name are taken once.
-pub fn open_all(inputs: &[LogInput]) -> (Vec<OpenedLog>, usize) {
+pub(super) fn open_all(inputs: &[LogInput]) -> (Vec<OpenedLog>, usize) {
     let mut opened: Vec<OpenedLog> = Vec::new();
     let mut failed = 0;
     for input in inputs {
@@ -160,7 +160,7 @@ pub fn open_all(inputs: &[LogInput]) -> (Vec<OpenedLog>, usize) {
 ///
 /// # Errors
 /// When there are some; it counts them.
-pub fn all_or(failed: usize, all: usize) -> Result<(), Failure> {
+pub(super) fn all_or(failed: usize, all: usize) -> Result<(), Failure> {
     match failed {
         0 => Ok(()),
         _ => Err(
@@ -204,7 +204,7 @@ fn is_same(one: &Survey, other: &Survey) -> bool {
 }
 
 /// Whether a file has the decisions about the boxes of a log.
-pub fn is_of(path: &Path, log: &OpenedLog) -> bool {
+pub(super) fn is_of(path: &Path, log: &OpenedLog) -> bool {
     Review::open_for(path, &log.survey).is_ok()
 }
 
@@ -212,7 +212,7 @@ pub fn is_of(path: &Path, log: &OpenedLog) -> bool {
 ///
 /// # Errors
 /// Where a file cannot be used or is of none of the logs.
-pub fn take_reviews(logs: &mut [OpenedLog], files: &[PathBuf]) -> Result<(), ReviewError> {
+pub(super) fn take_reviews(logs: &mut [OpenedLog], files: &[PathBuf]) -> Result<(), ReviewError> {
     for path in files {
         let mut refused = None;
         let is_taken = logs
@@ -239,7 +239,7 @@ pub fn take_reviews(logs: &mut [OpenedLog], files: &[PathBuf]) -> Result<(), Rev
 ///
 /// # Errors
 /// When it cannot be opened, or its metres lie nowhere near the first log.
-pub fn open_reference(
+pub(super) fn open_reference(
     argument: &OsStr,
     first: &OpenedLog,
     progress: &Progress,
@@ -282,7 +282,7 @@ pub fn open_reference(
 }
 
 /// Whether an argument names several logs: a folder of them, or a project.
-pub fn is_group(argument: &OsStr) -> bool {
+pub(super) fn is_group(argument: &OsStr) -> bool {
     let path = Path::new(argument);
     is_project(path) || many::logs(&[path.to_owned()]).len() > 1
 }

@@ -13,7 +13,7 @@ use std::time::Duration;
 
 /// What lies across the side-scan picture.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
-pub struct GeometryArgs {
+pub(super) struct GeometryArgs {
     /// Distance on level ground instead of slant range
     #[arg(long)]
     ground: bool,
@@ -24,7 +24,7 @@ pub struct GeometryArgs {
 
 impl GeometryArgs {
     /// Takes it over.
-    pub fn apply(self, app: &mut App) {
+    pub(super) fn apply(self, app: &mut App) {
         let waterfall = &mut app.view.options.waterfall;
         waterfall.ground_range = self.ground;
         waterfall.water_column = !self.no_water;
@@ -33,7 +33,7 @@ impl GeometryArgs {
 
 /// A log, and how it is shown.
 #[derive(Debug, clap::Args)]
-pub struct WaterfallArgs {
+pub(super) struct WaterfallArgs {
     /// The log; the bundled demo survey when left out
     survey: Option<PathBuf>,
     /// Side-scan pings to show, B left out; all of them when left out
@@ -49,7 +49,7 @@ pub struct WaterfallArgs {
 }
 
 /// A log that was opened and processed, with the part of it that is shown.
-pub struct WaterfallLog {
+pub(super) struct WaterfallLog {
     /// The state that pictures are drawn of.
     pub app: App,
     /// First ping, and one after the last.
@@ -65,7 +65,7 @@ impl WaterfallArgs {
     ///
     /// # Errors
     /// When the log or a setting cannot be used, or there is no picture in it.
-    pub fn open(self) -> Result<WaterfallLog, Failure> {
+    pub(super) fn open(self) -> Result<WaterfallLog, Failure> {
         let settings = self.settings.resolve()?;
         let mut app = App::new(Jobs::Threads(Arc::new(|| ())));
         app.use_settings(&settings);
@@ -92,7 +92,7 @@ impl WaterfallArgs {
 ///
 /// # Errors
 /// When the log has not so many.
-pub fn within(survey: &Survey, pings: Option<PingRange>) -> Result<PingRange, Failure> {
+pub(super) fn within(survey: &Survey, pings: Option<PingRange>) -> Result<PingRange, Failure> {
     let count = survey.side_scan.len();
     let pings = pings.unwrap_or(PingRange {
         start: 0,
@@ -112,20 +112,20 @@ pub fn within(survey: &Survey, pings: Option<PingRange>) -> Result<PingRange, Fa
 ///
 /// # Errors
 /// When pings are not written so.
-pub fn parse_pings(text: &str) -> Result<PingRange, PingRangeError> {
+pub(super) fn parse_pings(text: &str) -> Result<PingRange, PingRangeError> {
     PingRange::try_from(text.to_owned())
 }
 
 /// A text that is no size.
 #[derive(Debug, PartialEq, thiserror::Error)]
 #[error("a size is written WxH in pixels, 16 to 16384 a side, for example 1600x1000; got `{0}`")]
-pub struct SizeError(String);
+pub(super) struct SizeError(String);
 
 /// Reads `WxH`.
 ///
 /// # Errors
 /// When a size is not written so, or no picture has it.
-pub fn parse_size(text: &str) -> Result<[u32; 2], SizeError> {
+pub(super) fn parse_size(text: &str) -> Result<[u32; 2], SizeError> {
     let parsed = text
         .split_once(['x', 'X', '×'])
         .and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
@@ -138,7 +138,7 @@ pub fn parse_size(text: &str) -> Result<[u32; 2], SizeError> {
 ///
 /// # Errors
 /// When it cannot be used.
-pub fn open(app: &mut App, origin: &Origin) -> Result<(), Failure> {
+pub(super) fn open(app: &mut App, origin: &Origin) -> Result<(), Failure> {
     app.apply(match origin {
         Origin::Path(path) => Command::Open(path.clone()),
         Origin::Demo => Command::OpenDemo,
@@ -151,7 +151,7 @@ pub fn open(app: &mut App, origin: &Origin) -> Result<(), Failure> {
 ///
 /// # Errors
 /// When the settings do not fit the log.
-pub fn take_over(app: &mut App, settings: Settings) -> Result<(), Failure> {
+pub(super) fn take_over(app: &mut App, settings: Settings) -> Result<(), Failure> {
     if settings == *app.log.settings {
         return Ok(());
     }
@@ -172,7 +172,7 @@ pub fn take_over(app: &mut App, settings: Settings) -> Result<(), Failure> {
 ///
 /// # Errors
 /// The sentence of what failed.
-pub fn wait(app: &mut App) -> Result<(), Failure> {
+pub(super) fn wait(app: &mut App) -> Result<(), Failure> {
     app.poll();
     while !app.is_idle() {
         std::thread::sleep(Duration::from_millis(2));

@@ -5,18 +5,18 @@ use std::path::PathBuf;
 
 /// Opens the window on a log, on the demo survey, or empty; returns when it is closed.
 #[cfg(feature = "gui")]
-pub fn run(paths: Vec<PathBuf>, demo: bool, truth: Option<PathBuf>) -> Result<(), Failure> {
+pub(super) fn run(paths: Vec<PathBuf>, demo: bool, truth: Option<PathBuf>) -> Result<(), Failure> {
     Ok(crate::ui::open_window(paths, demo, truth)?)
 }
 
 /// Says that there is none.
 #[cfg(not(feature = "gui"))]
-pub fn run(_: Vec<PathBuf>, _: bool, _: Option<PathBuf>) -> Result<(), Failure> {
+pub(crate) fn run(_: Vec<PathBuf>, _: bool, _: Option<PathBuf>) -> Result<(), Failure> {
     Err(super::snapshot::NO_WINDOW.into())
 }
 
 /// Whether a window can be opened here. Elsewhere than on Linux and the BSDs there is always a display.
-pub fn display_available() -> bool {
+pub(super) fn display_available() -> bool {
     let set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
     !cfg!(all(unix, not(target_os = "macos"))) || set("WAYLAND_DISPLAY") || set("DISPLAY")
 }

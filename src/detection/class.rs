@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// Class of a box that nobody has named: drawn before any model has named one, or found by a model whose confidence in its class is too low.
-pub const NAMELESS_CLASS: &str = "object";
+pub(crate) const NAMELESS_CLASS: &str = "object";
 
 /// Letters of the name of a class, a model or an object.
 const LONGEST_NAME: usize = 200;
@@ -79,7 +79,7 @@ pub(super) fn is_name(name: &str) -> bool {
 }
 
 /// Index of a class by its name; appended when it is new.
-pub fn class_index(names: &mut Vec<String>, name: &str) -> usize {
+pub(crate) fn class_index(names: &mut Vec<String>, name: &str) -> usize {
     let known = names.iter().position(|known| known == name);
     known.unwrap_or_else(|| {
         names.push(name.to_owned());

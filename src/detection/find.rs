@@ -110,7 +110,7 @@ pub fn find(
 ///
 /// # Errors
 /// When the work was cancelled, or the model cannot be used on this picture.
-pub fn find_in_picture(
+pub(crate) fn find_in_picture(
     picture: &Picture,
     model: &Model,
     settings: &DetectorSettings,

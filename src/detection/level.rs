@@ -11,7 +11,7 @@ const GAIN: (f32, f32) = (0.5, 4.0);
 
 /// Scales a tile's levels in place: the 95th percentile of the pixels above 0 becomes 180, by a gain between 0.5 and 4;
 /// what exceeds 255 is held there. Pixels of 0 (beyond the survey, or silence) count for nothing and stay 0.
-pub fn level(pixels: &mut [u8]) {
+pub(crate) fn level(pixels: &mut [u8]) {
     let mut counts = [0_usize; 256];
     for &pixel in pixels.iter() {
         counts[usize::from(pixel)] += 1;

@@ -21,7 +21,7 @@ const BAND_PX: f32 = 512.0;
 
 /// A box as a tile saw it, in the whole picture's pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TileDetection {
+pub(super) struct TileDetection {
     /// What and where.
     pub found: Scored,
     /// The tile.
@@ -32,7 +32,7 @@ pub struct TileDetection {
 
 impl TileDetection {
     /// `found` is in the pixels of `tile`, which lies in a picture that ends at `width` and `height`.
-    pub fn new(found: Scored, tile: Rect, width: f32, height: f32) -> Self {
+    pub(super) fn new(found: Scored, tile: Rect, width: f32, height: f32) -> Self {
         let rect = found.rect.shifted(tile.x0, tile.y0);
         let cut = (tile.x0 > 0.0 && rect.x0 < tile.x0 + EDGE_PX)
             || (tile.y0 > 0.0 && rect.y0 < tile.y0 + EDGE_PX)
@@ -46,7 +46,7 @@ impl TileDetection {
     }
 
     /// Whether it may go on behind a row of pixels that its tile ends at.
-    pub fn is_cut_at(&self, row: f32) -> bool {
+    pub(super) fn is_cut_at(&self, row: f32) -> bool {
         self.tile.y1 >= row && self.found.rect.y1 > row - EDGE_PX
     }
 
@@ -85,7 +85,7 @@ impl TileDetection {
 }
 
 /// The objects, each once, by falling score. Takes time and memory in proportion to the boxes.
-pub fn merge(seen: Vec<TileDetection>, nms: Nms, iou: f32) -> Vec<Scored> {
+pub(super) fn merge(seen: Vec<TileDetection>, nms: Nms, iou: f32) -> Vec<Scored> {
     let (mut cut, mut whole): (Vec<TileDetection>, Vec<TileDetection>) =
         seen.into_iter().partition(|seen| seen.cut);
     cut.sort_by(|a, b| b.found.score.total_cmp(&a.found.score));

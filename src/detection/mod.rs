@@ -12,37 +12,39 @@
 //! `targets` places boxes in the world. `truth` is what is known to lie in a survey, and what the boxes make of it.
 
 mod class;
-pub mod dataset;
-pub mod decode;
+pub(crate) mod dataset;
+pub(crate) mod decode;
 mod extent;
 mod find;
-pub mod labels;
+pub(crate) mod labels;
 mod level;
 mod mark;
 mod merge;
-pub mod metrics;
-pub mod model;
+pub(crate) mod metrics;
+pub(crate) mod model;
 mod nms;
-pub mod objects;
+pub(crate) mod objects;
 mod picture;
 mod raster;
 mod rect;
-pub mod review;
-pub mod targets;
+pub(crate) mod review;
+pub(crate) mod targets;
 mod test_time_augmentation;
 #[cfg(test)]
 mod testing;
-pub mod truth;
+pub(crate) mod truth;
 mod vote;
 
-pub use class::{NAMELESS_CLASS, ReviewSettings, class_index};
-pub use extent::{MeasuredShadow, ObjectExtent};
-pub use find::{DetectorSettings, SoFar, find, find_in_picture};
-pub use level::level;
+pub(crate) use class::{NAMELESS_CLASS, ReviewSettings, class_index};
+pub(crate) use extent::{MeasuredShadow, ObjectExtent};
+pub use find::{DetectorSettings, find};
+pub(crate) use find::{SoFar, find_in_picture};
+pub(crate) use level::level;
 pub use mark::{Detection, Mark};
-pub use model::{DetectError, Model, ModelError};
-pub use nms::{Nms, Overlap, suppress};
-pub use picture::Picture;
-pub use raster::{Raster, RasterTile, TILE_PX};
-pub use rect::{Labelled, Rect, Scored};
-pub use vote::vote;
+pub use model::Model;
+pub(crate) use model::{DetectError, ModelError};
+pub(crate) use nms::{Nms, Overlap, suppress};
+pub(crate) use picture::Picture;
+pub(crate) use raster::{Raster, RasterTile, TILE_PX};
+pub(crate) use rect::{Labelled, Rect, Scored};
+pub(crate) use vote::vote;

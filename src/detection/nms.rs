@@ -64,7 +64,7 @@ fn apart(a: &Rect, b: &Rect) -> f32 {
 /// Greedy non-maximum suppression: the surest box drops every later one that it overlaps by more than `iou` (0 to 1), then
 /// the surest of the rest does. `boxes` come back by falling score, equal scores in their first order; boxes whose score or
 /// edges are not finite are dropped.
-pub fn suppress(boxes: &mut Vec<Scored>, how: Nms, iou: f32) {
+pub(crate) fn suppress(boxes: &mut Vec<Scored>, how: Nms, iou: f32) {
     boxes.retain(|proposed| {
         let Rect { x0, y0, x1, y1 } = proposed.rect;
         [proposed.score, x0, y0, x1, y1]

@@ -10,7 +10,7 @@ use crate::survey::{Navigation, Side, Survey};
 use std::ops::Range;
 
 /// Rows and columns of a tile.
-pub const TILE_PX: usize = 416;
+pub(crate) const TILE_PX: usize = 416;
 /// Speed assumed where the log states none, metres a second.
 const USUAL_SPEED_MPS: f64 = 1.5;
 /// Least speed counted: a boat at rest repeats the same ground, but every ping keeps its place in the order.

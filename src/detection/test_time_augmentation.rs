@@ -12,7 +12,7 @@ const SAME: f32 = 0.6;
 
 /// The candidates of both passes, each as sure as the mean of its own confidence and that of the surest of its class that the
 /// other pass has there; 0 where it has none. `second` holds the boxes of the mirrored picture, mirrored back.
-pub fn agree(first: &[Scored], second: &[Scored]) -> Vec<Scored> {
+pub(super) fn agree(first: &[Scored], second: &[Scored]) -> Vec<Scored> {
     let weighed = |own: &[Scored], other: &[Scored]| -> Vec<Scored> {
         own.iter()
             .map(|one| Scored {
@@ -36,7 +36,7 @@ fn surest_there(one: &Scored, others: &[Scored]) -> f32 {
 }
 
 /// A box of a picture of `height` pixels as it lies in the mirrored one, and back.
-pub fn mirrored(found: Scored, height: f32) -> Scored {
+pub(super) fn mirrored(found: Scored, height: f32) -> Scored {
     let Rect { x0, y0, x1, y1 } = found.rect;
     Scored {
         rect: Rect {

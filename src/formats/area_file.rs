@@ -21,7 +21,7 @@ const LEAST_CORNERS: usize = 3;
 /// A file that holds no area.
 #[derive(Debug, thiserror::Error)]
 #[error("{what}: {}", path.display())]
-pub struct AreaError {
+pub(crate) struct AreaError {
     /// What is wrong, and what to do.
     #[source]
     pub what: AreaFault,
@@ -31,7 +31,7 @@ pub struct AreaError {
 
 /// What is wrong with an area, in a sentence without the path.
 #[derive(Debug, thiserror::Error)]
-pub enum AreaFault {
+pub(crate) enum AreaFault {
     /// The system does not give it.
     #[error("cannot read the area: {0}")]
     Io(#[from] io::Error),
@@ -64,7 +64,7 @@ pub enum AreaFault {
 ///
 /// # Errors
 /// When the file cannot be read, or holds no polygon.
-pub fn read_area(path: &Path) -> Result<WaterArea, AreaError> {
+pub(crate) fn read_area(path: &Path) -> Result<WaterArea, AreaError> {
     let fail = |what: AreaFault| AreaError {
         what,
         path: path.to_owned(),

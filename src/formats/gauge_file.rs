@@ -13,7 +13,7 @@ const LONGEST: u64 = 1 << 30;
 /// A table of water levels that cannot be used: one sentence, the path last.
 #[derive(Debug, thiserror::Error)]
 #[error("{what}: {}", path.display())]
-pub struct GaugeError {
+pub(crate) struct GaugeError {
     /// What is wrong, with the line where it is known, and what to do.
     #[source]
     pub what: GaugeFault,
@@ -23,7 +23,7 @@ pub struct GaugeError {
 
 /// What is wrong with a table of water levels, in a sentence without the path.
 #[derive(Debug, thiserror::Error)]
-pub enum GaugeFault {
+pub(crate) enum GaugeFault {
     /// The system does not give it.
     #[error("cannot read the water levels: {0}")]
     Io(#[from] io::Error),
@@ -68,7 +68,7 @@ pub enum GaugeFault {
 ///
 /// # Errors
 /// When the file cannot be read, or holds anything else.
-pub fn read_gauge(path: &Path) -> Result<Gauge, GaugeError> {
+pub(crate) fn read_gauge(path: &Path) -> Result<Gauge, GaugeError> {
     let fail = |what: GaugeFault| GaugeError {
         what,
         path: path.to_owned(),

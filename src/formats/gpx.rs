@@ -6,7 +6,7 @@ use quick_xml::events::{BytesStart, Event};
 
 /// A track point as it is written.
 #[derive(Clone, Debug, PartialEq)]
-pub struct GpxPoint {
+pub(super) struct GpxPoint {
     /// Longitude and latitude, degrees, where they are numbers.
     pub lon_lat: Option<[f64; 2]>,
     /// Its time, empty where it has none.
@@ -28,7 +28,7 @@ pub struct GpxError {
 ///
 /// # Errors
 /// When the text is no XML.
-pub fn gpx_points(text: &str) -> Result<Vec<GpxPoint>, GpxError> {
+pub(super) fn gpx_points(text: &str) -> Result<Vec<GpxPoint>, GpxError> {
     let mut reader = Reader::from_str(text);
     // Receivers write `Tom & Jerry` as a name.
     reader.config_mut().allow_dangling_amp = true;

@@ -23,7 +23,7 @@ const LONGEST_DESCRIPTION: u64 = 1 << 17;
 
 /// Why a log cannot be followed any further. What was read of it stays.
 #[derive(Debug, thiserror::Error)]
-pub enum GrowingError {
+pub(crate) enum GrowingError {
     /// There is less of it than before.
     #[error("it became shorter: {path}")]
     Shorter {
@@ -59,7 +59,7 @@ pub enum GrowingError {
 }
 
 /// A log that is being written, and the copy of what was read of it.
-pub struct GrowingLog {
+pub(crate) struct GrowingLog {
     files: Vec<GrowingFile>,
 }
 
@@ -82,7 +82,7 @@ impl GrowingLog {
     ///
     /// # Errors
     /// When there is nothing to follow, or the log is not what it was any more.
-    pub fn start(survey: &Survey, progress: &Progress) -> Result<Self, GrowingError> {
+    pub(crate) fn start(survey: &Survey, progress: &Progress) -> Result<Self, GrowingError> {
         let own = survey.source.files.iter().zip(&survey.bytes);
         let own = own.filter(|(path, _)| {
             let external = survey.track.external.as_ref();
@@ -108,7 +108,7 @@ impl GrowingLog {
     ///
     /// # Errors
     /// When it is not what it was any more; what was taken in before stays.
-    pub fn look(&mut self, progress: &Progress) -> Result<u64, GrowingError> {
+    pub(crate) fn look(&mut self, progress: &Progress) -> Result<u64, GrowingError> {
         let mut added = 0;
         for file in &mut self.files {
             added += file.look(progress)?;
@@ -121,7 +121,10 @@ impl GrowingLog {
     ///
     /// # Errors
     /// As [`GrowingLog::look`].
-    pub fn again(known: &[(PathBuf, Bytes)], progress: &Progress) -> Result<Self, GrowingError> {
+    pub(crate) fn again(
+        known: &[(PathBuf, Bytes)],
+        progress: &Progress,
+    ) -> Result<Self, GrowingError> {
         let mut paths: Vec<PathBuf> = known.iter().map(|(path, _)| path.clone()).collect();
         for (path, _) in known.iter().filter(|(path, _)| has_ending(path, "son")) {
             let siblings = std::fs::read_dir(path.parent().unwrap_or(Path::new(".")));
@@ -146,7 +149,7 @@ impl GrowingLog {
     }
 
     /// Bytes of all files.
-    pub fn byte_count(&self) -> u64 {
+    pub(crate) fn byte_count(&self) -> u64 {
         self.files.iter().map(GrowingFile::length).sum()
     }
 
@@ -154,7 +157,7 @@ impl GrowingLog {
     ///
     /// # Errors
     /// What the system says of the copy.
-    pub fn beginning(&self, lengths: &[usize]) -> Result<Vec<Bytes>, GrowingError> {
+    pub(crate) fn beginning(&self, lengths: &[usize]) -> Result<Vec<Bytes>, GrowingError> {
         let each = self
             .files
             .iter()
@@ -173,7 +176,7 @@ impl GrowingLog {
     ///
     /// # Errors
     /// What the system says of the copy.
-    pub fn bytes(&self) -> Result<Vec<(PathBuf, Bytes)>, GrowingError> {
+    pub(crate) fn bytes(&self) -> Result<Vec<(PathBuf, Bytes)>, GrowingError> {
         let each = self.files.iter().map(|file| {
             let bytes = match &file.copied {
                 Copied::Log { copy, length } => map::map_beginning(copy, *length)

@@ -8,21 +8,21 @@
 
 mod area_file;
 mod assemble;
-pub mod base_map;
+pub(crate) mod base_map;
 mod clock;
 mod collected;
 mod depths;
 mod file_source;
 mod gauge_file;
-pub mod geotiff;
+pub(crate) mod geotiff;
 mod gpx;
 mod growing_log;
-pub mod humminbird;
+pub(crate) mod humminbird;
 mod join;
-pub mod lowrance;
+pub(crate) mod lowrance;
 mod map;
-pub mod parquet_table;
-pub mod points;
+pub(crate) mod parquet_table;
+pub(crate) mod points;
 mod reading;
 mod reference;
 mod removable;
@@ -32,15 +32,15 @@ mod stray;
 mod track_file;
 mod unsupported;
 mod xml;
-pub mod xtf;
+pub(crate) mod xtf;
 
-pub use area_file::{AreaError, read_area};
-pub use gauge_file::{GaugeError, read_gauge};
-pub use growing_log::{GrowingError, GrowingLog};
-pub use reference::{ReferenceError, ReferenceFile, open_reference};
-pub use removable::load_removable_into_memory;
-pub use scalar::ByteOrder;
-pub use track_file::{TrackError, TrackFile};
+pub(crate) use area_file::{AreaError, read_area};
+pub(crate) use gauge_file::{GaugeError, read_gauge};
+pub(crate) use growing_log::{GrowingError, GrowingLog};
+pub(crate) use reference::{ReferenceError, ReferenceFile, open_reference};
+pub(crate) use removable::load_removable_into_memory;
+pub(crate) use scalar::ByteOrder;
+pub(crate) use track_file::{TrackError, TrackFile};
 
 use crate::support::progress::Progress;
 use crate::survey::{Bytes, Seam, Source, Survey};
@@ -135,7 +135,11 @@ pub fn open(path: &Path, progress: &Progress) -> Result<Survey, OpenError> {
 ///
 /// # Errors
 /// When the files cannot be read or are no log; the error names the file.
-pub fn open_bytes(name: &str, bytes: Vec<u8>, progress: &Progress) -> Result<Survey, OpenError> {
+pub(crate) fn open_bytes(
+    name: &str,
+    bytes: Vec<u8>,
+    progress: &Progress,
+) -> Result<Survey, OpenError> {
     open_files(vec![(PathBuf::from(name), bytes)], progress)
 }
 
@@ -143,7 +147,7 @@ pub fn open_bytes(name: &str, bytes: Vec<u8>, progress: &Progress) -> Result<Sur
 ///
 /// # Errors
 /// When the files cannot be read or are no log; the error names the file.
-pub fn open_files(
+pub(crate) fn open_files(
     files: Vec<(PathBuf, Vec<u8>)>,
     progress: &Progress,
 ) -> Result<Survey, OpenError> {
@@ -164,7 +168,7 @@ fn first_path<T>(files: &[(PathBuf, T)]) -> PathBuf {
 ///
 /// # Errors
 /// When the files are no log; the error names the file.
-pub fn open_growing(
+pub(crate) fn open_growing(
     files: Vec<(PathBuf, Bytes)>,
     progress: &Progress,
 ) -> Result<Survey, OpenError> {
@@ -179,7 +183,7 @@ pub fn open_growing(
 ///
 /// # Errors
 /// When the files are no log; the error names the file.
-pub fn open_at_hand(
+pub(crate) fn open_at_hand(
     files: Vec<(PathBuf, Bytes)>,
     progress: &Progress,
 ) -> Result<Survey, OpenError> {
@@ -191,7 +195,7 @@ pub fn open_at_hand(
 ///
 /// # Errors
 /// When the files are no log any more; the error names the file.
-pub fn open_tail(
+pub(crate) fn open_tail(
     known: &Survey,
     seam: &Seam,
     files: Vec<(PathBuf, Bytes)>,
@@ -261,7 +265,7 @@ fn open_folder(
 
 /// The logs in a folder, by name: what is to be opened one by one. The folder itself where it is one recording; nothing for what is
 /// no folder.
-pub fn logs_in(folder: &Path) -> Vec<PathBuf> {
+pub(crate) fn logs_in(folder: &Path) -> Vec<PathBuf> {
     match folder.is_dir() {
         true => logs_on(&FileSource::Disk, folder),
         false => Vec::new(),
@@ -270,7 +274,7 @@ pub fn logs_in(folder: &Path) -> Vec<PathBuf> {
 
 /// The files in a folder of logs that are named as no other file is, and are no log that can be opened: a card that broke, a recording
 /// that never began.
-pub fn unusable_in(folder: &Path) -> Vec<PathBuf> {
+pub(crate) fn unusable_in(folder: &Path) -> Vec<PathBuf> {
     let logs = logs_in(folder);
     if !folder.is_dir() || logs == [folder] {
         return Vec::new();

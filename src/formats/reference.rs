@@ -9,7 +9,7 @@ use std::path::Path;
 
 /// What a file holds that a survey is compared with.
 #[derive(Debug)]
-pub enum ReferenceFile {
+pub(crate) enum ReferenceFile {
     /// Points with elevations.
     Points(Elevations),
     /// The log of another mission over the same water.
@@ -31,7 +31,7 @@ pub enum ReferenceError {
 ///
 /// # Errors
 /// When it cannot be read as what its name says that it is.
-pub fn open_reference(
+pub(crate) fn open_reference(
     argument: &OsStr,
     progress: &Progress,
 ) -> Result<ReferenceFile, ReferenceError> {

@@ -24,7 +24,7 @@ const BROUGHT: &str = "fuse";
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn load_removable_into_memory(
+pub(crate) fn load_removable_into_memory(
     survey: &mut Survey,
     progress: &Progress,
 ) -> Result<(), Cancelled> {

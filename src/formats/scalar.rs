@@ -17,7 +17,7 @@ pub(super) fn u32_le(bytes: &[u8], at: usize) -> Option<u32> {
 
 /// Which byte of a number comes first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ByteOrder {
+pub(crate) enum ByteOrder {
     /// Most significant first.
     Big,
     /// Least significant first.

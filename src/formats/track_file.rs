@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 /// A track from a file.
 #[derive(Clone, Debug)]
-pub struct TrackFile {
+pub(crate) struct TrackFile {
     external: ExternalTrack,
     bytes: Bytes,
     /// Unix seconds, or seconds of the log, with their places, at rising times.
@@ -36,7 +36,7 @@ impl TrackFile {
     ///
     /// # Errors
     /// When the file cannot be read, or holds no track.
-    pub fn read(path: &Path) -> Result<Self, TrackError> {
+    pub(crate) fn read(path: &Path) -> Result<Self, TrackError> {
         let fail = |what: TrackFault| TrackError::Unusable {
             what,
             path: path.to_owned(),
@@ -64,7 +64,7 @@ impl TrackFile {
     }
 
     /// The file that it was read from.
-    pub fn path(&self) -> &Path {
+    pub(crate) fn path(&self) -> &Path {
         &self.external.path
     }
 
@@ -73,7 +73,7 @@ impl TrackFile {
     ///
     /// # Errors
     /// When nothing of the log is covered, or nobody knows when it was recorded.
-    pub fn apply(&self, survey: &mut Survey, offset_s: f64) -> Result<(), TrackError> {
+    pub(crate) fn apply(&self, survey: &mut Survey, offset_s: f64) -> Result<(), TrackError> {
         let path = || self.external.path.clone();
         let zero_s = match (self.fixes[0].0 < LEAST_UNIX_S, survey.start_unix_s) {
             (true, _) => 0.0,

@@ -4,19 +4,19 @@ use quick_xml::XmlVersion;
 use quick_xml::events::{BytesStart, Event};
 
 /// Whether an element has a name, whatever its prefix.
-pub fn is(element: &BytesStart<'_>, name: &str) -> bool {
+pub(super) fn is(element: &BytesStart<'_>, name: &str) -> bool {
     element.local_name().as_ref() == name.as_bytes()
 }
 
 /// The value of an attribute without a prefix; `None` where there is none, or it is damaged.
-pub fn attribute(element: &BytesStart<'_>, name: &str) -> Option<String> {
+pub(super) fn attribute(element: &BytesStart<'_>, name: &str) -> Option<String> {
     let found = element.try_get_attribute(name).ok()??;
     let value = found.normalized_value(XmlVersion::Implicit1_0).ok()?;
     Some(value.into_owned())
 }
 
 /// What an event adds to the text of the element around it: a CDATA section as much as plain letters, a comment nothing.
-pub fn text_of(event: &Event<'_>) -> Option<String> {
+pub(super) fn text_of(event: &Event<'_>) -> Option<String> {
     let text = match event {
         Event::Text(text) => text.decode(),
         Event::CData(text) => text.decode(),

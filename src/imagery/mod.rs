@@ -3,6 +3,6 @@
 //! In: a survey with first returns and calibration. Out: picture tiles, gain tables and mosaics. It uses `bottom`, `sonar`, `survey` and
 //! `support`.
 
-pub mod mosaic;
-pub mod picture;
-pub mod waterfall;
+pub(crate) mod mosaic;
+pub(crate) mod picture;
+pub(crate) mod waterfall;

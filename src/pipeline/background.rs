@@ -4,7 +4,7 @@ use super::{Jobs, Outcome, Task};
 use crate::support::progress::Progress;
 
 /// One kind of work. `K` says what a result was made of; the same key is not worked on twice.
-pub struct Background<K, T> {
+pub(crate) struct Background<K, T> {
     key: Option<K>,
     running: Option<Task<Option<T>>>,
     result: Option<T>,
@@ -23,7 +23,7 @@ impl<K, T> Default for Background<K, T> {
 impl<K: PartialEq, T: Send + 'static> Background<K, T> {
     /// Makes sure that the result of `key` is there or under way. `work` returns `None` when it was cancelled or when there
     /// is nothing to show; what was shown before stays then.
-    pub fn ask(
+    pub(crate) fn ask(
         &mut self,
         key: K,
         jobs: &Jobs,
@@ -38,12 +38,12 @@ impl<K: PartialEq, T: Send + 'static> Background<K, T> {
     }
 
     /// The last result, perhaps of an older key.
-    pub fn result(&self) -> Option<&T> {
+    pub(crate) fn result(&self) -> Option<&T> {
         self.result.as_ref()
     }
 
     /// Whether work is under way.
-    pub fn is_running(&self) -> bool {
+    pub(crate) fn is_running(&self) -> bool {
         self.running.is_some()
     }
 
@@ -61,7 +61,7 @@ impl<K: PartialEq, T: Send + 'static> Background<K, T> {
 }
 
 /// A shared result as a key: the same allocation, not equal contents. Holding it keeps its address from being used again.
-pub struct Same<T>(pub std::sync::Arc<T>);
+pub(crate) struct Same<T>(pub std::sync::Arc<T>);
 
 impl<T> Clone for Same<T> {
     fn clone(&self) -> Self {

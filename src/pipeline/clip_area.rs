@@ -15,7 +15,7 @@ const MARGIN_DEG: f64 = 0.01;
 ///
 /// # Errors
 /// When the file has not been read.
-pub fn clip_area(
+pub(crate) fn clip_area(
     settings: &IsobathSettings,
     bounds_deg: [f64; 4],
     place: impl Fn(LonLat) -> [f64; 2],

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// What the engine is doing.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub enum EngineStatus {
+pub(crate) enum EngineStatus {
     /// Nothing to do.
     #[default]
     Idle,
@@ -22,10 +22,10 @@ pub enum EngineStatus {
 /// A stage ended in a panic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("a processing step failed unexpectedly; the last result stays")]
-pub struct StageFailed;
+pub(crate) struct StageFailed;
 
 /// Runs [`run`] in a background thread. A new request cancels the one under way.
-pub struct Engine {
+pub(crate) struct Engine {
     jobs: Jobs,
     running: Option<Running>,
 }
@@ -37,7 +37,7 @@ struct Running {
 
 impl Engine {
     /// Works as `jobs` says.
-    pub fn new(jobs: Jobs) -> Self {
+    pub(crate) fn new(jobs: Jobs) -> Self {
         Self {
             jobs,
             running: None,
@@ -45,7 +45,12 @@ impl Engine {
     }
 
     /// Starts over with these inputs; stages whose settings equal those of `previous` are not run again.
-    pub fn request(&mut self, survey: Arc<Survey>, settings: Settings, previous: Option<Products>) {
+    pub(crate) fn request(
+        &mut self,
+        survey: Arc<Survey>,
+        settings: Settings,
+        previous: Option<Products>,
+    ) {
         self.cancel();
         let stage = Arc::new(Mutex::new(Stage::Navigation));
         let (now, jobs) = (stage.clone(), self.jobs.clone());
@@ -60,12 +65,12 @@ impl Engine {
     }
 
     /// Stops the work under way; its result is dropped.
-    pub fn cancel(&mut self) {
+    pub(crate) fn cancel(&mut self) {
         self.running = None;
     }
 
     /// The result of the last request, once, when it is there. `Err` when its worker died.
-    pub fn poll(&mut self) -> Option<Result<Products, StageFailed>> {
+    pub(crate) fn poll(&mut self) -> Option<Result<Products, StageFailed>> {
         let outcome = match self.running.as_ref()?.task.poll() {
             Outcome::Pending => return None,
             Outcome::Done(products) => products.map(Ok),
@@ -76,7 +81,7 @@ impl Engine {
     }
 
     /// What is going on.
-    pub fn status(&self) -> EngineStatus {
+    pub(crate) fn status(&self) -> EngineStatus {
         let running = self.running.as_ref();
         running.map_or(EngineStatus::Idle, |Running { stage, task }| {
             EngineStatus::Running {

@@ -86,7 +86,7 @@ pub(super) fn hash_inputs(survey: &Survey, progress: &Progress) -> Result<Vec<In
 
 /// A log by its bytes, and all files that its results depend on.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LogFiles {
+pub(crate) struct LogFiles {
     /// SHA-256 of its file; of a log of several files, that of their hashes in a row. Names and folders do not matter.
     pub sha256: String,
     /// Its files, the track of another receiver and the readings of the water level, by their names without folders.
@@ -98,7 +98,7 @@ impl LogFiles {
     ///
     /// # Errors
     /// When the work was cancelled.
-    pub fn of(
+    pub(crate) fn of(
         survey: &Survey,
         settings: &Settings,
         progress: &Progress,
@@ -172,7 +172,7 @@ pub(super) fn hash_file(path: &Path, progress: &Progress) -> Result<Input, Input
 ///
 /// # Errors
 /// What the system said; [`io::ErrorKind::Other`] when the work was cancelled.
-pub fn sha256_of(from: impl Read, progress: &Progress) -> io::Result<(u64, String)> {
+pub(crate) fn sha256_of(from: impl Read, progress: &Progress) -> io::Result<(u64, String)> {
     hash(from, || progress.check(), |_| ())
 }
 
@@ -197,6 +197,6 @@ fn hash(
 }
 
 /// Bytes of a hash as text.
-pub fn in_hexadecimal(bytes: &[u8]) -> String {
+pub(crate) fn in_hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -28,7 +28,7 @@ const ALIGNED: usize = 512;
 
 /// What the results of a growing log go on with.
 #[derive(Debug)]
-pub struct GrowingResults {
+pub(crate) struct GrowingResults {
     /// The scale of its picture, measured over all of it.
     normalisation: Normalisation,
     versions: ResultVersions,
@@ -51,7 +51,7 @@ impl GrowingResults {
     ///
     /// # Errors
     /// When the work was cancelled.
-    pub fn measure(
+    pub(crate) fn measure(
         survey: &Survey,
         settings: &Settings,
         progress: &Progress,
@@ -80,7 +80,7 @@ struct Part {
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn extend(
+pub(crate) fn extend(
     survey: &Survey,
     unchanged: usize,
     before: &Products,

@@ -13,7 +13,7 @@ use std::sync::Arc;
 use toml::{Table, Value};
 
 /// Settings by their dotted keys.
-pub type SettingValues = BTreeMap<String, Value>;
+pub(crate) type SettingValues = BTreeMap<String, Value>;
 
 /// Keys that belong to one log by their nature: a change of them never concerns another log.
 const OF_ONE_LOG: [&str; 28] = [
@@ -72,7 +72,9 @@ const EXCLUDED_LOG: &str = "excluded.log";
 ///
 /// # Errors
 /// When they are no table of values.
-pub fn deserialize_values<'de, D: Deserializer<'de>>(from: D) -> Result<SettingValues, D::Error> {
+pub(crate) fn deserialize_values<'de, D: Deserializer<'de>>(
+    from: D,
+) -> Result<SettingValues, D::Error> {
     let values = SettingValues::deserialize(from)?.into_iter();
     let current = |(key, value): (String, Value)| match renamed(&key) {
         Some(now) => (now.to_owned(), value),
@@ -82,18 +84,18 @@ pub fn deserialize_values<'de, D: Deserializer<'de>>(from: D) -> Result<SettingV
 }
 
 /// Whether there is a setting of this key; the bottom edits are none.
-pub fn is_setting(key: &str) -> bool {
+pub(crate) fn is_setting(key: &str) -> bool {
     row(key).is_some()
 }
 
 /// Whether a change of this key is one of a single log, not of all: draft, water level, height offset,
 /// track and its clock, mounting, position shift, flat spot, excluded stretches, and how its picture is shown.
-pub fn is_of_one_log(key: &str) -> bool {
+pub(crate) fn is_of_one_log(key: &str) -> bool {
     OF_ONE_LOG.contains(&key)
 }
 
 /// All settings that have a value, by their keys, but for the bottom edits.
-pub fn setting_values(settings: &Settings) -> SettingValues {
+pub(crate) fn setting_values(settings: &Settings) -> SettingValues {
     let mut table = table_of(settings);
     table.remove(BOTTOM);
     let mut values = SettingValues::new();
@@ -149,7 +151,10 @@ fn shortest(value: Value) -> Value {
 ///
 /// # Errors
 /// A sentence that names the key, when it is none or cannot have that value.
-pub fn with_values(settings: &Settings, values: &SettingValues) -> Result<Settings, SettingsError> {
+pub(crate) fn with_values(
+    settings: &Settings,
+    values: &SettingValues,
+) -> Result<Settings, SettingsError> {
     if values.is_empty() {
         return Ok(settings.clone());
     }
@@ -188,7 +193,7 @@ fn in_one_line(error: &toml::de::Error) -> String {
 
 /// What is set for one log only.
 #[derive(Clone, Debug, Default)]
-pub struct LogSettings {
+pub(crate) struct LogSettings {
     own: SettingValues,
     /// The bottom edits of this log.
     pub bottom: BottomSettings,
@@ -206,28 +211,28 @@ impl PartialEq for LogSettings {
 
 impl LogSettings {
     /// The log's own values, by key.
-    pub fn own(&self) -> &SettingValues {
+    pub(crate) fn own(&self) -> &SettingValues {
         &self.own
     }
 
     /// Whether the log has its own value of a setting.
-    pub fn is_own(&self, key: &str) -> bool {
+    pub(crate) fn is_own(&self, key: &str) -> bool {
         self.own.contains_key(key)
     }
 
     /// Whether port and starboard of the log are exchanged: `mounting.swap_sides`, its own or else the shared one.
-    pub fn swaps_sides(&self, shared: &Settings) -> bool {
+    pub(crate) fn swaps_sides(&self, shared: &Settings) -> bool {
         let own = self.own.get("mounting.swap_sides").and_then(Value::as_bool);
         own.unwrap_or(shared.mounting.swap_sides)
     }
 
     /// Gives the log its own value of a setting.
-    pub fn set(&mut self, key: &str, value: Value) {
+    pub(crate) fn set(&mut self, key: &str, value: Value) {
         self.own.insert(key.to_owned(), value);
     }
 
     /// Leaves a setting to what all logs share.
-    pub fn unset(&mut self, key: &str) {
+    pub(crate) fn unset(&mut self, key: &str) {
         self.own.remove(key);
     }
 
@@ -236,7 +241,7 @@ impl LogSettings {
     ///
     /// # Errors
     /// A sentence that names the key, when an own value cannot be used.
-    pub fn compose(&self, shared: &Settings) -> Result<Settings, SettingsError> {
+    pub(crate) fn compose(&self, shared: &Settings) -> Result<Settings, SettingsError> {
         let mut settings = with_values(shared, &self.own)?;
         if self.is_own("water_level.file") {
             settings.water_level.gauge = self.gauge.clone();
@@ -251,7 +256,7 @@ impl LogSettings {
     /// The same with what its own files hold, as settings that it was composed into have it once they are loaded
     /// ([`Settings::load_files`]): composed anew, these files count still.
     #[must_use]
-    pub fn with_files_of(self, loaded: &Settings) -> Self {
+    pub(crate) fn with_files_of(self, loaded: &Settings) -> Self {
         Self {
             gauge: loaded.water_level.gauge.clone(),
             area: loaded.isobaths.area.clone(),
@@ -264,7 +269,7 @@ impl LogSettings {
     ///
     /// # Errors
     /// As [`LogSettings::compose`].
-    pub fn change(
+    pub(crate) fn change(
         &self,
         shared: &Settings,
         after: &Settings,
@@ -299,7 +304,7 @@ impl LogSettings {
 
     /// The same for a log of which more was written since: bottom edits and excluded stretches belong to it still. `None` where nothing
     /// has to be said anew.
-    pub fn carried_to(&self, survey: &Survey) -> Option<LogSettings> {
+    pub(crate) fn carried_to(&self, survey: &Survey) -> Option<LogSettings> {
         let own = Identity::of(survey);
         let mut carried = self.clone();
         let BottomSettings {
@@ -324,7 +329,7 @@ impl LogSettings {
 
     /// Makes a setting the log's own, with the value that it has now, or leaves it to all logs, with the value that they have. `None`
     /// when that changes nothing, or cannot be: a flat spot, a track and a mounting say nothing about another log.
-    pub fn owning(&self, shared: &Settings, key: &str, own: bool) -> Option<LogSettings> {
+    pub(crate) fn owning(&self, shared: &Settings, key: &str, own: bool) -> Option<LogSettings> {
         if own == self.is_own(key) || (!own && NEVER_SHARED.contains(&key)) {
             return None;
         }
@@ -344,7 +349,7 @@ impl LogSettings {
 ///
 /// # Errors
 /// A sentence that names the key, when it is none or cannot have that value.
-pub fn from_values(values: &SettingValues) -> Result<Settings, SettingsError> {
+pub(crate) fn from_values(values: &SettingValues) -> Result<Settings, SettingsError> {
     with_values(&Settings::default(), values)
 }
 
@@ -409,9 +414,9 @@ mod tests {
             one.own().keys().collect::<Vec<_>>(),
             [
                 "draft_m",
-                "first_return.threshold",
                 "excluded.log",
-                "excluded.stretches"
+                "excluded.stretches",
+                "first_return.threshold"
             ]
         );
         assert_eq!((all.draft_m, all.outliers.min_neighbors), (0.0, 3));

@@ -14,7 +14,7 @@ mod derived;
 mod engine;
 mod fingerprint;
 mod growing;
-pub mod joint;
+pub(crate) mod joint;
 mod log_report;
 mod log_settings;
 mod mosaic;
@@ -26,46 +26,49 @@ mod products;
 mod relief;
 mod report;
 mod scale_trial;
-pub mod settings;
+pub(crate) mod settings;
 mod source;
 mod survey_coverage;
 mod task;
 
 #[cfg(any(test, feature = "bench"))]
-pub use agreement::LogDifferences;
-pub use agreement::{
+pub(crate) use agreement::LogDifferences;
+pub(crate) use agreement::{
     Agreement, AgreementError, MissionLog, Reference, ResidualTables, matching_in_words, positions,
 };
-pub use background::{Background, Same};
-pub use clip_area::clip_area;
-pub use depth::{
+pub(crate) use background::{Background, Same};
+pub(crate) use clip_area::clip_area;
+pub(crate) use depth::{
     Choice, CommonUncertainty, Contours, Crosslines, NamedComparison, Plane, choices, comparisons,
     crosslines, depth_points, joint_depth_points, joint_depth_surface, log_echoes,
 };
-pub use derived::{
-    Bottom, BottomColour, BottomKey, CornerGround, DepthMap, DepthMapKey, Derived, FINEST,
-    IsobathKey, Isobaths, Mosaic, MosaicKey, MosaicPlane, PictureKey,
+pub(crate) use derived::{
+    Bottom, BottomColour, BottomKey, CornerGround, DepthMapKey, FINEST, IsobathKey, Isobaths,
+    MosaicKey, PictureKey,
 };
-pub use engine::{Engine, EngineStatus};
-pub use fingerprint::{Fingerprint, Input, InputError, LogFiles, in_hexadecimal, sha256_of};
-pub use growing::{GrowingResults, extend};
-pub use log_report::CalibrationReport;
-pub use log_settings::{
+pub use derived::{DepthMap, Derived, Mosaic, MosaicPlane};
+pub(crate) use engine::{Engine, EngineStatus};
+pub(crate) use fingerprint::{Fingerprint, Input, InputError, LogFiles, in_hexadecimal, sha256_of};
+pub(crate) use growing::{GrowingResults, extend};
+pub(crate) use log_report::CalibrationReport;
+pub(crate) use log_settings::{
     LogSettings, SettingValues, deserialize_values, from_values, is_of_one_log, is_setting,
     setting_values, with_values,
 };
-pub use mosaic::{mosaic_layout, mosaic_layout_by};
-pub use object_positions::ObjectLocator;
-pub use objects::{list_objects, object_shape};
-pub use passes::{Pass, passes_over, place_of};
+pub(crate) use mosaic::{mosaic_layout, mosaic_layout_by};
+pub(crate) use object_positions::ObjectLocator;
+pub(crate) use objects::{list_objects, object_shape};
+pub(crate) use passes::{Pass, passes_over, place_of};
 pub use processed_log::ProcessedLog;
-pub use products::{Products, Stage, colour_range_m, run};
-pub use report::Report;
-pub use scale_trial::{ScaleEffect, ScaleTrial};
-pub use settings::{Preset, Settings, SettingsError};
-pub use source::{SourceError, SourceKey, as_mounted, as_set};
-pub use survey_coverage::survey_coverage;
-pub use task::{Jobs, Outcome, Task};
+pub(crate) use products::colour_range_m;
+pub use products::{Products, Stage, run};
+pub(crate) use report::Report;
+pub(crate) use scale_trial::{ScaleEffect, ScaleTrial};
+pub(crate) use settings::SettingsError;
+pub use settings::{Preset, Settings};
+pub(crate) use source::{SourceError, SourceKey, as_mounted, as_set};
+pub(crate) use survey_coverage::survey_coverage;
+pub(crate) use task::{Jobs, Outcome, Task};
 
 use crate::support::geo::{CrsError, MapPlane};
 use crate::survey::Survey;
@@ -74,7 +77,7 @@ use crate::survey::Survey;
 ///
 /// # Errors
 /// When the system is not known, or does not fit the place.
-pub fn map_plane(survey: &Survey, settings: &Settings) -> Result<MapPlane, CrsError> {
+pub(crate) fn map_plane(survey: &Survey, settings: &Settings) -> Result<MapPlane, CrsError> {
     let origin = survey.track.frame.origin();
     Ok(MapPlane::new(settings.crs.at(origin)?, origin))
 }

@@ -6,7 +6,7 @@ use crate::support::geo::MapPlane;
 use crate::survey::Survey;
 
 /// Where the echoes of a result fall in the plane of a map.
-pub fn mosaic_layout(survey: &Survey, products: &Products, map: &MapPlane) -> Layout {
+pub(crate) fn mosaic_layout(survey: &Survey, products: &Products, map: &MapPlane) -> Layout {
     let navigation = &products.navigation;
     mosaic_layout_by(survey, products, |[east_m, north_m]| {
         map.place(navigation.to_lon_lat(&survey.track, east_m, north_m))
@@ -14,7 +14,7 @@ pub fn mosaic_layout(survey: &Survey, products: &Products, map: &MapPlane) -> La
 }
 
 /// Where the echoes of a result fall in the plane that `place` leads to from that of the survey.
-pub fn mosaic_layout_by(
+pub(crate) fn mosaic_layout_by(
     survey: &Survey,
     products: &Products,
     place: impl Fn([f64; 2]) -> [f64; 2],

@@ -7,7 +7,7 @@ use crate::detection::{Mark, MeasuredShadow, ObjectExtent};
 use crate::survey::Survey;
 
 /// Places boxes of one survey.
-pub struct ObjectLocator<'a> {
+pub(crate) struct ObjectLocator<'a> {
     placer: Placer<'a>,
     survey: &'a Survey,
     correction: &'a Correction,
@@ -15,7 +15,7 @@ pub struct ObjectLocator<'a> {
 
 impl<'a> ObjectLocator<'a> {
     /// Gets ready for the boxes of a survey.
-    pub fn new(survey: &'a Survey, products: &'a Products) -> Self {
+    pub(crate) fn new(survey: &'a Survey, products: &'a Products) -> Self {
         let Products {
             navigation,
             returns,
@@ -36,12 +36,12 @@ impl<'a> ObjectLocator<'a> {
 
     /// Where a box's object lies, its depth below the level that depths count from; `None` as [`Placer::place`].
     #[cfg(any(test, feature = "bench"))]
-    pub fn place(&self, mark: &Mark) -> Option<Target> {
+    pub(crate) fn place(&self, mark: &Mark) -> Option<Target> {
         self.place_as(mark, ObjectExtent::Found, None)
     }
 
     /// As [`ObjectLocator::place`], with what the analyst has drawn: [`Placer::place_as`].
-    pub fn place_as(
+    pub(crate) fn place_as(
         &self,
         mark: &Mark,
         extent: ObjectExtent,
@@ -57,12 +57,12 @@ impl<'a> ObjectLocator<'a> {
     }
 
     /// The recording.
-    pub fn survey(&self) -> &Survey {
+    pub(crate) fn survey(&self) -> &Survey {
         self.survey
     }
 
     /// What measures and places, as the cloud's points are, without the correction of depths.
-    pub fn placer(&self) -> &Placer<'a> {
+    pub(crate) fn placer(&self) -> &Placer<'a> {
         &self.placer
     }
 }

@@ -11,7 +11,7 @@ use crate::support::progress::{Cancelled, Progress};
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn list_objects(
+pub(crate) fn list_objects(
     logs: &[ProcessedLog],
     review: &SurveyReview,
     progress: &Progress,
@@ -38,7 +38,7 @@ pub fn list_objects(
 ///
 /// # Errors
 /// Why it has none.
-pub fn object_shape(boxes: &[(&ProcessedLog, &Target)]) -> Result<FittedShape, ShapeError> {
+pub(crate) fn object_shape(boxes: &[(&ProcessedLog, &Target)]) -> Result<FittedShape, ShapeError> {
     let sightings: Vec<(&Target, Option<BoxLevels>)> = (boxes.iter())
         .map(|(log, target)| {
             let has_extent = target.extent != ObjectExtent::Point;

@@ -10,7 +10,7 @@ const SLACK: f64 = 1.2;
 
 /// A pass over a place: the pings of a log that saw it, one after the other, on one side.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pass {
+pub(crate) struct Pass {
     /// Which side.
     pub side: Side,
     /// The first and the last ping.
@@ -40,7 +40,7 @@ fn strips_at(layout: &Layout, [x, y]: [f64; 2]) -> impl Iterator<Item = (usize, 
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn passes_over(
+pub(crate) fn passes_over(
     log: &ProcessedLog,
     place: [f64; 2],
     results: &Derived,
@@ -85,7 +85,7 @@ fn is_near(log: &ProcessedLog, [x, y]: [f64; 2]) -> bool {
 }
 
 /// Where a sample of a ping lies in the plane of its log; `None` where the ping shows no ground there.
-pub fn place_of(layout: &Layout, ping: usize, side: Side, sample: f64) -> Option<[f64; 2]> {
+pub(crate) fn place_of(layout: &Layout, ping: usize, side: Side, sample: f64) -> Option<[f64; 2]> {
     let ray = layout.ray(ping, side)?;
     let out_m = ray.across.ground_m(ray.under_m, ray.range_m(sample));
     out_m.is_finite().then(|| ray.place(out_m))

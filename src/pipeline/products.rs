@@ -151,7 +151,7 @@ impl Products {
 
 /// Ends of the colour scale of depth over some results, metres: from the least to the greatest that one of them needs. `None` where no
 /// depth is known.
-pub fn colour_range_m<'a>(all: impl Iterator<Item = &'a Products>) -> Option<[f32; 2]> {
+pub(crate) fn colour_range_m<'a>(all: impl Iterator<Item = &'a Products>) -> Option<[f32; 2]> {
     let each = all.filter_map(|products| products.depth_range_m);
     each.reduce(|[shallow, deep], [s, d]| [shallow.min(s), deep.max(d)])
 }

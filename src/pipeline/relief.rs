@@ -23,7 +23,7 @@ const MOST_CELLS: usize = 2048;
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn relief(
+pub(super) fn relief(
     survey: &Survey,
     navigation: &Navigation,
     cloud: &PointCloud,
@@ -78,7 +78,7 @@ fn deeper_m(
 }
 
 /// Slant range that nearly no side of a ping exceeds, metres: a damaged header may state any.
-pub fn farthest_m(survey: &Survey) -> f64 {
+pub(super) fn farthest_m(survey: &Survey) -> f64 {
     let pings = survey.side_scan.iter();
     let spans = pings.flat_map(|ping| [ping.port, ping.starboard]).flatten();
     let ranges = spans.map(|span| f64::from(span.far_m));

@@ -238,7 +238,7 @@ fn lost_soundings(survey: &Survey, cloud: &PointCloud) -> usize {
 }
 
 /// All warnings of the reader and the stages, for the report and the window.
-pub fn warnings(survey: &Survey, products: &Products) -> Vec<String> {
+pub(super) fn warnings(survey: &Survey, products: &Products) -> Vec<String> {
     let read = survey.warnings.iter().map(|warning| warning.text.clone());
     read.chain(products.bottom_line.warnings.iter().cloned())
         .chain(products.calibration.warnings.iter().cloned())

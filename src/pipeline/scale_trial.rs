@@ -11,7 +11,7 @@ use crate::survey::Survey;
 
 /// The scale that a stretch of pings gives, and what it changes.
 #[derive(Clone, Debug)]
-pub struct ScaleTrial {
+pub(crate) struct ScaleTrial {
     /// The stretch and its scale.
     pub spot: FlatSpot,
     /// What speaks against it, in sentences.
@@ -24,7 +24,7 @@ pub struct ScaleTrial {
 
 /// What another scale does to the depths of a log.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ScaleEffect {
+pub(crate) struct ScaleEffect {
     /// How the depths change.
     pub change: DepthChange,
     /// Elevation of side-scan points minus that of the soundings of the same pings, now and then; `None` without soundings.
@@ -32,7 +32,7 @@ pub struct ScaleEffect {
 }
 
 /// The settings with the scale of a stretch.
-pub fn with_stretch(settings: &Settings, pings: PingRange) -> CalibrationSettings {
+pub(super) fn with_stretch(settings: &Settings, pings: PingRange) -> CalibrationSettings {
     CalibrationSettings {
         mode: ScaleMode::FlatSpot,
         pings: Some(pings),
@@ -45,7 +45,7 @@ impl ScaleTrial {
     ///
     /// # Errors
     /// When the work was cancelled.
-    pub fn new(
+    pub(crate) fn new(
         survey: &Survey,
         products: &Products,
         pings: PingRange,

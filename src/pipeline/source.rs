@@ -19,7 +19,7 @@ pub enum SourceError {
 
 /// The settings that a survey depends on: with the same ones it is the same survey.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct SourceKey {
+pub(crate) struct SourceKey {
     /// The track of another receiver.
     pub track: TrackSettings,
     swap_sides: bool,
@@ -29,7 +29,7 @@ pub struct SourceKey {
 
 impl SourceKey {
     /// Of these settings.
-    pub fn of(settings: &Settings) -> Self {
+    pub(crate) fn of(settings: &Settings) -> Self {
         // Without a track its clock says nothing.
         let track = Some(settings.track.clone()).filter(|track| track.file.is_some());
         Self {
@@ -46,7 +46,7 @@ impl SourceKey {
 ///
 /// # Errors
 /// When the metres of its positions are not those of `source.crs`.
-pub fn as_mounted(
+pub(crate) fn as_mounted(
     recorded: Survey,
     mounting: &MountingSettings,
     crs: Option<SourceCrs>,
@@ -66,7 +66,7 @@ pub fn as_mounted(
 ///
 /// # Errors
 /// When the metres of its positions are not those of `source.crs`, or the track does not fit the log.
-pub fn as_set(
+pub(crate) fn as_set(
     recorded: Survey,
     settings: &Settings,
     track: Option<&TrackFile>,

@@ -24,7 +24,7 @@ const MOVING_MPS: f64 = 0.3;
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn survey_coverage(
+pub(crate) fn survey_coverage(
     logs: &[ProcessedLog],
     objects: &ObjectList,
     progress: &Progress,

@@ -5,7 +5,7 @@ use std::sync::{Arc, mpsc};
 
 /// How work in a background thread is run.
 #[derive(Clone)]
-pub enum Jobs {
+pub(crate) enum Jobs {
     /// On worker threads, which call this when there is something to show.
     Threads(Arc<dyn Fn() + Send + Sync>),
     /// Inside the call.
@@ -18,7 +18,7 @@ pub enum Jobs {
 
 impl Jobs {
     /// Says that there is something to show.
-    pub fn wake(&self) {
+    pub(crate) fn wake(&self) {
         match self {
             Self::Threads(waker) => waker(),
             Self::Inline => {}
@@ -27,7 +27,7 @@ impl Jobs {
 }
 
 /// What became of a task.
-pub enum Outcome<T> {
+pub(crate) enum Outcome<T> {
     /// It still runs, or its result was taken.
     Pending,
     /// Its result, once.
@@ -46,14 +46,14 @@ impl Drop for WakeAtEnd {
 }
 
 /// Work under way. Dropping it cancels it.
-pub struct Task<T> {
+pub(crate) struct Task<T> {
     progress: Progress,
     result: mpsc::Receiver<T>,
 }
 
 impl<T: Send + 'static> Task<T> {
     /// Starts `work` on a thread of its own, or inside this call for [`Jobs::Inline`].
-    pub fn start(jobs: &Jobs, work: impl FnOnce(&Progress) -> T + Send + 'static) -> Self {
+    pub(crate) fn start(jobs: &Jobs, work: impl FnOnce(&Progress) -> T + Send + 'static) -> Self {
         let (sender, result) = mpsc::channel();
         let progress = Progress::new();
         let task = Self {
@@ -78,7 +78,7 @@ impl<T: Send + 'static> Task<T> {
     }
 
     /// The result, if it is there.
-    pub fn poll(&self) -> Outcome<T> {
+    pub(crate) fn poll(&self) -> Outcome<T> {
         match self.result.try_recv() {
             Ok(result) => Outcome::Done(result),
             Err(mpsc::TryRecvError::Empty) => Outcome::Pending,
@@ -87,12 +87,12 @@ impl<T: Send + 'static> Task<T> {
     }
 
     /// Waits for the result; `None` when its thread died, or the result was taken.
-    pub fn wait(&self) -> Option<T> {
+    pub(crate) fn wait(&self) -> Option<T> {
         self.result.recv().ok()
     }
 
     /// Done share, 0 to 1.
-    pub fn fraction(&self) -> f32 {
+    pub(crate) fn fraction(&self) -> f32 {
         self.progress.fraction()
     }
 }

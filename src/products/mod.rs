@@ -2,8 +2,8 @@
 //!
 //! In: results of the pipeline. Out: files in a folder. It uses `pipeline` and all that comes before it.
 
-pub mod archive;
-pub mod export;
-pub mod html_report;
-pub mod map_tiles;
-pub mod outputs;
+pub(crate) mod archive;
+pub(crate) mod export;
+pub(crate) mod html_report;
+pub(crate) mod map_tiles;
+pub(crate) mod outputs;

@@ -18,7 +18,7 @@ const MOST_FILES: usize = 50_000;
 
 /// Where a log lies.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Found {
+pub(crate) enum Found {
     /// At its place.
     Here,
     /// Elsewhere: [`super::ProjectLog::at`] takes it from there.
@@ -36,7 +36,7 @@ pub enum Found {
 ///
 /// # Errors
 /// When it was cancelled.
-pub fn find(
+pub(crate) fn find(
     project: &Project,
     folder: &Path,
     progress: &Progress,

@@ -9,7 +9,7 @@ type Label = Cow<'static, str>;
 
 /// A history of states; a drag is one step however many states it passes.
 #[derive(Clone, Debug)]
-pub struct History<T> {
+pub(crate) struct History<T> {
     undo: VecDeque<(T, Label)>,
     redo: Vec<(T, Label)>,
     /// The state before the drag under way, and its name.
@@ -18,7 +18,7 @@ pub struct History<T> {
 
 /// A step in the list of the history.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Step<'a> {
+pub(crate) struct Step<'a> {
     /// What was done.
     pub label: &'a str,
     /// It was taken back, and can be done again.
@@ -40,7 +40,7 @@ impl<T> Default for History<T> {
 
 impl<T: Clone + PartialEq> History<T> {
     /// The history of changes that were made before: each state with the name of the change that led away from it, the oldest first.
-    pub fn of_past(past: impl IntoIterator<Item = (T, Label)>) -> Self {
+    pub(crate) fn of_past(past: impl IntoIterator<Item = (T, Label)>) -> Self {
         Self {
             undo: past.into_iter().collect(),
             ..Self::default()
@@ -48,12 +48,12 @@ impl<T: Clone + PartialEq> History<T> {
     }
 
     /// The changes that undo takes back: each state with the name of the change that led away from it, the oldest first.
-    pub fn past(&self) -> impl DoubleEndedIterator<Item = (&T, &str)> {
+    pub(crate) fn past(&self) -> impl DoubleEndedIterator<Item = (&T, &str)> {
         self.undo.iter().map(|(state, label)| (state, &**label))
     }
 
     /// Notes that `before` became `after`. `live` changes belong to the step that the next change of the same name ends.
-    pub fn record(&mut self, before: &T, after: &T, label: impl Into<Label>, live: bool) {
+    pub(crate) fn record(&mut self, before: &T, after: &T, label: impl Into<Label>, live: bool) {
         let label = label.into();
         if self.open.as_ref().is_some_and(|(_, open)| *open != label) {
             self.close(before);
@@ -67,13 +67,13 @@ impl<T: Clone + PartialEq> History<T> {
     }
 
     /// Where the step began that a change of this name from `before` ends: the state before its drag, if one is under way.
-    pub fn start_of<'a>(&'a self, label: &str, before: &'a T) -> &'a T {
+    pub(crate) fn start_of<'a>(&'a self, label: &str, before: &'a T) -> &'a T {
         let open = self.open.as_ref().filter(|(_, open)| open == label);
         open.map_or(before, |(start, _)| start)
     }
 
     /// Gives the last step its full name: `threshold 0.41`, where its drag was a `threshold`.
-    pub fn name_last(&mut self, label: impl Into<Label>) {
+    pub(crate) fn name_last(&mut self, label: impl Into<Label>) {
         if let Some((_, last)) = self.undo.back_mut() {
             *last = label.into();
         }
@@ -96,7 +96,7 @@ impl<T: Clone + PartialEq> History<T> {
     }
 
     /// The state to go back to.
-    pub fn undo(&mut self, now: &T) -> Option<T> {
+    pub(crate) fn undo(&mut self, now: &T) -> Option<T> {
         self.close(now);
         let (state, label) = self.undo.pop_back()?;
         self.redo.push((now.clone(), label));
@@ -104,14 +104,14 @@ impl<T: Clone + PartialEq> History<T> {
     }
 
     /// The state to go forward to.
-    pub fn redo(&mut self, now: &T) -> Option<T> {
+    pub(crate) fn redo(&mut self, now: &T) -> Option<T> {
         let (state, label) = self.redo.pop()?;
         self.undo.push_back((now.clone(), label));
         Some(state)
     }
 
     /// Name of what [`History::undo`] would take back.
-    pub fn undo_label(&self) -> Option<&str> {
+    pub(crate) fn undo_label(&self) -> Option<&str> {
         self.open
             .as_ref()
             .or(self.undo.back())
@@ -119,12 +119,12 @@ impl<T: Clone + PartialEq> History<T> {
     }
 
     /// Name of what [`History::redo`] would do again.
-    pub fn redo_label(&self) -> Option<&str> {
+    pub(crate) fn redo_label(&self) -> Option<&str> {
         self.redo.last().map(|(_, label)| label.as_ref())
     }
 
     /// All steps in the order in which they were done, and after them those that were taken back.
-    pub fn steps(&self) -> impl Iterator<Item = Step<'_>> {
+    pub(crate) fn steps(&self) -> impl Iterator<Item = Step<'_>> {
         let done = self.undo.iter().chain(&self.open).map(|(_, label)| Step {
             label,
             is_undone: false,
@@ -136,7 +136,7 @@ impl<T: Clone + PartialEq> History<T> {
     }
 
     /// The state after the first `count` of [`History::steps`]; `None` when that is the present one, or there are fewer.
-    pub fn go_to(&mut self, count: usize, now: &T) -> Option<T> {
+    pub(crate) fn go_to(&mut self, count: usize, now: &T) -> Option<T> {
         self.close(now);
         if count > self.undo.len() + self.redo.len() {
             return None;

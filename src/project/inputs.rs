@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 /// A log of a project, to be opened and processed.
 #[derive(Clone, Debug)]
-pub struct Input {
+pub(crate) struct Input {
     /// The log, its file where it lies now.
     pub log: Arc<ProjectLog>,
     /// The settings that it is processed with; the water levels and the area that they name are read.
@@ -26,7 +26,7 @@ pub struct Input {
 
 /// Why a project gives no logs to process, in one sentence that ends with the file.
 #[derive(Debug, thiserror::Error)]
-pub enum InputError {
+pub(crate) enum InputError {
     /// The project cannot be read.
     #[error(transparent)]
     Store(#[from] StoreError),
@@ -68,7 +68,7 @@ pub enum InputError {
 ///
 /// # Errors
 /// When the project cannot be read, holds no visible log, or a log or a file that its settings name is not there.
-pub fn inputs(path: &Path, progress: &Progress) -> Result<Vec<Input>, InputError> {
+pub(crate) fn inputs(path: &Path, progress: &Progress) -> Result<Vec<Input>, InputError> {
     let mut project = read(path)?;
     // Once for all logs.
     project.settings.load_area()?;

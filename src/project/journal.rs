@@ -24,7 +24,7 @@ const TRIES: usize = 20;
 /// A line of the journal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Entry {
+pub(super) enum Entry {
     /// The file whose hash this is holds all that was done before this line, if it is the one that lies there.
     Saved {
         /// SHA-256 of the file's text.
@@ -49,7 +49,7 @@ pub enum Entry {
 
 impl Entry {
     /// What changes between two versions of a project.
-    pub fn done(label: &str, set: &Rows, gone: &[Key]) -> Self {
+    pub(super) fn done(label: &str, set: &Rows, gone: &[Key]) -> Self {
         Self::Done {
             label: label.to_owned(),
             set: set
@@ -61,7 +61,7 @@ impl Entry {
     }
 
     /// Does it again to the lines of a project.
-    pub fn replay(&self, rows: &mut Rows) {
+    pub(super) fn replay(&self, rows: &mut Rows) {
         if let Self::Done { set, gone, .. } = self {
             for key in gone.iter().filter_map(|text| Key::parse(text)) {
                 rows.remove(&Key::new(key));
@@ -91,7 +91,7 @@ fn check(json: &str) -> String {
 
 /// A journal that lies on disk.
 #[derive(Debug, Default, PartialEq)]
-pub struct Read {
+pub(super) struct Read {
     /// Its whole lines.
     pub entries: Vec<Entry>,
     /// Lines between them that are not whole.
@@ -123,7 +123,7 @@ impl Read {
     }
 
     /// Who had the project open last.
-    pub fn owner(&self) -> Option<&Owner> {
+    pub(super) fn owner(&self) -> Option<&Owner> {
         self.entries.iter().rev().find_map(|entry| match entry {
             Entry::Opened(owner) => Some(owner),
             _ => None,
@@ -133,7 +133,7 @@ impl Read {
 
 /// Why there is no journal to write into.
 #[derive(Debug)]
-pub enum NoJournal {
+pub(super) enum NoJournal {
     /// Another window has the project open.
     Taken(Owner),
     /// What the system said.
@@ -148,7 +148,7 @@ impl From<io::Error> for NoJournal {
 
 /// The journal of an open project, which nobody else writes into.
 #[derive(Debug)]
-pub struct Journal {
+pub(super) struct Journal {
     path: PathBuf,
     file: File,
     length: u64,
@@ -182,14 +182,14 @@ impl Keeper {
 
 /// Asks the disk to keep a journal.
 #[derive(Debug)]
-pub struct Syncing(File);
+pub(super) struct Syncing(File);
 
 impl Syncing {
     /// Asks, and waits.
     ///
     /// # Errors
     /// What the system said.
-    pub fn sync(&self) -> io::Result<()> {
+    pub(super) fn sync(&self) -> io::Result<()> {
         self.0.sync_data()
     }
 }
@@ -199,7 +199,7 @@ impl Journal {
     ///
     /// # Errors
     /// When another window has it, or the folder cannot be written into.
-    pub fn open(path: &Path) -> Result<(Self, Read), NoJournal> {
+    pub(super) fn open(path: &Path) -> Result<(Self, Read), NoJournal> {
         let mut options = File::options();
         options.read(true).write(true).create(true).truncate(false);
         for _ in 0..TRIES {
@@ -243,7 +243,7 @@ impl Journal {
     ///
     /// # Errors
     /// What the system said; the journal is as before.
-    pub fn append(&mut self, entry: &Entry) -> io::Result<()> {
+    pub(super) fn append(&mut self, entry: &Entry) -> io::Result<()> {
         let line = entry.to_line();
         if let Err(error) = self.file.write_all(line.as_bytes()) {
             // A disk that is full takes half a line.
@@ -263,7 +263,7 @@ impl Journal {
     ///
     /// # Errors
     /// What the system said.
-    pub fn restart(&mut self, sha256: &str, version: u32) -> io::Result<()> {
+    pub(super) fn restart(&mut self, sha256: &str, version: u32) -> io::Result<()> {
         self.file.set_len(0)?;
         self.file.seek(SeekFrom::Start(0))?;
         self.length = 0;
@@ -278,12 +278,12 @@ impl Journal {
     ///
     /// # Errors
     /// What the system said.
-    pub fn syncing(&self) -> io::Result<Syncing> {
+    pub(super) fn syncing(&self) -> io::Result<Syncing> {
         self.file.try_clone().map(Syncing)
     }
 
     /// Takes the journal away: nothing in it is missing in the file.
-    pub fn remove(self) {
+    pub(super) fn remove(self) {
         // Left behind, it would be opened next time, and nothing be in it.
         fs::remove_file(&self.path).ok();
     }

@@ -12,7 +12,7 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 /// The program that has a project open.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Owner {
+pub(crate) struct Owner {
     /// Its process number.
     pub pid: u32,
     /// The computer that it runs on; empty where that has no name.
@@ -23,7 +23,7 @@ pub struct Owner {
 
 impl Owner {
     /// This program, now.
-    pub fn now() -> Self {
+    pub(crate) fn now() -> Self {
         let since = SystemTime::now().duration_since(UNIX_EPOCH);
         Self {
             pid: std::process::id(),
@@ -33,7 +33,7 @@ impl Owner {
     }
 
     /// Whether it may still run. Of another computer that cannot be known.
-    pub fn may_run(&self) -> bool {
+    pub(crate) fn may_run(&self) -> bool {
         let is_here = self.host == host();
         !is_here || !cfg!(target_os = "linux") || process_exists(self.pid)
     }
@@ -65,7 +65,7 @@ fn host() -> String {
 
 /// What came of asking for a lock.
 #[derive(Debug, PartialEq, Eq)]
-pub enum Locked {
+pub(super) enum Locked {
     /// It is ours.
     Ours,
     /// Another window has it.
@@ -83,7 +83,7 @@ const APART: Duration = Duration::from_millis(20);
 ///
 /// # Errors
 /// What the system said.
-pub fn lock(file: &File) -> io::Result<Locked> {
+pub(super) fn lock(file: &File) -> io::Result<Locked> {
     for _ in 1..ATTEMPTS {
         match try_lock(file)? {
             Locked::Taken => std::thread::sleep(APART),
@@ -110,7 +110,7 @@ fn try_lock(file: &File) -> io::Result<Locked> {
 
 /// Whether an open file is still the one of that name: another window may have removed it between opening and locking.
 #[cfg(unix)]
-pub fn is_still(file: &File, path: &Path) -> bool {
+pub(super) fn is_still(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt as _;
     let [open, there] = [file.metadata(), fs::metadata(path)];
     matches!((open, there), (Ok(open), Ok(there)) if open.ino() == there.ino() && open.dev() == there.dev())

@@ -21,11 +21,11 @@ const HASH_DIGITS: usize = 8;
 /// Names a log within a project, for ever: its first file name and the start of its hash, `chart_1-3f9a2c41`. Two people who add the
 /// same log give it the same key, and two logs of one name have different ones.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct LogKey(String);
+pub(crate) struct LogKey(String);
 
 impl LogKey {
     /// The key of a log that is added now.
-    pub fn of(file: &LogFile) -> Self {
+    pub(crate) fn of(file: &LogFile) -> Self {
         let stem = file.path.file_stem().unwrap_or_default();
         let stem = stem.to_string_lossy().to_lowercase();
         let plain = stem.chars().map(|letter| match letter {
@@ -38,12 +38,12 @@ impl LogKey {
     }
 
     /// A key as it stands in a file.
-    pub fn from_text(text: &str) -> Self {
+    pub(crate) fn from_text(text: &str) -> Self {
         Self(text.to_owned())
     }
 
     /// The key as it stands in a file.
-    pub fn as_str(&self) -> &str {
+    pub(crate) fn as_str(&self) -> &str {
         &self.0
     }
 }
@@ -56,7 +56,7 @@ impl fmt::Display for LogKey {
 
 /// A recording on disk. The program only ever reads it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct LogFile {
+pub(crate) struct LogFile {
     /// The file to open, absolute; of a recording in several files the first.
     pub path: PathBuf,
     /// SHA-256 of its files, one after the other, hexadecimal: `cat FILES | sha256sum` says the same.
@@ -72,7 +72,7 @@ impl LogFile {
     ///
     /// # Errors
     /// When it was cancelled.
-    pub fn of(survey: &Survey, progress: &Progress) -> Result<Self, Cancelled> {
+    pub(crate) fn of(survey: &Survey, progress: &Progress) -> Result<Self, Cancelled> {
         let identity = Identity::of(survey);
         let path = survey.source.files.first().cloned().unwrap_or_default();
         Ok(Self {
@@ -84,7 +84,7 @@ impl LogFile {
     }
 
     /// What side files call the log as it was recorded.
-    pub fn identity(&self) -> Identity {
+    pub(crate) fn identity(&self) -> Identity {
         let name = self.path.file_name().unwrap_or_default();
         Identity {
             file: name.to_string_lossy().into_owned(),
@@ -98,7 +98,7 @@ impl LogFile {
     ///
     /// # Errors
     /// When it was cancelled.
-    pub fn is_of(&self, survey: &Survey, progress: &Progress) -> Result<bool, Cancelled> {
+    pub(crate) fn is_of(&self, survey: &Survey, progress: &Progress) -> Result<bool, Cancelled> {
         let may_be = self.identity().is_same_log(&Identity::of(survey));
         Ok(may_be && sha256(survey, progress)? == self.sha256)
     }
@@ -117,7 +117,7 @@ fn sha256(survey: &Survey, progress: &Progress) -> Result<String, Cancelled> {
 
 /// A log and what was decided about it.
 #[derive(Clone, Debug)]
-pub struct ProjectLog {
+pub(crate) struct ProjectLog {
     /// Names it within the project.
     pub key: LogKey,
     /// The recording.
@@ -165,7 +165,7 @@ impl PartialEq for ProjectLog {
 
 impl ProjectLog {
     /// A log with nothing decided yet; [`super::Project::with_log`] gives it its place.
-    pub fn new(file: LogFile) -> Self {
+    pub(crate) fn new(file: LogFile) -> Self {
         let identity = file.identity();
         let stem = file.path.file_stem().unwrap_or_default();
         Self {
@@ -182,7 +182,7 @@ impl ProjectLog {
     }
 
     /// What to say where a file as long as it, with other bytes, lies at its place ([`super::Found::Changed`]).
-    pub fn is_changed(&self) -> String {
+    pub(crate) fn is_changed(&self) -> String {
         format!(
             "the log {} is not the file that the project was made of: it is as long, but its bytes differ, so that edits and boxes may not fit; put the file back, or remove the log and add it again: {}",
             quoted(&self.name),
@@ -191,7 +191,7 @@ impl ProjectLog {
     }
 
     /// The same log where it lies now. Its key stays.
-    pub fn at(&self, path: &Path) -> Self {
+    pub(crate) fn at(&self, path: &Path) -> Self {
         let mut moved = self.clone();
         moved.file.path = paths::placed(path);
         moved

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 impl Project {
     /// Without a log; its file stays. `None` when it is no log of the project.
-    pub fn without_log(&self, key: &LogKey) -> Option<Self> {
+    pub(crate) fn without_log(&self, key: &LogKey) -> Option<Self> {
         self.log(key)?;
         let mut after = self.clone();
         after.logs.retain(|log| log.key != *key);
@@ -17,7 +17,7 @@ impl Project {
     ///
     /// Its order becomes one between its neighbours', so that nothing is said anew of the others;
     /// where there is no number between, all are numbered.
-    pub fn with_log_at(&self, key: &LogKey, to: usize) -> Option<Self> {
+    pub(crate) fn with_log_at(&self, key: &LogKey, to: usize) -> Option<Self> {
         let from = self.logs.iter().position(|log| log.key == *key)?;
         let mut after = self.clone();
         let log = after.logs.remove(from);

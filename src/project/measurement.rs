@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 /// What a line was drawn for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum MeasurementKind {
+pub(crate) enum MeasurementKind {
     /// Length along a line.
     Distance,
     /// Area of a polygon.
@@ -21,7 +21,7 @@ pub enum MeasurementKind {
 
 impl MeasurementKind {
     /// `distance`, `area`, `profile` or `height`.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Distance => "distance",
             Self::Area => "area",
@@ -41,7 +41,7 @@ impl MeasurementKind {
 
 /// Where in a log's side-scan a corner was set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Pick {
+pub(crate) struct Pick {
     /// The log.
     pub log: Identity,
     /// The side.
@@ -54,7 +54,7 @@ pub struct Pick {
 
 impl Pick {
     /// Its side in a log: what was picked while the sides were exchanged lies on the other one when they are not.
-    pub fn side_in(&self, survey: &Survey) -> Side {
+    pub(crate) fn side_in(&self, survey: &Survey) -> Side {
         match self.log.swapped_sides == survey.swapped_sides {
             true => self.side,
             false => self.side.other(),
@@ -65,7 +65,7 @@ impl Pick {
 /// A line that was drawn to measure. What it measures follows from it, so only the line is kept. It is kept as positions, so that it
 /// stays on its ground when the plane of the survey changes.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Measurement {
+pub(crate) struct Measurement {
     /// What it was drawn for.
     pub kind: MeasurementKind,
     /// Its corners in the order of drawing; an area is closed from the last to the first.
@@ -79,7 +79,7 @@ pub struct Measurement {
 
 impl Measurement {
     /// Nothing drawn yet.
-    pub fn new(kind: MeasurementKind) -> Self {
+    pub(crate) fn new(kind: MeasurementKind) -> Self {
         Self {
             kind,
             corners: Vec::new(),
@@ -89,7 +89,7 @@ impl Measurement {
     }
 
     /// Metres along the line from its start to each of its corners, on the ellipsoid.
-    pub fn distances_m(&self) -> Vec<f64> {
+    pub(crate) fn distances_m(&self) -> Vec<f64> {
         let legs = self.corners.windows(2).scan(0.0, |sum_m, leg| {
             *sum_m += distance_m(leg[0], leg[1]);
             Some(*sum_m)
@@ -99,7 +99,7 @@ impl Measurement {
     }
 
     /// Metres along the line; around an area.
-    pub fn length_m(&self) -> f64 {
+    pub(crate) fn length_m(&self) -> f64 {
         let along_m = self.distances_m().last().copied().unwrap_or(0.0);
         match (self.kind, self.corners.first(), self.corners.last()) {
             (MeasurementKind::Area, Some(first), Some(last)) => along_m + distance_m(*last, *first),
@@ -108,12 +108,12 @@ impl Measurement {
     }
 
     /// Square metres of an area, on the ellipsoid.
-    pub fn area_m2(&self) -> f64 {
+    pub(crate) fn area_m2(&self) -> f64 {
         area_m2(&self.corners)
     }
 
     /// The measurement with one more corner, and where in the side-scan it was set if it was there.
-    pub fn with(&self, corner: LonLat, pick: Option<Pick>) -> Self {
+    pub(crate) fn with(&self, corner: LonLat, pick: Option<Pick>) -> Self {
         let mut longer = self.clone();
         longer
             .picks
@@ -123,7 +123,7 @@ impl Measurement {
     }
 
     /// The measurement without its last corner.
-    pub fn without_last(&self) -> Self {
+    pub(crate) fn without_last(&self) -> Self {
         let mut shorter = self.clone();
         shorter.corners.pop();
         let kept = shorter.corners.len();
@@ -132,7 +132,7 @@ impl Measurement {
     }
 
     /// Both ends of a shadow: its side and ping, and the slant ranges of both ends on the recorder's scale, metres.
-    pub fn shadow(&self) -> Option<(&Pick, [f64; 2])> {
+    pub(crate) fn shadow(&self) -> Option<(&Pick, [f64; 2])> {
         let [top, end] = [0, 1].map(|corner| self.picks.get(&corner));
         let (top, end) = top
             .zip(end)
@@ -141,7 +141,7 @@ impl Measurement {
     }
 
     /// Whether there is something between its corners.
-    pub fn is_measurable(&self) -> bool {
+    pub(crate) fn is_measurable(&self) -> bool {
         self.corners.len() >= self.kind.least_corners()
     }
 }
@@ -168,9 +168,9 @@ struct PickRow {
 
 impl MeasurementRow {
     /// The fields of a row.
-    pub const FIELDS: [&str; 4] = ["corners", "kind", "note", "picks"];
+    pub(super) const FIELDS: [&str; 4] = ["corners", "kind", "note", "picks"];
 
-    pub fn of(measurement: &Measurement) -> Self {
+    pub(super) fn of(measurement: &Measurement) -> Self {
         let corners = measurement.corners.iter();
         let picks = measurement.picks.clone().into_iter();
         Self {
@@ -187,7 +187,7 @@ impl MeasurementRow {
     ///
     /// # Errors
     /// What no map has.
-    pub fn read(self) -> Result<Measurement, &'static str> {
+    pub(super) fn read(self) -> Result<Measurement, &'static str> {
         let corners = self.corners.into_iter();
         let corners = corners.map(|[lon_deg, lat_deg]| LonLat { lon_deg, lat_deg });
         let corners: Vec<LonLat> = corners.collect();

@@ -3,7 +3,7 @@
 use super::row::Rows;
 
 /// The version that is written.
-pub const VERSION: u32 = 1;
+pub(super) const VERSION: u32 = 1;
 
 /// Makes rows of one version those of the next.
 type Step = fn(Rows) -> Rows;
@@ -13,7 +13,7 @@ type Step = fn(Rows) -> Rows;
 const STEPS: [Step; VERSION as usize - 1] = [];
 
 /// Rows of one version as those of a later one.
-pub fn migrate(rows: Rows, from: u32, to: u32) -> Rows {
+pub(super) fn migrate(rows: Rows, from: u32, to: u32) -> Rows {
     through(&STEPS, rows, from, to)
 }
 

@@ -87,19 +87,20 @@ mod sidecar;
 mod store;
 mod text;
 
-pub use find::{Found, find};
-pub use history::{History, Step};
-pub use inputs::{Input, inputs};
-pub use log::{LogFile, LogKey, ProjectLog};
-pub use measurement::{Measurement, MeasurementKind, Pick};
-pub use past::{PastStep, UNDONE};
-pub use row::Key;
-pub use sidecar::{BottomFileError, read_bottom};
+pub(crate) use find::Found;
+pub(crate) use find::find;
+pub(crate) use history::{History, Step};
+pub(crate) use inputs::{Input, inputs};
+pub(crate) use log::{LogFile, LogKey, ProjectLog};
+pub(crate) use measurement::{Measurement, MeasurementKind, Pick};
+pub(crate) use past::{PastStep, UNDONE};
+pub(crate) use row::Key;
+pub(crate) use sidecar::{BottomFileError, read_bottom};
 #[cfg(test)]
-pub use store::read;
-pub use store::{ENDING, Opened, Store, StoreError, Written};
+pub(crate) use store::read;
+pub(crate) use store::{ENDING, Opened, Store, StoreError, Written};
 #[cfg(test)]
-pub use tests::change::Change;
+pub(crate) use tests::change::Change;
 
 use crate::pipeline::{Settings, SettingsError};
 use crate::support::geo::LonLat;
@@ -114,7 +115,7 @@ use toml::{Table, Value};
 
 /// A text that is no project of this program.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum ProjectError {
+pub(crate) enum ProjectError {
     /// One line makes no sense.
     #[error("line {line}: {what}")]
     Line {
@@ -144,7 +145,7 @@ impl ProjectError {
 }
 
 /// The view ([`Project::view`]) that says how boxes are reviewed: their order, and the confidence from which undecided ones count.
-pub const REVIEW_VIEW: &str = "review";
+pub(crate) const REVIEW_VIEW: &str = "review";
 
 /// What the file says that this version does not know; it is written back.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -157,7 +158,7 @@ struct Unknown {
 /// Everything that an analyst decides about a survey. A value: a change makes another one ([`Project::with_changed`]), which shares what
 /// stayed.
 #[derive(Clone, Debug, Default)]
-pub struct Project {
+pub(crate) struct Project {
     /// The settings that all logs share; it holds no bottom edits.
     pub settings: Settings,
     /// Where the plane that all logs lie in touches the ellipsoid: places in metres count from there. `None` until a log has a place.
@@ -198,17 +199,17 @@ impl PartialEq for Project {
 
 impl Project {
     /// The logs in their order.
-    pub fn logs(&self) -> &[Arc<ProjectLog>] {
+    pub(crate) fn logs(&self) -> &[Arc<ProjectLog>] {
         &self.logs
     }
 
     /// A log by its key.
-    pub fn log(&self, key: &LogKey) -> Option<&Arc<ProjectLog>> {
+    pub(crate) fn log(&self, key: &LogKey) -> Option<&Arc<ProjectLog>> {
         self.logs.iter().find(|log| log.key == *key)
     }
 
     /// The log that has these bytes, under whatever name: a log is in a project once.
-    pub fn log_like(&self, file: &LogFile) -> Option<&Arc<ProjectLog>> {
+    pub(crate) fn log_like(&self, file: &LogFile) -> Option<&Arc<ProjectLog>> {
         let is_same = |log: &&Arc<ProjectLog>| {
             log.file.sha256 == file.sha256 && log.file.byte_count == file.byte_count
         };
@@ -219,12 +220,12 @@ impl Project {
     ///
     /// # Errors
     /// When an own value cannot be used.
-    pub fn settings_of(&self, log: &ProjectLog) -> Result<Settings, SettingsError> {
+    pub(crate) fn settings_of(&self, log: &ProjectLog) -> Result<Settings, SettingsError> {
         log.settings.compose(&self.settings)
     }
 
     /// With one more log, the last of the list. `None` when its bytes are there already.
-    pub fn with_log(&self, mut log: ProjectLog) -> Option<Self> {
+    pub(crate) fn with_log(&self, mut log: ProjectLog) -> Option<Self> {
         if self.log_like(&log.file).is_some() || self.log(&log.key).is_some() {
             return None;
         }
@@ -238,7 +239,7 @@ impl Project {
     }
 
     /// With another version of a log in its place. `None` when it is the same, or no log of the project.
-    pub fn with_changed(&self, log: ProjectLog) -> Option<Self> {
+    pub(crate) fn with_changed(&self, log: ProjectLog) -> Option<Self> {
         let index = self.logs.iter().position(|one| one.key == log.key)?;
         let before = &self.logs[index];
         let is_same = **before == log && before.object_numbers == log.object_numbers;
@@ -251,7 +252,7 @@ impl Project {
     }
 
     /// Stores how something is shown, under a name that the window chooses. It is no part of the history.
-    pub fn set_view(&mut self, name: &str, shown: &impl Serialize) {
+    pub(crate) fn set_view(&mut self, name: &str, shown: &impl Serialize) {
         // Options are numbers, names and lists, which can be written.
         if let Ok(value) = Value::try_from(shown) {
             self.views.insert(name.to_owned(), value);
@@ -259,7 +260,7 @@ impl Project {
     }
 
     /// The confidence from which undecided proposals count; 0 where the project does not say.
-    pub fn least_confidence(&self) -> f32 {
+    pub(crate) fn least_confidence(&self) -> f32 {
         #[derive(serde::Deserialize)]
         struct Kept {
             threshold: f32,
@@ -269,12 +270,12 @@ impl Project {
     }
 
     /// How something is shown; `None` where nothing is stored, or nothing that this version can use.
-    pub fn view<T: DeserializeOwned>(&self, name: &str) -> Option<T> {
+    pub(crate) fn view<T: DeserializeOwned>(&self, name: &str) -> Option<T> {
         self.views.get(name)?.clone().try_into().ok()
     }
 
     /// The text of its file in a folder.
-    pub fn to_text(&self, folder: &Path) -> String {
+    pub(crate) fn to_text(&self, folder: &Path) -> String {
         text::write(&rows::of(self, folder))
     }
 
@@ -282,7 +283,7 @@ impl Project {
     ///
     /// # Errors
     /// A sentence with the line that makes no sense, or that a newer program is needed.
-    pub fn from_text(text: &str, folder: &Path) -> Result<Self, ProjectError> {
+    pub(crate) fn from_text(text: &str, folder: &Path) -> Result<Self, ProjectError> {
         rows::read(text::read(text)?, folder)
     }
 

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// What undo is called in the journal.
-pub const UNDONE: &str = "undo or redo";
+pub(crate) const UNDONE: &str = "undo or redo";
 /// Changes kept.
 const KEPT: usize = 100;
 /// A longer file was not written by this program.
@@ -27,7 +27,7 @@ const HISTORY: &str = "-history";
 
 /// A change that was made.
 #[derive(Clone, Debug)]
-pub struct PastStep {
+pub(crate) struct PastStep {
     /// What it is called.
     pub label: String,
     /// The project before it.
@@ -36,22 +36,22 @@ pub struct PastStep {
 
 /// The changes in the order in which they were made.
 #[derive(Clone, Debug, Default)]
-pub struct Past(VecDeque<PastStep>);
+pub(super) struct Past(VecDeque<PastStep>);
 
 impl Past {
     /// These changes, the oldest first; of very many the last ones.
-    pub fn of_steps(steps: Vec<PastStep>) -> Self {
+    pub(super) fn of_steps(steps: Vec<PastStep>) -> Self {
         let surplus = steps.len().saturating_sub(KEPT);
         Self(steps.into_iter().skip(surplus).collect())
     }
 
     /// The changes, the oldest first.
-    pub fn into_steps(self) -> impl Iterator<Item = PastStep> {
+    pub(super) fn into_steps(self) -> impl Iterator<Item = PastStep> {
         self.0.into_iter()
     }
 
     /// Notes that a project became another one. One that comes back to an earlier state takes the changes since then away.
-    pub fn note(&mut self, label: &str, before: &Project, after: &Project) {
+    pub(super) fn note(&mut self, label: &str, before: &Project, after: &Project) {
         if label == UNDONE
             && let Some(at) = self
                 .0
@@ -70,7 +70,7 @@ impl Past {
     }
 
     /// Notes what a journal says that was done since a project was saved, whose rows have the journal's layout.
-    pub fn replay(
+    pub(super) fn replay(
         &mut self,
         saved: &Project,
         (mut rows, version): (Rows, u32),
@@ -95,7 +95,7 @@ impl Past {
 
     /// Writes the file of the changes that led to a project, whose own file has this hash. It is of use to undo alone: what fails is lost
     /// silently.
-    pub fn write(&self, path: &Path, now: &Project, sha256: &str, folder: &Path) {
+    pub(super) fn write(&self, path: &Path, now: &Project, sha256: &str, folder: &Path) {
         let saved = Entry::Saved {
             sha256: sha256.to_owned(),
             version: VERSION,
@@ -114,7 +114,7 @@ impl Past {
     }
 
     /// Reads the changes that led to the project in a file with this hash, of which these are the rows; none where that is not known.
-    pub fn read(
+    pub(super) fn read(
         path: &Path,
         (saved, mut rows): (&Project, Rows),
         sha256: &str,

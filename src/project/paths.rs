@@ -7,7 +7,7 @@ use std::fs;
 use std::path::{Component, Path, PathBuf};
 
 /// A path as text, from the project's folder. Both must be absolute, or start from the same folder.
-pub fn to_text(path: &Path, folder: &Path) -> String {
+pub(super) fn to_text(path: &Path, folder: &Path) -> String {
     let (path, folder) = (cleaned(path), cleaned(folder));
     let shared = (path.components().zip(folder.components()))
         .take_while(|(one, other)| one == other)
@@ -25,24 +25,24 @@ pub fn to_text(path: &Path, folder: &Path) -> String {
 }
 
 /// The path that a text means, in the project's folder.
-pub fn from_text(text: &str, folder: &Path) -> PathBuf {
+pub(super) fn from_text(text: &str, folder: &Path) -> PathBuf {
     // Joined to an absolute path, that one counts.
     cleaned(&folder.join(decoded(text)))
 }
 
 /// The last name of a path, whichever separator wrote it.
-pub fn name_of(text: &str) -> &str {
+pub(super) fn name_of(text: &str) -> &str {
     text.rsplit(['/', '\\']).next().unwrap_or(text)
 }
 
 /// A name of a path's text as the system's.
-pub fn name_from_text(text: &str) -> PathBuf {
+pub(super) fn name_from_text(text: &str) -> PathBuf {
     decoded(name_of(text))
 }
 
 /// A path as it is kept: absolute, its folder by its own name and not by a link, so that the way from one file to another is the same
 /// however they were opened.
-pub fn placed(path: &Path) -> PathBuf {
+pub(super) fn placed(path: &Path) -> PathBuf {
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let folder = path
         .parent()
@@ -63,7 +63,7 @@ fn text_of(path: &Path) -> String {
 }
 
 /// `.` left out and `..` taken back where the text allows it; no link is looked at.
-pub fn cleaned(path: &Path) -> PathBuf {
+pub(super) fn cleaned(path: &Path) -> PathBuf {
     let mut clean = PathBuf::new();
     for part in path.components() {
         match part {

@@ -13,7 +13,7 @@ const DEEPEST: usize = 16;
 /// The full name of a line: `log.pond-3f9a2c41.box.17`. Lines lie in the file in the order of their keys, by section, numbers by their
 /// value.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Key {
+pub(crate) struct Key {
     parts: Vec<String>,
     /// How many of them the heading of the section has.
     section: usize,
@@ -21,7 +21,7 @@ pub struct Key {
 
 /// A line's value, on one line, and where it was read.
 #[derive(Clone, Debug)]
-pub struct Row {
+pub(super) struct Row {
     /// The value as TOML.
     pub text: String,
     /// Line of the file, from 1; 0 of what was not read from it.
@@ -36,11 +36,11 @@ impl PartialEq for Row {
 }
 
 /// The lines of a project by their keys.
-pub type Rows = BTreeMap<Key, Row>;
+pub(super) type Rows = BTreeMap<Key, Row>;
 
 impl Row {
     /// A row that was not read.
-    pub fn new(value: &Value) -> Self {
+    pub(super) fn new(value: &Value) -> Self {
         Self {
             text: one_line(value),
             line: 0,
@@ -51,14 +51,14 @@ impl Row {
     ///
     /// # Errors
     /// When its text is no value.
-    pub fn value(&self) -> Result<Value, ValueError> {
+    pub(super) fn value(&self) -> Result<Value, ValueError> {
         parse_value(&self.text)
     }
 }
 
 impl Key {
     /// A key of these parts, of which one may have the name of an earlier version: files, journals and histories are read through this.
-    pub fn new<T: Into<String>>(parts: impl IntoIterator<Item = T>) -> Self {
+    pub(crate) fn new<T: Into<String>>(parts: impl IntoIterator<Item = T>) -> Self {
         let mut parts: Vec<String> = parts.into_iter().map(Into::into).collect();
         let group = match parts.first().map(String::as_str) {
             Some("settings") => 1,
@@ -79,22 +79,22 @@ impl Key {
     }
 
     /// All its parts.
-    pub fn parts(&self) -> Vec<&str> {
+    pub(crate) fn parts(&self) -> Vec<&str> {
         self.parts.iter().map(String::as_str).collect()
     }
 
     /// The heading that it stands under, without brackets; empty above the first.
-    pub fn section(&self) -> String {
+    pub(crate) fn section(&self) -> String {
         joined(&self.parts[..self.section])
     }
 
     /// What stands before the `=`.
-    pub fn name(&self) -> String {
+    pub(crate) fn name(&self) -> String {
         joined(&self.parts[self.section..])
     }
 
     /// Reads a dotted key.
-    pub fn parse(text: &str) -> Option<Vec<String>> {
+    pub(crate) fn parse(text: &str) -> Option<Vec<String>> {
         let mut parts = Vec::new();
         let mut rest = text.trim();
         loop {
@@ -145,7 +145,7 @@ fn closing_quote(text: &str) -> Option<usize> {
 }
 
 /// Splits a line at the `=` behind its key.
-pub fn split(line: &str) -> Option<(Vec<String>, &str)> {
+pub(super) fn split(line: &str) -> Option<(Vec<String>, &str)> {
     let mut from = 0;
     // A quoted part of the key may hold one, too.
     while let Some(at) = line[from..].find(['=', '"']).map(|at| at + from) {
@@ -223,7 +223,7 @@ fn by_part(one: &str, other: &str) -> Ordering {
 
 /// A text that is no value.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum ValueError {
+pub(super) enum ValueError {
     /// It may be one, but would be read one level after the other.
     #[error("it holds lists within lists")]
     TooDeep,
@@ -236,7 +236,7 @@ pub enum ValueError {
 ///
 /// # Errors
 /// When it is no TOML, or goes too deep.
-pub fn parse_value(text: &str) -> Result<Value, ValueError> {
+pub(super) fn parse_value(text: &str) -> Result<Value, ValueError> {
     // The reader of the format calls itself for what lies inside.
     let opened = text.bytes().scan(0_usize, |depth, byte| {
         match byte {
@@ -253,7 +253,7 @@ pub fn parse_value(text: &str) -> Result<Value, ValueError> {
 }
 
 /// A value as TOML on one line, the same whenever the value is the same.
-pub fn one_line(value: &Value) -> String {
+pub(super) fn one_line(value: &Value) -> String {
     let mut text = String::new();
     write_value(&mut text, value);
     text

@@ -14,7 +14,7 @@ use toml::{Table, Value};
 
 mod read;
 
-pub use read::read;
+pub(crate) use read::read;
 
 /// Settings that are paths: they are written from the project's folder.
 const PATH_KEYS: [&str; 4] = [
@@ -55,13 +55,13 @@ const EXCLUDED_FIELDS: [&str; 2] = ["last", "reason"];
 const SEARCHED_FIELDS: [&str; 2] = ["end", "model"];
 
 /// All lines of a project in a folder.
-pub fn of(project: &Project, folder: &Path) -> Rows {
+pub(super) fn of(project: &Project, folder: &Path) -> Rows {
     differing(project, None, folder)
 }
 
 /// What changes in the lines of a project from one version to another: rows that are new or other, and the keys of those that are
 /// gone. What the versions share is not looked at.
-pub fn changes(before: &Project, after: &Project, folder: &Path) -> (Rows, Vec<Key>) {
+pub(super) fn changes(before: &Project, after: &Project, folder: &Path) -> (Rows, Vec<Key>) {
     let old = differing(before, Some(after), folder);
     let mut new = differing(after, Some(before), folder);
     let gone = old.keys().filter(|key| !new.contains_key(key)).cloned();

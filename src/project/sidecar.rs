@@ -24,7 +24,7 @@ fn bottom_path(log: &Path) -> PathBuf {
 /// Bottom edits beside a log that cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot use the bottom edits: {what}: {}", path.display())]
-pub struct BottomFileError {
+pub(crate) struct BottomFileError {
     /// What is wrong with them.
     #[source]
     pub what: BottomFault,
@@ -34,7 +34,7 @@ pub struct BottomFileError {
 
 /// What is wrong with bottom edits in a file.
 #[derive(Debug, thiserror::Error)]
-pub enum BottomFault {
+pub(crate) enum BottomFault {
     /// The system does not give it.
     #[error(transparent)]
     Io(#[from] io::Error),
@@ -50,7 +50,10 @@ pub enum BottomFault {
 }
 
 /// Reads what was drawn on a log, if anything was.
-pub fn read_bottom(log: &Path, survey: &Survey) -> Option<Result<BottomSettings, BottomFileError>> {
+pub(crate) fn read_bottom(
+    log: &Path,
+    survey: &Survey,
+) -> Option<Result<BottomSettings, BottomFileError>> {
     let path = bottom_path(log);
     let found = fs::metadata(&path).ok();
     found.filter(|found| found.is_file())?;

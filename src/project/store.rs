@@ -20,16 +20,16 @@ use std::fs::{self, File};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-pub use super::lock::Owner;
+pub(crate) use super::lock::Owner;
 
 /// End of a project's file name.
-pub const ENDING: &str = "bathyscope";
+pub(crate) const ENDING: &str = "bathyscope";
 /// What the journal's name has more than the project's.
 const JOURNAL: &str = "-journal";
 
 /// Why a project cannot be opened or saved, in one sentence that ends with the file.
 #[derive(Debug, thiserror::Error)]
-pub enum StoreError {
+pub(crate) enum StoreError {
     /// It cannot be read.
     #[error("cannot read the project: {source}: {}", .path.display())]
     Read {
@@ -80,7 +80,7 @@ pub enum StoreError {
 
 /// A project that was opened.
 #[derive(Debug)]
-pub struct Opened {
+pub(crate) struct Opened {
     /// Where it is kept from now on.
     pub store: Store,
     /// What is in it, with the gestures that were not saved.
@@ -93,7 +93,7 @@ pub struct Opened {
 
 /// Where an open project is kept. Dropped, it leaves the journal where something in it is not saved.
 #[derive(Debug)]
-pub struct Store {
+pub(crate) struct Store {
     path: PathBuf,
     /// Gone only while it is being dropped.
     journal: Option<Journal>,
@@ -111,7 +111,7 @@ pub struct Store {
 ///
 /// # Errors
 /// A sentence when it cannot be read or makes no sense.
-pub fn read(path: &Path) -> Result<Project, StoreError> {
+pub(crate) fn read(path: &Path) -> Result<Project, StoreError> {
     let (text, _) = text_of(path)?;
     Project::from_text(&text, &folder_of(path)).map_err(|source| StoreError::Text {
         path: path.to_owned(),
@@ -124,7 +124,7 @@ impl Store {
     ///
     /// # Errors
     /// When it cannot be read, makes no sense, is open elsewhere, or lies where nothing can be written.
-    pub fn open(path: &Path) -> Result<Opened, StoreError> {
+    pub(crate) fn open(path: &Path) -> Result<Opened, StoreError> {
         // The file itself is renamed into place, whatever link leads to it, and has one journal.
         let path = fs::canonicalize(path).map_err(|source| StoreError::Read {
             path: path.to_owned(),
@@ -202,7 +202,7 @@ impl Store {
     /// # Errors
     /// When another window has it open, when it is a log or not called `NAME.bathyscope`, or when it cannot be written.
     #[cfg(any(test, feature = "bench"))]
-    pub fn create(path: &Path, project: &Project) -> Result<Self, StoreError> {
+    pub(crate) fn create(path: &Path, project: &Project) -> Result<Self, StoreError> {
         Self::create_with_past(path, project, Vec::new())
     }
 
@@ -210,7 +210,7 @@ impl Store {
     ///
     /// # Errors
     /// As [`Store::create`].
-    pub fn create_with_past(
+    pub(crate) fn create_with_past(
         path: &Path,
         project: &Project,
         past: Vec<PastStep>,
@@ -256,17 +256,17 @@ impl Store {
     }
 
     /// The file.
-    pub fn path(&self) -> &Path {
+    pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 
     /// The folder that paths in it start from.
-    pub fn folder(&self) -> PathBuf {
+    pub(crate) fn folder(&self) -> PathBuf {
         folder_of(&self.path)
     }
 
     /// Whether the file holds another version than this one.
-    pub fn is_unsaved(&self, project: &Project) -> bool {
+    pub(crate) fn is_unsaved(&self, project: &Project) -> bool {
         self.saved.as_ref() != Some(project)
     }
 
@@ -275,7 +275,7 @@ impl Store {
     ///
     /// # Errors
     /// When it cannot be written; the next call tries again with all that is missing.
-    pub fn record(&mut self, project: &Project, label: &str) -> Result<(), StoreError> {
+    pub(crate) fn record(&mut self, project: &Project, label: &str) -> Result<(), StoreError> {
         let (set, gone) = rows::changes(&self.recorded, project, &self.folder());
         if !set.is_empty() || !gone.is_empty() {
             let entry = Entry::done(label, &set, &gone);
@@ -298,7 +298,7 @@ impl Store {
     /// # Errors
     /// When another program has changed the file, or it cannot be written; what was done stays in the journal.
     #[cfg(any(test, feature = "bench"))]
-    pub fn save(&mut self, project: &Project) -> Result<(), StoreError> {
+    pub(crate) fn save(&mut self, project: &Project) -> Result<(), StoreError> {
         let saving = self.begin_save(project)?;
         self.end_save(saving.write())
     }
@@ -309,7 +309,7 @@ impl Store {
     ///
     /// # Errors
     /// When the journal cannot be written.
-    pub fn begin_save(&mut self, project: &Project) -> Result<Saving, StoreError> {
+    pub(crate) fn begin_save(&mut self, project: &Project) -> Result<Saving, StoreError> {
         self.record(project, "save")?;
         self.saving(project, Some(self.sha256.clone()))
     }
@@ -318,7 +318,7 @@ impl Store {
     ///
     /// # Errors
     /// Why it was not.
-    pub fn end_save(&mut self, written: Written) -> Result<(), StoreError> {
+    pub(crate) fn end_save(&mut self, written: Written) -> Result<(), StoreError> {
         let Written {
             result,
             sha256,
@@ -368,7 +368,7 @@ impl Store {
 
     /// Leaves the project. What was done since it was saved stays in the journal for the next time if `keep`, or is forgotten.
     #[cfg(any(test, feature = "bench"))]
-    pub fn close(mut self, keep: bool) {
+    pub(crate) fn close(mut self, keep: bool) {
         if !keep && let Some(journal) = self.journal.take() {
             journal.remove();
         }
@@ -377,7 +377,7 @@ impl Store {
 
 /// A project that is to be written into its file.
 #[derive(Debug)]
-pub struct Saving {
+pub(crate) struct Saving {
     path: PathBuf,
     /// Hash that the file has unless another program changed it.
     expected: Option<String>,
@@ -390,7 +390,7 @@ pub struct Saving {
 
 /// What became of a [`Saving`].
 #[derive(Debug)]
-pub struct Written {
+pub(crate) struct Written {
     result: Result<(), StoreError>,
     sha256: String,
     project: Project,
@@ -398,7 +398,7 @@ pub struct Written {
 
 impl Saving {
     /// Writes it: aside, kept by the disk, renamed.
-    pub fn write(self) -> Written {
+    pub(crate) fn write(self) -> Written {
         Written {
             result: self.try_write(),
             sha256: self.sha256,

@@ -7,7 +7,7 @@ use crate::survey::Side;
 use change::Change;
 use std::process::Command;
 
-pub mod change;
+pub(super) mod change;
 mod changes;
 
 /// A log of so many pings that needs no file.

@@ -6,18 +6,18 @@ use super::row::{Key, Row, Rows, one_line, parse_value, split};
 use toml::Value;
 
 /// Bytes of the longest file that is read.
-pub const LONGEST: u64 = 256 << 20;
+pub(super) const LONGEST: u64 = 256 << 20;
 /// Lines with a value that are read at most: a survey of fifty logs has some thousand.
 const MOST_ROWS: usize = 2_000_000;
 /// Bytes of the longest line that is read.
 const LONGEST_LINE: usize = 4 << 20;
 /// The line that makes the file a project, with the number of its layout.
-pub const MARK: &str = "bathyscope";
+pub(super) const MARK: &str = "bathyscope";
 
 const HEAD: &str = "# A survey of Bathyscope: one line is one decision. `bathyscope manual` tells what the lines mean.\n";
 
 /// The file's text.
-pub fn write(rows: &Rows) -> String {
+pub(super) fn write(rows: &Rows) -> String {
     let mut text = HEAD.to_owned();
     text.push_str(&format!("{MARK} = {VERSION}\n"));
     let mut section = String::new();
@@ -34,12 +34,12 @@ pub fn write(rows: &Rows) -> String {
 }
 
 /// One line of a journal, `full.key = value`.
-pub fn write_row(key: &Key, row: &Row) -> String {
+pub(super) fn write_row(key: &Key, row: &Row) -> String {
     format!("{key} = {}", row.text)
 }
 
 /// Reads what [`write_row`] wrote.
-pub fn read_row(line: &str) -> Option<(Key, Row)> {
+pub(super) fn read_row(line: &str) -> Option<(Key, Row)> {
     let (parts, value) = split(line)?;
     let value = parse_value(value).ok()?;
     Some((Key::new(parts), Row::new(&value)))
@@ -49,7 +49,7 @@ pub fn read_row(line: &str) -> Option<(Key, Row)> {
 ///
 /// # Errors
 /// A sentence with the line that cannot be read, or that a newer program is needed.
-pub fn read(text: &str) -> Result<Rows, ProjectError> {
+pub(super) fn read(text: &str) -> Result<Rows, ProjectError> {
     let (rows, version) = read_as_written(text)?;
     Ok(migrate(rows, version, VERSION))
 }
@@ -58,7 +58,7 @@ pub fn read(text: &str) -> Result<Rows, ProjectError> {
 ///
 /// # Errors
 /// When the text is no project, or one of a newer version.
-pub fn read_as_written(text: &str) -> Result<(Rows, u32), ProjectError> {
+pub(super) fn read_as_written(text: &str) -> Result<(Rows, u32), ProjectError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     // First of all: of a newer file nothing else need make sense here.
     let version = version(text)?;

@@ -6,7 +6,7 @@
 use std::f64::consts::{FRAC_PI_2, LN_2, LN_10, PI, SQRT_2};
 
 /// Natural logarithm of a positive normal number.
-pub fn ln(x: f64) -> f64 {
+pub(super) fn ln(x: f64) -> f64 {
     let bits = x.to_bits();
     let mut exponent = ((bits >> 52) & 0x7ff) as f64 - 1023.0;
     let mut mantissa = f64::from_bits((bits & 0x000f_ffff_ffff_ffff) | 0x3ff0_0000_0000_0000);
@@ -22,7 +22,7 @@ pub fn ln(x: f64) -> f64 {
 }
 
 /// e to the power of `x`; 0 below -700, and `x` is taken as 700 above it.
-pub fn exp(x: f64) -> f64 {
+pub(super) fn exp(x: f64) -> f64 {
     if x < -700.0 {
         return 0.0;
     }
@@ -37,17 +37,17 @@ pub fn exp(x: f64) -> f64 {
 }
 
 /// 10 to the power of `decibel / 10`.
-pub fn from_db(decibel: f64) -> f64 {
+pub(super) fn from_db(decibel: f64) -> f64 {
     exp(decibel * (LN_10 / 10.0))
 }
 
 /// Ten times the decimal logarithm of a positive number.
-pub fn to_db(power: f64) -> f64 {
+pub(super) fn to_db(power: f64) -> f64 {
     ln(power) * (10.0 / LN_10)
 }
 
 /// Sine of an angle in radians.
-pub fn sin(x: f64) -> f64 {
+pub(super) fn sin(x: f64) -> f64 {
     let half_turns = (x / PI).round();
     let r = x - half_turns * PI;
     let q = r * r;
@@ -61,12 +61,12 @@ pub fn sin(x: f64) -> f64 {
 }
 
 /// Cosine of an angle in radians.
-pub fn cos(x: f64) -> f64 {
+pub(super) fn cos(x: f64) -> f64 {
     sin(x + FRAC_PI_2)
 }
 
 /// Arc tangent, radians.
-pub fn atan(x: f64) -> f64 {
+pub(super) fn atan(x: f64) -> f64 {
     // Three halvings of the angle bring the argument below 0.2.
     let halved = |x: f64| x / (1.0 + (1.0 + x * x).sqrt());
     let s = halved(halved(halved(x)));
@@ -76,7 +76,7 @@ pub fn atan(x: f64) -> f64 {
 }
 
 /// Direction of the vector (`east`, `north`), radians clockwise from north, 0 to 2 pi; 0 for the zero vector.
-pub fn bearing(east: f64, north: f64) -> f64 {
+pub(super) fn bearing(east: f64, north: f64) -> f64 {
     let length = (east * east + north * north).sqrt();
     if length == 0.0 {
         return 0.0;

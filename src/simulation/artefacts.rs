@@ -10,7 +10,7 @@ use std::f64::consts::{LN_10, PI};
 
 /// What is wrong with one ping.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Trouble {
+pub(super) struct Trouble {
     /// Factor on the power of every echo.
     pub gain: f64,
     /// Roll to starboard, radians.
@@ -27,7 +27,7 @@ pub struct Trouble {
 
 /// A fish that one side shows in a row of pings.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Fish {
+pub(super) struct Fish {
     pub side: Side,
     /// First ping of the row.
     pub first_ping: u64,
@@ -55,14 +55,14 @@ const FISH_SPEED_MPS: f64 = 0.3;
 
 impl Fish {
     /// Slant range over water of a depth, metres: the arch that a point makes on the picture of a boat that passes it.
-    pub fn range_m(&self, depth_m: f64) -> f64 {
+    pub(super) fn range_m(&self, depth_m: f64) -> f64 {
         let abeam_m = self.depth_share * depth_m + self.outward_m;
         (abeam_m * abeam_m + self.ahead_m * self.ahead_m).sqrt()
     }
 }
 
 /// The plan for a survey.
-pub struct Plan<'a> {
+pub(super) struct Plan<'a> {
     scene: &'a Scene,
     seed: u64,
     wander: Field,
@@ -77,7 +77,7 @@ pub struct Plan<'a> {
 
 impl<'a> Plan<'a> {
     /// Draws where along the way things go wrong.
-    pub fn new(scene: &'a Scene, path: &Path, seed: u64) -> Self {
+    pub(super) fn new(scene: &'a Scene, path: &Path, seed: u64) -> Self {
         let mut random = Random::new(seed, Purpose::Plan, 0);
         let length_m = path.length_m();
         let change = random.between(0.5, 0.75);
@@ -94,7 +94,7 @@ impl<'a> Plan<'a> {
     }
 
     /// How far a fix is off at a time, metres east and north.
-    pub fn position_error_m(&self, time_s: f64) -> [f64; 2] {
+    pub(super) fn position_error_m(&self, time_s: f64) -> [f64; 2] {
         // Two rows of the field that have nothing in common.
         [0.0, 100.0 * DRIFT_S].map(|row| {
             let since_first = self.drift.at(time_s, row) - self.drift.at(0.0, row);
@@ -103,7 +103,7 @@ impl<'a> Plan<'a> {
     }
 
     /// What is wrong with a ping at a time and a place along the way.
-    pub fn at(&self, ping: u64, time_s: f64, travelled_m: f64) -> Trouble {
+    pub(super) fn at(&self, ping: u64, time_s: f64, travelled_m: f64) -> Trouble {
         let artefacts = &self.scene.artefacts;
         let share = travelled_m / self.length_m;
         let [from, to] = self.range_change;
@@ -182,12 +182,12 @@ impl<'a> Plan<'a> {
 }
 
 /// Ring-down power at a slant range: a fast and a slow decay.
-pub fn ring_down(range_m: f64) -> f64 {
+pub(super) fn ring_down(range_m: f64) -> f64 {
     2e-2 * exp(-range_m / 0.035) + 4e-6 * exp(-range_m / 0.12)
 }
 
 /// Share of the power left after absorption over a slant range, there and back.
-pub fn absorption(db_per_km: f64, range_m: f64) -> f64 {
+pub(super) fn absorption(db_per_km: f64, range_m: f64) -> f64 {
     exp(-2.0 * db_per_km * 1e-3 * range_m * LN_10 / 10.0)
 }
 

@@ -7,7 +7,7 @@ use std::f64::consts::{FRAC_PI_2, LN_2};
 /// The side beam in numbers that the rays need.
 ///
 /// One way, its gain is `G = 2^-((phi - axis) / half width)^2`, with `phi` the angle from the vertical.
-pub struct Beam {
+pub(super) struct Beam {
     /// Angle of the axis from the vertical, radians.
     axis_rad: f64,
     half_width_rad: f64,
@@ -26,10 +26,10 @@ const HALF_POWER: f64 = 2.354_82;
 
 impl Beam {
     /// Weights of the three rays along the track, with the nodes 0 and +-sqrt(3) standard deviations (Gauss-Hermite).
-    pub const RAY_WEIGHTS: [f64; 3] = [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0];
+    pub(super) const RAY_WEIGHTS: [f64; 3] = [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0];
 
     /// The beam of a recorder that listens up to `range_m`.
-    pub fn new(recorder: &RecorderSettings, range_m: f64) -> Self {
+    pub(super) fn new(recorder: &RecorderSettings, range_m: f64) -> Self {
         let azimuth_rad = recorder.beam_azimuth_deg.to_radians();
         let mut steps_m = vec![0.0];
         let mut at = 0.0;
@@ -47,18 +47,18 @@ impl Beam {
     }
 
     /// Two-way gain in a direction from the vertical.
-    pub fn two_way_gain(&self, phi_rad: f64) -> f64 {
+    pub(super) fn two_way_gain(&self, phi_rad: f64) -> f64 {
         let off = (phi_rad - self.axis_rad) / self.half_width_rad;
         exp(-2.0 * LN_2 * off * off)
     }
 
     /// Standard deviation of the two-way beam along the track at a slant range, metres.
-    pub fn spread_at_m(&self, range_m: f64) -> f64 {
+    pub(super) fn spread_at_m(&self, range_m: f64) -> f64 {
         self.azimuth_rad / HALF_POWER * range_m
     }
 
     /// Distance along the track between the middle and an outer ray where they meet the ground, metres.
-    pub fn outer_ray_m(&self, across_m: f64, depth_m: f64) -> f64 {
+    pub(super) fn outer_ray_m(&self, across_m: f64, depth_m: f64) -> f64 {
         self.spread * (across_m * across_m + depth_m * depth_m).sqrt()
     }
 }

@@ -61,7 +61,7 @@ struct Swell {
 }
 
 /// The ground without its objects. Places are metres from the scene's centre.
-pub struct Bed {
+pub(super) struct Bed {
     mean_depth_m: f64,
     swells: Vec<Swell>,
     roughness: Vec<(Field, f64)>,
@@ -93,7 +93,7 @@ const PATCHES: (f64, f64) = (7.0, 0.45);
 
 impl Bed {
     /// The ground of a scene; the seed places its swells and bumps.
-    pub fn new(settings: &BedSettings, seed: u64) -> Self {
+    pub(super) fn new(settings: &BedSettings, seed: u64) -> Self {
         let character = settings.kind.character();
         let mut random = Random::new(seed, Purpose::Swells, 0);
         let slope = tangent(character.slope_deg);
@@ -139,7 +139,7 @@ impl Bed {
     }
 
     /// A level, even ground at the mean depth, to set levels on.
-    pub fn level(settings: &BedSettings) -> Self {
+    pub(super) fn level(settings: &BedSettings) -> Self {
         Self {
             swells: Vec::new(),
             roughness: Vec::new(),
@@ -155,7 +155,7 @@ impl Bed {
     }
 
     /// Depth of the ground below the water surface, metres; negative on land.
-    pub fn depth_m(&self, east_m: f64, north_m: f64) -> f64 {
+    pub(super) fn depth_m(&self, east_m: f64, north_m: f64) -> f64 {
         let mut depth = self.mean_depth_m;
         for swell in &self.swells {
             let angle = swell.wave[0] * east_m + swell.wave[1] * north_m + swell.phase;
@@ -187,7 +187,7 @@ impl Bed {
     }
 
     /// How strongly the place scatters, as a factor of mean about 1.
-    pub fn strength(&self, east_m: f64, north_m: f64) -> f64 {
+    pub(super) fn strength(&self, east_m: f64, north_m: f64) -> f64 {
         let texture = self.texture_spread * self.texture.at(east_m, north_m);
         let patches = self.patch_spread * self.patches.at(east_m, north_m);
         let variance =

@@ -14,7 +14,7 @@ impl Scene {
     ///
     /// # Errors
     /// One sentence about the first setting that is out of bounds.
-    pub fn check(&self) -> Result<(), SceneError> {
+    pub(crate) fn check(&self) -> Result<(), SceneError> {
         self.check_ground()?;
         self.check_track()?;
         self.check_recorder()?;

@@ -13,7 +13,7 @@ use super::weed::Weed;
 use super::world::backscatter;
 
 /// Echoes that one side of one ping received, before losses, gain and noise.
-pub struct Echo {
+pub(super) struct Echo {
     /// `sum of sigma G^2 azimuth ds` of each range sample, square metres at 1 m; times `r^-3` and absorption it is power.
     pub power: Vec<f64>,
     /// Slant range of the nearest ground in the plane across the boat's heading, metres; NaN where there is none.
@@ -28,7 +28,7 @@ pub struct Echo {
 
 /// An object as one ping insonified it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ObjectEcho {
+pub(super) struct ObjectEcho {
     /// Index of the object.
     pub object: usize,
     /// Slant range of the nearest point of its visible surface, metres.
@@ -48,7 +48,7 @@ const WEED_DB: f64 = -18.0;
 
 impl Listener<'_> {
     /// Follows the ground outward.
-    pub fn receive(&self) -> Echo {
+    pub(super) fn receive(&self) -> Echo {
         let mut echo = Echo {
             power: vec![0.0; self.samples],
             first_return_m: f64::NAN,

@@ -4,7 +4,7 @@ use super::arithmetic::atan;
 use super::listener::Listener;
 
 /// The ground as the rays meet it, one entry per step of the beam as far as there is water and range.
-pub struct Ground {
+pub(super) struct Ground {
     /// Depth along the ray behind, the middle ray and the ray ahead, metres.
     pub depth_m: [Vec<f64>; 3],
     /// Two-way gain of the beam towards the ground.
@@ -16,7 +16,7 @@ pub struct Ground {
 }
 
 /// The ground without the objects on it, and how high each of them heights over it.
-pub struct Bare {
+pub(super) struct Bare {
     /// Depth along the three rays, metres.
     depth_m: [Vec<f64>; 3],
     /// Scattering strength of the ground.
@@ -30,7 +30,7 @@ pub struct Bare {
 }
 
 /// Where the rays meet an object.
-pub struct ObjectHeights {
+pub(super) struct ObjectHeights {
     /// Index of the object.
     pub object: usize,
     /// Steps of each ray, and the object's height above the ground there, metres.
@@ -42,7 +42,7 @@ const SHORE_M: f64 = 0.05;
 
 impl Listener<'_> {
     /// Looks at the ground along the three rays; `None` on land.
-    pub fn bare(&self, objects: &[usize], reach_m: f64) -> Option<Bare> {
+    pub(super) fn bare(&self, objects: &[usize], reach_m: f64) -> Option<Bare> {
         let under_boat_m = self.world.depth_m(self.pose.east_m, self.pose.north_m);
         if under_boat_m <= SHORE_M {
             return None;
@@ -88,7 +88,7 @@ impl Listener<'_> {
     }
 
     /// The ground with the objects on it but for one.
-    pub fn ground(&self, bare: &Bare, missing: Option<usize>) -> Ground {
+    pub(super) fn ground(&self, bare: &Bare, missing: Option<usize>) -> Ground {
         let mut depth_m = bare.depth_m.clone();
         let mut strength = bare.strength.clone();
         let heights = || (bare.heights.iter()).filter(|above| Some(above.object) != missing);

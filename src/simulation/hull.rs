@@ -3,7 +3,7 @@
 use super::random::Random;
 
 /// The hull of a small boat; its bow points along the heading.
-pub struct Hull {
+pub(super) struct Hull {
     keel_up: bool,
     /// How much higher one side stands than the other, as a share of the height; signed.
     list: f64,
@@ -26,7 +26,7 @@ const KEEL_M: f64 = 0.05;
 
 impl Hull {
     /// A hull of random make and pose.
-    pub fn new(random: &mut Random) -> Self {
+    pub(super) fn new(random: &mut Random) -> Self {
         let keel_up = random.chance(0.4);
         let forward = random.between(-0.1, 0.1);
         Self {
@@ -48,7 +48,7 @@ impl Hull {
     }
 
     /// Height at a place as a share of the whole height. `side_m` is the width of the outer side's slope.
-    pub fn share(&self, along_m: f64, across_m: f64, size_m: [f64; 2], side_m: f64) -> f64 {
+    pub(super) fn share(&self, along_m: f64, across_m: f64, size_m: [f64; 2], side_m: f64) -> f64 {
         let [half_length, half_width] = size_m.map(|size| 0.5 * size);
         let (u, v) = (along_m / half_length, across_m / half_width);
         let beam_m = self.outline(u.clamp(-1.0, 1.0)) * half_width;

@@ -14,7 +14,7 @@ struct Limb {
 }
 
 /// Members that together make an object.
-pub struct Limbs {
+pub(super) struct Limbs {
     limbs: Vec<Limb>,
     /// Height of the thickest member, metres.
     top_m: f64,
@@ -60,7 +60,7 @@ impl Limbs {
     /// A trunk that tapers and bends, with stout branches on both sides and often its root plate. `height_m` is the diameter
     /// of its thick end; the width holds the branches. All this is what tells a tree from a pipe: a bare trunk looks like
     /// one, to a person as to a network, so scenes hold none.
-    pub fn log(length_m: f64, width_m: f64, height_m: f64, random: &mut Random) -> Self {
+    pub(super) fn log(length_m: f64, width_m: f64, height_m: f64, random: &mut Random) -> Self {
         let thick = 0.5 * height_m;
         let tip = thick * random.between(0.25, 0.5);
         let bend = random.between(-0.3, 0.3) * width_m;
@@ -107,7 +107,7 @@ impl Limbs {
     }
 
     /// A body on its back or face: head, torso, and limbs in any pose. `height_m` is the height of the torso.
-    pub fn body(length_m: f64, width_m: f64, height_m: f64, random: &mut Random) -> Self {
+    pub(super) fn body(length_m: f64, width_m: f64, height_m: f64, random: &mut Random) -> Self {
         let scale = length_m / 1.7;
         let at = |along: f64, across: f64| [along * scale, across * scale];
         let torso = 0.5 * height_m;
@@ -159,7 +159,7 @@ impl Limbs {
     }
 
     /// Height at a place along and across the object as a share of its whole height.
-    pub fn share(&self, along_m: f64, across_m: f64) -> f64 {
+    pub(super) fn share(&self, along_m: f64, across_m: f64) -> f64 {
         let heights = self
             .limbs
             .iter()

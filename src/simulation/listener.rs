@@ -6,7 +6,7 @@ use super::world::World;
 use crate::survey::Side;
 
 /// One listening side at one place.
-pub struct Listener<'a> {
+pub(super) struct Listener<'a> {
     pub world: &'a World,
     pub beam: &'a Beam,
     pub pose: Pose,
@@ -23,7 +23,7 @@ pub struct Listener<'a> {
 
 impl Listener<'_> {
     /// The place `across_m` to this side and `along_m` ahead of the boat.
-    pub fn place(&self, across_m: f64, along_m: f64) -> [f64; 2] {
+    pub(super) fn place(&self, across_m: f64, along_m: f64) -> [f64; 2] {
         let [east, north] = self.forward;
         let across_m = match self.side {
             Side::Starboard => across_m,

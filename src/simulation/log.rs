@@ -41,7 +41,7 @@ impl Run<'_> {
     }
 
     /// All frames in the order in which the recorder would write them; takes the side-scan bytes out of the pings.
-    pub fn frames(&self, received: &mut [ReceivedPing]) -> Vec<Sl2Frame> {
+    pub(super) fn frames(&self, received: &mut [ReceivedPing]) -> Vec<Sl2Frame> {
         let mut log = Log::default();
         let every = u64::from(self.scene.recorder.sonar_every.max(1));
         let mut depth_m = 0.0;

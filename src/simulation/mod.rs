@@ -47,30 +47,30 @@ mod visibility;
 mod weed;
 mod world;
 
-pub use object_kind::ObjectKind;
+pub(crate) use object_kind::ObjectKind;
 #[cfg(any(test, feature = "bench"))]
-pub use scene::Artefacts;
+pub(crate) use scene::Artefacts;
 #[cfg(any(test, feature = "bench"))]
-pub use scene::Bank;
+pub(crate) use scene::Bank;
 #[cfg(any(test, feature = "bench"))]
-pub use scene::BedKind;
+pub(crate) use scene::BedKind;
 #[cfg(any(test, feature = "bench"))]
-pub use scene::BedSettings;
+pub(crate) use scene::BedSettings;
 #[cfg(any(test, feature = "bench"))]
-pub use scene::Curve;
+pub(crate) use scene::Curve;
 #[cfg(any(test, feature = "bench"))]
-pub use scene::Mound;
+pub(crate) use scene::Mound;
 #[cfg(any(test, feature = "bench"))]
-pub use scene::ObjectSettings;
+pub(crate) use scene::ObjectSettings;
 #[cfg(any(test, feature = "bench"))]
-pub use scene::RecorderSettings;
-pub use scene::Scene;
+pub(crate) use scene::RecorderSettings;
+pub(crate) use scene::Scene;
 #[cfg(any(test, feature = "bench"))]
-pub use scene::Terrace;
+pub(crate) use scene::Terrace;
 #[cfg(any(test, feature = "bench"))]
-pub use scene::TrackSettings;
-pub use simulate::{Simulated, simulate};
-pub use training_scene::{TrainingPlace, TrainingScene, training_scene, training_seed};
-pub use truth::ObjectPass;
+pub(crate) use scene::TrackSettings;
+pub(crate) use simulate::{Simulated, simulate};
+pub(crate) use training_scene::{TrainingPlace, TrainingScene, training_scene, training_seed};
+pub(crate) use truth::ObjectPass;
 #[cfg(any(test, feature = "bench"))]
-pub use truth::PingTruth;
+pub(crate) use truth::PingTruth;

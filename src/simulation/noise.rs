@@ -3,7 +3,7 @@
 use super::random::{Purpose, mix};
 
 /// Value noise: random numbers on a square lattice, smoothly interpolated between its points.
-pub struct Field {
+pub(super) struct Field {
     key: u64,
     per_metre: f64,
 }
@@ -14,7 +14,7 @@ const SPREAD: f64 = 0.4288;
 
 impl Field {
     /// A field with lattice points `spacing_m` apart.
-    pub fn new(seed: u64, purpose: Purpose, spacing_m: f64) -> Self {
+    pub(super) fn new(seed: u64, purpose: Purpose, spacing_m: f64) -> Self {
         Self {
             key: mix(seed ^ mix(purpose as u64)),
             per_metre: 1.0 / spacing_m,
@@ -22,7 +22,7 @@ impl Field {
     }
 
     /// Value at a place: mean 0, standard deviation 1, never beyond 2.4.
-    pub fn at(&self, east_m: f64, north_m: f64) -> f64 {
+    pub(super) fn at(&self, east_m: f64, north_m: f64) -> f64 {
         let (x, y) = (east_m * self.per_metre, north_m * self.per_metre);
         let (column, row) = (x.floor(), y.floor());
         let (u, v) = (smooth(x - column), smooth(y - row));
@@ -45,7 +45,7 @@ impl Field {
 }
 
 /// Smooth step: 0 at 0, 1 at 1, flat at both ends; held beyond them.
-pub fn smooth(t: f64) -> f64 {
+pub(super) fn smooth(t: f64) -> f64 {
     let t = t.clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }

@@ -9,7 +9,7 @@ use super::shape::{SIDE_M, Shape};
 use std::f64::consts::PI;
 
 /// An object in its place.
-pub struct PlacedObject {
+pub(super) struct PlacedObject {
     /// What and where.
     pub settings: ObjectSettings,
     /// Radius of the circle that holds it, metres.
@@ -37,7 +37,7 @@ impl PlacedObject {
     }
 
     /// Height of the object's surface above the ground at a place, metres; 0 beside it.
-    pub fn height_m(&self, east_m: f64, north_m: f64) -> f64 {
+    pub(super) fn height_m(&self, east_m: f64, north_m: f64) -> f64 {
         let object = &self.settings;
         let (east, north) = (east_m - object.east_m, north_m - object.north_m);
         if east * east + north * north > self.reach_m * self.reach_m {
@@ -52,7 +52,7 @@ impl PlacedObject {
 }
 
 /// All objects of the scene: those it names, then those scattered beside the lines.
-pub fn place(scene: &Scene, path: &Path, seed: u64) -> Vec<PlacedObject> {
+pub(super) fn place(scene: &Scene, path: &Path, seed: u64) -> Vec<PlacedObject> {
     let mut random = Random::new(seed, Purpose::Objects, 0);
     let scattered = (0..scene.scattered_objects).map(|_| scatter(path, &mut random));
     let all: Vec<ObjectSettings> = scene.objects.iter().cloned().chain(scattered).collect();

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 /// Where the boat is, and where it heads.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pose {
+pub(super) struct Pose {
     /// Metres east of the scene's centre.
     pub east_m: f64,
     /// Metres north of the scene's centre.
@@ -18,12 +18,12 @@ pub struct Pose {
 
 impl Pose {
     /// Unit vector (east, north) forward.
-    pub fn forward(&self) -> [f64; 2] {
+    pub(super) fn forward(&self) -> [f64; 2] {
         [sin(self.heading_rad), cos(self.heading_rad)]
     }
 
     /// Where the antenna is while the transducer is here.
-    pub fn antenna(self, mounting: &MountingSettings) -> Self {
+    pub(super) fn antenna(self, mounting: &MountingSettings) -> Self {
         let [forward_e, forward_n] = self.forward();
         let (forward_m, right_m) = (mounting.forward_m, mounting.right_m);
         Self {
@@ -43,14 +43,14 @@ struct Leg {
 }
 
 /// The whole way.
-pub struct Path {
+pub(super) struct Path {
     legs: Vec<Leg>,
     length_m: f64,
 }
 
 impl Path {
     /// The way through all lines, then all cross lines.
-    pub fn new(track: &TrackSettings) -> Self {
+    pub(super) fn new(track: &TrackSettings) -> Self {
         let corners = corners(track);
         let mut path = Self {
             legs: Vec::new(),
@@ -118,12 +118,12 @@ impl Path {
     }
 
     /// Length of the whole way, metres.
-    pub fn length_m(&self) -> f64 {
+    pub(super) fn length_m(&self) -> f64 {
         self.length_m
     }
 
     /// Where the boat is after `travelled_m` metres (held at both ends).
-    pub fn at(&self, travelled_m: f64) -> Pose {
+    pub(super) fn at(&self, travelled_m: f64) -> Pose {
         let mut rest = travelled_m.clamp(0.0, self.length_m);
         for leg in &self.legs {
             if rest <= leg.length_m {

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 /// What a stream of random numbers is for; part of its seed, so that no two purposes share numbers.
 #[derive(Clone, Copy)]
-pub enum Purpose {
+pub(super) enum Purpose {
     Bumps = 1,
     Canopy,
     Dropouts,
@@ -35,55 +35,55 @@ pub enum Purpose {
 }
 
 /// SplitMix64 (Steele, Lea and Flood 2014): small, fast, and good enough for pictures.
-pub struct Random(u64);
+pub(super) struct Random(u64);
 
 impl Random {
     /// The stream of one purpose; `index` distinguishes pings (or whatever else there are many of).
-    pub fn new(seed: u64, purpose: Purpose, index: u64) -> Self {
+    pub(super) fn new(seed: u64, purpose: Purpose, index: u64) -> Self {
         Self(mix(mix(seed ^ mix(purpose as u64)).wrapping_add(index)))
     }
 
     /// 64 random bits.
-    pub fn bits(&mut self) -> u64 {
+    pub(super) fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         mix(self.0)
     }
 
     /// Uniform between 0 and 1, neither included.
-    pub fn unit(&mut self) -> f64 {
+    pub(super) fn unit(&mut self) -> f64 {
         ((self.bits() >> 12) as f64 + 0.5) / (1u64 << 52) as f64
     }
 
     /// Uniform between two numbers.
-    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+    pub(super) fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
     }
 
     /// True with a probability.
-    pub fn chance(&mut self, probability: f64) -> bool {
+    pub(super) fn chance(&mut self, probability: f64) -> bool {
         self.unit() < probability
     }
 
     /// Two independent normal numbers of mean 0 and variance 1 (Box and Muller).
-    pub fn normal_pair(&mut self) -> [f64; 2] {
+    pub(super) fn normal_pair(&mut self) -> [f64; 2] {
         let radius = (-2.0 * ln(self.unit())).sqrt();
         let angle = 2.0 * PI * self.unit();
         [radius * cos(angle), radius * sin(angle)]
     }
 
     /// A normal number of mean 0 and variance 1.
-    pub fn normal(&mut self) -> f64 {
+    pub(super) fn normal(&mut self) -> f64 {
         self.normal_pair()[0]
     }
 
     /// An exponential number of mean 1: the power of a fully developed echo.
-    pub fn exponential(&mut self) -> f64 {
+    pub(super) fn exponential(&mut self) -> f64 {
         -ln(self.unit())
     }
 }
 
 /// SplitMix64's output function: every bit of the input changes about half of the output's.
-pub fn mix(mut z: u64) -> u64 {
+pub(super) fn mix(mut z: u64) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     z ^ (z >> 31)

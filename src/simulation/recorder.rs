@@ -15,7 +15,7 @@ use crate::survey::Side;
 use std::ops::Range;
 
 /// The receiver, with its tables for one recorded range.
-pub struct Receiver<'a> {
+pub(super) struct Receiver<'a> {
     scene: &'a Scene,
     pub beam: Beam,
     pub range_m: f64,
@@ -58,11 +58,11 @@ const FILTER: [f64; 5] = [
 const FILTER_NORM: f64 = 1.331_311_443_697_662;
 /// Samples that share one grain of speckle: the sum over all lags of the correlation of the power, which is the square of
 /// that of `FILTER`.
-pub const GRAIN: f32 = 2.485;
+pub(super) const GRAIN: f32 = 2.485;
 
 impl<'a> Receiver<'a> {
     /// The receiver of a scene at one recorded range; its level is set on a level bottom at the scene's mean depth.
-    pub fn new(scene: &'a Scene, range_m: f64) -> Self {
+    pub(super) fn new(scene: &'a Scene, range_m: f64) -> Self {
         let recorder = &scene.recorder;
         let samples = recorder.samples_per_side as usize;
         let metres_per_sample = range_m / samples as f64;
@@ -117,7 +117,7 @@ impl<'a> Receiver<'a> {
     }
 
     /// What one side receives at a place.
-    pub fn listen(&self, world: &World, pose: Pose, side: Side, roll_rad: f64) -> Echo {
+    pub(super) fn listen(&self, world: &World, pose: Pose, side: Side, roll_rad: f64) -> Echo {
         let listener = Listener {
             world,
             beam: &self.beam,
@@ -151,7 +151,7 @@ impl<'a> Receiver<'a> {
 
     /// By how much the mean levels of a ping differ for an object: its power as it is, and as it would be without the
     /// object. The second echo, fish and glints are left out; both have them.
-    pub fn trace(
+    pub(super) fn trace(
         &self,
         [with, without]: [&[f64]; 2],
         trouble: &Trouble,
@@ -195,7 +195,7 @@ impl<'a> Receiver<'a> {
     }
 
     /// The bytes of one side, nearest first; `fish` are the slant ranges (metres) and strengths (dB) of fish.
-    pub fn record(
+    pub(super) fn record(
         &self,
         echo: &Echo,
         trouble: &Trouble,
@@ -355,7 +355,7 @@ fn pulse(deviation_samples: f64) -> Vec<f64> {
 }
 
 /// The stream of a side's speckle in one ping.
-pub fn speckle_stream(seed: u64, ping: u64, side: Side) -> Random {
+pub(super) fn speckle_stream(seed: u64, ping: u64, side: Side) -> Random {
     let side = match side {
         Side::Port => 0,
         Side::Starboard => 1,

@@ -12,7 +12,7 @@ const PATCH_M: (f64, f64) = (6.0, 2.5);
 const BEND: f64 = 0.25;
 
 /// Ripples over the ground.
-pub struct Ripples {
+pub(super) struct Ripples {
     amplitude_m: f64,
     /// Radians per metre east and north.
     wave: [f64; 2],
@@ -22,7 +22,7 @@ pub struct Ripples {
 
 impl Ripples {
     /// Ripples whose patches and bends come from the seed.
-    pub fn new(settings: &RippleSettings, seed: u64) -> Self {
+    pub(super) fn new(settings: &RippleSettings, seed: u64) -> Self {
         let number = 2.0 * PI / settings.wavelength_m;
         let direction = settings.heading_deg.to_radians();
         Self {
@@ -34,7 +34,7 @@ impl Ripples {
     }
 
     /// Height of the ripples at a place, metres; the mean is 0.
-    pub fn height_m(&self, east_m: f64, north_m: f64) -> f64 {
+    pub(super) fn height_m(&self, east_m: f64, north_m: f64) -> f64 {
         let share = smooth(0.8 + 0.8 * self.patches.at(east_m, north_m));
         if share == 0.0 {
             return 0.0;
@@ -49,7 +49,7 @@ impl Ripples {
 
 impl Mound {
     /// How much higher the ground is at a place, metres.
-    pub fn height_at_m(&self, east_m: f64, north_m: f64) -> f64 {
+    pub(crate) fn height_at_m(&self, east_m: f64, north_m: f64) -> f64 {
         let (east, north) = (east_m - self.east_m, north_m - self.north_m);
         let off = (east * east + north * north) / (self.radius_m * self.radius_m);
         self.height_m * exp(-0.5 * off)
@@ -58,7 +58,7 @@ impl Mound {
 
 impl Pit {
     /// How much lower the ground is at a place, metres; negative on the rim, where what was scoured out lies.
-    pub fn depth_at_m(&self, east_m: f64, north_m: f64) -> f64 {
+    pub(crate) fn depth_at_m(&self, east_m: f64, north_m: f64) -> f64 {
         let (east, north) = (east_m - self.east_m, north_m - self.north_m);
         let off = (east * east + north * north) / (self.radius_m * self.radius_m);
         if off < 1.0 {

@@ -8,7 +8,7 @@ use super::random::{Purpose, Random};
 use super::scene::ObjectSettings;
 
 /// The shape of one object, with what its seed has drawn.
-pub enum Shape {
+pub(super) enum Shape {
     /// A rounded boulder with bumps.
     Rock(Field),
     /// Steep sides, flat top.
@@ -24,11 +24,11 @@ pub enum Shape {
 }
 
 /// Width of steep sides, metres: steep, but wide enough to be met by the rays.
-pub const SIDE_M: f64 = 0.04;
+pub(super) const SIDE_M: f64 = 0.04;
 
 impl Shape {
     /// The shape of an object; the seed draws its bumps, branches or pose.
-    pub fn new(object: &ObjectSettings, seed: u64) -> Self {
+    pub(super) fn new(object: &ObjectSettings, seed: u64) -> Self {
         let (length, width, height) = (object.length_m, object.width_m, object.height_m);
         let mut random = Random::new(seed, Purpose::Shape, 0);
         match object.kind {
@@ -46,7 +46,13 @@ impl Shape {
 
     /// Height as a share of the object's whole height at a place `along_m` and `across_m` from its centre, `offset` from it
     /// to the east and north.
-    pub fn share(&self, along_m: f64, across_m: f64, size_m: [f64; 2], offset: [f64; 2]) -> f64 {
+    pub(super) fn share(
+        &self,
+        along_m: f64,
+        across_m: f64,
+        size_m: [f64; 2],
+        offset: [f64; 2],
+    ) -> f64 {
         let [length_m, width_m] = size_m;
         // Distances from the centre in half lengths and half widths.
         let (u, v) = (2.0 * along_m / length_m, 2.0 * across_m / width_m);

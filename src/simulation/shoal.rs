@@ -11,11 +11,11 @@ use crate::survey::Side;
 const BEAM_REACH: f64 = 3.0;
 
 /// The places of a shoal's fish: metres east, north and below the surface, and the strength of each, dB.
-pub struct Fishes(Vec<([f64; 3], f64)>);
+pub(super) struct Fishes(Vec<([f64; 3], f64)>);
 
 impl Fishes {
     /// Places the fish of a shoal: dense in the middle, twice as wide as high.
-    pub fn new(shoal: &Shoal, seed: u64) -> Self {
+    pub(super) fn new(shoal: &Shoal, seed: u64) -> Self {
         let mut random = Random::new(seed, Purpose::Shoal, 0);
         let fish = (0..shoal.count).map(|_| {
             let [east, north] = random.normal_pair();
@@ -31,7 +31,13 @@ impl Fishes {
     }
 
     /// Slant ranges (metres) and strengths (dB) of the fish that one side insonifies.
-    pub fn echoes(&self, pose: Pose, side: Side, beam: &Beam, depth_m: f64) -> Vec<[f64; 2]> {
+    pub(super) fn echoes(
+        &self,
+        pose: Pose,
+        side: Side,
+        beam: &Beam,
+        depth_m: f64,
+    ) -> Vec<[f64; 2]> {
         let [east, north] = pose.forward();
         let echoes = self.0.iter().filter_map(|&(at, strength_db)| {
             let (de, dn) = (at[0] - pose.east_m, at[1] - pose.north_m);

@@ -41,7 +41,11 @@ const CHUNK: usize = 64;
 ///
 /// # Errors
 /// When `progress` was cancelled.
-pub fn simulate(scene: &Scene, seed: u64, progress: &Progress) -> Result<Simulated, Cancelled> {
+pub(crate) fn simulate(
+    scene: &Scene,
+    seed: u64,
+    progress: &Progress,
+) -> Result<Simulated, Cancelled> {
     let run = Run::new(scene, seed);
     let count = run.ping_count();
     progress.start(count);
@@ -109,7 +113,7 @@ impl Simulated {
 }
 
 /// Everything that pings share.
-pub struct Run<'a> {
+pub(super) struct Run<'a> {
     pub scene: &'a Scene,
     pub seed: u64,
     path: Path,
@@ -123,7 +127,7 @@ pub struct Run<'a> {
 }
 
 /// One recorded ping.
-pub struct ReceivedPing {
+pub(super) struct ReceivedPing {
     /// Counts all pings, the missing ones included.
     pub ping: u64,
     pub truth: PingTruth,
@@ -177,11 +181,11 @@ impl<'a> Run<'a> {
     }
 
     /// Recorded time of a ping, whole milliseconds.
-    pub fn milliseconds(&self, ping: u64) -> i32 {
+    pub(super) fn milliseconds(&self, ping: u64) -> i32 {
         (ping as f64 * 1000.0 / self.scene.track.ping_rate_hz).round() as i32
     }
 
-    pub fn pose_at(&self, time_s: f64) -> Pose {
+    pub(super) fn pose_at(&self, time_s: f64) -> Pose {
         self.path.at(time_s * self.scene.track.speed_mps)
     }
 
@@ -282,7 +286,7 @@ impl<'a> Run<'a> {
     }
 
     /// True depth under the boat at a ping.
-    pub fn true_depth_m(&self, ping: u64) -> f64 {
+    pub(super) fn true_depth_m(&self, ping: u64) -> f64 {
         let pose = self.pose_at(f64::from(self.milliseconds(ping)) / 1000.0);
         self.world.depth_m(pose.east_m, pose.north_m)
     }
@@ -401,7 +405,7 @@ fn side_truth(echo: &Echo) -> SideTruth {
 }
 
 /// Whole Lowrance Mercator metres of a place in the scene's frame.
-pub fn mercator(frame: &LocalFrame, pose: Pose) -> [i32; 2] {
+pub(super) fn mercator(frame: &LocalFrame, pose: Pose) -> [i32; 2] {
     lowrance_mercator(frame.to_lon_lat(pose.east_m, pose.north_m))
         .map(|metres| metres.round() as i32)
 }

@@ -16,15 +16,15 @@ const HEADING: u16 = 0x0100;
 const REPEATED: u16 = 0x0008;
 
 /// The recorder's channel number of the composite side-scan; channels up to it have a "last frame" field in each header.
-pub const COMPOSITE: u16 = 5;
+pub(super) const COMPOSITE: u16 = 5;
 /// The recorder's channel number of the primary sonar.
-pub const PRIMARY: u16 = 0;
+pub(super) const PRIMARY: u16 = 0;
 /// The recorder's channel number of the down-scan.
-pub const DOWN_SCAN: u16 = 2;
+pub(super) const DOWN_SCAN: u16 = 2;
 
 /// A fix as the recorder writes it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WrittenFix {
+pub(super) struct WrittenFix {
     /// Lowrance Mercator metres east and north.
     pub mercator: [i32; 2],
     pub course_rad: f64,
@@ -35,7 +35,7 @@ pub struct WrittenFix {
 
 /// A frame before it has a place in the file.
 #[derive(Clone, Debug)]
-pub struct Sl2Frame {
+pub(super) struct Sl2Frame {
     pub channel: u16,
     /// Counts the pings of the channel.
     pub index: u32,
@@ -53,7 +53,11 @@ pub struct Sl2Frame {
 ///
 /// # Errors
 /// When writing fails, or when a frame or the file is larger than the format's fields can say.
-pub fn write(frames: &[Sl2Frame], start_unix_s: u32, out: &mut impl Write) -> io::Result<()> {
+pub(super) fn write(
+    frames: &[Sl2Frame],
+    start_unix_s: u32,
+    out: &mut impl Write,
+) -> io::Result<()> {
     out.write_all(&FILE_HEADER)?;
     let mut writer = Writer {
         offset: FILE_HEADER.len() as u32,

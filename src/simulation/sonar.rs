@@ -5,7 +5,7 @@ use super::random::{Purpose, Random};
 use crate::survey::ChannelKind;
 
 /// The bytes of one echogram column, nearest first, over `range_m` metres with the bottom at `depth_m`.
-pub fn echogram(
+pub(super) fn echogram(
     kind: ChannelKind,
     samples: usize,
     range_m: f64,

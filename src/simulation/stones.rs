@@ -11,20 +11,20 @@ const RADIUS_M: (f64, f64) = (0.08, 0.28);
 const HEIGHT_SHARE: f64 = 0.6;
 
 /// Strewn stones.
-pub struct Stones {
+pub(super) struct Stones {
     key: u64,
 }
 
 impl Stones {
     /// Stones whose places and sizes come from the seed.
-    pub fn new(seed: u64) -> Self {
+    pub(super) fn new(seed: u64) -> Self {
         Self {
             key: mix(seed ^ mix(Purpose::Stones as u64)),
         }
     }
 
     /// Height of a stone's surface above the ground at a place, metres; 0 between stones.
-    pub fn height_m(&self, east_m: f64, north_m: f64) -> f64 {
+    pub(super) fn height_m(&self, east_m: f64, north_m: f64) -> f64 {
         let (column, row) = ((east_m / CELL_M).floor(), (north_m / CELL_M).floor());
         let place = (column as i64 as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15)
             ^ (row as i64 as u64).wrapping_mul(0xc2b2_ae3d_27d4_eb4f);

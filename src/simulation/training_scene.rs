@@ -12,7 +12,7 @@ use strewn::{Strip, objects, pits, shoals, weed_clumps};
 
 /// A random survey, and where to cut pictures out of it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct TrainingScene {
+pub(crate) struct TrainingScene {
     /// The survey.
     pub scene: Scene,
     /// The pictures.
@@ -21,7 +21,7 @@ pub struct TrainingScene {
 
 /// A place on one side of a survey, whatever its size in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TrainingPlace {
+pub(crate) struct TrainingPlace {
     /// The side.
     pub side: Side,
     /// Where the picture starts along the track, of all places where it can start: 0 to 1.
@@ -35,14 +35,14 @@ const SPARE_M: f64 = 4.0;
 
 /// The seed of a scene: the `index`th of a part of a dataset (training, validation, test). No scene of one part is one of
 /// another, and a part's first scenes are the same however many follow.
-pub fn training_seed(dataset_seed: u64, part: u64, index: u64) -> u64 {
+pub(crate) fn training_seed(dataset_seed: u64, part: u64, index: u64) -> u64 {
     mix(mix(mix(dataset_seed).wrapping_add(part)).wrapping_add(index))
 }
 
 /// A random survey along one line, straight or gently turning, that holds `looks` pictures of `look_m` metres along the
 /// track: depth 1.2 to 6 m, range 8 to 30 m, any bed, up to thirteen objects of all kinds and what is mistaken for them. The
 /// same seed gives the same scene.
-pub fn training_scene(seed: u64, looks: usize, look_m: f64) -> TrainingScene {
+pub(crate) fn training_scene(seed: u64, looks: usize, look_m: f64) -> TrainingScene {
     let mut random = Random::new(seed, Purpose::Training, 0);
     let rows = looks.div_ceil(2).max(1);
     let length_m = rows as f64 * look_m + SPARE_M;

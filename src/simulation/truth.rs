@@ -134,7 +134,7 @@ impl ObjectPass {
 const PASS_GAP: usize = 3;
 
 /// Adds what one ping recorded of an object to its sightings.
-pub fn note(sightings: &mut Vec<ObjectPass>, ping: usize, side: Side, seen: &ObjectEcho) {
+pub(super) fn note(sightings: &mut Vec<ObjectPass>, ping: usize, side: Side, seen: &ObjectEcho) {
     let pass = sightings.iter_mut().rev().find(|pass| pass.side == side);
     match pass.filter(|pass| ping - pass.last_ping <= PASS_GAP) {
         Some(pass) => {
@@ -169,7 +169,7 @@ pub fn note(sightings: &mut Vec<ObjectPass>, ping: usize, side: Side, seen: &Obj
 
 /// Writes one line per recorded ping:
 /// `ping,time_s,lon,lat,east_m,north_m,heading_deg,depth_m,metres_per_sample,port_range_m,port_weed,starboard_range_m,starboard_weed`.
-pub fn write_pings(pings: &[PingTruth], out: &mut impl Write) -> io::Result<()> {
+pub(super) fn write_pings(pings: &[PingTruth], out: &mut impl Write) -> io::Result<()> {
     writeln!(
         out,
         "ping,time_s,lon,lat,east_m,north_m,heading_deg,depth_m,metres_per_sample,\
@@ -200,7 +200,7 @@ pub fn write_pings(pings: &[PingTruth], out: &mut impl Write) -> io::Result<()> 
 /// `object,kind,lon,lat,east_m,north_m,length_m,width_m,height_m,heading_deg,side,first_ping,last_ping,near_m,far_m,shadow_start_m,shadow_end_m,box_first_ping,box_last_ping,box_near_m,box_far_m,shown`.
 /// The box holds what a picture shows of echo and shadow, so what a detector should propose; `visibility` is 0 where that is
 /// nothing ([`ObjectPass::shown`]). `count` pings were recorded.
-pub fn write_objects(
+pub(super) fn write_objects(
     objects: &[ObjectTruth],
     count: usize,
     out: &mut impl Write,

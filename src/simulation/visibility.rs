@@ -10,7 +10,7 @@ use std::ops::Range;
 
 /// By how much one ping's levels differ for an object.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Trace {
+pub(super) struct Trace {
     /// Index of the object.
     pub object: usize,
     /// The side that insonified it.
@@ -69,7 +69,11 @@ const TRIMMED: f64 = 0.01;
 
 /// What the pings of one pass show; `None` where nothing stands out. `rows` are pings, in their order, and what stands out
 /// in them; `spacing_m` lies between two pings, and `grain` neighbouring samples have one speckle.
-pub fn visible_part(rows: &[(usize, &Trace)], spacing_m: f64, grain: f32) -> Option<VisiblePart> {
+pub(super) fn visible_part(
+    rows: &[(usize, &Trace)],
+    spacing_m: f64,
+    grain: f32,
+) -> Option<VisiblePart> {
     let (first, last) = (rows.first()?, rows.last()?);
     let metres_per_sample = first.1.metres_per_sample;
     // A recorder that changes its range in the middle of an object shows it twice; the first scale is the one kept.

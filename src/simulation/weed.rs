@@ -5,7 +5,7 @@ use super::path::Path;
 use super::random::{Purpose, Random};
 
 /// A round bed of weed.
-pub struct Weed {
+pub(super) struct Weed {
     east_m: f64,
     north_m: f64,
     radius_m: f64,
@@ -23,7 +23,7 @@ const RIM_M: f64 = 1.0;
 
 impl Weed {
     /// A bed of a diameter (0 for none) somewhere on the way, away from its ends.
-    pub fn new(diameter_m: f64, path: &Path, seed: u64) -> Option<Self> {
+    pub(super) fn new(diameter_m: f64, path: &Path, seed: u64) -> Option<Self> {
         if diameter_m <= 0.0 {
             return None;
         }
@@ -33,7 +33,7 @@ impl Weed {
     }
 
     /// A bed of a diameter around a place (east and north, metres).
-    pub fn at([east_m, north_m]: [f64; 2], diameter_m: f64, seed: u64) -> Self {
+    pub(super) fn at([east_m, north_m]: [f64; 2], diameter_m: f64, seed: u64) -> Self {
         Self {
             east_m,
             north_m,
@@ -45,7 +45,7 @@ impl Weed {
     }
 
     /// Whether the bed comes within a distance of a place.
-    pub fn is_near(&self, east_m: f64, north_m: f64, distance_m: f64) -> bool {
+    pub(super) fn is_near(&self, east_m: f64, north_m: f64, distance_m: f64) -> bool {
         self.inside(east_m, north_m) > -distance_m
     }
 
@@ -62,7 +62,7 @@ impl Weed {
     }
 
     /// Height of the canopy above the ground, metres; 0 outside.
-    pub fn height_m(&self, east_m: f64, north_m: f64) -> f64 {
+    pub(super) fn height_m(&self, east_m: f64, north_m: f64) -> f64 {
         let inside = self.inside(east_m, north_m);
         if inside <= 0.0 {
             return 0.0;
@@ -74,7 +74,7 @@ impl Weed {
     }
 
     /// How densely the place is grown: 0 (a gap) to about 3.
-    pub fn density(&self, east_m: f64, north_m: f64) -> f64 {
+    pub(super) fn density(&self, east_m: f64, north_m: f64) -> f64 {
         let rim = smooth(self.inside(east_m, north_m) / RIM_M);
         rim * (1.0 + 0.9 * self.stems.at(east_m, north_m)).max(0.0)
     }

@@ -7,7 +7,7 @@ use super::path::Pose;
 use super::weed::Weed;
 
 /// Everything that echoes. Places are metres from the scene's centre.
-pub struct World {
+pub(super) struct World {
     pub bed: Bed,
     pub objects: Vec<PlacedObject>,
     pub weed: Vec<Weed>,
@@ -18,7 +18,7 @@ const WEED_LOSS: f64 = 0.25;
 
 impl World {
     /// Depth of the visible ground (objects included, weed not) below the water surface, metres.
-    pub fn depth_m(&self, east_m: f64, north_m: f64) -> f64 {
+    pub(super) fn depth_m(&self, east_m: f64, north_m: f64) -> f64 {
         let heights = self
             .objects
             .iter()
@@ -27,7 +27,7 @@ impl World {
     }
 
     /// What weed over a place leaves of the echo of the ground.
-    pub fn weed_loss(&self, east_m: f64, north_m: f64) -> f64 {
+    pub(super) fn weed_loss(&self, east_m: f64, north_m: f64) -> f64 {
         let grown = |weed: &Weed| weed.height_m(east_m, north_m) > 0.0;
         if self.weed.iter().any(grown) {
             WEED_LOSS
@@ -37,7 +37,7 @@ impl World {
     }
 
     /// Objects in a band across the boat's heading, `half_width_m` to both ends and `reach_m` to both sides.
-    pub fn objects_across(&self, pose: Pose, half_width_m: f64, reach_m: f64) -> Vec<usize> {
+    pub(super) fn objects_across(&self, pose: Pose, half_width_m: f64, reach_m: f64) -> Vec<usize> {
         let [east, north] = pose.forward();
         let objects = self.objects.iter().enumerate();
         let met = objects.filter(|(_, object)| {
@@ -53,7 +53,7 @@ impl World {
 /// Scattering per unit of area at an angle of incidence `th` given by the square of its cosine: Lambert's law with
 /// Mackenzie's -27 dB where `power` is 2, and near-normal facets that slope by 7 degrees,
 /// `10^-2.7 cos^power th + 10^-1.2 exp(-tan^2 th / (2 tan^2 7 deg))`.
-pub fn backscatter(cos_squared: f64, power: f64) -> f64 {
+pub(super) fn backscatter(cos_squared: f64, power: f64) -> f64 {
     const LAMBERT: f64 = 1.995_262_3e-3;
     const NORMAL: f64 = 6.309_573_4e-2;
     /// 2 tan^2(7 degrees).

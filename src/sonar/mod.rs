@@ -2,5 +2,5 @@
 //!
 //! In: a [`Survey`](crate::survey::Survey). Out: first returns and a calibration. It uses `survey` and `support`.
 
-pub mod calibration;
-pub mod first_return;
+pub(crate) mod calibration;
+pub(crate) mod first_return;

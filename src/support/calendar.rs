@@ -3,23 +3,23 @@
 use chrono::{DateTime, NaiveDateTime, SecondsFormat, Utc};
 
 /// The moment of some Unix seconds, to the nanosecond; what no calendar reaches is the epoch.
-pub fn moment(unix_s: f64) -> DateTime<Utc> {
+pub(crate) fn moment(unix_s: f64) -> DateTime<Utc> {
     let nanoseconds = (unix_s - unix_s.floor()) * 1e9;
     DateTime::from_timestamp(unix_s.floor() as i64, nanoseconds as u32).unwrap_or_default()
 }
 
 /// The date of some Unix seconds, `2014-09-08`.
-pub fn date(unix_s: f64) -> String {
+pub(crate) fn date(unix_s: f64) -> String {
     moment(unix_s).format("%F").to_string()
 }
 
 /// The time of day of some Unix seconds, whole seconds passed, `12:57:01`.
-pub fn time_of_day(unix_s: f64) -> String {
+pub(crate) fn time_of_day(unix_s: f64) -> String {
     moment(unix_s).format("%T").to_string()
 }
 
 /// Some Unix seconds as ISO 8601 writes them, `2014-09-08T12:57:01.250Z`.
-pub fn timestamp(unix_s: f64) -> String {
+pub(crate) fn timestamp(unix_s: f64) -> String {
     let moment = DateTime::from_timestamp_millis((unix_s * 1e3).round() as i64);
     let moment = moment.unwrap_or_default();
     moment.to_rfc3339_opts(SecondsFormat::Millis, true)
@@ -27,7 +27,7 @@ pub fn timestamp(unix_s: f64) -> String {
 
 /// Unix seconds of `2021-10-12T00:53:20.5Z`: a date, `T` or a space, hours and minutes, perhaps seconds, and perhaps `Z` or an
 /// offset as `+01:00`; UTC without one. `None` for anything else.
-pub fn unix_from_iso(text: &str) -> Option<f64> {
+pub(crate) fn unix_from_iso(text: &str) -> Option<f64> {
     const FORMS: [(&str, &str); 2] = [
         ("%Y-%m-%dT%H:%M:%S%.f", "%Y-%m-%dT%H:%M:%S%.f%:z"),
         ("%Y-%m-%dT%H:%M", "%Y-%m-%dT%H:%M%:z"),
@@ -44,7 +44,7 @@ pub fn unix_from_iso(text: &str) -> Option<f64> {
 }
 
 /// Unix seconds of a number, or of a text that [`unix_from_iso`] knows.
-pub fn unix_from_text(text: &str) -> Option<f64> {
+pub(crate) fn unix_from_text(text: &str) -> Option<f64> {
     let number = text
         .parse()
         .ok()

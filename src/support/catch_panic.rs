@@ -26,7 +26,7 @@ static REPORTING: Mutex<Reporting> = Mutex::new(Reporting::Not);
 
 /// Runs `work`; `None` when it panicked. For work that leaves nothing behind when it stops half way: what it borrowed mutably may be
 /// half changed.
-pub fn catch_panic<T>(work: impl FnOnce() -> T) -> Option<T> {
+pub(crate) fn catch_panic<T>(work: impl FnOnce() -> T) -> Option<T> {
     let outer = CATCHING.replace(true);
     let outcome = panic::catch_unwind(AssertUnwindSafe(work));
     CATCHING.set(outer);
@@ -36,14 +36,14 @@ pub fn catch_panic<T>(work: impl FnOnce() -> T) -> Option<T> {
 /// A panic: its cause, and its place in the source where that is known.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
-pub struct Panicked(pub String);
+pub(crate) struct Panicked(pub String);
 
 /// Runs all of a program's work. A panic becomes an error that names its cause, and its place in the source where the program's hook
 /// asked [`is_to_be_printed`].
 ///
 /// # Errors
 /// When it panicked.
-pub fn panic_as_error<T>(work: impl FnOnce() -> T) -> Result<T, Panicked> {
+pub(crate) fn panic_as_error<T>(work: impl FnOnce() -> T) -> Result<T, Panicked> {
     *reporting() = Reporting::Under(None);
     let outcome = panic::catch_unwind(AssertUnwindSafe(work));
     let first = match std::mem::take(&mut *reporting()) {

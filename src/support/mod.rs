@@ -4,11 +4,11 @@
 
 pub(crate) mod calendar;
 pub(crate) mod catch_panic;
-pub mod geo;
+pub(crate) mod geo;
 pub(crate) mod outline;
-pub mod presentation;
+pub(crate) mod presentation;
 pub(crate) mod printable;
-pub mod progress;
+pub(crate) mod progress;
 pub(crate) mod regular_file;
 pub(crate) mod sparse;
 pub(crate) mod statistics;

@@ -1,7 +1,7 @@
 //! Outlines on a plane.
 
 /// Whether a closed outline, whose first corner is its last one too, goes around a place: a ray to the east crosses it an odd number of times.
-pub fn goes_around(outline: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
+pub(crate) fn goes_around(outline: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
     let crosses = |step: &&[[f64; 2]]| {
         let [[x0, y0], [x1, y1]] = [step[0], step[1]];
         (y0 > y) != (y1 > y) && x < x0 + (y - y0) / (y1 - y0) * (x1 - x0)

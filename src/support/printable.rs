@@ -10,7 +10,7 @@ const END: usize = 300;
 
 /// One line of at most a thousand letters: line ends become spaces, what cannot be seen is written as its number (`\u{1b}`), and of
 /// what is longer the middle is left out.
-pub fn one_line(text: &str) -> String {
+pub(crate) fn one_line(text: &str) -> String {
     let mut line = String::with_capacity(text.len().min(4 * LONGEST));
     let mut words = text.split(is_line_end).map(str::trim);
     line.extend(words.next().map(shown));
@@ -23,7 +23,7 @@ pub fn one_line(text: &str) -> String {
 
 /// A name in a sentence: between “ and ” where it holds a space, so that it is seen where it ends, and that no `5 m` of it is taken for
 /// a figure.
-pub fn quoted(name: &str) -> String {
+pub(crate) fn quoted(name: &str) -> String {
     match name.contains(char::is_whitespace) {
         true => format!("“{name}”"),
         false => name.to_owned(),
@@ -31,14 +31,14 @@ pub fn quoted(name: &str) -> String {
 }
 
 /// As [`one_line`], for a text of several lines, each of which stays one. A table's columns stay where they are.
-pub fn lines(text: &str) -> String {
+pub(crate) fn lines(text: &str) -> String {
     let lines = text.split('\n');
     let lines = lines.map(|line| shortened(&shown(line.trim_end_matches('\r'))));
     lines.collect::<Vec<_>>().join("\n")
 }
 
 /// JSON that says the same and holds nothing that a terminal obeys: what the standard lets stand within strings is escaped.
-pub fn json(text: &str) -> String {
+pub(crate) fn json(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for letter in text.chars() {
         if is_shown(letter) || matches!(letter, '\n' | '\t') {
@@ -54,7 +54,7 @@ pub fn json(text: &str) -> String {
 }
 
 /// Text between the tags of an XML or HTML file: markup escaped, characters that XML 1.0 forbids left out.
-pub fn xml(text: &str) -> String {
+pub(crate) fn xml(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for letter in text.chars() {
         match letter {

@@ -3,11 +3,11 @@
 use std::cmp::Ordering;
 
 /// Ratio of the standard deviation of normal noise to its median absolute deviation.
-pub const SIGMA_PER_MAD: f64 = 1.4826;
+pub(crate) const SIGMA_PER_MAD: f64 = 1.4826;
 
 /// The 2nd and the 98th percentile of some values, which a few odd ones do not move: the ends of a scale of colours. `None` without any
 /// finite value.
-pub fn colour_ends(values: impl IntoIterator<Item = f32>) -> Option<[f32; 2]> {
+pub(crate) fn colour_ends(values: impl IntoIterator<Item = f32>) -> Option<[f32; 2]> {
     let finite = values.into_iter().filter(|value| value.is_finite());
     let mut values: Vec<f32> = finite.collect();
     let last = values.len().checked_sub(1)?;
@@ -19,7 +19,7 @@ pub fn colour_ends(values: impl IntoIterator<Item = f32>) -> Option<[f32; 2]> {
 }
 
 /// Median, the mean of the middle two of an even count; NaN for an empty slice. Reorders `values`.
-pub fn median(values: &mut [f64]) -> f64 {
+pub(crate) fn median(values: &mut [f64]) -> f64 {
     if values.is_empty() {
         return f64::NAN;
     }
@@ -34,7 +34,7 @@ pub fn median(values: &mut [f64]) -> f64 {
 
 /// The value at which half of the weight lies on either side: the mean of two neighbours where it falls between them, so that
 /// equal weights give the [`median`]; NaN for an empty slice. Each entry is a value and its weight, above 0. Sorts `values`.
-pub fn weighted_median(values: &mut [(f64, f64)]) -> f64 {
+pub(crate) fn weighted_median(values: &mut [(f64, f64)]) -> f64 {
     values.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
     let half = 0.5 * values.iter().map(|(_, weight)| weight).sum::<f64>();
     let mut below = 0.0;
@@ -54,7 +54,7 @@ pub fn weighted_median(values: &mut [(f64, f64)]) -> f64 {
 
 /// The middle one in the order of `compare`, the upper of the middle two of an even count: always one of the values.
 /// `None` for an empty slice. Reorders `values`.
-pub fn upper_median<T: Copy>(
+pub(crate) fn upper_median<T: Copy>(
     values: &mut [T],
     compare: impl FnMut(&T, &T) -> Ordering,
 ) -> Option<T> {
@@ -63,7 +63,7 @@ pub fn upper_median<T: Copy>(
 }
 
 /// Robust standard deviation about `centre`: 1.4826 times the median absolute deviation. Overwrites `values`.
-pub fn spread_about(values: &mut [f64], centre: f64) -> f64 {
+pub(crate) fn spread_about(values: &mut [f64], centre: f64) -> f64 {
     for value in values.iter_mut() {
         *value = (*value - centre).abs();
     }
@@ -72,7 +72,7 @@ pub fn spread_about(values: &mut [f64], centre: f64) -> f64 {
 
 /// The value below which a share (0 to 1) lies, linear between order statistics as numpy's default is; NaN for an empty
 /// slice. `sorted` ascends.
-pub fn quantile(sorted: &[f64], share: f64) -> f64 {
+pub(crate) fn quantile(sorted: &[f64], share: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else {
         return f64::NAN;
     };

@@ -7,7 +7,7 @@ use std::sync::Arc;
 /// A new version is written over the one before the last, which has all of it but what the last two steps added. Where that one is read
 /// still, the known entries are copied.
 #[derive(Debug)]
-pub struct Versions<T> {
+pub(crate) struct Versions<T> {
     /// The version made last, and how many of its first entries the one before has as well.
     last: Option<(Arc<Vec<T>>, usize)>,
     before: Option<Arc<Vec<T>>>,
@@ -24,12 +24,12 @@ impl<T> Default for Versions<T> {
 
 impl<T: Copy> Versions<T> {
     /// The first `kept` entries of `known`, and `added` behind them.
-    pub fn next(&mut self, known: &Arc<Vec<T>>, kept: usize, added: &[T]) -> Arc<Vec<T>> {
+    pub(crate) fn next(&mut self, known: &Arc<Vec<T>>, kept: usize, added: &[T]) -> Arc<Vec<T>> {
         self.next_changed(known, kept, added, |all| all.len())
     }
 
     /// As [`Versions::next`], with entries changed by `change`, which returns the first that it touched.
-    pub fn next_changed(
+    pub(crate) fn next_changed(
         &mut self,
         known: &Arc<Vec<T>>,
         kept: usize,

@@ -10,7 +10,7 @@ const FEWEST: usize = 20;
 
 /// Why a log makes no survey with the others.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Apart {
+pub(crate) enum Apart {
     /// It lies far from the others.
     Far {
         /// Distance to the nearest of them, metres.
@@ -37,7 +37,7 @@ impl std::fmt::Display for Apart {
 
 /// For each of some logs, why it makes no survey with the others. The survey is the logs near those of `known`, or, where none of these has
 /// a place, the near ones with most pings. One log is a survey, and so are logs that are all too short.
-pub fn apart(logs: &[&Survey], known: &[bool]) -> Vec<Option<Apart>> {
+pub(crate) fn apart(logs: &[&Survey], known: &[bool]) -> Vec<Option<Apart>> {
     let is_short = |log: &&Survey| log.side_scan.len() < FEWEST && log.soundings.len() < FEWEST;
     let pings = |log: usize| logs[log].side_scan.len();
     let long: Vec<usize> = (0..logs.len())

@@ -25,7 +25,7 @@ pub(super) const NEAREST_SOUNDING_S: f64 = 5.0;
 const LONGEST_LOSS: usize = 4096;
 
 /// Gives every ping the depth of the sounding nearest in time. Both are in time order.
-pub fn give_depths(pings: &mut [SidePing], soundings: &[Sounding]) {
+pub(crate) fn give_depths(pings: &mut [SidePing], soundings: &[Sounding]) {
     for ping in pings {
         let nearest = nearest_in_time(soundings, ping.time_s, |sounding| sounding.time_s)
             .map(|index| &soundings[index])
@@ -61,7 +61,7 @@ pub(super) fn mark_bottom_lock_from(soundings: &mut [Sounding], from: usize) -> 
 
 /// Sets [`Sounding::locked`]: false from the first to the last jump of a loss of the bottom, to the end of a log that ends
 /// in one, and on single glitches.
-pub fn mark_bottom_lock(soundings: &mut [Sounding]) {
+pub(crate) fn mark_bottom_lock(soundings: &mut [Sounding]) {
     for sounding in &mut *soundings {
         sounding.locked = true;
     }

@@ -4,7 +4,7 @@
 mod edit;
 mod verdict;
 
-pub use edit::LogPart;
+pub(crate) use edit::LogPart;
 
 use super::turn_rate::turn_rates_deg_s;
 use super::{Identity, Navigation, PingNav, Survey};

@@ -263,7 +263,7 @@ fn segments(places: &[Place], max_gap_s: f64) -> Vec<Range<usize>> {
 
 /// Smallest step between two recorded positions of a track, metres; 1 at most. A track along the lines that positions are rounded to is off by
 /// the same all along, however many fixes are averaged.
-pub fn position_resolution_m(track: &Track) -> f64 {
+pub(crate) fn position_resolution_m(track: &Track) -> f64 {
     resolution_m(&stays(track))
 }
 

@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 /// Heights of a water's surface, metres: that of the Dead Sea is -430, that of the highest lake 6400.
-pub const WATER_LEVELS_M: RangeInclusive<f64> = -1000.0..=10_000.0;
+pub(crate) const WATER_LEVELS_M: RangeInclusive<f64> = -1000.0..=10_000.0;
 
 /// Heights of the water's surface over the gauge's zero, at rising times.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -25,30 +25,30 @@ mod track;
 mod tracks_apart;
 mod turn_rate;
 
-pub use apart::{Apart, apart};
-pub use area::WaterArea;
-pub use bottom_lock::{give_depths, mark_bottom_lock};
-pub use echogram::{Echogram, EchogramPing};
-pub use exclusions::{
+pub(crate) use apart::{Apart, apart};
+pub(crate) use area::WaterArea;
+pub(crate) use bottom_lock::{give_depths, mark_bottom_lock};
+pub(crate) use echogram::{Echogram, EchogramPing};
+pub(crate) use exclusions::{
     ExcludedStretch, ExclusionReason, ExclusionSettings, Exclusions, LogPart, Stretch,
 };
-pub use fitted_track::position_resolution_m;
-pub use gauge::{Gauge, WATER_LEVELS_M};
-pub use growing::{Seam, SurveyVersions};
-pub use identity::Identity;
-pub use mounting::{MountingSettings, arm_in_words};
-pub use names::distinct_names;
-pub use navigation::{
+pub(crate) use fitted_track::position_resolution_m;
+pub(crate) use gauge::{Gauge, WATER_LEVELS_M};
+pub(crate) use growing::{Seam, SurveyVersions};
+pub(crate) use identity::Identity;
+pub(crate) use mounting::{MountingSettings, arm_in_words};
+pub(crate) use names::distinct_names;
+pub(crate) use navigation::{
     HeadingSettings, HeadingSource, Navigation, PingNav, PositionSettings, Projection, navigate,
     navigate_with,
 };
-pub use nearest::nearest_in_time;
-pub use position_shift::PositionShift;
-pub use relief::{AcrossTrack, Relief};
-pub use samples::{Bytes, Encoding, Order, Samples, SideSpan};
-pub use track::{ExternalTrack, Fix, ProjectedTrack, Track, TrackSettings};
-pub use tracks_apart::TracksApart;
-pub use turn_rate::turn_rates_deg_s;
+pub(crate) use nearest::nearest_in_time;
+pub(crate) use position_shift::PositionShift;
+pub(crate) use relief::{AcrossTrack, Relief};
+pub(crate) use samples::{Bytes, Encoding, Order, Samples, SideSpan};
+pub(crate) use track::{ExternalTrack, Fix, ProjectedTrack, Track, TrackSettings};
+pub(crate) use tracks_apart::TracksApart;
+pub(crate) use turn_rate::turn_rates_deg_s;
 
 use crate::support::geo::{LocalFrame, distance_m};
 use serde::{Deserialize, Serialize};

@@ -89,7 +89,10 @@ impl MountingSettings {
 }
 
 /// A lever arm in words, `1.2 m forward and 0.3 m to port`; the lengths as `length` writes them.
-pub fn arm_in_words([forward_m, right_m]: [f64; 2], length: impl Fn(f64) -> String) -> String {
+pub(crate) fn arm_in_words(
+    [forward_m, right_m]: [f64; 2],
+    length: impl Fn(f64) -> String,
+) -> String {
     let part = |metres: f64, [positive, negative]: [&str; 2]| {
         let way = if metres > 0.0 { positive } else { negative };
         (metres != 0.0).then(|| format!("{} {way}", length(metres.abs())))

@@ -5,7 +5,7 @@ use std::path::Path;
 
 /// A name for each log: the stem of its file; where others have that too, the file name; where others have that too, with its folder; where
 /// others have even that, with a number. Recorders begin each card with `Rec00001`.
-pub fn distinct_names<'a>(logs: impl Iterator<Item = &'a Survey>) -> Vec<String> {
+pub(crate) fn distinct_names<'a>(logs: impl Iterator<Item = &'a Survey>) -> Vec<String> {
     let logs: Vec<&Survey> = logs.collect();
     let mut names: Vec<String> = logs.iter().map(|log| log.name()).collect();
     for longer in [file_name, with_folder] {

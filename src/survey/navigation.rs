@@ -144,7 +144,7 @@ impl Navigation {
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn navigate(
+pub(crate) fn navigate(
     survey: &Survey,
     settings: &HeadingSettings,
     projection: Projection,
@@ -187,7 +187,7 @@ pub struct PositionSettings<'a> {
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn navigate_with(
+pub(crate) fn navigate_with(
     survey: &Survey,
     positions: PositionSettings<'_>,
     progress: &Progress,

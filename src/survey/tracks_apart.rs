@@ -9,7 +9,7 @@ const PLACES: usize = 2000;
 
 /// Two tracks at the same times.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct TracksApart {
+pub(crate) struct TracksApart {
     /// Where the one and the other have the boat, at rising times.
     pub pairs: Vec<[LonLat; 2]>,
     /// The one track, in few enough places to draw in a frame.
@@ -20,7 +20,7 @@ pub struct TracksApart {
 
 impl TracksApart {
     /// Compares two tracks at some of `times_s`, evenly chosen, `most` of them; at times that only one covers there is no pair.
-    pub fn new(one: &Track, other: &Track, times_s: &[f64], most: usize) -> Self {
+    pub(crate) fn new(one: &Track, other: &Track, times_s: &[f64], most: usize) -> Self {
         let step = times_s.len().div_ceil(most.max(1)).max(1);
         let (one, other) = (moves(one), moves(other));
         let pairs: Vec<[LonLat; 2]> = times_s

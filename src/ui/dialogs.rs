@@ -119,28 +119,28 @@ impl Field {
 
 impl Dialogs {
     /// Asks for a file to be written, which gets this name unless another is chosen.
-    pub fn name(&mut self, purpose: Purpose, proposed: PathBuf, jobs: &Jobs) {
+    pub(super) fn name(&mut self, purpose: Purpose, proposed: PathBuf, jobs: &Jobs) {
         self.proposed = Some(proposed);
         self.ask(purpose, jobs);
     }
 
     /// Shows the path field.
-    pub fn ask_for_path(&mut self) {
+    pub(super) fn ask_for_path(&mut self) {
         self.field = Field::new(Purpose::OpenLogs, false, None);
     }
 
     /// Whether the path field is shown.
-    pub fn is_open(&self) -> bool {
+    pub(super) fn is_open(&self) -> bool {
         self.field.is_some()
     }
 
     /// Whether the system's dialog is shown or about to be.
-    pub fn is_waiting(&self) -> bool {
+    pub(super) fn is_waiting(&self) -> bool {
         self.waiting.is_some()
     }
 
     /// Keeps what is typed while the system's dialog is waited for, into no field of the window: it is meant for the dialog.
-    pub fn take_typed(&mut self, ui: &egui::Ui) {
+    pub(super) fn take_typed(&mut self, ui: &egui::Ui) {
         if self.waiting.is_none() || ui.text_edit_focused() {
             return;
         }
@@ -156,7 +156,7 @@ impl Dialogs {
     }
 
     /// Asks for a file or a folder that is there; one dialog at a time.
-    pub fn ask(&mut self, purpose: Purpose, jobs: &Jobs) {
+    pub(super) fn ask(&mut self, purpose: Purpose, jobs: &Jobs) {
         if self.waiting.is_some() {
             return;
         }
@@ -180,7 +180,7 @@ impl Dialogs {
     }
 
     /// Collects what was chosen.
-    pub fn poll(&mut self, commands: &mut Vec<Command>) {
+    pub(super) fn poll(&mut self, commands: &mut Vec<Command>) {
         let Some(waiting) = &self.waiting else {
             return;
         };
@@ -208,7 +208,7 @@ impl Dialogs {
     }
 
     /// Draws the path field while it is open.
-    pub fn ui(&mut self, ctx: &egui::Context, context: &mut ViewContext<'_>) {
+    pub(super) fn ui(&mut self, ctx: &egui::Context, context: &mut ViewContext<'_>) {
         let Some(mut field) = self.field.take() else {
             return;
         };

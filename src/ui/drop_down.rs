@@ -19,7 +19,7 @@ pub(in crate::ui) struct Choices<'u> {
 
 impl DropDown {
     /// A list with a name that no other one of its place has, which shows a text while it is up.
-    pub fn new(id_salt: impl AsIdSalt, shown: impl Into<WidgetText>) -> Self {
+    pub(super) fn new(id_salt: impl AsIdSalt, shown: impl Into<WidgetText>) -> Self {
         Self {
             id_salt: IdSalt::new(id_salt),
             shown: shown.into(),
@@ -28,12 +28,12 @@ impl DropDown {
     }
 
     /// Width at least, points.
-    pub fn width(self, width: f32) -> Self {
+    pub(super) fn width(self, width: f32) -> Self {
         Self { width, ..self }
     }
 
     /// Draws it, and its choices while it is down.
-    pub fn show(self, ui: &mut Ui, add: impl FnOnce(&mut Choices<'_>)) -> Response {
+    pub(super) fn show(self, ui: &mut Ui, add: impl FnOnce(&mut Choices<'_>)) -> Response {
         // As the list of egui makes it.
         let button = ui.make_persistent_id(IdSalt::new(self.id_salt));
         let ctx = ui.ctx().clone();
@@ -78,7 +78,7 @@ impl DropDown {
 
 impl Choices<'_> {
     /// A choice, and whether it is the one in force.
-    pub fn choice(&mut self, is_it: bool, label: impl Into<WidgetText>) -> Response {
+    pub(super) fn choice(&mut self, is_it: bool, label: impl Into<WidgetText>) -> Response {
         let label: WidgetText = label.into();
         let choice = self.ui.selectable_label(is_it, label);
         if is_it && self.is_new {
@@ -89,14 +89,19 @@ impl Choices<'_> {
     }
 
     /// A choice that becomes the value when it is taken.
-    pub fn value<T: PartialEq>(&mut self, value: &mut T, one: T, label: impl Into<WidgetText>) {
+    pub(super) fn value<T: PartialEq>(
+        &mut self,
+        value: &mut T,
+        one: T,
+        label: impl Into<WidgetText>,
+    ) {
         if self.choice(*value == one, label).clicked() {
             *value = one;
         }
     }
 
     /// Room for what is no choice: a line between them, a box to tick.
-    pub fn ui(&mut self) -> &mut Ui {
+    pub(super) fn ui(&mut self) -> &mut Ui {
         self.ui
     }
 }

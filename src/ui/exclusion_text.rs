@@ -6,7 +6,7 @@ use crate::survey::ExcludedStretch;
 use crate::ui::text;
 
 /// `412 pings · 512 m · 1:02`.
-pub fn extent(extent: &Extent, units: Units) -> String {
+pub(super) fn extent(extent: &Extent, units: Units) -> String {
     let way = units.way(extent.length_m);
     let lasts = text::duration(extent.duration_s);
     match extent.pings {
@@ -16,7 +16,7 @@ pub fn extent(extent: &Extent, units: Units) -> String {
 }
 
 /// What a drag with the tool will do.
-pub fn of_drag(edit: ExclusionEdit, covered: &Extent, units: Units) -> String {
+pub(super) fn of_drag(edit: ExclusionEdit, covered: &Extent, units: Units) -> String {
     let what = match edit {
         ExclusionEdit::Exclude => "exclude",
         ExclusionEdit::Include => "include again",
@@ -26,13 +26,13 @@ pub fn of_drag(edit: ExclusionEdit, covered: &Extent, units: Units) -> String {
 }
 
 /// Why a ping does not count, `excluded: turn`; `None` where it does.
-pub fn at(app: &App, log: LogId, ping: usize) -> Option<String> {
+pub(super) fn at(app: &App, log: LogId, ping: usize) -> Option<String> {
     let stretch = app.excluded_at(log, ping)?;
     Some(format!("excluded: {}", stretch.reason.name()))
 }
 
 /// An entry of a view's menu that includes a stretch again; whether it was chosen.
-pub fn include_again(ui: &mut egui::Ui, stretch: &ExcludedStretch) -> bool {
+pub(super) fn include_again(ui: &mut egui::Ui, stretch: &ExcludedStretch) -> bool {
     let hint = format!("Excluded: {}.", stretch.reason.name());
     let chosen = ui.button(Action::IncludeAgain.label()).on_hover_text(hint);
     if chosen.clicked() {
@@ -42,7 +42,7 @@ pub fn include_again(ui: &mut egui::Ui, stretch: &ExcludedStretch) -> bool {
 }
 
 /// How much of the log that is shown is excluded, behind a comma; empty where nothing is.
-pub fn and_stretches(app: &App) -> String {
+pub(super) fn and_stretches(app: &App) -> String {
     let count = app
         .log
         .exclusions()

@@ -5,7 +5,7 @@ use crate::support::presentation::text;
 use crate::support::presentation::units::Units;
 
 /// `10 m, relief 4 cm, ±1.2 %`.
-pub fn brief(spot: &FlatSpot, units: Units) -> String {
+pub(super) fn brief(spot: &FlatSpot, units: Units) -> String {
     let length = units.measure(spot.length_m, 0);
     let relief = relief(spot, units);
     match spread(spot) {
@@ -15,17 +15,17 @@ pub fn brief(spot: &FlatSpot, units: Units) -> String {
 }
 
 /// `±1.2 %`, of the scale of single pings.
-pub fn spread(spot: &FlatSpot) -> Option<String> {
+pub(super) fn spread(spot: &FlatSpot) -> Option<String> {
     Some(format!("±{:.1} %", 100.0 * spot.spread()?))
 }
 
 /// `×0.949`, of the recorded range.
-pub fn factor(spot: &FlatSpot) -> Option<String> {
+pub(super) fn factor(spot: &FlatSpot) -> Option<String> {
     Some(format!("×{:.3}", spot.factor?))
 }
 
 /// `4 cm`.
-pub fn relief(spot: &FlatSpot, units: Units) -> String {
+pub(super) fn relief(spot: &FlatSpot, units: Units) -> String {
     let written = units.small_difference(spot.relief_m);
     match spot.relief_m.is_finite() {
         true => written.trim_start_matches('+').to_owned(),

@@ -15,7 +15,7 @@ pub(in crate::ui) struct ListKeys {
 
 impl ListKeys {
     /// Reads the keys of a list of so many rows, before they are drawn.
-    pub fn read(ui: &Ui, name: impl AsIdSalt, count: usize) -> Self {
+    pub(super) fn read(ui: &Ui, name: impl AsIdSalt, count: usize) -> Self {
         let id = ui.scope_id().with(name);
         let known: Option<(usize, Id)> = ui.data(|data| data.get_temp(id));
         let here = known.filter(|(_, row)| ui.memory(|memory| memory.has_focus(*row)));
@@ -28,7 +28,12 @@ impl ListKeys {
     }
 
     /// Scrolls an area of rows of one height, points with their spacing, to the row that gets the keyboard.
-    pub fn scroll(&self, area: ScrollArea, row_height: f32, rows_in_sight: f32) -> ScrollArea {
+    pub(super) fn scroll(
+        &self,
+        area: ScrollArea,
+        row_height: f32,
+        rows_in_sight: f32,
+    ) -> ScrollArea {
         match self.next {
             Some(next) => {
                 let offset = (next as f32 - 0.5 * (rows_in_sight - 1.0)) * row_height;
@@ -39,7 +44,7 @@ impl ListKeys {
     }
 
     /// Gives the keyboard to a row that was drawn, where the keys walked to it.
-    pub fn row(&self, ui: &Ui, index: usize, row: &Response) {
+    pub(super) fn row(&self, ui: &Ui, index: usize, row: &Response) {
         if self.next == Some(index) {
             row.request_focus();
             row.scroll_to_me(None);

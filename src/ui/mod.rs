@@ -6,25 +6,25 @@ mod exclusion_text;
 mod flat;
 mod flat_spot_words;
 mod list_keys;
-pub mod offscreen;
+pub(crate) mod offscreen;
 mod panels;
 mod place;
 mod raster;
-pub mod render;
+pub(crate) mod render;
 mod shell;
-pub mod theme;
+pub(crate) mod theme;
 mod toggle;
-pub mod views;
+pub(crate) mod views;
 mod window;
 
-pub use shell::{Alone, Shell};
-pub use window::open_window;
+pub(crate) use shell::{Alone, Shell};
+pub(crate) use window::open_window;
 
 use crate::app::{App, Command, View};
 use crate::support::presentation::text;
 
 /// What a panel or view gets: the state to read, the list to push commands to.
-pub struct ViewContext<'a> {
+pub(crate) struct ViewContext<'a> {
     /// The state; read only.
     pub app: &'a App,
     /// The GPU of the window; `None` in a harness without one, where views say so instead of drawing.
@@ -37,14 +37,14 @@ pub struct ViewContext<'a> {
 
 impl ViewContext<'_> {
     /// Pushes a command.
-    pub fn push(&mut self, command: Command) {
+    pub(crate) fn push(&mut self, command: Command) {
         self.commands.push(command);
     }
 }
 
 /// What the shell asks of a view besides drawing itself; menu, keys and palette lead here.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ViewRequest {
+pub(crate) enum ViewRequest {
     /// Show everything.
     Fit,
     /// Enlarge about the centre.

@@ -26,7 +26,7 @@ const FRAME_LIMIT: Duration = Duration::from_secs(60);
 
 /// Why there is no picture, in one sentence.
 #[derive(Debug, thiserror::Error)]
-pub enum PictureError {
+pub(crate) enum PictureError {
     /// Nothing here draws.
     #[error(
         "no graphics adapter: install a Vulkan driver (on Debian, `mesa-vulkan-drivers` has one that needs no GPU): {0}"
@@ -68,7 +68,7 @@ pub enum PictureError {
 }
 
 /// A graphics device that draws pictures. What the views keep on the device belongs to it: draw one shell with one studio.
-pub struct Studio {
+pub(crate) struct Studio {
     gpu: RenderState,
 }
 
@@ -77,12 +77,12 @@ impl Studio {
     ///
     /// # Errors
     /// When there is none.
-    pub fn new() -> Result<Self, PictureError> {
+    pub(crate) fn new() -> Result<Self, PictureError> {
         Ok(Self { gpu: gpu()? })
     }
 
     /// Name, interface and kind of the adapter.
-    pub fn adapter(&self) -> String {
+    pub(crate) fn adapter(&self) -> String {
         let info = self.gpu.adapter.get_info();
         format!("{} ({}, {:?})", info.name, info.backend, info.device_type)
     }
@@ -91,7 +91,7 @@ impl Studio {
     ///
     /// # Errors
     /// When the picture is larger than the adapter can hold, takes too long, or is cancelled.
-    pub fn draw(
+    pub(crate) fn draw(
         &self,
         shell: &mut Shell,
         size: [u32; 2],
@@ -107,7 +107,7 @@ impl Studio {
     ///
     /// # Errors
     /// As [`Studio::draw`].
-    pub fn reel(&self, size: [u32; 2]) -> Result<Reel, PictureError> {
+    pub(crate) fn reel(&self, size: [u32; 2]) -> Result<Reel, PictureError> {
         let host = self.host(size, 1.0)?;
         Ok(Reel { host })
     }
@@ -122,7 +122,7 @@ impl Studio {
 }
 
 /// Draws pictures that follow each other, as of a film.
-pub struct Reel {
+pub(crate) struct Reel {
     host: Host,
 }
 
@@ -131,7 +131,7 @@ impl Reel {
     ///
     /// # Errors
     /// As [`Studio::draw`].
-    pub fn draw(
+    pub(crate) fn draw(
         &mut self,
         shell: &mut Shell,
         progress: &Progress,
@@ -148,7 +148,7 @@ impl Reel {
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn write_picture(picture: &RgbaImage, path: &Path) -> Result<(), ExportError> {
+pub(crate) fn write_picture(picture: &RgbaImage, path: &Path) -> Result<(), ExportError> {
     write_atomically(path, |file| {
         let mut out = BufWriter::new(file);
         picture

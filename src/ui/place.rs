@@ -9,20 +9,20 @@ use crate::survey::{HeadingSource, Side};
 use crate::ui::text;
 
 /// What samples and recorded depths are in metres by the last results; as recorded while there are none.
-pub fn reduction(app: &App) -> Reduction<'_> {
+pub(super) fn reduction(app: &App) -> Reduction<'_> {
     let products = app.log.products.as_ref();
     products.map_or_else(Reduction::default, Products::reduction)
 }
 
 /// Slant range of a mark, metres.
-pub fn range_m(app: &App, mark: Mark) -> Option<f64> {
+pub(super) fn range_m(app: &App, mark: Mark) -> Option<f64> {
     let survey = app.log.survey.as_ref()?;
     let range_m = reduction(app).range_at_m(survey, mark.ping, mark.side?, mark.sample?);
     range_m.is_finite().then_some(range_m)
 }
 
 /// Slant ranges of the near and the far edge of a box, metres.
-pub fn ranges_m(app: &App, mark: &detection::Mark) -> [f64; 2] {
+pub(super) fn ranges_m(app: &App, mark: &detection::Mark) -> [f64; 2] {
     let middle = usize::midpoint(mark.pings.start, mark.pings.end);
     let survey = app.log.survey.as_ref();
     let span = survey.and_then(|survey| survey.span(middle, mark.side));
@@ -36,7 +36,7 @@ pub fn ranges_m(app: &App, mark: &detection::Mark) -> [f64; 2] {
 
 /// What says how deep it is under the boat.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DepthBy {
+pub(super) enum DepthBy {
     /// The recorder's own sounding.
     Sounding,
     /// The first return of the side-scan: the recorder had lost the bottom, or has no depth.
@@ -45,7 +45,7 @@ pub enum DepthBy {
 
 impl DepthBy {
     /// `sounding` or `first return`.
-    pub fn name(self) -> &'static str {
+    pub(super) fn name(self) -> &'static str {
         match self {
             DepthBy::Sounding => "sounding",
             DepthBy::FirstReturn => "first return",
@@ -55,7 +55,7 @@ impl DepthBy {
 
 /// The bottom under the boat at a ping. Every read-out takes it from here.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BottomBelow {
+pub(super) struct BottomBelow {
     /// Height of the transducer over the bottom, metres.
     pub altitude_m: f64,
     /// Depth as the map has it, metres.
@@ -66,7 +66,7 @@ pub struct BottomBelow {
 
 /// The bottom under the boat at a ping: by the sounding where the recorder had the bottom, else by the first returns of both sides.
 /// `None` without either.
-pub fn bottom(app: &App, ping: usize) -> Option<BottomBelow> {
+pub(super) fn bottom(app: &App, ping: usize) -> Option<BottomBelow> {
     let survey = app.log.survey.as_ref()?;
     let recorded = survey.side_scan.get(ping)?;
     let reduction = reduction(app);
@@ -99,7 +99,7 @@ fn first_return_altitude_m(app: &App, side: Side, ping: usize) -> Option<f64> {
 }
 
 /// The depth at a ping with what it counts from and what it is measured by; a dash where there is none.
-pub fn depth(app: &App, ping: usize) -> String {
+pub(super) fn depth(app: &App, ping: usize) -> String {
     let bottom = bottom(app, ping);
     bottom.map_or_else(
         || format!("{}, bottom lost", text::NONE),
@@ -115,7 +115,7 @@ pub fn depth(app: &App, ping: usize) -> String {
 }
 
 /// Heading of the boat at a ping in a few letters: a course over ground, or the compass.
-pub fn labelled_heading(app: &App, ping: usize) -> String {
+pub(super) fn labelled_heading(app: &App, ping: usize) -> String {
     let products = app.log.products.as_ref();
     let here = products.and_then(|products| Some((products, products.navigation.pings.get(ping)?)));
     let Some((products, here)) = here else {
@@ -138,7 +138,7 @@ fn whole_degrees(heading_rad: f64) -> String {
 }
 
 /// Heading of the boat at a ping, clockwise from north, and where it comes from.
-pub fn heading(app: &App, ping: usize) -> String {
+pub(super) fn heading(app: &App, ping: usize) -> String {
     let products = app.log.products.as_ref();
     let here = products.and_then(|products| Some((products, products.navigation.pings.get(ping)?)));
     let Some((products, here)) = here else {
@@ -162,7 +162,7 @@ pub fn heading(app: &App, ping: usize) -> String {
 }
 
 /// A position as the analyst wants to read it; UTM in the zone of the survey's first fix, as in the products.
-pub fn written(app: &App, at: LonLat) -> String {
+pub(super) fn written(app: &App, at: LonLat) -> String {
     let start = app
         .log
         .survey
@@ -173,7 +173,7 @@ pub fn written(app: &App, at: LonLat) -> String {
 }
 
 /// WGS84 position of a mark.
-pub fn lon_lat(app: &App, mark: Mark) -> Option<LonLat> {
+pub(super) fn lon_lat(app: &App, mark: Mark) -> Option<LonLat> {
     let track = &app.log.survey.as_ref()?.track;
     let navigation = &app.log.products.as_ref()?.navigation;
     let [east_m, north_m] = east_north(app, mark)?;
@@ -181,7 +181,7 @@ pub fn lon_lat(app: &App, mark: Mark) -> Option<LonLat> {
 }
 
 /// Metres east and north of a mark: of the point, of the place across the track on the bottom, or of the boat.
-pub fn east_north(app: &App, mark: Mark) -> Option<[f64; 2]> {
+pub(super) fn east_north(app: &App, mark: Mark) -> Option<[f64; 2]> {
     let products = app.log.products.as_ref()?;
     let points = &products.cloud.points;
     if let Some(point) = mark.point.and_then(|point| points.get(point)) {
@@ -208,7 +208,7 @@ pub fn east_north(app: &App, mark: Mark) -> Option<[f64; 2]> {
 
 /// Distance of a mark from the track on the bottom, metres. Under the boat that lies where the sounding says, or else the first return of
 /// the side. `None` where neither is known.
-pub fn ground_m(app: &App, mark: Mark) -> Option<f64> {
+pub(super) fn ground_m(app: &App, mark: Mark) -> Option<f64> {
     let (slant_m, side) = (range_m(app, mark)?, mark.side?);
     let survey = app.log.survey.as_ref()?;
     let across = app.log.products.as_ref()?.relief.across(side, mark.ping);

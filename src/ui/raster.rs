@@ -14,7 +14,7 @@ pub(super) struct Raster {
 
 impl Raster {
     /// An area filled with one colour.
-    pub fn new(painter: &Painter, area: Rect, ground: Color32) -> Self {
+    pub(super) fn new(painter: &Painter, area: Rect, ground: Color32) -> Self {
         let pixels_per_point = painter.pixels_per_point();
         let area = area.round_to_pixels(pixels_per_point);
         // A texture has a pixel, and no more than every driver can hold.
@@ -28,12 +28,12 @@ impl Raster {
     }
 
     /// Columns of pixels.
-    pub fn width(&self) -> usize {
+    pub(super) fn width(&self) -> usize {
         self.image.size[0]
     }
 
     /// Paints a part of a column from a height of the screen to another, points.
-    pub fn span(&mut self, column: usize, from_y: f32, to_y: f32, colour: Color32) {
+    pub(super) fn span(&mut self, column: usize, from_y: f32, to_y: f32, colour: Color32) {
         let [width, height] = self.image.size;
         let row =
             |y: f32| ((y - self.area.top()) * self.pixels_per_point).clamp(0.0, height as f32);
@@ -49,7 +49,7 @@ impl Raster {
     }
 
     /// Paints a line through places of the screen, in the order of their columns either way.
-    pub fn line(&mut self, points: &[Pos2], width: f32, colour: Color32) {
+    pub(super) fn line(&mut self, points: &[Pos2], width: f32, colour: Color32) {
         // All that the line crosses in a column is one span, painted once.
         let mut spans = vec![None; self.width()];
         for pair in points.windows(2) {
@@ -83,7 +83,7 @@ impl Raster {
     }
 
     /// Shows what was painted; `texture` holds it from frame to frame.
-    pub fn show(self, painter: &Painter, texture: &mut Option<RasterTexture>) {
+    pub(super) fn show(self, painter: &Painter, texture: &mut Option<RasterTexture>) {
         let shown = match texture {
             Some(shown) => {
                 shown.take(self.image);

@@ -7,7 +7,7 @@ use egui::{Button, Response, Role, Stroke, StrokeKind, Ui, WidgetInfo, WidgetTex
 const SLOT: egui::Vec2 = vec2(18.0, 10.0);
 
 /// A switch with its name; a click turns it on or off.
-pub fn switch(ui: &mut Ui, on: &mut bool, name: &str) -> Response {
+pub(super) fn switch(ui: &mut Ui, on: &mut bool, name: &str) -> Response {
     // Room for the slot, in spaces of the font: the button then has its size by itself.
     let font = egui::TextStyle::Small.resolve(ui.style());
     let colour = egui::Color32::PLACEHOLDER;
@@ -49,13 +49,13 @@ pub fn switch(ui: &mut Ui, on: &mut bool, name: &str) -> Response {
 }
 
 /// One of several to choose from, or a tool: underlined while it is the one.
-pub fn chip(ui: &mut Ui, chosen: bool, name: impl Into<WidgetText>) -> Response {
+pub(super) fn chip(ui: &mut Ui, chosen: bool, name: impl Into<WidgetText>) -> Response {
     let name: WidgetText = name.into();
     underline(ui, chosen, Button::selectable(chosen, name))
 }
 
 /// A button, underlined while it is the one that is chosen or in hand.
-pub fn underline(ui: &mut Ui, chosen: bool, button: Button<'_>) -> Response {
+pub(super) fn underline(ui: &mut Ui, chosen: bool, button: Button<'_>) -> Response {
     let response = ui.add(button);
     if chosen {
         let stroke = Stroke::new(2.0, ui.visuals().selection.stroke.color);

@@ -10,13 +10,13 @@ use std::sync::Arc;
 #[error(
     "the window cannot be opened: {0}; `bathyscope process` and `bathyscope snapshot` work without one"
 )]
-pub struct WindowError(#[from] eframe::Error);
+pub(crate) struct WindowError(#[from] eframe::Error);
 
 /// Opens the window on the first of `paths`, on the demo survey, or empty, with the `truth` about it; returns when it is closed.
 ///
 /// # Errors
 /// When a display or a graphics driver is missing.
-pub fn open_window(
+pub(crate) fn open_window(
     paths: Vec<PathBuf>,
     demo: bool,
     truth: Option<PathBuf>,

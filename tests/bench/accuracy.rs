@@ -16,7 +16,7 @@ use crate::support::progress::Progress;
 const SEEDS: u64 = 20;
 
 /// Prints one line for each combination: bias, standard deviation and 95th percentile of the magnitude, centimetres.
-pub fn run() {
+pub(super) fn run() {
     let seeds = std::env::var("BATHYSCOPE_SEEDS")
         .ok()
         .and_then(|text| text.parse().ok());

@@ -17,7 +17,7 @@ const CELL_M: f32 = 0.25;
 const SIZE_PX: [u32; 2] = [1280, 720];
 
 /// Prints the time of a frame of each size of survey while the camera turns.
-pub fn run() {
+pub(super) fn run() {
     let state = create_render_state(default_wgpu_setup(), RendererOptions::PREDICTABLE);
     println!("adapter: {}", state.adapter.get_info().name);
     let scenes = SIDES.map(|side| (side, upload(&state, side)));

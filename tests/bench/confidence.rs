@@ -61,7 +61,7 @@ impl Levels {
 
 /// Prints the shares in percent, each with how many picks it is of. `BATHYSCOPE_EVIDENCE=FILE.csv` writes every pick with
 /// what speaks for it: what the laws were fitted to.
-pub fn run() {
+pub(super) fn run() {
     let number = |name: &str| std::env::var(name).ok().and_then(|text| text.parse().ok());
     let first: u64 = number("BATHYSCOPE_FIRST_SEED").unwrap_or(1);
     let seeds = first..first + number("BATHYSCOPE_SEEDS").unwrap_or(SEEDS);

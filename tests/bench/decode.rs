@@ -9,7 +9,7 @@ use std::path::Path;
 use std::time::Instant;
 
 /// Runs the benchmark and prints ratios.
-pub fn run() {
+pub(super) fn run() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("large.sl2");
     let bytes = large_log::write(&path, 500 << 20).expect("a large log");

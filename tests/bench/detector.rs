@@ -15,7 +15,7 @@ const PINGS: u32 = 10_000;
 const TILES: usize = 20;
 
 /// Goal: 10 000 pings in under 10 s on two cores. `BATHYSCOPE_MODEL` names another model than the one that is shipped.
-pub fn run() {
+pub(super) fn run() {
     let model = model();
     println!("{}", model.description());
     let before = processor_s();

@@ -13,7 +13,7 @@ use std::time::Instant;
 const PINGS: usize = 100_000;
 
 /// Goal: a slider step in under 16 ms of wall clock on two cores.
-pub fn run() {
+pub(super) fn run() {
     let survey = long_survey();
     let (image, progress) = (ImageSettings::default(), Progress::new());
     let settings = FirstReturnSettings::default();

@@ -41,7 +41,7 @@ fn run_steps(folder: &Path) -> [f64; 2] {
 }
 
 /// The benchmark.
-pub fn run() {
+pub(super) fn run() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let [short, long] = run_steps(folder.path());
     println!(

@@ -21,13 +21,18 @@ const PATCH_M: i32 = 45;
 const PATCHES: i32 = 20;
 
 /// Writes at least `bytes` bytes and returns how many.
-pub fn write(path: &Path, bytes: usize) -> io::Result<usize> {
+pub(super) fn write(path: &Path, bytes: usize) -> io::Result<usize> {
     let survey = simulate(&Scene::default(), 1, &Progress::new()).map_err(io::Error::other)?;
     write_patches(path, &survey.sl2_bytes(), 0, bytes)
 }
 
 /// Writes at least `bytes` bytes of a log over and over, the first time in patch `first`, and returns how many.
-pub fn write_patches(path: &Path, log: &[u8], first: i32, bytes: usize) -> io::Result<usize> {
+pub(super) fn write_patches(
+    path: &Path,
+    log: &[u8],
+    first: i32,
+    bytes: usize,
+) -> io::Result<usize> {
     let frames = frames(log);
     let last = frames
         .last()

@@ -66,7 +66,7 @@ const CHANGES: &[Change] = &[
 ];
 
 /// Prints the tables.
-pub fn run() {
+pub(super) fn run() {
     let data = std::env::var_os("BATHYSCOPE_DATA").map(PathBuf::from);
     let data = data.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data"));
     for name in ["humminbird-glen-canyon/Rec00001.DAT", "xtf/000_1236.xtf"] {

@@ -15,7 +15,7 @@ const PINGS_A_LINE: f64 = 10_000.0;
 const TIMES: usize = 3;
 
 /// Prints time and memory of both, and the ratio.
-pub fn run() {
+pub(super) fn run() {
     let progress = Progress::new();
     let survey = Arc::new(ten_lines(PINGS_A_LINE));
     let mut least_s = [f64::INFINITY; 2];

@@ -8,7 +8,7 @@ use crate::survey::Survey;
 const LINES: u32 = 10;
 
 /// Ten lines, 15 m apart, of so many pings each.
-pub fn ten_lines(pings_a_line: f64) -> Survey {
+pub(super) fn ten_lines(pings_a_line: f64) -> Survey {
     let progress = Progress::new();
     let mut scene = Scene::with_pings(1);
     scene.track.lines = LINES;

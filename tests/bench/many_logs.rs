@@ -32,7 +32,7 @@ struct Figures {
 }
 
 /// Prints both and their ratios.
-pub fn run() {
+pub(super) fn run() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let paths = write_logs(folder.path(), COUNTS[1]);
     let state = create_render_state(default_wgpu_setup(), RendererOptions::PREDICTABLE);

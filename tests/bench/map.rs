@@ -27,7 +27,7 @@ const PINGS_A_LINE: f64 = 3000.0;
 
 /// Prints the time of a frame while the map is dragged, for 1 000 and for 1 000 000 pings, and with the track alone and every
 /// layer of a survey of ten lines; and what it takes, in a background thread, to paint those layers for the first time.
-pub fn run() {
+pub(super) fn run() {
     let state = create_render_state(default_wgpu_setup(), RendererOptions::PREDICTABLE);
     let [few, many] = frames(
         &state,

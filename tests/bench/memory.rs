@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 const LOOK: Duration = Duration::from_millis(10);
 
 /// Runs the benchmark and prints anonymous memory; file pages of the map are the system's to take back.
-pub fn run() {
+pub(super) fn run() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("large.sl2");
     let bytes = large_log::write(&path, 2 << 30).expect("a large log");

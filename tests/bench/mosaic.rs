@@ -14,7 +14,7 @@ const PINGS_A_LINE: f64 = 3000.0;
 const CELLS_M: [f64; 5] = [0.4, 0.2, 0.1, 0.05, 0.02];
 
 /// Ten lines side by side. Each step has four times the cells of the one before; memory must not follow.
-pub fn run() {
+pub(super) fn run() {
     let progress = Progress::new();
     let survey = Arc::new(ten_lines(PINGS_A_LINE));
     let mut settings = Settings::default();

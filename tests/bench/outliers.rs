@@ -11,7 +11,7 @@ const MIN_NEIGHBORS: usize = 8;
 const MEAN_NEIGHBORS: f64 = 12.0;
 
 /// Prints a line a cloud. Goals: 0.3 s of CPU for the volume of 1e6 points, 3 s for that of 1e7.
-pub fn run() {
+pub(super) fn run() {
     println!("radius outlier removal, radius 1 m, min 8, about 12 neighbours a point");
     println!("cloud       points      kept  CPU s  wall s  kiddo CPU s  ratio");
     type Make = fn(usize) -> Vec<[f64; 3]>;

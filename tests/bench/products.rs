@@ -14,7 +14,7 @@ use std::time::Instant;
 const PINGS_A_LINE: f64 = 10_000.0;
 
 /// One group of products after the other, then all of them with the report.
-pub fn run() {
+pub(super) fn run() {
     let progress = Progress::new();
     let survey = ten_lines(PINGS_A_LINE);
     let settings = Settings::default();

@@ -1,7 +1,7 @@
 //! What a stretch of a benchmark took from the machine.
 
 /// Processor time of this process so far, user and system, all threads (Linux; 0 elsewhere): what a busy machine leaves true.
-pub fn processor_s() -> f64 {
+pub(super) fn processor_s() -> f64 {
     let Ok(text) = std::fs::read_to_string("/proc/self/stat") else {
         return 0.0;
     };
@@ -15,13 +15,13 @@ pub fn processor_s() -> f64 {
 }
 
 /// Forgets the highest memory so far and tells what is taken now, MB (Linux).
-pub fn peak_from_here_mb() -> Option<f64> {
+pub(super) fn peak_from_here_mb() -> Option<f64> {
     std::fs::write("/proc/self/clear_refs", "5").ok()?;
     peak_mb()
 }
 
 /// The most resident memory since then, MB.
-pub fn peak_mb() -> Option<f64> {
+pub(super) fn peak_mb() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
     let kb: f64 = line.split_whitespace().nth(1)?.parse().ok()?;
@@ -29,7 +29,7 @@ pub fn peak_mb() -> Option<f64> {
 }
 
 /// Anonymous resident memory of this process in MB (Linux): file pages of a mapped log are the system's to take back.
-pub fn anonymous_mb() -> Option<f64> {
+pub(super) fn anonymous_mb() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("RssAnon:"))?;
     line.split_whitespace()

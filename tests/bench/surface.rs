@@ -17,12 +17,12 @@ const SEEDS: u64 = 10;
 /// The weights were compared on ponds from this seed on; the figures reported are those of seeds from 1.
 const TUNING_SEED: u64 = 101;
 /// Farther than this from any sounding a cell lies between the lines, metres.
-pub const BETWEEN_M: f64 = 1.0;
+pub(super) const BETWEEN_M: f64 = 1.0;
 /// Edges of bands of distance to the nearest sounding, metres.
 const BANDS_M: [f64; 5] = [0.0, 1.0, 2.0, 3.0, 10.0];
 
 /// Prints the tables.
-pub fn run() {
+pub(super) fn run() {
     let seeds = std::env::var("BATHYSCOPE_SEEDS")
         .ok()
         .and_then(|text| text.parse().ok())
@@ -90,7 +90,7 @@ fn reported() -> Vec<(String, SurfaceSettings)> {
 }
 
 /// With depths from echo levels.
-pub fn from_levels() -> SurfaceSettings {
+pub(super) fn from_levels() -> SurfaceSettings {
     SurfaceSettings {
         swath: SwathDepth::Always,
         ..settings(SurfaceSettings::default().side_scan_weight, false)
@@ -98,10 +98,10 @@ pub fn from_levels() -> SurfaceSettings {
 }
 
 /// The kinds of ponds.
-pub const KINDS: [&str; 4] = ["gentle", "steep", "rough", "mounds"];
+pub(super) const KINDS: [&str; 4] = ["gentle", "steep", "rough", "mounds"];
 
 /// A pond of a kind. Only where its mounds lie depends on the seed.
-pub fn scene(kind: &str, seed: u64) -> Scene {
+pub(super) fn scene(kind: &str, seed: u64) -> Scene {
     let mut scene = match kind {
         "steep" => Scene::steep(),
         "rough" => Scene::rough(),
@@ -148,7 +148,7 @@ fn errors(ponds: &[Mission], settings: &SurfaceSettings) -> Vec<MapError> {
 }
 
 /// The errors of a map of a pond on the cells that the soundings alone can fill.
-pub fn errors_of(pond: &Mission, map: &Surface) -> Vec<MapError> {
+pub(super) fn errors_of(pond: &Mission, map: &Surface) -> Vec<MapError> {
     let soundings = pond.known.map(&pond.products, &settings(0.0, false));
     pond.known.map_errors(map, &soundings)
 }

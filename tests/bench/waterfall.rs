@@ -21,7 +21,7 @@ struct Window {
 }
 
 /// Prints the cost of a frame for 1 000 and 1 000 000 pings: the whole log in view, and a stretch of 500 pings.
-pub fn run() {
+pub(super) fn run() {
     println!("waterfall, 1200 x 500 points, first return shown, pointer moving");
     let (short, long) = (measure(1_000), measure(1_000_000));
     for (index, name) in ["whole log", "500 pings"].into_iter().enumerate() {

@@ -23,7 +23,7 @@ fn range_m(app: &App, side: Side, ping: usize) -> Option<f64> {
     pick.is_some().then(|| span.range_m(f64::from(pick.sample)))
 }
 
-pub fn draw(window: &mut Window, held: Modifiers, from: (f64, f64), to: (f64, f64)) {
+pub(super) fn draw(window: &mut Window, held: Modifiers, from: (f64, f64), to: (f64, f64)) {
     window.event(Event::ModifiersChanged(held));
     let (from, to) = (at(window, from.0, from.1), at(window, to.0, to.1));
     drag(window, from, to);

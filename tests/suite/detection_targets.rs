@@ -165,7 +165,7 @@ fn what_is_known_of_the_water_moves_objects_as_it_moves_points() {
 }
 
 /// A pond like a trough: banks of 18 degrees meet in 7 m of water, and blocks stand on them between the lines.
-pub fn trough() -> Scene {
+pub(super) fn trough() -> Scene {
     let mut scene = Scene::gentle();
     scene.artefacts = Default::default();
     scene.bed.mean_depth_m = 7.0;

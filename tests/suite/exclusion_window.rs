@@ -45,7 +45,7 @@ fn name_of(window: &Window, part: &str) -> String {
     node.accesskit_node().label().expect("a name")
 }
 
-pub fn click(window: &mut Window, at: Pos2) {
+pub(super) fn click(window: &mut Window, at: Pos2) {
     window.hover_at(at);
     window.run();
     window.drag_at(at);
@@ -55,7 +55,7 @@ pub fn click(window: &mut Window, at: Pos2) {
 }
 
 /// Where a ping of a log lies on the screen of the map.
-pub fn on_map(window: &mut Window, log: LogId, ping: usize) -> Pos2 {
+pub(super) fn on_map(window: &mut Window, log: LogId, ping: usize) -> Pos2 {
     let at = places_on_map(window);
     let log = app(window).open_log(log).expect("it is open");
     let boat = log.products.as_ref().expect("results").navigation.pings[ping];
@@ -63,7 +63,7 @@ pub fn on_map(window: &mut Window, log: LogId, ping: usize) -> Pos2 {
 }
 
 /// Where places of the plane lie on the screen of the map: by two that are measured there.
-pub fn places_on_map(window: &mut Window) -> impl Fn([f64; 2]) -> Pos2 + use<> {
+pub(super) fn places_on_map(window: &mut Window) -> impl Fn([f64; 2]) -> Pos2 + use<> {
     let rect = window.get_by_label_contains("Map, track of").rect();
     let probes = [rect.center(), rect.center() + egui::vec2(40.0, 0.0)];
     press(window, Modifiers::NONE, Key::D);

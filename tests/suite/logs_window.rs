@@ -12,7 +12,7 @@ use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use std::path::Path;
 
 /// Lets everything that is asked for come to its end.
-pub fn settle(window: &mut Window) {
+pub(super) fn settle(window: &mut Window) {
     for _ in 0..40 {
         window.run();
         let all_done = app(window).visible_logs().all(|log| !log.is_behind());
@@ -24,23 +24,23 @@ pub fn settle(window: &mut Window) {
 }
 
 /// A window on a folder of logs.
-pub fn opened(folder: &Path, count: usize) -> Window {
+pub(super) fn opened(folder: &Path, count: usize) -> Window {
     opened_in(empty_window(), folder, count)
 }
 
 /// The same in a window of another kind.
-pub fn opened_in(mut window: Window, folder: &Path, count: usize) -> Window {
+pub(super) fn opened_in(mut window: Window, folder: &Path, count: usize) -> Window {
     write_logs(folder, count);
     drop_file(&mut window, folder.to_owned());
     settle(&mut window);
     window
 }
 
-pub fn ids(window: &Window) -> Vec<LogId> {
+pub(super) fn ids(window: &Window) -> Vec<LogId> {
     app(window).logs().map(|log| log.id).collect()
 }
 
-pub fn names(window: &Window) -> Vec<String> {
+pub(super) fn names(window: &Window) -> Vec<String> {
     app(window).logs().map(|log| log.name()).collect()
 }
 
@@ -56,7 +56,7 @@ fn map_name(window: &Window) -> String {
     map.accesskit_node().label().expect("a name")
 }
 
-pub fn change(window: &mut Window, assignment: &str) {
+pub(super) fn change(window: &mut Window, assignment: &str) {
     let settings = Settings::clone(&app(window).log.settings);
     let settings = settings.with_assignment(assignment).expect("a setting");
     window.state_mut().app.apply(Command::Change {

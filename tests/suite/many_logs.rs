@@ -27,7 +27,8 @@ use std::sync::{Arc, OnceLock};
 
 /// What the transducer of a log hangs lower or higher over the ground than that of the mean log, metres: its water level less its
 /// draft.
-pub const HIGHER_M: [f64; 10] = [0.0, 0.35, -0.22, 0.61, -0.4, 0.12, -0.05, 0.5, -0.31, 0.24];
+pub(super) const HIGHER_M: [f64; 10] =
+    [0.0, 0.35, -0.22, 0.61, -0.4, 0.12, -0.05, 0.5, -0.31, 0.24];
 
 /// A lake with ten logs, all in the frame of the first.
 struct Lake {
@@ -36,7 +37,7 @@ struct Lake {
 }
 
 /// Where objects lie on the bottom, metres from the lake's middle.
-pub const OBJECTS: [[f64; 2]; 4] = [[4.0, 9.0], [-9.0, -3.5], [12.0, -8.0], [-3.0, 14.0]];
+pub(super) const OBJECTS: [[f64; 2]; 4] = [[4.0, 9.0], [-9.0, -3.5], [12.0, -8.0], [-3.0, 14.0]];
 
 fn object([east_m, north_m]: [f64; 2]) -> ObjectSettings {
     ObjectSettings {
@@ -90,13 +91,13 @@ fn simulated(index: usize, kind: BedKind) -> Simulated {
 }
 
 /// Log `index` over gentle ground, sailed once for all tests.
-pub fn sailed(index: usize) -> &'static Arc<Simulated> {
+pub(super) fn sailed(index: usize) -> &'static Arc<Simulated> {
     static TRUTHS: [OnceLock<Arc<Simulated>>; HIGHER_M.len()] = [const { OnceLock::new() }; _];
     TRUTHS[index].get_or_init(|| Arc::new(simulated(index, BedKind::Gentle)))
 }
 
 /// Writes some of the logs into a folder: `lake-0.sl2` and so on.
-pub fn write_logs(folder: &Path, count: usize) {
+pub(super) fn write_logs(folder: &Path, count: usize) {
     for index in 0..count {
         let bytes = sailed(index).sl2_bytes();
         std::fs::write(folder.join(format!("lake-{index}.sl2")), bytes).expect("a log");
@@ -161,7 +162,7 @@ impl Lake {
 }
 
 /// What the offsets should be: the logs that hang higher over the ground measure deeper.
-pub fn true_offsets_m(count: usize) -> Vec<f64> {
+pub(super) fn true_offsets_m(count: usize) -> Vec<f64> {
     let higher_m = &HIGHER_M[..count];
     let mean_m = higher_m.iter().sum::<f64>() / count as f64;
     higher_m.iter().map(|higher_m| higher_m - mean_m).collect()
@@ -300,12 +301,12 @@ impl Maps {
 }
 
 /// Depth of the ground of the lake at a place of the shared frame, metres below the transducer of the first log.
-pub fn bed_depth_m(place: [f64; 2]) -> f64 {
+pub(super) fn bed_depth_m(place: [f64; 2]) -> f64 {
     Lake::gentle().bed_depth_m(place)
 }
 
 /// Root of the mean of squares.
-pub fn rms(values: &[f64]) -> f64 {
+pub(super) fn rms(values: &[f64]) -> f64 {
     (values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64).sqrt()
 }
 
@@ -362,7 +363,7 @@ fn one_depth_map_of_ten_logs_is_as_good_as_the_best_and_has_no_seams() {
 }
 
 /// The box that a labeller draws around echo and shadow.
-pub fn true_box(survey: &Survey, seen: &crate::simulation::ObjectPass) -> Option<Mark> {
+pub(super) fn true_box(survey: &Survey, seen: &crate::simulation::ObjectPass) -> Option<Mark> {
     let pings = seen.first_ping..seen.last_ping + 1;
     let span = survey.span(seen.first_ping, seen.side)?;
     let far_m = match seen.shadow_m[1].is_nan() {
@@ -378,7 +379,7 @@ pub fn true_box(survey: &Survey, seen: &crate::simulation::ObjectPass) -> Option
 }
 
 /// The boxes that a labeller draws around all objects of a log over gentle ground.
-pub fn true_boxes(index: usize, survey: &Survey) -> Vec<Mark> {
+pub(super) fn true_boxes(index: usize, survey: &Survey) -> Vec<Mark> {
     let objects = sailed(index).objects.iter();
     let sightings = objects.flat_map(|object| &object.sightings);
     sightings

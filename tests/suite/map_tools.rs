@@ -74,7 +74,7 @@ fn the_graticule_follows_the_coordinates() {
 }
 
 /// A click with the main button.
-pub fn click(window: &mut Window, at: Pos2) {
+pub(super) fn click(window: &mut Window, at: Pos2) {
     window.hover_at(at);
     window.run();
     for pressed in [true, false] {

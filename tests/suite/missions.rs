@@ -9,13 +9,13 @@ use crate::simulation::Scene;
 use crate::support::progress::Progress;
 
 /// One mission and what the program made of it.
-pub struct Mission {
+pub(super) struct Mission {
     pub known: KnownSurvey,
     pub products: Products,
 }
 
 impl Mission {
-    pub fn new(scene: &Scene, seed: u64) -> Self {
+    pub(super) fn new(scene: &Scene, seed: u64) -> Self {
         let known = KnownSurvey::new(scene, seed);
         let settings = Settings::default();
         let run = pipeline::run(&known.survey, &settings, None, &Progress::new(), |_| ());
@@ -34,11 +34,11 @@ impl Mission {
 }
 
 /// Mean and standard deviation, metres.
-pub type Spread = [f64; 2];
+pub(super) type Spread = [f64; 2];
 
 /// What the program says of the second mission against the surface of the first, and what follows from the error of each against
 /// the bed, taken one by one: the difference of the means, and the root of the sum of the squares of the standard deviations.
-pub fn repeatability(first: &Mission, second: &Mission) -> (Spread, Spread) {
+pub(super) fn repeatability(first: &Mission, second: &Mission) -> (Spread, Spread) {
     let frames = [
         &first.known.survey.track.frame,
         &second.known.survey.track.frame,

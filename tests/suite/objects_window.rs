@@ -53,7 +53,7 @@ fn propose(window: &mut Window, folder: &Path) {
 }
 
 /// Two logs with their boxes.
-pub fn proposed() -> (tempfile::TempDir, Window) {
+pub(super) fn proposed() -> (tempfile::TempDir, Window) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut window = opened(folder.path(), 2);
     propose(&mut window, folder.path());
@@ -61,7 +61,7 @@ pub fn proposed() -> (tempfile::TempDir, Window) {
 }
 
 /// The object that lies where an object of the lake does, with the most boxes. All logs lie in the plane of the first.
-pub fn object_of(window: &Window, index: usize) -> SurveyObject {
+pub(super) fn object_of(window: &Window, index: usize) -> SurveyObject {
     let truth = &sailed(0).objects[index];
     let off_m = |one: &&SurveyObject| {
         let [east_m, north_m] = one.joint.place_m;

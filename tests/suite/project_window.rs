@@ -9,7 +9,7 @@ use egui_kittest::kittest::Queryable as _;
 use sha2::{Digest as _, Sha256};
 use std::path::{Path, PathBuf};
 
-pub fn save_as(window: &mut Window, path: &Path) {
+pub(super) fn save_as(window: &mut Window, path: &Path) {
     window
         .state_mut()
         .app
@@ -18,7 +18,7 @@ pub fn save_as(window: &mut Window, path: &Path) {
     assert_eq!(app(window).project_path(), Some(path));
 }
 
-pub fn open(path: &Path) -> Window {
+pub(super) fn open(path: &Path) -> Window {
     let mut window = empty_window();
     drop_file(&mut window, path.to_owned());
     settle(&mut window);
@@ -47,7 +47,7 @@ fn decisions(window: &Window) -> Vec<String> {
     logs.collect()
 }
 
-pub fn hashes(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+pub(super) fn hashes(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     let entries = std::fs::read_dir(folder).expect("the folder").flatten();
     let logs = entries.map(|entry| entry.path());
     let logs = logs.filter(|path| path.extension().is_some_and(|ending| ending == "sl2"));

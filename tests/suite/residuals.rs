@@ -64,7 +64,7 @@ fn the_map_shows_how_each_point_differs_from_the_soundings() {
 const STEP_M: f64 = 0.3;
 
 /// A small pond on a bed of its own seed, under `level_m` more water.
-pub fn pond(level_m: f64) -> Scene {
+pub(super) fn pond(level_m: f64) -> Scene {
     let mut scene = Scene::gentle();
     scene.track.lines = 3;
     scene.track.cross_lines = 1;
@@ -287,7 +287,7 @@ fn what_cannot_be_compared_is_reported_and_changes_nothing() {
 }
 
 /// Waits for all workers.
-pub fn wait(app: &mut App) {
+pub(super) fn wait(app: &mut App) {
     while !app.is_idle() {
         std::thread::sleep(std::time::Duration::from_millis(2));
         app.poll();

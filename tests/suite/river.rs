@@ -9,7 +9,7 @@ use crate::survey::{Side, Survey};
 use std::path::Path;
 
 /// A log with what the default settings make of it.
-pub fn processed(path: &Path) -> (Survey, Products) {
+pub(super) fn processed(path: &Path) -> (Survey, Products) {
     let survey = formats::open(path, &Progress::new()).expect("a log that opens");
     let settings = Settings::default();
     let products =

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 /// The folder of real recordings: `BATHYSCOPE_DATA`, or `../shared/data` beside the project.
 /// `None` (after a line on stderr) where there is none: the test then has nothing to look at and says so.
-pub fn real_data() -> Option<PathBuf> {
+pub(super) fn real_data() -> Option<PathBuf> {
     let beside = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
     let folder = std::env::var_os("BATHYSCOPE_DATA").map_or(beside, PathBuf::from);
     if folder.is_dir() {
@@ -19,7 +19,7 @@ pub fn real_data() -> Option<PathBuf> {
 ///
 /// # Panics
 /// When it is missing or older than its source, as after `cargo test --lib`.
-pub fn program() -> PathBuf {
+pub(super) fn program() -> PathBuf {
     let tests = std::env::current_exe().expect("the path of the tests");
     let folder = tests.ancestors().nth(2).expect("the folder of the build");
     let program = folder
@@ -50,18 +50,18 @@ fn newest_change(folder: &Path) -> std::time::SystemTime {
 }
 
 /// The bundled demo survey as a file.
-pub fn demo_log() -> PathBuf {
+pub(super) fn demo_log() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("assets/demo.sl2")
 }
 
 /// What the manifest of a run says, of all its files and of each.
-pub fn manifest(folder: &Path) -> Value {
+pub(super) fn manifest(folder: &Path) -> Value {
     let text = std::fs::read(folder.join("manifest.json")).expect("a manifest");
     serde_json::from_slice(&text).expect("JSON")
 }
 
 /// What the manifest of a run says of one file.
-pub fn manifest_entry(folder: &Path, name: &str) -> Value {
+pub(super) fn manifest_entry(folder: &Path, name: &str) -> Value {
     let manifest = manifest(folder);
     let mut files = manifest["files"].as_array().expect("files").iter();
     let entry = files.find(|file| file["file"] == name);
@@ -72,18 +72,18 @@ pub fn manifest_entry(folder: &Path, name: &str) -> Value {
 
 /// How pictures are compared with those in `tests/snapshots/`. lavapipe compiles for the processor it runs on, so the last
 /// bit of a colour and the odd pixel of an edge differ between machines; a changed picture differs in far more.
-pub fn snapshot_options() -> egui_kittest::SnapshotOptions {
+pub(super) fn snapshot_options() -> egui_kittest::SnapshotOptions {
     egui_kittest::SnapshotOptions::new()
         .threshold(1.0)
         .max_failed_pixels(20usize)
 }
 
 /// Numbers that look random and are the same in every run.
-pub struct Moments(pub u64);
+pub(super) struct Moments(pub u64);
 
 impl Moments {
     /// The next one, 0 to 1.
-    pub fn share(&mut self) -> f64 {
+    pub(super) fn share(&mut self) -> f64 {
         self.0 = self
             .0
             .wrapping_mul(6_364_136_223_846_793_005)

@@ -11,7 +11,7 @@ use crate::survey::{Side, Survey};
 
 /// What is wrong with a cell of a map.
 #[derive(Clone, Copy)]
-pub struct MapError {
+pub(super) struct MapError {
     /// Depth of the map minus that of the bed, metres.
     pub error_m: f64,
     /// What the map states there ([`Surface::spread_m`]).
@@ -21,13 +21,13 @@ pub struct MapError {
 }
 
 /// A simulated survey, opened as any log would be, and its truth.
-pub struct KnownSurvey {
+pub(super) struct KnownSurvey {
     pub survey: Survey,
     pub truth: Simulated,
 }
 
 impl KnownSurvey {
-    pub fn new(scene: &Scene, seed: u64) -> Self {
+    pub(super) fn new(scene: &Scene, seed: u64) -> Self {
         let progress = Progress::new();
         let truth = simulate(scene, seed, &progress).expect("a simulated survey");
         let survey = formats::open_bytes("simulated.sl2", truth.sl2_bytes(), &progress)
@@ -37,7 +37,7 @@ impl KnownSurvey {
 
     /// Claimed depth minus true depth of the bed at the claimed place, for every kept side-scan point. Weed is left out:
     /// there the first return is no bottom.
-    pub fn depth_errors_m(&self, products: &Products) -> Vec<f64> {
+    pub(super) fn depth_errors_m(&self, products: &Products) -> Vec<f64> {
         kept(products)
             .filter_map(|point| {
                 let side = match point.source {
@@ -52,12 +52,12 @@ impl KnownSurvey {
     }
 
     /// The depth map in the survey's plane.
-    pub fn map(&self, products: &Products, settings: &SurfaceSettings) -> Surface {
+    pub(super) fn map(&self, products: &Products, settings: &SurfaceSettings) -> Surface {
         map(&self.survey, products, settings, |_| true).expect("a surface")
     }
 
     /// The errors of a map at the middle of each cell that `soundings` fills too.
-    pub fn map_errors(&self, map: &Surface, soundings: &Surface) -> Vec<MapError> {
+    pub(super) fn map_errors(&self, map: &Surface, soundings: &Surface) -> Vec<MapError> {
         let cells = (0..map.grid.len()).filter_map(|cell| {
             let [east_m, north_m] = map
                 .grid
@@ -76,7 +76,7 @@ impl KnownSurvey {
 
 /// The depth map of a survey in its plane, of those of the points that the settings count as bottom and `counts` lets through; `None` where
 /// they make none.
-pub fn map(
+pub(super) fn map(
     survey: &Survey,
     products: &Products,
     settings: &SurfaceSettings,
@@ -87,7 +87,7 @@ pub fn map(
 }
 
 /// The same, with depths from the levels of some echoes where the settings ask for it.
-pub fn map_with(
+pub(super) fn map_with(
     echoes: LogEchoes<'_>,
     products: &Products,
     settings: &SurfaceSettings,
@@ -120,6 +120,6 @@ pub fn map_with(
 }
 
 /// The kept points.
-pub fn kept(products: &Products) -> impl Iterator<Item = &CloudPoint> {
+pub(super) fn kept(products: &Products) -> impl Iterator<Item = &CloudPoint> {
     products.kept_points()
 }

@@ -299,7 +299,7 @@ fn views_are_maximised_and_arranged() {
 }
 
 /// Opens the path field of the export by its key and types a folder.
-pub fn type_export_folder(window: &mut Window, into: &Path) {
+pub(super) fn type_export_folder(window: &mut Window, into: &Path) {
     press(window, Modifiers::COMMAND, Key::E);
     window
         .get_by_role_and_label(Role::TextInput, "Folder to write into")

@@ -8,10 +8,10 @@ use crate::support::geo::CoordinateFormat;
 use crate::support::presentation::units::{LengthUnit, SpeedUnit};
 
 /// Carries out a command.
-pub type Handler = fn(&mut App);
+pub(super) type Handler = fn(&mut App);
 
 /// What carries out a command; `None` for windows, dialogs, layout and cameras, which belong to the shell.
-pub fn handler(action: Action) -> Option<Handler> {
+pub(super) fn handler(action: Action) -> Option<Handler> {
     let mut all = SURVEY.iter().chain(SHOWN);
     all.find(|(of, _)| *of == action)
         .map(|(_, handler)| *handler)

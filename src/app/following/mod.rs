@@ -86,7 +86,7 @@ enum End {
 
 /// How following goes, for the status line.
 #[derive(Clone, Debug, PartialEq)]
-pub enum FollowStatus {
+pub(crate) enum FollowStatus {
     /// The log is being copied.
     Starting,
     /// It grows.
@@ -107,7 +107,7 @@ pub enum FollowStatus {
 
 impl Following {
     /// Whether a step or a run is under way.
-    pub fn is_busy(&self) -> bool {
+    pub(super) fn is_busy(&self) -> bool {
         let works = |active: &Active| {
             active.starting.is_some()
                 || active.stepping.is_some()
@@ -120,7 +120,7 @@ impl Following {
 
 impl App {
     /// The log that is followed.
-    pub fn followed(&self) -> Option<LogId> {
+    pub(crate) fn followed(&self) -> Option<LogId> {
         let active = self.following.active.as_ref();
         active
             .filter(|active| active.ends.is_none())
@@ -128,17 +128,17 @@ impl App {
     }
 
     /// Whether the log that is shown is followed.
-    pub fn is_following(&self) -> bool {
+    pub(crate) fn is_following(&self) -> bool {
         self.followed() == Some(self.log.id)
     }
 
     /// Grows each time a log begins to be followed.
-    pub fn follow_serial(&self) -> u64 {
+    pub(crate) fn follow_serial(&self) -> u64 {
         self.following.serial
     }
 
     /// How following goes; `None` while no log is followed.
-    pub fn follow_status(&self) -> Option<FollowStatus> {
+    pub(crate) fn follow_status(&self) -> Option<FollowStatus> {
         let active = self.following.active.as_ref()?;
         if active.ends.is_some() {
             return Some(FollowStatus::Ending);
@@ -163,7 +163,7 @@ impl App {
     }
 
     /// Time until the log is looked at again; `None` while none is followed.
-    pub fn follow_due(&self) -> Option<Duration> {
+    pub(crate) fn follow_due(&self) -> Option<Duration> {
         let active = self.following.active.as_ref()?;
         let passed = active.looked.map_or(LOOK, |looked| looked.elapsed());
         Some(LOOK.saturating_sub(passed))

@@ -17,7 +17,7 @@ const LEAST_SHARE: f64 = 1.0 / 4000.0;
 
 /// Why a step could not be done.
 #[derive(Debug, thiserror::Error)]
-pub enum StepError {
+pub(super) enum StepError {
     /// The log is not what it was.
     #[error(transparent)]
     Growing(#[from] GrowingError),
@@ -40,7 +40,7 @@ pub enum StepError {
 
 /// The log as it is known, with what is set for it.
 #[derive(Clone)]
-pub struct FollowedLog {
+pub(super) struct FollowedLog {
     /// As it was read.
     pub read: Arc<Survey>,
     /// As its settings have it.
@@ -52,7 +52,7 @@ pub struct FollowedLog {
 
 impl FollowedLog {
     /// The recording and its results.
-    pub fn settled(&self) -> ProcessedLog {
+    pub(super) fn settled(&self) -> ProcessedLog {
         ProcessedLog {
             survey: self.survey.clone(),
             products: self.products.clone(),
@@ -73,7 +73,7 @@ impl FollowedLog {
 }
 
 /// What goes from one step to the next: the copy of the log, and what its records and results go on with.
-pub struct Tools {
+pub(super) struct Tools {
     pub growing: GrowingLog,
     /// The bytes of the log as it was when it began to be followed.
     pub beginning: Vec<Bytes>,
@@ -82,7 +82,7 @@ pub struct Tools {
 }
 
 /// What a step came to.
-pub enum Grown {
+pub(super) enum Grown {
     /// Nothing was added, or too little to be shown yet: so many bytes wait.
     Waits(u64),
     /// The log with what was added.
@@ -93,7 +93,7 @@ pub enum Grown {
 
 impl Tools {
     /// Begins to follow a log: copies what there is of it.
-    pub fn start(survey: &Survey, progress: &Progress) -> Result<Self, GrowingError> {
+    pub(super) fn start(survey: &Survey, progress: &Progress) -> Result<Self, GrowingError> {
         let growing = GrowingLog::start(survey, progress)?;
         let lengths: Vec<usize> = survey.bytes.iter().map(|bytes| bytes.len()).collect();
         Ok(Self {
@@ -105,7 +105,7 @@ impl Tools {
     }
 
     /// Takes in what was added, and makes results of it if that is enough, or if it is not to wait any longer.
-    pub fn step(
+    pub(super) fn step(
         &mut self,
         ground: &FollowedLog,
         waits: bool,
@@ -173,7 +173,7 @@ impl Tools {
 }
 
 /// Reads all of a log that is still being written and runs every stage over it.
-pub fn whole(
+pub(super) fn whole(
     files: Vec<(PathBuf, Bytes)>,
     is_finished: bool,
     frame: Option<&LocalFrame>,

@@ -2,7 +2,7 @@
 
 /// A piece of text.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Span {
+pub(crate) struct Span {
     /// Its text, without marks.
     pub text: String,
     /// A key, a setting, a file or a command: set in a fixed width.
@@ -11,7 +11,7 @@ pub struct Span {
 
 /// A block of a page.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Block {
+pub(crate) enum Block {
     /// A heading, with its level from 1.
     Heading(usize, String),
     /// Text.
@@ -26,7 +26,7 @@ pub enum Block {
 
 impl Block {
     /// Its text without marks.
-    pub fn plain(&self) -> String {
+    pub(crate) fn plain(&self) -> String {
         match self {
             Block::Heading(_, text) | Block::Code(text) => text.clone(),
             Block::Paragraph(spans) | Block::Item(spans) => plain(spans),
@@ -39,12 +39,12 @@ impl Block {
 }
 
 /// The text of spans without marks.
-pub fn plain(spans: &[Span]) -> String {
+pub(crate) fn plain(spans: &[Span]) -> String {
     spans.iter().map(|span| span.text.as_str()).collect()
 }
 
 /// The blocks of a page.
-pub fn blocks(text: &str) -> Vec<Block> {
+pub(crate) fn blocks(text: &str) -> Vec<Block> {
     let mut found = Vec::new();
     let mut lines = text.lines().peekable();
     while let Some(line) = lines.next() {
@@ -86,7 +86,7 @@ pub fn blocks(text: &str) -> Vec<Block> {
 }
 
 /// Blocks under one heading, the heading first.
-pub fn sections(blocks: &[Block]) -> Vec<&[Block]> {
+pub(crate) fn sections(blocks: &[Block]) -> Vec<&[Block]> {
     let starts = |block: &Block| matches!(block, Block::Heading(..));
     let mut cuts: Vec<usize> = (0..blocks.len())
         .filter(|at| starts(&blocks[*at]))

@@ -40,19 +40,19 @@ pub(super) struct Autosave {
 
 impl Autosave {
     /// Whether a version is in the file.
-    pub fn holds(&self, review: &Arc<Review>) -> bool {
+    pub(super) fn holds(&self, review: &Arc<Review>) -> bool {
         let written = self.written.as_ref();
         written.is_some_and(|written| Arc::ptr_eq(written, review))
     }
 
     /// Takes a version for the one in the file that says the same of a longer state of the log.
-    pub fn carry(&mut self, before: &Arc<Review>, carried: &Arc<Review>) {
+    pub(super) fn carry(&mut self, before: &Arc<Review>, carried: &Arc<Review>) {
         if self.holds(before) {
             self.written = Some(carried.clone());
         }
     }
 
-    pub fn is_looking(&self) -> bool {
+    pub(super) fn is_looking(&self) -> bool {
         self.looking.is_some()
     }
 
@@ -80,7 +80,7 @@ impl Autosave {
     }
 
     /// The review was saved: what was kept on the way is not needed any more.
-    pub fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         self.writing = None;
         if self.written.take().is_some()
             && let Some(path) = self.path()
@@ -108,7 +108,7 @@ impl Parked {
 
 impl App {
     /// Whether closing now would lose decisions: they are in no file.
-    pub fn is_at_risk(&self) -> bool {
+    pub(crate) fn is_at_risk(&self) -> bool {
         let here = self.logs().any(|log| {
             let reviewing = &log.reviewing;
             reviewing.is_unsaved() && !reviewing.autosave.holds(&reviewing.review)
@@ -117,7 +117,7 @@ impl App {
     }
 
     /// Time until decisions are due to be written; `None` when there is nothing to write.
-    pub fn autosave_due(&self) -> Option<Duration> {
+    pub(crate) fn autosave_due(&self) -> Option<Duration> {
         self.logs()
             .filter_map(|log| log.reviewing.autosave_due())
             .min()
@@ -163,7 +163,7 @@ impl App {
     }
 
     /// Writes what is not in the file yet, now: another log is opened, or the window closes.
-    pub fn keep_decisions(&mut self) {
+    pub(crate) fn keep_decisions(&mut self) {
         // A write under way ends before this one, so that the newest stays.
         while self.log.reviewing.autosave.writing.is_some() {
             self.poll_autosave();

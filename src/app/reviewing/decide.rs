@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 /// A step of the arrow keys on the screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Nudge {
+pub(crate) struct Nudge {
     /// Steps to the right.
     pub right: i32,
     /// Steps down.

@@ -8,7 +8,7 @@ use crate::survey::Side;
 
 /// What of the selected box the arrow keys move while it is edited.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum BoxEdge {
+pub(crate) enum BoxEdge {
     /// All of it.
     #[default]
     Whole,
@@ -26,7 +26,7 @@ pub enum BoxEdge {
 
 impl BoxEdge {
     /// The one after it, and after the last one all of the box.
-    pub fn next(self) -> Self {
+    pub(crate) fn next(self) -> Self {
         match self {
             BoxEdge::Whole => BoxEdge::Near,
             BoxEdge::Near => BoxEdge::Border,
@@ -38,7 +38,7 @@ impl BoxEdge {
     }
 
     /// What it is called in the view; empty of the whole box.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             BoxEdge::Whole => "",
             BoxEdge::Near => "near edge of the echo",
@@ -88,7 +88,7 @@ impl BoxEdge {
 
 /// Slant range of the border between the echo and the shadow of a box, metres: as it was set, as it is found, or, where no shadow is
 /// found, a third of the box from its near edge: boxes hold more shadow than echo, and a border on the far edge could not be grabbed.
-pub fn border_m(reviewing: &Reviewing, one: &Reviewed) -> f64 {
+pub(crate) fn border_m(reviewing: &Reviewing, one: &Reviewed) -> f64 {
     let (near_m, far_m) = (one.mark.near_m, one.mark.far_m);
     let found = || {
         let placed = reviewing.placed(one.id)?;

@@ -23,7 +23,7 @@ pub(super) struct Opening {
 
 impl App {
     /// Where the review is or would be kept: its file, or the sidecar file of the log.
-    pub fn review_path(&self) -> Option<PathBuf> {
+    pub(crate) fn review_path(&self) -> Option<PathBuf> {
         let beside = || {
             let log = self.log.survey.as_ref()?.source.files.first()?;
             Some(log.with_extension(SUFFIX))
@@ -32,7 +32,7 @@ impl App {
     }
 
     /// Whether decisions about a reviewed log are in no file yet.
-    pub fn has_unsaved_review(&self) -> bool {
+    pub(crate) fn has_unsaved_review(&self) -> bool {
         self.reviewed_logs().any(|log| log.reviewing.is_unsaved())
     }
 

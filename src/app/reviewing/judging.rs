@@ -14,7 +14,7 @@ const DEMO_TRUTH: &str = include_str!("../../../assets/demo.objects.csv");
 
 /// What the list of mistakes is sorted by.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum MistakeSort {
+pub(crate) enum MistakeSort {
     /// The surest false alarms first, then the largest misses.
     #[default]
     Score,
@@ -26,11 +26,11 @@ pub enum MistakeSort {
 
 impl MistakeSort {
     /// All sorts in the order of the menu.
-    pub const ALL: [MistakeSort; 3] =
+    pub(crate) const ALL: [MistakeSort; 3] =
         [MistakeSort::Score, MistakeSort::Size, MistakeSort::Position];
 
     /// Name in the menu.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             MistakeSort::Score => "score",
             MistakeSort::Size => "size",
@@ -56,7 +56,7 @@ struct Opening {
 
 /// The truth, and how the boxes stand to it.
 #[derive(Default)]
-pub struct Judging {
+pub(crate) struct Judging {
     truth: Option<(Source, Arc<Truth>)>,
     opening: Option<Opening>,
     /// Asked for while the log was still being opened.
@@ -73,7 +73,7 @@ pub struct Judging {
 
 impl Judging {
     /// Where the truth comes from; `None` while none is known.
-    pub fn source(&self) -> Option<String> {
+    pub(crate) fn source(&self) -> Option<String> {
         let (source, _) = self.truth.as_ref()?;
         Some(match source {
             Source::File(path) => path
@@ -86,27 +86,27 @@ impl Judging {
     }
 
     /// Boxes and truth, paired; perhaps of boxes of a moment ago.
-    pub fn comparison(&self) -> Option<&TruthComparison> {
+    pub(crate) fn comparison(&self) -> Option<&TruthComparison> {
         self.comparison.as_ref()
     }
 
     /// What the boxes at the confidence slider amount to.
-    pub fn standing(&self) -> Option<&Standing> {
+    pub(crate) fn standing(&self) -> Option<&Standing> {
         self.standing.as_ref()
     }
 
     /// False alarms and misses, in the order that was chosen.
-    pub fn mistakes(&self) -> &[Mistake] {
+    pub(crate) fn mistakes(&self) -> &[Mistake] {
         self.standing().map_or(&[], |standing| &standing.mistakes)
     }
 
     /// What mistakes are sorted by.
-    pub fn sort(&self) -> MistakeSort {
+    pub(crate) fn sort(&self) -> MistakeSort {
         self.sort
     }
 
     /// The missed object that is looked at, as an index into the truth's objects.
-    pub fn missed(&self) -> Option<usize> {
+    pub(crate) fn missed(&self) -> Option<usize> {
         self.missed
     }
 
@@ -175,7 +175,7 @@ impl Reviewing {
     }
 
     /// Place in the list of the mistake that is looked at.
-    pub fn mistake_at(&self) -> Option<usize> {
+    pub(crate) fn mistake_at(&self) -> Option<usize> {
         let is_here = |one: &Mistake| match one {
             Mistake::FalseAlarm { id, .. } => self.selected == Some(*id),
             Mistake::Miss { object, .. } => self.judging.missed == Some(*object),

@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 /// A box's object on the ground.
 #[derive(Clone, Debug)]
-pub struct LocatedObject {
+pub(crate) struct LocatedObject {
     /// Place, extent, height and depth.
     pub target: Target,
     /// Corners of its footprint, metres east and north: length along the track, width across it; of a point all in its place.
@@ -62,7 +62,7 @@ pub(super) struct Places {
 
 impl Reviewing {
     /// The object of a box on the ground; `None` while it is not known, or when it cannot be.
-    pub fn placed(&self, id: BoxId) -> Option<&Arc<LocatedObject>> {
+    pub(crate) fn placed(&self, id: BoxId) -> Option<&Arc<LocatedObject>> {
         self.places.known.get(&id)?.1.as_ref()
     }
 
@@ -74,12 +74,12 @@ impl Reviewing {
 
 impl Places {
     /// Notes that boxes were added or moved.
-    pub fn outdate(&mut self) {
+    pub(super) fn outdate(&mut self) {
         self.outdated = true;
     }
 
     /// Whether places are being worked out.
-    pub fn is_busy(&self) -> bool {
+    pub(super) fn is_busy(&self) -> bool {
         self.running.is_some()
     }
 }

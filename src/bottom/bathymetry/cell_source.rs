@@ -51,7 +51,7 @@ impl CellSource {
 }
 
 /// What was measured in each cell of a grid; points without weight count for nothing.
-pub fn measured_cells(points: &[DepthPoint], grid: &Grid) -> Vec<CellSource> {
+pub(super) fn measured_cells(points: &[DepthPoint], grid: &Grid) -> Vec<CellSource> {
     let mut cells = vec![CellSource::None; grid.len()];
     for point in points.iter().filter(|point| point.weight > 0.0) {
         let index = grid.index_at(point.east_m, point.north_m);
@@ -66,7 +66,7 @@ pub fn measured_cells(points: &[DepthPoint], grid: &Grid) -> Vec<CellSource> {
 }
 
 /// Says of every cell with a depth that holds no measured one that it is interpolated, and of those without any that none is known.
-pub fn settle(sources: &mut [CellSource], depth_m: &[f32]) {
+pub(super) fn settle(sources: &mut [CellSource], depth_m: &[f32]) {
     for (source, depth_m) in sources.iter_mut().zip(depth_m) {
         *source = match (depth_m.is_nan(), *source) {
             (true, _) => CellSource::None,

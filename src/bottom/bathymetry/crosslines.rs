@@ -6,7 +6,7 @@ use std::collections::HashMap;
 
 /// A depth along a track.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TrackDepth {
+pub(crate) struct TrackDepth {
     /// Seconds; the same clock for all depths of a track.
     pub time_s: f64,
     /// Metres east.
@@ -19,7 +19,7 @@ pub struct TrackDepth {
 
 /// One of the two passes over a crossing.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pass {
+pub(crate) struct Pass {
     /// Which track.
     pub track: usize,
     /// When, seconds.
@@ -33,7 +33,7 @@ pub struct Pass {
 
 /// A place where two passes cross.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Crossing {
+pub(crate) struct Crossing {
     /// East and north, metres.
     pub place: [f64; 2],
     /// The earlier pass, or that of the earlier track, first.
@@ -46,23 +46,23 @@ pub struct Crossing {
 
 impl Crossing {
     /// Elevation by the second pass minus that by the first, metres: up is positive.
-    pub fn difference_m(&self) -> f64 {
+    pub(crate) fn difference_m(&self) -> f64 {
         self.passes[0].depth_m - self.passes[1].depth_m
     }
 
     /// Slope of the bottom, metres a metre; NaN where it is not known.
-    pub fn slope(&self) -> f64 {
+    pub(crate) fn slope(&self) -> f64 {
         self.gradient[0].hypot(self.gradient[1])
     }
 }
 
 /// Depths farther than this from a crossing, along their own track, say nothing about it, metres.
-pub const REACH_M: f64 = 0.5;
+pub(crate) const REACH_M: f64 = 0.5;
 /// Depths within this distance of a crossing, along their own track, give the slope there, metres, and how many at least.
 const SLOPE_REACH_M: f64 = 3.0;
 const LEAST_FOR_SLOPE: usize = 5;
 /// Tracks that cross at a smaller angle run along each other: where they cross is chance, degrees.
-pub const LEAST_ANGLE_DEG: f64 = 20.0;
+pub(crate) const LEAST_ANGLE_DEG: f64 = 20.0;
 /// A boat that has gone less far than this along its track since has not come back, it has stayed, metres.
 const LEAST_WAY_M: f64 = 10.0;
 /// Length of the straight pieces that a track is made of here, at least, metres: shorter ones point anywhere.
@@ -81,7 +81,7 @@ const MOST: usize = 1_000_000;
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn crossings(
+pub(crate) fn crossings(
     tracks: &[Vec<TrackDepth>],
     progress: &Progress,
 ) -> Result<Vec<Crossing>, Cancelled> {
@@ -121,7 +121,7 @@ pub fn crossings(
 
 /// Velocity of the boat at a depth of a track, metres a second to the east and north: from the places at least a second before and
 /// behind, or the depth's own where there is none within ten.
-pub fn velocity_mps(track: &[TrackDepth], index: usize) -> [f64; 2] {
+pub(crate) fn velocity_mps(track: &[TrackDepth], index: usize) -> [f64; 2] {
     let here = &track[index];
     let is_far = |one: &&TrackDepth| (one.time_s - here.time_s).abs() >= VELOCITY_S[0];
     let is_near = |one: &&TrackDepth| (one.time_s - here.time_s).abs() <= VELOCITY_S[1];

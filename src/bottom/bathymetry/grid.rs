@@ -151,7 +151,7 @@ fn bounds(points: &[DepthPoint]) -> Option<[f64; 4]> {
 /// The cell that suits the data: half of the mean distance `sqrt(area / places)` between places of soundings, rounded down to
 /// 1, 2 or 5 times a power of ten and at least 0.1 m. The area is that of the squares of `gap_m` that hold a sounding, since
 /// beyond the gap there will be no surface. `None` without points.
-pub fn suited_cell_m(points: &[DepthPoint], gap_m: f64) -> Option<f64> {
+pub(crate) fn suited_cell_m(points: &[DepthPoint], gap_m: f64) -> Option<f64> {
     let places = occupied(points, LEAST_CELL_M);
     let area_m2 = occupied(points, gap_m) as f64 * gap_m * gap_m;
     let half_m = 0.5 * (area_m2 / places as f64).sqrt();

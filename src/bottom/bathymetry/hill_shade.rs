@@ -67,7 +67,7 @@ impl Light {
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn hill_shade(
+pub(crate) fn hill_shade(
     surface: &Surface,
     light: &Light,
     progress: &Progress,

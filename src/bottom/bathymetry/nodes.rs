@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 /// One depth for one place.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Node {
+pub(crate) struct Node {
     /// Metres east of the survey's origin.
     pub east_m: f64,
     /// Metres north of the survey's origin.
@@ -25,7 +25,7 @@ const LEAST_FOR_SPREAD: usize = 3;
 /// only exactly repeated places. Points without weight are left out.
 ///
 /// Recorders repeat a fix for most pings, and a triangulation takes one depth a place.
-pub fn merge_repeated(points: &[DepthPoint], cell_m: f64) -> Vec<Node> {
+pub(crate) fn merge_repeated(points: &[DepthPoint], cell_m: f64) -> Vec<Node> {
     let mut nodes = merge_cells(points, cell_m);
     let known = nodes.iter().map(|node| node.spread_m);
     let mut known: Vec<f64> = known.filter(|spread| spread.is_finite()).collect();
@@ -38,7 +38,7 @@ pub fn merge_repeated(points: &[DepthPoint], cell_m: f64) -> Vec<Node> {
 }
 
 /// The same, where the spread of fewer than three depths is `typical_m`: no node depends on points of other squares.
-pub fn merge_repeated_with(points: &[DepthPoint], cell_m: f64, typical_m: f64) -> Vec<Node> {
+pub(super) fn merge_repeated_with(points: &[DepthPoint], cell_m: f64, typical_m: f64) -> Vec<Node> {
     let mut nodes = merge_cells(points, cell_m);
     fill_spreads(&mut nodes, typical_m);
     nodes

@@ -125,7 +125,7 @@ impl FoundShift {
 }
 
 /// A track with its positions corrected.
-pub fn shifted(track: &[TrackDepth], shift: &Shift) -> Vec<TrackDepth> {
+pub(crate) fn shifted(track: &[TrackDepth], shift: &Shift) -> Vec<TrackDepth> {
     let moved = |(index, depth): (usize, &TrackDepth)| {
         let [east_m, north_m] = shift.at(velocity_mps(track, index));
         TrackDepth {
@@ -139,7 +139,7 @@ pub fn shifted(track: &[TrackDepth], shift: &Shift) -> Vec<TrackDepth> {
 
 /// A log that crossings are of.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct CorrectedLog {
+pub(crate) struct CorrectedLog {
     /// How its positions were corrected before its depths were compared.
     pub shift: Shift,
     /// Its height offset, where that is known and the shift stays: a log that a person has pinned.
@@ -151,7 +151,7 @@ pub struct CorrectedLog {
 ///
 /// # Errors
 /// Those of `crossings`.
-pub fn settled_offsets<E>(
+pub(crate) fn settled_offsets<E>(
     logs: &[CorrectedLog],
     wanted: Wanted,
     mut crossings: impl FnMut(&[CorrectedLog]) -> Result<Vec<Crossing>, E>,

@@ -21,7 +21,7 @@ pub struct DepthPoint {
 
 /// Every sounding of the survey that has both a place and a depth, in time order.
 #[cfg(any(test, feature = "bench"))]
-pub fn depth_points(survey: &Survey, navigation: &Navigation) -> Vec<DepthPoint> {
+pub(crate) fn depth_points(survey: &Survey, navigation: &Navigation) -> Vec<DepthPoint> {
     let placed = survey.soundings.iter().zip(navigation.soundings.iter());
     placed
         .filter(|(sounding, _)| sounding.locked)
@@ -39,7 +39,7 @@ pub fn depth_points(survey: &Survey, navigation: &Navigation) -> Vec<DepthPoint>
 }
 
 /// The 2nd and 98th percentile of some depths: the ends of the colour scale. `None` without any finite depth.
-pub fn depth_range(depths: impl IntoIterator<Item = f32>) -> Option<[f32; 2]> {
+pub(crate) fn depth_range(depths: impl IntoIterator<Item = f32>) -> Option<[f32; 2]> {
     statistics::colour_ends(depths)
 }
 

@@ -10,7 +10,7 @@ const ALONG_DIAGONAL: f64 = 40.0;
 
 /// Chooses depths that are `radius_m` apart at least, shoal first: the shallowest of all, then the shallowest that is far enough from it,
 /// and so on. Every other depth has a shallower one within that distance. They come from shallow to deep.
-pub fn spot_soundings(points: &[DepthPoint], radius_m: f64) -> Vec<DepthPoint> {
+pub(crate) fn spot_soundings(points: &[DepthPoint], radius_m: f64) -> Vec<DepthPoint> {
     let mut order: Vec<&DepthPoint> = points.iter().collect();
     order.sort_unstable_by(|a, b| {
         (a.depth_m.total_cmp(&b.depth_m))
@@ -41,7 +41,7 @@ pub fn spot_soundings(points: &[DepthPoint], radius_m: f64) -> Vec<DepthPoint> {
 
 /// How far spot soundings are apart by the settings, or, where these leave it open, a round distance by the extent of the depths; `None`
 /// without an extent.
-pub fn spot_radius_m(settings: &IsobathSettings, points: &[DepthPoint]) -> Option<f64> {
+pub(crate) fn spot_radius_m(settings: &IsobathSettings, points: &[DepthPoint]) -> Option<f64> {
     let ends = |value: fn(&DepthPoint) -> f64| {
         let values = points.iter().map(value);
         values.fold([f64::MAX, f64::MIN], |[least, most], value| {

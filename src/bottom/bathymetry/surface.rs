@@ -314,7 +314,7 @@ pub fn surface(
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn surface_of_depths(
+pub(crate) fn surface_of_depths(
     points: Vec<DepthPoint>,
     settings: &SurfaceSettings,
     progress: &Progress,

@@ -4,7 +4,7 @@ use super::Surface;
 
 /// A corner of a line on the ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Corner {
+pub(crate) struct Corner {
     /// East and north in the plane of the survey, metres.
     pub place: [f64; 2],
     /// Metres on the ground from the start of the line.
@@ -13,7 +13,7 @@ pub struct Corner {
 
 /// A place on a line, and the depth there.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Station {
+pub(crate) struct Station {
     /// Metres on the ground from the start of the line.
     pub distance_m: f64,
     /// East and north in the plane of the survey, metres.
@@ -24,7 +24,7 @@ pub struct Station {
 
 /// Looks at the depth at every corner of a line, and between two of them at equal steps of at most `step_m`, or of what makes
 /// `most` stations of the whole line where that is more.
-pub fn transect(
+pub(crate) fn transect(
     corners: &[Corner],
     step_m: f64,
     most: usize,

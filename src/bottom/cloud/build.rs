@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Slant range of a pick by the calibration in force, metres; NaN without a pick.
-pub fn slant_range_m(
+pub(crate) fn slant_range_m(
     survey: &Survey,
     calibration: &Calibration,
     ping: usize,
@@ -37,7 +37,7 @@ pub fn slant_range_m(
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn build(
+pub(crate) fn build(
     survey: &Survey,
     navigation: &Navigation,
     returns: &FirstReturns,

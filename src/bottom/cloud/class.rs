@@ -101,7 +101,7 @@ impl ClassRules<'_> {
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn classify(
+pub(crate) fn classify(
     cloud: &PointCloud,
     rules: &ClassRules<'_>,
     progress: &Progress,

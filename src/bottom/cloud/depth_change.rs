@@ -5,7 +5,7 @@ use crate::support::statistics::median;
 
 /// How the side-scan depths that count for the map change.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DepthChange {
+pub(crate) struct DepthChange {
     /// Depths that were compared.
     pub count: usize,
     /// Median change, metres; above 0 depths become greater.
@@ -16,7 +16,7 @@ pub struct DepthChange {
 
 impl DepthChange {
     /// Of the points that `classes` keeps of a cloud, against those of the same first returns in another one; `None` where none is in both.
-    pub fn between(
+    pub(crate) fn between(
         before: &PointCloud,
         classes: &[PointClass],
         after: &PointCloud,

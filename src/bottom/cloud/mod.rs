@@ -9,30 +9,32 @@ mod build;
 mod by_source;
 mod class;
 mod confirmed;
-pub mod correction;
+pub(crate) mod correction;
 mod depth_change;
 mod geometry;
 mod level;
-pub mod outliers;
+pub(crate) mod outliers;
 mod ping_depth;
 mod reduction;
 mod residuals;
 mod scales;
 mod specular;
 
-pub use build::{build, slant_range_m};
-pub use by_source::BySource;
-pub use class::{ClassCounts, ClassRules, PointClass, classify};
-pub use correction::{Correction, DepthReference, DepthSettings};
-pub use depth_change::DepthChange;
+pub(crate) use build::{build, slant_range_m};
+pub(crate) use by_source::BySource;
+pub(crate) use class::{ClassCounts, ClassRules, PointClass, classify};
+pub(crate) use correction::{Correction, DepthReference, DepthSettings};
+pub(crate) use depth_change::DepthChange;
 #[cfg(any(test, feature = "bench"))]
-pub use geometry::across_track;
+pub(crate) use geometry::across_track;
 #[cfg(any(test, feature = "bench"))]
-pub use geometry::fixed_bottom_point;
-pub use ping_depth::{DepthSource, PingDepth, TrackShare, clear_excluded_depths, ping_depths};
-pub use reduction::Reduction;
-pub use residuals::{Residuals, residuals, same_ping_differences};
-pub use scales::PointScales;
+pub(crate) use geometry::fixed_bottom_point;
+pub(crate) use ping_depth::{
+    DepthSource, PingDepth, TrackShare, clear_excluded_depths, ping_depths,
+};
+pub(crate) use reduction::Reduction;
+pub(crate) use residuals::{Residuals, residuals, same_ping_differences};
+pub(crate) use scales::PointScales;
 
 use crate::sonar::first_return::ground_confidence;
 use crate::survey::Exclusions;

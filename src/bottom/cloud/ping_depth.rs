@@ -27,7 +27,7 @@ pub struct PingDepth {
 
 /// One entry a side-scan ping: the recorded depth where the recorder had the bottom, else that of the deeper of the first returns
 /// that are kept. The other side detects a bank or a boulder to the side of the boat first.
-pub fn ping_depths(
+pub(crate) fn ping_depths(
     survey: &Survey,
     cloud: &PointCloud,
     classes: &[PointClass],
@@ -58,7 +58,11 @@ pub fn ping_depths(
 }
 
 /// Takes the depths from the pings that are excluded; `first` is the ping of the first of them.
-pub fn clear_excluded_depths(depths: &mut [PingDepth], first: usize, exclusions: &Exclusions) {
+pub(crate) fn clear_excluded_depths(
+    depths: &mut [PingDepth],
+    first: usize,
+    exclusions: &Exclusions,
+) {
     for (ping, depth) in (first..).zip(depths) {
         if exclusions.ping(ping).is_some() {
             *depth = PingDepth {

@@ -29,7 +29,7 @@ pub struct Residuals {
 /// where the recorder had the bottom; `None` without any. Recorded depths are corrected as the cloud's were.
 ///
 /// The two are those of different places where the bottom point lies across-track: on a slope the difference is real.
-pub fn residuals(
+pub(crate) fn residuals(
     survey: &Survey,
     cloud: &PointCloud,
     correction: &Correction,
@@ -41,7 +41,7 @@ pub fn residuals(
 }
 
 /// The differences behind [`residuals`], metres: those of several logs are put together before statistics are made of them.
-pub fn same_ping_differences(
+pub(crate) fn same_ping_differences(
     survey: &Survey,
     cloud: &PointCloud,
     correction: &Correction,

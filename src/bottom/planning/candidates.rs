@@ -21,7 +21,7 @@ const BESIDE_M: f64 = 5.0;
 
 /// What limits a line.
 #[derive(Clone, Copy, Debug)]
-pub struct Limits {
+pub(super) struct Limits {
     /// Metres a second.
     pub speed_mps: f64,
     /// Least radius of a turn, metres.
@@ -32,14 +32,14 @@ pub struct Limits {
 
 impl Limits {
     /// Shorter lines are not worth a turn, metres.
-    pub fn least_m(&self) -> f64 {
+    pub(super) fn least_m(&self) -> f64 {
         2.0 * self.radius_m
     }
 }
 
 /// A line that could be sailed.
 #[derive(Clone, Debug)]
-pub struct Candidate {
+pub(super) struct Candidate {
     from: [f64; 2],
     /// Unit vector.
     course: [f64; 2],
@@ -54,7 +54,7 @@ pub struct Candidate {
 
 impl Candidate {
     /// The line.
-    pub fn leg(&self) -> Leg {
+    pub(super) fn leg(&self) -> Leg {
         let length_m = self.step_m * self.gains.len() as f64;
         Leg {
             from: self.from,
@@ -63,7 +63,7 @@ impl Candidate {
     }
 
     /// The same without some metres, from whichever end mends less; `None` where too little is left.
-    pub fn shortened(&self, by_m: f64, least_m: f64) -> Option<Self> {
+    pub(super) fn shortened(&self, by_m: f64, least_m: f64) -> Option<Self> {
         let steps = (by_m / self.step_m).ceil().max(1.0) as usize;
         let left = self.gains.len().checked_sub(steps)?;
         if (left as f64) * self.step_m < least_m {
@@ -89,7 +89,7 @@ impl Candidate {
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn candidates(
+pub(super) fn candidates(
     ground: &PlanningGrid,
     ends: &[[f64; 2]],
     limits: &Limits,

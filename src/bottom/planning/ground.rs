@@ -6,7 +6,7 @@ use super::water::{Near, Water, thinned};
 use rayon::prelude::*;
 
 /// A doubt lies on the cells within this distance of a crossing, metres, and a pass within it helps.
-pub const DOUBT_M: f64 = 5.0;
+pub(super) const DOUBT_M: f64 = 5.0;
 /// Of the differences that are more than so many standard deviations of a depth at a sounding.
 const DOUBT_SIGMAS: f64 = 2.0;
 /// More of them are not looked at.
@@ -19,7 +19,7 @@ const LOOK_WORTH: [f32; 2] = [0.05, 0.025];
 
 /// A cell of the water.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cell {
+pub(super) struct Cell {
     /// Its centre.
     pub place: [f64; 2],
     /// To the nearest sounding, metres.
@@ -32,7 +32,7 @@ pub struct Cell {
 
 /// What is known of each cell of the water, and what lies on it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PlanningGrid {
+pub(super) struct PlanningGrid {
     /// The water.
     pub water: Water,
     /// Its cells, in the order of [`Water::cells`].
@@ -51,7 +51,7 @@ pub struct PlanningGrid {
 
 impl PlanningGrid {
     /// Of what a survey knows, in some water.
-    pub fn new(known: &SurveyCoverage, water: Water, spacing_m: Option<f64>) -> Self {
+    pub(super) fn new(known: &SurveyCoverage, water: Water, spacing_m: Option<f64>) -> Self {
         let soundings = Near::new(thinned(&known.soundings, 0.25 * water.grid.cell_m));
         let doubts = largest(known);
         let places: Vec<(usize, [f64; 2])> = water.cells().collect();
@@ -87,7 +87,7 @@ impl PlanningGrid {
     }
 
     /// Standard deviation of the depth of a cell, metres.
-    pub fn sigma_m(&self, cell: &Cell) -> f32 {
+    pub(super) fn sigma_m(&self, cell: &Cell) -> f32 {
         self.sigma_at(cell.distance_m, cell.doubt_m)
     }
 
@@ -100,7 +100,7 @@ impl PlanningGrid {
     }
 
     /// By how much a pass at a distance mends a cell, metres of standard deviation.
-    pub fn mended_by(&self, cell: &Cell, sigma_m: f32, pass_m: f32) -> f32 {
+    pub(super) fn mended_by(&self, cell: &Cell, sigma_m: f32, pass_m: f32) -> f32 {
         let doubt_m = match pass_m < DOUBT_M as f32 {
             true => THIRD_PASS * cell.doubt_m,
             false => cell.doubt_m,
@@ -117,7 +117,7 @@ impl PlanningGrid {
     }
 
     /// The farthest that a pass can be to mend a cell at all, metres.
-    pub fn reach_m(&self, cell: &Cell) -> f64 {
+    pub(super) fn reach_m(&self, cell: &Cell) -> f64 {
         let depth_m = f64::from(cell.distance_m).min(self.sigma.reach_m());
         let doubt_m = if cell.doubt_m > 0.0 { DOUBT_M } else { 0.0 };
         let look_m = match usize::from(cell.looks) < LOOK_WORTH.len() {
@@ -128,7 +128,7 @@ impl PlanningGrid {
     }
 
     /// The ground after a straight pass from one place to another; `is_line` where its side-scan counts, which that of a turn does not.
-    pub fn sail(&mut self, from: [f64; 2], to: [f64; 2], is_line: bool) {
+    pub(super) fn sail(&mut self, from: [f64; 2], to: [f64; 2], is_line: bool) {
         let way = [to[0] - from[0], to[1] - from[1]];
         let length_m = way[0].hypot(way[1]);
         if length_m < 1e-9 {
@@ -166,7 +166,7 @@ impl PlanningGrid {
     }
 
     /// Square metres of a cell.
-    pub fn cell_m2(&self) -> f64 {
+    pub(super) fn cell_m2(&self) -> f64 {
         self.water.grid.cell_m.powi(2)
     }
 }

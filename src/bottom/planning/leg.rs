@@ -4,7 +4,7 @@ use super::turns::Pose;
 
 /// A straight line, from its start to its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Leg {
+pub(crate) struct Leg {
     /// Metres east and north.
     pub from: [f64; 2],
     /// Metres east and north.
@@ -13,19 +13,19 @@ pub struct Leg {
 
 impl Leg {
     /// Metres.
-    pub fn length_m(&self) -> f64 {
+    pub(crate) fn length_m(&self) -> f64 {
         apart_m(self.from, self.to)
     }
 
     /// Radians clockwise from north.
-    pub fn heading_rad(&self) -> f64 {
+    pub(crate) fn heading_rad(&self) -> f64 {
         let [east, north] = self.way();
         east.atan2(north)
     }
 
     /// The same line sailed the other way.
     #[must_use]
-    pub fn turned(self) -> Self {
+    pub(crate) fn turned(self) -> Self {
         Self {
             from: self.to,
             to: self.from,

@@ -16,9 +16,9 @@ mod turns;
 mod water;
 mod window;
 
-pub use known::{Doubt, InsonifiedSide, SeenObject, SigmaLaw, SurveyCoverage};
-pub use leg::Leg;
-pub use plan::{Plan, PlanSettings, State, Station};
+pub(crate) use known::{Doubt, InsonifiedSide, SeenObject, SigmaLaw, SurveyCoverage};
+pub(crate) use leg::Leg;
+pub(crate) use plan::{Plan, PlanSettings, State, Station};
 
 use crate::support::progress::{Cancelled, Progress};
 use candidates::{Candidate, Limits, candidates};
@@ -38,7 +38,7 @@ const WORTH: f64 = 0.03;
 
 /// Why there is no plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum PlanError {
+pub(crate) enum PlanError {
     /// Nothing was surveyed.
     #[error("there is no log to plan from")]
     NoLog,
@@ -78,7 +78,7 @@ pub enum PlanError {
 
 impl PlanError {
     /// Whether it is about the area that was given.
-    pub fn is_about_area(&self) -> bool {
+    pub(crate) fn is_about_area(&self) -> bool {
         matches!(self, PlanError::NoArea | PlanError::AreaElsewhere)
     }
 }
@@ -90,7 +90,7 @@ impl PlanError {
 ///
 /// # Errors
 /// [`PlanError`].
-pub fn plan(
+pub(crate) fn plan(
     known: &SurveyCoverage,
     area: Option<&[Vec<[f64; 2]>]>,
     settings: &PlanSettings,

@@ -15,7 +15,7 @@ const STRAIGHT_M: f64 = 1e9;
 
 /// What a plan is made for.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PlanSettings {
+pub(crate) struct PlanSettings {
     /// Time from the start of the first line to the end of the last, minutes.
     pub minutes: f64,
     /// Speed over ground, metres a second; the survey's own where it is not given.
@@ -43,7 +43,7 @@ impl PlanSettings {
     ///
     /// # Errors
     /// A sentence about the first number that is out of bounds.
-    pub fn check(&self) -> Result<(), PlanError> {
+    pub(crate) fn check(&self) -> Result<(), PlanError> {
         let within = |value: f64, least: f64, most: f64| (least..=most).contains(&value);
         let optional = |value: Option<f64>, least: f64, most: f64| {
             value.is_none_or(|value| within(value, least, most))
@@ -74,7 +74,7 @@ impl PlanSettings {
 
 /// What a place of the way is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Station {
+pub(crate) enum Station {
     /// The start of a line, counted from 0.
     Start(usize),
     /// The end of a line.
@@ -85,7 +85,7 @@ pub enum Station {
 
 /// A place of the way.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Waypoint {
+pub(crate) struct Waypoint {
     /// Metres east and north.
     pub place: [f64; 2],
     /// What it is.
@@ -94,7 +94,7 @@ pub struct Waypoint {
 
 /// How well the water is known.
 #[derive(Clone, Debug, PartialEq)]
-pub struct State {
+pub(crate) struct State {
     /// Predicted standard deviation of the depth by cell, metres; NaN outside of the water.
     pub sigma_m: Vec<f32>,
     /// Mean of it over the water, metres.
@@ -107,7 +107,7 @@ pub struct State {
 
 /// Lines to sail, and what they are good for.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Plan {
+pub(crate) struct Plan {
     ground: PlanningGrid,
     /// The lines in the order and direction of sailing.
     pub lines: Vec<Leg>,
@@ -157,7 +157,7 @@ impl Plan {
 
     /// The same with other lines, in their order.
     #[must_use]
-    pub fn with_lines(&self, lines: Vec<Leg>) -> Self {
+    pub(crate) fn with_lines(&self, lines: Vec<Leg>) -> Self {
         let radius_m = self.turn_radius_m;
         let waypoint = |place, station| Waypoint { place, station };
         let mut way = Vec::new();
@@ -195,19 +195,19 @@ impl Plan {
     }
 
     /// Time from the start of the first line to the end of the last, minutes.
-    pub fn minutes(&self) -> f64 {
+    pub(crate) fn minutes(&self) -> f64 {
         self.length_m / self.speed_mps / 60.0
     }
 
     /// The cells of [`State::sigma_m`].
     #[cfg(any(test, feature = "bench"))]
-    pub fn grid(&self) -> &Grid {
+    pub(crate) fn grid(&self) -> &Grid {
         &self.ground.water.grid
     }
 
     /// Whether a place lies in the water that was planned for.
     #[cfg(any(test, feature = "bench"))]
-    pub fn is_water(&self, place: [f64; 2]) -> bool {
+    pub(crate) fn is_water(&self, place: [f64; 2]) -> bool {
         self.ground.water.holds(place)
     }
 }

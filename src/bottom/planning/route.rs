@@ -13,7 +13,7 @@ const LEAST_M: f64 = 1e-6;
 const NEAREST: usize = 12;
 
 /// The shortest turn between two poses that stays in the water; `None` where none does.
-pub fn link(water: &Water, from: Pose, to: Pose, radius_m: f64) -> Option<Turn> {
+pub(super) fn link(water: &Water, from: Pose, to: Pose, radius_m: f64) -> Option<Turn> {
     let step_m = 0.5 * water.grid.cell_m;
     let stays = |turn: &Turn| water.holds_all(&turn.places(step_m));
     turns(from, to, radius_m).into_iter().find(stays)
@@ -24,7 +24,7 @@ type Sailed = (usize, bool);
 
 /// Lines in the order of sailing.
 #[derive(Clone, Debug)]
-pub struct Route<'a> {
+pub(super) struct Route<'a> {
     water: &'a Water,
     radius_m: f64,
     lines: Vec<Leg>,
@@ -35,7 +35,7 @@ pub struct Route<'a> {
 
 impl<'a> Route<'a> {
     /// Without any line.
-    pub fn new(water: &'a Water, radius_m: f64) -> Self {
+    pub(super) fn new(water: &'a Water, radius_m: f64) -> Self {
         Self {
             water,
             radius_m,
@@ -46,12 +46,12 @@ impl<'a> Route<'a> {
     }
 
     /// The lines in the order and the direction that they are sailed in.
-    pub fn legs(&self) -> Vec<Leg> {
+    pub(super) fn legs(&self) -> Vec<Leg> {
         self.order.iter().map(|line| self.leg(*line)).collect()
     }
 
     /// Length of all lines and the turns between them, metres.
-    pub fn length_m(&mut self) -> f64 {
+    pub(super) fn length_m(&mut self) -> f64 {
         let lines_m: f64 = self.lines.iter().map(Leg::length_m).sum();
         let order = self.order.clone();
         let links = order.windows(2).map(|pair| self.link_m(pair[0], pair[1]));
@@ -59,7 +59,7 @@ impl<'a> Route<'a> {
     }
 
     /// By how much the route grows with a line at its best place, and that place; `None` where no turn leads there.
-    pub fn growth(&mut self, leg: Leg) -> Option<(f64, Insertion)> {
+    pub(super) fn growth(&mut self, leg: Leg) -> Option<(f64, Insertion)> {
         if self.order.is_empty() {
             return Some((leg.length_m(), Insertion { at: 0, leg }));
         }
@@ -83,7 +83,7 @@ impl<'a> Route<'a> {
     }
 
     /// Puts a line where [`Route::growth`] found its place.
-    pub fn insert(&mut self, insertion: Insertion) {
+    pub(super) fn insert(&mut self, insertion: Insertion) {
         let Insertion { at, leg } = insertion;
         self.lines.push(leg);
         self.order.insert(at, (self.lines.len() - 1, false));
@@ -91,7 +91,7 @@ impl<'a> Route<'a> {
 
     /// Shortens the turns: stretches of the order are sailed backwards (2-opt), and single lines elsewhere or the other way (or-opt).
     /// Gives the metres that this saves.
-    pub fn improve(&mut self) -> f64 {
+    pub(super) fn improve(&mut self) -> f64 {
         let before_m = self.length_m();
         for _ in 0..ROUNDS {
             if !(self.reverse_a_stretch() | self.move_a_line()) {
@@ -229,7 +229,7 @@ impl<'a> Route<'a> {
 
 /// Where a line comes in the order, and its direction.
 #[derive(Clone, Copy, Debug)]
-pub struct Insertion {
+pub(super) struct Insertion {
     at: usize,
     leg: Leg,
 }

@@ -10,7 +10,7 @@ const STEP_RAD: f64 = 20.0 * PI / 180.0;
 
 /// A place and the direction that the boat moves in.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pose {
+pub(super) struct Pose {
     /// Metres east and north.
     pub place: [f64; 2],
     /// Radians counter-clockwise from east.
@@ -29,7 +29,7 @@ use Piece::{Left, Right, Straight};
 
 /// One way between two poses.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Turn {
+pub(super) struct Turn {
     from: Pose,
     radius_m: f64,
     /// Arcs in radians, the straight piece in radii.
@@ -37,7 +37,7 @@ pub struct Turn {
 }
 
 /// All ways between two poses that are two arcs and a straight piece, or three arcs, the shortest first.
-pub fn turns(from: Pose, to: Pose, radius_m: f64) -> Vec<Turn> {
+pub(super) fn turns(from: Pose, to: Pose, radius_m: f64) -> Vec<Turn> {
     let [east, north] = [0, 1].map(|axis| to.place[axis] - from.place[axis]);
     let direction = north.atan2(east);
     let (a, b) = (from.course_rad - direction, to.course_rad - direction);
@@ -117,7 +117,7 @@ fn words(d: f64, a: f64, b: f64) -> [Option<[Piece; 3]>; 6] {
 
 impl Turn {
     /// Length of the way, metres.
-    pub fn length_m(&self) -> f64 {
+    pub(super) fn length_m(&self) -> f64 {
         let [first, middle, last] = self.pieces.map(|piece| match piece {
             Left(part) | Straight(part) | Right(part) => part,
         });
@@ -126,7 +126,7 @@ impl Turn {
 
     /// Places along the way without those at its ends: the ends of its pieces, and so many within arcs that they are drawn round; straight
     /// pieces have a place every `straight_m` metres.
-    pub fn places(&self, straight_m: f64) -> Vec<[f64; 2]> {
+    pub(super) fn places(&self, straight_m: f64) -> Vec<[f64; 2]> {
         let mut pose = self.from;
         let mut places = Vec::new();
         for piece in self.pieces {

@@ -14,7 +14,7 @@ const ATTEMPTS: usize = 12;
 
 /// Cells of open water on a grid.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Water {
+pub(super) struct Water {
     /// Where the cells are.
     pub grid: Grid,
     open: Vec<bool>,
@@ -23,14 +23,14 @@ pub struct Water {
 impl Water {
     /// The cells that lie within rings wholly (a place within an even number of them is outside, so that islands are rings too);
     /// `None` where there are none.
-    pub fn within(rings: &[Vec<[f64; 2]>]) -> Option<Self> {
+    pub(super) fn within(rings: &[Vec<[f64; 2]>]) -> Option<Self> {
         let bounds = bounds(rings.iter().flatten().copied())?;
         fitting(bounds, |grid| within_rings(grid, rings))
     }
 
     /// The ground about soundings with gaps of up to `2 reach_m` closed: every place that cannot be reached by a circle of
     /// that radius which holds no sounding. `None` without soundings.
-    pub fn around(soundings: &[[f64; 2]], reach_m: f64) -> Option<Self> {
+    pub(super) fn around(soundings: &[[f64; 2]], reach_m: f64) -> Option<Self> {
         let [west, south, east, north] = bounds(soundings.iter().copied())?;
         let pad_m = 1.2 * reach_m;
         let bounds = [west - pad_m, south - pad_m, east + pad_m, north + pad_m];
@@ -38,18 +38,18 @@ impl Water {
     }
 
     /// Whether a place lies in open water.
-    pub fn holds(&self, [east_m, north_m]: [f64; 2]) -> bool {
+    pub(super) fn holds(&self, [east_m, north_m]: [f64; 2]) -> bool {
         let cell = self.grid.index_at(east_m, north_m);
         cell.is_some_and(|cell| self.open[cell])
     }
 
     /// Whether all places do.
-    pub fn holds_all(&self, places: &[[f64; 2]]) -> bool {
+    pub(super) fn holds_all(&self, places: &[[f64; 2]]) -> bool {
         places.iter().all(|place| self.holds(*place))
     }
 
     /// Indices and centres of the open cells.
-    pub fn cells(&self) -> impl Iterator<Item = (usize, [f64; 2])> {
+    pub(super) fn cells(&self) -> impl Iterator<Item = (usize, [f64; 2])> {
         let columns = self.grid.columns;
         let open = (0..).zip(&self.open).filter(|(_, open)| **open);
         open.map(move |(cell, _)| (cell, self.grid.centre(cell / columns, cell % columns)))
@@ -183,7 +183,7 @@ fn closed(grid: &Grid, soundings: &[[f64; 2]], reach_m: f64) -> Vec<bool> {
 }
 
 /// One of the places in each square of a side.
-pub fn thinned(places: &[[f64; 2]], side_m: f64) -> Vec<[f64; 2]> {
+pub(super) fn thinned(places: &[[f64; 2]], side_m: f64) -> Vec<[f64; 2]> {
     let square = |place: &[f64; 2]| place.map(|metres| (metres / side_m).floor() as i64);
     let finite = |place: &&[f64; 2]| place.iter().all(|value| value.is_finite());
     let mut places: Vec<[f64; 2]> = places.iter().filter(finite).copied().collect();
@@ -198,19 +198,19 @@ pub fn thinned(places: &[[f64; 2]], side_m: f64) -> Vec<[f64; 2]> {
 }
 
 /// Places that can be asked how far the nearest is.
-pub struct Near {
+pub(super) struct Near {
     index: ImmutableKdTree<f64, 2>,
 }
 
 impl Near {
     /// Of places; `None` without any.
-    pub fn new(places: Vec<[f64; 2]>) -> Option<Self> {
+    pub(super) fn new(places: Vec<[f64; 2]>) -> Option<Self> {
         let index = (!places.is_empty()).then(|| ImmutableKdTree::new_from_slice(&places))?;
         Some(Self { index: index.ok()? })
     }
 
     /// To the nearest of them, metres.
-    pub fn distance_m(&self, place: [f64; 2]) -> f64 {
+    pub(super) fn distance_m(&self, place: [f64; 2]) -> f64 {
         let nearest = self.index.query(&place);
         let nearest = nearest.nearest_one::<SquaredEuclidean<f64>>();
         nearest.execute().distance.sqrt()

@@ -11,7 +11,7 @@ const ROUNDS: usize = 12;
 ///
 /// W. Dinkelbach (On nonlinear fractional programming, 1967): what is best for its time at a rate is found as a sum, and gives a
 /// better rate, until that stays.
-pub fn best_stretch(
+pub(super) fn best_stretch(
     gains: &[f32],
     least: usize,
     most: usize,

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// Rounds in which curves are learnt: from those that fit triangles, and from those of another learning.
-pub const LEARNING_ROUNDS: [usize; 2] = [3, 2];
+pub(super) const LEARNING_ROUNDS: [usize; 2] = [3, 2];
 /// Side of the squares that measured depths are merged in, metres.
 const MEASURED_M: f64 = 0.5;
 /// Bins that the first curves are fitted to: metres of range, degrees of angle, and independent samples that each needs.
@@ -25,7 +25,7 @@ const FIT_LEAST: f64 = 100.0;
 const LEAST_BINS: usize = 40;
 
 /// All that depths are found from.
-pub struct Input<'a> {
+pub(super) struct Input<'a> {
     /// Looks of all logs.
     pub looks: Vec<SideChunk>,
     /// The recorder and the range setting of each set of curves.
@@ -38,7 +38,7 @@ pub struct Input<'a> {
 }
 
 /// Depths that were found at the nodes, and what is known of them.
-pub struct Found {
+pub(super) struct Found {
     /// Where the nodes are.
     pub nodes: Nodes,
     /// Depth at each, metres.
@@ -56,7 +56,7 @@ impl<'a> Input<'a> {
     ///
     /// # Errors
     /// When the work was cancelled.
-    pub fn new(
+    pub(super) fn new(
         logs: &'a [LaidOutLog<'a>],
         recorders: &[u32],
         measured: &[DepthPoint],
@@ -99,7 +99,7 @@ impl<'a> Input<'a> {
     }
 
     /// The tiles in which most looks begin, most first.
-    pub fn busiest(&self, tiling: &Tiling, most: usize) -> Vec<usize> {
+    pub(super) fn busiest(&self, tiling: &Tiling, most: usize) -> Vec<usize> {
         let begin = |tile: &usize| {
             let nodes = &tiling.tiles[*tile].nodes;
             self.looks
@@ -120,7 +120,7 @@ impl<'a> Input<'a> {
     ///
     /// # Errors
     /// When the work was cancelled.
-    pub fn find(
+    pub(super) fn find(
         &self,
         tiling: &Tiling,
         curves: &[Option<Curves>],
@@ -185,12 +185,12 @@ impl<'a> Input<'a> {
 }
 
 /// The measured depths, one a square.
-pub fn merged(measured: &[DepthPoint]) -> Vec<Node> {
+pub(super) fn merged(measured: &[DepthPoint]) -> Vec<Node> {
     merge_repeated(measured, MEASURED_M)
 }
 
 /// Some tiles that curves are learnt on, together with the depths there.
-pub struct Sample {
+pub(super) struct Sample {
     /// The tiles.
     pub states: Vec<TileSolution>,
     /// The curves of each set, where they are known.
@@ -201,7 +201,7 @@ pub struct Sample {
 
 impl Sample {
     /// Of some tiles, with some curves, or those that fit the levels on triangles between the measured depths.
-    pub fn new(
+    pub(super) fn new(
         input: &Input<'_>,
         tiling: &Tiling,
         tiles: &[usize],
@@ -224,7 +224,7 @@ impl Sample {
     ///
     /// # Errors
     /// When the work was cancelled.
-    pub fn learn(
+    pub(super) fn learn(
         &mut self,
         input: &Input<'_>,
         prior: Prior,

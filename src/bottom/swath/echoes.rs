@@ -3,7 +3,7 @@
 use crate::survey::{Side, Survey};
 
 /// Where the samples of a log are read from, a ping at a time.
-pub trait Levels: Sync {
+pub(crate) trait Levels: Sync {
     /// Replaces `out` with the samples of a side of a ping, nearest first; none where there are none.
     fn read(&self, ping: usize, side: Side, out: &mut Vec<u8>);
 }
@@ -19,7 +19,7 @@ impl Levels for Survey {
 
 /// A log in the plane of a surface.
 #[derive(Clone)]
-pub struct LogEchoes<'a> {
+pub(crate) struct LogEchoes<'a> {
     /// The recording.
     pub levels: &'a dyn Levels,
     /// One entry a side-scan ping.
@@ -28,7 +28,7 @@ pub struct LogEchoes<'a> {
 
 /// Where a ping was and what its samples mean.
 #[derive(Clone, Copy, Debug)]
-pub struct PingPlace {
+pub(crate) struct PingPlace {
     /// Seconds of the log.
     pub time_s: f64,
     /// East and north in the plane, metres; NaN where the place is unknown or the ping counts for nothing.
@@ -43,7 +43,7 @@ pub struct PingPlace {
 
 /// One side of a ping.
 #[derive(Clone, Copy, Debug)]
-pub struct SideEchoes {
+pub(crate) struct SideEchoes {
     /// Slant range of the near edge of the first sample, metres; NaN where the side was not recorded.
     pub near_m: f64,
     /// Slant range that a sample covers, metres.
@@ -56,7 +56,7 @@ pub struct SideEchoes {
 
 impl PingPlace {
     /// Whether its echoes have a place.
-    pub fn is_placed(&self) -> bool {
+    pub(crate) fn is_placed(&self) -> bool {
         let numbers = [
             self.place_m,
             self.starboard,
@@ -69,27 +69,27 @@ impl PingPlace {
     }
 
     /// Unit vector outward on a side, east and north.
-    pub fn outward(&self, side: Side) -> [f64; 2] {
+    pub(crate) fn outward(&self, side: Side) -> [f64; 2] {
         let sign = if side == Side::Port { -1.0 } else { 1.0 };
         self.starboard.map(|part| sign * part)
     }
 
     /// What is known of a side.
-    pub fn side(&self, side: Side) -> &SideEchoes {
+    pub(crate) fn side(&self, side: Side) -> &SideEchoes {
         &self.sides[usize::from(side == Side::Starboard)]
     }
 }
 
 impl SideEchoes {
     /// Whether its samples have ranges.
-    pub fn has_ranges(&self) -> bool {
+    pub(crate) fn has_ranges(&self) -> bool {
         self.near_m.is_finite() && self.step_m.is_finite() && self.step_m > 0.0
     }
 }
 
 impl LogEchoes<'_> {
     /// Replaces `out` with the samples of a side of a ping, nearest first; false where there are none.
-    pub fn read(&self, ping: usize, side: Side, out: &mut Vec<u8>) -> bool {
+    pub(crate) fn read(&self, ping: usize, side: Side, out: &mut Vec<u8>) -> bool {
         self.levels.read(ping, side, out);
         !out.is_empty()
     }

@@ -12,7 +12,7 @@ const BETWEEN: usize = 2;
 const LEAST_PARTED: usize = 5;
 
 /// An order of so many unknowns: `each` of every node come first, those of one kind before those of the next.
-pub fn order(nodes: &Nodes, each: usize, unknowns: usize) -> Vec<u32> {
+pub(super) fn order(nodes: &Nodes, each: usize, unknowns: usize) -> Vec<u32> {
     let mut of_nodes = Vec::with_capacity(nodes.len());
     part(nodes, nodes.counts.map(|count| 0..count), &mut of_nodes);
     let of_node = |node: usize| (0..each).map(move |kind| kind * nodes.len() + node);

@@ -28,7 +28,7 @@ const TRIED: [Brightness; 3] = [
 
 /// How left-out soundings were predicted.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LeftOut {
+pub(super) struct LeftOut {
     /// Root mean square of the errors of triangles, metres.
     pub without_m: f64,
     /// The same with levels.
@@ -38,7 +38,7 @@ pub struct LeftOut {
 }
 
 /// Whether enough of the ground in some tiles is seen from two sides: one alone cannot tell a slope from what the bed is made of.
-pub fn is_seen_from_two_sides(input: &Input<'_>, tiling: &Tiling, tiles: &[usize]) -> bool {
+pub(super) fn is_seen_from_two_sides(input: &Input<'_>, tiling: &Tiling, tiles: &[usize]) -> bool {
     let (mut seen, mut twice) = (0, 0);
     for tile in tiles {
         let nodes = tiling.tiles[*tile].core_nodes();
@@ -110,7 +110,7 @@ const RELIEF_SHARE: f64 = 1.1;
 const RELIEF_M: [f64; 2] = [0.15, 0.4];
 
 /// What was found best.
-pub struct Choice {
+pub(super) struct Choice {
     /// What is known of the bed beforehand, as it predicts left-out soundings best.
     pub prior: Prior,
     /// How it does.
@@ -120,7 +120,7 @@ pub struct Choice {
 }
 
 /// The best of what is tried; `None` where too few soundings can be left out.
-pub fn choose(
+pub(super) fn choose(
     input: &Input<'_>,
     measured: &[DepthPoint],
     tiling: &Tiling,

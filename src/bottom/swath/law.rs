@@ -46,7 +46,7 @@ const LEAST_LEVEL: f64 = 0.05;
 
 /// How the levels of a log become logarithms of power.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Law {
+pub(crate) struct Law {
     /// What is written.
     pub kind: LawKind,
     /// Samples in a row that tell as much as one independent one: those in a pulse. Smoothing takes nothing away.
@@ -58,7 +58,7 @@ pub struct Law {
 /// What a recorder writes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum LawKind {
+pub(crate) enum LawKind {
     /// Decibels: the natural logarithm of power for a step of the level.
     Decibels(f64),
     /// The exponent of the intensity.
@@ -67,7 +67,7 @@ pub enum LawKind {
 
 impl Law {
     /// Natural logarithm of power, but for a constant, of every level. Of a power it is the mean over the values that a level stands for.
-    pub fn table(&self) -> [f32; 256] {
+    pub(crate) fn table(&self) -> [f32; 256] {
         std::array::from_fn(|level| {
             let level = level as f64;
             (match self.kind {
@@ -79,7 +79,7 @@ impl Law {
 }
 
 /// The first log of the same recorder, of each: of one whose law is about the same.
-pub fn recorders(laws: impl Iterator<Item = Option<Law>>) -> Vec<u32> {
+pub(super) fn recorders(laws: impl Iterator<Item = Option<Law>>) -> Vec<u32> {
     let mut found: Vec<(u32, Option<Law>)> = Vec::new();
     for (number, law) in (0..).zip(laws) {
         let is_like = |other: &Law| law.is_some_and(|law| law.kind.is_like(other.kind));
@@ -119,7 +119,7 @@ struct Window {
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn law_of(log: &LogEchoes<'_>, progress: &Progress) -> Result<Option<Law>, Cancelled> {
+pub(super) fn law_of(log: &LogEchoes<'_>, progress: &Progress) -> Result<Option<Law>, Cancelled> {
     let groups = log.pings.len() / PINGS;
     let mut windows = Vec::new();
     let mut lags = Lags::default();

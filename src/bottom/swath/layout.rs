@@ -30,7 +30,7 @@ const INTERFERENCE: (f64, f32) = (0.02, 3.0);
 
 /// Pings in a row that are averaged.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Chunk {
+pub(crate) struct Chunk {
     /// Which chunk of its log.
     pub number: u32,
     /// Its pings, all of which can be used.
@@ -45,7 +45,7 @@ pub struct Chunk {
 
 impl Chunk {
     /// Chunks with as many as `together` joined to one where they follow each other.
-    pub fn joined(chunks: &[Self], together: usize) -> Vec<Self> {
+    pub(crate) fn joined(chunks: &[Self], together: usize) -> Vec<Self> {
         let mut joined: Vec<Self> = Vec::with_capacity(chunks.len() / together + 1);
         for chunk in chunks {
             match joined.last_mut() {
@@ -65,7 +65,7 @@ impl Chunk {
 
 /// A log whose echoes can be used, all of it or a part.
 #[derive(Clone)]
-pub struct LaidOutLog<'a> {
+pub(crate) struct LaidOutLog<'a> {
     /// Its echoes.
     pub echoes: LogEchoes<'a>,
     /// Its chunks, in order.
@@ -81,7 +81,7 @@ impl<'a> LaidOutLog<'a> {
     ///
     /// # Errors
     /// When the work was cancelled.
-    pub fn new(echoes: LogEchoes<'a>, progress: &Progress) -> Result<Self, Cancelled> {
+    pub(crate) fn new(echoes: LogEchoes<'a>, progress: &Progress) -> Result<Self, Cancelled> {
         let law = law_of(&echoes, progress)?;
         let is_weed = is_weed(&echoes);
         let chunks = match law {

@@ -11,7 +11,7 @@ const LEAST_STRAIGHT: f64 = 0.997;
 
 /// A chunk of pings on one side.
 #[derive(Clone, Debug)]
-pub struct SideChunk {
+pub(super) struct SideChunk {
     /// The place of its log among all, and which stretch of it.
     pub stretch: (u32, u32),
     /// The place of its curves among all.
@@ -36,22 +36,22 @@ pub struct SideChunk {
 
 /// From which eighths of the circle a place is seen, a bit each.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Sides(u8);
+pub(super) struct Sides(u8);
 
 impl Sides {
     /// Adds a look along a unit vector, east and north.
-    pub fn add(&mut self, [east, north]: [f64; 2]) {
+    pub(super) fn add(&mut self, [east, north]: [f64; 2]) {
         let eighth = (east.atan2(north) / std::f64::consts::FRAC_PI_4).round() as i32;
         self.0 |= 1 << eighth.rem_euclid(8);
     }
 
     /// Whether it is seen from any.
-    pub fn is_any(&self) -> bool {
+    pub(super) fn is_any(&self) -> bool {
         self.0 != 0
     }
 
     /// Whether it is seen from two that face each other, more or less.
-    pub fn are_two(&self) -> bool {
+    pub(super) fn are_two(&self) -> bool {
         [3, 4, 5]
             .iter()
             .any(|by| self.0 & self.0.rotate_left(*by) != 0)
@@ -60,7 +60,7 @@ impl Sides {
 
 impl SideChunk {
     /// Of a side of a chunk, in ranges of a length in metres, or samples where these are longer; `None` where nothing was recorded, or the boat turns.
-    pub fn new(
+    pub(super) fn new(
         log: &LaidOutLog<'_>,
         number: usize,
         chunk: &Chunk,

@@ -23,9 +23,9 @@ mod solve;
 mod tiling;
 mod weed;
 
-pub use echoes::{Levels, LogEchoes, PingPlace, SideEchoes};
-pub use layout::{Chunk, LaidOutLog};
-pub use tiling::{PART_DEPTHS_M, PART_PINGS_M, PART_STEP_M};
+pub(crate) use echoes::{Levels, LogEchoes, PingPlace, SideEchoes};
+pub(crate) use layout::{Chunk, LaidOutLog};
+pub(crate) use tiling::{PART_DEPTHS_M, PART_PINGS_M, PART_STEP_M};
 
 use crate::bottom::bathymetry::{
     CellSource, DepthPoint, FromLevels, Grid, LevelsRefused, Spread, Surface, SwathDepth,
@@ -64,7 +64,7 @@ const UNTESTED_SDS: f64 = 0.7;
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn correct(
+pub(crate) fn correct(
     surface: &mut Surface,
     logs: &[LogEchoes<'_>],
     measured: &[DepthPoint],
@@ -153,7 +153,7 @@ fn found(
 
 /// What the levels of a log mean, so that a part of a map needs no more of it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct LearntLevels {
+pub(crate) struct LearntLevels {
     law: law::Law,
     /// The curves of each range setting.
     curves: Vec<(i32, Vec<f64>)>,
@@ -164,7 +164,7 @@ impl LearntLevels {
     ///
     /// # Errors
     /// When the work was cancelled.
-    pub fn of(
+    pub(crate) fn of(
         log: &LaidOutLog<'_>,
         measured: &[DepthPoint],
         progress: &Progress,
@@ -193,7 +193,7 @@ impl LearntLevels {
     }
 
     /// What is written of an echo.
-    pub fn law(&self) -> law::Law {
+    pub(crate) fn law(&self) -> law::Law {
         self.law
     }
 
@@ -210,7 +210,7 @@ impl LearntLevels {
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn correct_part(
+pub(crate) fn correct_part(
     around: &mut Surface,
     edges_m: [f64; 4],
     logs: &[LaidOutLog<'_>],

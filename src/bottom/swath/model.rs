@@ -12,7 +12,7 @@ const FIRST_KNOT_DEG: f64 = 15.0;
 const KNOT_DEG: f64 = 5.0;
 /// Parameters of the curves: the beam's, the slope over range, level, slope and bend of the noise, and what starboard is brighter by, all over and
 /// by angle.
-pub const PARAMETERS: usize = KNOTS + 6;
+pub(super) const PARAMETERS: usize = KNOTS + 6;
 const RANGE: usize = KNOTS;
 const NOISE: usize = KNOTS + 1;
 const NOISE_SLOPE: usize = KNOTS + 2;
@@ -39,7 +39,7 @@ const SD_TIE: f64 = 0.03;
 
 /// Where a sample lies and how the bed lies there.
 #[derive(Clone, Copy, Debug)]
-pub struct Incidence {
+pub(super) struct Incidence {
     /// Slant range, metres.
     pub range_m: f64,
     /// Angle from straight down, radians.
@@ -52,7 +52,7 @@ pub struct Incidence {
 
 /// The level of a sample and what it changes by.
 #[derive(Clone, Copy, Debug)]
-pub struct Expected {
+pub(super) struct Expected {
     /// Natural logarithm of power.
     pub ln_power: f64,
     /// The echo's share of the power.
@@ -65,7 +65,7 @@ pub struct Expected {
 
 /// The curves of one log at one range setting.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Curves(pub [f64; PARAMETERS]);
+pub(super) struct Curves(pub [f64; PARAMETERS]);
 
 /// `f(t)`.
 fn lambert(angle_rad: f64) -> f64 {
@@ -94,7 +94,7 @@ fn tilt(incidence: &Incidence) -> f64 {
 
 impl Curves {
     /// What a sample should show over a bed that is brighter by `brightness`.
-    pub fn expected(&self, at: &Incidence, brightness: f64) -> Expected {
+    pub(super) fn expected(&self, at: &Incidence, brightness: f64) -> Expected {
         let Self(c) = self;
         let (below, share) = knot(at.phi_rad);
         let beam = c[below] + share * (c[below + 1] - c[below]);
@@ -125,7 +125,7 @@ impl Curves {
     }
 
     /// Adds to `sums` what the level of a sample changes by for each parameter; `share` is the echo's.
-    pub fn add_derivatives(at: &Incidence, share: f64, sums: &mut [f64; PARAMETERS]) {
+    pub(super) fn add_derivatives(at: &Incidence, share: f64, sums: &mut [f64; PARAMETERS]) {
         let (below, right) = knot(at.phi_rad);
         let ln_range = (at.range_m / REFERENCE_M).ln();
         sums[below] += share * (1.0 - right);
@@ -139,7 +139,7 @@ impl Curves {
     }
 
     /// Adds to a system of normal equations for a step of the parameters what is known of them beforehand.
-    pub fn add_prior(
+    pub(super) fn add_prior(
         &self,
         normal: &mut Mat<f64>,
         right: &mut [f64],
@@ -172,7 +172,7 @@ impl Curves {
     }
 
     /// Adds to such a system that two sets of curves are of one transducer: the beam has one shape, and starboard is brighter by as much.
-    pub fn add_tie(
+    pub(super) fn add_tie(
         one: (&Self, usize),
         other: (&Self, usize),
         normal: &mut Mat<f64>,
@@ -205,12 +205,12 @@ impl Curves {
 
     /// The same a step on.
     #[must_use]
-    pub fn stepped(&self, step: &[f64]) -> Self {
+    pub(super) fn stepped(&self, step: &[f64]) -> Self {
         Self(std::array::from_fn(|at| self.0[at] + step[at]))
     }
 
     /// The curves that fit the mean levels of some places of many samples best, by a damped Gauss-Newton method with robust weights.
-    pub fn fit(places: &[FitPlace]) -> Option<Self> {
+    pub(super) fn fit(places: &[FitPlace]) -> Option<Self> {
         let mut levels: Vec<f64> = places.iter().map(|place| place.ln_power).collect();
         levels.sort_by(f64::total_cmp);
         let at = |share: f64| Some(crate::support::statistics::quantile(&levels, share));
@@ -286,7 +286,7 @@ const FIT_LOOSENESS: f64 = 4.0;
 
 /// The mean level of many samples at about the same range and angle.
 #[derive(Clone, Copy, Debug)]
-pub struct FitPlace {
+pub(super) struct FitPlace {
     /// Where they lie.
     pub at: Incidence,
     /// Their mean.
@@ -296,7 +296,7 @@ pub struct FitPlace {
 }
 
 /// The solution of symmetric, positive definite equations; `None` where they are not.
-pub fn solve_dense(normal: &Mat<f64>, right: &[f64]) -> Option<Vec<f64>> {
+pub(super) fn solve_dense(normal: &Mat<f64>, right: &[f64]) -> Option<Vec<f64>> {
     let factor = normal.llt(faer::Side::Lower).ok()?;
     let column = Mat::from_fn(right.len(), 1, |row, _| right[row]);
     let solution = factor.solve(&column);

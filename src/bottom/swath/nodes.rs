@@ -7,7 +7,7 @@ const BLEND: usize = 6;
 
 /// Nodes in rows from south to north, each from west to east.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Nodes {
+pub(super) struct Nodes {
     /// East and north that they are counted from, metres: a place is the same number of steps, to the bit, for all parts that count from there.
     pub zero_m: [f64; 2],
     /// Steps from there to the first, east and north.
@@ -19,11 +19,11 @@ pub struct Nodes {
 }
 
 /// What four nodes share in a place: index and share.
-pub type Shares = [(usize, f64); 4];
+pub(super) type Shares = [(usize, f64); 4];
 
 /// A part of the nodes: those that are solved for together.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NodeTile {
+pub(super) struct NodeTile {
     /// The first node in a row and the first row that are solved for.
     pub first: [usize; 2],
     /// Its nodes.
@@ -34,14 +34,14 @@ pub struct NodeTile {
 
 /// Values of several tiles brought together: where tiles overlap the mean, weighted towards the nearer core, so that no seam shows.
 #[derive(Clone, Debug)]
-pub struct Blend {
+pub(super) struct Blend {
     sums: Vec<f64>,
     weights: Vec<f64>,
 }
 
 impl Blend {
     /// Of nothing yet, at so many nodes.
-    pub fn none(nodes: &Nodes) -> Self {
+    pub(super) fn none(nodes: &Nodes) -> Self {
         Self {
             sums: vec![0.0; nodes.len()],
             weights: vec![0.0; nodes.len()],
@@ -49,7 +49,7 @@ impl Blend {
     }
 
     /// Adds the values of a tile.
-    pub fn add(&mut self, all: &Nodes, tile: &NodeTile, values: &[f64]) {
+    pub(super) fn add(&mut self, all: &Nodes, tile: &NodeTile, values: &[f64]) {
         for (node, value) in values.iter().enumerate() {
             let weight = tile.weight(node);
             let place = tile.index_in(all, node);
@@ -59,7 +59,7 @@ impl Blend {
     }
 
     /// The values at all nodes; 0 where no tile was added.
-    pub fn values(self) -> Vec<f64> {
+    pub(super) fn values(self) -> Vec<f64> {
         let both = self.sums.into_iter().zip(self.weights);
         let value = |(sum, weight)| if weight > 0.0 { sum / weight } else { 0.0 };
         both.map(value).collect()
@@ -68,7 +68,7 @@ impl Blend {
 
 impl Nodes {
     /// Over the cells of a grid.
-    pub fn over(grid: &Grid, step_m: f64) -> Self {
+    pub(super) fn over(grid: &Grid, step_m: f64) -> Self {
         let count = |cells: usize| (cells as f64 * grid.cell_m / step_m).ceil() as usize + 1;
         let south_m = grid.north_m - grid.rows as f64 * grid.cell_m;
         Self {
@@ -85,12 +85,12 @@ impl Nodes {
     }
 
     /// Number of nodes.
-    pub fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         self.counts[0] * self.counts[1]
     }
 
     /// West, south, east and north of the outermost nodes, metres.
-    pub fn bounds_m(&self) -> [f64; 4] {
+    pub(super) fn bounds_m(&self) -> [f64; 4] {
         let at = |axis: usize, step: usize| {
             self.zero_m[axis] + (self.first[axis] + step as i64) as f64 * self.step_m
         };
@@ -99,7 +99,7 @@ impl Nodes {
     }
 
     /// The place of a node, east and north, metres.
-    pub fn place_m(&self, node: usize) -> [f64; 2] {
+    pub(super) fn place_m(&self, node: usize) -> [f64; 2] {
         let steps = [node % self.counts[0], node / self.counts[0]];
         [0, 1].map(|axis| {
             self.zero_m[axis] + (self.first[axis] + steps[axis] as i64) as f64 * self.step_m
@@ -107,7 +107,7 @@ impl Nodes {
     }
 
     /// Whether a place east and north lies between the outermost nodes.
-    pub fn holds(&self, place: [f64; 2]) -> bool {
+    pub(super) fn holds(&self, place: [f64; 2]) -> bool {
         (0..2).all(|axis| {
             let steps = self.steps(place, axis);
             steps > 0.0 && steps < (self.counts[axis] - 1) as f64
@@ -115,7 +115,7 @@ impl Nodes {
     }
 
     /// The four nodes around a place and their shares, which sum to 1; beyond the outermost nodes as on them.
-    pub fn shares(&self, place: [f64; 2]) -> Shares {
+    pub(super) fn shares(&self, place: [f64; 2]) -> Shares {
         let [(column, right), (row, up)] = [0, 1].map(|axis| {
             let steps = self.steps(place, axis);
             let most = (self.counts[axis] - 1) as f64 - 1e-3;
@@ -133,12 +133,12 @@ impl Nodes {
     }
 
     /// What some values at the nodes are at a place.
-    pub fn value_at(&self, values: &[f64], place: [f64; 2]) -> f64 {
+    pub(super) fn value_at(&self, values: &[f64], place: [f64; 2]) -> f64 {
         sum(values, &self.shares(place))
     }
 
     /// The node nearest to a place.
-    pub fn nearest(&self, place: [f64; 2]) -> usize {
+    pub(super) fn nearest(&self, place: [f64; 2]) -> usize {
         let [column, row] = [0, 1].map(|axis| {
             let steps = self.steps(place, axis).round();
             (steps.max(0.0) as usize).min(self.counts[axis] - 1)
@@ -147,7 +147,7 @@ impl Nodes {
     }
 
     /// The nodes west, east, south and north of one; itself where there is none.
-    pub fn neighbours(&self, node: usize) -> [usize; 4] {
+    pub(super) fn neighbours(&self, node: usize) -> [usize; 4] {
         let [columns, rows] = self.counts;
         let (row, column) = (node / columns, node % columns);
         let or = |there: bool, other: usize| if there { other } else { node };
@@ -161,7 +161,7 @@ impl Nodes {
 
     /// Parts with cores of about even size and at most `core` nodes a side, and a halo of `halo` nodes around each; one part where all nodes are at
     /// most `most`.
-    pub fn tiles(&self, most: usize, core: usize, halo: usize) -> Vec<NodeTile> {
+    pub(super) fn tiles(&self, most: usize, core: usize, halo: usize) -> Vec<NodeTile> {
         let cores = self.counts.map(|count| match self.len() <= most {
             true => count,
             false => count.div_ceil(count.div_ceil(core)),
@@ -170,7 +170,12 @@ impl Nodes {
     }
 
     /// Parts with cores of so many nodes in a row and rows, the outermost `margin` nodes being in no core, and a halo of `halo` nodes around each.
-    pub fn tiles_within(&self, margin: usize, cores: [usize; 2], halo: usize) -> Vec<NodeTile> {
+    pub(super) fn tiles_within(
+        &self,
+        margin: usize,
+        cores: [usize; 2],
+        halo: usize,
+    ) -> Vec<NodeTile> {
         let spans = |axis: usize| -> Vec<[usize; 4]> {
             let count = self.counts[axis];
             let end = count.saturating_sub(margin);
@@ -204,7 +209,7 @@ impl Nodes {
 
 impl NodeTile {
     /// The nodes of its core.
-    pub fn core_nodes(&self) -> Nodes {
+    pub(super) fn core_nodes(&self) -> Nodes {
         let [columns, rows] = self.core;
         Nodes {
             first: [
@@ -227,7 +232,7 @@ impl NodeTile {
     }
 
     /// The place of one of its nodes among all.
-    pub fn index_in(&self, all: &Nodes, node: usize) -> usize {
+    pub(super) fn index_in(&self, all: &Nodes, node: usize) -> usize {
         let columns = self.nodes.counts[0];
         let (row, column) = (node / columns, node % columns);
         (row + self.first[1]) * all.counts[0] + column + self.first[0]
@@ -235,7 +240,7 @@ impl NodeTile {
 }
 
 /// The sum of some values by their shares.
-pub fn sum(values: &[f64], shares: &Shares) -> f64 {
+pub(super) fn sum(values: &[f64], shares: &Shares) -> f64 {
     shares
         .iter()
         .map(|&(node, share)| share * values[node])

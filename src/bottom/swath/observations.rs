@@ -10,7 +10,7 @@ use kiddo::{ImmutableKdTree, SquaredEuclidean};
 /// Ground range from which on level cells lie, metres: nearer the beam looks straight down, and depths were measured.
 const NEAREST_M: f64 = 1.2;
 /// Ground range up to which level cells lie, metres.
-pub const FARTHEST_M: f64 = 40.0;
+pub(super) const FARTHEST_M: f64 = 40.0;
 /// Steps in which a ray is followed along the ground, metres, and half the steps that its slope is taken over.
 const RAY_STEP_M: f64 = 0.125;
 const SLOPE_STEPS: usize = 2;
@@ -27,13 +27,13 @@ const MOST_STEP_M: f64 = 0.4;
 const LEAST_ALTITUDE_M: f64 = 0.1;
 
 /// East and north of a measured depth, metres.
-pub fn place(measured: &Node) -> [f64; 2] {
+pub(super) fn place(measured: &Node) -> [f64; 2] {
     [measured.east_m, measured.north_m]
 }
 
 /// Depth and brightness of the bed at nodes.
 #[derive(Clone, Debug)]
-pub struct Bed {
+pub(super) struct Bed {
     /// Where the nodes are.
     pub nodes: Nodes,
     /// Depth at each, metres.
@@ -50,7 +50,7 @@ pub struct Bed {
 
 impl Bed {
     /// Of the triangles between some measured depths, and the nearest one beyond them; `None` without any.
-    pub fn new(nodes: Nodes, measured: &[Node]) -> Option<Self> {
+    pub(super) fn new(nodes: Nodes, measured: &[Node]) -> Option<Self> {
         if measured.is_empty() {
             return None;
         }
@@ -79,7 +79,7 @@ impl Bed {
     }
 
     /// Takes over the values of a solution: depths at all nodes, then brightness.
-    pub fn step(&mut self, values: &[f64]) {
+    pub(super) fn step(&mut self, values: &[f64]) {
         let (depths, others) = values.split_at(self.nodes.len());
         for (depth_m, value) in self.depth_m.iter_mut().zip(depths) {
             *depth_m += (value - *depth_m).clamp(-MOST_STEP_M, MOST_STEP_M);
@@ -89,7 +89,7 @@ impl Bed {
     }
 
     /// Adds so many times some values, depths at all nodes and then brightness.
-    pub fn add(&mut self, values: &[f64], times: f64) {
+    pub(super) fn add(&mut self, values: &[f64], times: f64) {
         let (depths, others) = values.split_at(self.nodes.len());
         for (sum, value) in self.depth_m.iter_mut().zip(depths) {
             *sum += times * value;
@@ -102,7 +102,7 @@ impl Bed {
 
 /// The mean level of a cell over the expected one, and what that changes by.
 #[derive(Clone, Copy, Debug)]
-pub struct SlopeObservation {
+pub(super) struct SlopeObservation {
     /// Mean logarithm of power over the expected one.
     pub over: f64,
     /// The mean itself.
@@ -182,12 +182,12 @@ impl Ray {
 
 impl SideChunk {
     /// The place at a ground range, east and north, metres.
-    pub fn at(&self, ground_m: f64) -> [f64; 2] {
+    pub(super) fn at(&self, ground_m: f64) -> [f64; 2] {
         [0, 1].map(|axis| self.place_m[axis] + ground_m * self.outward[axis])
     }
 
     /// The ground ranges between which level cells may lie within some nodes, metres; `None` where there are none.
-    pub fn within(&self, nodes: &Nodes) -> Option<[f64; 2]> {
+    pub(super) fn within(&self, nodes: &Nodes) -> Option<[f64; 2]> {
         let last_m = self.first_m + self.step_m * self.ln_power.len() as f64;
         let [west_m, south_m, east_m, north_m] = nodes.bounds_m();
         let (mut from_m, mut to_m) = (NEAREST_M, last_m.min(FARTHEST_M));
@@ -206,7 +206,7 @@ impl SideChunk {
 
     /// Hands the observations of the level cells of this look that lie within some nodes to `found`; the bed's nodes may reach farther. Without curves
     /// only what is measured is said.
-    pub fn read(
+    pub(super) fn read(
         &self,
         bed: &Bed,
         within: &Nodes,

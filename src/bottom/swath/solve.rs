@@ -40,7 +40,7 @@ const CURVE_DAMPING: f64 = 4.0;
 
 /// How the brightness of the bed may change.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Brightness {
+pub(super) enum Brightness {
     /// Slowly: standard deviation of its change over half a metre.
     Slow(f64),
     /// In patches: its standard deviation.
@@ -49,7 +49,7 @@ pub enum Brightness {
 
 /// What is known of a bed beforehand.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Prior {
+pub(super) struct Prior {
     /// How its brightness may change.
     pub brightness: Brightness,
     /// Standard deviation of its depth about the triangles between the measured depths, metres.
@@ -63,7 +63,7 @@ const SLOW_M: f64 = 0.5;
 
 /// What a tile is solved from.
 #[derive(Clone, Copy)]
-pub struct Given<'a> {
+pub(super) struct Given<'a> {
     /// All looks.
     pub looks: &'a [SideChunk],
     /// The curves of each, `None` where they are unknown.
@@ -79,7 +79,7 @@ pub struct Given<'a> {
 }
 
 /// What a round finds beside the bed.
-pub struct Solved {
+pub(super) struct Solved {
     /// Whether an observation lies next to each node.
     pub is_seen: Vec<bool>,
     /// Where the curves are to be learnt.
@@ -87,7 +87,7 @@ pub struct Solved {
 }
 
 /// What a tile says of the curves, and what they change in it.
-pub struct Border {
+pub(super) struct Border {
     /// The Schur complement, of the parameters of all sets of curves in a row.
     normal: Mat<f64>,
     /// Its right side.
@@ -97,7 +97,7 @@ pub struct Border {
 }
 
 /// A tile between its rounds.
-pub struct TileSolution {
+pub(super) struct TileSolution {
     /// Which tile.
     pub tile: usize,
     /// Its bed as it is known so far.
@@ -108,7 +108,12 @@ pub struct TileSolution {
 
 impl TileSolution {
     /// Of a tile before its first round; `None` where no depth was measured in it.
-    pub fn new(tile: usize, nodes: &Nodes, measured: &[Node], looks: &[SideChunk]) -> Option<Self> {
+    pub(super) fn new(
+        tile: usize,
+        nodes: &Nodes,
+        measured: &[Node],
+        looks: &[SideChunk],
+    ) -> Option<Self> {
         let inside = measured.iter().filter(|depth| nodes.holds(place(depth)));
         let measured: Vec<Node> = inside.copied().collect();
         let bed = Bed::new(*nodes, &measured)?;
@@ -123,7 +128,7 @@ impl TileSolution {
     }
 
     /// The next round; `None` where no observation lies in the tile, or where the equations have no solution.
-    pub fn solve(&mut self, given: &Given<'_>, learns: bool) -> Option<Solved> {
+    pub(super) fn solve(&mut self, given: &Given<'_>, learns: bool) -> Option<Solved> {
         let nodes = self.bed.nodes;
         let mut system = System::new(&nodes);
         for look in self.looks.iter().map(|look| &given.looks[*look]) {
@@ -176,7 +181,7 @@ impl TileSolution {
     }
 
     /// Takes over a step of the curves.
-    pub fn follow(&mut self, border: &Border, steps: &[f64]) {
+    pub(super) fn follow(&mut self, border: &Border, steps: &[f64]) {
         for (parameter, column) in &border.columns {
             self.bed.add(column, -steps[*parameter]);
         }
@@ -363,7 +368,7 @@ impl<'a> System<'a> {
 
 /// The step of the parameters of all sets of curves that the tiles of a sample say together; the curves a step on are put in their place.
 /// `recorders` are those of the curves.
-pub fn learn(
+pub(super) fn learn(
     curves: &mut [Option<Curves>],
     recorders: &[u32],
     borders: &[&Border],

@@ -16,7 +16,7 @@ const MOST_NODES: usize = 8_000_000;
 
 /// How fine depths and levels are resolved.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Resolution {
+pub(super) struct Resolution {
     /// From one node to the next, metres.
     pub node_m: f64,
     /// Ground range of a level cell, metres.
@@ -31,7 +31,7 @@ pub struct Resolution {
 
 impl Resolution {
     /// Of a survey of at most [`MOST_FINE`] such nodes.
-    pub const FINE: Self = Self {
+    pub(super) const FINE: Self = Self {
         node_m: 0.5,
         level_cell_m: 0.5,
         range_m: 0.06,
@@ -39,7 +39,7 @@ impl Resolution {
         rounds: 2,
     };
     /// Of a larger one, and of the parts of a map.
-    pub const COARSE: Self = Self {
+    pub(super) const COARSE: Self = Self {
         node_m: 1.0,
         level_cell_m: 1.0,
         range_m: 0.12,
@@ -50,7 +50,7 @@ impl Resolution {
 
     /// That at which curves are learnt and left-out soundings predicted.
     #[must_use]
-    pub fn of_learning(self) -> Self {
+    pub(super) fn of_learning(self) -> Self {
         Self {
             node_m: Self::COARSE.node_m,
             ..self
@@ -61,15 +61,15 @@ impl Resolution {
 /// Most nodes of the fine resolution.
 const MOST_FINE: usize = 40_000;
 /// Edges of parts are multiples of this, metres.
-pub const PART_STEP_M: f64 = CORE as f64 * Resolution::COARSE.node_m;
+pub(crate) const PART_STEP_M: f64 = CORE as f64 * Resolution::COARSE.node_m;
 /// How far around a part measured depths must be known, metres: a core and the halo.
-pub const PART_DEPTHS_M: f64 = (CORE + HALO) as f64 * Resolution::COARSE.node_m;
+pub(crate) const PART_DEPTHS_M: f64 = (CORE + HALO) as f64 * Resolution::COARSE.node_m;
 /// How far around a part the pings must be known, metres: as far as they look into these.
-pub const PART_PINGS_M: f64 = PART_DEPTHS_M + FARTHEST_M;
+pub(crate) const PART_PINGS_M: f64 = PART_DEPTHS_M + FARTHEST_M;
 
 /// What is solved for.
 #[derive(Clone)]
-pub struct Tiling {
+pub(super) struct Tiling {
     /// How fine.
     pub resolution: Resolution,
     /// All nodes.
@@ -80,7 +80,7 @@ pub struct Tiling {
 
 impl Tiling {
     /// Of a survey whose map has a grid; `None` where it is too large.
-    pub fn of_survey(grid: &Grid) -> Option<Self> {
+    pub(super) fn of_survey(grid: &Grid) -> Option<Self> {
         let resolution = match Nodes::over(grid, Resolution::FINE.node_m).len() <= MOST_FINE {
             true => Resolution::FINE,
             false => Resolution::COARSE,
@@ -90,7 +90,7 @@ impl Tiling {
     }
 
     /// Of a survey at some resolution.
-    pub fn at(grid: &Grid, resolution: Resolution) -> Self {
+    pub(super) fn at(grid: &Grid, resolution: Resolution) -> Self {
         let nodes = Nodes::over(grid, resolution.node_m);
         Self {
             resolution,
@@ -100,7 +100,7 @@ impl Tiling {
     }
 
     /// Of a part with some edges west, south, east and north, metres: multiples of [`PART_STEP_M`]. A core lies around it on all sides.
-    pub fn of_part([west_m, south_m, east_m, north_m]: [f64; 4]) -> Self {
+    pub(super) fn of_part([west_m, south_m, east_m, north_m]: [f64; 4]) -> Self {
         let resolution = Resolution::COARSE;
         let cores = |metres: f64| (metres / PART_STEP_M).round() as i64;
         let (from, to) = ([west_m, south_m].map(cores), [east_m, north_m].map(cores));

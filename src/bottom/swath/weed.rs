@@ -12,11 +12,11 @@ const SHARE: f64 = 0.5;
 const REACH_M: f64 = 3.5;
 
 /// Places of pings in stretches of weed.
-pub struct Weed(Option<ImmutableKdTree<f64, 2>>);
+pub(super) struct Weed(Option<ImmutableKdTree<f64, 2>>);
 
 impl Weed {
     /// Of some logs, each with whether each of its pings is in a stretch of weed.
-    pub fn of<'a>(logs: impl Iterator<Item = (&'a LogEchoes<'a>, &'a [bool])>) -> Self {
+    pub(super) fn of<'a>(logs: impl Iterator<Item = (&'a LogEchoes<'a>, &'a [bool])>) -> Self {
         let in_weed = |(log, is_weed): (&LogEchoes<'_>, &[bool])| -> Vec<[f64; 2]> {
             let pings = log.pings.iter().zip(is_weed);
             let pings = pings.filter(|(ping, is_weed)| **is_weed && ping.is_placed());
@@ -28,7 +28,7 @@ impl Weed {
     }
 
     /// Whether a place east and north is far from all weed.
-    pub fn is_far_from(&self, place: [f64; 2]) -> bool {
+    pub(super) fn is_far_from(&self, place: [f64; 2]) -> bool {
         let Self(Some(tree)) = self else {
             return true;
         };
@@ -40,7 +40,7 @@ impl Weed {
 
 /// Whether each ping of a log is in a stretch of weed. A slope makes the first returns of one side alone nearer than the recorded depth, so both
 /// sides are asked for.
-pub fn is_weed(log: &LogEchoes<'_>) -> Vec<bool> {
+pub(super) fn is_weed(log: &LogEchoes<'_>) -> Vec<bool> {
     let [port, starboard] = Side::BOTH.map(|side| {
         let above = |ping: &PingPlace| ping.side(side).above_bottom;
         running_share(&log.pings.iter().map(above).collect::<Vec<bool>>())

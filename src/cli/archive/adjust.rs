@@ -11,7 +11,7 @@ use std::path::PathBuf;
 
 /// `bathyscope adjust DIR`.
 #[derive(Debug, clap::Args)]
-pub struct AdjustArgs {
+pub(crate) struct AdjustArgs {
     /// Folder of the archive
     archive: PathBuf,
     /// Also find how far the positions of each log are off, where its tracks cross others over a bottom that slopes
@@ -44,7 +44,7 @@ struct Printed<'a> {
 }
 
 /// Finds the offsets, writes the table and prints it.
-pub fn run(args: &AdjustArgs) -> Result<(), Failure> {
+pub(crate) fn run(args: &AdjustArgs) -> Result<(), Failure> {
     let archive = Archive::open(&args.archive)?;
     let wanted = Wanted {
         shifts: args.positions,
@@ -79,7 +79,7 @@ pub fn run(args: &AdjustArgs) -> Result<(), Failure> {
 }
 
 /// Finds the offsets of an archive and writes its table.
-pub fn adjusted(archive: &Archive, wanted: Wanted) -> Result<Adjusted, ArchiveError> {
+pub(super) fn adjusted(archive: &Archive, wanted: Wanted) -> Result<Adjusted, ArchiveError> {
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
     status.step("height offsets");
@@ -87,7 +87,7 @@ pub fn adjusted(archive: &Archive, wanted: Wanted) -> Result<Adjusted, ArchiveEr
 }
 
 /// Names what offsets cannot settle.
-pub fn tell(adjusted: &Adjusted) {
+pub(super) fn tell(adjusted: &Adjusted) {
     for ([one, other], left_m) in &adjusted.contradictions {
         output::notify(format_args!(
             "warning: no height offset explains how {one} and {other} differ: {left_m:+.2} m are left; another water level on the way, a wrong position, or a bottom that moved"
@@ -110,7 +110,7 @@ pub fn tell(adjusted: &Adjusted) {
 }
 
 /// How many logs are tied.
-pub fn summary(adjusted: &Adjusted) -> String {
+pub(super) fn summary(adjusted: &Adjusted) -> String {
     let rows = adjusted.offsets.rows();
     let pinned = rows.iter().filter(|row| row.is_pinned).count();
     format!(

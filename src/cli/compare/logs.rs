@@ -15,7 +15,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Compares the points that the depth map of some logs is made of, and prints the statistics.
-pub fn run(args: &CompareArgs) -> Result<(), Failure> {
+pub(super) fn run(args: &CompareArgs) -> Result<(), Failure> {
     let opened = opened(&args.measured, &args.settings)?;
     let Some(first) = opened.first() else {
         return Ok(());
@@ -50,7 +50,7 @@ pub fn run(args: &CompareArgs) -> Result<(), Failure> {
 }
 
 /// The same points of logs as a file of points would hold them.
-pub fn elevations(argument: &OsStr, settings: &SettingsArgs) -> Result<Elevations, Failure> {
+pub(super) fn elevations(argument: &OsStr, settings: &SettingsArgs) -> Result<Elevations, Failure> {
     let opened = opened(argument, settings)?;
     let progress = Progress::new();
     let status = StatusLine::new(&progress);

@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 
 /// `bathyscope compare MEASURED REFERENCE [--json]`.
 #[derive(Debug, clap::Args)]
-pub struct CompareArgs {
+pub(super) struct CompareArgs {
     /// The measured points: xyz, csv, txt, ply, las, laz, the cells of a GeoTIFF or the points of a GeoJSON; FILE.csv:x,y,z names
     /// its columns, a `-` before the third says that it is a depth, positive down. Or a log, whose kept points are taken, or a folder of
     /// logs or a project, whose logs are taken together
@@ -102,7 +102,7 @@ struct Printed<'a> {
 const SIGN: &str = "measured minus reference elevation, metres; positive is shallower";
 
 /// Compares and prints the statistics.
-pub fn run(args: CompareArgs) -> Result<(), Failure> {
+pub(super) fn run(args: CompareArgs) -> Result<(), Failure> {
     if let Some(folder) = args.change.folder() {
         return change::run(&args, folder);
     }

@@ -6,7 +6,7 @@ use crate::support::geo::{Crs, LocalFrame, LonLat};
 
 /// Puts both files into one plane: metres that say nothing else of themselves are taken as those of the other file; degrees, and metres
 /// of different systems, become metres about the first reference point.
-pub fn into_one_plane(
+pub(super) fn into_one_plane(
     measured: &mut Elevations,
     reference: &mut Elevations,
 ) -> Result<(), Failure> {

@@ -18,7 +18,7 @@ td,th{border:1px solid #cccccc;padding:3px 8px;text-align:right;font-weight:norm
 td.text,th.text{text-align:left}td.found{background:#cfe8df}td.mistaken{background:#f6d5cf}figure{display:inline-block;margin:0 24px 0 0}";
 
 /// The page.
-pub fn of(outcome: &Outcome) -> String {
+pub(super) fn of(outcome: &Outcome) -> String {
     let mut page = format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Boxes against the truth</title><style>{STYLE}</style></head><body>\n<h1>Boxes against the truth</h1>\n"
     );

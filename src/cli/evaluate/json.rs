@@ -6,7 +6,7 @@ use crate::detection::metrics::{CurvePoint, MatchCounts};
 use serde_json::{Value, json};
 
 /// Everything, with the lists of mistakes and the curve.
-pub fn of(outcome: &Outcome) -> Value {
+pub(super) fn of(outcome: &Outcome) -> Value {
     let (darknet, coco) = (&outcome.darknet, &outcome.coco);
     let classes: Vec<Value> = (0..outcome.paired.classes.len())
         .map(|class| {

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 
 /// `bathyscope evaluate SURVEY... [--truth FILE]`, `bathyscope evaluate --truth DIR --predicted DIR [-o PAGE.html]`.
 #[derive(Debug, clap::Args)]
-pub struct EvaluateArgs {
+pub(super) struct EvaluateArgs {
     /// Logs to search, each compared with the objects that are known to lie in it: those of LOG.objects.csv beside it
     #[arg(conflicts_with = "predicted", value_name = "SURVEY")]
     surveys: Vec<PathBuf>,
@@ -131,7 +131,7 @@ impl Outcome {
 }
 
 /// Measures, prints and draws.
-pub fn run(args: EvaluateArgs) -> Result<(), Failure> {
+pub(super) fn run(args: EvaluateArgs) -> Result<(), Failure> {
     if let Some(page) = &args.output {
         check_page(page)?;
     }

@@ -20,7 +20,7 @@ const LEAST_SCORE: f32 = 0.01;
 
 /// Searches every log twice: at the score, by the model's own rule of which boxes hide which, for what an analyst is shown; and
 /// for average precision down to [`LEAST_SCORE`], where a box hides only others of its class, as Darknet and COCO have it.
-pub fn search(
+pub(super) fn search(
     logs: &[PathBuf],
     truth: Option<&Path>,
     model: Option<&Path>,

@@ -5,7 +5,7 @@ use crate::detection::metrics::{Cause, MatchCounts};
 use std::fmt::Write as _;
 
 /// Everything, table by table.
-pub fn of(outcome: &Outcome) -> String {
+pub(super) fn of(outcome: &Outcome) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail.
     for part in [read, counts, precisions, sizes, confusion, mistakes] {

@@ -6,7 +6,7 @@ use clap::builder::PossibleValue;
 
 /// A group of files of a run, or the rows of an archive, which are no files of a run: many logs share their folder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Requested {
+pub(super) enum Requested {
     /// Files of a run.
     Files(Product),
     /// Rows of an archive.

@@ -14,7 +14,7 @@ use crate::support::progress::Progress;
 const MOST_AT_ONCE: usize = 4;
 
 /// Adds every log to the archive of the folder. One that cannot be used does not keep the others out.
-pub fn run(inputs: &[LogInput], args: &ProcessArgs) -> Result<(), Failure> {
+pub(super) fn run(inputs: &[LogInput], args: &ProcessArgs) -> Result<(), Failure> {
     let folder = args.output.as_deref().ok_or(
         "tiles go into the folder of an archive, which many runs share; name it with -o DIR",
     )?;

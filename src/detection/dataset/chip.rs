@@ -7,7 +7,7 @@ use image::{ExtendedColorType, ImageEncoder as _};
 
 /// A levelled tile with its boxes.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Chip {
+pub(crate) struct Chip {
     /// [`TILE_PX`] rows of [`TILE_PX`] grey levels.
     pub pixels: Vec<u8>,
     /// What is in it.
@@ -28,7 +28,7 @@ pub struct Boxes {
 impl Chip {
     /// Labels a tile, then levels it. An object whose part in the tile can be asked for ([`super::part::Part::is_plain`]) has a
     /// label; others that reach into the tile have an ignored box.
-    pub fn new(mut tile: RasterTile, raster: &Raster, known: &[Known]) -> Self {
+    pub(crate) fn new(mut tile: RasterTile, raster: &Raster, known: &[Known]) -> Self {
         let mut boxes = Boxes::default();
         for object in known.iter().filter(|object| object.whole.side == tile.side) {
             let Some(part) = object.part_in(&tile, raster) else {
@@ -54,7 +54,7 @@ impl Chip {
 
     /// The picture as PNG: 8-bit grey, compressed fast. Each row is written as its difference from the one before, since one
     /// ping is much like the last: with the rows as they are, speckle hardly shrinks.
-    pub fn png(&self) -> Vec<u8> {
+    pub(crate) fn png(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         let encoder =
             PngEncoder::new_with_quality(&mut bytes, CompressionType::Fast, FilterType::Up);

@@ -7,7 +7,7 @@ use serde::Serialize;
 /// A COCO file of object boxes. Category ids count from 1, in the order of the class names; ignored boxes are written with
 /// `iscrowd` 1, which COCO's rule neither rewards nor punishes.
 #[derive(Clone, Debug, Serialize)]
-pub struct Coco {
+pub(crate) struct Coco {
     images: Vec<Image>,
     annotations: Vec<Annotation>,
     categories: Vec<Category>,
@@ -43,7 +43,7 @@ struct Category {
 
 impl Coco {
     /// A file without pictures.
-    pub fn new<'a>(class_names: impl IntoIterator<Item = &'a str>) -> Self {
+    pub(crate) fn new<'a>(class_names: impl IntoIterator<Item = &'a str>) -> Self {
         let categories = class_names.into_iter().enumerate();
         Self {
             images: Vec::new(),
@@ -58,7 +58,7 @@ impl Coco {
     }
 
     /// Adds a picture (its name relative to the folder of pictures) and its boxes.
-    pub fn add(&mut self, file_name: String, boxes: &Boxes) {
+    pub(crate) fn add(&mut self, file_name: String, boxes: &Boxes) {
         let id = self.images.len() + 1;
         self.images.push(Image {
             id,

@@ -9,11 +9,11 @@ mod part;
 mod voc;
 mod yolo;
 
-pub use chip::{Boxes, Chip};
-pub use coco::Coco;
-pub use part::{Known, Slice};
-pub use voc::voc_xml;
-pub use yolo::yolo_lines;
+pub(crate) use chip::{Boxes, Chip};
+pub(crate) use coco::Coco;
+pub(crate) use part::{Known, Slice};
+pub(crate) use voc::voc_xml;
+pub(crate) use yolo::yolo_lines;
 
 #[cfg(test)]
 mod tests;

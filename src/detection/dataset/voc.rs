@@ -5,7 +5,7 @@ use crate::detection::{Labelled, TILE_PX};
 use std::fmt::Write as _;
 
 /// The labels of a picture: pixels counted from 1, edges included, as in VOC; ignored boxes are `difficult`.
-pub fn voc_xml(file_name: &str, class_names: &[String], boxes: &Boxes) -> String {
+pub(crate) fn voc_xml(file_name: &str, class_names: &[String], boxes: &Boxes) -> String {
     let mut text = format!(
         "<annotation>\n<filename>{}</filename>\n<size><width>{TILE_PX}</width><height>{TILE_PX}</height><depth>1</depth></size>\n<segmented>0</segmented>\n",
         escaped(file_name)

@@ -4,7 +4,7 @@ use crate::detection::{Labelled, TILE_PX};
 use std::fmt::Write as _;
 
 /// One line a box: `class cx cy w h`, the centre and size as shares of the picture.
-pub fn yolo_lines(labels: &[Labelled]) -> String {
+pub(crate) fn yolo_lines(labels: &[Labelled]) -> String {
     let mut text = String::new();
     let side = TILE_PX as f32;
     for Labelled { class, rect } in labels {

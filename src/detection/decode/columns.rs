@@ -5,7 +5,7 @@ use crate::detection::Scored;
 
 /// `values` holds 4 + `classes` rows of as many columns as there are candidates: centre x, centre y, width, height in
 /// pixels, then a score a class; there is no objectness.
-pub fn columns(values: &[f32], classes: usize, least: f32) -> Vec<Scored> {
+pub(crate) fn columns(values: &[f32], classes: usize, least: f32) -> Vec<Scored> {
     let count = values.len() / (4 + classes);
     let mut found = Found::new(least);
     let at = |row: usize, column: usize| values.get(row * count + column).copied();

@@ -65,7 +65,7 @@ impl fmt::Display for Number {
 ///
 /// # Errors
 /// When a file cannot be read or is not of this format; the error names it.
-pub fn read_truth(file: &Path) -> Result<LabelSet, LabelError> {
+pub(super) fn read_truth(file: &Path) -> Result<LabelSet, LabelError> {
     let text = text(file, LONGEST)?;
     if text.trim_start().starts_with('[') {
         return Err(LabelError::new(LabelFault::OnlyResults, file));
@@ -79,7 +79,7 @@ pub fn read_truth(file: &Path) -> Result<LabelSet, LabelError> {
 ///
 /// # Errors
 /// When a file cannot be read or is not of this format; the error names it.
-pub fn read_predicted(file: &Path, truth: &LabelSet) -> Result<LabelSet, LabelError> {
+pub(super) fn read_predicted(file: &Path, truth: &LabelSet) -> Result<LabelSet, LabelError> {
     let text = text(file, LONGEST)?;
     let (mut set, annotations) = if text.trim_start().starts_with('[') {
         let mut set = LabelSet::empty(LabelFormat::Coco, file);

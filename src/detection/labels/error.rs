@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 /// Label files that cannot be used, in one sentence.
 #[derive(Debug, thiserror::Error)]
 #[error("{what}: {}", path.display())]
-pub struct LabelError {
+pub(crate) struct LabelError {
     /// What is wrong, where in the file, and what to do.
     #[source]
     pub what: LabelFault,
@@ -26,7 +26,7 @@ impl LabelError {
 
 /// What is wrong with label files, in a sentence without the path.
 #[derive(Debug, thiserror::Error)]
-pub enum LabelFault {
+pub(crate) enum LabelFault {
     /// The system does not give the file.
     #[error("cannot read the labels: {0}")]
     NotRead(io::Error),
@@ -87,7 +87,7 @@ pub enum LabelFault {
 
 /// What is wrong with a line of YOLO's.
 #[derive(Debug, thiserror::Error)]
-pub enum LineFault {
+pub(crate) enum LineFault {
     /// It has one number too few.
     #[error("a predicted box needs a score: class cx cy w h score")]
     NoScore,
@@ -118,7 +118,7 @@ pub enum LineFault {
 
 /// What is wrong with an annotation or a result of COCO's.
 #[derive(Debug, thiserror::Error)]
-pub enum AnnotationFault {
+pub(crate) enum AnnotationFault {
     /// Its picture is not in the file.
     #[error("there is no picture {0}")]
     UnknownPicture(String),

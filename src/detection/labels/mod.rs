@@ -9,8 +9,8 @@ mod pairing;
 mod tests;
 mod yolo;
 
-pub use error::{AnnotationFault, LabelError, LabelFault, LineFault};
-pub use pairing::{Paired, pair};
+pub(crate) use error::{AnnotationFault, LabelError, LabelFault, LineFault};
+pub(crate) use pairing::{Paired, pair};
 
 use super::Rect;
 use crate::support::regular_file;
@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 
 /// How labels are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LabelFormat {
+pub(crate) enum LabelFormat {
     /// A text file a picture, a line a box: `class cx cy w h`, with `score` behind it for predictions; shares of the
     /// picture's width and height.
     Yolo,
@@ -31,7 +31,7 @@ pub enum LabelFormat {
 
 impl LabelFormat {
     /// As people call it.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             LabelFormat::Yolo => "YOLO labels",
             LabelFormat::Coco => "COCO JSON",
@@ -41,7 +41,7 @@ impl LabelFormat {
 
 /// One labelled box.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Label {
+pub(crate) struct Label {
     /// Index into the class names.
     pub class: usize,
     /// Confidence, 0 to 1, of a predicted one.
@@ -54,7 +54,7 @@ pub struct Label {
 
 /// The labels of one picture.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct PictureLabels {
+pub(crate) struct PictureLabels {
     /// Its width and height, pixels, where they are known.
     pub size_px: Option<[u32; 2]>,
     /// Its boxes.
@@ -63,7 +63,7 @@ pub struct PictureLabels {
 
 /// Labels of many pictures.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LabelSet {
+pub(crate) struct LabelSet {
     /// How they are written.
     pub format: LabelFormat,
     /// Where they were read from.
@@ -91,7 +91,7 @@ impl LabelSet {
     }
 
     /// Boxes in all pictures.
-    pub fn boxes(&self) -> usize {
+    pub(crate) fn boxes(&self) -> usize {
         self.pictures
             .values()
             .map(|picture| picture.labels.len())
@@ -100,13 +100,13 @@ impl LabelSet {
 }
 
 /// More classes than any detector of this kind knows; a class number beyond it is a damaged line.
-pub const MOST_CLASSES: usize = 1000;
+pub(crate) const MOST_CLASSES: usize = 1000;
 
 /// Reads true boxes from a folder of YOLO labels, a COCO file, or a folder that holds one.
 ///
 /// # Errors
 /// When there are no labels, or one of them cannot be read.
-pub fn read_truth(path: &Path) -> Result<LabelSet, LabelError> {
+pub(crate) fn read_truth(path: &Path) -> Result<LabelSet, LabelError> {
     match find(path)? {
         Found::Texts(folder, texts) => yolo::read(&folder, &texts, false),
         Found::Json(file) => coco::read_truth(&file),
@@ -117,7 +117,7 @@ pub fn read_truth(path: &Path) -> Result<LabelSet, LabelError> {
 ///
 /// # Errors
 /// When there are no labels, or one of them cannot be read.
-pub fn read_predicted(path: &Path, truth: &LabelSet) -> Result<LabelSet, LabelError> {
+pub(crate) fn read_predicted(path: &Path, truth: &LabelSet) -> Result<LabelSet, LabelError> {
     match find(path)? {
         Found::Texts(folder, texts) => yolo::read(&folder, &texts, true),
         Found::Json(file) => coco::read_predicted(&file, truth),

@@ -6,7 +6,7 @@ use crate::detection::{Rect, Scored, TILE_PX};
 
 /// Pictures ready to be measured.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Paired {
+pub(crate) struct Paired {
     /// Names of the pictures, one for each of `images`.
     pub names: Vec<String>,
     /// Their boxes, in pixels.
@@ -21,7 +21,7 @@ pub struct Paired {
 ///
 /// # Errors
 /// When no picture has both.
-pub fn pair(truth: &LabelSet, predicted: &LabelSet) -> Result<Paired, LabelError> {
+pub(crate) fn pair(truth: &LabelSet, predicted: &LabelSet) -> Result<Paired, LabelError> {
     let shared = |name: &&String| truth.pictures.contains_key(*name);
     if predicted.boxes() > 0 && !predicted.pictures.keys().any(|name| shared(&name)) {
         return Err(LabelError::new(LabelFault::OtherPictures, &predicted.path));

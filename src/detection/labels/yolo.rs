@@ -13,7 +13,7 @@ const NAMES: [&str; 2] = ["classes.txt", "obj.names"];
 const LONGEST: u64 = 16 << 20;
 
 /// Whether a file holds class names rather than boxes.
-pub fn is_names(file: &Path) -> bool {
+pub(super) fn is_names(file: &Path) -> bool {
     file.file_name()
         .is_some_and(|name| NAMES.iter().any(|names| name == *names))
 }
@@ -22,7 +22,11 @@ pub fn is_names(file: &Path) -> bool {
 ///
 /// # Errors
 /// When a file cannot be read or is not of this format; the error names it.
-pub fn read(folder: &Path, texts: &[PathBuf], predicted: bool) -> Result<LabelSet, LabelError> {
+pub(super) fn read(
+    folder: &Path,
+    texts: &[PathBuf],
+    predicted: bool,
+) -> Result<LabelSet, LabelError> {
     let mut set = LabelSet::empty(LabelFormat::Yolo, folder);
     set.names = names(folder)?;
     for file in texts.iter().filter(|file| !is_names(file)) {

@@ -8,7 +8,7 @@ use crate::detection::Scored;
 /// last row holds predictions that lie on nothing (or on a truth that another prediction has found), the last column truths
 /// that nothing lies on: the background.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Confusion {
+pub(crate) struct Confusion {
     classes: usize,
     cells: Vec<usize>,
 }
@@ -22,17 +22,17 @@ impl Confusion {
     }
 
     /// Number of classes; this number as an index is the background.
-    pub fn classes(&self) -> usize {
+    pub(crate) fn classes(&self) -> usize {
         self.classes
     }
 
     /// Boxes that are `truth` and were taken for `predicted`. Panics beyond the background, as a slice does.
-    pub fn at(&self, truth: usize, predicted: usize) -> usize {
+    pub(crate) fn at(&self, truth: usize, predicted: usize) -> usize {
         self.cells[truth * (self.classes + 1) + predicted]
     }
 
     /// The rows, one a true class, the background last.
-    pub fn rows(&self) -> impl Iterator<Item = &[usize]> {
+    pub(crate) fn rows(&self) -> impl Iterator<Item = &[usize]> {
         self.cells.chunks(self.classes + 1)
     }
 
@@ -43,7 +43,7 @@ impl Confusion {
 
 /// Counts what is shown. What the classes' own matching has paired lies on the diagonal; of the rest, each prediction, by
 /// falling score, is paired with the truth of another class that it overlaps most, if by enough.
-pub fn confusion(
+pub(super) fn confusion(
     images: &[Image],
     shown: &ShownImages,
     classes: usize,

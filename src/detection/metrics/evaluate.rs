@@ -9,7 +9,7 @@ use super::{Image, Matching, MetricSettings};
 
 /// One class.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ClassReport {
+pub(crate) struct ClassReport {
     /// At the score of the settings.
     pub counts: MatchCounts,
     /// Average precision at the IoU of the settings; NaN without truths.
@@ -22,7 +22,7 @@ pub struct ClassReport {
 
 /// Boxes of one size, all classes. A truth whose area is a limit counts on both sides of it, as in COCO.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SizeReport {
+pub(crate) struct SizeReport {
     /// Square roots of the smallest and the largest area, pixels; infinite for the largest boxes.
     pub side_px: [f64; 2],
     /// At the score of the settings.
@@ -35,7 +35,7 @@ pub struct SizeReport {
 
 /// How well predictions agree with truths.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Evaluation {
+pub(crate) struct Evaluation {
     /// One entry a class.
     pub classes: Vec<ClassReport>,
     /// All classes together.
@@ -59,7 +59,7 @@ pub struct Evaluation {
 impl Evaluation {
     /// The same average precisions and curves with the counts, confusion and mistakes of others: of the boxes of the same
     /// pictures that an analyst is shown.
-    pub fn counted_as(self, shown: Evaluation) -> Self {
+    pub(crate) fn counted_as(self, shown: Evaluation) -> Self {
         let classes = self.classes.into_iter().zip(shown.classes);
         let sizes = self.sizes.into_iter().zip(shown.sizes);
         Self {
@@ -84,7 +84,7 @@ impl Evaluation {
 }
 
 /// Measures predictions against truths of `classes` classes; boxes of classes beyond that are left out.
-pub fn evaluate(images: &[Image], classes: usize, settings: &MetricSettings) -> Evaluation {
+pub(crate) fn evaluate(images: &[Image], classes: usize, settings: &MetricSettings) -> Evaluation {
     let matched = Matched::new(images, classes, settings);
     let images = matched.images();
     let AtScore {

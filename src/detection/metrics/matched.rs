@@ -10,7 +10,7 @@ use rayon::prelude::*;
 /// Pictures whose boxes are paired. The pairs of a score are those of the whole set down to that score, because predictions
 /// choose by falling score: a confidence slider costs a count, not a pairing.
 #[derive(Clone, Debug)]
-pub struct Matched {
+pub(crate) struct Matched {
     images: Vec<Image>,
     rankings: Vec<Ranking>,
     settings: MetricSettings,
@@ -18,7 +18,7 @@ pub struct Matched {
 
 /// What the boxes of at least a score amount to.
 #[derive(Clone, Debug, PartialEq)]
-pub struct AtScore {
+pub(crate) struct AtScore {
     /// One entry a class.
     pub classes: Vec<MatchCounts>,
     /// All classes together.
@@ -34,7 +34,7 @@ pub struct AtScore {
 impl Matched {
     /// Pairs predictions with truths of `classes` classes at the IoU of the settings; boxes of classes beyond that are left
     /// out.
-    pub fn new(images: &[Image], classes: usize, settings: &MetricSettings) -> Self {
+    pub(crate) fn new(images: &[Image], classes: usize, settings: &MetricSettings) -> Self {
         let images: Vec<Image> = images.iter().map(|boxes| within(boxes, classes)).collect();
         Self {
             rankings: rank(&images, classes, settings, settings.iou, &ANY_SIZE),
@@ -44,7 +44,7 @@ impl Matched {
     }
 
     /// The boxes, in the order in which false alarms and misses name them.
-    pub fn images(&self) -> &[Image] {
+    pub(crate) fn images(&self) -> &[Image] {
         &self.images
     }
 
@@ -53,7 +53,7 @@ impl Matched {
     }
 
     /// Counts what is shown from a score on.
-    pub fn at(&self, score: f32) -> AtScore {
+    pub(crate) fn at(&self, score: f32) -> AtScore {
         let of_class = |ranking: &Ranking| MatchCounts::of(ranking.shown(score), ranking.truths);
         let classes: Vec<MatchCounts> = self.rankings.iter().map(of_class).collect();
         let shown = self
@@ -71,7 +71,7 @@ impl Matched {
     }
 
     /// Precision, recall and F1 of all classes as one, for every score, falling.
-    pub fn curve(&self) -> Vec<CurvePoint> {
+    pub(crate) fn curve(&self) -> Vec<CurvePoint> {
         let all = self.rankings.iter().flat_map(|ranking| &ranking.ranked);
         let mut all: Vec<Ranked> = all.copied().collect();
         all.sort_by(|a, b| b.score.total_cmp(&a.score));

@@ -5,7 +5,7 @@ use crate::detection::Rect;
 
 /// A true box as one run sees it.
 #[derive(Clone, Copy, Debug)]
-pub struct Candidate {
+pub(super) struct Candidate {
     /// Index into the picture's truths.
     pub truth: usize,
     pub rect: Rect,
@@ -17,7 +17,7 @@ pub struct Candidate {
 
 /// What became of a prediction.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Outcome {
+pub(crate) enum Outcome {
     /// It found this truth (index into the picture's).
     Hit { truth: usize, iou: f64 },
     /// It found nothing.
@@ -27,7 +27,7 @@ pub enum Outcome {
 }
 
 /// Pairs predictions, which come by falling score, with the candidates of their class; one outcome a prediction.
-pub fn pair(
+pub(super) fn pair(
     predicted: &[Rect],
     candidates: &[Candidate],
     rule: Matching,

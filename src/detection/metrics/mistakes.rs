@@ -7,7 +7,7 @@ use crate::detection::Rect;
 
 /// Why a prediction found nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Cause {
+pub(crate) enum Cause {
     /// Nothing is there.
     Background,
     /// An object of its class is there and was found by a surer box.
@@ -20,7 +20,7 @@ pub enum Cause {
 
 impl Cause {
     /// A word or two for tables.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Cause::Background => "background",
             Cause::Duplicate => "duplicate",
@@ -32,7 +32,7 @@ impl Cause {
 
 /// A prediction of at least the score that found nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FalseAlarm {
+pub(crate) struct FalseAlarm {
     /// Index of the picture.
     pub image: usize,
     /// Index into its predictions.
@@ -43,7 +43,7 @@ pub struct FalseAlarm {
 
 /// A truth that no prediction of at least the score found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Miss {
+pub(crate) struct Miss {
     /// Index of the picture.
     pub image: usize,
     /// Index into its truths.
@@ -52,13 +52,13 @@ pub struct Miss {
 
 /// What the score lets through in every picture.
 #[derive(Debug)]
-pub struct ShownImages {
+pub(super) struct ShownImages {
     pub images: Vec<ShownImage>,
 }
 
 /// What the score lets through in one picture.
 #[derive(Debug)]
-pub struct ShownImage {
+pub(super) struct ShownImage {
     /// Truths that were found.
     pub found: Vec<bool>,
     /// Predictions that found nothing, by falling score.
@@ -67,7 +67,7 @@ pub struct ShownImage {
 
 impl ShownImages {
     /// Sorts the classes' predictions by picture.
-    pub fn new<'a>(images: &[Image], shown: impl Iterator<Item = &'a Ranked>) -> Self {
+    pub(super) fn new<'a>(images: &[Image], shown: impl Iterator<Item = &'a Ranked>) -> Self {
         let none = |boxes: &Image| ShownImage {
             found: vec![false; boxes.truth.len()],
             false_alarms: Vec::new(),
@@ -90,7 +90,11 @@ impl ShownImages {
     }
 
     /// Every false alarm, with its cause, by falling score.
-    pub fn false_alarms(&self, images: &[Image], settings: &MetricSettings) -> Vec<FalseAlarm> {
+    pub(super) fn false_alarms(
+        &self,
+        images: &[Image],
+        settings: &MetricSettings,
+    ) -> Vec<FalseAlarm> {
         let mut all: Vec<FalseAlarm> = Vec::new();
         for (image, (boxes, shown)) in images.iter().zip(&self.images).enumerate() {
             all.extend(shown.false_alarms.iter().map(|&predicted| FalseAlarm {
@@ -105,7 +109,7 @@ impl ShownImages {
     }
 
     /// Every miss, picture by picture.
-    pub fn misses(&self, images: &[Image]) -> Vec<Miss> {
+    pub(super) fn misses(&self, images: &[Image]) -> Vec<Miss> {
         let mut all = Vec::new();
         for (image, (boxes, shown)) in images.iter().zip(&self.images).enumerate() {
             let missed = (0..boxes.truth.len())

@@ -15,17 +15,17 @@ mod mistakes;
 mod precision;
 mod ranking;
 
-pub use confusion::Confusion;
-pub use evaluate::{Evaluation, SizeReport, evaluate};
-pub use matched::{AtScore, Matched};
-pub use mistakes::Cause;
-pub use precision::{ApMethod, CurvePoint, MatchCounts};
+pub(crate) use confusion::Confusion;
+pub(crate) use evaluate::{Evaluation, SizeReport, evaluate};
+pub(crate) use matched::{AtScore, Matched};
+pub(crate) use mistakes::Cause;
+pub(crate) use precision::{ApMethod, CurvePoint, MatchCounts};
 
 use super::{Rect, Scored};
 
 /// A true box.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Truth {
+pub(crate) struct Truth {
     /// Index into the class names.
     pub class: usize,
     /// Where, pixels.
@@ -37,7 +37,7 @@ pub struct Truth {
 
 /// The boxes of one picture.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Image {
+pub(crate) struct Image {
     /// What is there.
     pub truth: Vec<Truth>,
     /// What was proposed, in any order; of equal scores the first counts first.
@@ -47,7 +47,7 @@ pub struct Image {
 impl Image {
     /// Gives each prediction of the class of boxes without a name that of the true box that it overlaps most: it cannot be wrong in what it
     /// does not say. One that overlaps none stays as it is.
-    pub fn name_by_truth(&mut self, nameless: usize) {
+    pub(crate) fn name_by_truth(&mut self, nameless: usize) {
         let without = |one: &&mut Scored| one.class == nameless;
         for one in self.predicted.iter_mut().filter(without) {
             let overlap = |truth: &Truth| one.rect.iou(&truth.rect);
@@ -61,7 +61,7 @@ impl Image {
 
 /// Which prediction belongs to which true box of its class. Predictions choose by falling score.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Matching {
+pub(crate) enum Matching {
     /// Darknet and VOC: a prediction takes the truth that it overlaps most, by more than the threshold; when that one is
     /// taken it is a false alarm, even where another would do. A class without truths counts as 0 in the mean.
     DarknetVoc,
@@ -83,7 +83,7 @@ impl Matching {
 
 /// What is measured.
 #[derive(Clone, Debug, PartialEq)]
-pub struct MetricSettings {
+pub(crate) struct MetricSettings {
     /// Which prediction belongs to which truth.
     pub matching: Matching,
     /// How a precision-recall curve becomes a number.
@@ -100,7 +100,7 @@ pub struct MetricSettings {
 
 impl MetricSettings {
     /// As `detector map -points 0` of Darknet measures: all points, more than IoU 0.5, score 0.25.
-    pub fn darknet() -> Self {
+    pub(crate) fn darknet() -> Self {
         Self {
             matching: Matching::DarknetVoc,
             ap: ApMethod::AllPoint,
@@ -112,7 +112,7 @@ impl MetricSettings {
     }
 
     /// As COCO measures: 101 points, IoU 0.5 and above, 100 boxes of a class in a picture.
-    pub fn coco() -> Self {
+    pub(crate) fn coco() -> Self {
         Self {
             matching: Matching::Coco,
             ap: ApMethod::Coco101,

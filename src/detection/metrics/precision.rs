@@ -5,7 +5,7 @@ use super::ranking::Ranked;
 
 /// How a precision-recall curve becomes one number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ApMethod {
+pub(crate) enum ApMethod {
     /// Area under the curve, where precision is the best at that recall or beyond (VOC since 2010, Darknet's `-points 0`).
     AllPoint,
     /// Mean of that precision at recall 0, 0.1 .. 1 (VOC 2007, Darknet's `-points 11`).
@@ -16,7 +16,7 @@ pub enum ApMethod {
 
 /// Found, false and missed, at one score.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct MatchCounts {
+pub(crate) struct MatchCounts {
     /// Truths that count.
     pub truths: usize,
     /// Predictions that found one (TP).
@@ -29,7 +29,7 @@ pub struct MatchCounts {
 
 impl MatchCounts {
     /// Counts predictions among `truths`.
-    pub fn of(shown: &[Ranked], truths: usize) -> Self {
+    pub(crate) fn of(shown: &[Ranked], truths: usize) -> Self {
         let mut counts = MatchCounts {
             truths,
             ..Self::default()
@@ -47,7 +47,7 @@ impl MatchCounts {
     }
 
     /// Both together.
-    pub fn plus(self, other: Self) -> Self {
+    pub(crate) fn plus(self, other: Self) -> Self {
         Self {
             truths: self.truths + other.truths,
             found: self.found + other.found,
@@ -57,33 +57,33 @@ impl MatchCounts {
     }
 
     /// Truths that nothing found (FN).
-    pub fn missed(&self) -> usize {
+    pub(crate) fn missed(&self) -> usize {
         self.truths.saturating_sub(self.found)
     }
 
     /// TP / (TP + FP); NaN without predictions.
-    pub fn precision(&self) -> f64 {
+    pub(crate) fn precision(&self) -> f64 {
         share(self.found, self.found + self.false_alarms)
     }
 
     /// TP / (TP + FN); NaN without truths.
-    pub fn recall(&self) -> f64 {
+    pub(crate) fn recall(&self) -> f64 {
         share(self.found, self.truths)
     }
 
     /// 2 TP / (2 TP + FP + FN); NaN without any box.
-    pub fn f1(&self) -> f64 {
+    pub(crate) fn f1(&self) -> f64 {
         let boxes = self.found + self.false_alarms + self.truths;
         share(2 * self.found, boxes)
     }
 
     /// Mean IoU of the predictions that found a truth; NaN without any.
-    pub fn iou_of_matches(&self) -> f64 {
+    pub(crate) fn iou_of_matches(&self) -> f64 {
         self.iou_sum / self.found as f64
     }
 
     /// Darknet's "average IoU": a false alarm counts as 0. It cannot exceed the precision. NaN without predictions.
-    pub fn darknet_iou(&self) -> f64 {
+    pub(crate) fn darknet_iou(&self) -> f64 {
         self.iou_sum / (self.found + self.false_alarms) as f64
     }
 }
@@ -94,7 +94,7 @@ fn share(part: usize, whole: usize) -> f64 {
 
 /// What a score as the limit would give.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CurvePoint {
+pub(crate) struct CurvePoint {
     /// Boxes of at least this score are shown.
     pub score: f32,
     /// TP / (TP + FP) of these.
@@ -106,7 +106,7 @@ pub struct CurvePoint {
 }
 
 /// Precision, recall and F1 for every score that occurs, falling; `ranked` falls by score.
-pub fn curve(ranked: &[Ranked], truths: usize) -> Vec<CurvePoint> {
+pub(super) fn curve(ranked: &[Ranked], truths: usize) -> Vec<CurvePoint> {
     let mut counts = MatchCounts {
         truths,
         ..MatchCounts::default()
@@ -127,7 +127,7 @@ pub fn curve(ranked: &[Ranked], truths: usize) -> Vec<CurvePoint> {
 }
 
 /// Average precision of a class; NaN without truths.
-pub fn average_precision(ranked: &[Ranked], truths: usize, method: ApMethod) -> f64 {
+pub(super) fn average_precision(ranked: &[Ranked], truths: usize, method: ApMethod) -> f64 {
     if truths == 0 {
         return f64::NAN;
     }

@@ -7,7 +7,7 @@ use std::ops::RangeInclusive;
 
 /// A prediction and what became of it.
 #[derive(Clone, Copy, Debug)]
-pub struct Ranked {
+pub(crate) struct Ranked {
     pub image: usize,
     /// Index into the picture's predictions.
     pub predicted: usize,
@@ -17,7 +17,7 @@ pub struct Ranked {
 
 /// One class over all pictures.
 #[derive(Clone, Debug)]
-pub struct Ranking {
+pub(super) struct Ranking {
     /// By falling score; of equal scores in the order of the pictures. Ignored predictions are left out.
     pub ranked: Vec<Ranked>,
     /// Truths that count.
@@ -25,15 +25,15 @@ pub struct Ranking {
 }
 
 /// Areas of boxes that count, square pixels.
-pub type Sizes = RangeInclusive<f64>;
+pub(super) type Sizes = RangeInclusive<f64>;
 
 /// Every area.
-pub const ANY_SIZE: Sizes = 0.0..=f64::INFINITY;
+pub(super) const ANY_SIZE: Sizes = 0.0..=f64::INFINITY;
 
 impl Ranking {
     /// Pairs the class's boxes in every picture at an IoU, and lines them up. Truths of other sizes neither count nor miss;
     /// nor do predictions of other sizes that find nothing.
-    pub fn new(
+    pub(super) fn new(
         images: &[Image],
         class: usize,
         settings: &MetricSettings,
@@ -75,7 +75,7 @@ impl Ranking {
     }
 
     /// Those of at least a score.
-    pub fn shown(&self, score: f32) -> &[Ranked] {
+    pub(super) fn shown(&self, score: f32) -> &[Ranked] {
         let end = self.ranked.partition_point(|one| one.score >= score);
         &self.ranked[..end]
     }

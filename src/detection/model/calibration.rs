@@ -5,7 +5,7 @@
 
 /// A rising map of confidences, 0 to 1 on both sides. Without points it leaves them as they are.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Calibration {
+pub(super) struct Calibration {
     /// The network's confidence and what it comes to, both rising, from `[0, 0]` on.
     points: Vec<[f32; 2]>,
 }
@@ -13,7 +13,7 @@ pub struct Calibration {
 impl Calibration {
     /// `None` unless both numbers rise from point to point between 0 and 1, the first being 1 at the end: only then has each
     /// confidence one counterpart.
-    pub fn new(points: &[[f32; 2]]) -> Option<Self> {
+    pub(super) fn new(points: &[[f32; 2]]) -> Option<Self> {
         let mut all = vec![[0.0, 0.0]];
         all.extend(points.iter().filter(|&&point| point != [0.0, 0.0]));
         let rises = all
@@ -24,12 +24,12 @@ impl Calibration {
     }
 
     /// What a network's confidence comes to.
-    pub fn calibrated(&self, confidence: f32) -> f32 {
+    pub(super) fn calibrated(&self, confidence: f32) -> f32 {
         self.mapped(confidence, [0, 1])
     }
 
     /// The network's confidence that comes to `calibrated`; above 1 where none does.
-    pub fn confidence(&self, calibrated: f32) -> f32 {
+    pub(super) fn confidence(&self, calibrated: f32) -> f32 {
         match self.points.last() {
             Some(&[_, highest]) if calibrated > highest => 1.0 + calibrated - highest,
             _ => self.mapped(calibrated, [1, 0]),

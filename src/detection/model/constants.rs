@@ -21,7 +21,7 @@ const UNSIZED: [&str; 2] = ["Compress", "NonZero"];
 ///
 /// # Errors
 /// Why the model cannot be used.
-pub fn check_constants(model: &mut InferenceModel) -> Result<(), Unusable> {
+pub(super) fn check_constants(model: &mut InferenceModel) -> Result<(), Unusable> {
     let mut in_all = 0_u64;
     for node in model.eval_order().unwrap_or_default() {
         // A source, or a weight that the file holds.

@@ -18,7 +18,7 @@ const MOST_ELEMENTS_IN_ALL: u64 = 1 << 31;
 ///
 /// # Errors
 /// Why the model cannot be used.
-pub fn check_cost(model: &TypedModel) -> Result<(), Unusable> {
+pub(super) fn check_cost(model: &TypedModel) -> Result<(), Unusable> {
     let (mut in_all, mut multiplications) = (0_u64, 0_u64);
     for node in model.nodes() {
         in_all = in_all.saturating_add(elements_of(node)?);

@@ -12,11 +12,11 @@ const MOST_END_TO_END: usize = 1000;
 const STRIDES: [&[usize]; 4] = [&[8, 16, 32], &[16, 32], &[8, 16, 32, 64], &[4, 8, 16, 32]];
 
 /// Shape of an output, with its name.
-pub type Shaped<'a> = (&'a str, &'a [usize]);
+pub(super) type Shaped<'a> = (&'a str, &'a [usize]);
 
 /// A detector whose outputs can be read.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Family {
+pub(super) struct Family {
     /// Classes that it distinguishes.
     pub classes: usize,
     kind: Kind,
@@ -49,7 +49,7 @@ struct BoundHead {
 
 impl FamilyName {
     /// The family in a few words.
-    pub fn words(self) -> &'static str {
+    pub(super) fn words(self) -> &'static str {
         match self {
             FamilyName::Yolov4 => "YOLOv4 (boxes and scores)",
             FamilyName::RawHeads => "raw YOLO heads",
@@ -62,7 +62,7 @@ impl FamilyName {
 }
 
 /// The family that outputs of these shapes belong to; `input` is the network's width and height.
-pub fn guess(
+pub(super) fn guess(
     outputs: &[Shaped<'_>],
     input: [usize; 2],
     metadata: &Metadata,
@@ -95,7 +95,7 @@ pub fn guess(
 }
 
 /// Binds a family to the outputs.
-pub fn bind(
+pub(super) fn bind(
     name: FamilyName,
     outputs: &[Shaped<'_>],
     input: [usize; 2],
@@ -161,7 +161,7 @@ pub fn bind(
 
 impl Family {
     /// Boxes of at least that score, in pixels of the input.
-    pub fn decode(&self, outputs: &[Output], input: [usize; 2], least: f32) -> Vec<Scored> {
+    pub(super) fn decode(&self, outputs: &[Output], input: [usize; 2], least: f32) -> Vec<Scored> {
         let values = |index: usize| outputs.get(index).map_or(&[][..], |output| &output.values);
         match &self.kind {
             Kind::BoxesAndConfs {
@@ -195,13 +195,13 @@ impl Family {
     }
 
     /// Whether the network drops overlapping boxes itself.
-    pub fn suppresses(&self) -> bool {
+    pub(super) fn suppresses(&self) -> bool {
         self.kind == Kind::EndToEnd
     }
 
     /// Learns from a first run what shapes do not show: whether boxes are fractions of the picture, of which none is far
     /// beyond 1.
-    pub fn learn(&mut self, first_run: &[Output]) {
+    pub(super) fn learn(&mut self, first_run: &[Output]) {
         if let Kind::BoxesAndConfs {
             boxes, fractions, ..
         } = &mut self.kind

@@ -14,7 +14,7 @@ const STACK_BYTES: usize = 64 << 20;
 ///
 /// # Errors
 /// Why the model cannot be used.
-pub fn guarded<T: Send + 'static>(
+pub(super) fn guarded<T: Send + 'static>(
     what: &'static str,
     limit: Duration,
     work: impl FnOnce() -> Result<T, Unusable> + Send + 'static,

@@ -8,7 +8,7 @@ const BAR: f32 = 114.0;
 
 /// How a picture becomes the input.
 #[derive(Clone, Debug, PartialEq)]
-pub struct InputSpec {
+pub(super) struct InputSpec {
     /// Pixels across.
     pub width: usize,
     /// Pixels down.
@@ -31,7 +31,7 @@ pub struct InputSpec {
 
 /// Where a picture lies in the network's input: `input = picture * scale + offset`, across and down.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Fit {
+pub(super) struct Fit {
     scale: [f32; 2],
     offset: [f32; 2],
     /// Pixels of the input that the picture covers, across and down.
@@ -41,7 +41,7 @@ pub struct Fit {
 
 impl Fit {
     /// Lays a picture of `picture` pixels (across, down) into an input of `input` pixels.
-    pub fn new(picture: [usize; 2], input: [usize; 2], resize: Resize) -> Self {
+    pub(super) fn new(picture: [usize; 2], input: [usize; 2], resize: Resize) -> Self {
         let size = picture.map(|pixels| pixels.max(1) as f32);
         let ratio = [0, 1].map(|axis| input[axis] as f32 / size[axis]);
         let both = ratio[0].min(ratio[1]);
@@ -66,7 +66,7 @@ impl Fit {
     }
 
     /// A box of the input in the picture's pixels, cut at the picture's edges.
-    pub fn to_picture(&self, rect: &Rect) -> Rect {
+    pub(super) fn to_picture(&self, rect: &Rect) -> Rect {
         let back = |value: f32, axis: usize| {
             ((value - self.offset[axis]) / self.scale[axis]).clamp(0.0, self.picture[axis])
         };
@@ -81,12 +81,12 @@ impl Fit {
 
 impl InputSpec {
     /// Numbers of one input.
-    pub fn count(&self) -> usize {
+    pub(super) fn count(&self) -> usize {
         self.width * self.height * self.channels
     }
 
     /// Where a picture lies in the input.
-    pub fn fit(&self, picture: &Picture) -> Fit {
+    pub(super) fn fit(&self, picture: &Picture) -> Fit {
         Fit::new(
             [picture.width, picture.height],
             [self.width, self.height],
@@ -95,7 +95,7 @@ impl InputSpec {
     }
 
     /// The input that a picture becomes; between pixels it is interpolated linearly.
-    pub fn numbers(&self, picture: &Picture, fit: &Fit) -> Vec<f32> {
+    pub(super) fn numbers(&self, picture: &Picture, fit: &Fit) -> Vec<f32> {
         let mut numbers = vec![0.0; self.count()];
         for channel in 0..self.channels {
             let bar = self.number(BAR, channel);

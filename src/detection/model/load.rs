@@ -33,7 +33,7 @@ const USUAL_INPUT: usize = 416;
 ///
 /// # Errors
 /// Why the model cannot be used.
-pub fn from_path(path: &Path) -> Result<Model, Unusable> {
+pub(super) fn from_path(path: &Path) -> Result<Model, Unusable> {
     let bytes =
         regular_file::read(path, LARGEST_MIB << 20).map_err(|error| match error.kind() {
             ErrorKind::FileTooLarge => Unusable::TooLarge(LARGEST_MIB),
@@ -59,7 +59,7 @@ struct Opened {
 ///
 /// # Errors
 /// Why the model cannot be used.
-pub fn from_bytes(
+pub(super) fn from_bytes(
     onnx: Vec<u8>,
     sidecar: Option<&str>,
     folder: Option<&Path>,

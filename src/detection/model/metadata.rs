@@ -4,11 +4,11 @@ use std::collections::HashMap;
 
 /// The file's key-value pairs.
 #[derive(Clone, Debug, Default)]
-pub struct Metadata(pub HashMap<String, String>);
+pub(super) struct Metadata(pub HashMap<String, String>);
 
 impl Metadata {
     /// Class names from `{0: 'rock', 1: "it's"}` or `['rock', 'tyre']`; `None` where there are none.
-    pub fn names(&self) -> Option<Vec<String>> {
+    pub(super) fn names(&self) -> Option<Vec<String>> {
         let mut names = quoted(self.0.get("names")?);
         // JSON dictionaries quote their keys as well.
         if names.len().is_multiple_of(2) && names.iter().step_by(2).all(|key| is_number(key)) {
@@ -18,7 +18,7 @@ impl Metadata {
     }
 
     /// Height and width from `[640, 640]`.
-    pub fn image_size(&self) -> Option<[usize; 2]> {
+    pub(super) fn image_size(&self) -> Option<[usize; 2]> {
         let numbers: Vec<usize> = self
             .0
             .get("imgsz")?
@@ -33,7 +33,7 @@ impl Metadata {
     }
 
     /// Whether the network suppresses overlapping boxes itself.
-    pub fn end_to_end(&self) -> bool {
+    pub(super) fn end_to_end(&self) -> bool {
         ["end2end", "nms"]
             .iter()
             .filter_map(|key| self.0.get(*key))
@@ -41,7 +41,7 @@ impl Metadata {
     }
 
     /// The task, where it is another than finding boxes.
-    pub fn other_task(&self) -> Option<&str> {
+    pub(super) fn other_task(&self) -> Option<&str> {
         let task = self.0.get("task")?.as_str();
         (task != "detect").then_some(task)
     }

@@ -21,9 +21,9 @@ mod shipped;
 mod sidecar;
 mod tract;
 
-pub use backend::{Inference, Output};
-pub use error::{DetectError, ModelError, Unusable};
-pub use shipped::shipped;
+pub(crate) use backend::{Inference, Output};
+pub(crate) use error::{DetectError, ModelError, Unusable};
+pub(crate) use shipped::shipped;
 
 use super::{Nms, Picture, Scored, level, suppress, test_time_augmentation, vote};
 use calibration::Calibration;

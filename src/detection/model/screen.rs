@@ -70,7 +70,7 @@ const REFUSED: [(&str, &str); 6] = [
 
 /// The input as the file declares it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Declared {
+pub(super) struct Declared {
     /// The input's name.
     pub name: String,
     /// Sizes; `None` where the file leaves one open.
@@ -83,7 +83,7 @@ pub struct Declared {
 ///
 /// # Errors
 /// Why the model cannot be used.
-pub fn screen(proto: &ModelProto) -> Result<Declared, Unusable> {
+pub(super) fn screen(proto: &ModelProto) -> Result<Declared, Unusable> {
     let graph = proto.graph.as_ref().ok_or(Unusable::NotOnnx)?;
     if graph.node.is_empty() || graph.output.is_empty() {
         return Err(Unusable::NotOnnx);
@@ -94,7 +94,7 @@ pub fn screen(proto: &ModelProto) -> Result<Declared, Unusable> {
 }
 
 /// The key-value pairs of the file.
-pub fn metadata(proto: &ModelProto) -> Metadata {
+pub(super) fn metadata(proto: &ModelProto) -> Metadata {
     let pairs = proto.metadata_props.iter();
     Metadata(
         pairs
@@ -104,7 +104,7 @@ pub fn metadata(proto: &ModelProto) -> Metadata {
 }
 
 /// Names of the files that weights lie in.
-pub fn outside_files(proto: &ModelProto) -> Vec<String> {
+pub(super) fn outside_files(proto: &ModelProto) -> Vec<String> {
     let mut names: Vec<String> = tensors(proto)
         .filter(|tensor| tensor.data_location == Some(DataLocation::External as i32))
         .flat_map(|tensor| &tensor.external_data)

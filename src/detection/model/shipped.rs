@@ -12,7 +12,7 @@ const SIDECAR: &str = include_str!("../../../assets/detector/default.json");
 ///
 /// # Errors
 /// When the model cannot be used; the error names its file and says why.
-pub fn shipped() -> Result<Model, ModelError> {
+pub(crate) fn shipped() -> Result<Model, ModelError> {
     Model::from_bytes(ONNX.to_vec(), Some(SIDECAR)).map_err(|reason| ModelError {
         reason,
         path: PathBuf::from("the model that comes with the program"),

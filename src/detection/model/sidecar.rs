@@ -9,7 +9,7 @@ use serde::Deserialize;
 /// What the file may say.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default)]
-pub struct Sidecar {
+pub(super) struct Sidecar {
     /// How the outputs are laid out.
     pub family: Option<FamilyName>,
     /// Class names, in the network's order.
@@ -35,7 +35,7 @@ pub struct Sidecar {
 /// How the outputs are laid out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum FamilyName {
+pub(super) enum FamilyName {
     /// Decoded boxes beside scores.
     Yolov4,
     /// Heads as the last convolution leaves them.
@@ -62,7 +62,7 @@ pub enum FamilyName {
 /// How a picture becomes the input.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default)]
-pub struct InputEntry {
+pub(super) struct InputEntry {
     /// Needed where the file leaves it open.
     pub width: Option<usize>,
     /// Needed where the file leaves it open.
@@ -82,7 +82,7 @@ pub struct InputEntry {
 /// Order of the colours in an input of three channels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Colour {
+pub(super) enum Colour {
     /// Red first.
     Rgb,
     /// Blue first.
@@ -95,7 +95,7 @@ pub enum Colour {
 /// How a picture is brought to the input's size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Resize {
+pub(super) enum Resize {
     /// Across and down on their own.
     Stretch,
     /// In proportion, centred between bars of grey 114.
@@ -107,7 +107,7 @@ pub enum Resize {
 /// How the outputs are to be read.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default)]
-pub struct OutputEntry {
+pub(super) struct OutputEntry {
     /// Words that hold `pixel` or `fraction`: the unit of YOLOv4's boxes. Without them a first run shows it.
     pub coordinates: Option<String>,
 }
@@ -115,7 +115,7 @@ pub struct OutputEntry {
 /// Whether tiles are brought to one level first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum LevelEntry {
+pub(super) enum LevelEntry {
     /// As [`crate::detection::level`] does.
     Auto,
     /// As recorded.
@@ -125,14 +125,14 @@ pub enum LevelEntry {
 /// How a picture is evaluated once more.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Augmentation {
+pub(super) enum Augmentation {
     /// Mirrored along the track (see the module `test_time_augmentation`).
     Mirrored,
 }
 
 /// The anchors of one raw head.
 #[derive(Clone, Debug, Deserialize)]
-pub struct HeadEntry {
+pub(super) struct HeadEntry {
     /// Pixels of the input to a grid cell, which distinguishes the heads.
     pub stride: usize,
     /// Width and height, pixels of the input.
@@ -155,7 +155,7 @@ fn one() -> f32 {
 /// Which boxes count.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default)]
-pub struct ThresholdEntry {
+pub(super) struct ThresholdEntry {
     /// Least confidence, 0 to 1.
     pub score: Option<f32>,
     /// Overlap above which the box of less confidence is dropped, 0 to 1.
@@ -194,7 +194,7 @@ impl Sidecar {
     ///
     /// # Errors
     /// Why the model cannot be used.
-    pub fn parse(text: &str) -> Result<Self, Unusable> {
+    pub(super) fn parse(text: &str) -> Result<Self, Unusable> {
         let sidecar: Self =
             serde_json::from_str(text).map_err(|error| Unusable::Sidecar(error.to_string()))?;
         sidecar.check()?;
@@ -202,7 +202,7 @@ impl Sidecar {
     }
 
     /// What the network's confidences come to; `None` where the file does not say, or what it says is no rising map.
-    pub fn calibration(&self) -> Option<Calibration> {
+    pub(super) fn calibration(&self) -> Option<Calibration> {
         Calibration::new(self.calibration.as_deref()?)
     }
 

@@ -14,7 +14,7 @@ use tract_onnx::tract_core::ops::{cast::Cast, konst::Const};
 use tract_onnx::tract_core::transform::get_transform;
 
 /// A network that tract has compiled.
-pub struct Network {
+pub(super) struct Network {
     plan: Arc<TypedRunnableModel>,
     names: Vec<String>,
     shape: [usize; 4],
@@ -24,7 +24,7 @@ pub struct Network {
 ///
 /// # Errors
 /// Why the model cannot be used.
-pub fn parse(bytes: &[u8]) -> Result<ModelProto, Unusable> {
+pub(super) fn parse(bytes: &[u8]) -> Result<ModelProto, Unusable> {
     let mut bytes = bytes;
     tract_onnx::onnx()
         .proto_model_for_read(&mut bytes)
@@ -32,7 +32,7 @@ pub fn parse(bytes: &[u8]) -> Result<ModelProto, Unusable> {
 }
 
 /// Compiles a screened graph for one picture of `shape`. `folder` is where weights outside the file lie.
-pub fn compile(
+pub(super) fn compile(
     proto: &ModelProto,
     declared: &Declared,
     shape: [usize; 4],
@@ -106,9 +106,9 @@ fn widen_weights(model: &mut TypedModel) -> TractResult<()> {
 }
 
 /// ONNX's number of f16.
-pub const FLOAT16: i32 = 10;
+pub(super) const FLOAT16: i32 = 10;
 /// ONNX's number of f32.
-pub const FLOAT32: i32 = 1;
+pub(super) const FLOAT32: i32 = 1;
 
 fn output_names(proto: &ModelProto) -> Vec<String> {
     let outputs = proto.graph.iter().flat_map(|graph| &graph.output);

@@ -7,7 +7,7 @@ use crate::detection::{NAMELESS_CLASS, class_index};
 
 /// A box of a log with its place.
 #[derive(Clone, Copy, Debug)]
-pub struct PlacedBox<'a> {
+pub(crate) struct PlacedBox<'a> {
     /// Which log of the survey it is of.
     pub log: usize,
     /// What it is taken for. Every log may have a list of classes of its own, so classes are compared by name.
@@ -20,7 +20,7 @@ pub struct PlacedBox<'a> {
 
 /// An object with all that was seen of it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct JointObject {
+pub(crate) struct JointObject {
     /// Indices of its boxes, growing.
     pub members: Vec<usize>,
     /// The class with the largest sum of scores, of the boxes that have a name.
@@ -37,19 +37,19 @@ pub struct JointObject {
 
 impl JointObject {
     /// How many passes of the boat saw it; `logs` are those that the boxes count.
-    pub fn sightings(&self, logs: &[PassLog<'_>]) -> usize {
+    pub(crate) fn sightings(&self, logs: &[PassLog<'_>]) -> usize {
         count_seen(self.seen_on.iter().cloned(), logs)
     }
 
     /// How many passes of the boat saw it, of those over these logs that covered its place. It goes through all pings.
-    pub fn passes(&self, logs: &[PassLog<'_>]) -> PassCount {
+    pub(crate) fn passes(&self, logs: &[PassLog<'_>]) -> PassCount {
         PassCount::new(&self.seen_on, self.place_m, logs)
     }
 }
 
 /// Joins the boxes that show one object, in one log or in several; between logs with less certain places
 /// ([`GroupSettings::log_sigma_m`]). By first box.
-pub fn joint_objects(boxes: &[PlacedBox<'_>], settings: &GroupSettings) -> Vec<JointObject> {
+pub(crate) fn joint_objects(boxes: &[PlacedBox<'_>], settings: &GroupSettings) -> Vec<JointObject> {
     let mut names = Vec::new();
     let sightings: Vec<Sighting<'_>> = boxes
         .iter()

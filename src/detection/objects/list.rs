@@ -26,7 +26,7 @@ pub struct ObjectBox {
 
 /// An object with the boxes that show it.
 #[derive(Clone, Debug)]
-pub struct SurveyObject {
+pub(crate) struct SurveyObject {
     /// Its number, never given to another object.
     pub number: u32,
     /// The boxes that show it, by log and number.
@@ -43,7 +43,7 @@ pub struct SurveyObject {
 
 impl SurveyObject {
     /// The logs that saw it, in the order of the survey.
-    pub fn logs(&self) -> Vec<LogId> {
+    pub(crate) fn logs(&self) -> Vec<LogId> {
         let mut logs: Vec<LogId> = self.boxes.iter().map(|one| one.log).collect();
         logs.dedup();
         logs
@@ -52,7 +52,7 @@ impl SurveyObject {
 
 /// All boxes of a survey that count, and the objects that they show.
 #[derive(Clone, Debug, Default)]
-pub struct ObjectList {
+pub(crate) struct ObjectList {
     boxes: Vec<ObjectBox>,
     objects: Vec<SurveyObject>,
     /// The object of every box that has one, by its place in the list.
@@ -65,7 +65,11 @@ impl ObjectList {
     /// Joins the boxes that show one object. All places are in the plane of the first of `logs`, which the boxes count. A rejected box
     /// shows nothing: it is no sighting of the object beside it, and rejected boxes are objects of their own, as they can be decided
     /// otherwise. An object keeps the number that it had in `before`.
-    pub fn join(mut boxes: Vec<ObjectBox>, logs: &[PassLog<'_>], before: &ObjectNumbers) -> Self {
+    pub(crate) fn join(
+        mut boxes: Vec<ObjectBox>,
+        logs: &[PassLog<'_>],
+        before: &ObjectNumbers,
+    ) -> Self {
         let mut joined = joined(&boxes, false);
         joined.extend(self::joined(&boxes, true));
         let keys = |joint: &JointObject| -> Vec<LogBox> {
@@ -112,44 +116,44 @@ impl ObjectList {
     }
 
     /// The boxes, log by log.
-    pub fn boxes(&self) -> &[ObjectBox] {
+    pub(crate) fn boxes(&self) -> &[ObjectBox] {
         &self.boxes
     }
 
     /// The objects, by number.
-    pub fn objects(&self) -> &[SurveyObject] {
+    pub(crate) fn objects(&self) -> &[SurveyObject] {
         &self.objects
     }
 
     /// The numbers that the objects have, and those that they had while they were out of sight.
-    pub fn numbers(&self) -> &ObjectNumbers {
+    pub(crate) fn numbers(&self) -> &ObjectNumbers {
         &self.numbers
     }
 
     /// An object by its number.
-    pub fn object(&self, number: u32) -> Option<&SurveyObject> {
+    pub(crate) fn object(&self, number: u32) -> Option<&SurveyObject> {
         let index = (self.objects).binary_search_by_key(&number, |object| object.number);
         self.objects.get(index.ok()?)
     }
 
     /// The object that a box shows; `None` of a box without a place, and of one that does not count.
-    pub fn object_of(&self, key: LogBox) -> Option<&SurveyObject> {
+    pub(crate) fn object_of(&self, key: LogBox) -> Option<&SurveyObject> {
         self.objects.get(*self.of.get(&key)?)
     }
 
     /// Whether anything was decided about any box; otherwise all of them are the detector's proposals.
-    pub fn is_reviewed(&self) -> bool {
+    pub(crate) fn is_reviewed(&self) -> bool {
         self.is_reviewed
     }
 
     /// Whether a box is one of a target: as long as nothing is decided about any box, each is; then those are that were accepted or
     /// drawn by hand, for a proposal beside them would pass for an object that somebody has seen.
-    pub fn is_target(&self, one: &ObjectBox) -> bool {
+    pub(crate) fn is_target(&self, one: &ObjectBox) -> bool {
         !self.is_reviewed || one.one.state.is_object()
     }
 
     /// The objects that products show: those with a box of which [`ObjectList::is_target`] says so.
-    pub fn targets(&self) -> impl Iterator<Item = &SurveyObject> {
+    pub(crate) fn targets(&self) -> impl Iterator<Item = &SurveyObject> {
         let is_target = |object: &&SurveyObject| {
             let mut members = object.joint.members.iter();
             members.any(|member| self.is_target(&self.boxes[*member]))
@@ -158,7 +162,7 @@ impl ObjectList {
     }
 
     /// The boxes of an object.
-    pub fn members(&self, object: &SurveyObject) -> impl Iterator<Item = &ObjectBox> {
+    pub(crate) fn members(&self, object: &SurveyObject) -> impl Iterator<Item = &ObjectBox> {
         object
             .joint
             .members

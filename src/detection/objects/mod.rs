@@ -12,11 +12,12 @@ mod numbers;
 mod review;
 mod summary;
 
-pub use joint::{JointObject, PlacedBox, joint_objects};
-pub use list::{ObjectBox, ObjectList, SurveyObject};
-pub use numbers::{LogNumbers, ObjectNumbers};
-pub use review::{KeptReview, LogReview, SurveyReview};
-pub use summary::{ObjectState, ObjectSummary};
+pub(crate) use joint::{JointObject, PlacedBox, joint_objects};
+pub(crate) use list::{ObjectBox, ObjectList, SurveyObject};
+pub(crate) use numbers::{LogNumbers, ObjectNumbers};
+pub use review::SurveyReview;
+pub(crate) use review::{KeptReview, LogReview};
+pub(crate) use summary::{ObjectState, ObjectSummary};
 
 use crate::detection::review::BoxId;
 

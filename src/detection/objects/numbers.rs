@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
 
 /// Numbers of the objects that the boxes of a log show.
-pub type LogNumbers = Arc<BTreeMap<BoxId, u32>>;
+pub(crate) type LogNumbers = Arc<BTreeMap<BoxId, u32>>;
 
 /// The number that every box had last, also while it is out of sight. Cheap to clone.
 #[derive(Clone, Debug, Default)]

@@ -7,7 +7,7 @@ use std::cmp::Ordering;
 
 /// How far the decisions about an object are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ObjectState {
+pub(crate) enum ObjectState {
     /// So many of its boxes are undecided.
     Open(usize),
     /// There is an object: all its boxes were accepted or drawn by hand.
@@ -18,7 +18,7 @@ pub enum ObjectState {
 
 /// What the boxes of an object say of it. Metres; NaN for what is not known.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ObjectSummary {
+pub(crate) struct ObjectSummary {
     /// What the analyst calls it: the first of its boxes that has a name; empty where none has.
     pub name: String,
     /// Remarks on its boxes, one after the other.
@@ -42,7 +42,7 @@ pub struct ObjectSummary {
 impl ObjectSummary {
     /// Of the boxes of an object, with their places. Sizes are those of an accepted box before an undecided one, of a box whose edges
     /// were drawn before another, and then of the surest one.
-    pub fn of<'a>(boxes: impl Iterator<Item = (&'a Reviewed, &'a Target)>) -> Self {
+    pub(crate) fn of<'a>(boxes: impl Iterator<Item = (&'a Reviewed, &'a Target)>) -> Self {
         let mut summary = Self {
             name: String::new(),
             notes: String::new(),

@@ -53,7 +53,7 @@ pub struct ReviewRows {
 ///
 /// # Errors
 /// A sentence with the path when it cannot be read, or is too large.
-pub fn read_text(path: &Path, what: &str) -> Result<String, ReviewError> {
+pub(crate) fn read_text(path: &Path, what: &str) -> Result<String, ReviewError> {
     let cannot = |why: String| {
         ReviewError::new(format!("cannot read the {what}: {why}: {}", path.display()))
     };

@@ -12,12 +12,12 @@ mod queue;
 mod searched;
 mod tiles;
 
-pub use confidence::Confidence;
-pub use edit::Edit;
-pub use file::{BoxRow, ReviewError, ReviewRows, SearchRow, read_text};
-pub use queue::{DecisionCounts, Queue, Sort};
-pub use searched::Searched;
-pub use tiles::ReviewedTile;
+pub(crate) use confidence::Confidence;
+pub(crate) use edit::Edit;
+pub(crate) use file::{BoxRow, ReviewError, ReviewRows, SearchRow, read_text};
+pub(crate) use queue::{DecisionCounts, Queue, Sort};
+pub(crate) use searched::Searched;
+pub(crate) use tiles::ReviewedTile;
 
 use super::class::is_name;
 use super::{Mark, MeasuredShadow, ObjectExtent};
@@ -26,7 +26,7 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// Side of a pixel of the raster that boxes are compared and shown in, metres.
-pub const PIXEL_M: f64 = 0.04;
+pub(crate) const PIXEL_M: f64 = 0.04;
 
 /// Number of a box, never given twice in a review.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]

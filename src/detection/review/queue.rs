@@ -8,7 +8,7 @@ use std::ops::RangeInclusive;
 
 /// What the queue is sorted by.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Sort {
+pub(crate) enum Sort {
     /// The surest first.
     #[default]
     Score,
@@ -20,10 +20,10 @@ pub enum Sort {
 
 impl Sort {
     /// All sorts in the order of the menu.
-    pub const ALL: [Sort; 3] = [Sort::Score, Sort::Position, Sort::Class];
+    pub(crate) const ALL: [Sort; 3] = [Sort::Score, Sort::Position, Sort::Class];
 
     /// Name in the menu.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Sort::Score => "score",
             Sort::Position => "position",
@@ -34,7 +34,7 @@ impl Sort {
 
 /// Which boxes are looked at.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Filter {
+pub(crate) struct Filter {
     /// Only the class of this name: every log may have a list of classes of its own.
     pub class: Option<String>,
     /// Only this state.
@@ -58,7 +58,7 @@ impl Default for Filter {
 
 /// How the boxes are lined up.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Queue {
+pub(crate) struct Queue {
     /// Order.
     pub sort: Sort,
     /// Which.
@@ -79,12 +79,17 @@ impl Default for Queue {
 
 impl Queue {
     /// Whether the confidence threshold leaves a box in sight.
-    pub fn shows(&self, one: &Reviewed) -> bool {
+    pub(crate) fn shows(&self, one: &Reviewed) -> bool {
         one.is_shown_from(self.threshold)
     }
 
     /// Whether a box of a review is in the queue. `size_m` is the longer side of a mark, metres.
-    pub fn takes(&self, review: &Review, one: &Reviewed, size_m: impl Fn(&Mark) -> f64) -> bool {
+    pub(crate) fn takes(
+        &self,
+        review: &Review,
+        one: &Reviewed,
+        size_m: impl Fn(&Mark) -> f64,
+    ) -> bool {
         let filter = &self.filter;
         let of_class = |class: &String| class == review.class_name(one.class);
         self.shows(one)
@@ -96,7 +101,11 @@ impl Queue {
     }
 
     /// The boxes to look at, in order.
-    pub fn sort_and_filter(&self, review: &Review, size_m: impl Fn(&Mark) -> f64) -> Vec<BoxId> {
+    pub(crate) fn sort_and_filter(
+        &self,
+        review: &Review,
+        size_m: impl Fn(&Mark) -> f64,
+    ) -> Vec<BoxId> {
         let mut line: Vec<&Reviewed> = review
             .boxes()
             .filter(|one| self.takes(review, one, &size_m))
@@ -125,7 +134,7 @@ fn by_position(a: &Reviewed, b: &Reviewed) -> Ordering {
 
 /// How far the work is, over the boxes that the confidence threshold leaves in sight.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct DecisionCounts {
+pub(crate) struct DecisionCounts {
     /// Undecided.
     pub proposed: usize,
     /// Objects that a model found.
@@ -140,7 +149,7 @@ pub struct DecisionCounts {
 
 impl DecisionCounts {
     /// Counts.
-    pub fn of(review: &Review, queue: &Queue) -> Self {
+    pub(crate) fn of(review: &Review, queue: &Queue) -> Self {
         let mut counts = Self::default();
         for one in review.boxes() {
             let count = match one.state {
@@ -156,7 +165,7 @@ impl DecisionCounts {
     }
 
     /// The counts of two logs together.
-    pub fn plus(self, other: Self) -> Self {
+    pub(crate) fn plus(self, other: Self) -> Self {
         Self {
             proposed: self.proposed + other.proposed,
             accepted: self.accepted + other.accepted,
@@ -167,12 +176,12 @@ impl DecisionCounts {
     }
 
     /// Boxes that are decided.
-    pub fn decided(&self) -> usize {
+    pub(crate) fn decided(&self) -> usize {
         self.accepted + self.rejected + self.added
     }
 
     /// Boxes in sight.
-    pub fn total(&self) -> usize {
+    pub(crate) fn total(&self) -> usize {
         self.decided() + self.proposed
     }
 }

@@ -122,7 +122,7 @@ pub(super) fn set_parts(mark: &Mark, border_m: f64, reach_m: f64) -> Parts {
 /// Finds the echo and its shadow: the bright run, and the dark run behind it, that explain the levels in the middle pings of
 /// the box best (least squares about the background, which is what the pings before and behind the box receive at the same
 /// range). `None` where the box holds no samples.
-pub fn parts(survey: &Survey, mark: &Mark) -> Option<Parts> {
+pub(crate) fn parts(survey: &Survey, mark: &Mark) -> Option<Parts> {
     let look = Look::new(survey, mark)?;
     let (echo_m, shadow) = look.at(core(&mark.pings))?;
     let longest = shadow.and_then(|shadow| {

@@ -8,7 +8,7 @@ use crate::detection::ObjectExtent;
 
 /// One object with all that was seen of it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Group {
+pub(crate) struct Group {
     /// Indices of its sightings, growing.
     pub members: Vec<usize>,
     /// Mean of their places, weighted by the inverse of their covariances, metres east of the survey's origin.
@@ -25,7 +25,7 @@ pub struct Group {
 
 /// The height of an object above the bottom by all its sightings.
 #[derive(Clone, Copy, Debug)]
-pub struct ObjectHeight {
+pub(crate) struct ObjectHeight {
     /// Mean of the heights, weighted by the inverse of their variances, metres; NaN without any. Where an analyst has set the edges or
     /// measured the shadow of a sighting, those alone count.
     pub mean_m: f64,
@@ -47,7 +47,7 @@ impl ObjectHeight {
     const LEAST_SIGMA_M: f64 = 0.01;
 
     /// The height that some sightings of one object tell.
-    pub fn of<'a>(targets: impl Iterator<Item = &'a Target>) -> Self {
+    pub(crate) fn of<'a>(targets: impl Iterator<Item = &'a Target>) -> Self {
         let is_set = |target: &Target| {
             target.measured_shadow.is_some() || matches!(target.extent, ObjectExtent::Drawn { .. })
         };
@@ -81,7 +81,7 @@ impl ObjectHeight {
 /// sighting that is placed badly (in a sharp turn, under the boat) has a wide uncertainty, so it joins a neighbour rather
 /// than stand alone, but only after the well placed ones have found each other. An object seen once is a group of one. By
 /// first sighting.
-pub fn group(sightings: &[Sighting<'_>], settings: &GroupSettings) -> Vec<Group> {
+pub(crate) fn group(sightings: &[Sighting<'_>], settings: &GroupSettings) -> Vec<Group> {
     let mut owner: Vec<usize> = (0..sightings.len()).collect();
     let mut members: Vec<Vec<usize>> = owner.iter().map(|&index| vec![index]).collect();
     for (a, b) in pairs(sightings, settings) {

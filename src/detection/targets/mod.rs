@@ -20,23 +20,23 @@ mod shape;
 mod sighting;
 mod spread;
 
-pub use echo::{Parts, parts};
+pub(crate) use echo::{Parts, parts};
 #[cfg(any(test, feature = "bench"))]
-pub use group::Group;
-pub use group::{ObjectHeight, group};
+pub(crate) use group::Group;
+pub(crate) use group::{ObjectHeight, group};
 #[cfg(any(test, feature = "bench"))]
-pub use passes::passes_over;
-pub use passes::{LogPings, PassCount, PassLog, count_seen};
-pub use place::Placer;
-pub use shadow::{ShadowError, ShadowHeight};
+pub(crate) use passes::passes_over;
+pub(crate) use passes::{LogPings, PassCount, PassLog, count_seen};
+pub(crate) use place::Placer;
+pub(crate) use shadow::{ShadowError, ShadowHeight};
 #[cfg(any(test, feature = "bench"))]
-pub use shape::PosedSolid;
+pub(crate) use shape::PosedSolid;
 #[cfg(any(test, feature = "bench"))]
-pub use shape::ShapeKind;
+pub(crate) use shape::ShapeKind;
 #[cfg(any(test, feature = "bench"))]
-pub use shape::Solid;
-pub use shape::{BoxLevels, FittedShape, ShapeError, ShapeOnPing, fit_shape};
-pub use sighting::{GroupSettings, Sighting};
+pub(crate) use shape::Solid;
+pub(crate) use shape::{BoxLevels, FittedShape, ShapeError, ShapeOnPing, fit_shape};
+pub(crate) use sighting::{GroupSettings, Sighting};
 
 use super::{Mark, MeasuredShadow, ObjectExtent};
 use crate::support::geo::LonLat;

@@ -6,7 +6,7 @@ use std::ops::Range;
 
 /// One pass of the boat along a place, within the range of its side-scan. Under the boat both sides see the place: that is one pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pass {
+pub(crate) struct Pass {
     /// The ping that is abeam of the place.
     pub ping: usize,
     /// The first ping that may be, as well as the heading is known. In a turn about the place many are.
@@ -31,14 +31,14 @@ const SAME_TIME_S: f64 = 2.0;
 const SAME_PLACE_M: f64 = 10.0;
 
 /// A log whose passes are counted.
-pub type PassLog<'a> = (&'a Survey, &'a Navigation);
+pub(crate) type PassLog<'a> = (&'a Survey, &'a Navigation);
 
 /// Pings of a log, by its index.
-pub type LogPings = (usize, Range<usize>);
+pub(crate) type LogPings = (usize, Range<usize>);
 
 /// How often an object was seen. It counts once a pass, in however many boxes, sides or logs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct PassCount {
+pub(crate) struct PassCount {
     /// Passes that saw it.
     pub seen: usize,
     /// Passes that covered its place, those that saw it included.
@@ -47,7 +47,7 @@ pub struct PassCount {
 
 impl PassCount {
     /// Of an object that was seen on some pings, at a place in the plane of the logs. It goes through all pings.
-    pub fn new(seen: &[LogPings], place: [f64; 2], logs: &[PassLog<'_>]) -> Self {
+    pub(crate) fn new(seen: &[LogPings], place: [f64; 2], logs: &[PassLog<'_>]) -> Self {
         let mut passes = distinct_passes(seen.iter().cloned(), logs);
         let seen = passes.len();
         for (index, (survey, navigation)) in logs.iter().enumerate() {
@@ -66,7 +66,7 @@ impl PassCount {
 }
 
 /// How many passes saw an object that was seen on some pings.
-pub fn count_seen(seen: impl IntoIterator<Item = LogPings>, logs: &[PassLog<'_>]) -> usize {
+pub(crate) fn count_seen(seen: impl IntoIterator<Item = LogPings>, logs: &[PassLog<'_>]) -> usize {
     distinct_passes(seen, logs).len()
 }
 
@@ -125,7 +125,7 @@ fn moment((log, pings): &LogPings, logs: &[PassLog<'_>]) -> Option<Moment> {
 }
 
 /// Every pass in which the side-scan could insonify a place (metres in the survey's plane): it is abeam, recorded, and within the range.
-pub fn passes_over(survey: &Survey, navigation: &Navigation, place: [f64; 2]) -> Vec<Pass> {
+pub(crate) fn passes_over(survey: &Survey, navigation: &Navigation, place: [f64; 2]) -> Vec<Pass> {
     let mut passes: Vec<Pass> = Vec::new();
     // Least distance ahead or astern of the pass that is going on.
     let mut least_m = f64::INFINITY;

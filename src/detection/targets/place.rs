@@ -23,7 +23,7 @@ pub(super) fn reach_m(span: &SideSpan) -> f64 {
 }
 
 /// Places boxes of one survey.
-pub struct Placer<'a> {
+pub(crate) struct Placer<'a> {
     survey: &'a Survey,
     navigation: &'a Navigation,
     returns: &'a FirstReturns,
@@ -38,7 +38,7 @@ pub struct Placer<'a> {
 
 impl<'a> Placer<'a> {
     /// Gets ready for the boxes of a survey.
-    pub fn new(
+    pub(crate) fn new(
         survey: &'a Survey,
         navigation: &'a Navigation,
         returns: &'a FirstReturns,
@@ -56,7 +56,7 @@ impl<'a> Placer<'a> {
     }
 
     /// The same with all ranges and depths times a factor: where sound runs at another speed than the recorder took.
-    pub fn with_range_factor(self, range_factor: f64) -> Self {
+    pub(crate) fn with_range_factor(self, range_factor: f64) -> Self {
         Self {
             range_factor,
             ..self
@@ -64,7 +64,7 @@ impl<'a> Placer<'a> {
     }
 
     /// The same on a bottom that is not level; its depths are those of ranges with their factor.
-    pub fn with_relief(self, relief: &'a Relief) -> Self {
+    pub(crate) fn with_relief(self, relief: &'a Relief) -> Self {
         Self {
             relief: Some(relief),
             ..self
@@ -74,13 +74,13 @@ impl<'a> Placer<'a> {
     /// Where a box's object lies; `None` where the boat has no position or heading there, nothing was recorded, or the
     /// altitude is unknown.
     #[cfg(any(test, feature = "bench"))]
-    pub fn place(&self, mark: &Mark) -> Option<Target> {
+    pub(crate) fn place(&self, mark: &Mark) -> Option<Target> {
         self.place_as(mark, ObjectExtent::Found, None)
     }
 
     /// As [`Placer::place`], of a box whose edges the analyst has set, or of a point, which has a place and no size; and with the height
     /// of a shadow that the analyst has measured.
-    pub fn place_as(
+    pub(crate) fn place_as(
         &self,
         mark: &Mark,
         extent: ObjectExtent,

@@ -10,7 +10,7 @@ const ALTITUDE_PINGS: usize = 6;
 /// A shadow across one ping, and the height that follows from it: `h = H (r_e - r_t) / r_e`, exact on a level bottom and on one
 /// that slopes evenly.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ShadowHeight {
+pub(crate) struct ShadowHeight {
     /// Height of the transducer above the bottom, `H`, metres.
     pub altitude_m: f64,
     /// Slant range of the top, where the shadow begins, `r_t`, metres.
@@ -25,7 +25,7 @@ pub struct ShadowHeight {
 
 /// Why a shadow has no height.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum ShadowError {
+pub(crate) enum ShadowError {
     /// The ping has no samples on that side.
     #[error("nothing was recorded there")]
     NotRecorded,
@@ -42,13 +42,13 @@ pub enum ShadowError {
 
 impl ShadowHeight {
     /// Height above the bottom, `h`, metres.
-    pub fn height_m(&self) -> f64 {
+    pub(crate) fn height_m(&self) -> f64 {
         self.altitude_m * (self.end_m - self.top_m) / self.end_m
     }
 
     /// Standard deviation of the height, metres: both ends of the shadow to the width of a pulse and a sample, an altitude that is
     /// off by 5 %, and a bottom that slopes by 2 degrees between the object and the end of its shadow.
-    pub fn sigma_m(&self) -> f64 {
+    pub(crate) fn sigma_m(&self) -> f64 {
         // Of evenly spread ones the standard deviation is the width over the root of 12.
         let edge_sigma_m = EDGE_SIGMA_M.hypot(self.sample_m / 12f64.sqrt());
         let top = self.altitude_m / self.end_m * edge_sigma_m;
@@ -60,7 +60,7 @@ impl ShadowHeight {
     }
 
     /// Distances from the track, on a level bottom, of the object's top and of the shadow's end, metres.
-    pub fn ground_m(&self) -> [f64; 2] {
+    pub(crate) fn ground_m(&self) -> [f64; 2] {
         let below_m = self.altitude_m - self.height_m();
         let across_m =
             |range_m: f64, below_m: f64| (range_m * range_m - below_m * below_m).max(0.0);
@@ -74,7 +74,7 @@ impl ShadowHeight {
 impl Placer<'_> {
     /// Where a place of the side-scan lies on the bottom, metres east and north; the slant range is on the recorder's scale.
     /// `None` where the boat has no position or heading, or nothing was recorded. In the water column the place is the boat's.
-    pub fn ground(&self, side: Side, ping: usize, recorded_m: f64) -> Option<[f64; 2]> {
+    pub(crate) fn ground(&self, side: Side, ping: usize, recorded_m: f64) -> Option<[f64; 2]> {
         let slant_m = self.calibrated_m(self.span(side, ping)?, recorded_m);
         let near = ping.saturating_sub(ALTITUDE_PINGS)..ping + ALTITUDE_PINGS + 1;
         let altitude_m = self.altitude_over_m(side, near).unwrap_or(0.0);
@@ -86,7 +86,7 @@ impl Placer<'_> {
     ///
     /// # Errors
     /// Where no height follows: see [`ShadowError`].
-    pub fn shadow_height(
+    pub(crate) fn shadow_height(
         &self,
         side: Side,
         ping: usize,

@@ -4,7 +4,7 @@ use super::Target;
 
 /// How near two sightings of one object lie.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GroupSettings {
+pub(crate) struct GroupSettings {
     /// Standard deviations of the joint uncertainty that sightings of one object may lie apart.
     pub sigmas: f64,
     /// Standard deviation of the receiver's own position between lines, metres: it is not in [`Target::sigma_m`].
@@ -26,7 +26,7 @@ impl Default for GroupSettings {
 
 /// One box that may show the same object as others.
 #[derive(Clone, Copy, Debug)]
-pub struct Sighting<'a> {
+pub(crate) struct Sighting<'a> {
     /// Which log of the survey saw it; places of all logs are in one plane.
     pub log: usize,
     /// Where it lies.

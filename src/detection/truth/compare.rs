@@ -11,7 +11,7 @@ use crate::survey::Side;
 /// Boxes paired with the truth at every score: the model's, whatever was decided about them. Boxes that no model has seen have
 /// no score and are left out.
 #[derive(Clone, Debug)]
-pub struct TruthComparison {
+pub(crate) struct TruthComparison {
     on_raster: RasterTruth,
     /// Class names: those of the review, then those that only the truth has.
     classes: Vec<String>,
@@ -26,7 +26,7 @@ pub struct TruthComparison {
 
 /// Something to look at.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Mistake {
+pub(crate) enum Mistake {
     /// A box that found nothing.
     FalseAlarm {
         /// The box.
@@ -49,7 +49,7 @@ pub enum Mistake {
 
 impl Mistake {
     /// Longer side of the box, metres.
-    pub fn size_m(&self) -> f64 {
+    pub(crate) fn size_m(&self) -> f64 {
         match self {
             Mistake::FalseAlarm { size_m, .. } | Mistake::Miss { size_m, .. } => *size_m,
         }
@@ -58,7 +58,7 @@ impl Mistake {
 
 /// What the boxes of at least a score amount to.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Standing {
+pub(crate) struct Standing {
     /// The score.
     pub score: f32,
     /// Found, false and missed, all classes together.
@@ -73,7 +73,7 @@ impl TruthComparison {
     /// Pairs the boxes with the truth: Darknet's rule at IoU 0.5, in the raster's pixels, side by side. Classes are the same
     /// when their names are; a box without a name is of the class of the object that it lies on. Objects and boxes in pings that the review's search has not come to are left out: nobody has
     /// missed what nobody has looked for.
-    pub fn new(review: &Review, mut on_raster: RasterTruth, raster: &Raster) -> Self {
+    pub(crate) fn new(review: &Review, mut on_raster: RasterTruth, raster: &Raster) -> Self {
         let gaps = review.unsearched();
         let unsearched = on_raster.ignore(|whole| Review::reaches_into(&gaps, whole));
         let mut classes = review.classes().to_vec();
@@ -111,33 +111,33 @@ impl TruthComparison {
     }
 
     /// Class names, as the confusion counts them.
-    pub fn classes(&self) -> &[String] {
+    pub(crate) fn classes(&self) -> &[String] {
         &self.classes
     }
 
     /// Precision and recall for every score that occurs, falling.
-    pub fn curve(&self) -> &[CurvePoint] {
+    pub(crate) fn curve(&self) -> &[CurvePoint] {
         &self.curve
     }
 
     /// The truth that boxes are compared with.
-    pub fn truth(&self) -> &super::Truth {
+    pub(crate) fn truth(&self) -> &super::Truth {
         self.on_raster.truth()
     }
 
     /// Objects that can be seen and do not count, because no search has come to them.
-    pub fn unsearched(&self) -> usize {
+    pub(crate) fn unsearched(&self) -> usize {
         self.unsearched
     }
 
     /// Objects that count: those that can be seen, where a search has come to.
-    pub fn counted(&self) -> usize {
+    pub(crate) fn counted(&self) -> usize {
         let all = self.on_raster.sides.iter().flatten();
         all.filter(|(one, _)| !one.ignored).count()
     }
 
     /// What the boxes of at least a score amount to.
-    pub fn at(&self, score: f32) -> Standing {
+    pub(crate) fn at(&self, score: f32) -> Standing {
         let AtScore {
             counts,
             confusion,

@@ -15,7 +15,7 @@ const MOST_CLASSES: usize = 1_000;
 
 /// Why a file does not describe the open survey, in a sentence without the path.
 #[derive(Debug, thiserror::Error)]
-pub enum TruthError {
+pub(crate) enum TruthError {
     /// It is a review, and none of this log.
     #[error(transparent)]
     Review(#[from] ReviewError),
@@ -43,7 +43,7 @@ pub enum TruthError {
 
 /// Why a file cannot be taken for the truth about the open survey, in a sentence that ends with the file.
 #[derive(Debug, thiserror::Error)]
-pub enum TruthFileError {
+pub(crate) enum TruthFileError {
     /// It cannot be read.
     #[error(transparent)]
     Unreadable(#[from] ReviewError),
@@ -60,7 +60,7 @@ pub enum TruthFileError {
 
 /// What is wrong with a sighting of an object.
 #[derive(Debug, thiserror::Error)]
-pub enum SightingFault {
+pub(crate) enum SightingFault {
     /// A field holds something else.
     #[error("`{text}` is no {needed}")]
     Field {
@@ -90,7 +90,7 @@ impl Truth {
     ///
     /// # Errors
     /// When the file cannot be read, or as [`Truth::parse`].
-    pub fn read(path: &Path, of: &Identity) -> Result<Self, TruthFileError> {
+    pub(crate) fn read(path: &Path, of: &Identity) -> Result<Self, TruthFileError> {
         let text = read_text(path, "truth")?;
         Self::parse(&text, of).map_err(|what| TruthFileError::Unusable {
             what,
@@ -103,7 +103,7 @@ impl Truth {
     ///
     /// # Errors
     /// When the text is neither, when a line makes no sense, or when it belongs to another log.
-    pub fn parse(text: &str, of: &Identity) -> Result<Self, TruthError> {
+    pub(crate) fn parse(text: &str, of: &Identity) -> Result<Self, TruthError> {
         if text.trim_start().starts_with('{') {
             return Ok(Self::from_review(&Review::from_json(text, of)?));
         }
@@ -111,7 +111,7 @@ impl Truth {
     }
 
     /// The accepted and added boxes of a review, without its points.
-    pub fn from_review(review: &Review) -> Self {
+    pub(crate) fn from_review(review: &Review) -> Self {
         // Of a point nobody knows the box.
         let objects = (review.boxes())
             .filter(|one| one.state.is_object() && one.extent != ObjectExtent::Point);

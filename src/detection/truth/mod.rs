@@ -9,18 +9,18 @@ mod raster_truth;
 #[cfg(test)]
 mod tests;
 
-pub use compare::{Mistake, Standing, TruthComparison};
-pub use file::{TruthError, TruthFileError};
-pub use raster_truth::RasterTruth;
+pub(crate) use compare::{Mistake, Standing, TruthComparison};
+pub(crate) use file::{TruthError, TruthFileError};
+pub(crate) use raster_truth::RasterTruth;
 
 use super::dataset::Known;
 
 /// End of the name of the table of objects that `bathyscope simulate` writes next to a log, in place of the log's own.
-pub const SIDECAR: &str = "objects.csv";
+pub(crate) const SIDECAR: &str = "objects.csv";
 
 /// Objects whose place in a survey is known.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Truth {
+pub(crate) struct Truth {
     /// Class names that [`Known::class`] means.
     pub classes: Vec<String>,
     /// The objects, one entry for each pass that insonified one.
@@ -32,7 +32,7 @@ pub struct Truth {
 
 impl Truth {
     /// Name of a class; empty for an index that has none.
-    pub fn class_name(&self, class: usize) -> &str {
+    pub(crate) fn class_name(&self, class: usize) -> &str {
         self.classes.get(class).map_or("", String::as_str)
     }
 }

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 /// The objects of a truth as boxes in the pixels of a raster.
 #[derive(Clone, Debug)]
-pub struct RasterTruth {
+pub(crate) struct RasterTruth {
     pub(super) truth: Arc<Truth>,
     /// Boxes to the two sides, and which object each is.
     pub(super) sides: [Vec<(metrics::Truth, usize)>; 2],
@@ -17,7 +17,7 @@ pub struct RasterTruth {
 impl RasterTruth {
     /// Lays the objects out. Those that nobody could be asked for, by the rule by which a detector is taught
     /// ([`Known::is_plain`]), are marked to be ignored unless somebody saw them.
-    pub fn new(raster: &Raster, truth: Arc<Truth>) -> Self {
+    pub(crate) fn new(raster: &Raster, truth: Arc<Truth>) -> Self {
         let rasterise = |known: &Known| metrics::Truth {
             class: known.class,
             rect: raster.rect_of(&known.whole),
@@ -50,7 +50,7 @@ impl RasterTruth {
 
     /// The two sides as pictures with nothing proposed yet. Classes are those of `classes`, the same where their names are;
     /// those that only the truth has are added to them.
-    pub fn images(&self, classes: &mut Vec<String>) -> [metrics::Image; 2] {
+    pub(crate) fn images(&self, classes: &mut Vec<String>) -> [metrics::Image; 2] {
         let names = self.truth.classes.iter();
         let class_of: Vec<usize> = names.map(|name| class_index(classes, name)).collect();
         [0, 1].map(|side: usize| {
@@ -68,7 +68,7 @@ impl RasterTruth {
     }
 
     /// The truth.
-    pub fn truth(&self) -> &Arc<Truth> {
+    pub(crate) fn truth(&self) -> &Arc<Truth> {
         &self.truth
     }
 }

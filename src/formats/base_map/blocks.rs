@@ -18,7 +18,7 @@ pub(super) struct Blocks {
 
 impl Blocks {
     /// A block that is still there.
-    pub fn get(&mut self, key: Key) -> Option<Arc<Vec<Colour>>> {
+    pub(super) fn get(&mut self, key: Key) -> Option<Arc<Vec<Colour>>> {
         let index = self.kept.iter().rposition(|(other, _)| *other == key)?;
         let found = self.kept.remove(index);
         let block = found.1.clone();
@@ -27,7 +27,7 @@ impl Blocks {
     }
 
     /// Keeps a block in place of those that were not used for longest.
-    pub fn keep(&mut self, key: Key, block: Vec<Colour>) -> Arc<Vec<Colour>> {
+    pub(super) fn keep(&mut self, key: Key, block: Vec<Colour>) -> Arc<Vec<Colour>> {
         let block = Arc::new(block);
         self.bytes += size_of_val(&block[..]);
         self.kept.push((key, block.clone()));

@@ -7,11 +7,11 @@ use tiff::decoder::Decoder;
 use tiff::tags::Tag;
 
 /// Red, green, blue and opacity; transparent is all zero.
-pub type Colour = [u8; 4];
+pub(crate) type Colour = [u8; 4];
 
 /// How the bytes of a pixel make its colour.
 #[derive(Clone, Debug)]
-pub struct Coding {
+pub(super) struct Coding {
     kind: Kind,
     /// Bytes of a pixel.
     pub bytes: usize,
@@ -37,7 +37,7 @@ impl Coding {
     ///
     /// # Errors
     /// When its colours cannot be read, or are of a kind that is not shown.
-    pub fn read<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Self, BaseMapFault> {
+    pub(super) fn read<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Self, BaseMapFault> {
         let colours = decoder.colortype()?;
         let (kind, bytes) = match colours {
             // Said to be paletted, or left grey by GDAL because its palette came late.
@@ -72,7 +72,7 @@ impl Coding {
     }
 
     /// The colours of a block.
-    pub fn colours(&self, bytes: &[u8]) -> Vec<Colour> {
+    pub(super) fn colours(&self, bytes: &[u8]) -> Vec<Colour> {
         bytes
             .chunks_exact(self.bytes)
             .map(|pixel| self.colour(pixel))

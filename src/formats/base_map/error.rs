@@ -7,7 +7,7 @@ use tiff::{ColorType, TiffError};
 
 /// Why a file is no base map.
 #[derive(Debug, thiserror::Error)]
-pub enum BaseMapError {
+pub(crate) enum BaseMapError {
     /// The file cannot be read or shown.
     #[error("{what}: {}", path.display())]
     Unusable {
@@ -24,7 +24,7 @@ pub enum BaseMapError {
 
 /// What is wrong with a base map, in a sentence without the path.
 #[derive(Debug, thiserror::Error)]
-pub enum BaseMapFault {
+pub(crate) enum BaseMapFault {
     /// The system does not give it.
     #[error("the base map cannot be read: {0}")]
     Io(#[from] io::Error),

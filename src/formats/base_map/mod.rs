@@ -11,9 +11,9 @@ mod masks;
 mod palettes;
 mod place;
 
-pub use colours::Colour;
-pub use error::{BaseMapError, BaseMapFault};
-pub use place::Place;
+pub(crate) use colours::Colour;
+pub(crate) use error::{BaseMapError, BaseMapFault};
+pub(crate) use place::Place;
 
 use crate::support::catch_panic::catch_panic;
 use crate::support::geo::LonLat;
@@ -42,7 +42,7 @@ const MOST_LEVELS: usize = 32;
 type Tiff = Decoder<AsGrey>;
 
 /// A base map.
-pub struct BaseMap {
+pub(crate) struct BaseMap {
     /// The file.
     pub path: PathBuf,
     /// Where its pixels lie.
@@ -80,7 +80,7 @@ struct Reader {
 }
 
 /// Part of a level.
-pub struct Window {
+pub(crate) struct Window {
     /// Pixels of the full picture along a pixel of the window.
     pub scale: [f64; 2],
     /// First column and row of the level.
@@ -93,7 +93,7 @@ pub struct Window {
 
 impl Window {
     /// The colour at a column and row of the full picture; transparent outside.
-    pub fn at(&self, full: [f64; 2]) -> Colour {
+    pub(crate) fn at(&self, full: [f64; 2]) -> Colour {
         let cell = |axis: usize| {
             let here = (full[axis] / self.scale[axis]).floor() - f64::from(self.first[axis]);
             (here >= 0.0 && here < f64::from(self.size[axis])).then_some(here as usize)
@@ -112,7 +112,7 @@ impl Window {
 ///
 /// # Errors
 /// When the file cannot be read or shown, or the work was cancelled.
-pub fn open(path: &Path, progress: &Progress) -> Result<BaseMap, BaseMapError> {
+pub(crate) fn open(path: &Path, progress: &Progress) -> Result<BaseMap, BaseMapError> {
     let damaged = || Err(BaseMapFault::Damaged("it is damaged").into());
     let opened = catch_panic(|| open_file(path, progress)).unwrap_or_else(damaged);
     opened.map_err(|fault| match fault {
@@ -219,7 +219,7 @@ fn level(tiff: &mut Tiff, coding: &Coding, directory: usize) -> Result<Level, Ba
 
 impl BaseMap {
     /// Width of a pixel on the ground at its middle, metres.
-    pub fn pixel_m(&self) -> f64 {
+    pub(crate) fn pixel_m(&self) -> f64 {
         let middle = self.size.map(|cells| 0.5 * f64::from(cells));
         let from = self.place.to_position(middle);
         let to = self.place.to_position([middle[0] + 1.0, middle[1]]);
@@ -227,14 +227,14 @@ impl BaseMap {
     }
 
     /// Whether a position lies on the picture.
-    pub fn covers(&self, at: LonLat) -> bool {
+    pub(crate) fn covers(&self, at: LonLat) -> bool {
         let pixel = self.place.to_pixels(at);
         (0..2).all(|axis| (0.0..=f64::from(self.size[axis])).contains(&pixel[axis]))
     }
 
     /// The part of the picture between two corners, columns and rows of the full picture, from the level whose pixels are as
     /// large as `pixels` of the full one or a little smaller. `None` where the picture is not there, or cannot be read.
-    pub fn window(
+    pub(crate) fn window(
         &self,
         low: [f64; 2],
         high: [f64; 2],

@@ -23,7 +23,7 @@ pub(super) struct AsGrey {
 
 impl AsGrey {
     /// Looks through the directories of a TIFF; what cannot be followed is left to the decoder to refuse.
-    pub fn new(file: File) -> io::Result<Self> {
+    pub(super) fn new(file: File) -> io::Result<Self> {
         let mut file = BufReader::new(file);
         let said = Walk::begin(&mut file)
             .map(|walk| walk.palettes())

@@ -12,7 +12,7 @@ const DEGREES: [u16; 3] = [WGS84, 4258, 4269];
 
 /// Where the pixels of a picture lie, north up.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Place {
+pub(crate) struct Place {
     /// The system that the numbers are in.
     pub crs: Crs,
     /// x and y of the upper left corner of the upper left pixel.
@@ -23,7 +23,7 @@ pub struct Place {
 
 impl Place {
     /// Column and row of a position, counted from the upper left corner of the picture, fractions within a pixel.
-    pub fn to_pixels(&self, at: LonLat) -> [f64; 2] {
+    pub(crate) fn to_pixels(&self, at: LonLat) -> [f64; 2] {
         let [x, y] = self.crs.place(at);
         [
             (x - self.corner[0]) / self.pixel[0],
@@ -32,7 +32,7 @@ impl Place {
     }
 
     /// Inverse of [`Place::to_pixels`].
-    pub fn to_position(&self, [column, row]: [f64; 2]) -> LonLat {
+    pub(crate) fn to_position(&self, [column, row]: [f64; 2]) -> LonLat {
         let x = self.corner[0] + column * self.pixel[0];
         let y = self.corner[1] - row * self.pixel[1];
         self.crs.to_lon_lat([x, y])
@@ -42,7 +42,7 @@ impl Place {
     ///
     /// # Errors
     /// When it has none, or such as are not known or not north up.
-    pub fn read<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Self, BaseMapFault> {
+    pub(crate) fn read<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Self, BaseMapFault> {
         let keys = GeoKeys::read(decoder);
         let code = match keys.is_geographic() {
             true => keys.geographic(),

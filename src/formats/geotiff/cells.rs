@@ -13,7 +13,7 @@ use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 
 /// What a raster holds.
-pub struct RasterPoints {
+pub(crate) struct RasterPoints {
     /// x and y of the middle of each cell that has a value, and the value as stored.
     pub points: Vec<[f64; 3]>,
     /// Whether x and y are degrees.
@@ -35,7 +35,7 @@ const LARGEST_BLOCK: usize = 256 << 20;
 const GDAL_METADATA: u16 = 42_112;
 
 /// The cells of a raster as they lie, row by row.
-pub struct RasterValues {
+pub(crate) struct RasterValues {
     /// Cells from west to east.
     pub columns: usize,
     /// Cells from north to south.
@@ -54,7 +54,7 @@ pub struct RasterValues {
 ///
 /// # Errors
 /// When the file cannot be read, or holds no heights with a place.
-pub fn read_cells(path: &Path) -> Result<RasterPoints, CellsError> {
+pub(crate) fn read_cells(path: &Path) -> Result<RasterPoints, CellsError> {
     catch_panic(|| points(Open::new(path)?)).unwrap_or(Err(CellsError::Damaged("it is damaged")))
 }
 
@@ -62,7 +62,7 @@ pub fn read_cells(path: &Path) -> Result<RasterPoints, CellsError> {
 ///
 /// # Errors
 /// As [`read_cells`], and where the raster is turned.
-pub fn read_values(path: &Path) -> Result<RasterValues, CellsError> {
+pub(crate) fn read_values(path: &Path) -> Result<RasterValues, CellsError> {
     catch_panic(|| values(Open::new(path)?)).unwrap_or(Err(CellsError::Damaged("it is damaged")))
 }
 

@@ -56,7 +56,7 @@ impl Values {
 }
 
 /// One directory of the file: a level, or the mask of one.
-pub struct Page {
+pub(super) struct Page {
     pub columns: usize,
     pub rows: usize,
     pub is_overview: bool,
@@ -66,7 +66,7 @@ pub struct Page {
 }
 
 /// The head of the file and all directories, each with its values behind it. How many bytes these are does not depend on the places.
-pub fn bytes(spec: &RasterSpec, statistics: &Statistics, pages: &[Page]) -> Vec<u8> {
+pub(super) fn bytes(spec: &RasterSpec, statistics: &Statistics, pages: &[Page]) -> Vec<u8> {
     // Little-endian, TIFF, and the first directory right behind.
     let mut all = b"II\x2a\0\x08\0\0\0".to_vec();
     for (index, page) in pages.iter().enumerate() {

@@ -14,7 +14,7 @@ const POSITIVE: &str = "positive";
 const DOWN: &str = "down";
 
 /// The text of the tag.
-pub fn gdal_metadata(spec: &RasterSpec, band: &Band, statistics: &Statistics) -> String {
+pub(super) fn gdal_metadata(spec: &RasterSpec, band: &Band, statistics: &Statistics) -> String {
     let mut text = "<GDALMetadata>\n".to_owned();
     let mut item = |name: &str, role: &str, value: &str| {
         let role = match role {
@@ -55,7 +55,7 @@ pub fn gdal_metadata(spec: &RasterSpec, band: &Band, statistics: &Statistics) ->
 }
 
 /// Whether the text of such a tag, by whatever program, says that values count downwards.
-pub fn counts_downwards(text: &str) -> bool {
+pub(super) fn counts_downwards(text: &str) -> bool {
     let mut reader = Reader::from_str(text);
     // Of the item that says so, where it is open.
     let mut value: Option<String> = None;

@@ -23,9 +23,9 @@ mod statistics;
 mod tiles;
 mod writer;
 
-pub use cells::{CellsError, RasterValues, read_cells, read_values};
-pub use geotransform::{GeoKeys, GeoTransform};
-pub use tiles::RasterTiles;
+pub(crate) use cells::{CellsError, RasterValues, read_cells, read_values};
+pub(crate) use geotransform::{GeoKeys, GeoTransform};
+pub(crate) use tiles::RasterTiles;
 
 use crate::support::geo::Crs;
 use crate::support::progress::Progress;
@@ -35,13 +35,13 @@ use std::io;
 use writer::Writer;
 
 /// Rows and columns of a tile.
-pub const RASTER_TILE: usize = 256;
+pub(crate) const RASTER_TILE: usize = 256;
 /// Stands for "nothing known" in a raster of metres.
-pub const NODATA: f32 = -9999.0;
+pub(crate) const NODATA: f32 = -9999.0;
 
 /// What a cell holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Cells {
+pub(crate) enum Cells {
     /// Red, green, blue, opacity; one byte each.
     Rgba,
     /// A level of one byte, 0 where nothing is known; a mask in the file says so too.
@@ -76,7 +76,7 @@ impl Cells {
 
 /// What the values of a raster are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Band {
+pub(crate) struct Band {
     /// Its name: `depth`.
     pub name: &'static str,
     /// The unit of its values, empty where they have none.
@@ -87,7 +87,7 @@ pub struct Band {
 
 impl Band {
     /// Of a grey mosaic.
-    pub const ECHO_LEVEL: Self = Self {
+    pub(crate) const ECHO_LEVEL: Self = Self {
         name: "echo level",
         unit: "",
         positive_down: false,
@@ -96,7 +96,7 @@ impl Band {
 
 /// A raster and its place.
 #[derive(Clone, Debug)]
-pub struct RasterSpec {
+pub(crate) struct RasterSpec {
     /// Cells from west to east.
     pub columns: usize,
     /// Cells from north to south.
@@ -123,7 +123,7 @@ pub struct RasterSpec {
 ///
 /// # Errors
 /// What the system or `draw` says; that the raster passes 4 GB, which is as far as the format reaches; or that the work was cancelled.
-pub fn write(
+pub(crate) fn write(
     file: File,
     scratch: File,
     spec: &RasterSpec,

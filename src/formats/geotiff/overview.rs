@@ -4,7 +4,7 @@ use super::{Cells, NODATA, RASTER_TILE};
 
 /// Draws a tile of the finer level into a quarter (row and column, 0 or 1) of a coarser one: each cell the mean of those of its
 /// four that hold something, of classes the greatest. Both hold [`RASTER_TILE`] rows of as many cells.
-pub fn halve_into(cells: Cells, finer: &[u8], quarter: [usize; 2], coarser: &mut [u8]) {
+pub(super) fn halve_into(cells: Cells, finer: &[u8], quarter: [usize; 2], coarser: &mut [u8]) {
     match cells {
         Cells::Rgba => halve(finer, quarter, coarser, mean_colour),
         Cells::Level => halve(finer, quarter, coarser, mean_level),

@@ -10,13 +10,13 @@ use std::io::{self, Read as _, Write as _};
 const EFFORT: u32 = 3;
 
 /// The compressed bytes of a tile, and of its mask where the cells have one.
-pub struct Packed {
+pub(super) struct Packed {
     pub image: Vec<u8>,
     pub mask: Option<Vec<u8>>,
 }
 
 /// Compresses a tile; bytes of colour as differences to the cell before (predictor 2).
-pub fn pack(cells: Cells, mut bytes: Vec<u8>) -> io::Result<Packed> {
+pub(super) fn pack(cells: Cells, mut bytes: Vec<u8>) -> io::Result<Packed> {
     let mask = match cells {
         Cells::Level | Cells::Class => Some(deflate(&mask(&bytes))?),
         Cells::Rgba | Cells::Metres => None,
@@ -33,7 +33,7 @@ pub fn pack(cells: Cells, mut bytes: Vec<u8>) -> io::Result<Packed> {
 }
 
 /// Inverse of [`pack`].
-pub fn unpack(cells: Cells, packed: &[u8]) -> io::Result<Vec<u8>> {
+pub(super) fn unpack(cells: Cells, packed: &[u8]) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::with_capacity(RASTER_TILE * RASTER_TILE * cells.bytes());
     ZlibDecoder::new(packed).read_to_end(&mut bytes)?;
     if cells == Cells::Rgba {

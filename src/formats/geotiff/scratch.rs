@@ -6,7 +6,7 @@ use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
 
 /// Where some bytes lie in the scratch file.
 #[derive(Clone, Copy, Debug)]
-pub struct Block {
+pub(super) struct Block {
     at: u64,
     /// How many they are.
     pub length: u32,
@@ -14,25 +14,25 @@ pub struct Block {
 
 /// A tile in the scratch file, and its mask where it has one.
 #[derive(Clone, Copy, Debug)]
-pub struct Blocks {
+pub(super) struct Blocks {
     pub image: Block,
     pub mask: Option<Block>,
 }
 
 /// Packed tiles in the order in which they were made.
-pub struct Scratch {
+pub(super) struct Scratch {
     file: File,
     end: u64,
 }
 
 impl Scratch {
     /// In an empty file.
-    pub fn new(file: File) -> Self {
+    pub(super) fn new(file: File) -> Self {
         Self { file, end: 0 }
     }
 
     /// Adds a tile.
-    pub fn keep(&mut self, packed: &Packed) -> io::Result<Blocks> {
+    pub(super) fn keep(&mut self, packed: &Packed) -> io::Result<Blocks> {
         let image = self.append(&packed.image)?;
         let mask = match &packed.mask {
             Some(mask) => Some(self.append(mask)?),
@@ -54,7 +54,7 @@ impl Scratch {
     }
 
     /// Replaces `out` with the bytes of a block.
-    pub fn read(&mut self, block: Block, out: &mut Vec<u8>) -> io::Result<()> {
+    pub(super) fn read(&mut self, block: Block, out: &mut Vec<u8>) -> io::Result<()> {
         out.resize(block.length as usize, 0);
         self.file.seek(SeekFrom::Start(block.at))?;
         self.file.read_exact(out)

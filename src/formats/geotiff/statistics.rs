@@ -4,7 +4,7 @@ use super::{Cells, NODATA};
 
 /// Count, ends, mean and spread of the values that are known.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Statistics {
+pub(super) struct Statistics {
     /// How many values are known.
     pub count: u64,
     /// The least; infinite where none is known.
@@ -30,7 +30,7 @@ impl Default for Statistics {
 
 impl Statistics {
     /// Of the cells of a tile; colours have none.
-    pub fn of(cells: Cells, bytes: &[u8]) -> Self {
+    pub(super) fn of(cells: Cells, bytes: &[u8]) -> Self {
         match cells {
             Cells::Rgba => Self::default(),
             Cells::Level | Cells::Class => Self::of_levels(bytes),
@@ -81,7 +81,7 @@ impl Statistics {
     }
 
     /// Adds the values of another part.
-    pub fn join(&mut self, other: &Self) {
+    pub(super) fn join(&mut self, other: &Self) {
         if other.count == 0 {
             return;
         }
@@ -95,12 +95,12 @@ impl Statistics {
     }
 
     /// The mean; `None` where no value is known.
-    pub fn mean(&self) -> Option<f64> {
+    pub(super) fn mean(&self) -> Option<f64> {
         (self.count > 0).then_some(self.mean)
     }
 
     /// Standard deviation of all values, not of a sample of them; `None` where no value is known.
-    pub fn deviation(&self) -> Option<f64> {
+    pub(super) fn deviation(&self) -> Option<f64> {
         (self.count > 0).then(|| (self.squares / self.count as f64).sqrt())
     }
 }

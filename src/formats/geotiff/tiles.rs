@@ -13,7 +13,7 @@ use tiff::tags::Tag;
 
 /// A raster of one band in tiles of [`RASTER_TILE`]. The file is open only while something is read, so that many of them may be at hand.
 #[derive(Clone, Debug)]
-pub struct RasterTiles {
+pub(crate) struct RasterTiles {
     path: PathBuf,
     /// Cells from west to east and from north to south.
     columns: usize,
@@ -27,7 +27,7 @@ impl RasterTiles {
     ///
     /// # Errors
     /// When the file cannot be read, or is no raster of this program.
-    pub fn open(path: &Path) -> Result<Self, CellsError> {
+    pub(crate) fn open(path: &Path) -> Result<Self, CellsError> {
         catch_panic(|| Self::opened(path)).unwrap_or(Err(CellsError::Damaged("it is damaged")))
     }
 
@@ -53,18 +53,18 @@ impl RasterTiles {
     }
 
     /// Cells from west to east, and from north to south.
-    pub fn size(&self) -> [usize; 2] {
+    pub(crate) fn size(&self) -> [usize; 2] {
         [self.columns, self.rows]
     }
 
     /// Whether a tile, by its row and column, may hold something.
-    pub fn may_hold(&self, [row, column]: [usize; 2]) -> bool {
+    pub(crate) fn may_hold(&self, [row, column]: [usize; 2]) -> bool {
         let across = self.columns.div_ceil(RASTER_TILE);
         column < across && self.filled.get(row * across + column) == Some(&true)
     }
 
     /// Row and column of all tiles that may hold something.
-    pub fn tiles(&self) -> impl Iterator<Item = [usize; 2]> {
+    pub(crate) fn tiles(&self) -> impl Iterator<Item = [usize; 2]> {
         let across = self.columns.div_ceil(RASTER_TILE).max(1);
         let filled = self
             .filled
@@ -78,7 +78,7 @@ impl RasterTiles {
     ///
     /// # Errors
     /// When the file cannot be read, or holds something else.
-    pub fn levels(&self, tile: [usize; 2]) -> Result<Vec<u8>, CellsError> {
+    pub(crate) fn levels(&self, tile: [usize; 2]) -> Result<Vec<u8>, CellsError> {
         self.read(tile, 0, |read| match read {
             DecodingResult::U8(levels) => Some(levels),
             _ => None,
@@ -89,7 +89,7 @@ impl RasterTiles {
     ///
     /// # Errors
     /// As [`RasterTiles::levels`].
-    pub fn values(&self, tile: [usize; 2]) -> Result<Vec<f32>, CellsError> {
+    pub(crate) fn values(&self, tile: [usize; 2]) -> Result<Vec<f32>, CellsError> {
         self.read(tile, 0.0, |read| match read {
             DecodingResult::F32(values) => Some(values),
             _ => None,
@@ -100,7 +100,7 @@ impl RasterTiles {
     ///
     /// # Errors
     /// As [`RasterTiles::levels`], and where there is no such overview.
-    pub fn overview(&self, halvings: usize) -> Result<Vec<u8>, CellsError> {
+    pub(crate) fn overview(&self, halvings: usize) -> Result<Vec<u8>, CellsError> {
         let read = || {
             let mut decoder = decoder(&self.path)?;
             // Each level is followed by its mask.
@@ -118,7 +118,7 @@ impl RasterTiles {
     }
 
     /// Cells of an overview from west to east, and from north to south.
-    pub fn overview_size(&self, halvings: usize) -> [usize; 2] {
+    pub(crate) fn overview_size(&self, halvings: usize) -> [usize; 2] {
         (0..halvings).fold(self.size(), |size, _| size.map(|cells| cells.div_ceil(2)))
     }
 

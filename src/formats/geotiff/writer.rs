@@ -30,7 +30,7 @@ impl Level {
 }
 
 /// A raster on its way into a file.
-pub struct Writer<'a> {
+pub(super) struct Writer<'a> {
     spec: &'a RasterSpec,
     scratch: Scratch,
     /// The full resolution first.
@@ -40,7 +40,7 @@ pub struct Writer<'a> {
 
 impl<'a> Writer<'a> {
     /// Without any tile yet.
-    pub fn new(spec: &'a RasterSpec, scratch: Scratch) -> Self {
+    pub(super) fn new(spec: &'a RasterSpec, scratch: Scratch) -> Self {
         Self {
             spec,
             scratch,
@@ -50,7 +50,7 @@ impl<'a> Writer<'a> {
     }
 
     /// The raster itself.
-    pub fn base(
+    pub(super) fn base(
         &mut self,
         tiles: &[[usize; 2]],
         draw: impl Fn([usize; 2]) -> io::Result<Vec<u8>> + Sync,
@@ -87,7 +87,7 @@ impl<'a> Writer<'a> {
     }
 
     /// Adds a level of half the resolution, read back from the one before; false when that fits one tile.
-    pub fn overview(&mut self, progress: &Progress) -> io::Result<bool> {
+    pub(super) fn overview(&mut self, progress: &Progress) -> io::Result<bool> {
         let Some(finer) = self.levels.last() else {
             return Ok(false);
         };
@@ -145,7 +145,7 @@ impl<'a> Writer<'a> {
     }
 
     /// Writes the directories, the full resolution first, then the tiles, the coarsest level first, row by row.
-    pub fn write(mut self, file: File, progress: &Progress) -> io::Result<()> {
+    pub(super) fn write(mut self, file: File, progress: &Progress) -> io::Result<()> {
         let nothing = self
             .scratch
             .keep(&pack(self.spec.cells, self.spec.cells.empty_tile())?)?;

@@ -10,7 +10,7 @@ const LONGEST_ONIX: usize = 1 << 16;
 
 /// The three kinds of DAT files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Family {
+pub(crate) enum Family {
     /// 700 to 1100 series and Helix: 64 bytes, big-endian.
     Classic,
     /// Solix: 96 or 100 bytes, little-endian.
@@ -21,7 +21,7 @@ pub enum Family {
 
 /// The fields used of a DAT file.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Dat {
+pub(crate) struct Dat {
     /// Which kind.
     pub family: Family,
     /// Byte 1: the kind of water that the user set the unit to.
@@ -38,7 +38,7 @@ pub struct Dat {
 
 /// Kinds of water that a unit can be set to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Water {
+pub(crate) enum Water {
     /// Lakes and rivers.
     Fresh,
     /// Salt, shallow.
@@ -50,7 +50,7 @@ pub enum Water {
 impl Dat {
     /// Reads a DAT file; `None` when it is not one: the recording's name (`R01224.SON`) at offset 32 is the sign, on
     /// Onix the text.
-    pub fn parse(bytes: &[u8]) -> Option<Self> {
+    pub(crate) fn parse(bytes: &[u8]) -> Option<Self> {
         let (family, order) = match bytes.len() {
             64 => (Family::Classic, ByteOrder::Big),
             96 | 100 => (Family::Solix, ByteOrder::Little),
@@ -87,7 +87,7 @@ impl Dat {
     }
 
     /// The kind of water; the families number it differently.
-    pub fn water(&self) -> Option<Water> {
+    pub(crate) fn water(&self) -> Option<Water> {
         match (self.family, self.water_code) {
             (Family::Classic | Family::Onix, 0) | (Family::Solix, 1) => Some(Water::Fresh),
             (_, 2) => Some(Water::ShallowSalt),

@@ -1,8 +1,8 @@
 //! Humminbird DAT and SON: 700 to 1100 series, Helix, Solix.
 
-pub mod dat;
+pub(crate) mod dat;
 mod decode;
-pub mod ping;
+pub(crate) mod ping;
 mod recording;
 mod son;
 

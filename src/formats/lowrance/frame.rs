@@ -6,7 +6,7 @@ use crate::support::geo::METRES_PER_FOOT;
 
 /// The two frame layouts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Layout {
+pub(crate) enum Layout {
     /// 144-byte headers.
     Sl2,
     /// 128-, 168- or 180-byte headers.
@@ -20,7 +20,7 @@ const LONGEST_HEADER: usize = 256;
 
 /// What Bathyscope uses of a frame, still in the recorder's units.
 #[derive(Clone, Copy, Debug)]
-pub struct LowranceFrame {
+pub(crate) struct LowranceFrame {
     /// Where it begins.
     pub offset: usize,
     /// Header and data.
@@ -59,7 +59,7 @@ pub struct LowranceFrame {
 
 /// What stands at a place where a frame should begin.
 #[derive(Debug)]
-pub enum Found {
+pub(crate) enum Found {
     /// A whole frame.
     Whole(LowranceFrame),
     /// A frame header whose data goes on behind the end of the file.
@@ -70,7 +70,7 @@ pub enum Found {
 
 impl Layout {
     /// The shortest header of the layout.
-    pub fn shortest_header(self) -> usize {
+    pub(crate) fn shortest_header(self) -> usize {
         match self {
             Layout::Sl2 => size_of::<sl2::Header>(),
             Layout::Sl3 => size_of::<sl3::Header>(),
@@ -79,7 +79,7 @@ impl Layout {
 
     /// Looks for a frame at `offset`. `lost` is the number of bytes lost from the file before it: the frame states
     /// where it was before they were.
-    pub fn look(self, bytes: &[u8], offset: usize, lost: i64) -> Found {
+    pub(crate) fn look(self, bytes: &[u8], offset: usize, lost: i64) -> Found {
         if lost_before(bytes, offset) != Some(lost) {
             return Found::Nothing;
         }

@@ -1,10 +1,10 @@
 //! Lowrance SL2 and SL3, and a word about SLG.
 
 mod decode;
-pub mod frame;
+pub(crate) mod frame;
 mod sides;
-pub mod sl2;
-pub mod sl3;
+pub(crate) mod sl2;
+pub(crate) mod sl3;
 mod walk;
 
 use super::reading::Reading;
@@ -14,7 +14,7 @@ use crate::survey::Survey;
 use frame::{Found, Layout};
 
 /// The file header's length; the first frame follows.
-pub const FILE_HEADER: usize = 8;
+pub(crate) const FILE_HEADER: usize = 8;
 /// Bytes searched for frames when the file header does not say what the file is.
 const SEARCHED_FOR_FRAMES: usize = 1 << 20;
 

@@ -7,7 +7,7 @@ use bytemuck::{Pod, Zeroable};
 /// older public tables is 2 too small (they count the file header as 10 bytes).
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
-pub struct Header {
+pub(crate) struct Header {
     /// Offset 0: this frame's own offset in the file; the key for finding frames again after damage.
     pub own_offset: u32,
     /// 4: offsets of the last primary, secondary, down-scan, left, right and composite frame.

@@ -7,7 +7,7 @@ use bytemuck::{Pod, Zeroable};
 /// constant. Units as in [SL2](super::sl2::Header). Verified on files of frame version 10.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
-pub struct Header {
+pub(crate) struct Header {
     /// Offset 0: this frame's own offset in the file.
     pub own_offset: u32,
     /// 4: version of the frame layout; 10 seen, 13 known.

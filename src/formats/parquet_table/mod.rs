@@ -6,15 +6,15 @@
 mod read;
 mod write;
 
-pub use read::{ParquetError, ParquetFault, read_parquet};
-pub use write::write_parquet;
+pub(crate) use read::{ParquetError, ParquetFault, read_parquet};
+pub(crate) use write::write_parquet;
 
 use crate::support::geo::LonLat;
 use serde_json::json;
 
 /// The values of a column. What is not known is null in the file.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Values {
+pub(crate) enum Values {
     /// Of 64 bits; NaN where not known.
     Double(Vec<f64>),
     /// Of 32 bits; NaN where not known.
@@ -37,7 +37,7 @@ pub enum Values {
 
 impl Values {
     /// Rows.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         match self {
             Self::Double(values) => values.len(),
             Self::Float(values) => values.len(),
@@ -54,7 +54,7 @@ impl Values {
 
 /// A column with its name.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Column {
+pub(crate) struct Column {
     /// Its name.
     pub name: &'static str,
     /// One value a row.
@@ -63,14 +63,14 @@ pub struct Column {
 
 impl Column {
     /// A column.
-    pub fn new(name: &'static str, values: Values) -> Self {
+    pub(crate) fn new(name: &'static str, values: Values) -> Self {
         Self { name, values }
     }
 }
 
 /// What stands under the key `geo` of a file with points in a column, by GeoParquet 1.1: longitude and latitude on WGS84, which is
 /// its default system.
-pub fn geo_key(column: &str, points: &[LonLat]) -> String {
+pub(crate) fn geo_key(column: &str, points: &[LonLat]) -> String {
     let start = [f64::MAX, f64::MAX, f64::MIN, f64::MIN];
     let bounds = points.iter().fold(start, |[w, s, e, n], at| {
         let (lon, lat) = (at.lon_deg, at.lat_deg);

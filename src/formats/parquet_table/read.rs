@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 /// A Parquet file that cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot read the Parquet file: {what}: {}", path.display())]
-pub struct ParquetError {
+pub(crate) struct ParquetError {
     /// What is wrong with it.
     #[source]
     pub what: ParquetFault,
@@ -23,7 +23,7 @@ pub struct ParquetError {
 
 /// What is wrong with a Parquet file.
 #[derive(Debug, thiserror::Error)]
-pub enum ParquetFault {
+pub(crate) enum ParquetFault {
     /// The system does not give it.
     #[error(transparent)]
     Io(#[from] io::Error),
@@ -45,7 +45,7 @@ pub enum ParquetFault {
 ///
 /// # Errors
 /// When the file cannot be read, is damaged, or has no such column.
-pub fn read_parquet(path: &Path, names: &[&str]) -> Result<Vec<Values>, ParquetError> {
+pub(crate) fn read_parquet(path: &Path, names: &[&str]) -> Result<Vec<Values>, ParquetError> {
     let fail = |what: ParquetFault| ParquetError {
         what,
         path: path.to_owned(),

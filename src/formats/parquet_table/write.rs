@@ -24,7 +24,11 @@ const WRITER: &str = "bathyscope";
 ///
 /// # Errors
 /// What the system says.
-pub fn write_parquet(file: File, columns: &[Column], keys: &[(&str, String)]) -> io::Result<()> {
+pub(crate) fn write_parquet(
+    file: File,
+    columns: &[Column],
+    keys: &[(&str, String)],
+) -> io::Result<()> {
     write(file, columns, keys).map_err(io::Error::other)
 }
 

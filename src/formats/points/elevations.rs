@@ -19,7 +19,7 @@ const GEOGRAPHIC_NAMES: [[&str; 3]; 4] = [
 
 /// What the first two coordinates of a point are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Plane {
+pub(crate) enum Plane {
     /// Metres (or the file's own units) east and north.
     Metres,
     /// Degrees of longitude and latitude.
@@ -47,7 +47,7 @@ impl Plane {
 
 /// Points with elevations.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Elevations {
+pub(crate) struct Elevations {
     /// Which file.
     pub path: PathBuf,
     /// x, y, and z positive up.
@@ -69,7 +69,7 @@ pub struct Elevations {
 ///
 /// # Errors
 /// When no such file is named so, this one cannot be read, or it holds no point.
-pub fn read_elevations(argument: &OsStr) -> Result<Elevations, PointFileError> {
+pub(crate) fn read_elevations(argument: &OsStr) -> Result<Elevations, PointFileError> {
     let file = read(argument)?;
     if !file.points.is_empty() {
         return Ok(file);

@@ -7,29 +7,29 @@ use std::io::{self, BufWriter, Write as _};
 
 /// A writer that fails where that of the crate panics: dropped half way, it writes its header once more, and cannot where the disk
 /// is full or a point lies beyond what LAS holds.
-pub struct LasWriter(Option<Writer<BufWriter<File>>>);
+pub(crate) struct LasWriter(Option<Writer<BufWriter<File>>>);
 
 impl LasWriter {
     /// Writes the header.
-    pub fn new(file: File, header: Header) -> io::Result<Self> {
+    pub(crate) fn new(file: File, header: Header) -> io::Result<Self> {
         let writer = Writer::new(BufWriter::new(file), header).map_err(failed)?;
         Ok(Self(Some(writer)))
     }
 
     /// Writes a point.
-    pub fn point(&mut self, point: Point) -> io::Result<()> {
+    pub(crate) fn point(&mut self, point: Point) -> io::Result<()> {
         let writer = self.0.as_mut().ok_or_else(closed)?;
         writer.write_point(point).map_err(failed)
     }
 
     /// Writes points as another file stored them.
-    pub fn points(&mut self, points: &PointData) -> io::Result<()> {
+    pub(crate) fn points(&mut self, points: &PointData) -> io::Result<()> {
         let writer = self.0.as_mut().ok_or_else(closed)?;
         writer.write_points(points).map_err(failed)
     }
 
     /// Writes what is left, and the header with the points' count and bounds.
-    pub fn finish(mut self) -> io::Result<()> {
+    pub(crate) fn finish(mut self) -> io::Result<()> {
         let writer = self.0.as_mut().ok_or_else(closed)?;
         writer.close().map_err(failed)?;
         let writer = self.0.take().ok_or_else(closed)?;
@@ -69,7 +69,7 @@ const MOST_STEPS: f64 = 2_147_483_000.0;
 /// from the middle of the points, at ten or a hundred times that.
 ///
 /// The error is a sentence without the path: a coordinate is no number, or even so the points lie too far apart.
-pub fn transforms(
+pub(crate) fn transforms(
     points: impl Iterator<Item = [f64; 3]>,
     near: [f64; 3],
     finest: [f64; 3],

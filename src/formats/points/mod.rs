@@ -13,10 +13,10 @@ mod las_writer;
 mod ply_file;
 mod text_file;
 
-pub use copc::write_copc;
-pub use elevations::{Elevations, Plane, read_elevations};
-pub use error::{LasFault, LineFault, PlyFault, PointFault, PointFileError, TextFault};
-pub use las_writer::{LasWriter, transforms};
+pub(crate) use copc::write_copc;
+pub(crate) use elevations::{Elevations, Plane, read_elevations};
+pub(crate) use error::{LasFault, LineFault, PlyFault, PointFault, PointFileError, TextFault};
+pub(crate) use las_writer::{LasWriter, transforms};
 
 use copc::is_named_copc;
 use las_file::LasFile;
@@ -29,7 +29,7 @@ use text_file::{ColumnRequest, KNOWN_NAMES, TextFile};
 
 /// A point file in memory.
 #[derive(Debug)]
-pub struct PointFile {
+pub(crate) struct PointFile {
     /// x, y, z of each point, in the file's own units and order.
     pub points: Vec<[f64; 3]>,
     /// What had to be guessed about the file, in one sentence.
@@ -55,7 +55,7 @@ enum Rows {
 
 /// The format that a file name asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PointFormat {
+pub(crate) enum PointFormat {
     /// Lines of text, the first of which names the columns.
     Csv,
     /// Lines of text.
@@ -75,7 +75,7 @@ impl PointFormat {
     ///
     /// # Errors
     /// When no point file is named so.
-    pub fn of(path: &Path) -> Result<Self, PointFileError> {
+    pub(crate) fn of(path: &Path) -> Result<Self, PointFileError> {
         match suffix(path).as_str() {
             "csv" => Ok(Self::Csv),
             "xyz" | "txt" => Ok(Self::Xyz),
@@ -102,7 +102,7 @@ fn suffix(path: &Path) -> String {
 }
 
 /// Splits `FILE.csv:x,y,z` into the file and the names of its three columns.
-pub fn split_columns(argument: impl AsRef<OsStr>) -> (PathBuf, Option<[String; 3]>) {
+pub(crate) fn split_columns(argument: impl AsRef<OsStr>) -> (PathBuf, Option<[String; 3]>) {
     let argument = argument.as_ref();
     if let Some((file, names)) = argument.to_str().and_then(|text| text.rsplit_once(':')) {
         let names: Vec<String> = names
@@ -117,7 +117,7 @@ pub fn split_columns(argument: impl AsRef<OsStr>) -> (PathBuf, Option<[String; 3
 }
 
 /// Whether something is named as the files are whose elevations [`read_elevations`] reads, perhaps with its columns.
-pub fn is_named_as_elevations(argument: impl AsRef<OsStr>) -> bool {
+pub(crate) fn is_named_as_elevations(argument: impl AsRef<OsStr>) -> bool {
     let (path, _) = split_columns(argument);
     let others = ["tif", "tiff", "geojson", "json"];
     PointFormat::of(&path).is_ok() || others.contains(&suffix(&path).as_str())
@@ -127,7 +127,10 @@ pub fn is_named_as_elevations(argument: impl AsRef<OsStr>) -> bool {
 ///
 /// # Errors
 /// When no point file is named so, or this one cannot be read.
-pub fn read(path: &Path, columns: Option<&[String; 3]>) -> Result<PointFile, PointFileError> {
+pub(crate) fn read(
+    path: &Path,
+    columns: Option<&[String; 3]>,
+) -> Result<PointFile, PointFileError> {
     read_columns(
         path,
         ColumnRequest {
@@ -197,7 +200,12 @@ impl PointFile {
     ///
     /// # Errors
     /// What the system says, or that the format cannot hold the points.
-    pub fn write_kept(&self, out: File, format: PointFormat, kept: &[bool]) -> io::Result<()> {
+    pub(crate) fn write_kept(
+        &self,
+        out: File,
+        format: PointFormat,
+        kept: &[bool],
+    ) -> io::Result<()> {
         let kept_points = || {
             let points = self.points.iter().zip(kept);
             points.filter(|(_, kept)| **kept).map(|(point, _)| point)

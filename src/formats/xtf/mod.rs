@@ -5,7 +5,7 @@ mod date;
 mod decode;
 mod packets;
 mod place;
-pub mod raw;
+pub(crate) mod raw;
 mod sides;
 mod walk;
 

@@ -5,7 +5,7 @@ use bytemuck::{Pod, Zeroable};
 /// The fields used of the first 256 bytes of the file header; one [`ChannelInfo`] a channel follows.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, packed)]
-pub struct FileHeader {
+pub(crate) struct FileHeader {
     /// Offset 0: always 0x7B.
     pub file_format: u8,
     /// 1: recorder's number for itself.
@@ -35,7 +35,7 @@ pub struct FileHeader {
 /// What a channel is; 128 bytes each from byte 256 of the file header on.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, packed)]
-pub struct ChannelInfo {
+pub(crate) struct ChannelInfo {
     /// Offset 0: 0 sub-bottom, 1 port, 2 starboard, 3 bathymetry.
     pub kind: u8,
     /// 1: the channel's number in ping records.
@@ -65,7 +65,7 @@ pub struct ChannelInfo {
 /// The first 14 bytes of every packet.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, packed)]
-pub struct PacketHeader {
+pub(crate) struct PacketHeader {
     /// Offset 0: 0xFACE.
     pub magic: u16,
     /// 2: 0 side-scan ping, 2 bathymetry, 3 attitude, others by vendor.
@@ -83,7 +83,7 @@ pub struct PacketHeader {
 /// The 256 bytes that a side-scan ping begins with, packet header included.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, packed)]
-pub struct PingHeader {
+pub(crate) struct PingHeader {
     /// Offset 0.
     pub packet: PacketHeader,
     /// 14: date and time of the ping.
@@ -135,7 +135,7 @@ pub struct PingHeader {
 /// The 64 bytes before the samples of a channel in a ping.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, packed)]
-pub struct PingChannel {
+pub(crate) struct PingChannel {
     /// Offset 0: index of the channel.
     pub channel: u16,
     /// 2: how samples were thinned.

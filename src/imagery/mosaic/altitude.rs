@@ -11,7 +11,7 @@ const HALF_PINGS: usize = 6;
 
 /// Altitude of every ping on one side, metres: the median over nearby pings of the first returns, where one is none or lies above
 /// the bottom by the recorded depth; between such stretches linear in the ping. NaN throughout where there is neither.
-pub fn altitudes_m(
+pub(crate) fn altitudes_m(
     survey: &Survey,
     returns: &FirstReturns,
     calibration: &Calibration,

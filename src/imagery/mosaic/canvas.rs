@@ -8,7 +8,7 @@ use super::{MosaicSettings, Overlap};
 use crate::bottom::bathymetry::Grid;
 
 /// A window of cells.
-pub struct Canvas {
+pub(super) struct Canvas {
     overlap: Overlap,
     /// Tangent of the angle from straight down within which nothing is shown.
     nadir_gap: f64,
@@ -21,7 +21,11 @@ pub struct Canvas {
 
 impl Canvas {
     /// For a window in the north-west of as many columns and rows of cells.
-    pub fn new(window: Grid, [columns, rows]: [usize; 2], settings: &MosaicSettings) -> Self {
+    pub(super) fn new(
+        window: Grid,
+        [columns, rows]: [usize; 2],
+        settings: &MosaicSettings,
+    ) -> Self {
         Self {
             overlap: settings.overlap,
             nadir_gap: settings.nadir_gap_deg.to_radians().tan(),
@@ -34,7 +38,7 @@ impl Canvas {
 
     /// Least and greatest distance on the ground, along a ray of a strip, at which a cell of the window may lie; `from` is where the
     /// ray starts, which moves by `moved_m` within the strip.
-    pub fn distances_m(&self, ray: &Ray, moved_m: f64) -> [f64; 2] {
+    pub(super) fn distances_m(&self, ray: &Ray, moved_m: f64) -> [f64; 2] {
         let window = &self.window;
         let [x, y] = [ray.at[0] - window.west_m, window.north_m - ray.at[1]];
         let [wide_m, high_m] =
@@ -51,7 +55,12 @@ impl Canvas {
     }
 
     /// Lays a strip over the cells whose middles lie in it.
-    pub fn paint(&mut self, corners: &[[f64; 2]; 4], strip: &[Ray; 2], lines: [&MosaicLine; 2]) {
+    pub(super) fn paint(
+        &mut self,
+        corners: &[[f64; 2]; 4],
+        strip: &[Ray; 2],
+        lines: [&MosaicLine; 2],
+    ) {
         let window = self.window;
         // In cells from the window's north-west corner, rows southward; a cell's middle is at + 0.5.
         let corners = corners.map(|[x, y]| {
@@ -88,12 +97,12 @@ impl Canvas {
     }
 
     /// What is in each cell.
-    pub fn sums(&self) -> &[CellSum] {
+    pub(super) fn sums(&self) -> &[CellSum] {
         &self.sums
     }
 
     /// 0 where nothing was seen, else 1 to 255.
-    pub fn finish(self) -> Vec<u8> {
+    pub(super) fn finish(self) -> Vec<u8> {
         self.sums.iter().map(CellSum::level).collect()
     }
 }

@@ -15,7 +15,10 @@ const MOST_SQUARES: f64 = 2000.0;
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn footprint(layouts: &[Layout], progress: &Progress) -> Result<Vec<Polygon>, Cancelled> {
+pub(crate) fn footprint(
+    layouts: &[Layout],
+    progress: &Progress,
+) -> Result<Vec<Polygon>, Cancelled> {
     let Some(bounds) = bounds_of(layouts.iter()) else {
         return Ok(Vec::new());
     };

@@ -123,7 +123,7 @@ fn obliqueness(range_m: f64, altitude_m: f64) -> f64 {
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn gain_table(
+pub(crate) fn gain_table(
     survey: &Survey,
     layout: &Layout,
     progress: &Progress,

@@ -11,7 +11,7 @@ use crate::support::progress::{Cancelled, Progress};
 use std::collections::BTreeMap;
 
 /// Cells in which levels are compared: metres, unless that would make more than so many along a side.
-pub const LEVEL_CELL_M: f64 = 1.0;
+pub(crate) const LEVEL_CELL_M: f64 = 1.0;
 const MOST_CELLS: f64 = 2000.0;
 /// Cells of a block give one difference, since neighbours show the same echoes: its side in cells, and the fewest cells.
 const BLOCK_CELLS: usize = 10;
@@ -20,13 +20,13 @@ const LEAST_CELLS: usize = 10;
 const FACTORS: [f64; 2] = [0.25, 4.0];
 
 /// The factor on the levels of a log whose logarithm an adjustment of differences gives.
-pub fn level_factor(ln: f64) -> f64 {
+pub(crate) fn level_factor(ln: f64) -> f64 {
     ln.exp().clamp(FACTORS[0], FACTORS[1])
 }
 
 /// Differences of the logarithms of levels where logs show the same ground. Each has all cells of a grid of about [`LEVEL_CELL_M`], 0 where it shows
 /// nothing; the overlaps name logs by their places in the list.
-pub fn level_differences(logs: &[Vec<u8>], grid: &Grid) -> Vec<LogOverlap> {
+pub(crate) fn level_differences(logs: &[Vec<u8>], grid: &Grid) -> Vec<LogOverlap> {
     let band = BLOCK_CELLS * grid.columns;
     let mut found = Vec::new();
     // A row of blocks at a time, which is little to hold of many logs.
@@ -44,12 +44,12 @@ pub fn level_differences(logs: &[Vec<u8>], grid: &Grid) -> Vec<LogOverlap> {
 }
 
 /// What all logs cover: west, south, east and north, metres; `None` when nothing is shown.
-pub fn joint_bounds(logs: &[MosaicLog]) -> Option<Bounds> {
+pub(crate) fn joint_bounds(logs: &[MosaicLog]) -> Option<Bounds> {
     bounds_of(logs.iter().map(|log| &*log.layout))
 }
 
 /// The grid that holds what all logs show, its edges at whole cells; `None` when nothing is shown.
-pub fn joint_grid(logs: &[MosaicLog], cell_m: f64) -> Option<Grid> {
+pub(crate) fn joint_grid(logs: &[MosaicLog], cell_m: f64) -> Option<Grid> {
     joint_bounds(logs).map(|bounds| grid_over(bounds, cell_m))
 }
 
@@ -59,7 +59,7 @@ pub fn joint_grid(logs: &[MosaicLog], cell_m: f64) -> Option<Grid> {
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn match_levels(
+pub(crate) fn match_levels(
     mut logs: Vec<MosaicLog>,
     settings: &MosaicSettings,
     progress: &Progress,

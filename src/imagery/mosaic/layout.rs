@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Cells along a tile's side.
-pub const TILE_CELLS: usize = 256;
+pub(crate) const TILE_CELLS: usize = 256;
 
 /// Longest way and pause between two pings that are joined: beyond them the log was interrupted.
 const LONGEST_STEP_M: f64 = 3.0;
@@ -103,7 +103,7 @@ struct Ranges {
 const BOXED: usize = 64;
 
 /// West, south, east and north, metres in the plane of the map.
-pub type Bounds = [f64; 4];
+pub(crate) type Bounds = [f64; 4];
 
 /// No ground at all: what every place enlarges.
 const NOWHERE: Bounds = [f64::MAX, f64::MAX, f64::MIN, f64::MIN];
@@ -523,7 +523,7 @@ fn joined(survey: &Survey, navigation: &Navigation, placed: &[Option<Placed>]) -
 }
 
 /// The way from a ping to the next, metres, where they are near enough to each other to show the ground between them.
-pub fn joined_way_m(survey: &Survey, navigation: &Navigation, ping: usize) -> Option<f64> {
+pub(crate) fn joined_way_m(survey: &Survey, navigation: &Navigation, ping: usize) -> Option<f64> {
     let (here, next) = (navigation.pings.get(ping)?, navigation.pings.get(ping + 1)?);
     let way_m = f64::hypot(next.east_m - here.east_m, next.north_m - here.north_m);
     let pause_s = survey.side_scan.get(ping + 1)?.time_s - survey.side_scan.get(ping)?.time_s;

@@ -12,7 +12,7 @@ const MOST_AVERAGED: usize = 16;
 
 /// What all lines of a picture have in common.
 #[derive(Clone, Copy)]
-pub struct Lines<'a> {
+pub(super) struct Lines<'a> {
     survey: &'a Survey,
     layout: &'a Layout,
     /// Where levels are normalised.
@@ -24,7 +24,7 @@ pub struct Lines<'a> {
 
 impl<'a> Lines<'a> {
     /// For cells of a size.
-    pub fn new(
+    pub(super) fn new(
         survey: &'a Survey,
         layout: &'a Layout,
         gain: &'a GainTable,
@@ -42,7 +42,7 @@ impl<'a> Lines<'a> {
 }
 
 /// A part of one side of a ping: each level is the mean over a cell on the ground, and over at least one sample.
-pub struct MosaicLine {
+pub(super) struct MosaicLine {
     side: Side,
     /// Which ping of the layout it is of, if any.
     of: Option<usize>,
@@ -62,7 +62,7 @@ pub struct MosaicLine {
 
 impl MosaicLine {
     /// Of nothing yet.
-    pub fn none(side: Side) -> Self {
+    pub(super) fn none(side: Side) -> Self {
         Self {
             side,
             of: None,
@@ -78,7 +78,7 @@ impl MosaicLine {
     }
 
     /// Level at a distance on the ground, NaN where none is known.
-    pub fn at(&self, ground_m: f64) -> f32 {
+    pub(super) fn at(&self, ground_m: f64) -> f32 {
         let place = (ground_m * self.per_m - self.steps.start as f64).max(0.0);
         let low = (place as usize).min(self.levels.len().saturating_sub(2));
         match self.levels.get(low..low + 2) {
@@ -89,7 +89,7 @@ impl MosaicLine {
 
     /// Reads the part of a ping's side that lies between two distances on the ground, unless it is there. The `margin_m` on both
     /// sides saves reading it again for a little more. False when there is nothing to read.
-    pub fn read(
+    pub(super) fn read(
         &mut self,
         lines: &Lines<'_>,
         place: usize,

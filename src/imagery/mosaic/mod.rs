@@ -27,18 +27,18 @@ mod paint;
 mod part;
 mod scan;
 
-pub use altitude::altitudes_m;
-pub use footprint::footprint;
-pub use gain::{GainTable, gain_table};
-pub use joint::{
+pub(crate) use altitude::altitudes_m;
+pub(crate) use footprint::footprint;
+pub(crate) use gain::{GainTable, gain_table};
+pub(crate) use joint::{
     LEVEL_CELL_M, joint_bounds, joint_grid, level_differences, level_factor, match_levels,
 };
-pub use layout::{Bounds, Layout, Ray, TILE_CELLS, TileIndex, joined_way_m};
-pub use overlap::Overlap;
+pub(crate) use layout::{Bounds, Layout, Ray, TILE_CELLS, TileIndex, joined_way_m};
+pub(crate) use overlap::Overlap;
 #[cfg(any(test, feature = "bench"))]
-pub use paint::tile;
-pub use paint::{MosaicLog, joint_tile, joint_window, window};
-pub use part::{MosaicPart, join_parts, part};
+pub(crate) use paint::tile;
+pub(crate) use paint::{MosaicLog, joint_tile, joint_window, window};
+pub(crate) use part::{MosaicPart, join_parts, part};
 
 use crate::support::presentation::colours;
 use serde::{Deserialize, Serialize};

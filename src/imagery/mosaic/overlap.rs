@@ -32,7 +32,7 @@ pub(super) struct CellSum {
 
 impl CellSum {
     /// Of one echo, or of all that a log shows of the cell.
-    pub fn of(level: f32, weight: f32) -> Self {
+    pub(super) fn of(level: f32, weight: f32) -> Self {
         Self {
             weighted: level * weight,
             weight,
@@ -40,7 +40,7 @@ impl CellSum {
     }
 
     /// 0 where nothing was seen, else 1 to 255.
-    pub fn level(&self) -> u8 {
+    pub(super) fn level(&self) -> u8 {
         match self.weight > 0.0 {
             true => (self.weighted / self.weight).round().clamp(1.0, 255.0) as u8,
             false => 0,
@@ -48,7 +48,7 @@ impl CellSum {
     }
 
     /// See [`CellSum::of`].
-    pub fn weight(&self) -> f32 {
+    pub(super) fn weight(&self) -> f32 {
         self.weight
     }
 }

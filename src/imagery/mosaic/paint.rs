@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// A piece of the mosaic.
 #[derive(Clone, Debug, PartialEq)]
-pub struct MosaicTile {
+pub(crate) struct MosaicTile {
     /// Rows of [`TILE_CELLS`] levels: 0 where nothing was seen, else 1 to 255.
     pub levels: Vec<u8>,
 }
@@ -52,7 +52,7 @@ impl<'a> Part<'a> {
 
 /// Draws the tile of a row and column of tiles. `gain` is used where the settings ask for it.
 #[cfg(any(test, feature = "bench"))]
-pub fn tile(
+pub(crate) fn tile(
     survey: &Survey,
     layout: &Layout,
     grid: &Grid,
@@ -72,7 +72,7 @@ pub fn tile(
 
 /// The same of several logs, each with its index: one after the other by the rule of `mosaic.overlap`, so the last of them counts
 /// for the latest.
-pub fn joint_tile(
+pub(crate) fn joint_tile(
     logs: &[(&MosaicLog, &TileIndex)],
     grid: &Grid,
     settings: &MosaicSettings,
@@ -134,7 +134,7 @@ fn painted<'a>(
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn window(
+pub(crate) fn window(
     survey: &Survey,
     layout: &Layout,
     grid: &Grid,
@@ -154,7 +154,7 @@ pub fn window(
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn joint_window<'a>(
+pub(crate) fn joint_window<'a>(
     logs: impl Iterator<Item = (&'a Survey, &'a Layout, &'a GainTable)>,
     grid: &Grid,
     settings: &MosaicSettings,

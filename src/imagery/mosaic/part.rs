@@ -8,7 +8,7 @@ use crate::bottom::bathymetry::Grid;
 
 /// What one log shows of a tile.
 #[derive(Clone, Debug, PartialEq)]
-pub struct MosaicPart {
+pub(crate) struct MosaicPart {
     /// Rows of [`TILE_CELLS`] levels: 0 where nothing was seen, else 1 to 255.
     pub levels: Vec<u8>,
     /// What each of them counts where it meets those of other logs, 0 where nothing was seen; empty where `mosaic.overlap` weighs nothing.
@@ -17,13 +17,13 @@ pub struct MosaicPart {
 
 impl MosaicPart {
     /// Whether no cell was seen.
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.levels.iter().all(|&level| level == 0)
     }
 
     /// The same with all levels times a factor.
     #[must_use]
-    pub fn brightened(mut self, factor: f32) -> Self {
+    pub(crate) fn brightened(mut self, factor: f32) -> Self {
         for level in self.levels.iter_mut().filter(|level| **level > 0) {
             *level = (f32::from(*level) * factor).round().clamp(1.0, 255.0) as u8;
         }
@@ -32,7 +32,7 @@ impl MosaicPart {
 }
 
 /// Draws what a log shows of the tile of a row and column of tiles.
-pub fn part(
+pub(crate) fn part(
     log: &MosaicLog,
     index: &TileIndex,
     grid: &Grid,
@@ -63,7 +63,7 @@ fn stepped(weight: f32) -> f32 {
 ///
 /// # Errors
 /// Those of the parts.
-pub fn join_parts<E>(
+pub(crate) fn join_parts<E>(
     parts: impl Iterator<Item = Result<MosaicPart, E>>,
     overlap: Overlap,
 ) -> Result<MosaicTile, E> {

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 /// Rows and columns of the cells, within so many columns and rows, whose middles lie in a polygon; its corners are counted in
 /// cells from the middle of the first.
-pub fn spans(
+pub(super) fn spans(
     corners: &[[f64; 2]; 4],
     columns: usize,
     rows: usize,

@@ -5,7 +5,7 @@ use super::log_picture::LogPicture;
 use crate::imagery::waterfall::Levels;
 
 /// Bars that a histogram is drawn with.
-pub const HISTOGRAM_BARS: usize = 128;
+pub(super) const HISTOGRAM_BARS: usize = 128;
 /// Bins that quantiles are counted in; of bytes as recorded each has one.
 const BINS: usize = 2048;
 /// The levels reach to where this share of the echoes lies below, and beyond it by this factor.
@@ -16,7 +16,7 @@ const LEAST_REACH: f32 = 64.0;
 
 /// The levels of a log's echoes after gain, stripe filter and balance.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Histogram {
+pub(crate) struct Histogram {
     /// Echoes in each of [`HISTOGRAM_BARS`] steps from 0 to `reach`.
     pub bars: Vec<u32>,
     /// The level where the last bar ends; 255 is the largest byte.
@@ -27,7 +27,7 @@ pub struct Histogram {
 
 impl Histogram {
     /// Of the echoes of a log, shown with some tone.
-    pub fn of(picture: &LogPicture, tone: &Tone) -> Self {
+    pub(crate) fn of(picture: &LogPicture, tone: &Tone) -> Self {
         let levels: Vec<f32> = picture.levels(tone).collect();
         if tone.is_plain() {
             let mut plain = Self::with_bins(&levels, 256, 256.0, picture.has_bottom());

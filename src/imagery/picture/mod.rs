@@ -16,11 +16,11 @@ mod settings;
 mod stripes;
 mod table;
 
-pub use histogram::Histogram;
-pub use log_picture::LogPicture;
-pub use scales::{Extremes, Geometry, PingScale, PingScales};
+pub(crate) use histogram::Histogram;
+pub(crate) use log_picture::LogPicture;
+pub(crate) use scales::{Extremes, Geometry, PingScale, PingScales};
 #[cfg(any(test, feature = "bench"))]
-pub use settings::LEAST_RANGE_M;
-pub use settings::{PictureSettings, Tone};
-pub use stripes::stripe_factors;
-pub use table::PingTable;
+pub(crate) use settings::LEAST_RANGE_M;
+pub(crate) use settings::{PictureSettings, Tone};
+pub(crate) use stripes::stripe_factors;
+pub(crate) use table::PingTable;

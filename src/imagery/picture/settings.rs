@@ -115,7 +115,7 @@ impl Tone {
 }
 
 /// Slant range below which time-varied gain does not change any more, metres: nothing is heard there but the pulse.
-pub const LEAST_RANGE_M: f32 = 0.05;
+pub(crate) const LEAST_RANGE_M: f32 = 0.05;
 
 #[cfg(test)]
 mod tests {

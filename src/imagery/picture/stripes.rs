@@ -27,7 +27,7 @@ const CHUNK: usize = 512;
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn stripe_factors(
+pub(crate) fn stripe_factors(
     survey: &Survey,
     scales: &PingScales,
     progress: &Progress,

@@ -13,7 +13,7 @@ const STORE_SHARE: u64 = 48;
 
 /// Ping and range extent of a survey's picture, and the metres that one bin of its finest level covers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RangeAxis {
+pub(crate) struct RangeAxis {
     /// Side-scan pings.
     pub pings: usize,
     /// Samples of both sides of all pings together.
@@ -32,7 +32,7 @@ pub struct RangeAxis {
 
 impl RangeAxis {
     /// The axis of a survey; `None` when no ping has a usable span. One pass over the spans, none over the samples.
-    pub fn of(survey: &Survey) -> Option<Self> {
+    pub(crate) fn of(survey: &Survey) -> Option<Self> {
         let (mut finest_m, mut far_m, mut samples) = (f64::INFINITY, 0.0_f64, 0_u64);
         for ping in survey.side_scan.iter() {
             for span in Side::BOTH.into_iter().filter_map(|side| ping.side(side)) {
@@ -61,7 +61,7 @@ impl RangeAxis {
     }
 
     /// Whether tiles of the other axis are tiles of this one: only the number of pings differs.
-    pub fn is_as_fine(&self, other: &Self) -> bool {
+    pub(crate) fn is_as_fine(&self, other: &Self) -> bool {
         let Self {
             bin_m,
             bins,
@@ -73,7 +73,7 @@ impl RangeAxis {
     }
 
     /// The reductions at which the whole survey fits one tile a side.
-    pub fn coarsest(&self) -> Level {
+    pub(crate) fn coarsest(&self) -> Level {
         let halvings = |extent: usize| {
             let tiles = extent.div_ceil(TILE).max(1);
             tiles.next_power_of_two().trailing_zeros() as u8
@@ -85,7 +85,7 @@ impl RangeAxis {
     }
 
     /// The level itself where its tiles are quick to make, else the nearest one that the store can give.
-    pub fn drawable(&self, level: Level) -> Level {
+    pub(crate) fn drawable(&self, level: Level) -> Level {
         if level.is_near() {
             return level;
         }

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::hash::Hash;
 
 /// Keeps what was used last, up to a number of bytes; what the current frame used is never dropped.
-pub struct Lru<K, V> {
+pub(crate) struct Lru<K, V> {
     entries: HashMap<K, Entry<V>>,
     bytes: usize,
     budget: usize,
@@ -19,7 +19,7 @@ struct Entry<V> {
 
 impl<K: Copy + Eq + Hash, V> Lru<K, V> {
     /// An empty cache of at most `budget` bytes.
-    pub fn new(budget: usize) -> Self {
+    pub(crate) fn new(budget: usize) -> Self {
         Self {
             entries: HashMap::new(),
             bytes: 0,
@@ -29,7 +29,7 @@ impl<K: Copy + Eq + Hash, V> Lru<K, V> {
     }
 
     /// Begins a frame: drops what was not used for longest until the budget is kept.
-    pub fn begin_frame(&mut self) {
+    pub(crate) fn begin_frame(&mut self) {
         if self.bytes > self.budget {
             let mut by_age: Vec<(u64, K)> = self
                 .entries
@@ -51,7 +51,7 @@ impl<K: Copy + Eq + Hash, V> Lru<K, V> {
     }
 
     /// Adds or replaces a value that takes `bytes`.
-    pub fn insert(&mut self, key: K, value: V, bytes: usize) {
+    pub(crate) fn insert(&mut self, key: K, value: V, bytes: usize) {
         let entry = Entry {
             value,
             bytes,
@@ -64,27 +64,27 @@ impl<K: Copy + Eq + Hash, V> Lru<K, V> {
     }
 
     /// A value, marked as used in this frame.
-    pub fn use_now(&mut self, key: &K) -> Option<&V> {
+    pub(crate) fn use_now(&mut self, key: &K) -> Option<&V> {
         let entry = self.entries.get_mut(key)?;
         entry.used = self.frame;
         Some(&entry.value)
     }
 
     /// Changes values in place.
-    pub fn change(&mut self, mut change: impl FnMut(&K, &mut V)) {
+    pub(crate) fn change(&mut self, mut change: impl FnMut(&K, &mut V)) {
         for (key, entry) in &mut self.entries {
             change(key, &mut entry.value);
         }
     }
 
     /// A value, without marking it.
-    pub fn peek(&self, key: &K) -> Option<&V> {
+    pub(crate) fn peek(&self, key: &K) -> Option<&V> {
         self.entries.get(key).map(|entry| &entry.value)
     }
 
     /// Bytes of all values.
     #[cfg(test)]
-    pub fn byte_count(&self) -> usize {
+    pub(crate) fn byte_count(&self) -> usize {
         self.bytes
     }
 }

@@ -15,7 +15,7 @@ pub(super) struct Coarse {
 
 impl Coarse {
     /// An empty store.
-    pub fn new(axis: &RangeAxis) -> Self {
+    pub(super) fn new(axis: &RangeAxis) -> Self {
         let level = axis.store;
         Self {
             level,
@@ -26,25 +26,25 @@ impl Coarse {
     }
 
     /// Goes on with a longer log: stretches that reach beyond the pings that stay are built again.
-    pub fn grow(&mut self, axis: &RangeAxis, unchanged: usize) {
+    pub(super) fn grow(&mut self, axis: &RangeAxis, unchanged: usize) {
         let stretch = TILE * self.level.pings();
         self.chunks.truncate(unchanged / stretch);
         self.chunk_count = axis.pings.div_ceil(stretch);
     }
 
     /// Whether all of it is built.
-    pub fn is_complete(&self) -> bool {
+    pub(super) fn is_complete(&self) -> bool {
         self.chunks.len() == self.chunk_count
     }
 
     /// How much of it is built, 0 to [`WaterfallTile::COMPLETE`].
-    pub fn completeness(&self) -> u8 {
+    pub(super) fn completeness(&self) -> u8 {
         let whole = self.chunk_count.max(1);
         (self.chunks.len() * usize::from(WaterfallTile::COMPLETE) / whole) as u8
     }
 
     /// Builds the first stretch that is missing, if any.
-    pub fn build_next(&mut self, survey: &Survey, axis: &RangeAxis) {
+    pub(super) fn build_next(&mut self, survey: &Survey, axis: &RangeAxis) {
         if self.is_complete() {
             return;
         }
@@ -57,7 +57,7 @@ impl Coarse {
     }
 
     /// A tile of this level or coarser, from what is built; its completeness says how much that was.
-    pub fn tile(&self, axis: &RangeAxis, key: WaterfallTileKey) -> WaterfallTile {
+    pub(super) fn tile(&self, axis: &RangeAxis, key: WaterfallTileKey) -> WaterfallTile {
         let (width, height) = size(axis, key);
         let step = Level {
             along: key.level.along - self.level.along,

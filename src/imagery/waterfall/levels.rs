@@ -4,7 +4,7 @@ use super::axis::is_usable;
 use crate::survey::{Side, SideScanState, SideSpan, Survey};
 
 /// Pings that are looked at, spread evenly over the survey: enough for stable quantiles, few enough to read at once.
-pub const MOST_SAMPLED_PINGS: usize = 256;
+pub(crate) const MOST_SAMPLED_PINGS: usize = 256;
 /// Part of each side next to the boat that is left out: there the transmit pulse rings, which says nothing of the bottom.
 const NEAR_SHARE: f64 = 0.1;
 /// Share of the echoes that lie at or below black.
@@ -18,7 +18,7 @@ const LEAST_WHITE: f64 = 32.0;
 
 /// Echoes shown as 0 and as 1, as shares of the largest byte. A property of the survey, not of what is in view.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Levels {
+pub(crate) struct Levels {
     /// Shown as 0.
     pub black: f32,
     /// Shown as 1; above `black`.
@@ -27,7 +27,7 @@ pub struct Levels {
 
 impl Levels {
     /// Bytes as recorded: 0 is black, 255 white.
-    pub const RECORDED: Self = Self {
+    pub(crate) const RECORDED: Self = Self {
         black: 0.0,
         white: 1.0,
     };
@@ -35,7 +35,7 @@ impl Levels {
     /// Levels at which a survey's echoes fill the colours: the 1st and 99th percentile of the echoes of up to 256 pings,
     /// away from the transmit pulse, with a little headroom. The same survey always gives the same levels. Noise
     /// without a bottom stays as recorded: amplified, it would pass for a picture.
-    pub fn of(survey: &Survey) -> Self {
+    pub(crate) fn of(survey: &Survey) -> Self {
         if survey.side_scan_state != SideScanState::Usable {
             return Self::RECORDED;
         }
@@ -47,7 +47,7 @@ impl Levels {
     }
 
     /// Levels at which echoes fill the colours that were counted in steps of `step`, from 0.
-    pub fn of_counts(counts: &[u64], step: f32) -> Self {
+    pub(crate) fn of_counts(counts: &[u64], step: f32) -> Self {
         let [Some(low), Some(high)] =
             [BLACK_QUANTILE, WHITE_QUANTILE].map(|share| quantile(counts, share))
         else {
@@ -65,7 +65,7 @@ impl Levels {
 }
 
 /// The first sample of a side beyond the transmit pulse; `None` where its scale cannot be drawn.
-pub fn beyond_pulse(span: &SideSpan) -> Option<usize> {
+pub(crate) fn beyond_pulse(span: &SideSpan) -> Option<usize> {
     is_usable(span).then_some((f64::from(span.count) * NEAR_SHARE) as usize)
 }
 

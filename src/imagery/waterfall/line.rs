@@ -10,7 +10,7 @@ const STORED: u8 = 4;
 
 /// Smallest and largest slant range of a stretch of pings.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LineSpan {
+pub(crate) struct LineSpan {
     /// Metres; infinite when the stretch has no value.
     pub min_m: f32,
     /// Metres; minus infinity when the stretch has no value.
@@ -21,7 +21,7 @@ pub struct LineSpan {
 
 impl LineSpan {
     /// No value: a gap in the line.
-    pub const GAP: LineSpan = LineSpan {
+    pub(crate) const GAP: LineSpan = LineSpan {
         min_m: f32::INFINITY,
         max_m: f32::NEG_INFINITY,
         doubtful: true,
@@ -40,12 +40,12 @@ impl LineSpan {
     }
 
     /// Whether there is no value.
-    pub fn is_gap(&self) -> bool {
+    pub(crate) fn is_gap(&self) -> bool {
         self.min_m > self.max_m
     }
 
     /// Both ends, drawn out until they touch those of the stretch before, metres.
-    pub fn reaching(&self, before: &Self) -> [f32; 2] {
+    pub(crate) fn reaching(&self, before: &Self) -> [f32; 2] {
         if before.is_gap() {
             return [self.min_m, self.max_m];
         }
@@ -53,7 +53,7 @@ impl LineSpan {
     }
 
     /// With both ends moved; a gap stays one.
-    pub fn moved(&self, to: impl Fn(f32) -> f32) -> Self {
+    pub(crate) fn moved(&self, to: impl Fn(f32) -> f32) -> Self {
         if self.is_gap() {
             return *self;
         }
@@ -75,7 +75,7 @@ impl LineSpan {
 
 /// Extremes of a line over every aligned stretch of 16, 32, 64 ... pings. Takes about 1.5 bytes a ping.
 #[derive(Debug)]
-pub struct RangeLine {
+pub(crate) struct RangeLine {
     levels: Vec<Vec<LineSpan>>,
 }
 
@@ -98,7 +98,7 @@ impl RangeLine {
     }
 
     /// The recorded depth of every ping.
-    pub fn depth(survey: &Survey) -> Self {
+    pub(crate) fn depth(survey: &Survey) -> Self {
         Self::new(survey.side_scan.len(), |ping| depth_at(survey, ping))
     }
 
@@ -115,7 +115,7 @@ fn join(spans: impl Iterator<Item = LineSpan>) -> LineSpan {
 
 /// The first returns of both sides, ready to draw at any zoom.
 #[derive(Debug)]
-pub struct PickLines {
+pub(crate) struct PickLines {
     /// What they were made from.
     pub returns: Arc<FirstReturns>,
     sides: [RangeLine; 2],
@@ -123,7 +123,7 @@ pub struct PickLines {
 
 impl PickLines {
     /// Makes the lines: one pass over the picks.
-    pub fn new(survey: &Survey, returns: Arc<FirstReturns>) -> Self {
+    pub(crate) fn new(survey: &Survey, returns: Arc<FirstReturns>) -> Self {
         let line = |side| {
             RangeLine::new(survey.side_scan.len(), |ping| {
                 pick_at(survey, &returns, side, ping)
@@ -136,7 +136,7 @@ impl PickLines {
 
 /// What a line is drawn from: the values themselves where few pings share a column, else the stored extremes.
 #[derive(Clone, Copy)]
-pub enum LineStep<'a> {
+pub(crate) enum LineStep<'a> {
     /// First returns of a side. The stored extremes may be those of older picks while the threshold is dragged.
     Picks {
         /// The picks to draw.
@@ -152,7 +152,7 @@ pub enum LineStep<'a> {
 
 impl LineStep<'_> {
     /// Extremes over the aligned stretch number `index` of `2^halvings` pings. Reads 8 pings at most.
-    pub fn span(&self, survey: &Survey, halvings: u8, index: usize) -> LineSpan {
+    pub(crate) fn span(&self, survey: &Survey, halvings: u8, index: usize) -> LineSpan {
         if halvings >= STORED {
             return match self {
                 LineStep::Picks { lines, side, .. } => lines.map_or(LineSpan::GAP, |lines| {

@@ -18,9 +18,9 @@ mod testing;
 mod tile;
 mod worker;
 
-pub use axis::RangeAxis;
-pub use cache::Lru;
-pub use levels::{Levels, MOST_SAMPLED_PINGS, beyond_pulse};
-pub use line::{LineSpan, LineStep, PickLines, RangeLine};
-pub use tile::{Level, TILE, Want, WaterfallTile, WaterfallTileKey};
-pub use worker::{Made, Tiler};
+pub(crate) use axis::RangeAxis;
+pub(crate) use cache::Lru;
+pub(crate) use levels::{Levels, MOST_SAMPLED_PINGS, beyond_pulse};
+pub(crate) use line::{LineSpan, LineStep, PickLines, RangeLine};
+pub(crate) use tile::{Level, TILE, Want, WaterfallTile, WaterfallTileKey};
+pub(crate) use worker::{Made, Tiler};

@@ -3,11 +3,11 @@
 use crate::survey::Side;
 
 /// Texels of a tile along each axis, at most.
-pub const TILE: usize = 512;
+pub(crate) const TILE: usize = 512;
 
 /// Power-of-two reductions: a texel covers `2^along` pings and `2^across` bins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct Level {
+pub(crate) struct Level {
     /// Halvings along the track.
     pub along: u8,
     /// Halvings of the range axis.
@@ -16,29 +16,29 @@ pub struct Level {
 
 impl Level {
     /// Pings in a texel.
-    pub fn pings(self) -> usize {
+    pub(crate) fn pings(self) -> usize {
         1 << self.along
     }
 
     /// Bins in a texel.
-    pub fn bins(self) -> usize {
+    pub(crate) fn bins(self) -> usize {
         1 << self.across
     }
 
     /// Whether a tile of this level is quick to make from the samples: 64 million of them at most, 0.1 s or so.
-    pub fn is_near(self) -> bool {
+    pub(crate) fn is_near(self) -> bool {
         self.along + self.across <= 8
     }
 
     /// Whether the other level can be reduced from this one.
-    pub fn is_finer_or_equal(self, other: Level) -> bool {
+    pub(crate) fn is_finer_or_equal(self, other: Level) -> bool {
         self.along <= other.along && self.across <= other.across
     }
 }
 
 /// A tile's place in the pyramid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct WaterfallTileKey {
+pub(crate) struct WaterfallTileKey {
     /// Side of the boat.
     pub side: Side,
     /// How much it is reduced.
@@ -51,24 +51,24 @@ pub struct WaterfallTileKey {
 
 impl WaterfallTileKey {
     /// First ping of the tile.
-    pub fn first_ping(&self) -> usize {
+    pub(crate) fn first_ping(&self) -> usize {
         self.column as usize * TILE * self.level.pings()
     }
 
     /// One past the last ping that the tile can hold.
-    pub fn end_ping(&self) -> usize {
+    pub(crate) fn end_ping(&self) -> usize {
         self.first_ping() + TILE * self.level.pings()
     }
 
     /// First bin of the tile.
-    pub fn first_bin(&self) -> usize {
+    pub(crate) fn first_bin(&self) -> usize {
         self.row as usize * TILE * self.level.bins()
     }
 }
 
 /// A tile that a view would like to draw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Want {
+pub(crate) struct Want {
     /// Which.
     pub key: WaterfallTileKey,
     /// How complete the one is that the view has ([`WaterfallTile::completeness`]); `None` when it has none.
@@ -80,7 +80,7 @@ pub struct Want {
 /// 0 means that nothing was recorded there; a recorded 0 is stored as 1. The rows are pings, and within a row the texels
 /// go outward from the boat.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct WaterfallTile {
+pub(crate) struct WaterfallTile {
     /// Its place.
     pub key: WaterfallTileKey,
     /// Texels in a row.
@@ -95,10 +95,10 @@ pub struct WaterfallTile {
 
 impl WaterfallTile {
     /// [`WaterfallTile::completeness`] of a tile that will not change any more.
-    pub const COMPLETE: u8 = 16;
+    pub(crate) const COMPLETE: u8 = 16;
 
     /// Bytes of its texels.
-    pub fn byte_count(&self) -> usize {
+    pub(crate) fn byte_count(&self) -> usize {
         self.texels.len() * 2
     }
 }

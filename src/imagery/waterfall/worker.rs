@@ -12,7 +12,7 @@ use std::thread::JoinHandle;
 const UNSETTLED: usize = 256;
 
 /// Something that the worker finished.
-pub enum Made {
+pub(crate) enum Made {
     /// The picture's extent; comes first. `None`, and nothing after it, when no side-scan ping has a usable range.
     Axis(Option<RangeAxis>),
     /// The levels that suit the survey; come before the first tile, so that no picture changes its tone.
@@ -34,7 +34,7 @@ pub enum Made {
 }
 
 /// Makes what a waterfall draws, on a thread of its own that ends when this is dropped.
-pub struct Tiler {
+pub(crate) struct Tiler {
     shared: Arc<Shared>,
     made: mpsc::Receiver<Made>,
     thread: JoinHandle<()>,
@@ -63,7 +63,7 @@ impl Shared {
 
 impl Tiler {
     /// Starts the worker. It calls `waker` whenever there is something to poll.
-    pub fn start(survey: Arc<Survey>, waker: impl Fn() + Send + 'static) -> Self {
+    pub(crate) fn start(survey: Arc<Survey>, waker: impl Fn() + Send + 'static) -> Self {
         let shared = Arc::new(Shared::default());
         let (sender, made) = mpsc::channel();
         let orders = shared.clone();
@@ -90,13 +90,13 @@ impl Tiler {
     }
 
     /// Whether the worker makes nothing any more: there was no picture to make, or it died.
-    pub fn has_ended(&self) -> bool {
+    pub(crate) fn has_ended(&self) -> bool {
         self.thread.is_finished()
     }
 
     /// Replaces the list of requested tiles, most requested first. Ones that were requested before and are not any more are
     /// forgotten, so a fast scroll leaves no queue behind.
-    pub fn want(&self, mut tiles: Vec<Want>) {
+    pub(crate) fn want(&self, mut tiles: Vec<Want>) {
         let mut orders = self.shared.lock();
         tiles.retain(|want| Some(want.key) != orders.making);
         if orders.tiles != tiles {
@@ -106,19 +106,19 @@ impl Tiler {
     }
 
     /// Asks for lines of these picks; the newest request wins.
-    pub fn want_picks(&self, returns: Arc<FirstReturns>) {
+    pub(crate) fn want_picks(&self, returns: Arc<FirstReturns>) {
         self.shared.lock().picks = Some(returns);
         self.shared.changed.notify_one();
     }
 
     /// Goes on with a later state of the log; the newest wins.
-    pub fn grow(&self, survey: Arc<Survey>) {
+    pub(crate) fn grow(&self, survey: Arc<Survey>) {
         self.shared.lock().grown = Some(survey);
         self.shared.changed.notify_one();
     }
 
     /// The next finished thing.
-    pub fn poll(&self) -> Option<Made> {
+    pub(crate) fn poll(&self) -> Option<Made> {
         self.made.try_recv().ok()
     }
 }

@@ -8,9 +8,9 @@ mod error;
 mod reference;
 mod tables;
 
-pub use error::{AgreementError, ReferenceFault};
-pub use reference::{MissionLog, Reference, positions};
-pub use tables::ResidualTables;
+pub(crate) use error::{AgreementError, ReferenceFault};
+pub(crate) use reference::{MissionLog, Reference, positions};
+pub(crate) use tables::ResidualTables;
 
 use super::{ProcessedLog, Products};
 use crate::bottom::bathymetry::compare::{self, Comparison, Match, Matching};
@@ -21,7 +21,7 @@ use std::sync::Arc;
 
 /// Points of one or several logs and how they differ from a reference, measured minus reference elevation: up is positive.
 #[derive(Clone, Debug)]
-pub struct Agreement {
+pub(crate) struct Agreement {
     /// The points, log by log.
     pub logs: Vec<LogDifferences>,
     /// What they were compared with; `None` for the survey's own soundings.
@@ -36,7 +36,7 @@ pub struct Agreement {
 
 /// The points of a log that have a reference.
 #[derive(Clone, Debug)]
-pub struct LogDifferences {
+pub(crate) struct LogDifferences {
     /// The cloud that they are of.
     pub cloud: Arc<PointCloud>,
     /// Points that were compared with the reference.
@@ -58,7 +58,7 @@ impl Agreement {
     ///
     /// # Errors
     /// When the work was cancelled.
-    pub fn with_soundings(
+    pub(crate) fn with_soundings(
         logs: &[ProcessedLog],
         progress: &Progress,
     ) -> Result<Option<Self>, Cancelled> {
@@ -78,7 +78,7 @@ impl Agreement {
     ///
     /// # Errors
     /// When there is no log, the reference lies elsewhere, or the work was cancelled.
-    pub fn with_reference(
+    pub(crate) fn with_reference(
         logs: &[ProcessedLog],
         reference: &Arc<Reference>,
         matching: Matching,
@@ -144,13 +144,13 @@ impl Agreement {
     }
 
     /// All differences, log by log, each with the cloud that its `measured` is the index in.
-    pub fn differences(&self) -> impl Iterator<Item = (&PointCloud, &Match)> {
+    pub(crate) fn differences(&self) -> impl Iterator<Item = (&PointCloud, &Match)> {
         let logs = self.logs.iter();
         logs.flat_map(|log| log.differences.iter().map(|one| (&*log.cloud, one)))
     }
 
     /// The statistics of each log by itself.
-    pub fn comparison_of_each(&self, logs: &[ProcessedLog]) -> Vec<Comparison> {
+    pub(crate) fn comparison_of_each(&self, logs: &[ProcessedLog]) -> Vec<Comparison> {
         let each = self.logs.iter().zip(logs);
         each.map(|(found, log)| {
             let level_m = log.products.correction.middle_level_m();
@@ -208,7 +208,7 @@ fn by_log(logs: &[ProcessedLog], chosen: &[Chosen], differences: &[Match]) -> Ve
 }
 
 /// How a point finds its reference, in words.
-pub fn matching_in_words(matching: Matching) -> String {
+pub(crate) fn matching_in_words(matching: Matching) -> String {
     match matching {
         Matching::Nearest { radius_m } => format!("nearest point within {radius_m} m"),
         Matching::Surface { max_gap_m } => format!("triangulated surface, gap {max_gap_m} m"),

@@ -224,7 +224,7 @@ impl MissionLog {
 }
 
 /// Longitude, latitude and elevation of the points that a depth map of a survey is made of.
-pub fn positions(survey: &Survey, products: &Products) -> Vec<Position> {
+pub(crate) fn positions(survey: &Survey, products: &Products) -> Vec<Position> {
     let counted = super::counted(products).into_iter();
     let points = counted.map(|index| &products.cloud.points[index]);
     let positions = points.map(|point| {

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 /// Differences of points from a reference, measured minus reference elevation, sorted.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ResidualTables {
+pub(crate) struct ResidualTables {
     /// By the depth of the reference there, metres.
     pub by_depth_m: Vec<Bin>,
     /// By the across-track distance, metres: port below 0, starboard above.

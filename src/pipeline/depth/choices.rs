@@ -11,7 +11,7 @@ use serde::Serialize;
 
 /// Side-scan against soundings with one geometry and one calibration.
 #[derive(Serialize)]
-pub struct Choice {
+pub(crate) struct Choice {
     geometry: Geometry,
     calibration: &'static str,
     /// Whether these are the settings of the products.
@@ -58,7 +58,7 @@ const CALIBRATIONS: [(&str, ScaleMode, PpdReach, OffsetMode); 4] = [
 
 /// One line for each combination that gives points over the soundings; a flat spot that gives no scale has none. The outlier filter
 /// runs for each.
-pub fn choices(
+pub(crate) fn choices(
     survey: &Survey,
     products: &Products,
     progress: &Progress,

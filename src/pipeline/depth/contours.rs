@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 /// What is drawn of a depth map.
 #[derive(Clone, Debug)]
-pub struct Contours {
+pub(crate) struct Contours {
     /// Lines of equal depth.
     pub isobaths: Arc<Isobaths>,
     /// The areas between them.
@@ -24,7 +24,7 @@ impl Contours {
     ///
     /// # Errors
     /// When the work was cancelled.
-    pub fn new(
+    pub(crate) fn new(
         depth_map: &DepthMap,
         isobaths: Arc<Isobaths>,
         progress: &Progress,

@@ -11,7 +11,7 @@ use serde::Serialize;
 
 /// The differences at the crossings, and their statistics.
 #[derive(Serialize)]
-pub struct Crosslines {
+pub(crate) struct Crosslines {
     sign: &'static str,
     least_angle_deg: f64,
     reach_m: f64,
@@ -41,7 +41,7 @@ struct Listed {
 
 impl Crosslines {
     /// How late the positions of each log are; `None` where the crossings do not tell.
-    pub fn latencies(&self) -> &[Option<LogLatency>] {
+    pub(crate) fn latencies(&self) -> &[Option<LogLatency>] {
         &self.latencies
     }
 }
@@ -58,7 +58,7 @@ const MOST_LISTED: usize = 10_000;
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn crosslines(
+pub(crate) fn crosslines(
     logs: &[ProcessedLog],
     names: &[String],
     progress: &Progress,

@@ -9,7 +9,7 @@ use crate::support::geo::{Crs, CrsError, LonLat, MapPlane};
 use crate::survey::{Navigation, Survey, Track};
 
 /// The cloud and the plane that its maps are drawn in.
-pub struct Plane<'a> {
+pub(crate) struct Plane<'a> {
     /// The plane.
     pub map: MapPlane,
     /// The log.
@@ -23,13 +23,13 @@ impl<'a> Plane<'a> {
     ///
     /// # Errors
     /// When the system is not known, or does not fit the place.
-    pub fn of(survey: &'a Survey, products: &'a Products) -> Result<Self, CrsError> {
+    pub(crate) fn of(survey: &'a Survey, products: &'a Products) -> Result<Self, CrsError> {
         let map = map_plane(survey, &products.settings)?;
         Ok(Self::new(survey, products, map))
     }
 
     /// The same, in the UTM zone where the system does not fit.
-    pub fn or_utm(survey: &'a Survey, products: &'a Products) -> Self {
+    pub(crate) fn or_utm(survey: &'a Survey, products: &'a Products) -> Self {
         let origin = survey.track.frame.origin();
         let utm = |_| MapPlane::new(Crs::utm(origin), origin);
         let map = map_plane(survey, &products.settings).unwrap_or_else(utm);
@@ -37,7 +37,7 @@ impl<'a> Plane<'a> {
     }
 
     /// The cloud of one of several logs, in the plane that all of them share.
-    pub fn new(survey: &'a Survey, products: &'a Products, map: MapPlane) -> Self {
+    pub(crate) fn new(survey: &'a Survey, products: &'a Products, map: MapPlane) -> Self {
         Self {
             map,
             survey,
@@ -47,12 +47,12 @@ impl<'a> Plane<'a> {
     }
 
     /// Longitude and latitude of a place in the plane.
-    pub fn to_lon_lat(&self, place: [f64; 2]) -> LonLat {
+    pub(crate) fn to_lon_lat(&self, place: [f64; 2]) -> LonLat {
         self.map.to_lon_lat(place)
     }
 
     /// Easting, northing and elevation of some of the kept points, metres.
-    pub fn points(
+    pub(crate) fn points(
         &self,
         products: &Products,
         chosen: impl Fn(&CloudPoint) -> bool,
@@ -65,7 +65,7 @@ impl<'a> Plane<'a> {
     }
 
     /// The kept points that count for the surface, as weighted depths.
-    pub fn depth_points(&self, products: &Products) -> Vec<DepthPoint> {
+    pub(crate) fn depth_points(&self, products: &Products) -> Vec<DepthPoint> {
         let (cloud, classes) = (&products.cloud, &products.classes);
         depth_points(cloud, classes, &products.settings.surface, |p| {
             self.place(p)

@@ -4,7 +4,7 @@ use crate::bottom::bathymetry::{DepthPoint, SurfaceSettings};
 use crate::bottom::cloud::{CloudPoint, PointClass, PointCloud, PointSource};
 
 /// The kept points of a cloud that count for a surface, as weighted depths; `place` gives east, north and elevation in its plane.
-pub fn depth_points(
+pub(crate) fn depth_points(
     cloud: &PointCloud,
     classes: &[PointClass],
     settings: &SurfaceSettings,

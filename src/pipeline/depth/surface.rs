@@ -15,7 +15,7 @@ use crate::support::progress::{Cancelled, Progress};
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn joint_depth_surface(
+pub(crate) fn joint_depth_surface(
     logs: &[ProcessedLog],
     map: &MapPlane,
     progress: &Progress,
@@ -40,7 +40,7 @@ pub fn joint_depth_surface(
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn joint_depth_points(
+pub(crate) fn joint_depth_points(
     logs: &[ProcessedLog],
     map: &MapPlane,
     progress: &Progress,

@@ -6,7 +6,7 @@ use crate::survey::{PingNav, Side, Survey};
 
 /// What depths from levels read of a log; `place` gives east and north in the plane for those of the survey, metres. Pings that count for
 /// nothing have no place. Without usable side-scan there is none.
-pub fn log_echoes<'a>(
+pub(crate) fn log_echoes<'a>(
     survey: &'a Survey,
     products: &Products,
     place: impl Fn([f64; 2]) -> [f64; 2],

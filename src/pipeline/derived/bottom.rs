@@ -74,7 +74,7 @@ impl BottomColour {
 
 /// What a bottom is made of; equal keys give equal bottoms.
 #[derive(Clone, PartialEq)]
-pub struct BottomKey {
+pub(crate) struct BottomKey {
     depth_map: Same<DepthMap>,
     mosaic: Option<MosaicKey>,
     colour: BottomColour,
@@ -83,7 +83,7 @@ pub struct BottomKey {
 
 impl BottomKey {
     /// Of a depth map, with the mosaic of some logs where that is shown.
-    pub fn of(
+    pub(crate) fn of(
         depth_map: &Arc<DepthMap>,
         logs: &[ProcessedLog],
         colour: BottomColour,

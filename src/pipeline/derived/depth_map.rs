@@ -14,7 +14,7 @@ use std::sync::{Arc, OnceLock};
 
 /// What a depth map is made of; equal keys give equal maps.
 #[derive(Clone, PartialEq)]
-pub struct DepthMapKey(Vec<LogKey>);
+pub(crate) struct DepthMapKey(Vec<LogKey>);
 
 #[derive(Clone, PartialEq)]
 struct LogKey {
@@ -28,7 +28,7 @@ struct LogKey {
 
 impl DepthMapKey {
     /// Of the results of some logs.
-    pub fn of(logs: &[ProcessedLog]) -> Self {
+    pub(crate) fn of(logs: &[ProcessedLog]) -> Self {
         let key = |ProcessedLog { survey, products }: &ProcessedLog| LogKey {
             survey: Same(survey.clone()),
             navigation: Same(products.navigation.clone()),

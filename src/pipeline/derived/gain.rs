@@ -9,7 +9,7 @@ use crate::survey::{Exclusions, Navigation, Survey};
 
 /// What the side-scan of a log is laid out by on the ground; equal keys give equal layouts.
 #[derive(Clone, PartialEq)]
-pub struct SideScanKey {
+pub(super) struct SideScanKey {
     survey: Same<Survey>,
     navigation: Same<Navigation>,
     bottom_line: Same<FirstReturns>,
@@ -20,7 +20,7 @@ pub struct SideScanKey {
 
 impl SideScanKey {
     /// Of the results of a log.
-    pub fn of(ProcessedLog { survey, products }: &ProcessedLog) -> Self {
+    pub(super) fn of(ProcessedLog { survey, products }: &ProcessedLog) -> Self {
         Self {
             survey: Same(survey.clone()),
             navigation: Same(products.navigation.clone()),
@@ -34,14 +34,14 @@ impl SideScanKey {
 
 /// What a gain table is made of; equal keys give equal tables.
 #[derive(Clone, PartialEq)]
-pub struct GainKey {
+pub(super) struct GainKey {
     side_scan: SideScanKey,
     most_turn_deg_s: f64,
 }
 
 impl GainKey {
     /// Of the results of a log.
-    pub fn of(log: &ProcessedLog) -> Self {
+    pub(super) fn of(log: &ProcessedLog) -> Self {
         Self {
             side_scan: SideScanKey::of(log),
             most_turn_deg_s: log.products.settings.mosaic.most_turn_deg_s,
@@ -50,7 +50,10 @@ impl GainKey {
 }
 
 /// The table over the pings that a mosaic shows; over all of them where the boat's place is not known.
-pub fn made(log: &ProcessedLog, progress: &Progress) -> Result<Option<GainTable>, Cancelled> {
+pub(super) fn made(
+    log: &ProcessedLog,
+    progress: &Progress,
+) -> Result<Option<GainTable>, Cancelled> {
     let ProcessedLog { survey, products } = log;
     let table = |layout: &Layout| match layout.has_rays() {
         true => gain_table(survey, layout, progress).map(Some),

@@ -15,14 +15,14 @@ const LEAST_LENGTH_M: f64 = 0.01;
 
 /// What isobaths are made of; equal keys give equal lines.
 #[derive(Clone, PartialEq)]
-pub struct IsobathKey {
+pub(crate) struct IsobathKey {
     depth_map: Same<DepthMap>,
     settings: IsobathSettings,
 }
 
 impl IsobathKey {
     /// Of a depth map by `isobaths.*`.
-    pub fn of(depth_map: &Arc<DepthMap>, settings: &IsobathSettings) -> Self {
+    pub(crate) fn of(depth_map: &Arc<DepthMap>, settings: &IsobathSettings) -> Self {
         Self {
             depth_map: Same(depth_map.clone()),
             settings: settings.clone(),

@@ -7,7 +7,7 @@ use crate::survey::Relief;
 
 /// What a log is laid out by; equal keys give equal layouts.
 #[derive(Clone, PartialEq)]
-pub struct LayoutKey {
+pub(super) struct LayoutKey {
     side_scan: SideScanKey,
     relief: Same<Relief>,
     most_turn_deg_s: f64,
@@ -16,7 +16,7 @@ pub struct LayoutKey {
 
 impl LayoutKey {
     /// Of the results of a log.
-    pub fn of(log: &ProcessedLog) -> Self {
+    pub(super) fn of(log: &ProcessedLog) -> Self {
         let settings = &log.products.settings.mosaic;
         Self {
             side_scan: SideScanKey::of(log),
@@ -28,6 +28,6 @@ impl LayoutKey {
 }
 
 /// The layout of a log in its own plane.
-pub fn made(ProcessedLog { survey, products }: &ProcessedLog) -> Layout {
+pub(super) fn made(ProcessedLog { survey, products }: &ProcessedLog) -> Layout {
     mosaic_layout_by(survey, products, |place| place)
 }

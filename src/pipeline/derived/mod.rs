@@ -20,11 +20,13 @@ mod mosaic;
 mod node;
 mod picture;
 
-pub use bottom::{Bottom, BottomColour, BottomKey, CornerGround};
-pub use depth_map::{DepthMap, DepthMapKey};
-pub use isobaths::{IsobathKey, Isobaths};
-pub use mosaic::{FINEST, Mosaic, MosaicKey, MosaicPlane};
-pub use picture::PictureKey;
+pub(crate) use bottom::{Bottom, BottomColour, BottomKey, CornerGround};
+pub use depth_map::DepthMap;
+pub(crate) use depth_map::DepthMapKey;
+pub(crate) use isobaths::{IsobathKey, Isobaths};
+pub(crate) use mosaic::{FINEST, MosaicKey};
+pub use mosaic::{Mosaic, MosaicPlane};
+pub(crate) use picture::PictureKey;
 
 use crate::bottom::bathymetry::isobaths::{IsobathSettings, NoIsobaths};
 use crate::imagery::mosaic::{GainTable, Layout};

@@ -13,7 +13,7 @@ use crate::survey::Relief;
 use std::sync::{Arc, OnceLock};
 
 /// The finest level of detail worth drawing, 2 to this in metres: recorders' samples are about as long.
-pub const FINEST: i8 = -6;
+pub(crate) const FINEST: i8 = -6;
 /// Levels of detail, each twice as coarse as the one before, from the finest to what shows a continent.
 const LEVELS: usize = 32;
 /// Pings are left out of a level where neither the boat nor the ends of its swath move farther than this share of a cell.
@@ -30,7 +30,7 @@ pub enum MosaicPlane {
 
 /// What a mosaic is made of; equal keys give equal mosaics.
 #[derive(Clone, PartialEq)]
-pub struct MosaicKey {
+pub(crate) struct MosaicKey {
     plane: MosaicPlane,
     logs: Vec<LogKey>,
 }
@@ -44,7 +44,7 @@ struct LogKey {
 
 impl MosaicKey {
     /// Of the results of some logs. Cells and colours do not matter: they are chosen when it is drawn.
-    pub fn of(logs: &[ProcessedLog], plane: MosaicPlane) -> Self {
+    pub(crate) fn of(logs: &[ProcessedLog], plane: MosaicPlane) -> Self {
         let MosaicSettings {
             cell_m, colours, ..
         } = MosaicSettings::default();

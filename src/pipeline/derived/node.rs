@@ -9,7 +9,7 @@ const WAIT: Duration = Duration::from_millis(5);
 
 /// The last results of one kind, each with its key: equal keys give equal results, so none is made twice. Two who ask for the same at
 /// once get the work of one.
-pub struct Node<K, T> {
+pub(super) struct Node<K, T> {
     kept: Mutex<Vec<(K, T)>>,
     /// Most that all results together may weigh.
     most: usize,
@@ -18,12 +18,12 @@ pub struct Node<K, T> {
 
 impl<K: PartialEq, T: Clone> Node<K, T> {
     /// Keeps at most so many results; the oldest goes.
-    pub fn keeping(most: usize) -> Self {
+    pub(super) fn keeping(most: usize) -> Self {
         Self::weighing(most, |_| 1)
     }
 
     /// Keeps results that together weigh so much at most; the oldest go. The last one stays, whatever it weighs.
-    pub fn weighing(most: usize, weight: fn(&T) -> usize) -> Self {
+    pub(super) fn weighing(most: usize, weight: fn(&T) -> usize) -> Self {
         Self {
             kept: Mutex::default(),
             most,
@@ -35,7 +35,7 @@ impl<K: PartialEq, T: Clone> Node<K, T> {
     ///
     /// # Errors
     /// When the work was cancelled, or the wait for it.
-    pub fn get(
+    pub(super) fn get(
         &self,
         key: K,
         progress: &Progress,

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 /// What a log is shown with depends on this alone; levels, balance and time-varied gain are numbers that act on top.
 #[derive(Clone, PartialEq)]
-pub struct PictureKey {
+pub(crate) struct PictureKey {
     of: GainKey,
     is_normalised: bool,
     is_even: bool,
@@ -17,7 +17,7 @@ pub struct PictureKey {
 
 impl PictureKey {
     /// Of the results of a log and its picture settings.
-    pub fn of(log: &ProcessedLog) -> Self {
+    pub(crate) fn of(log: &ProcessedLog) -> Self {
         let picture = &log.products.settings.picture;
         Self {
             of: GainKey::of(log),
@@ -27,13 +27,13 @@ impl PictureKey {
     }
 
     /// Whether gain is normalised.
-    pub fn is_normalised(&self) -> bool {
+    pub(crate) fn is_normalised(&self) -> bool {
         self.is_normalised
     }
 }
 
 /// Of a log whose results are provisional: without the factors of the stripe filter.
-pub fn growing(
+pub(super) fn growing(
     ProcessedLog { survey, products }: &ProcessedLog,
     gain: Option<Arc<GainTable>>,
     progress: &Progress,
@@ -43,7 +43,7 @@ pub fn growing(
     LogPicture::new(survey, Arc::new(scales), gain, None, progress)
 }
 
-pub fn made(
+pub(super) fn made(
     log: &ProcessedLog,
     gain: Option<Arc<GainTable>>,
     progress: &Progress,

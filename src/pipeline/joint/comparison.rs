@@ -10,7 +10,7 @@ use crate::support::progress::{Cancelled, Progress};
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn compare_logs(
+pub(crate) fn compare_logs(
     measured: &[&ProcessedLog],
     reference: &[&ProcessedLog],
     progress: &Progress,

@@ -25,7 +25,7 @@ pub struct CrosslineAnalysis {
 
 /// The depths under the boat of a log in time order, corrected as its cloud is: the kept soundings. A log without any gives the depths
 /// of its first returns.
-pub fn track_depths(log: &ProcessedLog) -> Vec<TrackDepth> {
+pub(crate) fn track_depths(log: &ProcessedLog) -> Vec<TrackDepth> {
     let survey = &log.survey;
     let soundings = log
         .kept_points()
@@ -64,7 +64,7 @@ fn is_finite(depth: &TrackDepth) -> bool {
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn height_offsets(
+pub(crate) fn height_offsets(
     logs: &[ProcessedLog],
     datum: Datum,
     progress: &Progress,
@@ -85,7 +85,7 @@ pub fn height_offsets(
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn crossline_analysis(
+pub(crate) fn crossline_analysis(
     logs: &[ProcessedLog],
     progress: &Progress,
 ) -> Result<Option<CrosslineAnalysis>, Cancelled> {
@@ -155,7 +155,7 @@ fn in_hundredths(value: f64) -> f64 {
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn position_offsets(
+pub(crate) fn position_offsets(
     logs: &[ProcessedLog],
     wanted: Wanted,
     progress: &Progress,
@@ -193,7 +193,7 @@ pub fn position_offsets(
 
 /// How late the positions of a log are, as its crossings show it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct LogLatency {
+pub(crate) struct LogLatency {
     /// What `mounting.latency_s` should be, seconds.
     pub latency_s: f64,
     /// Its standard error, seconds.
@@ -210,13 +210,13 @@ const CONTRADICTED_SIGMAS: f64 = 3.0;
 
 impl LogLatency {
     /// Whether the crossings contradict what is in force.
-    pub fn contradicts(&self) -> bool {
+    pub(crate) fn contradicts(&self) -> bool {
         let off_s = (self.latency_s - self.in_force_s).abs();
         off_s > CONTRADICTED_S && off_s > CONTRADICTED_SIGMAS * self.standard_error_s
     }
 
     /// `0.62 s, standard error 0.08 s`.
-    pub fn in_words(&self) -> String {
+    pub(crate) fn in_words(&self) -> String {
         format!(
             "{:.2} s, standard error {:.2} s",
             self.latency_s, self.standard_error_s
@@ -228,7 +228,7 @@ impl LogLatency {
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn latencies(
+pub(crate) fn latencies(
     logs: &[ProcessedLog],
     progress: &Progress,
 ) -> Result<Vec<Option<LogLatency>>, Cancelled> {

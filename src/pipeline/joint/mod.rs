@@ -11,11 +11,11 @@ mod crossline;
 mod logs_report;
 mod report;
 
-pub use comparison::compare_logs;
-pub use corrections::RequestedCorrection;
-pub use crossline::{
+pub(crate) use comparison::compare_logs;
+pub(crate) use corrections::RequestedCorrection;
+pub(crate) use crossline::{
     CrosslineAnalysis, LogLatency, LogPositions, crossline_analysis, height_offsets, latencies,
     position_offsets, track_depths,
 };
-pub use logs_report::{LogReport, LogsReport};
-pub use report::{contradictions, joint_report};
+pub(crate) use logs_report::{LogReport, LogsReport};
+pub(crate) use report::{contradictions, joint_report};

@@ -17,7 +17,7 @@ const DATUM: &str = "offset_m is what is to be added to the elevations of a log 
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn joint_report(
+pub(crate) fn joint_report(
     logs: &[ProcessedLog],
     names: &[String],
     progress: &Progress,
@@ -151,7 +151,7 @@ fn not_one_survey<'a>(
 }
 
 /// A warning for every two logs that no height offsets bring together; `names` are what the logs are called.
-pub fn contradictions<'a>(
+pub(crate) fn contradictions<'a>(
     pairs: &'a [PairDifference],
     names: &'a [String],
 ) -> impl Iterator<Item = String> + 'a {

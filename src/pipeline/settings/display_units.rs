@@ -9,7 +9,7 @@ const SLOWEST_SOUND_MPS: f64 = 1000.0;
 
 /// A number as its control shows it.
 #[derive(Clone, Debug)]
-pub struct ShownNumber<'a> {
+pub(crate) struct ShownNumber<'a> {
     number: &'a Number,
     /// What one of the shown unit is in the unit of the setting.
     per: f64,
@@ -25,7 +25,7 @@ pub struct ShownNumber<'a> {
 
 impl Number {
     /// The number in the units that are shown.
-    pub fn shown_in(&self, units: Units) -> ShownNumber<'_> {
+    pub(crate) fn shown_in(&self, units: Units) -> ShownNumber<'_> {
         let (per, symbol) = match self.unit {
             "m" => (units.length.metres(), units.symbol()),
             "m/s" if self.range[0] >= SLOWEST_SOUND_MPS => units.sound_speed(),
@@ -63,12 +63,12 @@ impl Number {
 
 impl ShownNumber<'_> {
     /// The value at its control; 0 without one.
-    pub fn value(&self, settings: &Settings) -> f64 {
+    pub(crate) fn value(&self, settings: &Settings) -> f64 {
         (self.number.get)(settings).unwrap_or(0.0) / self.per
     }
 
     /// Takes over the value of its control; hundredths of what is shown stay hundredths.
-    pub fn take(&self, settings: &mut Settings, value: f64) {
+    pub(crate) fn take(&self, settings: &mut Settings, value: f64) {
         let [least, most] = self.number.range;
         let per_unit = 10f64.powi(self.decimals as i32);
         let rounded = (value * per_unit).round() / per_unit * self.per;
@@ -78,14 +78,14 @@ impl ShownNumber<'_> {
     }
 
     /// A value of the setting in words, as its control writes it: `5.00 ft`.
-    pub fn said(&self, value: f64) -> String {
+    pub(crate) fn said(&self, value: f64) -> String {
         format!("{:.*}{}", self.decimals, value / self.per, self.suffix)
     }
 }
 
 impl Row {
     /// Its value as its control writes it, in the units that are shown; empty where a file or a list is none.
-    pub fn value_in_words(&self, settings: &Settings, units: Units) -> String {
+    pub(crate) fn value_in_words(&self, settings: &Settings, units: Units) -> String {
         match &self.kind {
             Kind::Number(number) => match (number.get)(settings) {
                 Some(value) => number.shown_in(units).said(value),

@@ -6,7 +6,7 @@ use super::{Preset, Settings};
 use std::fmt::Write as _;
 
 /// The row of a key.
-pub fn row(key: &str) -> Option<&'static Row> {
+pub(crate) fn row(key: &str) -> Option<&'static Row> {
     ROWS.iter().copied().find(|row| row.key == key)
 }
 
@@ -14,7 +14,7 @@ pub fn row(key: &str) -> Option<&'static Row> {
 const COLUMNS: usize = 88;
 
 /// All keys with what they may be, their default and their meaning, for `--help`.
-pub fn help() -> String {
+pub(crate) fn help() -> String {
     let mut text = String::from(
         "One setting, for example first_return.threshold=0.35; may be given again. All settings, with their values and defaults:\n",
     );
@@ -55,7 +55,7 @@ fn write_wrapped(text: &mut String, indent: &str, words: &str) {
 }
 
 /// The table as Markdown, for the manual: a part for each group of keys, a line for each key.
-pub fn markdown() -> String {
+pub(crate) fn markdown() -> String {
     let mut text = String::new();
     let mut last = None;
     for row in ROWS {

@@ -177,7 +177,7 @@ const RENAMED: [(&str, &str); 7] = [
 ];
 
 /// What a setting of an earlier version is called now; `None` where no version had one of this name.
-pub fn renamed(key: &str) -> Option<&'static str> {
+pub(crate) fn renamed(key: &str) -> Option<&'static str> {
     let found = RENAMED.iter().find(|(then, _)| *then == key);
     found.map(|(_, now)| *now)
 }

@@ -6,16 +6,16 @@
 mod display_units;
 mod help;
 mod keys;
-pub mod rows;
+pub(crate) mod rows;
 mod table;
 #[cfg(test)]
 mod tests;
 
-pub use display_units::ShownNumber;
-pub use help::{help, markdown, row};
-pub use keys::renamed;
+pub(crate) use display_units::ShownNumber;
+pub(crate) use help::{help, markdown, row};
+pub(crate) use keys::renamed;
 pub(crate) use keys::slips;
-pub use table::{Choice, Control, Kind, Number, Row};
+pub(crate) use table::{Choice, Control, Kind, Number, Row};
 
 use crate::bottom::bathymetry::SurfaceSettings;
 use crate::bottom::bathymetry::isobaths::IsobathSettings;

@@ -45,10 +45,10 @@ macro_rules! rows {
     ($($id:ident: $key:literal, $label:literal, $name:literal, $hint:literal, $kind:expr;)+) => {
         $(
             #[doc = concat!("`", $key, "`: ", $hint)]
-            pub static $id: Row = Row { key: $key, label: $label, name: $name, hint: $hint, kind: $kind };
+            pub(crate) static $id: Row = Row { key: $key, label: $label, name: $name, hint: $hint, kind: $kind };
         )+
         /// All settings, in the order of the manual. The bottom edits are none: they are made of strokes.
-        pub static ROWS: &[&Row] = &[$(&$id),+];
+        pub(crate) static ROWS: &[&Row] = &[$(&$id),+];
     };
 }
 

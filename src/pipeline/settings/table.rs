@@ -6,7 +6,7 @@ use serde::de::DeserializeOwned;
 
 /// A setting: its key, its words, and what it may be.
 #[derive(Debug)]
-pub struct Row {
+pub(crate) struct Row {
     /// The key of files and of `--set`, `surface.max_gap_m`.
     pub key: &'static str,
     /// In front of its control.
@@ -21,7 +21,7 @@ pub struct Row {
 
 /// What a setting may be.
 #[derive(Debug)]
-pub enum Kind {
+pub(crate) enum Kind {
     /// A number.
     Number(Number),
     /// One of several names.
@@ -41,7 +41,7 @@ pub enum Kind {
 
 /// A setting that is a number.
 #[derive(Debug)]
-pub struct Number {
+pub(crate) struct Number {
     /// `m`, `°/s`; empty where it has none.
     pub unit: &'static str,
     /// Least and greatest value, both allowed.
@@ -62,7 +62,7 @@ pub struct Number {
 
 /// How a number is moved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Control {
+pub(crate) enum Control {
     /// Along a line.
     Slider,
     /// Along a line on which each decade is as long as the next: where more than two of them are of use.
@@ -73,12 +73,12 @@ pub enum Control {
 
 impl Number {
     /// Whether its control has a zero that stands for no value: where it may have none, and zero is none that it may have.
-    pub fn zero_is_none(&self) -> bool {
+    pub(crate) fn zero_is_none(&self) -> bool {
         self.without.is_some() && self.range[0] > 0.0
     }
 
     /// What its control shows without a value: `none` where nothing is done then, else `automatic`. `None` where it always has one.
-    pub fn none_word(&self) -> Option<&'static str> {
+    pub(crate) fn none_word(&self) -> Option<&'static str> {
         let does_nothing = |without: &str| without.starts_with("no ");
         let word = |without| match does_nothing(without) {
             true => "none",
@@ -88,7 +88,7 @@ impl Number {
     }
 
     /// The ends of its control.
-    pub fn ends(&self) -> [f64; 2] {
+    pub(crate) fn ends(&self) -> [f64; 2] {
         match self.zero_is_none() {
             true => [0.0, self.range[1]],
             false => self.range,
@@ -103,7 +103,7 @@ impl Number {
     }
 
     /// The unit behind a number, ` m` or `°`.
-    pub fn suffix(&self) -> String {
+    pub(crate) fn suffix(&self) -> String {
         match self.unit {
             "" | "°" => self.unit.to_owned(),
             unit => format!(" {unit}"),
@@ -113,7 +113,7 @@ impl Number {
 
 /// A setting that is one of several names.
 #[derive(Debug)]
-pub struct Choice {
+pub(crate) struct Choice {
     /// Those to choose from.
     pub names: &'static [Named],
     /// What else it may be in a file, `EPSG:NUMBER`; empty where there is nothing else.
@@ -126,7 +126,7 @@ pub struct Choice {
 
 /// One of the names that a setting may be.
 #[derive(Debug)]
-pub struct Named {
+pub(crate) struct Named {
     /// In files and for `--set`.
     pub value: &'static str,
     /// In a panel.
@@ -235,7 +235,7 @@ impl Row {
     }
 
     /// What it may be, in words: `0.1 to 1000 m`, `threshold | tracker`.
-    pub fn values(&self) -> String {
+    pub(crate) fn values(&self) -> String {
         match &self.kind {
             Kind::Number(number) => {
                 let [least, most] = number.range;
@@ -265,7 +265,7 @@ impl Row {
     }
 
     /// What it does, and what happens without a value where it may have none.
-    pub fn meaning(&self) -> String {
+    pub(crate) fn meaning(&self) -> String {
         match &self.kind {
             Kind::Number(Number {
                 without: Some(without),

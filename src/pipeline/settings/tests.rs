@@ -18,7 +18,11 @@ fn expected(toml: &str) -> Vec<String> {
 fn every_setting_has_a_row_and_every_row_a_setting() {
     let groups = expected("no_such_key = 1");
     let mut keys = BTreeSet::new();
-    for group in groups.iter().filter(|group| *group != "bottom") {
+    // The old name of a group is read, and has no rows.
+    for group in groups
+        .iter()
+        .filter(|group| *group != "bottom" && *group != "left_out")
+    {
         // A group tells its fields; a setting that it holds no key of that name.
         match toml::from_str::<Settings>(&format!("[{group}]\nno_such_key = 1")) {
             Err(error) if error.message().contains("unknown field") => {

@@ -24,7 +24,7 @@ use std::sync::Arc;
 
 /// What became of a log.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Added {
+pub(crate) enum Added {
     /// Its rows were written.
     Written(LogRecord),
     /// They are there already, made from the same bytes with the same settings.
@@ -37,7 +37,7 @@ pub enum Added {
 ///
 /// # Errors
 /// When the log has no place, a file cannot be written, or the work was cancelled; what was written is then no part of the archive.
-pub fn add(
+pub(crate) fn add(
     archive: &Archive,
     survey: &Arc<Survey>,
     settings: &Settings,

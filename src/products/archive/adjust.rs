@@ -21,7 +21,7 @@ const KEPT_M: f64 = 0.02;
 
 /// What an adjustment found.
 #[derive(Clone, Debug)]
-pub struct Adjusted {
+pub(crate) struct Adjusted {
     /// The offsets, as written.
     pub offsets: Offsets,
     /// Groups of logs that are tied to each other.
@@ -37,7 +37,7 @@ pub struct Adjusted {
 ///
 /// # Errors
 /// When rows or the table cannot be used, or the work was cancelled.
-pub fn adjust(
+pub(crate) fn adjust(
     archive: &Archive,
     wanted: Wanted,
     progress: &Progress,

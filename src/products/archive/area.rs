@@ -6,7 +6,7 @@ use crate::support::outline::goes_around;
 
 /// Closed rings in the metres of a zone: a place is within where an odd number of them go around it, so that islands are rings too.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Area {
+pub(super) struct Area {
     rings: Vec<Vec<[f64; 2]>>,
     /// West, south, east and north.
     pub bounds_m: [f64; 4],
@@ -14,7 +14,7 @@ pub struct Area {
 
 impl Area {
     /// Of rings of corners, each named once; `None` without a corner.
-    pub fn new(zone: UtmZone, rings: &[Vec<LonLat>]) -> Option<Self> {
+    pub(super) fn new(zone: UtmZone, rings: &[Vec<LonLat>]) -> Option<Self> {
         let closed = |ring: &Vec<LonLat>| {
             let corners = ring.iter().chain(ring.first());
             corners.map(|at| zone.to_metres(*at)).collect()
@@ -33,7 +33,7 @@ impl Area {
 
     /// What each side of a ping, port first, saw of it: the samples from the nearest to the farthest. The ground of a side is a rectangle beside
     /// the boat; its overlap with the area ends at corners of the area, at corners of the rectangle, and where their edges cross.
-    pub fn seen_by(&self, ping: &Footprint) -> [Option<CoveredSamples>; 2] {
+    pub(super) fn seen_by(&self, ping: &Footprint) -> [Option<CoveredSamples>; 2] {
         let local = |ring: &Vec<[f64; 2]>| ring.iter().map(|at| ping.on_ground(*at)).collect();
         let rings: Vec<Vec<[f64; 2]>> = self.rings.iter().map(local).collect();
         let seen = |side: &SideRange, sign: f64| {

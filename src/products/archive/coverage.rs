@@ -20,7 +20,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// A side of a ping that covers a place: it insonified the ground there.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PingCoverage {
+pub(crate) struct PingCoverage {
     /// SHA-256 of the log.
     pub log: String,
     /// What the log is called.
@@ -41,7 +41,7 @@ pub struct PingCoverage {
 
 /// The place whose coverage is asked for.
 #[derive(Clone, Copy, Debug)]
-pub enum CoverageQuery<'a> {
+pub(crate) enum CoverageQuery<'a> {
     /// All ground within so many metres of a position.
     Around(LonLat, f64),
     /// All ground within rings of corners, each named once: within an odd number of them, so that islands are rings too.
@@ -109,7 +109,7 @@ struct Search<'a> {
 ///
 /// # Errors
 /// When rows cannot be read, or the work was cancelled.
-pub fn coverage_at(
+pub(crate) fn coverage_at(
     archive: &Archive,
     asked: CoverageQuery<'_>,
     progress: &Progress,

@@ -34,7 +34,11 @@ impl<'a> EchoesByTile<'a> {
     ///
     /// # Errors
     /// When the work was cancelled.
-    pub fn new(log: &LogRows<'a>, halo_m: f64, progress: &Progress) -> Result<Self, Cancelled> {
+    pub(super) fn new(
+        log: &LogRows<'a>,
+        halo_m: f64,
+        progress: &Progress,
+    ) -> Result<Self, Cancelled> {
         let echoes = log_echoes(log.survey, log.products, |place| place);
         let laid_out = LaidOutLog::new(echoes, progress)?;
         let mut rows = RowsByTile::new();
@@ -77,7 +81,7 @@ impl<'a> EchoesByTile<'a> {
     }
 
     /// Columns of rows in a tile.
-    pub fn columns(&self, log: &LogRows<'_>, rows: &[Row]) -> Vec<Column> {
+    pub(super) fn columns(&self, log: &LogRows<'_>, rows: &[Row]) -> Vec<Column> {
         let pings: Vec<&PingPlace> = rows
             .iter()
             .map(|row| &self.log.echoes.pings[row.index])
@@ -188,7 +192,7 @@ impl StoredEchoes {
     ///
     /// # Errors
     /// When a file cannot be read.
-    pub fn read(
+    pub(super) fn read(
         paths: &[impl AsRef<Path>],
         log: &LogRecord,
         offsets: &Offsets,
@@ -216,7 +220,7 @@ impl StoredEchoes {
     }
 
     /// What depths are found from, and what was learnt of its levels; `None` where they cannot be used.
-    pub fn laid_out(&self) -> Option<(LaidOutLog<'_>, &LearntLevels)> {
+    pub(super) fn laid_out(&self) -> Option<(LaidOutLog<'_>, &LearntLevels)> {
         let learnt = self.learnt.as_ref()?;
         let mut chunks: Vec<Chunk> = Vec::new();
         for (ping, row) in self.rows.iter().enumerate() {

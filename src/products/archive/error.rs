@@ -6,7 +6,7 @@ use crate::support::progress::Cancelled;
 
 /// Why something cannot be done in an archive.
 #[derive(Debug, thiserror::Error)]
-pub enum ArchiveError {
+pub(crate) enum ArchiveError {
     /// The work was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

@@ -2,7 +2,7 @@
 
 /// What one side of a ping recorded, in slant ranges as calibrated, by the true speed of sound.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SideRange {
+pub(super) struct SideRange {
     /// Slant range at the near edge of the first sample, metres.
     pub near_m: f64,
     /// Slant range that each sample adds, metres.
@@ -15,7 +15,7 @@ pub struct SideRange {
 /// `sqrt(r^2 - a^2)` from the boat; along the track the ground reaches half way to the pings before and behind, as the mosaic draws
 /// it. The width of the beam does not count: it is wider than the way between two pings, and what it adds is the neighbours' ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Footprint {
+pub(super) struct Footprint {
     /// The transducer, metres of the zone.
     pub place: [f64; 2],
     /// What a metre on the ground to starboard is in the zone.
@@ -32,7 +32,7 @@ pub struct Footprint {
 
 /// Where on the ground of one side a place lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CoveredSamples {
+pub(crate) struct CoveredSamples {
     /// The samples that lie there, or nearest to it, from the first to the last, counted outward from 0; of a single place one.
     pub samples: [i32; 2],
     /// Slant range of the first, metres.
@@ -76,7 +76,7 @@ impl SideRange {
 
 impl Footprint {
     /// How each side, port first, saw a place of the zone: `None` where its ground lies farther from it than `radius_m`.
-    pub fn seen(&self, place: [f64; 2], radius_m: f64) -> [Option<CoveredSamples>; 2] {
+    pub(super) fn seen(&self, place: [f64; 2], radius_m: f64) -> [Option<CoveredSamples>; 2] {
         let [to_starboard_m, forward_m] = self.on_ground(place);
         let along_m = forward_m.clamp(-self.behind_m, self.ahead_m);
         let seen = |side: &SideRange, out_m: f64| {
@@ -101,7 +101,7 @@ impl Footprint {
     }
 
     /// West, south, east and north of all ground that it saw, metres of the zone; `None` where it saw none.
-    pub fn bounds_m(&self) -> Option<[f64; 4]> {
+    pub(super) fn bounds_m(&self) -> Option<[f64; 4]> {
         let [east, north] = self.starboard;
         let corner = |out_m: f64, along_m: f64| {
             [

@@ -35,7 +35,7 @@ const UNCERTAIN_M: [f64; 2] = [0.0, 0.25];
 ///
 /// # Errors
 /// When a file cannot be written.
-pub fn write_index(
+pub(crate) fn write_index(
     archive: &Archive,
     logs: &[LogRecord],
     tiles: &[TileId],

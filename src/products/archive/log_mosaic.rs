@@ -43,7 +43,7 @@ impl LogMosaic {
     ///
     /// # Errors
     /// When the work was cancelled.
-    pub fn new(
+    pub(super) fn new(
         log: &ProcessedLog,
         zones: BTreeSet<UtmZone>,
         progress: &Progress,
@@ -84,7 +84,7 @@ impl LogMosaic {
     ///
     /// # Errors
     /// When a file cannot be written, or the work was cancelled.
-    pub fn write(
+    pub(super) fn write(
         &self,
         archive: &Archive,
         tile: TileId,
@@ -123,7 +123,7 @@ impl LogMosaic {
     }
 
     /// The kinds of files that a tile has of it.
-    pub fn kinds(&self) -> &'static [&'static str] {
+    pub(super) fn kinds(&self) -> &'static [&'static str] {
         match self.settings.overlap.is_weighted() {
             true => &[MOSAIC, WEIGHTS],
             false => &[MOSAIC],

@@ -77,7 +77,7 @@ pub(super) struct Search<'a> {
 
 impl<'a> Search<'a> {
     /// Through the tiles of several logs, or of one alone too: it may cross itself.
-    pub fn new(
+    pub(super) fn new(
         archive: &'a Archive,
         logs: &'a [LogRecord],
         shifts: Vec<Shift>,
@@ -103,7 +103,7 @@ impl<'a> Search<'a> {
 
     /// What `find` gives for the tracks of the logs of every tile and the logs that they are of; what lies in the halo of a tile
     /// is left to the tile beside it.
-    pub fn in_tiles<T: Send>(
+    pub(super) fn in_tiles<T: Send>(
         &self,
         is_wanted: impl Fn(&[usize]) -> bool + Sync,
         find: impl Fn(&[Vec<TrackDepth>], &[usize]) -> Result<Vec<T>, Cancelled> + Sync,

@@ -20,7 +20,7 @@ pub(super) const AREA: &str = "isobaths.clip";
 /// A log of an archive.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct LogRecord {
+pub(crate) struct LogRecord {
     /// SHA-256 of the log: its name in the archive.
     pub log: String,
     /// What people call it: the name of its file.
@@ -61,7 +61,7 @@ pub(super) struct Origin {
 /// The rows of a log in a tile.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct TileRows {
+pub(crate) struct TileRows {
     /// The tile.
     #[serde(with = "as_text")]
     pub tile: TileId,
@@ -95,11 +95,11 @@ mod as_text {
     use super::TileId;
     use serde::{Deserialize as _, Deserializer, Serializer, de::Error as _};
 
-    pub fn serialize<S: Serializer>(tile: &TileId, to: S) -> Result<S::Ok, S::Error> {
+    pub(super) fn serialize<S: Serializer>(tile: &TileId, to: S) -> Result<S::Ok, S::Error> {
         to.collect_str(tile)
     }
 
-    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<TileId, D::Error> {
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<TileId, D::Error> {
         String::deserialize(from)?.parse().map_err(D::Error::custom)
     }
 }
@@ -155,7 +155,7 @@ impl LogRecord {
     }
 
     /// Its rows in a tile, if any.
-    pub fn rows_in(&self, tile: TileId) -> Option<&TileRows> {
+    pub(crate) fn rows_in(&self, tile: TileId) -> Option<&TileRows> {
         self.tiles.iter().find(|rows| rows.tile == tile)
     }
 

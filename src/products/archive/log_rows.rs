@@ -42,7 +42,7 @@ pub(super) fn track(survey: &Survey, products: &Products) -> Vec<TrackDepth> {
 
 impl LogRows<'_> {
     /// A point of the cloud and its class.
-    pub fn point(&self, index: usize) -> (&CloudPoint, PointClass) {
+    pub(super) fn point(&self, index: usize) -> (&CloudPoint, PointClass) {
         (
             &self.products.cloud.points[index],
             self.products.classes[index],
@@ -50,7 +50,7 @@ impl LogRows<'_> {
     }
 
     /// What a point counts for maps.
-    pub fn weight(&self, point: &CloudPoint, class: PointClass) -> f64 {
+    pub(super) fn weight(&self, point: &CloudPoint, class: PointClass) -> f64 {
         match class.is_kept() {
             true => self.products.settings.surface.weight(point),
             false => 0.0,
@@ -58,7 +58,7 @@ impl LogRows<'_> {
     }
 
     /// Seconds after the log's time zero.
-    pub fn time_of(&self, point: &CloudPoint) -> f64 {
+    pub(super) fn time_of(&self, point: &CloudPoint) -> f64 {
         let sounding = point
             .sounding
             .and_then(|one| self.survey.soundings.get(one.get()));
@@ -73,13 +73,17 @@ impl LogRows<'_> {
     }
 
     /// Microseconds since 1970 of a time of the log.
-    pub fn unix_us(&self, time_s: f64) -> Option<i64> {
+    pub(super) fn unix_us(&self, time_s: f64) -> Option<i64> {
         let unix_us = 1e6 * (self.survey.start_unix_s? + time_s);
         unix_us.is_finite().then_some(unix_us.round() as i64)
     }
 
     /// Unix seconds of the first and the last of some rows of points and pings; empty where the recorder did not know the time.
-    pub fn span_unix_s(&self, points: Option<&Vec<Row>>, pings: Option<&Vec<Row>>) -> Vec<f64> {
+    pub(super) fn span_unix_s(
+        &self,
+        points: Option<&Vec<Row>>,
+        pings: Option<&Vec<Row>>,
+    ) -> Vec<f64> {
         let Some(start_unix_s) = self.survey.start_unix_s else {
             return Vec::new();
         };
@@ -105,7 +109,7 @@ impl LogRows<'_> {
 
     /// What the rows of points and of pings end with: whether they lie in the halo, when they were recorded (`times_s`, seconds after the
     /// log's time zero), and of which log they are.
-    pub fn common_columns(&self, rows: &[Row], times_s: Vec<f64>) -> [Column; 5] {
+    pub(super) fn common_columns(&self, rows: &[Row], times_s: Vec<f64>) -> [Column; 5] {
         let halo = rows.iter().map(|row| !row.is_core).collect();
         let unix_us = times_s.iter().map(|time_s| self.unix_us(*time_s)).collect();
         [
@@ -118,7 +122,7 @@ impl LogRows<'_> {
     }
 
     /// Velocity of the boat at a time of the log, metres a second along the axes of a zone; zero where it is not known.
-    pub fn velocity_mps(&self, time_s: f64, zone: UtmZone) -> [f64; 2] {
+    pub(super) fn velocity_mps(&self, time_s: f64, zone: UtmZone) -> [f64; 2] {
         let after = self.track.partition_point(|one| one.time_s < time_s);
         let Some(here) = self
             .track
@@ -141,7 +145,7 @@ impl LogRows<'_> {
     }
 
     /// Where a place of the log's plane lies.
-    pub fn position(&self, east_m: f64, north_m: f64) -> LonLat {
+    pub(super) fn position(&self, east_m: f64, north_m: f64) -> LonLat {
         let navigation = &self.products.navigation;
         navigation.to_lon_lat(&self.survey.track, east_m, north_m)
     }

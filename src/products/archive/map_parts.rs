@@ -60,7 +60,7 @@ pub(super) struct MapParts {
 
 impl MapParts {
     /// In a folder, which need not be there.
-    pub fn new(
+    pub(super) fn new(
         folder: PathBuf,
         drawn_with: DrawnWith,
         maps: BTreeMap<TileId, Vec<Fingerprint>>,
@@ -74,7 +74,7 @@ impl MapParts {
     }
 
     /// The part that was drawn of a tile of the web, where the tiles of the archive under it and all else is as it was; a damaged file is none.
-    pub fn read(&self, tile: WebTile, under: &[TileId]) -> Option<MapPart> {
+    pub(super) fn read(&self, tile: WebTile, under: &[TileId]) -> Option<MapPart> {
         let name = self.name(tile, under);
         let part = read(&self.folder.join(&name))?;
         self.use_file(name);
@@ -85,7 +85,7 @@ impl MapParts {
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub fn write(&self, tile: WebTile, under: &[TileId], part: &MapPart) -> io::Result<()> {
+    pub(super) fn write(&self, tile: WebTile, under: &[TileId], part: &MapPart) -> io::Result<()> {
         make_folder(&self.folder).map_err(io::Error::other)?;
         let name = self.name(tile, under);
         let columns = columns(part)?;
@@ -101,7 +101,7 @@ impl MapParts {
     ///
     /// # Errors
     /// When one cannot be removed.
-    pub fn remove_others(&self) -> Result<(), ArchiveError> {
+    pub(super) fn remove_others(&self) -> Result<(), ArchiveError> {
         let used = self.used.lock().unwrap_or_else(PoisonError::into_inner);
         remove_parts(&self.folder, |name| !used.contains(name))
     }

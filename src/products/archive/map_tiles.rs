@@ -48,7 +48,7 @@ const NAME: &str = "Depth map of an archive";
 
 /// What was done about the tiles of the web.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MapTilesState {
+pub(crate) enum MapTilesState {
     /// They are what the maps of the archive's tiles give.
     UpToDate,
     /// They were made.
@@ -77,7 +77,7 @@ struct MadeFrom {
 ///
 /// # Errors
 /// When a map cannot be read, a file cannot be written, or the work was cancelled.
-pub fn write_map_tiles(
+pub(crate) fn write_map_tiles(
     archive: &Archive,
     tiles: &[TileId],
     progress: &Progress,

@@ -45,7 +45,7 @@ const COLOURS: &str = "mosaic.colours";
 /// What all logs of an archive share.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct ArchiveRecord {
+pub(crate) struct ArchiveRecord {
     /// How rows are laid out.
     format: u32,
     /// Side of a tile, metres.
@@ -67,7 +67,7 @@ impl ArchiveRecord {
     ///
     /// # Errors
     /// A sentence where `surface.cell_m` or `mosaic.cell_m` is no size for the cells of an archive.
-    pub fn new(settings: &Settings) -> Result<Self, ArchiveError> {
+    pub(crate) fn new(settings: &Settings) -> Result<Self, ArchiveError> {
         let cell_m = settings.surface.cell_m.unwrap_or(USUAL_CELL_M);
         let is_power = cell_m.log2().fract() == 0.0;
         if !is_power || !(CELLS_M[0]..=CELLS_M[1]).contains(&cell_m) {
@@ -108,7 +108,7 @@ impl ArchiveRecord {
     ///
     /// # Errors
     /// As [`ArchiveRecord::settings`].
-    pub fn mosaic_grid(&self, tile: TileId) -> Result<Grid, ArchiveError> {
+    pub(crate) fn mosaic_grid(&self, tile: TileId) -> Result<Grid, ArchiveError> {
         let cell_m = self.settings()?.mosaic.cell_m;
         match divides_tiles(cell_m) {
             true => Ok(tile.grid(0.0, cell_m)),
@@ -122,7 +122,7 @@ impl ArchiveRecord {
     ///
     /// # Errors
     /// A sentence where somebody has changed the record to what cannot be.
-    pub fn settings(&self) -> Result<Settings, ArchiveError> {
+    pub(crate) fn settings(&self) -> Result<Settings, ArchiveError> {
         let settings = with_values(&Settings::default(), &self.settings);
         settings.map_err(|error| ArchiveError::Refused(format!("{error}: {RECORD}")))
     }
@@ -190,7 +190,7 @@ fn area_in_words(area: Option<&Fingerprint>) -> String {
 
 /// A folder with an archive.
 #[derive(Clone, Debug)]
-pub struct Archive {
+pub(crate) struct Archive {
     folder: PathBuf,
     /// What its logs share.
     pub record: ArchiveRecord,
@@ -205,7 +205,7 @@ impl Archive {
     ///
     /// # Errors
     /// A sentence where there is none.
-    pub fn open(folder: &Path) -> Result<Self, ArchiveError> {
+    pub(crate) fn open(folder: &Path) -> Result<Self, ArchiveError> {
         let path = folder.join(RECORD);
         let text = regular_file::read_text(&path, LONGEST_RECORD).map_err(|error| {
             format!(
@@ -238,7 +238,7 @@ impl Archive {
     ///
     /// # Errors
     /// A sentence: the folder holds something else, an archive of other settings, or cannot be written into.
-    pub fn open_for(folder: &Path, settings: &Settings) -> Result<Self, ArchiveError> {
+    pub(crate) fn open_for(folder: &Path, settings: &Settings) -> Result<Self, ArchiveError> {
         let record = ArchiveRecord::new(settings)?;
         if !folder.join(RECORD).exists() {
             refuse_other_content(folder)?;
@@ -257,7 +257,7 @@ impl Archive {
     ///
     /// # Errors
     /// A sentence that names the first setting, with both values.
-    pub fn check(&self, settings: &Settings) -> Result<(), ArchiveError> {
+    pub(crate) fn check(&self, settings: &Settings) -> Result<(), ArchiveError> {
         match self.record.difference(&ArchiveRecord::new(settings)?) {
             None => Ok(()),
             Some(what) => Err(ArchiveError::Refused(format!(
@@ -287,7 +287,7 @@ impl Archive {
     ///
     /// # Errors
     /// A sentence where somebody has changed the record, or the copy of the area of the isobaths, to what cannot be.
-    pub fn settings(&self) -> Result<Settings, ArchiveError> {
+    pub(crate) fn settings(&self) -> Result<Settings, ArchiveError> {
         let mut settings = self.record.settings()?;
         let Some(kept) = &self.record.isobath_area else {
             return Ok(settings);
@@ -323,7 +323,7 @@ impl Archive {
     }
 
     /// Where it lies.
-    pub fn folder(&self) -> &Path {
+    pub(crate) fn folder(&self) -> &Path {
         &self.folder
     }
 
@@ -340,7 +340,7 @@ impl Archive {
     ///
     /// # Errors
     /// A sentence where one cannot be used.
-    pub fn logs_of_maps(&self, tiles: &[TileId]) -> Result<Vec<LogRecord>, ArchiveError> {
+    pub(crate) fn logs_of_maps(&self, tiles: &[TileId]) -> Result<Vec<LogRecord>, ArchiveError> {
         let swath = self.record.settings()?.surface.swath;
         let read = tiles
             .iter()
@@ -353,7 +353,7 @@ impl Archive {
     ///
     /// # Errors
     /// A sentence where one cannot be used.
-    pub fn logs_in(
+    pub(crate) fn logs_in(
         &self,
         tiles: impl Iterator<Item = TileId>,
     ) -> Result<Vec<LogRecord>, ArchiveError> {
@@ -381,7 +381,7 @@ impl Archive {
     ///
     /// # Errors
     /// A sentence where one cannot be used.
-    pub fn logs(&self) -> Result<Vec<LogRecord>, ArchiveError> {
+    pub(crate) fn logs(&self) -> Result<Vec<LogRecord>, ArchiveError> {
         let mut names = names_in(&self.folder.join(LOGS))?;
         names.retain(|name| name.ends_with(".json") && !name.starts_with('.'));
         names.sort_unstable();

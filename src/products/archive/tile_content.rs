@@ -19,7 +19,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 const KEPT: usize = 24;
 
 /// The map of a tile.
-pub struct TileDepths {
+pub(super) struct TileDepths {
     /// Its cells.
     grid: Grid,
     /// Depths of its cells, row by row, metres; NaN where none is known. Nothing else of a surface is kept: it would take three times the memory.
@@ -29,7 +29,7 @@ pub struct TileDepths {
 }
 
 /// The maps of an archive's tiles, read when they are asked for.
-pub struct TileContents {
+pub(super) struct TileContents {
     archive: Archive,
     /// Which zoom lines are placed in.
     zoom: u8,
@@ -39,7 +39,7 @@ pub struct TileContents {
 
 impl TileContents {
     /// Of an archive, with lines in pixels of a zoom.
-    pub fn new(archive: &Archive, zoom: u8) -> Self {
+    pub(super) fn new(archive: &Archive, zoom: u8) -> Self {
         Self {
             archive: archive.clone(),
             zoom,
@@ -51,7 +51,7 @@ impl TileContents {
     ///
     /// # Errors
     /// When one of its files cannot be read.
-    pub fn of(&self, tile: TileId) -> io::Result<Arc<TileDepths>> {
+    pub(super) fn of(&self, tile: TileId) -> io::Result<Arc<TileDepths>> {
         let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(at) = kept.iter().position(|(one, _)| *one == tile) {
             let found = kept.remove(at);
@@ -124,12 +124,12 @@ fn lines(path: &Path, zoom: u8) -> io::Result<Vec<Isobath>> {
 
 impl TileDepths {
     /// Its depths as a surface.
-    pub fn surface(&self) -> Surface {
+    pub(super) fn surface(&self) -> Surface {
         Surface::of_depths(self.grid, self.depth_m.clone())
     }
 
     /// Copies its depths into those of a grid of the same cells; what lies beyond either is left.
-    pub fn copy_into(&self, grid: &Grid, depth_m: &mut [f32]) {
+    pub(super) fn copy_into(&self, grid: &Grid, depth_m: &mut [f32]) {
         let own = &self.grid;
         let offset = |from_m: f64| (from_m / own.cell_m).round() as i64;
         let (east, south) = (

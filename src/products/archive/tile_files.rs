@@ -38,7 +38,7 @@ const FILES: [&str; 6] = [RECORD, DEPTH, UNCERTAINTY, SOURCE, ISOBATHS, MOSAIC_F
 /// What is known of a tile's map.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct TileRecord {
+pub(crate) struct TileRecord {
     /// What it was made from.
     made: MadeFrom,
     /// Cells with a depth; without any there is no file of depths.
@@ -89,7 +89,7 @@ struct MosaicPart {
 
 /// How a tile's map stands to the rows and offsets of its logs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TileState {
+pub(crate) enum TileState {
     /// It is what they give.
     UpToDate,
     /// It was made of others.
@@ -100,7 +100,7 @@ pub enum TileState {
 
 impl TileState {
     /// `up to date`, `stale`, `missing`.
-    pub fn in_words(self) -> &'static str {
+    pub(crate) fn in_words(self) -> &'static str {
         match self {
             Self::UpToDate => "up to date",
             Self::Stale => "stale",
@@ -160,7 +160,7 @@ fn hashes_read(swath: SwathDepth, tile: TileId, log: &LogRecord) -> Vec<String> 
 
 impl TileRecord {
     /// The record of a tile, if it has a map.
-    pub fn read(archive: &Archive, tile: TileId) -> Option<Self> {
+    pub(crate) fn read(archive: &Archive, tile: TileId) -> Option<Self> {
         let text = regular_file::read_text(&folder_of(archive, tile).join(RECORD), LONGEST_RECORD);
         serde_json::from_str(&text.ok()?).ok()
     }
@@ -182,7 +182,7 @@ pub(super) fn folder_of(archive: &Archive, tile: TileId) -> PathBuf {
 }
 
 /// How the map of a tile stands.
-pub fn tile_state(
+pub(crate) fn tile_state(
     archive: &Archive,
     tile: TileId,
     logs: &[LogRecord],
@@ -203,7 +203,10 @@ pub fn tile_state(
 ///
 /// # Errors
 /// When a file cannot be removed.
-pub fn remove_left_over(archive: &Archive, tiles: &[TileId]) -> Result<Vec<TileId>, ArchiveError> {
+pub(crate) fn remove_left_over(
+    archive: &Archive,
+    tiles: &[TileId],
+) -> Result<Vec<TileId>, ArchiveError> {
     let names = names_in(&archive.folder().join(TILES))?;
     let found = names.iter().filter_map(|name| name.parse::<TileId>().ok());
     let mut left: Vec<TileId> = found.filter(|tile| !tiles.contains(tile)).collect();
@@ -233,7 +236,7 @@ pub(super) fn remove(path: &Path) -> Result<(), ArchiveError> {
 /// # Errors
 /// When the tile has no rows, rows cannot be read, a file cannot be written, or the work was cancelled; the tile is then one whose map is
 /// missing, or as it was.
-pub fn write_tile(
+pub(crate) fn write_tile(
     archive: &Archive,
     tile: TileId,
     logs: &[LogRecord],

@@ -19,7 +19,7 @@ use crate::support::progress::Progress;
 const USUAL_INTERVAL_M: f64 = 0.5;
 
 /// The depth map of a tile.
-pub struct TileMap {
+pub(crate) struct TileMap {
     /// The cells of the tile, none of its halo.
     pub surface: Surface,
     /// Lines of equal depth, cut at its edges and at those of the area of the archive's isobaths.
@@ -31,7 +31,7 @@ pub struct TileMap {
 ///
 /// # Errors
 /// When rows cannot be read, or the work was cancelled.
-pub fn tile_map(
+pub(crate) fn tile_map(
     archive: &Archive,
     tile: TileId,
     logs: &[LogRecord],
@@ -61,7 +61,7 @@ pub fn tile_map(
 ///
 /// # Errors
 /// When rows cannot be read, or the work was cancelled.
-pub fn tile_surface(
+pub(crate) fn tile_surface(
     archive: &Archive,
     tile: TileId,
     grid: Grid,
@@ -100,7 +100,7 @@ fn blank_other_zones(surface: &mut Surface, tile: TileId) {
 }
 
 /// The settings of the isobaths with an interval that is the same in all tiles.
-pub(super) fn isobath_settings(settings: &IsobathSettings) -> IsobathSettings {
+pub(crate) fn isobath_settings(settings: &IsobathSettings) -> IsobathSettings {
     IsobathSettings {
         interval_m: settings.interval_m.or(Some(USUAL_INTERVAL_M)),
         ..settings.clone()

@@ -23,7 +23,7 @@ pub struct ExportError {
 }
 
 /// Whether two paths name the same file, which is there: by whatever folder, link or spelling.
-pub fn is_same_file(one: &Path, other: &Path) -> bool {
+pub(crate) fn is_same_file(one: &Path, other: &Path) -> bool {
     let there = [one, other].map(fs::canonicalize);
     matches!(there, [Ok(one), Ok(other)] if one == other)
 }
@@ -34,7 +34,7 @@ pub fn is_same_file(one: &Path, other: &Path) -> bool {
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn write_atomically<T>(
+pub(crate) fn write_atomically<T>(
     path: &Path,
     write: impl FnOnce(File) -> io::Result<T>,
 ) -> Result<T, ExportError> {
@@ -90,7 +90,7 @@ impl Drop for Leftover<'_> {
 ///
 /// # Errors
 /// When it cannot be renamed.
-pub fn rename_older(path: &Path) -> Result<PathBuf, ExportError> {
+pub(crate) fn rename_older(path: &Path) -> Result<PathBuf, ExportError> {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let ending = path.extension().map(|ending| ending.to_string_lossy());
     let named = |count: usize| {

@@ -20,7 +20,7 @@ const TABLE: &str = "detections.csv";
 const UNNAMED: &str = "object";
 
 /// Chips on their way.
-pub struct ChipFolder {
+pub(crate) struct ChipFolder {
     folder: PathBuf,
     /// Classes by index, as part of a file name.
     classes: Vec<String>,
@@ -39,7 +39,7 @@ impl ChipFolder {
     ///
     /// # Errors
     /// When the folder cannot be made.
-    pub fn begin(output: &Path, classes: &[String]) -> Result<Self, ExportError> {
+    pub(crate) fn begin(output: &Path, classes: &[String]) -> Result<Self, ExportError> {
         let folder = output.join(FOLDER);
         fs::create_dir_all(&folder).map_err(fail(&folder))?;
         Ok(Self {
@@ -53,7 +53,7 @@ impl ChipFolder {
     ///
     /// # Errors
     /// When it cannot be written.
-    pub fn add(&mut self, class: usize, chip: &Picture) -> Result<(), ExportError> {
+    pub(crate) fn add(&mut self, class: usize, chip: &Picture) -> Result<(), ExportError> {
         let class = self.classes.get(class).map_or(UNNAMED, String::as_str);
         self.count += 1;
         let path = self.folder.join(format!("{:04}-{class}.png", self.count));

@@ -21,7 +21,7 @@ pub enum ChipError {
 }
 
 /// The boxes of a log, and where chips of them are cut from.
-pub struct ChipLog<'a> {
+pub(crate) struct ChipLog<'a> {
     /// The recording.
     pub survey: &'a Survey,
     /// Its raster.
@@ -34,7 +34,7 @@ pub struct ChipLog<'a> {
 ///
 /// # Errors
 /// When a picture cannot be written, or the work was cancelled.
-pub fn chips(
+pub(crate) fn chips(
     folder: &Path,
     names: &[String],
     logs: &[ChipLog<'_>],
@@ -55,7 +55,7 @@ pub fn chips(
 
 /// A box of a survey with its surroundings, range to the right, levels as a detector sees them. A pixel is the raster's, and
 /// larger where the box would not fit into a tile: a hull is shown as a whole.
-pub fn chip(survey: &Survey, raster: &Raster, mark: &Mark) -> Picture {
+pub(crate) fn chip(survey: &Survey, raster: &Raster, mark: &Mark) -> Picture {
     let rect = raster.rect_of(mark);
     let room_px = TILE_PX as f32 - 2.0 * AROUND_PX - 1.0;
     let factor = (rect.x1 - rect.x0).max(rect.y1 - rect.y0) / room_px;
@@ -78,7 +78,7 @@ pub fn chip(survey: &Survey, raster: &Raster, mark: &Mark) -> Picture {
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn picture_chips(
+pub(crate) fn picture_chips(
     folder: &Path,
     picture: &Picture,
     names: &[String],

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// A part of a dataset. No recording, real or simulated, is in two of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Part {
+pub(crate) enum Part {
     /// What is learnt from.
     Train,
     /// What settings are chosen on.
@@ -21,10 +21,10 @@ pub enum Part {
 
 impl Part {
     /// All parts, in the order of a split.
-    pub const ALL: [Part; 3] = [Part::Train, Part::Val, Part::Test];
+    pub(crate) const ALL: [Part; 3] = [Part::Train, Part::Val, Part::Test];
 
     /// `train`, `val` or `test`.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Part::Train => "train",
             Part::Val => "val",
@@ -35,7 +35,7 @@ impl Part {
 
 /// What a part holds, for the manifest.
 #[derive(Clone, Debug, Serialize)]
-pub struct PartSummary {
+pub(crate) struct PartSummary {
     /// `train`, `val` or `test`.
     pub name: &'static str,
     /// Pictures.
@@ -51,7 +51,7 @@ pub struct PartSummary {
 /// A folder `images/PART/NNNNNN.png` with `labels/PART/NNNNNN.txt` (YOLO), `PART.json` (COCO), `classes.txt` and
 /// `manifest.json`.
 #[derive(Clone, Debug)]
-pub struct DatasetFolder {
+pub(crate) struct DatasetFolder {
     root: PathBuf,
     classes: Vec<String>,
 }
@@ -61,7 +61,7 @@ impl DatasetFolder {
     ///
     /// # Errors
     /// When something cannot be written.
-    pub fn new(root: &Path, classes: &[String]) -> Result<Self, ExportError> {
+    pub(crate) fn new(root: &Path, classes: &[String]) -> Result<Self, ExportError> {
         let folder = Self {
             root: root.to_owned(),
             classes: classes.to_vec(),
@@ -79,7 +79,7 @@ impl DatasetFolder {
     ///
     /// # Errors
     /// When something cannot be written.
-    pub fn chip(&self, part: Part, number: usize, chip: &Chip) -> Result<(), ExportError> {
+    pub(crate) fn chip(&self, part: Part, number: usize, chip: &Chip) -> Result<(), ExportError> {
         let png = format!("images/{}/{}", part.name(), picture(number));
         self.bytes(&png, &chip.png())?;
         let labels = format!("labels/{}/{number:06}.txt", part.name());
@@ -90,7 +90,7 @@ impl DatasetFolder {
     ///
     /// # Errors
     /// When something cannot be written.
-    pub fn voc(&self, part: Part, number: usize, boxes: &Boxes) -> Result<(), ExportError> {
+    pub(crate) fn voc(&self, part: Part, number: usize, boxes: &Boxes) -> Result<(), ExportError> {
         make(&self.root.join("voc").join(part.name()))?;
         let text = voc_xml(&picture(number), &self.classes, boxes);
         self.text(&format!("voc/{}/{number:06}.xml", part.name()), &text)
@@ -100,7 +100,11 @@ impl DatasetFolder {
     ///
     /// # Errors
     /// When something cannot be written.
-    pub fn finish(&self, part: Part, pictures: &[Boxes]) -> Result<PartSummary, ExportError> {
+    pub(crate) fn finish(
+        &self,
+        part: Part,
+        pictures: &[Boxes],
+    ) -> Result<PartSummary, ExportError> {
         let mut coco = Coco::new(self.classes.iter().map(String::as_str));
         for (number, boxes) in pictures.iter().enumerate() {
             coco.add(picture(number), boxes);
@@ -127,7 +131,7 @@ impl DatasetFolder {
     ///
     /// # Errors
     /// When it cannot be written.
-    pub fn manifest(&self, manifest: &impl Serialize) -> Result<(), ExportError> {
+    pub(crate) fn manifest(&self, manifest: &impl Serialize) -> Result<(), ExportError> {
         self.json("manifest.json", manifest)
     }
 

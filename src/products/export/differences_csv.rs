@@ -10,7 +10,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn differences_csv(
+pub(crate) fn differences_csv(
     path: &Path,
     logs: &[LogPoints<'_>],
     differences: &[&[Match]],

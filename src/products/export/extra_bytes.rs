@@ -19,7 +19,7 @@ const LONGEST: usize = 32;
 
 impl Dimension {
     /// A dimension of a name, a type, a value for "no data" and a description of what it is.
-    pub const fn new(
+    pub(super) const fn new(
         name: &'static str,
         kind: Kind,
         no_data: Option<f64>,

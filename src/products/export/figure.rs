@@ -11,7 +11,7 @@ use std::path::Path;
 
 /// A line or an area that was measured.
 #[derive(Clone, Debug, PartialEq)]
-pub struct MeasuredFigure {
+pub(crate) struct MeasuredFigure {
     /// The log that lay under it.
     pub log: String,
     /// `distance`, `area`, `profile` or `height`.
@@ -34,7 +34,7 @@ pub struct MeasuredFigure {
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn figure_geojson(path: &Path, figure: &MeasuredFigure) -> Result<(), ExportError> {
+pub(crate) fn figure_geojson(path: &Path, figure: &MeasuredFigure) -> Result<(), ExportError> {
     let points = figure.stations.iter().map(Some);
     let features = std::iter::once(None).chain(points);
     write_atomically(path, |file| {
@@ -116,7 +116,7 @@ fn turns_right(ring: &[[f64; 2]]) -> bool {
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn figure_csv(path: &Path, figure: &MeasuredFigure) -> Result<(), ExportError> {
+pub(crate) fn figure_csv(path: &Path, figure: &MeasuredFigure) -> Result<(), ExportError> {
     let area = figure.area_m2;
     let mut text = "corner,lon,lat,distance_m".to_owned();
     let mut whole = String::new();

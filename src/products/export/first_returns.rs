@@ -16,7 +16,10 @@ const HEADER: &str = "ping,time_s,lon,lat,east_m,north_m,heading_deg,depth_m,\
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn first_returns_csv(path: &Path, logs: &[LogPoints<'_>]) -> Result<Summary, ExportError> {
+pub(crate) fn first_returns_csv(
+    path: &Path,
+    logs: &[LogPoints<'_>],
+) -> Result<Summary, ExportError> {
     let column = LogColumn::of(logs);
     write_atomically(path, |file| {
         let (mut out, mut summary) = (BufWriter::new(file), Summary::default());

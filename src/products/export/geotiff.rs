@@ -22,7 +22,7 @@ pub enum RasterError {
 ///
 /// # Errors
 /// When the file cannot be written, a tile cannot be drawn, or the work was cancelled; none of them leaves a file.
-pub fn geotiff(
+pub(crate) fn geotiff(
     path: &Path,
     spec: &RasterSpec,
     tiles: &[[usize; 2]],

@@ -11,7 +11,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// When the file cannot be written, or the work was cancelled; neither leaves a file.
-pub fn grid_raster<const BYTES: usize>(
+pub(super) fn grid_raster<const BYTES: usize>(
     path: &Path,
     spec: &RasterSpec,
     grid: &Grid,
@@ -27,7 +27,7 @@ pub fn grid_raster<const BYTES: usize>(
 ///
 /// # Errors
 /// As [`grid_raster`].
-pub fn metres_raster(
+pub(crate) fn metres_raster(
     path: &Path,
     spec: &RasterSpec,
     grid: &Grid,
@@ -53,7 +53,7 @@ pub fn metres_raster(
 ///
 /// # Errors
 /// As [`grid_raster`].
-pub fn source_raster(
+pub(crate) fn source_raster(
     path: &Path,
     spec: RasterSpec,
     surface: &Surface,

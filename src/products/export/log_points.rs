@@ -8,7 +8,7 @@ use std::borrow::Cow;
 
 /// The points of a log and what they come from.
 #[derive(Clone, Copy)]
-pub struct LogPoints<'a> {
+pub(crate) struct LogPoints<'a> {
     /// What the log is called, in a table of several logs.
     pub name: &'a str,
     /// The recording.
@@ -31,12 +31,14 @@ pub struct LogPoints<'a> {
 
 impl<'a> LogPoints<'a> {
     /// What its samples and recorded depths are in metres.
-    pub fn reduction(&self) -> Reduction<'a> {
+    pub(crate) fn reduction(&self) -> Reduction<'a> {
         Reduction::new(self.calibration, self.correction)
     }
 
     /// All points in the cloud's order, each with its class.
-    pub fn points(&self) -> impl Iterator<Item = (&'a CloudPoint, PointClass)> + Clone + use<'a> {
+    pub(crate) fn points(
+        &self,
+    ) -> impl Iterator<Item = (&'a CloudPoint, PointClass)> + Clone + use<'a> {
         self.cloud.points.iter().zip(self.classes.iter().copied())
     }
 }
@@ -49,7 +51,7 @@ pub(super) struct LogColumn {
 }
 
 impl LogColumn {
-    pub fn of(logs: &[LogPoints<'_>]) -> Self {
+    pub(super) fn of(logs: &[LogPoints<'_>]) -> Self {
         let is_shown = logs.len() > 1;
         Self {
             header: if is_shown { "log," } else { "" },
@@ -58,7 +60,7 @@ impl LogColumn {
     }
 
     /// The field of a log, quoted where its name holds what ends a field.
-    pub fn field<'a>(&self, log: &LogPoints<'a>) -> Cow<'a, str> {
+    pub(super) fn field<'a>(&self, log: &LogPoints<'a>) -> Cow<'a, str> {
         match (self.is_shown, log.name.contains([',', '"', '\n', '\r'])) {
             (false, _) => Cow::Borrowed(""),
             (true, false) => Cow::Owned(format!("{},", log.name)),

@@ -13,7 +13,7 @@ const HEADER: [&str; 9] = [
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn picture_boxes_csv(
+pub(crate) fn picture_boxes_csv(
     path: &Path,
     file: &str,
     names: &[String],

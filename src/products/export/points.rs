@@ -8,7 +8,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// When the file cannot be written, or the format cannot hold the points.
-pub fn kept_points(
+pub(crate) fn kept_points(
     path: &Path,
     format: PointFormat,
     points: &PointFile,

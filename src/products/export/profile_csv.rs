@@ -9,7 +9,11 @@ use std::path::Path;
 
 /// One line a station, `distance_m,lon,lat,east_m,north_m,depth_m`: metres on the ground from the start, WGS84, the survey's
 /// local metres as in `cloud.csv`, and the depth, empty where nothing is known.
-pub fn profile_csv(survey: &Survey, navigation: &Navigation, stations: &[Station]) -> String {
+pub(crate) fn profile_csv(
+    survey: &Survey,
+    navigation: &Navigation,
+    stations: &[Station],
+) -> String {
     let mut text = "distance_m,lon,lat,east_m,north_m,depth_m\n".to_owned();
     for station in stations {
         let [east_m, north_m] = station.place;
@@ -32,6 +36,6 @@ pub fn profile_csv(survey: &Survey, navigation: &Navigation, stations: &[Station
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn write_profile_csv(path: &Path, text: &str) -> Result<(), ExportError> {
+pub(crate) fn write_profile_csv(path: &Path, text: &str) -> Result<(), ExportError> {
     write_atomically(path, |mut file| file.write_all(text.as_bytes()))
 }

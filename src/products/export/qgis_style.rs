@@ -7,7 +7,7 @@ use std::path::Path;
 
 /// Writes the style of a raster of one band in metres: `colour` of a share of the way from the least to the greatest value, in
 /// `steps` even steps, linear between them. What is not known is clear.
-pub fn qgis_style(
+pub(crate) fn qgis_style(
     path: &Path,
     [least_m, most_m]: [f64; 2],
     steps: usize,
@@ -42,10 +42,10 @@ pub fn qgis_style(
 }
 
 /// A class of a raster: its number, name and colour.
-pub type Class = (u8, &'static str, [u8; 3]);
+pub(super) type Class = (u8, &'static str, [u8; 3]);
 
 /// Writes the style of a raster of classes. What is none of them is clear.
-pub fn qgis_classes(path: &Path, classes: &[Class]) -> Result<(), ExportError> {
+pub(crate) fn qgis_classes(path: &Path, classes: &[Class]) -> Result<(), ExportError> {
     let entries = classes.iter().map(|(number, name, [red, green, blue])| {
         format!(
             "        <paletteEntry alpha=\"255\" color=\"#{red:02x}{green:02x}{blue:02x}\" label=\"{}\" value=\"{number}\"/>\n",

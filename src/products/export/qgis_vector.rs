@@ -29,7 +29,7 @@ const LEAST_LABELLED_MM: f64 = 12.0;
 const REPEAT_MM: f64 = 80.0;
 
 /// Lines of equal depth: those with `is_index` thick and labelled along the line, upright.
-pub fn isobath_style() -> String {
+pub(super) fn isobath_style() -> String {
     let rule = |name: &str, filter: &str, symbol: usize| {
         format!("<rule key=\"{name}\" label=\"{name}\" filter=\"{filter}\" symbol=\"{symbol}\"/>")
     };
@@ -51,7 +51,7 @@ pub fn isobath_style() -> String {
 }
 
 /// Spot soundings: their figures alone, upright, in the place of the depth; of two that would overlap the shallower stands.
-pub fn spot_sounding_style() -> String {
+pub(super) fn spot_sounding_style() -> String {
     let label = Label {
         expression: "label",
         size_pt: 7.0,
@@ -64,7 +64,7 @@ pub fn spot_sounding_style() -> String {
 }
 
 /// Areas between depths: `classes` are the ends of each, metres, and its colour.
-pub fn depth_area_style(classes: &[([f64; 2], Rgb)]) -> String {
+pub(super) fn depth_area_style(classes: &[([f64; 2], Rgb)]) -> String {
     let (mut ranges, mut symbols) = (String::new(), String::new());
     for (number, ([from_m, to_m], colour)) in classes.iter().enumerate() {
         write!(
@@ -81,12 +81,12 @@ pub fn depth_area_style(classes: &[([f64; 2], Rgb)]) -> String {
 }
 
 /// The way of the boat: a thin line.
-pub fn track_style() -> String {
+pub(super) fn track_style() -> String {
     document(&single(&line_symbol("0", RED, THIN_MM)), None, 1.0)
 }
 
 /// Ground that was insonified: its edge, dashed, and nothing within, so that maps below stay visible.
-pub fn footprint_style() -> String {
+pub(super) fn footprint_style() -> String {
     document(
         &single(&fill_symbol("0", None, Some((GREY, true)))),
         None,
@@ -95,7 +95,7 @@ pub fn footprint_style() -> String {
 }
 
 /// Objects: a mark, and what they are called, once for all sightings of one.
-pub fn target_style() -> String {
+pub(super) fn target_style() -> String {
     let label = Label {
         expression: "CASE WHEN \"object\" IS NULL OR $id = minimum($id, group_by:=\"object\") THEN coalesce(nullif(\"name\", ''), \"class\" || coalesce(' ' || \"object\", '')) END",
         size_pt: 8.0,
@@ -107,7 +107,7 @@ pub fn target_style() -> String {
 }
 
 /// Outlines of objects on the ground.
-pub fn target_outline_style() -> String {
+pub(super) fn target_outline_style() -> String {
     document(
         &single(&fill_symbol("0", None, Some((RED, false)))),
         None,

@@ -2,14 +2,14 @@
 
 use super::ExportError;
 use super::atomic_write::write_atomically_at;
-pub use rusqlite::types::Value;
+pub(super) use rusqlite::types::Value;
 use rusqlite::{Connection, params_from_iter};
 use std::io;
 use std::path::Path;
 
 /// What a database says of itself in its header.
 #[derive(Clone, Copy, Debug)]
-pub struct Kind {
+pub(super) struct Kind {
     /// Which program's file it is: four letters as a number.
     pub application: u32,
     /// Which version of that.
@@ -17,12 +17,12 @@ pub struct Kind {
 }
 
 /// A whole number of things.
-pub fn count(number: usize) -> Value {
+pub(super) fn count(number: usize) -> Value {
     Value::Integer(i64::try_from(number).unwrap_or(i64::MAX))
 }
 
 /// A text.
-pub fn text(text: &str) -> Value {
+pub(super) fn text(text: &str) -> Value {
     Value::Text(text.to_owned())
 }
 
@@ -30,7 +30,7 @@ pub fn text(text: &str) -> Value {
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn database<T>(
+pub(super) fn database<T>(
     path: &Path,
     kind: Kind,
     fill: impl FnOnce(&Connection) -> io::Result<T>,
@@ -56,7 +56,7 @@ pub fn database<T>(
 ///
 /// # Errors
 /// What SQLite says.
-pub fn run(connection: &Connection, statements: &str) -> io::Result<()> {
+pub(super) fn run(connection: &Connection, statements: &str) -> io::Result<()> {
     connection
         .execute_batch(statements)
         .map_err(io::Error::other)
@@ -66,7 +66,7 @@ pub fn run(connection: &Connection, statements: &str) -> io::Result<()> {
 ///
 /// # Errors
 /// What SQLite says, or what a row could not be read for.
-pub fn insert(
+pub(super) fn insert(
     connection: &Connection,
     table: &str,
     rows: impl IntoIterator<Item = io::Result<Vec<Value>>>,

@@ -12,7 +12,7 @@ const STEPS: usize = 60;
 const PLOT_PX: [f64; 2] = [360.0, 240.0];
 
 /// Curves and table; empty without a depth map.
-pub fn storage_section(from: &ReportData<'_>) -> String {
+pub(super) fn storage_section(from: &ReportData<'_>) -> String {
     let Some(surface) = from.depth_map.map(|depth_map| &depth_map.surface) else {
         return String::new();
     };

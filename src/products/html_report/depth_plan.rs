@@ -17,7 +17,10 @@ const LEAST_LABELLED_PX: f64 = 90.0;
 const APART_PX: f64 = 46.0;
 
 /// The map; `None` where the depths span no surface.
-pub fn depth_plan(from: &ReportData<'_>, progress: &Progress) -> Result<Option<String>, Cancelled> {
+pub(super) fn depth_plan(
+    from: &ReportData<'_>,
+    progress: &Progress,
+) -> Result<Option<String>, Cancelled> {
     let Some(depth_map) = from.depth_map else {
         return Ok(None);
     };

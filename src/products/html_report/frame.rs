@@ -21,10 +21,10 @@ const FREE: f64 = 0.04;
 const BETWEEN_PX: f64 = 180.0;
 
 /// Bounds of a map: west, south, east, north, metres.
-pub type Bounds = [f64; 4];
+pub(super) type Bounds = [f64; 4];
 
 /// Where the metres of a plane lie on the page.
-pub struct PageTransform {
+pub(super) struct PageTransform {
     map: MapPlane,
     west_m: f64,
     north_m: f64,
@@ -35,7 +35,7 @@ pub struct PageTransform {
 
 impl PageTransform {
     /// A frame around some bounds in the plane of a map; `None` where these are no place.
-    pub fn around([west, south, east, north]: Bounds, map: &MapPlane) -> Option<Self> {
+    pub(super) fn around([west, south, east, north]: Bounds, map: &MapPlane) -> Option<Self> {
         let (width_m, height_m) = (east - west, north - south);
         let longest_m = width_m.max(height_m);
         if !(longest_m > 0.0 && longest_m.is_finite()) {
@@ -56,7 +56,7 @@ impl PageTransform {
     }
 
     /// Pixels from the left and the top.
-    pub fn place(&self, [east_m, north_m]: [f64; 2]) -> [f64; 2] {
+    pub(super) fn place(&self, [east_m, north_m]: [f64; 2]) -> [f64; 2] {
         [
             LEFT_PX + (east_m - self.west_m) * self.px_per_m,
             ABOVE_PX + (self.north_m - north_m) * self.px_per_m,
@@ -71,22 +71,22 @@ impl PageTransform {
     }
 
     /// Pixels in a metre.
-    pub fn px_per_m(&self) -> f64 {
+    pub(super) fn px_per_m(&self) -> f64 {
         self.px_per_m
     }
 
     /// Left and upper edge of what lies to the right of the map.
-    pub fn legend_at(&self) -> [f64; 2] {
+    pub(super) fn legend_at(&self) -> [f64; 2] {
         [LEFT_PX + self.width_px + 14.0, ABOVE_PX + 4.0]
     }
 
     /// Height of the map, pixels.
-    pub fn height_px(&self) -> f64 {
+    pub(super) fn height_px(&self) -> f64 {
         self.height_px
     }
 
     /// The outline of a line, without steps shorter than half a pixel; it breaks where a place is no number.
-    pub fn path(&self, points: impl Iterator<Item = [f64; 2]>) -> String {
+    pub(super) fn path(&self, points: impl Iterator<Item = [f64; 2]>) -> String {
         let mut path = String::new();
         let (mut last, mut held) = (None::<[f64; 2]>, None::<[f64; 2]>);
         let step = |path: &mut String, letter: char, [x, y]: [f64; 2]| {
@@ -119,7 +119,7 @@ impl PageTransform {
     }
 
     /// The map as an `svg` element: `under` the graticule, `over` it, and `beside` the map.
-    pub fn svg(&self, name: &str, under: &str, over: &str, beside: &str) -> String {
+    pub(super) fn svg(&self, name: &str, under: &str, over: &str, beside: &str) -> String {
         let (width, height) = (
             LEFT_PX + self.width_px + RIGHT_PX,
             ABOVE_PX + self.height_px + BELOW_PX,

@@ -13,7 +13,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 /// The table of logs; empty of one log.
-pub fn section(from: &ReportData<'_>) -> String {
+pub(super) fn section(from: &ReportData<'_>) -> String {
     let Some(all) = &from.report.logs else {
         return String::new();
     };
@@ -117,7 +117,7 @@ fn agreement(all: &LogsReport) -> String {
 }
 
 /// What was and was not corrected, of all logs: once where it is the same.
-pub fn correction(from: &ReportData<'_>) -> String {
+pub(super) fn correction(from: &ReportData<'_>) -> String {
     let statements = (from.logs.iter()).map(|log| log.products.correction.statement());
     let statements: BTreeSet<String> = statements.collect();
     match statements.len() {

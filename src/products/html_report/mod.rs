@@ -23,7 +23,7 @@ mod summary;
 mod tables;
 mod targets;
 
-pub use document::document;
+pub(crate) use document::document;
 
 use crate::detection::Raster;
 use crate::detection::objects::ObjectList;
@@ -38,7 +38,7 @@ use crate::survey::Survey;
 use std::collections::BTreeMap;
 
 /// What the report shows. Everything but the survey and its results may be missing; the report then says so.
-pub struct ReportData<'a> {
+pub(crate) struct ReportData<'a> {
     /// The logs, one or all of a survey, with what the pipeline made of them.
     pub logs: &'a [ProcessedLog],
     /// What each log is called.
@@ -70,10 +70,10 @@ pub struct ReportData<'a> {
 }
 
 /// The name of a file, and what it is.
-pub type FileLine = (&'static str, &'static str);
+pub(crate) type FileLine = (&'static str, &'static str);
 
 /// What lies there.
-pub struct Objects<'a> {
+pub(crate) struct Objects<'a> {
     /// All boxes and objects.
     pub list: &'a ObjectList,
     /// A line for each box of a target.

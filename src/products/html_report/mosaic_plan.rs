@@ -16,7 +16,7 @@ const BAND_ROWS: usize = 128;
 const PAPER: u8 = 0xf7;
 
 /// The map of all logs; `None` where no ping has side-scan, a place, a heading and an altitude.
-pub fn mosaic_plan(
+pub(super) fn mosaic_plan(
     from: &ReportData<'_>,
     progress: &Progress,
 ) -> Result<Option<String>, Cancelled> {
@@ -82,7 +82,12 @@ fn pixels(mosaic: &Mosaic, grid: &Grid, progress: &Progress) -> Result<Vec<u8>, 
 }
 
 /// The way of the boat in all logs.
-pub fn track(from: &ReportData<'_>, frame: &PageTransform, colour: &str, opacity: f64) -> String {
+pub(super) fn track(
+    from: &ReportData<'_>,
+    frame: &PageTransform,
+    colour: &str,
+    opacity: f64,
+) -> String {
     let of_log = |log: &ProcessedLog| {
         let navigation = &log.products.navigation;
         let pings = match navigation.pings.is_empty() {

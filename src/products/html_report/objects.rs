@@ -17,13 +17,13 @@ const MOST_ROWS: usize = 60;
 const LISTED_WIDTH: usize = 220;
 
 /// The boxes of targets, which are drawn and listed.
-pub fn rows<'a>(from: &'a ReportData<'_>) -> &'a [ObjectRow<'a>] {
+pub(super) fn rows<'a>(from: &'a ReportData<'_>) -> &'a [ObjectRow<'a>] {
     let objects = from.objects.as_ref();
     objects.map_or(&[][..], |objects| &objects.rows)
 }
 
 /// The boxes that nobody has decided about; none without a review, when they are the targets.
-pub fn undecided<'a>(from: &'a ReportData<'_>) -> impl Iterator<Item = &'a ObjectBox> {
+pub(super) fn undecided<'a>(from: &'a ReportData<'_>) -> impl Iterator<Item = &'a ObjectBox> {
     let reviewed = (from.objects.as_ref()).filter(|objects| objects.list.is_reviewed());
     let boxes = reviewed
         .into_iter()
@@ -32,17 +32,17 @@ pub fn undecided<'a>(from: &'a ReportData<'_>) -> impl Iterator<Item = &'a Objec
 }
 
 /// Whether somebody has decided about boxes; otherwise all of them are the detector's proposals.
-pub fn is_reviewed(from: &ReportData<'_>) -> bool {
+pub(super) fn is_reviewed(from: &ReportData<'_>) -> bool {
     (from.objects.as_ref()).is_some_and(|objects| objects.list.is_reviewed())
 }
 
 /// The targets, by number.
-pub fn targets<'a>(from: &'a ReportData<'_>) -> impl Iterator<Item = &'a SurveyObject> {
+pub(super) fn targets<'a>(from: &'a ReportData<'_>) -> impl Iterator<Item = &'a SurveyObject> {
     (from.objects.iter()).flat_map(|objects| objects.list.targets())
 }
 
 /// Objects that are listed; boxes where none has a place.
-pub fn count(from: &ReportData<'_>) -> usize {
+pub(super) fn count(from: &ReportData<'_>) -> usize {
     match targets(from).count() {
         0 => rows(from).len(),
         count => count,
@@ -50,7 +50,7 @@ pub fn count(from: &ReportData<'_>) -> usize {
 }
 
 /// A ring with its number at each target.
-pub fn marks(from: &ReportData<'_>, frame: &PageTransform) -> String {
+pub(super) fn marks(from: &ReportData<'_>, frame: &PageTransform) -> String {
     let mut drawn = String::from(
         "<g font-size=\"11\" fill=\"#111111\" paint-order=\"stroke\" stroke=\"#ffffff\" stroke-width=\"3\">\n",
     );
@@ -91,7 +91,7 @@ fn sure(row: &ObjectRow<'_>) -> f32 {
 }
 
 /// Passes that saw an object, and that covered its place.
-pub fn passes_of(from: &ReportData<'_>, object: &SurveyObject) -> PassCount {
+pub(super) fn passes_of(from: &ReportData<'_>, object: &SurveyObject) -> PassCount {
     let objects = from.objects.as_ref();
     let counted = objects.and_then(|objects| objects.passes.get(&object.number));
     counted.copied().unwrap_or_default()
@@ -142,7 +142,7 @@ fn height_of(from: &ReportData<'_>, row: &ObjectRow<'_>) -> ObjectHeight {
 }
 
 /// The section; empty where nobody searched.
-pub fn section(from: &ReportData<'_>, progress: &Progress) -> Result<String, Cancelled> {
+pub(super) fn section(from: &ReportData<'_>, progress: &Progress) -> Result<String, Cancelled> {
     let Some(objects) = &from.objects else {
         return Ok(String::new());
     };
@@ -213,7 +213,7 @@ fn not_listed(from: &ReportData<'_>) -> String {
 }
 
 /// What is seen in a box, as an image of so many pixels at most; empty where its log has no pictures.
-pub fn picture(from: &ReportData<'_>, of: &ObjectBox, width: usize) -> String {
+pub(super) fn picture(from: &ReportData<'_>, of: &ObjectBox, width: usize) -> String {
     let rasters = from.objects.as_ref().map(|objects| objects.rasters);
     let raster = rasters.and_then(|rasters| rasters.get(of.log)?.as_ref());
     let (Some(raster), Some(log)) = (raster, from.logs.get(of.log)) else {

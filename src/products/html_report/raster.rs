@@ -10,7 +10,7 @@ use image::{ExtendedColorType, ImageEncoder as _};
 const JPEG_QUALITY: u8 = 82;
 
 /// Pixels of 4 bytes, row by row, as the address of a PNG.
-pub fn rgba(pixels: &[u8], width: usize, height: usize) -> String {
+pub(super) fn rgba(pixels: &[u8], width: usize, height: usize) -> String {
     let mut png = Vec::new();
     let encoder =
         PngEncoder::new_with_quality(&mut png, CompressionType::Best, FilterType::Adaptive);
@@ -24,7 +24,7 @@ pub fn rgba(pixels: &[u8], width: usize, height: usize) -> String {
 }
 
 /// Pixels of one byte, row by row, as the address of a JPEG.
-pub fn grey(pixels: &[u8], width: usize, height: usize) -> String {
+pub(super) fn grey(pixels: &[u8], width: usize, height: usize) -> String {
     let mut jpeg = Vec::new();
     let encoder = JpegEncoder::new_with_quality(&mut jpeg, JPEG_QUALITY);
     let written = encoder.write_image(pixels, width as u32, height as u32, ExtendedColorType::L8);

@@ -18,7 +18,7 @@ const READ: usize = 4;
 const LEFT: usize = 40;
 
 /// The picture; `None` without side-scan.
-pub fn strip(log: &ProcessedLog, progress: &Progress) -> Result<Option<String>, Cancelled> {
+pub(super) fn strip(log: &ProcessedLog, progress: &Progress) -> Result<Option<String>, Cancelled> {
     let Some(axis) = RangeAxis::of(&log.survey).filter(|_| log.survey.has_side_scan()) else {
         return Ok(None);
     };

@@ -15,7 +15,7 @@ use std::fmt::Write as _;
 const LONGEST_STEP_M: f64 = 50.0;
 
 /// Title, paragraph and figures.
-pub fn summary(from: &ReportData<'_>) -> String {
+pub(super) fn summary(from: &ReportData<'_>) -> String {
     let mut html = format!("<h1>Survey {}</h1>\n<p class=\"lead\">", xml(&from.title));
     html += &sentences(from);
     html += "</p>\n<div class=\"figures\">\n";
@@ -225,7 +225,7 @@ fn volume(cubic_m: f64) -> String {
 }
 
 /// Length of the fitted track of a log.
-pub fn sailed_m(log: &ProcessedLog) -> f64 {
+pub(super) fn sailed_m(log: &ProcessedLog) -> f64 {
     let navigation = &log.products.navigation;
     let pings = match navigation.pings.is_empty() {
         true => &navigation.soundings,

@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 type Written = Result<(), std::fmt::Error>;
 
 /// Warnings in a box; nothing without any.
-pub fn warnings(from: &ReportData<'_>) -> String {
+pub(super) fn warnings(from: &ReportData<'_>) -> String {
     let items: String = from
         .report
         .warnings
@@ -24,7 +24,7 @@ pub fn warnings(from: &ReportData<'_>) -> String {
 }
 
 /// Agreement of depths, and what it does not say.
-pub fn trust(from: &ReportData<'_>) -> String {
+pub(super) fn trust(from: &ReportData<'_>) -> String {
     let mut html = String::from("<h2>How far to trust it</h2>\n");
     // Writing to a string cannot fail.
     agreement(from, &mut html).ok();
@@ -121,7 +121,7 @@ fn latencies(from: &ReportData<'_>, html: &mut String) -> Written {
 }
 
 /// Scale, method and settings.
-pub fn method(from: &ReportData<'_>) -> String {
+pub(super) fn method(from: &ReportData<'_>) -> String {
     let mut html = String::from("<h2>How it was made</h2>\n");
     match &from.report.logs {
         None => html += &format!("<p>{}</p>\n", scale(&from.report.calibration)),
@@ -254,7 +254,7 @@ fn flatten(prefix: &str, table: &toml::Table, lines: &mut Vec<String>) {
 }
 
 /// Inputs with their fingerprints, and what was written.
-pub fn files(from: &ReportData<'_>) -> String {
+pub(super) fn files(from: &ReportData<'_>) -> String {
     let mut html = String::from(
         "<h2>Files</h2>\n<table><tr><th class=\"text\">read</th><th>size</th><th class=\"text\">SHA-256</th></tr>\n",
     );

@@ -18,7 +18,7 @@ const MOST: usize = 60;
 const PICTURE_WIDTH: usize = 360;
 
 /// The sections; empty where nobody has decided about boxes and the settings do not ask for proposals.
-pub fn section(from: &ReportData<'_>, progress: &Progress) -> Result<String, Cancelled> {
+pub(super) fn section(from: &ReportData<'_>, progress: &Progress) -> Result<String, Cancelled> {
     let with_proposals = from.products.settings.report.proposals;
     let is_reviewed = is_reviewed(from);
     let mut shown: Vec<Shown<'_>> = Vec::new();

@@ -36,7 +36,7 @@ const SHARES: [f64; 5] = [0.5, 0.35, 0.65, 0.2, 0.8];
 const STRAIGHT: f64 = 0.92;
 
 /// Draws lines, given in pixels of the tile, over its picture. A number lies wholly in its tile: neighbours know nothing of it.
-pub fn draw_isobaths(picture: &mut [u8], lines: &[Isobath], settings: &IsobathSettings) {
+pub(super) fn draw_isobaths(picture: &mut [u8], lines: &[Isobath], settings: &IsobathSettings) {
     let points = || lines.iter().map(|line| line.points.as_slice());
     stroke(picture, points(), HALO);
     stroke(picture, points(), LINE);

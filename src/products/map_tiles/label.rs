@@ -116,7 +116,7 @@ fn figure(letter: char) -> Option<(Vec<[f64; 2]>, f64)> {
 }
 
 /// Pixels that a number is long.
-pub fn width(text: &str) -> f64 {
+pub(super) fn width(text: &str) -> f64 {
     let widths = text
         .chars()
         .filter_map(figure)
@@ -125,7 +125,7 @@ pub fn width(text: &str) -> f64 {
 }
 
 /// The strokes of a number about its middle, turned into the direction of a line but never upside down; pixels.
-pub fn strokes(text: &str, [x, y]: [f64; 2], direction: [f64; 2]) -> Vec<Vec<[f64; 2]>> {
+pub(super) fn strokes(text: &str, [x, y]: [f64; 2], direction: [f64; 2]) -> Vec<Vec<[f64; 2]>> {
     let length = direction[0].hypot(direction[1]).max(f64::MIN_POSITIVE);
     let sign = if direction[0] < 0.0 { -1.0 } else { 1.0 };
     let [cos, sin] = direction.map(|part| sign * part / length);

@@ -16,7 +16,7 @@ mod pyramid;
 mod stroke;
 mod web_tile;
 
-pub use lit_surface::LitSurface;
-pub use pixels::{Pixel, Pixels};
-pub use pyramid::{Known, MapPart, MapScales, TileSource, TileStyle, pyramid};
-pub use web_tile::{TILE_PIXELS, WebTile, ZoomRange, web_pixel};
+pub(crate) use lit_surface::LitSurface;
+pub(crate) use pixels::{Pixel, Pixels};
+pub(crate) use pyramid::{Known, MapPart, MapScales, TileSource, TileStyle, pyramid};
+pub(crate) use web_tile::{TILE_PIXELS, WebTile, ZoomRange, web_pixel};

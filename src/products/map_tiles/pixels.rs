@@ -6,7 +6,7 @@ use crate::support::presentation::colours::lit_depth_colour;
 
 /// What is known of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pixel {
+pub(crate) struct Pixel {
     /// Depth, metres, positive down.
     pub depth_m: f32,
     /// How bright the bottom is, level ground being 1.
@@ -15,14 +15,14 @@ pub struct Pixel {
 
 /// A tile's pixels, row by row from the north-west; depths are NaN where nothing is known.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Pixels {
+pub(crate) struct Pixels {
     depth_m: Vec<f32>,
     light: Vec<f32>,
 }
 
 impl Pixels {
     /// Of a tile, by what is known at the middles of its pixels; `None` where that is nothing.
-    pub fn draw(tile: WebTile, known: impl Fn(LonLat) -> Option<Pixel>) -> Option<Self> {
+    pub(crate) fn draw(tile: WebTile, known: impl Fn(LonLat) -> Option<Pixel>) -> Option<Self> {
         let pixels = (0..TILE_PIXELS * TILE_PIXELS).map(|pixel| {
             let at = [pixel % TILE_PIXELS, pixel / TILE_PIXELS];
             known(tile.place(at.map(|number| number as f64 + 0.5)))
@@ -31,7 +31,7 @@ impl Pixels {
     }
 
     /// The tile that four of the next zoom make (in the order of [`WebTile::children`]): each pixel is the mean of what is known of four.
-    pub fn of_children(children: [Option<&Self>; 4]) -> Option<Self> {
+    pub(crate) fn of_children(children: [Option<&Self>; 4]) -> Option<Self> {
         const HALF: usize = TILE_PIXELS / 2;
         let pixels = (0..TILE_PIXELS * TILE_PIXELS).map(|pixel| {
             let (column, row) = (pixel % TILE_PIXELS, pixel / TILE_PIXELS);
@@ -70,13 +70,13 @@ impl Pixels {
     }
 
     /// All values, depths before lights, 4 bytes each, the lowest first.
-    pub fn to_bytes(&self) -> Vec<u8> {
+    pub(crate) fn to_bytes(&self) -> Vec<u8> {
         let values = self.depth_m.iter().chain(&self.light);
         values.flat_map(|value| value.to_le_bytes()).collect()
     }
 
     /// Of [`Pixels::to_bytes`]; `None` where they are too few or too many.
-    pub fn of_bytes(bytes: &[u8]) -> Option<Self> {
+    pub(crate) fn of_bytes(bytes: &[u8]) -> Option<Self> {
         let (values, rest) = bytes.as_chunks::<4>();
         let mut depth_m: Vec<f32> = values.iter().copied().map(f32::from_le_bytes).collect();
         if !rest.is_empty() || depth_m.len() != 2 * TILE_PIXELS * TILE_PIXELS {
@@ -87,13 +87,13 @@ impl Pixels {
     }
 
     /// Colours of depth, lit; clear where nothing is known. Red, green, blue and opacity of each pixel.
-    pub fn colours(&self, range_m: [f32; 2]) -> Vec<u8> {
+    pub(crate) fn colours(&self, range_m: [f32; 2]) -> Vec<u8> {
         self.rgba(|pixel| lit_depth_colour(pixel.depth_m, range_m, pixel.light))
     }
 
     /// Elevations (minus the depths) in the encoding that is called Terrarium: red * 256 + green + blue / 256 - 32768 metres; clear where
     /// nothing is known.
-    pub fn elevations(&self) -> Vec<u8> {
+    pub(crate) fn elevations(&self) -> Vec<u8> {
         self.rgba(|pixel| {
             let steps = (256.0 * (32_768.0 - f64::from(pixel.depth_m))).round();
             let [_, red, green, blue] = (steps.clamp(0.0, 16_777_215.0) as u32).to_be_bytes();

@@ -12,7 +12,7 @@ use std::sync::{Mutex, PoisonError};
 
 /// What a picture of a tile shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum TileStyle {
+pub(crate) enum TileStyle {
     /// Lit colours of depth, under lines that the web map draws itself.
     Colours,
     /// The same with isobaths and their depths.
@@ -23,12 +23,12 @@ pub enum TileStyle {
 
 impl TileStyle {
     /// All of them, in the order of their declaration.
-    pub const ALL: [Self; 3] = [Self::Colours, Self::Chart, Self::Elevations];
+    pub(crate) const ALL: [Self; 3] = [Self::Colours, Self::Chart, Self::Elevations];
 }
 
 /// Where a map lies, and how it is drawn.
 #[derive(Clone, Debug)]
-pub struct MapScales {
+pub(crate) struct MapScales {
     /// Its zooms, and where it lies.
     pub zooms: ZoomRange,
     /// Ends of the scale of colours, metres.
@@ -41,13 +41,13 @@ pub struct MapScales {
 
 impl MapScales {
     /// Metres from one isobath to the next, `None` where they are not evenly apart.
-    pub fn interval_m(&self) -> Option<f64> {
+    pub(crate) fn interval_m(&self) -> Option<f64> {
         evenly_apart_m(&self.levels_m).map(|[interval_m, _]| interval_m)
     }
 }
 
 /// What tiles are made of.
-pub trait TileSource: Sync {
+pub(crate) trait TileSource: Sync {
     /// Where the map lies, and how it is drawn.
     fn scales(&self) -> &MapScales;
     /// Whether anything may be known in a tile of any zoom.
@@ -77,7 +77,7 @@ pub trait TileSource: Sync {
 
 /// What is known of a tile: what the next coarser one is made of.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Known {
+pub(crate) struct Known {
     /// Its pixels.
     pub pixels: Pixels,
     /// The isobaths in it, in pixels of the finest zoom from the north-west of the whole earth.
@@ -86,7 +86,7 @@ pub struct Known {
 
 /// A part of a map: a tile a few zooms coarser than the finest, drawn with all finer ones in it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct MapPart {
+pub(crate) struct MapPart {
     /// What is known of the tile, `None` where that is nothing.
     pub known: Option<Known>,
     /// Its pictures and those of the finer tiles, PNG, in order.
@@ -117,7 +117,7 @@ const LEAST_LENGTH: f64 = 4.0;
 ///
 /// # Errors
 /// What the source or the taker says, or that the work was cancelled.
-pub fn pyramid(
+pub(crate) fn pyramid(
     source: &impl TileSource,
     progress: &Progress,
     keep: &(impl Fn(TileStyle, WebTile, Vec<u8>) -> io::Result<()> + Sync),

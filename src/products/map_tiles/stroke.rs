@@ -4,7 +4,7 @@ use super::TILE_PIXELS;
 
 /// How lines are drawn.
 #[derive(Clone, Copy, Debug)]
-pub struct Pen {
+pub(super) struct Pen {
     /// Pixels.
     pub width: f64,
     /// Red, green, blue.
@@ -14,7 +14,11 @@ pub struct Pen {
 }
 
 /// Draws lines, given in pixels of the tile, over its picture (red, green, blue, opacity). Where lines meet nothing is drawn twice.
-pub fn stroke<'a>(picture: &mut [u8], lines: impl Iterator<Item = &'a [[f64; 2]]>, pen: Pen) {
+pub(super) fn stroke<'a>(
+    picture: &mut [u8],
+    lines: impl Iterator<Item = &'a [[f64; 2]]>,
+    pen: Pen,
+) {
     let mut covered = vec![0.0_f64; TILE_PIXELS * TILE_PIXELS];
     for line in lines {
         for step in line.windows(2) {

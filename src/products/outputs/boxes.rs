@@ -22,7 +22,7 @@ const REVIEW: &str = "boxes.review.json";
 
 /// What was written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct BoxesWritten {
+pub(crate) struct BoxesWritten {
     /// Boxes in the tables.
     pub boxes: usize,
     /// Pictures for training.
@@ -33,7 +33,7 @@ pub struct BoxesWritten {
 
 impl BoxesWritten {
     /// What was written, in a sentence.
-    pub fn summary(&self, folder: &Path) -> String {
+    pub(crate) fn summary(&self, folder: &Path) -> String {
         format!(
             "Wrote {} boxes and {} pictures for training, {} of them hard negatives, into {}",
             self.boxes,
@@ -64,7 +64,7 @@ struct LogBoxes<'a> {
 ///
 /// # Errors
 /// A sentence that names the file, or says that no log has boxes. A cancelled run leaves whole files only.
-pub fn write_boxes(
+pub(crate) fn write_boxes(
     logs: &[ProcessedLog],
     review: &SurveyReview,
     part: Part,

@@ -8,26 +8,29 @@ use crate::products::outputs::OutputError;
 use std::path::Path;
 
 /// Writes `first_returns.csv`.
-pub fn first_returns(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn first_returns(
+    results: &Results<'_>,
+    path: &Path,
+) -> Result<FileContent, OutputError> {
     export::first_returns_csv(path, &results.log_points())
         .map(|pings| FileContent::new(Coordinates::Degrees, pings))
         .map_err(OutputError::from)
 }
 
 /// Writes `cloud.csv`.
-pub fn table(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn table(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     export::cloud_csv(path, &results.log_points())
         .map(|points| FileContent::new(Coordinates::Degrees, points))
         .map_err(OutputError::from)
 }
 
 /// Writes all points to `cloud.copc.laz`, in the system of the map.
-pub fn copc(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn copc(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     las_file(results, path, LasPacking::Copc)
 }
 
 /// Writes all points to `cloud.las`, in the system of the map.
-pub fn las(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn las(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     las_file(results, path, LasPacking::Plain)
 }
 
@@ -50,7 +53,7 @@ fn las_file(
 }
 
 /// Writes all points to `cloud.ply`, in the survey's own plane.
-pub fn ply(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn ply(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let origin = Coordinates::Local(results.survey.track.frame.origin());
     export::cloud_ply(path, &results.log_points())
         .map(|points| FileContent::new(origin, points))
@@ -58,7 +61,7 @@ pub fn ply(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputErro
 }
 
 /// Writes the points of the bottom to `cloud.xyz`, in the system of the map.
-pub fn xyz(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn xyz(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let crs = &results.plane.map.crs;
     let decimals = if crs.is_degrees() { 9 } else { 3 };
     let place = |log: &LogPoints<'_>, point: &CloudPoint| place(results, log, point);

@@ -15,7 +15,7 @@ use std::path::Path;
 
 /// What is written and printed about a survey against a reference.
 #[derive(Debug, Serialize)]
-pub struct ComparisonRecord<'a> {
+pub(crate) struct ComparisonRecord<'a> {
     program: String,
     sign: &'static str,
     statement: String,
@@ -66,7 +66,7 @@ impl<'a> ComparisonRecord<'a> {
     ///
     /// # Errors
     /// A sentence: there is no log or no reference.
-    pub fn new(
+    pub(crate) fn new(
         logs: &'a [ProcessedLog],
         agreement: &'a Agreement,
         inputs: &'a [Input],
@@ -112,12 +112,12 @@ impl<'a> ComparisonRecord<'a> {
     }
 
     /// How a point found its reference, in words.
-    pub fn by(&self) -> &str {
+    pub(crate) fn by(&self) -> &str {
         &self.by
     }
 
     /// A line for each of several logs; `None` of one.
-    pub fn summary_of_logs(&self) -> Option<String> {
+    pub(crate) fn summary_of_logs(&self) -> Option<String> {
         let line = |log: &LogComparison| match &log.comparison.residuals {
             None => format!("{}: no point has a reference", log.log),
             Some(found) => format!(
@@ -146,7 +146,7 @@ fn each(logs: &[ProcessedLog], agreement: &Agreement) -> Vec<LogComparison> {
 ///
 /// # Errors
 /// A sentence that names the file.
-pub fn write_differences(
+pub(crate) fn write_differences(
     path: &Path,
     logs: &[ProcessedLog],
     agreement: &Agreement,
@@ -159,7 +159,7 @@ pub fn write_differences(
 }
 
 /// Writes `comparison.json`.
-pub fn json(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn json(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let agreement = results.agreement()?.ok_or(NO_REFERENCE)?;
     let inputs = results.reference_inputs()?;
     let record = ComparisonRecord::new(results.order.logs, agreement, inputs)?;
@@ -172,7 +172,7 @@ pub fn json(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputErr
 }
 
 /// Writes `comparison.csv`.
-pub fn csv(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn csv(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let agreement = results.agreement()?.ok_or(NO_REFERENCE)?;
     write_differences(path, results.order.logs, agreement)
         .map(|points| FileContent::new(Coordinates::Degrees, points))

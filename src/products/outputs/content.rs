@@ -5,7 +5,7 @@ use crate::support::geo::{Crs, LonLat};
 
 /// What the coordinates of a file are.
 #[derive(Clone, Debug)]
-pub enum Coordinates {
+pub(super) enum Coordinates {
     /// A coordinate reference system.
     System(Crs),
     /// Longitude and latitude on WGS84.
@@ -18,7 +18,7 @@ pub enum Coordinates {
 
 /// What a file holds.
 #[derive(Clone, Debug)]
-pub struct FileContent {
+pub(super) struct FileContent {
     /// What its coordinates are.
     pub coordinates: Coordinates,
     /// How much it holds.
@@ -29,7 +29,7 @@ pub struct FileContent {
 
 impl FileContent {
     /// Content in some coordinates.
-    pub fn new(coordinates: Coordinates, summary: Summary) -> Self {
+    pub(super) fn new(coordinates: Coordinates, summary: Summary) -> Self {
         Self {
             coordinates,
             summary,

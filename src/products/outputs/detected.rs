@@ -17,7 +17,7 @@ use crate::support::progress::Progress;
 ///
 /// # Errors
 /// A sentence that names the file, or says that the work was cancelled; the folder is then as it was.
-pub fn write_detected(
+pub(crate) fn write_detected(
     log: &ProcessedLog,
     model: &Model,
     run: RunFolder,
@@ -44,7 +44,7 @@ pub fn write_detected(
 ///
 /// # Errors
 /// As [`write_detected`].
-pub fn write_detected_in_picture(
+pub(crate) fn write_detected_in_picture(
     name: &str,
     picture: &Picture,
     model: &Model,

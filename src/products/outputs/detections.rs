@@ -39,26 +39,26 @@ impl Proposed {
 }
 
 /// Writes `detections.csv`.
-pub fn csv(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn csv(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let (list, shapes) = results.shaped_found()?;
     objects_csv(results, path, &all_rows(list, shapes, results.order.logs))
 }
 
 /// Writes `detections.geojson`.
-pub fn geojson(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn geojson(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let (list, shapes) = results.shaped_found()?;
     objects_geojson(results, path, &all_rows(list, shapes, results.order.logs))
 }
 
 /// Writes `detections.gpx`.
-pub fn gpx(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn gpx(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let (list, _) = results.shaped_found()?;
     let objects: Vec<&SurveyObject> = list.objects().iter().collect();
     in_degrees(export::objects_gpx(path, &objects))
 }
 
 /// Writes `shapes.ply`.
-pub fn shapes(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn shapes(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let (list, shapes) = results.shaped_found()?;
     let summary = export::shapes_ply(path, &all_rows(list, shapes, results.order.logs))?;
     let origin = Coordinates::Local(results.survey.track.frame.origin());
@@ -66,7 +66,7 @@ pub fn shapes(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputE
 }
 
 /// Writes `chips`, a folder with a picture of each box.
-pub fn chips(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn chips(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let (Some(model), Some(found)) = (results.order.search, results.found()?) else {
         return Err("nothing searched for objects".into());
     };

@@ -12,7 +12,7 @@ use std::path::Path;
 
 /// Writes `survey.gpkg`, in the system of the map: what there is of track, footprint, isobaths, depth areas and objects. Map programs
 /// draw the layers in the order in which they are named here, the first at the bottom.
-pub fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let map = &results.plane.map;
     let placed = MapGeometry::new(map);
     let has = |need| Ok::<bool, OutputError>(results.missing(need)?.is_none());

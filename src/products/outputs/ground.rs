@@ -4,7 +4,7 @@ use crate::bottom::bathymetry::isobaths::Polygon;
 use crate::support::geo::MapPlane;
 
 /// The ground that the side-scan covers.
-pub struct SideScanCoverage {
+pub(super) struct SideScanCoverage {
     /// Its outlines, in the plane of the map; empty without side-scan.
     pub shapes: Vec<Polygon>,
     /// Its area on the ground, square metres.
@@ -13,7 +13,7 @@ pub struct SideScanCoverage {
 
 impl SideScanCoverage {
     /// Of outlines in the plane of a map.
-    pub fn new(shapes: Vec<Polygon>, map: &MapPlane) -> Self {
+    pub(super) fn new(shapes: Vec<Polygon>, map: &MapPlane) -> Self {
         // A shape without a point covers nothing that could be drawn.
         let Some(first) = shapes
             .first()

@@ -10,7 +10,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// A sentence that names the file.
-pub fn write_json(path: &Path, record: &impl Serialize) -> Result<(), OutputError> {
+pub(super) fn write_json(path: &Path, record: &impl Serialize) -> Result<(), OutputError> {
     export::write_atomically(path, |mut file| {
         let text = serde_json::to_vec_pretty(record)?;
         file.write_all(&text)?;

@@ -5,7 +5,7 @@ use crate::products::export::LogPoints;
 use crate::survey::distinct_names;
 
 /// What the logs are called: [`distinct_names`].
-pub fn log_names(logs: &[ProcessedLog]) -> Vec<String> {
+pub(crate) fn log_names(logs: &[ProcessedLog]) -> Vec<String> {
     distinct_names(logs.iter().map(|log| &*log.survey))
 }
 

@@ -59,7 +59,7 @@ struct ContentEntry<'a> {
 ///
 /// # Errors
 /// A sentence that names the file.
-pub fn write_manifest(
+pub(super) fn write_manifest(
     path: &Path,
     report: &Report,
     made: &[(&'static OutputFile, FileContent)],

@@ -15,7 +15,7 @@ use std::path::Path;
 
 /// Writes `mosaic.tif`: all side-scan echoes in the system that `crs` names, as a GeoTIFF: one band of levels with a mask, or colours
 /// with opacity. Memory does not grow with the area.
-pub fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let (settings, map) = (&results.products.settings.mosaic, &results.plane.map);
     let mosaic = results.mosaic()?;
     let grid = mosaic_grid(mosaic.as_deref(), settings.cell_m)?;

@@ -12,13 +12,13 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// Shapes of objects, by number; none of an object that none fits.
-pub type Shapes = BTreeMap<u32, FittedShape>;
+pub(super) type Shapes = BTreeMap<u32, FittedShape>;
 
 /// The shapes of the targets of a list.
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn find_shapes(
+pub(super) fn find_shapes(
     list: &ObjectList,
     logs: &[ProcessedLog],
     progress: &Progress,
@@ -38,7 +38,7 @@ pub fn find_shapes(
 }
 
 /// A row for every box.
-pub fn all_rows<'a>(
+pub(super) fn all_rows<'a>(
     list: &'a ObjectList,
     shapes: &'a Shapes,
     logs: &[ProcessedLog],
@@ -48,7 +48,7 @@ pub fn all_rows<'a>(
 }
 
 /// A row for every box of a target.
-pub fn target_rows<'a>(
+pub(super) fn target_rows<'a>(
     list: &'a ObjectList,
     shapes: &'a Shapes,
     logs: &[ProcessedLog],
@@ -80,6 +80,6 @@ fn outline(of: &ProcessedLog, target: &Target) -> Option<[LonLat; 4]> {
 }
 
 /// Whether the middle of a box lies in a stretch that is excluded.
-pub fn is_excluded(products: &Products, mark: &Mark) -> bool {
+pub(super) fn is_excluded(products: &Products, mark: &Mark) -> bool {
     products.exclusions.is_middle_excluded(&mark.pings)
 }

@@ -50,7 +50,7 @@ fn files_of<'a>(surveys: impl IntoIterator<Item = &'a Survey>) -> impl Iterator<
 ///
 /// # Errors
 /// A sentence that names the folder or the input.
-pub fn begin<'a>(
+pub(crate) fn begin<'a>(
     folder: &Path,
     surveys: impl IntoIterator<Item = &'a Survey>,
     reference: Option<&'a Reference>,

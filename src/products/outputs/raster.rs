@@ -5,7 +5,7 @@ use crate::formats::geotiff::{Cells, RasterSpec};
 use crate::support::geo::MapPlane;
 
 /// A raster over the cells of a grid in the plane of a map; of nothing yet, which whoever writes it says.
-pub fn over(grid: &Grid, map: &MapPlane) -> RasterSpec {
+pub(super) fn over(grid: &Grid, map: &MapPlane) -> RasterSpec {
     RasterSpec {
         columns: grid.columns,
         rows: grid.rows,

@@ -17,7 +17,7 @@ use std::io::Write as _;
 use std::path::Path;
 
 /// Writes the page.
-pub fn write(run: &Run<'_>, path: &Path) -> Result<(), OutputError> {
+pub(super) fn write(run: &Run<'_>, path: &Path) -> Result<(), OutputError> {
     let results = &run.results;
     let (products, order) = (results.products, results.order);
     let boxes = Boxes::of(results)?;

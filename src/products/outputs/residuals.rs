@@ -49,7 +49,7 @@ const STATEMENT_OF_LOGS: &str = "Points of all logs are compared with the soundi
 
 /// Writes `residuals.json`: how side-scan agrees with soundings, what that hangs on, and what other choices of geometry and calibration
 /// make of it; the crossings of the tracks. Of several logs all together, and each by itself.
-pub fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let (logs, products, progress) = (results.order.logs, results.products, results.progress);
     let side_scan = Agreement::with_soundings(logs, progress)?;
     let comparisons = results.comparisons()?;

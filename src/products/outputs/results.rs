@@ -72,7 +72,7 @@ impl<'a> Results<'a> {
     ///
     /// # Errors
     /// A sentence when there is no log, or the system that `crs` names does not fit the first.
-    pub fn new(order: &'a Order<'a>, progress: &'a Progress) -> Result<Self, OutputError> {
+    pub(super) fn new(order: &'a Order<'a>, progress: &'a Progress) -> Result<Self, OutputError> {
         let Some(ProcessedLog { survey, products }) = order.logs.first() else {
             return Err("there is no log whose files could be written".into());
         };
@@ -102,7 +102,7 @@ impl<'a> Results<'a> {
     }
 
     /// Lets go of what only the files of one group are made from: it may be large. A file with all lines and areas needs it again.
-    pub fn end_group(&mut self) {
+    pub(super) fn end_group(&mut self) {
         if self.order.asks_for(When::Chosen(Product::Geopackage)) {
             return;
         }
@@ -114,7 +114,7 @@ impl<'a> Results<'a> {
     }
 
     /// Whether something is missing, and why.
-    pub fn missing(&self, need: Need) -> Result<Option<Missing>, OutputError> {
+    pub(super) fn missing(&self, need: Need) -> Result<Option<Missing>, OutputError> {
         let told = |why: &str| Some(Missing(Some(why.to_owned())));
         let silent = || Some(Missing(None));
         Ok(match need {
@@ -187,18 +187,18 @@ impl<'a> Results<'a> {
     }
 
     /// Longitude and latitude of a place on the map.
-    pub fn to_lon_lat(&self, place: [f64; 2]) -> LonLat {
+    pub(super) fn to_lon_lat(&self, place: [f64; 2]) -> LonLat {
         self.plane.to_lon_lat(place)
     }
 
     /// The logs of the survey, one or several, with their results.
-    pub fn logs(&self) -> impl Iterator<Item = (&'a Survey, &'a Products)> {
+    pub(super) fn logs(&self) -> impl Iterator<Item = (&'a Survey, &'a Products)> {
         let logs = self.order.logs.iter();
         logs.map(|log| (log.survey.as_ref(), &log.products))
     }
 
     /// What the tables and clouds of points are written from.
-    pub fn log_points(&self) -> Vec<LogPoints<'_>> {
+    pub(super) fn log_points(&self) -> Vec<LogPoints<'_>> {
         log_points(self.order.logs, &self.names)
     }
 
@@ -211,12 +211,12 @@ impl<'a> Results<'a> {
     }
 
     /// What the survey is called: by its log, or by all of them.
-    pub fn name(&self) -> String {
+    pub(super) fn name(&self) -> String {
         survey_name(&self.names)
     }
 
     /// The way of the boat, log by log. Times of all logs are seconds after the first one's time zero, where all know when they were.
-    pub fn track(&self) -> &[TrackPiece] {
+    pub(super) fn track(&self) -> &[TrackPiece] {
         self.track.get_or_init(|| {
             let pieces = self.logs().flat_map(|(survey, products)| {
                 let later_s = survey.start_unix_s.zip(self.start_unix_s());
@@ -232,13 +232,13 @@ impl<'a> Results<'a> {
     }
 
     /// Unix seconds of the time zero of the first log; `None` where one of the logs does not know when it was.
-    pub fn start_unix_s(&self) -> Option<f64> {
+    pub(super) fn start_unix_s(&self) -> Option<f64> {
         let all_know = self.logs().all(|(survey, _)| survey.start_unix_s.is_some());
         self.survey.start_unix_s.filter(|_| all_know)
     }
 
     /// The ground that the side-scan covers.
-    pub fn ground(&self) -> Result<&SideScanCoverage, OutputError> {
+    pub(super) fn ground(&self) -> Result<&SideScanCoverage, OutputError> {
         once(&self.ground, || {
             let map = &self.plane.map;
             let layouts: Vec<Layout> = self
@@ -251,13 +251,13 @@ impl<'a> Results<'a> {
     }
 
     /// What became of depths from echo levels, if a depth map was made.
-    pub fn made_levels(&self) -> Option<FromLevels> {
+    pub(super) fn made_levels(&self) -> Option<FromLevels> {
         let map = self.depth_map.get()?.as_ref()?;
         Some(map.surface.levels)
     }
 
     /// The depth map; `None` where the depths span none.
-    pub fn depth_map(&self) -> Result<Option<&Arc<DepthMap>>, OutputError> {
+    pub(super) fn depth_map(&self) -> Result<Option<&Arc<DepthMap>>, OutputError> {
         let made = once(&self.depth_map, || {
             let made = self.order.derived.depth_map(self.order.logs, self.progress);
             made.map_err(OutputError::from)
@@ -266,12 +266,12 @@ impl<'a> Results<'a> {
     }
 
     /// Its depths.
-    pub fn surface(&self) -> Result<Option<&Surface>, OutputError> {
+    pub(super) fn surface(&self) -> Result<Option<&Surface>, OutputError> {
         Ok(self.depth_map()?.map(|depth_map| &depth_map.surface))
     }
 
     /// The bottom with so many corners at most; `None` where there is no depth map.
-    pub fn bottom(
+    pub(super) fn bottom(
         &self,
         colour: BottomColour,
         most_corners: usize,
@@ -282,7 +282,7 @@ impl<'a> Results<'a> {
     }
 
     /// The isobaths; why there are none.
-    pub fn isobaths(&self) -> Result<Result<Arc<Isobaths>, NoContours>, OutputError> {
+    pub(super) fn isobaths(&self) -> Result<Result<Arc<Isobaths>, NoContours>, OutputError> {
         let Some(depth_map) = self.depth_map()? else {
             return Ok(Err(NoContours::NoDepthMap));
         };
@@ -292,7 +292,7 @@ impl<'a> Results<'a> {
     }
 
     /// Isobaths, the areas between them and what lies below each; why there are none.
-    pub fn contours(&self) -> Result<&Result<Contours, NoContours>, OutputError> {
+    pub(super) fn contours(&self) -> Result<&Result<Contours, NoContours>, OutputError> {
         once(&self.contours, || {
             let (depth_map, isobaths) = (self.depth_map()?, self.isobaths()?);
             match (depth_map, isobaths) {
@@ -307,7 +307,7 @@ impl<'a> Results<'a> {
     }
 
     /// The tiles of the depth map; on the way they take room beside a file of theirs.
-    pub fn map_tiles(&self, file: &Path) -> Result<&MapTiles, OutputError> {
+    pub(super) fn map_tiles(&self, file: &Path) -> Result<&MapTiles, OutputError> {
         let folder = file.parent().unwrap_or(file);
         once(&self.map_tiles, || {
             let depth_map = self.depth_map()?.ok_or(NO_SURFACE)?;
@@ -319,7 +319,7 @@ impl<'a> Results<'a> {
     }
 
     /// The depths that a chart prints, in the plane of the map; none without a depth map.
-    pub fn spot_soundings(&self) -> Result<&[DepthPoint], OutputError> {
+    pub(super) fn spot_soundings(&self) -> Result<&[DepthPoint], OutputError> {
         let made = once(&self.spot_soundings, || {
             let Some(depth_map) = self.depth_map()? else {
                 return Ok(Vec::new());
@@ -338,7 +338,7 @@ impl<'a> Results<'a> {
     }
 
     /// How side-scan agrees with the soundings, over all logs.
-    pub fn comparisons(&self) -> Result<&[NamedComparison], OutputError> {
+    pub(super) fn comparisons(&self) -> Result<&[NamedComparison], OutputError> {
         let made = once(&self.comparisons, || {
             comparisons(self.order.logs, &self.plane.map, self.progress).map_err(OutputError::from)
         });
@@ -346,7 +346,7 @@ impl<'a> Results<'a> {
     }
 
     /// Where tracks cross themselves and each other.
-    pub fn crossings(&self) -> Result<Option<&Crosslines>, OutputError> {
+    pub(super) fn crossings(&self) -> Result<Option<&Crosslines>, OutputError> {
         let made = once(&self.crossings, || {
             crosslines(self.order.logs, &self.names, self.progress).map_err(OutputError::from)
         });
@@ -354,14 +354,14 @@ impl<'a> Results<'a> {
     }
 
     /// The mosaic in the plane of the map; `None` where nothing is shown.
-    pub fn mosaic(&self) -> Result<Option<Arc<Mosaic>>, OutputError> {
+    pub(super) fn mosaic(&self) -> Result<Option<Arc<Mosaic>>, OutputError> {
         let plane = MosaicPlane::Map(self.plane.map.clone());
         let made = (self.order.derived).mosaic(self.order.logs, plane, self.progress);
         made.map_err(OutputError::from)
     }
 
     /// The survey against the reference; `None` without one.
-    pub fn agreement(&self) -> Result<Option<&Agreement>, OutputError> {
+    pub(super) fn agreement(&self) -> Result<Option<&Agreement>, OutputError> {
         let made = once(&self.agreement, || {
             let Some((reference, matching)) = self.order.reference else {
                 return Ok(None);
@@ -375,7 +375,7 @@ impl<'a> Results<'a> {
     }
 
     /// The files that the reference was read from.
-    pub fn reference_inputs(&self) -> Result<&[Input], OutputError> {
+    pub(super) fn reference_inputs(&self) -> Result<&[Input], OutputError> {
         let made = once(&self.reference_inputs, || match self.order.reference {
             Some((reference, _)) => Ok(reference.inputs(self.progress)?),
             None => Ok(Vec::new()),
@@ -384,7 +384,7 @@ impl<'a> Results<'a> {
     }
 
     /// What a model finds in each log outside the stretches that are excluded; `None` where none searches.
-    pub fn found(&self) -> Result<Option<&[Vec<Detection>]>, OutputError> {
+    pub(super) fn found(&self) -> Result<Option<&[Vec<Detection>]>, OutputError> {
         let Some(model) = self.order.search else {
             return Ok(None);
         };
@@ -425,7 +425,7 @@ impl<'a> Results<'a> {
     }
 
     /// What a search found in all logs, as objects; `None` where none searched.
-    pub fn found_objects(&self) -> Result<Option<&ObjectList>, OutputError> {
+    pub(super) fn found_objects(&self) -> Result<Option<&ObjectList>, OutputError> {
         if self.found()?.is_none() {
             return Ok(None);
         }
@@ -440,7 +440,7 @@ impl<'a> Results<'a> {
     ///
     /// # Errors
     /// When none searched, too.
-    pub fn shaped_found(&self) -> Result<(&ObjectList, &Shapes), OutputError> {
+    pub(super) fn shaped_found(&self) -> Result<(&ObjectList, &Shapes), OutputError> {
         let list = self.found_objects()?;
         let list = list.ok_or("nothing searched for objects")?;
         let shapes = once(&self.found_shapes, || self.shapes_of(list))?;
@@ -449,7 +449,7 @@ impl<'a> Results<'a> {
 
     /// The objects of the survey: of each log those that were decided about, or else those that a search found; `None` where nobody
     /// looked.
-    pub fn objects(&self) -> Result<Option<&ObjectList>, OutputError> {
+    pub(super) fn objects(&self) -> Result<Option<&ObjectList>, OutputError> {
         let is_searched = self.order.asks_for(When::Searched);
         match (self.order.review.has_boxes(), is_searched) {
             (false, false) => return Ok(None),
@@ -468,7 +468,7 @@ impl<'a> Results<'a> {
     ///
     /// # Errors
     /// When nobody looked, too.
-    pub fn shaped_objects(&self) -> Result<(&ObjectList, &Shapes), OutputError> {
+    pub(super) fn shaped_objects(&self) -> Result<(&ObjectList, &Shapes), OutputError> {
         if !self.order.review.has_boxes() {
             return self.shaped_found();
         }
@@ -483,7 +483,7 @@ impl<'a> Results<'a> {
     }
 
     /// The logs as tables of boxes name them.
-    pub fn object_logs(&self) -> Vec<ObjectLog<'_>> {
+    pub(super) fn object_logs(&self) -> Vec<ObjectLog<'_>> {
         let logs = self.names.iter().zip(self.logs());
         logs.map(|(name, (survey, _))| ObjectLog { name, survey })
             .collect()

@@ -20,7 +20,7 @@ pub(super) struct Run<'a> {
 
 impl Run<'_> {
     /// What is in the folder in the end beside the page, as the page lists it: folders last.
-    pub fn listed(&self) -> impl Iterator<Item = &'static OutputFile> {
+    pub(super) fn listed(&self) -> impl Iterator<Item = &'static OutputFile> {
         let of_run =
             |row: &&OutputFile| row.when == When::Always && matches!(row.writer, Writer::Run(_));
         let (folders, files): (Vec<_>, Vec<_>) =

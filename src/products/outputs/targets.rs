@@ -10,7 +10,7 @@ use crate::products::outputs::OutputError;
 use std::path::Path;
 
 /// Writes `targets.csv`: a line for each box.
-pub fn csv(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn csv(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let (list, shapes) = results.shaped_objects()?;
     objects_csv(
         results,
@@ -20,7 +20,7 @@ pub fn csv(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputErro
 }
 
 /// Writes `targets.geojson`: a point for each box.
-pub fn geojson(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn geojson(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let (list, shapes) = results.shaped_objects()?;
     objects_geojson(
         results,
@@ -30,12 +30,12 @@ pub fn geojson(results: &Results<'_>, path: &Path) -> Result<FileContent, Output
 }
 
 /// Writes `targets.gpx`: a waypoint for each object.
-pub fn gpx(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn gpx(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     in_degrees(export::objects_gpx(path, &targets(results)?))
 }
 
 /// Writes `targets.kml`: a placemark for each object.
-pub fn kml(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn kml(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     in_degrees(export::objects_kml(
         path,
         &results.name(),

@@ -17,7 +17,7 @@ fn in_degrees(summary: Result<Summary, ExportError>) -> Result<FileContent, Outp
 }
 
 /// Writes `track.gpx`.
-pub fn gpx(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn gpx(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let start_unix_s = results.start_unix_s();
     in_degrees(export::track_gpx(
         path,
@@ -28,18 +28,18 @@ pub fn gpx(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputErro
 }
 
 /// Writes `track.geojson`.
-pub fn geojson(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn geojson(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     in_degrees(export::track_geojson(path, results.track()))
 }
 
 /// Writes `track.kmz`.
-pub fn kmz(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn kmz(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let name = results.name();
     in_degrees(export::lines_kmz(path, &name, &lines(results, &name)))
 }
 
 /// Writes `track.shp` with what belongs to it, in the system of the map.
-pub fn shapefile(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn shapefile(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let crs = &results.plane.map.crs;
     let names = ["ping_from", "ping_to", "length_m"];
     let lines = lines(results, &results.name());
@@ -69,7 +69,10 @@ fn line(name: &str, number: usize, piece: &TrackPiece) -> LabelledLine {
 }
 
 /// Writes `footprint.geojson`.
-pub fn footprint_geojson(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn footprint_geojson(
+    results: &Results<'_>,
+    path: &Path,
+) -> Result<FileContent, OutputError> {
     let (ground, name) = (results.ground()?, results.name());
     let place = |at| results.to_lon_lat(at);
     let written = export::footprint_geojson(path, &name, &ground.shapes, ground.area_m2, place);
@@ -77,7 +80,10 @@ pub fn footprint_geojson(results: &Results<'_>, path: &Path) -> Result<FileConte
 }
 
 /// Writes `footprint.kmz`.
-pub fn footprint_kmz(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn footprint_kmz(
+    results: &Results<'_>,
+    path: &Path,
+) -> Result<FileContent, OutputError> {
     let (ground, name) = (results.ground()?, results.name());
     let place = |at| results.to_lon_lat(at);
     let written = export::areas_kmz(path, &name, &ground.shapes, place);

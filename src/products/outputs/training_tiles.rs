@@ -15,7 +15,7 @@ use std::path::Path;
 const PROGRAM: &str = "bathyscope review";
 
 /// The decided boxes of a log with what is needed to draw them.
-pub struct TrainingTiles<'a> {
+pub(super) struct TrainingTiles<'a> {
     pub survey: &'a Survey,
     pub review: &'a Review,
     /// The analyst's classes, in the order of their numbers in labels.
@@ -49,7 +49,7 @@ struct Earlier {
 
 impl TrainingTiles<'_> {
     /// Writes the pictures with their labels; returns how many are hard negatives.
-    pub fn write(&self, root: &Path, progress: &Progress) -> Result<usize, OutputError> {
+    pub(super) fn write(&self, root: &Path, progress: &Progress) -> Result<usize, OutputError> {
         self.clear(root)?;
         let (classes, places) = self.review.training_classes(self.classes);
         let folder = DatasetFolder::new(root, &classes).map_err(OutputError::from)?;

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 /// A change that can be taken back.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Change {
+pub(crate) enum Change {
     /// The settings of a log became these: what belongs to the log changes there, all else for all logs.
     Settings {
         /// The log whose settings the analyst looks at; `None` to change the shared ones alone.
@@ -80,7 +80,7 @@ pub enum Change {
 
 impl Project {
     /// The project after a change; `None` when it changes nothing, or is about something that is not there.
-    pub fn apply(&self, change: &Change) -> Option<Self> {
+    pub(crate) fn apply(&self, change: &Change) -> Option<Self> {
         match change {
             Change::Settings { log, after, .. } => self.with_settings(log.as_ref(), after),
             Change::Own { log, key, own } => self.change_log(log, |log| {

@@ -11,7 +11,7 @@ use crate::simulation::scene::{
 use crate::simulation::world::backscatter;
 
 /// A random ground of a mean depth.
-pub fn bed(random: &mut Random, depth_m: f64, range_m: f64) -> BedSettings {
+pub(super) fn bed(random: &mut Random, depth_m: f64, range_m: f64) -> BedSettings {
     let kind = match random.bits() % 10 {
         0..=5 => BedKind::Gentle,
         6..=7 if depth_m > 2.5 => BedKind::Steep,
@@ -44,7 +44,7 @@ pub fn bed(random: &mut Random, depth_m: f64, range_m: f64) -> BedSettings {
 }
 
 /// A line of a length, straight or gently turning.
-pub fn track(random: &mut Random, length_m: f64) -> TrackSettings {
+pub(super) fn track(random: &mut Random, length_m: f64) -> TrackSettings {
     let speed_mps = random.between(0.8, 3.2);
     let spacing_m = log_between(random, 0.05, 0.2);
     let bend_deg_per_m = if random.chance(0.3) {
@@ -64,7 +64,7 @@ pub fn track(random: &mut Random, length_m: f64) -> TrackSettings {
 }
 
 /// A recorder of a range, over ground at a mean depth.
-pub fn recorder(random: &mut Random, range_m: f64, depth_m: f64) -> RecorderSettings {
+pub(super) fn recorder(random: &mut Random, range_m: f64, depth_m: f64) -> RecorderSettings {
     let amplitude = random.chance(0.35);
     // Some are set so loud that the ground is clipped.
     let loud = random.chance(0.12);
@@ -119,7 +119,7 @@ fn faint_echo(recorder: &RecorderSettings, range_m: f64, depth_m: f64) -> f64 {
 }
 
 /// What goes wrong, each in some of the surveys.
-pub fn artefacts(random: &mut Random) -> Artefacts {
+pub(super) fn artefacts(random: &mut Random) -> Artefacts {
     let sometimes = |random: &mut Random, share: f64, low: f64, high: f64| {
         let value = random.between(low, high);
         if random.chance(share) { value } else { 0.0 }

@@ -14,7 +14,7 @@ const TRIES: usize = 12;
 const EMPTY_SHARE: f64 = 0.08;
 
 /// The ground that both sides hear.
-pub struct Strip {
+pub(super) struct Strip {
     length_m: f64,
     bend_rad_per_m: f64,
     depth_m: f64,
@@ -24,7 +24,7 @@ pub struct Strip {
 
 impl Strip {
     /// The ground of a scene with a single line.
-    pub fn new(scene: &Scene) -> Self {
+    pub(super) fn new(scene: &Scene) -> Self {
         let (depth_m, range_m) = (scene.bed.mean_depth_m, scene.recorder.range_m);
         let mut far_m = (range_m * range_m - depth_m * depth_m).max(1.0).sqrt();
         if let Some(bank) = &scene.bed.bank {
@@ -60,7 +60,7 @@ impl Strip {
 }
 
 /// Objects that leave each other room; none in some surveys.
-pub fn objects(random: &mut Random, strip: &Strip) -> Vec<ObjectSettings> {
+pub(super) fn objects(random: &mut Random, strip: &Strip) -> Vec<ObjectSettings> {
     let mut objects: Vec<ObjectSettings> = Vec::new();
     if random.chance(EMPTY_SHARE) {
         return objects;
@@ -178,7 +178,7 @@ fn object(random: &mut Random, depth_m: f64) -> ObjectSettings {
 }
 
 /// A few pits, in some surveys.
-pub fn pits(random: &mut Random, strip: &Strip) -> Vec<Pit> {
+pub(super) fn pits(random: &mut Random, strip: &Strip) -> Vec<Pit> {
     let count = if random.chance(0.25) {
         up_to(random, 5)
     } else {
@@ -198,7 +198,7 @@ pub fn pits(random: &mut Random, strip: &Strip) -> Vec<Pit> {
 }
 
 /// A few shoals, in some surveys: over the ground, or near the track in the water column.
-pub fn shoals(random: &mut Random, strip: &Strip) -> Vec<Shoal> {
+pub(super) fn shoals(random: &mut Random, strip: &Strip) -> Vec<Shoal> {
     let count = if random.chance(0.3) {
         1 + up_to(random, 2)
     } else {
@@ -222,7 +222,7 @@ pub fn shoals(random: &mut Random, strip: &Strip) -> Vec<Shoal> {
 }
 
 /// A few clumps of weed, in some surveys.
-pub fn weed_clumps(random: &mut Random, strip: &Strip) -> Vec<WeedClump> {
+pub(super) fn weed_clumps(random: &mut Random, strip: &Strip) -> Vec<WeedClump> {
     let count = if random.chance(0.3) {
         1 + up_to(random, 5)
     } else {

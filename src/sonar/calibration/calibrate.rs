@@ -24,7 +24,7 @@ const MIN_FIT_PICKS: usize = 50;
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn calibrate(
+pub(crate) fn calibrate(
     survey: &Survey,
     navigation: &Navigation,
     returns: &FirstReturns,

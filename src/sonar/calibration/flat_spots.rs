@@ -24,7 +24,7 @@ const MIN_PINGS: usize = 20;
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn flat_spots(
+pub(crate) fn flat_spots(
     survey: &Survey,
     navigation: &Navigation,
     returns: &FirstReturns,
@@ -74,7 +74,11 @@ fn apart(ranked: impl Iterator<Item = Range<usize>>, count: usize) -> Vec<Range<
 }
 
 /// Pings about one that are as long as a ranked stretch; 20 where the boat is at rest.
-pub fn stretch_around(survey: &Survey, navigation: &Navigation, ping: usize) -> Range<usize> {
+pub(crate) fn stretch_around(
+    survey: &Survey,
+    navigation: &Navigation,
+    ping: usize,
+) -> Range<usize> {
     let profile = Profile::new(survey, navigation);
     let last = profile.len().saturating_sub(1);
     let ping = ping.min(last);
@@ -91,7 +95,7 @@ pub fn stretch_around(survey: &Survey, navigation: &Navigation, ping: usize) -> 
 }
 
 /// What there is to know about a stretch that the user chose, whatever it is good for.
-pub fn stretch(
+pub(crate) fn stretch(
     survey: &Survey,
     navigation: &Navigation,
     returns: &FirstReturns,

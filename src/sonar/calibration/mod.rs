@@ -13,10 +13,10 @@ mod profile;
 mod robust;
 mod scale;
 
-pub use calibrate::calibrate;
-pub use flat_spots::{flat_spots, stretch, stretch_around};
-pub use offset::RangeOffset;
-pub use scale::{RangeAtDepth, header_scale, ranges_at_depths};
+pub(crate) use calibrate::calibrate;
+pub(crate) use flat_spots::{flat_spots, stretch, stretch_around};
+pub(crate) use offset::RangeOffset;
+pub(crate) use scale::{RangeAtDepth, header_scale, ranges_at_depths};
 
 #[cfg(doc)]
 use crate::survey::RangeSource;

@@ -36,7 +36,7 @@ impl Usable {
 
 /// A first return where the recorder had the bottom.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RangeAtDepth {
+pub(crate) struct RangeAtDepth {
     /// The side-scan ping.
     pub ping: usize,
     /// Recorded depth, metres.
@@ -46,7 +46,7 @@ pub struct RangeAtDepth {
 }
 
 /// The first returns of the log that may calibrate, in ping order.
-pub fn ranges_at_depths(survey: &Survey, returns: &FirstReturns) -> Vec<RangeAtDepth> {
+pub(crate) fn ranges_at_depths(survey: &Survey, returns: &FirstReturns) -> Vec<RangeAtDepth> {
     let picks = usable_picks(survey, returns).into_iter();
     let of = |pick: Usable| RangeAtDepth {
         ping: pick.ping,
@@ -115,7 +115,7 @@ pub(super) fn header_factor(picks: &[Usable]) -> Option<f64> {
 }
 
 /// The scale that the headers state, over all sides of all pings.
-pub fn header_scale(survey: &Survey) -> Option<Scale> {
+pub(crate) fn header_scale(survey: &Survey) -> Option<Scale> {
     scale_of(header_scales(survey).collect())
 }
 

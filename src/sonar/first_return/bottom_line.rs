@@ -22,7 +22,7 @@ pub enum BottomLine {
 /// The line at the recorded depths: manual picks stay, and where there is no depth to believe, or it lies beyond the recorded range, so do
 /// the first returns that were found. `sample_at` is the sample of a recorded side in whose place the echo of a depth lies, by the
 /// calibration in force. What was not taken from the recorder is said in a warning.
-pub fn at_recorded_depth(
+pub(crate) fn at_recorded_depth(
     survey: &Survey,
     returns: &FirstReturns,
     sample_at: impl Fn(&SideSpan, f64) -> f64,

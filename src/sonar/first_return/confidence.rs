@@ -24,7 +24,7 @@ pub(super) struct Found {
 
 impl Found {
     /// Nothing found.
-    pub const NONE: Found = Found {
+    pub(super) const NONE: Found = Found {
         sample: f32::NAN,
         signs: [0.0; 3],
     };
@@ -32,7 +32,7 @@ impl Found {
 
 /// What speaks for a pick and against it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Evidence {
+pub(crate) struct Evidence {
     /// Slant range by the recorder's scale, metres; NaN without a pick.
     pub range_m: f32,
     /// What the method says.
@@ -57,12 +57,12 @@ const AS_FAR: [f32; 2] = [0.25, 0.15];
 
 /// Of picks that lie more than 0.34 m above the recorded depth so many are the ground, 0 to 1: on 12 logs of two simulators, with weed, fish,
 /// boulders, mounds and slopes, 1.6 % of 1 430.
-pub const ABOVE_BOTTOM_SHARE: f32 = 0.03;
+pub(super) const ABOVE_BOTTOM_SHARE: f32 = 0.03;
 /// The same by the height above the recorded depth, metres: 98 % of 60 picks from 0.20 to 0.25 m, 33 % of 80 to 0.30 m, 6 % of 330 to 0.35 m.
 const ABOVE_BOTTOM: [(f32, f32); 3] = [(0.24, 1.0), (0.28, 0.25), (0.34, ABOVE_BOTTOM_SHARE)];
 
 /// The confidence if what lies above the recorded depth is ground; that of any other return is its own.
-pub fn ground_confidence(confidence: f32, above_bottom: bool) -> f32 {
+pub(crate) fn ground_confidence(confidence: f32, above_bottom: bool) -> f32 {
     match above_bottom {
         true => (confidence / ABOVE_BOTTOM_SHARE).min(1.0),
         false => confidence,
@@ -86,7 +86,7 @@ pub(super) struct Gathering<'a> {
 
 impl Gathering<'_> {
     /// The evidence for every pick, port and starboard.
-    pub fn evidence(&self) -> [Vec<Evidence>; 2] {
+    pub(super) fn evidence(&self) -> [Vec<Evidence>; 2] {
         let ranges = [
             self.ranges_m(Side::Port, 0),
             self.ranges_m(Side::Starboard, 1),
@@ -121,7 +121,7 @@ impl Gathering<'_> {
     }
 
     /// The rated picks, port and starboard.
-    pub fn picks(&self) -> [Vec<Pick>; 2] {
+    pub(super) fn picks(&self) -> [Vec<Pick>; 2] {
         let evidence = self.evidence();
         [0, 1].map(|this| {
             let found = self.found[this].par_iter().zip(&evidence[this]);
@@ -170,7 +170,7 @@ fn support(ranges_m: &[f32], ping: usize, range_m: f32, allowed_m: impl Fn(usize
 
 impl Evidence {
     /// The chance that the pick lies within 25 cm of the nearest ground, 0 to 1.
-    pub fn chance(&self, method: Method) -> f32 {
+    pub(crate) fn chance(&self, method: Method) -> f32 {
         let of_first_return = match method {
             Method::Tracker => self.chance_of_line(),
             Method::Threshold => self.chance_of_level(),
@@ -180,7 +180,7 @@ impl Evidence {
 
     /// The tracker is seldom wrong, and then for one reason: each sign takes its share. The shares are those of the picks that
     /// are right at each value of the sign.
-    fn chance_of_line(&self) -> f32 {
+    pub(crate) fn chance_of_line(&self) -> f32 {
         let [step, nearer, farther] = self.signs;
         let shares = [
             between(step, &[(1.0, 0.6), (2.0, 0.85), (3.0, 0.985), (4.0, 1.0)]),
@@ -213,7 +213,7 @@ impl Evidence {
     }
 
     /// The threshold goes wrong in many ways, which hang together: a logistic law.
-    fn chance_of_level(&self) -> f32 {
+    pub(crate) fn chance_of_level(&self) -> f32 {
         let [nearer, farther, _] = self.signs;
         let is_unknown = f32::from(u8::from(self.depth_m.is_nan()));
         let in_ring_down = between(self.beyond_dead_zone_m, &[(0.0, 1.0), (0.3, 0.0)]);

@@ -14,13 +14,13 @@ mod normalise;
 mod threshold;
 mod tracker;
 
-pub use bottom_line::{BottomLine, at_recorded_depth};
+pub(crate) use bottom_line::{BottomLine, at_recorded_depth};
 #[cfg(feature = "bench")]
-pub use confidence::Evidence;
-pub use confidence::ground_confidence;
-pub use manual_picks::{BottomEdit, BottomSettings, OtherLog};
-pub use normalise::Normalisation;
-pub use threshold::ThresholdIndex;
+pub(crate) use confidence::Evidence;
+pub(crate) use confidence::ground_confidence;
+pub(crate) use manual_picks::{BottomEdit, BottomSettings, OtherLog};
+pub(crate) use normalise::Normalisation;
+pub(crate) use threshold::ThresholdIndex;
 
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::{Exclusions, Side, Survey};
@@ -201,7 +201,7 @@ pub fn detect(
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn detect_with(
+pub(crate) fn detect_with(
     survey: &Survey,
     image: &ImageSettings,
     settings: &FirstReturnSettings,
@@ -234,7 +234,7 @@ fn none(survey: &Survey) -> FirstReturns {
 
 /// What speaks for the picks that [`detect`] finds, port and starboard: what the law of their confidence is fitted to.
 #[cfg(feature = "bench")]
-pub fn evidence(
+pub(crate) fn evidence(
     survey: &Survey,
     image: &ImageSettings,
     settings: &FirstReturnSettings,
@@ -285,7 +285,7 @@ fn locked_depths_m(survey: &Survey, pings: Range<usize>) -> Vec<f32> {
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn track_range(
+pub(crate) fn track_range(
     survey: &Survey,
     normalisation: &Normalisation,
     settings: &FirstReturnSettings,

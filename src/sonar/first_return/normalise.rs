@@ -14,7 +14,7 @@ pub(super) const BLOCK: usize = 512;
 /// `normalised = (value - lowest) / (highest - lowest)`, where a value is a byte, or the signed word of
 /// [`SampleMode::Words`]. The middle of the picture (the dead zone) counts as zeros.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Normalisation {
+pub(crate) struct Normalisation {
     /// What a value of the picture is.
     pub samples: SampleMode,
     /// Slant range around the transducer that is set to zero, metres.
@@ -30,7 +30,7 @@ impl Normalisation {
     ///
     /// # Errors
     /// When the work was cancelled.
-    pub fn measure(
+    pub(crate) fn measure(
         survey: &Survey,
         image: &ImageSettings,
         dead_zone_m: f64,
@@ -66,7 +66,7 @@ impl Normalisation {
 
     /// The scale over this picture and another part of it.
     #[must_use]
-    pub fn widened(&self, other: &Self) -> Self {
+    pub(crate) fn widened(&self, other: &Self) -> Self {
         // A picture without a single value is black and says nothing.
         let is_black = |one: &Self| one.lowest == 0 && one.highest == 0;
         match (is_black(self), is_black(other)) {
@@ -81,7 +81,7 @@ impl Normalisation {
     }
 
     /// The smallest value whose normalised intensity reaches `level`; above every value when the picture is empty.
-    pub fn raw_level(&self, level: f32) -> i64 {
+    pub(crate) fn raw_level(&self, level: f32) -> i64 {
         let span = i64::from(self.highest) - i64::from(self.lowest);
         if span <= 0 {
             return i64::MAX;
@@ -92,14 +92,14 @@ impl Normalisation {
     }
 
     /// The normalised intensity of a value, 0 to 1.
-    pub fn normalised(&self, value: i32) -> f32 {
+    pub(crate) fn normalised(&self, value: i32) -> f32 {
         let span = (i64::from(self.highest) - i64::from(self.lowest)).max(1);
         ((i64::from(value) - i64::from(self.lowest)) as f64 / span as f64) as f32
     }
 
     /// The normalised intensity of one side of a ping, nearest first, the dead zone masked: one value a sample, or one a
     /// word of four. Empty where the side was not recorded.
-    pub fn profile(&self, survey: &Survey, ping: usize, side: Side) -> Vec<f32> {
+    pub(crate) fn profile(&self, survey: &Survey, ping: usize, side: Side) -> Vec<f32> {
         let span = survey.span(ping, side);
         let Some((span, samples)) = span.zip(survey.samples(ping, side)) else {
             return Vec::new();
@@ -120,7 +120,7 @@ impl Normalisation {
     }
 
     /// What the picture should say about itself: words that went negative beyond the dead zone.
-    pub fn warning(&self) -> Option<String> {
+    pub(crate) fn warning(&self) -> Option<String> {
         (self.lowest < 0).then(|| {
             format!(
                 "int32 words are negative beyond the dead zone ({} at the lowest), so that zero echo is scaled to {:.2} \

@@ -16,7 +16,7 @@ use std::sync::Arc;
 /// Made once for a survey, a sample mode and a dead zone. About 3 bytes for each running maximum: some 6 MB for
 /// 100 000 pings. Samples beyond the 65 535th of a side are not searched.
 #[derive(Clone, Debug)]
-pub struct ThresholdIndex {
+pub(crate) struct ThresholdIndex {
     normalisation: Normalisation,
     maxima: Maxima,
     /// [`Survey::locked_depth_m`] of every ping.
@@ -34,7 +34,7 @@ impl ThresholdIndex {
     ///
     /// # Errors
     /// When the work was cancelled.
-    pub fn build(
+    pub(crate) fn build(
         survey: &Survey,
         image: &ImageSettings,
         dead_zone_m: f64,
@@ -98,7 +98,7 @@ impl ThresholdIndex {
     }
 
     /// The first returns of the whole survey at one threshold. `survey` is the one that the index was built from.
-    pub fn detect(
+    pub(crate) fn detect(
         &self,
         survey: &Survey,
         threshold: f32,

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// How a position is written: each to about a decimetre.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum CoordinateFormat {
+pub(crate) enum CoordinateFormat {
     /// Decimal degrees: `36.877100° N 111.516300° W`.
     #[default]
     Degrees,
@@ -22,10 +22,10 @@ const UTM_LATITUDES_DEG: std::ops::RangeInclusive<f64> = -80.0..=84.0;
 
 impl CoordinateFormat {
     /// All formats in the order of the menu.
-    pub const ALL: [Self; 4] = [Self::Degrees, Self::Minutes, Self::Seconds, Self::Utm];
+    pub(crate) const ALL: [Self; 4] = [Self::Degrees, Self::Minutes, Self::Seconds, Self::Utm];
 
     /// Name in the menu.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Degrees => "decimal degrees",
             Self::Minutes => "degrees and minutes",
@@ -36,7 +36,7 @@ impl CoordinateFormat {
 
     /// Writes a position; a dash for one that is no number. UTM is written in `zone`, that of the survey, whose places shall
     /// not jump where the boat crosses the border of a zone; at the poles it gives way to decimal degrees.
-    pub fn write(self, at: LonLat, zone: UtmZone) -> String {
+    pub(crate) fn write(self, at: LonLat, zone: UtmZone) -> String {
         if !(at.lon_deg.is_finite() && at.lat_deg.is_finite()) {
             return "–".to_owned();
         }
@@ -52,12 +52,12 @@ impl CoordinateFormat {
     }
 
     /// Writes a latitude alone; UTM falls back to decimal degrees.
-    pub fn latitude(self, lat_deg: f64) -> String {
+    pub(crate) fn latitude(self, lat_deg: f64) -> String {
         self.angle(lat_deg, ["N", "S"])
     }
 
     /// Writes a longitude alone, between 180° W and 180° E; UTM falls back to decimal degrees.
-    pub fn longitude(self, lon_deg: f64) -> String {
+    pub(crate) fn longitude(self, lon_deg: f64) -> String {
         let turns = match lon_deg.abs() > 180.0 {
             true => (lon_deg / 360.0).round(),
             false => 0.0,

@@ -7,7 +7,7 @@ use super::local_frame::{A_M, E2, LocalFrame, earth_centred};
 ///
 /// The chord between them, bent to the ellipsoid's curvature in its direction at its middle (Euler's radius): within 0.1 mm of
 /// the geodesic up to 20 km and within a millionth up to 500 km.
-pub fn distance_m(from: LonLat, to: LonLat) -> f64 {
+pub(crate) fn distance_m(from: LonLat, to: LonLat) -> f64 {
     let chord_m = chord_m(from, to);
     let middle = middle([from, to].into_iter());
     let [east_m, north_m] = step_m(middle, from, to);
@@ -21,7 +21,7 @@ pub fn distance_m(from: LonLat, to: LonLat) -> f64 {
 }
 
 /// Course at which the line between two positions sets out, radians clockwise from north, 0 to 2 pi; NaN where they coincide.
-pub fn course_rad(from: LonLat, to: LonLat) -> f64 {
+pub(crate) fn course_rad(from: LonLat, to: LonLat) -> f64 {
     let [east_m, north_m] = LocalFrame::new(from).to_enu(to);
     match east_m == 0.0 && north_m == 0.0 {
         true => f64::NAN,
@@ -34,7 +34,7 @@ pub fn course_rad(from: LonLat, to: LonLat) -> f64 {
 ///
 /// By the shoelace formula in the plane that touches the ellipsoid at the middle of the corners; distances `d` from there
 /// shrink by `(d / 6371 km)^2 / 2`, which costs a ten-millionth of the area of a polygon 5 km across.
-pub fn area_m2(corners: &[LonLat]) -> f64 {
+pub(crate) fn area_m2(corners: &[LonLat]) -> f64 {
     let frame = LocalFrame::new(middle(corners.iter().copied()));
     let places: Vec<[f64; 2]> = corners.iter().map(|at| frame.to_enu(*at)).collect();
     let next = places.iter().cycle().skip(1);

@@ -14,27 +14,27 @@ const HUMMINBIRD_RADIUS_M: f64 = 6_378_388.0;
 const HUMMINBIRD_TAN_RATIO: f64 = 1.006_764_292_7;
 
 /// EPSG:3857 x, y in metres: the geodetic latitude taken for a spherical one, as EPSG defines it.
-pub fn web_mercator(position: LonLat) -> [f64; 2] {
+pub(crate) fn web_mercator(position: LonLat) -> [f64; 2] {
     forward(position, WEB_RADIUS_M)
 }
 
 /// Inverse of [`web_mercator`].
-pub fn web_mercator_inverse(x: f64, y: f64) -> LonLat {
+pub(crate) fn web_mercator_inverse(x: f64, y: f64) -> LonLat {
     inverse(x, y, WEB_RADIUS_M)
 }
 
 /// Lowrance's Mercator (sphere of the WGS84 polar radius) to WGS84.
-pub fn lowrance_mercator_inverse(x: f64, y: f64) -> LonLat {
+pub(crate) fn lowrance_mercator_inverse(x: f64, y: f64) -> LonLat {
     inverse(x, y, LOWRANCE_RADIUS_M)
 }
 
 /// WGS84 to Lowrance's Mercator metres (before the recorder's rounding).
-pub fn lowrance_mercator(position: LonLat) -> [f64; 2] {
+pub(crate) fn lowrance_mercator(position: LonLat) -> [f64; 2] {
     forward(position, LOWRANCE_RADIUS_M)
 }
 
 /// Humminbird's Mercator (International 1924 sphere, then to geodetic latitude) to WGS84.
-pub fn humminbird_mercator_inverse(x: f64, y: f64) -> LonLat {
+pub(crate) fn humminbird_mercator_inverse(x: f64, y: f64) -> LonLat {
     let spherical = inverse(x, y, HUMMINBIRD_RADIUS_M);
     let tangent = spherical.lat_deg.to_radians().tan() * HUMMINBIRD_TAN_RATIO;
     LonLat {

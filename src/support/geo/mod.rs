@@ -14,17 +14,17 @@ mod mercator;
 mod utm;
 mod wgs84;
 
-pub use coordinates::CoordinateFormat;
-pub use crs::{Crs, CrsChoice, CrsError, SourceCrs};
-pub use geodesic::{area_m2, course_rad, distance_m};
-pub use local_frame::LocalFrame;
-pub use map_plane::MapPlane;
-pub use mercator::{
+pub(crate) use coordinates::CoordinateFormat;
+pub(crate) use crs::{Crs, CrsChoice, CrsError, SourceCrs};
+pub(crate) use geodesic::{area_m2, course_rad, distance_m};
+pub(crate) use local_frame::LocalFrame;
+pub(crate) use map_plane::MapPlane;
+pub(crate) use mercator::{
     humminbird_mercator_inverse, lowrance_mercator, lowrance_mercator_inverse, web_mercator,
     web_mercator_inverse,
 };
-pub use utm::UtmZone;
-pub use wgs84::metres_per_degree;
+pub(crate) use utm::UtmZone;
+pub(crate) use wgs84::metres_per_degree;
 
 /// A WGS84 position in degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,7 +43,7 @@ impl LonLat {
 }
 
 /// West, south, east and north of some positions, degrees; without any, a box that meets no other.
-pub fn bounds_deg(positions: impl Iterator<Item = LonLat>) -> [f64; 4] {
+pub(crate) fn bounds_deg(positions: impl Iterator<Item = LonLat>) -> [f64; 4] {
     let start = [f64::MAX, f64::MAX, f64::MIN, f64::MIN];
     positions.fold(start, |[west, south, east, north], at| {
         [
@@ -56,11 +56,11 @@ pub fn bounds_deg(positions: impl Iterator<Item = LonLat>) -> [f64; 4] {
 }
 
 /// Whether two boxes (west, south, east, north) share a place.
-pub fn boxes_meet(one: [f64; 4], other: [f64; 4]) -> bool {
+pub(crate) fn boxes_meet(one: [f64; 4], other: [f64; 4]) -> bool {
     one[0] <= other[2] && one[2] >= other[0] && one[1] <= other[3] && one[3] >= other[1]
 }
 
 /// Metres in an international foot.
-pub const METRES_PER_FOOT: f64 = 0.3048;
+pub(crate) const METRES_PER_FOOT: f64 = 0.3048;
 /// Metres a second in a knot.
-pub const MPS_PER_KNOT: f64 = 1852.0 / 3600.0;
+pub(crate) const MPS_PER_KNOT: f64 = 1852.0 / 3600.0;

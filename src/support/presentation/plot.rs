@@ -19,7 +19,7 @@ const COLOURS: [&str; 8] = [
 
 /// An axis.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Axis {
+pub(crate) struct Axis {
     /// What it is the axis of.
     pub name: String,
     /// Values at its beginning, on the left or below, and at its end.
@@ -30,7 +30,7 @@ pub struct Axis {
 
 impl Axis {
     /// With round ticks.
-    pub fn new(name: &str, ends: [f64; 2]) -> Self {
+    pub(crate) fn new(name: &str, ends: [f64; 2]) -> Self {
         let [from, to] = ends;
         Self {
             name: name.to_owned(),
@@ -40,7 +40,7 @@ impl Axis {
     }
 
     /// Where a value lies, from 0 at the beginning to 1 at the end; in the middle of an axis without extent.
-    pub fn share(&self, value: f64) -> f64 {
+    pub(crate) fn share(&self, value: f64) -> f64 {
         let [from, to] = self.ends;
         match to == from {
             true => 0.5,
@@ -51,7 +51,7 @@ impl Axis {
 
 /// A curve.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Curve {
+pub(crate) struct Curve {
     /// What it is, for the key.
     pub name: String,
     /// Across and up; points that are not numbers are left out.
@@ -60,7 +60,7 @@ pub struct Curve {
 
 /// A picture of curves.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Plot {
+pub(crate) struct Plot {
     /// What is to be seen, for those who cannot.
     pub title: String,
     /// What grows to the right.
@@ -79,7 +79,7 @@ type Written = Result<(), std::fmt::Error>;
 
 impl Plot {
     /// The plot as an `svg` element whose curves lie in an area of so many pixels.
-    pub fn svg(&self, area: [f64; 2]) -> String {
+    pub(crate) fn svg(&self, area: [f64; 2]) -> String {
         let drawing = Drawing { plot: self, area };
         let right = if self.curves.len() > 1 { KEY } else { RIGHT };
         let (width, height) = (LEFT + area[0] + right, ABOVE + area[1] + BELOW);

@@ -4,15 +4,15 @@ use crate::support::calendar;
 use crate::support::geo::{CoordinateFormat, LonLat};
 
 /// What stands where there is no value.
-pub const NONE: &str = "–";
+pub(crate) const NONE: &str = "–";
 
 /// A count in groups of three: `12 345`.
-pub fn count(number: usize) -> String {
+pub(crate) fn count(number: usize) -> String {
     grouped(number, ' ')
 }
 
 /// A count for a page that breaks its lines: the groups are set apart by a thin space that none breaks at.
-pub fn typeset_count(number: usize) -> String {
+pub(crate) fn typeset_count(number: usize) -> String {
     grouped(number, '\u{202f}')
 }
 
@@ -29,7 +29,7 @@ fn grouped(number: usize, separator: char) -> String {
 }
 
 /// A number, or a dash when it is not a number.
-pub fn decimal(value: f64, decimals: usize) -> String {
+pub(crate) fn decimal(value: f64, decimals: usize) -> String {
     match value.is_finite() {
         true => format!("{value:.decimals$}"),
         false => NONE.to_owned(),
@@ -37,7 +37,7 @@ pub fn decimal(value: f64, decimals: usize) -> String {
 }
 
 /// A way that was sailed, no finer than a boat's track is: metres, from two kilometres on kilometres.
-pub fn way(length_m: f64) -> String {
+pub(crate) fn way(length_m: f64) -> String {
     match length_m < 2000.0 {
         true => format!("{length_m:.0} m"),
         false => format!("{:.2} km", length_m / 1000.0),
@@ -45,7 +45,7 @@ pub fn way(length_m: f64) -> String {
 }
 
 /// A course, `214°`, behind a comma; nothing where two places are one.
-pub fn and_course(course_rad: f64) -> String {
+pub(crate) fn and_course(course_rad: f64) -> String {
     match course_rad.is_finite() {
         true => format!(", {:.0}°", course_rad.to_degrees()),
         false => String::new(),
@@ -53,7 +53,7 @@ pub fn and_course(course_rad: f64) -> String {
 }
 
 /// An area on the ground: square metres, from two hectares on hectares, from two square kilometres on square kilometres.
-pub fn area(value_m2: f64) -> String {
+pub(crate) fn area(value_m2: f64) -> String {
     match value_m2 {
         _ if !value_m2.is_finite() => NONE.to_owned(),
         ..1000.0 => format!("{value_m2:.1} m²"),
@@ -64,14 +64,14 @@ pub fn area(value_m2: f64) -> String {
 }
 
 /// A number with its sign for print, `+0.25` or `\u{2212}0.25`; no minus stands before a zero.
-pub fn typeset_signed(value: f64, decimals: usize) -> String {
+pub(crate) fn typeset_signed(value: f64, decimals: usize) -> String {
     let factor = 10_f64.powi(decimals as i32);
     let rounded = (value * factor).round() / factor + 0.0;
     format!("{rounded:+.decimals$}").replace('-', "\u{2212}")
 }
 
 /// Minutes and seconds, with hours when there are any: `2:30`, `1:02:30`.
-pub fn duration(seconds: f64) -> String {
+pub(crate) fn duration(seconds: f64) -> String {
     if !seconds.is_finite() {
         return NONE.to_owned();
     }
@@ -86,7 +86,7 @@ pub fn duration(seconds: f64) -> String {
 }
 
 /// `17 min`, `2 h 05 min`, `48 s`.
-pub fn long_duration(seconds: f64) -> String {
+pub(crate) fn long_duration(seconds: f64) -> String {
     let whole = seconds.max(0.0).round() as u64;
     match whole {
         0..120 => format!("{whole} s"),
@@ -96,19 +96,19 @@ pub fn long_duration(seconds: f64) -> String {
 }
 
 /// `8 September 2014`.
-pub fn long_date(unix_s: f64) -> String {
+pub(crate) fn long_date(unix_s: f64) -> String {
     calendar::moment(unix_s).format("%-d %B %Y").to_string()
 }
 
 /// `36.932541° N, 111.488102° W`: a tenth of a metre.
-pub fn position(at: LonLat) -> String {
+pub(crate) fn position(at: LonLat) -> String {
     let format = CoordinateFormat::Degrees;
     let (latitude, longitude) = (format.latitude(at.lat_deg), format.longitude(at.lon_deg));
     format!("{latitude}, {longitude}")
 }
 
 /// Time of day in UTC when the recorder knew the time, else the time since the start of the log.
-pub fn clock(start_unix_s: Option<f64>, time_s: f64) -> String {
+pub(crate) fn clock(start_unix_s: Option<f64>, time_s: f64) -> String {
     match start_unix_s {
         Some(start_unix_s) => format!("{} UTC", calendar::time_of_day(start_unix_s + time_s)),
         None => duration(time_s),
@@ -116,7 +116,7 @@ pub fn clock(start_unix_s: Option<f64>, time_s: f64) -> String {
 }
 
 /// Bytes in the unit that leaves one to three digits before the point.
-pub fn bytes(count: u64) -> String {
+pub(crate) fn bytes(count: u64) -> String {
     match count {
         0..1_000 => format!("{count} B"),
         1_000..1_000_000 => format!("{:.0} kB", count as f64 / 1e3),
@@ -126,7 +126,7 @@ pub fn bytes(count: u64) -> String {
 }
 
 /// `1 warning`, `2 warnings`.
-pub fn plural(number: usize, one: &str, many: &str) -> String {
+pub(crate) fn plural(number: usize, one: &str, many: &str) -> String {
     format!("{} {}", count(number), if number == 1 { one } else { many })
 }
 

@@ -13,12 +13,12 @@ const HAIR: f64 = 1e-9;
 
 /// The smallest of 1, 2, 5, 10, 20 ... and 0.5, 0.2, 0.1 ... that is at least `least`; no smaller than 1e-9, also where `least` is no
 /// number.
-pub fn round_up(least: f64) -> f64 {
+pub(crate) fn round_up(least: f64) -> f64 {
     next_of(&ONE_TWO_FIVE, least)
 }
 
 /// The largest of 1, 2, 5 times a power of ten that is at most `most`; 0 where there is none.
-pub fn round_down(most: f64) -> f64 {
+pub(crate) fn round_down(most: f64) -> f64 {
     if !(most > 0.0 && most.is_finite()) {
         return 0.0;
     }
@@ -31,12 +31,12 @@ pub fn round_down(most: f64) -> f64 {
 }
 
 /// The nearest end of a scale, a little finer than [`round_up`], that is at least `least`.
-pub fn scale_end(least: f64) -> f64 {
+pub(crate) fn scale_end(least: f64) -> f64 {
     next_of(&ENDS, least)
 }
 
 /// The round step in time that is at least `least_s` long, seconds.
-pub fn time_step_s(least_s: f64) -> f64 {
+pub(crate) fn time_step_s(least_s: f64) -> f64 {
     let found = TIMES_S.into_iter().find(|step_s| *step_s >= least_s);
     found.unwrap_or(86_400.0 * (least_s / 86_400.0).ceil().max(1.0))
 }
@@ -61,7 +61,7 @@ fn decimal(digit: f64, exponent: i32) -> f64 {
 }
 
 /// The round step that divides `span` into at most `most` parts; 1 where there is no span.
-pub fn round_step(span: f64, most: f64) -> f64 {
+pub(crate) fn round_step(span: f64, most: f64) -> f64 {
     let least = span / most;
     if least > 0.0 && least.is_finite() {
         round_up(least)
@@ -71,7 +71,7 @@ pub fn round_step(span: f64, most: f64) -> f64 {
 }
 
 /// The multiples of `step` from `low` to `high`, at most a thousand.
-pub fn multiples(low: f64, high: f64, step: f64) -> impl Iterator<Item = f64> {
+pub(crate) fn multiples(low: f64, high: f64, step: f64) -> impl Iterator<Item = f64> {
     let first = (low / step - HAIR).ceil();
     let count = ((high / step + HAIR).floor() - first + 1.0).clamp(0.0, 1000.0) as usize;
     // Adding zero turns a negative zero into zero, which prints without a sign.
@@ -79,7 +79,7 @@ pub fn multiples(low: f64, high: f64, step: f64) -> impl Iterator<Item = f64> {
 }
 
 /// Ticks from `low` to `high`, four to eight of them, each with its label; none where there is no span.
-pub fn ticks(low: f64, high: f64) -> Vec<(f64, String)> {
+pub(crate) fn ticks(low: f64, high: f64) -> Vec<(f64, String)> {
     let step = round_down((high - low) / 4.0);
     if step <= 0.0 {
         return Vec::new();
@@ -89,7 +89,7 @@ pub fn ticks(low: f64, high: f64) -> Vec<(f64, String)> {
 }
 
 /// A number with as many decimals as its step needs.
-pub fn label(value: f64, step: f64) -> String {
+pub(crate) fn label(value: f64, step: f64) -> String {
     let decimals = (-step.log10() - HAIR).ceil().clamp(0.0, 6.0) as usize;
     // Rounded first, so that a hair below zero does not print as minus zero.
     let rounded = (value / step * 1e3).round() * 1e-3 * step;
@@ -97,7 +97,7 @@ pub fn label(value: f64, step: f64) -> String {
 }
 
 /// The length that a scale bar stands for, itself a round one: `20 m`, `5 km`.
-pub fn bar_label(length_m: f64) -> String {
+pub(crate) fn bar_label(length_m: f64) -> String {
     match length_m >= 1000.0 {
         true => format!("{} km", label(length_m / 1000.0, length_m / 1000.0)),
         false => format!("{} m", label(length_m, length_m)),

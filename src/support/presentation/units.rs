@@ -31,7 +31,7 @@ pub enum LengthUnit {
 /// What speeds are shown in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum SpeedUnit {
+pub(crate) enum SpeedUnit {
     /// Metres a second.
     #[default]
     MetresPerSecond,
@@ -42,7 +42,7 @@ pub enum SpeedUnit {
 /// The units in use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct Units {
+pub(crate) struct Units {
     /// Of lengths and depths.
     pub length: LengthUnit,
     /// Of speeds.
@@ -97,10 +97,10 @@ impl LengthUnit {
 
 impl SpeedUnit {
     /// All of them in the order of the menu.
-    pub const ALL: [Self; 2] = [Self::MetresPerSecond, Self::Knots];
+    pub(crate) const ALL: [Self; 2] = [Self::MetresPerSecond, Self::Knots];
 
     /// Name in the menu.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::MetresPerSecond => "metres a second",
             Self::Knots => "knots",
@@ -108,7 +108,7 @@ impl SpeedUnit {
     }
 
     /// Metres a second in one of it.
-    pub fn metres_per_second(self) -> f64 {
+    pub(crate) fn metres_per_second(self) -> f64 {
         match self {
             Self::MetresPerSecond => 1.0,
             Self::Knots => MPS_PER_KNOT,
@@ -116,7 +116,7 @@ impl SpeedUnit {
     }
 
     /// `m/s` or `kn`.
-    pub fn symbol(self) -> &'static str {
+    pub(crate) fn symbol(self) -> &'static str {
         match self {
             Self::MetresPerSecond => "m/s",
             Self::Knots => "kn",
@@ -126,17 +126,17 @@ impl SpeedUnit {
 
 impl Units {
     /// A length in the unit in use, without its name.
-    pub fn in_unit(self, value_m: f64) -> f64 {
+    pub(crate) fn in_unit(self, value_m: f64) -> f64 {
         value_m / self.length.metres()
     }
 
     /// The name of the unit of lengths: `m`.
-    pub fn symbol(self) -> &'static str {
+    pub(crate) fn symbol(self) -> &'static str {
         self.length.symbol()
     }
 
     /// A length without its unit, with the decimals that so many of metres are worth; a dash where there is none.
-    pub fn number(self, value_m: f64, decimals_of_metres: usize) -> String {
+    pub(crate) fn number(self, value_m: f64, decimals_of_metres: usize) -> String {
         text::decimal(
             self.in_unit(value_m),
             self.length.decimals(decimals_of_metres),
@@ -144,7 +144,7 @@ impl Units {
     }
 
     /// A length with its unit, with the decimals that so many of metres are worth; a dash where there is none.
-    pub fn measure(self, value_m: f64, decimals_of_metres: usize) -> String {
+    pub(crate) fn measure(self, value_m: f64, decimals_of_metres: usize) -> String {
         match value_m.is_finite() {
             true => format!(
                 "{} {}",
@@ -156,7 +156,12 @@ impl Units {
     }
 
     /// A length and its standard deviation with one unit: `0.51 ± 0.12 m`; a dash where there is no length.
-    pub fn with_sigma(self, value_m: f64, sigma_m: f64, decimals_of_metres: usize) -> String {
+    pub(crate) fn with_sigma(
+        self,
+        value_m: f64,
+        sigma_m: f64,
+        decimals_of_metres: usize,
+    ) -> String {
         let measure = self.measure(value_m, decimals_of_metres);
         match value_m.is_finite() && sigma_m.is_finite() {
             true => format!(
@@ -169,19 +174,24 @@ impl Units {
     }
 
     /// A small length with its sign also above 0.
-    pub fn signed(self, value_m: f64, decimals_of_metres: usize) -> String {
+    pub(crate) fn signed(self, value_m: f64, decimals_of_metres: usize) -> String {
         let decimals = self.length.fine_decimals(decimals_of_metres);
         format!("{:+.decimals$} {}", self.in_unit(value_m), self.symbol())
     }
 
     /// How far such a length may be off, without its unit.
-    pub fn spread(self, value_m: f64, decimals_of_metres: usize) -> String {
+    pub(crate) fn spread(self, value_m: f64, decimals_of_metres: usize) -> String {
         let decimals = self.length.fine_decimals(decimals_of_metres);
         text::decimal(self.in_unit(value_m), decimals)
     }
 
     /// A small length and how far it may be off: `+0.12 ±0.05 m`.
-    pub fn signed_within(self, value_m: f64, spread_m: f64, decimals_of_metres: usize) -> String {
+    pub(crate) fn signed_within(
+        self,
+        value_m: f64,
+        spread_m: f64,
+        decimals_of_metres: usize,
+    ) -> String {
         let decimals = self.length.fine_decimals(decimals_of_metres);
         let spread = self.spread(spread_m, decimals_of_metres);
         let value = self.in_unit(value_m);
@@ -189,7 +199,7 @@ impl Units {
     }
 
     /// Two lengths with one unit: `1.2 to 3.4 m`.
-    pub fn span(self, [low_m, high_m]: [f64; 2], decimals_of_metres: usize) -> String {
+    pub(crate) fn span(self, [low_m, high_m]: [f64; 2], decimals_of_metres: usize) -> String {
         format!(
             "{} to {}",
             self.number(low_m, decimals_of_metres),
@@ -198,7 +208,7 @@ impl Units {
     }
 
     /// A speed with its unit; a dash where there is none.
-    pub fn speed(self, value_mps: f64, decimals: usize) -> String {
+    pub(crate) fn speed(self, value_mps: f64, decimals: usize) -> String {
         let value = value_mps / self.speed.metres_per_second();
         match value.is_finite() {
             true => format!("{value:.decimals$} {}", self.speed.symbol()),
@@ -208,7 +218,7 @@ impl Units {
 
     /// A length that was measured on the ground: metres, from a kilometre on kilometres; feet or fathoms, from a nautical mile on
     /// nautical miles.
-    pub fn ground_length(self, value_m: f64) -> String {
+    pub(crate) fn ground_length(self, value_m: f64) -> String {
         let is_long = value_m >= METRES_PER_NAUTICAL_MILE;
         match self.length {
             LengthUnit::Metres => metres_on_ground(value_m),
@@ -220,7 +230,7 @@ impl Units {
     }
 
     /// A way that was sailed, no finer than a boat's track is.
-    pub fn way(self, length_m: f64) -> String {
+    pub(crate) fn way(self, length_m: f64) -> String {
         match self.length {
             LengthUnit::Metres => text::way(length_m),
             _ if length_m >= METRES_PER_NAUTICAL_MILE => {
@@ -231,7 +241,7 @@ impl Units {
     }
 
     /// An area on the ground: square metres, hectares and square kilometres, or square feet and acres.
-    pub fn area(self, value_m2: f64) -> String {
+    pub(crate) fn area(self, value_m2: f64) -> String {
         let square_feet = value_m2 / (METRES_PER_FOOT * METRES_PER_FOOT);
         match self.length {
             LengthUnit::Metres => text::area(value_m2),
@@ -244,7 +254,7 @@ impl Units {
     }
 
     /// A difference of depths: centimetres below a metre, inches below a foot.
-    pub fn difference(self, value_m: f64) -> String {
+    pub(crate) fn difference(self, value_m: f64) -> String {
         let feet = value_m / METRES_PER_FOOT;
         match self.length {
             _ if !value_m.is_finite() => NONE.to_owned(),
@@ -256,13 +266,13 @@ impl Units {
     }
 
     /// [`Units::difference`] with its sign also above 0.
-    pub fn signed_difference(self, value_m: f64) -> String {
+    pub(crate) fn signed_difference(self, value_m: f64) -> String {
         let sign = if value_m > 0.0 { "+" } else { "" };
         format!("{sign}{}", self.difference(value_m))
     }
 
     /// A difference too small for its own unit as a whole number of centimetres or inches, with its sign.
-    pub fn small_difference(self, value_m: f64) -> String {
+    pub(crate) fn small_difference(self, value_m: f64) -> String {
         match self.length {
             LengthUnit::Metres => format!("{:+.0} cm", 100.0 * value_m),
             _ => format!("{:+.0} in", 12.0 * value_m / METRES_PER_FOOT),
@@ -270,33 +280,33 @@ impl Units {
     }
 
     /// A length as it was chosen, with no more decimals than it needs: three at most.
-    pub fn chosen(self, value_m: f64) -> String {
+    pub(crate) fn chosen(self, value_m: f64) -> String {
         let value = (self.in_unit(value_m) * 1e3).round() / 1e3 + 0.0;
         format!("{value} {}", self.symbol())
     }
 
     /// The smallest round length, in metres, that is at least so many metres: round in the unit in use.
-    pub fn round_up_m(self, least_m: f64) -> f64 {
+    pub(crate) fn round_up_m(self, least_m: f64) -> f64 {
         ticks::round_up(self.in_unit(least_m)) * self.length.metres()
     }
 
     /// A round step, in metres, that divides a span of metres into at most so many parts: round in the unit in use.
-    pub fn round_step_m(self, span_m: f64, most: f64) -> f64 {
+    pub(crate) fn round_step_m(self, span_m: f64, most: f64) -> f64 {
         ticks::round_step(self.in_unit(span_m), most) * self.length.metres()
     }
 
     /// The number at a tick, with as many decimals as the step between ticks needs.
-    pub fn tick(self, value_m: f64, step_m: f64) -> String {
+    pub(crate) fn tick(self, value_m: f64, step_m: f64) -> String {
         ticks::label(self.in_unit(value_m), self.in_unit(step_m))
     }
 
     /// The number at a tick with its unit.
-    pub fn tick_with_unit(self, value_m: f64, step_m: f64) -> String {
+    pub(crate) fn tick_with_unit(self, value_m: f64, step_m: f64) -> String {
         format!("{} {}", self.tick(value_m, step_m), self.symbol())
     }
 
     /// A round length for a scale bar that is at least so long: its length in metres, and what it says.
-    pub fn scale_bar(self, least_m: f64) -> (f64, String) {
+    pub(crate) fn scale_bar(self, least_m: f64) -> (f64, String) {
         let is_far = least_m >= METRES_PER_NAUTICAL_MILE && self.length != LengthUnit::Metres;
         if is_far {
             let miles = ticks::round_up(least_m / METRES_PER_NAUTICAL_MILE);

@@ -20,7 +20,7 @@ enum Verdict {
     Included(Included),
 }
 
-pub fn serialize<S: Serializer>(
+pub(super) fn serialize<S: Serializer>(
     reason: &Option<ExclusionReason>,
     to: S,
 ) -> Result<S::Ok, S::Error> {
@@ -28,7 +28,7 @@ pub fn serialize<S: Serializer>(
     verdict.serialize(to)
 }
 
-pub fn deserialize<'de, D: Deserializer<'de>>(
+pub(super) fn deserialize<'de, D: Deserializer<'de>>(
     from: D,
 ) -> Result<Option<ExclusionReason>, D::Error> {
     Ok(match Verdict::deserialize(from)? {

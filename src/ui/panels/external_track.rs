@@ -10,7 +10,7 @@ use crate::ui::ViewContext;
 use egui::Ui;
 
 /// Draws the section.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let heading = Section {
         number: None,
         title: "Position",

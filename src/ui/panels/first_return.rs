@@ -13,7 +13,7 @@ use crate::ui::{ViewContext, text, theme, toggle};
 use egui::{Button, Response, RichText, Ui};
 
 /// Draws the section.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let heading = Section {
         number: Some(1),
         title: "First return",

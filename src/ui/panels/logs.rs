@@ -10,7 +10,7 @@ use crate::ui::{ViewContext, exclusion_text, text, theme, toggle};
 use egui::{Button, Color32, RichText, Sense, Ui};
 
 /// Draws the section while a log is open.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let heading = Section {
         number: None,
         title: "Logs",

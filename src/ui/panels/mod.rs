@@ -1,42 +1,42 @@
 //! What stands around the views: one file a panel. Each reads the state and pushes commands.
 
-pub mod axes;
+pub(super) mod axes;
 mod calibration;
-pub mod cloud;
-pub mod exclusions;
-pub mod external_track;
-pub mod find_setting;
-pub mod first_return;
-pub mod logs;
-pub mod maps;
-pub mod mounting;
-pub mod notices;
-pub mod objects;
-pub mod outliers;
+pub(super) mod cloud;
+pub(super) mod exclusions;
+pub(super) mod external_track;
+pub(super) mod find_setting;
+pub(super) mod first_return;
+pub(super) mod logs;
+pub(super) mod maps;
+pub(super) mod mounting;
+pub(super) mod notices;
+pub(super) mod objects;
+pub(super) mod outliers;
 pub(in crate::ui) mod parts;
-pub mod plan;
+pub(super) mod plan;
 mod positions;
-pub mod products;
-pub mod residuals;
-pub mod review;
+pub(super) mod products;
+pub(super) mod residuals;
+pub(super) mod review;
 mod section;
-pub mod selection;
-pub mod shadow;
-pub mod status;
-pub mod survey;
-pub mod timeline;
-pub mod water;
+pub(super) mod selection;
+pub(super) mod shadow;
+pub(super) mod status;
+pub(super) mod survey;
+pub(super) mod timeline;
+pub(super) mod water;
 
 /// Height of the line of words at the bottom of the window, points.
-pub const STATUS_HEIGHT: f32 = 24.0;
+pub(super) const STATUS_HEIGHT: f32 = 24.0;
 
-pub use parts::of_given_width;
-pub use section::{Section, focus_section, section, unfold_section};
+pub(crate) use parts::of_given_width;
+pub(crate) use section::{Section, focus_section, section, unfold_section};
 
 use super::ViewContext;
 
 /// The left side: the survey and the paper's steps in order.
-pub fn steps(ui: &mut egui::Ui, context: &mut ViewContext<'_>) {
+pub(super) fn steps(ui: &mut egui::Ui, context: &mut ViewContext<'_>) {
     survey::ui(ui, context);
     if context.app.log.survey.is_none() {
         return;

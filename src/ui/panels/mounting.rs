@@ -11,7 +11,7 @@ use crate::ui::ViewContext;
 use egui::{TextEdit, Ui};
 
 /// Draws the section.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let heading = Section {
         number: None,
         title: "Mounting",

@@ -7,7 +7,7 @@ use crate::ui::{ViewContext, text, theme};
 use egui::{Button, ProgressBar, Ui};
 
 /// Draws the section.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let heading = Section {
         number: Some(5),
         title: "Objects",

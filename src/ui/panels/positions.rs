@@ -7,7 +7,7 @@ use crate::ui::{ViewContext, text};
 use egui::{RichText, Ui};
 
 /// Draws the buttons, and what was found.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let app = context.app;
     ui.horizontal(|ui| {
         let can_compare = !app.is_matching_positions();

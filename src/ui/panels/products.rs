@@ -9,7 +9,7 @@ use crate::ui::ViewContext;
 use egui::Ui;
 
 /// Draws the section.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let heading = Section {
         number: Some(6),
         title: "Products",

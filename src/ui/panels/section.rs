@@ -6,7 +6,7 @@ use crate::ui::{ViewContext, theme};
 use egui::{Response, Ui};
 
 /// The heading of a panel's part, and whether it is open.
-pub struct Section {
+pub(crate) struct Section {
     /// Number of the paper's step, if it is one.
     pub number: Option<u8>,
     /// Name.
@@ -58,12 +58,12 @@ fn wanted_id() -> egui::Id {
 }
 
 /// Has the title of a section take the keyboard when it is drawn next.
-pub fn focus_section(ctx: &egui::Context, title: &'static str) {
+pub(crate) fn focus_section(ctx: &egui::Context, title: &'static str) {
     ctx.data_mut(|data| data.insert_temp(wanted_id(), title));
 }
 
 /// Opens a section.
-pub fn unfold_section(ctx: &egui::Context, title: &str) {
+pub(crate) fn unfold_section(ctx: &egui::Context, title: &str) {
     ctx.data_mut(|data| data.insert_persisted(folded_id(title), false));
 }
 
@@ -71,7 +71,7 @@ pub fn unfold_section(ctx: &egui::Context, title: &str) {
 const LOW_WINDOW: f32 = 600.0;
 
 /// A titled part of a panel; a click on the title folds it.
-pub fn section(
+pub(crate) fn section(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,
     section: &Section,

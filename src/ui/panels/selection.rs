@@ -9,7 +9,7 @@ use crate::ui::{ViewContext, place, text, theme};
 use egui::{RichText, Ui};
 
 /// Draws the section.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let heading = Section {
         number: None,
         title: "Selection",

@@ -13,7 +13,7 @@ use egui::Ui;
 const USUAL_C: f64 = 12.0;
 
 /// Draws the section.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let heading = Section {
         number: None,
         title: "Depth correction",

@@ -9,7 +9,7 @@ use glam::{Mat4, Vec2, Vec3, Vec4};
 use std::ops::Range;
 
 /// Squares along a side of a tile; its corners are one more, and shared with the tiles beside it.
-pub const BOTTOM_TILE: usize = 64;
+pub(crate) const BOTTOM_TILE: usize = 64;
 /// Corners along a side of a tile.
 const SIDE: usize = BOTTOM_TILE + 1;
 /// Vertices of a tile: its corners, and those of the skirts along its four sides.
@@ -26,7 +26,7 @@ const SKIRT: f32 = 0.1;
 /// A corner, as the shader reads it.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
-pub struct BottomVertex {
+pub(crate) struct BottomVertex {
     /// Metres from the scene's origin: east, north, up.
     pub place: [f32; 3],
     /// East and north of the direction that the bottom faces there, times 32767.
@@ -39,7 +39,7 @@ pub struct BottomVertex {
 
 /// What is drawn at a corner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BottomPart {
+pub(crate) enum BottomPart {
     /// Nothing, nor of any square that it is a corner of.
     None,
     /// Its colour alone, without light and isobaths.
@@ -50,7 +50,7 @@ pub enum BottomPart {
 
 impl BottomVertex {
     /// At a place, square to `normal` (of length 1).
-    pub fn new(place: Vec3, normal: [f32; 3], rgb: [u8; 3], part: BottomPart) -> Self {
+    pub(crate) fn new(place: Vec3, normal: [f32; 3], rgb: [u8; 3], part: BottomPart) -> Self {
         let whole = |part: f32| (part.clamp(-1.0, 1.0) * f32::from(i16::MAX)).round() as i16;
         let [r, g, b] = rgb;
         let alpha = |is_so: bool| if is_so { 255 } else { 0 };
@@ -64,7 +64,7 @@ impl BottomVertex {
 
     /// In another colour from far away.
     #[must_use]
-    pub fn with_far_colour(self, [r, g, b]: [u8; 3]) -> Self {
+    pub(crate) fn with_far_colour(self, [r, g, b]: [u8; 3]) -> Self {
         let [.., lit] = self.far_colour;
         Self {
             far_colour: [r, g, b, lit],
@@ -146,7 +146,7 @@ fn level(finest_px: f32) -> usize {
 }
 
 /// A bottom on the GPU.
-pub struct BottomBuffers {
+pub(crate) struct BottomBuffers {
     tiles: Vec<wgpu::Buffer>,
     extents: Vec<Extent>,
     numbers: wgpu::Buffer,
@@ -157,7 +157,7 @@ pub struct BottomBuffers {
 
 impl BottomBuffers {
     /// Uploads the first `count` tiles of (`BOTTOM_TILE` + 1) squared corners each, row by row, `cell_m` metres apart.
-    pub fn new(
+    pub(crate) fn new(
         uploader: &Uploader,
         cell_m: f32,
         count: usize,
@@ -195,7 +195,7 @@ impl BottomBuffers {
     }
 
     /// The box around what is drawn; `None` where nothing is.
-    pub fn extent(&self) -> Option<[Vec3; 2]> {
+    pub(crate) fn extent(&self) -> Option<[Vec3; 2]> {
         let boxes = self.extents.iter().flatten().copied();
         boxes.reduce(|[low, high], [from, to]| [low.min(from), high.max(to)])
     }
@@ -225,7 +225,7 @@ fn nearest(projection: &Projection, [low, high]: [Vec3; 2]) -> Option<f32> {
 
 /// What to draw and from where.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BottomDraw {
+pub(crate) struct BottomDraw {
     /// From world metres to the picture.
     pub projection: Projection,
     /// Towards the light, of length 1: east, north, up.
@@ -252,7 +252,7 @@ impl BottomDraw {
 }
 
 /// Towards a light from a compass direction, so high over the horizon, degrees.
-pub fn towards_light(azimuth_deg: f32, altitude_deg: f32) -> Vec3 {
+pub(crate) fn towards_light(azimuth_deg: f32, altitude_deg: f32) -> Vec3 {
     let (sin_altitude, cos_altitude) = altitude_deg.to_radians().sin_cos();
     let (sin_azimuth, cos_azimuth) = azimuth_deg.to_radians().sin_cos();
     (Vec2::new(sin_azimuth, cos_azimuth) * cos_altitude).extend(sin_altitude)
@@ -275,7 +275,7 @@ struct ViewUniform {
 }
 
 /// The pipeline for the bottom, with the uniforms of one view.
-pub struct BottomRenderer {
+pub(crate) struct BottomRenderer {
     pipeline: wgpu::RenderPipeline,
     view: wgpu::Buffer,
     group: wgpu::BindGroup,
@@ -283,7 +283,7 @@ pub struct BottomRenderer {
 
 impl BottomRenderer {
     /// Builds the pipeline.
-    pub fn new(device: &wgpu::Device) -> Self {
+    pub(crate) fn new(device: &wgpu::Device) -> Self {
         let (pipeline, layout) = offscreen_pipeline(
             device,
             PipelineParts {
@@ -310,7 +310,7 @@ impl BottomRenderer {
     }
 
     /// Draws the bottom in a pass of the target.
-    pub fn draw(
+    pub(crate) fn draw(
         &self,
         queue: &wgpu::Queue,
         target: &Target,

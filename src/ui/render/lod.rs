@@ -6,7 +6,7 @@ use std::ops::Range;
 /// A place on the line and its colour, as the shader reads it; a NaN place breaks the line.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
-pub struct Vertex {
+pub(crate) struct Vertex {
     /// Metres, relative to an origin near the line.
     pub place: [f32; 2],
     /// sRGB and alpha; an alpha of 0 breaks the line on the GPU.
@@ -15,14 +15,14 @@ pub struct Vertex {
 
 impl Vertex {
     /// Where the line is broken.
-    pub const BREAK: Self = Self {
+    pub(crate) const BREAK: Self = Self {
         place: [f32::NAN; 2],
         colour: [0; 4],
     };
 }
 
 /// A box: low x, low y, high x, high y.
-pub type Bounds = [f32; 4];
+pub(super) type Bounds = [f32; 4];
 
 /// Segments of a chunk.
 const CHUNK: usize = 512;
@@ -41,7 +41,7 @@ const FEW: usize = 256;
 
 /// The line drawn with fewer vertices than it was recorded with. The vertices themselves are on the GPU.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct LineLevel {
+pub(crate) struct LineLevel {
     /// How far the drawn line may lie from the recorded one, metres.
     pub tolerance_m: f32,
     /// How many straight pieces join one vertex to the next, breaks included.
@@ -52,7 +52,7 @@ pub struct LineLevel {
 
 impl LineLevel {
     /// The runs of segments whose chunks touch the view; neighbours are joined.
-    pub fn visible(&self, view: Bounds) -> Vec<Range<u32>> {
+    pub(crate) fn visible(&self, view: Bounds) -> Vec<Range<u32>> {
         let mut runs: Vec<Range<u32>> = Vec::new();
         for (index, chunk) in self.chunks.iter().enumerate() {
             if !touches(*chunk, view) {
@@ -82,14 +82,14 @@ impl LineLevel {
 
 /// All levels, finest first.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct LinePyramid {
+pub(crate) struct LinePyramid {
     /// The levels.
     pub levels: Vec<LineLevel>,
 }
 
 /// What becomes of pieces that are smaller than a level resolves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Specks {
+pub(crate) enum Specks {
     /// They stay, as a dot: a boat at anchor was there.
     Kept,
     /// They go: many of them, as the isobaths of a rough bed have, would fill every level.
@@ -98,7 +98,11 @@ pub enum Specks {
 
 impl LinePyramid {
     /// Builds all levels of a line and hands the vertices of each to `keep`.
-    pub fn new(vertices: Vec<Vertex>, specks: Specks, mut keep: impl FnMut(&[Vertex])) -> Self {
+    pub(crate) fn new(
+        vertices: Vec<Vertex>,
+        specks: Specks,
+        mut keep: impl FnMut(&[Vertex]),
+    ) -> Self {
         let mut tolerance_m = FINEST_M;
         let mut thinned = thin(&vertices, tolerance_m);
         drop(vertices);
@@ -125,7 +129,12 @@ impl LinePyramid {
 
     /// Index of the level to draw when a pixel covers `metres_per_px`, and its visible runs: nothing coarser than a pixel
     /// and a half unless more than `most` segments would be drawn.
-    pub fn choose(&self, metres_per_px: f32, view: Bounds, most: u32) -> (usize, Vec<Range<u32>>) {
+    pub(crate) fn choose(
+        &self,
+        metres_per_px: f32,
+        view: Bounds,
+        most: u32,
+    ) -> (usize, Vec<Range<u32>>) {
         let fine_enough = self
             .levels
             .iter()

@@ -13,16 +13,16 @@ mod map;
 mod part;
 mod target;
 mod upload;
-pub mod waterfall;
+pub(crate) mod waterfall;
 
-pub use bottom::{
+pub(crate) use bottom::{
     BOTTOM_TILE, BottomBuffers, BottomDraw, BottomPart, BottomRenderer, BottomVertex, towards_light,
 };
-pub use camera::{Direction, OrbitCamera, Projection};
-pub use cloud::{CloudBuffers, CloudDraw, CloudRenderer, PointVertex};
-pub use flat::{FlatRenderer, Rgba};
-pub use lod::{LinePyramid, Specks, Vertex};
-pub use map::{LineDraw, LineRenderer, LineUniform, TrackBuffers};
-pub use part::{Cut, Part};
-pub use target::Target;
-pub use upload::Uploader;
+pub(crate) use camera::{Direction, OrbitCamera, Projection};
+pub(crate) use cloud::{CloudBuffers, CloudDraw, CloudRenderer, PointVertex};
+pub(crate) use flat::{FlatRenderer, Rgba};
+pub(crate) use lod::{LinePyramid, Specks, Vertex};
+pub(crate) use map::{LineDraw, LineRenderer, LineUniform, TrackBuffers};
+pub(crate) use part::{Cut, Part};
+pub(crate) use target::Target;
+pub(crate) use upload::Uploader;

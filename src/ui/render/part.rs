@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3, Vec4};
 
 /// What lies in a box, and on one side of an upright plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Part {
+pub(crate) struct Part {
     /// Corners of the box outside of which nothing is drawn, metres.
     pub corners: [Vec3; 2],
     /// The plane beyond which nothing is drawn.
@@ -13,7 +13,7 @@ pub struct Part {
 
 /// An upright plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cut {
+pub(crate) struct Cut {
     /// Unit vector square to it, towards what is left out: east and north.
     pub outward: Vec2,
     /// How far along that vector the plane stands, metres.
@@ -29,13 +29,13 @@ impl Default for Part {
 
 impl Part {
     /// Everything.
-    pub const WHOLE: Self = Self {
+    pub(crate) const WHOLE: Self = Self {
         corners: [Vec3::MIN, Vec3::MAX],
         cut: None,
     };
 
     /// Whether a place is drawn.
-    pub fn holds(&self, place: Vec3) -> bool {
+    pub(crate) fn holds(&self, place: Vec3) -> bool {
         let [low, high] = self.corners;
         let is_beyond = |cut: Cut| cut.outward.dot(place.truncate()) > cut.at_m;
         (place.cmpge(low) & place.cmple(high)).all() && !self.cut.is_some_and(is_beyond)

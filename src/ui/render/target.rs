@@ -7,7 +7,7 @@ pub(super) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth3
 
 /// A colour picture, transparent where nothing is drawn, and its depth buffer. The window's own render pass has no depth
 /// buffer that can be relied on, so 3D is drawn here and then shown as an image.
-pub struct Target {
+pub(crate) struct Target {
     size_px: [u32; 2],
     colour: wgpu::TextureView,
     depth: wgpu::TextureView,
@@ -15,7 +15,7 @@ pub struct Target {
 
 impl Target {
     /// A target of at least 1 x 1 and at most the device's largest texture.
-    pub fn new(device: &wgpu::Device, size_px: [u32; 2]) -> Self {
+    pub(crate) fn new(device: &wgpu::Device, size_px: [u32; 2]) -> Self {
         let size_px = Self::possible(device, size_px);
         Self {
             size_px,
@@ -25,23 +25,23 @@ impl Target {
     }
 
     /// The size that a target of a requested size gets.
-    pub fn possible(device: &wgpu::Device, size_px: [u32; 2]) -> [u32; 2] {
+    pub(crate) fn possible(device: &wgpu::Device, size_px: [u32; 2]) -> [u32; 2] {
         let most = device.limits().max_texture_dimension_2d;
         size_px.map(|side| side.clamp(1, most))
     }
 
     /// Width and height in pixels.
-    pub fn size_px(&self) -> [u32; 2] {
+    pub(crate) fn size_px(&self) -> [u32; 2] {
         self.size_px
     }
 
     /// The picture.
-    pub fn colour(&self) -> &wgpu::TextureView {
+    pub(crate) fn colour(&self) -> &wgpu::TextureView {
         &self.colour
     }
 
     /// Starts a pass on a cleared target: transparent, and infinitely far (0 in reverse-Z).
-    pub fn begin<'e>(&self, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::RenderPass<'e> {
+    pub(crate) fn begin<'e>(&self, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::RenderPass<'e> {
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("offscreen"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -198,7 +198,7 @@ pub(super) mod tests {
     use wgpu::naga::{self, TypeInner};
 
     /// Size in bytes and byte offsets of the members of a struct of a shader.
-    pub fn layout(shader: &str, name: &str) -> (u32, Vec<u32>) {
+    pub(crate) fn layout(shader: &str, name: &str) -> (u32, Vec<u32>) {
         let module = naga::front::wgsl::parse_str(shader).expect("a valid shader");
         let of_name = |inner: &naga::Type| inner.name.as_deref() == Some(name);
         let found = module.types.iter().find(|(_, inner)| of_name(inner));

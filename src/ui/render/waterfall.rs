@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 
 /// Tiles in one picture at most: 4K at the worst zoom needs 160.
-pub const MAX_QUADS: usize = 512;
+pub(crate) const MAX_QUADS: usize = 512;
 
 /// Texels in a row of the table of pings. Same as in the shader.
 const PING_TEXELS: u32 = 2048;
@@ -13,7 +13,7 @@ const CURVE_PLACES: usize = 64;
 /// How echo strength becomes colour. Same layout as `EchoStyle` in `shaders/waterfall.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct EchoStyle {
+pub(crate) struct EchoStyle {
     /// Exponent is 1 / gamma.
     pub gamma: f32,
     /// Share of the maximum in what is shown; the rest is the mean.
@@ -51,7 +51,7 @@ pub struct EchoStyle {
 /// Where a tile, or the part of it in view, lies. Same layout as `Quad` in the shader.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct Quad {
+pub(crate) struct Quad {
     /// Edges in the direction of time, clip space.
     pub along: [f32; 2],
     /// Edges in the direction of range, near to far, clip space.
@@ -72,23 +72,23 @@ pub struct Quad {
 }
 
 /// Gain curves of both sides, each by range (48 bins) and by angle (45 bins).
-pub type Curves<'a> = [&'a [f32]; 4];
+pub(crate) type Curves<'a> = [&'a [f32]; 4];
 
 /// What tiles are brought to one level by, on the GPU. Clones share it.
 #[derive(Clone, Debug)]
-pub struct Tables {
+pub(crate) struct Tables {
     bind_group: wgpu::BindGroup,
 }
 
 /// A tile on the GPU. Clones share it.
 #[derive(Clone, Debug)]
-pub struct TileTexture {
+pub(crate) struct TileTexture {
     bind_group: wgpu::BindGroup,
 }
 
 /// Pipeline and buffers of one waterfall.
 #[derive(Debug)]
-pub struct WaterfallPicture {
+pub(crate) struct WaterfallPicture {
     pipeline: wgpu::RenderPipeline,
     tile_layout: wgpu::BindGroupLayout,
     frame_layout: wgpu::BindGroupLayout,
@@ -100,7 +100,7 @@ pub struct WaterfallPicture {
 
 impl WaterfallPicture {
     /// Builds everything for targets of this format.
-    pub fn new(device: &wgpu::Device, target: wgpu::TextureFormat) -> Self {
+    pub(crate) fn new(device: &wgpu::Device, target: wgpu::TextureFormat) -> Self {
         let frame_layout = frame_layout(device);
         let tile_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("waterfall tile"),
@@ -128,14 +128,14 @@ impl WaterfallPicture {
     }
 
     /// Replaces the colours.
-    pub fn set_palette(&self, queue: &wgpu::Queue, palette: &[[u8; 3]; 256]) {
+    pub(crate) fn set_palette(&self, queue: &wgpu::Queue, palette: &[[u8; 3]; 256]) {
         let rgba: Vec<[u8; 4]> = palette.iter().map(|&[r, g, b]| [r, g, b, 255]).collect();
         queue.write_buffer(&self.palette, 0, bytemuck::cast_slice(&rgba));
     }
 
     /// Puts scales and factors of all pings on the GPU, four numbers for each side of each ping, and the gain curves. What does not fit
     /// is left out, as `false` says.
-    pub fn upload_tables(
+    pub(crate) fn upload_tables(
         &self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -179,7 +179,7 @@ impl WaterfallPicture {
     }
 
     /// Puts a tile on the GPU: `[mean, max]` texels, row by row.
-    pub fn upload(
+    pub(crate) fn upload(
         &self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -202,7 +202,7 @@ impl WaterfallPicture {
     }
 
     /// Writes what the next [`WaterfallPicture::paint`] draws; beyond [`MAX_QUADS`] tiles nothing is drawn.
-    pub fn prepare<'a>(
+    pub(crate) fn prepare<'a>(
         &self,
         queue: &wgpu::Queue,
         look: EchoStyle,
@@ -219,7 +219,7 @@ impl WaterfallPicture {
     }
 
     /// Draws the tiles in the order of the quads that were prepared.
-    pub fn paint<'a>(
+    pub(crate) fn paint<'a>(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
         tables: &Tables,

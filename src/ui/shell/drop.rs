@@ -6,7 +6,7 @@ use egui::Ui;
 use std::path::{Path, PathBuf};
 
 /// Opens what was dropped; logs beside those that are open.
-pub fn collect(ui: &Ui, has_log: bool, commands: &mut Vec<Command>) {
+pub(super) fn collect(ui: &Ui, has_log: bool, commands: &mut Vec<Command>) {
     let dropped: Vec<PathBuf> = ui.input(|input| {
         let files = input.raw.dropped_files.iter();
         files.map(|file| file.path().to_owned()).collect()
@@ -45,7 +45,7 @@ fn is_named(path: &Path, endings: &[&str]) -> bool {
 }
 
 /// Says what a drop would do while files hang over the window.
-pub fn overlay(ui: &Ui) {
+pub(super) fn overlay(ui: &Ui) {
     let Some(name) = ui.input(|input| {
         let file = input.raw.hovered_files.first()?;
         let path = file.path.as_ref()?;

@@ -44,7 +44,7 @@ enum Pressed {
 
 impl ExportDialog {
     /// Asks what goes where; products go into `folder` unless another is named.
-    pub fn ask(&mut self, folder: &Path, amounts: Amounts) {
+    pub(super) fn ask(&mut self, folder: &Path, amounts: Amounts) {
         self.open = Some(Asked {
             folder: folder.display().to_string(),
             is_named: false,
@@ -55,7 +55,7 @@ impl ExportDialog {
     }
 
     /// Takes a folder that was chosen in the system's dialog.
-    pub fn take_folder(&mut self, folder: &Path) {
+    pub(super) fn take_folder(&mut self, folder: &Path) {
         if let Some(asked) = &mut self.open {
             asked.folder = folder.display().to_string();
             asked.is_named = true;
@@ -64,12 +64,16 @@ impl ExportDialog {
     }
 
     /// Whether the dialog is shown.
-    pub fn is_open(&self) -> bool {
+    pub(super) fn is_open(&self) -> bool {
         self.open.is_some()
     }
 
     /// Draws the dialog while it is open; what is to be asked of the system's dialog.
-    pub fn ui(&mut self, ctx: &egui::Context, context: &mut ViewContext<'_>) -> Option<Purpose> {
+    pub(super) fn ui(
+        &mut self,
+        ctx: &egui::Context,
+        context: &mut ViewContext<'_>,
+    ) -> Option<Purpose> {
         let asked = self.open.as_mut()?;
         let modal = Modal::new(Id::unique("export")).show(ctx, |ui| {
             ui.set_width(WIDTH);

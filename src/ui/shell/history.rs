@@ -21,7 +21,7 @@ pub(super) struct HistoryList {
 
 impl HistoryList {
     /// Draws it while it is open.
-    pub fn ui(&mut self, ctx: &egui::Context, context: &mut ViewContext<'_>) {
+    pub(super) fn ui(&mut self, ctx: &egui::Context, context: &mut ViewContext<'_>) {
         if !self.open {
             self.at = None;
             return;

@@ -95,7 +95,12 @@ fn drop_repeats(ui: &Ui) {
 
 /// Pushes a command for each key of the table that was pressed, and for those of the selected box, which go first. A bare key counts only
 /// where it has a meaning for `focus`, what has the keyboard; `None` while a field, a dialog or a list of its own has it.
-pub fn collect(ui: &mut Ui, app: &App, focus: Option<KeyFocus>, commands: &mut Vec<Command>) {
+pub(super) fn collect(
+    ui: &mut Ui,
+    app: &App,
+    focus: Option<KeyFocus>,
+    commands: &mut Vec<Command>,
+) {
     if asks_for_palette(ui) {
         // What was typed after it in the same frame, on a busy machine, is for its field.
         return commands.push(Command::Do(Action::Palette));

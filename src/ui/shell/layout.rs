@@ -73,7 +73,7 @@ fn tree(preset: LayoutPreset) -> Tree<View> {
 
 impl Layout {
     /// Starts over with an arrangement.
-    pub fn arrange(&mut self, preset: LayoutPreset) {
+    pub(super) fn arrange(&mut self, preset: LayoutPreset) {
         self.tree = tree(preset);
         self.maximised = None;
         self.is_automatic = false;
@@ -83,7 +83,7 @@ impl Layout {
     }
 
     /// Gives a view the keyboard, and brings it to the front.
-    pub fn focus(&mut self, view: View) {
+    pub(super) fn focus(&mut self, view: View) {
         self.focus = view;
         if self.maximised.is_some() {
             self.maximised = Some(view);
@@ -119,7 +119,7 @@ impl Layout {
     }
 
     /// Gives the whole centre to a view, or gives it back.
-    pub fn toggle_maximised(&mut self, view: View) {
+    pub(super) fn toggle_maximised(&mut self, view: View) {
         self.focus = view;
         self.maximised = match self.maximised {
             Some(_) => None,
@@ -128,7 +128,7 @@ impl Layout {
     }
 
     /// The view that keys act in: the one that was clicked or chosen last, or the first on screen where that one lies behind another.
-    pub fn target(&self) -> View {
+    pub(super) fn target(&self) -> View {
         let shown = self.shown();
         match shown.first() {
             Some(first) if !shown.contains(&self.focus) => *first,
@@ -137,7 +137,7 @@ impl Layout {
     }
 
     /// The views on screen.
-    pub fn shown(&self) -> Vec<View> {
+    pub(super) fn shown(&self) -> Vec<View> {
         match self.maximised {
             Some(view) => vec![view],
             None => {
@@ -163,7 +163,7 @@ impl Layout {
     }
 
     /// Draws the tiles.
-    pub fn ui(&mut self, ui: &mut Ui, views: &mut Views, context: &mut ViewContext<'_>) {
+    pub(super) fn ui(&mut self, ui: &mut Ui, views: &mut Views, context: &mut ViewContext<'_>) {
         self.follow_window(ui.available_height());
         let mut panes = Panes {
             views,

@@ -25,7 +25,7 @@ enum Level {
 }
 
 /// Draws it all.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.set_width(WIDTH);
     names(ui, context, &rows::PICTURE_GAIN);
     for row in [

@@ -39,7 +39,7 @@ impl Default for Manual {
 
 impl Manual {
     /// Draws it while it is open.
-    pub fn ui(&mut self, ctx: &egui::Context) {
+    pub(super) fn ui(&mut self, ctx: &egui::Context) {
         if self.open && ctx.input(|input| input.key_pressed(egui::Key::Escape)) {
             self.open = false;
         }

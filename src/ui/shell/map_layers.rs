@@ -7,7 +7,7 @@ use egui::{Button, Checkbox, RichText, Slider, Ui};
 const WIDTHS: [f32; 2] = [118.0, 84.0];
 
 /// A row for each layer.
-pub fn control(ui: &mut Ui, stack: &mut LayerStack) {
+pub(super) fn control(ui: &mut Ui, stack: &mut LayerStack) {
     let rows: Vec<LayerShown> = stack.bottom_up().rev().copied().collect();
     let last = rows.len().saturating_sub(1);
     egui::Grid::new("map layers")

@@ -171,7 +171,7 @@ const BOXES: &[Action] = &[
 type Contents = fn(&mut Ui, &mut ViewContext<'_>);
 
 /// Draws the bar.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     egui::containers::menu::MenuBar::new().ui(ui, |ui| {
         let menus: [(&str, Contents); 6] = [
             ("File", file),

@@ -18,7 +18,7 @@ pub(super) struct NoticeList {
 
 impl NoticeList {
     /// Draws it while it is open.
-    pub fn ui(&mut self, ctx: &egui::Context, context: &mut ViewContext<'_>) {
+    pub(super) fn ui(&mut self, ctx: &egui::Context, context: &mut ViewContext<'_>) {
         if !self.open {
             return;
         }

@@ -30,7 +30,7 @@ struct Item {
 
 impl Palette {
     /// Shows the palette with an empty field.
-    pub fn open(&mut self) {
+    pub(super) fn open(&mut self) {
         *self = Self {
             open: true,
             ..Self::default()
@@ -38,12 +38,12 @@ impl Palette {
     }
 
     /// Whether it is shown.
-    pub fn is_open(&self) -> bool {
+    pub(super) fn is_open(&self) -> bool {
         self.open
     }
 
     /// Draws the palette while it is open.
-    pub fn ui(&mut self, ctx: &egui::Context, context: &mut ViewContext<'_>) {
+    pub(super) fn ui(&mut self, ctx: &egui::Context, context: &mut ViewContext<'_>) {
         if !self.open {
             return;
         }

@@ -37,7 +37,7 @@ struct Saving<'a> {
 }
 
 /// Writes the window's state into the store.
-pub fn save(shell: &Shell, storage: &mut dyn eframe::Storage) {
+pub(super) fn save(shell: &Shell, storage: &mut dyn eframe::Storage) {
     let saving = Saving {
         options: &shell.app.view.options,
         layout: &shell.layout,
@@ -58,7 +58,7 @@ pub fn save(shell: &Shell, storage: &mut dyn eframe::Storage) {
 
 impl Shell {
     /// Takes over what an earlier run saved; anything unreadable is left as it is by default.
-    pub fn restore(&mut self, storage: &dyn eframe::Storage) {
+    pub(crate) fn restore(&mut self, storage: &dyn eframe::Storage) {
         let Some(text) = storage.get_string(KEY) else {
             return;
         };

@@ -34,7 +34,7 @@ impl Default for Play {
 
 impl Play {
     /// Starts at the selection, or stops. At the end it starts over.
-    pub fn toggle(&mut self, app: &App) {
+    pub(super) fn toggle(&mut self, app: &App) {
         let Some(pings) = app.log.survey.as_ref().map(|survey| &survey.side_scan) else {
             return;
         };
@@ -48,18 +48,18 @@ impl Play {
     }
 
     /// Takes the next speed up or down; at the fastest and the slowest it stays.
-    pub fn change_speed(&mut self, steps: isize) {
+    pub(super) fn change_speed(&mut self, steps: isize) {
         let next = self.speed.saturating_add_signed(steps);
         self.speed = next.min(SPEEDS.len() - 1);
     }
 
     /// Stays where it is.
-    pub fn stop(&mut self) {
+    pub(super) fn stop(&mut self) {
         self.running = false;
     }
 
     /// Moves the selection by the time since the last frame.
-    pub fn advance(&mut self, ui: &Ui, app: &App, commands: &mut Vec<Command>) {
+    pub(super) fn advance(&mut self, ui: &Ui, app: &App, commands: &mut Vec<Command>) {
         if !self.running {
             return;
         }
@@ -88,7 +88,7 @@ impl Play {
     }
 
     /// Draws the button and the speed at the left end of the time line.
-    pub fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
+    pub(super) fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
         if context.app.log.survey.is_none() {
             return;
         }

@@ -20,18 +20,18 @@ pub(super) struct Printing {
 
 impl Printing {
     /// Asks how a view is to be printed.
-    pub fn ask(&mut self, view: View) {
+    pub(super) fn ask(&mut self, view: View) {
         self.view = Some(view);
         self.is_open = true;
     }
 
     /// Whether the dialog is shown.
-    pub fn is_open(&self) -> bool {
+    pub(super) fn is_open(&self) -> bool {
         self.is_open
     }
 
     /// Draws the dialog while it is open; whether the analyst wants to name the file now.
-    pub fn ui(
+    pub(super) fn ui(
         &mut self,
         ctx: &egui::Context,
         context: &mut ViewContext<'_>,

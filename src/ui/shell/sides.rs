@@ -48,7 +48,7 @@ impl SidePanel {
     }
 
     /// Whether it is shown in a window of this width, points.
-    pub fn is_shown(self, options: PanelOptions, width: f32) -> bool {
+    pub(super) fn is_shown(self, options: PanelOptions, width: f32) -> bool {
         match self.choice(options) {
             PanelShown::WithRoom => width >= self.room(),
             PanelShown::Always => true,
@@ -57,7 +57,7 @@ impl SidePanel {
     }
 
     /// The choice after it was shown or hidden by hand. In a window without room for both, the other one goes.
-    pub fn set_shown(self, options: PanelOptions, shown: bool, width: f32) -> PanelOptions {
+    pub(super) fn set_shown(self, options: PanelOptions, shown: bool, width: f32) -> PanelOptions {
         let mut options = options;
         self.choose(&mut options, shown);
         if shown && width < SidePanel::BOTH && self.other().is_shown(options, width) {
@@ -77,7 +77,7 @@ impl SidePanel {
     }
 
     /// Draws the panel while it is shown; it is hidden and shown by a drag of its edge too.
-    pub fn ui(
+    pub(super) fn ui(
         self,
         ui: &mut Ui,
         context: &mut ViewContext<'_>,
@@ -105,7 +105,7 @@ impl SidePanel {
     }
 
     /// The button that shows and hides it: a window whose side is filled while the panel is shown.
-    pub fn button(self, ui: &mut Ui, context: &mut ViewContext<'_>) {
+    pub(super) fn button(self, ui: &mut Ui, context: &mut ViewContext<'_>) {
         let action = self.action();
         let is_shown = self.is_shown(context.app.view.options.panels, ui.content_rect().width());
         let button = ui.add(Button::new("").min_size(vec2(26.0, 18.0)));

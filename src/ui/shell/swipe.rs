@@ -5,7 +5,7 @@ use crate::ui::drop_down::DropDown;
 use egui::{RichText, Ui};
 
 /// Divides the map, and a row for each layer that is shown.
-pub fn control(ui: &mut Ui, map: &mut MapOptions) {
+pub(super) fn control(ui: &mut Ui, map: &mut MapOptions) {
     let mut on = map.swipe.on;
     let check = ui.checkbox(&mut on, "Swipe");
     if check

@@ -23,7 +23,7 @@ fn room(view: View) -> f32 {
 }
 
 /// Draws the controls from right to left; nothing while there is nothing to look at.
-pub fn ui(ui: &mut Ui, view: View, context: &mut ViewContext<'_>) {
+pub(super) fn ui(ui: &mut Ui, view: View, context: &mut ViewContext<'_>) {
     if context.app.log.survey.is_none() {
         return;
     }
@@ -112,7 +112,7 @@ fn waterfall(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptio
 }
 
 /// The channels that look down, where the log has any.
-pub fn channels(ui: &mut Ui, context: &ViewContext<'_>, shown: &mut WaterfallOptions) {
+pub(super) fn channels(ui: &mut Ui, context: &ViewContext<'_>, shown: &mut WaterfallOptions) {
     let survey = context.app.log.survey.as_ref();
     let has = |channel: &EchogramChannel| match channel.kind() {
         None => true,

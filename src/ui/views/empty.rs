@@ -5,11 +5,11 @@ use crate::ui::{ViewContext, theme};
 use egui::{Rect, RichText, Ui, UiBuilder, vec2};
 
 /// Shown instead of what only a GPU can draw.
-pub const NO_GPU: &str =
+pub(super) const NO_GPU: &str =
     "No GPU: this picture needs a graphics driver (Vulkan, Metal or DirectX 12).";
 
 /// A sentence in the middle of the view.
-pub fn say(ui: &mut Ui, context: &ViewContext<'_>, rect: Rect, text: &str) {
+pub(super) fn say(ui: &mut Ui, context: &ViewContext<'_>, rect: Rect, text: &str) {
     let colour = theme::canvas_text_colour(&context.app.view.options);
     middle(ui, rect, 20.0, |ui| {
         ui.label(RichText::new(text).color(colour));
@@ -17,7 +17,7 @@ pub fn say(ui: &mut Ui, context: &ViewContext<'_>, rect: Rect, text: &str) {
 }
 
 /// Says what the view waits for, or offers to go on when processing was stopped.
-pub fn wait(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, text: &str) {
+pub(super) fn wait(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, text: &str) {
     if !context.app.is_stopped() {
         return say(ui, context, rect, text);
     }
@@ -29,7 +29,7 @@ pub fn wait(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, text: &str) 
 }
 
 /// Says what would fill the view, and offers to open something.
-pub fn offer_to_open(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, text: &str) {
+pub(super) fn offer_to_open(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, text: &str) {
     let colour = theme::canvas_text_colour(&context.app.view.options);
     middle(ui, rect, 84.0, |ui| {
         ui.label(RichText::new(text).color(colour));

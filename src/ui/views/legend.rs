@@ -16,17 +16,17 @@ const BAR: f32 = 12.0;
 const STEPS: usize = 40;
 
 /// Whether a view has room for words beside its numbers; a small tile keeps scales and legends, and drops explanations.
-pub fn has_room(rect: Rect) -> bool {
+pub(super) fn has_room(rect: Rect) -> bool {
     rect.size().min_elem() >= 240.0
 }
 
 /// Whether a view is wide enough for a line of words.
-pub fn has_width(rect: Rect) -> bool {
+pub(super) fn has_width(rect: Rect) -> bool {
     rect.width() >= 150.0
 }
 
 /// Small text on a view.
-pub fn font() -> FontId {
+pub(super) fn font() -> FontId {
     FontId::proportional(11.0)
 }
 
@@ -34,13 +34,13 @@ pub fn font() -> FontId {
 const PLATE_MARGIN: Vec2 = vec2(4.0, 2.0);
 
 /// Size that [`plate`] takes for a text.
-pub fn plate_size(painter: &Painter, text: &str) -> Vec2 {
+pub(super) fn plate_size(painter: &Painter, text: &str) -> Vec2 {
     let galley = painter.layout_no_wrap(text.to_owned(), font(), Color32::WHITE);
     galley.size() + 2.0 * PLATE_MARGIN
 }
 
 /// Text on a plate; returns the plate.
-pub fn plate(
+pub(super) fn plate(
     painter: &Painter,
     options: &ViewOptions,
     at: Pos2,
@@ -56,7 +56,7 @@ pub fn plate(
 }
 
 /// A frame for buttons that lie on a view: keeps them readable over whatever is drawn there.
-pub fn frame(options: &ViewOptions) -> egui::Frame {
+pub(super) fn frame(options: &ViewOptions) -> egui::Frame {
     egui::Frame::NONE
         .fill(theme::plate_colour(options))
         .corner_radius(3.0)
@@ -64,7 +64,7 @@ pub fn frame(options: &ViewOptions) -> egui::Frame {
 }
 
 /// Colours and what they stand for.
-pub struct Scale {
+pub(super) struct Scale {
     title: String,
     /// Values at the top and at the bottom, in the unit of the title.
     ends: [f64; 2],
@@ -76,7 +76,7 @@ pub struct Scale {
 
 impl Scale {
     /// Depths, shallow on top.
-    pub fn of_depth(range_m: [f32; 2], reference: DepthReference, units: Units) -> Self {
+    pub(super) fn of_depth(range_m: [f32; 2], reference: DepthReference, units: Units) -> Self {
         Self {
             title: reference.title(units.symbol()),
             ends: range_m.map(|depth_m| units.in_unit(f64::from(depth_m))),
@@ -86,7 +86,7 @@ impl Scale {
     }
 
     /// Levels of echoes, the strongest on top.
-    pub fn of_levels([low, high]: [f32; 2]) -> Self {
+    pub(super) fn of_levels([low, high]: [f32; 2]) -> Self {
         Self {
             title: "echo level".to_owned(),
             ends: [high, low].map(f64::from),
@@ -96,7 +96,7 @@ impl Scale {
     }
 
     /// Slant ranges, the nearest on top.
-    pub fn of_ranges(range_m: [f32; 2], units: Units) -> Self {
+    pub(super) fn of_ranges(range_m: [f32; 2], units: Units) -> Self {
         Self {
             title: format!("slant range, {}", units.symbol()),
             ends: range_m.map(|range_m| units.in_unit(f64::from(range_m))),
@@ -106,7 +106,7 @@ impl Scale {
     }
 
     /// What depths are worth, the surest on top.
-    pub fn of_uncertainty(ends_m: [f32; 2], units: Units) -> Self {
+    pub(super) fn of_uncertainty(ends_m: [f32; 2], units: Units) -> Self {
         Self {
             title: format!("uncertainty, {}", units.symbol()),
             ends: ends_m.map(|metres| units.in_unit(f64::from(metres))),
@@ -116,7 +116,7 @@ impl Scale {
     }
 
     /// Distances to the nearest depth, the nearest on top.
-    pub fn of_distance(ends_m: [f32; 2], units: Units) -> Self {
+    pub(super) fn of_distance(ends_m: [f32; 2], units: Units) -> Self {
         Self {
             title: format!("to a depth, {}", units.symbol()),
             ends: ends_m.map(|metres| units.in_unit(f64::from(metres))),
@@ -126,7 +126,7 @@ impl Scale {
     }
 
     /// How hard the bed is against the median of the map, decibels, the hardest on top.
-    pub fn of_hardness([low_db, high_db]: [f32; 2]) -> Self {
+    pub(super) fn of_hardness([low_db, high_db]: [f32; 2]) -> Self {
         Self {
             title: "hardness, dB".to_owned(),
             ends: [high_db, low_db].map(f64::from),
@@ -136,7 +136,7 @@ impl Scale {
     }
 
     /// Residuals up to `reach_m` to either side of zero, the higher on top.
-    pub fn of_residuals(reach_m: f64, units: Units) -> Self {
+    pub(super) fn of_residuals(reach_m: f64, units: Units) -> Self {
         let reach = units.in_unit(reach_m);
         Self {
             title: format!("residual, {}", units.symbol()),
@@ -147,7 +147,7 @@ impl Scale {
     }
 
     /// Draws it upright with its right bottom corner at `corner`; returns what it covers.
-    pub fn show(
+    pub(super) fn show(
         &self,
         painter: &Painter,
         options: &ViewOptions,

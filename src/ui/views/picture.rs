@@ -7,7 +7,7 @@ use egui::{Painter, Rect, emath::GuiRounding as _};
 
 /// A target that follows the size of a view.
 #[derive(Default)]
-pub struct ViewTexture {
+pub(super) struct ViewTexture {
     shown: Option<Shown>,
 }
 
@@ -19,7 +19,12 @@ struct Shown {
 
 impl ViewTexture {
     /// Makes the target as large as `rect` on screen; whether it is a new one that has to be drawn.
-    pub fn resize(&mut self, state: &RenderState, rect: Rect, pixels_per_point: f32) -> bool {
+    pub(super) fn resize(
+        &mut self,
+        state: &RenderState,
+        rect: Rect,
+        pixels_per_point: f32,
+    ) -> bool {
         let size = rect.round_to_pixels(pixels_per_point).size() * pixels_per_point;
         let requested = [size.x.round() as u32, size.y.round() as u32];
         let requested = Target::possible(&state.device, requested);
@@ -35,12 +40,12 @@ impl ViewTexture {
     }
 
     /// What to draw into.
-    pub fn target(&self) -> Option<&Target> {
+    pub(super) fn target(&self) -> Option<&Target> {
         self.shown.as_ref().map(|shown| &shown.target)
     }
 
     /// Shows the picture over what lies below, as faded as the painter is.
-    pub fn paint(&self, painter: &Painter, rect: Rect, state: &RenderState) {
+    pub(super) fn paint(&self, painter: &Painter, rect: Rect, state: &RenderState) {
         if let Some(shown) = &self.shown {
             let rect = rect.round_to_pixels(painter.pixels_per_point());
             flat::picture(painter, rect, &shown.binding, state);

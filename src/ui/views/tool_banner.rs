@@ -15,7 +15,7 @@ const ROOM_FOR_KEYS: f32 = 170.0;
 
 /// What a banner says.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Banner {
+pub(super) struct Banner {
     name: &'static str,
     next: String,
     keys: &'static str,
@@ -31,7 +31,7 @@ impl Banner {
     }
 
     /// Of the tool in hand that is of use in a view; `None` without one.
-    pub fn of(app: &App, view: View) -> Option<Self> {
+    pub(super) fn of(app: &App, view: View) -> Option<Self> {
         if let Some(kind) = app.map.measuring.tool {
             return measuring(app, kind, view);
         }
@@ -57,7 +57,7 @@ impl Banner {
     }
 
     /// Lays it out in the upper left corner of `room`.
-    pub fn place(&self, ui: &Ui, room: Rect) -> PlacedBanner {
+    pub(super) fn place(&self, ui: &Ui, room: Rect) -> PlacedBanner {
         // All keys where they stand in two lines, else the one that leaves it: a banner that covers a small view helps nobody.
         let has_room = room.height() >= ROOM_FOR_KEYS;
         let whole = has_room.then(|| self.lay_out(ui, room, self.keys));
@@ -87,7 +87,7 @@ impl Banner {
 }
 
 /// A banner in its place.
-pub struct PlacedBanner {
+pub(super) struct PlacedBanner {
     /// What it covers.
     pub plate: Rect,
     galley: Arc<Galley>,
@@ -96,7 +96,7 @@ pub struct PlacedBanner {
 
 impl PlacedBanner {
     /// Draws it.
-    pub fn draw(&self, ui: &Ui) {
+    pub(super) fn draw(&self, ui: &Ui) {
         let plate = self.plate;
         let painter = ui.painter();
         painter.rect_filled(plate, 3.0, Color32::from_black_alpha(225));
@@ -183,7 +183,7 @@ fn measuring(app: &App, kind: MeasurementKind, view: View) -> Option<Banner> {
 }
 
 /// The banner of the tool in hand at the top of a view, if there is one and there is room.
-pub fn in_view(ui: &Ui, app: &App, view: View, rect: Rect) -> Option<PlacedBanner> {
+pub(super) fn in_view(ui: &Ui, app: &App, view: View, rect: Rect) -> Option<PlacedBanner> {
     let banner = Banner::of(app, view).filter(|_| !app.view.is_picture)?;
     let room = rect.shrink2(vec2(4.0, 4.0));
     legend::has_width(room).then(|| banner.place(ui, room))

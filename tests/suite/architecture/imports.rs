@@ -16,7 +16,7 @@ struct Module {
 }
 
 /// For each module the names that it takes from each other one.
-pub type Imports = BTreeMap<String, BTreeMap<String, BTreeSet<String>>>;
+pub(super) type Imports = BTreeMap<String, BTreeMap<String, BTreeSet<String>>>;
 
 fn joined(one: &str, other: &str) -> String {
     match (one, other) {
@@ -169,7 +169,7 @@ fn resolve(
 }
 
 /// Reads all files. What a file takes from the modules that contain it is no import.
-pub fn imports() -> Imports {
+pub(super) fn imports() -> Imports {
     let mut files = BTreeMap::new();
     let mut tests = BTreeSet::new();
     for path in rust_files(&source()) {
@@ -226,7 +226,7 @@ fn reached<'a>(imports: &'a Imports, start: &'a str) -> BTreeSet<&'a str> {
 }
 
 /// What modules take from each other that import each other, directly or through others: a sentence for each two.
-pub fn circles(imports: &Imports) -> Vec<String> {
+pub(super) fn circles(imports: &Imports) -> Vec<String> {
     let mut ties = Vec::new();
     for (module, taken) in imports {
         let others = taken

@@ -7,7 +7,7 @@ mod map_tiles;
 mod maps;
 mod mosaic;
 mod offsets;
-pub mod positions;
+pub(super) mod positions;
 mod rows;
 
 use crate::simulation::{Artefacts, BedSettings, Scene, Simulated, TrackSettings, simulate};
@@ -19,14 +19,14 @@ use std::fs;
 use std::path::Path;
 
 /// The zone of the simulated water, and a corner of four tiles in it.
-pub const ZONE: UtmZone = UtmZone {
+pub(super) const ZONE: UtmZone = UtmZone {
     number: 17,
     north: true,
 };
-pub const CORNER_M: [f64; 2] = [392_192.0, 3_253_760.0];
+pub(super) const CORNER_M: [f64; 2] = [392_192.0, 3_253_760.0];
 
 /// A small survey about a place some metres from the corner, whose transducer hangs higher over the ground than that of others.
-pub fn scene(log: u32, [east_m, north_m]: [f64; 2], higher_m: f64) -> Scene {
+pub(super) fn scene(log: u32, [east_m, north_m]: [f64; 2], higher_m: f64) -> Scene {
     let centre = ZONE.to_lon_lat(CORNER_M);
     let [lon_m, lat_m] = metres_per_degree(centre);
     Scene {
@@ -59,7 +59,7 @@ pub fn scene(log: u32, [east_m, north_m]: [f64; 2], higher_m: f64) -> Scene {
 
 /// The same ground, sailed to and fro about a place and across: a track that crosses those of logs beside it a hundred times, so that the
 /// noise of a crossing, some 5 cm, leaves half a centimetre.
-pub fn zigzag(log: u32, [east_m, north_m]: [f64; 2], higher_m: f64) -> Scene {
+pub(super) fn zigzag(log: u32, [east_m, north_m]: [f64; 2], higher_m: f64) -> Scene {
     let ways = [
         [-26.0, -16.0],
         [26.0, -14.0],
@@ -84,14 +84,14 @@ pub fn zigzag(log: u32, [east_m, north_m]: [f64; 2], higher_m: f64) -> Scene {
 }
 
 /// Sails a survey and writes its log: `log-3.sl2`.
-pub fn sail(folder: &Path, log: u32, scene: &Scene) -> Simulated {
+pub(super) fn sail(folder: &Path, log: u32, scene: &Scene) -> Simulated {
     let truth = simulate(scene, 100 + u64::from(log), &Progress::new()).expect("nobody cancels");
     fs::write(folder.join(format!("log-{log}.sl2")), truth.sl2_bytes()).expect("a log");
     truth
 }
 
 /// Three logs around the corner, in the archive `archive`.
-pub fn three_logs(folder: &Path) {
+pub(super) fn three_logs(folder: &Path) {
     for log in 0..3 {
         sail(folder, log, &scene(log, [3.0, -4.0], 0.0));
     }
@@ -99,13 +99,13 @@ pub fn three_logs(folder: &Path) {
 }
 
 /// Adds logs to the archive `archive`; what the program says.
-pub fn add(folder: &Path, logs: &[&str]) -> String {
+pub(super) fn add(folder: &Path, logs: &[&str]) -> String {
     let to_archive = ["-o", "archive", "--products", "tiles"];
     run(folder, &[&["process"], logs, &to_archive].concat())
 }
 
 /// All files below a folder by name.
-pub fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+pub(super) fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut found = BTreeMap::new();
     for entry in fs::read_dir(folder).expect("a folder").flatten() {
         let name = entry.file_name().to_string_lossy().into_owned();

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 /// How the positions of each log are off, metres to the east and north, and late, seconds: shifts have a mean of zero, since one that all share
 /// shows nowhere.
-pub const TRUTH: [[f64; 3]; 4] = [
+pub(crate) const TRUTH: [[f64; 3]; 4] = [
     [1.5, -1.0, 0.0],
     [0.0, 0.0, 1.2],
     [-1.5, 1.0, 0.0],
@@ -85,7 +85,7 @@ fn spoil(from: &Path, to: &Path, [east_m, north_m, latency_s]: [f64; 3]) {
 }
 
 /// Four logs as they should be in the folder `right`, and as they were recorded in `off`.
-pub fn write_four(folder: &Path) -> [PathBuf; 2] {
+pub(crate) fn write_four(folder: &Path) -> [PathBuf; 2] {
     let [right, off] = ["right", "off"].map(|name| folder.join(name));
     for made in [&right, &off] {
         fs::create_dir(made).expect("a folder");
@@ -98,7 +98,7 @@ pub fn write_four(folder: &Path) -> [PathBuf; 2] {
     [right, off]
 }
 
-pub const LOGS: [&str; 4] = ["log-0.sl2", "log-1.sl2", "log-2.sl2", "log-3.sl2"];
+pub(crate) const LOGS: [&str; 4] = ["log-0.sl2", "log-1.sl2", "log-2.sl2", "log-3.sl2"];
 
 /// The same, each folder with its archive.
 fn sail_four(folder: &Path) -> [PathBuf; 2] {

@@ -1,11 +1,11 @@
 //! Numbers by chance that are the same each time.
 
 /// Uniform numbers from a seed, and normal ones as sums of twelve of them.
-pub struct Dice(pub u64);
+pub(super) struct Dice(pub u64);
 
 impl Dice {
     /// From 0 to 1.
-    pub fn uniform(&mut self) -> f64 {
+    pub(super) fn uniform(&mut self) -> f64 {
         self.0 = self
             .0
             .wrapping_mul(6_364_136_223_846_793_005)
@@ -14,7 +14,7 @@ impl Dice {
     }
 
     /// With a mean of zero.
-    pub fn normal(&mut self, sd: f64) -> f64 {
+    pub(super) fn normal(&mut self, sd: f64) -> f64 {
         sd * ((0..12).map(|_| self.uniform()).sum::<f64>() - 6.0)
     }
 }

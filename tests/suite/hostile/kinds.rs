@@ -13,12 +13,12 @@ use std::path::Path;
 use tempfile::TempDir;
 
 /// What a case is made from: a simulated pond of ten seconds and all that the program makes of it.
-pub struct Seeds {
+pub(super) struct Seeds {
     folder: TempDir,
 }
 
 /// One run of the program.
-pub struct Case {
+pub(super) struct Case {
     /// What is harmed.
     pub kind: &'static str,
     /// Where it lies, and where the products go.
@@ -53,7 +53,7 @@ fn strings(args: &[&str]) -> Vec<String> {
 
 impl Seeds {
     /// Makes them.
-    pub fn new() -> Self {
+    pub(super) fn new() -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path();
         let write = |name: &str, bytes: &[u8]| fs::write(path.join(name), bytes).expect("a file");
@@ -124,7 +124,7 @@ impl Seeds {
     }
 
     /// The case of a number.
-    pub fn case(&self, number: usize) -> Case {
+    pub(super) fn case(&self, number: usize) -> Case {
         let mut random = Random(number as u64);
         let (kind, make) = KINDS[number % KINDS.len()];
         let folder = tempfile::tempdir().expect("a folder");

@@ -3,10 +3,10 @@
 use std::ops::Range;
 
 /// SplitMix64: the same cases in every run, and a failure names its seed.
-pub struct Random(pub u64);
+pub(super) struct Random(pub u64);
 
 impl Random {
-    pub fn next(&mut self) -> u64 {
+    pub(super) fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut mixed = self.0;
         mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -14,11 +14,11 @@ impl Random {
         mixed ^ (mixed >> 31)
     }
 
-    pub fn below(&mut self, limit: usize) -> usize {
+    pub(super) fn below(&mut self, limit: usize) -> usize {
         (self.next() % limit.max(1) as u64) as usize
     }
 
-    pub fn pick<T: Copy>(&mut self, from: &[T]) -> T {
+    pub(super) fn pick<T: Copy>(&mut self, from: &[T]) -> T {
         from[self.below(from.len())]
     }
 
@@ -29,7 +29,7 @@ impl Random {
 }
 
 /// Numbers that no file should hold, as they are written.
-pub const WILD: [&str; 28] = [
+pub(super) const WILD: [&str; 28] = [
     "0.5",
     "2",
     "100",
@@ -90,7 +90,7 @@ fn snippet(random: &mut Random) -> String {
 }
 
 /// A text with one to four things wrong.
-pub fn text(random: &mut Random, sound: &str) -> Vec<u8> {
+pub(super) fn text(random: &mut Random, sound: &str) -> Vec<u8> {
     let mut bytes = sound.as_bytes().to_vec();
     for _ in 0..random.pick(&[1, 1, 1, 2, 4]) {
         match random.below(9) {
@@ -139,7 +139,7 @@ fn repeat_line(random: &mut Random, bytes: &mut Vec<u8>) {
 }
 
 /// Bytes with some written over, cut off or said twice.
-pub fn bytes(random: &mut Random, sound: &[u8]) -> Vec<u8> {
+pub(super) fn bytes(random: &mut Random, sound: &[u8]) -> Vec<u8> {
     let mut bytes = sound.to_vec();
     let most = random.pick(&[1, 3, 12, 400]);
     let scars = 1 + random.below(most);
@@ -183,7 +183,7 @@ pub fn bytes(random: &mut Random, sound: &[u8]) -> Vec<u8> {
 }
 
 /// An SL2 log whose ranges, positions, depths or times jump from frame to frame.
-pub fn jumping_sl2(random: &mut Random, sound: &[u8]) -> Vec<u8> {
+pub(super) fn jumping_sl2(random: &mut Random, sound: &[u8]) -> Vec<u8> {
     let mut bytes = sound.to_vec();
     let which = 1 + random.below(15);
     let span_m = random.pick(&[2, 100, 10_000, 200_000, 20_000_000]);

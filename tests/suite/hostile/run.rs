@@ -13,7 +13,7 @@ const STOPPED_AFTER_S: f64 = 90.0;
 const LONGEST_LINE: usize = 1000;
 
 /// How a run ended.
-pub struct Outcome {
+pub(super) struct Outcome {
     /// `None` where a signal ended it.
     pub code: Option<i32>,
     pub stdout: String,
@@ -25,7 +25,7 @@ pub struct Outcome {
 }
 
 /// Runs `bathyscope` in a folder.
-pub fn program(folder: &Path, args: &[String]) -> Outcome {
+pub(super) fn program(folder: &Path, args: &[String]) -> Outcome {
     let mut child = Command::new(crate::suite::support::program())
         .args(args)
         .current_dir(folder)
@@ -88,7 +88,7 @@ fn resident_mib(child: &Child) -> Option<u64> {
 }
 
 /// What is wrong with how a run ended, in a sentence: it went down, said what no terminal should get, or left half a file.
-pub fn fault(outcome: &Outcome, folder: &Path) -> Option<String> {
+pub(super) fn fault(outcome: &Outcome, folder: &Path) -> Option<String> {
     let Outcome { code, stderr, .. } = outcome;
     let shows = |letter: char| !letter.is_control() && !matches!(letter, '\u{202a}'..='\u{202e}');
     let printed = outcome.stdout.chars().chain(stderr.chars());

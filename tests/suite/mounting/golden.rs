@@ -10,7 +10,7 @@ use serde_json::Value;
 use std::sync::Arc;
 
 /// What pyproj says.
-pub fn golden() -> Value {
+pub(super) fn golden() -> Value {
     serde_json::from_str(include_str!("golden.json")).expect("the goldens")
 }
 

@@ -160,7 +160,7 @@ fn edit(folder: &Path, begins: &str) {
 
 /// Starts a program that edits, kills it at a moment, and gives the last gesture that it told of.
 fn killed(folder: &Path, begins: &str, moment: Duration) -> Option<usize> {
-    let name = "project::killed::a_killed_program_loses_its_last_gesture_at_most";
+    let name = "suite::project::killed::a_killed_program_loses_its_last_gesture_at_most";
     let mut child = std::process::Command::new(std::env::current_exe().expect("this test"))
         .args(["--exact", name, "--nocapture", "--test-threads=1"])
         .env(FOLDER, folder)

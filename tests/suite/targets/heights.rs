@@ -176,31 +176,41 @@ impl Found {
 }
 
 #[test]
-fn heights_of_fifty_objects_from_their_shadows_have_a_median_error_under_a_tenth_where_the_ground_is_seen()
- {
-    let folder = tempfile::tempdir().expect("a temporary folder");
+fn heights_of_fifty_objects_from_their_shadows_have_a_median_error_under_a_tenth() {
+    check(&CASES[0], &[21]);
+}
+
+#[test]
+#[ignore = "minutes: ten surveys of fifty objects"]
+fn heights_of_five_hundred_objects_are_as_good_with_every_recorder() {
     for case in &CASES {
-        // Two surveys of each: the thresholds were chosen on neither.
-        let both = [21, 22].map(|seed| Found::of(case, seed, folder.path()));
-        let errors = both.iter().flat_map(|found| found.errors.iter().copied());
-        let mut errors: Vec<f64> = errors.collect();
-        errors.sort_by(f64::total_cmp);
-        let found = Found {
-            unknown: both[0].unknown + both[1].unknown,
-            errors,
-        };
-        let known = found.errors.len();
-        let [median, most] = [0.5, 0.9].map(|share| found.size(share));
-        println!(
-            "{}: {known} of {} heights known, {} not; |error| {:.1} % (median), {:.1} % (90 %); error {:+.1} % (median)",
-            case.name,
-            2 * OBJECTS,
-            found.unknown,
-            100.0 * median,
-            100.0 * most,
-            100.0 * found.errors[known / 2]
-        );
-        assert!(known >= case.least_known, "{known}");
-        assert!(median < case.most_error, "{median}");
+        check(case, &[21, 22]);
     }
+}
+
+/// Measures the heights of the objects of surveys; the thresholds were chosen on none of them.
+fn check(case: &Case, seeds: &[u64]) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut all = Found {
+        errors: Vec::new(),
+        unknown: 0,
+    };
+    for seed in seeds {
+        let found = Found::of(case, *seed, folder.path());
+        all.errors.extend(found.errors);
+        all.unknown += found.unknown;
+    }
+    all.errors.sort_by(f64::total_cmp);
+    let (known, objects) = (all.errors.len(), seeds.len() * OBJECTS);
+    let [median, most] = [0.5, 0.9].map(|share| all.size(share));
+    println!(
+        "{}: {known} of {objects} heights known, {} not; |error| {:.1} % (median), {:.1} % (90 %); error {:+.1} % (median)",
+        case.name,
+        all.unknown,
+        100.0 * median,
+        100.0 * most,
+        100.0 * all.errors[known / 2]
+    );
+    assert!(100 * known >= case.least_known * objects, "{known}");
+    assert!(median < case.most_error, "{median}");
 }

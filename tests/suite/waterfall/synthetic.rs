@@ -4,7 +4,10 @@ use crate::sonar::first_return::{FirstReturns, Pick};
 use crate::survey::{Bytes, Encoding, Order, Side, SidePing, SideScanState, SideSpan, Survey};
 use std::sync::Arc;
 
-pub fn survey_of(bytes: Vec<u8>, spans: impl Iterator<Item = [Option<SideSpan>; 2]>) -> Survey {
+pub(super) fn survey_of(
+    bytes: Vec<u8>,
+    spans: impl Iterator<Item = [Option<SideSpan>; 2]>,
+) -> Survey {
     let side_scan = spans.enumerate().map(|(ping, [port, starboard])| SidePing {
         time_s: ping as f64 * 0.05,
         depth_m: 4.0,
@@ -20,7 +23,7 @@ pub fn survey_of(bytes: Vec<u8>, spans: impl Iterator<Item = [Option<SideSpan>; 
     }
 }
 
-pub fn span(offset: usize, count: u32, far_m: f32) -> SideSpan {
+pub(super) fn span(offset: usize, count: u32, far_m: f32) -> SideSpan {
     SideSpan {
         file: 0,
         encoding: Encoding::U8,
@@ -33,7 +36,7 @@ pub fn span(offset: usize, count: u32, far_m: f32) -> SideSpan {
 }
 
 /// 20 m to each side in 400 samples; a bottom at 4 m under dark water, brighter to starboard, every ping the same.
-pub fn even_bottom(pings: usize) -> Survey {
+pub(super) fn even_bottom(pings: usize) -> Survey {
     let side = |gain: usize| {
         (0..400_usize).map(move |sample| match sample {
             0..80 => 8,
@@ -47,7 +50,7 @@ pub fn even_bottom(pings: usize) -> Survey {
 
 /// A bed that rises and falls, with ripples, a target with its shadow to starboard, and a range that is halved for the
 /// last third of the pings.
-pub fn pond() -> Survey {
+pub(super) fn pond() -> Survey {
     let (mut bytes, mut spans) = (Vec::new(), Vec::new());
     for ping in 0..600_usize {
         let far_m = if ping < 400 { 20.0 } else { 10.0 };
@@ -75,12 +78,12 @@ pub fn pond() -> Survey {
     survey_of(bytes, spans.into_iter())
 }
 
-pub fn bed_m(ping: usize) -> f32 {
+pub(super) fn bed_m(ping: usize) -> f32 {
     4.0 + 1.5 * (ping as f32 * 0.015).sin()
 }
 
 /// First returns on the bed of [`pond`]: a gap on port, above-bottom returns on starboard.
-pub fn pond_returns(survey: &Survey) -> FirstReturns {
+pub(super) fn pond_returns(survey: &Survey) -> FirstReturns {
     let picks = |side: Side| -> Vec<Pick> {
         let pick = |(ping, recorded): (usize, &SidePing)| {
             let span = recorded.side(side).expect("both sides are recorded");

@@ -32,19 +32,19 @@ struct Running {
 
 impl TailSearch {
     /// Objects were asked for.
-    pub fn wants(&mut self) {
+    pub(super) fn wants(&mut self) {
         self.is_wanted = true;
     }
 
     /// They are not any more.
-    pub fn stop(&mut self) {
+    pub(super) fn stop(&mut self) {
         *self = Self::default();
     }
 }
 
 impl super::Search {
     /// Whether the end of a followed log is being searched.
-    pub fn is_busy_with_tail(&self) -> bool {
+    pub(crate) fn is_busy_with_tail(&self) -> bool {
         self.tail.running.is_some()
     }
 }

@@ -36,7 +36,7 @@ const CHUNK: usize = 1024;
 
 /// Finds the reference of each measured point, in their order; points without one are left out, as are those that are not
 /// finite. Points are east, north, elevation, metres; of both in one plane.
-pub fn match_points(
+pub(crate) fn match_points(
     measured: &[[f64; 3]],
     reference: &[[f64; 3]],
     matching: Matching,
@@ -46,7 +46,7 @@ pub fn match_points(
 }
 
 /// A reference that several measurements are compared with.
-pub struct Reference(Prepared);
+pub(crate) struct Reference(Prepared);
 
 enum Prepared {
     Nearest(Nearest),
@@ -57,7 +57,7 @@ enum Prepared {
 
 impl Reference {
     /// Of points as east, north, elevation, metres; those that are not finite are left out.
-    pub fn new(points: impl Iterator<Item = [f64; 3]> + Clone, matching: Matching) -> Self {
+    pub(crate) fn new(points: impl Iterator<Item = [f64; 3]> + Clone, matching: Matching) -> Self {
         let points = points.filter(|point| point.iter().all(|value| value.is_finite()));
         let prepared = match matching {
             Matching::Nearest { radius_m } => {
@@ -71,7 +71,7 @@ impl Reference {
     }
 
     /// As [`match_points`], of anything that `place` finds east, north and elevation of.
-    pub fn matches<T: Sync>(
+    pub(crate) fn matches<T: Sync>(
         &self,
         measured: &[T],
         place: impl Fn(&T) -> [f64; 3] + Sync,

@@ -8,9 +8,9 @@ mod matching;
 mod orders;
 mod tables;
 
-pub use matching::{Match, Matching, Reference, match_points};
-pub use orders::{ORDERS, Order};
-pub use tables::{Bin, Histogram, binned, suited_width};
+pub(crate) use matching::{Match, Matching, Reference, match_points};
+pub(crate) use orders::{ORDERS, Order};
+pub(crate) use tables::{Bin, Histogram, binned, suited_width};
 
 use crate::bottom::cloud::Residuals;
 use serde::Serialize;

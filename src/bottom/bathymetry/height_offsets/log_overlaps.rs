@@ -7,7 +7,7 @@ use crate::support::statistics::median;
 use std::collections::{BTreeMap, HashMap};
 
 /// Where the tracks of two logs cross fewer times than this, places along which both went count as well.
-pub const FEW_CROSSINGS: usize = 3;
+pub(crate) const FEW_CROSSINGS: usize = 3;
 /// Side of the squares in which two logs measured the same, metres.
 const SQUARE_M: f64 = 1.0;
 /// Squares of a block give one difference, since the errors of neighbours are alike: its side in squares, and the fewest squares.
@@ -22,7 +22,7 @@ const LINE_TURN_DEG: f64 = 45.0;
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn log_overlaps(
+pub(crate) fn log_overlaps(
     tracks: &[Vec<TrackDepth>],
     progress: &Progress,
 ) -> Result<Vec<LogOverlap>, Cancelled> {
@@ -41,7 +41,7 @@ pub fn log_overlaps(
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn crossing_overlaps(
+pub(crate) fn crossing_overlaps(
     tracks: &[Vec<TrackDepth>],
     progress: &Progress,
 ) -> Result<Vec<LogOverlap>, Cancelled> {
@@ -101,7 +101,7 @@ struct Shared {
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn overlaps(
+pub(crate) fn overlaps(
     tracks: &[Vec<TrackDepth>],
     is_wanted: impl Fn(&[usize; 2]) -> bool,
     progress: &Progress,

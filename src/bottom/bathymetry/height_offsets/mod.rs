@@ -8,8 +8,8 @@
 mod log_overlaps;
 mod network;
 
-pub use log_overlaps::{FEW_CROSSINGS, crossing_overlaps, log_overlaps, overlaps};
-pub use network::adjust;
+pub(crate) use log_overlaps::{FEW_CROSSINGS, crossing_overlaps, log_overlaps, overlaps};
+pub(crate) use network::adjust;
 pub(super) use network::{difference_sigma_m, groups, robust_shares};
 
 use super::crosslines::TrackDepth;
@@ -18,7 +18,7 @@ use serde::Serialize;
 
 /// What the heights of the logs count from: their differences say nothing about what all of them share.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Datum {
+pub(crate) enum Datum {
     /// The mean of the offsets of connected logs is zero: no log is taken for better than another.
     #[default]
     Mean,
@@ -38,7 +38,7 @@ pub enum OverlapKind {
 
 /// A place that two logs measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LogOverlap {
+pub(crate) struct LogOverlap {
     /// Indices of the logs, the smaller first.
     pub logs: [usize; 2],
     /// Whether they cross or overlap.
@@ -57,7 +57,7 @@ pub struct LogOverlap {
 
 impl LogOverlap {
     /// Of a slope without a direction, on lines that are not known.
-    pub fn new(
+    pub(crate) fn new(
         logs: [usize; 2],
         kind: OverlapKind,
         place: [f64; 2],
@@ -137,7 +137,7 @@ impl PairDifference {
 
 /// Height offsets of all logs, and what they come from.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct HeightOffsets {
+pub(crate) struct HeightOffsets {
     /// One a log.
     pub logs: Vec<LogOffset>,
     /// Every pair of logs that cross or overlap, in order.
@@ -146,7 +146,7 @@ pub struct HeightOffsets {
 
 impl HeightOffsets {
     /// How many groups of connected logs there are; heights can be compared within a group only.
-    pub fn groups(&self) -> usize {
+    pub(crate) fn groups(&self) -> usize {
         self.logs.iter().map(|log| log.group + 1).max().unwrap_or(0)
     }
 }
@@ -156,7 +156,7 @@ impl HeightOffsets {
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn height_offsets(
+pub(crate) fn height_offsets(
     tracks: &[Vec<TrackDepth>],
     datum: Datum,
     progress: &Progress,

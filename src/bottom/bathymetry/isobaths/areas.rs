@@ -7,7 +7,7 @@ use crate::bottom::bathymetry::Surface;
 use crate::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 
-pub use rings::{Polygon, polygons};
+pub(crate) use rings::{Polygon, polygons};
 
 /// The part of a surface between two depths.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,7 +32,7 @@ impl DepthArea {
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn depth_areas(
+pub(crate) fn depth_areas(
     surface: &Surface,
     levels_m: &[f64],
     progress: &Progress,

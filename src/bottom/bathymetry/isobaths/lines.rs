@@ -35,7 +35,7 @@ impl Isobath {
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn isobaths(
+pub(crate) fn isobaths(
     surface: &Surface,
     levels_m: &[f64],
     progress: &Progress,

@@ -44,20 +44,20 @@ pub(super) fn square(surface: &Surface, row: usize, column: usize) -> Option<Squ
 
 impl Square {
     /// Edges to the north, east, south and west.
-    pub fn edges(&self) -> [Edge; 4] {
+    pub(super) fn edges(&self) -> [Edge; 4] {
         let [north, south] = [self.cell, self.cell + self.columns].map(|cell| 2 * cell);
         [north, north + 3, south, north + 1]
     }
 
     /// Cells at the corners: north-west, north-east, south-east, south-west.
-    pub fn corners(&self) -> [usize; 4] {
+    pub(super) fn corners(&self) -> [usize; 4] {
         let south = self.cell + self.columns;
         [self.cell, self.cell + 1, south + 1, south]
     }
 
     /// Cuts at a level. A corner at the level counts as deeper; of a saddle, the corners on the side of the mean of the four
     /// are joined.
-    pub fn cuts(&self, level_m: f64) -> Cuts {
+    pub(super) fn cuts(&self, level_m: f64) -> Cuts {
         let deeper = self.depths_m.map(|depth| depth >= level_m);
         let joined = || self.depths_m.iter().sum::<f64>() >= 4.0 * level_m;
         let sides = match deeper.map(u8::from) {

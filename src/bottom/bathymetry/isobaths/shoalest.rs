@@ -3,7 +3,10 @@
 use crate::bottom::bathymetry::{DepthPoint, Grid, Surface};
 
 /// The shoalest depth that was measured in each cell, metres, rounded toward the shallow side; NaN where none was.
-pub fn shoalest_m<'a>(grid: &Grid, depths: impl IntoIterator<Item = &'a DepthPoint>) -> Vec<f32> {
+pub(crate) fn shoalest_m<'a>(
+    grid: &Grid,
+    depths: impl IntoIterator<Item = &'a DepthPoint>,
+) -> Vec<f32> {
     let mut shoalest_m = vec![f32::NAN; grid.len()];
     for point in depths {
         let cell = grid.index_at(point.east_m, point.north_m);
@@ -18,7 +21,7 @@ pub fn shoalest_m<'a>(grid: &Grid, depths: impl IntoIterator<Item = &'a DepthPoi
 /// A surface that is nowhere deeper than the depths it was made from: the four cells around each depth are as shallow as it, at least. A
 /// line of equal depth crosses no square of four centres whose cells are all shallower, so every depth that is shallower than the line lies
 /// on its shallow side.
-pub fn with_shoalest<'a>(
+pub(crate) fn with_shoalest<'a>(
     surface: &Surface,
     depths: impl IntoIterator<Item = &'a DepthPoint>,
 ) -> Surface {

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 /// The part of a surface below a level.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Storage {
+pub(crate) struct Storage {
     /// The level: its depth, metres.
     pub depth_m: f64,
     /// Area of the bottom that is deeper, seen from above, square metres.
@@ -17,7 +17,11 @@ pub struct Storage {
 
 /// Area and volume below each level. Every cell counts as a column of its own depth; what was not measured does not count, nor do cells
 /// whose middle lies outside the area, where there is one.
-pub fn storage(surface: &Surface, levels_m: &[f64], within: Option<&ClipArea>) -> Vec<Storage> {
+pub(crate) fn storage(
+    surface: &Surface,
+    levels_m: &[f64],
+    within: Option<&ClipArea>,
+) -> Vec<Storage> {
     let columns = surface.grid.columns;
     let is_within = |cell: usize| {
         let middle = surface.grid.centre(cell / columns, cell % columns);

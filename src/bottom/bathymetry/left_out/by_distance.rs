@@ -8,7 +8,7 @@ const BINS: usize = 8;
 
 /// The standard deviation of a depth's error by the distance to the nearest sounding.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SigmaByDistance {
+pub(crate) struct SigmaByDistance {
     /// Distance and standard deviation, metres, both rising.
     steps: Vec<[f64; 2]>,
 }
@@ -28,7 +28,7 @@ impl SigmaByDistance {
     }
 
     /// At a distance from the nearest sounding, metres; beyond all that were left out it grows on as between the last two.
-    pub fn at(&self, away_m: f64) -> f64 {
+    pub(crate) fn at(&self, away_m: f64) -> f64 {
         let after = self
             .steps
             .partition_point(|[distance_m, _]| *distance_m <= away_m);

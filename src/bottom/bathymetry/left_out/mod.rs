@@ -7,7 +7,7 @@
 mod by_distance;
 mod roughness;
 
-pub use by_distance::SigmaByDistance;
+pub(crate) use by_distance::SigmaByDistance;
 
 use super::{Between, DepthPoint, Grid, Node, Tin, merge_repeated, suited_cell_m};
 use crate::support::progress::{Cancelled, Progress};
@@ -79,7 +79,7 @@ pub(super) fn state_error(
 ///
 /// # Errors
 /// When the work was cancelled.
-pub fn sigma_by_distance(
+pub(crate) fn sigma_by_distance(
     points: &[DepthPoint],
     max_gap_m: f64,
     progress: &Progress,

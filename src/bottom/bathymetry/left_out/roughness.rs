@@ -17,7 +17,7 @@ pub(super) struct Roughness {
 }
 
 impl Roughness {
-    pub fn of(misses: &[Miss], usual: &SigmaByDistance, square_m: f64) -> Self {
+    pub(super) fn of(misses: &[Miss], usual: &SigmaByDistance, square_m: f64) -> Self {
         let mut squares: HashMap<[i64; 2], (f64, f64)> = HashMap::new();
         let noise = usual.at(0.0).powi(2);
         for miss in misses {
@@ -51,7 +51,7 @@ impl Roughness {
     }
 
     /// At a place, between the middles of squares; 1 where nothing was left out.
-    pub fn at(&self, place: [f64; 2]) -> f64 {
+    pub(super) fn at(&self, place: [f64; 2]) -> f64 {
         let [x, y] = place.map(|metres| metres / self.square_m - 0.5);
         let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
         let share = |[right, up]: [f64; 2]| {

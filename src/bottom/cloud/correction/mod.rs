@@ -8,9 +8,9 @@ mod error;
 mod sound_speed;
 mod statement;
 
-pub use error::WaterLevelError;
-pub use sound_speed::SoundSpeedSettings;
-pub use statement::DepthReference;
+pub(crate) use error::WaterLevelError;
+pub(crate) use sound_speed::SoundSpeedSettings;
+pub(crate) use statement::DepthReference;
 
 use crate::survey::{Gauge, Survey};
 use serde::{Deserialize, Serialize};

@@ -93,7 +93,7 @@ const D: [[f64; 1]; 2] = [[1.727e-3], [-7.9836e-6]];
 /// The UNESCO equation: Chen and Millero, J. Acoust. Soc. Am. 62 (1977) 1129, as printed by Fofonoff and Millard, UNESCO
 /// Technical Papers in Marine Science 44 (1983) 46. It holds in fresh water too, which the equations of Mackenzie (1981) and
 /// Del Grosso (1974) do not. The pressure is taken as a tenth of a bar a metre, within 3 %: in 100 m that is 0.05 m/s.
-pub fn sound_speed_m_s(temperature_c: f64, salinity_psu: f64, depth_m: f64) -> f64 {
+pub(super) fn sound_speed_m_s(temperature_c: f64, salinity_psu: f64, depth_m: f64) -> f64 {
     at_pressure(temperature_c, salinity_psu, 0.1 * depth_m)
 }
 

@@ -22,7 +22,7 @@ const CELL_MARGIN: f64 = 1.0 + 1e-6;
 ///
 /// Distances are compared in f64. Points with a coordinate that is not finite are dropped and are nobody's neighbours.
 /// Memory is proportional to the number of points, however far apart they lie.
-pub fn keep(
+pub(crate) fn keep(
     points: &[[f64; 3]],
     radius_m: f64,
     min_neighbors: usize,

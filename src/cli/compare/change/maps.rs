@@ -15,14 +15,14 @@ const UNCERTAINTY: &str = "uncertainty.tif";
 const SOURCE: &str = "source.tif";
 
 /// A depth map in one file, or in many.
-pub struct DepthMaps {
+pub(super) struct DepthMaps {
     path: PathBuf,
     files: Vec<PathBuf>,
 }
 
 impl DepthMaps {
     /// The map that an argument names: a GeoTIFF, the folder of a run, or an archive.
-    pub fn open(path: &Path) -> Result<Self, Failure> {
+    pub(super) fn open(path: &Path) -> Result<Self, Failure> {
         let of_run = path.join("depth").join(DEPTH);
         let files = match (path.is_dir(), of_run.is_file()) {
             (false, _) => vec![path.to_owned()],
@@ -42,24 +42,24 @@ impl DepthMaps {
     }
 
     /// What was named.
-    pub fn path(&self) -> &Path {
+    pub(super) fn path(&self) -> &Path {
         &self.path
     }
 
     /// Whether the standard deviations of the depths are there.
-    pub fn has_errors(&self) -> bool {
+    pub(super) fn has_errors(&self) -> bool {
         self.files
             .iter()
             .all(|file| beside(file, UNCERTAINTY).is_some())
     }
 
     /// Every part of the map, one after the other.
-    pub fn parts(&self) -> impl Iterator<Item = Result<DepthPart, Failure>> {
+    pub(super) fn parts(&self) -> impl Iterator<Item = Result<DepthPart, Failure>> {
         self.files.iter().map(|file| DepthPart::read(file))
     }
 
     /// The parts that lie around another one.
-    pub fn around(&self, other: &DepthPart) -> Result<Vec<DepthPart>, Failure> {
+    pub(super) fn around(&self, other: &DepthPart) -> Result<Vec<DepthPart>, Failure> {
         let own = other.bounds_deg();
         let parts = self.files.iter().map(|file| {
             let part = DepthPart::read(file)?;
@@ -113,7 +113,7 @@ fn cells_beside<T>(
 }
 
 /// Depths of one file, with their standard deviations and sources.
-pub struct DepthPart {
+pub(super) struct DepthPart {
     raster: RasterValues,
     sigma_m: Option<Vec<f32>>,
     /// Classes of [`CellSource`].
@@ -125,7 +125,7 @@ pub struct DepthPart {
 
 /// What is known of a place.
 #[derive(Clone, Copy)]
-pub struct Depth {
+pub(super) struct Depth {
     /// Metres, positive down.
     pub depth_m: f64,
     /// Its standard deviation, metres.
@@ -171,7 +171,7 @@ impl DepthPart {
     }
 
     /// Cells from west to east and from north to south.
-    pub fn size(&self) -> [usize; 2] {
+    pub(super) fn size(&self) -> [usize; 2] {
         [self.raster.columns, self.raster.rows]
     }
 
@@ -183,7 +183,7 @@ impl DepthPart {
     }
 
     /// Square metres of a cell on the ground, in the middle of the map.
-    pub fn cell_area_m2(&self) -> f64 {
+    pub(super) fn cell_area_m2(&self) -> f64 {
         let middle = self.size().map(|count| 0.5 * count as f64);
         let middle = self.crs.to_lon_lat(self.raster.transform.at(middle));
         let plane = MapPlane::new(self.crs.clone(), middle);
@@ -194,7 +194,7 @@ impl DepthPart {
     }
 
     /// What is known of a cell.
-    pub fn cell(&self, cell: usize) -> Option<Depth> {
+    pub(super) fn cell(&self, cell: usize) -> Option<Depth> {
         let depth_m = *self.raster.values.get(cell)?;
         let sigma_m = self
             .sigma_m
@@ -213,7 +213,7 @@ impl DepthPart {
 
     /// What is known at the middle of a cell of another map: between the middles of its own cells, or `None` where one of those that count
     /// is unknown.
-    pub fn at_cell_of(&self, other: &Self, [column, row]: [usize; 2]) -> Option<Depth> {
+    pub(super) fn at_cell_of(&self, other: &Self, [column, row]: [usize; 2]) -> Option<Depth> {
         let there = other.raster.transform.at([column as f64, row as f64]);
         let place = match other.crs == self.crs {
             true => there,
@@ -263,7 +263,7 @@ impl DepthPart {
     }
 
     /// Where a raster of its cells lies; of nothing yet.
-    pub fn spec(&self) -> RasterSpec {
+    pub(super) fn spec(&self) -> RasterSpec {
         let transform = &self.raster.transform;
         let [west, north] = transform.at([-0.5, -0.5]);
         RasterSpec {

@@ -31,7 +31,7 @@ const STEPS: usize = 16;
 
 /// What changed between two surveys.
 #[derive(Debug, clap::Args)]
-pub struct ChangeArgs {
+pub(super) struct ChangeArgs {
     /// Compare two depth maps in place of points, the newer one first: a folder of `process`, an archive, or a GeoTIFF. Writes into this folder how
     /// much each cell rose, the level of detection, and the volumes of fill and cut
     #[arg(long, value_name = "DIR", conflicts_with_all = ["output", "by", "radius", "max_gap", "water_level"])]
@@ -53,7 +53,7 @@ fn parse_error(text: &str) -> Result<f64, &'static str> {
 
 impl ChangeArgs {
     /// Where the change between maps is to be written; `None` where points are compared.
-    pub fn folder(&self) -> Option<&Path> {
+    pub(super) fn folder(&self) -> Option<&Path> {
         self.change.as_deref()
     }
 
@@ -66,7 +66,7 @@ impl ChangeArgs {
 }
 
 /// Compares two depth maps, writes what changed and prints the volumes.
-pub fn run(args: &CompareArgs, folder: &Path) -> Result<(), Failure> {
+pub(super) fn run(args: &CompareArgs, folder: &Path) -> Result<(), Failure> {
     let [newer, older] =
         [&args.measured, &args.reference].map(|name| DepthMaps::open(Path::new(name)));
     let (newer, older) = (newer?, older?);

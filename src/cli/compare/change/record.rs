@@ -8,7 +8,7 @@ const SIGN: &str = "newer minus older elevation, metres; positive where the bott
 
 /// The figures of a change.
 #[derive(Serialize)]
-pub struct ChangeRecord {
+pub(super) struct ChangeRecord {
     /// The newer map.
     pub newer: String,
     /// The older map.
@@ -43,7 +43,7 @@ pub struct ChangeRecord {
 
 /// Area and volume of some cells.
 #[derive(Clone, Copy, Serialize)]
-pub struct Volume {
+pub(super) struct Volume {
     /// Connected places.
     places: usize,
     cells: usize,
@@ -75,7 +75,7 @@ impl Volume {
     }
 
     /// `12.3 m3 ± 1.2 m3 on 45 m2`.
-    pub fn in_words(&self) -> String {
+    pub(super) fn in_words(&self) -> String {
         format!(
             "{:+.2} m3 ± {:.2} m3 on {:.1} m2",
             self.volume_m3, self.within_95_m3, self.area_m2
@@ -85,7 +85,11 @@ impl Volume {
 
 impl ChangeRecord {
     /// Of two maps, the newer one first.
-    pub fn new([newer, older]: [&Path; 2], totals: &ChangeTotals, errors: ChangeErrors) -> Self {
+    pub(super) fn new(
+        [newer, older]: [&Path; 2],
+        totals: &ChangeTotals,
+        errors: ChangeErrors,
+    ) -> Self {
         let volume = |sum| Volume::new(sum, &errors);
         let [hidden_fill_m3, hidden_cut_m3] = totals.hidden_m3(&errors);
         Self {
@@ -108,12 +112,12 @@ impl ChangeRecord {
     }
 
     /// The record as a file holds it.
-    pub fn json(&self) -> Result<String, serde_json::Error> {
+    pub(super) fn json(&self) -> Result<String, serde_json::Error> {
         Ok(serde_json::to_string_pretty(self)? + "\n")
     }
 
     /// Names and figures, a line each.
-    pub fn rows(&self) -> Vec<(&'static str, String)> {
+    pub(super) fn rows(&self) -> Vec<(&'static str, String)> {
         let metres =
             |value: Option<f64>| value.map_or_else(String::new, |metres| format!("{metres:+.3} m"));
         let level = self.detection_level_m.unwrap_or_default();
@@ -149,7 +153,7 @@ impl ChangeRecord {
     }
 
     /// The rows for a terminal.
-    pub fn table(&self) -> String {
+    pub(super) fn table(&self) -> String {
         let first =
             "newer minus older (up is positive); fill, cut and net of the places where a change is detected; ± is 95 %"
                 .to_owned();

@@ -18,13 +18,13 @@ img{max-width:100%;height:auto;image-rendering:pixelated;border:1px solid #d0d0d
 #ends{display:flex;justify-content:space-between;max-width:480px;font-size:13px}";
 
 /// A picture on its way into the page: the changes of its pixels, metres, row by row.
-pub struct ChangeImage {
+pub(super) struct ChangeImage {
     rise_m: Vec<f32>,
     size: [usize; 2],
 }
 
 /// The changes of some cells, joined where there are more than can be seen.
-pub fn picture(rise_m: &[f32], [columns, rows]: [usize; 2]) -> Box<ChangeImage> {
+pub(super) fn picture(rise_m: &[f32], [columns, rows]: [usize; 2]) -> Box<ChangeImage> {
     let joined = columns.max(rows).div_ceil(MOST_PIXELS).max(1);
     let size = [columns.div_ceil(joined), rows.div_ceil(joined)];
     let mean = |pixel: usize| {
@@ -46,7 +46,7 @@ pub fn picture(rise_m: &[f32], [columns, rows]: [usize; 2]) -> Box<ChangeImage> 
 }
 
 /// The page.
-pub fn of(record: &ChangeRecord, shown: Option<&ChangeImage>) -> String {
+pub(super) fn of(record: &ChangeRecord, shown: Option<&ChangeImage>) -> String {
     let rows = record.rows().into_iter();
     let rows: String = rows
         .map(|(name, text)| format!("<tr><th>{name}</th><td>{}</td></tr>\n", xml(&text)))

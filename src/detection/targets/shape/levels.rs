@@ -9,7 +9,7 @@ use std::ops::Range;
 
 /// Levels around a box, and from where they were recorded. Slant ranges are by the calibration in force, metres.
 #[derive(Clone, Debug)]
-pub struct BoxLevels {
+pub(crate) struct BoxLevels {
     /// Height of the transducer above the bottom.
     pub(super) altitude_m: f64,
     /// Near edge of the first bin and width of every bin on the recorder's scale.
@@ -126,7 +126,7 @@ impl BoxLevels {
 impl Placer<'_> {
     /// What the pass of a box recorded around it; `None` where that is no picture (less than three pings with a place, no samples, or no
     /// bottom beside the box that it could be compared with).
-    pub fn box_levels(&self, mark: &Mark) -> Option<BoxLevels> {
+    pub(crate) fn box_levels(&self, mark: &Mark) -> Option<BoxLevels> {
         let middle = usize::midpoint(mark.pings.start, mark.pings.end);
         let span = self.span(mark.side, middle)?;
         let altitude_m = self.altitude_over_m(mark.side, mark.pings.clone())?;

@@ -12,11 +12,11 @@ mod problem;
 mod search;
 mod solid;
 
-pub use levels::BoxLevels;
-pub use predict::{PosedSolid, ShapeOnPing};
-pub use solid::ShapeKind;
+pub(crate) use levels::BoxLevels;
+pub(crate) use predict::{PosedSolid, ShapeOnPing};
+pub(crate) use solid::ShapeKind;
 #[cfg(any(test, feature = "bench"))]
-pub use solid::Solid;
+pub(crate) use solid::Solid;
 
 use super::Target;
 use fit::{Fit, fits};
@@ -24,7 +24,7 @@ use initial_guess::InitialGuess;
 
 /// A solid that explains what was recorded of an object.
 #[derive(Clone, Debug, PartialEq)]
-pub struct FittedShape {
+pub(crate) struct FittedShape {
     /// The solid as the pass places it that shows it best.
     pub posed: PosedSolid,
     /// Elevation of the bottom there, metres: the depth of that box, upward.
@@ -39,7 +39,7 @@ pub struct FittedShape {
 
 /// Why an object has no shape.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum ShapeError {
+pub(crate) enum ShapeError {
     /// There is no picture to fit it to.
     #[error("no shape: no picture of it with a place and bare bottom beside it")]
     NoLook,
@@ -70,7 +70,9 @@ const MOST_LOOKS: usize = 4;
 ///
 /// # Errors
 /// Why it has none.
-pub fn fit_shape(sightings: &[(&Target, Option<BoxLevels>)]) -> Result<FittedShape, ShapeError> {
+pub(crate) fn fit_shape(
+    sightings: &[(&Target, Option<BoxLevels>)],
+) -> Result<FittedShape, ShapeError> {
     let mut best: Vec<(usize, &Target, &BoxLevels)> = (sightings.iter().enumerate())
         .filter_map(|(index, (target, look))| Some((index, *target, look.as_ref()?)))
         .collect();

@@ -11,7 +11,7 @@ use std::f64::consts::{PI, TAU};
 
 /// A solid in its place.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PosedSolid {
+pub(crate) struct PosedSolid {
     /// Kind and size.
     pub solid: Solid,
     /// Its middle, metres east of the survey's origin.
@@ -36,7 +36,7 @@ impl PosedSolid {
     }
 
     /// Its heading where that says something, for people and files: NaN of a tyre, which is round.
-    pub fn shown_heading_rad(&self) -> f64 {
+    pub(crate) fn shown_heading_rad(&self) -> f64 {
         match self.solid.kind {
             ShapeKind::Tyre => f64::NAN,
             _ => self.heading_rad,
@@ -44,7 +44,7 @@ impl PosedSolid {
     }
 
     /// A place along and across its length, metres from its middle, in metres east and north.
-    pub fn place_m(&self, [along_m, across_m]: [f64; 2]) -> [f64; 2] {
+    pub(crate) fn place_m(&self, [along_m, across_m]: [f64; 2]) -> [f64; 2] {
         let (sin, cos) = self.heading_rad.sin_cos();
         [
             self.east_m + along_m * sin + across_m * cos,
@@ -55,7 +55,7 @@ impl PosedSolid {
 
 /// Where echo and shadow of a solid lie in a ping, slant ranges on the recorder's scale, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ShapeOnPing {
+pub(crate) struct ShapeOnPing {
     /// Index of the ping.
     pub ping: usize,
     /// Near and far edge of its echo.

@@ -2,7 +2,7 @@
 
 /// What an object is like by its shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum ShapeKind {
+pub(crate) enum ShapeKind {
     /// A crate or a block: straight sides and a flat top.
     Block,
     /// A pipe, a drum or a trunk on its side: as high as it is wide.
@@ -29,7 +29,7 @@ pub(super) struct Usual {
 
 impl ShapeKind {
     /// All of them.
-    pub const ALL: [ShapeKind; 6] = [
+    pub(crate) const ALL: [ShapeKind; 6] = [
         ShapeKind::Block,
         ShapeKind::Cylinder,
         ShapeKind::Tyre,
@@ -39,7 +39,7 @@ impl ShapeKind {
     ];
 
     /// In words and in files.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             ShapeKind::Block => "block",
             ShapeKind::Cylinder => "cylinder",
@@ -51,7 +51,7 @@ impl ShapeKind {
     }
 
     /// Whether it is a boat, whichever way up: with a bow, it does not look the same from ahead and from behind.
-    pub fn is_boat(self) -> bool {
+    pub(crate) fn is_boat(self) -> bool {
         matches!(self, ShapeKind::Hull | ShapeKind::UpturnedHull)
     }
 
@@ -79,7 +79,7 @@ impl ShapeKind {
 
 /// A shape in its size, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Solid {
+pub(crate) struct Solid {
     /// What it is like.
     pub kind: ShapeKind,
     /// Its longest extent.
@@ -101,13 +101,13 @@ const FLOOR: f64 = 0.3;
 
 impl Solid {
     /// Radius of the circle that holds it, metres.
-    pub fn reach_m(&self) -> f64 {
+    pub(crate) fn reach_m(&self) -> f64 {
         0.5 * self.length_m.hypot(self.width_m)
     }
 
     /// Height above the bottom, metres, at a place so far along its length (a boat's bow ahead) and across it (to starboard) from its middle;
     /// 0 beside it.
-    pub fn height_at_m(&self, along_m: f64, across_m: f64) -> f64 {
+    pub(crate) fn height_at_m(&self, along_m: f64, across_m: f64) -> f64 {
         let (u, v) = (2.0 * along_m / self.length_m, 2.0 * across_m / self.width_m);
         if u.abs() > 1.0 || v.abs() > 1.0 {
             return 0.0;
@@ -134,7 +134,7 @@ impl Solid {
     }
 
     /// Its outline on the bottom: places along and across from its middle, metres, back to the first.
-    pub fn outline_m(&self) -> Vec<[f64; 2]> {
+    pub(crate) fn outline_m(&self) -> Vec<[f64; 2]> {
         const POINTS: usize = 32;
         let [length_m, width_m] = [0.5 * self.length_m, 0.5 * self.width_m];
         if matches!(self.kind, ShapeKind::Block | ShapeKind::Cylinder) {

@@ -47,7 +47,7 @@ pub(super) fn remove_packing(header: &mut Builder) {
 ///
 /// # Errors
 /// What the system says, or that COPC holds no points of such a format: it holds formats 6 to 8 of LAS 1.4.
-pub fn write_copc(file: File, header: Header, points: &PointData) -> io::Result<()> {
+pub(crate) fn write_copc(file: File, header: Header, points: &PointData) -> io::Result<()> {
     let format = points.format();
     let (number, extra) = (
         format.to_u8().map_err(io::Error::other)? & 0x3f,

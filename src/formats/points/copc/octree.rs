@@ -7,7 +7,7 @@ const BITS: u32 = 24;
 /// A node keeps one point of each cell of a grid of 128 by 128 by 128, so that the points of a level are evenly spread.
 const GRID_BITS: u32 = 7;
 /// Cells along a side of a node.
-pub const GRID: u32 = 1 << GRID_BITS;
+pub(super) const GRID: u32 = 1 << GRID_BITS;
 /// A node of so many points is not split: as many as an even bed fills of its grid.
 const MOST_IN_LEAF: usize = 1 << (2 * GRID_BITS);
 /// Below this level the lattice of coordinates has no finer cells; points in one place end here.
@@ -15,7 +15,7 @@ const DEEPEST: u32 = BITS - GRID_BITS;
 
 /// A node with the points that it holds.
 #[derive(Debug, PartialEq)]
-pub struct Node {
+pub(super) struct Node {
     /// Level, 0 for the root.
     pub level: u32,
     /// Which node of the level: east, north and up, from 0.
@@ -25,14 +25,14 @@ pub struct Node {
 }
 
 /// Where a share of the root's side, 0 to 1, lies on the lattice of coordinates.
-pub fn on_lattice(share: f64) -> u32 {
+pub(super) fn on_lattice(share: f64) -> u32 {
     // A cast holds what lies beyond either end within the range.
     ((share * f64::from(1 << BITS)) as u32).min((1 << BITS) - 1)
 }
 
 /// The nodes over points on the lattice, each level after the one above it. Every point is in one node, and every node but the root of
 /// no points holds some.
-pub fn nodes(places: &[[u32; 3]]) -> Vec<Node> {
+pub(super) fn nodes(places: &[[u32; 3]]) -> Vec<Node> {
     let mut nodes = Vec::new();
     let mut taken = vec![0_u64; 1 << (3 * GRID_BITS - 6)];
     let mut waiting = VecDeque::from([Node {

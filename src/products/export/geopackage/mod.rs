@@ -3,7 +3,7 @@
 mod geometry;
 mod spatial_index;
 
-pub use geometry::{Geometry, Ring};
+pub(crate) use geometry::{Geometry, Ring};
 
 use super::sqlite::{Kind, Value, database, insert, run, text};
 use super::{ExportError, Summary};
@@ -32,7 +32,7 @@ const STYLES: &str = "layer_styles";
 const STYLES_SQL: &str = "CREATE TABLE layer_styles (id INTEGER PRIMARY KEY NOT NULL, f_table_catalog TEXT(256), f_table_schema TEXT(256), f_table_name TEXT(256), f_geometry_column TEXT(256), styleName TEXT(30), styleQML TEXT, styleSLD TEXT, useAsDefault BOOLEAN, description TEXT, owner TEXT(30), ui TEXT(30), update_time DATETIME DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ','now')))";
 
 /// A layer: a table of features.
-pub struct Layer {
+pub(crate) struct Layer {
     /// Its name in the file.
     pub name: &'static str,
     /// What a map program calls it.
@@ -64,7 +64,7 @@ impl Layer {
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn geopackage(
+pub(crate) fn geopackage(
     path: &Path,
     crs: &Crs,
     changed_unix_s: f64,

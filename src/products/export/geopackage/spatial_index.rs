@@ -10,7 +10,7 @@ use std::io;
 ///
 /// # Errors
 /// What SQLite says.
-pub fn add(file: &Connection, layer: &Layer) -> io::Result<()> {
+pub(super) fn add(file: &Connection, layer: &Layer) -> io::Result<()> {
     let index = format!("rtree_{}_geom", layer.name);
     let create = "USING rtree(id, minx, maxx, miny, maxy)";
     run(file, &format!("CREATE VIRTUAL TABLE \"{index}\" {create}"))?;
@@ -71,7 +71,7 @@ fn triggers(index: &str, table: &str) -> [(&'static str, String); 6] {
 }
 
 /// What the table of extensions says of the index.
-pub fn extension(layer: &Layer) -> Vec<Value> {
+pub(super) fn extension(layer: &Layer) -> Vec<Value> {
     let texts = [
         layer.name,
         "geom",

@@ -46,7 +46,7 @@ const HEADER: [&str; 30] = [
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn objects_csv(
+pub(crate) fn objects_csv(
     path: &Path,
     logs: &[ObjectLog<'_>],
     rows: &[ObjectRow<'_>],

@@ -21,7 +21,7 @@ const ABOUT: &str = "Targets of a side-scan survey";
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn objects_gpkg(
+pub(crate) fn objects_gpkg(
     path: &Path,
     logs: &[ObjectLog<'_>],
     rows: &[ObjectRow<'_>],
@@ -37,7 +37,7 @@ pub fn objects_gpkg(
 
 /// Boxes as two layers; `place` gives where a position lies in the system of the file. Boxes without a place are left out, points and
 /// boxes of unknown size from the outlines.
-pub fn object_layers(
+pub(crate) fn object_layers(
     logs: &[ObjectLog<'_>],
     rows: &[ObjectRow<'_>],
     place: impl Fn(LonLat) -> [f64; 2],

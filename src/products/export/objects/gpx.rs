@@ -12,7 +12,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn objects_gpx(path: &Path, objects: &[&SurveyObject]) -> Result<Summary, ExportError> {
+pub(crate) fn objects_gpx(path: &Path, objects: &[&SurveyObject]) -> Result<Summary, ExportError> {
     let mut text = String::from(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<gpx version=\"1.1\" creator=\"Bathyscope\" xmlns=\"http://www.topografix.com/GPX/1/1\">\n",
     );

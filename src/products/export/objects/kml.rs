@@ -12,7 +12,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn objects_kml(
+pub(crate) fn objects_kml(
     path: &Path,
     name: &str,
     objects: &[&SurveyObject],

@@ -70,7 +70,7 @@ impl Body {
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn shapes_ply(path: &Path, rows: &[ObjectRow<'_>]) -> Result<Summary, ExportError> {
+pub(crate) fn shapes_ply(path: &Path, rows: &[ObjectRow<'_>]) -> Result<Summary, ExportError> {
     let shapes: BTreeMap<u32, &FittedShape> = (rows.iter())
         .filter_map(|row| Some((row.of.object?, row.shape?)))
         .collect();

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 
 /// A kind of file that a plan can be written to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PlanFormat {
+pub(crate) enum PlanFormat {
     /// GPX 1.1: a waypoint at both ends of every line, and the way as a route.
     Gpx,
     /// KML 2.2: lines and way.
@@ -31,11 +31,11 @@ pub enum PlanFormat {
 #[error(
     "lines are written as .gpx, .kml, .plan (QGroundControl) or .waypoints (Mission Planner); name the file so: {}", .0.display()
 )]
-pub struct PlanFormatError(pub PathBuf);
+pub(crate) struct PlanFormatError(pub PathBuf);
 
 impl PlanFormat {
     /// All of them.
-    pub const ALL: [PlanFormat; 4] = [
+    pub(crate) const ALL: [PlanFormat; 4] = [
         PlanFormat::Gpx,
         PlanFormat::Kml,
         PlanFormat::QGroundControl,
@@ -43,7 +43,7 @@ impl PlanFormat {
     ];
 
     /// How its files end.
-    pub fn ending(self) -> &'static str {
+    pub(crate) fn ending(self) -> &'static str {
         match self {
             PlanFormat::Gpx => "gpx",
             PlanFormat::Kml => "kml",
@@ -56,7 +56,7 @@ impl PlanFormat {
     ///
     /// # Errors
     /// When it ends like none of them.
-    pub fn of(path: &Path) -> Result<Self, PlanFormatError> {
+    pub(crate) fn of(path: &Path) -> Result<Self, PlanFormatError> {
         let ending = path.extension().unwrap_or_default();
         let format = Self::ALL
             .into_iter()
@@ -67,7 +67,7 @@ impl PlanFormat {
 
 /// A plan on the Earth.
 #[derive(Clone, Copy, Debug)]
-pub struct PlannedWay<'a> {
+pub(crate) struct PlannedWay<'a> {
     /// What it is called.
     pub name: &'a str,
     /// The plan.
@@ -89,7 +89,7 @@ impl PlannedWay<'_> {
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub fn write(&self, path: &Path, format: PlanFormat) -> Result<(), ExportError> {
+    pub(crate) fn write(&self, path: &Path, format: PlanFormat) -> Result<(), ExportError> {
         let text = match format {
             PlanFormat::Gpx => gpx::text(self),
             PlanFormat::Kml => kml::text(self),

@@ -19,7 +19,7 @@ const TILES_SQL: &str = "CREATE TABLE tiles (zoom_level INTEGER NOT NULL, tile_c
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn mbtiles(
+pub(crate) fn mbtiles(
     path: &Path,
     store: &TileStore,
     picture: TileStyle,

@@ -27,7 +27,7 @@ const PNG: u8 = 2;
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn pmtiles(
+pub(crate) fn pmtiles(
     path: &Path,
     store: &TileStore,
     picture: TileStyle,

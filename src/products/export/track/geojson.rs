@@ -10,7 +10,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn track_geojson(path: &Path, pieces: &[TrackPiece]) -> Result<Summary, ExportError> {
+pub(crate) fn track_geojson(path: &Path, pieces: &[TrackPiece]) -> Result<Summary, ExportError> {
     let feature = |piece: &TrackPiece, summary: &mut Summary| {
         let line = positions(piece.points.iter().map(|point| point.position));
         summary.count += 1;

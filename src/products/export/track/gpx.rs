@@ -11,7 +11,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn track_gpx(
+pub(crate) fn track_gpx(
     path: &Path,
     name: &str,
     start_unix_s: Option<f64>,

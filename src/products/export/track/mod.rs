@@ -3,8 +3,8 @@
 mod geojson;
 mod gpx;
 
-pub use geojson::track_geojson;
-pub use gpx::track_gpx;
+pub(crate) use geojson::track_geojson;
+pub(crate) use gpx::track_gpx;
 
 use crate::support::geo::LonLat;
 use crate::survey::{Navigation, PingNav, Survey};
@@ -16,7 +16,7 @@ const PAUSE_S: f64 = 10.0;
 
 /// A place of the track.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TrackPoint {
+pub(crate) struct TrackPoint {
     /// The side-scan ping; the sounding in a log without side-scan.
     pub ping: usize,
     /// Seconds after the log's time zero.
@@ -27,7 +27,7 @@ pub struct TrackPoint {
 
 /// A stretch of the track without a pause.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct TrackPiece {
+pub(crate) struct TrackPiece {
     /// Two points or more.
     pub points: Vec<TrackPoint>,
     /// Metres on the ground.
@@ -35,7 +35,7 @@ pub struct TrackPiece {
 }
 
 /// The track through the pings that have a place, in pieces, thinned to half a metre.
-pub fn track(survey: &Survey, navigation: &Navigation) -> Vec<TrackPiece> {
+pub(crate) fn track(survey: &Survey, navigation: &Navigation) -> Vec<TrackPiece> {
     let mut pieces = Pieces::default();
     let frame = &survey.track.frame;
     let mut add = |ping: usize, time_s: f64, place: &PingNav| {

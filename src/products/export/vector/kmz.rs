@@ -18,7 +18,11 @@ const LABELLED_DEG: f64 = 1e-4;
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn lines_kmz(path: &Path, name: &str, lines: &[LabelledLine]) -> Result<Summary, ExportError> {
+pub(crate) fn lines_kmz(
+    path: &Path,
+    name: &str,
+    lines: &[LabelledLine],
+) -> Result<Summary, ExportError> {
     archive(path, name, |out| {
         let mut summary = Summary::default();
         let mut labels = String::new();
@@ -59,7 +63,7 @@ fn anchor(points: &[[f64; 2]]) -> Option<[f64; 2]> {
 }
 
 /// Writes areas as one thing on the map; `place` gives where a corner lies.
-pub fn areas_kmz(
+pub(crate) fn areas_kmz(
     path: &Path,
     name: &str,
     shapes: &[Polygon],

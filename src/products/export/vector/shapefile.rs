@@ -19,7 +19,7 @@ const LETTERS: u8 = 64;
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn lines_shapefile(
+pub(crate) fn lines_shapefile(
     path: &Path,
     crs: &Crs,
     names: &[&'static str],

@@ -9,7 +9,7 @@ use crate::support::presentation::colours::{depth_colour, depth_share};
 use std::path::Path;
 
 /// Writes `depth.xyz`: the middles of the cells that have a depth.
-pub fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(crate) fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
     let (grid, map) = (&surface.grid, &results.plane.map);
     let known = surface.depth_m.iter().enumerate();
@@ -25,7 +25,7 @@ pub fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputEr
 }
 
 /// Writes `bottom.copc.laz`: the same cells as points, each with the source of its depth, so that what was inferred is not taken for measured.
-pub fn points(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(crate) fn points(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let depth_map = results.depth_map()?.ok_or(super::NO_SURFACE)?;
     let (surface, map) = (&depth_map.surface, &results.plane.map);
     let grid = &surface.grid;

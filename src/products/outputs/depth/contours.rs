@@ -22,7 +22,7 @@ pub(in crate::products::outputs) struct Drawn<'a> {
 
 impl<'a> Drawn<'a> {
     /// Of a survey that has a depth map.
-    pub fn of(results: &'a Results<'_>) -> Result<Self, OutputError> {
+    pub(crate) fn of(results: &'a Results<'_>) -> Result<Self, OutputError> {
         let grid = &results.surface()?.ok_or(super::NO_SURFACE)?.grid;
         let middle = grid.centre(grid.rows / 2, grid.columns / 2);
         let settings = &results.products.settings.isobaths;
@@ -36,7 +36,7 @@ impl<'a> Drawn<'a> {
     }
 
     /// Its lines.
-    pub fn lines(&self) -> DrawnLines<'_> {
+    pub(crate) fn lines(&self) -> DrawnLines<'_> {
         DrawnLines {
             lines: &self.contours.isobaths.lines,
             settings: self.settings,
@@ -55,7 +55,10 @@ fn content(
 }
 
 /// Writes `isobaths.geojson`.
-pub fn isobaths_geojson(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(crate) fn isobaths_geojson(
+    results: &Results<'_>,
+    path: &Path,
+) -> Result<FileContent, OutputError> {
     let drawn = Drawn::of(results)?;
     let place = |at| results.to_lon_lat(at);
     let written = export::isobaths_geojson(path, &drawn.lines(), place);
@@ -63,14 +66,17 @@ pub fn isobaths_geojson(results: &Results<'_>, path: &Path) -> Result<FileConten
 }
 
 /// Writes `isobaths.kmz`.
-pub fn isobaths_kmz(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(crate) fn isobaths_kmz(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let lines = named_lines(&Drawn::of(results)?, results);
     let written = export::lines_kmz(path, &results.survey.name(), &lines);
     content(Coordinates::Degrees, written)
 }
 
 /// Writes `isobaths.shp` with what belongs to it, in the system of the map.
-pub fn isobaths_shapefile(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(crate) fn isobaths_shapefile(
+    results: &Results<'_>,
+    path: &Path,
+) -> Result<FileContent, OutputError> {
     let lines = named_lines(&Drawn::of(results)?, results);
     let crs = &results.plane.map.crs;
     let written = export::lines_shapefile(path, crs, &["depth_m", "length_m"], &lines);
@@ -78,7 +84,7 @@ pub fn isobaths_shapefile(results: &Results<'_>, path: &Path) -> Result<FileCont
 }
 
 /// Writes `depth_areas.geojson`.
-pub fn depth_areas(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(crate) fn depth_areas(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let drawn = Drawn::of(results)?;
     let place = |at| results.to_lon_lat(at);
     let written = export::depth_areas_geojson(path, &drawn.contours.areas, drawn.ground, place);
@@ -86,7 +92,10 @@ pub fn depth_areas(results: &Results<'_>, path: &Path) -> Result<FileContent, Ou
 }
 
 /// Writes `spot_soundings.geojson`.
-pub fn spot_soundings(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(crate) fn spot_soundings(
+    results: &Results<'_>,
+    path: &Path,
+) -> Result<FileContent, OutputError> {
     let place = |at| results.to_lon_lat(at);
     let settings = &results.products.settings.isobaths;
     let soundings = results.spot_soundings()?;
@@ -95,7 +104,7 @@ pub fn spot_soundings(results: &Results<'_>, path: &Path) -> Result<FileContent,
 }
 
 /// Writes `storage.csv`.
-pub fn storage(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(crate) fn storage(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let drawn = Drawn::of(results)?;
     let written = export::storage_csv(path, &drawn.contours.table, drawn.ground);
     content(Coordinates::None, written)

@@ -1,12 +1,12 @@
 //! Writes what the depths give: the map and its uncertainty as rasters and text, the bottom as a body, isobaths and depth areas, storage, all in the system
 //! that `crs` names; and the map as tiles of the web.
 
-pub mod body;
-pub mod cells;
-pub mod contours;
-pub mod map_tiles;
-pub mod rasters;
-pub mod tiles;
+pub(super) mod body;
+pub(super) mod cells;
+pub(super) mod contours;
+pub(super) mod map_tiles;
+pub(super) mod rasters;
+pub(super) mod tiles;
 
 use crate::bottom::bathymetry::Surface;
 use crate::pipeline::Products;

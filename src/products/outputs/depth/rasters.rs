@@ -35,7 +35,7 @@ const fn band(name: &'static str, positive_down: bool) -> Band {
 const STEPS: usize = 10;
 
 /// Writes `depth.tif`.
-pub fn depth(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(crate) fn depth(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let layer = Layer {
         band: band("depth", true),
         what: "Depth in metres, positive down",
@@ -45,7 +45,7 @@ pub fn depth(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputEr
 }
 
 /// Writes `uncertainty.tif`.
-pub fn uncertainty(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(crate) fn uncertainty(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
     let what = match surface.spread_is {
         Spread::OfError => {
@@ -62,7 +62,7 @@ pub fn uncertainty(results: &Results<'_>, path: &Path) -> Result<FileContent, Ou
 }
 
 /// Writes `distance.tif`.
-pub fn distance(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(crate) fn distance(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let layer = Layer {
         band: band("distance to the nearest depth", false),
         what: "Distance in metres from a cell to the nearest depth",
@@ -72,7 +72,7 @@ pub fn distance(results: &Results<'_>, path: &Path) -> Result<FileContent, Outpu
 }
 
 /// Writes `shoalest.tif`.
-pub fn shoalest(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(crate) fn shoalest(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let depth_map = results.depth_map()?.ok_or(super::NO_SURFACE)?;
     let points = depth_map.depth_points(results.progress)?;
     let layer = Layer {
@@ -85,7 +85,7 @@ pub fn shoalest(results: &Results<'_>, path: &Path) -> Result<FileContent, Outpu
 }
 
 /// Writes `hardness.tif`.
-pub fn hardness(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(crate) fn hardness(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let layer = Layer {
         band: Band {
             unit: "decibel",
@@ -103,7 +103,7 @@ pub fn hardness(results: &Results<'_>, path: &Path) -> Result<FileContent, Outpu
 }
 
 /// Writes `source.tif`.
-pub fn source(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(crate) fn source(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
     let (grid, plane) = (&surface.grid, &results.plane);
     let spec = raster::over(grid, &plane.map);

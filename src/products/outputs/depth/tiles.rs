@@ -16,19 +16,19 @@ const WEB_MERCATOR: u16 = 3857;
 const ARCHIVES: [&str; 2] = ["depth.pmtiles", "depth_values.pmtiles"];
 
 /// Writes `depth.mbtiles`.
-pub fn chart(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(crate) fn chart(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let tiles = results.map_tiles(path)?;
     mbtiles(path, &tiles.store, TileStyle::Chart, &tiles.set)?;
     content(results, tiles, TileStyle::Chart)
 }
 
 /// Writes `depth.pmtiles`.
-pub fn colours(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(crate) fn colours(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     archive(results, path, TileStyle::Colours)
 }
 
 /// Writes `depth_values.pmtiles`.
-pub fn values(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(crate) fn values(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     archive(results, path, TileStyle::Elevations)
 }
 
@@ -43,7 +43,7 @@ fn archive(
 }
 
 /// Writes `index.html`, behind the archives.
-pub fn page(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(crate) fn page(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let tiles = results.map_tiles(path)?;
     map_page(path, &tiles.set, ARCHIVES)?;
     Ok(FileContent::new(Coordinates::None, Summary::default()))

@@ -22,7 +22,7 @@ pub(super) struct Journal {
 
 impl Journal {
     /// `None` where there is none, or none that was written whole.
-    pub fn read(path: &Path) -> Option<Self> {
+    pub(super) fn read(path: &Path) -> Option<Self> {
         let journal: Self = serde_json::from_slice(&fs::read(path).ok()?).ok()?;
         let Self {
             first,
@@ -34,12 +34,12 @@ impl Journal {
         names.all(|name| is_plain(name)).then_some(journal)
     }
 
-    pub fn write(&self, path: &Path) -> Result<(), ExportError> {
+    pub(super) fn write(&self, path: &Path) -> Result<(), ExportError> {
         write_atomically(path, |mut file| file.write_all(&serde_json::to_vec(self)?))
     }
 
     /// Does what is not done yet, and removes the journal.
-    pub fn finish(&self, new: &Path, folder: &Path) -> io::Result<()> {
+    pub(super) fn finish(&self, new: &Path, folder: &Path) -> io::Result<()> {
         let whole = (self.manifest.as_ref()).is_some_and(|name| !new.join(name).exists());
         // With the manifest in place all else is, too.
         if !whole {

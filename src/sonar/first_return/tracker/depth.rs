@@ -15,7 +15,7 @@ pub(super) struct Depths {
 
 impl Depths {
     /// The depths of a chunk's pings.
-    pub fn of(survey: &Survey, chunk: &Chunk, cell_m: f64) -> Self {
+    pub(super) fn of(survey: &Survey, chunk: &Chunk, cell_m: f64) -> Self {
         let depths = chunk.pings.iter().map(|&ping| {
             let depth_m = f64::from(survey.locked_depth_m(ping as usize));
             if depth_m > 0.0 {
@@ -31,7 +31,7 @@ impl Depths {
     }
 
     /// Lowers what lies far from the recorded depth. Soft, since that depth may be wrong; no depth, no change.
-    pub fn weigh(&self, scores: &mut Scores) {
+    pub(super) fn weigh(&self, scores: &mut Scores) {
         let (near, far) = TUNING.depth_window;
         for (row, depth) in self.known() {
             scores.lower(row, ..self.cell(near * depth), TUNING.depth_cost);
@@ -44,7 +44,7 @@ impl Depths {
     /// ground. Returns whether anything was lowered.
     ///
     /// The depth must have earned it: it is believed where it bounds the line on nearly all pings of the chunk.
-    pub fn forbid_beyond(&self, line: &[usize], scores: &mut Scores) -> bool {
+    pub(super) fn forbid_beyond(&self, line: &[usize], scores: &mut Scores) -> bool {
         let nearest = |depth: f64| self.cell(TUNING.depth_window.0 * depth);
         let limit = |depth: f64| self.cell(TUNING.farthest_share * depth);
         let (mut known, mut agreeing, mut beyond) = (0, 0, 0);

@@ -9,34 +9,34 @@ pub(super) struct Grid {
 
 impl Grid {
     /// Makes it `rows` by `width`, every cell `fill`; memory is kept.
-    pub fn reset(&mut self, rows: usize, width: usize, fill: f32) {
+    pub(super) fn reset(&mut self, rows: usize, width: usize, fill: f32) {
         self.width = width;
         self.cells.clear();
         self.cells.resize(rows * width, fill);
     }
 
     /// Number of rows.
-    pub fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         self.cells.len().checked_div(self.width).unwrap_or(0)
     }
 
     /// Cells in a row.
-    pub fn width(&self) -> usize {
+    pub(super) fn width(&self) -> usize {
         self.width
     }
 
     /// One row.
-    pub fn row(&self, row: usize) -> &[f32] {
+    pub(super) fn row(&self, row: usize) -> &[f32] {
         &self.cells[row * self.width..][..self.width]
     }
 
     /// One row, to be changed.
-    pub fn row_mut(&mut self, row: usize) -> &mut [f32] {
+    pub(super) fn row_mut(&mut self, row: usize) -> &mut [f32] {
         &mut self.cells[row * self.width..][..self.width]
     }
 
     /// One row to be changed, with the row before it (empty for the first).
-    pub fn row_after(&mut self, row: usize) -> (&[f32], &mut [f32]) {
+    pub(super) fn row_after(&mut self, row: usize) -> (&[f32], &mut [f32]) {
         let (before, rest) = self.cells.split_at_mut(row * self.width);
         let last = before.len().saturating_sub(self.width);
         (&before[last..], &mut rest[..self.width])

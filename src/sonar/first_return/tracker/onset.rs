@@ -46,7 +46,7 @@ impl Onsets {
     ///
     /// Every onset lies a little before the edge that is read off the averaged profile; the usual lead is not taken for a
     /// stone.
-    pub fn advance(
+    pub(super) fn advance(
         &mut self,
         rows: &Rows,
         stretches: &[Range<usize>],

@@ -47,7 +47,13 @@ pub(super) struct Refiner {
 
 impl Refiner {
     /// The place of the edge on every row, in cells. `limit` is how far the line moves from row to row without a leap.
-    pub fn refine(&mut self, rows: &Rows, line: &[usize], limit: usize, cell_m: f64) -> Vec<f32> {
+    pub(super) fn refine(
+        &mut self,
+        rows: &Rows,
+        line: &[usize],
+        limit: usize,
+        cell_m: f64,
+    ) -> Vec<f32> {
         let reach = cells(WATER_M.1, cell_m, 5);
         self.profiles.reset(line.len(), 2 * reach + 1, 0.0);
         let mut places = Vec::with_capacity(line.len());

@@ -28,7 +28,7 @@ pub(super) struct Rows {
 
 impl Rows {
     /// Replaces the picture by that of `chunk`.
-    pub fn load(
+    pub(super) fn load(
         &mut self,
         survey: &Survey,
         normalisation: &Normalisation,
@@ -65,12 +65,12 @@ impl Rows {
     }
 
     /// Number of rows.
-    pub fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         self.recorded.len()
     }
 
     /// One row; beyond the ends, the end rows.
-    pub fn row(&self, row: isize) -> &[u8] {
+    pub(super) fn row(&self, row: isize) -> &[u8] {
         let row = row.clamp(0, self.len() as isize - 1) as usize;
         &self.cells[row * self.width..][..self.width]
     }

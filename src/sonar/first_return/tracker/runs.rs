@@ -26,7 +26,7 @@ pub(super) struct Chunk {
 
 impl Chunk {
     /// The pings that this chunk answers for.
-    pub fn kept_pings(&self) -> &[u32] {
+    pub(super) fn kept_pings(&self) -> &[u32] {
         &self.pings[self.kept.clone()]
     }
 }

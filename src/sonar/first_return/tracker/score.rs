@@ -39,7 +39,7 @@ pub(super) struct Kernel {
 
 impl Kernel {
     /// The kernel for the scale of a chunk.
-    pub fn new(
+    pub(super) fn new(
         normalisation: &Normalisation,
         settings: &FirstReturnSettings,
         chunk: &Chunk,
@@ -76,10 +76,10 @@ pub(super) struct Scores {
 
 impl Scores {
     /// The score of a cell that does not pass the threshold or cannot be measured.
-    pub const CLOSED: f32 = -1.0;
+    pub(super) const CLOSED: f32 = -1.0;
 
     /// Replaces the scores by those of the rows.
-    pub fn measure(&mut self, rows: &Rows, kernel: &Kernel) {
+    pub(super) fn measure(&mut self, rows: &Rows, kernel: &Kernel) {
         self.grid.reset(rows.len(), rows.width, Self::CLOSED);
         for row in 0..rows.len() {
             self.smooth(rows, row);
@@ -99,12 +99,12 @@ impl Scores {
     }
 
     /// Scores of all rows.
-    pub fn grid(&self) -> &Grid {
+    pub(super) fn grid(&self) -> &Grid {
         &self.grid
     }
 
     /// Lowers some cells of a row; what of them lies beyond the row is left out.
-    pub fn lower(&mut self, row: usize, cells: impl RangeBounds<usize>, cost: f32) {
+    pub(super) fn lower(&mut self, row: usize, cells: impl RangeBounds<usize>, cost: f32) {
         let row = self.grid.row_mut(row);
         let start = match cells.start_bound() {
             Bound::Included(&start) => start.min(row.len()),

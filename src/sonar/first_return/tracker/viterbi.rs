@@ -15,7 +15,7 @@ pub(super) struct Motion {
 
 impl Motion {
     /// The motion on a grid of cells of this length.
-    pub fn at(cell_m: f64) -> Self {
+    pub(super) fn at(cell_m: f64) -> Self {
         Self {
             limit: ((TUNING.move_m / cell_m).ceil() as usize).clamp(6, 64),
             cost: (TUNING.move_cost_per_m * cell_m).min(TUNING.move_cost_per_cell) as f32,
@@ -36,7 +36,7 @@ impl Paths {
     ///
     /// Solved forward, then backward: the best path through a cell gathers `forward + backward - score`, and the highest
     /// of a row lies on the best path of all.
-    pub fn line(&mut self, scores: &Grid, motion: &Motion) -> Vec<usize> {
+    pub(super) fn line(&mut self, scores: &Grid, motion: &Motion) -> Vec<usize> {
         let (width, rows) = (scores.width(), scores.len());
         self.through.reset(rows, width, 0.0);
         for row in 0..rows {
@@ -70,7 +70,7 @@ impl Paths {
 impl Paths {
     /// How much less the best path gathers that goes more than `apart` cells nearer, or farther, than the line on a row; at
     /// most [`MOST_MARGIN`]. Of the line that was found last.
-    pub fn margins(&self, line: &[usize], apart: usize) -> Vec<[f32; 2]> {
+    pub(super) fn margins(&self, line: &[usize], apart: usize) -> Vec<[f32; 2]> {
         let rows = line.iter().enumerate();
         rows.map(|(row, &at)| {
             let through = self.through.row(row);

@@ -20,7 +20,7 @@ const DEEP: [Rgb; 11] = [
 ];
 
 /// Where a depth lies between the ends of the colour scale, 0 (shallow) to 1 (deep).
-pub fn depth_share(depth_m: f32, range_m: [f32; 2]) -> f32 {
+pub(crate) fn depth_share(depth_m: f32, range_m: [f32; 2]) -> f32 {
     let [shallow_m, deep_m] = range_m;
     if deep_m > shallow_m {
         ((depth_m - shallow_m) / (deep_m - shallow_m)).clamp(0.0, 1.0)
@@ -30,7 +30,7 @@ pub fn depth_share(depth_m: f32, range_m: [f32; 2]) -> f32 {
 }
 
 /// sRGB colour of a share of the scale, 0 (shallow) to 1 (deep); grey for NaN.
-pub fn depth_colour(share: f32) -> Rgb {
+pub(crate) fn depth_colour(share: f32) -> Rgb {
     if share.is_nan() {
         return [128, 128, 128];
     }
@@ -38,7 +38,7 @@ pub fn depth_colour(share: f32) -> Rgb {
 }
 
 /// Colour of a depth under a light that leaves level ground as it is.
-pub fn lit_depth_colour(depth_m: f32, range_m: [f32; 2], light: f32) -> Rgb {
+pub(crate) fn lit_depth_colour(depth_m: f32, range_m: [f32; 2], light: f32) -> Rgb {
     depth_colour(depth_share(depth_m, range_m))
         .map(|channel| (f32::from(channel) * light).round().min(255.0) as u8)
 }

@@ -29,12 +29,12 @@ const COOL_TO_WARM: [Rgb; 17] = [
 const LEAST_M: f64 = 0.01;
 
 /// sRGB colour of a share of a scale that is symmetric about zero, 0 (lowest) to 1 (highest).
-pub fn difference_colour(share: f32) -> Rgb {
+pub(crate) fn difference_colour(share: f32) -> Rgb {
     ramp(&COOL_TO_WARM, share)
 }
 
 /// A round end of a scale that reaches as far as a difference does, a centimetre at least, metres.
-pub fn difference_reach_m(difference_m: f64) -> f64 {
+pub(crate) fn difference_reach_m(difference_m: f64) -> f64 {
     let needed_m = difference_m.abs();
     if !(needed_m.is_finite() && needed_m > LEAST_M) {
         return LEAST_M;

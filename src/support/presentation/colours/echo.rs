@@ -3,7 +3,7 @@
 use super::{Rgb, ramp};
 
 /// Colours of the echo strengths 0 to 255.
-pub type Palette = [Rgb; 256];
+pub(crate) type Palette = [Rgb; 256];
 
 /// Black over brown to pale yellow, as side-scan towfish programs show it.
 const GOLD: &[Rgb] = &[
@@ -28,28 +28,28 @@ pub(super) const VIRIDIS: &[Rgb] = &[
 ];
 
 /// Black to copper, the classic of fish-finders: red saturates at 81 % (Matplotlib's `copper`).
-pub fn copper(level: u8) -> Rgb {
+pub(crate) fn copper(level: u8) -> Rgb {
     const SLOPES: [f32; 3] = [1.2346, 0.7812, 0.4975];
     SLOPES.map(|slope| (slope * f32::from(level)).round().min(255.0) as u8)
 }
 
 /// Black to white.
-pub fn grey(level: u8) -> Rgb {
+pub(crate) fn grey(level: u8) -> Rgb {
     [level; 3]
 }
 
 /// White to black.
-pub fn inverse_grey(level: u8) -> Rgb {
+pub(crate) fn inverse_grey(level: u8) -> Rgb {
     [255 - level; 3]
 }
 
 /// Black over brown to yellow.
-pub fn gold(level: u8) -> Rgb {
+pub(crate) fn gold(level: u8) -> Rgb {
     ramp(GOLD, share(level))
 }
 
 /// Perceptually even.
-pub fn viridis(level: u8) -> Rgb {
+pub(crate) fn viridis(level: u8) -> Rgb {
     ramp(VIRIDIS, share(level))
 }
 
@@ -58,7 +58,7 @@ fn share(level: u8) -> f32 {
 }
 
 /// The colours of all levels.
-pub fn palette(colour: fn(u8) -> Rgb) -> Palette {
+pub(crate) fn palette(colour: fn(u8) -> Rgb) -> Palette {
     std::array::from_fn(|level| colour(level as u8))
 }
 

@@ -4,13 +4,13 @@ mod depth;
 mod difference;
 mod echo;
 
-pub use depth::{depth_colour, depth_share, lit_depth_colour};
-pub use difference::{difference_colour, difference_reach_m};
+pub(crate) use depth::{depth_colour, depth_share, lit_depth_colour};
+pub(crate) use difference::{difference_colour, difference_reach_m};
 use echo::VIRIDIS;
-pub use echo::{Palette, copper, gold, grey, inverse_grey, palette, viridis};
+pub(crate) use echo::{Palette, copper, gold, grey, inverse_grey, palette, viridis};
 
 /// Red, green and blue, sRGB.
-pub type Rgb = [u8; 3];
+pub(crate) type Rgb = [u8; 3];
 
 /// ColorBrewer's `YlOrRd` in five classes (Brewer 2002).
 const YELLOW_TO_RED: [Rgb; 5] = [
@@ -30,17 +30,17 @@ const PURPLES: [Rgb; 5] = [
 ];
 
 /// Colour of a share of a scale of uncertainty, 0 (lowest) to 1 (highest).
-pub fn uncertainty_colour(share: f32) -> Rgb {
+pub(crate) fn uncertainty_colour(share: f32) -> Rgb {
     ramp(&YELLOW_TO_RED, share)
 }
 
 /// Colour of a share of a scale of distance, 0 (near) to 1 (far).
-pub fn distance_colour(share: f32) -> Rgb {
+pub(crate) fn distance_colour(share: f32) -> Rgb {
     ramp(&PURPLES, share)
 }
 
 /// Colours of the sources of a depth: a sounding, a first return, nothing but its neighbours.
-pub const SOURCES: [Rgb; 4] = [
+pub(crate) const SOURCES: [Rgb; 4] = [
     [0, 90, 160],
     [230, 130, 0],
     [170, 130, 200],
@@ -48,12 +48,12 @@ pub const SOURCES: [Rgb; 4] = [
 ];
 
 /// Colour of a share of a scale of anything that a point has, 0 (lowest) to 1 (highest): perceptually even.
-pub fn share_colour(share: f32) -> Rgb {
+pub(crate) fn share_colour(share: f32) -> Rgb {
     ramp(VIRIDIS, share)
 }
 
 /// Colour of a value of a scale with these ends; grey where there is no value, or no scale.
-pub fn value_colour(value: f32, ends: Option<[f32; 2]>) -> Rgb {
+pub(crate) fn value_colour(value: f32, ends: Option<[f32; 2]>) -> Rgb {
     const NONE: Rgb = [128; 3];
     let Some([low, high]) = ends.filter(|_| value.is_finite()) else {
         return NONE;

@@ -9,7 +9,7 @@ const SECOND: i64 = MINUTE / 60;
 
 /// A latitude or a longitude.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Axis {
+pub(super) enum Axis {
     /// Named north or south.
     Latitude,
     /// Named east or west.
@@ -18,7 +18,7 @@ pub enum Axis {
 
 /// Lines of one axis at multiples of a round step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Graticule {
+pub(super) struct Graticule {
     format: CoordinateFormat,
     step: i64,
 }
@@ -26,7 +26,7 @@ pub struct Graticule {
 impl Graticule {
     /// The smallest round step of at least `least_deg`: 1, 2 or 5 times a power of ten of what the format counts in, and 10,
     /// 15, 20 and 30 of minutes and seconds. UTM takes the degrees of the poles, where it is not defined.
-    pub fn new(format: CoordinateFormat, least_deg: f64) -> Self {
+    pub(super) fn new(format: CoordinateFormat, least_deg: f64) -> Self {
         let least = (least_deg * DEGREE as f64).min(90.0 * DEGREE as f64);
         let fitting = steps(format).into_iter().find(|step| *step as f64 >= least);
         Self {
@@ -36,7 +36,7 @@ impl Graticule {
     }
 
     /// The lines from `low_deg` to `high_deg`, degrees; at most a thousand.
-    pub fn lines(self, low_deg: f64, high_deg: f64) -> impl Iterator<Item = f64> {
+    pub(super) fn lines(self, low_deg: f64, high_deg: f64) -> impl Iterator<Item = f64> {
         let step = self.step as f64;
         let first = (low_deg * DEGREE as f64 / step).ceil();
         let last = (high_deg * DEGREE as f64 / step).floor();
@@ -45,7 +45,7 @@ impl Graticule {
     }
 
     /// The name of a line: `36.8775° N`, `36° 52.65' N`, `36° 52' 38" N`.
-    pub fn label(self, degrees: f64, axis: Axis) -> String {
+    pub(super) fn label(self, degrees: f64, axis: Axis) -> String {
         let turned = match axis {
             Axis::Longitude if degrees.abs() > 180.0 => degrees - 360.0 * (degrees / 360.0).round(),
             _ => degrees,

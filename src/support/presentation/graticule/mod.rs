@@ -8,7 +8,7 @@ use degrees::{Axis, Graticule};
 
 /// What the lines of a map are lines of.
 #[derive(Clone, Copy, Debug)]
-pub enum Net {
+pub(crate) enum Net {
     /// Longitude and latitude; longitudes are counted on from that of the middle, so that the date line is no gap.
     Degrees {
         /// Longitude in the middle of the map, degrees.
@@ -21,11 +21,11 @@ pub enum Net {
 }
 
 /// West, south, east and north of a map, in degrees or metres of its net.
-pub type Bounds = [f64; 4];
+pub(crate) type Bounds = [f64; 4];
 
 /// A family of lines: meridians or lines of easting, parallels or lines of northing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Family {
+pub(crate) enum Family {
     /// From south to north, each at an easting or a longitude.
     Upright,
     /// From west to east.
@@ -34,7 +34,7 @@ pub enum Family {
 
 /// A line with its name.
 #[derive(Clone, Debug, PartialEq)]
-pub struct GraticuleLine {
+pub(crate) struct GraticuleLine {
     /// Degrees or metres at which it lies.
     pub value: f64,
     /// `36.8775° N`, `462500 E`.
@@ -43,7 +43,7 @@ pub struct GraticuleLine {
 
 impl Net {
     /// The net of a map about `middle`; at the poles, where UTM is not defined, that of degrees.
-    pub fn new(format: CoordinateFormat, zone: UtmZone, middle: LonLat) -> Self {
+    pub(crate) fn new(format: CoordinateFormat, zone: UtmZone, middle: LonLat) -> Self {
         match format {
             CoordinateFormat::Utm if middle.lat_deg.abs() < 80.0 => Self::Utm(zone),
             _ => Self::Degrees {
@@ -75,7 +75,7 @@ impl Net {
     }
 
     /// The bounds of a map from places along its edge; `None` where one is no place.
-    pub fn bounds(&self, edge: impl IntoIterator<Item = LonLat>) -> Option<Bounds> {
+    pub(crate) fn bounds(&self, edge: impl IntoIterator<Item = LonLat>) -> Option<Bounds> {
         let nowhere = [
             f64::INFINITY,
             f64::INFINITY,
@@ -90,7 +90,7 @@ impl Net {
     }
 
     /// The lines of a family within bounds, at least `least` degrees or metres apart.
-    pub fn lines(&self, family: Family, bounds: Bounds, least: f64) -> Vec<GraticuleLine> {
+    pub(crate) fn lines(&self, family: Family, bounds: Bounds, least: f64) -> Vec<GraticuleLine> {
         let [west, south, east, north] = bounds;
         let [low, high] = match family {
             Family::Upright => [west, east],
@@ -121,7 +121,7 @@ impl Net {
     }
 
     /// A name as long as those of upright lines so far apart: it tells how much room they take.
-    pub fn typical_label(&self, [west, _, east, _]: Bounds, least: f64) -> String {
+    pub(crate) fn typical_label(&self, [west, _, east, _]: Bounds, least: f64) -> String {
         match self {
             Self::Degrees { format, .. } => {
                 Graticule::new(*format, least).label(0.5 * (west + east), Axis::Longitude)
@@ -131,7 +131,7 @@ impl Net {
     }
 
     /// Places along a line from one bound to the other, `count` of them and two at least.
-    pub fn places(
+    pub(crate) fn places(
         self,
         family: Family,
         value: f64,

@@ -13,7 +13,7 @@ const UNITS: [&str; 4] = ["m/s", "cm", "km", "m"];
 
 impl Units {
     /// What the speed of sound is written in: it goes with the lengths, for nobody counts it in knots.
-    pub fn sound_speed(self) -> (f64, &'static str) {
+    pub(crate) fn sound_speed(self) -> (f64, &'static str) {
         match self.length {
             LengthUnit::Metres => (1.0, "m/s"),
             LengthUnit::Feet | LengthUnit::Fathoms => (METRES_PER_FOOT, "ft/s"),
@@ -23,7 +23,7 @@ impl Units {
     /// A sentence with its figures in metres, centimetres, kilometres and metres a second turned into the units in use. A figure is a
     /// number, a space and the unit; of `1 to 2 m` and `1 × 2 m` both numbers are. All else stays as it is, pixels per metre too, and
     /// so do names: what stands between “ and ” or two `, and paths.
-    pub fn sentence(self, text: &str) -> String {
+    pub(crate) fn sentence(self, text: &str) -> String {
         let names = names(text);
         let is_name = |number: &Range<usize>| names.iter().any(|name| name.contains(&number.start));
         let mut numbers = numbers(text);

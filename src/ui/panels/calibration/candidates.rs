@@ -32,7 +32,7 @@ const COLUMNS: [(&str, &str, f32); 6] = [
 ];
 
 /// Draws the table.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, survey: &Survey, products: &Products) {
+pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, survey: &Survey, products: &Products) {
     let spots = &products.flat_spots;
     if spots.is_empty() {
         parts::remark(ui, "No flat stretch was found in this log.");

@@ -19,7 +19,7 @@ use egui::{Button, Ui};
 const TITLE: &str = "Calibration";
 
 /// Draws the section.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let is_new = follow_proposal(ui, context);
     let heading = Section {
         number: Some(2),

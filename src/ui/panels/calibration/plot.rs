@@ -18,7 +18,7 @@ const TAIL: f64 = 0.02;
 const LEAST_REACH_M: f64 = 0.1;
 
 /// Draws both.
-pub fn ui(ui: &mut Ui, trial: &ScaleTrial, products: &Products, options: &ViewOptions) {
+pub(super) fn ui(ui: &mut Ui, trial: &ScaleTrial, products: &Products, options: &ViewOptions) {
     let Some(factor) = trial.spot.factor else {
         return;
     };

@@ -10,7 +10,7 @@ use egui::{Align, Frame, RichText, Ui};
 use std::sync::Arc;
 
 /// Draws it, if there is one; a new one is brought into sight.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, products: &Products, is_new: bool) {
+pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, products: &Products, is_new: bool) {
     let Some(range) = context.app.log.proposed_stretch() else {
         return;
     };

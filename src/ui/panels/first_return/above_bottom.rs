@@ -12,7 +12,7 @@ const ROW: f32 = 18.0;
 const ROWS: f32 = 6.0;
 
 /// Draws it, of so many first returns; nothing where none lies above the recorded depth.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, above: &AboveBottom, of: usize) {
+pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, above: &AboveBottom, of: usize) {
     if above.count == 0 {
         return;
     }

@@ -9,7 +9,12 @@ use crate::ui::text;
 use egui::Ui;
 
 /// Draws them; `same_ping` are those against the sounding of each point's own ping, where that is the reference.
-pub fn ui(ui: &mut Ui, comparison: &Comparison, same_ping: Option<&Residuals>, units: Units) {
+pub(super) fn ui(
+    ui: &mut Ui,
+    comparison: &Comparison,
+    same_ping: Option<&Residuals>,
+    units: Units,
+) {
     if let Some(residuals) = same_ping {
         fact(
             ui,

@@ -13,7 +13,7 @@ use egui::{Rect, Ui, vec2};
 use plots::{HEIGHT, OVERS};
 
 /// Draws the section.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let heading = Section {
         number: None,
         title: "Residuals",

@@ -10,7 +10,7 @@ use egui::{Painter, Rect, Role, Sense, Stroke, Ui, WidgetInfo, vec2};
 
 /// What the differences are drawn over.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Over {
+pub(super) enum Over {
     #[default]
     Count,
     Depth,
@@ -19,7 +19,7 @@ pub enum Over {
 }
 
 /// Each of them with its name and what it shows.
-pub const OVERS: [(Over, &str, &str); 4] = [
+pub(super) const OVERS: [(Over, &str, &str); 4] = [
     (
         Over::Count,
         "Histogram",
@@ -43,10 +43,10 @@ pub const OVERS: [(Over, &str, &str); 4] = [
 ];
 
 /// Height of the picture, points.
-pub const HEIGHT: f32 = 110.0;
+pub(super) const HEIGHT: f32 = 110.0;
 
 /// Draws one of them.
-pub fn picture(ui: &mut Ui, tables: &ResidualTables, over: Over, options: &ViewOptions) {
+pub(super) fn picture(ui: &mut Ui, tables: &ResidualTables, over: Over, options: &ViewOptions) {
     let (rect, response) =
         ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), Sense::hover());
     let painter = ui.painter_at(rect);

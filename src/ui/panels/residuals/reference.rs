@@ -22,7 +22,7 @@ const BYS: [(ReferenceBy, &str, &str); 2] = [
 ];
 
 /// Draws it.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let reference = context.app.map.comparing.reference.clone();
     let (name, hint) = match &reference {
         Some(reference) => (reference.name(), reference.path().display().to_string()),

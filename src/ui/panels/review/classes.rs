@@ -19,7 +19,7 @@ pub(super) struct Classes {
 
 impl Classes {
     /// Draws the classes that the selected box can have, and the list.
-    pub fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
+    pub(super) fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
         choose(ui, context, one);
         CollapsingHeader::new("Edit classes")
             .id_salt("list of classes")

@@ -65,7 +65,7 @@ impl Line {
 
 /// The texts that are being written about one box.
 #[derive(Default)]
-pub struct Lines {
+pub(super) struct Lines {
     written: Option<(LogBox, [String; 3])>,
     /// The name is to get the keyboard.
     pub wants_name: bool,
@@ -73,7 +73,7 @@ pub struct Lines {
 
 impl Lines {
     /// Draws the lines of the selected box.
-    pub fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
+    pub(super) fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
         self.keep(context, context.app.selected_log_box());
         let Some((id, texts)) = &mut self.written else {
             return;
@@ -103,7 +103,7 @@ impl Lines {
     }
 
     /// Starts on the texts of another box; what was written on the last one is kept, also where that is of another log.
-    pub fn keep(&mut self, context: &mut ViewContext<'_>, now: Option<LogBox>) {
+    pub(super) fn keep(&mut self, context: &mut ViewContext<'_>, now: Option<LogBox>) {
         if self.written.as_ref().map(|(id, _)| *id) == now {
             return;
         }

@@ -20,18 +20,18 @@ type Boxes = Vec<(LogBox, chip::Key)>;
 
 /// The pictures of the boxes that show the selected object.
 #[derive(Default)]
-pub struct ObjectPictures {
+pub(super) struct ObjectPictures {
     chips: Background<Boxes, Vec<(LogBox, Chip)>>,
 }
 
 impl ObjectPictures {
     /// Whether the pictures are those of the selected object.
-    pub fn is_settled(&self) -> bool {
+    pub(super) fn is_settled(&self) -> bool {
         !self.chips.is_running()
     }
 
     /// Draws what is known of the object of the selected box, and what decides about it.
-    pub fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
+    pub(super) fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
         let Some(object) = context.app.selected_object().cloned() else {
             return;
         };

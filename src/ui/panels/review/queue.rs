@@ -12,7 +12,7 @@ use egui::{DragValue, Response, Slider, Ui};
 const ANY_M: f64 = 100.0;
 
 /// Draws the controls.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let before = &context.app.log.reviewing.queue;
     let mut queue = before.clone();
     confidence(ui, &mut queue);
@@ -35,7 +35,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 /// The slider from which proposals are shown.
-pub fn confidence(ui: &mut Ui, queue: &mut Queue) {
+pub(super) fn confidence(ui: &mut Ui, queue: &mut Queue) {
     let hint = "Hides proposals below this confidence; decided boxes stay.";
     row(ui, "Confidence", hint, |ui| {
         let value_width = 44.0;

@@ -1,11 +1,11 @@
 //! A long series as few columns: the lowest and highest value in each, so that no spike is lost.
 
 /// Lowest and highest value of each column; `None` where nothing was measured.
-pub type Columns = Vec<Option<[f32; 2]>>;
+pub(super) type Columns = Vec<Option<[f32; 2]>>;
 
 /// Sorts `values`, pairs of time and value, into `count` columns over `from_s..=to_s`. Values that are no numbers are
 /// left out.
-pub fn columns(
+pub(super) fn columns(
     values: impl Iterator<Item = (f64, f32)>,
     from_s: f64,
     to_s: f64,
@@ -28,7 +28,7 @@ pub fn columns(
 }
 
 /// Lowest and highest value of all columns.
-pub fn span(columns: &Columns) -> Option<[f32; 2]> {
+pub(super) fn span(columns: &Columns) -> Option<[f32; 2]> {
     columns
         .iter()
         .flatten()
@@ -37,7 +37,10 @@ pub fn span(columns: &Columns) -> Option<[f32; 2]> {
 }
 
 /// The same series as `count` columns, more or fewer: extremes are kept, wide columns are repeated.
-pub fn resampled(columns: &Columns, count: usize) -> impl Iterator<Item = Option<[f32; 2]>> + '_ {
+pub(super) fn resampled(
+    columns: &Columns,
+    count: usize,
+) -> impl Iterator<Item = Option<[f32; 2]>> + '_ {
     (0..count).map(move |index| {
         let from = index * columns.len() / count;
         let to = ((index + 1) * columns.len() / count).max(from + 1);

@@ -9,7 +9,7 @@ use crate::ui::{ViewContext, text, theme};
 use egui::{Color32, Pos2, Rect, Response, Stroke, Ui};
 
 /// Where the parts of the panel lie.
-pub struct TimelineLayout {
+pub(super) struct TimelineLayout {
     depth: Rect,
     speed: Rect,
     all: Rect,
@@ -21,7 +21,7 @@ impl TimelineLayout {
     const AXIS: f32 = 14.0;
 
     /// Divides the panel.
-    pub fn new(outer: Rect) -> Self {
+    pub(super) fn new(outer: Rect) -> Self {
         let mut all = outer;
         all.min.x += Self::GUTTER;
         all.max.x -= 8.0;
@@ -38,7 +38,7 @@ impl TimelineLayout {
     }
 
     /// Draws both strips and the axis; `pictures` holds those of the strips.
-    pub fn strips(
+    pub(super) fn strips(
         &self,
         ui: &Ui,
         context: &ViewContext<'_>,
@@ -160,7 +160,7 @@ impl TimelineLayout {
     }
 
     /// Draws warnings, the pings on screen, the pointer of other views and the play head.
-    pub fn marks(&self, ui: &Ui, context: &ViewContext<'_>, strips: &Strips) {
+    pub(super) fn marks(&self, ui: &Ui, context: &ViewContext<'_>, strips: &Strips) {
         let app = context.app;
         let Some(survey) = &app.log.survey else {
             return;
@@ -238,7 +238,12 @@ impl TimelineLayout {
     }
 
     /// Marks and selects the ping under the pointer.
-    pub fn pointer(&self, response: &Response, context: &mut ViewContext<'_>, strips: &Strips) {
+    pub(super) fn pointer(
+        &self,
+        response: &Response,
+        context: &mut ViewContext<'_>,
+        strips: &Strips,
+    ) {
         let ping_at = |at: Pos2| {
             let pings = &context.app.log.survey.as_ref()?.side_scan;
             let time_s = strips.time_s(self.all, at.x);

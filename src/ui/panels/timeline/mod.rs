@@ -17,7 +17,7 @@ use std::sync::Arc;
 use strips::Strips;
 
 /// Height of the panel, points.
-pub const HEIGHT: f32 = 104.0;
+pub(crate) const HEIGHT: f32 = 104.0;
 
 /// The results that the strips are of.
 type Results = (Same<Navigation>, Same<Vec<PingDepth>>, Same<Correction>);
@@ -45,7 +45,7 @@ impl Key {
 
 /// State of the time line: the strips of the open survey.
 #[derive(Default)]
-pub struct TimeLine {
+pub(crate) struct TimeLine {
     /// `None` inside where the log has no times.
     strips: Background<Key, Option<Strips>>,
     /// Depth and speed as they are on screen.
@@ -57,7 +57,7 @@ pub struct TimeLine {
 
 impl TimeLine {
     /// Whether the strips shown are those of the survey and its last result.
-    pub fn is_settled(&self) -> bool {
+    pub(crate) fn is_settled(&self) -> bool {
         !self.strips.is_running()
     }
 
@@ -79,7 +79,7 @@ impl TimeLine {
     }
 
     /// Draws the panel.
-    pub fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
+    pub(crate) fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
         self.refresh(context);
         let (outer, response) =
             ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());

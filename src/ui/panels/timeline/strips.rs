@@ -11,7 +11,7 @@ use egui::Rect;
 const COLUMNS: usize = 2048;
 
 /// What the strips show; computed on a worker for each survey and navigation.
-pub struct Strips {
+pub(super) struct Strips {
     /// First and last time of the log, seconds after its time zero.
     pub from_s: f64,
     /// See `from_s`.
@@ -31,7 +31,7 @@ pub struct Strips {
 }
 
 impl Strips {
-    pub fn of(survey: &Survey, products: Option<&Products>) -> Option<Self> {
+    pub(super) fn of(survey: &Survey, products: Option<&Products>) -> Option<Self> {
         let reduction = products.map(Products::reduction).unwrap_or_default();
         let pings = &survey.side_scan;
         let soundings = &survey.soundings;
@@ -88,20 +88,20 @@ impl Strips {
     }
 
     /// How deep the strip of depths goes, and what it counts from; `None` without depths.
-    pub fn deepest(&self, units: Units) -> Option<String> {
+    pub(super) fn deepest(&self, units: Units) -> Option<String> {
         let deepest_m = span(&self.depth).or_else(|| span(&self.lost))?[1];
         let deepest = units.measure(f64::from(deepest_m), 1);
         Some(format!("to {deepest} {}", self.reference.name()))
     }
 
     /// Where a time lies on the screen.
-    pub fn x(&self, rect: Rect, time_s: f64) -> f32 {
+    pub(super) fn x(&self, rect: Rect, time_s: f64) -> f32 {
         let share = (time_s - self.from_s) / (self.to_s - self.from_s).max(f64::MIN_POSITIVE);
         rect.left() + rect.width() * share as f32
     }
 
     /// Which time lies at a place of the screen.
-    pub fn time_s(&self, rect: Rect, x: f32) -> f64 {
+    pub(super) fn time_s(&self, rect: Rect, x: f32) -> f64 {
         let share = f64::from(((x - rect.left()) / rect.width()).clamp(0.0, 1.0));
         self.from_s + share * (self.to_s - self.from_s)
     }

@@ -12,7 +12,7 @@ use glam::Vec3;
 const LABEL_SPACING: [f32; 2] = [44.0, 16.0];
 
 /// What the box is drawn with.
-pub struct Axes<'a> {
+pub(super) struct Axes<'a> {
     pub rect: Rect,
     pub projection: Projection,
     /// Corners, metres from the origin.
@@ -76,7 +76,7 @@ fn others(axis: usize) -> [usize; 2] {
 
 impl Axes<'_> {
     /// The points that are drawn.
-    pub fn shown(&self) -> ShownPoints {
+    pub(super) fn shown(&self) -> ShownPoints {
         ShownPoints {
             outliers: self.options.cloud.outlier_preview,
             part: self.part,
@@ -84,14 +84,14 @@ impl Axes<'_> {
     }
 
     /// Where a place is on the screen; `None` behind the camera.
-    pub fn at(&self, place: Vec3) -> Option<Pos2> {
+    pub(super) fn at(&self, place: Vec3) -> Option<Pos2> {
         let ndc = self.projection.project(place)?;
         let half = 0.5 * self.rect.size();
         Some(self.rect.center() + Vec2::new(ndc.x, -ndc.y) * half)
     }
 
     /// The walls with their grid; to be painted before the points.
-    pub fn walls(&self, painter: &Painter) {
+    pub(super) fn walls(&self, painter: &Painter) {
         let line = Stroke::new(1.0, theme::grid_colour(self.options));
         for (axis, high) in walls(self.corners, self.projection.eye) {
             let mut start = self.corners[0];
@@ -118,7 +118,7 @@ impl Axes<'_> {
     }
 
     /// Lengths along the outline, and what they count; to be painted after the points. Nothing is written over what is `covered`.
-    pub fn labels(&self, painter: &Painter, covered: &[Rect]) {
+    pub(super) fn labels(&self, painter: &Painter, covered: &[Rect]) {
         let walls = walls(self.corners, self.projection.eye);
         for (axis, name) in ["east", "north", "elevation"].into_iter().enumerate() {
             let edges = outline(axis, &walls);

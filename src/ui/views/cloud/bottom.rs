@@ -19,7 +19,7 @@ const DARKEST_ECHO: f32 = 0.6;
 const STEPS: usize = 6;
 
 /// A bottom on the GPU.
-pub struct BottomScene {
+pub(super) struct BottomScene {
     /// What the bottom is.
     pub bottom: Arc<Bottom>,
     /// Its tiles.
@@ -31,7 +31,7 @@ pub struct BottomScene {
 
 impl BottomScene {
     /// The place on the bottom that is seen at a place of the picture; `None` where there is none.
-    pub fn under(&self, projection: &Projection, ndc: Vec2) -> Option<Vec3> {
+    pub(super) fn under(&self, projection: &Projection, ndc: Vec2) -> Option<Vec3> {
         let [east_m, north_m, up_m] = self.origin_m;
         let [least_m, most_m] = self.bottom.range_m;
         let towards = projection.towards(ndc)?;
@@ -53,7 +53,7 @@ impl BottomScene {
     }
 
     /// The bottom at a place east and north of the survey's origin, metres; `None` where there is none.
-    pub fn at(&self, place_m: [f64; 2]) -> Option<Vec3> {
+    pub(super) fn at(&self, place_m: [f64; 2]) -> Option<Vec3> {
         let [east_m, north_m, up_m] = self.origin_m;
         let depth_m = f64::from(self.bottom.depth_at(place_m)?);
         let local = [place_m[0] - east_m, place_m[1] - north_m, -depth_m - up_m];
@@ -66,16 +66,16 @@ type Key = (Same<Bottom>, [f64; 3]);
 
 /// The bottom of the view, as it was uploaded last.
 #[derive(Default)]
-pub struct ShownBottom(Background<Key, Arc<BottomScene>>);
+pub(super) struct ShownBottom(Background<Key, Arc<BottomScene>>);
 
 impl ShownBottom {
     /// Whether one is being uploaded.
-    pub fn is_running(&self) -> bool {
+    pub(super) fn is_running(&self) -> bool {
         self.0.is_running()
     }
 
     /// Has the bottom of the survey uploaded where it changed; `None` where none is shown, or none is there yet.
-    pub fn of(
+    pub(super) fn of(
         &mut self,
         app: &App,
         origin_m: [f64; 3],
@@ -137,7 +137,7 @@ fn upload(
 }
 
 /// How a bottom is drawn.
-pub fn draw(
+pub(super) fn draw(
     app: &App,
     bottom: &Bottom,
     projection: Projection,

@@ -27,7 +27,7 @@ const AXES: [(&str, [&str; 2]); 3] = [
 ];
 
 /// Corners of what is drawn, in the places of a scene; as far as numbers go where the box has no end.
-pub fn limits(origin_m: [f64; 3], clip: ClipBox) -> [Vec3; 2] {
+pub(super) fn limits(origin_m: [f64; 3], clip: ClipBox) -> [Vec3; 2] {
     let end = |end: usize| {
         let at = |axis: usize| (clip.ends_m[axis][end] - origin_m[axis]) as f32;
         Vec3::new(at(0), at(1), at(2)).clamp(Vec3::MIN, Vec3::MAX)
@@ -36,7 +36,7 @@ pub fn limits(origin_m: [f64; 3], clip: ClipBox) -> [Vec3; 2] {
 }
 
 /// The box around what is drawn. A cloud that was computed anew and lies elsewhere is not lost from sight.
-pub fn part(scene: SceneBox, clip: Option<ClipBox>) -> [Vec3; 2] {
+pub(super) fn part(scene: SceneBox, clip: Option<ClipBox>) -> [Vec3; 2] {
     let [low, high] = scene.corners;
     let Some(clip) = clip else {
         return scene.corners;
@@ -63,7 +63,7 @@ fn with_end(scene: SceneBox, mut clip: ClipBox, axis: usize, end: usize, to: f32
 }
 
 /// Handles and numbers of the box, where there is one; what they make of it.
-pub fn show(
+pub(super) fn show(
     ui: &mut Ui,
     context: &ViewContext<'_>,
     scene: SceneBox,
@@ -187,7 +187,7 @@ fn number(
 }
 
 /// Says that not everything is drawn, in a picture that goes out.
-pub fn paint_note(painter: &egui::Painter, rect: Rect, options: &ViewOptions) {
+pub(super) fn paint_note(painter: &egui::Painter, rect: Rect, options: &ViewOptions) {
     if options.cloud.clip.is_some() {
         let at = rect.right_top() + vec2(-8.0, 8.0);
         let colour = theme::canvas_text_colour(options);

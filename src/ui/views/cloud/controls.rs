@@ -21,7 +21,7 @@ const MOST_LOGS: usize = 8;
 const EXAGGERATIONS: std::ops::RangeInclusive<f32> = 1.0..=50.0;
 
 /// Fit above, exaggeration below; colours and directions are chosen in the view's title.
-pub fn show(
+pub(super) fn show(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,
     rect: Rect,
@@ -61,7 +61,7 @@ pub fn show(
 }
 
 /// The vertical exaggeration in words, for a picture.
-pub fn paint_exaggeration(painter: &Painter, rect: Rect, options: &ViewOptions) {
+pub(super) fn paint_exaggeration(painter: &Painter, rect: Rect, options: &ViewOptions) {
     let text = format!("elevations x{}", options.cloud.vertical_exaggeration);
     let corner = rect.left_bottom() + vec2(8.0, -8.0);
     let colour = theme::canvas_text_colour(options);
@@ -81,7 +81,7 @@ fn exaggeration(ui: &mut Ui, options: &mut ViewOptions) {
 }
 
 /// The point under the pointer, in words, beside the button above.
-pub fn paint_read_out(
+pub(super) fn paint_read_out(
     painter: &Painter,
     rect: Rect,
     app: &App,
@@ -146,7 +146,7 @@ fn lack(survey: &Survey, units: Units) -> Option<String> {
 }
 
 /// What the colours mean, and how many points there are of each; returns what its lines and scales cover.
-pub fn paint_legend(
+pub(super) fn paint_legend(
     painter: &Painter,
     rect: Rect,
     options: &ViewOptions,

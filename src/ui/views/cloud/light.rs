@@ -11,7 +11,7 @@ const STEP_DEG: f32 = 5.0;
 
 /// The disc; `light_deg` is the direction clockwise from north and the height over the horizon, degrees. A drag takes the light along, the
 /// arrow keys turn and raise it.
-pub fn dial(ui: &mut Ui, light_deg: &mut [f32; 2]) -> Response {
+pub(super) fn dial(ui: &mut Ui, light_deg: &mut [f32; 2]) -> Response {
     let size = Vec2::splat(2.0 * RADIUS);
     let (rect, mut response) = ui.allocate_exact_size(size, Sense::click_and_drag());
     let before = *light_deg;

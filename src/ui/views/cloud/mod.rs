@@ -40,7 +40,7 @@ type Key = (
 
 /// State of the cloud view: where it looks, and what was made for it.
 #[derive(Default)]
-pub struct CloudView {
+pub(crate) struct CloudView {
     camera: Option<OrbitCamera>,
     /// The camera that showed everything, and the frame it did so in: untouched, it is fitted anew to another frame.
     fitted: Option<(OrbitCamera, Vec2)>,
@@ -64,7 +64,7 @@ type Extent = ([f64; 3], [glam::Vec3; 2]);
 
 impl CloudView {
     /// Draws the view into all of `ui` and pushes what the analyst does in it.
-    pub fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
+    pub(crate) fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
         let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         let painter = ui.painter_at(rect);
         let canvas = theme::canvas_colour(&context.app.view.options);
@@ -79,7 +79,7 @@ impl CloudView {
     }
 
     /// A view from the same place, in a frame of any size.
-    pub fn for_picture(&self, app: &App) -> Self {
+    pub(crate) fn for_picture(&self, app: &App) -> Self {
         Self {
             camera: self.camera,
             aim: self.aspect,
@@ -89,12 +89,12 @@ impl CloudView {
     }
 
     /// Carries out a request from menu, key or palette.
-    pub fn request(&mut self, request: ViewRequest) {
+    pub(crate) fn request(&mut self, request: ViewRequest) {
         self.request = Some(request);
     }
 
     /// Whether everything on screen is drawn at its final quality.
-    pub fn is_settled(&self) -> bool {
+    pub(crate) fn is_settled(&self) -> bool {
         !self.scene.is_running() && !self.bottom.is_running() && self.request.is_none()
     }
 

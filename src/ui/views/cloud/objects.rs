@@ -16,7 +16,7 @@ const LEAST: f32 = 3.0;
 const LEAST_WIDTH: f32 = 1.5;
 
 /// Draws the footprints of the boxes of all visible logs that are in the queue; those that were rejected only while they are selected.
-pub fn paint(painter: &Painter, app: &App, scene: &CloudScene, axes: &Axes<'_>) {
+pub(super) fn paint(painter: &Painter, app: &App, scene: &CloudScene, axes: &Axes<'_>) {
     if !app.view.options.cloud.boxes {
         return;
     }

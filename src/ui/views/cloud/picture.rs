@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 /// What is drawn, and how.
 #[derive(Clone, Default)]
-pub struct Drawing {
+pub(super) struct Drawing {
     /// The bottom, where it is shown.
     pub bottom: Option<(Arc<BottomScene>, BottomDraw)>,
     /// The points, where they are shown.
@@ -39,7 +39,7 @@ struct Renderers {
 
 /// GPU objects of one cloud view.
 #[derive(Default)]
-pub struct CloudPicture {
+pub(super) struct CloudPicture {
     picture: ViewTexture,
     renderers: Option<Renderers>,
     drawn: Option<Drawing>,
@@ -47,7 +47,13 @@ pub struct CloudPicture {
 
 impl CloudPicture {
     /// Draws if something changed, and shows it.
-    pub fn show(&mut self, painter: &Painter, rect: Rect, state: &RenderState, drawing: Drawing) {
+    pub(super) fn show(
+        &mut self,
+        painter: &Painter,
+        rect: Rect,
+        state: &RenderState,
+        drawing: Drawing,
+    ) {
         let is_new = self.picture.resize(state, rect, painter.pixels_per_point());
         if (is_new || self.drawn.as_ref() != Some(&drawing))
             && let Some(target) = self.picture.target()

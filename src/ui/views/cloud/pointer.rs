@@ -20,14 +20,14 @@ const MOST_ON_HOVER: usize = 2_000_000;
 
 /// What the pointer was found over.
 #[derive(Default)]
-pub struct Pointer {
+pub(super) struct Pointer {
     hovering: bool,
     looked: Option<(Pos2, OrbitCamera, Option<usize>)>,
 }
 
 /// What the camera moves in.
 #[derive(Clone, Copy)]
-pub struct PickScene<'a> {
+pub(super) struct PickScene<'a> {
     /// The points.
     pub scene: &'a CloudScene,
     /// The bottom, where it is shown.
@@ -38,7 +38,7 @@ pub struct PickScene<'a> {
 
 /// Comes nearer or goes farther, about the bottom under the pointer, or else about what lies nearest to `at` on the screen: a zoom about a place where nothing is would end in
 /// a picture of nothing. Where no point is in the picture it comes no nearer.
-pub fn zoom(
+pub(super) fn zoom(
     camera: &mut OrbitCamera,
     seen: PickScene<'_>,
     (shown, rect): (ShownPoints, Rect),
@@ -93,7 +93,7 @@ fn ndc(rect: Rect, at: Pos2) -> Vec2 {
 }
 
 /// Left drag turns, right or middle drag moves, the wheel zooms at the pointer.
-pub fn move_camera(
+pub(super) fn move_camera(
     ui: &Ui,
     (shown, rect): (ShownPoints, Rect),
     response: &Response,
@@ -123,7 +123,7 @@ pub fn move_camera(
 
 impl Pointer {
     /// Hover and click.
-    pub fn handle(
+    pub(super) fn handle(
         &mut self,
         context: &mut ViewContext<'_>,
         response: &Response,
@@ -193,7 +193,7 @@ fn pick(app: &App, scene: &CloudScene, axes: &Axes<'_>, at: Pos2) -> Option<usiz
 }
 
 /// Marks the selected and the hovered ping: its points, the line that joins them under the boat, and what is meant of it on the bottom.
-pub fn paint_marks(
+pub(super) fn paint_marks(
     painter: &Painter,
     app: &App,
     products: &Products,

@@ -19,7 +19,7 @@ const CHECK: usize = 1 << 16;
 
 /// How many points there are of each kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct PointCounts {
+pub(super) struct PointCounts {
     /// Kept, under the boat.
     pub down_scan: usize,
     /// Kept, port.
@@ -32,12 +32,12 @@ pub struct PointCounts {
 
 impl PointCounts {
     /// Kept points.
-    pub fn kept(&self) -> usize {
+    pub(super) fn kept(&self) -> usize {
         self.down_scan + self.port + self.starboard
     }
 
     /// All points.
-    pub fn all(&self) -> usize {
+    pub(super) fn all(&self) -> usize {
         self.kept() + self.set_aside
     }
 
@@ -54,7 +54,7 @@ impl PointCounts {
 
 /// What the slant range of a point follows from.
 #[derive(Clone)]
-pub struct Ranging {
+pub(super) struct Ranging {
     survey: Arc<Survey>,
     calibration: Arc<Calibration>,
     correction: Arc<Correction>,
@@ -62,7 +62,7 @@ pub struct Ranging {
 
 /// The points of one log.
 #[derive(Clone)]
-pub struct LogPoints {
+pub(super) struct LogPoints {
     /// Which log.
     pub id: LogId,
     /// Its name.
@@ -79,7 +79,7 @@ pub struct LogPoints {
 
 impl LogPoints {
     /// Of a log with its results.
-    pub fn of(shown: &ShownLog) -> Self {
+    pub(super) fn of(shown: &ShownLog) -> Self {
         let products = &shown.log.products;
         Self {
             id: shown.id,
@@ -125,7 +125,7 @@ impl PartialEq for LogPoints {
 
 /// Which points are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ShownPoints {
+pub(super) struct ShownPoints {
     /// Those that do not count for the map as well.
     pub outliers: bool,
     /// Those in this part alone, in the places of the scene.
@@ -134,7 +134,7 @@ pub struct ShownPoints {
 
 /// The clouds of all logs on the GPU with what belongs to them. The places of points are worked out from the clouds when they are
 /// asked for: a second copy of them all would be the largest thing in memory.
-pub struct CloudScene {
+pub(super) struct CloudScene {
     logs: Vec<LogPoints>,
     /// Number of the first point of each log: points are counted through all of them.
     starts: Vec<usize>,
@@ -156,7 +156,7 @@ pub struct CloudScene {
 
 /// The box of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SceneBox {
+pub(super) struct SceneBox {
     /// What its corners are relative to, metres east, north and up.
     pub origin_m: [f64; 3],
     /// Its lower south-western and its upper north-eastern corner.
@@ -166,7 +166,7 @@ pub struct SceneBox {
 impl SceneBox {
     /// As high, and at least as wide as another one about the same origin.
     #[must_use]
-    pub fn as_wide_as(self, [low, high]: [Vec3; 2]) -> Self {
+    pub(super) fn as_wide_as(self, [low, high]: [Vec3; 2]) -> Self {
         let [from, to] = self.corners;
         let corners = [low.min(from).with_z(from.z), high.max(to).with_z(to.z)];
         Self { corners, ..self }
@@ -175,7 +175,7 @@ impl SceneBox {
 
 /// Ends of the colour scales of points.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ColourEnds {
+pub(super) struct ColourEnds {
     /// Of depth, metres.
     pub depth_m: Option<[f32; 2]>,
     /// Of what else is known of them.
@@ -184,7 +184,7 @@ pub struct ColourEnds {
 
 impl CloudScene {
     /// In colours between these values; `None` when there is no point, or cancelled.
-    pub fn new(
+    pub(super) fn new(
         logs: Vec<LogPoints>,
         ends: ColourEnds,
         options: &ViewOptions,
@@ -225,13 +225,13 @@ impl CloudScene {
     }
 
     /// Name, colour and kept points of every log.
-    pub fn by_log(&self) -> impl Iterator<Item = (&str, [u8; 3], usize)> {
+    pub(super) fn by_log(&self) -> impl Iterator<Item = (&str, [u8; 3], usize)> {
         let logs = self.logs.iter().zip(&self.kept);
         logs.map(|(log, kept)| (log.name.as_str(), log.colour, *kept))
     }
 
     /// How many points are drawn.
-    pub fn shown(&self, outlier_preview: bool) -> usize {
+    pub(super) fn shown(&self, outlier_preview: bool) -> usize {
         match outlier_preview {
             true => self.counts.all(),
             false => self.counts.kept(),
@@ -239,7 +239,7 @@ impl CloudScene {
     }
 
     /// Number and place of every point that is drawn.
-    pub fn places(&self, shown: ShownPoints) -> impl Iterator<Item = (usize, Vec3)> {
+    pub(super) fn places(&self, shown: ShownPoints) -> impl Iterator<Item = (usize, Vec3)> {
         let removed = shown.outliers.then(|| self.points(false));
         let all = self.points(true).chain(removed.into_iter().flatten());
         all.map(|(number, _, point)| (number, self.place(point)))
@@ -265,18 +265,18 @@ impl CloudScene {
     }
 
     /// A point's place in the scene.
-    pub fn place(&self, point: &CloudPoint) -> Vec3 {
+    pub(super) fn place(&self, point: &CloudPoint) -> Vec3 {
         self.local(point.east_m, point.north_m, point.z_m)
     }
 
     /// Place of a point by its number.
-    pub fn place_of(&self, number: usize) -> Option<Vec3> {
+    pub(super) fn place_of(&self, number: usize) -> Option<Vec3> {
         let (log, index) = self.of_number(number)?;
         log.cloud.points.get(index).map(|point| self.place(point))
     }
 
     /// A place of the survey in the scene.
-    pub fn local(&self, east_m: f64, north_m: f64, z_m: f64) -> Vec3 {
+    pub(super) fn local(&self, east_m: f64, north_m: f64, z_m: f64) -> Vec3 {
         let [east, north, up] = self.origin_m;
         Vec3::new(
             (east_m - east) as f32,
@@ -286,7 +286,7 @@ impl CloudScene {
     }
 
     /// Places of the side-scan points of a log's ping.
-    pub fn of_ping(&self, log: LogId, ping: usize) -> impl Iterator<Item = Vec3> {
+    pub(super) fn of_ping(&self, log: LogId, ping: usize) -> impl Iterator<Item = Vec3> {
         let log = self.logs.iter().find(move |one| one.id == log);
         let points = log.into_iter().flat_map(move |log| log.cloud.of_ping(ping));
         points
@@ -295,7 +295,7 @@ impl CloudScene {
     }
 
     /// The log and the mark of a point by its number.
-    pub fn mark(&self, number: usize) -> Option<(LogId, Mark)> {
+    pub(super) fn mark(&self, number: usize) -> Option<(LogId, Mark)> {
         let (log, index) = self.of_number(number)?;
         let point = log.cloud.points.get(index)?;
         let mark = Mark {
@@ -332,7 +332,7 @@ impl CloudScene {
     }
 
     /// The box around its kept points.
-    pub fn extent(&self) -> SceneBox {
+    pub(super) fn extent(&self) -> SceneBox {
         SceneBox {
             origin_m: self.origin_m,
             corners: self.corners,
@@ -370,7 +370,7 @@ impl CloudScene {
 }
 
 /// The side that a point lies on.
-pub fn side(source: PointSource) -> Option<Side> {
+pub(super) fn side(source: PointSource) -> Option<Side> {
     match source {
         PointSource::DownScan => None,
         PointSource::Port => Some(Side::Port),

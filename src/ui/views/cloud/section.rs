@@ -19,7 +19,7 @@ const WATER_ALPHA: u8 = 36;
 const NEAREST_M: f32 = 0.01;
 
 /// What is drawn, seen from `eye`: what lies in the clip box, and behind the cross-section.
-pub fn part(app: &App, scene: &CloudScene, eye: Vec3) -> Part {
+pub(super) fn part(app: &App, scene: &CloudScene, eye: Vec3) -> Part {
     let options = &app.view.options.cloud;
     let corners = options.clip.map(|one| clip::limits(scene.origin_m, one));
     let cut = options
@@ -46,7 +46,7 @@ fn cut(stations: &[Station], scene: &CloudScene, eye: Vec3) -> Option<Cut> {
 }
 
 /// Draws the bottom along the profile, and the plane from there up to where depths count from.
-pub fn paint(painter: &Painter, app: &App, scene: &CloudScene, axes: &Axes<'_>) {
+pub(super) fn paint(painter: &Painter, app: &App, scene: &CloudScene, axes: &Axes<'_>) {
     let stations = app.map.measuring.stations();
     if axes.part.cut.is_none() {
         return;
@@ -81,7 +81,7 @@ fn in_box(axes: &Axes<'_>, place: Vec3) -> Option<Pos2> {
 }
 
 /// Draws where the water's surface is, or what else depths count from, and over it the tracks of all visible logs.
-pub fn paint_water(painter: &Painter, app: &App, scene: &CloudScene, axes: &Axes<'_>) {
+pub(super) fn paint_water(painter: &Painter, app: &App, scene: &CloudScene, axes: &Axes<'_>) {
     if !app.view.options.cloud.water {
         return;
     }

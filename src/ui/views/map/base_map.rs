@@ -19,7 +19,7 @@ const MOST_LOOKS: usize = 3;
 
 /// What the tiles of a base map are made of.
 #[derive(Clone, PartialEq)]
-pub struct BaseMapKey {
+pub(super) struct BaseMapKey {
     map: Same<BaseMap>,
     survey: Same<Survey>,
     navigation: Same<Navigation>,
@@ -27,7 +27,11 @@ pub struct BaseMapKey {
 
 impl BaseMapKey {
     /// A base map in the plane of a survey.
-    pub fn new(map: &Arc<BaseMap>, survey: &Arc<Survey>, navigation: &Arc<Navigation>) -> Self {
+    pub(super) fn new(
+        map: &Arc<BaseMap>,
+        survey: &Arc<Survey>,
+        navigation: &Arc<Navigation>,
+    ) -> Self {
         Self {
             map: Same(map.clone()),
             survey: Same(survey.clone()),
@@ -36,7 +40,7 @@ impl BaseMapKey {
     }
 
     /// What paints the tiles.
-    pub fn source(self) -> Arc<dyn TileSource> {
+    pub(super) fn source(self) -> Arc<dyn TileSource> {
         let bounds = bounds(&self);
         let pixel_m = self.map.0.pixel_m();
         Arc::new(BaseTiles {

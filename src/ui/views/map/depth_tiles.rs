@@ -97,10 +97,10 @@ fn known(values: &[f32]) -> impl Fn(usize) -> Option<f32> {
 }
 
 /// The tiles of the depths' colours, fading with the distance to a sounding.
-pub struct DepthTiles(pub Arc<DepthMap>);
+pub(super) struct DepthTiles(pub Arc<DepthMap>);
 
 /// The tiles of the hill-shade: black and white, as strong as the shade.
-pub struct ShadeTiles(pub Arc<DepthMap>);
+pub(super) struct ShadeTiles(pub Arc<DepthMap>);
 
 fn finest(depth_map: &DepthMap) -> i8 {
     let finest_m = depth_map.surface.grid.cell_m / FINEST_SHARE;

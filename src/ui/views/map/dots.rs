@@ -13,7 +13,7 @@ const RADIUS: f64 = 1.5;
 const FINEST: i8 = -7;
 
 /// A dot on the ground.
-pub struct Dot {
+pub(super) struct Dot {
     pub east_m: f64,
     pub north_m: f64,
     /// Index of its colour.
@@ -27,7 +27,7 @@ impl Dot {
 }
 
 /// Dots in the order of the track, and their colours.
-pub struct Dots {
+pub(super) struct Dots {
     dots: Vec<Dot>,
     /// Around every [`BOXED`] dots.
     boxes: Vec<GroundBounds>,
@@ -37,7 +37,7 @@ pub struct Dots {
 
 impl Dots {
     /// `None` where no dot has a place; such dots are not painted.
-    pub fn new(dots: Vec<Dot>, colours: Vec<Color32>) -> Option<Self> {
+    pub(super) fn new(dots: Vec<Dot>, colours: Vec<Color32>) -> Option<Self> {
         if !dots.iter().any(Dot::has_place) {
             return None;
         }
@@ -50,7 +50,7 @@ impl Dots {
     }
 
     /// Index of the dot nearest to a place, if one is within `reach_m`.
-    pub fn nearest(&self, place: [f64; 2], reach_m: f64) -> Option<usize> {
+    pub(super) fn nearest(&self, place: [f64; 2], reach_m: f64) -> Option<usize> {
         let away = |index: usize| away_m(place, &self.boxes[index]);
         // The nearest box first: what it holds rules out most of the others.
         let first = (0..self.boxes.len()).min_by(|a, b| away(*a).total_cmp(&away(*b)))?;

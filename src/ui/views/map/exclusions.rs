@@ -16,7 +16,7 @@ const WIDTH: f32 = 1.8;
 const DASH: f32 = 3.0;
 
 /// Draws the excluded stretches of all visible logs as fine grey dashes over their tracks.
-pub fn paint(painter: &Painter, scene: &Scene<'_>, app: &App) {
+pub(super) fn paint(painter: &Painter, scene: &Scene<'_>, app: &App) {
     if !scene.shows(MapLayer::Track) {
         return;
     }
@@ -40,7 +40,7 @@ fn stretches(log: &OpenLog) -> impl Iterator<Item = &[PingNav]> {
 }
 
 /// Side-scan pings of all visible logs that are excluded.
-pub fn ping_count(app: &App) -> usize {
+pub(super) fn ping_count(app: &App) -> usize {
     let found = app.visible_logs().filter_map(OpenLog::exclusions);
     found.map(|found| found.exclusions.ping_count()).sum()
 }

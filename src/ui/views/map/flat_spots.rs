@@ -24,7 +24,7 @@ const SIDES: [(Vec2, Align2); 4] = [
 ];
 
 /// Draws the stretches.
-pub fn paint(painter: &Painter, scene: &Scene<'_>) {
+pub(super) fn paint(painter: &Painter, scene: &Scene<'_>) {
     if scene.options.map.flat_spots {
         let colour = theme::flat_spot_colour(scene.options);
         for (rank, spot) in scene.products.flat_spots.iter().enumerate() {
@@ -48,7 +48,7 @@ pub fn paint(painter: &Painter, scene: &Scene<'_>) {
 
 /// Names the stretch that the calibration was measured on, beside it where nothing else stands; in a tile without such a
 /// place the colour has to do.
-pub fn name_calibrated(painter: &Painter, scene: &Scene<'_>, covered: &[Rect]) {
+pub(super) fn name_calibrated(painter: &Painter, scene: &Scene<'_>, covered: &[Rect]) {
     let calibration = &scene.products.calibration;
     let Some(spot) = &calibration.flat_spot else {
         return;
@@ -85,7 +85,7 @@ fn badges_under(scene: &Scene<'_>, plate: Rect) -> usize {
 }
 
 /// The ranked stretch whose number is under the pointer.
-pub fn under(scene: &Scene<'_>, pointer: Pos2) -> Option<usize> {
+pub(super) fn under(scene: &Scene<'_>, pointer: Pos2) -> Option<usize> {
     if !scene.options.map.flat_spots {
         return None;
     }
@@ -96,7 +96,7 @@ pub fn under(scene: &Scene<'_>, pointer: Pos2) -> Option<usize> {
 }
 
 /// A few lines about a stretch.
-pub fn describe(rank: usize, spot: &FlatSpot, units: Units) -> String {
+pub(super) fn describe(rank: usize, spot: &FlatSpot, units: Units) -> String {
     format!(
         "flat stretch {}: {}",
         rank + 1,

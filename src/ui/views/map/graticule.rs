@@ -16,7 +16,7 @@ const BETWEEN: f32 = 64.0;
 const MARGIN: f32 = 20.0;
 
 /// Draws the lines and their names.
-pub fn paint(painter: &Painter, scene: &Scene<'_>) {
+pub(super) fn paint(painter: &Painter, scene: &Scene<'_>) {
     let [west, south, east, north] = scene.transform.visible(scene.rect);
     if (east - west).hypot(north - south) > FARTHEST_M {
         return;

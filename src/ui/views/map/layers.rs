@@ -20,7 +20,7 @@ const DASH_M: [f64; 2] = [5.0, 2.5];
 
 /// What the tracks of some logs are made of; equal keys give equal tracks.
 #[derive(PartialEq)]
-pub struct TrackKey {
+pub(super) struct TrackKey {
     logs: Vec<LogKey>,
     range_m: Option<[f32; 2]>,
     by_log: bool,
@@ -38,7 +38,7 @@ struct LogKey {
 
 impl TrackKey {
     /// Of these logs in colours between two depths, metres; `by_log` colours by log instead of depth.
-    pub fn of(logs: &[ShownLog], range_m: Option<[f32; 2]>, by_log: bool) -> Self {
+    pub(super) fn of(logs: &[ShownLog], range_m: Option<[f32; 2]>, by_log: bool) -> Self {
         let key = |shown: &ShownLog| LogKey {
             id: shown.id,
             colour: shown.colour,
@@ -56,7 +56,7 @@ impl TrackKey {
 }
 
 /// The tracks of all logs, ready to draw and to search.
-pub struct TrackLayer {
+pub(super) struct TrackLayer {
     /// All of the tracks.
     pub bounds: GroundBounds,
     /// Ends of the colour scale, metres.
@@ -72,7 +72,7 @@ pub struct TrackLayer {
 
 impl TrackLayer {
     /// Depths are corrected as those of the depth map are. `None` when nothing has a position, or cancelled.
-    pub fn new(
+    pub(super) fn new(
         logs: &[ShownLog],
         range_m: Option<[f32; 2]>,
         by_log: bool,
@@ -114,13 +114,13 @@ impl TrackLayer {
     }
 
     /// The ping of a log that is nearest to a place, however far away.
-    pub fn ping_of(&self, log: LogId, place: [f64; 2]) -> Option<usize> {
+    pub(super) fn ping_of(&self, log: LogId, place: [f64; 2]) -> Option<usize> {
         let (_, boxes) = self.boxes.iter().find(|(id, _)| *id == log)?;
         Some(boxes.nearest(place, f64::INFINITY)?.0)
     }
 
     /// The ping nearest to a place and its log, if one is within `reach_m`; of equally near ones that of the log `first`.
-    pub fn nearest_ping(
+    pub(super) fn nearest_ping(
         &self,
         place: [f64; 2],
         reach_m: f64,

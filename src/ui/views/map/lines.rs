@@ -10,7 +10,7 @@ use egui::{Color32, Painter, Rect};
 use std::sync::Arc;
 
 /// A line with its levels of detail.
-pub struct MapLine {
+pub(super) struct MapLine {
     /// What the places of `pyramid` are relative to, metres.
     pub origin_m: [f64; 2],
     /// The levels.
@@ -21,7 +21,7 @@ pub struct MapLine {
 
 impl MapLine {
     /// Builds the levels of a line and uploads them.
-    pub fn new(
+    pub(super) fn new(
         origin_m: [f64; 2],
         vertices: Vec<Vertex>,
         specks: Specks,
@@ -43,7 +43,7 @@ impl MapLine {
 
 /// How a line is drawn: two strokes, the first below.
 #[derive(Clone, Copy)]
-pub struct Pen {
+pub(super) struct Pen {
     /// Widths of the strokes, points.
     pub widths: [f32; 2],
     /// Colours of the strokes; `None` draws the line's own.
@@ -53,7 +53,7 @@ pub struct Pen {
 }
 
 /// GPU objects of one picture of lines. `T` owns the lines.
-pub struct LinePicture<T> {
+pub(super) struct LinePicture<T> {
     picture: ViewTexture,
     renderer: Option<LineRenderer>,
     drawn: Option<(Arc<T>, Vec<LineDraw>)>,
@@ -71,7 +71,7 @@ impl<T> Default for LinePicture<T> {
 
 impl<T> LinePicture<T> {
     /// Draws the lines that `of` owns if they, or how they are seen, changed, and shows them; the first line lies below.
-    pub fn show<const N: usize>(
+    pub(super) fn show<const N: usize>(
         &mut self,
         painter: &Painter,
         state: &RenderState,

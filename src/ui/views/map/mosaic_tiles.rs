@@ -10,7 +10,7 @@ use egui::Color32;
 use std::sync::Arc;
 
 /// What the legend says.
-pub fn note(settings: &MosaicSettings) -> &'static str {
+pub(super) fn note(settings: &MosaicSettings) -> &'static str {
     match settings.overlap {
         Overlap::Later => "mosaic: later\npass on top",
         Overlap::Brighter => "mosaic: brighter\npass on top",
@@ -20,7 +20,7 @@ pub fn note(settings: &MosaicSettings) -> &'static str {
 }
 
 /// The tiles of a mosaic in its colours.
-pub struct MosaicTiles {
+pub(super) struct MosaicTiles {
     mosaic: Arc<Mosaic>,
     /// Colour of every level of the echo.
     palette: [Color32; 256],
@@ -28,7 +28,7 @@ pub struct MosaicTiles {
 
 impl MosaicTiles {
     /// Of a mosaic in the plane of the survey, in the colours of `settings`.
-    pub fn new(mosaic: Arc<Mosaic>, settings: &MosaicSettings) -> Self {
+    pub(super) fn new(mosaic: Arc<Mosaic>, settings: &MosaicSettings) -> Self {
         let colour = |level: usize| {
             let [r, g, b, a] = settings.colours.rgba(level as u8);
             Color32::from_rgba_unmultiplied(r, g, b, a)

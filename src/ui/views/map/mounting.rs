@@ -26,7 +26,7 @@ fn places(scene: &Scene<'_>, app: &App) -> Option<[[f64; 2]; 2]> {
 }
 
 /// Draws the antenna as a triangle and the transducer as a disc, joined by a line.
-pub fn paint(painter: &Painter, scene: &Scene<'_>, app: &App) {
+pub(super) fn paint(painter: &Painter, scene: &Scene<'_>, app: &App) {
     let Some([antenna, transducer]) =
         places(scene, app).map(|places| places.map(|at| scene.at(at)))
     else {
@@ -66,7 +66,7 @@ pub fn paint(painter: &Painter, scene: &Scene<'_>, app: &App) {
 }
 
 /// What a screen reader says of it, after the name of the map.
-pub fn name(app: &App) -> String {
+pub(super) fn name(app: &App) -> String {
     let products = app.log.products.as_ref();
     let apart = products
         .zip(app.view.selection)

@@ -8,7 +8,7 @@ use crate::ui::views::legend;
 use egui::Painter;
 
 /// The lines that fit into a height, those that matter most first.
-pub fn fitting(painter: &Painter, scene: &Scene<'_>, height: f32) -> Option<String> {
+pub(super) fn fitting(painter: &Painter, scene: &Scene<'_>, height: f32) -> Option<String> {
     let mut notes = notes(scene);
     while !notes.is_empty() {
         let text = notes.join("\n");

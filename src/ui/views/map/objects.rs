@@ -61,7 +61,7 @@ impl Seen<'_> {
 }
 
 /// Draws them, and lines from the place of the selected object to the boxes that show it.
-pub fn paint(painter: &Painter, scene: &Scene<'_>, app: &App) {
+pub(super) fn paint(painter: &Painter, scene: &Scene<'_>, app: &App) {
     sightings(painter, scene, app);
     for seen in placed(scene, app) {
         let Seen {
@@ -155,7 +155,7 @@ fn mark(painter: &Painter, at: Pos2, state: State, colour: egui::Color32) {
 }
 
 /// The box whose mark is under the pointer, and its log.
-pub fn under(scene: &Scene<'_>, app: &App, at: Pos2) -> Option<LogBox> {
+pub(super) fn under(scene: &Scene<'_>, app: &App, at: Pos2) -> Option<LogBox> {
     if !scene.shows(MapLayer::Boxes) {
         return None;
     }

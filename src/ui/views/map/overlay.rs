@@ -11,7 +11,7 @@ use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, vec2};
 const BELOW_ARROW: f32 = 66.0;
 
 /// Scale bar, north arrow and legend; returns what they cover.
-pub fn furniture(painter: &Painter, scene: &Scene<'_>) -> Vec<Rect> {
+pub(super) fn furniture(painter: &Painter, scene: &Scene<'_>) -> Vec<Rect> {
     north_arrow(painter, scene);
     let mut covered = vec![scale_bar(painter, scene)];
     let mut corner = scene.rect.right_bottom() - vec2(8.0, 18.0);
@@ -73,7 +73,7 @@ fn scales(painter: &Painter, scene: &Scene<'_>, mut corner: Pos2) -> Vec<Rect> {
 }
 
 /// What the map is still being made of.
-pub fn under_way(painter: &Painter, scene: &Scene<'_>, text: &str) {
+pub(super) fn under_way(painter: &Painter, scene: &Scene<'_>, text: &str) {
     let at = scene.rect.center_bottom() - vec2(0.0, 20.0);
     let (anchor, colour) = (Align2::CENTER_BOTTOM, scene.text_colour());
     legend::plate(painter, scene.options, at, anchor, text, colour);
@@ -116,7 +116,7 @@ fn scale_bar(painter: &Painter, scene: &Scene<'_>) -> Rect {
 
 /// The selected place as a ring with the boat's heading, the hovered one as a cross-hair; an across-track place is joined
 /// to its boat.
-pub fn marks(painter: &Painter, scene: &Scene<'_>, app: &App) {
+pub(super) fn marks(painter: &Painter, scene: &Scene<'_>, app: &App) {
     if let Some(mark) = app.view.selection {
         let stroke = Stroke::new(2.0, theme::selection_colour());
         if let Some(at) = mark_at(painter, scene, app, mark, stroke) {

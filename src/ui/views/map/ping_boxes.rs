@@ -9,14 +9,14 @@ use std::sync::Arc;
 const PINGS: usize = 256;
 
 /// Boxes around the pings of a track.
-pub struct PingBoxes {
+pub(super) struct PingBoxes {
     navigation: Arc<Navigation>,
     boxes: Vec<GroundBounds>,
 }
 
 impl PingBoxes {
     /// One pass over the pings.
-    pub fn new(navigation: Arc<Navigation>) -> Self {
+    pub(super) fn new(navigation: Arc<Navigation>) -> Self {
         let boxes = navigation.pings.chunks(PINGS).map(bounds);
         Self {
             boxes: boxes.collect(),
@@ -25,7 +25,7 @@ impl PingBoxes {
     }
 
     /// The ping nearest to a place and its distance, metres, if one is within `reach_m`.
-    pub fn nearest(&self, place: [f64; 2], reach_m: f64) -> Option<(usize, f64)> {
+    pub(super) fn nearest(&self, place: [f64; 2], reach_m: f64) -> Option<(usize, f64)> {
         let away = self.boxes.iter().map(|bounds| away_square(place, bounds));
         let away = away.enumerate();
         // The nearest box first: what it holds rules out most of the others.

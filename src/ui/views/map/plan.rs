@@ -21,7 +21,7 @@ const ONE_ROW: f32 = 640.0;
 
 /// The drag of an end under way.
 #[derive(Default)]
-pub struct PlanTool {
+pub(super) struct PlanTool {
     drag: Option<Drag>,
 }
 
@@ -35,7 +35,7 @@ struct Drag {
 
 /// What the pointer did about the lines in this frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Taken {
+pub(super) struct Taken {
     /// A drag that must not move the map.
     pub drag: bool,
     /// A click that is not for anything else.
@@ -43,7 +43,7 @@ pub struct Taken {
 }
 
 /// Where the map lies on the screen, and the log whose plane it is in.
-pub struct Place<'a> {
+pub(super) struct Place<'a> {
     /// Part of the screen.
     pub rect: Rect,
     /// Ground to screen.
@@ -71,7 +71,7 @@ impl Place<'_> {
 
 impl PlanTool {
     /// Follows clicks and drags on the lines, unless another tool has a use for them.
-    pub fn follow(
+    pub(super) fn follow(
         &mut self,
         ui: &Ui,
         response: &Response,
@@ -128,7 +128,7 @@ impl PlanTool {
     }
 
     /// Draws the lines, and says what they are good for.
-    pub fn ui(&self, ui: &mut Ui, context: &mut ViewContext<'_>, scene: &Scene<'_>) {
+    pub(super) fn ui(&self, ui: &mut Ui, context: &mut ViewContext<'_>, scene: &Scene<'_>) {
         let Some(planned) = context.app.map.planning.lines.clone() else {
             return;
         };

@@ -23,7 +23,7 @@ const ONE_LINE: f32 = 720.0;
 
 /// What the pointer is about.
 #[derive(Default)]
-pub struct Pointer {
+pub(super) struct Pointer {
     /// Room that the banner of a tool takes below the buttons, points.
     pub banner_height: f32,
     /// The hover in the app is ours to take back.
@@ -40,7 +40,12 @@ struct MenuAt {
 }
 
 /// Wheel zooms at the pointer, drag moves, with the main button unless that has something else in hand (`drag_moves`).
-pub fn move_view(ui: &Ui, response: &Response, transform: &mut MapTransform, drag_moves: bool) {
+pub(super) fn move_view(
+    ui: &Ui,
+    response: &Response,
+    transform: &mut MapTransform,
+    drag_moves: bool,
+) {
     let rect = response.rect;
     let dragged = (drag_moves && response.dragged_by(PointerButton::Primary))
         || response.dragged_by(PointerButton::Middle);
@@ -58,7 +63,7 @@ pub fn move_view(ui: &Ui, response: &Response, transform: &mut MapTransform, dra
 
 impl Pointer {
     /// Hover, click and menu.
-    pub fn handle(
+    pub(super) fn handle(
         &mut self,
         ui: &mut Ui,
         context: &mut ViewContext<'_>,

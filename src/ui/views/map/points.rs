@@ -15,7 +15,7 @@ const CHECK: usize = 1 << 14;
 
 /// What the points are drawn from, and in which colours.
 #[derive(Clone, PartialEq)]
-pub struct PointKey {
+pub(super) struct PointKey {
     logs: Vec<(Same<PointCloud>, Same<Vec<PointClass>>)>,
     side_colours: SideColours,
     theme: ThemeChoice,
@@ -23,7 +23,7 @@ pub struct PointKey {
 
 impl PointKey {
     /// Of the last results.
-    pub fn of(logs: &[ShownLog], options: &ViewOptions) -> Self {
+    pub(super) fn of(logs: &[ShownLog], options: &ViewOptions) -> Self {
         let key = |shown: &ShownLog| {
             let products = &shown.log.products;
             (Same(products.cloud.clone()), Same(products.classes.clone()))
@@ -37,7 +37,7 @@ impl PointKey {
 }
 
 /// What the legend says.
-pub fn note(colours: SideColours) -> &'static str {
+pub(super) fn note(colours: SideColours) -> &'static str {
     match colours {
         SideColours::Paper => "points: blue port,\nred starboard",
         SideColours::Maritime => "points: red port,\ngreen starboard",
@@ -45,7 +45,7 @@ pub fn note(colours: SideColours) -> &'static str {
 }
 
 /// The tiles of all kept points; inner `None` where there is none, outer when cancelled.
-pub fn source(
+pub(super) fn source(
     logs: &[ShownLog],
     options: &ViewOptions,
     progress: &Progress,

@@ -9,7 +9,7 @@ use egui::{Painter, Pos2, Shape, Stroke};
 const APART: f32 = 18.0;
 
 /// Draws it while another track lies over it.
-pub fn paint(painter: &Painter, scene: &Scene<'_>, app: &App) {
+pub(super) fn paint(painter: &Painter, scene: &Scene<'_>, app: &App) {
     if app.log.external.recorded.is_none() || !scene.shows(MapLayer::Track) {
         return;
     }

@@ -16,7 +16,7 @@ const LETTERS: usize = 20;
 const STEPS: u8 = 255;
 
 /// The points of an agreement, ready to paint and to search.
-pub struct ResidualLayer {
+pub(super) struct ResidualLayer {
     agreement: Arc<Agreement>,
     /// Of each dot.
     differences_m: Vec<f32>,
@@ -28,7 +28,7 @@ pub struct ResidualLayer {
 impl ResidualLayer {
     /// The colours reach as far as 95 % of the differences do, more or less; inner `None` where no point has a place, outer when
     /// cancelled.
-    pub fn new(agreement: Arc<Agreement>, progress: &Progress) -> Option<Option<Self>> {
+    pub(super) fn new(agreement: Arc<Agreement>, progress: &Progress) -> Option<Option<Self>> {
         let p95_m = agreement.comparison.residuals.map(|found| found.p95_m);
         let reach_m = difference_reach_m(p95_m.unwrap_or(0.0));
         let count = agreement.logs.iter().map(|log| log.differences.len()).sum();
@@ -61,18 +61,18 @@ impl ResidualLayer {
     }
 
     /// What paints it.
-    pub fn tiles(&self) -> Arc<dyn TileSource> {
+    pub(super) fn tiles(&self) -> Arc<dyn TileSource> {
         self.dots.clone()
     }
 
     /// How the point nearest to a place differs from its reference, if one is within `reach_m`, metres.
-    pub fn at(&self, place: [f64; 2], reach_m: f64) -> Option<f64> {
+    pub(super) fn at(&self, place: [f64; 2], reach_m: f64) -> Option<f64> {
         let dot = self.dots.nearest(place, reach_m)?;
         self.differences_m.get(dot).copied().map(f64::from)
     }
 
     /// What the legend says.
-    pub fn note(&self) -> String {
+    pub(super) fn note(&self) -> String {
         let what = match &self.agreement.reference {
             Some(reference) => {
                 let name = shortened(&reference.name());

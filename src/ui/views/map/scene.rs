@@ -14,7 +14,7 @@ use egui::{Color32, Pos2, Rect};
 use std::sync::Arc;
 
 /// What a frame of the map is made of.
-pub struct Scene<'a> {
+pub(super) struct Scene<'a> {
     pub rect: Rect,
     pub transform: MapTransform,
     pub survey: &'a Survey,
@@ -39,30 +39,30 @@ pub struct Scene<'a> {
 
 impl Scene<'_> {
     /// Where a place is on the screen.
-    pub fn at(&self, place: [f64; 2]) -> Pos2 {
+    pub(super) fn at(&self, place: [f64; 2]) -> Pos2 {
         self.transform.to_screen(self.rect, place)
     }
 
     /// WGS84 position of a place on the screen.
-    pub fn position(&self, at: Pos2) -> LonLat {
+    pub(super) fn position(&self, at: Pos2) -> LonLat {
         let [east_m, north_m] = self.transform.to_ground(self.rect, at);
         let navigation = &self.products.navigation;
         navigation.to_lon_lat(&self.survey.track, east_m, north_m)
     }
 
     /// Ends of the colour scale of depth, metres.
-    pub fn range_m(&self) -> Option<[f32; 2]> {
+    pub(super) fn range_m(&self) -> Option<[f32; 2]> {
         let of_surface = || Some(self.depth_map.flatten()?.colour_range_m);
         self.track.range_m.or_else(of_surface)
     }
 
     /// Whether a layer is drawn.
-    pub fn shows(&self, layer: MapLayer) -> bool {
+    pub(super) fn shows(&self, layer: MapLayer) -> bool {
         self.options.map.layers.is_visible(layer)
     }
 
     /// Colour of words on the map.
-    pub fn text_colour(&self) -> Color32 {
+    pub(super) fn text_colour(&self) -> Color32 {
         theme::canvas_text_colour(self.options)
     }
 }

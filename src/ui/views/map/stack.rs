@@ -32,7 +32,7 @@ type PaintedBy = Arc<dyn TileSource>;
 type Source = Option<PaintedBy>;
 
 /// What the layers of one map are drawn from.
-pub struct Layers {
+pub(super) struct Layers {
     base_map: Background<BaseMapKey, Arc<dyn TileSource>>,
     /// Tiles of depths and of hill-shade, with the depth map that they are painted from.
     depths: Option<(Arc<DepthMap>, [PaintedBy; 2])>,
@@ -83,7 +83,7 @@ impl Default for Layers {
 
 impl Layers {
     /// Makes sure that what the visible layers need is there or under way.
-    pub fn ask(
+    pub(super) fn ask(
         &mut self,
         context: &ViewContext<'_>,
         survey: &Arc<Survey>,
@@ -214,19 +214,19 @@ impl Layers {
     }
 
     /// The isobaths, once they are drawn, while they are shown.
-    pub fn isobaths(&self, stack: &LayerStack) -> Option<Arc<IsobathLayer>> {
+    pub(super) fn isobaths(&self, stack: &LayerStack) -> Option<Arc<IsobathLayer>> {
         let shown = stack.is_visible(MapLayer::Isobaths);
         self.isobaths.result().filter(|_| shown).cloned()
     }
 
     /// The residuals, once they are placed, while they are shown.
-    pub fn residuals(&self, stack: &LayerStack) -> Option<Arc<ResidualLayer>> {
+    pub(super) fn residuals(&self, stack: &LayerStack) -> Option<Arc<ResidualLayer>> {
         let shown = stack.is_visible(MapLayer::Residuals);
         self.residuals.result().filter(|_| shown).cloned().flatten()
     }
 
     /// What some layers cover, and the track: a base map, which may show a country, does not count.
-    pub fn extent(&self, layers: &[MapLayer], track: GroundBounds) -> GroundBounds {
+    pub(super) fn extent(&self, layers: &[MapLayer], track: GroundBounds) -> GroundBounds {
         let counts = |layer: &MapLayer| *layer != MapLayer::BaseMap && layers.contains(layer);
         let tiles = self.tiles.iter().filter(|(layer, _)| counts(layer));
         let bounds = tiles.filter_map(|(_, tiles)| tiles.bounds());
@@ -236,20 +236,20 @@ impl Layers {
     }
 
     /// Tiles that are not painted yet, of those in view.
-    pub fn missing(&self) -> [usize; 2] {
+    pub(super) fn missing(&self) -> [usize; 2] {
         let tiles = self.tiles.iter().map(|(_, tiles)| tiles.missing());
         tiles.fold([0; 2], |[missing, all], [m, a]| [missing + m, all + a])
     }
 
     /// Whether everything visible is there.
-    pub fn is_settled(&self) -> bool {
+    pub(super) fn is_settled(&self) -> bool {
         self.making().is_empty()
             && !self.labels.is_running()
             && self.tiles.iter().all(|(_, tiles)| tiles.is_settled())
     }
 
     /// Drops what belongs to another survey.
-    pub fn forget(&mut self) {
+    pub(super) fn forget(&mut self) {
         *self = Self {
             track: std::mem::take(&mut self.track),
             isobath_picture: std::mem::take(&mut self.isobath_picture),
@@ -258,7 +258,7 @@ impl Layers {
     }
 
     /// Draws one layer, clipped and faded as the painter is.
-    pub fn show(
+    pub(super) fn show(
         &mut self,
         painter: &Painter,
         context: &ViewContext<'_>,
@@ -321,7 +321,7 @@ impl Layers {
     }
 
     /// What is under way, in words, once it has taken longer than a moment.
-    pub fn under_way(&mut self, now_s: f64) -> Option<String> {
+    pub(super) fn under_way(&mut self, now_s: f64) -> Option<String> {
         if self.is_settled() {
             self.busy_since_s = None;
             return None;

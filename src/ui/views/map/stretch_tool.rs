@@ -14,7 +14,7 @@ use egui::{Align2, CursorIcon, Painter, Pos2, Rect, Response, Shape, Stroke, Ui,
 
 /// The drag under way.
 #[derive(Default)]
-pub struct StretchTool {
+pub(super) struct StretchTool {
     drag: Option<Drag>,
 }
 
@@ -54,7 +54,7 @@ type View = (Rect, MapTransform);
 impl StretchTool {
     /// Follows a drag or a click with one of the tools in hand; returns whether a drag must not move the map. Beside the tracks, with the
     /// middle button or with Space held, it moves the map in any tool.
-    pub fn follow(
+    pub(super) fn follow(
         &mut self,
         ui: &Ui,
         response: &Response,
@@ -113,7 +113,7 @@ impl StretchTool {
     }
 
     /// Draws the drag under way, with what it covers.
-    pub fn draw(&self, painter: &Painter, scene: &Scene<'_>, app: &App) {
+    pub(super) fn draw(&self, painter: &Painter, scene: &Scene<'_>, app: &App) {
         let Some((drag, log)) =
             (self.drag.as_ref()).and_then(|drag| Some((drag, app.open_log(drag.log)?)))
         else {
@@ -144,6 +144,6 @@ impl StretchTool {
 }
 
 /// Whether one of the tools is in hand.
-pub fn is_in_hand(app: &App) -> bool {
+pub(super) fn is_in_hand(app: &App) -> bool {
     matches!(app.log.reviewing.tool, Tool::Exclude | Tool::Calibrate)
 }

@@ -13,7 +13,7 @@ const REACH: f32 = 5.0;
 const STEPS: [f32; 2] = [0.02, 0.1];
 
 /// The part of the map that a layer is drawn in.
-pub fn part(scene: &Scene<'_>, layer: MapLayer) -> Rect {
+pub(super) fn part(scene: &Scene<'_>, layer: MapLayer) -> Rect {
     let swipe = &scene.options.map.swipe;
     let (left, right) = scene
         .rect
@@ -31,7 +31,7 @@ fn divider_x(rect: Rect, swipe: &Swipe) -> f32 {
 }
 
 /// Draws the divider with the names of what lies on either side, and moves it.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, scene: &Scene<'_>) {
+pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, scene: &Scene<'_>) {
     let swipe = &scene.options.map.swipe;
     if !swipe.on {
         return;

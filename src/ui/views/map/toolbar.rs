@@ -7,7 +7,7 @@ use crate::ui::{ViewContext, ViewRequest, theme, toggle};
 use egui::{Rect, Ui, UiBuilder, vec2};
 
 /// Fit, the calibration tool and the measuring tools.
-pub fn show(
+pub(super) fn show(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,
     rect: Rect,

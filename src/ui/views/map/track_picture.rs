@@ -16,7 +16,7 @@ const WIDTHS: [f32; 2] = [4.6, 3.0];
 const CASING_OPACITY: f32 = 0.75;
 
 /// Draws the track if it changed, and shows it.
-pub fn show(
+pub(super) fn show(
     picture: &mut LinePicture<TrackLayer>,
     painter: &Painter,
     state: Option<&RenderState>,

@@ -3,7 +3,7 @@
 use egui::{Pos2, Rect, Vec2, pos2};
 
 /// West, south, east, north, metres.
-pub type GroundBounds = [f64; 4];
+pub(super) type GroundBounds = [f64; 4];
 
 /// Share of the view that fitted bounds fill.
 const FIT_SHARE: f64 = 0.84;
@@ -16,7 +16,7 @@ const SCALES: [f64; 2] = [1e-4, 1e5];
 
 /// Metres on the ground to points on the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MapTransform {
+pub(super) struct MapTransform {
     /// East and north of the middle of the view, metres.
     pub centre_m: [f64; 2],
     /// Metres that a screen point covers.
@@ -25,7 +25,7 @@ pub struct MapTransform {
 
 impl MapTransform {
     /// Shows all of `bounds`, left of a legend with as many scales of colours.
-    pub fn fit(bounds: GroundBounds, rect: Rect, scales: usize) -> Self {
+    pub(super) fn fit(bounds: GroundBounds, rect: Rect, scales: usize) -> Self {
         let [west, south, east, north] = bounds;
         let [nearest, farthest] = SCALES;
         // What is fitted leaves a margin, on which a further scale may lie.
@@ -44,7 +44,7 @@ impl MapTransform {
     }
 
     /// Shows all of `ground` and no more than the shape of `rect` asks for.
-    pub fn showing([west, south, east, north]: GroundBounds, rect: Rect) -> Self {
+    pub(super) fn showing([west, south, east, north]: GroundBounds, rect: Rect) -> Self {
         let [nearest, farthest] = SCALES;
         let across = (east - west) / f64::from(rect.width().max(1.0));
         let up = (north - south) / f64::from(rect.height().max(1.0));
@@ -55,14 +55,14 @@ impl MapTransform {
     }
 
     /// Where a place is on the screen.
-    pub fn to_screen(self, rect: Rect, [east_m, north_m]: [f64; 2]) -> Pos2 {
+    pub(super) fn to_screen(self, rect: Rect, [east_m, north_m]: [f64; 2]) -> Pos2 {
         let right = (east_m - self.centre_m[0]) / self.metres_per_point;
         let up = (north_m - self.centre_m[1]) / self.metres_per_point;
         rect.center() + Vec2::new(right as f32, -up as f32)
     }
 
     /// Inverse of [`MapTransform::to_screen`].
-    pub fn to_ground(self, rect: Rect, at: Pos2) -> [f64; 2] {
+    pub(super) fn to_ground(self, rect: Rect, at: Pos2) -> [f64; 2] {
         let off = at - rect.center();
         [
             self.centre_m[0] + f64::from(off.x) * self.metres_per_point,
@@ -71,20 +71,20 @@ impl MapTransform {
     }
 
     /// The ground that the view shows.
-    pub fn visible(&self, rect: Rect) -> GroundBounds {
+    pub(super) fn visible(&self, rect: Rect) -> GroundBounds {
         let [west, south] = self.to_ground(rect, rect.left_bottom());
         let [east, north] = self.to_ground(rect, rect.right_top());
         [west, south, east, north]
     }
 
     /// Moves the ground with the pointer.
-    pub fn pan(&mut self, drag: Vec2) {
+    pub(super) fn pan(&mut self, drag: Vec2) {
         self.centre_m[0] -= f64::from(drag.x) * self.metres_per_point;
         self.centre_m[1] += f64::from(drag.y) * self.metres_per_point;
     }
 
     /// Enlarges by `factor` (reduces below 1); the place at `at` stays there.
-    pub fn zoom(&mut self, rect: Rect, at: Pos2, factor: f64) {
+    pub(super) fn zoom(&mut self, rect: Rect, at: Pos2, factor: f64) {
         let held = self.to_ground(rect, at);
         let [nearest, farthest] = SCALES;
         self.metres_per_point = (self.metres_per_point / factor).clamp(nearest, farthest);
@@ -95,7 +95,7 @@ impl MapTransform {
     }
 
     /// Brings a place into the middle unless it is well in view already.
-    pub fn reveal(&mut self, rect: Rect, place: [f64; 2]) {
+    pub(super) fn reveal(&mut self, rect: Rect, place: [f64; 2]) {
         let inner = rect.shrink2(rect.size() * 0.1);
         if !inner.contains(self.to_screen(rect, place)) {
             self.centre_m = place;
@@ -103,7 +103,7 @@ impl MapTransform {
     }
 
     /// Enlarges a place: what has this size there fills about a third of the view.
-    pub fn close_up(&mut self, rect: Rect, place: [f64; 2], size_m: f64) {
+    pub(super) fn close_up(&mut self, rect: Rect, place: [f64; 2], size_m: f64) {
         let [nearest, farthest] = SCALES;
         let points = f64::from(rect.size().min_elem().max(1.0));
         self.metres_per_point = (3.0 * size_m / points).clamp(nearest, farthest);
@@ -111,7 +111,7 @@ impl MapTransform {
     }
 
     /// Scale and offset of pixels (from the top left of `rect`) per metre from `origin_m`, as `track.wgsl` takes them.
-    pub fn pixels(&self, rect: Rect, pixels_per_point: f32, origin_m: [f64; 2]) -> [f32; 4] {
+    pub(super) fn pixels(&self, rect: Rect, pixels_per_point: f32, origin_m: [f64; 2]) -> [f32; 4] {
         let origin = self.to_screen(rect, origin_m) - rect.min;
         let scale = f64::from(pixels_per_point) / self.metres_per_point;
         let origin = pos2(0.0, 0.0) + origin * pixels_per_point;

@@ -6,13 +6,13 @@ use super::tiles::{MapTileKey, SIDE};
 const MESHES: usize = 8;
 
 /// Where the texels of a tile's picture lie in another plane.
-pub struct Warp {
+pub(super) struct Warp {
     nodes: Vec<[f64; 2]>,
 }
 
 impl Warp {
     /// By `into`, which takes metres east and north of the survey's origin to the other plane.
-    pub fn new(key: MapTileKey, into: impl Fn([f64; 2]) -> [f64; 2]) -> Self {
+    pub(super) fn new(key: MapTileKey, into: impl Fn([f64; 2]) -> [f64; 2]) -> Self {
         let [west, north] = key.corner();
         let step_m = key.texel_m() * SIDE as f64 / MESHES as f64;
         let node = |index: usize| {
@@ -25,7 +25,7 @@ impl Warp {
     }
 
     /// `looks` by `looks` places spread evenly over a texel.
-    pub fn places(
+    pub(super) fn places(
         &self,
         row: usize,
         column: usize,

@@ -18,7 +18,7 @@ pub(super) struct Columns {
 
 impl Columns {
     /// Those of a table as wide as there is room: what is left goes to the columns of text. One log needs no column of logs.
-    pub fn fit(room: f32, app: &App) -> Self {
+    pub(super) fn fit(room: f32, app: &App) -> Self {
         let is_shown = |column: &ObjectColumn| *column != ObjectColumn::Logs || app.log_count() > 1;
         let shown: Vec<ObjectColumn> = ObjectColumn::ALL.into_iter().filter(is_shown).collect();
         let least: f32 = shown.iter().map(|column| least_width(*column)).sum();
@@ -31,13 +31,13 @@ impl Columns {
     }
 
     /// Width of a row.
-    pub fn width(&self) -> f32 {
+    pub(super) fn width(&self) -> f32 {
         let columns: f32 = self.widths.iter().map(|(_, width)| width).sum();
         PICTURE_WIDTH + columns
     }
 
     /// Where the picture lies in a row, and where each cell does.
-    pub fn cells(&self, row: Rect) -> (Rect, impl Iterator<Item = (ObjectColumn, Rect)>) {
+    pub(super) fn cells(&self, row: Rect) -> (Rect, impl Iterator<Item = (ObjectColumn, Rect)>) {
         let picture = Rect::from_min_size(row.min, vec2(PICTURE_WIDTH, row.height()));
         let mut left = picture.right();
         let cells = self.widths.iter().map(move |(column, width)| {

@@ -20,7 +20,7 @@ pub(super) struct Row<'a> {
 
 impl Row<'_> {
     /// Draws it; a click selects the object and shows it in all views, a double-click enlarges it there.
-    pub fn ui(
+    pub(super) fn ui(
         &self,
         ui: &mut Ui,
         app: &App,

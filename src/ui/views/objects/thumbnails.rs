@@ -19,17 +19,17 @@ pub(super) struct Thumbnails {
 
 impl Thumbnails {
     /// Whether pictures are being made.
-    pub fn is_running(&self) -> bool {
+    pub(super) fn is_running(&self) -> bool {
         self.making.is_running()
     }
 
     /// The picture of a box, as it was made last.
-    pub fn of(&self, id: LogBox) -> Option<&Chip> {
+    pub(super) fn of(&self, id: LogBox) -> Option<&Chip> {
         self.known.get(&id).map(|(_, chip)| chip)
     }
 
     /// Has the pictures made that the objects in sight lack.
-    pub fn ask<'a>(
+    pub(super) fn ask<'a>(
         &mut self,
         app: &App,
         ctx: &egui::Context,

@@ -24,7 +24,7 @@ const LEAST_HEIGHT: f32 = 140.0;
 const GRIP: f32 = 6.0;
 
 /// State of the profile.
-pub struct ProfileView {
+pub(crate) struct ProfileView {
     scale: ScaleJob,
     /// Enlargement about the nadir; 1 shows the whole range.
     zoom: f32,
@@ -71,12 +71,12 @@ struct Found {
 
 impl ProfileView {
     /// Whether the curve is drawn at its final scale.
-    pub fn is_settled(&self) -> bool {
+    pub(crate) fn is_settled(&self) -> bool {
         self.scale.is_settled()
     }
 
     /// Draws the profile of the hovered ping, or else the selected one.
-    pub fn ui(&mut self, ui: &mut egui::Ui, context: &mut ViewContext<'_>) {
+    pub(crate) fn ui(&mut self, ui: &mut egui::Ui, context: &mut ViewContext<'_>) {
         let available = ui.available_size();
         // No taller than wide: a curve that is stretched upward hides how little most echoes differ.
         let height = available.y.min(available.x).max(LEAST_HEIGHT);

@@ -21,7 +21,7 @@ pub(super) struct Plot {
 
 impl Plot {
     /// A plot of both sides up to `far_m`.
-    pub fn new(rect: Rect, far_m: f64) -> Self {
+    pub(super) fn new(rect: Rect, far_m: f64) -> Self {
         let min = rect.min + vec2(SIDE, ABOVE);
         let max = rect.max - vec2(SIDE, BELOW);
         Self {
@@ -31,22 +31,22 @@ impl Plot {
     }
 
     /// Screen x of a slant range, port negative.
-    pub fn x(&self, across_m: f64) -> f32 {
+    pub(super) fn x(&self, across_m: f64) -> f32 {
         self.area.center().x + (across_m / self.far_m) as f32 * self.area.width() / 2.0
     }
 
     /// Inverse of [`Plot::x`].
-    pub fn across_m(&self, x: f32) -> f64 {
+    pub(super) fn across_m(&self, x: f32) -> f64 {
         f64::from((x - self.area.center().x) / (self.area.width() / 2.0)) * self.far_m
     }
 
     /// Screen y of a level, 0 to 1.
-    pub fn y(&self, level: f32) -> f32 {
+    pub(super) fn y(&self, level: f32) -> f32 {
         self.area.bottom() - level * self.area.height()
     }
 
     /// Inverse of [`Plot::y`], kept within 0 to 1.
-    pub fn level(&self, y: f32) -> f32 {
+    pub(super) fn level(&self, y: f32) -> f32 {
         ((self.area.bottom() - y) / self.area.height()).clamp(0.0, 1.0)
     }
 

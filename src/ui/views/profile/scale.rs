@@ -20,7 +20,7 @@ pub(super) struct ScaleJob(Background<Key, (Key, Normalisation)>);
 
 impl ScaleJob {
     /// The normalisation for the present settings; while it is measured, the last one, or the full scale of a sample.
-    pub fn of(&mut self, context: &ViewContext<'_>, survey: &Arc<Survey>) -> Normalisation {
+    pub(super) fn of(&mut self, context: &ViewContext<'_>, survey: &Arc<Survey>) -> Normalisation {
         let settings = &context.app.log.settings;
         let key = Key {
             survey_serial: context.app.view.survey_serial,
@@ -49,7 +49,7 @@ impl ScaleJob {
     }
 
     /// Whether the scale is that of the settings, or cannot be measured.
-    pub fn is_settled(&self) -> bool {
+    pub(super) fn is_settled(&self) -> bool {
         !self.0.is_running()
     }
 }

@@ -23,7 +23,7 @@ pub(super) struct BottomPen {
 impl BottomPen {
     /// Follows a drag with the pen in hand; returns whether the drag draws and must not move the picture. The middle button
     /// and Space move the picture in any tool.
-    pub fn follow(
+    pub(super) fn follow(
         &mut self,
         ui: &Ui,
         response: &Response,
@@ -60,7 +60,7 @@ impl BottomPen {
     }
 
     /// Draws the stroke under way.
-    pub fn draw(&self, painter: &Painter, lens: &Lens, app: &App) {
+    pub(super) fn draw(&self, painter: &Painter, lens: &Lens, app: &App) {
         let Some(stroke) = &self.stroke else {
             return;
         };

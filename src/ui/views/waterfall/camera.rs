@@ -104,7 +104,7 @@ pub(super) struct Camera {
 impl Camera {
     /// The whole range across, and one to one from the first ping on; where the boat's speed is not known all pings, or as many from
     /// the first as can be distinguished.
-    pub fn start(extent: &Extent, size: Size) -> Self {
+    pub(super) fn start(extent: &Extent, size: Size) -> Self {
         let mut camera = Self::default();
         camera.fit(extent, size);
         if let Some(ping_m) = extent.ping_m {
@@ -124,14 +124,14 @@ impl Camera {
     }
 
     /// Everything, stretched as the view is.
-    pub fn fit(&mut self, extent: &Extent, size: Size) {
+    pub(super) fn fit(&mut self, extent: &Extent, size: Size) {
         self.is_one_to_one = false;
         self.along.fit(0.0, extent.pings, size.along);
         self.across.fit(extent.near_m, extent.far_m, size.across);
     }
 
     /// What is in view: first and last ping, and ends across, metres.
-    pub fn seen(&self, size: Size) -> [f64; 4] {
+    pub(super) fn seen(&self, size: Size) -> [f64; 4] {
         let ends = |axis: &Axis, points: f64| {
             let half = 0.5 * axis.per_point * points;
             [axis.centre - half, axis.centre + half]
@@ -142,7 +142,7 @@ impl Camera {
     }
 
     /// Shows what [`Camera::seen`] gave of another frame.
-    pub fn show(&mut self, [from, to, port, starboard]: [f64; 4], size: Size) {
+    pub(super) fn show(&mut self, [from, to, port, starboard]: [f64; 4], size: Size) {
         self.along.fit(from, to, size.along);
         self.across.fit(port, starboard, size.across);
         self.along.fitted = false;
@@ -151,7 +151,7 @@ impl Camera {
     }
 
     /// Exactly these pings.
-    pub fn show_pings(&mut self, pings: &Range<usize>, size: Size) {
+    pub(super) fn show_pings(&mut self, pings: &Range<usize>, size: Size) {
         self.is_one_to_one = false;
         self.along
             .fit(pings.start as f64, pings.end as f64, size.along);
@@ -159,7 +159,7 @@ impl Camera {
     }
 
     /// Moves so that a ping is in the middle, unless it is well in view.
-    pub fn reveal(&mut self, ping: f64, size: Size) {
+    pub(super) fn reveal(&mut self, ping: f64, size: Size) {
         let half = self.along.per_point * size.along / 2.0;
         if (ping - self.along.centre).abs() > 0.95 * half {
             self.along.centre = ping;
@@ -168,14 +168,14 @@ impl Camera {
     }
 
     /// Moves along so that the end of the log lies at the edge of the view; a view of the whole log stays one.
-    pub fn show_end(&mut self, pings: f64, size: Size) {
+    pub(super) fn show_end(&mut self, pings: f64, size: Size) {
         if !self.along.fitted {
             self.along.centre = pings - 0.5 * self.along.per_point * size.along;
         }
     }
 
     /// Sees along the track what another part of the view sees, which this one leads where the other has not looked anywhere yet.
-    pub fn share_along(&mut self, other: &mut Self, extent: &Extent, size: Size) {
+    pub(super) fn share_along(&mut self, other: &mut Self, extent: &Extent, size: Size) {
         if other.along.per_point <= 0.0 {
             self.settle(extent, size);
             other.along = self.along;
@@ -186,7 +186,7 @@ impl Camera {
     }
 
     /// Follows another part of the view along the track.
-    pub fn take_along(&mut self, other: &Self) {
+    pub(super) fn take_along(&mut self, other: &Self) {
         if self.along.per_point != other.along.per_point {
             self.is_one_to_one = false;
         }
@@ -194,7 +194,7 @@ impl Camera {
     }
 
     /// Keeps the range across on the picture, whatever is seen along the track.
-    pub fn settle_across(&mut self, extent: &Extent, size: Size) {
+    pub(super) fn settle_across(&mut self, extent: &Extent, size: Size) {
         let finest_m = extent.bin_m / LARGEST_TEXEL;
         self.across
             .settle(extent.near_m, extent.far_m, size.across, finest_m);
@@ -202,7 +202,7 @@ impl Camera {
 
     /// Shows these pings and ranges so that they fill about a third of the view, a metre along as long as one across where it is known
     /// how many metres a ping is.
-    pub fn close_up(
+    pub(super) fn close_up(
         &mut self,
         pings: [f64; 2],
         across_m: [f64; 2],
@@ -222,7 +222,7 @@ impl Camera {
     }
 
     /// Brings these pings and ranges into the middle where they are not well in view; the scale stays.
-    pub fn bring_in(&mut self, pings: [f64; 2], across_m: [f64; 2], size: Size) {
+    pub(super) fn bring_in(&mut self, pings: [f64; 2], across_m: [f64; 2], size: Size) {
         self.along.bring_in(pings, size.along);
         self.across.bring_in(across_m, size.across);
     }
@@ -241,7 +241,7 @@ impl Camera {
 
     /// Shows these pings and ranges in the middle with a sample to a point of the screen, a metre along as long as one across where it
     /// is known how many metres a ping is; smaller where they would fill more than half of the view.
-    pub fn sample_to_point(
+    pub(super) fn sample_to_point(
         &mut self,
         (pings, across_m): ([f64; 2], [f64; 2]),
         metres_per_ping: Option<f64>,
@@ -261,14 +261,14 @@ impl Camera {
     }
 
     /// Makes a metre along the track as long as one across by the speed at a ping, which comes into the middle.
-    pub fn equal_scales(&mut self, metres_per_ping: f64, ping: f64) {
+    pub(super) fn equal_scales(&mut self, metres_per_ping: f64, ping: f64) {
         self.is_one_to_one = true;
         self.ping_m = Some(metres_per_ping);
         self.along.centre = ping;
     }
 
     /// One to one by the usual speed, with what is in the middle staying there; from there everything along the track.
-    pub fn toggle_one_to_one(&mut self, extent: &Extent, size: Size) {
+    pub(super) fn toggle_one_to_one(&mut self, extent: &Extent, size: Size) {
         self.ping_m = None;
         match self.is_one_to_one {
             true => {
@@ -280,13 +280,13 @@ impl Camera {
     }
 
     /// How many times longer a metre along is drawn than one across, where the boat's speed is known.
-    pub fn stretch(&self, extent: &Extent) -> Option<f64> {
+    pub(super) fn stretch(&self, extent: &Extent) -> Option<f64> {
         let ping_m = self.ping_m.or(extent.ping_m)?;
         Some(self.across.per_point / (self.along.per_point * ping_m))
     }
 
     /// Enlarges about a place, `offset` points from the middle.
-    pub fn zoom(&mut self, factor: Size, offset: Size) {
+    pub(super) fn zoom(&mut self, factor: Size, offset: Size) {
         if factor.along != factor.across {
             self.is_one_to_one = false;
         }
@@ -299,7 +299,7 @@ impl Camera {
     }
 
     /// Moves the picture by screen points.
-    pub fn pan(&mut self, by: Size) {
+    pub(super) fn pan(&mut self, by: Size) {
         if by.along != 0.0 {
             self.along.centre -= by.along * self.along.per_point;
             self.along.fitted = false;
@@ -311,7 +311,7 @@ impl Camera {
     }
 
     /// Keeps the camera on the picture; fits again what follows the window's size.
-    pub fn settle(&mut self, extent: &Extent, size: Size) {
+    pub(super) fn settle(&mut self, extent: &Extent, size: Size) {
         self.settle_across(extent, size);
         let ping_m = self.ping_m.or(extent.ping_m);
         match ping_m.filter(|_| self.is_one_to_one) {
@@ -336,7 +336,7 @@ pub(super) struct Size {
 
 impl Size {
     /// A screen vector read in an orientation.
-    pub fn of(vector: Vec2, orientation: Orientation) -> Self {
+    pub(super) fn of(vector: Vec2, orientation: Orientation) -> Self {
         let (x, y) = (f64::from(vector.x), f64::from(vector.y));
         match orientation {
             Orientation::Horizontal => Self {

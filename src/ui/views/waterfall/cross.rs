@@ -14,7 +14,7 @@ pub(super) struct Cross {
 
 impl Cross {
     /// Moves it by the keys of this frame; whether they moved it.
-    pub fn follow(
+    pub(super) fn follow(
         &mut self,
         ui: &mut Ui,
         response: &Response,
@@ -41,18 +41,18 @@ impl Cross {
     }
 
     /// Where it stands, or else the pointer.
-    pub fn or_pointer(&self, response: &Response, lens: &Lens) -> Option<Place> {
+    pub(super) fn or_pointer(&self, response: &Response, lens: &Lens) -> Option<Place> {
         let under = response.hover_pos().map(|at| lens.place_at(at));
         self.place.or(under)
     }
 
     /// Where it stands.
-    pub fn place(&self) -> Option<Place> {
+    pub(super) fn place(&self) -> Option<Place> {
         self.place
     }
 
     /// Draws it.
-    pub fn draw(&self, painter: &Painter, lens: &Lens) {
+    pub(super) fn draw(&self, painter: &Painter, lens: &Lens) {
         let Some(place) = self.place else {
             return;
         };

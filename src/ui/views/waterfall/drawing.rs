@@ -38,7 +38,7 @@ pub(super) struct Drawing {
 
 impl Drawing {
     /// Starts the worker, which wakes the window when something arrives.
-    pub fn start(survey: Arc<Survey>, survey_serial: u64, ctx: &egui::Context) -> Self {
+    pub(super) fn start(survey: Arc<Survey>, survey_serial: u64, ctx: &egui::Context) -> Self {
         let ctx = ctx.clone();
         let waker = move || ctx.request_repaint_after(std::time::Duration::from_millis(1));
         Self {
@@ -59,12 +59,12 @@ impl Drawing {
     }
 
     /// The picture's extent, once it is known.
-    pub fn axis(&self) -> Option<RangeAxis> {
+    pub(super) fn axis(&self) -> Option<RangeAxis> {
         self.axis.flatten()
     }
 
     /// Goes on with a later state of the survey, if it is one.
-    pub fn follow(&mut self, survey: &Arc<Survey>) {
+    pub(super) fn follow(&mut self, survey: &Arc<Survey>) {
         if !Arc::ptr_eq(&self.survey, survey) {
             self.survey = survey.clone();
             self.tiler.grow(survey.clone());
@@ -72,7 +72,7 @@ impl Drawing {
     }
 
     /// Collects what arrived; asks for lines when the first returns are others than before.
-    pub fn poll(&mut self, returns: Option<&Arc<FirstReturns>>) {
+    pub(super) fn poll(&mut self, returns: Option<&Arc<FirstReturns>>) {
         // Asked before what it has sent is taken: what it sent last is here then.
         let has_ended = self.tiler.has_ended();
         while let Some(made) = self.tiler.poll() {
@@ -110,7 +110,7 @@ impl Drawing {
     }
 
     /// Copies a few of the tiles that arrived to the GPU.
-    pub fn upload(&mut self, mut upload: impl FnMut([u32; 2], &[[u8; 2]]) -> TileTexture) {
+    pub(super) fn upload(&mut self, mut upload: impl FnMut([u32; 2], &[[u8; 2]]) -> TileTexture) {
         for tile in self.arrived.drain(..self.arrived.len().min(UPLOADS)) {
             if !tile.texels.is_empty() {
                 let size = [tile.width as u32, tile.height as u32];
@@ -121,12 +121,12 @@ impl Drawing {
     }
 
     /// Whether tiles wait for the next frame.
-    pub fn has_uploads(&self) -> bool {
+    pub(super) fn has_uploads(&self) -> bool {
         !self.arrived.is_empty()
     }
 
     /// The tiles to draw; asks the worker for those that are missing.
-    pub fn plan(
+    pub(super) fn plan(
         &mut self,
         lens: &Lens,
         picture: Option<&LogPicture>,
@@ -144,7 +144,7 @@ impl Drawing {
     }
 
     /// Whether nothing more is expected from the worker.
-    pub fn is_settled(&self) -> bool {
+    pub(super) fn is_settled(&self) -> bool {
         let picks_made = match (&self.requested_returns, &self.picks) {
             (None, _) => true,
             (Some(requested), Some(made)) => Arc::ptr_eq(requested, &made.returns),

@@ -40,7 +40,7 @@ struct Shown {
 
 impl EchogramPart {
     /// Parts of the view for the side-scan and for the channel; one of them may have no size.
-    pub fn divide(
+    pub(super) fn divide(
         &mut self,
         whole: Rect,
         ctx: &egui::Context,
@@ -113,7 +113,7 @@ impl EchogramPart {
 
     /// Draws it over the pings that `along` sees, and moves that by what is done here; `side_scan` is the drawing of the log's first
     /// returns. Returns whether everything is drawn.
-    pub fn ui(
+    pub(super) fn ui(
         &mut self,
         ui: &mut Ui,
         rect: Rect,

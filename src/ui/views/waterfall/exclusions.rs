@@ -37,7 +37,7 @@ pub(super) fn in_view(lens: &Lens, app: &App) -> Vec<Veiled> {
 
 impl Veiled {
     /// Draws the veil: what lies under it stays readable.
-    pub fn draw(&self, painter: &Painter) {
+    pub(super) fn draw(&self, painter: &Painter) {
         veil(painter, self.area);
         for edge in self.edges {
             painter.line_segment(edge, Stroke::new(1.0, Color32::from_white_alpha(150)));
@@ -45,7 +45,7 @@ impl Veiled {
     }
 
     /// Writes why at its end.
-    pub fn label(&self, labels: &mut Labels<'_>) {
+    pub(super) fn label(&self, labels: &mut Labels<'_>) {
         let reason = self.reason.name();
         let text = match self.area.width() < WORDY {
             true => reason.to_owned(),

@@ -106,7 +106,7 @@ fn stretch(lens: &Lens, pings: &Range<usize>, kind: Kind, name: String) -> Optio
 impl Stretch {
     /// Draws it: two lines across the picture for that of the calibration and the proposed one, a bar along the nadir for the others. The
     /// echoes between stay as they are.
-    pub fn draw(&self, painter: &Painter) {
+    pub(super) fn draw(&self, painter: &Painter) {
         let colour = self.colour();
         if self.kind == Kind::Ranked {
             painter.rect_filled(self.nadir.expand(1.0), 1.0, Color32::from_black_alpha(150));
@@ -128,7 +128,7 @@ impl Stretch {
     }
 
     /// Writes its name at its beginning or, for a bar, on its middle.
-    pub fn label(&self, labels: &mut Labels<'_>) {
+    pub(super) fn label(&self, labels: &mut Labels<'_>) {
         let (at, anchor) = match self.kind {
             Kind::Ranked => (self.nadir.center(), Align2::CENTER_CENTER),
             Kind::InUse => (self.area.left_top() + vec2(5.0, 4.0), Align2::LEFT_TOP),

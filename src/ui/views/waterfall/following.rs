@@ -16,7 +16,7 @@ pub(super) struct NewestPing {
 
 impl NewestPing {
     /// Moves along by what was added where the newest ping was in view; goes to it when a log begins to be followed.
-    pub fn keep(&mut self, camera: &mut Camera, extent: &Extent, size: Size, app: &App) {
+    pub(super) fn keep(&mut self, camera: &mut Camera, extent: &Extent, size: Size, app: &App) {
         let begins =
             std::mem::replace(&mut self.serial, app.follow_serial()) != app.follow_serial();
         if !app.is_following() {
@@ -28,7 +28,7 @@ impl NewestPing {
     }
 
     /// Notes whether the newest ping is in view now.
-    pub fn note(&mut self, camera: &Camera, extent: &Extent, size: Size) {
+    pub(super) fn note(&mut self, camera: &Camera, extent: &Extent, size: Size) {
         let [from, to, ..] = camera.seen(size);
         let is_seen = to >= extent.pings - NEAR * (to - from);
         self.seen = is_seen.then_some(extent.pings);

@@ -20,7 +20,7 @@ pub(super) struct Labels<'a> {
 
 impl<'a> Labels<'a> {
     /// Nothing written yet.
-    pub fn new(painter: &'a Painter) -> Self {
+    pub(super) fn new(painter: &'a Painter) -> Self {
         Self {
             painter,
             taken: Vec::new(),
@@ -28,12 +28,12 @@ impl<'a> Labels<'a> {
     }
 
     /// Keeps words off a place that is taken by something else.
-    pub fn keep_clear(&mut self, area: Rect) {
+    pub(super) fn keep_clear(&mut self, area: Rect) {
         self.taken.push(area);
     }
 
     /// Writes a word if there is room.
-    pub fn write(&mut self, at: Pos2, anchor: Align2, text: &str, ink: Color32) {
+    pub(super) fn write(&mut self, at: Pos2, anchor: Align2, text: &str, ink: Color32) {
         let (galley, rect) = lay_out(self.painter, at, anchor, text);
         let ground = ground(rect);
         let apart = ground.expand(APART);

@@ -23,7 +23,7 @@ pub(super) struct Place {
 
 impl Place {
     /// The side it lies on.
-    pub fn side(&self) -> Side {
+    pub(super) fn side(&self) -> Side {
         if self.across_m < 0.0 {
             Side::Port
         } else {
@@ -57,7 +57,7 @@ pub(super) struct Arrangement {
 
 impl Arrangement {
     /// A screen vector as pings and metres run.
-    pub fn size(&self, vector: egui::Vec2) -> Size {
+    pub(super) fn size(&self, vector: egui::Vec2) -> Size {
         let size = Size::of(vector, self.orientation);
         Size {
             along: if self.flip { -size.along } else { size.along },
@@ -79,7 +79,7 @@ pub(super) struct Lens {
 impl Lens {
     /// Slant ranges, port first.
     #[cfg(test)]
-    pub fn new(camera: Camera, rect: Rect, orientation: Orientation) -> Self {
+    pub(super) fn new(camera: Camera, rect: Rect, orientation: Orientation) -> Self {
         let arrangement = Arrangement {
             orientation,
             ..Arrangement::default()
@@ -88,7 +88,7 @@ impl Lens {
     }
 
     /// What is laid out in some way.
-    pub fn arranged(camera: Camera, rect: Rect, arrangement: &Arrangement) -> Self {
+    pub(super) fn arranged(camera: Camera, rect: Rect, arrangement: &Arrangement) -> Self {
         Self {
             rect,
             orientation: arrangement.orientation,
@@ -99,7 +99,7 @@ impl Lens {
     }
 
     /// What lies across.
-    pub fn geometry(&self) -> Geometry {
+    pub(super) fn geometry(&self) -> Geometry {
         match self.arrangement.scales {
             Some(_) => self.arrangement.geometry,
             None => Geometry::Slant,
@@ -107,29 +107,29 @@ impl Lens {
     }
 
     /// Whether later pings lie to the left, or above.
-    pub fn is_flipped(&self) -> bool {
+    pub(super) fn is_flipped(&self) -> bool {
         self.arrangement.flip
     }
 
     /// Whether a side is the upper or left one.
-    pub fn is_first(&self, side: Side) -> bool {
+    pub(super) fn is_first(&self, side: Side) -> bool {
         (side == Side::Port) != self.arrangement.starboard_first
     }
 
     /// Pings at both ends, fractions included; may lie beyond the survey's.
-    pub fn pings(&self) -> Range<f64> {
+    pub(super) fn pings(&self) -> Range<f64> {
         let half = self.camera.along.per_point * self.size.along / 2.0;
         self.camera.along.centre - half..self.camera.along.centre + half
     }
 
     /// What is shown across at both ends, metres from the middle, negative on the side that is first.
-    pub fn metres(&self) -> Range<f64> {
+    pub(super) fn metres(&self) -> Range<f64> {
         let half = self.camera.across.per_point * self.size.across / 2.0;
         self.camera.across.centre - half..self.camera.across.centre + half
     }
 
     /// Distances from the middle that are seen of a side, metres; empty where none is.
-    pub fn seen_of(&self, side: Side) -> Range<f64> {
+    pub(super) fn seen_of(&self, side: Side) -> Range<f64> {
         let metres = self.metres();
         let seen = match self.is_first(side) {
             true => -metres.end..-metres.start,
@@ -139,17 +139,17 @@ impl Lens {
     }
 
     /// Pings in a screen point.
-    pub fn pings_per_point(&self) -> f64 {
+    pub(super) fn pings_per_point(&self) -> f64 {
         self.camera.along.per_point
     }
 
     /// Metres in a screen point.
-    pub fn metres_per_point(&self) -> f64 {
+    pub(super) fn metres_per_point(&self) -> f64 {
         self.camera.across.per_point
     }
 
     /// The pings in view that exist.
-    pub fn visible(&self, pings: usize) -> Range<usize> {
+    pub(super) fn visible(&self, pings: usize) -> Range<usize> {
         let seen = self.pings();
         let end = (seen.end.ceil().max(0.0) as usize).min(pings);
         (seen.start.floor().max(0.0) as usize).min(end)..end
@@ -163,7 +163,7 @@ impl Lens {
     }
 
     /// How far from the middle a recorded range of a side is shown at a ping, metres.
-    pub fn distance_m(&self, side: Side, ping: f64, range_m: f64) -> f64 {
+    pub(super) fn distance_m(&self, side: Side, ping: f64, range_m: f64) -> f64 {
         match self.geometry() {
             Geometry::Slant => range_m,
             geometry => self.scale(side, ping).across_m(geometry, range_m),
@@ -171,14 +171,14 @@ impl Lens {
     }
 
     /// Screen position of a place.
-    pub fn screen_at(&self, place: Place) -> Pos2 {
+    pub(super) fn screen_at(&self, place: Place) -> Pos2 {
         let side = place.side();
         let shown_m = self.distance_m(side, place.ping, place.across_m.abs());
         self.at(place.ping, self.signed_m(side, shown_m))
     }
 
     /// A distance from the middle with the sign of where its side is shown.
-    pub fn signed_m(&self, side: Side, shown_m: f64) -> f64 {
+    pub(super) fn signed_m(&self, side: Side, shown_m: f64) -> f64 {
         match self.is_first(side) {
             true => -shown_m,
             false => shown_m,
@@ -186,7 +186,7 @@ impl Lens {
     }
 
     /// Screen position of a ping at metres from the middle as shown, negative on the side that is first.
-    pub fn at(&self, ping: f64, shown_m: f64) -> Pos2 {
+    pub(super) fn at(&self, ping: f64, shown_m: f64) -> Pos2 {
         let Camera { along, across, .. } = &self.camera;
         let centre = self.rect.center();
         let sign = if self.arrangement.flip { -1.0 } else { 1.0 };
@@ -199,7 +199,7 @@ impl Lens {
     }
 
     /// Place at a screen position.
-    pub fn place_at(&self, position: Pos2) -> Place {
+    pub(super) fn place_at(&self, position: Pos2) -> Place {
         let offset = self.offset(position);
         let Camera { along, across, .. } = &self.camera;
         let ping = along.centre + offset.along * along.per_point;
@@ -222,18 +222,18 @@ impl Lens {
     }
 
     /// Points from the middle of the rectangle, as pings and metres run.
-    pub fn offset(&self, position: Pos2) -> Size {
+    pub(super) fn offset(&self, position: Pos2) -> Size {
         self.arrangement.size(position - self.rect.center())
     }
 
     /// The line across the picture at a ping.
-    pub fn line_at_ping(&self, ping: f64) -> [Pos2; 2] {
+    pub(super) fn line_at_ping(&self, ping: f64) -> [Pos2; 2] {
         let metres = self.metres();
         [metres.start, metres.end].map(|shown_m| self.at(ping, shown_m))
     }
 
     /// The line along the picture at a signed range as recorded: straight, but where altitudes bend it.
-    pub fn line_at_range(&self, across_m: f64) -> Vec<Pos2> {
+    pub(super) fn line_at_range(&self, across_m: f64) -> Vec<Pos2> {
         let pings = self.pings();
         let steps = match self.geometry() {
             Geometry::Slant => 1,
@@ -252,7 +252,7 @@ impl Lens {
     }
 
     /// The straight line along the picture at a distance from the middle as shown.
-    pub fn line_at_distance(&self, side: Side, shown_m: f64) -> [Pos2; 2] {
+    pub(super) fn line_at_distance(&self, side: Side, shown_m: f64) -> [Pos2; 2] {
         let pings = self.pings();
         let shown_m = self.signed_m(side, shown_m);
         [pings.start, pings.end].map(|ping| self.at(ping, shown_m))

@@ -28,12 +28,12 @@ pub(super) struct MeasureTool {
 
 impl MeasureTool {
     /// Sets a corner in the next frame.
-    pub fn set_corner(&mut self) {
+    pub(super) fn set_corner(&mut self) {
         self.wants_corner = true;
     }
 
     /// Follows pointer and keys with a measuring tool in hand; returns whether a drag must not move the picture.
-    pub fn follow(
+    pub(super) fn follow(
         &mut self,
         ui: &mut Ui,
         response: &Response,
@@ -84,7 +84,7 @@ impl MeasureTool {
     }
 
     /// Draws what is measured in this log, on to the next corner while it is drawn.
-    pub fn draw(&self, painter: &Painter, lens: &Lens, app: &App) {
+    pub(super) fn draw(&self, painter: &Painter, lens: &Lens, app: &App) {
         if app.map.measuring.tool.is_some() {
             self.cross.draw(painter, lens);
         }
@@ -98,7 +98,7 @@ impl MeasureTool {
     }
 
     /// The strip that says what is measured, where it was measured in a waterfall.
-    pub fn strip(&self, ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect) {
+    pub(super) fn strip(&self, ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect) {
         let shown = self.shown(context.app);
         if let Some(shown) = shown.filter(|shown| !shown.picks.is_empty()) {
             measured::strip(ui, context, rect, &shown);
@@ -106,7 +106,7 @@ impl MeasureTool {
     }
 
     /// What the figure in hand covers of the screen; `None` while nothing is drawn.
-    pub fn area(&self, lens: &Lens, app: &App) -> Option<Rect> {
+    pub(super) fn area(&self, lens: &Lens, app: &App) -> Option<Rect> {
         let shown = self.shown(app).filter(|_| app.map.measuring.is_drawing())?;
         let places = on_screen(lens, app, &shown);
         let points: Vec<Pos2> = places.into_iter().map(|(_, at)| at).collect();

@@ -24,7 +24,7 @@ mod stretch_tool;
 mod tiles;
 mod tone;
 
-pub use boxes::outline;
+pub(crate) use boxes::outline;
 
 use super::tool_banner;
 use crate::app::{App, ColourMap, Command, Enlarged, Mark, Orientation, Tool, View};
@@ -45,7 +45,7 @@ use std::sync::Arc;
 
 /// State of the waterfall view: where it looks, and what is drawn of the open survey.
 #[derive(Default)]
-pub struct WaterfallView {
+pub(crate) struct WaterfallView {
     drawing: Option<Drawing>,
     gpu: Option<Gpu>,
     camera: Option<Camera>,
@@ -82,7 +82,7 @@ struct Gpu {
 
 impl WaterfallView {
     /// Draws the view into all of `ui` and pushes what the analyst does in it.
-    pub fn ui(&mut self, ui: &mut egui::Ui, context: &mut ViewContext<'_>) {
+    pub(crate) fn ui(&mut self, ui: &mut egui::Ui, context: &mut ViewContext<'_>) {
         let whole = ui
             .available_rect_before_wrap()
             .round_to_pixels(ui.pixels_per_point());
@@ -240,29 +240,29 @@ impl WaterfallView {
     }
 
     /// Sets a corner of what is measured where the pointer or the cross is.
-    pub fn set_corner(&mut self) {
+    pub(crate) fn set_corner(&mut self) {
         self.measure.set_corner();
     }
 
     /// Carries out a request from menu, key or palette.
-    pub fn request(&mut self, request: ViewRequest) {
+    pub(crate) fn request(&mut self, request: ViewRequest) {
         self.requests.push(Request::View(request));
         self.settled = false;
     }
 
     /// Whether everything on screen is drawn at its final quality.
-    pub fn is_settled(&self) -> bool {
+    pub(crate) fn is_settled(&self) -> bool {
         self.settled
     }
 
     /// Shows exactly these pings (`snapshot --pings`).
-    pub fn show_pings(&mut self, pings: Range<usize>) {
+    pub(crate) fn show_pings(&mut self, pings: Range<usize>) {
         self.requests.push(Request::Pings(pings));
         self.settled = false;
     }
 
     /// A view that looks at the same pings and ranges, in a frame of any size.
-    pub fn for_picture(&self) -> Self {
+    pub(crate) fn for_picture(&self) -> Self {
         Self {
             aim: self
                 .camera

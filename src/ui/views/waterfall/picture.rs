@@ -16,7 +16,7 @@ pub(super) struct PictureCallback {
 
 impl PictureCallback {
     /// Adds it to what is painted; `has_uploads` says that tiles wait for the next frame.
-    pub fn add_to(self, painter: &Painter, rect: Rect, has_uploads: bool) {
+    pub(super) fn add_to(self, painter: &Painter, rect: Rect, has_uploads: bool) {
         if has_uploads {
             // Not "at once": a harness that waits for stillness may stop here and look again later.
             let soon = Duration::from_millis(1);

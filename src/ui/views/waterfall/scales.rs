@@ -39,7 +39,7 @@ struct RangeLine {
 
 impl RangeLines {
     /// The lines that a lens sees of a picture `far_m` wide on each side.
-    pub fn in_view(
+    pub(super) fn in_view(
         lens: &Lens,
         survey: &Survey,
         reduction: Reduction<'_>,
@@ -61,7 +61,7 @@ impl RangeLines {
     }
 
     /// Draws the lines.
-    pub fn draw(&self, painter: &Painter, ink: Color32) {
+    pub(super) fn draw(&self, painter: &Painter, ink: Color32) {
         for line in &self.lines {
             let stroke = Stroke::new(1.0, ink);
             match line.points.as_slice() {
@@ -73,7 +73,7 @@ impl RangeLines {
     }
 
     /// Writes their ranges where the picture begins.
-    pub fn label(&self, labels: &mut Labels<'_>, lens: &Lens) {
+    pub(super) fn label(&self, labels: &mut Labels<'_>, lens: &Lens) {
         let (anchor, shift) = match lens.orientation {
             Orientation::Horizontal => (Align2::LEFT_CENTER, vec2(6.0, 0.0)),
             Orientation::Vertical => (Align2::CENTER_TOP, vec2(0.0, 4.0)),

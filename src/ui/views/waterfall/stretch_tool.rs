@@ -96,7 +96,7 @@ fn ping_count(app: &App) -> usize {
 
 impl StretchTool {
     /// Follows a drag with one of the tools in hand; returns whether the drag must not move the picture.
-    pub fn follow(
+    pub(super) fn follow(
         &mut self,
         ui: &Ui,
         response: &Response,
@@ -137,7 +137,7 @@ impl StretchTool {
     }
 
     /// Draws the drag under way, with what it covers.
-    pub fn draw(&self, painter: &Painter, lens: &Lens, app: &App) {
+    pub(super) fn draw(&self, painter: &Painter, lens: &Lens, app: &App) {
         let Some(drag) = &self.drag else {
             return;
         };

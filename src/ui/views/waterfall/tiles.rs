@@ -33,13 +33,13 @@ pub(super) struct Plan {
 }
 
 impl TileSet {
-    pub fn new() -> Self {
+    pub(super) fn new() -> Self {
         Self {
             cache: Lru::new(BUDGET),
         }
     }
 
-    pub fn insert(&mut self, tile: &WaterfallTile, texture: TileTexture) {
+    pub(super) fn insert(&mut self, tile: &WaterfallTile, texture: TileTexture) {
         let resident = Resident {
             texture,
             completeness: tile.completeness,
@@ -49,7 +49,7 @@ impl TileSet {
     }
 
     /// Has tiles made again that reach beyond pings that stay as they are; drops all where none does.
-    pub fn outdate(&mut self, unchanged: Option<usize>) {
+    pub(super) fn outdate(&mut self, unchanged: Option<usize>) {
         match unchanged {
             Some(unchanged) => self.cache.change(|key, resident| {
                 if key.end_ping() > unchanged {
@@ -61,7 +61,7 @@ impl TileSet {
     }
 
     /// Chooses the tiles for what the lens sees. `pixels_per_point` decides how fine they must be.
-    pub fn plan(
+    pub(super) fn plan(
         &mut self,
         axis: &RangeAxis,
         lens: &Lens,

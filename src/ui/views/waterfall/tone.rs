@@ -29,7 +29,7 @@ pub(super) struct Uploaded {
 
 impl Uploaded {
     /// Whether it is of this.
-    pub fn is_of(&self, picture: Option<&Arc<LogPicture>>) -> bool {
+    pub(super) fn is_of(&self, picture: Option<&Arc<LogPicture>>) -> bool {
         match (&self.of, picture) {
             (None, None) => true,
             (Some(one), Some(other)) => Arc::ptr_eq(one, other),

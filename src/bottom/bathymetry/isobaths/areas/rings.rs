@@ -60,7 +60,7 @@ pub(super) fn closed(pieces: &[Piece]) -> Vec<Vec<Stop>> {
 
 /// Sorts rings: counter-clockwise ones are outlines, clockwise ones holes in the smallest outline around them. Rings without
 /// area are left out.
-pub fn polygons(rings: Vec<Vec<[f64; 2]>>) -> Vec<Polygon> {
+pub(crate) fn polygons(rings: Vec<Vec<[f64; 2]>>) -> Vec<Polygon> {
     let (mut outlines, mut holes) = (Vec::new(), Vec::new());
     for ring in rings.into_iter().filter(|ring| ring.len() > 3) {
         let area_m2 = signed_area(&ring);

@@ -20,7 +20,7 @@ const WIDTH: f32 = 166.0;
 const FIGURES: f32 = 116.0;
 
 /// Draws the curve, and the figures beside it. A click on the curve moves the slider there.
-pub fn ui(
+pub(super) fn ui(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,
     comparison: &TruthComparison,

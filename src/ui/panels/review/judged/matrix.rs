@@ -81,7 +81,7 @@ impl<'a> Grid<'a> {
 }
 
 /// Draws the grid; the cell under the pointer is described in its tooltip.
-pub fn ui(
+pub(super) fn ui(
     ui: &mut Ui,
     context: &ViewContext<'_>,
     comparison: &TruthComparison,

@@ -9,7 +9,7 @@ use crate::ui::{ViewContext, theme};
 use egui::{Button, RichText, Ui};
 
 /// Draws the list, how it is sorted, and the buttons that walk along it.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, comparison: &TruthComparison) {
+pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, comparison: &TruthComparison) {
     let reviewing = &context.app.log.reviewing;
     let mistakes = reviewing.judging.mistakes();
     if mistakes.is_empty() {

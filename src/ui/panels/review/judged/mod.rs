@@ -12,7 +12,7 @@ use crate::ui::{ViewContext, text};
 use egui::Ui;
 
 /// Draws the curve with the figures at the slider; nothing while there is no truth.
-pub fn at_slider(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub(super) fn at_slider(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let judging = &context.app.log.reviewing.judging;
     let (Some(comparison), Some(standing)) = (judging.comparison(), judging.standing()) else {
         return;
@@ -28,7 +28,7 @@ pub fn at_slider(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 /// Draws the section of mistakes; nothing while there is no truth.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let app = context.app;
     let judging = &app.log.reviewing.judging;
     let (Some(comparison), Some(standing)) = (judging.comparison(), judging.standing()) else {

@@ -3,8 +3,8 @@
 mod labels;
 pub(super) mod layer;
 
-pub use labels::{Labels, octave};
-pub use layer::IsobathLayer;
+pub(crate) use labels::{Labels, octave};
+pub(crate) use layer::IsobathLayer;
 
 use super::lines::{LinePicture, Pen};
 use super::scene::Scene;
@@ -34,7 +34,7 @@ fn pen(theme: ThemeChoice, is_index: bool) -> Pen {
 }
 
 /// Draws the lines, and their depths where the labels for about this zoom are there.
-pub fn show(
+pub(super) fn show(
     picture: &mut LinePicture<IsobathLayer>,
     painter: &Painter,
     state: Option<&RenderState>,

@@ -9,7 +9,7 @@ use crate::ui::views::{legend, measured};
 use egui::{Align2, Painter, Pos2, Shape, Stroke, vec2};
 
 /// Line, corners, and the numbers beside the last one.
-pub fn paint(painter: &Painter, scene: &Scene<'_>, app: &App, figure: &Measurement) {
+pub(super) fn paint(painter: &Painter, scene: &Scene<'_>, app: &App, figure: &Measurement) {
     let navigation = &scene.products.navigation;
     let place =
         |at: &crate::support::geo::LonLat| scene.at(navigation.to_plane(&scene.survey.track, *at));
@@ -39,7 +39,7 @@ pub fn paint(painter: &Painter, scene: &Scene<'_>, app: &App, figure: &Measureme
 }
 
 /// The cross that the arrow keys move.
-pub fn cross(painter: &Painter, scene: &Scene<'_>, place: [f64; 2]) {
+pub(super) fn cross(painter: &Painter, scene: &Scene<'_>, place: [f64; 2]) {
     let at = scene.at(place);
     let stroke = Stroke::new(1.5, theme::measure_colour());
     for arm in [vec2(9.0, 0.0), vec2(0.0, 9.0)] {
@@ -49,7 +49,7 @@ pub fn cross(painter: &Painter, scene: &Scene<'_>, place: [f64; 2]) {
 }
 
 /// The place that the pointer is at in the plot.
-pub fn station(painter: &Painter, scene: &Scene<'_>, station: &Station) {
+pub(super) fn station(painter: &Painter, scene: &Scene<'_>, station: &Station) {
     let at = scene.at(station.place);
     painter.circle_stroke(
         at,

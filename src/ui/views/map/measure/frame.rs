@@ -10,7 +10,7 @@ use egui::{Align2, Painter, Pos2, Rect, Stroke, pos2, vec2};
 const ROOM: [f32; 2] = [40.0, 18.0];
 
 /// Between metres and the screen.
-pub struct ProfileTransform {
+pub(super) struct ProfileTransform {
     /// Where the curve lies.
     pub area: Rect,
     length_m: f64,
@@ -20,7 +20,7 @@ pub struct ProfileTransform {
 
 impl ProfileTransform {
     /// Holds all of a line, with room above and below its depths; `None` while there is no depth on it, or no place for it.
-    pub fn new(rect: Rect, stations: &[Station]) -> Option<Self> {
+    pub(super) fn new(rect: Rect, stations: &[Station]) -> Option<Self> {
         let length_m = stations.last()?.distance_m;
         let depths = || {
             stations
@@ -42,24 +42,24 @@ impl ProfileTransform {
     }
 
     /// Where a distance lies.
-    pub fn x(&self, distance_m: f64) -> f32 {
+    pub(super) fn x(&self, distance_m: f64) -> f32 {
         self.area.left() + (distance_m / self.length_m) as f32 * self.area.width()
     }
 
     /// Inverse of [`ProfileTransform::x`], kept on the line.
-    pub fn distance_m(&self, x: f32) -> f64 {
+    pub(super) fn distance_m(&self, x: f32) -> f64 {
         let share = (x - self.area.left()) / self.area.width();
         f64::from(share.clamp(0.0, 1.0)) * self.length_m
     }
 
     /// Where a depth lies.
-    pub fn y(&self, depth_m: f64) -> f32 {
+    pub(super) fn y(&self, depth_m: f64) -> f32 {
         let [top_m, bottom_m] = self.depths_m;
         self.area.top() + ((depth_m - top_m) / (bottom_m - top_m)) as f32 * self.area.height()
     }
 
     /// Where a station lies.
-    pub fn at(&self, station: &Station) -> Option<Pos2> {
+    pub(super) fn at(&self, station: &Station) -> Option<Pos2> {
         Some(pos2(
             self.x(station.distance_m),
             self.y(f64::from(station.depth_m?)),
@@ -67,14 +67,14 @@ impl ProfileTransform {
     }
 
     /// How much steeper the plot is than the bed.
-    pub fn exaggeration(&self) -> f64 {
+    pub(super) fn exaggeration(&self) -> f64 {
         let [top_m, bottom_m] = self.depths_m;
         let down = f64::from(self.area.height()) / (bottom_m - top_m);
         down * self.length_m / f64::from(self.area.width())
     }
 
     /// Lines and numbers.
-    pub fn axes(&self, painter: &Painter, options: &ViewOptions, corners_m: &[f64]) {
+    pub(super) fn axes(&self, painter: &Painter, options: &ViewOptions, corners_m: &[f64]) {
         let ink = theme::plot_ink(options);
         let faint = Stroke::new(1.0, ink.gamma_multiply(0.2));
         let write = |at: Pos2, anchor: Align2, text: String| {

@@ -15,11 +15,11 @@ use crate::ui::ViewContext;
 use crate::ui::views::measured;
 use egui::{Pos2, Rect, Response, Ui};
 
-pub use profile::split;
+pub(crate) use profile::split;
 
 /// What the view keeps between frames for measuring.
 #[derive(Default)]
-pub struct MeasureTool {
+pub(super) struct MeasureTool {
     /// Where the arrow keys have moved the cross, metres; the pointer takes over when it moves.
     cross: Option<[f64; 2]>,
     /// A corner was asked for by key.
@@ -32,12 +32,12 @@ pub struct MeasureTool {
 
 impl MeasureTool {
     /// Sets a corner in the next frame.
-    pub fn set_corner(&mut self) {
+    pub(super) fn set_corner(&mut self) {
         self.wants_corner = true;
     }
 
     /// Draws on, paints and says what is measured; called while the map is drawn.
-    pub fn ui(
+    pub(super) fn ui(
         &mut self,
         ui: &mut Ui,
         context: &mut ViewContext<'_>,
@@ -69,7 +69,7 @@ impl MeasureTool {
     }
 
     /// Draws the plot of the depth profile into its part of the view.
-    pub fn plot(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect) {
+    pub(super) fn plot(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect) {
         let mut hovered_m = self.hovered_m;
         profile::ui(ui, context, rect, &mut hovered_m);
         if self.hovered_m != hovered_m {

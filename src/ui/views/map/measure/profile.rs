@@ -14,7 +14,7 @@ use egui::{
 const HEAD: f32 = 24.0;
 
 /// The part of the view that is the map, and the one that the plot takes while it is shown.
-pub fn split(whole: Rect, app: &App) -> (Rect, Option<Rect>) {
+pub(crate) fn split(whole: Rect, app: &App) -> (Rect, Option<Rect>) {
     let requested = app.map.measuring.shows_profile() && app.log.products.is_some();
     if !requested || whole.height() < 120.0 {
         return (whole, None);
@@ -27,7 +27,7 @@ pub fn split(whole: Rect, app: &App) -> (Rect, Option<Rect>) {
 }
 
 /// The station nearest to a distance.
-pub fn nearest(stations: &[Station], at_m: f64) -> Option<&Station> {
+pub(super) fn nearest(stations: &[Station], at_m: f64) -> Option<&Station> {
     let after = stations.partition_point(|station| station.distance_m < at_m);
     let about = [after.checked_sub(1), Some(after)];
     let about = about
@@ -42,7 +42,12 @@ pub fn nearest(stations: &[Station], at_m: f64) -> Option<&Station> {
 }
 
 /// Words, buttons and the curve.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, hovered_m: &mut Option<f64>) {
+pub(super) fn ui(
+    ui: &mut Ui,
+    context: &mut ViewContext<'_>,
+    rect: Rect,
+    hovered_m: &mut Option<f64>,
+) {
     let app = context.app;
     let line = app.map.measuring.profile();
     let (stations, corners_m) = line.map_or((&[][..], &[][..]), |line| {

@@ -6,7 +6,7 @@
 mod key;
 mod occupied;
 
-pub use key::{MapTileKey, SIDE};
+pub(crate) use key::{MapTileKey, SIDE};
 
 use super::transform::{GroundBounds, MapTransform};
 use crate::app::{Jobs, Outcome, Task};
@@ -26,7 +26,7 @@ const WORKERS: usize = 2;
 const EMPTY: usize = 64;
 
 /// What paints the tiles of a layer.
-pub trait TileSource: Send + Sync {
+pub(super) trait TileSource: Send + Sync {
     /// West, south, east and north of all that there is, metres.
     fn bounds(&self) -> GroundBounds;
 
@@ -51,7 +51,7 @@ struct Running {
 }
 
 /// The tiles of a layer, and the work under way.
-pub struct TileLayer {
+pub(super) struct TileLayer {
     name: &'static str,
     source: Option<Arc<dyn TileSource>>,
     /// Grows with every new source.
@@ -64,7 +64,7 @@ pub struct TileLayer {
 
 impl TileLayer {
     /// An empty layer.
-    pub fn new(name: &'static str) -> Self {
+    pub(super) fn new(name: &'static str) -> Self {
         Self {
             name,
             source: None,
@@ -76,7 +76,7 @@ impl TileLayer {
     }
 
     /// Paints by `source` from now on; the tiles of another stay on the screen until theirs are there. `None` empties the layer.
-    pub fn set_source(&mut self, source: Option<Arc<dyn TileSource>>) {
+    pub(super) fn set_source(&mut self, source: Option<Arc<dyn TileSource>>) {
         let same = match (&self.source, &source) {
             (Some(old), Some(new)) => std::ptr::addr_eq(Arc::as_ptr(old), Arc::as_ptr(new)),
             (None, None) => true,
@@ -93,28 +93,34 @@ impl TileLayer {
     }
 
     /// Stops painting: the layer is not shown.
-    pub fn rest(&mut self) {
+    pub(super) fn rest(&mut self) {
         self.running.clear();
         self.ready = [0; 2];
     }
 
     /// Whether every tile in view is as it is to be.
-    pub fn is_settled(&self) -> bool {
+    pub(super) fn is_settled(&self) -> bool {
         self.running.is_empty() && self.ready[0] == self.ready[1]
     }
 
     /// Tiles in view that are still to come, and all in view.
-    pub fn missing(&self) -> [usize; 2] {
+    pub(super) fn missing(&self) -> [usize; 2] {
         [self.ready[1] - self.ready[0], self.ready[1]]
     }
 
     /// All that there is to paint, metres.
-    pub fn bounds(&self) -> Option<GroundBounds> {
+    pub(super) fn bounds(&self) -> Option<GroundBounds> {
         self.source.as_ref().map(|source| source.bounds())
     }
 
     /// Draws what is there of the view, and has the rest painted.
-    pub fn show(&mut self, painter: &Painter, rect: Rect, transform: MapTransform, jobs: &Jobs) {
+    pub(super) fn show(
+        &mut self,
+        painter: &Painter,
+        rect: Rect,
+        transform: MapTransform,
+        jobs: &Jobs,
+    ) {
         let Some(source) = self.source.clone() else {
             self.rest();
             return;

@@ -6,15 +6,15 @@ use egui::ColorImage;
 const BLOCKS: usize = 8;
 
 /// A part of a picture: left, top, right and bottom as shares.
-pub type Part = [f32; 4];
+pub(super) type Part = [f32; 4];
 
 /// The blocks with something in them, a bit each, row by row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Occupied(u64);
+pub(super) struct Occupied(u64);
 
 impl Occupied {
     /// The blocks of a picture that are not transparent, or that a neighbour's texel reaches into when it is magnified.
-    pub fn of(image: &ColorImage) -> Self {
+    pub(super) fn of(image: &ColorImage) -> Self {
         let [width, height] = image.size;
         let mut bits = 0;
         for (y, row) in image.pixels.chunks(width.max(1)).enumerate() {
@@ -34,7 +34,7 @@ impl Occupied {
     }
 
     /// What to draw of a part of the picture: a rectangle for each run of blocks in a row.
-    pub fn within(self, [left, top, right, bottom]: Part) -> Vec<Part> {
+    pub(super) fn within(self, [left, top, right, bottom]: Part) -> Vec<Part> {
         let mut parts = Vec::new();
         if self.0 == u64::MAX {
             parts.push([left, top, right, bottom]);

@@ -13,7 +13,7 @@ const LEAST_REACH: f64 = 2.0;
 
 /// The edges that move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Edges {
+pub(super) struct Edges {
     pub start: bool,
     pub end: bool,
     pub near: bool,
@@ -22,7 +22,7 @@ pub struct Edges {
 
 impl Edges {
     /// The whole box.
-    pub const ALL: Self = Self {
+    pub(super) const ALL: Self = Self {
         start: true,
         end: true,
         near: true,
@@ -30,7 +30,7 @@ impl Edges {
     };
 
     /// The edges under the pointer, all of them inside the box, `None` outside.
-    pub fn under(lens: &Lens, mark: &Mark, at: Place) -> Option<Self> {
+    pub(super) fn under(lens: &Lens, mark: &Mark, at: Place) -> Option<Self> {
         let range_m = outward_m(mark.side, at);
         let points = |from: f64, to: f64, per_point: f64| (to - from) / per_point;
         let (along, across) = (lens.pings_per_point(), lens.metres_per_point());
@@ -57,7 +57,7 @@ impl Edges {
 
     /// Whether the border between echo and shadow is under the pointer, nearer than an edge along it. It leaves most of echo and shadow
     /// to drag the whole box by.
-    pub fn is_border(lens: &Lens, mark: &Mark, border_m: f64, at: Place) -> bool {
+    pub(super) fn is_border(lens: &Lens, mark: &Mark, border_m: f64, at: Place) -> bool {
         let range_m = outward_m(mark.side, at);
         let points = |from_m: f64, to_m: f64| (to_m - from_m).abs() / lens.metres_per_point();
         let (echo, shadow) = (points(mark.near_m, border_m), points(border_m, mark.far_m));
@@ -74,7 +74,7 @@ impl Edges {
     }
 
     /// The cursor that says so.
-    pub fn cursor(&self) -> CursorIcon {
+    pub(super) fn cursor(&self) -> CursorIcon {
         match self {
             _ if *self == Self::ALL => CursorIcon::Move,
             Self {
@@ -92,7 +92,7 @@ impl Edges {
     }
 
     /// The mark after a drag from one place to another. A box keeps a ping and a centimetre, and its side.
-    pub fn dragged(&self, mark: &Mark, from: Place, to: Place) -> Mark {
+    pub(super) fn dragged(&self, mark: &Mark, from: Place, to: Place) -> Mark {
         let pings = (to.ping - from.ping).round() as isize;
         let outward = outward_m(mark.side, to) - outward_m(mark.side, from);
         let mut after = mark.clone();
@@ -126,7 +126,7 @@ impl Edges {
 const LEAST_M: f64 = 0.01;
 
 /// Slant range of a place counted outward on a side; negative beyond the nadir.
-pub fn outward_m(side: Side, at: Place) -> f64 {
+pub(super) fn outward_m(side: Side, at: Place) -> f64 {
     match side {
         Side::Port => -at.across_m,
         Side::Starboard => at.across_m,
@@ -134,7 +134,7 @@ pub fn outward_m(side: Side, at: Place) -> f64 {
 }
 
 /// The box between two places, on the side of the first.
-pub fn drawn(from: Place, to: Place) -> Mark {
+pub(super) fn drawn(from: Place, to: Place) -> Mark {
     let side = from.side();
     let ranges = [from, to].map(|at| outward_m(side, at).max(0.0));
     let pings = [from, to].map(|at| at.ping.max(0.0));

@@ -3,7 +3,7 @@
 mod grab;
 mod hit;
 mod missed;
-pub mod outline;
+pub(crate) mod outline;
 pub(super) mod shape;
 
 pub(super) use grab::{Boxes, under};
@@ -64,12 +64,12 @@ fn on_screen(lens: &Lens, mark: &Mark) -> Rect {
 
 impl Shown<'_> {
     /// What it covers of the screen while keys and drags are about it.
-    pub fn edited(&self) -> Option<Rect> {
+    pub(super) fn edited(&self) -> Option<Rect> {
         self.is_selected.then_some(self.rect)
     }
 
     /// Draws its outline, and the handles of the one that is edited.
-    pub fn draw(&self, painter: &Painter, lens: &Lens, reviewing: &Reviewing) {
+    pub(super) fn draw(&self, painter: &Painter, lens: &Lens, reviewing: &Reviewing) {
         let style = Style::of(self.one.state);
         if self.one.extent == ObjectExtent::Point {
             return outline::point(painter, self.rect.center(), style, self.is_selected);
@@ -131,7 +131,7 @@ impl Shown<'_> {
     }
 
     /// Writes its class and score above it where there is room.
-    pub fn label(&self, labels: &mut Labels<'_>, review: &Review) {
+    pub(super) fn label(&self, labels: &mut Labels<'_>, review: &Review) {
         if self.rect.size().min_elem() >= LABELLED || self.is_selected {
             let at = self.rect.left_top() - vec2(0.0, 2.0);
             let style = Style::of(self.one.state);
