@@ -44,5 +44,10 @@ fn fs_fill() -> @location(0) vec4f {
 @fragment
 fn fs_picture(corner: Corner) -> @location(0) vec4f {
     let size = vec2f(textureDimensions(picture));
-    return encoded(tint.colour * textureLoad(picture, vec2u(corner.share * size), 0));
+    let texel = textureLoad(picture, vec2u(corner.share * size), 0);
+    // Blocks of pixels that are all empty are not blended.
+    if texel.a == 0.0 {
+        discard;
+    }
+    return encoded(tint.colour * texel);
 }

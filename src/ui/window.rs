@@ -38,7 +38,8 @@ pub(crate) fn open_window(
         ctx.tessellation_options_mut(|options| options.feathering = is_soft);
         let mut shell = Shell::new(App::new(Jobs::Threads(Arc::new(move || {
             ctx.request_repaint()
-        }))));
+        }))))
+        .on_cleared_window();
         if let Some(storage) = cc.storage {
             shell.restore(storage);
         }

@@ -138,6 +138,8 @@ pub(crate) struct Shell {
     /// Words around it, on a print.
     text_around: Option<PrintText>,
     started: bool,
+    /// Frames begin in the colour of the panels.
+    is_cleared: bool,
     /// The panel that the keyboard was moved to.
     keyboard_in: Option<SidePanel>,
     /// Frames in which the control of a setting is sought still.
@@ -170,12 +172,19 @@ impl Shell {
             alone: None,
             text_around: None,
             started: false,
+            is_cleared: false,
             keyboard_in: None,
             seeking: 0,
             warned_of_loss: false,
             met: 0,
             title: String::new(),
         }
+    }
+
+    /// Leaves the background to the window, whose frames begin as [`eframe::App::clear_color`] says. A picture begins transparent.
+    pub(crate) fn on_cleared_window(mut self) -> Self {
+        self.is_cleared = true;
+        self
     }
 
     /// Fills the whole picture with one view, without anything around it.
@@ -361,8 +370,10 @@ impl Shell {
             return None;
         }
         // One fill under everything: panels have none of their own.
-        let (window, fill) = (ui.content_rect(), ui.visuals().panel_fill);
-        flat::fill(ui.painter(), window, fill, render_state);
+        if !self.is_cleared {
+            let (window, fill) = (ui.content_rect(), ui.visuals().panel_fill);
+            flat::fill(ui.painter(), window, fill, render_state);
+        }
         let bar = Frame::new().inner_margin(egui::Margin::symmetric(8, 3));
         Panel::top("menu bar").frame(bar).show(ui, |ui| {
             menu::ui(ui, &mut context);
