@@ -2,7 +2,7 @@
 
 use crate::app::{Action, Command, PanelOptions, PanelShown};
 use crate::ui::{ViewContext, theme};
-use egui::{Button, Frame, Id, Panel, Rect, Stroke, Ui, vec2};
+use egui::{Button, Frame, Id, Panel, Rect, Stroke, Ui, UiBuilder, UiKind, UiStackInfo, vec2};
 
 /// A panel beside the views.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -157,13 +157,18 @@ pub(super) fn time_line_height(window: f32) -> f32 {
 /// otherwise for the bar may be short enough to do without one, and the bar would come and go in every frame.
 pub(super) fn scrolled(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) {
     let width = ui.available_width() - ui.spacing().scroll.allocated_width();
-    egui::ScrollArea::vertical()
-        .id_salt(Id::unique(name))
-        .auto_shrink([false, false])
-        .show(ui, |ui| {
-            ui.set_max_width(width.min(ui.available_width()));
-            add(ui);
-        });
+    // Nothing is filled here: the colour is what the contents fade into at the edges.
+    let ground = Frame::new().fill(ui.visuals().panel_fill);
+    let ground = UiStackInfo::new(UiKind::Frame).with_frame(ground);
+    ui.scope_builder(UiBuilder::new().ui_stack_info(ground), |ui| {
+        egui::ScrollArea::vertical()
+            .id_salt(Id::unique(name))
+            .auto_shrink([false, false])
+            .show(ui, |ui| {
+                ui.set_max_width(width.min(ui.available_width()));
+                add(ui);
+            });
+    });
 }
 
 #[cfg(test)]
