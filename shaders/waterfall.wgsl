@@ -1,7 +1,7 @@
 // Tiles of the waterfall: mean and maximum echo over ping and range, brought to one level and coloured by a table.
 //
 // Each tile is one instance of a quad. Texels are read with textureLoad and averaged over the pixel's footprint here, so
-// that the picture is the same on every driver; no sampler takes part. Layouts are those of src/render/waterfall.rs.
+// that the picture is the same on every driver; no sampler takes part. Layouts are those of src/ui/render/waterfall.rs.
 
 struct EchoStyle {
     gamma: f32,         // intensity ^ (1 / gamma)
@@ -28,7 +28,7 @@ struct EchoStyle {
 @group(0) @binding(3) var<uniform> curves: array<vec4f, 64>; // 64 places each: port by range, by angle, starboard by range, by angle
 @group(1) @binding(0) var tile: texture_2d<f32>;
 
-// Constants paired with src/render/waterfall.rs.
+// Constants paired with src/ui/render/waterfall.rs.
 const PING_TEXELS: u32 = 2048u;  // width of `pings`
 const CURVE_PLACES: u32 = 64u;   // of a curve in `curves`
 const RANGE_BINS: f32 = 48.0;

@@ -122,8 +122,8 @@ impl App {
         self.findings.reference_comparison.problem.as_deref()
     }
 
-    /// Whether residuals are being tabulated.
-    pub(crate) fn is_tabulating(&self) -> bool {
+    /// Whether depths are being compared with the reference.
+    pub(crate) fn is_comparing_with_reference(&self) -> bool {
         self.findings.reference_comparison.is_busy()
     }
 

@@ -10,7 +10,7 @@ use crate::survey::{
 };
 use std::sync::Arc;
 
-/// What is said of positions in metres of a system that nobody named.
+/// The warning about positions in metres of a system that nobody named.
 pub(super) const UNNAMED_SYSTEM: &str = "positions are metres of a coordinate system that the log does not name, and are shown around longitude 0, latitude 0; set source.crs to its EPSG number, EPSG:32633 for UTM zone 33 north";
 /// Lowrance units without a side-scan transducer record 5 ft of noise (1.524 m); no unit has so short a range in use.
 const STUCK_RANGE_M: f32 = 1.6;

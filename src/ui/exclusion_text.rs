@@ -1,4 +1,4 @@
-//! What is said of excluded stretches, the same in all views and panels.
+//! Texts about excluded stretches, the same in all views and panels.
 
 use crate::app::{Action, App, ExclusionEdit, Extent, LogId};
 use crate::support::presentation::units::Units;

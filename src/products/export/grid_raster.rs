@@ -49,7 +49,7 @@ pub(crate) fn metres_raster(
     )
 }
 
-/// Writes the source of the depths of a surface, as the numbers of [`CellSource`]; `about` is said of it beside what the numbers are.
+/// Writes the source of the depths of a surface, as the numbers of [`CellSource`]; `about` is added to the description of the numbers.
 ///
 /// # Errors
 /// As [`grid_raster`].

@@ -58,7 +58,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 /// Why there is nothing to show.
 fn lack(app: &App) -> &str {
     match app.agreement_problem() {
-        _ if app.is_tabulating() => "Residuals are being tabulated.",
+        _ if app.is_comparing_with_reference() => "Residuals are being compared.",
         Some(problem) => problem,
         None => "No side-scan point lies over the soundings.",
     }

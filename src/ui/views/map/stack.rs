@@ -112,7 +112,7 @@ impl Layers {
 
     fn ask_for_residuals(&mut self, context: &ViewContext<'_>) {
         let is_shown = (context.app.view.options.map.layers).is_visible(MapLayer::Residuals);
-        self.comparing = is_shown && context.app.is_tabulating();
+        self.comparing = is_shown && context.app.is_comparing_with_reference();
         let agreement = context.app.agreement().filter(|_| is_shown).cloned();
         match agreement {
             Some(agreement) => {
