@@ -4,53 +4,76 @@ use super::render::{FlatRenderer, Rgba};
 use eframe::egui_wgpu::{
     Callback, CallbackResources, CallbackTrait, RenderState, ScreenDescriptor,
 };
-use egui::{Color32, Painter, Rect};
+use egui::{Color32, Context, PaintCallback, Painter, Rect, Shape};
+use std::any::Any;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// What draws in a place of a pass; frames that share one look the same there.
+type Drawing = Arc<dyn Any + Send + Sync>;
 
 /// Fills an area with an opaque colour.
 pub(super) fn fill(painter: &Painter, rect: Rect, colour: Color32, state: Option<&RenderState>) {
     match state {
-        Some(state) => add(painter, rect, colour, state, None),
-        None => {
-            painter.rect_filled(rect, 0.0, colour);
+        Some(state) => painter.add(filled(painter.ctx(), rect, colour, state)),
+        None => painter.rect_filled(rect, 0.0, colour),
+    };
+}
+
+/// An area of an opaque colour.
+pub(super) fn filled(ctx: &Context, rect: Rect, colour: Color32, state: &RenderState) -> Shape {
+    let callback = ctx.data_mut(|data| {
+        let fills = data.get_temp_mut_or_default::<Fills>(egui::Id::NULL);
+        let fill = fills.0.entry(colour);
+        fill.or_insert_with(|| drawing(colour, state, None)).clone()
+    });
+    Shape::Callback(PaintCallback { rect, callback })
+}
+
+/// The fills of a window so far.
+#[derive(Clone, Default)]
+struct Fills(HashMap<Color32, Drawing>);
+
+/// A texture that the window's pass shows texel by pixel.
+pub(super) struct Picture {
+    binding: wgpu::BindGroup,
+    drawing: Option<(Color32, Drawing)>,
+}
+
+impl Picture {
+    /// Shows what is drawn into a texture.
+    pub(super) fn new(state: &RenderState, texture: &wgpu::TextureView) -> Self {
+        let mut renderer = state.renderer.write();
+        let resources = &mut renderer.callback_resources;
+        let flat = flat_renderer(resources, &state.device, state.target_format);
+        Self {
+            binding: flat.bind_picture(&state.device, texture),
+            drawing: None,
         }
+    }
+
+    /// Says that the texture has new content.
+    pub(super) fn has_changed(&mut self) {
+        self.drawing = None;
+    }
+
+    /// The picture in an area of its size, multiplied by a colour.
+    pub(super) fn shape(&mut self, rect: Rect, tint: Color32, state: &RenderState) -> Shape {
+        let before = self.drawing.take().filter(|(last, _)| *last == tint);
+        let new = || (tint, drawing(tint, state, Some(self.binding.clone())));
+        let (_, callback) = self.drawing.insert(before.unwrap_or_else(new));
+        let callback = callback.clone();
+        Shape::Callback(PaintCallback { rect, callback })
     }
 }
 
-/// Shows a picture of the size of an area, as faded as the painter is.
-pub(super) fn picture(
-    painter: &Painter,
-    rect: Rect,
-    picture: &wgpu::BindGroup,
-    state: &RenderState,
-) {
-    let tint = Color32::WHITE.gamma_multiply(painter.opacity());
-    add(painter, rect, tint, state, Some(picture.clone()));
-}
-
-/// What [`picture`] reads a picture by.
-pub(super) fn bind_picture(state: &RenderState, picture: &wgpu::TextureView) -> wgpu::BindGroup {
-    let mut renderer = state.renderer.write();
-    flat_renderer(
-        &mut renderer.callback_resources,
-        &state.device,
-        state.target_format,
-    )
-    .bind_picture(&state.device, picture)
-}
-
-fn add(
-    painter: &Painter,
-    rect: Rect,
-    colour: Color32,
-    state: &RenderState,
-    picture: Option<wgpu::BindGroup>,
-) {
+fn drawing(colour: Color32, state: &RenderState, picture: Option<wgpu::BindGroup>) -> Drawing {
     let flat = Flat {
         target: state.target_format,
         colour: colour.to_array(),
         picture,
     };
-    painter.add(Callback::new_paint_callback(rect, flat));
+    Callback::new_paint_callback(Rect::NOTHING, flat).callback
 }
 
 /// The one of the window; all its views share it.
@@ -64,7 +87,7 @@ fn flat_renderer<'r>(
         .or_insert_with(|| FlatRenderer::new(device, target))
 }
 
-/// One area of one frame.
+/// One area.
 struct Flat {
     target: wgpu::TextureFormat,
     colour: Rgba,

@@ -5,6 +5,8 @@ mod drop_down;
 mod exclusion_text;
 mod flat;
 mod flat_spot_words;
+mod incremental;
+mod into_texture;
 mod list_keys;
 pub(crate) mod offscreen;
 mod panels;

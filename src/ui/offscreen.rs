@@ -1,6 +1,6 @@
 //! The window without a window: frames are drawn into a texture and read back, on a GPU or on lavapipe.
 
-use super::Shell;
+use super::{Shell, into_texture};
 use crate::products::export::{ExportError, write_atomically};
 use crate::support::progress::{Cancelled, Progress};
 use eframe::egui_wgpu::{
@@ -264,42 +264,18 @@ impl Host {
     }
 
     fn paint(&mut self, mut output: egui::FullOutput) -> Result<(), PictureError> {
-        let primitives = self.ctx.tessellate(output.shapes, output.pixels_per_point);
         let screen = ScreenDescriptor {
             size_in_pixels: self.size,
             pixels_per_point: output.pixels_per_point,
         };
-        let RenderState { device, queue, .. } = &self.gpu;
-        let mut renderer = self.gpu.renderer.write();
-        for (id, images) in output.textures_delta.set.drain() {
-            for image in images {
-                renderer.update_texture(device, queue, id, &image);
-            }
-        }
-        let mut encoder = device.create_command_encoder(&Default::default());
-        let own = renderer.update_buffers(device, queue, &mut encoder, &primitives, &screen);
+        into_texture::upload(&self.gpu, &mut output.textures_delta);
         let view = self.target.create_view(&Default::default());
-        let attachment = wgpu::RenderPassColorAttachment {
-            view: &view,
-            resolve_target: None,
-            ops: wgpu::Operations {
-                load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
-                store: wgpu::StoreOp::Store,
-            },
-            depth_slice: None,
-        };
-        let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("offscreen egui"),
-            color_attachments: &[Some(attachment)],
-            ..Default::default()
-        });
-        renderer.render(&mut pass.forget_lifetime(), &primitives, &screen);
-        queue.submit(own.into_iter().chain([encoder.finish()]));
+        let load = wgpu::LoadOp::Clear(wgpu::Color::BLACK);
+        into_texture::draw(&self.gpu, &self.ctx, output.shapes, &screen, &view, load);
         for id in output.textures_delta.free.drain() {
-            renderer.free_texture(&id);
+            self.gpu.renderer.write().free_texture(&id);
         }
-        drop(renderer);
-        Ok(wait(device)?)
+        Ok(wait(&self.gpu.device)?)
     }
 
     fn read_back(&self) -> Result<RgbaImage, PictureError> {
@@ -380,6 +356,110 @@ fn block_on<F: Future>(future: F) -> F::Output {
         match future.as_mut().poll(&mut context) {
             Poll::Ready(value) => return value,
             Poll::Pending => std::thread::park(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::{Action, App, Command, Jobs};
+    use crate::ui::incremental::IncrementalPainter;
+    use egui::epaint::ClippedShape;
+    use egui::{Event, Key, Modifiers, MouseWheelUnit, Pos2, TouchPhase, pos2, vec2};
+    use std::sync::Mutex;
+
+    /// Keeps what a frame paints before it is replaced.
+    struct Spy(Arc<Mutex<Vec<ClippedShape>>>);
+
+    impl egui::Plugin for Spy {
+        fn debug_name(&self) -> &'static str {
+            "spy"
+        }
+
+        fn output_hook(&mut self, _ctx: &egui::Context, output: &mut egui::FullOutput) {
+            self.0.lock().unwrap().clone_from(&output.shapes);
+        }
+    }
+
+    fn key(key: Key, modifiers: Modifiers) -> Event {
+        Event::Key {
+            key,
+            physical_key: None,
+            pressed: true,
+            repeat: false,
+            modifiers,
+        }
+    }
+
+    fn scroll(pings: f32) -> Event {
+        Event::MouseWheel {
+            unit: MouseWheelUnit::Point,
+            delta: vec2(pings, 0.0),
+            phase: TouchPhase::Move,
+            source: egui::MouseWheelSource::Unknown,
+            modifiers: Modifiers::NONE,
+        }
+    }
+
+    /// A minute's work: pointing, scrolling, the palette, a dialog, another theme, a selected ping.
+    fn work() -> Vec<Event> {
+        let at = |x, y| Event::PointerMoved(pos2(x, y));
+        let click = |pos: Pos2| {
+            [true, false].map(|pressed| Event::PointerButton {
+                pos,
+                button: egui::PointerButton::Primary,
+                pressed,
+                modifiers: Modifiers::NONE,
+            })
+        };
+        let mut events = vec![at(500.0, 200.0), at(505.0, 210.0)];
+        events.extend([scroll(-40.0), scroll(-120.0), scroll(30.0)]);
+        events.extend(click(pos2(505.0, 210.0)));
+        events.extend([at(40.0, 10.0), at(90.0, 10.0), at(120.0, 300.0)]);
+        events.push(key(Key::K, Modifiers::COMMAND));
+        events.extend(["s", "c", "a"].map(|typed| Event::Text(typed.to_owned())));
+        events.push(key(Key::Escape, Modifiers::NONE));
+        events.push(key(Key::F1, Modifiers::NONE));
+        events.push(key(Key::Escape, Modifiers::NONE));
+        events.extend([at(700.0, 420.0), scroll(-60.0), at(300.0, 420.0)]);
+        events
+    }
+
+    #[test]
+    fn a_frame_drawn_in_parts_is_the_one_drawn_whole() {
+        for pixels_per_point in [1.0, 1.25] {
+            let size = [1000, 640].map(|side| (side as f32 * pixels_per_point) as u32);
+            let gpu = gpu().unwrap();
+            let mut host = Host::new(gpu.clone(), size, pixels_per_point);
+            let mut whole = Host::new(gpu.clone(), size, pixels_per_point);
+            whole.ctx = host.ctx.clone();
+            let painted = Arc::new(Mutex::new(Vec::new()));
+            host.ctx.add_plugin(Spy(painted.clone()));
+            host.ctx.add_plugin(IncrementalPainter::new(gpu.clone()));
+            let mut shell = Shell::new(App::new(Jobs::Inline));
+            shell.app.apply(Command::OpenDemo);
+            host.settle(&mut shell, 2, &Progress::new()).unwrap();
+            for (step, event) in work().into_iter().enumerate() {
+                if step == 8 {
+                    shell.app.apply(Command::Do(Action::Theme));
+                }
+                let mut input = host.input();
+                input.events.push(event.clone());
+                let output = host.ctx.run_ui(input, |ui| shell.frame(ui, Some(&gpu)));
+                assert_eq!(output.shapes.len(), 1, "one picture");
+                host.paint(output).unwrap();
+                let all = egui::FullOutput {
+                    shapes: painted.lock().unwrap().clone(),
+                    pixels_per_point,
+                    ..Default::default()
+                };
+                whole.paint(all).unwrap();
+                let [part, whole] = [&host, &whole].map(|host| host.read_back().unwrap());
+                let differing = (part.enumerate_pixels().zip(whole.pixels()))
+                    .find(|((_, _, part), whole)| part != whole);
+                assert_eq!(differing, None, "at {pixels_per_point} after {event:?}");
+            }
         }
     }
 }

@@ -1,7 +1,9 @@
 //! The window on the desktop.
 
 use super::Shell;
+use super::incremental::IncrementalPainter;
 use crate::app::{App, Command, Jobs};
+use eframe::egui_wgpu::RenderState;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -34,8 +36,10 @@ pub(crate) fn open_window(
     let start = move |cc: &eframe::CreationContext<'_>| {
         let ctx = cc.egui_ctx.clone();
         // Soft edges multiply the triangles, each of which costs a processor that draws them as much as 16 pixels.
-        let is_soft = !draws_on_processor(cc);
-        ctx.tessellation_options_mut(|options| options.feathering = is_soft);
+        if let Some(state) = drawn_by_processor(cc) {
+            ctx.tessellation_options_mut(|options| options.feathering = false);
+            ctx.add_plugin(IncrementalPainter::new(state.clone()));
+        }
         let mut shell = Shell::new(App::new(Jobs::Threads(Arc::new(move || {
             ctx.request_repaint()
         }))))
@@ -56,8 +60,8 @@ pub(crate) fn open_window(
     Ok(eframe::run_native("bathyscope", options, Box::new(start))?)
 }
 
-/// Whether there is no graphics card.
-fn draws_on_processor(cc: &eframe::CreationContext<'_>) -> bool {
-    let adapter = cc.wgpu_render_state.as_ref().map(|state| &state.adapter);
-    adapter.is_some_and(|adapter| adapter.get_info().device_type == wgpu::DeviceType::Cpu)
+/// The window's device where there is no graphics card.
+fn drawn_by_processor<'a>(cc: &'a eframe::CreationContext<'_>) -> Option<&'a RenderState> {
+    let state = cc.wgpu_render_state.as_ref();
+    state.filter(|state| state.adapter.get_info().device_type == wgpu::DeviceType::Cpu)
 }

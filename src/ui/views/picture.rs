@@ -1,9 +1,9 @@
 //! An offscreen picture shown in the window.
 
-use crate::ui::flat;
+use crate::ui::flat::Picture;
 use crate::ui::render::Target;
 use eframe::egui_wgpu::RenderState;
-use egui::{Painter, Rect, emath::GuiRounding as _};
+use egui::{Color32, Painter, Rect, emath::GuiRounding as _};
 
 /// A target that follows the size of a view.
 #[derive(Default)]
@@ -13,8 +13,7 @@ pub(super) struct ViewTexture {
 
 struct Shown {
     target: Target,
-    /// How the window's pass reads it.
-    binding: wgpu::BindGroup,
+    picture: Picture,
 }
 
 impl ViewTexture {
@@ -28,27 +27,31 @@ impl ViewTexture {
         let size = rect.round_to_pixels(pixels_per_point).size() * pixels_per_point;
         let requested = [size.x.round() as u32, size.y.round() as u32];
         let requested = Target::possible(&state.device, requested);
-        if self.target().is_some_and(|now| now.size_px() == requested) {
+        let now = self.shown.as_ref().map(|shown| shown.target.size_px());
+        if now == Some(requested) {
             return false;
         }
         let target = Target::new(&state.device, requested);
         self.shown = Some(Shown {
-            binding: flat::bind_picture(state, target.colour()),
+            picture: Picture::new(state, target.colour()),
             target,
         });
         true
     }
 
     /// What to draw into.
-    pub(super) fn target(&self) -> Option<&Target> {
-        self.shown.as_ref().map(|shown| &shown.target)
+    pub(super) fn target(&mut self) -> Option<&Target> {
+        let shown = self.shown.as_mut()?;
+        shown.picture.has_changed();
+        Some(&shown.target)
     }
 
     /// Shows the picture over what lies below, as faded as the painter is.
-    pub(super) fn paint(&self, painter: &Painter, rect: Rect, state: &RenderState) {
-        if let Some(shown) = &self.shown {
+    pub(super) fn paint(&mut self, painter: &Painter, rect: Rect, state: &RenderState) {
+        if let Some(shown) = &mut self.shown {
             let rect = rect.round_to_pixels(painter.pixels_per_point());
-            flat::picture(painter, rect, &shown.binding, state);
+            let tint = Color32::WHITE.gamma_multiply(painter.opacity());
+            painter.add(shown.picture.shape(rect, tint, state));
         }
     }
 }
