@@ -1,4 +1,7 @@
 //! The waterfall view: the picture of all pings, port and starboard of the nadir, with the first return over it.
+//!
+//! In: the state. Out: the picture with lines, boxes and marks, and commands.
+//! It uses `app`, `project`, `detection`, `imagery`, `bottom`, `sonar`, `survey` and `support`.
 
 mod accessibility;
 mod bottom;
