@@ -1,5 +1,8 @@
 //! Objects on the bottom: the picture that a detector sees, what it finds, and where that lies in the survey.
 //!
+//! In: a survey with first returns and calibration, and a model. Out: boxes, decisions about them, and objects with places and sizes.
+//! It uses `sonar`, `survey` and `support`.
+//!
 //! `raster` resamples one side of the survey into a picture whose pixels are square on the bottom, in tiles; `mark` is a
 //! box in the survey's own terms (side, pings, slant range), `extent` how the size of what lies in it is known, `rect` the same box in a picture's pixels; `level` brings the
 //! levels of a tile to one scale.

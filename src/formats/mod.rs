@@ -1,5 +1,8 @@
 //! Bytes to [`Survey`]: every recorder's format, recognised by content; and the files of other instruments and programs.
 //!
+//! In: files of recorders, instruments and other programs. Out: surveys, tracks, water levels, areas, points and rasters; and the bytes of the formats that are also written.
+//! It uses `survey` and `support`.
+//!
 //! `lowrance`, `humminbird` and `xtf` walk over the records of their format, mend what is damaged and give it meaning in SI
 //! units; all three fill one `collected` log, with `clock` to recognise damaged times and `report` to say what was wrong.
 //! `reading` says which part of a log is read: the tail of one that is being written is read as a log of its own. `assemble` turns what was read into the survey: `join` pairs the sides, `depths` chooses the soundings, `stray` leaves out positions that cannot be. `file_source` and `map` bring

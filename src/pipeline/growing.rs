@@ -5,7 +5,7 @@
 //! from [`run`](super::run) over the whole log.
 
 use super::Products;
-use super::products::bottom_line;
+use super::run_stages::bottom_line;
 use crate::bottom::bathymetry;
 use crate::bottom::cloud::{
     self, BySource, CloudPoint, PingDepth, PointClass, PointCloud, PointScales, Reduction,

@@ -1,7 +1,10 @@
 //! Runs the stages in order, keeps what is still valid, and knows what is stale.
 //!
-//! `settings` holds every setting and the two presets, `log_settings` those that one of several logs has for itself, `products` the
-//! stages and what they made, `engine` runs them on a worker for the window, `growing` over what was added to a log that is being written,
+//! In: surveys and settings. Out: the results of every stage for each log, and what all logs give together.
+//! It uses `detection`, `imagery`, `bottom`, `sonar`, `formats`, `survey` and `support`.
+//!
+//! `settings` holds every setting and the two presets, `log_settings` those that one of several logs has for itself, `stage` the stages
+//! and which of them a change of settings makes stale, `run_stages` runs them, `products` is what they made, `engine` runs them on a worker for the window, `growing` over what was added to a log that is being written,
 //! `task` and `background` are how all work runs off its thread. `derived` makes what all logs give together, once and on demand. `depth` makes the depth map and what follows from it,
 //! `agreement` compares points with a reference, `mosaic` where echoes lie, `object_positions` where objects do, `report` sums a run
 //! up (`log_report` has what it says of each log), `scale_trial` what another scale would change, `fingerprint` tells versions of files apart, `source` puts right what a log does not say of itself, `survey_coverage` what a plan of further lines starts from, `joint` what all logs of a survey give together. Nothing is written here: see `outputs`.
@@ -25,9 +28,11 @@ mod processed_log;
 mod products;
 mod relief;
 mod report;
+mod run_stages;
 mod scale_trial;
 pub(crate) mod settings;
 mod source;
+mod stage;
 mod survey_coverage;
 mod task;
 
@@ -60,13 +65,15 @@ pub(crate) use object_positions::ObjectLocator;
 pub(crate) use objects::{list_objects, object_shape};
 pub(crate) use passes::{Pass, passes_over, place_of};
 pub use processed_log::ProcessedLog;
+pub use products::Products;
 pub(crate) use products::colour_range_m;
-pub use products::{Products, Stage, run};
 pub(crate) use report::Report;
+pub use run_stages::run;
 pub(crate) use scale_trial::{ScaleEffect, ScaleTrial};
 pub(crate) use settings::SettingsError;
 pub use settings::{Preset, Settings};
 pub(crate) use source::{SourceError, SourceKey, as_mounted, as_set};
+pub use stage::Stage;
 pub(crate) use survey_coverage::survey_coverage;
 pub(crate) use task::{Jobs, Outcome, Task};
 

@@ -1,6 +1,6 @@
 //! What is written: files of every kind, the report, the files of a run, map tiles, and archives of many logs.
 //!
-//! In: results of the pipeline. Out: files in a folder. It uses `pipeline` and all that comes before it.
+//! In: results of the pipeline. Out: files in a folder. It uses `pipeline` and all that comes before it but `simulation`.
 
 pub(crate) mod archive;
 pub(crate) mod export;

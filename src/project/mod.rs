@@ -1,5 +1,8 @@
 //! A survey as a project: its logs and all that was decided about them, as one text file that lasts.
 //!
+//! In: decisions of the analyst, or the text of a project. Out: the project, its text, and steps of undo.
+//! It uses `products`, `pipeline`, `detection`, `sonar`, `formats`, `survey` and `support`.
+//!
 //! `log` is one log, `log_list` their order, `history` what undo goes back to, and `past` keeps that on disk. `rows` turns a project into lines and
 //! back, `row` is one line, `text` the file of them, `migrate` takes in what older versions wrote, `paths` how files are named in it.
 //! `store` keeps the file: saved aside and renamed, every gesture in a `journal` beside it, guarded by a `lock`. `find` looks for logs

@@ -9,6 +9,7 @@ use std::process::Command;
 
 pub(super) mod change;
 mod changes;
+mod decisions;
 
 /// A log of so many pings that needs no file.
 fn log(name: &str) -> ProjectLog {
@@ -176,112 +177,6 @@ fn a_project_comes_back_from_its_text() {
         Path::new("/else/where/day 1/Chart 1.sl2")
     );
     assert_eq!(moved.to_text(Path::new("/else/where")), text);
-}
-
-#[test]
-fn one_decision_changes_one_line() {
-    let project = full();
-    let key = project.logs()[0].key.clone();
-    let measurement = project.measurements[&1].clone();
-    let box_edit = |edit| Change::Box {
-        log: key.clone(),
-        edit,
-    };
-    let mut settings = project.settings.clone();
-    settings.outliers.min_neighbors = 9;
-    for (change, lines) in [
-        (box_edit(Edit::Accept(BoxId(7))), [1, 1]),
-        (
-            box_edit(Edit::Note(BoxId(7), "a \"wreck\"\nor so".to_owned())),
-            [1, 1],
-        ),
-        (
-            box_edit(Edit::Add {
-                mark: mark(50),
-                class: 1,
-            }),
-            [0, 1],
-        ),
-        (box_edit(Edit::Rename(BoxId(7), "Anna".to_owned())), [1, 1]),
-        (
-            box_edit(Edit::Rate(BoxId(7), Some(Confidence::Probable))),
-            [1, 1],
-        ),
-        (
-            box_edit(Edit::SetEdges {
-                id: BoxId(7),
-                mark: mark(50),
-                border_m: mark(50).near_m + 0.25,
-            }),
-            [1, 1],
-        ),
-        (
-            box_edit(Edit::AddPoint {
-                side: Side::Port,
-                ping: 77,
-                range_m: 6.5,
-                class: 1,
-            }),
-            [0, 1],
-        ),
-        // The class is one of the log's from then on.
-        (
-            box_edit(Edit::Classify(BoxId(7), "steam tug".to_owned())),
-            [2, 2],
-        ),
-        (Change::Rename(key.clone(), "Chart 2".to_owned()), [1, 1]),
-        (Change::Show(key.clone(), false), [0, 1]),
-        (
-            Change::Move {
-                log: key.clone(),
-                to: 1,
-            },
-            [1, 1],
-        ),
-        (Change::Measure(None, measurement), [0, 1]),
-        (Change::Forget(1), [1, 0]),
-        (
-            Change::Settings {
-                log: None,
-                after: Box::new(settings),
-                label: "outliers",
-            },
-            [1, 1],
-        ),
-        (
-            Change::Own {
-                log: key.clone(),
-                key: "outliers.min_neighbors".to_owned(),
-                own: true,
-            },
-            [0, 1],
-        ),
-        (
-            Change::File("base_map".to_owned(), Some(PathBuf::from("/lake/b.tif"))),
-            [1, 1],
-        ),
-        (
-            Change::Bottom {
-                log: key.clone(),
-                after: bottom(&[line(Side::Port, [10, 20])]),
-            },
-            [1, 0],
-        ),
-    ] {
-        let after = project.apply(&change).expect("a change");
-        let differ = lines_that_differ(&project.to_text(folder()), &after.to_text(folder()));
-        // Blank lines and headings are no decisions.
-        let count = differ
-            .each_ref()
-            .map(|lines| lines.iter().filter(|line| line.contains(" = ")).count());
-        assert_eq!(count, lines, "{change:?}: {differ:#?}");
-        let back = read(&after.to_text(folder())).expect("a project");
-        assert_eq!(
-            back.to_text(folder()),
-            after.to_text(folder()),
-            "{change:?}"
-        );
-    }
 }
 
 /// The lines are those of the file's documentation; a program that writes them otherwise makes every project differ.

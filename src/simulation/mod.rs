@@ -1,5 +1,8 @@
 //! Simulated surveys of known truth, written as valid SL2.
 //!
+//! In: a scene and a seed. Out: a log as bytes, with its truth.
+//! It uses `formats`, `survey` and `support`.
+//!
 //! A [`Scene`] (a bed, a boat's track, a recorder and its artefacts) and a seed give a [`Simulated`] survey: the log as
 //! a Lowrance side-scan recorder would have written it, and for every ping the truth that the log hides: where the boat
 //! was, how deep the water under it, and the slant range of the nearest visible bed on each side.

@@ -1,5 +1,8 @@
 //! A survey as it was recorded: channels, pings, samples and track; immutable after load, whatever the file format.
 //!
+//! In: pings, samples and fixes, as a format gives them. Out: a survey, and the places of its pings.
+//! It uses `support`.
+//!
 //! `samples` reads echoes where they lie in the file, `track` holds the fixes, `bottom_lock` says which recorded depths can
 //! be believed, `mounting` says how the recorder is mounted on its boat, `identity` identifies a log, `tracks_apart` how far two tracks of one boat lie apart, `turn_rate` how fast it turns,
 //! `exclusions` which stretches count for nothing, `relief` how the bottom lies across the track, `growing` what becomes of a log that is still being written, `echogram` holds the channels that look down. [`navigate`] places every ping on the ground, by `fitted_track` and its `local_fit` where a track is fitted.

@@ -66,6 +66,59 @@ impl Purpose {
             _ => None,
         }
     }
+
+    /// Title of the path field, what is to be typed, and the verb of its button.
+    fn words_of_field(self) -> (&'static str, &'static str, &'static str) {
+        match self {
+            Self::OpenFolder => ("Open a folder", "Path of a folder of logs", "Open"),
+            Self::AddLogs => ("Add a survey", "Path of a log or its folder", "Add"),
+            Self::OpenLogs => ("Open by path", "Path of a log or its folder", "Open"),
+            Self::ExportInto => ("Choose a folder", "Path of the folder", "Choose"),
+            Self::OpenReview => ("Open a review", "Path of a review of boxes", "Open"),
+            Self::OpenTruth => (
+                "Open known objects",
+                "Path of a table of objects or a review",
+                "Open",
+            ),
+            Self::SaveProject => ("Save the project", "File to write, .bathyscope", "Save"),
+            Self::SaveReview => ("Save the review", "File to write", "Save"),
+            Self::ExportBoxesInto => ("Export boxes", "Folder to write into", "Export"),
+            Self::OpenBaseMap => ("Open a base map", "Path of a GeoTIFF", "Open"),
+            Self::OpenReference => (
+                "Compare with",
+                "Points (with columns: FILE.csv:x,y,z, or -z for a depth), GeoTIFF or log",
+                "Compare",
+            ),
+            Self::OpenIsobathArea => (
+                "Open the area of the isobaths",
+                "Path of polygons: GeoJSON, KML or GPX",
+                "Open",
+            ),
+            Self::OpenWaterLevels => (
+                "Open water levels",
+                "Path of a CSV with time and level_m",
+                "Open",
+            ),
+            Self::OpenTrack => (
+                "Open an external track",
+                "Path of a CSV with time, lon and lat, or of a GPX",
+                "Open",
+            ),
+            Self::SaveProfile => ("Save the depth profile", "File to write", "Save"),
+            Self::SaveFigure => (
+                "Save the measurement",
+                "File to write, .geojson or .csv",
+                "Save",
+            ),
+            Self::SavePlan => (
+                "Save the planned lines",
+                "File to write, .gpx, .kml, .plan or .waypoints",
+                "Save",
+            ),
+            Self::PrintInto => ("Print the view", "File to write", "Print"),
+            Self::OpenModel => ("Choose a model", "Path of an ONNX file", "Choose"),
+        }
+    }
 }
 
 /// What a system dialog came back with.
@@ -115,6 +168,57 @@ impl Field {
             goes_on: false,
         })
     }
+
+    /// Draws it; returns what was answered in this frame.
+    fn ui(&mut self, ui: &mut egui::Ui) -> Option<Answer> {
+        let (title, name, verb) = self.purpose.words_of_field();
+        ui.set_width(480.0);
+        ui.heading(title);
+        if self.instead {
+            ui.label("The system's file dialog is not available here.");
+        }
+        let label = ui.label(name);
+        let line = self.line(ui).labelled_by(label.id);
+        let enter = line.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
+        let is_new = !std::mem::replace(&mut self.focused, true);
+        if is_new || self.path.is_empty() && !enter {
+            line.request_focus();
+        }
+        ui.add_space(6.0);
+        ui.horizontal(|ui| {
+            let given = !self.path.trim().is_empty();
+            let go = ui.add_enabled(given, egui::Button::new(verb)).clicked();
+            let cancel = ui.button("Cancel").clicked();
+            match given && (go || enter) {
+                true => Some(Answer::Go),
+                false => cancel.then_some(Answer::Cancel),
+            }
+        })
+        .inner
+    }
+
+    /// The line that the path is typed into. In its first frame the cursor goes to where typing goes on.
+    fn line(&mut self, ui: &mut egui::Ui) -> egui::Response {
+        let line = egui::TextEdit::singleline(&mut self.path).desired_width(f32::INFINITY);
+        let mut shown = line.show(ui);
+        if !self.focused {
+            let end = CCursor::new(self.path.chars().count());
+            // Typing replaces what was proposed.
+            let marked = match self.goes_on {
+                true => CCursorRange::one(end),
+                false => CCursorRange::two(CCursor::new(0), end),
+            };
+            shown.state.cursor.set_char_range(Some(marked));
+            shown.state.store(ui.ctx(), shown.response.id);
+        }
+        shown.response.response
+    }
+}
+
+/// How the path field was closed.
+enum Answer {
+    Go,
+    Cancel,
 }
 
 impl Dialogs {
@@ -212,96 +316,16 @@ impl Dialogs {
         let Some(mut field) = self.field.take() else {
             return;
         };
-        let (purpose, path) = (field.purpose, &mut field.path);
-        let is_new = !std::mem::replace(&mut field.focused, true);
-        let (title, name, verb) = match purpose {
-            Purpose::OpenFolder => ("Open a folder", "Path of a folder of logs", "Open"),
-            Purpose::AddLogs => ("Add a survey", "Path of a log or its folder", "Add"),
-            Purpose::OpenLogs => ("Open by path", "Path of a log or its folder", "Open"),
-            Purpose::ExportInto => ("Choose a folder", "Path of the folder", "Choose"),
-            Purpose::OpenReview => ("Open a review", "Path of a review of boxes", "Open"),
-            Purpose::OpenTruth => (
-                "Open known objects",
-                "Path of a table of objects or a review",
-                "Open",
-            ),
-            Purpose::SaveProject => ("Save the project", "File to write, .bathyscope", "Save"),
-            Purpose::SaveReview => ("Save the review", "File to write", "Save"),
-            Purpose::ExportBoxesInto => ("Export boxes", "Folder to write into", "Export"),
-            Purpose::OpenBaseMap => ("Open a base map", "Path of a GeoTIFF", "Open"),
-            Purpose::OpenReference => (
-                "Compare with",
-                "Points (with columns: FILE.csv:x,y,z, or -z for a depth), GeoTIFF or log",
-                "Compare",
-            ),
-            Purpose::OpenIsobathArea => (
-                "Open the area of the isobaths",
-                "Path of polygons: GeoJSON, KML or GPX",
-                "Open",
-            ),
-            Purpose::OpenWaterLevels => (
-                "Open water levels",
-                "Path of a CSV with time and level_m",
-                "Open",
-            ),
-            Purpose::OpenTrack => (
-                "Open an external track",
-                "Path of a CSV with time, lon and lat, or of a GPX",
-                "Open",
-            ),
-            Purpose::SaveProfile => ("Save the depth profile", "File to write", "Save"),
-            Purpose::SaveFigure => (
-                "Save the measurement",
-                "File to write, .geojson or .csv",
-                "Save",
-            ),
-            Purpose::SavePlan => (
-                "Save the planned lines",
-                "File to write, .gpx, .kml, .plan or .waypoints",
-                "Save",
-            ),
-            Purpose::PrintInto => ("Print the view", "File to write", "Print"),
-            Purpose::OpenModel => ("Choose a model", "Path of an ONNX file", "Choose"),
-        };
-        let modal = egui::Modal::new(egui::Id::unique("path")).show(ctx, |ui| {
-            ui.set_width(480.0);
-            ui.heading(title);
-            if field.instead {
-                ui.label("The system's file dialog is not available here.");
+        let id = egui::Id::unique("path");
+        let modal = egui::Modal::new(id).show(ctx, |ui| field.ui(ui));
+        match modal.inner {
+            Some(Answer::Go) => {
+                let paths = vec![PathBuf::from(field.path.trim())];
+                context.commands.extend(command(field.purpose, paths));
             }
-            let label = ui.label(name);
-            let line = egui::TextEdit::singleline(path).desired_width(f32::INFINITY);
-            let mut shown = line.show(ui);
-            if is_new {
-                let end = CCursor::new(path.chars().count());
-                // Typing replaces what was proposed.
-                let marked = match field.goes_on {
-                    true => CCursorRange::one(end),
-                    false => CCursorRange::two(CCursor::new(0), end),
-                };
-                shown.state.cursor.set_char_range(Some(marked));
-                shown.state.store(ctx, shown.response.id);
-            }
-            let line = shown.response.response.labelled_by(label.id);
-            let enter = line.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
-            if is_new || path.is_empty() && !enter {
-                line.request_focus();
-            }
-            ui.add_space(6.0);
-            ui.horizontal(|ui| {
-                let given = !path.trim().is_empty();
-                let go = ui.add_enabled(given, egui::Button::new(verb)).clicked();
-                let cancel = ui.button("Cancel").clicked();
-                (given && (go || enter), cancel)
-            })
-            .inner
-        });
-        let (go, cancel) = modal.inner;
-        if go {
-            let paths = vec![PathBuf::from(field.path.trim())];
-            context.commands.extend(command(purpose, paths));
-        } else if !cancel && !modal.should_close() {
-            self.field = Some(field);
+            Some(Answer::Cancel) => {}
+            None if modal.should_close() => {}
+            None => self.field = Some(field),
         }
     }
 }

@@ -1,4 +1,6 @@
 //! The window: egui only. Reads [`crate::app::App`], pushes [`crate::app::Command`]s, owns nothing but how it looks.
+//!
+//! It uses all other top folders but `cli` and `simulation`.
 
 mod dialogs;
 mod drop_down;

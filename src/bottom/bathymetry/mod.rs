@@ -1,5 +1,8 @@
 //! Depth maps from soundings: repeated positions merged, and sampled only where something was measured.
 //!
+//! In: depths with their places. Out: surfaces, and what is read from them: isobaths, comparisons, offsets between logs.
+//! It uses `survey` and `support`.
+//!
 //! `soundings` takes the depths with their places, `nodes` merges those of one place, `tin` (in an `insertion_order`), `inverse_distance` find the depth
 //! between them, `left_out` says what it is worth, `grid` chooses the cells and `surface` fills them; `local` does so for a part of a larger map. `spot_soundings` chooses those that a chart prints. `hill_shade` lights them, `isobaths` draws through them,
 //! `compare` compares points with a reference, `crosslines` compares the passes of a survey with each other, `height_offsets` finds what sets

@@ -184,57 +184,104 @@ fn position_offsets(
     crossings: &[Crossing],
     wanted: Wanted,
 ) -> Option<Vec<FoundShift>> {
-    let used = |one: &&Crossing| {
-        let numbers = one
-            .gradient
-            .iter()
-            .chain([&one.passes[0].depth_m, &one.passes[1].depth_m]);
-        let is_known = |pass: usize| one.passes[pass].track < logs.len();
-        is_known(0) && is_known(1) && numbers.into_iter().all(|number| number.is_finite())
-    };
-    let crossings: Vec<&Crossing> = crossings.iter().filter(used).collect();
-    let sigmas_m: Vec<f64> = crossings
-        .iter()
-        .map(|one| difference_sigma_m(one.slope()))
+    let adjustment = Adjustment::new(logs, crossings, wanted);
+    let (values, factor) = adjustment.solve()?;
+    let errors = adjustment.errors(&factor);
+    let found: Vec<FoundShift> = (0..logs.len())
+        .map(|log| adjustment.found(log, &values, &errors))
         .collect();
-    let mut equations = Equations::default();
-    for (one, sigma_m) in crossings.iter().zip(&sigmas_m) {
-        let (terms, known_m) = sides(logs, one, wanted);
-        equations.add(terms, one.difference_m() - known_m, *sigma_m);
-    }
-    for (log, placed) in logs.iter().enumerate() {
-        let sds = [SD_SHIFT_M, SD_SHIFT_M, SD_LATENCY_S];
-        for ((unknown, value), sd) in placed.shift.values().into_iter().enumerate().zip(sds) {
-            // The whole of a shift is held near zero, of which a part is known.
-            equations.add([(UNKNOWNS * log + unknown, 1.0)], -value, sd);
+    let is_number = |one: &FoundShift| one.shift.values().iter().all(|value| value.is_finite());
+    found.iter().all(is_number).then_some(found)
+}
+
+/// The adjustment of logs to each other.
+struct Adjustment<'a> {
+    logs: &'a [CorrectedLog],
+    /// Those that have numbers, of these logs.
+    crossings: Vec<&'a Crossing>,
+    /// What the differences of their depths scatter by, metres.
+    sigmas_m: Vec<f64>,
+    wanted: Wanted,
+}
+
+impl<'a> Adjustment<'a> {
+    fn new(logs: &'a [CorrectedLog], crossings: &'a [Crossing], wanted: Wanted) -> Self {
+        let used = |one: &&Crossing| {
+            let numbers = one
+                .gradient
+                .iter()
+                .chain([&one.passes[0].depth_m, &one.passes[1].depth_m]);
+            let is_known = |pass: usize| one.passes[pass].track < logs.len();
+            is_known(0) && is_known(1) && numbers.into_iter().all(|number| number.is_finite())
+        };
+        let crossings: Vec<&Crossing> = crossings.iter().filter(used).collect();
+        let sigmas_m = crossings
+            .iter()
+            .map(|one| difference_sigma_m(one.slope()))
+            .collect();
+        Self {
+            logs,
+            crossings,
+            sigmas_m,
+            wanted,
         }
-        equations.add([(UNKNOWNS * log + HEIGHT, 1.0)], 0.0, SD_HEIGHT_M);
     }
-    let count = UNKNOWNS * logs.len();
-    let pattern = Pattern::of(&equations, count)?;
-    let (mut values, mut factor) = (vec![0.0; count], None);
-    for round in 0..ROUNDS {
-        if round > 0 {
-            let residuals: Vec<f64> = (crossings.iter().zip(&sigmas_m))
-                .map(|(one, sigma_m)| left_m(logs, one, wanted, &values) / sigma_m)
-                .collect();
-            let (shares, scale) = robust_shares(&residuals);
-            let scale = scale.max(LEAST_SCALE);
-            for (crossing, (share, sigma_m)) in shares.iter().zip(&sigmas_m).enumerate() {
-                equations.set_sd(crossing, scale * sigma_m / share.sqrt());
+
+    /// An equation for each crossing, in their order, and one for each unknown that holds it near zero.
+    fn equations(&self) -> Equations {
+        let mut equations = Equations::default();
+        for (one, sigma_m) in self.crossings.iter().zip(&self.sigmas_m) {
+            let (terms, known_m) = self.sides(one);
+            equations.add(terms, one.difference_m() - known_m, *sigma_m);
+        }
+        for (log, placed) in self.logs.iter().enumerate() {
+            let sds = [SD_SHIFT_M, SD_SHIFT_M, SD_LATENCY_S];
+            for ((unknown, value), sd) in placed.shift.values().into_iter().enumerate().zip(sds) {
+                // The whole of a shift is held near zero, of which a part is known.
+                equations.add([(UNKNOWNS * log + unknown, 1.0)], -value, sd);
+            }
+            equations.add([(UNKNOWNS * log + HEIGHT, 1.0)], 0.0, SD_HEIGHT_M);
+        }
+        equations
+    }
+
+    /// The unknowns, and the factor of the equations that they solve: crossings that do not fit the others lose weight round by round.
+    fn solve(&self) -> Option<(Vec<f64>, Factor)> {
+        let mut equations = self.equations();
+        let count = UNKNOWNS * self.logs.len();
+        let pattern = Pattern::of(&equations, count)?;
+        let (mut values, mut factor) = (vec![0.0; count], None);
+        for round in 0..ROUNDS {
+            if round > 0 {
+                self.weigh(&mut equations, &values);
+            }
+            let found = pattern.factorise(&equations)?;
+            let next = found.solve(&pattern, &equations, 0, || 0.0).swap_remove(0);
+            let moved = next.iter().zip(&values).map(|(a, b)| (a - b).abs());
+            let moved = moved.fold(0.0, f64::max);
+            (values, factor) = (next, Some(found));
+            if round > 0 && moved < SETTLED {
+                break;
             }
         }
-        let found = pattern.factorise(&equations)?;
-        let next = found.solve(&pattern, &equations, 0, || 0.0).swap_remove(0);
-        let moved = next.iter().zip(&values).map(|(a, b)| (a - b).abs());
-        let moved = moved.fold(0.0, f64::max);
-        (values, factor) = (next, Some(found));
-        if round > 0 && moved < SETTLED {
-            break;
+        Some((values, factor?))
+    }
+
+    /// Weighs the crossings by how well some values explain them.
+    fn weigh(&self, equations: &mut Equations, values: &[f64]) {
+        let residuals: Vec<f64> = (self.crossings.iter().zip(&self.sigmas_m))
+            .map(|(one, sigma_m)| self.left_m(one, values) / sigma_m)
+            .collect();
+        let (shares, scale) = robust_shares(&residuals);
+        let scale = scale.max(LEAST_SCALE);
+        for (crossing, (share, sigma_m)) in shares.iter().zip(&self.sigmas_m).enumerate() {
+            equations.set_sd(crossing, scale * sigma_m / share.sqrt());
         }
     }
-    let errors = errors(logs, &crossings, &factor?);
-    let found = |(log, placed): (usize, &CorrectedLog)| {
+
+    /// What the unknowns and their errors say of a log.
+    fn found(&self, log: usize, values: &[f64], errors: &[f64]) -> FoundShift {
+        let placed = &self.logs[log];
         let of = |unknown: usize| UNKNOWNS * log + unknown;
         let is_open = placed.pinned_m.is_none();
         let asked = |is_wanted: bool, unknown: usize| match is_wanted && is_open {
@@ -246,91 +293,91 @@ fn position_offsets(
             (true, true) => value,
             (true, false) => 0.0,
         };
+        let Wanted { shifts, latencies } = self.wanted;
         FoundShift {
             shift: placed.shift.plus([
-                asked(wanted.shifts, EAST),
-                asked(wanted.shifts, NORTH),
-                asked(wanted.latencies, LATENCY),
+                asked(shifts, EAST),
+                asked(shifts, NORTH),
+                asked(latencies, LATENCY),
             ]),
-            shift_error_m: error(wanted.shifts, errors[of(EAST)].max(errors[of(NORTH)])),
-            latency_error_s: error(wanted.latencies, errors[of(LATENCY)]),
+            shift_error_m: error(shifts, errors[of(EAST)].max(errors[of(NORTH)])),
+            latency_error_s: error(latencies, errors[of(LATENCY)]),
         }
-    };
-    let found: Vec<FoundShift> = logs.iter().enumerate().map(found).collect();
-    let is_number = |one: &FoundShift| one.shift.values().iter().all(|value| value.is_finite());
-    found.iter().all(is_number).then_some(found)
-}
-
-/// Standard errors of all unknowns: shifts against the mean of those of the logs that crossings tie to each other, unless one of them is pinned, for a
-/// shift that all share is not known.
-fn errors(logs: &[CorrectedLog], crossings: &[&Crossing], factor: &Factor) -> Vec<f64> {
-    let count = UNKNOWNS * logs.len();
-    let mut variances = factor.variances(count);
-    let ties = crossings
-        .iter()
-        .map(|one| one.passes.map(|pass| pass.track));
-    let group_of = groups(logs.len(), ties);
-    let mut members: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    for (log, group) in group_of.into_iter().enumerate() {
-        members.entry(group).or_default().push(log);
     }
-    let is_free = |group: &&Vec<usize>| {
-        group.len() > 1 && group.iter().all(|log| logs[*log].pinned_m.is_none())
-    };
-    for group in members.values().filter(is_free) {
-        let weight = 1.0 / group.len() as f64;
-        for axis in [EAST, NORTH] {
-            // Of the covariance C and the weights w of the mean: C_ii - 2 (C w)_i + w C w.
-            let mut with_mean = [vec![0.0; count]];
-            for log in group {
-                with_mean[0][UNKNOWNS * log + axis] = weight;
+
+    /// Standard errors of all unknowns: shifts against the mean of those of the logs that crossings tie to each other, unless one of them is pinned, for a
+    /// shift that all share is not known.
+    fn errors(&self, factor: &Factor) -> Vec<f64> {
+        let logs = self.logs;
+        let count = UNKNOWNS * logs.len();
+        let mut variances = factor.variances(count);
+        let ties = self
+            .crossings
+            .iter()
+            .map(|one| one.passes.map(|pass| pass.track));
+        let group_of = groups(logs.len(), ties);
+        let mut members: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        for (log, group) in group_of.into_iter().enumerate() {
+            members.entry(group).or_default().push(log);
+        }
+        let is_free = |group: &&Vec<usize>| {
+            group.len() > 1 && group.iter().all(|log| logs[*log].pinned_m.is_none())
+        };
+        for group in members.values().filter(is_free) {
+            let weight = 1.0 / group.len() as f64;
+            for axis in [EAST, NORTH] {
+                // Of the covariance C and the weights w of the mean: C_ii - 2 (C w)_i + w C w.
+                let mut with_mean = [vec![0.0; count]];
+                for log in group {
+                    with_mean[0][UNKNOWNS * log + axis] = weight;
+                }
+                factor.solve_for(&mut with_mean);
+                let of = |log: &usize| UNKNOWNS * log + axis;
+                let mean: f64 = group.iter().map(|log| weight * with_mean[0][of(log)]).sum();
+                for log in group {
+                    variances[of(log)] += mean - 2.0 * with_mean[0][of(log)];
+                }
             }
-            factor.solve_for(&mut with_mean);
-            let of = |log: &usize| UNKNOWNS * log + axis;
-            let mean: f64 = group.iter().map(|log| weight * with_mean[0][of(log)]).sum();
-            for log in group {
-                variances[of(log)] += mean - 2.0 * with_mean[0][of(log)];
+        }
+        variances
+            .into_iter()
+            .map(|variance| variance.max(0.0).sqrt())
+            .collect()
+    }
+
+    /// What the unknowns add to the difference of a crossing, and what is known of it, metres.
+    fn sides(&self, one: &Crossing) -> (Vec<(usize, f64)>, f64) {
+        let mut terms = Vec::with_capacity(2 * UNKNOWNS);
+        let mut known_m = 0.0;
+        let [east, north] = one.gradient;
+        let is_sloping = one.slope() >= LEAST_SLOPE;
+        for (pass, sign) in one.passes.iter().zip([1.0, -1.0]) {
+            if let Some(pinned_m) = self.logs[pass.track].pinned_m {
+                known_m += sign * pinned_m;
+                continue;
+            }
+            let of = |unknown: usize| UNKNOWNS * pass.track + unknown;
+            let [v_east, v_north] = pass.velocity_mps;
+            terms.push((of(HEIGHT), sign));
+            if self.wanted.shifts && is_sloping {
+                terms.extend([(of(EAST), sign * east), (of(NORTH), sign * north)]);
+            }
+            if self.wanted.latencies && is_sloping {
+                terms.push((of(LATENCY), sign * (east * v_east + north * v_north)));
             }
         }
+        (terms, known_m)
     }
-    variances
-        .into_iter()
-        .map(|variance| variance.max(0.0).sqrt())
-        .collect()
-}
 
-/// What the unknowns add to the difference of a crossing, and what is known of it, metres.
-fn sides(logs: &[CorrectedLog], one: &Crossing, wanted: Wanted) -> (Vec<(usize, f64)>, f64) {
-    let mut terms = Vec::with_capacity(2 * UNKNOWNS);
-    let mut known_m = 0.0;
-    let [east, north] = one.gradient;
-    let is_sloping = one.slope() >= LEAST_SLOPE;
-    for (pass, sign) in one.passes.iter().zip([1.0, -1.0]) {
-        if let Some(pinned_m) = logs[pass.track].pinned_m {
-            known_m += sign * pinned_m;
-            continue;
-        }
-        let of = |unknown: usize| UNKNOWNS * pass.track + unknown;
-        let [v_east, v_north] = pass.velocity_mps;
-        terms.push((of(HEIGHT), sign));
-        if wanted.shifts && is_sloping {
-            terms.extend([(of(EAST), sign * east), (of(NORTH), sign * north)]);
-        }
-        if wanted.latencies && is_sloping {
-            terms.push((of(LATENCY), sign * (east * v_east + north * v_north)));
-        }
+    /// What some values of the unknowns leave of the difference of a crossing, metres.
+    fn left_m(&self, one: &Crossing, values: &[f64]) -> f64 {
+        let (terms, known_m) = self.sides(one);
+        let explained: f64 = terms
+            .iter()
+            .map(|(unknown, factor)| factor * values[*unknown])
+            .sum();
+        one.difference_m() - known_m - explained
     }
-    (terms, known_m)
-}
-
-/// What some values of the unknowns leave of the difference of a crossing, metres.
-fn left_m(logs: &[CorrectedLog], one: &Crossing, wanted: Wanted, values: &[f64]) -> f64 {
-    let (terms, known_m) = sides(logs, one, wanted);
-    let explained: f64 = terms
-        .iter()
-        .map(|(unknown, factor)| factor * values[*unknown])
-        .sum();
-    one.difference_m() - known_m - explained
 }
 
 #[cfg(test)]

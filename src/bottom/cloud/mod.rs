@@ -1,5 +1,8 @@
 //! The 3D point cloud: soundings under the boat, first returns beside it, and the outlier filter.
 //!
+//! In: a survey with its navigation, first returns and calibration. Out: points with classes, and the depth under the boat at every ping.
+//! It uses `sonar`, `survey` and `support`.
+//!
 //! `build` makes the points, held `by_source`, with `geometry` for the published feet, `specular` for the one on a slope and `correction` for what
 //! depths count from, `confirmed` says which soundings without bottom lock count, `level` says how strong its echo is, `reduction` joins it to the calibration for every read-out; `class` says what each point is, `outliers` is the filter for any points; `residuals` measures agreement
 //! with recorded depths, `scales` says between which values points are coloured.

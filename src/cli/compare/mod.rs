@@ -1,4 +1,7 @@
 //! `bathyscope compare`: residual statistics of points, or of a log, against a reference; and what changed between two depth maps.
+//!
+//! In: arguments of the command. Out: lines of text, and files of the differences.
+//! It uses `products`, `pipeline`, `bottom`, `formats` and `support`.
 
 mod change;
 mod logs;

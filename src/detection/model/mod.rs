@@ -1,5 +1,8 @@
 //! A detector somebody trained: an ONNX file, looked through, understood, compiled once and run on many tiles.
 //!
+//! In: an ONNX file, and pictures. Out: boxes with classes and scores, or a reason why the file cannot be used.
+//! It uses `support`.
+//!
 //! `screen` refuses what could harm before anything is computed, `constants` what would grow while it is compiled, `cost` what
 //! would take too much to run. `tract` compiles and runs (behind `backend`, so that another may come), `guard` keeps failures
 //! and endless work to themselves. `family` infers from the outputs' shapes how boxes are

@@ -1,7 +1,7 @@
 //! The objects of a survey: one list of what the boxes of all logs show.
 //!
 //! In: boxes with their places and what was decided about them, and the numbers that objects had before. Out: the objects that they are
-//! sightings of. Uses the survey, reviews and targets; window, products, report and plan ask it.
+//! sightings of. It uses `survey` and `support`; the window, products, report and plan use it.
 //!
 //! `review` says which boxes count, `joint` makes one object of what several logs saw, `numbers` keeps their numbers, `summary` is what
 //! the boxes of an object say of it, `list` puts these together.

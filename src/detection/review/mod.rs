@@ -1,5 +1,8 @@
 //! The analyst's decisions about the boxes of a survey: pure state, changed by edits, kept in a file of its own.
 //!
+//! In: boxes that a model proposes, and edits. Out: boxes with decisions, the order in which to look at them, and the rows of a file.
+//! It uses `survey` and `support`.
+//!
 //! `edit` is what a decision does, `adopt` what a new model's detections do to decisions that are there, `queue` the order
 //! in which boxes are looked at, `searched` which pings a model has been over, `tiles` the pictures that teach a detector, `file` how a review is kept. The log itself is
 //! never touched.

@@ -1,5 +1,8 @@
 //! Where a box's object lies in the world, and how large it is.
 //!
+//! In: boxes of a survey, with its navigation and calibration. Out: places, sizes and shapes of objects.
+//! It uses `sonar`, `survey` and `support`.
+//!
 //! `echo` finds the echo and the shadow inside a box (`profile` has the levels, `runs` the edges), `seen` makes distances and
 //! a height of them, `shadow` a height of a shadow that the analyst measures, `place` puts them on the bottom (`altitude` above it),
 //! `passes` tells which passes of the boat covered a place, `group` makes one object of the same object seen from several lines (`sighting` is what

@@ -1,4 +1,7 @@
 //! Humminbird DAT and SON: 700 to 1100 series, Helix, Solix.
+//!
+//! In: the bytes of a recording. Out: a collected log.
+//! It uses `survey` and `support`.
 
 pub(crate) mod dat;
 mod decode;

@@ -1,4 +1,7 @@
 //! Lowrance SL2 and SL3, and a word about SLG.
+//!
+//! In: the bytes of a recording. Out: a collected log.
+//! It uses `survey` and `support`.
 
 mod decode;
 pub(crate) mod frame;

@@ -1,4 +1,7 @@
 //! XTF, the exchange format of the survey world.
+//!
+//! In: the bytes of a recording. Out: a collected log.
+//! It uses `survey` and `support`.
 
 mod channels;
 mod date;

@@ -1,5 +1,8 @@
 //! The side-scan mosaic: every echo at its place on the ground, tile by tile.
 //!
+//! In: a survey with its navigation, first returns, calibration and relief. Out: gain tables, layouts, and tiles of the mosaic.
+//! It uses `bottom`, `sonar`, `survey` and `support`.
+//!
 //! ```text
 //! FirstReturns --altitude--> height over the ground of every ping and side
 //! Navigation --layout--> Layout: rays in the plane of the map, which tiles they cross

@@ -1,5 +1,8 @@
 //! How the side-scan of one log is shown: gain, stripes, levels, and where an echo lies across the track.
 //!
+//! In: a survey with its first returns and calibration. Out: tables of gain and scale for each ping, and levels.
+//! It uses `sonar`, `survey` and `support`.
+//!
 //! ```text
 //! FirstReturns + Calibration --PingScales--> altitude and scale of every ping and side
 //! Survey --stripe_factors--> a factor for every ping and side

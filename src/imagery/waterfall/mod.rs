@@ -1,5 +1,8 @@
 //! Picture tiles of the side-scan: a mean-and-max pyramid over ping and range, built where it is looked at.
 //!
+//! In: a survey with its first returns. Out: a range axis, picture tiles, and lines over them.
+//! It uses `sonar`, `survey` and `support`.
+//!
 //! A picture is laid out over ping (across the rows of a tile) and slant range (along a row), each side on its own, near
 //! to far. Its range axis has one scale for the whole survey ([`RangeAxis`]), so that every ping is placed by its metres
 //! even where the recorder's range changed mid-log. Tiles of at most [`TILE`] x [`TILE`] texels exist at every pair of

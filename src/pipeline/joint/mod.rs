@@ -1,5 +1,8 @@
 //! Results over all logs of a survey.
 //!
+//! In: the results of several logs. Out: their differences, height offsets and one report.
+//! It uses `bottom`, `survey` and `support`.
+//!
 //! Every log is processed by itself, with its own calibration and outliers; all of them lie in the frame of the first
 //! ([`crate::survey::Survey::in_frame`]), so what is joint puts their results together. `crossline` compares logs with each other where
 //! their tracks meet, and finds their height offsets, `corrections` says what became of those that were asked for, `comparison` compares them with each

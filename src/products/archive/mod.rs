@@ -1,5 +1,8 @@
 //! An archive: a folder with the tiles of many logs over one water, and one map of all of them, which is kept up to date.
 //!
+//! In: results of logs, and the files of an archive. Out: rows, offsets, maps and mosaics by tile.
+//! It uses `pipeline`, `imagery`, `bottom`, `formats`, `survey` and `support`.
+//!
 //! ```text
 //! log --add--> points, pings (Parquet) and mosaic (GeoTIFF) by tile --adjust--> height offsets --tile--> depth map and mosaic of a tile --index--> one map
 //!                              '--coverage--> which pings cover a place

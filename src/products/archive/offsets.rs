@@ -248,76 +248,79 @@ fn rows_of(path: &Path) -> Result<Vec<OffsetRow>, ArchiveError> {
         .from_reader(text.as_bytes());
     let in_words = |error: csv::Error| fail(format!("cannot read the table of offsets: {error}"));
     let header = table.headers().map_err(in_words)?.clone();
-    let column = |name: &str| {
-        let found = header.iter().position(|column| column == name);
-        found.ok_or_else(|| fail(format!("the table of offsets has no column {name}")))
-    };
-    let [log, offset, pinned] = [column("log")?, column("offset_m")?, column("pinned")?];
-    let others = [
-        "name",
-        "standard_error_m",
-        "ties",
-        "group",
-        "shift_error_m",
-        "latency_error_s",
-        "level_factor",
-        "level_ties",
-    ];
-    let others = others.map(|name| column(name).ok());
-    // A table that a person wrote may do without them.
-    let shifts = ["east_m", "north_m", "latency_s"].map(|name| column(name).ok());
+    let place = |name: &str| header.iter().position(|column| column == name);
+    // A table that a person wrote may do without the others.
+    for name in ["log", "offset_m", "pinned"] {
+        if place(name).is_none() {
+            return Err(fail(format!("the table of offsets has no column {name}")));
+        }
+    }
+    let places = COLUMNS.map(place);
     let mut rows = Vec::new();
     for (line, record) in (2..).zip(table.records()) {
         let record = record.map_err(in_words)?;
-        let field = |column: usize| record.get(column).unwrap_or_default();
-        let other = |index: usize| others[index].map_or("", field);
-        let offset_m: Option<f64> = field(offset).parse().ok();
-        let offset_m = offset_m.filter(|metres| metres.abs() <= MOST_M);
-        let is_pinned = match field(pinned) {
-            "" | "0" | "no" | "false" => Some(false),
-            "1" | "yes" | "true" => Some(true),
-            _ => None,
-        };
-        let shift = |index: usize, most: f64| match shifts[index].map_or("", field) {
-            "" => Some(0.0),
-            text => text.parse().ok().filter(|value: &f64| value.abs() <= most),
-        };
-        let shift = || {
-            Some(Shift {
-                east_m: shift(0, MOST_SHIFT_M)?,
-                north_m: shift(1, MOST_SHIFT_M)?,
-                latency_s: shift(2, MOST_LATENCY_S)?,
-            })
-        };
-        let factor: Option<f64> = match other(6) {
-            "" => Some(1.0),
-            text => text.parse().ok(),
-        };
-        let factor = factor.filter(|factor| (FACTORS[0]..=FACTORS[1]).contains(factor));
-        let (Some(offset_m), Some(is_pinned), Some(shift), Some(factor)) =
-            (offset_m, is_pinned, shift(), factor)
-        else {
+        let field = |place: usize| record.get(place).unwrap_or_default();
+        let Some(row) = row_of(places.map(|place| place.map_or("", field))) else {
             return Err(fail(format!(
                 "line {line} of the table of offsets cannot be used: offset_m is a number of metres up to {MOST_M}, pinned 1 or 0, east_m and north_m metres up to {MOST_SHIFT_M}, latency_s seconds up to {MOST_LATENCY_S}, level_factor {} to {}",
                 FACTORS[0], FACTORS[1]
             )));
         };
-        rows.push(OffsetRow {
-            name: other(0).to_owned(),
-            log: field(log).to_owned(),
-            offset_m,
-            standard_error_m: other(1).parse().unwrap_or(f64::NAN),
-            ties: other(2).parse().unwrap_or(0),
-            group: other(3).parse().unwrap_or(0),
-            is_pinned,
-            shift,
-            shift_error_m: other(4).parse().unwrap_or(f64::NAN),
-            latency_error_s: other(5).parse().unwrap_or(f64::NAN),
-            level: LevelFactor {
-                factor,
-                ties: other(7).parse().unwrap_or(0),
-            },
-        });
+        rows.push(row);
     }
     Ok(rows)
+}
+
+/// The row that these fields are of; `None` where one of them is out of its bounds. Empty are those that the table lacks.
+fn row_of(fields: [&str; COLUMNS.len()]) -> Option<OffsetRow> {
+    let [
+        name,
+        log,
+        offset_m,
+        standard_error_m,
+        ties,
+        group,
+        pinned,
+        east_m,
+        north_m,
+        shift_error_m,
+        latency_s,
+        latency_error_s,
+        level_factor,
+        level_ties,
+    ] = fields;
+    let number = |text: &str| text.parse::<f64>().ok();
+    let up_to = |text: &str, most: f64| number(text).filter(|value| value.abs() <= most);
+    let shift = |text: &str, most: f64| match text {
+        "" => Some(0.0),
+        text => up_to(text, most),
+    };
+    let factor = match level_factor {
+        "" => Some(1.0),
+        text => number(text).filter(|factor| (FACTORS[0]..=FACTORS[1]).contains(factor)),
+    };
+    Some(OffsetRow {
+        name: name.to_owned(),
+        log: log.to_owned(),
+        offset_m: up_to(offset_m, MOST_M)?,
+        standard_error_m: number(standard_error_m).unwrap_or(f64::NAN),
+        ties: ties.parse().unwrap_or(0),
+        group: group.parse().unwrap_or(0),
+        is_pinned: match pinned {
+            "" | "0" | "no" | "false" => false,
+            "1" | "yes" | "true" => true,
+            _ => return None,
+        },
+        shift: Shift {
+            east_m: shift(east_m, MOST_SHIFT_M)?,
+            north_m: shift(north_m, MOST_SHIFT_M)?,
+            latency_s: shift(latency_s, MOST_LATENCY_S)?,
+        },
+        shift_error_m: number(shift_error_m).unwrap_or(f64::NAN),
+        latency_error_s: number(latency_error_s).unwrap_or(f64::NAN),
+        level: LevelFactor {
+            factor: factor?,
+            ties: level_ties.parse().unwrap_or(0),
+        },
+    })
 }

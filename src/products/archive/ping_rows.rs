@@ -242,6 +242,7 @@ pub(super) struct PingRow {
     pub unix_us: Option<i64>,
 }
 
+/// Columns of numbers that are read, in the order of [`PingColumns::numbers`].
 const NUMBERS: [&str; 13] = [
     "x",
     "y",
@@ -258,63 +259,96 @@ const NUMBERS: [&str; 13] = [
     "time_s",
 ];
 
+/// The other columns that are read, in the order of the fields of [`PingColumns`].
+const OTHERS: [&str; 6] = [
+    "port_samples",
+    "starboard_samples",
+    "ping",
+    "halo",
+    "left_out",
+    "time",
+];
+
 /// The rows of a file, in the order of the log.
 ///
 /// # Errors
 /// When the file cannot be read.
 pub(super) fn read(path: &Path) -> Result<Vec<PingRow>, ArchiveError> {
-    const OTHERS: [&str; 6] = [
-        "port_samples",
-        "starboard_samples",
-        "ping",
-        "halo",
-        "left_out",
-        "time",
-    ];
     let damaged = || {
         ArchiveError::from(ParquetError {
             what: ParquetFault::Damaged("its columns are not those of pings of an archive"),
             path: path.to_owned(),
         })
     };
-    let numbers = read_parquet(path, &NUMBERS)?
-        .into_iter()
-        .map(|values| match values {
-            Values::Double(values) => Some(values),
-            _ => None,
-        });
-    let numbers: Vec<Vec<f64>> = numbers.collect::<Option<_>>().ok_or_else(damaged)?;
-    let Ok(
-        [
-            Values::Whole(port),
-            Values::Whole(starboard),
-            Values::Whole(pings),
-            Values::Flag(halo),
-            Values::Flag(excluded),
-            Values::Time(times),
-        ],
-    ) = <[Values; 6]>::try_from(read_parquet(path, &OTHERS)?)
-    else {
-        return Err(damaged());
-    };
-    let count = pings.len();
-    let others = [
-        port.len(),
-        starboard.len(),
-        halo.len(),
-        excluded.len(),
-        times.len(),
-    ];
-    if numbers
-        .iter()
-        .map(Vec::len)
-        .chain(others)
-        .any(|length| length != count)
-    {
-        return Err(damaged());
+    let numbers = numbers(read_parquet(path, &NUMBERS)?).ok_or_else(damaged)?;
+    let others = read_parquet(path, &OTHERS)?;
+    let columns = PingColumns::new(numbers, others).ok_or_else(damaged)?;
+    columns.rows().ok_or_else(damaged)
+}
+
+/// The columns of a file, all of one length.
+struct PingColumns {
+    numbers: Vec<Vec<f64>>,
+    /// Samples of each side.
+    port: Vec<Option<i32>>,
+    starboard: Vec<Option<i32>>,
+    pings: Vec<Option<i32>>,
+    halo: Vec<bool>,
+    excluded: Vec<bool>,
+    times: Vec<Option<i64>>,
+}
+
+/// Columns of numbers; `None` where one is of another type.
+fn numbers(columns: Vec<Values>) -> Option<Vec<Vec<f64>>> {
+    let numbers = columns.into_iter().map(|values| match values {
+        Values::Double(values) => Some(values),
+        _ => None,
+    });
+    numbers.collect()
+}
+
+impl PingColumns {
+    /// `None` where a column is of another type or length.
+    fn new(numbers: Vec<Vec<f64>>, others: Vec<Values>) -> Option<Self> {
+        let Ok(
+            [
+                Values::Whole(port),
+                Values::Whole(starboard),
+                Values::Whole(pings),
+                Values::Flag(halo),
+                Values::Flag(excluded),
+                Values::Time(times),
+            ],
+        ) = <[Values; 6]>::try_from(others)
+        else {
+            return None;
+        };
+        let lengths = [
+            port.len(),
+            starboard.len(),
+            halo.len(),
+            excluded.len(),
+            times.len(),
+        ];
+        let mut lengths = numbers.iter().map(Vec::len).chain(lengths);
+        lengths.all(|length| length == pings.len()).then_some(Self {
+            numbers,
+            port,
+            starboard,
+            pings,
+            halo,
+            excluded,
+            times,
+        })
     }
-    let row = |index: usize| {
-        let number = |column: usize| numbers[column][index];
+
+    /// All rows; `None` where one lacks a number that every row has.
+    fn rows(&self) -> Option<Vec<PingRow>> {
+        (0..self.pings.len()).map(|index| self.row(index)).collect()
+    }
+
+    fn row(&self, index: usize) -> Option<PingRow> {
+        let number = |column: usize| self.numbers[column][index];
         let side = |near: usize, samples: &[Option<i32>]| {
             Some(SideRange {
                 near_m: number(near),
@@ -323,24 +357,20 @@ pub(super) fn read(path: &Path) -> Result<Vec<PingRow>, ArchiveError> {
             })
         };
         Some(PingRow {
-            ping: pings[index]?,
+            ping: self.pings[index]?,
             footprint: Footprint {
                 place: [number(0), number(1)],
                 starboard: [number(2), number(3)],
                 altitude_m: number(4),
                 behind_m: number(6),
                 ahead_m: number(7),
-                sides: [side(8, &port), side(10, &starboard)],
+                sides: [side(8, &self.port), side(10, &self.starboard)],
             },
             depth_m: number(5),
-            is_halo: halo[index],
-            is_excluded: excluded[index],
+            is_halo: self.halo[index],
+            is_excluded: self.excluded[index],
             time_s: number(12),
-            unix_us: times[index],
+            unix_us: self.times[index],
         })
-    };
-    (0..count)
-        .map(row)
-        .collect::<Option<_>>()
-        .ok_or_else(damaged)
+    }
 }

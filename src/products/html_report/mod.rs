@@ -1,5 +1,8 @@
 //! `report.html`: one page that an analyst attaches to an e-mail, with pictures, figures, settings and warnings in it.
 //!
+//! In: results of the logs, and their report. Out: the text of one HTML file.
+//! It uses `pipeline`, `detection`, `imagery`, `bottom`, `sonar`, `survey` and `support`.
+//!
 //! ```text
 //! Survey, Products, Report, Surface --summary--> what was surveyed, how deep, how sure
 //! Surface, isobaths, mosaic --plan--> maps with scale, graticule and legend, as SVG around a raster

@@ -5,10 +5,12 @@ const SCALE: f64 = 1.4;
 /// Units from the end of a figure to the next.
 const SPACE: f64 = 1.4;
 
-/// The strokes of a figure in units, y down, and its width; `None` of what is no part of a number.
-fn figure(letter: char) -> Option<(Vec<[f64; 2]>, f64)> {
-    let points: &[[f64; 2]] = match letter {
-        '0' => &[
+/// The figures with their widths and their strokes, in units, y down. A nine is a six upside down.
+const FIGURES: [(char, f64, &[[f64; 2]]); 11] = [
+    (
+        '0',
+        4.0,
+        &[
             [2.0, 0.0],
             [3.4, 0.5],
             [4.0, 2.0],
@@ -21,8 +23,12 @@ fn figure(letter: char) -> Option<(Vec<[f64; 2]>, f64)> {
             [0.6, 0.5],
             [2.0, 0.0],
         ],
-        '1' => &[[0.5, 1.3], [2.2, 0.0], [2.2, 6.0]],
-        '2' => &[
+    ),
+    ('1', 4.0, &[[0.5, 1.3], [2.2, 0.0], [2.2, 6.0]]),
+    (
+        '2',
+        4.0,
+        &[
             [0.2, 1.4],
             [0.8, 0.3],
             [2.0, 0.0],
@@ -32,7 +38,11 @@ fn figure(letter: char) -> Option<(Vec<[f64; 2]>, f64)> {
             [0.0, 6.0],
             [4.0, 6.0],
         ],
-        '3' => &[
+    ),
+    (
+        '3',
+        4.0,
+        &[
             [0.2, 0.9],
             [1.0, 0.2],
             [2.0, 0.0],
@@ -47,8 +57,12 @@ fn figure(letter: char) -> Option<(Vec<[f64; 2]>, f64)> {
             [0.8, 5.7],
             [0.0, 4.9],
         ],
-        '4' => &[[3.0, 6.0], [3.0, 0.0], [0.0, 4.2], [4.0, 4.2]],
-        '5' => &[
+    ),
+    ('4', 4.0, &[[3.0, 6.0], [3.0, 0.0], [0.0, 4.2], [4.0, 4.2]]),
+    (
+        '5',
+        4.0,
+        &[
             [3.6, 0.0],
             [0.7, 0.0],
             [0.4, 2.7],
@@ -60,7 +74,11 @@ fn figure(letter: char) -> Option<(Vec<[f64; 2]>, f64)> {
             [0.7, 5.6],
             [0.0, 4.8],
         ],
-        '6' | '9' => &[
+    ),
+    (
+        '6',
+        4.0,
+        &[
             [3.5, 0.6],
             [2.3, 0.0],
             [1.0, 0.6],
@@ -75,8 +93,12 @@ fn figure(letter: char) -> Option<(Vec<[f64; 2]>, f64)> {
             [0.7, 2.9],
             [0.0, 4.0],
         ],
-        '7' => &[[0.0, 0.0], [4.0, 0.0], [1.5, 6.0]],
-        '8' => &[
+    ),
+    ('7', 4.0, &[[0.0, 0.0], [4.0, 0.0], [1.5, 6.0]]),
+    (
+        '8',
+        4.0,
+        &[
             [2.0, 2.8],
             [0.7, 2.3],
             [0.3, 1.3],
@@ -95,24 +117,24 @@ fn figure(letter: char) -> Option<(Vec<[f64; 2]>, f64)> {
             [3.4, 3.3],
             [2.0, 2.8],
         ],
-        '.' => &[[0.1, 5.4], [0.6, 5.4], [0.6, 5.9], [0.1, 5.9], [0.1, 5.4]],
-        '-' => &[[0.2, 3.2], [2.6, 3.2]],
-        _ => return None,
-    };
-    let width = match letter {
-        '.' => 0.7,
-        '-' => 2.8,
-        _ => 4.0,
-    };
-    // A nine is a six upside down.
+    ),
+    (
+        '.',
+        0.7,
+        &[[0.1, 5.4], [0.6, 5.4], [0.6, 5.9], [0.1, 5.9], [0.1, 5.4]],
+    ),
+    ('-', 2.8, &[[0.2, 3.2], [2.6, 3.2]]),
+];
+
+/// The strokes of a figure in units, y down, and its width; `None` of what is no part of a number.
+fn figure(letter: char) -> Option<(Vec<[f64; 2]>, f64)> {
+    let is_nine = letter == '9';
+    let drawn = if is_nine { '6' } else { letter };
+    let (_, width, points) = FIGURES.iter().find(|(name, ..)| *name == drawn)?;
     let turned = |[x, y]: [f64; 2]| {
-        if letter == '9' {
-            [4.0 - x, 6.0 - y]
-        } else {
-            [x, y]
-        }
+        if is_nine { [4.0 - x, 6.0 - y] } else { [x, y] }
     };
-    Some((points.iter().map(|point| turned(*point)).collect(), width))
+    Some((points.iter().map(|point| turned(*point)).collect(), *width))
 }
 
 /// Pixels that a number is long.

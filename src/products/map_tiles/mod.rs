@@ -1,5 +1,8 @@
 //! A depth map as the square pictures that web maps and plotters show: Web Mercator, 256 pixels a side, each zoom twice as fine as the one before.
 //!
+//! In: a depth map, or the parts of one. Out: the pictures of the tiles of each zoom.
+//! It uses `bottom` and `support`.
+//!
 //! ```text
 //! depths of a run or an archive --TileSource--> finest pixels --pyramid--> coarser ones --> pictures: colours, chart, depths
 //! ```

@@ -1,5 +1,8 @@
 //! What is written of a survey: one run, the same from the window and the command line.
 //!
+//! In: the results of a survey, and what is ordered. Out: the files of a run, with their manifest.
+//! It uses `pipeline`, `detection`, `imagery`, `bottom`, `formats`, `survey` and `support`.
+//!
 //! `registry` has a row for each file; `write` makes all files of a run from `results`, `run_folder` puts them in place together,
 //! `overwrite` keeps them from taking the place of what they are made from, `earlier_run` tells which are
 //! out of date. `order` is what is asked for, `content` and `need` what a file holds and what it cannot be made without, `run` a run

@@ -11,7 +11,6 @@ fn any_change() -> impl Strategy<Value = (u8, usize, usize)> {
 fn change_from((kind, a, b): (u8, usize, usize), project: &Project) -> Option<Change> {
     let logs = project.logs();
     let key = || Some(logs.get(a % logs.len().max(1))?.key.clone());
-    let side = Side::BOTH[b % 2];
     Some(match kind {
         0 => Change::Add(Box::new(log(&format!("log {}", a % 6)))),
         1 if b % 4 == 0 => Change::Remove(key()?),
@@ -22,40 +21,13 @@ fn change_from((kind, a, b): (u8, usize, usize), project: &Project) -> Option<Ch
         3 => Change::Rename(key()?, format!("name {b}")),
         4 => Change::Colour(key()?, (b % 3 > 0).then_some([b as u8, 1, 2])),
         5 => Change::Show(key()?, b % 2 == 0),
-        6 => {
-            let settings = project.settings_of(project.log(&key()?)?).ok()?;
-            let text = ["draft_m=", "outliers.min_neighbors=", "water_level_m="][b % 3];
-            let after = settings
-                .with_assignment(&format!("{text}{}", 1 + b % 7))
-                .ok()?;
-            Change::Settings {
-                log: Some(key()?),
-                after: Box::new(after),
-                label: "setting",
-            }
-        }
+        6 => setting_change(project, key()?, b)?,
         7 => Change::Own {
             log: key()?,
             key: ["draft_m", "outliers.min_neighbors", "track.offset_s"][b % 3].to_owned(),
             own: a % 2 == 0,
         },
-        8 | 9 => {
-            let log = project.log(&key()?)?.clone();
-            let of_log = match log.settings.bottom.is_empty() {
-                true => bottom(&[]),
-                false => log.settings.bottom.clone(),
-            };
-            let pings = [a.min(b), a.max(b)];
-            let after = match kind {
-                8 if a % 3 == 0 => of_log.accepting(side, pings),
-                8 => of_log.with(line(side, pings)),
-                _ => of_log.without(side, pings),
-            };
-            Change::Bottom {
-                log: log.key.clone(),
-                after,
-            }
-        }
+        8 | 9 => bottom_change(project.log(&key()?)?, kind == 8, a, b),
         10 => {
             let log = project.log(&key()?)?.clone();
             Change::Review {
@@ -64,61 +36,102 @@ fn change_from((kind, a, b): (u8, usize, usize), project: &Project) -> Option<Ch
                 label: "search",
             }
         }
-        11 | 12 => {
-            let id = BoxId(1 + (b % 20) as u32);
-            let edit = match a % 13 {
-                0 => Edit::Accept(id),
-                1 => Edit::Reject(id),
-                2 => Edit::Undecide(id),
-                3 => Edit::Relabel(id, b % 3),
-                4 => Edit::Reshape(id, mark(b % 480)),
-                5 => Edit::SwapSide(id),
-                6 => Edit::Add {
-                    mark: mark(b % 480),
-                    class: 0,
-                },
-                7 => Edit::SetEdges {
-                    id,
-                    mark: mark(b % 480),
-                    border_m: b as f64 / 100.0,
-                },
-                8 => Edit::FindEdges(id),
-                9 => Edit::AddPoint {
-                    side,
-                    ping: b % 480,
-                    range_m: 1.0 + b as f64 / 50.0,
-                    class: 0,
-                },
-                10 => Edit::Classify(id, format!("class {}", b % 4)),
-                11 if b % 2 == 0 => Edit::Rename(id, format!("name {b}")),
-                11 => Edit::Rate(id, (b % 3 > 0).then_some(Confidence::ALL[b % 3])),
-                _ if b % 2 == 0 => Edit::Remove(id),
-                _ => Edit::Note(id, format!("note\n{b} \"x\" \u{2028}")),
-            };
-            Change::Box { log: key()?, edit }
-        }
-        _ => {
-            let at = |step: f64| LonLat {
-                lon_deg: a as f64 / 10.0 + step,
-                lat_deg: b as f64 / 10.0,
-            };
-            let measurement = Measurement {
-                kind: [MeasurementKind::Area, MeasurementKind::Profile][a % 2],
-                corners: vec![at(0.0), at(0.5), at(0.25)],
-                picks: std::collections::BTreeMap::new(),
-                note: String::new(),
-            };
-            match b % 4 {
-                0 => Change::Forget(1 + (a % 4) as u32),
-                1 => Change::File(
-                    "base_map".to_owned(),
-                    (a % 2 == 0).then(|| format!("/m/{a}.tif").into()),
-                ),
-                2 => Change::Measure(Some(1 + (a % 4) as u32), measurement),
-                _ => Change::Measure(None, measurement),
-            }
-        }
+        11 | 12 => Change::Box {
+            log: key()?,
+            edit: box_edit(a, b),
+        },
+        _ => change_of_survey(a, b),
     })
+}
+
+/// A change of one of three settings.
+fn setting_change(project: &Project, log: LogKey, b: usize) -> Option<Change> {
+    let settings = project.settings_of(project.log(&log)?).ok()?;
+    let text = ["draft_m=", "outliers.min_neighbors=", "water_level_m="][b % 3];
+    let after = settings
+        .with_assignment(&format!("{text}{}", 1 + b % 7))
+        .ok()?;
+    Some(Change::Settings {
+        log: Some(log),
+        after: Box::new(after),
+        label: "setting",
+    })
+}
+
+/// A line of the bottom that is drawn or accepted, or one that is removed.
+fn bottom_change(log: &ProjectLog, is_drawn: bool, a: usize, b: usize) -> Change {
+    let side = Side::BOTH[b % 2];
+    let of_log = match log.settings.bottom.is_empty() {
+        true => bottom(&[]),
+        false => log.settings.bottom.clone(),
+    };
+    let pings = [a.min(b), a.max(b)];
+    let after = match is_drawn {
+        true if a.is_multiple_of(3) => of_log.accepting(side, pings),
+        true => of_log.with(line(side, pings)),
+        false => of_log.without(side, pings),
+    };
+    Change::Bottom {
+        log: log.key.clone(),
+        after,
+    }
+}
+
+/// An edit of a box that may be there, or a box that is added.
+fn box_edit(a: usize, b: usize) -> Edit {
+    let id = BoxId(1 + (b % 20) as u32);
+    match a % 13 {
+        0 => Edit::Accept(id),
+        1 => Edit::Reject(id),
+        2 => Edit::Undecide(id),
+        3 => Edit::Relabel(id, b % 3),
+        4 => Edit::Reshape(id, mark(b % 480)),
+        5 => Edit::SwapSide(id),
+        6 => Edit::Add {
+            mark: mark(b % 480),
+            class: 0,
+        },
+        7 => Edit::SetEdges {
+            id,
+            mark: mark(b % 480),
+            border_m: b as f64 / 100.0,
+        },
+        8 => Edit::FindEdges(id),
+        9 => Edit::AddPoint {
+            side: Side::BOTH[b % 2],
+            ping: b % 480,
+            range_m: 1.0 + b as f64 / 50.0,
+            class: 0,
+        },
+        10 => Edit::Classify(id, format!("class {}", b % 4)),
+        11 if b.is_multiple_of(2) => Edit::Rename(id, format!("name {b}")),
+        11 => Edit::Rate(id, (!b.is_multiple_of(3)).then_some(Confidence::ALL[b % 3])),
+        _ if b.is_multiple_of(2) => Edit::Remove(id),
+        _ => Edit::Note(id, format!("note\n{b} \"x\" \u{2028}")),
+    }
+}
+
+/// A change of what belongs to no log: measurements and files.
+fn change_of_survey(a: usize, b: usize) -> Change {
+    let at = |step: f64| LonLat {
+        lon_deg: a as f64 / 10.0 + step,
+        lat_deg: b as f64 / 10.0,
+    };
+    let measurement = Measurement {
+        kind: [MeasurementKind::Area, MeasurementKind::Profile][a % 2],
+        corners: vec![at(0.0), at(0.5), at(0.25)],
+        picks: std::collections::BTreeMap::new(),
+        note: String::new(),
+    };
+    match b % 4 {
+        0 => Change::Forget(1 + (a % 4) as u32),
+        1 => Change::File(
+            "base_map".to_owned(),
+            a.is_multiple_of(2).then(|| format!("/m/{a}.tif").into()),
+        ),
+        2 => Change::Measure(Some(1 + (a % 4) as u32), measurement),
+        _ => Change::Measure(None, measurement),
+    }
 }
 
 proptest! {

@@ -89,76 +89,9 @@ pub(super) fn objects(random: &mut Random, strip: &Strip) -> Vec<ObjectSettings>
 /// An object of random kind, size, pose, burial and material; its place is still open.
 fn object(random: &mut Random, depth_m: f64) -> ObjectSettings {
     let kind = ObjectKind::ALL[(random.bits() % 7) as usize];
-    // Length, width, height, and the strength of the material's echo over that of the ground, dB.
-    let (length_m, width_m, height_m, strength_db) = match kind {
-        ObjectKind::Rock => {
-            // Boulders of a glacial river reach four metres (the recorded river shows some).
-            let size = log_between(random, 0.5, 4.0);
-            let width = size * random.between(0.65, 1.0);
-            (
-                size,
-                width,
-                size * random.between(0.35, 0.7),
-                random.between(-4.0, 5.0),
-            )
-        }
-        ObjectKind::Block => {
-            let size = log_between(random, 0.5, 1.6);
-            let width = size * random.between(0.5, 1.0);
-            (
-                size,
-                width,
-                size * random.between(0.4, 0.9),
-                random.between(-2.0, 8.0),
-            )
-        }
-        ObjectKind::Cylinder => {
-            let thick = log_between(random, 0.2, 0.7);
-            let length = (thick * random.between(3.0, 10.0)).clamp(1.0, 5.0);
-            (length, thick, thick, random.between(-3.0, 8.0))
-        }
-        ObjectKind::Tyre => {
-            let size = log_between(random, 0.55, 1.3);
-            (
-                size,
-                size,
-                size * random.between(0.26, 0.34),
-                random.between(-4.0, 6.0),
-            )
-        }
-        ObjectKind::Boat => {
-            let length = random.between(3.0, 5.2);
-            let width = length * random.between(0.32, 0.42);
-            (
-                length,
-                width,
-                random.between(0.45, 0.9),
-                random.between(-3.0, 7.0),
-            )
-        }
-        ObjectKind::Log => {
-            let length = random.between(2.2, 7.0);
-            let width = length * random.between(0.25, 0.5);
-            (
-                length,
-                width,
-                random.between(0.2, 0.5),
-                random.between(-4.0, 5.0),
-            )
-        }
-        ObjectKind::Effigy => {
-            let length = random.between(1.55, 1.9);
-            let width = random.between(0.7, 1.3);
-            (
-                length,
-                width,
-                random.between(0.22, 0.34),
-                random.between(-1.0, 10.0),
-            )
-        }
-    };
+    let build = Build::random(random, kind);
     // Nothing reaches up through half of the water: its shadow would have no end.
-    let height_m = height_m.min(0.4 * depth_m);
+    let height_m = build.height_m.min(0.4 * depth_m);
     let burial = if random.chance(0.35) {
         random.between(0.0, 0.45)
     } else {
@@ -168,12 +101,90 @@ fn object(random: &mut Random, depth_m: f64) -> ObjectSettings {
         kind,
         east_m: 0.0,
         north_m: 0.0,
-        length_m,
-        width_m,
+        length_m: build.length_m,
+        width_m: build.width_m,
         height_m,
         heading_deg: random.between(0.0, 360.0),
         buried_m: burial * height_m,
-        strength_db: Some(strength_db),
+        strength_db: Some(build.strength_db),
+    }
+}
+
+/// Size and material of an object.
+struct Build {
+    length_m: f64,
+    width_m: f64,
+    height_m: f64,
+    /// The strength of the material's echo over that of the ground, dB.
+    strength_db: f64,
+}
+
+impl Build {
+    /// One that is usual for the kind. The numbers are drawn in the order of the fields: another order makes another survey of a seed.
+    fn random(random: &mut Random, kind: ObjectKind) -> Self {
+        match kind {
+            ObjectKind::Rock => {
+                // Boulders of a glacial river reach four metres (the recorded river shows some).
+                let size_m = log_between(random, 0.5, 4.0);
+                Self {
+                    length_m: size_m,
+                    width_m: size_m * random.between(0.65, 1.0),
+                    height_m: size_m * random.between(0.35, 0.7),
+                    strength_db: random.between(-4.0, 5.0),
+                }
+            }
+            ObjectKind::Block => {
+                let size_m = log_between(random, 0.5, 1.6);
+                Self {
+                    length_m: size_m,
+                    width_m: size_m * random.between(0.5, 1.0),
+                    height_m: size_m * random.between(0.4, 0.9),
+                    strength_db: random.between(-2.0, 8.0),
+                }
+            }
+            ObjectKind::Cylinder => {
+                let thick_m = log_between(random, 0.2, 0.7);
+                Self {
+                    length_m: (thick_m * random.between(3.0, 10.0)).clamp(1.0, 5.0),
+                    width_m: thick_m,
+                    height_m: thick_m,
+                    strength_db: random.between(-3.0, 8.0),
+                }
+            }
+            ObjectKind::Tyre => {
+                let size_m = log_between(random, 0.55, 1.3);
+                Self {
+                    length_m: size_m,
+                    width_m: size_m,
+                    height_m: size_m * random.between(0.26, 0.34),
+                    strength_db: random.between(-4.0, 6.0),
+                }
+            }
+            ObjectKind::Boat => {
+                let length_m = random.between(3.0, 5.2);
+                Self {
+                    length_m,
+                    width_m: length_m * random.between(0.32, 0.42),
+                    height_m: random.between(0.45, 0.9),
+                    strength_db: random.between(-3.0, 7.0),
+                }
+            }
+            ObjectKind::Log => {
+                let length_m = random.between(2.2, 7.0);
+                Self {
+                    length_m,
+                    width_m: length_m * random.between(0.25, 0.5),
+                    height_m: random.between(0.2, 0.5),
+                    strength_db: random.between(-4.0, 5.0),
+                }
+            }
+            ObjectKind::Effigy => Self {
+                length_m: random.between(1.55, 1.9),
+                width_m: random.between(0.7, 1.3),
+                height_m: random.between(0.22, 0.34),
+                strength_db: random.between(-1.0, 10.0),
+            },
+        }
     }
 }
 

@@ -1,5 +1,8 @@
 //! From samples to metres: the flat spot and its pixels per metre, the header's scale, the fit over the whole log.
 //!
+//! In: a survey with its navigation and first returns. Out: flat spots, and a calibration.
+//! It uses `survey` and `support`.
+//!
 //! `flat_spots` ranks the level stretches of the track, `objections` says what is wrong with one, `scale` measures pixels per metre on them
 //! and reads the header's, `offset` finds the constant between ranges and recorded depths, `robust` fits the line over the log, and `calibrate` lays
 //! them side by side and chooses.

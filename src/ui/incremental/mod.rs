@@ -1,5 +1,8 @@
 //! Keeps the window's last picture, and draws in each frame only what differs from the frame before.
 //!
+//! In: the shapes of a frame. Out: the picture of the window.
+//! It uses nothing outside `ui`.
+//!
 //! A processor that draws takes some 40 ns for each pixel of text and buttons, most of which stand still while a recording moves.
 
 mod changes;

@@ -1,5 +1,7 @@
 //! wgpu only: slices and matrices in, pictures out. Knows no survey and no widget.
 //!
+//! It uses nothing outside `ui`.
+//!
 //! `cloud` draws points, `bottom` a mesh and `map` lines into an offscreen `target`, `waterfall` draws tiles and `flat` areas of one
 //! colour and whole pictures into a pass of the window;
 //! `upload` fills buffers, `camera` orbits, `lod` thins long lines.

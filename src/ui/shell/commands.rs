@@ -15,6 +15,9 @@ const NO_BOXES: &str = "there are no boxes yet; find objects, or draw a box with
 const NO_PROFILE: &str =
     "there is no depth profile yet; draw a line over the depth map with P first";
 
+/// Said when products cannot be written yet.
+const STILL_WRITING: &str = "products are still being written; wait, or cancel that first";
+
 /// Frames within which the control of a setting is drawn, if it is: a list that drops down needs a few.
 const SEEK_FRAMES: u8 = 6;
 
@@ -47,43 +50,65 @@ impl Shell {
     }
 
     fn act(&mut self, ctx: &egui::Context, action: Action) {
+        if let Some(purpose) = self.path_for(action) {
+            self.dialogs.ask(purpose, self.app.jobs());
+        } else if let Some((view, request)) = self.view_request(action) {
+            self.views.request(view, request);
+        } else if let Some(preset) = layout_preset(action) {
+            self.layout.arrange(preset);
+        } else {
+            self.act_in_shell(ctx, action);
+        }
+        ctx.request_repaint();
+    }
+
+    /// What an action needs a path for, if that is all it does and something is open that the path belongs to.
+    fn path_for(&self, action: Action) -> Option<Purpose> {
+        let has_survey = self.app.log.survey.is_some();
+        let has_products = self.app.log.products.is_some();
         match action {
-            Action::Open => self.dialogs.ask(Purpose::OpenLogs, self.app.jobs()),
-            Action::AddLog => self.dialogs.ask(Purpose::AddLogs, self.app.jobs()),
-            Action::OpenFolder => self.dialogs.ask(Purpose::OpenFolder, self.app.jobs()),
+            Action::Open => Some(Purpose::OpenLogs),
+            Action::AddLog => Some(Purpose::AddLogs),
+            Action::OpenFolder => Some(Purpose::OpenFolder),
+            Action::OpenReview => has_survey.then_some(Purpose::OpenReview),
+            Action::OpenTruth => has_survey.then_some(Purpose::OpenTruth),
+            Action::CompareWith => has_products.then_some(Purpose::OpenReference),
+            Action::ChooseModel => Some(Purpose::OpenModel),
+            Action::OpenBaseMap => Some(Purpose::OpenBaseMap),
+            Action::OpenIsobathArea => Some(Purpose::OpenIsobathArea),
+            Action::OpenWaterLevels => Some(Purpose::OpenWaterLevels),
+            Action::OpenTrack => Some(Purpose::OpenTrack),
+            _ => None,
+        }
+    }
+
+    /// What an action asks of which view.
+    fn view_request(&self, action: Action) -> Option<(View, ViewRequest)> {
+        let target = self.layout.target();
+        match action {
+            Action::Fit => Some((target, ViewRequest::Fit)),
+            Action::ZoomIn => Some((target, ViewRequest::ZoomIn)),
+            Action::ZoomOut => Some((target, ViewRequest::ZoomOut)),
+            Action::OneToOne => Some((View::Waterfall, ViewRequest::OneToOne)),
+            Action::TopView => Some((View::Cloud, ViewRequest::Top)),
+            Action::SideView => Some((View::Cloud, ViewRequest::Side)),
+            _ => None,
+        }
+    }
+
+    /// Carries out an action that is more than a path, a request to a view or a layout; the others go to the state.
+    fn act_in_shell(&mut self, ctx: &egui::Context, action: Action) {
+        match action {
             Action::OpenPath => self.dialogs.ask_for_path(),
-            Action::Export if self.app.log.products.is_none() => {
-                let text = "there is no result to export yet; open a log first";
-                self.app.apply(Command::Notify(text.to_owned()));
-            }
-            Action::Export if self.app.export_fraction().is_some() => {
-                let text = "products are still being written; wait, or cancel that first";
-                self.app.apply(Command::Notify(text.to_owned()));
-            }
-            Action::Export => {
-                let (folder, amounts) = (self.app.export_folder(), self.app.amounts());
-                self.export.ask(&folder, amounts);
-            }
+            Action::Export => self.ask_to_export(),
             Action::OpenExported => self.open_exported(),
             Action::PrintView => self.ask_to_print(),
-            Action::OpenReview if self.app.log.survey.is_some() => {
-                self.dialogs.ask(Purpose::OpenReview, self.app.jobs());
-            }
-            Action::OpenTruth if self.app.log.survey.is_some() => {
-                self.dialogs.ask(Purpose::OpenTruth, self.app.jobs());
-            }
-            Action::CompareWith if self.app.log.products.is_none() => {
+            Action::CompareWith => {
                 let text = "open a log first, then its reference";
                 self.app.apply(Command::Notify(text.to_owned()));
             }
-            Action::CompareWith => self.dialogs.ask(Purpose::OpenReference, self.app.jobs()),
-            Action::ChooseModel => self.dialogs.ask(Purpose::OpenModel, self.app.jobs()),
-            Action::SaveProject if self.app.project_path().is_some() => {
-                self.app.apply(Command::SaveProject);
-            }
-            // Without a project, who works on a review file means that.
-            Action::SaveProject if self.app.log.reviewing.path.is_some() => self.save_review(),
-            Action::SaveProject | Action::SaveProjectAs => self.name_project(),
+            Action::SaveProject => self.save_project(),
+            Action::SaveProjectAs => self.name_project(),
             Action::SaveReview => self.save_review(),
             Action::ExportBoxes => self.export_boxes(),
             Action::FindObjects => {
@@ -112,18 +137,6 @@ impl Shell {
                 self.views.objects.take_keyboard();
             }
             Action::Maximise => self.layout.toggle_maximised(self.layout.target()),
-            Action::LayoutSurvey => self.layout.arrange(LayoutPreset::Survey),
-            Action::LayoutReview => self.layout.arrange(LayoutPreset::Review),
-            Action::LayoutWaterfall => self.only(View::Waterfall),
-            Action::LayoutMap => self.only(View::Map),
-            Action::LayoutCloud => self.only(View::Cloud),
-            Action::Fit => self.request(ViewRequest::Fit),
-            Action::ZoomIn => self.request(ViewRequest::ZoomIn),
-            Action::ZoomOut => self.request(ViewRequest::ZoomOut),
-            Action::OpenBaseMap => self.dialogs.ask(Purpose::OpenBaseMap, self.app.jobs()),
-            Action::OpenIsobathArea => self.dialogs.ask(Purpose::OpenIsobathArea, self.app.jobs()),
-            Action::OpenWaterLevels => self.dialogs.ask(Purpose::OpenWaterLevels, self.app.jobs()),
-            Action::OpenTrack => self.dialogs.ask(Purpose::OpenTrack, self.app.jobs()),
             Action::SetCorner => match self.target() {
                 View::Waterfall => self.views.waterfall.set_corner(),
                 View::Map | View::Cloud | View::Objects => self.views.map.set_corner(),
@@ -135,12 +148,32 @@ impl Shell {
                 Some(text) => ctx.copy_text(text),
                 None => self.app.apply(Command::Notify(NO_PROFILE.to_owned())),
             },
-            Action::OneToOne => self.views.request(View::Waterfall, ViewRequest::OneToOne),
-            Action::TopView => self.views.request(View::Cloud, ViewRequest::Top),
-            Action::SideView => self.views.request(View::Cloud, ViewRequest::Side),
             other => self.app.apply(Command::Do(other)),
         }
-        ctx.request_repaint();
+    }
+
+    /// Asks which products to write, and where, unless there are none or some are still being written.
+    fn ask_to_export(&mut self) {
+        if self.app.log.products.is_none() {
+            let text = "there is no result to export yet; open a log first";
+            self.app.apply(Command::Notify(text.to_owned()));
+        } else if self.app.export_fraction().is_some() {
+            self.app.apply(Command::Notify(STILL_WRITING.to_owned()));
+        } else {
+            let (folder, amounts) = (self.app.export_folder(), self.app.amounts());
+            self.export.ask(&folder, amounts);
+        }
+    }
+
+    /// Saves what is worked on: the project; without one, the review file that is open; without either, a project to be named.
+    fn save_project(&mut self) {
+        if self.app.project_path().is_some() {
+            self.app.apply(Command::SaveProject);
+        } else if self.app.log.reviewing.path.is_some() {
+            self.save_review();
+        } else {
+            self.name_project();
+        }
     }
 
     /// Shows the folder that was written last.
@@ -314,19 +347,22 @@ impl Shell {
         if !self.app.log.reviewing.has_boxes() {
             self.app.apply(Command::Notify(NO_BOXES.to_owned()));
         } else if is_writing {
-            let text = "products are still being written; wait, or cancel that first";
-            self.app.apply(Command::Notify(text.to_owned()));
+            self.app.apply(Command::Notify(STILL_WRITING.to_owned()));
         } else {
             self.dialogs.ask(Purpose::ExportBoxesInto, self.app.jobs());
         }
     }
+}
 
-    fn only(&mut self, view: View) {
-        self.layout.arrange(LayoutPreset::Only(view));
-    }
-
-    fn request(&mut self, request: ViewRequest) {
-        self.views.request(self.layout.target(), request);
+/// How an action arranges the views.
+fn layout_preset(action: Action) -> Option<LayoutPreset> {
+    match action {
+        Action::LayoutSurvey => Some(LayoutPreset::Survey),
+        Action::LayoutReview => Some(LayoutPreset::Review),
+        Action::LayoutWaterfall => Some(LayoutPreset::Only(View::Waterfall)),
+        Action::LayoutMap => Some(LayoutPreset::Only(View::Map)),
+        Action::LayoutCloud => Some(LayoutPreset::Only(View::Cloud)),
+        _ => None,
     }
 }
 

@@ -1,5 +1,8 @@
 //! Residuals: what was measured against a reference, and what an international standard would say of it.
 //!
+//! In: points with elevations, and a reference. Out: their differences with statistics, and the share within each order of IHO S-44.
+//! It uses `support`.
+//!
 //! `matching` finds the reference of each measured point, `orders` holds the limits of IHO S-44, `tables` sorts differences by what
 //! they may hang on. Everywhere a difference is
 //! measured minus reference elevation, so that up is positive: a bottom measured too shallow gives more than 0.

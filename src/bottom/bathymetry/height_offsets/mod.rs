@@ -1,5 +1,8 @@
 //! How much higher or lower the depths of one log are than those of the others, from where logs cross or overlap.
 //!
+//! In: depths of several logs where these cross or overlap. Out: a height for each log, with its standard error.
+//! It uses `support`.
+//!
 //! Drafts, water levels and the recorders' own constants differ from log to log, and each moves all depths of its log by the same
 //! height. Where two logs measured the same place their depths differ by the difference of these heights, so all overlaps together
 //! give the height of every log, but for one that they all share: the datum. `overlaps` finds the places, `network` solves for the

@@ -1,5 +1,8 @@
 //! From recorded depths to depths below a level: sound speed, draft, and the water's own height over time.
 //!
+//! In: recorded depths and slant ranges, and what the settings say of the water. Out: depths below the chosen level.
+//! It uses `survey` and `support`.
+//!
 //! It stands where points are made, because a sound speed scales slant ranges before any geometry, and so that soundings and
 //! side-scan points, and all that is drawn or written of them, are corrected alike and once. `sound_speed` has the equation,
 //! `statement` says in words what was done.

@@ -1,5 +1,8 @@
 //! Radius outlier removal with the exact rule of Open3D's `PointCloud::remove_radius_outlier`.
 //!
+//! In: places, a radius and a number of neighbours. Out: which places are kept.
+//! It uses `support`.
+//!
 //! A point is kept when more than `min_neighbors` points, itself included, lie strictly nearer than the radius. The points
 //! are sorted into cells one radius wide, so that all that matters to a cell lies in the cells around it, and in memory
 //! the cells of a row lie side by side. Counting stops as soon as a point is known to be kept. A flat cloud is sorted

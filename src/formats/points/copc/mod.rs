@@ -1,6 +1,9 @@
 //! Cloud Optimized Point Clouds (COPC 1.0, <https://copc.io>): LAZ 1.4 whose chunks are the nodes of an octree, with a table of where each
 //! lies, so that a map program reads as much of it as it shows, from a disk or over the network. Any reader of LAZ reads it as LAZ.
 //!
+//! In: points in the layout of LAS. Out: a COPC file.
+//! It uses nothing outside `formats`.
+//!
 //! `copc-rs` draws the points of a node by chance, so that no two files are the same, and brings other versions of `las` and `laz`.
 
 mod octree;

@@ -1,4 +1,7 @@
 //! GeoPackages (version 1.3, OGC 12-128r17): layers of features in one file, each with its R-tree and the style in which QGIS draws it.
+//!
+//! In: layers of features. Out: a GeoPackage.
+//! It uses `support`.
 
 mod geometry;
 mod spatial_index;

@@ -1,4 +1,7 @@
 //! Boxes of one log or of several and their places in the world for other programs: tables, and what maps and plotters read.
+//!
+//! In: boxes with their places and decisions. Out: tables and files for maps.
+//! It uses `detection`, `survey` and `support`.
 
 mod csv_table;
 mod describe;

@@ -1,6 +1,9 @@
 //! The bottom edge as a whole line: the path over range, along the track, that gathers most evidence of a step from water
 //! to bottom and jumps least.
 //!
+//! In: a survey, with the scale of its picture. Out: a sample and a confidence for each ping on both sides.
+//! It uses `survey` and `support`.
+//!
 //! `runs` cuts the log where the line may break and into chunks, `rows` brings the picture, `score` measures the step at
 //! every sample, `depth` compares the recorded depth with it, `viterbi` finds the best path, `line` says where it is a pick
 //! and how sure, and `refine` finds the edge within a fraction of a sample on the picture that `straight` lays along the line,

@@ -1,4 +1,7 @@
 //! The graticule of a map, in the window and in the report: lines at round degrees, or metres of the UTM zone, with their names.
+//!
+//! In: bounds of a map, and the form of coordinates. Out: lines with names.
+//! It uses nothing outside `support`.
 
 mod degrees;
 

@@ -1,4 +1,7 @@
 //! Step 2: from samples to metres. The scale in use, the flat stretches to measure one on, and the one that is proposed.
+//!
+//! In: the state. Out: controls and texts, and commands.
+//! It uses `app`, `pipeline`, `sonar`, `survey` and `support`.
 
 mod candidates;
 mod plot;

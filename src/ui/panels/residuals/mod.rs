@@ -1,4 +1,7 @@
 //! How the points of the survey differ from a reference: statistics, how the differences spread, and what they hang on.
+//!
+//! In: the state. Out: tables and histograms, and commands.
+//! It uses `app`, `pipeline`, `bottom` and `support`.
 
 mod figures;
 mod plots;

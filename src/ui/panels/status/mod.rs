@@ -1,4 +1,7 @@
 //! The bottom line: what is under the pointer, and what the program is doing.
+//!
+//! In: the state. Out: a line of text, and commands.
+//! It uses `app`, `pipeline`, `survey` and `support`.
 
 mod cells;
 

@@ -1,4 +1,7 @@
 //! The cloud view: soundings and first returns in 3D.
+//!
+//! In: the state. Out: a picture in 3D with axes, legend and marks, and commands.
+//! It uses `app`, `pipeline`, `detection`, `bottom`, `sonar`, `survey` and `support`.
 
 mod axes;
 mod bottom;
@@ -10,27 +13,25 @@ mod picture;
 mod pointer;
 mod scene;
 mod section;
+mod shown;
 
 use super::empty;
-use crate::app::{
-    App, CloudColour, Command, Enlarged, Mark, SideColours, ThemeChoice, ViewOptions,
-};
+use crate::app::{App, CloudColour, Command, Enlarged, Mark, SideColours, ThemeChoice};
 use crate::pipeline::Background;
-use crate::ui::render::{CloudDraw, Direction, OrbitCamera, Uploader};
-use crate::ui::{ViewContext, ViewRequest, flat, place, text, theme};
+use crate::ui::render::{Direction, OrbitCamera, Uploader};
+use crate::ui::{ViewContext, ViewRequest, flat, place, theme};
 use axes::Axes;
 use bottom::ShownBottom;
-use egui::{Rect, Response, Role, Sense, Ui, Vec2, WidgetInfo};
-use picture::{CloudPicture, Drawing};
+use eframe::egui_wgpu::RenderState;
+use egui::{Painter, Rect, Response, Role, Sense, Ui, Vec2, WidgetInfo};
+use picture::CloudPicture;
 use pointer::PickScene;
 use scene::{CloudScene, ColourEnds, LogPoints, SceneBox, ShownPoints};
+use shown::Shown;
 use std::sync::Arc;
 
 /// Points of the screen that the numbers around the box need, both sides together.
 const LABEL_ROOM: f32 = 90.0;
-
-/// Beside the bottom, points count as nearer by this share of their distance: they lie on it, half of each within.
-const NEARER: f32 = 0.004;
 
 type Key = (
     Vec<LogPoints>,
@@ -129,82 +130,74 @@ impl CloudView {
         };
         let Some(state) = context.render_state else {
             empty::say(ui, context, rect, empty::NO_GPU);
-            return name(&scene);
+            return shown::name(&scene);
         };
         let uploader = Uploader::new(&state.device, &state.queue);
         let bottom = self
             .bottom
             .of(context.app, scene.origin_m, &uploader)
             .cloned();
-        let all = match bottom.as_ref().and_then(|bottom| bottom.wide) {
-            Some(wide) => scene.extent().as_wide_as(wide),
-            None => scene.extent(),
-        };
-        let seen = PickScene {
-            scene: &scene,
-            bottom: bottom.as_deref(),
-            all,
-        };
-        let camera = self.navigate(ui, context, rect, response, seen);
-        let options = &context.app.view.options;
-        let projection = camera.projection(aspect(rect));
-        let axes = Axes {
-            rect,
-            projection,
-            part: section::part(context.app, &scene, projection.eye),
-            corners: clip::part(all, options.cloud.clip),
-            origin_m: scene.origin_m,
-            options,
-        };
+        let shown = Shown::new(&survey, &products, &scene, bottom.as_ref());
+        let camera = self.navigate(ui, context, rect, response, shown.pick_scene());
+        let axes = shown.axes(context.app, rect, camera.projection(aspect(rect)));
         let painter = ui.painter_at(rect);
-        axes.walls(&painter);
-        let scale = ui.pixels_per_point();
-        let draw = draw(&axes, &scene, options, scale, bottom.is_some());
-        let drawing = Drawing {
-            points: options.cloud.points.then(|| (scene.clone(), draw)),
-            bottom: bottom.clone().map(|scene| {
-                let of = &*scene.bottom;
-                let draw = bottom::draw(context.app, of, axes.projection, scale, draw.part);
-                (scene, draw)
-            }),
-        };
-        self.picture.show(&painter, rect, state, drawing);
-        section::paint_water(&painter, context.app, &scene, &axes);
-        section::paint(&painter, context.app, &scene, &axes);
-        objects::paint(&painter, context.app, &scene, &axes);
-        pointer::paint_marks(&painter, context.app, &products, seen, &axes);
-        let reference = place::reduction(context.app).reference();
-        let shown_bottom = bottom.as_ref().map(|scene| &*scene.bottom);
+        self.paint(&painter, state, context.app, &shown, &axes);
+        self.pointer
+            .handle(context, response, shown.pick_scene(), (&axes, camera));
+        self.controls(ui, context, shown.all, &axes);
+        shown.name()
+    }
+
+    /// Draws the points and the bottom, and what explains them.
+    fn paint(
+        &mut self,
+        painter: &Painter,
+        state: &RenderState,
+        app: &App,
+        shown: &Shown<'_>,
+        axes: &Axes<'_>,
+    ) {
+        let (rect, scene) = (axes.rect, shown.scene);
+        axes.walls(painter);
+        let drawing = shown.drawing(app, axes, painter.pixels_per_point());
+        self.picture.show(painter, rect, state, drawing);
+        section::paint_water(painter, app, scene, axes);
+        section::paint(painter, app, scene, axes);
+        objects::paint(painter, app, scene, axes);
+        pointer::paint_marks(painter, app, shown.products, shown.pick_scene(), axes);
+        let reference = place::reduction(app).reference();
+        let bottom = shown.bottom.map(|scene| &*scene.bottom);
         let covered = controls::paint_legend(
-            &painter,
+            painter,
             rect,
-            options,
-            &survey,
-            (&scene, shown_bottom),
+            axes.options,
+            shown.survey,
+            (scene, bottom),
             reference,
         );
-        axes.labels(&painter, &covered);
-        controls::paint_read_out(&painter, rect, context.app, &survey, &products);
-        self.pointer
-            .handle(context, response, seen, (&axes, camera));
+        axes.labels(painter, &covered);
+        controls::paint_read_out(painter, rect, app, shown.survey, shown.products);
+    }
+
+    /// Shows the controls over the view; in a printed picture, what they are set to.
+    fn controls(
+        &mut self,
+        ui: &mut Ui,
+        context: &mut ViewContext<'_>,
+        all: SceneBox,
+        axes: &Axes<'_>,
+    ) {
         if context.app.view.is_picture {
-            controls::paint_exaggeration(&painter, rect, options);
-            clip::paint_note(&painter, rect, options);
-        } else {
-            controls::show(ui, context, rect, &mut self.request);
-            if let Some(changed) = clip::show(ui, context, all, &axes) {
-                let mut options = context.app.view.options.clone();
-                options.cloud.clip = Some(changed);
-                context.push(Command::Show(Box::new(options)));
-            }
+            let painter = ui.painter_at(axes.rect);
+            controls::paint_exaggeration(&painter, axes.rect, axes.options);
+            clip::paint_note(&painter, axes.rect, axes.options);
+            return;
         }
-        match bottom {
-            Some(bottom) => format!(
-                "{}, bottom by {}",
-                name(&scene),
-                bottom.bottom.colour.name()
-            ),
-            None => name(&scene),
+        controls::show(ui, context, axes.rect, &mut self.request);
+        if let Some(changed) = clip::show(ui, context, all, axes) {
+            let mut options = context.app.view.options.clone();
+            options.cloud.clip = Some(changed);
+            context.push(Command::Show(Box::new(options)));
         }
     }
 
@@ -371,31 +364,6 @@ fn show_place(camera: &mut OrbitCamera, app: &App, mark: Mark, rect: Rect, scene
     if ndc.is_none_or(|ndc| ndc.truncate().abs().max_element() > 0.9) {
         camera.target = place;
     }
-}
-
-fn draw(
-    axes: &Axes<'_>,
-    scene: &CloudScene,
-    options: &ViewOptions,
-    pixels_per_point: f32,
-    on_bottom: bool,
-) -> CloudDraw {
-    CloudDraw {
-        clip_from_world: axes.projection.clip_from_world,
-        radius_px: (0.5 * options.cloud.point_size * pixels_per_point).max(0.5),
-        count: scene.shown(options.cloud.outlier_preview),
-        nearer: if on_bottom { NEARER } else { 0.0 },
-        part: axes.part,
-    }
-}
-
-fn name(scene: &CloudScene) -> String {
-    format!(
-        "3D point cloud, {} points, {} removed ({:.1} %)",
-        text::count(scene.counts.kept()),
-        text::count(scene.classes.noise()),
-        100.0 * scene.classes.noise_share()
-    )
 }
 
 #[cfg(test)]

@@ -395,7 +395,6 @@ fn counts(logs: &[LogPoints]) -> PointCounts {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::CloudOptions;
     use crate::bottom::cloud::BySource;
 
     fn point(source: PointSource, ping: u32, z_m: f64) -> CloudPoint {
@@ -422,53 +421,70 @@ mod tests {
         }
     }
 
-    #[test]
-    fn kept_points_come_first_and_know_where_they_came_from() {
-        let cloud = PointCloud {
-            points: BySource::from_iter([
-                point(PointSource::DownScan, 0, -2.0),
-                point(PointSource::Port, 4, -9.0),
-                point(PointSource::Port, 5, f64::NAN),
-                point(PointSource::Starboard, 4, -3.0),
-            ]),
-            zero_heading: 0,
-        };
-        use PointClass::{Bottom, LowNoise};
-        let classes = vec![Bottom, LowNoise, Bottom, Bottom];
-        let options = ViewOptions::default();
-        let progress = Progress::new();
-        let first = LogPoints {
-            id: LogId(4),
+    fn log(id: u64, points: &[CloudPoint], classes: &[PointClass], colour: [u8; 3]) -> LogPoints {
+        LogPoints {
+            id: LogId(id),
             name: String::new(),
-            cloud: Arc::new(cloud),
-            classes: Arc::new(classes),
-            ranging: None,
-            colour: [1, 2, 3],
-        };
-        let second = LogPoints {
-            id: LogId(2),
             cloud: Arc::new(PointCloud {
-                points: BySource::from_iter([point(PointSource::Port, 4, -1.0)]),
+                points: BySource::from_iter(points.iter().copied()),
                 zero_heading: 0,
             }),
-            classes: Arc::new(vec![Bottom]),
-            colour: [7, 8, 9],
-            ..first.clone()
-        };
-        let both = CloudScene::new(
-            vec![first.clone(), second],
-            ColourEnds {
-                depth_m: Some([1.0, 9.0]),
-                scales: PointScales {
-                    level: Some([0.0, 255.0]),
-                    range_m: None,
-                },
+            classes: Arc::new(classes.to_vec()),
+            ranging: None,
+            colour,
+        }
+    }
+
+    /// A log of four points: one is noise, and one has no depth.
+    fn first_log() -> LogPoints {
+        use PointClass::{Bottom, LowNoise};
+        let points = [
+            point(PointSource::DownScan, 0, -2.0),
+            point(PointSource::Port, 4, -9.0),
+            point(PointSource::Port, 5, f64::NAN),
+            point(PointSource::Starboard, 4, -3.0),
+        ];
+        log(4, &points, &[Bottom, LowNoise, Bottom, Bottom], [1, 2, 3])
+    }
+
+    fn second_log() -> LogPoints {
+        let points = [point(PointSource::Port, 4, -1.0)];
+        log(2, &points, &[PointClass::Bottom], [7, 8, 9])
+    }
+
+    const LEVELS: Option<[f32; 2]> = Some([0.0, 255.0]);
+
+    fn both_logs() -> CloudScene {
+        let ends = ColourEnds {
+            depth_m: Some([1.0, 9.0]),
+            scales: PointScales {
+                level: LEVELS,
+                range_m: None,
             },
-            &options,
-            None,
-            &progress,
-        )
-        .unwrap();
+        };
+        let logs = vec![first_log(), second_log()];
+        CloudScene::new(logs, ends, &ViewOptions::default(), None, &Progress::new()).unwrap()
+    }
+
+    fn only_first_log() -> CloudScene {
+        let (options, ends) = (ViewOptions::default(), ColourEnds::default());
+        CloudScene::new(vec![first_log()], ends, &options, None, &Progress::new()).unwrap()
+    }
+
+    /// The colours of all points of both logs, in the order in which they are drawn.
+    fn colours_by(colour: CloudColour) -> Vec<[u8; 3]> {
+        let mut options = ViewOptions::default();
+        options.cloud.colour = colour;
+        let (both, progress) = (both_logs(), Progress::new());
+        let vertices = both.vertices(&options, &progress);
+        vertices
+            .map(|vertex| [vertex.colour[0], vertex.colour[1], vertex.colour[2]])
+            .collect()
+    }
+
+    #[test]
+    fn kept_points_come_first_and_know_where_they_came_from() {
+        let both = both_logs();
         let numbers = both.places(with_outliers(true)).map(|(number, _)| number);
         assert_eq!(
             numbers.collect::<Vec<_>>(),
@@ -482,50 +498,40 @@ mod tests {
             "a point knows its log"
         );
         assert_eq!(both.of_ping(LogId(2), 4).count(), 1);
-        let by_log = ViewOptions {
-            cloud: CloudOptions {
-                colour: CloudColour::Log,
-                ..options.cloud.clone()
-            },
-            ..options.clone()
-        };
-        let colours = both
-            .vertices(&by_log, &progress)
-            .map(|vertex| vertex.colour[0]);
-        assert_eq!(colours.collect::<Vec<_>>()[..3], [1, 1, 7]);
-        let by_level = ViewOptions {
-            cloud: CloudOptions {
-                colour: CloudColour::Level,
-                ..options.cloud.clone()
-            },
-            ..options.clone()
-        };
-        let colours = both.vertices(&by_level, &progress);
-        let colours: Vec<[u8; 3]> = colours
-            .map(|vertex| [vertex.colour[0], vertex.colour[1], vertex.colour[2]])
-            .collect();
-        let sounding = theme::down_scan_colour(&options).to_array();
-        assert_eq!(colours[0], sounding[..3], "a sounding has no level");
-        assert_eq!(colours[1], value_colour(200.0, Some([0.0, 255.0])));
-        let scene = CloudScene::new(
-            vec![first],
-            ColourEnds::default(),
-            &options,
-            None,
-            &progress,
-        )
-        .unwrap();
+    }
+
+    #[test]
+    fn points_have_the_colour_of_their_log_or_level() {
+        let by_log = colours_by(CloudColour::Log).into_iter();
+        assert_eq!(
+            by_log.map(|[red, ..]| red).collect::<Vec<_>>()[..3],
+            [1, 1, 7]
+        );
+        let by_level = colours_by(CloudColour::Level);
+        let sounding = theme::down_scan_colour(&ViewOptions::default()).to_array();
+        assert_eq!(by_level[0], sounding[..3], "a sounding has no level");
+        assert_eq!(by_level[1], value_colour(200.0, LEVELS));
+    }
+
+    #[test]
+    fn noise_and_points_without_a_place_are_counted_and_not_shown() {
+        let scene = only_first_log();
         let order = |preview| scene.places(with_outliers(preview)).map(|(index, _)| index);
         assert_eq!(order(true).collect::<Vec<_>>(), [0, 3, 1]);
         assert_eq!(order(false).collect::<Vec<_>>(), [0, 3]);
         assert_eq!((scene.shown(false), scene.shown(true)), (2, 3));
         let counts = (scene.classes.noise(), scene.classes.side_scan);
         assert_eq!(counts, (1, 3), "as the panel and the report count");
+    }
+
+    #[test]
+    fn a_scene_gives_the_places_of_a_ping_and_the_mark_of_a_point() {
+        let scene = only_first_log();
         let depths: Vec<f32> = scene.of_ping(LogId(4), 4).map(|place| place.z).collect();
         assert_eq!(depths, [-9.0, -3.0]);
         assert_eq!(scene.of_ping(LogId(4), 5).count(), 0);
         let drawn: Vec<f32> = scene
-            .vertices(&options, &progress)
+            .vertices(&ViewOptions::default(), &Progress::new())
             .map(|vertex| vertex.place[2])
             .collect();
         assert_eq!(drawn, [-2.0, -3.0, -9.0]);

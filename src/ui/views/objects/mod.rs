@@ -1,5 +1,8 @@
 //! The table of the objects of all visible logs: a row for each with its picture, sorted, filtered, and walked through by keys.
 //!
+//! In: the state. Out: rows with pictures, and commands.
+//! It uses `app`, `pipeline`, `detection` and `support`.
+//!
 //! `columns` says what stands in a row and how wide, `header` sorts, `filter` looks for rows, `row` draws one, `thumbnails` makes the pictures
 //! of the rows in sight.
 

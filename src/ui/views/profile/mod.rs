@@ -1,5 +1,8 @@
 //! One ping as a curve, port to the left and starboard to the right of the middle, as in the paper's figures: raw and
 //! normalised intensity, threshold, dead zone and picks.
+//!
+//! In: the state. Out: a plot of one ping, and commands.
+//! It uses `app`, `pipeline`, `bottom`, `sonar`, `survey` and `support`.
 
 mod curve;
 mod marks;

@@ -10,7 +10,7 @@ use super::scales::{self, RangeLines};
 use super::{Gpu, gestures, marks, tone};
 use crate::app::{App, Command, EchogramChannel, Mark, Orientation};
 use crate::bottom::cloud::Reduction;
-use crate::imagery::waterfall::LineStep;
+use crate::imagery::waterfall::{LineStep, RangeAxis};
 use crate::survey::{Side, Survey};
 use crate::ui::{ViewContext, text, theme};
 use eframe::egui_wgpu::RenderState;
@@ -140,26 +140,7 @@ impl EchogramPart {
             });
             return drawing.is_settled();
         };
-        let options = &context.app.view.options.waterfall;
-        let arrangement = Arrangement {
-            orientation: options.orientation,
-            flip: context.app.log.settings.picture.flip,
-            ..Arrangement::default()
-        };
-        let extent = Extent {
-            pings: axis.pings as f64,
-            near_m: 0.0,
-            far_m: axis.far_m,
-            bin_m: axis.bin_m,
-            ping_m: axis.ping_m,
-        };
-        let size = Size::of(rect.size(), options.orientation);
-        let camera = camera.get_or_insert_with(|| Camera::start(&extent, size));
-        camera.share_along(along, &extent, size);
-        gestures::apply(camera, ui, &response, &arrangement, &extent, true, true);
-        camera.settle_across(&extent, size);
-        along.take_along(camera);
-        let lens = Lens::arranged(*camera, rect, &arrangement);
+        let lens = aim(ui, &response, rect, &axis, camera, along, context.app);
         let painter = ui.painter_at(rect);
         let settled = match context.render_state {
             Some(state) => {
@@ -180,18 +161,7 @@ impl EchogramPart {
         if let Some((at, text)) = response.hover_pos().zip(read_out.as_ref()) {
             super::pointer::read_out(&painter, &lens, at, text, &[]);
         }
-        let visible = lens.visible(survey.side_scan.len());
-        let name = format!(
-            "Echogram, {}, pings {} to {} of {}",
-            channel.name(),
-            visible.start,
-            visible.end.saturating_sub(1),
-            survey.side_scan.len()
-        );
-        response.widget_info(|| egui::WidgetInfo {
-            current_text_value: read_out.clone(),
-            ..egui::WidgetInfo::labeled(egui::Role::Image, true, &name)
-        });
+        describe(&response, channel.name(), &lens, survey, read_out);
         settled
     }
 }
@@ -208,6 +178,58 @@ fn channel_of(app: &App, survey: &Survey) -> EchogramChannel {
     };
     let there = EchogramChannel::ALL.into_iter().find(has);
     there.unwrap_or(EchogramChannel::None)
+}
+
+/// Moves the camera by what was done in this frame; along the track it looks where `along` does, and takes that with it.
+fn aim(
+    ui: &Ui,
+    response: &Response,
+    rect: Rect,
+    axis: &RangeAxis,
+    camera: &mut Option<Camera>,
+    along: &mut Camera,
+    app: &App,
+) -> Lens {
+    let arrangement = Arrangement {
+        orientation: app.view.options.waterfall.orientation,
+        flip: app.log.settings.picture.flip,
+        ..Arrangement::default()
+    };
+    let extent = Extent {
+        pings: axis.pings as f64,
+        near_m: 0.0,
+        far_m: axis.far_m,
+        bin_m: axis.bin_m,
+        ping_m: axis.ping_m,
+    };
+    let size = Size::of(rect.size(), arrangement.orientation);
+    let camera = camera.get_or_insert_with(|| Camera::start(&extent, size));
+    camera.share_along(along, &extent, size);
+    gestures::apply(camera, ui, response, &arrangement, &extent, true, true);
+    camera.settle_across(&extent, size);
+    along.take_along(camera);
+    Lens::arranged(*camera, rect, &arrangement)
+}
+
+/// What the picture shows, for screen readers and tests; the read-out under the pointer is its value.
+fn describe(
+    response: &Response,
+    channel: &str,
+    lens: &Lens,
+    survey: &Survey,
+    read_out: Option<String>,
+) {
+    let visible = lens.visible(survey.side_scan.len());
+    let name = format!(
+        "Echogram, {channel}, pings {} to {} of {}",
+        visible.start,
+        visible.end.saturating_sub(1),
+        survey.side_scan.len()
+    );
+    response.widget_info(|| egui::WidgetInfo {
+        current_text_value: read_out.clone(),
+        ..egui::WidgetInfo::labeled(egui::Role::Image, true, &name)
+    });
 }
 
 /// Draws the echoes; returns whether all of them are there.

@@ -1,4 +1,7 @@
 //! The waterfall view: the picture of all pings, port and starboard of the nadir, with the first return over it.
+//!
+//! In: the state. Out: the picture with lines, boxes and marks, and commands.
+//! It uses `app`, `project`, `detection`, `imagery`, `bottom`, `sonar`, `survey` and `support`.
 
 mod accessibility;
 mod bottom;
@@ -20,18 +23,17 @@ mod overlay;
 mod picture;
 mod pointer;
 mod scales;
+mod side_scan;
 mod stretch_tool;
 mod tiles;
 mod tone;
 
 pub(crate) use boxes::outline;
 
-use super::tool_banner;
-use crate::app::{App, ColourMap, Command, Enlarged, Mark, Orientation, Tool, View};
+use crate::app::{App, ColourMap, Command, Enlarged, Mark, Orientation, Tool};
 use crate::imagery::picture::Geometry;
 use crate::imagery::waterfall::RangeAxis;
 use crate::support::presentation::colours;
-use crate::survey::Survey;
 use crate::ui::render::waterfall::WaterfallPicture;
 use crate::ui::{ViewContext, ViewRequest, flat, theme};
 use camera::{Camera, Extent, Size};
@@ -120,122 +122,6 @@ impl WaterfallView {
         if let (None, Some(axis)) = (self.camera, axis) {
             let size = Size::of(rect.size(), Orientation::Horizontal);
             self.camera = Some(Camera::start(&extent(&axis), size));
-        }
-    }
-
-    /// The side-scan with all that lies over it.
-    fn side_scan(&mut self, ui: &mut egui::Ui, rect: egui::Rect, context: &mut ViewContext<'_>) {
-        let response = ui.allocate_rect(rect, Sense::click_and_drag());
-        let painter = ui.painter_at(rect);
-        let survey = context.app.log.survey.clone();
-        let axis = self.drawing.as_ref().and_then(Drawing::axis);
-        let Some((survey, axis)) = survey.zip(axis) else {
-            self.settled = self.drawing.as_ref().is_none_or(Drawing::is_settled);
-            accessibility::without_picture(ui, context, rect, &response, !self.settled);
-            return;
-        };
-        let arrangement = self.arrangement(context.app);
-        let before = self
-            .camera
-            .map(|camera| Lens::arranged(camera, rect, &arrangement));
-        let before = before.as_ref();
-        let holds_box = before.is_some_and(|lens| self.boxes.follow(ui, &response, lens, context));
-        let draws = before.is_some_and(|lens| self.pen.follow(ui, &response, lens, context));
-        let draws =
-            draws | before.is_some_and(|lens| self.stretch.follow(ui, &response, lens, context));
-        let draws = draws
-            | before.is_some_and(|lens| self.measure.follow(ui, &response, lens, &survey, context));
-        if let Some(lens) = before {
-            self.aim_at_target(ui, &response, lens, &survey, context);
-        }
-        let extent = extent(&axis);
-        let drag_moves = !holds_box && !draws;
-        let lens = self.aim(ui, &response, &extent, &arrangement, context, drag_moves);
-        self.draw_picture(&painter, &lens, context);
-        let followed = pointer::follow(&response, &lens, &survey, &mut self.was_over, context);
-        if let Some(ping) = followed.equal_scales_at
-            && let Some(metres) = pointer::metres_per_ping(context.app, &survey, ping)
-            && let Some(camera) = &mut self.camera
-        {
-            camera.equal_scales(metres, ping as f64 + 0.5);
-        }
-        let banner = tool_banner::in_view(ui, context.app, View::Waterfall, rect);
-        let covered = banner.as_ref().map(|banner| banner.plate);
-        let boxes = boxes::in_view(&lens, context.app);
-        let missed = boxes::Missed::in_view(&lens, context.app);
-        overlay::draw(
-            &painter,
-            &lens,
-            &overlay::Shown {
-                app: context.app,
-                survey: &survey,
-                drawing: self.drawing.as_ref(),
-                far_m: axis.far_m,
-                // The pointer's own mark reaches the state only after this frame.
-                hover: self.was_over.or(context.app.view.hover),
-                boxes: &boxes,
-                missed: &missed,
-                has_gpu: context.render_state.is_some(),
-                banner: covered,
-                stretch: self.camera.and_then(|camera| camera.stretch(&extent)),
-            },
-        );
-        self.boxes.draw(&painter, response.interact_pointer_pos());
-        self.pen.draw(&painter, &lens, context.app);
-        self.stretch.draw(&painter, &lens, context.app);
-        self.measure.draw(&painter, &lens, context.app);
-        self.cross.draw(&painter, &lens);
-        self.measure.strip(ui, context, rect);
-        if let Some(banner) = &banner {
-            banner.draw(ui);
-        }
-        let read_out =
-            (followed.place).and_then(|place| pointer::describe(context.app, &survey, place));
-        // A hand that draws wants to see what lies ahead.
-        let reads = response.hover_pos().filter(|_| !draws);
-        if let Some((at, text)) = reads.zip(read_out.as_ref()) {
-            let edited = boxes.iter().filter_map(|shown| shown.edited());
-            let measured = self.measure.area(&lens, context.app);
-            let clear: Vec<egui::Rect> =
-                covered.into_iter().chain(edited).chain(measured).collect();
-            pointer::read_out(&painter, &lens, at, text, &clear);
-        }
-        let visible = lens.visible(survey.side_scan.len());
-        let seen = boxes::words(&boxes, &missed, context.app);
-        accessibility::describe(
-            &response,
-            &visible,
-            &survey,
-            context,
-            &seen,
-            read_out.as_deref(),
-        );
-        if context.app.view.visible != visible {
-            context.push(Command::Visible(visible));
-        }
-    }
-
-    /// With the tool for targets in hand, the place under the cross that the arrow keys move is what keys are about.
-    fn aim_at_target(
-        &mut self,
-        ui: &mut egui::Ui,
-        response: &egui::Response,
-        lens: &Lens,
-        survey: &Survey,
-        context: &mut ViewContext<'_>,
-    ) {
-        if context.app.log.reviewing.tool != Tool::Point {
-            if std::mem::take(&mut self.cross).place().is_some() {
-                context.push(Command::Hover(None));
-            }
-            return;
-        }
-        if self.cross.follow(ui, response, lens, context) {
-            let mark = self
-                .cross
-                .place()
-                .map(|place| pointer::mark_at(survey, place));
-            context.push(Command::Hover(mark.flatten()));
         }
     }
 

@@ -1,5 +1,8 @@
 //! The boxes against the truth, where it is known: the precision-recall curve that the confidence slider runs along, the
 //! list of mistakes, and what was taken for what.
+//!
+//! In: the state. Out: a curve, lists and a table, and commands.
+//! It uses `app`, `detection` and `support`.
 
 mod curve;
 mod matrix;

@@ -1,0 +1,111 @@
+//! What a frame of the cloud view shows: the open log, and what was made for the view.
+
+use super::axes::Axes;
+use super::bottom::{self, BottomScene};
+use super::picture::Drawing;
+use super::pointer::PickScene;
+use super::scene::{CloudScene, SceneBox};
+use super::{clip, section};
+use crate::app::App;
+use crate::pipeline::Products;
+use crate::survey::Survey;
+use crate::ui::render::{CloudDraw, Projection};
+use crate::ui::text;
+use egui::Rect;
+use std::sync::Arc;
+
+/// Beside the bottom, points count as nearer by this share of their distance: they lie on it, half of each within.
+const NEARER: f32 = 0.004;
+
+/// What a frame of the view shows.
+pub(super) struct Shown<'a> {
+    pub survey: &'a Survey,
+    pub products: &'a Products,
+    pub scene: &'a Arc<CloudScene>,
+    pub bottom: Option<&'a Arc<BottomScene>>,
+    /// The box around points and bottom.
+    pub all: SceneBox,
+}
+
+impl<'a> Shown<'a> {
+    pub(super) fn new(
+        survey: &'a Survey,
+        products: &'a Products,
+        scene: &'a Arc<CloudScene>,
+        bottom: Option<&'a Arc<BottomScene>>,
+    ) -> Self {
+        let all = match bottom.and_then(|bottom| bottom.wide) {
+            Some(wide) => scene.extent().as_wide_as(wide),
+            None => scene.extent(),
+        };
+        Self {
+            survey,
+            products,
+            scene,
+            bottom,
+            all,
+        }
+    }
+
+    /// What the pointer picks from.
+    pub(super) fn pick_scene(&self) -> PickScene<'a> {
+        PickScene {
+            scene: self.scene,
+            bottom: self.bottom.map(|bottom| &**bottom),
+            all: self.all,
+        }
+    }
+
+    /// The box that is drawn around it.
+    pub(super) fn axes<'b>(&self, app: &'b App, rect: Rect, projection: Projection) -> Axes<'b> {
+        let options = &app.view.options;
+        Axes {
+            rect,
+            projection,
+            part: section::part(app, self.scene, projection.eye),
+            corners: clip::part(self.all, options.cloud.clip),
+            origin_m: self.scene.origin_m,
+            options,
+        }
+    }
+
+    /// What the GPU draws.
+    pub(super) fn drawing(&self, app: &App, axes: &Axes<'_>, pixels_per_point: f32) -> Drawing {
+        let options = &axes.options.cloud;
+        let points = CloudDraw {
+            clip_from_world: axes.projection.clip_from_world,
+            radius_px: (0.5 * options.point_size * pixels_per_point).max(0.5),
+            count: self.scene.shown(options.outlier_preview),
+            nearer: if self.bottom.is_some() { NEARER } else { 0.0 },
+            part: axes.part,
+        };
+        let bottom = self.bottom.map(|scene| {
+            let (of, part) = (&*scene.bottom, axes.part);
+            let draw = bottom::draw(app, of, axes.projection, pixels_per_point, part);
+            (scene.clone(), draw)
+        });
+        Drawing {
+            points: options.points.then(|| (self.scene.clone(), points)),
+            bottom,
+        }
+    }
+
+    /// The accessible name of the view.
+    pub(super) fn name(&self) -> String {
+        let points = name(self.scene);
+        match self.bottom {
+            Some(bottom) => format!("{points}, bottom by {}", bottom.bottom.colour.name()),
+            None => points,
+        }
+    }
+}
+
+/// The accessible name of the view where it has points only.
+pub(super) fn name(scene: &CloudScene) -> String {
+    format!(
+        "3D point cloud, {} points, {} removed ({:.1} %)",
+        text::count(scene.counts.kept()),
+        text::count(scene.classes.noise()),
+        100.0 * scene.classes.noise_share()
+    )
+}
