@@ -1,10 +1,10 @@
 //! The folders and files of an archive, by name.
 
 use super::error::ArchiveError;
-use crate::products::export::write_atomically;
-use serde::Serialize;
+use crate::pipeline::Fingerprint;
+use crate::support::progress::Progress;
 use std::fs;
-use std::io::Write as _;
+use std::io::ErrorKind;
 use std::path::Path;
 
 /// The subfolder of the rows.
@@ -50,12 +50,27 @@ pub(super) fn names_in(folder: &Path) -> Result<Vec<String>, ArchiveError> {
     names.collect()
 }
 
-/// Writes a value as JSON, aside and then renamed.
-pub(super) fn write_json(path: &Path, value: &impl Serialize) -> Result<(), ArchiveError> {
-    let text = serde_json::to_string_pretty(value)
-        .map_err(|error| format!("cannot write the record: {error}: {}", path.display()))?;
-    Ok(write_atomically(path, |mut file| {
-        file.write_all(text.as_bytes())?;
-        file.write_all(b"\n")
-    })?)
+/// Removes a file, if it is there.
+pub(super) fn remove(path: &Path) -> Result<(), ArchiveError> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != ErrorKind::NotFound => {
+            Err(format!("cannot remove the file: {error}: {}", path.display()).into())
+        }
+        _ => Ok(()),
+    }
+}
+
+/// What a file in a folder holds.
+pub(super) fn fingerprint(
+    folder: &Path,
+    name: &str,
+    progress: &Progress,
+) -> Result<Fingerprint, ArchiveError> {
+    let fail = |error| {
+        format!(
+            "cannot read the file: {error}: {}",
+            folder.join(name).display()
+        )
+    };
+    Ok(Fingerprint::of(folder, name, progress).map_err(fail)?)
 }

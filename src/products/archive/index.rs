@@ -3,14 +3,14 @@
 //! VRT only.
 
 use super::error::ArchiveError;
-use super::folders::{make_folder, names_in, write_json};
+use super::folders::{make_folder, names_in, remove};
 use super::log_record::LogRecord;
 use super::record::Archive;
 use super::tile::{TILE_M, TileId, ring, tile_bounds_deg};
 use super::tile_files::{DEPTH, ISOBATHS, MOSAIC_FILE, SOURCE, TILES, TileRecord, UNCERTAINTY};
 use crate::bottom::bathymetry::CellSource;
 use crate::formats::geotiff::NODATA;
-use crate::products::export::{qgis_classes, qgis_style, write_atomically};
+use crate::products::export::{qgis_classes, qgis_style, write_bytes, write_json};
 use crate::support::calendar;
 use crate::support::geo::{Crs, UtmZone};
 use crate::support::presentation::colours::{depth_colour, uncertainty_colour};
@@ -18,8 +18,6 @@ use crate::support::printable::xml;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::fs;
-use std::io::Write as _;
 use std::path::Path;
 
 const INDEX: &str = "index";
@@ -74,7 +72,7 @@ pub(crate) fn write_index(
             );
             let text = vrt(*zone, &tiles, layer);
             let path = folder.join(&name);
-            write_atomically(&path, |mut to| to.write_all(text.as_bytes()))?;
+            write_bytes(&path, text)?;
             names.push(name.clone());
             if write_style(&path.with_extension("qml"), layer, &maps)? {
                 names.push(name.replace(".vrt", ".qml"));
@@ -98,9 +96,7 @@ pub(crate) fn write_index(
             .any(|end| name.ends_with(end));
         if is_of_index && !names.contains(&name) {
             // Of a tile or a zone that has no map any more.
-            let path = folder.join(&name);
-            fs::remove_file(&path)
-                .map_err(|error| format!("cannot remove the file: {error}: {}", path.display()))?;
+            remove(&folder.join(&name))?;
         }
     }
     Ok(())

@@ -1,9 +1,10 @@
 //! A file is complete or it is not there.
 
+use serde::Serialize;
 use std::collections::BTreeSet;
 use std::ffi::OsString;
 use std::fs::{self, File};
-use std::io;
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
@@ -20,6 +21,17 @@ pub struct ExportError {
     pub path: PathBuf,
     /// What the system said.
     pub source: io::Error,
+}
+
+impl ExportError {
+    /// What makes the error of this file of why it cannot be written.
+    pub(super) fn at(path: &Path) -> impl Fn(io::Error) -> Self {
+        let path = path.to_path_buf();
+        move |source| Self {
+            path: path.clone(),
+            source,
+        }
+    }
 }
 
 /// Whether two paths name the same file, which is there: by whatever folder, link or spelling.
@@ -53,10 +65,7 @@ pub(super) fn write_atomically_at<T>(
     path: &Path,
     write: impl FnOnce(&Path) -> io::Result<T>,
 ) -> Result<T, ExportError> {
-    let fail = |source| ExportError {
-        path: path.to_path_buf(),
-        source,
-    };
+    let fail = ExportError::at(path);
     let Some(name) = path.file_name() else {
         return Err(fail(io::Error::other("the path names no file")));
     };
@@ -73,6 +82,18 @@ pub(super) fn write_atomically_at<T>(
     written
         .and_then(|made| fs::rename(&passing, path).map(|()| made))
         .map_err(fail)
+}
+
+/// Writes bytes, as [`write_atomically`] does.
+pub(crate) fn write_bytes(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), ExportError> {
+    write_atomically(path, |mut file| file.write_all(bytes.as_ref()))
+}
+
+/// Writes a record for scripts: JSON to be read by people, too, and a line's end.
+pub(crate) fn write_json(path: &Path, record: &impl Serialize) -> Result<(), ExportError> {
+    let text = serde_json::to_string_pretty(record);
+    let text = text.map_err(|error| ExportError::at(path)(error.into()))?;
+    write_bytes(path, text + "\n")
 }
 
 /// A file under its passing name, which goes whatever way the writing ends; once it has its own name, nothing is left to go.
@@ -104,10 +125,7 @@ pub(crate) fn rename_older(path: &Path) -> Result<PathBuf, ExportError> {
     };
     let mut free = (1..).map(named).filter(|aside| !aside.exists());
     let aside = free.next().unwrap_or_else(|| named(0));
-    fs::rename(path, &aside).map_err(|source| ExportError {
-        path: path.to_path_buf(),
-        source,
-    })?;
+    fs::rename(path, &aside).map_err(ExportError::at(path))?;
     Ok(aside)
 }
 
@@ -179,7 +197,6 @@ pub(super) fn scratch_near(path: &Path) -> io::Result<File> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::io::Write as _;
 
     #[test]
     fn one_file_by_two_names_is_known() {

@@ -1,9 +1,9 @@
 //! `cloud.csv`: one line a point.
 
 use super::log_points::LogColumn;
-use super::{ExportError, LogPoints, Summary, write_atomically};
+use super::{ExportError, LogPoints, Summary, write_summed};
 use crate::bottom::cloud::PointSource;
-use std::io::{BufWriter, Write as _};
+use std::io::Write as _;
 use std::path::Path;
 
 /// Writes every point with its class, log by log in the cloud's order; of several logs with the column `log` before the others. `kept` is 1
@@ -13,8 +13,7 @@ use std::path::Path;
 /// When the file cannot be written.
 pub(crate) fn cloud_csv(path: &Path, logs: &[LogPoints<'_>]) -> Result<Summary, ExportError> {
     let column = LogColumn::of(logs);
-    write_atomically(path, |file| {
-        let (mut out, mut summary) = (BufWriter::new(file), Summary::default());
+    write_summed(path, |out, summary| {
         let header = column.header;
         writeln!(
             out,
@@ -46,7 +45,6 @@ pub(crate) fn cloud_csv(path: &Path, logs: &[LogPoints<'_>]) -> Result<Summary, 
                 )?;
             }
         }
-        out.flush()?;
-        Ok(summary)
+        Ok(())
     })
 }

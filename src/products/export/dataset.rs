@@ -1,10 +1,9 @@
 //! The folder of pictures and labels that a detector is trained on (`assets/detector/training/data.py` reads it).
 
-use super::{ExportError, write_atomically};
+use super::{ExportError, write_bytes};
 use crate::detection::dataset::{Boxes, Chip, Coco, voc_xml, yolo_lines};
 use serde::Serialize;
 use std::fs;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 /// A part of a dataset. No recording, real or simulated, is in two of them.
@@ -136,10 +135,8 @@ impl DatasetFolder {
     }
 
     fn json(&self, name: &str, value: &impl Serialize) -> Result<(), ExportError> {
-        let text = serde_json::to_vec(value).map_err(|error| ExportError {
-            path: self.root.join(name),
-            source: error.into(),
-        })?;
+        let text = serde_json::to_vec(value)
+            .map_err(|error| ExportError::at(&self.root.join(name))(error.into()))?;
         self.bytes(name, &text)
     }
 
@@ -148,7 +145,7 @@ impl DatasetFolder {
     }
 
     fn bytes(&self, name: &str, bytes: &[u8]) -> Result<(), ExportError> {
-        write_atomically(&self.root.join(name), |mut file| file.write_all(bytes))
+        write_bytes(&self.root.join(name), bytes)
     }
 }
 
@@ -157,8 +154,5 @@ fn picture(number: usize) -> String {
 }
 
 fn make(folder: &Path) -> Result<(), ExportError> {
-    fs::create_dir_all(folder).map_err(|source| ExportError {
-        path: folder.to_owned(),
-        source,
-    })
+    fs::create_dir_all(folder).map_err(ExportError::at(folder))
 }

@@ -1,10 +1,9 @@
 //! The depth profile along a drawn line as a table.
 
-use super::{ExportError, write_atomically};
+use super::{ExportError, write_bytes};
 use crate::bottom::bathymetry::Station;
 use crate::survey::{Navigation, Survey};
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::Path;
 
 /// One line a station, `distance_m,lon,lat,east_m,north_m,depth_m`: metres on the ground from the start, WGS84, the survey's
@@ -37,5 +36,5 @@ pub(crate) fn profile_csv(
 /// # Errors
 /// When the file cannot be written.
 pub(crate) fn write_profile_csv(path: &Path, text: &str) -> Result<(), ExportError> {
-    write_atomically(path, |mut file| file.write_all(text.as_bytes()))
+    write_bytes(path, text)
 }

@@ -13,7 +13,7 @@ use crate::cli::status_line::StatusLine;
 use crate::cli::{Failure, output};
 use crate::formats::geotiff::{Band, RasterSpec};
 use crate::products::export::{
-    ExportError, RasterError, metres_raster, qgis_style, write_atomically,
+    ExportError, RasterError, metres_raster, qgis_style, write_bytes, write_json,
 };
 use crate::support::presentation::colours::{
     difference_colour, difference_reach_m, uncertainty_colour,
@@ -23,7 +23,6 @@ use maps::{DepthMaps, DepthPart};
 use rayon::prelude::*;
 use record::ChangeRecord;
 use std::fs;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Steps of the colours in a style.
@@ -110,22 +109,16 @@ pub(super) fn run(args: &CompareArgs, folder: &Path) -> Result<(), Failure> {
     };
     write_styles(&written, &totals)?;
     let record = ChangeRecord::new([newer.path(), older.path()], &totals, errors);
-    write_text(&folder.join("change.json"), &record.json()?)?;
+    write_json(&folder.join("change.json"), &record)?;
     // One picture of many tiles would show a part as if it were all.
     let shown = (written.len() == 1).then_some(shown);
-    write_text(
-        &folder.join("change.html"),
-        &report_page::of(&record, shown.as_deref()),
-    )?;
+    let page = report_page::of(&record, shown.as_deref());
+    write_bytes(&folder.join("change.html"), page)?;
     drop(status);
     match args.json {
         true => output::json(&record),
         false => output::results(record.table()),
     }
-}
-
-fn write_text(path: &Path, text: &str) -> Result<(), ExportError> {
-    write_atomically(path, |mut file| file.write_all(text.as_bytes()))
 }
 
 /// What changed in the cells of a part of the newer map.

@@ -26,10 +26,8 @@ pub(crate) fn objects_gpkg(
     logs: &[ObjectLog<'_>],
     rows: &[ObjectRow<'_>],
 ) -> Result<(), ExportError> {
-    let degrees = Crs::from_epsg(WGS84).map_err(|error| ExportError {
-        path: path.to_path_buf(),
-        source: std::io::Error::other(error),
-    })?;
+    let degrees = Crs::from_epsg(WGS84)
+        .map_err(|error| ExportError::at(path)(std::io::Error::other(error)))?;
     let first = logs.first().and_then(|log| log.survey.start_unix_s);
     let layers = object_layers(logs, rows, |at| [at.lon_deg, at.lat_deg]);
     geopackage(path, &degrees, first.unwrap_or(0.0), &layers).map(|_| ())

@@ -2,10 +2,9 @@
 
 use super::describe::{description, titles};
 use crate::detection::objects::SurveyObject;
-use crate::products::export::{ExportError, Summary, write_atomically};
+use crate::products::export::{ExportError, Summary, write_bytes};
 use crate::support::printable::xml;
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::Path;
 
 /// Writes objects as waypoints: name, remarks (`cmt`), all that is known (`desc`) and class (`type`).
@@ -37,6 +36,6 @@ pub(crate) fn objects_gpx(path: &Path, objects: &[&SurveyObject]) -> Result<Summ
         .ok();
     }
     text.push_str("</gpx>\n");
-    write_atomically(path, |mut file| file.write_all(text.as_bytes()))?;
+    write_bytes(path, text)?;
     Ok(summary)
 }

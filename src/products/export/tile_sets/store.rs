@@ -55,11 +55,8 @@ impl TileStore {
         source: &impl TileSource,
         progress: &Progress,
     ) -> Result<Self, RasterError> {
-        let fail = |source| ExportError {
-            path: folder.to_owned(),
-            source,
-        };
-        let store = Self::in_folder(folder).map_err(fail)?;
+        let fail = ExportError::at(folder);
+        let store = Self::in_folder(folder).map_err(&fail)?;
         let keep = |picture, tile, bytes: Vec<u8>| store.keep(picture, tile, &bytes);
         let drawn = pyramid(source, progress, &keep);
         progress.check()?;
