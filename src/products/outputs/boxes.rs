@@ -12,7 +12,6 @@ use crate::products::export::{self, ObjectLog, Part};
 use crate::products::outputs::OutputError;
 use crate::support::progress::Progress;
 use std::fs;
-use std::io::Write as _;
 use std::path::Path;
 
 /// Folder of the pictures for training.
@@ -120,7 +119,7 @@ pub(crate) fn write_boxes(
         };
         written.pictures += one.tiles.len();
         written.negatives += training_tiles.write(&root, progress)?;
-        text(&review, &(one.review.to_json() + "\n"))?;
+        export::write_bytes(&review, one.review.to_json() + "\n")?;
     }
     Ok(written)
 }
@@ -160,9 +159,4 @@ fn file_name(name: &str) -> String {
 fn make(folder: &Path) -> Result<(), OutputError> {
     fs::create_dir_all(folder)
         .map_err(|error| format!("cannot make the folder: {error}: {}", folder.display()).into())
-}
-
-fn text(path: &Path, text: &str) -> Result<(), OutputError> {
-    export::write_atomically(path, |mut file| file.write_all(text.as_bytes()))
-        .map_err(OutputError::from)
 }

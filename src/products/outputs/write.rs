@@ -2,7 +2,6 @@
 
 use super::content::FileContent;
 use super::detections::Proposed;
-use super::json_record::write_json;
 use super::manifest::write_manifest;
 use super::need::{Missing, Need};
 use super::order::{Order, When};
@@ -15,6 +14,7 @@ use super::run::Run;
 use super::run_folder::{Replaced, RunFolder};
 use crate::pipeline::Report;
 use crate::pipeline::joint::joint_report;
+use crate::products::export::write_json;
 use crate::products::outputs::OutputError;
 use crate::support::presentation::text::bytes;
 use crate::support::progress::{Cancelled, Progress};
