@@ -21,9 +21,6 @@ const GROUP_ROWS: usize = 1 << 17;
 const WRITER: &str = "bathyscope";
 
 /// Writes a table with some keys of the file. The same columns give the same bytes. All columns must be of one length.
-///
-/// # Errors
-/// What the system says.
 pub(crate) fn write_parquet(
     file: File,
     columns: &[Column],

@@ -31,9 +31,6 @@ pub(super) struct EchoesByTile<'a> {
 
 impl<'a> EchoesByTile<'a> {
     /// Of a log.
-    ///
-    /// # Errors
-    /// When the work was cancelled.
     pub(super) fn new(
         log: &LogRows<'a>,
         halo_m: f64,

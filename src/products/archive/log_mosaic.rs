@@ -40,9 +40,6 @@ pub(super) struct LogMosaic {
 
 impl LogMosaic {
     /// Of a log in some zones; without any tile where it has no side-scan, or nothing of it is known to lie on the ground.
-    ///
-    /// # Errors
-    /// When the work was cancelled.
     pub(super) fn new(
         log: &ProcessedLog,
         zones: BTreeSet<UtmZone>,

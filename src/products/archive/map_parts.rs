@@ -81,9 +81,6 @@ impl MapParts {
     }
 
     /// Keeps a part.
-    ///
-    /// # Errors
-    /// When the file cannot be written.
     pub(super) fn write(&self, tile: WebTile, under: &[TileId], part: &MapPart) -> io::Result<()> {
         make_folder(&self.folder).map_err(io::Error::other)?;
         let name = self.name(tile, under);

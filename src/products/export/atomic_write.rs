@@ -43,9 +43,6 @@ pub(crate) fn is_same_file(one: &Path, other: &Path) -> bool {
 /// Writes a file under a passing name beside its place and renames it when `write` has succeeded, so that a reader never
 /// sees half a file and an old one stays until the new one is whole. `write` must flush what it buffers; what it returns is
 /// handed on.
-///
-/// # Errors
-/// When the file cannot be written.
 pub(crate) fn write_atomically<T>(
     path: &Path,
     write: impl FnOnce(File) -> io::Result<T>,
@@ -58,9 +55,6 @@ pub(crate) fn write_atomically<T>(
 }
 
 /// As [`write_atomically`], for what opens a file by its path. There is none yet under the passing name that `write` gets.
-///
-/// # Errors
-/// When the file cannot be written.
 pub(super) fn write_atomically_at<T>(
     path: &Path,
     write: impl FnOnce(&Path) -> io::Result<T>,

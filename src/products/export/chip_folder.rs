@@ -44,9 +44,6 @@ impl ChipFolder {
     }
 
     /// Writes the next chip, `0001-rock.png` and so on.
-    ///
-    /// # Errors
-    /// When it cannot be written.
     pub(crate) fn add(&mut self, class: usize, chip: &Picture) -> Result<(), ExportError> {
         let class = self.classes.get(class).map_or(UNNAMED, String::as_str);
         self.count += 1;

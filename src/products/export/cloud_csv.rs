@@ -8,9 +8,6 @@ use std::path::Path;
 
 /// Writes every point with its class, log by log in the cloud's order; of several logs with the column `log` before the others. `kept` is 1
 /// where the class is that of the bottom. The level of the echo is that of first returns, 0 to 255; the slant range of a sounding is its distance straight below.
-///
-/// # Errors
-/// When the file cannot be written.
 pub(crate) fn cloud_csv(path: &Path, logs: &[LogPoints<'_>]) -> Result<Summary, ExportError> {
     let column = LogColumn::of(logs);
     write_summed(path, |out, summary| {

@@ -57,9 +57,6 @@ pub(crate) struct DatasetFolder {
 
 impl DatasetFolder {
     /// Makes the folders and the class names.
-    ///
-    /// # Errors
-    /// When something cannot be written.
     pub(crate) fn new(root: &Path, classes: &[String]) -> Result<Self, ExportError> {
         let folder = Self {
             root: root.to_owned(),
@@ -75,9 +72,6 @@ impl DatasetFolder {
     }
 
     /// Writes a picture and its YOLO labels.
-    ///
-    /// # Errors
-    /// When something cannot be written.
     pub(crate) fn chip(&self, part: Part, number: usize, chip: &Chip) -> Result<(), ExportError> {
         let png = format!("images/{}/{}", part.name(), picture(number));
         self.bytes(&png, &chip.png())?;
@@ -86,9 +80,6 @@ impl DatasetFolder {
     }
 
     /// Writes a picture's labels as Pascal VOC, in `voc/PART`.
-    ///
-    /// # Errors
-    /// When something cannot be written.
     pub(crate) fn voc(&self, part: Part, number: usize, boxes: &Boxes) -> Result<(), ExportError> {
         make(&self.root.join("voc").join(part.name()))?;
         let text = voc_xml(&picture(number), &self.classes, boxes);
@@ -96,9 +87,6 @@ impl DatasetFolder {
     }
 
     /// Writes the COCO file of a part, its pictures numbered from 0.
-    ///
-    /// # Errors
-    /// When something cannot be written.
     pub(crate) fn finish(
         &self,
         part: Part,
@@ -127,9 +115,6 @@ impl DatasetFolder {
     }
 
     /// Writes how the dataset was made.
-    ///
-    /// # Errors
-    /// When it cannot be written.
     pub(crate) fn manifest(&self, manifest: &impl Serialize) -> Result<(), ExportError> {
         self.json("manifest.json", manifest)
     }

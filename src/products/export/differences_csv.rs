@@ -7,9 +7,6 @@ use std::io::Write as _;
 use std::path::Path;
 
 /// Writes the points that differences are of, log by log: their `measured` is the index in the log's cloud.
-///
-/// # Errors
-/// When the file cannot be written.
 pub(crate) fn differences_csv(
     path: &Path,
     logs: &[LogPoints<'_>],

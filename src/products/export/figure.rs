@@ -30,9 +30,6 @@ pub(crate) struct MeasuredFigure {
 }
 
 /// Writes a `LineString` or a `Polygon` with what was measured, and a `Point` for each place of a profile.
-///
-/// # Errors
-/// When the file cannot be written.
 pub(crate) fn figure_geojson(path: &Path, figure: &MeasuredFigure) -> Result<(), ExportError> {
     let points = figure.stations.iter().map(Some);
     let features = std::iter::once(None).chain(points);
@@ -107,9 +104,6 @@ fn turns_right(ring: &[[f64; 2]]) -> bool {
 
 /// Writes a line for each corner, `corner,lon,lat,distance_m`; an area has `area_m2` beside them, and its first corner again at
 /// the end of its way around; a height has `height_m` and what it follows from.
-///
-/// # Errors
-/// When the file cannot be written.
 pub(crate) fn figure_csv(path: &Path, figure: &MeasuredFigure) -> Result<(), ExportError> {
     let area = figure.area_m2;
     let mut text = "corner,lon,lat,distance_m".to_owned();

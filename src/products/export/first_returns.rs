@@ -13,9 +13,6 @@ const HEADER: &str = "ping,time_s,lon,lat,east_m,north_m,heading_deg,depth_m,\
 /// Writes one line for each side-scan ping; a field is empty where there is no value. `*_sample` counts u8 samples outward
 /// from the middle, `*_range_m` is after calibration, `excluded` why a ping counts for nothing. Of several logs the column `log` stands
 /// before the others.
-///
-/// # Errors
-/// When the file cannot be written.
 pub(crate) fn first_returns_csv(
     path: &Path,
     logs: &[LogPoints<'_>],

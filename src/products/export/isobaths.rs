@@ -102,9 +102,6 @@ pub(crate) fn spot_soundings_geojson(
 }
 
 /// Writes what lies below each level: depth, area, volume. A square metre of the table is `ground` square metres on the ground.
-///
-/// # Errors
-/// When the file cannot be written.
 pub(crate) fn storage_csv(
     path: &Path,
     table: &[Storage],

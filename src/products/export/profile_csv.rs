@@ -32,9 +32,6 @@ pub(crate) fn profile_csv(
 }
 
 /// Writes [`profile_csv`] into a file.
-///
-/// # Errors
-/// When the file cannot be written.
 pub(crate) fn write_profile_csv(path: &Path, text: &str) -> Result<(), ExportError> {
     write_bytes(path, text)
 }

@@ -7,9 +7,6 @@ use std::path::Path;
 
 /// Writes boxes as points with everything that is known about them; `log` says which of several logs they are of. Boxes without a place
 /// are left out.
-///
-/// # Errors
-/// When the file cannot be written.
 pub(crate) fn objects_geojson(
     path: &Path,
     logs: &[ObjectLog<'_>],

@@ -18,9 +18,6 @@ const ABOUT: &str = "Targets of a side-scan survey";
 /// Writes boxes as two layers, `targets` (points) and `target_outlines` (length along the track by width across it, on the ground), with
 /// everything that is known about them. The time of the last change is that of the first recording, so that the same survey gives the
 /// same bytes.
-///
-/// # Errors
-/// When the file cannot be written.
 pub(crate) fn objects_gpkg(
     path: &Path,
     logs: &[ObjectLog<'_>],

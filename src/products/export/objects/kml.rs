@@ -8,9 +8,6 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 /// Writes objects as placemarks.
-///
-/// # Errors
-/// When the file cannot be written.
 pub(crate) fn objects_kml(
     path: &Path,
     name: &str,

@@ -85,9 +85,6 @@ struct Place {
 
 impl PlannedWay<'_> {
     /// Writes it.
-    ///
-    /// # Errors
-    /// When the file cannot be written.
     pub(crate) fn write(&self, path: &Path, format: PlanFormat) -> Result<(), ExportError> {
         let text = match format {
             PlanFormat::Gpx => gpx::text(self),

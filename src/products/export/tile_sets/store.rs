@@ -65,9 +65,6 @@ impl TileStore {
     }
 
     /// Keeps a picture.
-    ///
-    /// # Errors
-    /// When it cannot be written.
     pub(crate) fn keep(&self, picture: TileStyle, tile: WebTile, bytes: &[u8]) -> io::Result<()> {
         let length = u32::try_from(bytes.len()).map_err(io::Error::other)?;
         let mut inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);

@@ -8,9 +8,6 @@ use std::io::Write as _;
 use std::path::Path;
 
 /// Writes the pieces as segments of one track; with times where it is known when the log began (Unix seconds).
-///
-/// # Errors
-/// When the file cannot be written.
 pub(crate) fn track_gpx(
     path: &Path,
     name: &str,

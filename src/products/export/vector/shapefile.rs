@@ -16,9 +16,6 @@ const LETTERS: u8 = 64;
 
 /// Writes lines in a system; `names` of their numbers, ten letters each at most, head the columns behind `label`. The `.shp` is
 /// in its place last: where it is, its companions are whole.
-///
-/// # Errors
-/// When the file cannot be written.
 pub(crate) fn lines_shapefile(
     path: &Path,
     crs: &Crs,
