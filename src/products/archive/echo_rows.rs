@@ -267,10 +267,8 @@ const OTHERS: [&str; 7] = [
 
 fn read(path: &Path) -> Result<Vec<EchoRow>, ArchiveError> {
     let damaged = || {
-        ArchiveError::from(ParquetError {
-            what: ParquetFault::Damaged("its columns are not those of echoes of an archive"),
-            path: path.to_owned(),
-        })
+        let what = ParquetFault::Damaged("its columns are not those of echoes of an archive");
+        ArchiveError::from(ParquetError::new(what, path))
     };
     let numbers = (read_parquet(path, &NUMBERS)?.into_iter()).map(|values| match values {
         Values::Double(values) => Some(values),

@@ -257,10 +257,8 @@ pub(super) fn read(path: &Path) -> Result<Vec<PingRow>, ArchiveError> {
         "time",
     ];
     let damaged = || {
-        ArchiveError::from(ParquetError {
-            what: ParquetFault::Damaged("its columns are not those of pings of an archive"),
-            path: path.to_owned(),
-        })
+        let what = ParquetFault::Damaged("its columns are not those of pings of an archive");
+        ArchiveError::from(ParquetError::new(what, path))
     };
     let numbers = read_parquet(path, &NUMBERS)?
         .into_iter()

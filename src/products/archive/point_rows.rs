@@ -80,9 +80,9 @@ pub(super) fn read(path: &Path) -> Result<Vec<PointRow>, ArchiveError> {
         "velocity_y_mps",
     ];
     let read = read_parquet(path, &NAMES)?;
-    let damaged = || ParquetError {
-        what: ParquetFault::Damaged("its columns are not those of points of an archive"),
-        path: path.to_owned(),
+    let damaged = || {
+        let what = ParquetFault::Damaged("its columns are not those of points of an archive");
+        ParquetError::new(what, path)
     };
     let Ok(
         [
