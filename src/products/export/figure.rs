@@ -5,7 +5,6 @@ use super::{ExportError, write_bytes};
 use crate::detection::targets::ShadowHeight;
 use crate::support::geo::LonLat;
 use serde_json::{Value, json};
-use std::fmt::Write as _;
 use std::path::Path;
 
 /// A line or an area that was measured.
@@ -125,12 +124,10 @@ pub(crate) fn figure_csv(path: &Path, figure: &MeasuredFigure) -> Result<(), Exp
     for (index, (at, distance_m)) in corners.chain(closing).enumerate() {
         let corner = index % figure.corners.len() + 1;
         // Writing to a string does not fail.
-        writeln!(
-            text,
-            "{corner},{:.9},{:.9},{distance_m:.3}{whole}",
+        text += &format!(
+            "{corner},{:.9},{:.9},{distance_m:.3}{whole}\n",
             at.lon_deg, at.lat_deg
-        )
-        .ok();
+        );
     }
     write_bytes(path, text)
 }

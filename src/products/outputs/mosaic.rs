@@ -44,12 +44,9 @@ fn summary(grid: &Grid, map: &MapPlane) -> Summary {
         count: grid.len(),
         ..Summary::default()
     };
-    let (width_m, height_m) = (
-        grid.columns as f64 * grid.cell_m,
-        grid.rows as f64 * grid.cell_m,
-    );
-    summary.reach(map.in_crs([grid.west_m, grid.north_m]));
-    summary.reach(map.in_crs([grid.west_m + width_m, grid.north_m - height_m]));
+    let [west_m, south_m, east_m, north_m] = grid.bounds_m();
+    summary.reach(map.in_crs([west_m, north_m]));
+    summary.reach(map.in_crs([east_m, south_m]));
     summary
 }
 

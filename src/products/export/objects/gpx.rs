@@ -4,7 +4,6 @@ use super::describe::{description, titles};
 use crate::detection::objects::SurveyObject;
 use crate::products::export::{ExportError, Summary, write_bytes};
 use crate::support::printable::xml;
-use std::fmt::Write as _;
 use std::path::Path;
 
 /// Writes objects as waypoints: name, remarks (`cmt`), all that is known (`desc`) and class (`type`).
@@ -21,16 +20,14 @@ pub(crate) fn objects_gpx(path: &Path, objects: &[&SurveyObject]) -> Result<Summ
             false => format!("<cmt>{}</cmt>", xml(&object.summary.notes)),
         };
         // Writing to a string does not fail.
-        writeln!(
-            text,
-            "<wpt lat=\"{:.8}\" lon=\"{:.8}\"><name>{}</name>{remarks}<desc>{}</desc><type>{}</type></wpt>",
+        text += &format!(
+            "<wpt lat=\"{:.8}\" lon=\"{:.8}\"><name>{}</name>{remarks}<desc>{}</desc><type>{}</type></wpt>\n",
             at.lat_deg,
             at.lon_deg,
             xml(&title),
             xml(&description(object)),
             xml(&object.joint.class),
-        )
-        .ok();
+        );
     }
     text.push_str("</gpx>\n");
     write_bytes(path, text)?;

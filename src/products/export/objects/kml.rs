@@ -4,7 +4,6 @@ use super::describe::{description, titles};
 use crate::detection::objects::SurveyObject;
 use crate::products::export::{ExportError, Summary, write_bytes};
 use crate::support::printable::xml;
-use std::fmt::Write as _;
 use std::path::Path;
 
 /// Writes objects as placemarks.
@@ -22,15 +21,13 @@ pub(crate) fn objects_kml(
         let at = object.position;
         summary.add([at.lon_deg, at.lat_deg], f64::NAN);
         // Writing to a string does not fail.
-        writeln!(
-            text,
-            "<Placemark><name>{}</name><description>{}</description><Point><coordinates>{:.8},{:.8}</coordinates></Point></Placemark>",
+        text += &format!(
+            "<Placemark><name>{}</name><description>{}</description><Point><coordinates>{:.8},{:.8}</coordinates></Point></Placemark>\n",
             xml(&title),
             xml(&description(object)),
             at.lon_deg,
             at.lat_deg,
-        )
-        .ok();
+        );
     }
     text.push_str("</Document>\n</kml>\n");
     write_bytes(path, text)?;
