@@ -5,7 +5,7 @@
 mod share;
 
 use super::{Failure, output};
-use crate::products::export::write_bytes;
+use crate::products::export::{make_folder, write_bytes};
 use share::{APPLICATIONS, MIME, ShareFile};
 use std::fmt::Display;
 use std::fs;
@@ -78,8 +78,7 @@ fn program() -> Result<String, Failure> {
 
 fn write(path: &Path, content: &[u8]) -> Result<(), Failure> {
     let folder = path.parent().unwrap_or(Path::new("."));
-    fs::create_dir_all(folder)
-        .map_err(|error| format!("cannot make the folder: {error}: {}", folder.display()))?;
+    make_folder(folder)?;
     Ok(write_bytes(path, content)?)
 }
 

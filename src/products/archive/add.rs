@@ -2,9 +2,7 @@
 
 use super::echo_rows::EchoesByTile;
 use super::error::ArchiveError;
-use super::folders::{
-    ECHOES, KINDS, LOGS, PINGS, POINTS, fingerprint, make_folder, names_in, remove,
-};
+use super::folders::{ECHOES, KINDS, LOGS, PINGS, POINTS, fingerprint, names_in, remove};
 use super::log_mosaic::LogMosaic;
 use super::log_record::{LogRecord, TileRows};
 use super::log_rows::{LogRows, track};
@@ -16,7 +14,7 @@ use super::tile::TileId;
 use crate::bottom::bathymetry::SwathDepth;
 use crate::formats::parquet_table::{Column, Values, geo_key, write_parquet};
 use crate::pipeline::{self, Fingerprint, LogFiles, ProcessedLog, Settings};
-use crate::products::export::{write_atomically, write_json};
+use crate::products::export::{make_folder, write_atomically, write_json};
 use crate::support::progress::Progress;
 use crate::survey::Survey;
 use serde_json::json;

@@ -30,12 +30,6 @@ pub(super) const KINDS: [(&str, &str); 5] = [
 /// Longer than any record.
 pub(super) const LONGEST_RECORD: u64 = 1 << 26;
 
-/// Makes a folder, with those that it lies in.
-pub(super) fn make_folder(folder: &Path) -> Result<(), ArchiveError> {
-    Ok(fs::create_dir_all(folder)
-        .map_err(|error| format!("cannot make the folder: {error}: {}", folder.display()))?)
-}
-
 /// The names in a folder; none where there is no folder.
 pub(super) fn names_in(folder: &Path) -> Result<Vec<String>, ArchiveError> {
     if !folder.exists() {

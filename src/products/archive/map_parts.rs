@@ -2,12 +2,12 @@
 //! that a file is used exactly where the same would be drawn again.
 
 use super::error::ArchiveError;
-use super::folders::{make_folder, names_in, remove};
+use super::folders::{names_in, remove};
 use super::tile::TileId;
 use crate::bottom::bathymetry::isobaths::{Isobath, IsobathSettings};
 use crate::formats::parquet_table::{Column, Values, read_parquet, write_parquet};
 use crate::pipeline::{Fingerprint, in_hexadecimal};
-use crate::products::export::write_atomically;
+use crate::products::export::{make_folder, write_atomically};
 use crate::products::map_tiles::{Known, MapPart, Pixels, TileStyle, WebTile};
 use flate2::Compression;
 use flate2::read::ZlibDecoder;

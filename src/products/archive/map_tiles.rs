@@ -2,7 +2,7 @@
 //! `map_tiles.json`, which says what they were made from. Parts of the map over tiles that are as they were are not drawn again.
 
 use super::error::ArchiveError;
-use super::folders::{LONGEST_RECORD, fingerprint, make_folder, remove};
+use super::folders::{LONGEST_RECORD, fingerprint, remove};
 use super::map_parts::{DrawnWith, MapParts, remove_parts};
 use super::reach::beside;
 use super::record::Archive;
@@ -14,7 +14,7 @@ use crate::bottom::bathymetry::isobaths::{Isobath, IsobathSettings, clipped};
 use crate::bottom::bathymetry::{Grid, Light, Surface, hill_shade};
 use crate::pipeline::Fingerprint;
 use crate::products::export::tile_sets::{TileSet, TileStore, map_page, mbtiles, pmtiles};
-use crate::products::export::write_json;
+use crate::products::export::{make_folder, write_json};
 use crate::products::map_tiles::{
     LitSurface, MapPart, MapScales, Pixels, TileSource, TileStyle, WebTile, ZoomRange,
 };

@@ -1,7 +1,7 @@
 //! What all logs of an archive share: `lake.json`.
 
 use super::error::ArchiveError;
-use super::folders::{KINDS, LOGS, LONGEST_RECORD, make_folder, names_in};
+use super::folders::{KINDS, LOGS, LONGEST_RECORD, names_in};
 use super::log_record::{AREA, LogRecord};
 use super::reach;
 use super::tile::{TILE_M, TileId};
@@ -11,7 +11,7 @@ use crate::pipeline::{
     Fingerprint, SettingValues, Settings, deserialize_values, is_of_one_log, setting_values,
     with_values,
 };
-use crate::products::export::{write_bytes, write_json};
+use crate::products::export::{make_folder, write_bytes, write_json};
 use crate::support::regular_file;
 use crate::survey::WaterArea;
 use serde::{Deserialize, Serialize};
@@ -327,6 +327,11 @@ impl Archive {
             "{kind}/tile={tile}/{log}.{}",
             ending.map_or("parquet", |(_, ending)| ending)
         )
+    }
+
+    /// Where that lies.
+    pub(super) fn rows_path(&self, kind: &str, tile: TileId, log: &str) -> PathBuf {
+        self.folder.join(Self::rows_name(kind, tile, log))
     }
 
     /// The records of the logs that the maps of some tiles are made from, by their hashes.

@@ -3,7 +3,7 @@
 
 use super::error::ArchiveError;
 use super::folders::{
-    ECHOES, LONGEST_RECORD, MOSAIC, POINTS, WEIGHTS, fingerprint, make_folder, names_in, remove,
+    ECHOES, LONGEST_RECORD, MOSAIC, POINTS, WEIGHTS, fingerprint, names_in, remove,
 };
 use super::log_record::LogRecord;
 use super::offsets::Offsets;
@@ -16,7 +16,7 @@ use crate::bottom::bathymetry::{Surface, SurfaceMethod, SwathDepth};
 use crate::formats::geotiff::{Band, RasterSpec};
 use crate::pipeline::Fingerprint;
 use crate::products::export::{
-    DrawnLines, isobaths_geojson, metres_raster, source_raster, write_json,
+    DrawnLines, isobaths_geojson, make_folder, metres_raster, source_raster, write_json,
 };
 use crate::support::progress::Progress;
 use crate::support::regular_file;

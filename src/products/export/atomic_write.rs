@@ -1,5 +1,6 @@
 //! A file is complete or it is not there.
 
+use crate::support::file_error::FileError;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::ffi::OsString;
@@ -76,6 +77,16 @@ pub(super) fn write_atomically_at<T>(
     written
         .and_then(|made| fs::rename(&passing, path).map(|()| made))
         .map_err(fail)
+}
+
+/// A folder that cannot be made.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot make the folder: {0}")]
+pub struct NoFolder(io::Error);
+
+/// Makes a folder, with those that it lies in.
+pub(crate) fn make_folder(folder: &Path) -> Result<(), FileError<NoFolder>> {
+    fs::create_dir_all(folder).map_err(|error| FileError::new(NoFolder(error), folder))
 }
 
 /// Writes bytes, as [`write_atomically`] does.

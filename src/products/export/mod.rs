@@ -45,8 +45,8 @@ mod track;
 mod vector;
 
 pub(crate) use atomic_write::{
-    ExportError, is_same_file, remove_leftovers, rename_older, write_atomically, write_bytes,
-    write_json,
+    ExportError, NoFolder, is_same_file, make_folder, remove_leftovers, rename_older,
+    write_atomically, write_bytes, write_json,
 };
 pub(crate) use bottom_las::{BottomCell, bottom_las};
 pub(crate) use chip_folder::ChipFolder;

@@ -4,7 +4,8 @@ use super::mosaic_grid::NoMosaic;
 use crate::bottom::bathymetry::isobaths::NoIsobaths;
 use crate::detection::DetectError;
 use crate::pipeline::{AgreementError, InputError};
-use crate::products::export::{ChipError, ExportError, RasterError};
+use crate::products::export::{ChipError, ExportError, NoFolder, RasterError};
+use crate::support::file_error::FileError;
 use crate::support::geo::CrsError;
 use crate::support::progress::Cancelled;
 
@@ -28,6 +29,9 @@ pub enum OutputError {
     /// A file of text, points or shapes.
     #[error(transparent)]
     File(#[from] ExportError),
+    /// A folder.
+    #[error(transparent)]
+    Folder(#[from] FileError<NoFolder>),
     /// A GeoTIFF.
     #[error(transparent)]
     Raster(RasterError),

@@ -13,7 +13,7 @@ use crate::cli::status_line::StatusLine;
 use crate::cli::{Failure, output};
 use crate::formats::geotiff::{Band, RasterSpec};
 use crate::products::export::{
-    ExportError, RasterError, metres_raster, qgis_style, write_bytes, write_json,
+    ExportError, RasterError, make_folder, metres_raster, qgis_style, write_bytes, write_json,
 };
 use crate::support::presentation::colours::{
     difference_colour, difference_reach_m, uncertainty_colour,
@@ -22,7 +22,6 @@ use crate::support::progress::Progress;
 use maps::{DepthMaps, DepthPart};
 use rayon::prelude::*;
 use record::ChangeRecord;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Steps of the colours in a style.
@@ -78,8 +77,7 @@ pub(super) fn run(args: &CompareArgs, folder: &Path) -> Result<(), Failure> {
         }
     }
     let progress = Progress::new();
-    let status = StatusLine::new(&progress);
-    status.step("change");
+    let status = StatusLine::at("change", &progress);
     let errors = args.change.errors();
     let (mut totals, mut written, mut shown) = (ChangeTotals::default(), Vec::new(), None);
     for part in newer.parts() {
@@ -92,9 +90,7 @@ pub(super) fn run(args: &CompareArgs, folder: &Path) -> Result<(), Failure> {
         let regions = field.regions(&errors);
         totals.add(&field, &regions, &errors);
         if written.is_empty() {
-            fs::create_dir_all(folder).map_err(|error| {
-                format!("cannot make the folder: {error}: {}", folder.display())
-            })?;
+            make_folder(folder)?;
         }
         written.push(change.write(folder, &errors, &regions, &progress)?);
         shown.get_or_insert_with(|| report_page::picture(&change.rise_m, part.size()));

@@ -5,6 +5,8 @@ use crate::products::outputs::need::Need;
 use crate::products::outputs::order::When;
 use crate::products::outputs::product::Product;
 
+type Text = &'static str;
+
 /// What no table of pings depends on.
 pub(super) const NOT_OF_POINTS: &[&str] = &["detector", "isobaths", "mosaic", "review", "surface"];
 /// What no cloud depends on: above which bottom a point lies is a setting of the surface.
@@ -44,24 +46,19 @@ const TARGETS: &str = "Targets that an analyst accepted, drew or marked";
 const BOXES: &str = "Boxes that the detector proposes, not reviewed";
 
 /// A row with the columns that most rows share.
-pub(super) const fn row(name: &'static str, when: When, write: WriteFile) -> OutputFile {
+pub(super) const fn row(name: Text, when: When, write: WriteFile) -> OutputFile {
     row_written_by(name, when, Writer::Results(write))
 }
 
 /// A file that tells of all others.
-pub(super) const fn run_file(
-    name: &'static str,
-    when: When,
-    brief: &'static str,
-    file: RunFile,
-) -> OutputFile {
+pub(super) const fn run_file(name: Text, when: When, brief: Text, file: RunFile) -> OutputFile {
     OutputFile {
         brief,
         ..row_written_by(name, when, Writer::Run(file))
     }
 }
 
-const fn row_written_by(name: &'static str, when: When, writer: Writer) -> OutputFile {
+const fn row_written_by(name: Text, when: When, writer: Writer) -> OutputFile {
     OutputFile {
         name,
         companions: &[],
@@ -74,11 +71,7 @@ const fn row_written_by(name: &'static str, when: When, writer: Writer) -> Outpu
     }
 }
 
-pub(super) const fn described(
-    what: &'static str,
-    counted: &'static str,
-    measured: &'static str,
-) -> Option<Described> {
+pub(super) const fn described(what: Text, counted: Text, measured: Text) -> Option<Described> {
     Some(Described {
         what,
         counted,
@@ -86,12 +79,7 @@ pub(super) const fn described(
     })
 }
 
-pub(super) const fn cloud(
-    name: &'static str,
-    what: &'static str,
-    brief: &'static str,
-    write: WriteFile,
-) -> OutputFile {
+pub(super) const fn cloud(name: Text, what: Text, brief: Text, write: WriteFile) -> OutputFile {
     OutputFile {
         needs: &[Need::KeptPoints],
         regardless_of: NOT_OF_CLOUD,
@@ -101,11 +89,7 @@ pub(super) const fn cloud(
     }
 }
 
-pub(super) const fn track_file(
-    name: &'static str,
-    counted: &'static str,
-    write: WriteFile,
-) -> OutputFile {
+pub(super) const fn track_file(name: Text, counted: Text, write: WriteFile) -> OutputFile {
     OutputFile {
         needs: &[Need::Track],
         regardless_of: NOT_OF_TRACK,
@@ -115,7 +99,7 @@ pub(super) const fn track_file(
     }
 }
 
-pub(super) const fn footprint(name: &'static str, write: WriteFile) -> OutputFile {
+pub(super) const fn footprint(name: Text, write: WriteFile) -> OutputFile {
     OutputFile {
         needs: &[Need::Track, Need::Footprint],
         regardless_of: NOT_OF_FOOTPRINT,
@@ -126,11 +110,11 @@ pub(super) const fn footprint(name: &'static str, write: WriteFile) -> OutputFil
 }
 
 pub(super) const fn raster(
-    name: &'static str,
-    companions: &'static [&'static str],
-    what: &'static str,
-    measured: &'static str,
-    brief: &'static str,
+    name: Text,
+    companions: &'static [Text],
+    what: Text,
+    measured: Text,
+    brief: Text,
     write: WriteFile,
 ) -> OutputFile {
     OutputFile {
@@ -144,10 +128,10 @@ pub(super) const fn raster(
 }
 
 pub(super) const fn contours(
-    name: &'static str,
-    what: &'static str,
-    counted: &'static str,
-    brief: &'static str,
+    name: Text,
+    what: Text,
+    counted: Text,
+    brief: Text,
     write: WriteFile,
 ) -> OutputFile {
     OutputFile {
@@ -159,12 +143,7 @@ pub(super) const fn contours(
     }
 }
 
-pub(super) const fn map_tiles(
-    name: &'static str,
-    what: &'static str,
-    brief: &'static str,
-    write: WriteFile,
-) -> OutputFile {
+pub(super) const fn map_tiles(name: Text, what: Text, brief: Text, write: WriteFile) -> OutputFile {
     OutputFile {
         needs: &[Need::Surface],
         regardless_of: NOT_OF_ISOBATHS,
@@ -175,9 +154,9 @@ pub(super) const fn map_tiles(
 }
 
 pub(super) const fn compared(
-    name: &'static str,
-    what: &'static str,
-    measured: &'static str,
+    name: Text,
+    what: Text,
+    measured: Text,
     write: WriteFile,
 ) -> OutputFile {
     OutputFile {
@@ -189,11 +168,7 @@ pub(super) const fn compared(
     }
 }
 
-pub(super) const fn target_file(
-    name: &'static str,
-    counted: &'static str,
-    write: WriteFile,
-) -> OutputFile {
+pub(super) const fn target_file(name: Text, counted: Text, write: WriteFile) -> OutputFile {
     OutputFile {
         needs: &[Need::Targets],
         regardless_of: NOT_OF_BOXES,
@@ -203,7 +178,7 @@ pub(super) const fn target_file(
     }
 }
 
-pub(super) const fn boxes(name: &'static str, brief: &'static str, write: WriteFile) -> OutputFile {
+pub(super) const fn boxes(name: Text, brief: Text, write: WriteFile) -> OutputFile {
     OutputFile {
         regardless_of: NOT_OF_BOXES,
         brief,
