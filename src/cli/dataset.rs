@@ -5,7 +5,7 @@ use super::{Failure, output, simulated_files};
 use crate::detection::dataset::{Boxes, Chip, Known, Slice};
 use crate::detection::{Mark, Raster, TILE_PX};
 use crate::formats;
-use crate::products::export::{DatasetFolder, Part, PartSummary};
+use crate::products::export::{DatasetFolder, Part, PartSummary, make_folder};
 use crate::simulation::{
     self, ObjectKind, ObjectPass, Simulated, TrainingPlace, TrainingScene, training_scene,
     training_seed,
@@ -101,8 +101,7 @@ pub(super) fn run(args: &DatasetArgs, seed: u64) -> Result<(), Failure> {
         .build()
         .map_err(|error| format!("cannot start the threads: {error}"))?;
     let progress = Progress::new();
-    let status = StatusLine::new(&progress);
-    status.step("simulating pictures");
+    let status = StatusLine::at("simulating pictures", &progress);
     progress.start(images.iter().sum::<usize>() as u64);
     let per_scene = usize::from(args.per_scene);
     let surveys = folder.join("surveys");
@@ -175,9 +174,7 @@ struct Made {
 impl Maker<'_> {
     fn part(&self) -> Result<Made, Failure> {
         if let Some(folder) = &self.surveys {
-            fs::create_dir_all(folder).map_err(|error| {
-                format!("cannot make the folder: {error}: {}", folder.display())
-            })?;
+            make_folder(folder)?;
         }
         let scenes = self.images.div_ceil(self.per_scene);
         let boxes: Vec<Vec<Boxes>> = (0..scenes)

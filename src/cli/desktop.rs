@@ -5,11 +5,10 @@
 mod share;
 
 use super::{Failure, output};
-use crate::products::export::write_atomically;
+use crate::products::export::{make_folder, write_bytes};
 use share::{APPLICATIONS, MIME, ShareFile};
 use std::fmt::Display;
 use std::fs;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -79,9 +78,8 @@ fn program() -> Result<String, Failure> {
 
 fn write(path: &Path, content: &[u8]) -> Result<(), Failure> {
     let folder = path.parent().unwrap_or(Path::new("."));
-    fs::create_dir_all(folder)
-        .map_err(|error| format!("cannot make the folder: {error}: {}", folder.display()))?;
-    Ok(write_atomically(path, |mut file| file.write_all(content))?)
+    make_folder(folder)?;
+    Ok(write_bytes(path, content)?)
 }
 
 fn remove(path: &Path) -> Result<(), Failure> {

@@ -144,8 +144,7 @@ fn search_picture(
     run: RunFolder,
 ) -> Result<(String, Replaced), Failure> {
     let progress = Progress::new();
-    let status = StatusLine::new(&progress);
-    status.step("detecting");
+    let _status = StatusLine::at("detecting", &progress);
     let picture = read_picture(input).map_err(|Failure { sentence }| {
         format!("cannot read the picture: {sentence}: {}", input.display())
     })?;

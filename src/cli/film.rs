@@ -60,8 +60,7 @@ pub(super) fn run(args: FilmArgs) -> Result<(), Failure> {
     shell.show_alone(Alone::View(View::Waterfall));
     let studio = Studio::new()?;
     let progress = Progress::new();
-    let status = StatusLine::new(&progress);
-    status.step("film");
+    let status = StatusLine::at("film", &progress);
     write(
         &args.output,
         args.size,

@@ -54,8 +54,7 @@ pub(super) fn run(args: FilterArgs) -> Result<(), Failure> {
         output::notify(format_args!("warning: {note}: {}", path.display()));
     }
     let progress = Progress::new();
-    let status = StatusLine::new(&progress);
-    status.step("outliers");
+    let status = StatusLine::at("outliers", &progress);
     let kept = outliers::keep(&file.points, radius, min_neighbors, &progress)?;
     status.step("writing");
     kept_points(&destination, format, &file, &kept)?;

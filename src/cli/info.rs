@@ -7,7 +7,6 @@ use crate::support::calendar;
 use crate::support::progress::Progress;
 use crate::survey::{Channel, SideScanState, Survey};
 use serde_json::{Value, json};
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 /// `bathyscope info SURVEY [--json]`.
@@ -60,7 +59,7 @@ fn list_to_text(folder: &Path, logs: &[PathBuf]) -> String {
             ),
             Err(error) => error.to_string(),
         };
-        writeln!(text, "{name}: {what}").expect("writing to a string");
+        text += &format!("{name}: {what}\n");
     }
     let folder = folder.display();
     text + &format!(
@@ -108,7 +107,7 @@ fn depth_span(survey: &Survey) -> Option<(f32, f32)> {
 fn to_text(survey: &Survey) -> String {
     let mut text = String::new();
     let mut line = |name: &str, value: String| {
-        writeln!(text, "{name:<12} {value}").expect("writing to a string");
+        text += &format!("{name:<12} {value}\n");
     };
     line("format", survey.source.format.clone());
     if !survey.source.device.is_empty() {
@@ -155,17 +154,14 @@ fn to_text(survey: &Survey) -> String {
         None => line("position", "none recorded".to_owned()),
     }
     let (channel, pings) = ("channel", "pings");
-    writeln!(
-        text,
-        "\n{channel:<CHANNEL_WIDTH$} {pings:>6}   samples        range              time"
-    )
-    .expect("writing to a string");
+    text += &format!(
+        "\n{channel:<CHANNEL_WIDTH$} {pings:>6}   samples        range              time\n"
+    );
     for channel in &survey.channels {
-        writeln!(text, "{}", channel_row(channel)).expect("writing to a string");
+        text += &format!("{}\n", channel_row(channel));
     }
     if !survey.warnings.is_empty() {
-        writeln!(text, "\n{}", counted(survey.warnings.len(), "warning"))
-            .expect("writing to a string");
+        text += &format!("\n{}\n", counted(survey.warnings.len(), "warning"));
     }
     for warning in &survey.warnings {
         let place = warning.place.map_or(String::new(), |(file, offset)| {
@@ -177,7 +173,7 @@ fn to_text(survey: &Survey) -> String {
             let name = name.map_or(String::new(), |name| name.to_string_lossy().into_owned());
             format!("{name} at byte {offset}: ")
         });
-        writeln!(text, "  {place}{}", warning.text).expect("writing to a string");
+        text += &format!("  {place}{}\n", warning.text);
     }
     text
 }

@@ -3,7 +3,7 @@
 use super::process::all_processed;
 use super::settings::SettingsArgs;
 use super::status_line::StatusLine;
-use super::survey_logs::{OpenedLog, all_or, inputs, open_all, survey_review, take_reviews};
+use super::survey_logs::{OpenedLog, all_or, inputs, open, survey_review, take_reviews};
 use super::{Failure, output};
 use crate::bottom::planning::{Plan, PlanError, PlanSettings, State, plan};
 use crate::formats::read_area;
@@ -65,10 +65,7 @@ pub(super) fn run(args: PlanArgs) -> Result<(), Failure> {
     let area = args.area.as_deref().map(read_area).transpose()?;
     args.refuse_overwrite()?;
     let inputs = inputs(&args.surveys, &args.settings, None)?;
-    let (mut opened, failed) = match inputs.as_slice() {
-        [input] => (vec![input.open()?], 0),
-        inputs => open_all(inputs),
-    };
+    let (mut opened, failed) = open(&inputs)?;
     take_reviews(&mut opened, &args.review)?;
     if let Some(first) = opened.first() {
         let home = first.survey.track.fixes.first().map(|fix| fix.position);

@@ -7,7 +7,7 @@ mod tiles;
 use super::default_folder::{DefaultFolders, name_of};
 use super::folders::Folders;
 use super::settings::SettingsArgs;
-use super::survey_logs::{self, LogInput, OpenedLog, all_or, is_of, open_all, take_reviews};
+use super::survey_logs::{self, LogInput, OpenedLog, all_or, is_of, open, take_reviews};
 use super::{Failure, detect, output};
 use crate::bottom::bathymetry::position_offsets::Wanted;
 use crate::products::outputs::Product;
@@ -79,22 +79,15 @@ pub(super) fn run(args: ProcessArgs) -> Result<(), Failure> {
             latencies: args.latency,
         }),
     };
-    match (inputs.as_slice(), args.each) {
-        ([input], _) => {
-            let mut logs = vec![input.open()?];
-            take_reviews(&mut logs, &args.review)?;
-            how.process_into(&logs, &folder_of_all(&args, &logs)?)
-        }
-        (inputs, true) => each(inputs, &how, &args),
-        (inputs, false) => {
-            let (mut logs, failed) = open_all(inputs);
-            if !logs.is_empty() {
-                take_reviews(&mut logs, &args.review)?;
-                how.process_into(&logs, &folder_of_all(&args, &logs)?)?;
-            }
-            all_or(failed, inputs.len())
-        }
+    if args.each && inputs.len() > 1 {
+        return each(&inputs, &how, &args);
     }
+    let (mut logs, failed) = open(&inputs)?;
+    if !logs.is_empty() {
+        take_reviews(&mut logs, &args.review)?;
+        how.process_into(&logs, &folder_of_all(&args, &logs)?)?;
+    }
+    all_or(failed, inputs.len())
 }
 
 impl ProcessArgs {

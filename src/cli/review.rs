@@ -3,7 +3,7 @@
 use super::process::all_processed;
 use super::settings::SettingsArgs;
 use super::status_line::StatusLine;
-use super::survey_logs::{OpenedLog, all_or, inputs, open_all, survey_review, take_reviews};
+use super::survey_logs::{OpenedLog, all_or, inputs, open, survey_review, take_reviews};
 use super::{Failure, output};
 use crate::detection::review::{Review, ReviewError};
 use crate::products::export::Part;
@@ -39,10 +39,7 @@ fn parse_part(text: &str) -> Result<Part, &'static str> {
 /// Places the boxes and writes everything.
 pub(super) fn run(args: ReviewArgs) -> Result<(), Failure> {
     let inputs = inputs(&args.surveys, &args.settings, None)?;
-    let (mut opened, failed) = match inputs.as_slice() {
-        [input] => (vec![input.open()?], 0),
-        inputs => open_all(inputs),
-    };
+    let (mut opened, failed) = open(&inputs)?;
     match args.review.as_slice() {
         [] => take_sidecars(&mut opened)?,
         named => take_reviews(&mut opened, named)?,

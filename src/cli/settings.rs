@@ -88,9 +88,6 @@ impl Logs {
     }
 
     /// Runs the pipeline on one that was opened.
-    ///
-    /// # Errors
-    /// When the work was cancelled.
     pub(super) fn process(
         &self,
         survey: &Survey,

@@ -40,8 +40,7 @@ pub(super) fn run(args: SimulateArgs) -> Result<(), Failure> {
         None => Scene::demo(),
     };
     let progress = Progress::new();
-    let status = StatusLine::new(&progress);
-    status.step("simulating");
+    let status = StatusLine::at("simulating", &progress);
     let survey = simulate(&scene, args.seed, &progress)?;
     status.step("writing");
     let written = write(&survey, prefix)?;

@@ -4,6 +4,7 @@ use super::status_line::StatusLine;
 use super::waterfall_options::{WaterfallArgs, WaterfallLog, parse_size};
 use super::{Failure, output, quiet_driver};
 use crate::app::View;
+use crate::products::export::make_folder;
 use crate::sonar::calibration::PingRange;
 use crate::support::progress::Progress;
 use crate::ui::offscreen::{Studio, write_picture};
@@ -40,14 +41,12 @@ pub(super) fn run(args: SonogramArgs) -> Result<(), Failure> {
         .page_pings
         .map_or_else(|| one_to_one(&log, width, height), |pings| pings as usize);
     let pages = pages(log.pings, page)?;
-    std::fs::create_dir_all(&args.output)
-        .map_err(|error| format!("cannot make the folder: {error}: {}", args.output.display()))?;
+    make_folder(&args.output)?;
     let (mut shell, name) = (Shell::new(log.app), log.name);
     shell.show_alone(Alone::View(View::Waterfall));
     let studio = Studio::new()?;
     let progress = Progress::new();
-    let status = StatusLine::new(&progress);
-    status.step("sonogram");
+    let status = StatusLine::at("sonogram", &progress);
     progress.start(pages.len() as u64);
     for (number, pings) in pages.iter().enumerate() {
         let share = (pings.end - pings.start) as f64 / page as f64;

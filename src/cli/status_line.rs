@@ -78,6 +78,13 @@ impl StatusLine {
         }
     }
 
+    /// Starts showing `progress` of the step that begins.
+    pub(super) fn at(name: &str, progress: &Progress) -> Self {
+        let line = Self::new(progress);
+        line.step(name);
+        line
+    }
+
     /// Says what the steps that follow are done to: how many side-scan pings, and `log 2 of 5` where there is more than one thing.
     pub(super) fn work_on(&self, name: &str, pings: usize) {
         lock(&self.step).work = Work {

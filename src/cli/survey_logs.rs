@@ -141,7 +141,7 @@ impl LogInput {
 
 /// Opens logs in the frame of the first that has a place, and counts those that cannot be used: they are named on stderr and do not keep
 /// the others from being opened. The same bytes under another name are taken once.
-pub(super) fn open_all(inputs: &[LogInput]) -> (Vec<OpenedLog>, usize) {
+fn open_all(inputs: &[LogInput]) -> (Vec<OpenedLog>, usize) {
     let mut opened: Vec<OpenedLog> = Vec::new();
     let mut failed = 0;
     for input in inputs {
@@ -154,6 +154,14 @@ pub(super) fn open_all(inputs: &[LogInput]) -> (Vec<OpenedLog>, usize) {
         }
     }
     (opened, failed)
+}
+
+/// Opens logs as [`open_all`] does, but of a single one that cannot be used returns why.
+pub(super) fn open(inputs: &[LogInput]) -> Result<(Vec<OpenedLog>, usize), Failure> {
+    match inputs {
+        [input] => Ok((vec![input.open()?], 0)),
+        inputs => Ok(open_all(inputs)),
+    }
 }
 
 /// An error where some of the logs could not be used.

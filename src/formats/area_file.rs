@@ -1,6 +1,7 @@
 //! A polygon of water: GeoJSON, KML or GPX.
 
 use super::xml::{attribute, is, text_of};
+use crate::support::file_error::FileError;
 use crate::support::geo::LonLat;
 use crate::support::regular_file;
 use crate::survey::WaterArea;
@@ -9,7 +10,7 @@ use quick_xml::events::{BytesStart, Event};
 use serde_json::Value;
 use sha2::{Digest as _, Sha256};
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Longer than any shoreline that a boat sails along.
 const LONGEST: u64 = 1 << 26;
@@ -19,15 +20,7 @@ const MOST_CORNERS: usize = 100_000;
 const LEAST_CORNERS: usize = 3;
 
 /// A file that holds no area.
-#[derive(Debug, thiserror::Error)]
-#[error("{what}: {}", path.display())]
-pub(crate) struct AreaError {
-    /// What is wrong, and what to do.
-    #[source]
-    pub what: AreaFault,
-    /// Which file.
-    pub path: PathBuf,
-}
+pub(crate) type AreaError = FileError<AreaFault>;
 
 /// What is wrong with an area, in a sentence without the path.
 #[derive(Debug, thiserror::Error)]
@@ -65,10 +58,7 @@ pub(crate) enum AreaFault {
 /// # Errors
 /// When the file cannot be read, or holds no polygon.
 pub(crate) fn read_area(path: &Path) -> Result<WaterArea, AreaError> {
-    let fail = |what: AreaFault| AreaError {
-        what,
-        path: path.to_owned(),
-    };
+    let fail = AreaError::at(path);
     let text = regular_file::read_text(path, LONGEST).map_err(|error| fail(error.into()))?;
     let hash = Sha256::digest(text.as_bytes());
     let bytes = text.len();

@@ -1,25 +1,18 @@
 //! Tables of water levels: CSV with the columns `time` and `level_m`.
 
 use crate::support::calendar::unix_from_text;
+use crate::support::file_error::FileError;
 use crate::support::regular_file;
 use crate::survey::{Gauge, WATER_LEVELS_M};
 use sha2::{Digest as _, Sha256};
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Longer than the readings of a survey: one a second of a year take as much.
 const LONGEST: u64 = 1 << 30;
 
-/// A table of water levels that cannot be used: one sentence, the path last.
-#[derive(Debug, thiserror::Error)]
-#[error("{what}: {}", path.display())]
-pub(crate) struct GaugeError {
-    /// What is wrong, with the line where it is known, and what to do.
-    #[source]
-    pub what: GaugeFault,
-    /// Which file.
-    pub path: PathBuf,
-}
+/// A table of water levels that cannot be used.
+pub(crate) type GaugeError = FileError<GaugeFault>;
 
 /// What is wrong with a table of water levels, in a sentence without the path.
 #[derive(Debug, thiserror::Error)]
@@ -69,10 +62,7 @@ pub(crate) enum GaugeFault {
 /// # Errors
 /// When the file cannot be read, or holds anything else.
 pub(crate) fn read_gauge(path: &Path) -> Result<Gauge, GaugeError> {
-    let fail = |what: GaugeFault| GaugeError {
-        what,
-        path: path.to_owned(),
-    };
+    let fail = GaugeError::at(path);
     let bytes = regular_file::read(path, LONGEST).map_err(|error| fail(error.into()))?;
     let readings = parse(&bytes).map_err(fail)?;
     let hash = Sha256::digest(&bytes);

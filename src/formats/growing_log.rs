@@ -158,18 +158,9 @@ impl GrowingLog {
     /// # Errors
     /// What the system says of the copy.
     pub(crate) fn beginning(&self, lengths: &[usize]) -> Result<Vec<Bytes>, GrowingError> {
-        let each = self
-            .files
-            .iter()
-            .zip(lengths)
-            .map(|(file, known)| match &file.copied {
-                Copied::Log { copy, length } => {
-                    map::map_beginning(copy, (*known as u64).min(*length))
-                        .map_err(|source| GrowingError::NoRoom { source })
-                }
-                Copied::Whole(bytes) => Ok(Bytes::Held(bytes.clone())),
-            });
-        each.collect()
+        let each = self.files.iter().zip(lengths);
+        each.map(|(file, known)| file.bytes(*known as u64))
+            .collect()
     }
 
     /// The files with their bytes, the one to open first. The bytes stay as they are, whatever becomes of the log.
@@ -177,15 +168,9 @@ impl GrowingLog {
     /// # Errors
     /// What the system says of the copy.
     pub(crate) fn bytes(&self) -> Result<Vec<(PathBuf, Bytes)>, GrowingError> {
-        let each = self.files.iter().map(|file| {
-            let bytes = match &file.copied {
-                Copied::Log { copy, length } => map::map_beginning(copy, *length)
-                    .map_err(|source| GrowingError::NoRoom { source })?,
-                Copied::Whole(bytes) => Bytes::Held(bytes.clone()),
-            };
-            Ok((file.path.clone(), bytes))
-        });
-        each.collect()
+        let each = self.files.iter();
+        each.map(|file| Ok((file.path.clone(), file.bytes(u64::MAX)?)))
+            .collect()
     }
 }
 
@@ -205,6 +190,15 @@ impl GrowingFile {
         })
     }
 
+    /// So many bytes of the copy, at most; all of a description.
+    fn bytes(&self, most: u64) -> Result<Bytes, GrowingError> {
+        match &self.copied {
+            Copied::Log { copy, length } => map::map_beginning(copy, most.min(*length))
+                .map_err(|source| GrowingError::NoRoom { source }),
+            Copied::Whole(bytes) => Ok(Bytes::Held(bytes.clone())),
+        }
+    }
+
     fn length(&self) -> u64 {
         match &self.copied {
             Copied::Log { length, .. } => *length,
@@ -212,27 +206,22 @@ impl GrowingFile {
         }
     }
 
-    fn gone(&self, source: io::Error) -> GrowingError {
-        GrowingError::Gone {
-            path: self.path.clone(),
-            source,
-        }
-    }
-
     fn look(&mut self, progress: &Progress) -> Result<u64, GrowingError> {
         progress.check()?;
-        let mut file = regular_file::open(&self.path).map_err(|source| self.gone(source))?;
-        let found = file.metadata().map_err(|source| self.gone(source))?;
+        let path = self.path.clone();
+        let gone = |source| GrowingError::Gone {
+            path: path.clone(),
+            source,
+        };
+        let mut file = regular_file::open(&path).map_err(gone)?;
+        let found = file.metadata().map_err(gone)?;
         let seen = Some((found.len(), found.modified().ok()));
         if self.seen == seen {
             return Ok(0);
         }
         if let Copied::Whole(bytes) = &mut self.copied {
             let now = regular_file::read(&self.path, LONGEST_DESCRIPTION);
-            let now = now.map_err(|source| GrowingError::Gone {
-                path: self.path.clone(),
-                source,
-            })?;
+            let now = now.map_err(gone)?;
             if **bytes != now {
                 *bytes = Arc::new(now);
             }
@@ -240,17 +229,10 @@ impl GrowingFile {
             return Ok(0);
         }
         if found.len() < self.length() {
-            return Err(GrowingError::Shorter {
-                path: self.path.clone(),
-            });
+            return Err(GrowingError::Shorter { path });
         }
-        if !self
-            .goes_on(&mut file)
-            .map_err(|source| self.gone(source))?
-        {
-            return Err(GrowingError::Replaced {
-                path: self.path.clone(),
-            });
+        if !self.goes_on(&mut file).map_err(gone)? {
+            return Err(GrowingError::Replaced { path });
         }
         let added = self.take(file, progress)?;
         self.seen = seen;

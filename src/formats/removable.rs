@@ -21,9 +21,6 @@ const BROUGHT: &str = "fuse";
 
 /// Takes the bytes of a mapped survey into memory where its log lies on a medium that comes and goes. A log that is too large
 /// for that stays where it is, with a warning. Only Linux reports what a path lies on; elsewhere nothing changes.
-///
-/// # Errors
-/// When the work was cancelled.
 pub(crate) fn load_removable_into_memory(
     survey: &mut Survey,
     progress: &Progress,

@@ -3,11 +3,12 @@
 use super::gpx::{GpxError, gpx_points};
 use super::stray::drop_stray;
 use crate::support::calendar::unix_from_text;
+use crate::support::file_error::FileError;
 use crate::support::geo::LonLat;
 use crate::support::regular_file;
 use crate::survey::{Bytes, ExternalTrack, Fix, Survey, Track};
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::str::Utf8Error;
 use std::sync::Arc;
 
@@ -37,10 +38,7 @@ impl TrackFile {
     /// # Errors
     /// When the file cannot be read, or holds no track.
     pub(crate) fn read(path: &Path) -> Result<Self, TrackError> {
-        let fail = |what: TrackFault| TrackError::Unusable {
-            what,
-            path: path.to_owned(),
-        };
+        let fail = TrackError::at(path);
         let bytes = regular_file::read(path, LONGEST).map_err(|error| fail(error.into()))?;
         let text = std::str::from_utf8(&bytes).map_err(|error| fail(error.into()))?;
         let gpx = text
@@ -74,13 +72,11 @@ impl TrackFile {
     /// # Errors
     /// When nothing of the log is covered, or nobody knows when it was recorded.
     pub(crate) fn apply(&self, survey: &mut Survey, offset_s: f64) -> Result<(), TrackError> {
-        let path = || self.external.path.clone();
+        let fail = TrackError::at(self.path());
         let zero_s = match (self.fixes[0].0 < LEAST_UNIX_S, survey.start_unix_s) {
             (true, _) => 0.0,
             (false, Some(start_unix_s)) => start_unix_s,
-            (false, None) => {
-                return Err(TrackError::UnknownTime { path: path() });
-            }
+            (false, None) => return Err(fail(TrackFault::UnknownTime)),
         };
         let fix = |&(time_s, position, compass_rad): &(f64, LonLat, f32)| Fix {
             time_s: time_s - zero_s + offset_s,
@@ -98,10 +94,7 @@ impl TrackFile {
         let outside = times.clone().filter(|time_s| !inside(*time_s)).count();
         let count = times.count();
         if outside == count {
-            return Err(TrackError::Elsewhere {
-                span_s,
-                path: path(),
-            });
+            return Err(fail(TrackFault::Elsewhere(span_s)));
         }
         let place = None;
         let stray = stray.map(|what| format!("Of the external track {what}."));
@@ -129,39 +122,10 @@ impl TrackFile {
     }
 }
 
-/// Why a track cannot be used: one sentence, the path last.
-#[derive(Debug, thiserror::Error)]
-pub enum TrackError {
-    /// The file cannot be read, or holds no track.
-    #[error("{what}: {}", path.display())]
-    Unusable {
-        /// What is wrong, with the line where it is known, and what to do.
-        #[source]
-        what: TrackFault,
-        /// Which file.
-        path: PathBuf,
-    },
-    /// The track has dates and the log has none.
-    #[error(
-        "the log does not know the time, so the track cannot be applied to it; give its times in seconds of the log: {}", path.display()
-    )]
-    UnknownTime {
-        /// Which file.
-        path: PathBuf,
-    },
-    /// The track is of another time.
-    #[error(
-        "the track covers no ping of the log: it goes from {:.1} to {:.1} s of the log; set track.offset_s if its clock was wrong, mounting.clock_offset_s if that of the log was: {}", span_s[0], span_s[1], path.display()
-    )]
-    Elsewhere {
-        /// Its first and its last fix, seconds of the log.
-        span_s: [f64; 2],
-        /// Which file.
-        path: PathBuf,
-    },
-}
+/// Why a track cannot be used.
+pub(crate) type TrackError = FileError<TrackFault>;
 
-/// What is wrong with a file that is to hold a track, in a sentence without the path.
+/// Why a track cannot be used, in a sentence without the path.
 #[derive(Debug, thiserror::Error)]
 pub enum TrackFault {
     /// The system does not give it.
@@ -191,6 +155,16 @@ pub enum TrackFault {
     /// It has one place or none.
     #[error("the track has fewer than two places with a time")]
     TooShort,
+    /// It has dates and the log has none.
+    #[error(
+        "the log does not know the time, so the track cannot be applied to it; give its times in seconds of the log"
+    )]
+    UnknownTime,
+    /// It is of another time: its first and its last fix, seconds of the log.
+    #[error(
+        "the track covers no ping of the log: it goes from {:.1} to {:.1} s of the log; set track.offset_s if its clock was wrong, mounting.clock_offset_s if that of the log was", .0[0], .0[1]
+    )]
+    Elsewhere([f64; 2]),
 }
 
 type Fixes = Result<Vec<(f64, LonLat, f32)>, TrackFault>;

@@ -33,9 +33,6 @@ pub(crate) enum Found {
 
 /// Looks for the logs of a project in a folder: at their place; by name in the project's folder and the folders below it; by their bytes
 /// under any name there. Elsewhere than at its place, a log counts by its hash only.
-///
-/// # Errors
-/// When it was cancelled.
 pub(crate) fn find(
     project: &Project,
     folder: &Path,

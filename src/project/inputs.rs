@@ -4,9 +4,10 @@ use super::find::{Found, find};
 use super::log::ProjectLog;
 use super::store::{StoreError, read};
 use crate::pipeline::{Settings, SettingsError};
+use crate::support::file_error::FileError;
 use crate::support::geo::LocalFrame;
 use crate::support::progress::{Cancelled, Progress};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 /// A log of a project, to be opened and processed.
@@ -36,32 +37,27 @@ pub(crate) enum InputError {
     /// The work was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
-    /// Another recording is called as a log was.
+    /// A log is not where it was, or none is shown.
+    #[error(transparent)]
+    Logs(#[from] FileError<LogsFault>),
+}
+
+/// Why the logs of a project cannot be processed, in a sentence without the file.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum LogsFault {
+    /// Another recording is called as the log of this name was.
     #[error(
-        "another recording lies where the log `{log}` of the project was; put it back beside the project: {}", path.display()
+        "another recording lies where the log `{0}` of the project was; put it back beside the project"
     )]
-    Replaced {
-        /// Name of the log in the project.
-        log: String,
-        /// Where it was.
-        path: PathBuf,
-    },
-    /// A log is nowhere.
+    Replaced(String),
+    /// The log of this name is nowhere.
     #[error(
-        "the log `{log}` of the project is not there; put it back, or anywhere below the project's folder: {}", path.display()
+        "the log `{0}` of the project is not there; put it back, or anywhere below the project's folder"
     )]
-    Missing {
-        /// Name of the log in the project.
-        log: String,
-        /// Where it was.
-        path: PathBuf,
-    },
+    Missing(String),
     /// No log is visible.
-    #[error("the project has no log that is shown: {}", path.display())]
-    NoneShown {
-        /// The project's file.
-        path: PathBuf,
-    },
+    #[error("the project has no log that is shown")]
+    NoneShown,
 }
 
 /// The visible logs of a project, in their order.
@@ -79,19 +75,13 @@ pub(crate) fn inputs(path: &Path, progress: &Progress) -> Result<Vec<Input>, Inp
         if !log.is_visible {
             continue;
         }
-        let place = || (log.name.clone(), log.file.path.clone());
+        let fail = FileError::at(&log.file.path);
         let warning = (found == Found::Changed).then(|| log.is_changed());
         let log = match found {
             Found::Here | Found::Changed => log.clone(),
             Found::Moved(path) => Arc::new(log.at(&path)),
-            Found::Replaced => {
-                let (log, path) = place();
-                return Err(InputError::Replaced { log, path });
-            }
-            Found::Missing => {
-                let (log, path) = place();
-                return Err(InputError::Missing { log, path });
-            }
+            Found::Replaced => return Err(fail(LogsFault::Replaced(log.name.clone())).into()),
+            Found::Missing => return Err(fail(LogsFault::Missing(log.name.clone())).into()),
         };
         let mut settings = project.settings_of(&log)?;
         settings.load_files()?;
@@ -105,9 +95,7 @@ pub(crate) fn inputs(path: &Path, progress: &Progress) -> Result<Vec<Input>, Inp
         });
     }
     if inputs.is_empty() {
-        return Err(InputError::NoneShown {
-            path: path.to_owned(),
-        });
+        return Err(FileError::new(LogsFault::NoneShown, path).into());
     }
     Ok(inputs)
 }

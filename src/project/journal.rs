@@ -186,9 +186,6 @@ pub(super) struct Syncing(File);
 
 impl Syncing {
     /// Asks, and waits.
-    ///
-    /// # Errors
-    /// What the system said.
     pub(super) fn sync(&self) -> io::Result<()> {
         self.0.sync_data()
     }
@@ -260,9 +257,6 @@ impl Journal {
     }
 
     /// Begins anew: all that was done is in the file with this hash.
-    ///
-    /// # Errors
-    /// What the system said.
     pub(super) fn restart(&mut self, sha256: &str, version: u32) -> io::Result<()> {
         self.file.set_len(0)?;
         self.file.seek(SeekFrom::Start(0))?;
@@ -275,9 +269,6 @@ impl Journal {
     }
 
     /// What asks the disk to keep all that was written so far, on any thread.
-    ///
-    /// # Errors
-    /// What the system said.
     pub(super) fn syncing(&self) -> io::Result<Syncing> {
         self.file.try_clone().map(Syncing)
     }

@@ -80,9 +80,6 @@ const ATTEMPTS: u32 = 6;
 const APART: Duration = Duration::from_millis(20);
 
 /// Asks for the lock of an open file; where another has it, for a tenth of a second.
-///
-/// # Errors
-/// What the system said.
 pub(super) fn lock(file: &File) -> io::Result<Locked> {
     for _ in 1..ATTEMPTS {
         match try_lock(file)? {

@@ -69,9 +69,6 @@ pub(crate) struct LogFile {
 
 impl LogFile {
     /// What is known of an open log. Reads all of it once: about a second a gigabyte.
-    ///
-    /// # Errors
-    /// When it was cancelled.
     pub(crate) fn of(survey: &Survey, progress: &Progress) -> Result<Self, Cancelled> {
         let identity = Identity::of(survey);
         let path = survey.source.files.first().cloned().unwrap_or_default();
@@ -95,9 +92,6 @@ impl LogFile {
     }
 
     /// Whether an open log is this one. The bytes count, whatever the file is called.
-    ///
-    /// # Errors
-    /// When it was cancelled.
     pub(crate) fn is_of(&self, survey: &Survey, progress: &Progress) -> Result<bool, Cancelled> {
         let may_be = self.identity().is_same_log(&Identity::of(survey));
         Ok(may_be && sha256(survey, progress)? == self.sha256)

@@ -99,9 +99,9 @@ pub(crate) use measurement::{Measurement, MeasurementKind, Pick};
 pub(crate) use past::{PastStep, UNDONE};
 pub(crate) use row::Key;
 pub(crate) use sidecar::{BottomFileError, read_bottom};
-#[cfg(test)]
-pub(crate) use store::read;
 pub(crate) use store::{ENDING, Opened, Store, StoreError, Written};
+#[cfg(test)]
+pub(crate) use store::{StoreFault, read};
 #[cfg(test)]
 pub(crate) use tests::change::Change;
 

@@ -12,7 +12,6 @@ use crate::products::export;
 use crate::support::regular_file;
 use std::collections::VecDeque;
 use std::ffi::OsString;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -107,10 +106,7 @@ impl Past {
             text += &Entry::done(&step.label, &set, &gone).to_line();
             after = &step.before;
         }
-        let written = export::write_atomically(&history_of(path), |mut file| {
-            file.write_all(text.as_bytes())
-        });
-        written.ok();
+        export::write_bytes(&history_of(path), text).ok();
     }
 
     /// Reads the changes that led to the project in a file with this hash, of which these are the rows; none where that is not known.

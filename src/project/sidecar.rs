@@ -2,6 +2,7 @@
 //! from then on, and the file stays as it is.
 
 use crate::sonar::first_return::{BottomSettings, OtherLog};
+use crate::support::file_error::FileError;
 use crate::support::regular_file;
 use crate::survey::Survey;
 use serde::Deserialize;
@@ -22,30 +23,22 @@ fn bottom_path(log: &Path) -> PathBuf {
 }
 
 /// Bottom edits beside a log that cannot be used.
-#[derive(Debug, thiserror::Error)]
-#[error("cannot use the bottom edits: {what}: {}", path.display())]
-pub(crate) struct BottomFileError {
-    /// What is wrong with them.
-    #[source]
-    pub what: BottomFault,
-    /// Their file.
-    pub path: PathBuf,
-}
+pub(crate) type BottomFileError = FileError<BottomFault>;
 
 /// What is wrong with bottom edits in a file.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum BottomFault {
     /// The system does not give it.
-    #[error(transparent)]
+    #[error("cannot use the bottom edits: {0}")]
     Io(#[from] io::Error),
     /// It is no TOML of bottom edits.
-    #[error("{}", .0.message())]
+    #[error("cannot use the bottom edits: {}", .0.message())]
     NotToml(#[from] toml::de::Error),
     /// No hand can have drawn them.
-    #[error("{0}")]
+    #[error("cannot use the bottom edits: {0}")]
     Impossible(&'static str),
     /// They were drawn on another log.
-    #[error(transparent)]
+    #[error("cannot use the bottom edits: {0}")]
     OtherLog(#[from] OtherLog),
 }
 
@@ -63,5 +56,5 @@ pub(crate) fn read_bottom(
         kept.bottom.check().map_err(BottomFault::Impossible)?;
         Ok(kept.bottom.adopted(survey)?)
     };
-    Some(parsed().map_err(|what| BottomFileError { what, path }))
+    Some(parsed().map_err(BottomFileError::at(&path)))
 }

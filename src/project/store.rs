@@ -13,6 +13,7 @@ use super::row::Rows;
 use super::{Project, ProjectError, paths, rows, text};
 use crate::pipeline::in_hexadecimal;
 use crate::products::export::{self, is_same_file};
+use crate::support::file_error::FileError;
 use crate::support::regular_file;
 use sha2::{Digest as _, Sha256};
 use std::ffi::OsString;
@@ -28,54 +29,33 @@ pub(crate) const ENDING: &str = "bathyscope";
 const JOURNAL: &str = "-journal";
 
 /// Why a project cannot be opened or saved, in one sentence that ends with the file.
+pub(crate) type StoreError = FileError<StoreFault>;
+
+/// Why a project cannot be opened or saved, in a sentence without the file.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum StoreError {
+pub(crate) enum StoreFault {
     /// It cannot be read.
-    #[error("cannot read the project: {source}: {}", .path.display())]
-    Read {
-        /// Which file.
-        path: PathBuf,
-        /// What the system said.
-        source: io::Error,
-    },
-    /// Its text is none of this program's.
-    #[error("cannot use the project: {source}: {}", .path.display())]
-    Text {
-        /// Which file.
-        path: PathBuf,
-        /// What is wrong, and in which line.
-        source: ProjectError,
-    },
-    /// Another window has it open.
-    #[error("the project is open in another window ({owner}); close it there, or save this one under another name: {}", .path.display())]
-    Taken {
-        /// Which file.
-        path: PathBuf,
-        /// The program that has it.
-        owner: Owner,
-    },
+    #[error("cannot read the project: {0}")]
+    Read(#[source] io::Error),
+    /// Its text is none of this program's: what is wrong, and in which line.
+    #[error("cannot use the project: {0}")]
+    Text(#[source] ProjectError),
+    /// Another window has it open, of this program.
+    #[error(
+        "the project is open in another window ({0}); close it there, or save this one under another name"
+    )]
+    Taken(Owner),
     /// Nothing can be written beside it: [`read`] still shows it.
-    #[error("the project cannot be written here: {source}; save it under another name: {}", .path.display())]
-    NotWritable {
-        /// Which file.
-        path: PathBuf,
-        /// What the system said.
-        source: io::Error,
-    },
+    #[error("the project cannot be written here: {0}; save it under another name")]
+    NotWritable(#[source] io::Error),
     /// Another program has changed it since it was read.
-    #[error("another program has changed the project since it was opened, so it is not written over; save this one under another name: {}", .path.display())]
-    Changed {
-        /// Which file.
-        path: PathBuf,
-    },
+    #[error(
+        "another program has changed the project since it was opened, so it is not written over; save this one under another name"
+    )]
+    Changed,
     /// It would be written over a log, or is not called as a project is.
-    #[error("{what}: {}", .path.display())]
-    Name {
-        /// What is wrong, and what to do.
-        what: &'static str,
-        /// Which file.
-        path: PathBuf,
-    },
+    #[error("a project is kept in a file of its own, whose name ends in .bathyscope")]
+    Name,
 }
 
 /// A project that was opened.
@@ -113,10 +93,8 @@ pub(crate) struct Store {
 /// A sentence when it cannot be read or makes no sense.
 pub(crate) fn read(path: &Path) -> Result<Project, StoreError> {
     let (text, _) = text_of(path)?;
-    Project::from_text(&text, &folder_of(path)).map_err(|source| StoreError::Text {
-        path: path.to_owned(),
-        source,
-    })
+    let read = Project::from_text(&text, &folder_of(path));
+    read.map_err(|error| StoreError::new(StoreFault::Text(error), path))
 }
 
 impl Store {
@@ -126,15 +104,10 @@ impl Store {
     /// When it cannot be read, makes no sense, is open elsewhere, or lies where nothing can be written.
     pub(crate) fn open(path: &Path) -> Result<Opened, StoreError> {
         // The file itself is renamed into place, whatever link leads to it, and has one journal.
-        let path = fs::canonicalize(path).map_err(|source| StoreError::Read {
-            path: path.to_owned(),
-            source,
-        })?;
+        let path = fs::canonicalize(path)
+            .map_err(|error| StoreError::new(StoreFault::Read(error), path))?;
         // Before anything is written beside it: this may be no project at all.
-        let wrong = |source| StoreError::Text {
-            path: path.clone(),
-            source,
-        };
+        let wrong = |error| StoreError::new(StoreFault::Text(error), &path);
         text::read_as_written(&text_of(&path)?.0).map_err(wrong)?;
         let (mut journal, mut read) = lock(&path)?;
         // Once more, now that no other window can save it.
@@ -170,17 +143,12 @@ impl Store {
                 (journal, read) = lock(&path)?;
             }
         }
-        let not_writable = |source| StoreError::NotWritable {
-            path: path.clone(),
-            source,
-        };
         let is_saved = project == saved;
-        match is_saved || read.entries.is_empty() {
-            true => journal.restart(&sha256, VERSION).map_err(not_writable)?,
-            false => journal
-                .append(&Entry::Opened(Owner::now()))
-                .map_err(not_writable)?,
-        }
+        let begun = match is_saved || read.entries.is_empty() {
+            true => journal.restart(&sha256, VERSION),
+            false => journal.append(&Entry::Opened(Owner::now())),
+        };
+        begun.map_err(not_writable(&path))?;
         let store = Self {
             journal: Some(journal),
             sha256,
@@ -223,10 +191,7 @@ impl Store {
                 .any(|log| is_same_file(&log.file.path, path))
         };
         if !ends || is_log() {
-            return Err(StoreError::Name {
-                what: "a project is kept in a file of its own, whose name ends in .bathyscope",
-                path: path.to_owned(),
-            });
+            return Err(StoreError::new(StoreFault::Name, path));
         }
         let path = match fs::canonicalize(path) {
             Ok(path) => path,
@@ -281,12 +246,7 @@ impl Store {
             let entry = Entry::done(label, &set, &gone);
             let path = &self.path;
             let journal = self.journal.as_mut().ok_or_else(|| closed(path))?;
-            journal
-                .append(&entry)
-                .map_err(|source| StoreError::NotWritable {
-                    path: path.clone(),
-                    source,
-                })?;
+            journal.append(&entry).map_err(not_writable(path))?;
             self.past.note(label, &self.recorded, project);
         }
         self.recorded = project.clone();
@@ -412,7 +372,7 @@ impl Saving {
         if let (Some(expected), Ok((_, sha256))) = (&self.expected, text_of(path))
             && sha256 != *expected
         {
-            return Err(StoreError::Changed { path: path.clone() });
+            return Err(StoreError::new(StoreFault::Changed, path));
         }
         self.journal.sync().map_err(not_writable(path))?;
         let written = export::write_atomically(path, |mut file| {
@@ -427,10 +387,7 @@ impl Saving {
 }
 
 fn not_writable(path: &Path) -> impl Fn(io::Error) -> StoreError + use<'_> {
-    |source| StoreError::NotWritable {
-        path: path.to_owned(),
-        source,
-    }
+    |error| StoreError::new(StoreFault::NotWritable(error), path)
 }
 
 impl Drop for Store {
@@ -443,10 +400,7 @@ impl Drop for Store {
 }
 
 fn closed(path: &Path) -> StoreError {
-    StoreError::NotWritable {
-        path: path.to_owned(),
-        source: io::Error::other("it was closed"),
-    }
+    not_writable(path)(io::Error::other("it was closed"))
 }
 
 /// The gestures of a journal that the file with this hash does not hold, and the layout of their rows; `None` when the journal knows no
@@ -518,11 +472,8 @@ fn taken_in(entries: &[Entry], damaged: usize) -> Vec<String> {
 /// Puts a journal that cannot be used under another name, and says so.
 fn aside(path: &Path, journal: Journal, why: &str) -> Result<String, StoreError> {
     drop(journal);
-    let kept =
-        export::rename_older(&journal_of(path)).map_err(|error| StoreError::NotWritable {
-            path: path.to_owned(),
-            source: error.source,
-        })?;
+    let kept = export::rename_older(&journal_of(path))
+        .map_err(|error| not_writable(path)(error.source))?;
     Ok(format!(
         "The changes that were not saved when the project was last open {why}; they are kept as {}",
         kept.display()
@@ -530,11 +481,12 @@ fn aside(path: &Path, journal: Journal, why: &str) -> Result<String, StoreError>
 }
 
 fn lock(path: &Path) -> Result<(Journal, Read), StoreError> {
-    let path = path.to_owned();
-    Journal::open(&journal_of(&path)).map_err(|error| match error {
-        NoJournal::Taken(owner) => StoreError::Taken { path, owner },
-        NoJournal::Io(source) => StoreError::NotWritable { path, source },
-    })
+    let what = |error| match error {
+        NoJournal::Taken(owner) => StoreFault::Taken(owner),
+        NoJournal::Io(error) => StoreFault::NotWritable(error),
+    };
+    let opened = Journal::open(&journal_of(path));
+    opened.map_err(|error| StoreError::new(what(error), path))
 }
 
 fn journal_of(path: &Path) -> PathBuf {
@@ -552,19 +504,15 @@ pub(super) fn folder_of(path: &Path) -> PathBuf {
 
 /// The text of a project's file and its hash.
 fn text_of(path: &Path) -> Result<(String, String), StoreError> {
-    let cannot = |source| StoreError::Read {
-        path: path.to_owned(),
-        source,
-    };
-    let bytes = regular_file::read(path, text::LONGEST).map_err(cannot)?;
+    let fail = StoreError::at(path);
+    let bytes =
+        regular_file::read(path, text::LONGEST).map_err(|error| fail(StoreFault::Read(error)))?;
     let sha256 = in_hexadecimal(&Sha256::digest(&bytes));
     let text = String::from_utf8(bytes).map_err(|error| {
         let good = &error.as_bytes()[..error.utf8_error().valid_up_to()];
         let line = good.iter().filter(|byte| **byte == b'\n').count() + 1;
-        StoreError::Text {
-            path: path.to_owned(),
-            source: ProjectError::line(line, "this is no text in UTF-8"),
-        }
+        let what = ProjectError::line(line, "this is no text in UTF-8");
+        fail(StoreFault::Text(what))
     })?;
     Ok((text, sha256))
 }

@@ -18,6 +18,11 @@ pub(crate) fn time_of_day(unix_s: f64) -> String {
     moment(unix_s).format("%T").to_string()
 }
 
+/// Some Unix seconds as ISO 8601 writes them, whole seconds passed, `2014-09-08T12:57:01Z`.
+pub(crate) fn whole_seconds(unix_s: f64) -> String {
+    moment(unix_s).format("%FT%TZ").to_string()
+}
+
 /// Some Unix seconds as ISO 8601 writes them, `2014-09-08T12:57:01.250Z`.
 pub(crate) fn timestamp(unix_s: f64) -> String {
     let moment = DateTime::from_timestamp_millis((unix_s * 1e3).round() as i64);

@@ -53,6 +53,13 @@ impl Grid {
         })
     }
 
+    /// West, south, east and north edge, metres.
+    pub(crate) fn bounds_m(&self) -> [f64; 4] {
+        let [across_m, down_m] = [self.columns, self.rows].map(|cells| cells as f64 * self.cell_m);
+        let [south_m, east_m] = [self.north_m - down_m, self.west_m + across_m];
+        [self.west_m, south_m, east_m, self.north_m]
+    }
+
     /// East and north of the middle of a cell, metres.
     pub fn centre(&self, row: usize, column: usize) -> [f64; 2] {
         [

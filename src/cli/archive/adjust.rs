@@ -81,8 +81,7 @@ pub(crate) fn run(args: &AdjustArgs) -> Result<(), Failure> {
 /// Finds the offsets of an archive and writes its table.
 pub(super) fn adjusted(archive: &Archive, wanted: Wanted) -> Result<Adjusted, ArchiveError> {
     let progress = Progress::new();
-    let status = StatusLine::new(&progress);
-    status.step("height offsets");
+    let _status = StatusLine::at("height offsets", &progress);
     adjust(archive, wanted, &progress)
 }
 

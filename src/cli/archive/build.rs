@@ -40,8 +40,7 @@ pub(crate) fn run(args: &ArchiveArgs) -> Result<(), Failure> {
     }
     write_index(&archive, &logs, &all)?;
     let progress = Progress::new();
-    let status = StatusLine::new(&progress);
-    status.step("map tiles");
+    let status = StatusLine::at("map tiles", &progress);
     let joined = write_map_tiles(&archive, &all, &progress)?;
     drop(status);
     if joined == MapTilesState::Made {

@@ -75,8 +75,7 @@ pub(crate) fn run(args: &CoverageArgs) -> Result<(), Failure> {
         (None, None) => return Err("give a place or an area".into()),
     };
     let progress = Progress::new();
-    let status = StatusLine::new(&progress);
-    status.step("rows of pings");
+    let status = StatusLine::at("rows of pings", &progress);
     let found = coverage_at(&archive, asked, &progress)?;
     drop(status);
     match args.json {
@@ -120,12 +119,7 @@ impl<'a> Printed<'a> {
 }
 
 fn utc(unix_us: i64) -> String {
-    let unix_s = unix_us as f64 * 1e-6;
-    format!(
-        "{}T{}Z",
-        calendar::date(unix_s),
-        calendar::time_of_day(unix_s)
-    )
+    calendar::whole_seconds(unix_us as f64 * 1e-6)
 }
 
 /// A line for each pass of a log: pings in a row that cover the place to the same side.

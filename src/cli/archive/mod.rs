@@ -45,8 +45,7 @@ fn make_maps(
     offsets: &Offsets,
 ) -> Result<(), Failure> {
     let progress = Progress::new();
-    let status = StatusLine::new(&progress);
-    status.step("maps");
+    let status = StatusLine::at("maps", &progress);
     progress.start(tiles.len() as u64);
     let done = each_in_parallel(tiles, MOST_AT_ONCE, |tile| {
         let made = write_tile(archive, *tile, logs, offsets, &Progress::new());

@@ -4,7 +4,7 @@ use super::{CompareArgs, table};
 use crate::cli::process::all_processed;
 use crate::cli::settings::SettingsArgs;
 use crate::cli::status_line::StatusLine;
-use crate::cli::survey_logs::{OpenedLog, all_or, inputs, open_all, open_reference};
+use crate::cli::survey_logs::{OpenedLog, all_or, inputs, open, open_reference};
 use crate::cli::{Failure, output};
 use crate::formats::points::{Elevations, Plane};
 use crate::pipeline::{self, Agreement};
@@ -70,10 +70,7 @@ pub(super) fn elevations(argument: &OsStr, settings: &SettingsArgs) -> Result<El
 /// The logs that an argument names, in one frame.
 fn opened(argument: &OsStr, settings: &SettingsArgs) -> Result<Vec<OpenedLog>, Failure> {
     let inputs = inputs(&[PathBuf::from(argument)], settings, None)?;
-    if let [input] = inputs.as_slice() {
-        return Ok(vec![input.open()?]);
-    }
-    let (opened, failed) = open_all(&inputs);
+    let (opened, failed) = open(&inputs)?;
     all_or(failed, inputs.len())?;
     Ok(opened)
 }

@@ -145,8 +145,7 @@ fn points(args: &CompareArgs) -> Result<(), Failure> {
     let matching = args.matching();
     let by = matching_in_words(matching);
     let progress = Progress::new();
-    let status = StatusLine::new(&progress);
-    status.step("matching");
+    let status = StatusLine::at("matching", &progress);
     let matches = match_points(&measured.points, &reference.points, matching, &progress)?;
     drop(status);
     let comparison = Comparison::new(measured.points.len(), &matches, args.water_level);

@@ -5,7 +5,6 @@ use crate::detection::Rect;
 use crate::detection::metrics::CurvePoint;
 use crate::support::presentation::plot::{Axis, Curve, Plot};
 use crate::support::printable::xml;
-use std::fmt::Write as _;
 
 /// Area of the curves, pixels.
 const PLOT_PX: [f64; 2] = [360.0, 360.0];
@@ -22,17 +21,13 @@ pub(super) fn of(outcome: &Outcome) -> String {
     let mut page = format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Boxes against the truth</title><style>{STYLE}</style></head><body>\n<h1>Boxes against the truth</h1>\n"
     );
-    // Writing to a string cannot fail.
     for part in [curves, confusion, figures, mistakes] {
-        part(outcome, &mut page).ok();
+        page += &part(outcome);
     }
-    page.push_str("</body></html>\n");
-    page
+    page + "</body></html>\n"
 }
 
-type Written = Result<(), std::fmt::Error>;
-
-fn curves(outcome: &Outcome, page: &mut String) -> Written {
+fn curves(outcome: &Outcome) -> String {
     let all = &outcome.darknet;
     let at_score = format!("confidence {}", outcome.score);
     let precision_recall = |name: String, points: &[CurvePoint]| Curve {
@@ -55,12 +50,11 @@ fn curves(outcome: &Outcome, page: &mut String) -> Written {
         )),
         limit: None,
     };
-    writeln!(
-        page,
-        "<h2>Curves (Darknet's rule, IoU {})</h2>\n<figure>{}</figure>",
+    let page = format!(
+        "<h2>Curves (Darknet's rule, IoU {})</h2>\n<figure>{}</figure>\n",
         outcome.iou,
         plot.svg(PLOT_PX)
-    )?;
+    );
     let over_confidence = |name: &str, of: fn(&CurvePoint) -> f64| Curve {
         name: name.to_owned(),
         points: steps(&all.curve, of),
@@ -77,7 +71,7 @@ fn curves(outcome: &Outcome, page: &mut String) -> Written {
         mark: None,
         limit: Some((outcome.score, at_score)),
     };
-    writeln!(page, "<figure>{}</figure>", plot.svg(PLOT_PX))
+    page + &format!("<figure>{}</figure>\n", plot.svg(PLOT_PX))
 }
 
 /// A share over the confidence: between two scores that occur, the boxes shown stay the same.
@@ -91,47 +85,42 @@ fn steps(curve: &[CurvePoint], of: fn(&CurvePoint) -> f64) -> Vec<[f64; 2]> {
     points
 }
 
-fn confusion(outcome: &Outcome, page: &mut String) -> Written {
+fn confusion(outcome: &Outcome) -> String {
     let names = || {
         let classes = outcome.paired.classes.iter().map(String::as_str);
         classes.chain(["background"])
     };
-    writeln!(
-        page,
-        "<h2>What was taken for what</h2>\n<p>Row background: false alarms; column background: missed.</p>\n<table><tr><th class=\"text\" rowspan=\"2\">truth</th><th colspan=\"{}\">proposed at confidence {}</th></tr><tr>",
+    let mut page = format!(
+        "<h2>What was taken for what</h2>\n<p>Row background: false alarms; column background: missed.</p>\n<table><tr><th class=\"text\" rowspan=\"2\">truth</th><th colspan=\"{}\">proposed at confidence {}</th></tr><tr>\n",
         names().count(),
         outcome.score
-    )?;
+    );
     for name in names() {
-        write!(page, "<th>{}</th>", xml(name))?;
+        page += &format!("<th>{}</th>", xml(name));
     }
-    writeln!(page, "</tr>")?;
+    page += "</tr>\n";
     for (row, (name, cells)) in names().zip(outcome.darknet.confusion.rows()).enumerate() {
-        write!(page, "<tr><th class=\"text\">{}</th>", xml(name))?;
+        page += &format!("<tr><th class=\"text\">{}</th>", xml(name));
         for (column, count) in cells.iter().enumerate() {
             let class = match (count, row == column) {
                 (0, _) => "",
                 (_, true) => " class=\"found\"",
                 (_, false) => " class=\"mistaken\"",
             };
-            write!(page, "<td{class}>{count}</td>")?;
+            page += &format!("<td{class}>{count}</td>");
         }
-        writeln!(page, "</tr>")?;
+        page += "</tr>\n";
     }
-    writeln!(page, "</table>")
+    page + "</table>\n"
 }
 
-fn figures(outcome: &Outcome, page: &mut String) -> Written {
+fn figures(outcome: &Outcome) -> String {
     let text = table::of(outcome);
-    writeln!(
-        page,
-        "<h2>Figures</h2>\n<pre>{}</pre>",
-        xml(text.trim_end())
-    )?;
+    let mut page = format!("<h2>Figures</h2>\n<pre>{}</pre>\n", xml(text.trim_end()));
     for note in &outcome.paired.notes {
-        writeln!(page, "<p>Note: {}</p>", xml(note))?;
+        page += &format!("<p>Note: {}</p>\n", xml(note));
     }
-    Ok(())
+    page
 }
 
 /// A line of the list.
@@ -171,36 +160,28 @@ fn list<'a>(outcome: &'a Outcome) -> Vec<Mistake<'a>> {
     alarms.chain(misses).collect()
 }
 
-fn mistakes(outcome: &Outcome, page: &mut String) -> Written {
+fn mistakes(outcome: &Outcome) -> String {
     let all = list(outcome);
-    writeln!(
-        page,
-        "<h2>False alarms, the surest first, then misses, the largest first: {}</h2>",
+    let mut page = format!(
+        "<h2>False alarms, the surest first, then misses, the largest first: {}</h2>\n",
         all.len()
-    )?;
+    );
     if all.len() > MOST_ROWS {
-        writeln!(
-            page,
-            "<p>The first {MOST_ROWS} are listed; --json lists all.</p>"
-        )?;
+        page += &format!("<p>The first {MOST_ROWS} are listed; --json lists all.</p>\n");
     }
-    writeln!(
-        page,
-        "<table><tr><th class=\"text\">picture</th><th class=\"text\">class</th><th class=\"text\">what</th><th>confidence</th><th>left, top, right, bottom, pixels</th></tr>"
-    )?;
+    page += "<table><tr><th class=\"text\">picture</th><th class=\"text\">class</th><th class=\"text\">what</th><th>confidence</th><th>left, top, right, bottom, pixels</th></tr>\n";
     let paired = &outcome.paired;
     for one in all.iter().take(MOST_ROWS) {
         let score = one
             .score
             .map_or(String::new(), |score| format!("{score:.3}"));
         let Rect { x0, y0, x1, y1 } = one.rect;
-        writeln!(
-            page,
-            "<tr><td class=\"text\">{}</td><td class=\"text\">{}</td><td class=\"text\">{}</td><td>{score}</td><td>{x0:.0}, {y0:.0}, {x1:.0}, {y1:.0}</td></tr>",
+        page += &format!(
+            "<tr><td class=\"text\">{}</td><td class=\"text\">{}</td><td class=\"text\">{}</td><td>{score}</td><td>{x0:.0}, {y0:.0}, {x1:.0}, {y1:.0}</td></tr>\n",
             xml(&paired.names[one.picture]),
             xml(&paired.classes[one.class]),
             one.what,
-        )?;
+        );
     }
-    writeln!(page, "</table>")
+    page + "</table>\n"
 }

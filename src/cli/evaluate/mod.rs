@@ -12,8 +12,7 @@ use super::output;
 use crate::cli::Failure;
 use crate::detection::labels::{self, LabelError, LabelSet, Paired};
 use crate::detection::metrics::{ApMethod, Evaluation, Image, MetricSettings, evaluate};
-use crate::products::export::{ExportError, write_atomically};
-use std::io::Write as _;
+use crate::products::export::write_bytes;
 use std::path::{Path, PathBuf};
 
 /// `bathyscope evaluate SURVEY... [--truth FILE]`, `bathyscope evaluate --truth DIR --predicted DIR [-o PAGE.html]`.
@@ -149,7 +148,7 @@ pub(super) fn run(args: EvaluateArgs) -> Result<(), Failure> {
     };
     let outcome = Outcome::of(boxes, args.iou);
     if let Some(page) = &args.output {
-        write_page(page, &html::of(&outcome))?;
+        write_bytes(page, html::of(&outcome))?;
     }
     if args.json {
         return output::json(&json::of(&outcome));
@@ -182,8 +181,4 @@ fn check_page(path: &Path) -> Result<(), Failure> {
         return Ok(());
     }
     Err(format!("a page's name ends in .html: {}", path.display()).into())
-}
-
-fn write_page(path: &Path, text: &str) -> Result<(), ExportError> {
-    write_atomically(path, |mut file| file.write_all(text.as_bytes()))
 }

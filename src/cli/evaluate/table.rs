@@ -2,20 +2,16 @@
 
 use super::{Outcome, Source};
 use crate::detection::metrics::{Cause, MatchCounts};
-use std::fmt::Write as _;
 
 /// Everything, table by table.
 pub(super) fn of(outcome: &Outcome) -> String {
     let mut text = String::new();
-    // Writing to a string cannot fail.
     for part in [read, counts, precisions, sizes, confusion, mistakes] {
-        part(outcome, &mut text).ok();
+        text += &part(outcome);
         text.push('\n');
     }
     text
 }
-
-type Written = Result<(), std::fmt::Error>;
 
 /// `0.812`, or a dash where there is nothing to divide by.
 fn share(value: f64) -> String {
@@ -36,7 +32,8 @@ fn width(outcome: &Outcome) -> usize {
         .max("background".len())
 }
 
-fn read(outcome: &Outcome, text: &mut String) -> Written {
+fn read(outcome: &Outcome) -> String {
+    let mut text = String::new();
     for (what, source) in [("truth", &outcome.truth), ("predicted", &outcome.predicted)] {
         let Source {
             format,
@@ -44,30 +41,24 @@ fn read(outcome: &Outcome, text: &mut String) -> Written {
             boxes,
             path,
         } = source;
-        writeln!(
-            text,
-            "{what:<10} {format}, {pictures} pictures, {boxes} boxes: {path}"
-        )?;
+        text += &format!("{what:<10} {format}, {pictures} pictures, {boxes} boxes: {path}\n");
     }
-    Ok(())
+    text
 }
 
-fn counts(outcome: &Outcome, text: &mut String) -> Written {
+fn counts(outcome: &Outcome) -> String {
     let (width, evaluation) = (width(outcome), &outcome.darknet);
-    writeln!(
-        text,
-        "Boxes of score {} and more, found above IoU {} (Darknet's rule)",
+    let mut text = format!(
+        "Boxes of score {} and more, found above IoU {} (Darknet's rule)\n",
         outcome.score, outcome.iou
-    )?;
-    writeln!(
-        text,
-        "{:<width$}  truths   found   false  missed  precision  recall     F1  IoU of found  Darknet's IoU",
+    );
+    text += &format!(
+        "{:<width$}  truths   found   false  missed  precision  recall     F1  IoU of found  Darknet's IoU\n",
         "class"
-    )?;
+    );
     let mut line = |name: &str, counts: &MatchCounts| {
-        writeln!(
-            text,
-            "{name:<width$}  {:>6}  {:>6}  {:>6}  {:>6}  {:>9}  {:>6}  {:>5}  {:>12}  {:>13}",
+        text += &format!(
+            "{name:<width$}  {:>6}  {:>6}  {:>6}  {:>6}  {:>9}  {:>6}  {:>5}  {:>12}  {:>13}\n",
             counts.truths,
             counts.found,
             counts.false_alarms,
@@ -77,49 +68,40 @@ fn counts(outcome: &Outcome, text: &mut String) -> Written {
             share(counts.f1()),
             share(counts.iou_of_matches()),
             share(counts.darknet_iou()),
-        )
+        );
     };
     for (name, class) in outcome.paired.classes.iter().zip(&evaluation.classes) {
-        line(name, &class.counts)?;
+        line(name, &class.counts);
     }
-    line("all", &evaluation.counts)?;
-    writeln!(text, "Darknet's IoU counts a false alarm as 0.")
+    line("all", &evaluation.counts);
+    text + "Darknet's IoU counts a false alarm as 0.\n"
 }
 
-fn precisions(outcome: &Outcome, text: &mut String) -> Written {
+fn precisions(outcome: &Outcome) -> String {
     let width = width(outcome);
     let evaluations = [&outcome.darknet, &outcome.eleven, &outcome.coco];
-    writeln!(text, "Average precision at IoU {}", outcome.iou)?;
-    writeln!(
-        text,
-        "{:<width$}  all points  11 points  COCO, 101  COCO, IoU 0.50 to 0.95",
+    let mut text = format!("Average precision at IoU {}\n", outcome.iou);
+    text += &format!(
+        "{:<width$}  all points  11 points  COCO, 101  COCO, IoU 0.50 to 0.95\n",
         "class"
-    )?;
+    );
     let mut line = |name: &str, at: [f64; 3], range: f64| {
         let [all, eleven, coco] = at.map(share);
         let range = share(range);
-        writeln!(
-            text,
-            "{name:<width$}  {all:>10}  {eleven:>9}  {coco:>9}  {range:>22}"
-        )
+        text += &format!("{name:<width$}  {all:>10}  {eleven:>9}  {coco:>9}  {range:>22}\n");
     };
     for (class, name) in outcome.paired.classes.iter().enumerate() {
         let at = evaluations.map(|evaluation| evaluation.classes[class].ap);
-        line(name, at, outcome.coco.classes[class].ap_50_95)?;
+        line(name, at, outcome.coco.classes[class].ap_50_95);
     }
     let means = evaluations.map(|evaluation| evaluation.map);
-    line("mean", means, outcome.coco.map_50_95)
+    line("mean", means, outcome.coco.map_50_95);
+    text
 }
 
-fn sizes(outcome: &Outcome, text: &mut String) -> Written {
-    writeln!(
-        text,
-        "By size (side of a square of the same area; COCO's rule)"
-    )?;
-    writeln!(
-        text,
-        "pixels        truths   found   false  missed    mAP  mAP 0.50 to 0.95"
-    )?;
+fn sizes(outcome: &Outcome) -> String {
+    let mut text = String::from("By size (side of a square of the same area; COCO's rule)\n");
+    text += "pixels        truths   found   false  missed    mAP  mAP 0.50 to 0.95\n";
     for size in &outcome.coco.sizes {
         let [from, to] = size.side_px;
         let name = if to.is_finite() {
@@ -128,52 +110,45 @@ fn sizes(outcome: &Outcome, text: &mut String) -> Written {
             format!("{from} and more")
         };
         let counts = &size.counts;
-        writeln!(
-            text,
-            "{name:<12}  {:>6}  {:>6}  {:>6}  {:>6}  {:>5}  {:>16}",
+        text += &format!(
+            "{name:<12}  {:>6}  {:>6}  {:>6}  {:>6}  {:>5}  {:>16}\n",
             counts.truths,
             counts.found,
             counts.false_alarms,
             counts.missed(),
             share(size.map),
             share(size.map_50_95),
-        )?;
+        );
     }
-    Ok(())
+    text
 }
 
-fn confusion(outcome: &Outcome, text: &mut String) -> Written {
+fn confusion(outcome: &Outcome) -> String {
     let width = width(outcome);
     let names = || {
         let classes = outcome.paired.classes.iter().map(String::as_str);
         classes.chain(["background"])
     };
-    writeln!(
-        text,
-        "What was taken for what (rows: truth; columns: prediction)"
-    )?;
-    write!(text, "{:<width$}", "truth")?;
+    let mut text = String::from("What was taken for what (rows: truth; columns: prediction)\n");
+    text += &format!("{:<width$}", "truth");
     for name in names() {
-        write!(text, "  {name:>6}")?;
+        text += &format!("  {name:>6}");
     }
-    writeln!(text)?;
+    text += "\n";
     for (name, row) in names().zip(outcome.darknet.confusion.rows()) {
-        write!(text, "{name:<width$}")?;
+        text += &format!("{name:<width$}");
         for (column, count) in names().zip(row) {
             let wide = column.chars().count().max(6);
-            write!(text, "  {count:>wide$}")?;
+            text += &format!("  {count:>wide$}");
         }
-        writeln!(text)?;
+        text += "\n";
     }
-    writeln!(
-        text,
-        "Row background: false alarms; column background: missed."
-    )
+    text + "Row background: false alarms; column background: missed.\n"
 }
 
-fn mistakes(outcome: &Outcome, text: &mut String) -> Written {
+fn mistakes(outcome: &Outcome) -> String {
     let false_alarms = &outcome.darknet.false_alarms;
-    write!(text, "False alarms: {}", false_alarms.len())?;
+    let mut text = format!("False alarms: {}", false_alarms.len());
     let causes = [
         Cause::Background,
         Cause::Duplicate,
@@ -183,7 +158,7 @@ fn mistakes(outcome: &Outcome, text: &mut String) -> Written {
     for (index, cause) in causes.into_iter().enumerate() {
         let count = false_alarms.iter().filter(|one| one.cause == cause).count();
         let separator = if index == 0 { " (" } else { ", " };
-        write!(text, "{separator}{} {count}", cause.name())?;
+        text += &format!("{separator}{} {count}", cause.name());
     }
-    writeln!(text, "). --json lists them and the misses.")
+    text + "). --json lists them and the misses.\n"
 }

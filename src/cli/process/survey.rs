@@ -95,9 +95,6 @@ impl How<'_> {
 }
 
 /// Runs the pipeline on every log of a survey with its own settings.
-///
-/// # Errors
-/// When the work was cancelled.
 pub(crate) fn all_processed(
     opened: &[OpenedLog],
     status: &StatusLine,

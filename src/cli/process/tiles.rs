@@ -28,8 +28,7 @@ pub(super) fn run(inputs: &[LogInput], args: &ProcessArgs) -> Result<(), Failure
     };
     let archive = Archive::open_for(folder, &first.logs.settings)?;
     let progress = Progress::new();
-    let status = StatusLine::new(&progress);
-    status.step("tiles");
+    let status = StatusLine::at("tiles", &progress);
     progress.start(inputs.len() as u64);
     let done = each_in_parallel(inputs, MOST_AT_ONCE, |input| {
         let added = added(&archive, input);

@@ -1,28 +1,11 @@
 //! Why label files cannot be used.
 
 use super::MOST_CLASSES;
+use crate::support::file_error::FileError;
 use std::io;
-use std::path::{Path, PathBuf};
 
-/// Label files that cannot be used, in one sentence.
-#[derive(Debug, thiserror::Error)]
-#[error("{what}: {}", path.display())]
-pub(crate) struct LabelError {
-    /// What is wrong, where in the file, and what to do.
-    #[source]
-    pub what: LabelFault,
-    /// The file or folder.
-    pub path: PathBuf,
-}
-
-impl LabelError {
-    pub(super) fn new(what: LabelFault, path: &Path) -> Self {
-        Self {
-            what,
-            path: path.to_owned(),
-        }
-    }
-}
+/// Label files that cannot be used.
+pub(crate) type LabelError = FileError<LabelFault>;
 
 /// What is wrong with label files, in a sentence without the path.
 #[derive(Debug, thiserror::Error)]

@@ -4,9 +4,10 @@ use super::Truth;
 use crate::detection::dataset::Known;
 use crate::detection::review::{Review, ReviewError, read_text};
 use crate::detection::{Mark, ObjectExtent, class_index};
+use crate::support::file_error::FileError;
 use crate::survey::{Identity, Side};
 use csv::StringRecord;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// More sightings than any survey holds.
 const MOST_OBJECTS: usize = 200_000;
@@ -48,14 +49,8 @@ pub(crate) enum TruthFileError {
     #[error(transparent)]
     Unreadable(#[from] ReviewError),
     /// It does not describe the survey.
-    #[error("{what}: {}", path.display())]
-    Unusable {
-        /// What is wrong with it.
-        #[source]
-        what: TruthError,
-        /// The file.
-        path: PathBuf,
-    },
+    #[error(transparent)]
+    Unusable(#[from] FileError<TruthError>),
 }
 
 /// What is wrong with a sighting of an object.
@@ -92,10 +87,7 @@ impl Truth {
     /// When the file cannot be read, or as [`Truth::parse`].
     pub(crate) fn read(path: &Path, of: &Identity) -> Result<Self, TruthFileError> {
         let text = read_text(path, "truth")?;
-        Self::parse(&text, of).map_err(|what| TruthFileError::Unusable {
-            what,
-            path: path.to_owned(),
-        })
+        Ok(Self::parse(&text, of).map_err(FileError::at(path))?)
     }
 
     /// Reads the table of objects that `bathyscope simulate` writes, or the review of the log `of` (its accepted and added

@@ -1,22 +1,16 @@
 //! Why a file is no base map.
 
+use crate::support::file_error::FileError;
 use crate::support::progress::Cancelled;
 use std::io;
-use std::path::PathBuf;
 use tiff::{ColorType, TiffError};
 
 /// Why a file is no base map.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum BaseMapError {
     /// The file cannot be read or shown.
-    #[error("{what}: {}", path.display())]
-    Unusable {
-        /// What is wrong, and what to do.
-        #[source]
-        what: BaseMapFault,
-        /// Which file.
-        path: PathBuf,
-    },
+    #[error(transparent)]
+    Unusable(#[from] FileError<BaseMapFault>),
     /// The user stopped it.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

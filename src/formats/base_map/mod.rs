@@ -19,6 +19,7 @@ pub(crate) use error::{BaseMapError, BaseMapFault};
 pub(crate) use place::Place;
 
 use crate::support::catch_panic::catch_panic;
+use crate::support::file_error::FileError;
 use crate::support::geo::LonLat;
 use crate::support::progress::{Cancelled, Progress};
 use crate::support::regular_file;
@@ -119,10 +120,7 @@ pub(crate) fn open(path: &Path, progress: &Progress) -> Result<BaseMap, BaseMapE
     let damaged = || Err(BaseMapFault::Damaged("it is damaged").into());
     let opened = catch_panic(|| open_file(path, progress)).unwrap_or_else(damaged);
     opened.map_err(|fault| match fault {
-        Fault::Unusable(what) => BaseMapError::Unusable {
-            what,
-            path: path.to_owned(),
-        },
+        Fault::Unusable(what) => FileError::new(what, path).into(),
         Fault::Cancelled(cancelled) => cancelled.into(),
     })
 }

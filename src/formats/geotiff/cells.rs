@@ -55,7 +55,7 @@ pub(crate) struct RasterValues {
 /// # Errors
 /// When the file cannot be read, or holds no heights with a place.
 pub(crate) fn read_cells(path: &Path) -> Result<RasterPoints, CellsError> {
-    catch_panic(|| points(Open::new(path)?)).unwrap_or(Err(CellsError::Damaged("it is damaged")))
+    CellsError::guard(|| points(Open::new(path)?))
 }
 
 /// The same as a raster, where its rows run from west to east and the first lies in the north.
@@ -63,7 +63,7 @@ pub(crate) fn read_cells(path: &Path) -> Result<RasterPoints, CellsError> {
 /// # Errors
 /// As [`read_cells`], and where the raster is turned.
 pub(crate) fn read_values(path: &Path) -> Result<RasterValues, CellsError> {
-    catch_panic(|| values(Open::new(path)?)).unwrap_or(Err(CellsError::Damaged("it is damaged")))
+    CellsError::guard(|| values(Open::new(path)?))
 }
 
 /// Why a raster gives no points, in a sentence without the path.
@@ -107,6 +107,13 @@ pub enum CellsError {
     /// Its cells hold no number that a height could be.
     #[error("the GeoTIFF holds no heights: its numbers have one or more than four bytes")]
     NoHeights,
+}
+
+impl CellsError {
+    /// A damaged file makes the decoder panic, which is no more than damage.
+    pub(super) fn guard<T>(read: impl FnOnce() -> Result<T, Self>) -> Result<T, Self> {
+        catch_panic(read).unwrap_or(Err(Self::Damaged("it is damaged")))
+    }
 }
 
 /// A raster whose cells are about to be read.

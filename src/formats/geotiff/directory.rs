@@ -22,35 +22,19 @@ struct Tag(u16, Values);
 impl Values {
     /// The format's number of the type, how many values, their bytes.
     fn stored(&self) -> (u16, u32, Vec<u8>) {
+        fn numbers<T: Copy, const N: usize>(
+            kind: u16,
+            values: &[T],
+            bytes: fn(T) -> [u8; N],
+        ) -> (u16, u32, Vec<u8>) {
+            let stored = values.iter().flat_map(|value| bytes(*value));
+            (kind, values.len() as u32, stored.collect())
+        }
         match self {
-            Values::Text(text) => {
-                let bytes = [text.as_bytes(), &[0]].concat();
-                (2, bytes.len() as u32, bytes)
-            }
-            Values::Short(values) => (
-                3,
-                values.len() as u32,
-                values
-                    .iter()
-                    .flat_map(|value| value.to_le_bytes())
-                    .collect(),
-            ),
-            Values::Long(values) => (
-                4,
-                values.len() as u32,
-                values
-                    .iter()
-                    .flat_map(|value| value.to_le_bytes())
-                    .collect(),
-            ),
-            Values::Double(values) => (
-                12,
-                values.len() as u32,
-                values
-                    .iter()
-                    .flat_map(|value| value.to_le_bytes())
-                    .collect(),
-            ),
+            Values::Text(text) => numbers(2, &[text.as_bytes(), &[0]].concat(), |byte| [byte]),
+            Values::Short(values) => numbers(3, values, u16::to_le_bytes),
+            Values::Long(values) => numbers(4, values, u32::to_le_bytes),
+            Values::Double(values) => numbers(12, values, f64::to_le_bytes),
         }
     }
 }

@@ -6,7 +6,6 @@ use crate::formats::xml::{attribute, is, text_of};
 use crate::support::printable::xml;
 use quick_xml::Reader;
 use quick_xml::events::Event;
-use std::fmt::Write as _;
 
 /// Name of the item that says which way values count, as the CF conventions name it, and what it says of depths.
 const POSITIVE: &str = "positive";
@@ -21,13 +20,10 @@ pub(super) fn gdal_metadata(spec: &RasterSpec, band: &Band, statistics: &Statist
             "" => String::new(),
             role => format!(" role=\"{role}\""),
         };
-        // Writing into text cannot fail.
-        writeln!(
-            text,
-            "  <Item name=\"{name}\" sample=\"0\"{role}>{}</Item>",
+        text += &format!(
+            "  <Item name=\"{name}\" sample=\"0\"{role}>{}</Item>\n",
             xml(value)
-        )
-        .ok();
+        );
     };
     item("DESCRIPTION", "description", band.name);
     if !band.unit.is_empty() {

@@ -2,7 +2,6 @@
 
 use super::RASTER_TILE;
 use super::cells::CellsError;
-use crate::support::catch_panic::catch_panic;
 use crate::support::regular_file;
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -28,7 +27,7 @@ impl RasterTiles {
     /// # Errors
     /// When the file cannot be read, or is no raster of this program.
     pub(crate) fn open(path: &Path) -> Result<Self, CellsError> {
-        catch_panic(|| Self::opened(path)).unwrap_or(Err(CellsError::Damaged("it is damaged")))
+        CellsError::guard(|| Self::opened(path))
     }
 
     fn opened(path: &Path) -> Result<Self, CellsError> {
@@ -114,7 +113,7 @@ impl RasterTiles {
                 _ => Err(CellsError::Damaged("its cells are of another kind")),
             }
         };
-        catch_panic(read).unwrap_or(Err(CellsError::Damaged("it is damaged")))
+        CellsError::guard(read)
     }
 
     /// Cells of an overview from west to east, and from north to south.
@@ -141,7 +140,7 @@ impl RasterTiles {
                 .ok_or(CellsError::Damaged("its cells are of another kind"))?;
             Ok(whole(&cells, shown, beyond))
         };
-        catch_panic(read).unwrap_or(Err(CellsError::Damaged("it is damaged")))
+        CellsError::guard(read)
     }
 }
 

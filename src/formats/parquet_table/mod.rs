@@ -69,6 +69,31 @@ impl Column {
     pub(crate) fn new(name: &'static str, values: Values) -> Self {
         Self { name, values }
     }
+
+    /// A column of `f64`.
+    pub(crate) fn doubles(name: &'static str, values: impl Iterator<Item = f64>) -> Self {
+        Self::new(name, Values::Double(values.collect()))
+    }
+
+    /// A column of `f32`.
+    pub(crate) fn floats(name: &'static str, values: impl Iterator<Item = f32>) -> Self {
+        Self::new(name, Values::Float(values.collect()))
+    }
+
+    /// A column of whole numbers.
+    pub(crate) fn wholes(name: &'static str, values: impl Iterator<Item = Option<i32>>) -> Self {
+        Self::new(name, Values::Whole(values.collect()))
+    }
+
+    /// A column of a few texts; the empty one is none.
+    pub(crate) fn texts(name: &'static str, values: impl Iterator<Item = &'static str>) -> Self {
+        Self::new(name, Values::Text(values.collect()))
+    }
+
+    /// A column of what is so or not.
+    pub(crate) fn flags(name: &'static str, values: impl Iterator<Item = bool>) -> Self {
+        Self::new(name, Values::Flag(values.collect()))
+    }
 }
 
 /// What stands under the key `geo` of a file with points in a column, by GeoParquet 1.1: longitude and latitude on WGS84, which is
@@ -99,27 +124,18 @@ mod tests {
         };
         let points: Vec<LonLat> = (0..200_000).map(place).collect();
         let count = points.len();
-        let doubles: Vec<f64> = (0..count)
-            .map(|row| [row as f64, f64::NAN][row % 2])
-            .collect();
         let whole = (0..count).map(|row| (row % 3 > 0).then_some(row as i32));
         vec![
             Column::new("geometry", Values::Points(points)),
-            Column::new("x", Values::Double(doubles)),
-            Column::new("ping", Values::Whole(whole.collect())),
-            Column::new(
-                "kept",
-                Values::Flag((0..count).map(|row| row % 5 > 0).collect()),
-            ),
+            Column::doubles("x", (0..count).map(|row| [row as f64, f64::NAN][row % 2])),
+            Column::wholes("ping", whole),
+            Column::flags("kept", (0..count).map(|row| row % 5 > 0)),
             Column::new("confidence", Values::Float(vec![0.5; count])),
             Column::new(
                 "time",
                 Values::Time(vec![Some(1_700_000_000_000_000); count]),
             ),
-            Column::new(
-                "side",
-                Values::Text((0..count).map(|row| ["", "port"][row % 2]).collect()),
-            ),
+            Column::texts("side", (0..count).map(|row| ["", "port"][row % 2])),
             Column::new("log", Values::Same("abc".to_owned(), count)),
             Column::new(
                 "port",

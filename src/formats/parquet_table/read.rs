@@ -2,42 +2,35 @@
 
 use super::Values;
 use crate::support::catch_panic::catch_panic;
+use crate::support::file_error::FileError;
 use crate::support::regular_file;
 use parquet::basic::Type as Physical;
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::DataType;
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// A Parquet file that cannot be used.
-#[derive(Debug, thiserror::Error)]
-#[error("cannot read the Parquet file: {what}: {}", path.display())]
-pub(crate) struct ParquetError {
-    /// What is wrong with it.
-    #[source]
-    pub what: ParquetFault,
-    /// Which file.
-    pub path: PathBuf,
-}
+pub(crate) type ParquetError = FileError<ParquetFault>;
 
 /// What is wrong with a Parquet file.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum ParquetFault {
     /// The system does not give it.
-    #[error(transparent)]
+    #[error("cannot read the Parquet file: {0}")]
     Io(#[from] io::Error),
     /// It is no Parquet, or one of a kind that is not known.
-    #[error(transparent)]
+    #[error("cannot read the Parquet file: {0}")]
     Parquet(#[from] parquet::errors::ParquetError),
     /// It has no column of this name.
-    #[error("it has no column {0}")]
+    #[error("cannot read the Parquet file: it has no column {0}")]
     NoColumn(String),
     /// The column of this name holds values of another kind.
-    #[error("its column {0} holds no numbers")]
+    #[error("cannot read the Parquet file: its column {0} holds no numbers")]
     NoNumbers(String),
     /// It contradicts itself, or holds other things than it stands for.
-    #[error("{0}")]
+    #[error("cannot read the Parquet file: {0}")]
     Damaged(&'static str),
 }
 
@@ -46,10 +39,7 @@ pub(crate) enum ParquetFault {
 /// # Errors
 /// When the file cannot be read, is damaged, or has no such column.
 pub(crate) fn read_parquet(path: &Path, names: &[&str]) -> Result<Vec<Values>, ParquetError> {
-    let fail = |what: ParquetFault| ParquetError {
-        what,
-        path: path.to_owned(),
-    };
+    let fail = ParquetError::at(path);
     // The decoder panics on some damaged files.
     match catch_panic(|| read(path, names)) {
         Some(read) => read.map_err(fail),

@@ -4,7 +4,7 @@ use super::{Column, Values};
 use crate::support::geo::LonLat;
 use parquet::basic::{Compression, LogicalType, Repetition, TimeUnit, Type as Physical};
 use parquet::data_type::{
-    BoolType, ByteArray, ByteArrayType, DoubleType, FloatType, Int32Type, Int64Type,
+    BoolType, ByteArray, ByteArrayType, DataType, DoubleType, FloatType, Int32Type, Int64Type,
 };
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
@@ -21,9 +21,6 @@ const GROUP_ROWS: usize = 1 << 17;
 const WRITER: &str = "bathyscope";
 
 /// Writes a table with some keys of the file. The same columns give the same bytes. All columns must be of one length.
-///
-/// # Errors
-/// What the system says.
 pub(crate) fn write_parquet(
     file: File,
     columns: &[Column],
@@ -110,86 +107,63 @@ fn write_chunk(
     values: &Values,
     rows: Range<usize>,
 ) -> Result<(), parquet::errors::ParquetError> {
+    let text = |text: &&'static str| (!text.is_empty()).then(|| ByteArray::from(*text));
     match values {
         Values::Double(all) => {
             let known = all[rows]
                 .iter()
                 .map(|value| (!value.is_nan()).then_some(*value));
-            let (values, levels) = nullable(known);
-            chunk
-                .typed::<DoubleType>()
-                .write_batch(&values, Some(&levels), None)?;
+            put_known::<DoubleType>(chunk, known)
         }
         Values::Float(all) => {
             let known = all[rows]
                 .iter()
                 .map(|value| (!value.is_nan()).then_some(*value));
-            let (values, levels) = nullable(known);
-            chunk
-                .typed::<FloatType>()
-                .write_batch(&values, Some(&levels), None)?;
+            put_known::<FloatType>(chunk, known)
         }
-        Values::Whole(all) => {
-            let (values, levels) = nullable(all[rows].iter().copied());
-            chunk
-                .typed::<Int32Type>()
-                .write_batch(&values, Some(&levels), None)?;
-        }
-        Values::Time(all) => {
-            let (values, levels) = nullable(all[rows].iter().copied());
-            chunk
-                .typed::<Int64Type>()
-                .write_batch(&values, Some(&levels), None)?;
-        }
-        Values::Flag(all) => {
-            chunk
-                .typed::<BoolType>()
-                .write_batch(&all[rows], None, None)?;
-        }
-        Values::Text(all) => {
-            let known = all[rows]
-                .iter()
-                .map(|text| (!text.is_empty()).then(|| ByteArray::from(*text)));
-            let (values, levels) = nullable(known);
-            chunk
-                .typed::<ByteArrayType>()
-                .write_batch(&values, Some(&levels), None)?;
-        }
+        Values::Whole(all) => put_known::<Int32Type>(chunk, all[rows].iter().copied()),
+        Values::Time(all) => put_known::<Int64Type>(chunk, all[rows].iter().copied()),
+        Values::Flag(all) => put::<BoolType>(chunk, &all[rows], None),
+        Values::Text(all) => put_known::<ByteArrayType>(chunk, all[rows].iter().map(text)),
         Values::Same(text, _) => {
             let values = vec![ByteArray::from(text.as_str()); rows.len()];
-            chunk
-                .typed::<ByteArrayType>()
-                .write_batch(&values, None, None)?;
+            put::<ByteArrayType>(chunk, &values, None)
         }
         Values::Points(all) => {
-            let values: Vec<ByteArray> =
-                all[rows].iter().map(|at| well_known(*at).into()).collect();
-            chunk
-                .typed::<ByteArrayType>()
-                .write_batch(&values, None, None)?;
+            let values = all[rows].iter().map(|at| well_known(*at).into());
+            put::<ByteArrayType>(chunk, &values.collect::<Vec<_>>(), None)
         }
         Values::Bytes(all) => {
             for row in &all[rows] {
-                let value = ByteArray::from(row.clone());
-                chunk
-                    .typed::<ByteArrayType>()
-                    .write_batch(&[value], None, None)?;
+                put::<ByteArrayType>(chunk, &[ByteArray::from(row.clone())], None)?;
             }
+            Ok(())
         }
     }
+}
+
+fn put<T: DataType>(
+    chunk: &mut SerializedColumnWriter<'_>,
+    values: &[T::T],
+    levels: Option<&[i16]>,
+) -> Result<(), parquet::errors::ParquetError> {
+    chunk.typed::<T>().write_batch(values, levels, None)?;
     Ok(())
 }
 
-/// The values that are known, and of each row whether it has one.
-fn nullable<T>(all: impl Iterator<Item = Option<T>>) -> (Vec<T>, Vec<i16>) {
+/// Values that may be unknown: those that are known, and for each row whether it has one.
+fn put_known<T: DataType>(
+    chunk: &mut SerializedColumnWriter<'_>,
+    all: impl Iterator<Item = Option<T::T>>,
+) -> Result<(), parquet::errors::ParquetError> {
     let mut values = Vec::new();
     let levels = all.map(|value| {
         let level = i16::from(value.is_some());
         values.extend(value);
         level
     });
-    let levels = levels.collect();
-    (values, levels)
+    let levels: Vec<i16> = levels.collect();
+    put::<T>(chunk, &values, Some(&levels))
 }
 
 /// A point as well-known binary: little-endian, of type 1, longitude before latitude.

@@ -78,10 +78,7 @@ pub(crate) fn read_elevations(argument: &OsStr) -> Result<Elevations, PointFileE
         0 => PointFault::Empty,
         count => PointFault::AllBlank(count),
     };
-    Err(PointFileError {
-        what,
-        path: file.path,
-    })
+    Err(PointFileError::new(what, &file.path))
 }
 
 fn read(argument: &OsStr) -> Result<Elevations, PointFileError> {
@@ -95,10 +92,7 @@ fn read(argument: &OsStr) -> Result<Elevations, PointFileError> {
             }
             None => false,
         });
-    let fail = |what: PointFault| PointFileError {
-        what,
-        path: path.clone(),
-    };
+    let fail = PointFileError::at(&path);
     match suffix(&path).as_str() {
         "tif" | "tiff" => return of_raster(&path, names.as_ref(), downwards).map_err(fail),
         "geojson" | "json" => return of_geojson(&path, names.as_ref(), downwards).map_err(fail),

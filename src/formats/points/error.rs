@@ -1,19 +1,11 @@
 //! Why a point file cannot be used.
 
 use crate::formats::geotiff::CellsError;
+use crate::support::file_error::FileError;
 use std::io;
-use std::path::PathBuf;
 
-/// Why a point file cannot be used: one sentence, the path last.
-#[derive(Debug, thiserror::Error)]
-#[error("{what}: {path}")]
-pub struct PointFileError {
-    /// What is wrong, with the line or the byte where it is known.
-    #[source]
-    pub what: PointFault,
-    /// Which file.
-    pub path: PathBuf,
-}
+/// Why a point file cannot be used.
+pub(crate) type PointFileError = FileError<PointFault>;
 
 /// What is wrong with a point file, in a sentence without the path.
 #[derive(Debug, thiserror::Error)]

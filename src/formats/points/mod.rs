@@ -86,10 +86,7 @@ impl PointFormat {
             "las" => Ok(Self::Las),
             "laz" if is_named_copc(path) => Ok(Self::Copc),
             "laz" => Ok(Self::Laz),
-            _ => Err(PointFileError {
-                what: PointFault::Ending,
-                path: path.to_path_buf(),
-            }),
+            _ => Err(PointFileError::new(PointFault::Ending, path)),
         }
     }
 
@@ -145,10 +142,7 @@ pub(crate) fn read(
 }
 
 fn read_columns(path: &Path, requested: ColumnRequest<'_>) -> Result<PointFile, PointFileError> {
-    read_format(PointFormat::of(path)?, path, requested).map_err(|what| PointFileError {
-        what,
-        path: path.to_path_buf(),
-    })
+    read_format(PointFormat::of(path)?, path, requested).map_err(PointFileError::at(path))
 }
 
 fn read_format(

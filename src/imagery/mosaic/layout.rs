@@ -412,7 +412,7 @@ impl Layout {
         let mut tiles: BTreeMap<(u32, u32), Vec<u32>> = BTreeMap::new();
         let tile_m = grid.cell_m * TILE_CELLS as f64;
         let last = |cells: usize| (cells.div_ceil(TILE_CELLS) as u32).saturating_sub(1);
-        for (ping, side) in self.strips_in(grid_bounds(grid)) {
+        for (ping, side) in self.strips_in(grid.bounds_m()) {
             let Some(strip) = self.strip(ping, side) else {
                 continue;
             };
@@ -444,16 +444,6 @@ impl Layout {
     pub fn strip_bounds(&self) -> impl Iterator<Item = Bounds> {
         (self.strips()).map(|(_, _, strip)| around(NOWHERE, &self.corners(&strip)))
     }
-}
-
-/// West, south, east and north edge of a grid, metres.
-pub(super) fn grid_bounds(grid: &Grid) -> Bounds {
-    [
-        grid.west_m,
-        grid.north_m - grid.rows as f64 * grid.cell_m,
-        grid.west_m + grid.columns as f64 * grid.cell_m,
-        grid.north_m,
-    ]
 }
 
 /// `bounds` enlarged to hold some places.

@@ -1,7 +1,7 @@
 //! Draws tiles and other windows: each cell takes the mean of the samples that it covers on the ray through its middle.
 
 use super::canvas::Canvas;
-use super::layout::{Layout, Ray, TILE_CELLS, TileIndex, grid_bounds};
+use super::layout::{Layout, Ray, TILE_CELLS, TileIndex};
 use super::line::{Lines, MosaicLine};
 use super::{GainTable, MosaicSettings};
 use crate::bottom::bathymetry::Grid;
@@ -161,7 +161,7 @@ pub(crate) fn joint_window<'a>(
     progress: &Progress,
 ) -> Result<Vec<u8>, Cancelled> {
     let mut canvas = Canvas::new(*grid, [grid.columns, grid.rows], settings);
-    let ground = grid_bounds(grid);
+    let ground = grid.bounds_m();
     for (survey, layout, gain) in logs {
         let strips = layout.strips_in(ground);
         let lines = Lines::new(survey, layout, gain, settings, grid.cell_m);

@@ -5,10 +5,10 @@ use crate::bottom::bathymetry::compare::Matching;
 use crate::bottom::cloud::correction::WaterLevelError;
 use crate::formats::ReferenceError;
 use crate::pipeline::SourceError;
+use crate::support::file_error::FileError;
 use crate::support::geo::{Crs, CrsError};
 use crate::support::presentation::text::way;
 use crate::support::progress::Cancelled;
-use std::path::PathBuf;
 
 /// Why a survey cannot be compared with a reference, in one sentence.
 #[derive(Debug, thiserror::Error)]
@@ -23,14 +23,8 @@ pub enum AgreementError {
     #[error("there is no log to compare with the reference")]
     NoLog,
     /// The reference does not fit.
-    #[error("{what}: {}", path.display())]
-    Unusable {
-        /// What is wrong with it.
-        #[source]
-        what: ReferenceFault,
-        /// Its file or folder.
-        path: PathBuf,
-    },
+    #[error(transparent)]
+    Unusable(#[from] FileError<ReferenceFault>),
 }
 
 /// What is wrong with a reference, in a sentence without the path.

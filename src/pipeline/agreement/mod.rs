@@ -18,6 +18,7 @@ pub(crate) use tables::ResidualTables;
 use super::{ProcessedLog, Products};
 use crate::bottom::bathymetry::compare::{self, Comparison, Match, Matching};
 use crate::bottom::cloud::{CloudPoint, PointCloud, PointSource};
+use crate::support::file_error::FileError;
 use crate::support::progress::{Cancelled, Progress};
 use reference::{bounds, distance_m};
 use std::sync::Arc;
@@ -108,10 +109,10 @@ impl Agreement {
                 reference: Some(reference.clone()),
                 ..agreement
             }),
-            None => Err(AgreementError::Unusable {
-                what: unmatched(matching, distance_m(there, all)),
-                path: reference.path().to_owned(),
-            }),
+            None => {
+                let what = unmatched(matching, distance_m(there, all));
+                Err(FileError::new(what, reference.path()).into())
+            }
         }
     }
 

@@ -7,6 +7,7 @@ use crate::formats::{ReferenceFile, open_reference};
 use crate::pipeline::fingerprint::{Input, InputError, hash_file, hash_inputs};
 use crate::pipeline::{ProcessedLog, Products, Settings, as_mounted, run};
 use crate::sonar::first_return::BottomSettings;
+use crate::support::file_error::FileError;
 use crate::support::geo::{Crs, LocalFrame, LonLat};
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::Survey;
@@ -72,10 +73,7 @@ impl Reference {
         settings: &Settings,
     ) -> Result<Self, AgreementError> {
         let system = System::of(&file, survey, settings);
-        let (system, guess) = system.map_err(|what| AgreementError::Unusable {
-            what,
-            path: file.path.clone(),
-        })?;
+        let (system, guess) = system.map_err(FileError::at(&file.path))?;
         let blank = (file.blank > 0).then(|| {
             let count = file.blank;
             format!("{count} lines or features without a coordinate are left out")
@@ -160,10 +158,7 @@ impl Reference {
                 for (index, other) in logs.iter().enumerate() {
                     let (survey, now) = other
                         .processed(&products.settings, made.get(index), progress)
-                        .map_err(|what| AgreementError::Unusable {
-                            what,
-                            path: self.path.clone(),
-                        })?;
+                        .map_err(FileError::at(&self.path))?;
                     places.par_extend(positions(&survey, &now).par_iter().map(place));
                     match made.get_mut(index) {
                         Some(before) => *before = now,

@@ -2,7 +2,7 @@
 
 use super::echo_rows::EchoesByTile;
 use super::error::ArchiveError;
-use super::folders::{ECHOES, KINDS, LOGS, PINGS, POINTS, make_folder, names_in, write_json};
+use super::folders::{ECHOES, KINDS, LOGS, PINGS, POINTS, fingerprint, names_in, remove};
 use super::log_mosaic::LogMosaic;
 use super::log_record::{LogRecord, TileRows};
 use super::log_rows::{LogRows, track};
@@ -14,12 +14,11 @@ use super::tile::TileId;
 use crate::bottom::bathymetry::SwathDepth;
 use crate::formats::parquet_table::{Column, Values, geo_key, write_parquet};
 use crate::pipeline::{self, Fingerprint, LogFiles, ProcessedLog, Settings};
-use crate::products::export::write_atomically;
+use crate::products::export::{make_folder, write_atomically, write_json};
 use crate::support::progress::Progress;
 use crate::survey::Survey;
 use serde_json::json;
 use std::collections::BTreeSet;
-use std::fs;
 use std::sync::Arc;
 
 /// What became of a log.
@@ -68,11 +67,8 @@ pub(crate) fn add(
         survey: survey.clone(),
         products: pipeline::run(survey, settings, None, progress, |_| ())?,
     };
-    if path.exists() {
-        // From here on its rows are those of two versions.
-        fs::remove_file(&path)
-            .map_err(|error| format!("cannot remove the file: {error}: {}", path.display()))?;
-    }
+    // From here on its rows are those of two versions.
+    remove(&path)?;
     let record = write_rows(archive, &log, record, progress)?;
     remove_others(archive, &record)?;
     make_folder(&archive.folder().join(LOGS))?;
@@ -211,7 +207,7 @@ impl Spread<'_> {
         let mut files = Vec::new();
         for kind in self.mosaic.kinds().iter().filter(|_| cells > 0) {
             let name = Archive::rows_name(kind, tile, self.log.sha256);
-            files.push(fingerprint(archive, &name)?);
+            files.push(fingerprint(archive.folder(), &name, &Progress::new())?);
         }
         Ok((cells, files))
     }
@@ -234,17 +230,7 @@ fn write_file(
         ("bathyscope", made.to_owned()),
     ];
     write_atomically(&path, |file| write_parquet(file, columns, &keys))?;
-    fingerprint(archive, name)
-}
-
-fn fingerprint(archive: &Archive, name: &str) -> Result<Fingerprint, ArchiveError> {
-    let hashed = Fingerprint::of(archive.folder(), name, &Progress::new());
-    Ok(hashed.map_err(|error| {
-        format!(
-            "cannot read the file: {error}: {}",
-            archive.folder().join(name).display()
-        )
-    })?)
+    fingerprint(archive.folder(), name, &Progress::new())
 }
 
 /// Removes rows of the log in tiles where it has none any more.
@@ -257,9 +243,7 @@ fn remove_others(archive: &Archive, record: &LogRecord) -> Result<(), ArchiveErr
             let name = format!("{kind}/{tile}/{}.{ending}", record.log);
             let path = archive.folder().join(&name);
             if !files.contains(name.as_str()) && path.is_file() {
-                fs::remove_file(&path).map_err(|error| {
-                    format!("cannot remove the file: {error}: {}", path.display())
-                })?;
+                remove(&path)?;
             }
         }
     }

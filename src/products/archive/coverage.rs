@@ -148,8 +148,8 @@ pub(crate) fn coverage_at(
     progress.start(searches.len() as u64);
     let found = searches.par_iter().map(|search| {
         progress.check()?;
-        let name = Archive::rows_name(PINGS, search.tile, &search.log.log);
-        let mut pings = ping_rows::read(&archive.folder().join(name))?;
+        let path = archive.rows_path(PINGS, search.tile, &search.log.log);
+        let mut pings = ping_rows::read(&path)?;
         correct(&mut pings, search.shift);
         progress.advance(1);
         Ok(sightings(search, &pings))

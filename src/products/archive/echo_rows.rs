@@ -31,9 +31,6 @@ pub(super) struct EchoesByTile<'a> {
 
 impl<'a> EchoesByTile<'a> {
     /// Of a log.
-    ///
-    /// # Errors
-    /// When the work was cancelled.
     pub(super) fn new(
         log: &LogRows<'a>,
         halo_m: f64,
@@ -86,21 +83,23 @@ impl<'a> EchoesByTile<'a> {
             .iter()
             .map(|row| &self.log.echoes.pings[row.index])
             .collect();
-        let of_rows =
-            |value: &dyn Fn(&Row) -> f64| Values::Double(rows.iter().map(value).collect());
-        let of_pings = |value: &dyn Fn(&PingPlace) -> f64| {
-            Values::Double(pings.iter().map(|ping| value(ping)).collect())
+        let of_rows = |name: &'static str, value: &dyn Fn(&Row) -> f64| {
+            Column::doubles(name, rows.iter().map(value))
+        };
+        let of_pings = |name: &'static str, value: fn(&PingPlace) -> f64| {
+            Column::doubles(name, pings.iter().map(move |ping| value(ping)))
         };
         let chunk = |row: &Row| Some(&self.log.chunks[self.chunks[row.index]?]);
-        let of_chunks = |value: &dyn Fn(&Chunk) -> i32| {
-            Values::Whole(rows.iter().map(|row| chunk(row).map(value)).collect())
+        let of_chunks = |name: &'static str, value: fn(&Chunk) -> i32| {
+            Column::wholes(name, rows.iter().map(move |row| chunk(row).map(value)))
         };
         let starboard: Vec<[f64; 2]> = rows.iter().map(|row| self.starboard(log, row)).collect();
         let velocity: Vec<[f64; 2]> = (rows.iter().zip(&pings))
             .map(|(row, ping)| log.velocity_mps(ping.time_s, row.zone))
             .collect();
-        let part =
-            |of: &[[f64; 2]], axis: usize| Values::Double(of.iter().map(|of| of[axis]).collect());
+        let part = |name: &'static str, of: &[[f64; 2]], axis: usize| {
+            Column::doubles(name, of.iter().map(move |of| of[axis]))
+        };
         let levels = |side: Side| {
             let mut levels = Vec::new();
             let read = |row: &Row| {
@@ -110,34 +109,29 @@ impl<'a> EchoesByTile<'a> {
             Values::Bytes(rows.iter().map(read).collect())
         };
         let times_s = pings.iter().map(|ping| ping.time_s).collect();
+        let numbers = rows.iter().map(|row| Some(row.index as i32));
+        let weed = rows.iter().map(|row| self.log.is_weed[row.index]);
         let mut columns = vec![
             spread::geometry(rows),
-            Column::new("x", of_rows(&|row| row.place[0])),
-            Column::new("y", of_rows(&|row| row.place[1])),
-            Column::new("starboard_x", part(&starboard, 0)),
-            Column::new("starboard_y", part(&starboard, 1)),
-            Column::new("velocity_x_mps", part(&velocity, 0)),
-            Column::new("velocity_y_mps", part(&velocity, 1)),
-            Column::new("transducer_m", of_pings(&|ping| ping.transducer_m)),
-            Column::new("port_near_m", of_pings(&|ping| ping.sides[0].near_m)),
-            Column::new("port_sample_m", of_pings(&|ping| ping.sides[0].step_m)),
-            Column::new("starboard_near_m", of_pings(&|ping| ping.sides[1].near_m)),
-            Column::new("starboard_sample_m", of_pings(&|ping| ping.sides[1].step_m)),
-            Column::new(
-                "ping",
-                Values::Whole(rows.iter().map(|row| Some(row.index as i32)).collect()),
-            ),
-            Column::new("chunk", of_chunks(&|chunk| chunk.number as i32)),
-            Column::new("range_setting", of_chunks(&|chunk| chunk.range_setting)),
-            Column::new("gain_segment", of_chunks(&|chunk| chunk.stretch as i32)),
-            Column::new(
-                "gain",
-                of_rows(&|row| chunk(row).map_or(f64::NAN, |chunk| chunk.gain)),
-            ),
-            Column::new(
-                "weed",
-                Values::Flag(rows.iter().map(|row| self.log.is_weed[row.index]).collect()),
-            ),
+            of_rows("x", &|row| row.place[0]),
+            of_rows("y", &|row| row.place[1]),
+            part("starboard_x", &starboard, 0),
+            part("starboard_y", &starboard, 1),
+            part("velocity_x_mps", &velocity, 0),
+            part("velocity_y_mps", &velocity, 1),
+            of_pings("transducer_m", |ping| ping.transducer_m),
+            of_pings("port_near_m", |ping| ping.sides[0].near_m),
+            of_pings("port_sample_m", |ping| ping.sides[0].step_m),
+            of_pings("starboard_near_m", |ping| ping.sides[1].near_m),
+            of_pings("starboard_sample_m", |ping| ping.sides[1].step_m),
+            Column::wholes("ping", numbers),
+            of_chunks("chunk", |chunk| chunk.number as i32),
+            of_chunks("range_setting", |chunk| chunk.range_setting),
+            of_chunks("gain_segment", |chunk| chunk.stretch as i32),
+            of_rows("gain", &|row| {
+                chunk(row).map_or(f64::NAN, |chunk| chunk.gain)
+            }),
+            Column::flags("weed", weed),
             Column::new("port", levels(Side::Port)),
             Column::new("starboard", levels(Side::Starboard)),
         ];
@@ -273,10 +267,8 @@ const OTHERS: [&str; 7] = [
 
 fn read(path: &Path) -> Result<Vec<EchoRow>, ArchiveError> {
     let damaged = || {
-        ArchiveError::from(ParquetError {
-            what: ParquetFault::Damaged("its columns are not those of echoes of an archive"),
-            path: path.to_owned(),
-        })
+        let what = ParquetFault::Damaged("its columns are not those of echoes of an archive");
+        ArchiveError::from(ParquetError::new(what, path))
     };
     let numbers = (read_parquet(path, &NUMBERS)?.into_iter()).map(|values| match values {
         Values::Double(values) => Some(values),

@@ -1,7 +1,8 @@
 //! What is wrong with an archive.
 
 use crate::formats::parquet_table::ParquetError;
-use crate::products::export::{ExportError, RasterError};
+use crate::products::export::{ExportError, NoFolder, RasterError};
+use crate::support::file_error::FileError;
 use crate::support::progress::Cancelled;
 
 /// Why something cannot be done in an archive.
@@ -13,6 +14,9 @@ pub(crate) enum ArchiveError {
     /// A file could not be written.
     #[error(transparent)]
     Write(#[from] ExportError),
+    /// A folder could not be made.
+    #[error(transparent)]
+    Folder(#[from] FileError<NoFolder>),
     /// Rows could not be read.
     #[error(transparent)]
     Rows(#[from] ParquetError),

@@ -1,10 +1,10 @@
 //! The folders and files of an archive, by name.
 
 use super::error::ArchiveError;
-use crate::products::export::write_atomically;
-use serde::Serialize;
+use crate::pipeline::Fingerprint;
+use crate::support::progress::Progress;
 use std::fs;
-use std::io::Write as _;
+use std::io::ErrorKind;
 use std::path::Path;
 
 /// The subfolder of the rows.
@@ -30,12 +30,6 @@ pub(super) const KINDS: [(&str, &str); 5] = [
 /// Longer than any record.
 pub(super) const LONGEST_RECORD: u64 = 1 << 26;
 
-/// Makes a folder, with those that it lies in.
-pub(super) fn make_folder(folder: &Path) -> Result<(), ArchiveError> {
-    Ok(fs::create_dir_all(folder)
-        .map_err(|error| format!("cannot make the folder: {error}: {}", folder.display()))?)
-}
-
 /// The names in a folder; none where there is no folder.
 pub(super) fn names_in(folder: &Path) -> Result<Vec<String>, ArchiveError> {
     if !folder.exists() {
@@ -50,12 +44,27 @@ pub(super) fn names_in(folder: &Path) -> Result<Vec<String>, ArchiveError> {
     names.collect()
 }
 
-/// Writes a value as JSON, aside and then renamed.
-pub(super) fn write_json(path: &Path, value: &impl Serialize) -> Result<(), ArchiveError> {
-    let text = serde_json::to_string_pretty(value)
-        .map_err(|error| format!("cannot write the record: {error}: {}", path.display()))?;
-    Ok(write_atomically(path, |mut file| {
-        file.write_all(text.as_bytes())?;
-        file.write_all(b"\n")
-    })?)
+/// Removes a file, if it is there.
+pub(super) fn remove(path: &Path) -> Result<(), ArchiveError> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != ErrorKind::NotFound => {
+            Err(format!("cannot remove the file: {error}: {}", path.display()).into())
+        }
+        _ => Ok(()),
+    }
+}
+
+/// What a file in a folder holds.
+pub(super) fn fingerprint(
+    folder: &Path,
+    name: &str,
+    progress: &Progress,
+) -> Result<Fingerprint, ArchiveError> {
+    let fail = |error| {
+        format!(
+            "cannot read the file: {error}: {}",
+            folder.join(name).display()
+        )
+    };
+    Ok(Fingerprint::of(folder, name, progress).map_err(fail)?)
 }

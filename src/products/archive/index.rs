@@ -3,23 +3,20 @@
 //! VRT only.
 
 use super::error::ArchiveError;
-use super::folders::{make_folder, names_in, write_json};
+use super::folders::{names_in, remove};
 use super::log_record::LogRecord;
 use super::record::Archive;
 use super::tile::{TILE_M, TileId, ring, tile_bounds_deg};
 use super::tile_files::{DEPTH, ISOBATHS, MOSAIC_FILE, SOURCE, TILES, TileRecord, UNCERTAINTY};
 use crate::bottom::bathymetry::CellSource;
 use crate::formats::geotiff::NODATA;
-use crate::products::export::{qgis_classes, qgis_style, write_atomically};
-use crate::support::calendar;
+use crate::products::export::{make_folder, qgis_classes, qgis_style, write_bytes, write_json};
+use crate::support::calendar::whole_seconds;
 use crate::support::geo::{Crs, UtmZone};
 use crate::support::presentation::colours::{depth_colour, uncertainty_colour};
 use crate::support::printable::xml;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
-use std::fs;
-use std::io::Write as _;
 use std::path::Path;
 
 const INDEX: &str = "index";
@@ -74,7 +71,7 @@ pub(crate) fn write_index(
             );
             let text = vrt(*zone, &tiles, layer);
             let path = folder.join(&name);
-            write_atomically(&path, |mut to| to.write_all(text.as_bytes()))?;
+            write_bytes(&path, text)?;
             names.push(name.clone());
             if write_style(&path.with_extension("qml"), layer, &maps)? {
                 names.push(name.replace(".vrt", ".qml"));
@@ -98,9 +95,7 @@ pub(crate) fn write_index(
             .any(|end| name.ends_with(end));
         if is_of_index && !names.contains(&name) {
             // Of a tile or a zone that has no map any more.
-            let path = folder.join(&name);
-            fs::remove_file(&path)
-                .map_err(|error| format!("cannot remove the file: {error}: {}", path.display()))?;
+            remove(&folder.join(&name))?;
         }
     }
     Ok(())
@@ -134,15 +129,6 @@ fn span_unix_s(logs: &[LogRecord], tile: TileId) -> Option<[f64; 2]> {
         .iter()
         .filter_map(|log| <[f64; 2]>::try_from(log.rows_in(tile)?.unix_s.as_slice()).ok());
     spans.reduce(|[a, b], [from, to]| [a.min(from), b.max(to)])
-}
-
-/// A time as STAC writes it.
-fn utc(unix_s: f64) -> String {
-    format!(
-        "{}T{}Z",
-        calendar::date(unix_s),
-        calendar::time_of_day(unix_s)
-    )
 }
 
 /// West, south, east and north of some tiles, metres of their zone.
@@ -208,11 +194,9 @@ fn vrt(zone: UtmZone, tiles: &[TileId], layer: &Layer) -> String {
     for tile in tiles {
         let [tile_west, _, _, tile_north] = tile.bounds_m();
         let (x, y) = (cells(tile_west - west), cells(north - tile_north));
-        write!(
-            text,
+        text += &format!(
             "    <ComplexSource>\n      <SourceFilename relativeToVRT=\"1\">../{TILES}/{tile}/{file}</SourceFilename>\n      <SourceBand>1</SourceBand>\n      <SrcRect xOff=\"0\" yOff=\"0\" xSize=\"{side}\" ySize=\"{side}\"/>\n      <DstRect xOff=\"{x}\" yOff=\"{y}\" xSize=\"{side}\" ySize=\"{side}\"/>\n      <NODATA>{nodata}</NODATA>\n    </ComplexSource>\n"
-        )
-        .ok();
+        );
     }
     text + "  </VRTRasterBand>\n</VRTDataset>\n"
 }
@@ -264,8 +248,8 @@ fn item(tile: TileId, record: &TileRecord, span_unix_s: [f64; 2]) -> Value {
         "bbox": tile_bounds_deg(&[tile]),
         "properties": {
             "datetime": null,
-            "start_datetime": utc(span_unix_s[0]),
-            "end_datetime": utc(span_unix_s[1]),
+            "start_datetime": whole_seconds(span_unix_s[0]),
+            "end_datetime": whole_seconds(span_unix_s[1]),
             "proj:code": format!("EPSG:{}", Crs::of_zone(tile.zone).epsg()),
             "proj:bbox": [west, south, west + TILE_M, south + TILE_M],
             "depth_m": record.depth_m,
@@ -282,7 +266,7 @@ fn collection(spans_unix_s: &BTreeMap<TileId, [f64; 2]>) -> Value {
         .values()
         .copied()
         .reduce(|[a, b], [from, to]| [a.min(from), b.max(to)]);
-    let interval = span.map(|span| span.map(utc));
+    let interval = span.map(|span| span.map(whole_seconds));
     let items = tiles.iter().map(|tile| {
         json!({ "rel": "item", "href": format!("./{tile}.json"), "type": "application/geo+json" })
     });

@@ -71,11 +71,7 @@ fn echoes_around(
             rows.is_some_and(|rows| !rows.sha256_of(ECHOES).is_empty())
         });
         let paths: Vec<_> = files
-            .map(|tile| {
-                archive
-                    .folder()
-                    .join(Archive::rows_name(ECHOES, *tile, &log.log))
-            })
+            .map(|tile| archive.rows_path(ECHOES, *tile, &log.log))
             .collect();
         stored.push(StoredEchoes::read(&paths, log, offsets, within_m)?);
     }

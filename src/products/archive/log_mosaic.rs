@@ -2,7 +2,7 @@
 //! echoes, `mosaic_weights/tile=.../SHA256.tif`. All logs have the same cells, so that their parts join without being drawn anew.
 
 use super::error::ArchiveError;
-use super::folders::{MOSAIC, WEIGHTS, make_folder};
+use super::folders::{MOSAIC, WEIGHTS};
 use super::record::Archive;
 use super::tile::TileId;
 use crate::bottom::bathymetry::Grid;
@@ -13,7 +13,7 @@ use crate::imagery::mosaic::{
     GainTable, MosaicLog, MosaicPart, MosaicSettings, TILE_CELLS, TileIndex, part,
 };
 use crate::pipeline::{Derived, ProcessedLog, mosaic_layout};
-use crate::products::export::geotiff;
+use crate::products::export::{geotiff, make_folder};
 use crate::support::geo::{Crs, MapPlane, UtmZone};
 use crate::support::progress::{Cancelled, Progress};
 use std::collections::{BTreeMap, BTreeSet};
@@ -40,9 +40,6 @@ pub(super) struct LogMosaic {
 
 impl LogMosaic {
     /// Of a log in some zones; without any tile where it has no side-scan, or nothing of it is known to lie on the ground.
-    ///
-    /// # Errors
-    /// When the work was cancelled.
     pub(super) fn new(
         log: &ProcessedLog,
         zones: BTreeSet<UtmZone>,
@@ -108,7 +105,7 @@ impl LogMosaic {
             return Ok(0);
         }
         let path = |kind: &str| {
-            let path = archive.folder().join(Archive::rows_name(kind, tile, log));
+            let path = archive.rows_path(kind, tile, log);
             make_folder(path.parent().unwrap_or(archive.folder()))?;
             Ok::<_, ArchiveError>(path)
         };
@@ -218,7 +215,7 @@ pub(super) fn open_part(
     tile: TileId,
     log: &str,
 ) -> Result<(RasterTiles, PathBuf), ArchiveError> {
-    let path = archive.folder().join(Archive::rows_name(kind, tile, log));
+    let path = archive.rows_path(kind, tile, log);
     let opened = RasterTiles::open(&path);
     let opened = opened.map_err(|error| ArchiveError::Refused(in_words(&error, &path)))?;
     Ok((opened, path))

@@ -144,11 +144,7 @@ fn track(
     let Some(rows) = log.rows_in(tile) else {
         return Ok(Vec::new());
     };
-    let path = |kind: &str| {
-        archive
-            .folder()
-            .join(Archive::rows_name(kind, tile, &log.log))
-    };
+    let path = |kind: &str| archive.rows_path(kind, tile, &log.log);
     if log.soundings > 0 && rows.points > 0 {
         let points = point_rows::read(&path(POINTS))?.into_iter();
         let soundings = points.filter(|row| row.depth.is_sounding);

@@ -110,10 +110,9 @@ impl LogRows<'_> {
     /// What the rows of points and of pings end with: whether they lie in the halo, when they were recorded (`times_s`, seconds after the
     /// log's time zero), and of which log they are.
     pub(super) fn common_columns(&self, rows: &[Row], times_s: Vec<f64>) -> [Column; 5] {
-        let halo = rows.iter().map(|row| !row.is_core).collect();
         let unix_us = times_s.iter().map(|time_s| self.unix_us(*time_s)).collect();
         [
-            Column::new("halo", Values::Flag(halo)),
+            Column::flags("halo", rows.iter().map(|row| !row.is_core)),
             Column::new("time", Values::Time(unix_us)),
             Column::new("time_s", Values::Double(times_s)),
             Column::new("log", Values::Same(self.sha256.to_owned(), rows.len())),

@@ -2,12 +2,12 @@
 //! that a file is used exactly where the same would be drawn again.
 
 use super::error::ArchiveError;
-use super::folders::{make_folder, names_in};
+use super::folders::{names_in, remove};
 use super::tile::TileId;
 use crate::bottom::bathymetry::isobaths::{Isobath, IsobathSettings};
 use crate::formats::parquet_table::{Column, Values, read_parquet, write_parquet};
 use crate::pipeline::{Fingerprint, in_hexadecimal};
-use crate::products::export::write_atomically;
+use crate::products::export::{make_folder, write_atomically};
 use crate::products::map_tiles::{Known, MapPart, Pixels, TileStyle, WebTile};
 use flate2::Compression;
 use flate2::read::ZlibDecoder;
@@ -15,7 +15,6 @@ use flate2::write::ZlibEncoder;
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
 use std::io::{self, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -82,9 +81,6 @@ impl MapParts {
     }
 
     /// Keeps a part.
-    ///
-    /// # Errors
-    /// When the file cannot be written.
     pub(super) fn write(&self, tile: WebTile, under: &[TileId], part: &MapPart) -> io::Result<()> {
         make_folder(&self.folder).map_err(io::Error::other)?;
         let name = self.name(tile, under);
@@ -128,9 +124,7 @@ impl MapParts {
 pub(super) fn remove_parts(folder: &Path, goes: impl Fn(&str) -> bool) -> Result<(), ArchiveError> {
     for name in names_in(folder)? {
         if name.ends_with(ENDING) && goes(&name) {
-            let path = folder.join(&name);
-            fs::remove_file(&path)
-                .map_err(|error| format!("cannot remove the file: {error}: {}", path.display()))?;
+            remove(&folder.join(&name))?;
         }
     }
     Ok(())
@@ -230,6 +224,7 @@ mod tests {
     use super::*;
     use crate::products::map_tiles::Pixel;
     use crate::support::geo::UtmZone;
+    use std::fs;
 
     const TILE: WebTile = WebTile {
         zoom: 16,

@@ -2,18 +2,19 @@
 //! `map_tiles.json`, which says what they were made from. Parts of the map over tiles that are as they were are not drawn again.
 
 use super::error::ArchiveError;
-use super::folders::{LONGEST_RECORD, make_folder, write_json};
+use super::folders::{LONGEST_RECORD, fingerprint, remove};
 use super::map_parts::{DrawnWith, MapParts, remove_parts};
 use super::reach::beside;
 use super::record::Archive;
 use super::tile::{TileId, zone_bounds_deg};
 use super::tile_content::TileContents;
-use super::tile_files::{DEPTH, DEPTH_FILES, TileRecord, remove};
+use super::tile_files::{DEPTH, DEPTH_FILES, TileRecord};
 use super::tile_map::isobath_settings;
 use crate::bottom::bathymetry::isobaths::{Isobath, IsobathSettings, clipped};
 use crate::bottom::bathymetry::{Grid, Light, Surface, hill_shade};
 use crate::pipeline::Fingerprint;
 use crate::products::export::tile_sets::{TileSet, TileStore, map_page, mbtiles, pmtiles};
+use crate::products::export::{make_folder, write_json};
 use crate::products::map_tiles::{
     LitSurface, MapPart, MapScales, Pixels, TileSource, TileStyle, WebTile, ZoomRange,
 };
@@ -108,15 +109,9 @@ pub(crate) fn write_map_tiles(
     // From here on the files may be those of two maps.
     remove(&folder.join(RECORD))?;
     write_files(archive, &maps, &folder, progress)?;
-    let files = FILES.iter().skip(1).map(|name| {
-        Fingerprint::of(&folder, name, progress).map_err(|error| {
-            format!(
-                "cannot read the file: {error}: {}",
-                folder.join(name).display()
-            )
-        })
-    });
-    let files = files.collect::<Result<_, _>>()?;
+    let files = FILES.iter().skip(1);
+    let files = files.map(|name| fingerprint(&folder, name, progress));
+    let files = files.collect::<Result<_, ArchiveError>>()?;
     write_json(&folder.join(RECORD), &Record { made, files })?;
     Ok(MapTilesState::Made)
 }

@@ -5,7 +5,7 @@ use super::error::ArchiveError;
 use super::log_record::LogRecord;
 use super::record::Archive;
 use crate::bottom::bathymetry::position_offsets::Shift;
-use crate::products::export::write_atomically;
+use crate::products::export::write_bytes;
 use crate::support::regular_file;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -156,9 +156,7 @@ impl Offsets {
         if regular_file::read(&path, LONGEST).is_ok_and(|there| there == text) {
             return Ok(());
         }
-        Ok(write_atomically(&path, |mut file| {
-            std::io::Write::write_all(&mut file, &text)
-        })?)
+        Ok(write_bytes(&path, text)?)
     }
 
     /// The row of a log.

@@ -166,58 +166,43 @@ fn halves_m(log: &LogRows<'_>) -> Vec<[f64; 2]> {
 
 /// Columns of the rows of pings in a tile.
 pub(super) fn columns(log: &LogRows<'_>, rows: &[Row], footprints: &[Footprint]) -> Vec<Column> {
-    let of =
-        |value: &dyn Fn(&Footprint) -> f64| Values::Double(footprints.iter().map(value).collect());
-    let side = |side: usize, value: fn(&SideRange) -> f64| {
-        of(&move |ping: &Footprint| ping.sides[side].as_ref().map_or(f64::NAN, value))
+    let of = |name: &'static str, value: fn(&Footprint) -> f64| {
+        Column::doubles(name, footprints.iter().map(value))
     };
-    let samples = |side: usize| {
-        let counts = footprints
-            .iter()
-            .map(|ping| ping.sides[side].map(|range| range.count));
-        Values::Whole(counts.collect())
+    let side = |name: &'static str, side: usize, value: fn(&SideRange) -> f64| {
+        let ranges = footprints.iter().map(move |ping| ping.sides[side].as_ref());
+        Column::doubles(name, ranges.map(move |range| range.map_or(f64::NAN, value)))
+    };
+    let samples = |name: &'static str, side: usize| {
+        let ranges = footprints.iter().map(move |ping| ping.sides[side]);
+        Column::wholes(name, ranges.map(|range| Some(range?.count)))
     };
     let times_s: Vec<f64> = rows
         .iter()
         .map(|row| log.survey.side_scan[row.index].time_s)
         .collect();
-    let depth_m = |row: &Row| f64::from(log.products.depths[row.index].depth_m);
+    let depths_m = (rows.iter()).map(|row| f64::from(log.products.depths[row.index].depth_m));
+    let numbers = rows.iter().map(|row| i32::try_from(row.index).ok());
+    let excluded = (rows.iter()).map(|row| log.products.exclusions.ping(row.index).is_some());
     let mut columns = vec![
         spread::geometry(rows),
-        Column::new("x", of(&|ping| ping.place[0])),
-        Column::new("y", of(&|ping| ping.place[1])),
-        Column::new("starboard_x", of(&|ping| ping.starboard[0])),
-        Column::new("starboard_y", of(&|ping| ping.starboard[1])),
-        Column::new("altitude_m", of(&|ping| ping.altitude_m)),
-        Column::new(
-            "depth_m",
-            Values::Double(rows.iter().map(depth_m).collect()),
-        ),
-        Column::new("behind_m", of(&|ping| ping.behind_m)),
-        Column::new("ahead_m", of(&|ping| ping.ahead_m)),
-        Column::new("port_near_m", side(0, |range| range.near_m)),
-        Column::new("port_sample_m", side(0, |range| range.sample_m)),
-        Column::new("port_samples", samples(0)),
-        Column::new("starboard_near_m", side(1, |range| range.near_m)),
-        Column::new("starboard_sample_m", side(1, |range| range.sample_m)),
-        Column::new("starboard_samples", samples(1)),
-        Column::new(
-            "ping",
-            Values::Whole(
-                rows.iter()
-                    .map(|row| i32::try_from(row.index).ok())
-                    .collect(),
-            ),
-        ),
+        of("x", |ping| ping.place[0]),
+        of("y", |ping| ping.place[1]),
+        of("starboard_x", |ping| ping.starboard[0]),
+        of("starboard_y", |ping| ping.starboard[1]),
+        of("altitude_m", |ping| ping.altitude_m),
+        Column::doubles("depth_m", depths_m),
+        of("behind_m", |ping| ping.behind_m),
+        of("ahead_m", |ping| ping.ahead_m),
+        side("port_near_m", 0, |range| range.near_m),
+        side("port_sample_m", 0, |range| range.sample_m),
+        samples("port_samples", 0),
+        side("starboard_near_m", 1, |range| range.near_m),
+        side("starboard_sample_m", 1, |range| range.sample_m),
+        samples("starboard_samples", 1),
+        Column::wholes("ping", numbers),
         // Whether the settings exclude the ping. The column keeps its old name: archives hold files of many years.
-        Column::new(
-            "left_out",
-            Values::Flag(
-                rows.iter()
-                    .map(|row| log.products.exclusions.ping(row.index).is_some())
-                    .collect(),
-            ),
-        ),
+        Column::flags("left_out", excluded),
     ];
     columns.extend(log.common_columns(rows, times_s));
     columns
@@ -275,10 +260,8 @@ const OTHERS: [&str; 6] = [
 /// When the file cannot be read.
 pub(super) fn read(path: &Path) -> Result<Vec<PingRow>, ArchiveError> {
     let damaged = || {
-        ArchiveError::from(ParquetError {
-            what: ParquetFault::Damaged("its columns are not those of pings of an archive"),
-            path: path.to_owned(),
-        })
+        let what = ParquetFault::Damaged("its columns are not those of pings of an archive");
+        ArchiveError::from(ParquetError::new(what, path))
     };
     let numbers = numbers(read_parquet(path, &NUMBERS)?).ok_or_else(damaged)?;
     let others = read_parquet(path, &OTHERS)?;

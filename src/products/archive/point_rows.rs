@@ -12,9 +12,6 @@ use std::path::Path;
 pub(super) fn columns(log: &LogRows<'_>, rows: &[Row]) -> Vec<Column> {
     let points: Vec<(&CloudPoint, PointClass)> =
         rows.iter().map(|row| log.point(row.index)).collect();
-    let of = |value: fn(&CloudPoint) -> f64| {
-        Values::Double(points.iter().map(|(point, _)| value(point)).collect())
-    };
     let times_s: Vec<f64> = points.iter().map(|(point, _)| log.time_of(point)).collect();
     let side = |point: &CloudPoint| match point.source {
         PointSource::DownScan => "",
@@ -26,65 +23,32 @@ pub(super) fn columns(log: &LogRows<'_>, rows: &[Row]) -> Vec<Column> {
     };
     let sounding =
         |point: &CloudPoint| point.sounding.and_then(|one| i32::try_from(one.get()).ok());
-    let each = points.iter();
-    let whole = |value: &dyn Fn(&CloudPoint) -> Option<i32>| {
-        Values::Whole(points.iter().map(|(point, _)| value(point)).collect())
-    };
-    let texts = |value: &dyn Fn(&CloudPoint) -> &'static str| {
-        Values::Text(points.iter().map(|(point, _)| value(point)).collect())
-    };
+    let each = || points.iter().map(|(point, _)| *point);
+    let classes = || points.iter().map(|(_, class)| *class);
+    let weights = points
+        .iter()
+        .map(|(point, class)| log.weight(point, *class));
+    let velocities: Vec<[f32; 2]> = (rows.iter().zip(&times_s))
+        .map(|(row, time_s)| log.velocity_mps(*time_s, row.zone).map(|part| part as f32))
+        .collect();
+    let along = |axis: usize| velocities.iter().map(move |velocity| velocity[axis]);
     let mut columns = vec![
         spread::geometry(rows),
-        Column::new(
-            "x",
-            Values::Double(rows.iter().map(|row| row.place[0]).collect()),
-        ),
-        Column::new(
-            "y",
-            Values::Double(rows.iter().map(|row| row.place[1]).collect()),
-        ),
-        Column::new("depth_m", of(|point| -point.z_m)),
-        Column::new("source", texts(&|point| point.source.name())),
-        Column::new("side", texts(&side)),
-        Column::new("ping", whole(&ping)),
-        Column::new("sounding", whole(&sounding)),
-        Column::new(
-            "sample",
-            Values::Float(each.clone().map(|(point, _)| point.sample).collect()),
-        ),
-        Column::new(
-            "confidence",
-            Values::Float(each.clone().map(|(point, _)| point.confidence).collect()),
-        ),
-        Column::new(
-            "weight",
-            Values::Double(
-                each.clone()
-                    .map(|(point, class)| log.weight(point, *class))
-                    .collect(),
-            ),
-        ),
-        Column::new(
-            "kept",
-            Values::Flag(each.clone().map(|(_, class)| class.is_kept()).collect()),
-        ),
-        Column::new(
-            "class",
-            Values::Whole(
-                each.map(|(_, class)| Some(i32::from(class.code())))
-                    .collect(),
-            ),
-        ),
+        Column::doubles("x", rows.iter().map(|row| row.place[0])),
+        Column::doubles("y", rows.iter().map(|row| row.place[1])),
+        Column::doubles("depth_m", each().map(|point| -point.z_m)),
+        Column::texts("source", each().map(|point| point.source.name())),
+        Column::texts("side", each().map(side)),
+        Column::wholes("ping", each().map(ping)),
+        Column::wholes("sounding", each().map(sounding)),
+        Column::floats("sample", each().map(|point| point.sample)),
+        Column::floats("confidence", each().map(|point| point.confidence)),
+        Column::doubles("weight", weights),
+        Column::flags("kept", classes().map(|class| class.is_kept())),
+        Column::wholes("class", classes().map(|class| Some(class.code().into()))),
+        Column::floats("velocity_x_mps", along(0)),
+        Column::floats("velocity_y_mps", along(1)),
     ];
-    let velocities: Vec<[f64; 2]> = (rows.iter().zip(&times_s))
-        .map(|(row, time_s)| log.velocity_mps(*time_s, row.zone))
-        .collect();
-    let along = |axis: usize| {
-        let values = velocities.iter().map(|velocity| velocity[axis] as f32);
-        Values::Float(values.collect())
-    };
-    columns.push(Column::new("velocity_x_mps", along(0)));
-    columns.push(Column::new("velocity_y_mps", along(1)));
     columns.extend(log.common_columns(rows, times_s));
     columns
 }
@@ -116,9 +80,9 @@ pub(super) fn read(path: &Path) -> Result<Vec<PointRow>, ArchiveError> {
         "velocity_y_mps",
     ];
     let read = read_parquet(path, &NAMES)?;
-    let damaged = || ParquetError {
-        what: ParquetFault::Damaged("its columns are not those of points of an archive"),
-        path: path.to_owned(),
+    let damaged = || {
+        let what = ParquetFault::Damaged("its columns are not those of points of an archive");
+        ParquetError::new(what, path)
     };
     let Ok(
         [

@@ -1,7 +1,7 @@
 //! What all logs of an archive share: `lake.json`.
 
 use super::error::ArchiveError;
-use super::folders::{KINDS, LOGS, LONGEST_RECORD, names_in, write_json};
+use super::folders::{KINDS, LOGS, LONGEST_RECORD, names_in};
 use super::log_record::{AREA, LogRecord};
 use super::reach;
 use super::tile::{TILE_M, TileId};
@@ -11,13 +11,11 @@ use crate::pipeline::{
     Fingerprint, SettingValues, Settings, deserialize_values, is_of_one_log, setting_values,
     with_values,
 };
-use crate::products::export::write_atomically;
+use crate::products::export::{make_folder, write_bytes, write_json};
 use crate::support::regular_file;
 use crate::survey::WaterArea;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
-use std::fs;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -242,9 +240,7 @@ impl Archive {
         let record = ArchiveRecord::new(settings)?;
         if !folder.join(RECORD).exists() {
             refuse_other_content(folder)?;
-            fs::create_dir_all(folder).map_err(|error| {
-                format!("cannot make the folder: {error}: {}", folder.display())
-            })?;
+            make_folder(folder)?;
             write_json(&folder.join(RECORD), &record)?;
         }
         let archive = Self::open(folder)?;
@@ -277,10 +273,7 @@ impl Archive {
         }
         let bytes = regular_file::read(&area.path, kept.bytes)
             .map_err(|error| format!("cannot read the area: {error}: {}", area.path.display()))?;
-        Ok(write_atomically(
-            &self.folder.join(&kept.file),
-            |mut file| file.write_all(&bytes),
-        )?)
+        Ok(write_bytes(&self.folder.join(&kept.file), bytes)?)
     }
 
     /// The settings that maps are made with.
@@ -334,6 +327,11 @@ impl Archive {
             "{kind}/tile={tile}/{log}.{}",
             ending.map_or("parquet", |(_, ending)| ending)
         )
+    }
+
+    /// Where that lies.
+    pub(super) fn rows_path(&self, kind: &str, tile: TileId, log: &str) -> PathBuf {
+        self.folder.join(Self::rows_name(kind, tile, log))
     }
 
     /// The records of the logs that the maps of some tiles are made from, by their hashes.

@@ -3,7 +3,7 @@
 
 use super::error::ArchiveError;
 use super::folders::{
-    ECHOES, LONGEST_RECORD, MOSAIC, POINTS, WEIGHTS, make_folder, names_in, write_json,
+    ECHOES, LONGEST_RECORD, MOSAIC, POINTS, WEIGHTS, fingerprint, names_in, remove,
 };
 use super::log_record::LogRecord;
 use super::offsets::Offsets;
@@ -15,12 +15,14 @@ use super::tile_mosaic::{logs_in_order, write_mosaic};
 use crate::bottom::bathymetry::{Surface, SurfaceMethod, SwathDepth};
 use crate::formats::geotiff::{Band, RasterSpec};
 use crate::pipeline::Fingerprint;
-use crate::products::export::{DrawnLines, isobaths_geojson, metres_raster, source_raster};
+use crate::products::export::{
+    DrawnLines, isobaths_geojson, make_folder, metres_raster, source_raster, write_json,
+};
 use crate::support::progress::Progress;
 use crate::support::regular_file;
 use serde::{Deserialize, Serialize};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// The folder of the maps.
 pub(super) const TILES: &str = "tiles";
@@ -222,15 +224,6 @@ pub(crate) fn remove_left_over(
     Ok(left)
 }
 
-/// Removes a file that may not be there.
-pub(super) fn remove(path: &Path) -> Result<(), ArchiveError> {
-    match path.exists() {
-        false => Ok(()),
-        true => Ok(fs::remove_file(path)
-            .map_err(|error| format!("cannot remove the file: {error}: {}", path.display()))?),
-    }
-}
-
 /// Makes the map and the mosaic of a tile and writes their files, the record last.
 ///
 /// # Errors
@@ -283,17 +276,14 @@ pub(crate) fn write_tile(
         write_files(archive, tile, &made, progress)?;
     }
     for name in FILES.into_iter().skip(1) {
-        let path = folder.join(name);
         let is_made = match name {
             MOSAIC_FILE => record.mosaic_cells > 0,
             _ => record.cells > 0,
         };
         if is_made {
-            let file = Fingerprint::of(&folder, name, progress)
-                .map_err(|error| format!("cannot read the file: {error}: {}", path.display()))?;
-            record.files.push(file);
+            record.files.push(fingerprint(&folder, name, progress)?);
         } else {
-            remove(&path)?;
+            remove(&folder.join(name))?;
         }
     }
     write_json(&folder.join(RECORD), &record)?;

@@ -45,8 +45,8 @@ pub(super) fn moved_points(
         return Ok(Vec::new());
     }
     let (offset_m, shift) = (offsets.of(&log.log), offsets.shift_of(&log.log));
-    let name = Archive::rows_name(POINTS, tile, &log.log);
-    let rows = point_rows::read(&archive.folder().join(name))?.into_iter();
+    let path = archive.rows_path(POINTS, tile, &log.log);
+    let rows = point_rows::read(&path)?.into_iter();
     let of_row = |row: PointRow| {
         let place = [row.depth.east_m, row.depth.north_m];
         let [east_m, north_m] = moved(place, shift, row.velocity_mps);

@@ -1,9 +1,11 @@
 //! A file is complete or it is not there.
 
+use crate::support::file_error::FileError;
+use serde::Serialize;
 use std::collections::BTreeSet;
 use std::ffi::OsString;
 use std::fs::{self, File};
-use std::io;
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
@@ -22,6 +24,17 @@ pub struct ExportError {
     pub source: io::Error,
 }
 
+impl ExportError {
+    /// What makes the error of this file of why it cannot be written.
+    pub(super) fn at(path: &Path) -> impl Fn(io::Error) -> Self {
+        let path = path.to_path_buf();
+        move |source| Self {
+            path: path.clone(),
+            source,
+        }
+    }
+}
+
 /// Whether two paths name the same file, which is there: by whatever folder, link or spelling.
 pub(crate) fn is_same_file(one: &Path, other: &Path) -> bool {
     let there = [one, other].map(fs::canonicalize);
@@ -31,9 +44,6 @@ pub(crate) fn is_same_file(one: &Path, other: &Path) -> bool {
 /// Writes a file under a passing name beside its place and renames it when `write` has succeeded, so that a reader never
 /// sees half a file and an old one stays until the new one is whole. `write` must flush what it buffers; what it returns is
 /// handed on.
-///
-/// # Errors
-/// When the file cannot be written.
 pub(crate) fn write_atomically<T>(
     path: &Path,
     write: impl FnOnce(File) -> io::Result<T>,
@@ -46,17 +56,11 @@ pub(crate) fn write_atomically<T>(
 }
 
 /// As [`write_atomically`], for what opens a file by its path. There is none yet under the passing name that `write` gets.
-///
-/// # Errors
-/// When the file cannot be written.
 pub(super) fn write_atomically_at<T>(
     path: &Path,
     write: impl FnOnce(&Path) -> io::Result<T>,
 ) -> Result<T, ExportError> {
-    let fail = |source| ExportError {
-        path: path.to_path_buf(),
-        source,
-    };
+    let fail = ExportError::at(path);
     let Some(name) = path.file_name() else {
         return Err(fail(io::Error::other("the path names no file")));
     };
@@ -73,6 +77,28 @@ pub(super) fn write_atomically_at<T>(
     written
         .and_then(|made| fs::rename(&passing, path).map(|()| made))
         .map_err(fail)
+}
+
+/// A folder that cannot be made.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot make the folder: {0}")]
+pub struct NoFolder(io::Error);
+
+/// Makes a folder, with those that it lies in.
+pub(crate) fn make_folder(folder: &Path) -> Result<(), FileError<NoFolder>> {
+    fs::create_dir_all(folder).map_err(|error| FileError::new(NoFolder(error), folder))
+}
+
+/// Writes bytes, as [`write_atomically`] does.
+pub(crate) fn write_bytes(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), ExportError> {
+    write_atomically(path, |mut file| file.write_all(bytes.as_ref()))
+}
+
+/// Writes a record for scripts: JSON to be read by people, too, and a line's end.
+pub(crate) fn write_json(path: &Path, record: &impl Serialize) -> Result<(), ExportError> {
+    let text = serde_json::to_string_pretty(record);
+    let text = text.map_err(|error| ExportError::at(path)(error.into()))?;
+    write_bytes(path, text + "\n")
 }
 
 /// A file under its passing name, which goes whatever way the writing ends; once it has its own name, nothing is left to go.
@@ -104,10 +130,7 @@ pub(crate) fn rename_older(path: &Path) -> Result<PathBuf, ExportError> {
     };
     let mut free = (1..).map(named).filter(|aside| !aside.exists());
     let aside = free.next().unwrap_or_else(|| named(0));
-    fs::rename(path, &aside).map_err(|source| ExportError {
-        path: path.to_path_buf(),
-        source,
-    })?;
+    fs::rename(path, &aside).map_err(ExportError::at(path))?;
     Ok(aside)
 }
 
@@ -179,7 +202,6 @@ pub(super) fn scratch_near(path: &Path) -> io::Result<File> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::io::Write as _;
 
     #[test]
     fn one_file_by_two_names_is_known() {

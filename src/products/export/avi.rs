@@ -76,9 +76,6 @@ impl<W: Write + Seek> AviWriter<W> {
     }
 
     /// Writes the index and the head.
-    ///
-    /// # Errors
-    /// When they cannot be written.
     pub(crate) fn finish(mut self) -> io::Result<W> {
         let index = 16 * self.frames.len() as u32;
         self.out.write_all(b"idx1")?;

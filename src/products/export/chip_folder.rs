@@ -28,12 +28,6 @@ pub(crate) struct ChipFolder {
     count: usize,
 }
 
-/// Names the file that failed.
-fn fail(path: &Path) -> impl FnOnce(io::Error) -> ExportError {
-    let path = path.to_path_buf();
-    |source| ExportError { path, source }
-}
-
 impl ChipFolder {
     /// A folder for the chips in `output`, where their table is on its way.
     ///
@@ -41,7 +35,7 @@ impl ChipFolder {
     /// When the folder cannot be made.
     pub(crate) fn begin(output: &Path, classes: &[String]) -> Result<Self, ExportError> {
         let folder = output.join(FOLDER);
-        fs::create_dir_all(&folder).map_err(fail(&folder))?;
+        fs::create_dir_all(&folder).map_err(ExportError::at(&folder))?;
         Ok(Self {
             folder,
             classes: classes.iter().map(|name| file_safe(name)).collect(),
@@ -50,9 +44,6 @@ impl ChipFolder {
     }
 
     /// Writes the next chip, `0001-rock.png` and so on.
-    ///
-    /// # Errors
-    /// When it cannot be written.
     pub(crate) fn add(&mut self, class: usize, chip: &Picture) -> Result<(), ExportError> {
         let class = self.classes.get(class).map_or(UNNAMED, String::as_str);
         self.count += 1;
@@ -69,7 +60,9 @@ impl ChipFolder {
                 .map_err(io::Error::other)?;
             out.flush()
         };
-        File::create(&path).and_then(write).map_err(fail(&path))
+        File::create(&path)
+            .and_then(write)
+            .map_err(ExportError::at(&path))
     }
 }
 

@@ -75,9 +75,6 @@ pub(crate) fn chip(survey: &Survey, raster: &Raster, mark: &Mark) -> Picture {
 }
 
 /// The same for a picture of another program.
-///
-/// # Errors
-/// When the file cannot be written.
 pub(crate) fn picture_chips(
     folder: &Path,
     picture: &Picture,

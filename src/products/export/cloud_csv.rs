@@ -1,20 +1,16 @@
 //! `cloud.csv`: one line a point.
 
 use super::log_points::LogColumn;
-use super::{ExportError, LogPoints, Summary, write_atomically};
+use super::{ExportError, LogPoints, Summary, write_summed};
 use crate::bottom::cloud::PointSource;
-use std::io::{BufWriter, Write as _};
+use std::io::Write as _;
 use std::path::Path;
 
 /// Writes every point with its class, log by log in the cloud's order; of several logs with the column `log` before the others. `kept` is 1
 /// where the class is that of the bottom. The level of the echo is that of first returns, 0 to 255; the slant range of a sounding is its distance straight below.
-///
-/// # Errors
-/// When the file cannot be written.
 pub(crate) fn cloud_csv(path: &Path, logs: &[LogPoints<'_>]) -> Result<Summary, ExportError> {
     let column = LogColumn::of(logs);
-    write_atomically(path, |file| {
-        let (mut out, mut summary) = (BufWriter::new(file), Summary::default());
+    write_summed(path, |out, summary| {
         let header = column.header;
         writeln!(
             out,
@@ -46,7 +42,6 @@ pub(crate) fn cloud_csv(path: &Path, logs: &[LogPoints<'_>]) -> Result<Summary, 
                 )?;
             }
         }
-        out.flush()?;
-        Ok(summary)
+        Ok(())
     })
 }

@@ -1,18 +1,14 @@
 //! `cloud.ply`: all points in local metres with the paper's colours and their class.
 
-use super::{ExportError, LogPoints, Summary, colour, write_atomically};
-use std::io::{BufWriter, Write as _};
+use super::{ExportError, LogPoints, Summary, colour, write_summed};
+use std::io::Write as _;
 use std::path::Path;
 
 /// Writes all points as binary little-endian PLY: x east, y north, z up, metres from the survey's origin in the
 /// plane of the cloud, as doubles; red, green, blue, the level of the echo (`intensity`, 0 for soundings) and the class
 /// (`classification`) as bytes; the slant range in metres as a float.
-///
-/// # Errors
-/// When the file cannot be written.
 pub(crate) fn cloud_ply(path: &Path, logs: &[LogPoints<'_>]) -> Result<Summary, ExportError> {
-    write_atomically(path, |file| {
-        let (mut out, mut summary) = (BufWriter::new(file), Summary::default());
+    write_summed(path, |out, summary| {
         write!(
             out,
             "ply\nformat binary_little_endian 1.0\ncomment metres east, north and up of the survey's origin\n\
@@ -34,7 +30,6 @@ pub(crate) fn cloud_ply(path: &Path, logs: &[LogPoints<'_>]) -> Result<Summary, 
                 out.write_all(&range_m.to_le_bytes())?;
             }
         }
-        out.flush()?;
-        Ok(summary)
+        Ok(())
     })
 }

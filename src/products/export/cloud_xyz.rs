@@ -1,8 +1,8 @@
 //! `cloud.xyz`: the points of the bottom as plain text, for whatever reads columns.
 
-use super::{ExportError, LogPoints, Summary, write_atomically};
+use super::{ExportError, LogPoints, Summary, write_summed};
 use crate::bottom::cloud::CloudPoint;
-use std::io::{BufWriter, Write as _};
+use std::io::Write as _;
 use std::path::Path;
 
 /// Writes the points of the class of the bottom as lines of x, y and z with spaces between, `decimals` of them for x and y; `place` gives where a
@@ -13,8 +13,7 @@ pub(crate) fn cloud_xyz(
     place: impl Fn(&LogPoints<'_>, &CloudPoint) -> [f64; 2],
     logs: &[LogPoints<'_>],
 ) -> Result<Summary, ExportError> {
-    write_atomically(path, |file| {
-        let (mut out, mut summary) = (BufWriter::new(file), Summary::default());
+    write_summed(path, |out, summary| {
         for log in logs {
             for (_, point) in log.cloud.kept(log.classes) {
                 let [x, y] = place(log, point);
@@ -22,7 +21,6 @@ pub(crate) fn cloud_xyz(
                 writeln!(out, "{x:.decimals$} {y:.decimals$} {:.3}", point.z_m)?;
             }
         }
-        out.flush()?;
-        Ok(summary)
+        Ok(())
     })
 }

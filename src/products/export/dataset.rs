@@ -1,10 +1,9 @@
 //! The folder of pictures and labels that a detector is trained on (`assets/detector/training/data.py` reads it).
 
-use super::{ExportError, write_atomically};
+use super::{ExportError, write_bytes};
 use crate::detection::dataset::{Boxes, Chip, Coco, voc_xml, yolo_lines};
 use serde::Serialize;
 use std::fs;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 /// A part of a dataset. No recording, real or simulated, is in two of them.
@@ -58,9 +57,6 @@ pub(crate) struct DatasetFolder {
 
 impl DatasetFolder {
     /// Makes the folders and the class names.
-    ///
-    /// # Errors
-    /// When something cannot be written.
     pub(crate) fn new(root: &Path, classes: &[String]) -> Result<Self, ExportError> {
         let folder = Self {
             root: root.to_owned(),
@@ -76,9 +72,6 @@ impl DatasetFolder {
     }
 
     /// Writes a picture and its YOLO labels.
-    ///
-    /// # Errors
-    /// When something cannot be written.
     pub(crate) fn chip(&self, part: Part, number: usize, chip: &Chip) -> Result<(), ExportError> {
         let png = format!("images/{}/{}", part.name(), picture(number));
         self.bytes(&png, &chip.png())?;
@@ -87,9 +80,6 @@ impl DatasetFolder {
     }
 
     /// Writes a picture's labels as Pascal VOC, in `voc/PART`.
-    ///
-    /// # Errors
-    /// When something cannot be written.
     pub(crate) fn voc(&self, part: Part, number: usize, boxes: &Boxes) -> Result<(), ExportError> {
         make(&self.root.join("voc").join(part.name()))?;
         let text = voc_xml(&picture(number), &self.classes, boxes);
@@ -97,9 +87,6 @@ impl DatasetFolder {
     }
 
     /// Writes the COCO file of a part, its pictures numbered from 0.
-    ///
-    /// # Errors
-    /// When something cannot be written.
     pub(crate) fn finish(
         &self,
         part: Part,
@@ -128,18 +115,13 @@ impl DatasetFolder {
     }
 
     /// Writes how the dataset was made.
-    ///
-    /// # Errors
-    /// When it cannot be written.
     pub(crate) fn manifest(&self, manifest: &impl Serialize) -> Result<(), ExportError> {
         self.json("manifest.json", manifest)
     }
 
     fn json(&self, name: &str, value: &impl Serialize) -> Result<(), ExportError> {
-        let text = serde_json::to_vec(value).map_err(|error| ExportError {
-            path: self.root.join(name),
-            source: error.into(),
-        })?;
+        let text = serde_json::to_vec(value)
+            .map_err(|error| ExportError::at(&self.root.join(name))(error.into()))?;
         self.bytes(name, &text)
     }
 
@@ -148,7 +130,7 @@ impl DatasetFolder {
     }
 
     fn bytes(&self, name: &str, bytes: &[u8]) -> Result<(), ExportError> {
-        write_atomically(&self.root.join(name), |mut file| file.write_all(bytes))
+        write_bytes(&self.root.join(name), bytes)
     }
 }
 
@@ -157,8 +139,5 @@ fn picture(number: usize) -> String {
 }
 
 fn make(folder: &Path) -> Result<(), ExportError> {
-    fs::create_dir_all(folder).map_err(|source| ExportError {
-        path: folder.to_owned(),
-        source,
-    })
+    fs::create_dir_all(folder).map_err(ExportError::at(folder))
 }

@@ -1,8 +1,8 @@
 //! `depth.xyz`: the cells of the depth map as plain text, for whatever reads columns.
 
-use super::{ExportError, Summary, write_atomically};
+use super::{ExportError, Summary, write_summed};
 use crate::support::progress::Progress;
-use std::io::{self, BufWriter, Write as _};
+use std::io::{self, Write as _};
 use std::path::Path;
 
 /// Cells written between two looks at whether the work was cancelled.
@@ -16,8 +16,7 @@ pub(crate) fn depth_xyz(
     cells: impl Iterator<Item = ([f64; 2], f32)>,
     progress: &Progress,
 ) -> Result<Summary, ExportError> {
-    write_atomically(path, |file| {
-        let (mut out, mut summary) = (BufWriter::new(file), Summary::default());
+    write_summed(path, |out, summary| {
         for (index, ([x, y], depth_m)) in cells.enumerate() {
             if index % CHUNK == 0 {
                 progress.check().map_err(io::Error::other)?;
@@ -25,8 +24,7 @@ pub(crate) fn depth_xyz(
             summary.add([x, y], f64::from(depth_m));
             writeln!(out, "{x:.decimals$} {y:.decimals$} {depth_m:.3}")?;
         }
-        out.flush()?;
-        Ok(summary)
+        Ok(())
     })
 }
 

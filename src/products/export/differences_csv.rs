@@ -1,23 +1,19 @@
 //! Points with what they were compared with: one line a point.
 
 use super::log_points::LogColumn;
-use super::{ExportError, LogPoints, Summary, write_atomically};
+use super::{ExportError, LogPoints, Summary, write_summed};
 use crate::bottom::bathymetry::compare::Match;
-use std::io::{BufWriter, Write as _};
+use std::io::Write as _;
 use std::path::Path;
 
 /// Writes the points that differences are of, log by log: their `measured` is the index in the log's cloud.
-///
-/// # Errors
-/// When the file cannot be written.
 pub(crate) fn differences_csv(
     path: &Path,
     logs: &[LogPoints<'_>],
     differences: &[&[Match]],
 ) -> Result<Summary, ExportError> {
     let column = LogColumn::of(logs);
-    write_atomically(path, |file| {
-        let (mut out, mut summary) = (BufWriter::new(file), Summary::default());
+    write_summed(path, |out, summary| {
         writeln!(
             out,
             "{}source,ping,lon,lat,east_m,north_m,z_m,reference_z_m,difference_m",
@@ -47,7 +43,6 @@ pub(crate) fn differences_csv(
                 )?;
             }
         }
-        out.flush()?;
-        Ok(summary)
+        Ok(())
     })
 }

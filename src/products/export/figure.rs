@@ -1,12 +1,10 @@
 //! What was measured, as GeoJSON or CSV.
 
-use super::geojson::{collection, position};
-use super::{ExportError, write_atomically};
+use super::geojson::{collection, feature_at, position};
+use super::{ExportError, write_bytes};
 use crate::detection::targets::ShadowHeight;
 use crate::support::geo::LonLat;
 use serde_json::{Value, json};
-use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::Path;
 
 /// A line or an area that was measured.
@@ -31,19 +29,14 @@ pub(crate) struct MeasuredFigure {
 }
 
 /// Writes a `LineString` or a `Polygon` with what was measured, and a `Point` for each place of a profile.
-///
-/// # Errors
-/// When the file cannot be written.
 pub(crate) fn figure_geojson(path: &Path, figure: &MeasuredFigure) -> Result<(), ExportError> {
     let points = figure.stations.iter().map(Some);
     let features = std::iter::once(None).chain(points);
-    write_atomically(path, |file| {
-        collection(file, features, |station, _| match station {
-            None => outline(figure),
-            Some(station) => station_feature(station),
-        })
-    })
-    .map(|_| ())
+    collection(path, features, |station, _| match station {
+        None => outline(figure),
+        Some(station) => station_feature(station),
+    })?;
+    Ok(())
 }
 
 fn outline(figure: &MeasuredFigure) -> Value {
@@ -89,11 +82,8 @@ fn shadow_columns(shadow: &ShadowHeight) -> [(&'static str, f64); 5] {
 
 fn station_feature((at, distance_m, depth_m): &(LonLat, f64, Option<f32>)) -> Value {
     let depth_m = depth_m.map(|depth_m| thousandths(f64::from(depth_m)));
-    json!({
-        "type": "Feature",
-        "geometry": { "type": "Point", "coordinates": position(*at) },
-        "properties": { "distance_m": thousandths(*distance_m), "depth_m": depth_m },
-    })
+    let properties = json!({ "distance_m": thousandths(*distance_m), "depth_m": depth_m });
+    feature_at("Point", position(*at), properties)
 }
 
 fn thousandths(metres: f64) -> f64 {
@@ -113,9 +103,6 @@ fn turns_right(ring: &[[f64; 2]]) -> bool {
 
 /// Writes a line for each corner, `corner,lon,lat,distance_m`; an area has `area_m2` beside them, and its first corner again at
 /// the end of its way around; a height has `height_m` and what it follows from.
-///
-/// # Errors
-/// When the file cannot be written.
 pub(crate) fn figure_csv(path: &Path, figure: &MeasuredFigure) -> Result<(), ExportError> {
     let area = figure.area_m2;
     let mut text = "corner,lon,lat,distance_m".to_owned();
@@ -137,14 +124,12 @@ pub(crate) fn figure_csv(path: &Path, figure: &MeasuredFigure) -> Result<(), Exp
     for (index, (at, distance_m)) in corners.chain(closing).enumerate() {
         let corner = index % figure.corners.len() + 1;
         // Writing to a string does not fail.
-        writeln!(
-            text,
-            "{corner},{:.9},{:.9},{distance_m:.3}{whole}",
+        text += &format!(
+            "{corner},{:.9},{:.9},{distance_m:.3}{whole}\n",
             at.lon_deg, at.lat_deg
-        )
-        .ok();
+        );
     }
-    write_atomically(path, |mut file| file.write_all(text.as_bytes()))
+    write_bytes(path, text)
 }
 
 #[cfg(test)]

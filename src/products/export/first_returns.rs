@@ -1,10 +1,10 @@
 //! `first_returns.csv`: one line a ping.
 
 use super::log_points::LogColumn;
-use super::{ExportError, LogPoints, Summary, write_atomically};
+use super::{ExportError, LogPoints, Summary, write_summed};
 use crate::bottom::cloud::slant_range_m;
 use crate::survey::{ExclusionReason, Side};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Write};
 use std::path::Path;
 
 const HEADER: &str = "ping,time_s,lon,lat,east_m,north_m,heading_deg,depth_m,\
@@ -13,26 +13,21 @@ const HEADER: &str = "ping,time_s,lon,lat,east_m,north_m,heading_deg,depth_m,\
 /// Writes one line for each side-scan ping; a field is empty where there is no value. `*_sample` counts u8 samples outward
 /// from the middle, `*_range_m` is after calibration, `excluded` why a ping counts for nothing. Of several logs the column `log` stands
 /// before the others.
-///
-/// # Errors
-/// When the file cannot be written.
 pub(crate) fn first_returns_csv(
     path: &Path,
     logs: &[LogPoints<'_>],
 ) -> Result<Summary, ExportError> {
     let column = LogColumn::of(logs);
-    write_atomically(path, |file| {
-        let (mut out, mut summary) = (BufWriter::new(file), Summary::default());
+    write_summed(path, |out, summary| {
         writeln!(out, "{}{HEADER}", column.header)?;
         for log in logs {
             let name = column.field(log);
             for ping in 0..log.survey.side_scan.len().min(log.navigation.pings.len()) {
                 write!(out, "{name}")?;
-                write_ping(log, ping, &mut out, &mut summary)?;
+                write_ping(log, ping, out, summary)?;
             }
         }
-        out.flush()?;
-        Ok(summary)
+        Ok(())
     })
 }
 

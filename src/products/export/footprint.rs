@@ -1,7 +1,7 @@
 //! `footprint.geojson`: the ground that the side-scan insonified.
 
-use super::geojson::{areas, collection};
-use super::{ExportError, Summary, write_atomically};
+use super::geojson::{areas, collection, feature_at};
+use super::{ExportError, Summary};
 use crate::bottom::bathymetry::isobaths::Polygon;
 use crate::support::geo::LonLat;
 use serde_json::json;
@@ -20,11 +20,8 @@ pub(crate) fn footprint_geojson(
         summary.count += 1;
         let corners = polygons.iter().flatten().flatten();
         corners.for_each(|corner| summary.reach(*corner));
-        json!({
-            "type": "Feature",
-            "geometry": { "type": "MultiPolygon", "coordinates": polygons },
-            "properties": { "log": name, "area_m2": (area_m2 * 10.0).round() / 10.0 },
-        })
+        let properties = json!({ "log": name, "area_m2": (area_m2 * 10.0).round() / 10.0 });
+        feature_at("MultiPolygon", polygons, properties)
     };
-    write_atomically(path, |file| collection(file, std::iter::once(()), feature))
+    collection(path, std::iter::once(()), feature)
 }

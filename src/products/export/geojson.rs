@@ -1,31 +1,37 @@
 //! What GeoJSON files (RFC 7946) have in common.
 
-use super::Summary;
 use super::rings::rounded;
+use super::{ExportError, Summary, write_summed};
 use crate::bottom::bathymetry::isobaths::Polygon;
 use crate::support::geo::LonLat;
-use serde_json::Value;
-use std::fs::File;
-use std::io::{self, BufWriter, Write as _};
+use serde::Serialize;
+use serde_json::{Value, json};
+use std::io::Write as _;
+use std::path::Path;
 
 /// Steps of longitude and latitude in a degree: 1e-8 of one is a millimetre.
 const STEPS: f64 = 1e8;
 
 /// Writes one feature a line, so that no more than one is in memory as text.
 pub(super) fn collection<T>(
-    file: File,
+    path: &Path,
     things: impl Iterator<Item = T>,
     feature: impl Fn(T, &mut Summary) -> Value,
-) -> io::Result<Summary> {
-    let (mut out, mut summary) = (BufWriter::new(file), Summary::default());
-    out.write_all(b"{ \"type\": \"FeatureCollection\", \"features\": [")?;
-    for (index, thing) in things.enumerate() {
-        out.write_all(if index == 0 { b"\n" } else { b",\n" })?;
-        serde_json::to_writer(&mut out, &feature(thing, &mut summary))?;
-    }
-    out.write_all(b"\n] }\n")?;
-    out.flush()?;
-    Ok(summary)
+) -> Result<Summary, ExportError> {
+    write_summed(path, |out, summary| {
+        out.write_all(b"{ \"type\": \"FeatureCollection\", \"features\": [")?;
+        for (index, thing) in things.enumerate() {
+            out.write_all(if index == 0 { b"\n" } else { b",\n" })?;
+            serde_json::to_writer(&mut *out, &feature(thing, summary))?;
+        }
+        out.write_all(b"\n] }\n")
+    })
+}
+
+/// A feature of a collection.
+pub(super) fn feature_at(kind: &str, coordinates: impl Serialize, properties: Value) -> Value {
+    let geometry = json!({ "type": kind, "coordinates": coordinates });
+    json!({ "type": "Feature", "geometry": geometry, "properties": properties })
 }
 
 /// Longitude and latitude to a millimetre.

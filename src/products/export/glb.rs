@@ -85,9 +85,6 @@ impl Parts {
 }
 
 /// Writes the mesh.
-///
-/// # Errors
-/// When the file cannot be written.
 pub(crate) fn glb(path: &Path, mesh: &TexturedMesh) -> Result<(), ExportError> {
     let (document, mut bytes) = document(mesh);
     let mut text = document.to_string().into_bytes();

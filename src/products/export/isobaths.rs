@@ -1,12 +1,12 @@
 //! `isobaths.geojson`, `depth_areas.geojson`, `spot_soundings.geojson` (RFC 7946) and `storage.csv`.
 
-use super::geojson::{areas as areas_of, collection, position, positions};
-use super::{ExportError, Summary, millimetres, write_atomically};
+use super::geojson::{areas as areas_of, collection, feature_at, position, positions};
+use super::{ExportError, Summary, millimetres, write_summed};
 use crate::bottom::bathymetry::DepthPoint;
 use crate::bottom::bathymetry::isobaths::{DepthArea, Isobath, IsobathSettings, Storage};
 use crate::support::geo::LonLat;
 use serde_json::json;
-use std::io::{BufWriter, Write as _};
+use std::io::Write as _;
 use std::path::Path;
 
 /// Lines of equal depth as they are drawn.
@@ -39,20 +39,17 @@ pub(crate) fn isobaths_geojson(
         summary.value(line.depth_m);
         let depth = drawn.settings.in_unit(line.depth_m);
         points.iter().for_each(|point| summary.reach(*point));
-        json!({
-            "type": "Feature",
-            "geometry": { "type": "LineString", "coordinates": points },
-            "properties": {
-                "depth_m": line.depth_m,
-                "depth": depth,
-                "unit": drawn.settings.unit.symbol(),
-                "label": depth.to_string(),
-                "is_index": drawn.is_index(line),
-                "ring": line.is_ring(),
-            },
-        })
+        let properties = json!({
+            "depth_m": line.depth_m,
+            "depth": depth,
+            "unit": drawn.settings.unit.symbol(),
+            "label": depth.to_string(),
+            "is_index": drawn.is_index(line),
+            "ring": line.is_ring(),
+        });
+        feature_at("LineString", points, properties)
     };
-    write_atomically(path, |file| collection(file, drawn.lines.iter(), feature))
+    collection(path, drawn.lines.iter(), feature)
 }
 
 /// Writes the areas between depths. A square metre of the polygons is `ground` square metres on the ground.
@@ -69,18 +66,15 @@ pub(crate) fn depth_areas_geojson(
         summary.value(area.to_m);
         let corners = polygons.iter().flatten().flatten();
         corners.for_each(|corner| summary.reach(*corner));
-        json!({
-            "type": "Feature",
-            "geometry": { "type": "MultiPolygon", "coordinates": polygons },
-            "properties": {
-                "from_m": millimetres(area.from_m),
-                "to_m": millimetres(area.to_m),
-                "area_m2": millimetres(ground * area.area_m2()),
-            },
-        })
+        let properties = json!({
+            "from_m": millimetres(area.from_m),
+            "to_m": millimetres(area.to_m),
+            "area_m2": millimetres(ground * area.area_m2()),
+        });
+        feature_at("MultiPolygon", polygons, properties)
     };
     let filled = areas.iter().filter(|area| !area.polygons.is_empty());
-    write_atomically(path, |file| collection(file, filled, feature))
+    collection(path, filled, feature)
 }
 
 /// Writes depths as points with the figures that a chart prints; `place` gives where they lie.
@@ -96,38 +90,30 @@ pub(crate) fn spot_soundings_geojson(
     let feature = |point: &DepthPoint, summary: &mut Summary| {
         let at = position(place([point.east_m, point.north_m]));
         summary.add(at, point.depth_m);
-        json!({
-            "type": "Feature",
-            "geometry": { "type": "Point", "coordinates": at },
-            "properties": {
-                "depth_m": millimetres(point.depth_m),
-                "unit": settings.unit.symbol(),
-                "label": settings.charted(point.depth_m),
-                "is_sounding": point.is_sounding,
-            },
-        })
+        let properties = json!({
+            "depth_m": millimetres(point.depth_m),
+            "unit": settings.unit.symbol(),
+            "label": settings.charted(point.depth_m),
+            "is_sounding": point.is_sounding,
+        });
+        feature_at("Point", at, properties)
     };
-    write_atomically(path, |file| collection(file, soundings.iter(), feature))
+    collection(path, soundings.iter(), feature)
 }
 
 /// Writes what lies below each level: depth, area, volume. A square metre of the table is `ground` square metres on the ground.
-///
-/// # Errors
-/// When the file cannot be written.
 pub(crate) fn storage_csv(
     path: &Path,
     table: &[Storage],
     ground: f64,
 ) -> Result<Summary, ExportError> {
-    write_atomically(path, |file| {
-        let (mut out, mut summary) = (BufWriter::new(file), Summary::default());
+    write_summed(path, |out, summary| {
         writeln!(out, "depth_m,area_m2,volume_m3")?;
         for row in table {
             summary.add([f64::NAN; 2], row.depth_m);
             let (area_m2, volume_m3) = (ground * row.area_m2, ground * row.volume_m3);
             writeln!(out, "{:.3},{area_m2:.2},{volume_m3:.2}", row.depth_m)?;
         }
-        out.flush()?;
-        Ok(summary)
+        Ok(())
     })
 }

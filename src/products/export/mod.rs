@@ -47,8 +47,10 @@ pub(crate) mod tile_sets;
 mod track;
 mod vector;
 
-pub(crate) use atomic_write::remove_leftovers;
-pub(crate) use atomic_write::{ExportError, is_same_file, rename_older, write_atomically};
+pub(crate) use atomic_write::{
+    ExportError, NoFolder, is_same_file, make_folder, remove_leftovers, rename_older,
+    write_atomically, write_bytes, write_json,
+};
 pub(crate) use bottom_las::{BottomCell, bottom_las};
 pub(crate) use chip_folder::ChipFolder;
 pub(crate) use chip_folder::{earlier_chips, remove_passing_chips};
@@ -82,6 +84,7 @@ pub(crate) use points::kept_points;
 pub(crate) use profile_csv::{profile_csv, write_profile_csv};
 pub(crate) use qgis_style::{qgis_classes, qgis_style};
 pub(crate) use summary::Summary;
+use summary::write_summed;
 pub(crate) use survey_layers::{
     MapGeometry, depth_area_layer, footprint_layer, isobath_layer, spot_sounding_layer, track_layer,
 };

@@ -10,9 +10,6 @@ const HEADER: [&str; 9] = [
 ];
 
 /// Writes the boxes, in the picture's pixels; `file` is the picture's name, `names` are the class names.
-///
-/// # Errors
-/// When the file cannot be written.
 pub(crate) fn picture_boxes_csv(
     path: &Path,
     file: &str,

@@ -1,10 +1,8 @@
 //! The depth profile along a drawn line as a table.
 
-use super::{ExportError, write_atomically};
+use super::{ExportError, write_bytes};
 use crate::bottom::bathymetry::Station;
 use crate::survey::{Navigation, Survey};
-use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::Path;
 
 /// One line a station, `distance_m,lon,lat,east_m,north_m,depth_m`: metres on the ground from the start, WGS84, the survey's
@@ -22,20 +20,15 @@ pub(crate) fn profile_csv(
             .depth_m
             .map_or_else(String::new, |depth_m| format!("{depth_m:.3}"));
         // Writing to a string does not fail.
-        writeln!(
-            text,
-            "{:.3},{:.9},{:.9},{east_m:.4},{north_m:.4},{depth}",
+        text += &format!(
+            "{:.3},{:.9},{:.9},{east_m:.4},{north_m:.4},{depth}\n",
             station.distance_m, at.lon_deg, at.lat_deg
-        )
-        .ok();
+        );
     }
     text
 }
 
 /// Writes [`profile_csv`] into a file.
-///
-/// # Errors
-/// When the file cannot be written.
 pub(crate) fn write_profile_csv(path: &Path, text: &str) -> Result<(), ExportError> {
-    write_atomically(path, |mut file| file.write_all(text.as_bytes()))
+    write_bytes(path, text)
 }

@@ -1,8 +1,7 @@
 //! `NAME.qml` beside `NAME.tif`: colours that QGIS takes up when it opens the raster.
 
-use super::{ExportError, write_atomically};
+use super::{ExportError, write_bytes};
 use crate::support::printable::xml;
-use std::io::Write as _;
 use std::path::Path;
 
 /// Writes the style of a raster of one band in metres: `colour` of a share of the way from the least to the greatest value, in
@@ -77,7 +76,7 @@ fn write_style(path: &Path, renderer: &str, enlarged: &str) -> Result<(), Export
 </qgis>
 "#
     );
-    write_atomically(path, |mut file| file.write_all(text.as_bytes()))
+    write_bytes(path, text)
 }
 
 #[cfg(test)]

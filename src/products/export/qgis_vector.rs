@@ -1,7 +1,6 @@
 //! How QGIS draws the vector layers of a survey: QML for the table of styles in a GeoPackage.
 
 use crate::support::printable::xml;
-use std::fmt::Write as _;
 
 /// A colour, sRGB.
 type Rgb = [u8; 3];
@@ -67,11 +66,9 @@ pub(super) fn spot_sounding_style() -> String {
 pub(super) fn depth_area_style(classes: &[([f64; 2], Rgb)]) -> String {
     let (mut ranges, mut symbols) = (String::new(), String::new());
     for (number, ([from_m, to_m], colour)) in classes.iter().enumerate() {
-        write!(
-            ranges,
+        ranges += &format!(
             "<range symbol=\"{number}\" lower=\"{from_m}\" upper=\"{to_m}\" label=\"{from_m:.2} to {to_m:.2} m\" render=\"true\"/>"
-        )
-        .ok();
+        );
         symbols += &fill_symbol(&number.to_string(), Some(*colour), None);
     }
     let renderer = format!(

@@ -27,9 +27,6 @@ pub(super) fn text(text: &str) -> Value {
 }
 
 /// Writes a database that `fill` fills under a passing name, and renames it. The same rows give the same bytes.
-///
-/// # Errors
-/// When the file cannot be written.
 pub(super) fn database<T>(
     path: &Path,
     kind: Kind,

@@ -1,5 +1,10 @@
 //! How much a file holds and where it lies.
 
+use super::atomic_write::{ExportError, write_atomically};
+use std::fs::File;
+use std::io::{self, BufWriter, Write as _};
+use std::path::Path;
+
 /// How many points, lines or cells a file holds, and the box around them in the file's own coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Summary {
@@ -33,6 +38,19 @@ impl Summary {
             self.values = Some(widened(self.values.unwrap_or([value, value]), value));
         }
     }
+}
+
+/// Writes a file, and sums up on the way what it holds.
+pub(super) fn write_summed(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<File>, &mut Summary) -> io::Result<()>,
+) -> Result<Summary, ExportError> {
+    write_atomically(path, |file| {
+        let (mut out, mut summary) = (BufWriter::new(file), Summary::default());
+        write(&mut out, &mut summary)?;
+        out.flush()?;
+        Ok(summary)
+    })
 }
 
 fn widened([least, most]: [f64; 2], value: f64) -> [f64; 2] {

@@ -4,7 +4,6 @@ use super::ReportData;
 use crate::bottom::bathymetry::isobaths::{Storage, storage};
 use crate::support::presentation::plot::{Axis, Curve, Plot};
 use crate::support::presentation::text::typeset_count as count;
-use std::fmt::Write as _;
 
 /// Levels that the curves go through.
 const STEPS: usize = 60;
@@ -39,15 +38,12 @@ pub(super) fn storage_section(from: &ReportData<'_>) -> String {
     let isobaths = &from.products.settings.isobaths;
     let levels = isobaths.levels_m([least_m, most_m]).unwrap_or_default();
     for row in below(&levels) {
-        // Writing to a string cannot fail.
-        writeln!(
-            html,
-            "<tr><td>{:.2}</td><td>{}</td><td>{}</td></tr>",
+        html += &format!(
+            "<tr><td>{:.2}</td><td>{}</td><td>{}</td></tr>\n",
             row.depth_m,
             count(row.area_m2.round() as usize),
             count(row.volume_m3.round() as usize)
-        )
-        .ok();
+        );
     }
     html + "</table>\n<p>What was not mapped does not count: a basin holds more than this where the survey leaves parts of it out.</p>\n"
 }

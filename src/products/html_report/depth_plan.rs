@@ -1,13 +1,12 @@
 //! The map of depths: colours, isobaths with their depths, track and objects.
 
-use super::frame::{Bounds, PageTransform};
+use super::frame::PageTransform;
 use super::{ReportData, raster};
 use crate::bottom::bathymetry::Surface;
 use crate::bottom::bathymetry::isobaths::Isobath;
 use crate::support::presentation::colours::{depth_colour, lit_depth_colour};
 use crate::support::presentation::ticks::ticks;
 use crate::support::progress::{Cancelled, Progress};
-use std::fmt::Write as _;
 
 /// Longest side of the picture under the isobaths, pixels: what a screen shows of it, and little to send.
 const MOST_CELLS: usize = 1200;
@@ -25,7 +24,7 @@ pub(super) fn depth_plan(
         return Ok(None);
     };
     let surface = &depth_map.surface;
-    let Some(frame) = PageTransform::around(bounds(surface), from.map) else {
+    let Some(frame) = PageTransform::around(surface.grid.bounds_m(), from.map) else {
         return Ok(None);
     };
     let range_m = surface.range_m().map(|depth_m| depth_m as f32);
@@ -45,16 +44,6 @@ pub(super) fn depth_plan(
         &over,
         &legend(range_m, &frame),
     )))
-}
-
-fn bounds(surface: &Surface) -> Bounds {
-    let grid = &surface.grid;
-    [
-        grid.west_m,
-        grid.north_m - grid.rows as f64 * grid.cell_m,
-        grid.west_m + grid.columns as f64 * grid.cell_m,
-        grid.north_m,
-    ]
 }
 
 /// The depths with their hill-shade.
@@ -78,14 +67,8 @@ impl Lit<'_> {
                 pixels.extend(self.pixel([row * joined, column * joined], joined));
             }
         }
-        let scale = grid.cell_m * joined as f64 * frame.px_per_m();
-        let [x, y] = frame.place([grid.west_m, grid.north_m]);
-        format!(
-            "<image x=\"{x:.2}\" y=\"{y:.2}\" width=\"{:.2}\" height=\"{:.2}\" preserveAspectRatio=\"none\" href=\"{}\"/>\n",
-            columns as f64 * scale,
-            rows as f64 * scale,
-            raster::rgba(&pixels, columns, rows)
-        )
+        let address = raster::rgba(&pixels, columns, rows);
+        frame.picture(grid, joined, [columns, rows], &address)
     }
 
     /// Colour of the mean depth of some cells, lit by their mean shade; clear where none is known.
@@ -138,8 +121,7 @@ fn isobath_lines(lines: &[Isobath], frame: &PageTransform) -> String {
     );
     for line in lines {
         let path = frame.path(line.points.iter().copied());
-        // Writing to a string cannot fail.
-        writeln!(drawn, "<path d=\"{path}\"/>").ok();
+        drawn += &format!("<path d=\"{path}\"/>\n");
     }
     drawn.push_str("</g>\n<g text-anchor=\"middle\" font-size=\"10\" fill=\"#111111\" paint-order=\"stroke\" stroke=\"#ffffff\" stroke-width=\"2.5\">\n");
     let mut taken: Vec<[f64; 2]> = Vec::new();
@@ -157,12 +139,7 @@ fn isobath_lines(lines: &[Isobath], frame: &PageTransform) -> String {
         if !taken.iter().any(crowded) {
             taken.push([x, y]);
             let depth_m = line.depth_m;
-            writeln!(
-                drawn,
-                "<text x=\"{x:.1}\" y=\"{:.1}\">{depth_m}</text>",
-                y + 3.5
-            )
-            .ok();
+            drawn += &format!("<text x=\"{x:.1}\" y=\"{:.1}\">{depth_m}</text>\n", y + 3.5);
         }
     }
     drawn.push_str("</g>\n");
@@ -180,17 +157,15 @@ fn legend([least_m, most_m]: [f32; 2], frame: &PageTransform) -> String {
         let [r, g, b] = depth_colour((index as f32 + 0.5) / STEPS as f32);
         let top = y + 18.0 + index as f64 * step;
         // A little overlap, so that no seam shows between two colours.
-        writeln!(drawn, "<rect x=\"{x:.1}\" y=\"{top:.2}\" width=\"16\" height=\"{:.2}\" fill=\"rgb({r},{g},{b})\"/>", step + 0.5).ok();
+        drawn += &format!(
+            "<rect x=\"{x:.1}\" y=\"{top:.2}\" width=\"16\" height=\"{:.2}\" fill=\"rgb({r},{g},{b})\"/>\n",
+            step + 0.5
+        );
     }
     let extent_m = f64::from(most_m - least_m).max(f64::MIN_POSITIVE);
     for (depth_m, label) in ticks(f64::from(least_m), f64::from(most_m)) {
         let at = y + 18.0 + (depth_m - f64::from(least_m)) / extent_m * height + 4.0;
-        writeln!(
-            drawn,
-            "<text x=\"{:.1}\" y=\"{at:.1}\">{label}</text>",
-            x + 22.0
-        )
-        .ok();
+        drawn += &format!("<text x=\"{:.1}\" y=\"{at:.1}\">{label}</text>\n", x + 22.0);
     }
     drawn
 }

@@ -1,10 +1,10 @@
 //! A map on the page: from metres of a plane to pixels, with graticule, scale bar and north arrow.
 
+use crate::bottom::bathymetry::Grid;
 use crate::support::geo::{CoordinateFormat, MapPlane};
 use crate::support::presentation::graticule::{Family, Net};
 use crate::support::presentation::ticks;
 use crate::support::printable::xml;
-use std::fmt::Write as _;
 
 /// Largest map, pixels.
 const MOST_PX: [f64; 2] = [900.0, 760.0];
@@ -21,7 +21,7 @@ const FREE: f64 = 0.04;
 const BETWEEN_PX: f64 = 180.0;
 
 /// Bounds of a map: west, south, east, north, metres.
-pub(super) type Bounds = [f64; 4];
+type Bounds = [f64; 4];
 
 /// Where the metres of a plane lie on the page.
 pub(super) struct PageTransform {
@@ -53,6 +53,23 @@ impl PageTransform {
             width_px,
             height_px,
         })
+    }
+
+    /// A picture of a grid, `columns` by `rows` pixels of `joined` cells a side.
+    pub(super) fn picture(
+        &self,
+        grid: &Grid,
+        joined: usize,
+        [columns, rows]: [usize; 2],
+        address: &str,
+    ) -> String {
+        let scale = grid.cell_m * joined as f64 * self.px_per_m;
+        let [x, y] = self.place([grid.west_m, grid.north_m]);
+        format!(
+            "<image x=\"{x:.2}\" y=\"{y:.2}\" width=\"{:.2}\" height=\"{:.2}\" preserveAspectRatio=\"none\" href=\"{address}\"/>\n",
+            columns as f64 * scale,
+            rows as f64 * scale,
+        )
     }
 
     /// Pixels from the left and the top.
@@ -90,8 +107,7 @@ impl PageTransform {
         let mut path = String::new();
         let (mut last, mut held) = (None::<[f64; 2]>, None::<[f64; 2]>);
         let step = |path: &mut String, letter: char, [x, y]: [f64; 2]| {
-            // Writing to a string cannot fail.
-            write!(path, "{letter}{x:.1} {y:.1}").ok();
+            *path += &format!("{letter}{x:.1} {y:.1}");
         };
         for point in points {
             let at = self.place(point);
@@ -206,13 +222,10 @@ impl PageTransform {
                 })
             }
         };
-        // Writing to a string cannot fail.
-        writeln!(
-            drawn,
-            "<path clip-path=\"url(#{clip})\" d=\"M{x1:.1} {y1:.1}L{x2:.1} {y2:.1}\" stroke=\"#000000\" stroke-opacity=\"0.18\" fill=\"none\"/>{}",
+        *drawn += &format!(
+            "<path clip-path=\"url(#{clip})\" d=\"M{x1:.1} {y1:.1}L{x2:.1} {y2:.1}\" stroke=\"#000000\" stroke-opacity=\"0.18\" fill=\"none\"/>{}\n",
             label.unwrap_or_default()
-        )
-        .ok();
+        );
     }
 
     /// Scale bar below on the left, north arrow above on the right.

@@ -10,7 +10,6 @@ use crate::support::presentation::text::{long_date, typeset_count as count, type
 use crate::support::printable::xml;
 use crate::survey::Survey;
 use std::collections::BTreeSet;
-use std::fmt::Write as _;
 
 /// The table of logs; empty of one log.
 pub(super) fn section(from: &ReportData<'_>) -> String {
@@ -101,18 +100,17 @@ fn agreement(all: &LogsReport) -> String {
          against those of all others, with the offsets in force: median, and what 95 % do not exceed.",
     );
     let between = all.crosslines.as_ref().and_then(|found| found.between_logs);
-    // Writing to a string cannot fail.
     match between {
-        Some(found) => write!(
-            html,
-            " At {} crossings of two logs the depths differ by {} m in the median, with a standard deviation of {:.3} m.",
-            count(found.n),
-            typeset_signed(found.median_m, 3),
-            found.sd_m
-        )
-        .ok(),
-        None => write!(html, " No track of one log crosses that of another.").ok(),
-    };
+        Some(found) => {
+            html += &format!(
+                " At {} crossings of two logs the depths differ by {} m in the median, with a standard deviation of {:.3} m.",
+                count(found.n),
+                typeset_signed(found.median_m, 3),
+                found.sd_m
+            )
+        }
+        None => html += " No track of one log crosses that of another.",
+    }
     html + "</p>\n"
 }
 

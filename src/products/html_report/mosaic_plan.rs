@@ -29,18 +29,12 @@ pub(super) fn mosaic_plan(
     let Some(grid) = joint_grid(&mosaic.logs, cell_m) else {
         return Ok(None);
     };
-    let Some(frame) = PageTransform::around(bounds(&grid), from.map) else {
+    let Some(frame) = PageTransform::around(grid.bounds_m(), from.map) else {
         return Ok(None);
     };
     let pixels = pixels(mosaic, &grid, progress)?;
-    let [x, y] = frame.place([grid.west_m, grid.north_m]);
-    let scale = grid.cell_m * frame.px_per_m();
-    let picture = format!(
-        "<image x=\"{x:.2}\" y=\"{y:.2}\" width=\"{:.2}\" height=\"{:.2}\" preserveAspectRatio=\"none\" href=\"{}\"/>\n",
-        grid.columns as f64 * scale,
-        grid.rows as f64 * scale,
-        raster::grey(&pixels, grid.columns, grid.rows)
-    );
+    let address = raster::grey(&pixels, grid.columns, grid.rows);
+    let picture = frame.picture(&grid, 1, [grid.columns, grid.rows], &address);
     let under = picture + &track(from, &frame, "#e6550d", 0.8);
     let name = "Side-scan mosaic with track and objects";
     Ok(Some(frame.svg(
@@ -49,15 +43,6 @@ pub(super) fn mosaic_plan(
         &objects::marks(from, &frame),
         "",
     )))
-}
-
-fn bounds(grid: &Grid) -> [f64; 4] {
-    [
-        grid.west_m,
-        grid.north_m - grid.rows as f64 * grid.cell_m,
-        grid.west_m + grid.columns as f64 * grid.cell_m,
-        grid.north_m,
-    ]
 }
 
 /// Levels of all cells, row by row.

@@ -9,7 +9,6 @@ use crate::products::export::{ObjectRow, chip};
 use crate::support::presentation::text::{decimal, plural, position, typeset_count};
 use crate::support::printable::xml;
 use crate::support::progress::{Cancelled, Progress};
-use std::fmt::Write as _;
 
 /// Longest table; the files of the run list all.
 const MOST_ROWS: usize = 60;
@@ -56,15 +55,12 @@ pub(super) fn marks(from: &ReportData<'_>, frame: &PageTransform) -> String {
     );
     for object in targets(from) {
         let [x, y] = frame.place(from.map.place(object.position));
-        // Writing to a string cannot fail.
-        writeln!(
-            drawn,
-            "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"5\" fill=\"none\" stroke=\"#d4006a\" stroke-width=\"1.8\"/><text x=\"{:.1}\" y=\"{:.1}\">{}</text>",
+        drawn += &format!(
+            "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"5\" fill=\"none\" stroke=\"#d4006a\" stroke-width=\"1.8\"/><text x=\"{:.1}\" y=\"{:.1}\">{}</text>\n",
             x + 7.0,
             y + 4.0,
             object.number,
-        )
-        .ok();
+        );
     }
     drawn + "</g>\n"
 }
@@ -163,12 +159,9 @@ pub(super) fn section(from: &ReportData<'_>, progress: &Progress) -> Result<Stri
             true => format!(" The first {MOST_ROWS} are listed; the files of this run hold all."),
             false => String::new(),
         };
-        // Writing to a string cannot fail.
-        writeln!(
-            html,
-            "{boxes} boxes on {seen}: the sightings of an object in all logs are one, at the mean of their places, with the picture and size of the surest.{listed} Objects are numbered as on the maps. In a picture the boat is to the left. {SHAPES}</p>"
-        )
-        .ok();
+        html += &format!(
+            "{boxes} boxes on {seen}: the sightings of an object in all logs are one, at the mean of their places, with the picture and size of the surest.{listed} Objects are numbered as on the maps. In a picture the boat is to the left. {SHAPES}</p>\n"
+        );
         return Ok(html + &seen_table(from, progress)?);
     }
     let mut rows: Vec<&ObjectRow<'_>> = objects.rows.iter().collect();
@@ -190,12 +183,9 @@ pub(super) fn section(from: &ReportData<'_>, progress: &Progress) -> Result<Stri
         true => format!(" The first {MOST_ROWS} are listed; the files of this run hold all."),
         false => String::new(),
     };
-    // Writing to a string cannot fail.
-    write!(
-        html,
+    html += &format!(
         "{seen}{listed} Objects are numbered as on the maps. In a picture the boat is to the left. {SHAPES}</p>\n<table><tr><th>object</th><th class=\"text\">picture</th><th class=\"text\">kind</th><th>confidence</th><th class=\"text\">state</th><th>box</th><th class=\"text\">position</th><th>length, m</th><th>width, m</th><th>height, m</th><th class=\"text\">shape, m</th><th>depth there, m</th><th>position within, m</th><th class=\"text\">note</th></tr>\n"
-    )
-    .ok();
+    );
     for row in rows.into_iter().take(MOST_ROWS) {
         progress.check()?;
         html += &line(from, row);

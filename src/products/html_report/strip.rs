@@ -7,7 +7,6 @@ use crate::pipeline::ProcessedLog;
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::{Side, Survey};
 use rayon::prelude::*;
-use std::fmt::Write as _;
 
 /// Columns and rows of the picture, and the rows of one side of it.
 const COLUMNS: usize = 1040;
@@ -117,8 +116,7 @@ impl Strip<'_> {
                     let letter = if is_down { 'L' } else { 'M' };
                     let range_m = crate::support::statistics::median(&mut ranges);
                     let (x, y) = (LEFT + column, self.y(side, range_m));
-                    // Writing to a string cannot fail.
-                    write!(path, "{letter}{x} {y:.1}").ok();
+                    path += &format!("{letter}{x} {y:.1}");
                     true
                 }
             };
@@ -135,12 +133,10 @@ impl Strip<'_> {
                     .y(side, share * self.far_m)
                     .clamp(9.0, height as f64 - 2.0);
                 let range_m = share * self.far_m;
-                writeln!(
-                    scale,
-                    "<text x=\"{}\" y=\"{y:.1}\" text-anchor=\"end\">{range_m:.0} m</text>",
+                scale += &format!(
+                    "<text x=\"{}\" y=\"{y:.1}\" text-anchor=\"end\">{range_m:.0} m</text>\n",
                     LEFT - 4
-                )
-                .ok();
+                );
             }
         }
         format!(

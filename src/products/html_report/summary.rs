@@ -9,7 +9,6 @@ use crate::support::presentation::text::{
 use crate::support::printable::xml;
 use crate::survey::{PingNav, Survey};
 use std::collections::BTreeSet;
-use std::fmt::Write as _;
 
 /// A step longer than this is a gap in the log or in the fixes, not a way that was sailed, metres.
 const LONGEST_STEP_M: f64 = 50.0;
@@ -20,8 +19,7 @@ pub(super) fn summary(from: &ReportData<'_>) -> String {
     html += &sentences(from);
     html += "</p>\n<div class=\"figures\">\n";
     for (value, what) in figures(from) {
-        // Writing to a string cannot fail.
-        writeln!(html, "<div><b>{value}</b><span>{what}</span></div>").ok();
+        html += &format!("<div><b>{value}</b><span>{what}</span></div>\n");
     }
     html + "</div>\n"
 }
@@ -85,10 +83,9 @@ fn sentences(from: &ReportData<'_>) -> String {
             1 => "The log",
             _ => "The first log",
         };
-        write!(text, " {what} begins at {}.", position(place)).ok();
+        text += &format!(" {what} begins at {}.", position(place));
     }
-    write!(
-        text,
+    text += &format!(
         " {} side-scan pings and {} soundings along {} of track gave {} points, of which {} count for the depth map; {} of the {} side-scan points ({:.1} %) were set aside as outliers.",
         count(counts.pings),
         count(counts.soundings),
@@ -98,34 +95,27 @@ fn sentences(from: &ReportData<'_>) -> String {
         count(counts.outliers_removed),
         count(counts.side_scan_points),
         100.0 * counts.outliers_removed_share,
-    )
-    .ok();
+    );
     if counts.soundings_without_bottom > 0 {
-        write!(
-            text,
+        text += &format!(
             " The recorder had lost the bottom at {} soundings; these were not used.",
             count(counts.soundings_without_bottom)
-        )
-        .ok();
+        );
     }
     let track = &from.report.track;
     if track.side_scan_only_pings > 0 {
-        write!(
-            text,
+        text += &format!(
             " Over {} of the track ({:.0} %) depth comes from side-scan only.",
             way(track.side_scan_only_m),
             100.0 * track.side_scan_only(),
-        )
-        .ok();
+        );
     }
     if counts.low_confidence > 0 {
-        write!(
-            text,
+        text += &format!(
             " {} first returns have a confidence below {:.2} and were set aside.",
             count(counts.low_confidence),
             from.products.settings.first_return.min_confidence,
-        )
-        .ok();
+        );
     }
     if counts.above_bottom > 0 {
         text += &above_bottom(from);
@@ -141,21 +131,17 @@ fn above_bottom(from: &ReportData<'_>) -> String {
         count(counts.above_bottom)
     );
     if counts.above_bottom_left_out > 0 {
-        write!(
-            text,
+        text += &format!(
             " {} of them are points of the class 64, which do not count for the depth map.",
             count(counts.above_bottom_left_out)
-        )
-        .ok();
+        );
     }
     if counts.above_bottom_kept > 0 && !from.products.settings.surface.above_bottom {
-        write!(
-            text,
+        text += &format!(
             " {} go on for more than {} m along the track and count as ground (surface.longest_above_bottom_m).",
             count(counts.above_bottom_kept),
             from.products.settings.surface.longest_above_bottom_m
-        )
-        .ok();
+        );
     }
     text
 }

@@ -5,9 +5,6 @@ use crate::pipeline::{CalibrationReport, CommonUncertainty, Preset, Settings};
 use crate::sonar::calibration::ScaleMode;
 use crate::support::presentation::text::{bytes, typeset_count as count, typeset_signed};
 use crate::support::printable::xml;
-use std::fmt::Write as _;
-
-type Written = Result<(), std::fmt::Error>;
 
 /// Warnings in a box; nothing without any.
 pub(super) fn warnings(from: &ReportData<'_>) -> String {
@@ -26,39 +23,33 @@ pub(super) fn warnings(from: &ReportData<'_>) -> String {
 /// Agreement of depths, and what it does not say.
 pub(super) fn trust(from: &ReportData<'_>) -> String {
     let mut html = String::from("<h2>How far to trust it</h2>\n");
-    // Writing to a string cannot fail.
-    agreement(from, &mut html).ok();
-    latencies(from, &mut html).ok();
+    html += &agreement(from);
+    html += &latencies(from);
     html += &common(&from.report.uncertainty);
     html + &format!("<p>{}</p>\n", xml(&from.report.statement))
 }
 
-fn agreement(from: &ReportData<'_>, html: &mut String) -> Written {
+fn agreement(from: &ReportData<'_>) -> String {
     if from.comparisons.is_empty() {
-        return writeln!(
-            html,
-            "<p>There is nothing that these depths could be compared with.</p>"
-        );
+        return "<p>There is nothing that these depths could be compared with.</p>\n".to_owned();
     }
-    write!(
-        html,
-        "<p>Measured minus reference elevation, metres: positive is shallower than the reference. The last columns give the share of points within the vertical limit of each order of IHO S-44 (edition 6), of which an order asks for 95 %; agreement within one instrument is no proof of that order.</p>\n<table><tr><th class=\"text\">measured</th><th class=\"text\">reference</th><th class=\"text\">matched by</th><th>n</th><th>mean</th><th>median</th><th>st. dev.</th><th>RMS</th><th>95 %</th>"
-    )?;
+    let mut html = String::from(
+        "<p>Measured minus reference elevation, metres: positive is shallower than the reference. The last columns give the share of points within the vertical limit of each order of IHO S-44 (edition 6), of which an order asks for 95 %; agreement within one instrument is no proof of that order.</p>\n<table><tr><th class=\"text\">measured</th><th class=\"text\">reference</th><th class=\"text\">matched by</th><th>n</th><th>mean</th><th>median</th><th>st. dev.</th><th>RMS</th><th>95 %</th>",
+    );
     let orders = from.comparisons.iter().map(|one| &one.comparison.orders);
     let names: Vec<&str> = orders
         .max_by_key(|orders| orders.len())
         .map(|orders| orders.iter().map(|share| share.order.order).collect())
         .unwrap_or_default();
     for name in &names {
-        write!(html, "<th>{name}</th>")?;
+        html += &format!("<th>{name}</th>");
     }
-    writeln!(html, "</tr>")?;
+    html += "</tr>\n";
     for one in from.comparisons {
         let Some(residuals) = &one.comparison.residuals else {
             continue;
         };
-        write!(
-            html,
+        html += &format!(
             "<tr><td class=\"text\">{}</td><td class=\"text\">{}</td><td class=\"text\">{}</td><td>{}</td><td>{:+.3}</td><td>{:+.3}</td><td>{:.3}</td><td>{:.3}</td><td>{:.3}</td>",
             one.source,
             xml(&one.reference),
@@ -69,13 +60,13 @@ fn agreement(from: &ReportData<'_>, html: &mut String) -> Written {
             residuals.sd_m,
             residuals.rms_m,
             residuals.p95_m,
-        )?;
+        );
         for share in &one.comparison.orders {
-            write!(html, "<td>{:.0} %</td>", 100.0 * share.share)?;
+            html += &format!("<td>{:.0} %</td>", 100.0 * share.share);
         }
-        writeln!(html, "</tr>")?;
+        html += "</tr>\n";
     }
-    writeln!(html, "</table>")
+    html + "</table>\n"
 }
 
 /// What is uncertain in all depths alike: the parts that are there.
@@ -99,7 +90,8 @@ fn common(of: &CommonUncertainty) -> String {
 }
 
 /// How late positions are, of each log whose crossings tell.
-fn latencies(from: &ReportData<'_>, html: &mut String) -> Written {
+fn latencies(from: &ReportData<'_>) -> String {
+    let mut html = String::new();
     for (name, latency) in from.names.iter().zip(from.latencies) {
         let Some(latency) = latency else { continue };
         let advice = match latency.contradicts() {
@@ -109,15 +101,14 @@ fn latencies(from: &ReportData<'_>, html: &mut String) -> Written {
             ),
             false => String::new(),
         };
-        writeln!(
-            html,
-            "<p>{}: crossings over slopes show positions to be later than echoes by {}; in force is {} s{advice}.</p>",
+        html += &format!(
+            "<p>{}: crossings over slopes show positions to be later than echoes by {}; in force is {} s{advice}.</p>\n",
             xml(name),
             latency.in_words(),
             latency.in_force_s,
-        )?;
+        );
     }
-    Ok(())
+    html
 }
 
 /// Scale, method and settings.
@@ -259,25 +250,20 @@ pub(super) fn files(from: &ReportData<'_>) -> String {
         "<h2>Files</h2>\n<table><tr><th class=\"text\">read</th><th>size</th><th class=\"text\">SHA-256</th></tr>\n",
     );
     for input in &from.report.inputs {
-        // Writing to a string cannot fail.
-        writeln!(
-            html,
-            "<tr><td class=\"text\">{}</td><td>{}</td><td class=\"text\"><code>{}</code></td></tr>",
+        html += &format!(
+            "<tr><td class=\"text\">{}</td><td>{}</td><td class=\"text\"><code>{}</code></td></tr>\n",
             xml(file_name(&input.file)),
             bytes(input.bytes as u64),
             input.sha256
-        )
-        .ok();
+        );
     }
     html += "</table>\n<table><tr><th class=\"text\">written with this report</th><th class=\"text\">what it is</th></tr>\n";
     for (name, what) in from.files {
-        writeln!(
-            html,
-            "<tr><td class=\"text\">{}</td><td class=\"text\">{}</td></tr>",
+        html += &format!(
+            "<tr><td class=\"text\">{}</td><td class=\"text\">{}</td></tr>\n",
             xml(name),
             xml(what)
-        )
-        .ok();
+        );
     }
     html + &format!(
         "</table>\n<p class=\"made\">Made with {}, run {}.</p>\n",

@@ -10,7 +10,6 @@ use crate::support::presentation::text::{NONE, plural, position};
 use crate::support::presentation::units::Units;
 use crate::support::printable::xml;
 use crate::support::progress::{Cancelled, Progress};
-use std::fmt::Write as _;
 
 /// Most sections; the files of the run list all.
 const MOST: usize = 60;
@@ -36,12 +35,7 @@ pub(super) fn section(from: &ReportData<'_>, progress: &Progress) -> Result<Stri
     }
     let mut html = String::from("<h2>Targets</h2>\n");
     if count > MOST {
-        // Writing to a string cannot fail.
-        writeln!(
-            html,
-            "<p>The first {MOST} of {count}; the files of this run hold all.</p>"
-        )
-        .ok();
+        html += &format!("<p>The first {MOST} of {count}; the files of this run hold all.</p>\n");
     }
     for one in shown.iter().take(MOST) {
         progress.check()?;
@@ -85,8 +79,7 @@ struct Facts(String);
 impl Facts {
     fn add(&mut self, name: &str, value: &str) {
         if !value.is_empty() {
-            // Writing to a string cannot fail.
-            write!(self.0, "<dt>{name}</dt><dd>{value}</dd>").ok();
+            self.0 += &format!("<dt>{name}</dt><dd>{value}</dd>");
         }
     }
 }

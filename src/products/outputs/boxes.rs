@@ -8,11 +8,9 @@ use crate::detection::objects::{LogReview, ObjectList, SurveyObject, SurveyRevie
 use crate::detection::review::{PIXEL_M, Review, ReviewedTile};
 use crate::pipeline::ProcessedLog;
 use crate::pipeline::list_objects;
-use crate::products::export::{self, ObjectLog, Part};
+use crate::products::export::{self, ObjectLog, Part, make_folder};
 use crate::products::outputs::OutputError;
 use crate::support::progress::Progress;
-use std::fs;
-use std::io::Write as _;
 use std::path::Path;
 
 /// Folder of the pictures for training.
@@ -92,7 +90,7 @@ pub(crate) fn write_boxes(
     }
     let work = |one: &LogBoxes<'_>| (one.review.boxes().len() + one.tiles.len()) as u64;
     progress.start(boxes.iter().map(work).sum());
-    make(folder)?;
+    make_folder(folder)?;
     let list = list_objects(logs, review, progress)?;
     let names = log_names(logs);
     tables(logs, &names, &list, folder, progress)?;
@@ -120,7 +118,7 @@ pub(crate) fn write_boxes(
         };
         written.pictures += one.tiles.len();
         written.negatives += training_tiles.write(&root, progress)?;
-        text(&review, &(one.review.to_json() + "\n"))?;
+        export::write_bytes(&review, one.review.to_json() + "\n")?;
     }
     Ok(written)
 }
@@ -155,14 +153,4 @@ fn tables(
 /// A log's name as that of a file: the name of a recording is that of its own file, but for a log out of memory.
 fn file_name(name: &str) -> String {
     name.replace(['/', '\\'], "-")
-}
-
-fn make(folder: &Path) -> Result<(), OutputError> {
-    fs::create_dir_all(folder)
-        .map_err(|error| format!("cannot make the folder: {error}: {}", folder.display()).into())
-}
-
-fn text(path: &Path, text: &str) -> Result<(), OutputError> {
-    export::write_atomically(path, |mut file| file.write_all(text.as_bytes()))
-        .map_err(OutputError::from)
 }

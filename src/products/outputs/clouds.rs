@@ -1,44 +1,34 @@
 //! The tables of pings and points, and the cloud for other programs.
 
-use super::content::{Coordinates, FileContent};
+use super::content::{FileContent, FileResult};
 use super::results::Results;
 use crate::bottom::cloud::CloudPoint;
 use crate::products::export::{self, LasPacking, LogPoints};
-use crate::products::outputs::OutputError;
 use std::path::Path;
 
 /// Writes `first_returns.csv`.
-pub(super) fn first_returns(
-    results: &Results<'_>,
-    path: &Path,
-) -> Result<FileContent, OutputError> {
-    export::first_returns_csv(path, &results.log_points())
-        .map(|pings| FileContent::new(Coordinates::Degrees, pings))
-        .map_err(OutputError::from)
+pub(super) fn first_returns(results: &Results<'_>, path: &Path) -> FileResult {
+    let pings = export::first_returns_csv(path, &results.log_points())?;
+    Ok(FileContent::in_degrees(pings))
 }
 
 /// Writes `cloud.csv`.
-pub(super) fn table(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
-    export::cloud_csv(path, &results.log_points())
-        .map(|points| FileContent::new(Coordinates::Degrees, points))
-        .map_err(OutputError::from)
+pub(super) fn table(results: &Results<'_>, path: &Path) -> FileResult {
+    let points = export::cloud_csv(path, &results.log_points())?;
+    Ok(FileContent::in_degrees(points))
 }
 
 /// Writes all points to `cloud.copc.laz`, in the system of the map.
-pub(super) fn copc(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn copc(results: &Results<'_>, path: &Path) -> FileResult {
     las_file(results, path, LasPacking::Copc)
 }
 
 /// Writes all points to `cloud.las`, in the system of the map.
-pub(super) fn las(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn las(results: &Results<'_>, path: &Path) -> FileResult {
     las_file(results, path, LasPacking::Plain)
 }
 
-fn las_file(
-    results: &Results<'_>,
-    path: &Path,
-    packing: LasPacking,
-) -> Result<FileContent, OutputError> {
+fn las_file(results: &Results<'_>, path: &Path, packing: LasPacking) -> FileResult {
     let crs = &results.plane.map.crs;
     let place = |log: &LogPoints<'_>, point: &CloudPoint| place(results, log, point);
     let points = export::cloud_las(path, packing, crs, place, &results.log_points());
@@ -48,26 +38,24 @@ fn las_file(
             true => ", time adjusted standard GPS time",
             false => ", time seconds after the log's beginning",
         },
-        ..FileContent::new(Coordinates::System(crs.clone()), points?)
+        ..FileContent::in_system(crs, points?)
     })
 }
 
 /// Writes all points to `cloud.ply`, in the survey's own plane.
-pub(super) fn ply(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
-    let origin = Coordinates::Local(results.survey.track.frame.origin());
-    export::cloud_ply(path, &results.log_points())
-        .map(|points| FileContent::new(origin, points))
-        .map_err(OutputError::from)
+pub(super) fn ply(results: &Results<'_>, path: &Path) -> FileResult {
+    let origin = results.survey.track.frame.origin();
+    let points = export::cloud_ply(path, &results.log_points())?;
+    Ok(FileContent::in_metres(origin, points))
 }
 
 /// Writes the points of the bottom to `cloud.xyz`, in the system of the map.
-pub(super) fn xyz(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn xyz(results: &Results<'_>, path: &Path) -> FileResult {
     let crs = &results.plane.map.crs;
     let decimals = if crs.is_degrees() { 9 } else { 3 };
     let place = |log: &LogPoints<'_>, point: &CloudPoint| place(results, log, point);
-    export::cloud_xyz(path, decimals, place, &results.log_points())
-        .map(|points| FileContent::new(Coordinates::System(crs.clone()), points))
-        .map_err(OutputError::from)
+    let points = export::cloud_xyz(path, decimals, place, &results.log_points())?;
+    Ok(FileContent::in_system(crs, points))
 }
 
 /// The place of a point of a log in the system of the map.

@@ -1,7 +1,6 @@
 //! `comparison.json` and `comparison.csv`: a survey against a reference, in figures and point by point.
 
-use super::content::{Coordinates, FileContent};
-use super::json_record::write_json;
+use super::content::{FileContent, FileResult};
 use super::logs::{log_names, log_points};
 use super::results::Results;
 use crate::bottom::bathymetry::compare::{Comparison, Match};
@@ -155,25 +154,21 @@ pub(crate) fn write_differences(
     let points = log_points(logs, &names);
     let found = agreement.logs.iter().map(|log| log.differences.as_slice());
     let found: Vec<&[Match]> = found.collect();
-    export::differences_csv(path, &points, &found).map_err(OutputError::from)
+    Ok(export::differences_csv(path, &points, &found)?)
 }
 
 /// Writes `comparison.json`.
-pub(super) fn json(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn json(results: &Results<'_>, path: &Path) -> FileResult {
     let agreement = results.agreement()?.ok_or(NO_REFERENCE)?;
     let inputs = results.reference_inputs()?;
     let record = ComparisonRecord::new(results.order.logs, agreement, inputs)?;
-    write_json(path, &record)?;
-    let summary = Summary {
-        count: agreement.differences().count(),
-        ..Summary::default()
-    };
-    Ok(FileContent::new(Coordinates::None, summary))
+    export::write_json(path, &record)?;
+    Ok(FileContent::count(agreement.differences().count()))
 }
 
 /// Writes `comparison.csv`.
-pub(super) fn csv(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn csv(results: &Results<'_>, path: &Path) -> FileResult {
     let agreement = results.agreement()?.ok_or(NO_REFERENCE)?;
-    write_differences(path, results.order.logs, agreement)
-        .map(|points| FileContent::new(Coordinates::Degrees, points))
+    let points = write_differences(path, results.order.logs, agreement)?;
+    Ok(FileContent::in_degrees(points))
 }

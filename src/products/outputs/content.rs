@@ -1,5 +1,6 @@
 //! What a file of a run holds, as the manifest says it.
 
+use super::error::OutputError;
 use crate::products::export::Summary;
 use crate::support::geo::{Crs, LonLat};
 
@@ -27,13 +28,43 @@ pub(super) struct FileContent {
     pub detail: &'static str,
 }
 
+/// What a writer of a file returns.
+pub(super) type FileResult = Result<FileContent, OutputError>;
+
 impl FileContent {
-    /// Content in some coordinates.
-    pub(super) fn new(coordinates: Coordinates, summary: Summary) -> Self {
+    fn new(coordinates: Coordinates, summary: Summary) -> Self {
         Self {
             coordinates,
             summary,
             detail: "",
         }
+    }
+
+    /// Content in degrees.
+    pub(super) fn in_degrees(summary: Summary) -> Self {
+        Self::new(Coordinates::Degrees, summary)
+    }
+
+    /// Content in a coordinate reference system.
+    pub(super) fn in_system(crs: &Crs, summary: Summary) -> Self {
+        Self::new(Coordinates::System(crs.clone()), summary)
+    }
+
+    /// Content in metres east and north of the survey's origin.
+    pub(super) fn in_metres(origin: LonLat, summary: Summary) -> Self {
+        Self::new(Coordinates::Local(origin), summary)
+    }
+
+    /// Content without coordinates.
+    pub(super) fn of_table(summary: Summary) -> Self {
+        Self::new(Coordinates::None, summary)
+    }
+
+    /// So many of something, without coordinates.
+    pub(super) fn count(count: usize) -> Self {
+        Self::of_table(Summary {
+            count,
+            ..Summary::default()
+        })
     }
 }

@@ -1,11 +1,11 @@
 //! What a search for objects proposes: `detections.*` and `chips`, with a run or into a folder that may hold the files of one.
 
-use super::content::{Coordinates, FileContent};
+use super::content::{FileContent, FileResult};
 use super::objects::all_rows;
 use super::results::Results;
 use crate::detection::objects::SurveyObject;
 use crate::detection::{Detection, Raster};
-use crate::products::export::{self, ChipLog, ExportError, ObjectRow, Summary};
+use crate::products::export::{self, ChipLog, ObjectRow, Summary};
 use crate::products::outputs::OutputError;
 use std::path::Path;
 
@@ -38,35 +38,38 @@ impl Proposed {
     }
 }
 
-/// Writes `detections.csv`.
-pub(super) fn csv(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+fn rows<'a>(results: &'a Results<'_>) -> Result<Vec<ObjectRow<'a>>, OutputError> {
     let (list, shapes) = results.shaped_found()?;
-    objects_csv(results, path, &all_rows(list, shapes, results.order.logs))
+    Ok(all_rows(list, shapes, results.order.logs))
+}
+
+/// Writes `detections.csv`.
+pub(super) fn csv(results: &Results<'_>, path: &Path) -> FileResult {
+    objects_csv(results, path, &rows(results)?)
 }
 
 /// Writes `detections.geojson`.
-pub(super) fn geojson(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
-    let (list, shapes) = results.shaped_found()?;
-    objects_geojson(results, path, &all_rows(list, shapes, results.order.logs))
+pub(super) fn geojson(results: &Results<'_>, path: &Path) -> FileResult {
+    objects_geojson(results, path, &rows(results)?)
 }
 
 /// Writes `detections.gpx`.
-pub(super) fn gpx(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn gpx(results: &Results<'_>, path: &Path) -> FileResult {
     let (list, _) = results.shaped_found()?;
     let objects: Vec<&SurveyObject> = list.objects().iter().collect();
-    in_degrees(export::objects_gpx(path, &objects))
+    let waypoints = export::objects_gpx(path, &objects)?;
+    Ok(FileContent::in_degrees(waypoints))
 }
 
 /// Writes `shapes.ply`.
-pub(super) fn shapes(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
-    let (list, shapes) = results.shaped_found()?;
-    let summary = export::shapes_ply(path, &all_rows(list, shapes, results.order.logs))?;
-    let origin = Coordinates::Local(results.survey.track.frame.origin());
-    Ok(FileContent::new(origin, summary))
+pub(super) fn shapes(results: &Results<'_>, path: &Path) -> FileResult {
+    let summary = export::shapes_ply(path, &rows(results)?)?;
+    let origin = results.survey.track.frame.origin();
+    Ok(FileContent::in_metres(origin, summary))
 }
 
 /// Writes `chips`, a folder with a picture of each box.
-pub(super) fn chips(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn chips(results: &Results<'_>, path: &Path) -> FileResult {
     let (Some(model), Some(found)) = (results.order.search, results.found()?) else {
         return Err("nothing searched for objects".into());
     };
@@ -79,14 +82,7 @@ pub(super) fn chips(results: &Results<'_>, path: &Path) -> Result<FileContent, O
     let logs: Vec<ChipLog<'_>> = logs.collect();
     let folder = path.parent().unwrap_or(path);
     export::chips(folder, model.names(), &logs, results.progress)?;
-    Ok(FileContent::new(Coordinates::None, Summary::default()))
-}
-
-pub(super) fn in_degrees(
-    written: Result<Summary, ExportError>,
-) -> Result<FileContent, OutputError> {
-    let summary = written.map_err(OutputError::from)?;
-    Ok(FileContent::new(Coordinates::Degrees, summary))
+    Ok(FileContent::count(0))
 }
 
 /// Writes boxes as a table.
@@ -94,13 +90,13 @@ pub(super) fn objects_csv(
     results: &Results<'_>,
     path: &Path,
     rows: &[ObjectRow<'_>],
-) -> Result<FileContent, OutputError> {
+) -> FileResult {
     let summary = Summary {
         count: rows.len(),
         ..placed_in(rows)
     };
     export::objects_csv(path, &results.object_logs(), rows)?;
-    Ok(FileContent::new(Coordinates::Degrees, summary))
+    Ok(FileContent::in_degrees(summary))
 }
 
 /// Writes boxes as points.
@@ -108,9 +104,9 @@ pub(super) fn objects_geojson(
     results: &Results<'_>,
     path: &Path,
     rows: &[ObjectRow<'_>],
-) -> Result<FileContent, OutputError> {
+) -> FileResult {
     export::objects_geojson(path, &results.object_logs(), rows)?;
-    Ok(FileContent::new(Coordinates::Degrees, placed_in(rows)))
+    Ok(FileContent::in_degrees(placed_in(rows)))
 }
 
 /// The places of the boxes, counted.

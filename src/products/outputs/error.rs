@@ -4,7 +4,8 @@ use super::mosaic_grid::NoMosaic;
 use crate::bottom::bathymetry::isobaths::NoIsobaths;
 use crate::detection::DetectError;
 use crate::pipeline::{AgreementError, InputError};
-use crate::products::export::{ChipError, ExportError, RasterError};
+use crate::products::export::{ChipError, ExportError, NoFolder, RasterError};
+use crate::support::file_error::FileError;
 use crate::support::geo::CrsError;
 use crate::support::progress::Cancelled;
 
@@ -28,6 +29,9 @@ pub enum OutputError {
     /// A file of text, points or shapes.
     #[error(transparent)]
     File(#[from] ExportError),
+    /// A folder.
+    #[error(transparent)]
+    Folder(#[from] FileError<NoFolder>),
     /// A GeoTIFF.
     #[error(transparent)]
     Raster(RasterError),
@@ -57,49 +61,26 @@ pub enum OutputError {
     Refused(String),
 }
 
-impl From<RasterError> for OutputError {
-    fn from(error: RasterError) -> Self {
-        match error {
-            RasterError::Cancelled(cancelled) => Self::Cancelled(cancelled),
-            other => Self::Raster(other),
+/// A cancellation stays one, wherever it came from.
+macro_rules! from_cancellable {
+    ($($error:ident => $variant:ident,)*) => {$(
+        impl From<$error> for OutputError {
+            fn from(error: $error) -> Self {
+                match error {
+                    $error::Cancelled(cancelled) => Self::Cancelled(cancelled),
+                    other => Self::$variant(other),
+                }
+            }
         }
-    }
+    )*};
 }
 
-impl From<ChipError> for OutputError {
-    fn from(error: ChipError) -> Self {
-        match error {
-            ChipError::Cancelled(cancelled) => Self::Cancelled(cancelled),
-            other => Self::Picture(other),
-        }
-    }
-}
-
-impl From<DetectError> for OutputError {
-    fn from(error: DetectError) -> Self {
-        match error {
-            DetectError::Cancelled(cancelled) => Self::Cancelled(cancelled),
-            other => Self::Search(other),
-        }
-    }
-}
-
-impl From<AgreementError> for OutputError {
-    fn from(error: AgreementError) -> Self {
-        match error {
-            AgreementError::Cancelled(cancelled) => Self::Cancelled(cancelled),
-            other => Self::Reference(other),
-        }
-    }
-}
-
-impl From<InputError> for OutputError {
-    fn from(error: InputError) -> Self {
-        match error {
-            InputError::Cancelled(cancelled) => Self::Cancelled(cancelled),
-            other => Self::Input(other),
-        }
-    }
+from_cancellable! {
+    RasterError => Raster,
+    ChipError => Picture,
+    DetectError => Search,
+    AgreementError => Reference,
+    InputError => Input,
 }
 
 impl From<String> for OutputError {

@@ -1,6 +1,6 @@
 //! All lines, areas and objects of a survey in one file.
 
-use super::content::{Coordinates, FileContent};
+use super::content::{FileContent, FileResult};
 use super::depth::contours::Drawn;
 use super::need::Need;
 use super::objects::target_rows;
@@ -12,7 +12,7 @@ use std::path::Path;
 
 /// Writes `survey.gpkg`, in the system of the map: what there is of track, footprint, isobaths, depth areas and objects. Map programs
 /// draw the layers in the order in which they are named here, the first at the bottom.
-pub(super) fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn write(results: &Results<'_>, path: &Path) -> FileResult {
     let map = &results.plane.map;
     let placed = MapGeometry::new(map);
     let has = |need| Ok::<bool, OutputError>(results.missing(need)?.is_none());
@@ -59,8 +59,5 @@ pub(super) fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, O
     }
     let time_s = results.start_unix_s().unwrap_or(0.0);
     let summary = export::geopackage(path, &map.crs, time_s, &layers)?;
-    Ok(FileContent::new(
-        Coordinates::System(map.crs.clone()),
-        summary,
-    ))
+    Ok(FileContent::in_system(&map.crs, summary))
 }

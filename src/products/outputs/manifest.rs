@@ -1,11 +1,10 @@
 //! `manifest.json`: every file of a run, with where it comes from, its coordinate system, extent and hash.
 
 use super::content::{Coordinates, FileContent};
-use super::json_record::write_json;
 use super::need::Need;
 use super::registry::{Described, OutputFile, row_of};
 use crate::pipeline::{Fingerprint, Input, Report, Settings};
-use crate::products::export::Summary;
+use crate::products::export::{Summary, write_json};
 use crate::products::outputs::OutputError;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -78,7 +77,7 @@ pub(super) fn write_manifest(
         statement: &report.statement,
         files: files.iter().map(entry).collect(),
     };
-    write_json(path, &manifest)
+    Ok(write_json(path, &manifest)?)
 }
 
 fn entry<'a>(

@@ -22,7 +22,6 @@ mod earlier_run;
 mod error;
 mod geopackage;
 mod ground;
-mod json_record;
 mod logs;
 mod manifest;
 mod mosaic;

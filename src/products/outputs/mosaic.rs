@@ -1,13 +1,12 @@
 //! Writes the side-scan mosaic.
 
-use super::content::{Coordinates, FileContent};
+use super::content::{FileContent, FileResult};
 use super::mosaic_grid::mosaic_grid;
 use super::results::Results;
 use crate::bottom::bathymetry::Grid;
 use crate::formats::geotiff::{Band, Cells, RASTER_TILE, RasterSpec};
 use crate::imagery::mosaic::{Colours, MosaicLog, TILE_CELLS, TileIndex, joint_tile};
 use crate::products::export::{Summary, geotiff};
-use crate::products::outputs::OutputError;
 use crate::products::outputs::raster;
 use crate::support::geo::MapPlane;
 use std::collections::BTreeSet;
@@ -15,7 +14,7 @@ use std::path::Path;
 
 /// Writes `mosaic.tif`: all side-scan echoes in the system that `crs` names, as a GeoTIFF: one band of levels with a mask, or colours
 /// with opacity. Memory does not grow with the area.
-pub(super) fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn write(results: &Results<'_>, path: &Path) -> FileResult {
     let (settings, map) = (&results.products.settings.mosaic, &results.plane.map);
     let mosaic = results.mosaic()?;
     let grid = mosaic_grid(mosaic.as_deref(), settings.cell_m)?;
@@ -37,10 +36,7 @@ pub(super) fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, O
     };
     let spec = spec(&grid, map, &results.name(), settings.colours);
     geotiff(path, &spec, &places, draw, results.progress)?;
-    Ok(FileContent::new(
-        Coordinates::System(map.crs.clone()),
-        summary(&grid, map),
-    ))
+    Ok(FileContent::in_system(&map.crs, summary(&grid, map)))
 }
 
 fn summary(grid: &Grid, map: &MapPlane) -> Summary {
@@ -48,12 +44,9 @@ fn summary(grid: &Grid, map: &MapPlane) -> Summary {
         count: grid.len(),
         ..Summary::default()
     };
-    let (width_m, height_m) = (
-        grid.columns as f64 * grid.cell_m,
-        grid.rows as f64 * grid.cell_m,
-    );
-    summary.reach(map.in_crs([grid.west_m, grid.north_m]));
-    summary.reach(map.in_crs([grid.west_m + width_m, grid.north_m - height_m]));
+    let [west_m, south_m, east_m, north_m] = grid.bounds_m();
+    summary.reach(map.in_crs([west_m, north_m]));
+    summary.reach(map.in_crs([east_m, south_m]));
     summary
 }
 

@@ -15,9 +15,6 @@ use std::collections::BTreeMap;
 pub(super) type Shapes = BTreeMap<u32, FittedShape>;
 
 /// The shapes of the targets of a list.
-///
-/// # Errors
-/// When the work was cancelled.
 pub(super) fn find_shapes(
     list: &ObjectList,
     logs: &[ProcessedLog],

@@ -51,37 +51,29 @@ impl Product {
 
     /// The name that `--products` knows.
     pub fn name(self) -> &'static str {
-        match self {
-            Product::Cloud => "cloud",
-            Product::Track => "track",
-            Product::Depth => "depth",
-            Product::Xyz => "xyz",
-            Product::Bottom => "bottom",
-            Product::Isobaths => "isobaths",
-            Product::MapTiles => "map-tiles",
-            Product::Mosaic => "mosaic",
-            Product::Residuals => "residuals",
-            Product::Targets => "targets",
-            Product::Geopackage => "geopackage",
-            Product::Report => "report",
-        }
+        self.words().0
     }
 
     /// What people call it.
     pub fn title(self) -> &'static str {
+        self.words().1
+    }
+
+    /// Name and title.
+    fn words(self) -> (&'static str, &'static str) {
         match self {
-            Product::Cloud => "Point cloud",
-            Product::Track => "Track and coverage",
-            Product::Depth => "Depth map (GeoTIFF)",
-            Product::Xyz => "Depth grid as text (XYZ)",
-            Product::Bottom => "Bottom for 3D programs",
-            Product::Isobaths => "Isobaths, depth areas, volumes",
-            Product::MapTiles => "Depth map for plotters and the web",
-            Product::Mosaic => "Side-scan mosaic (GeoTIFF)",
-            Product::Residuals => "Residuals",
-            Product::Targets => "Objects that were accepted",
-            Product::Geopackage => "All lines and areas (GeoPackage)",
-            Product::Report => "Report (HTML)",
+            Product::Cloud => ("cloud", "Point cloud"),
+            Product::Track => ("track", "Track and coverage"),
+            Product::Depth => ("depth", "Depth map (GeoTIFF)"),
+            Product::Xyz => ("xyz", "Depth grid as text (XYZ)"),
+            Product::Bottom => ("bottom", "Bottom for 3D programs"),
+            Product::Isobaths => ("isobaths", "Isobaths, depth areas, volumes"),
+            Product::MapTiles => ("map-tiles", "Depth map for plotters and the web"),
+            Product::Mosaic => ("mosaic", "Side-scan mosaic (GeoTIFF)"),
+            Product::Residuals => ("residuals", "Residuals"),
+            Product::Targets => ("targets", "Objects that were accepted"),
+            Product::Geopackage => ("geopackage", "All lines and areas (GeoPackage)"),
+            Product::Report => ("report", "Report (HTML)"),
         }
     }
 }

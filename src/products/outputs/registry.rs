@@ -3,17 +3,16 @@
 
 mod kinds;
 
-use super::content::FileContent;
+use super::content::FileResult;
 use super::need::Need;
 use super::order::When;
 use super::product::Product;
 use super::results::Results;
 use super::{clouds, comparison, depth, detections, geopackage, mosaic, residuals, targets, track};
-use crate::products::outputs::OutputError;
 use kinds::{
     CLASSED_POINTS, KEPT_POINTS, LAS_POINTS, NOT_OF_BODY, NOT_OF_CLOUD, NOT_OF_DEPTHS,
     NOT_OF_MOSAIC, NOT_OF_POINTS, boxes, cloud, compared, contours, described, footprint,
-    map_tiles, raster, row, target_file, track_file,
+    map_tiles, raster, row, run_file, target_file, track_file,
 };
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -50,11 +49,14 @@ pub struct Described {
     pub measured: &'static str,
 }
 
+/// Writes a file from the results of the survey.
+pub(super) type WriteFile = fn(&Results<'_>, &Path) -> FileResult;
+
 /// What writes a file.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Writer {
     /// From the results of the survey.
-    Results(fn(&Results<'_>, &Path) -> Result<FileContent, OutputError>),
+    Results(WriteFile),
     /// From the run, when all other files are there.
     Run(RunFile),
 }
@@ -137,7 +139,7 @@ pub(crate) const OUTPUT_FILES: [OutputFile; 48] = [
         ..row(
             "points/first_returns.csv",
             When::Always,
-            Writer::Results(clouds::first_returns),
+            clouds::first_returns,
         )
     },
     OutputFile {
@@ -148,17 +150,13 @@ pub(crate) const OUTPUT_FILES: [OutputFile; 48] = [
             "points",
             "z_m",
         ),
-        ..row(
-            "points/cloud.csv",
-            When::Always,
-            Writer::Results(clouds::table),
-        )
+        ..row("points/cloud.csv", When::Always, clouds::table)
     },
     cloud(
         "points/cloud.copc.laz",
         LAS_POINTS,
         "all points with their classes for GIS and point cloud programs (COPC, which is LAZ)",
-        Writer::Results(clouds::copc),
+        clouds::copc,
     ),
     OutputFile {
         needs: &[Need::PlainLas, Need::KeptPoints],
@@ -166,28 +164,24 @@ pub(crate) const OUTPUT_FILES: [OutputFile; 48] = [
             "points/cloud.las",
             LAS_POINTS,
             "the same as plain LAS, where the settings ask for it",
-            Writer::Results(clouds::las),
+            clouds::las,
         )
     },
     cloud(
         "points/cloud.ply",
         CLASSED_POINTS,
         "all points with their classes for 3D viewers",
-        Writer::Results(clouds::ply),
+        clouds::ply,
     ),
     cloud(
         "points/cloud.xyz",
         KEPT_POINTS,
         "the points that count for the depth map as plain text",
-        Writer::Results(clouds::xyz),
+        clouds::xyz,
     ),
-    track_file("track/track.gpx", "points", Writer::Results(track::gpx)),
-    track_file(
-        "track/track.geojson",
-        "lines",
-        Writer::Results(track::geojson),
-    ),
-    track_file("track/track.kmz", "lines", Writer::Results(track::kmz)),
+    track_file("track/track.gpx", "points", track::gpx),
+    track_file("track/track.geojson", "lines", track::geojson),
+    track_file("track/track.kmz", "lines", track::kmz),
     OutputFile {
         companions: &[
             "track/track.shx",
@@ -195,24 +189,17 @@ pub(crate) const OUTPUT_FILES: [OutputFile; 48] = [
             "track/track.prj",
             "track/track.cpg",
         ],
-        ..track_file(
-            "track/track.shp",
-            "lines",
-            Writer::Results(track::shapefile),
-        )
+        ..track_file("track/track.shp", "lines", track::shapefile)
     },
-    footprint(
-        "track/footprint.geojson",
-        Writer::Results(track::footprint_geojson),
-    ),
-    footprint("track/footprint.kmz", Writer::Results(track::footprint_kmz)),
+    footprint("track/footprint.geojson", track::footprint_geojson),
+    footprint("track/footprint.kmz", track::footprint_kmz),
     raster(
         "depth/depth.tif",
         &["depth/depth.qml"],
         "Depth in metres, positive down",
         "depth_m",
         "depth map, metres",
-        Writer::Results(depth::rasters::depth),
+        depth::rasters::depth,
     ),
     raster(
         "depth/uncertainty.tif",
@@ -220,7 +207,7 @@ pub(crate) const OUTPUT_FILES: [OutputFile; 48] = [
         "Standard deviation in metres of the depths that carry a cell",
         "standard_deviation_m",
         "standard deviation of the depths in a cell, metres",
-        Writer::Results(depth::rasters::uncertainty),
+        depth::rasters::uncertainty,
     ),
     raster(
         "depth/shoalest.tif",
@@ -228,7 +215,7 @@ pub(crate) const OUTPUT_FILES: [OutputFile; 48] = [
         "Shoalest depth in metres that was measured in a cell, positive down",
         "depth_m",
         "shoalest depth measured in each cell, metres",
-        Writer::Results(depth::rasters::shoalest),
+        depth::rasters::shoalest,
     ),
     raster(
         "depth/distance.tif",
@@ -236,7 +223,7 @@ pub(crate) const OUTPUT_FILES: [OutputFile; 48] = [
         "Distance in metres from a cell to the nearest depth",
         "distance_m",
         "distance to the nearest depth, metres",
-        Writer::Results(depth::rasters::distance),
+        depth::rasters::distance,
     ),
     raster(
         "depth/source.tif",
@@ -244,7 +231,7 @@ pub(crate) const OUTPUT_FILES: [OutputFile; 48] = [
         "Source of the depth in each cell: 4 a sounding, 3 a first return, 2 echo levels, 1 interpolated",
         "class",
         "source of the depth in each cell",
-        Writer::Results(depth::rasters::source),
+        depth::rasters::source,
     ),
     OutputFile {
         needs: &[Need::Surface, Need::Hardness],
@@ -254,7 +241,7 @@ pub(crate) const OUTPUT_FILES: [OutputFile; 48] = [
             "How much brighter the bed is than the median of the map, decibels of power, without slope, angle, range and gain",
             "hardness_db",
             "how hard the bed is, decibels (with surface.swath)",
-            Writer::Results(depth::rasters::hardness),
+            depth::rasters::hardness,
         )
     },
     OutputFile {
@@ -265,7 +252,7 @@ pub(crate) const OUTPUT_FILES: [OutputFile; 48] = [
             "East, north and depth in metres, positive down, of every cell of the depth map that has one",
             "depth_m",
             "cells of the depth map as plain text",
-            Writer::Results(depth::cells::write),
+            depth::cells::write,
         )
     },
     OutputFile {
@@ -277,7 +264,7 @@ pub(crate) const OUTPUT_FILES: [OutputFile; 48] = [
             "The depth map as a mesh with its colours and the mosaic as pictures (glTF 2.0: y up, metres)",
             "depth_m",
             "the bottom for 3D programs",
-            Writer::Results(depth::body::write),
+            depth::body::write,
         )
     },
     OutputFile {
@@ -288,7 +275,7 @@ pub(crate) const OUTPUT_FILES: [OutputFile; 48] = [
             "The cells of the depth map as points: z is minus the depth, source as in source.tif; what nothing measured is marked synthetic",
             "z_m",
             "cells of the depth map as points, with the source of each depth",
-            Writer::Results(depth::cells::points),
+            depth::cells::points,
         )
     },
     contours(
@@ -296,7 +283,7 @@ pub(crate) const OUTPUT_FILES: [OutputFile; 48] = [
         "Lines of equal depth",
         "lines",
         "lines of equal depth",
-        Writer::Results(depth::contours::isobaths_geojson),
+        depth::contours::isobaths_geojson,
     ),
     OutputFile {
         needs: &[Need::Surface, Need::Levels, Need::Isobaths],
@@ -305,7 +292,7 @@ pub(crate) const OUTPUT_FILES: [OutputFile; 48] = [
             "Lines of equal depth",
             "lines",
             "lines of equal depth",
-            Writer::Results(depth::contours::isobaths_kmz),
+            depth::contours::isobaths_kmz,
         )
     },
     OutputFile {
@@ -321,7 +308,7 @@ pub(crate) const OUTPUT_FILES: [OutputFile; 48] = [
             "Lines of equal depth",
             "lines",
             "lines of equal depth",
-            Writer::Results(depth::contours::isobaths_shapefile),
+            depth::contours::isobaths_shapefile,
         )
     },
     contours(
@@ -329,7 +316,7 @@ pub(crate) const OUTPUT_FILES: [OutputFile; 48] = [
         "Areas between depths",
         "areas",
         "areas between them",
-        Writer::Results(depth::contours::depth_areas),
+        depth::contours::depth_areas,
     ),
     OutputFile {
         needs: &[Need::Surface, Need::Area],
@@ -338,7 +325,7 @@ pub(crate) const OUTPUT_FILES: [OutputFile; 48] = [
             "The shoalest depths of their surroundings",
             "points",
             "depths as a chart prints them, shoal first",
-            Writer::Results(depth::contours::spot_soundings),
+            depth::contours::spot_soundings,
         )
     },
     contours(
@@ -346,25 +333,25 @@ pub(crate) const OUTPUT_FILES: [OutputFile; 48] = [
         "Area and volume below each depth",
         "levels",
         "area and volume below each level",
-        Writer::Results(depth::contours::storage),
+        depth::contours::storage,
     ),
     map_tiles(
         "map_tiles/depth.mbtiles",
         "Tiles of the depth map with isobaths in Web Mercator, PNG (MBTiles 1.3)",
         "depth map with isobaths for plotters and phones (OpenCPN, Locus)",
-        Writer::Results(depth::tiles::chart),
+        depth::tiles::chart,
     ),
     map_tiles(
         "map_tiles/depth.pmtiles",
         "Tiles of the depth map in Web Mercator, PNG (PMTiles 3)",
         "depth map for web maps",
-        Writer::Results(depth::tiles::colours),
+        depth::tiles::colours,
     ),
     map_tiles(
         "map_tiles/depth_values.pmtiles",
         "Elevations, minus the depths, in Web Mercator as colours of PNG (PMTiles 3): red * 256 + green + blue / 256 - 32768 metres (Terrarium)",
         "depths for web maps, as colours that stand for metres",
-        Writer::Results(depth::tiles::values),
+        depth::tiles::values,
     ),
     OutputFile {
         described: None,
@@ -372,7 +359,7 @@ pub(crate) const OUTPUT_FILES: [OutputFile; 48] = [
             "map_tiles/index.html",
             "",
             "the depth map as a page for browsers, to look at and to send",
-            Writer::Results(depth::tiles::page),
+            depth::tiles::page,
         )
     },
     OutputFile {
@@ -387,7 +374,7 @@ pub(crate) const OUTPUT_FILES: [OutputFile; 48] = [
         ..row(
             "quality/residuals.json",
             When::Chosen(Product::Residuals),
-            Writer::Results(residuals::write),
+            residuals::write,
         )
     },
     OutputFile {
@@ -402,50 +389,34 @@ pub(crate) const OUTPUT_FILES: [OutputFile; 48] = [
         ..row(
             "mosaic/mosaic.tif",
             When::Chosen(Product::Mosaic),
-            Writer::Results(mosaic::write),
+            mosaic::write,
         )
     },
     compared(
         "quality/comparison.json",
         "The survey against a reference",
         "",
-        Writer::Results(comparison::json),
+        comparison::json,
     ),
     compared(
         "quality/comparison.csv",
         "Points of the survey with the elevation of the reference there; measured minus reference, positive is shallower",
         "difference_m",
-        Writer::Results(comparison::csv),
+        comparison::csv,
     ),
-    target_file(
-        "objects/targets.csv",
-        "boxes",
-        Writer::Results(targets::csv),
-    ),
-    target_file(
-        "objects/targets.geojson",
-        "boxes",
-        Writer::Results(targets::geojson),
-    ),
-    target_file(
-        "objects/targets.gpx",
-        "objects",
-        Writer::Results(targets::gpx),
-    ),
-    target_file(
-        "objects/targets.kml",
-        "objects",
-        Writer::Results(targets::kml),
-    ),
+    target_file("objects/targets.csv", "boxes", targets::csv),
+    target_file("objects/targets.geojson", "boxes", targets::geojson),
+    target_file("objects/targets.gpx", "objects", targets::gpx),
+    target_file("objects/targets.kml", "objects", targets::kml),
     boxes(
         "objects/detections.csv",
         "objects with place and size",
-        Writer::Results(detections::csv),
+        detections::csv,
     ),
     boxes(
         "objects/detections.geojson",
         "objects with place and size",
-        Writer::Results(detections::geojson),
+        detections::geojson,
     ),
     OutputFile {
         described: described(
@@ -456,7 +427,7 @@ pub(crate) const OUTPUT_FILES: [OutputFile; 48] = [
         ..boxes(
             "objects/detections.gpx",
             "objects for maps and plotters",
-            Writer::Results(detections::gpx),
+            detections::gpx,
         )
     },
     OutputFile {
@@ -468,7 +439,7 @@ pub(crate) const OUTPUT_FILES: [OutputFile; 48] = [
         ..boxes(
             "objects/shapes.ply",
             "shapes of objects for 3D programs",
-            Writer::Results(detections::shapes),
+            detections::shapes,
         )
     },
     OutputFile {
@@ -476,7 +447,7 @@ pub(crate) const OUTPUT_FILES: [OutputFile; 48] = [
         ..boxes(
             "objects/chips",
             "folder: a picture of each object",
-            Writer::Results(detections::chips),
+            detections::chips,
         )
     },
     OutputFile {
@@ -490,27 +461,25 @@ pub(crate) const OUTPUT_FILES: [OutputFile; 48] = [
         ..row(
             "survey.gpkg",
             When::Chosen(Product::Geopackage),
-            Writer::Results(geopackage::write),
+            geopackage::write,
         )
     },
-    OutputFile {
-        brief: "the report to read and to print",
-        ..row(
-            "report.html",
-            When::Chosen(Product::Report),
-            Writer::Run(RunFile::Page),
-        )
-    },
-    OutputFile {
-        brief: "the report for programs: inputs, settings, counts, statistics",
-        ..row("report.json", When::Always, Writer::Run(RunFile::Record))
-    },
-    OutputFile {
-        brief: "list of all files: what each is, coordinate system, extent, count, SHA-256",
-        ..row(
-            super::MANIFEST,
-            When::Always,
-            Writer::Run(RunFile::Manifest),
-        )
-    },
+    run_file(
+        "report.html",
+        When::Chosen(Product::Report),
+        "the report to read and to print",
+        RunFile::Page,
+    ),
+    run_file(
+        "report.json",
+        When::Always,
+        "the report for programs: inputs, settings, counts, statistics",
+        RunFile::Record,
+    ),
+    run_file(
+        super::MANIFEST,
+        When::Always,
+        "list of all files: what each is, coordinate system, extent, count, SHA-256",
+        RunFile::Manifest,
+    ),
 ];

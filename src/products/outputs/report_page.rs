@@ -9,11 +9,10 @@ use crate::detection::objects::{ObjectList, SurveyObject};
 use crate::detection::review::{PIXEL_M, Review, State};
 use crate::detection::targets::{PassCount, PassLog};
 use crate::pipeline::{Crosslines, ProcessedLog};
-use crate::products::export::write_atomically;
+use crate::products::export::write_bytes;
 use crate::products::html_report::{self, FileLine, Objects, ReportData};
 use crate::products::outputs::OutputError;
 use std::collections::BTreeMap;
-use std::io::Write as _;
 use std::path::Path;
 
 /// Writes the page.
@@ -53,7 +52,7 @@ pub(super) fn write(run: &Run<'_>, path: &Path) -> Result<(), OutputError> {
         files: &files,
     };
     let html = html_report::document(&from, results.progress)?;
-    write_atomically(path, |mut file| file.write_all(html.as_bytes())).map_err(OutputError::from)
+    Ok(write_bytes(path, html)?)
 }
 
 /// The boxes of all logs, as the page shows them.

@@ -1,13 +1,12 @@
 //! `residuals.json`: side-scan points against the soundings of the survey, the tracks against themselves and each other.
 
-use super::content::{Coordinates, FileContent};
-use super::json_record::write_json;
+use super::content::{FileContent, FileResult};
 use super::results::Results;
 use crate::pipeline::{
     Agreement, Choice, Crosslines, NamedComparison, ProcessedLog, ResidualTables, Settings,
     choices, comparisons, crosslines,
 };
-use crate::products::export::Summary;
+use crate::products::export::write_json;
 use crate::products::outputs::OutputError;
 use serde::Serialize;
 use std::path::Path;
@@ -49,7 +48,7 @@ const STATEMENT_OF_LOGS: &str = "Points of all logs are compared with the soundi
 
 /// Writes `residuals.json`: how side-scan agrees with soundings, what that hangs on, and what other choices of geometry and calibration
 /// make of it; the crossings of the tracks. Of several logs all together, and each by itself.
-pub(super) fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn write(results: &Results<'_>, path: &Path) -> FileResult {
     let (logs, products, progress) = (results.order.logs, results.products, results.progress);
     let side_scan = Agreement::with_soundings(logs, progress)?;
     let comparisons = results.comparisons()?;
@@ -78,11 +77,7 @@ pub(super) fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, O
         settings: &products.settings,
     };
     write_json(path, &record)?;
-    let summary = Summary {
-        count: comparisons.len(),
-        ..Summary::default()
-    };
-    Ok(FileContent::new(Coordinates::None, summary))
+    Ok(FileContent::count(comparisons.len()))
 }
 
 fn log_record(

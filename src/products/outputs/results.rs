@@ -38,12 +38,24 @@ pub(super) struct Results<'a> {
     /// What each log is called.
     pub names: Vec<String>,
     pub progress: &'a Progress,
+    of_group: OfGroup,
+    of_run: OfRun,
+}
+
+/// What only the files of one group are made from.
+#[derive(Default)]
+struct OfGroup {
     track: OnceLock<Vec<TrackPiece>>,
     ground: OnceLock<SideScanCoverage>,
-    depth_map: OnceLock<Option<Arc<DepthMap>>>,
     contours: OnceLock<Result<Contours, NoContours>>,
     map_tiles: OnceLock<MapTiles>,
     spot_soundings: OnceLock<Vec<DepthPoint>>,
+}
+
+/// What files of several groups are made from.
+#[derive(Default)]
+struct OfRun {
+    depth_map: OnceLock<Option<Arc<DepthMap>>>,
     comparisons: OnceLock<Vec<NamedComparison>>,
     crossings: OnceLock<Option<Crosslines>>,
     agreement: OnceLock<Option<Agreement>>,
@@ -83,34 +95,16 @@ impl<'a> Results<'a> {
             plane: Plane::of(survey, products)?,
             names: log_names(order.logs),
             progress,
-            track: OnceLock::new(),
-            ground: OnceLock::new(),
-            depth_map: OnceLock::new(),
-            contours: OnceLock::new(),
-            map_tiles: OnceLock::new(),
-            spot_soundings: OnceLock::new(),
-            comparisons: OnceLock::new(),
-            crossings: OnceLock::new(),
-            agreement: OnceLock::new(),
-            reference_inputs: OnceLock::new(),
-            found: OnceLock::new(),
-            found_objects: OnceLock::new(),
-            found_shapes: OnceLock::new(),
-            objects: OnceLock::new(),
-            shapes: OnceLock::new(),
+            of_group: OfGroup::default(),
+            of_run: OfRun::default(),
         })
     }
 
     /// Lets go of what only the files of one group are made from: it may be large. A file with all lines and areas needs it again.
     pub(super) fn end_group(&mut self) {
-        if self.order.asks_for(When::Chosen(Product::Geopackage)) {
-            return;
+        if !self.order.asks_for(When::Chosen(Product::Geopackage)) {
+            self.of_group = OfGroup::default();
         }
-        self.track.take();
-        self.ground.take();
-        self.contours.take();
-        self.map_tiles.take();
-        self.spot_soundings.take();
     }
 
     /// Whether something is missing, and why.
@@ -217,7 +211,7 @@ impl<'a> Results<'a> {
 
     /// The way of the boat, log by log. Times of all logs are seconds after the first one's time zero, where all know when they were.
     pub(super) fn track(&self) -> &[TrackPiece] {
-        self.track.get_or_init(|| {
+        self.of_group.track.get_or_init(|| {
             let pieces = self.logs().flat_map(|(survey, products)| {
                 let later_s = survey.start_unix_s.zip(self.start_unix_s());
                 let later_s = later_s.map_or(0.0, |(own_s, first_s)| own_s - first_s);
@@ -239,7 +233,7 @@ impl<'a> Results<'a> {
 
     /// The ground that the side-scan covers.
     pub(super) fn ground(&self) -> Result<&SideScanCoverage, OutputError> {
-        once(&self.ground, || {
+        once(&self.of_group.ground, || {
             let map = &self.plane.map;
             let layouts: Vec<Layout> = self
                 .logs()
@@ -252,13 +246,13 @@ impl<'a> Results<'a> {
 
     /// What became of depths from echo levels, if a depth map was made.
     pub(super) fn made_levels(&self) -> Option<FromLevels> {
-        let map = self.depth_map.get()?.as_ref()?;
+        let map = self.of_run.depth_map.get()?.as_ref()?;
         Some(map.surface.levels)
     }
 
     /// The depth map; `None` where the depths span none.
     pub(super) fn depth_map(&self) -> Result<Option<&Arc<DepthMap>>, OutputError> {
-        let made = once(&self.depth_map, || {
+        let made = once(&self.of_run.depth_map, || {
             let made = self.order.derived.depth_map(self.order.logs, self.progress);
             made.map_err(OutputError::from)
         });
@@ -293,7 +287,7 @@ impl<'a> Results<'a> {
 
     /// Isobaths, the areas between them and what lies below each; why there are none.
     pub(super) fn contours(&self) -> Result<&Result<Contours, NoContours>, OutputError> {
-        once(&self.contours, || {
+        once(&self.of_group.contours, || {
             let (depth_map, isobaths) = (self.depth_map()?, self.isobaths()?);
             match (depth_map, isobaths) {
                 (Some(depth_map), Ok(isobaths)) => {
@@ -309,7 +303,7 @@ impl<'a> Results<'a> {
     /// The tiles of the depth map; on the way they take room beside a file of theirs.
     pub(super) fn map_tiles(&self, file: &Path) -> Result<&MapTiles, OutputError> {
         let folder = file.parent().unwrap_or(file);
-        once(&self.map_tiles, || {
+        once(&self.of_group.map_tiles, || {
             let depth_map = self.depth_map()?.ok_or(NO_SURFACE)?;
             // Too many isobaths are a warning of their group; the map is drawn without.
             let isobaths = self.isobaths()?.unwrap_or_default();
@@ -320,7 +314,7 @@ impl<'a> Results<'a> {
 
     /// The depths that a chart prints, in the plane of the map; none without a depth map.
     pub(super) fn spot_soundings(&self) -> Result<&[DepthPoint], OutputError> {
-        let made = once(&self.spot_soundings, || {
+        let made = once(&self.of_group.spot_soundings, || {
             let Some(depth_map) = self.depth_map()? else {
                 return Ok(Vec::new());
             };
@@ -339,16 +333,20 @@ impl<'a> Results<'a> {
 
     /// How side-scan agrees with the soundings, over all logs.
     pub(super) fn comparisons(&self) -> Result<&[NamedComparison], OutputError> {
-        let made = once(&self.comparisons, || {
-            comparisons(self.order.logs, &self.plane.map, self.progress).map_err(OutputError::from)
+        let made = once(&self.of_run.comparisons, || {
+            Ok(comparisons(
+                self.order.logs,
+                &self.plane.map,
+                self.progress,
+            )?)
         });
         made.map(Vec::as_slice)
     }
 
     /// Where tracks cross themselves and each other.
     pub(super) fn crossings(&self) -> Result<Option<&Crosslines>, OutputError> {
-        let made = once(&self.crossings, || {
-            crosslines(self.order.logs, &self.names, self.progress).map_err(OutputError::from)
+        let made = once(&self.of_run.crossings, || {
+            Ok(crosslines(self.order.logs, &self.names, self.progress)?)
         });
         made.map(Option::as_ref)
     }
@@ -362,7 +360,7 @@ impl<'a> Results<'a> {
 
     /// The survey against the reference; `None` without one.
     pub(super) fn agreement(&self) -> Result<Option<&Agreement>, OutputError> {
-        let made = once(&self.agreement, || {
+        let made = once(&self.of_run.agreement, || {
             let Some((reference, matching)) = self.order.reference else {
                 return Ok(None);
             };
@@ -376,9 +374,11 @@ impl<'a> Results<'a> {
 
     /// The files that the reference was read from.
     pub(super) fn reference_inputs(&self) -> Result<&[Input], OutputError> {
-        let made = once(&self.reference_inputs, || match self.order.reference {
-            Some((reference, _)) => Ok(reference.inputs(self.progress)?),
-            None => Ok(Vec::new()),
+        let made = once(&self.of_run.reference_inputs, || {
+            match self.order.reference {
+                Some((reference, _)) => Ok(reference.inputs(self.progress)?),
+                None => Ok(Vec::new()),
+            }
         });
         made.map(Vec::as_slice)
     }
@@ -397,7 +397,7 @@ impl<'a> Results<'a> {
             found.retain(|one| !is_excluded(products, &one.mark));
             Ok(found)
         };
-        let made = once(&self.found, || self.logs().map(of_log).collect());
+        let made = once(&self.of_run.found, || self.logs().map(of_log).collect());
         made.map(|found| Some(found.as_slice()))
     }
 
@@ -429,7 +429,7 @@ impl<'a> Results<'a> {
         if self.found()?.is_none() {
             return Ok(None);
         }
-        let made = once(&self.found_objects, || {
+        let made = once(&self.of_run.found_objects, || {
             let review = self.found_review(|_| true)?;
             Ok(list_objects(self.order.logs, &review, self.progress)?)
         });
@@ -443,7 +443,7 @@ impl<'a> Results<'a> {
     pub(super) fn shaped_found(&self) -> Result<(&ObjectList, &Shapes), OutputError> {
         let list = self.found_objects()?;
         let list = list.ok_or("nothing searched for objects")?;
-        let shapes = once(&self.found_shapes, || self.shapes_of(list))?;
+        let shapes = once(&self.of_run.found_shapes, || self.shapes_of(list))?;
         Ok((list, shapes))
     }
 
@@ -456,7 +456,7 @@ impl<'a> Results<'a> {
             (false, true) => return self.found_objects(),
             (true, _) => {}
         }
-        let made = once(&self.objects, || {
+        let made = once(&self.of_run.objects, || {
             let review =
                 self.found_review(|log| is_searched && self.order.review.log(log).is_none())?;
             Ok(list_objects(self.order.logs, &review, self.progress)?)
@@ -474,7 +474,7 @@ impl<'a> Results<'a> {
         }
         let list = self.objects()?;
         let list = list.ok_or("nobody has looked for objects")?;
-        let shapes = once(&self.shapes, || self.shapes_of(list))?;
+        let shapes = once(&self.of_run.shapes, || self.shapes_of(list))?;
         Ok((list, shapes))
     }
 

@@ -12,7 +12,7 @@ mod earlier;
 mod journal;
 
 use crate::pipeline::Fingerprint;
-use crate::products::export::{earlier_chips, remove_passing_chips};
+use crate::products::export::{earlier_chips, make_folder, remove_passing_chips};
 use crate::products::outputs::OutputError;
 use crate::support::progress::Progress;
 use earlier::EarlierFiles;
@@ -79,8 +79,7 @@ impl RunFolder {
                 folder.display()
             )
         };
-        fs::create_dir_all(folder)
-            .map_err(|error| format!("cannot make the folder: {error}: {}", folder.display()))?;
+        make_folder(folder)?;
         let lock = take_lock(folder).map_err(fail)?.ok_or_else(|| {
             format!(
                 "another run of bathyscope is writing into this folder; wait for it, or choose another folder: {}",

@@ -1,51 +1,41 @@
 //! The track and the insonified ground, for plotters and maps.
 
-use super::content::{Coordinates, FileContent};
+use super::content::{FileContent, FileResult};
 use super::ground::SideScanCoverage;
 use super::results::Results;
-use crate::products::export::{self, ExportError, LabelledLine, Summary, TrackPiece};
-use crate::products::outputs::OutputError;
+use crate::products::export::{self, LabelledLine, Summary, TrackPiece};
 use std::path::Path;
 
 /// Red, which stays legible on a map and on a picture of the earth.
 const COLOUR: [u8; 3] = [214, 39, 40];
 
-fn in_degrees(summary: Result<Summary, ExportError>) -> Result<FileContent, OutputError> {
-    summary
-        .map(|summary| FileContent::new(Coordinates::Degrees, summary))
-        .map_err(OutputError::from)
-}
-
 /// Writes `track.gpx`.
-pub(super) fn gpx(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
-    let start_unix_s = results.start_unix_s();
-    in_degrees(export::track_gpx(
-        path,
-        &results.name(),
-        start_unix_s,
-        results.track(),
-    ))
+pub(super) fn gpx(results: &Results<'_>, path: &Path) -> FileResult {
+    let (name, start_unix_s) = (results.name(), results.start_unix_s());
+    let points = export::track_gpx(path, &name, start_unix_s, results.track())?;
+    Ok(FileContent::in_degrees(points))
 }
 
 /// Writes `track.geojson`.
-pub(super) fn geojson(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
-    in_degrees(export::track_geojson(path, results.track()))
+pub(super) fn geojson(results: &Results<'_>, path: &Path) -> FileResult {
+    let lines = export::track_geojson(path, results.track())?;
+    Ok(FileContent::in_degrees(lines))
 }
 
 /// Writes `track.kmz`.
-pub(super) fn kmz(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn kmz(results: &Results<'_>, path: &Path) -> FileResult {
     let name = results.name();
-    in_degrees(export::lines_kmz(path, &name, &lines(results, &name)))
+    let lines = export::lines_kmz(path, &name, &lines(results, &name))?;
+    Ok(FileContent::in_degrees(lines))
 }
 
 /// Writes `track.shp` with what belongs to it, in the system of the map.
-pub(super) fn shapefile(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(super) fn shapefile(results: &Results<'_>, path: &Path) -> FileResult {
     let crs = &results.plane.map.crs;
     let names = ["ping_from", "ping_to", "length_m"];
     let lines = lines(results, &results.name());
-    export::lines_shapefile(path, crs, &names, &lines)
-        .map(|lines| FileContent::new(Coordinates::System(crs.clone()), lines))
-        .map_err(OutputError::from)
+    let lines = export::lines_shapefile(path, crs, &names, &lines)?;
+    Ok(FileContent::in_system(crs, lines))
 }
 
 fn lines(results: &Results<'_>, name: &str) -> Vec<LabelledLine> {
@@ -69,32 +59,24 @@ fn line(name: &str, number: usize, piece: &TrackPiece) -> LabelledLine {
 }
 
 /// Writes `footprint.geojson`.
-pub(super) fn footprint_geojson(
-    results: &Results<'_>,
-    path: &Path,
-) -> Result<FileContent, OutputError> {
+pub(super) fn footprint_geojson(results: &Results<'_>, path: &Path) -> FileResult {
     let (ground, name) = (results.ground()?, results.name());
     let place = |at| results.to_lon_lat(at);
-    let written = export::footprint_geojson(path, &name, &ground.shapes, ground.area_m2, place);
-    with_area(ground, in_degrees(written))
+    let areas = export::footprint_geojson(path, &name, &ground.shapes, ground.area_m2, place)?;
+    Ok(with_area(ground, areas))
 }
 
 /// Writes `footprint.kmz`.
-pub(super) fn footprint_kmz(
-    results: &Results<'_>,
-    path: &Path,
-) -> Result<FileContent, OutputError> {
+pub(super) fn footprint_kmz(results: &Results<'_>, path: &Path) -> FileResult {
     let (ground, name) = (results.ground()?, results.name());
     let place = |at| results.to_lon_lat(at);
-    let written = export::areas_kmz(path, &name, &ground.shapes, place);
-    with_area(ground, in_degrees(written))
+    let areas = export::areas_kmz(path, &name, &ground.shapes, place)?;
+    Ok(with_area(ground, areas))
 }
 
-fn with_area(
-    ground: &SideScanCoverage,
-    written: Result<FileContent, OutputError>,
-) -> Result<FileContent, OutputError> {
-    let mut content = written?;
-    content.summary.values = Some([ground.area_m2; 2]);
-    Ok(content)
+fn with_area(ground: &SideScanCoverage, areas: Summary) -> FileContent {
+    FileContent::in_degrees(Summary {
+        values: Some([ground.area_m2; 2]),
+        ..areas
+    })
 }

@@ -2,7 +2,6 @@
 
 use super::content::FileContent;
 use super::detections::Proposed;
-use super::json_record::write_json;
 use super::manifest::write_manifest;
 use super::need::{Missing, Need};
 use super::order::{Order, When};
@@ -15,10 +14,10 @@ use super::run::Run;
 use super::run_folder::{Replaced, RunFolder};
 use crate::pipeline::Report;
 use crate::pipeline::joint::joint_report;
+use crate::products::export::{make_folder, write_json};
 use crate::products::outputs::OutputError;
 use crate::support::presentation::text::bytes;
 use crate::support::progress::{Cancelled, Progress};
-use std::fs;
 use std::path::{Path, PathBuf};
 
 /// What was written.
@@ -218,8 +217,7 @@ fn step(when: When) -> &'static str {
 fn place(folder: &Path, row: &OutputFile) -> Result<PathBuf, OutputError> {
     let path = folder.join(row.name);
     let parent = path.parent().unwrap_or(folder);
-    fs::create_dir_all(parent)
-        .map_err(|error| format!("cannot make the folder: {error}: {}", parent.display()))?;
+    make_folder(parent)?;
     Ok(path)
 }
 

@@ -4,7 +4,7 @@ mod killed;
 
 use crate::detection::review::{BoxId, Edit};
 use crate::formats;
-use crate::project::{self, Change, LogFile, Project, ProjectLog, Store, StoreError};
+use crate::project::{self, Change, LogFile, Project, ProjectLog, Store, StoreFault};
 use crate::suite::cli::stderr_of;
 use crate::support::geo::LonLat;
 use crate::support::progress::Progress;
@@ -144,20 +144,20 @@ fn two_windows_do_not_have_one_project() {
     let folder = temporary.path();
     let (store, project) = saved(folder);
     let taken = Store::open(&path(folder)).expect_err("another window");
-    assert!(matches!(taken, StoreError::Taken { .. }), "{taken}");
+    assert!(matches!(taken.what, StoreFault::Taken(_)), "{taken}");
     let sentence = taken.to_string();
     assert!(
         sentence.contains("open in another window") && sentence.contains("another name"),
         "{sentence}"
     );
     let over = Store::create(&path(folder), &project).expect_err("another window");
-    assert!(matches!(over, StoreError::Taken { .. }), "{over}");
+    assert!(matches!(over.what, StoreFault::Taken(_)), "{over}");
     #[cfg(unix)]
     {
         // By another name it is the same project.
         std::os::unix::fs::symlink(path(folder), folder.join("link.bathyscope")).expect("a link");
         let taken = Store::open(&folder.join("link.bathyscope")).expect_err("another window");
-        assert!(matches!(taken, StoreError::Taken { .. }), "{taken}");
+        assert!(matches!(taken.what, StoreFault::Taken(_)), "{taken}");
     }
     // To look at it is no harm.
     assert_eq!(project::read(&path(folder)).expect("a project"), project);
@@ -175,7 +175,7 @@ fn what_another_program_changed_is_not_written_over() {
     let ours = renamed(&project, "ours");
     store.record(&ours, "rename pond").expect("a line");
     let refused = store.save(&ours).expect_err("changed");
-    assert!(matches!(refused, StoreError::Changed { .. }), "{refused}");
+    assert!(matches!(refused.what, StoreFault::Changed), "{refused}");
     assert_eq!(text(folder), theirs);
     let other = folder.join("other.bathyscope");
     Store::create(&other, &ours).expect("another file");
@@ -207,7 +207,7 @@ fn a_folder_that_cannot_be_written_is_told() {
     fs::create_dir(folder.join("lake.bathyscope-journal")).expect("a folder");
     let refused = Store::open(&path(folder)).expect_err("no journal");
     assert!(
-        matches!(refused, StoreError::NotWritable { .. }),
+        matches!(refused.what, StoreFault::NotWritable(_)),
         "{refused}"
     );
     assert!(
@@ -225,15 +225,15 @@ fn a_project_is_no_log_and_a_log_no_project() {
     let log = folder.join("pond.sl2");
     let before = fs::read(&log).expect("a log");
     let refused = Store::create(&log, &project).expect_err("a log");
-    assert!(matches!(refused, StoreError::Name { .. }), "{refused}");
+    assert!(matches!(refused.what, StoreFault::Name), "{refused}");
     #[cfg(unix)]
     {
         let linked = folder.join("pond.bathyscope");
         std::os::unix::fs::symlink(&log, &linked).expect("a link");
         let refused = Store::create(&linked, &project).expect_err("a log");
-        assert!(matches!(refused, StoreError::Name { .. }), "{refused}");
+        assert!(matches!(refused.what, StoreFault::Name), "{refused}");
         let refused = Store::open(&linked).expect_err("a log");
-        assert!(matches!(refused, StoreError::Text { .. }), "{refused}");
+        assert!(matches!(refused.what, StoreFault::Text(_)), "{refused}");
     }
     drop(store);
     assert_eq!(fs::read(&log).expect("a log"), before);

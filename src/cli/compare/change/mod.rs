@@ -16,7 +16,7 @@ use crate::cli::status_line::StatusLine;
 use crate::cli::{Failure, output};
 use crate::formats::geotiff::{Band, RasterSpec};
 use crate::products::export::{
-    ExportError, RasterError, metres_raster, qgis_style, write_atomically,
+    ExportError, RasterError, make_folder, metres_raster, qgis_style, write_bytes, write_json,
 };
 use crate::support::presentation::colours::{
     difference_colour, difference_reach_m, uncertainty_colour,
@@ -25,8 +25,6 @@ use crate::support::progress::Progress;
 use maps::{DepthMaps, DepthPart};
 use rayon::prelude::*;
 use record::ChangeRecord;
-use std::fs;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Steps of the colours in a style.
@@ -82,8 +80,7 @@ pub(super) fn run(args: &CompareArgs, folder: &Path) -> Result<(), Failure> {
         }
     }
     let progress = Progress::new();
-    let status = StatusLine::new(&progress);
-    status.step("change");
+    let status = StatusLine::at("change", &progress);
     let errors = args.change.errors();
     let (mut totals, mut written, mut shown) = (ChangeTotals::default(), Vec::new(), None);
     for part in newer.parts() {
@@ -96,9 +93,7 @@ pub(super) fn run(args: &CompareArgs, folder: &Path) -> Result<(), Failure> {
         let regions = field.regions(&errors);
         totals.add(&field, &regions, &errors);
         if written.is_empty() {
-            fs::create_dir_all(folder).map_err(|error| {
-                format!("cannot make the folder: {error}: {}", folder.display())
-            })?;
+            make_folder(folder)?;
         }
         written.push(change.write(folder, &errors, &regions, &progress)?);
         shown.get_or_insert_with(|| report_page::picture(&change.rise_m, part.size()));
@@ -113,22 +108,16 @@ pub(super) fn run(args: &CompareArgs, folder: &Path) -> Result<(), Failure> {
     };
     write_styles(&written, &totals)?;
     let record = ChangeRecord::new([newer.path(), older.path()], &totals, errors);
-    write_text(&folder.join("change.json"), &record.json()?)?;
+    write_json(&folder.join("change.json"), &record)?;
     // One picture of many tiles would show a part as if it were all.
     let shown = (written.len() == 1).then_some(shown);
-    write_text(
-        &folder.join("change.html"),
-        &report_page::of(&record, shown.as_deref()),
-    )?;
+    let page = report_page::of(&record, shown.as_deref());
+    write_bytes(&folder.join("change.html"), page)?;
     drop(status);
     match args.json {
         true => output::json(&record),
         false => output::results(record.table()),
     }
-}
-
-fn write_text(path: &Path, text: &str) -> Result<(), ExportError> {
-    write_atomically(path, |mut file| file.write_all(text.as_bytes()))
 }
 
 /// What changed in the cells of a part of the newer map.

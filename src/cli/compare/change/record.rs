@@ -111,11 +111,6 @@ impl ChangeRecord {
         }
     }
 
-    /// The record as a file holds it.
-    pub(super) fn json(&self) -> Result<String, serde_json::Error> {
-        Ok(serde_json::to_string_pretty(self)? + "\n")
-    }
-
     /// Names and figures, a line each.
     pub(super) fn rows(&self) -> Vec<(&'static str, String)> {
         let metres =

@@ -64,9 +64,6 @@ impl Layer {
 
 /// Writes layers in a system. The time of the last change is that of the first recording (Unix seconds), so that the same survey gives
 /// the same bytes. Gives back how many features there are and where.
-///
-/// # Errors
-/// When the file cannot be written.
 pub(crate) fn geopackage(
     path: &Path,
     crs: &Crs,

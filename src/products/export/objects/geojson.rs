@@ -1,16 +1,12 @@
 //! `objects.geojson` (RFC 7946): one point a box that has a place.
 
 use super::{ObjectLog, ObjectRow, log_name};
-use crate::products::export::{ExportError, write_atomically};
+use crate::products::export::{ExportError, write_json};
 use serde_json::{Value, json};
-use std::io::Write as _;
 use std::path::Path;
 
 /// Writes boxes as points with everything that is known about them; `log` says which of several logs they are of. Boxes without a place
 /// are left out.
-///
-/// # Errors
-/// When the file cannot be written.
 pub(crate) fn objects_geojson(
     path: &Path,
     logs: &[ObjectLog<'_>],
@@ -21,11 +17,7 @@ pub(crate) fn objects_geojson(
         .filter_map(|row| feature(row, log_name(logs, row)));
     let features: Vec<Value> = features.collect();
     let collection = json!({ "type": "FeatureCollection", "features": features });
-    write_atomically(path, |mut file| {
-        let text = serde_json::to_vec_pretty(&collection)?;
-        file.write_all(&text)?;
-        file.write_all(b"\n")
-    })
+    write_json(path, &collection)
 }
 
 fn feature(row: &ObjectRow<'_>, log: Option<&str>) -> Option<Value> {

@@ -18,18 +18,13 @@ const ABOUT: &str = "Targets of a side-scan survey";
 /// Writes boxes as two layers, `targets` (points) and `target_outlines` (length along the track by width across it, on the ground), with
 /// everything that is known about them. The time of the last change is that of the first recording, so that the same survey gives the
 /// same bytes.
-///
-/// # Errors
-/// When the file cannot be written.
 pub(crate) fn objects_gpkg(
     path: &Path,
     logs: &[ObjectLog<'_>],
     rows: &[ObjectRow<'_>],
 ) -> Result<(), ExportError> {
-    let degrees = Crs::from_epsg(WGS84).map_err(|error| ExportError {
-        path: path.to_path_buf(),
-        source: std::io::Error::other(error),
-    })?;
+    let degrees = Crs::from_epsg(WGS84)
+        .map_err(|error| ExportError::at(path)(std::io::Error::other(error)))?;
     let first = logs.first().and_then(|log| log.survey.start_unix_s);
     let layers = object_layers(logs, rows, |at| [at.lon_deg, at.lat_deg]);
     geopackage(path, &degrees, first.unwrap_or(0.0), &layers).map(|_| ())

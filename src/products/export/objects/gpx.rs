@@ -2,16 +2,11 @@
 
 use super::describe::{description, titles};
 use crate::detection::objects::SurveyObject;
-use crate::products::export::{ExportError, Summary, write_atomically};
+use crate::products::export::{ExportError, Summary, write_bytes};
 use crate::support::printable::xml;
-use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::Path;
 
 /// Writes objects as waypoints: name, remarks (`cmt`), all that is known (`desc`) and class (`type`).
-///
-/// # Errors
-/// When the file cannot be written.
 pub(crate) fn objects_gpx(path: &Path, objects: &[&SurveyObject]) -> Result<Summary, ExportError> {
     let mut text = String::from(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<gpx version=\"1.1\" creator=\"Bathyscope\" xmlns=\"http://www.topografix.com/GPX/1/1\">\n",
@@ -25,18 +20,16 @@ pub(crate) fn objects_gpx(path: &Path, objects: &[&SurveyObject]) -> Result<Summ
             false => format!("<cmt>{}</cmt>", xml(&object.summary.notes)),
         };
         // Writing to a string does not fail.
-        writeln!(
-            text,
-            "<wpt lat=\"{:.8}\" lon=\"{:.8}\"><name>{}</name>{remarks}<desc>{}</desc><type>{}</type></wpt>",
+        text += &format!(
+            "<wpt lat=\"{:.8}\" lon=\"{:.8}\"><name>{}</name>{remarks}<desc>{}</desc><type>{}</type></wpt>\n",
             at.lat_deg,
             at.lon_deg,
             xml(&title),
             xml(&description(object)),
             xml(&object.joint.class),
-        )
-        .ok();
+        );
     }
     text.push_str("</gpx>\n");
-    write_atomically(path, |mut file| file.write_all(text.as_bytes()))?;
+    write_bytes(path, text)?;
     Ok(summary)
 }

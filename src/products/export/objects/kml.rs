@@ -2,16 +2,11 @@
 
 use super::describe::{description, titles};
 use crate::detection::objects::SurveyObject;
-use crate::products::export::{ExportError, Summary, write_atomically};
+use crate::products::export::{ExportError, Summary, write_bytes};
 use crate::support::printable::xml;
-use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::Path;
 
 /// Writes objects as placemarks.
-///
-/// # Errors
-/// When the file cannot be written.
 pub(crate) fn objects_kml(
     path: &Path,
     name: &str,
@@ -26,17 +21,15 @@ pub(crate) fn objects_kml(
         let at = object.position;
         summary.add([at.lon_deg, at.lat_deg], f64::NAN);
         // Writing to a string does not fail.
-        writeln!(
-            text,
-            "<Placemark><name>{}</name><description>{}</description><Point><coordinates>{:.8},{:.8}</coordinates></Point></Placemark>",
+        text += &format!(
+            "<Placemark><name>{}</name><description>{}</description><Point><coordinates>{:.8},{:.8}</coordinates></Point></Placemark>\n",
             xml(&title),
             xml(&description(object)),
             at.lon_deg,
             at.lat_deg,
-        )
-        .ok();
+        );
     }
     text.push_str("</Document>\n</kml>\n");
-    write_atomically(path, |mut file| file.write_all(text.as_bytes()))?;
+    write_bytes(path, text)?;
     Ok(summary)
 }

@@ -2,9 +2,9 @@
 
 use super::ObjectRow;
 use crate::detection::targets::FittedShape;
-use crate::products::export::{ExportError, Summary, write_atomically};
+use crate::products::export::{ExportError, Summary, write_summed};
 use std::collections::BTreeMap;
-use std::io::{BufWriter, Write as _};
+use std::io::Write as _;
 use std::path::Path;
 
 /// Squares that a solid is divided into along its length and across it.
@@ -67,9 +67,6 @@ impl Body {
 
 /// Writes the shapes of objects as binary little-endian PLY, a body each: x east, y north, z up, metres from the survey's origin in the
 /// plane of the cloud, as doubles; red, green, blue as bytes; the object's number as `object`. Comments name the kind and the size of each.
-///
-/// # Errors
-/// When the file cannot be written.
 pub(crate) fn shapes_ply(path: &Path, rows: &[ObjectRow<'_>]) -> Result<Summary, ExportError> {
     let shapes: BTreeMap<u32, &FittedShape> = (rows.iter())
         .filter_map(|row| Some((row.of.object?, row.shape?)))
@@ -77,8 +74,7 @@ pub(crate) fn shapes_ply(path: &Path, rows: &[ObjectRow<'_>]) -> Result<Summary,
     let bodies: Vec<(u32, Body)> = (shapes.iter())
         .map(|(number, shape)| (*number, Body::new(shape)))
         .collect();
-    write_atomically(path, |file| {
-        let (mut out, mut summary) = (BufWriter::new(file), Summary::default());
+    write_summed(path, |out, summary| {
         out.write_all(
             b"ply\nformat binary_little_endian 1.0\ncomment metres east, north and up of the survey's origin\n\
               comment source inferred: solids fitted to echo and shadow, not measured\n",
@@ -124,10 +120,7 @@ pub(crate) fn shapes_ply(path: &Path, rows: &[ObjectRow<'_>]) -> Result<Summary,
             }
             first += body.corners.len() as u32;
         }
-        out.flush()?;
-        Ok(Summary {
-            count: shapes.len(),
-            ..summary
-        })
+        summary.count = shapes.len();
+        Ok(())
     })
 }

@@ -10,10 +10,9 @@ mod kml;
 mod mission_planner;
 mod qgroundcontrol;
 
-use super::{ExportError, write_atomically};
+use super::{ExportError, write_bytes};
 use crate::bottom::planning::{Plan, Station};
 use crate::support::geo::{LocalFrame, LonLat};
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 /// A kind of file that a plan can be written to.
@@ -89,9 +88,6 @@ struct Place {
 
 impl PlannedWay<'_> {
     /// Writes it.
-    ///
-    /// # Errors
-    /// When the file cannot be written.
     pub(crate) fn write(&self, path: &Path, format: PlanFormat) -> Result<(), ExportError> {
         let text = match format {
             PlanFormat::Gpx => gpx::text(self),
@@ -99,7 +95,7 @@ impl PlannedWay<'_> {
             PlanFormat::QGroundControl => qgroundcontrol::text(self),
             PlanFormat::MissionPlanner => mission_planner::text(self),
         };
-        write_atomically(path, |mut file| file.write_all(text.as_bytes()))
+        write_bytes(path, text)
     }
 
     fn places(&self) -> impl Iterator<Item = Place> {

@@ -16,9 +16,6 @@ const METADATA_SQL: &str = "CREATE TABLE metadata (name TEXT NOT NULL PRIMARY KE
 const TILES_SQL: &str = "CREATE TABLE tiles (zoom_level INTEGER NOT NULL, tile_column INTEGER NOT NULL, tile_row INTEGER NOT NULL, tile_data BLOB NOT NULL, PRIMARY KEY (zoom_level, tile_column, tile_row))";
 
 /// Writes the pictures of one kind.
-///
-/// # Errors
-/// When the file cannot be written.
 pub(crate) fn mbtiles(
     path: &Path,
     store: &TileStore,

@@ -24,9 +24,6 @@ const PLAIN: u8 = 1;
 const PNG: u8 = 2;
 
 /// Writes the pictures of one kind, in the order of the curve.
-///
-/// # Errors
-/// When the file cannot be written.
 pub(crate) fn pmtiles(
     path: &Path,
     store: &TileStore,

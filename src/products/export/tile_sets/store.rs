@@ -55,11 +55,8 @@ impl TileStore {
         source: &impl TileSource,
         progress: &Progress,
     ) -> Result<Self, RasterError> {
-        let fail = |source| ExportError {
-            path: folder.to_owned(),
-            source,
-        };
-        let store = Self::in_folder(folder).map_err(fail)?;
+        let fail = ExportError::at(folder);
+        let store = Self::in_folder(folder).map_err(&fail)?;
         let keep = |picture, tile, bytes: Vec<u8>| store.keep(picture, tile, &bytes);
         let drawn = pyramid(source, progress, &keep);
         progress.check()?;
@@ -68,9 +65,6 @@ impl TileStore {
     }
 
     /// Keeps a picture.
-    ///
-    /// # Errors
-    /// When it cannot be written.
     pub(crate) fn keep(&self, picture: TileStyle, tile: WebTile, bytes: &[u8]) -> io::Result<()> {
         let length = u32::try_from(bytes.len()).map_err(io::Error::other)?;
         let mut inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);

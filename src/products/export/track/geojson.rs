@@ -1,15 +1,12 @@
 //! `track.geojson` and the insonified area.
 
 use super::TrackPiece;
-use crate::products::export::geojson::{collection, positions};
-use crate::products::export::{ExportError, Summary, write_atomically};
+use crate::products::export::geojson::{collection, feature_at, positions};
+use crate::products::export::{ExportError, Summary};
 use serde_json::json;
 use std::path::Path;
 
 /// Writes each piece as a line.
-///
-/// # Errors
-/// When the file cannot be written.
 pub(crate) fn track_geojson(path: &Path, pieces: &[TrackPiece]) -> Result<Summary, ExportError> {
     let feature = |piece: &TrackPiece, summary: &mut Summary| {
         let line = positions(piece.points.iter().map(|point| point.position));
@@ -17,17 +14,14 @@ pub(crate) fn track_geojson(path: &Path, pieces: &[TrackPiece]) -> Result<Summar
         line.iter().for_each(|at| summary.reach(*at));
         let ends = [piece.points.first(), piece.points.last()];
         let [from, to] = ends.map(|end| end.map(|point| (point.ping, point.time_s)));
-        json!({
-            "type": "Feature",
-            "geometry": { "type": "LineString", "coordinates": line },
-            "properties": {
-                "ping_from": from.map(|end| end.0),
-                "ping_to": to.map(|end| end.0),
-                "from_s": from.map(|end| end.1),
-                "to_s": to.map(|end| end.1),
-                "length_m": (piece.length_m * 1e3).round() / 1e3,
-            },
-        })
+        let properties = json!({
+            "ping_from": from.map(|end| end.0),
+            "ping_to": to.map(|end| end.0),
+            "from_s": from.map(|end| end.1),
+            "to_s": to.map(|end| end.1),
+            "length_m": (piece.length_m * 1e3).round() / 1e3,
+        });
+        feature_at("LineString", line, properties)
     };
-    write_atomically(path, |file| collection(file, pieces.iter(), feature))
+    collection(path, pieces.iter(), feature)
 }

@@ -1,24 +1,20 @@
 //! `track.gpx` (GPX 1.1): the track as plotters and handheld receivers read it.
 
 use super::TrackPiece;
-use crate::products::export::{ExportError, Summary, write_atomically};
+use crate::products::export::{ExportError, Summary, write_summed};
 use crate::support::calendar::timestamp;
 use crate::support::printable::xml;
-use std::io::{BufWriter, Write as _};
+use std::io::Write as _;
 use std::path::Path;
 
 /// Writes the pieces as segments of one track; with times where it is known when the log began (Unix seconds).
-///
-/// # Errors
-/// When the file cannot be written.
 pub(crate) fn track_gpx(
     path: &Path,
     name: &str,
     start_unix_s: Option<f64>,
     pieces: &[TrackPiece],
 ) -> Result<Summary, ExportError> {
-    write_atomically(path, |file| {
-        let (mut out, mut summary) = (BufWriter::new(file), Summary::default());
+    write_summed(path, |out, summary| {
         let name = xml(name);
         write!(
             out,
@@ -43,7 +39,6 @@ pub(crate) fn track_gpx(
             writeln!(out, "</trkseg>")?;
         }
         writeln!(out, "</trk>\n</gpx>")?;
-        out.flush()?;
-        Ok(summary)
+        Ok(())
     })
 }

@@ -15,9 +15,6 @@ const LABELLED_DEG: f64 = 1e-4;
 
 /// Writes lines, and in a folder of their own the labels of the longer ones, each a point in the middle of its line, for a line alone shows
 /// none. Geometries of both kinds in one would be no layer of lines for QGIS.
-///
-/// # Errors
-/// When the file cannot be written.
 pub(crate) fn lines_kmz(
     path: &Path,
     name: &str,

@@ -1,7 +1,7 @@
 //! `*.shp` with its `.shx`, `.dbf`, `.prj` and `.cpg` (ESRI, July 1998): what every map program of the last decades opens.
 
 use super::LabelledLine;
-use crate::products::export::{ExportError, Summary, write_atomically};
+use crate::products::export::{ExportError, Summary, write_atomically, write_bytes};
 use crate::support::geo::Crs;
 use shapefile::dbase::{FieldError, FieldName, FieldWriter, TableWriterBuilder, WritableRecord};
 use shapefile::{Point, Polyline, ShapeWriter};
@@ -16,9 +16,6 @@ const LETTERS: u8 = 64;
 
 /// Writes lines in a system; `names` of their numbers, ten letters each at most, head the columns behind `label`. The `.shp` is
 /// in its place last: where it is, its companions are whole.
-///
-/// # Errors
-/// When the file cannot be written.
 pub(crate) fn lines_shapefile(
     path: &Path,
     crs: &Crs,
@@ -26,10 +23,8 @@ pub(crate) fn lines_shapefile(
     lines: &[LabelledLine],
 ) -> Result<Summary, ExportError> {
     let beside = |extension: &str| path.with_extension(extension);
-    write_atomically(&beside("prj"), |mut file| {
-        file.write_all(crs.wkt().as_bytes())
-    })?;
-    write_atomically(&beside("cpg"), |mut file| file.write_all(b"UTF-8"))?;
+    write_bytes(&beside("prj"), crs.wkt())?;
+    write_bytes(&beside("cpg"), "UTF-8")?;
     write_atomically(&beside("dbf"), |file| table(file, names, lines))?;
     write_atomically(path, |shp| {
         let index = write_atomically(&beside("shx"), |shx| {

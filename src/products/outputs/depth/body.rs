@@ -4,7 +4,7 @@ use crate::bottom::bathymetry::{Grid, Surface};
 use crate::pipeline::{Bottom, BottomColour};
 use crate::products::export::{Summary, TexturedMesh, glb};
 use crate::products::outputs::OutputError;
-use crate::products::outputs::content::{Coordinates, FileContent};
+use crate::products::outputs::content::{FileContent, FileResult};
 use crate::products::outputs::results::Results;
 use crate::support::presentation::colours::Rgb;
 use image::{ExtendedColorType, ImageEncoder as _, codecs::png::PngEncoder};
@@ -17,7 +17,7 @@ const MOST_CORNERS: usize = 250_000;
 const MOST_PIXELS: usize = 2048;
 
 /// Writes `bottom.glb`.
-pub(crate) fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(crate) fn write(results: &Results<'_>, path: &Path) -> FileResult {
     let bottom = results.bottom(BottomColour::Depth, MOST_CORNERS)?;
     let bottom = bottom.ok_or(super::NO_SURFACE)?;
     let surface = bottom.surface();
@@ -45,7 +45,7 @@ pub(crate) fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, O
         ];
         summary.add(map.in_crs(place), -f64::from(*up_m));
     }
-    Ok(FileContent::new(Coordinates::System(crs.clone()), summary))
+    Ok(FileContent::in_system(crs, summary))
 }
 
 fn middle(grid: &Grid) -> [f64; 2] {

@@ -2,14 +2,13 @@
 
 use crate::bottom::bathymetry::CellSource;
 use crate::products::export::{self, BottomCell};
-use crate::products::outputs::OutputError;
-use crate::products::outputs::content::{Coordinates, FileContent};
+use crate::products::outputs::content::{FileContent, FileResult};
 use crate::products::outputs::results::Results;
 use crate::support::presentation::colours::{depth_colour, depth_share};
 use std::path::Path;
 
 /// Writes `depth.xyz`: the middles of the cells that have a depth.
-pub(crate) fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(crate) fn write(results: &Results<'_>, path: &Path) -> FileResult {
     let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
     let (grid, map) = (&surface.grid, &results.plane.map);
     let known = surface.depth_m.iter().enumerate();
@@ -19,13 +18,12 @@ pub(crate) fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, O
         (map.in_crs(centre), depth_m)
     });
     let decimals = if map.crs.is_degrees() { 9 } else { 3 };
-    export::depth_xyz(path, decimals, cells, results.progress)
-        .map(|cells| FileContent::new(Coordinates::System(map.crs.clone()), cells))
-        .map_err(OutputError::from)
+    let cells = export::depth_xyz(path, decimals, cells, results.progress)?;
+    Ok(FileContent::in_system(&map.crs, cells))
 }
 
 /// Writes `bottom.copc.laz`: the same cells as points, each with the source of its depth, so that what was inferred is not taken for measured.
-pub(crate) fn points(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(crate) fn points(results: &Results<'_>, path: &Path) -> FileResult {
     let depth_map = results.depth_map()?.ok_or(super::NO_SURFACE)?;
     let (surface, map) = (&depth_map.surface, &results.plane.map);
     let grid = &surface.grid;
@@ -46,7 +44,6 @@ pub(crate) fn points(results: &Results<'_>, path: &Path) -> Result<FileContent, 
     let cells: Vec<BottomCell> = known.map(cell).collect();
     results.progress.check()?;
     let origin = results.survey.track.frame.origin();
-    export::bottom_las(path, &map.crs, origin, &cells)
-        .map(|cells| FileContent::new(Coordinates::System(map.crs.clone()), cells))
-        .map_err(OutputError::from)
+    let cells = export::bottom_las(path, &map.crs, origin, &cells)?;
+    Ok(FileContent::in_system(&map.crs, cells))
 }

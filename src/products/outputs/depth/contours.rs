@@ -2,14 +2,15 @@
 
 use crate::bottom::bathymetry::isobaths::IsobathSettings;
 use crate::pipeline::Contours;
-use crate::products::export::{self, DrawnLines, ExportError, LabelledLine, Summary};
+use crate::products::export::{self, DrawnLines, LabelledLine};
 use crate::products::outputs::OutputError;
-use crate::products::outputs::content::{Coordinates, FileContent};
+use crate::products::outputs::content::{FileContent, FileResult};
 use crate::products::outputs::results::Results;
 use std::path::Path;
 
 /// Colours of the shallowest and the deepest line: light enough for a picture of the earth, dark enough for a map.
 const COLOURS: [[f64; 3]; 2] = [[120.0, 200.0, 255.0], [8.0, 48.0, 160.0]];
+
 /// What is drawn, and how.
 pub(in crate::products::outputs) struct Drawn<'a> {
     /// The lines and the areas between them.
@@ -45,69 +46,51 @@ impl<'a> Drawn<'a> {
     }
 }
 
-fn content(
-    coordinates: Coordinates,
-    written: Result<Summary, ExportError>,
-) -> Result<FileContent, OutputError> {
-    written
-        .map(|summary| FileContent::new(coordinates, summary))
-        .map_err(OutputError::from)
-}
-
 /// Writes `isobaths.geojson`.
-pub(crate) fn isobaths_geojson(
-    results: &Results<'_>,
-    path: &Path,
-) -> Result<FileContent, OutputError> {
+pub(crate) fn isobaths_geojson(results: &Results<'_>, path: &Path) -> FileResult {
     let drawn = Drawn::of(results)?;
     let place = |at| results.to_lon_lat(at);
-    let written = export::isobaths_geojson(path, &drawn.lines(), place);
-    content(Coordinates::Degrees, written)
+    let lines = export::isobaths_geojson(path, &drawn.lines(), place)?;
+    Ok(FileContent::in_degrees(lines))
 }
 
 /// Writes `isobaths.kmz`.
-pub(crate) fn isobaths_kmz(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(crate) fn isobaths_kmz(results: &Results<'_>, path: &Path) -> FileResult {
     let lines = named_lines(&Drawn::of(results)?, results);
-    let written = export::lines_kmz(path, &results.survey.name(), &lines);
-    content(Coordinates::Degrees, written)
+    let lines = export::lines_kmz(path, &results.survey.name(), &lines)?;
+    Ok(FileContent::in_degrees(lines))
 }
 
 /// Writes `isobaths.shp` with what belongs to it, in the system of the map.
-pub(crate) fn isobaths_shapefile(
-    results: &Results<'_>,
-    path: &Path,
-) -> Result<FileContent, OutputError> {
+pub(crate) fn isobaths_shapefile(results: &Results<'_>, path: &Path) -> FileResult {
     let lines = named_lines(&Drawn::of(results)?, results);
     let crs = &results.plane.map.crs;
-    let written = export::lines_shapefile(path, crs, &["depth_m", "length_m"], &lines);
-    content(Coordinates::System(crs.clone()), written)
+    let lines = export::lines_shapefile(path, crs, &["depth_m", "length_m"], &lines)?;
+    Ok(FileContent::in_system(crs, lines))
 }
 
 /// Writes `depth_areas.geojson`.
-pub(crate) fn depth_areas(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(crate) fn depth_areas(results: &Results<'_>, path: &Path) -> FileResult {
     let drawn = Drawn::of(results)?;
     let place = |at| results.to_lon_lat(at);
-    let written = export::depth_areas_geojson(path, &drawn.contours.areas, drawn.ground, place);
-    content(Coordinates::Degrees, written)
+    let areas = export::depth_areas_geojson(path, &drawn.contours.areas, drawn.ground, place)?;
+    Ok(FileContent::in_degrees(areas))
 }
 
 /// Writes `spot_soundings.geojson`.
-pub(crate) fn spot_soundings(
-    results: &Results<'_>,
-    path: &Path,
-) -> Result<FileContent, OutputError> {
+pub(crate) fn spot_soundings(results: &Results<'_>, path: &Path) -> FileResult {
     let place = |at| results.to_lon_lat(at);
     let settings = &results.products.settings.isobaths;
     let soundings = results.spot_soundings()?;
-    let written = export::spot_soundings_geojson(path, soundings, settings, place);
-    content(Coordinates::Degrees, written)
+    let points = export::spot_soundings_geojson(path, soundings, settings, place)?;
+    Ok(FileContent::in_degrees(points))
 }
 
 /// Writes `storage.csv`.
-pub(crate) fn storage(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(crate) fn storage(results: &Results<'_>, path: &Path) -> FileResult {
     let drawn = Drawn::of(results)?;
-    let written = export::storage_csv(path, &drawn.contours.table, drawn.ground);
-    content(Coordinates::None, written)
+    let levels = export::storage_csv(path, &drawn.contours.table, drawn.ground)?;
+    Ok(FileContent::of_table(levels))
 }
 
 /// The lines with their depth beside them, the deeper the darker.

@@ -7,8 +7,7 @@ use crate::bottom::bathymetry::{CellSource, Grid, Spread, Surface};
 use crate::formats::geotiff::{Band, Cells, RasterSpec};
 use crate::pipeline::Plane;
 use crate::products::export::{Summary, metres_raster, qgis_classes, qgis_style, source_raster};
-use crate::products::outputs::OutputError;
-use crate::products::outputs::content::{Coordinates, FileContent};
+use crate::products::outputs::content::{FileContent, FileResult};
 use crate::products::outputs::raster;
 use crate::products::outputs::results::Results;
 use crate::support::presentation::colours::{
@@ -35,7 +34,7 @@ const fn band(name: &'static str, positive_down: bool) -> Band {
 const STEPS: usize = 10;
 
 /// Writes `depth.tif`.
-pub(crate) fn depth(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(crate) fn depth(results: &Results<'_>, path: &Path) -> FileResult {
     let layer = Layer {
         band: band("depth", true),
         what: "Depth in metres, positive down",
@@ -45,7 +44,7 @@ pub(crate) fn depth(results: &Results<'_>, path: &Path) -> Result<FileContent, O
 }
 
 /// Writes `uncertainty.tif`.
-pub(crate) fn uncertainty(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(crate) fn uncertainty(results: &Results<'_>, path: &Path) -> FileResult {
     let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
     let what = match surface.spread_is {
         Spread::OfError => {
@@ -62,7 +61,7 @@ pub(crate) fn uncertainty(results: &Results<'_>, path: &Path) -> Result<FileCont
 }
 
 /// Writes `distance.tif`.
-pub(crate) fn distance(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(crate) fn distance(results: &Results<'_>, path: &Path) -> FileResult {
     let layer = Layer {
         band: band("distance to the nearest depth", false),
         what: "Distance in metres from a cell to the nearest depth",
@@ -72,7 +71,7 @@ pub(crate) fn distance(results: &Results<'_>, path: &Path) -> Result<FileContent
 }
 
 /// Writes `shoalest.tif`.
-pub(crate) fn shoalest(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(crate) fn shoalest(results: &Results<'_>, path: &Path) -> FileResult {
     let depth_map = results.depth_map()?.ok_or(super::NO_SURFACE)?;
     let points = depth_map.depth_points(results.progress)?;
     let layer = Layer {
@@ -85,7 +84,7 @@ pub(crate) fn shoalest(results: &Results<'_>, path: &Path) -> Result<FileContent
 }
 
 /// Writes `hardness.tif`.
-pub(crate) fn hardness(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(crate) fn hardness(results: &Results<'_>, path: &Path) -> FileResult {
     let layer = Layer {
         band: Band {
             unit: "decibel",
@@ -103,11 +102,10 @@ pub(crate) fn hardness(results: &Results<'_>, path: &Path) -> Result<FileContent
 }
 
 /// Writes `source.tif`.
-pub(crate) fn source(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(crate) fn source(results: &Results<'_>, path: &Path) -> FileResult {
     let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
     let (grid, plane) = (&surface.grid, &results.plane);
     let spec = raster::over(grid, &plane.map);
-    let crs = spec.crs.clone();
     let about = format!(
         "{}. {}",
         plane.survey.name(),
@@ -121,7 +119,7 @@ pub(crate) fn source(results: &Results<'_>, path: &Path) -> Result<FileContent, 
     });
     let values: Vec<f32> = values.collect();
     let summary = summary(plane, grid, &values);
-    Ok(FileContent::new(Coordinates::System(crs), summary))
+    Ok(FileContent::in_system(&plane.map.crs, summary))
 }
 
 fn write(
@@ -129,17 +127,12 @@ fn write(
     values: impl Fn(&Surface) -> &[f32],
     results: &Results<'_>,
     path: &Path,
-) -> Result<FileContent, OutputError> {
+) -> FileResult {
     let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
     write_values(layer, values(surface), results, path)
 }
 
-fn write_values(
-    layer: &Layer,
-    values: &[f32],
-    results: &Results<'_>,
-    path: &Path,
-) -> Result<FileContent, OutputError> {
+fn write_values(layer: &Layer, values: &[f32], results: &Results<'_>, path: &Path) -> FileResult {
     let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
     let (grid, plane) = (&surface.grid, &results.plane);
     let applied = applied(results.products, surface);
@@ -149,12 +142,11 @@ fn write_values(
         description: format!("{}; {}. {applied}", layer.what, plane.survey.name()),
         ..raster::over(grid, &plane.map)
     };
-    let crs = &spec.crs;
     metres_raster(path, &spec, grid, values, results.progress)?;
     let summary = summary(plane, grid, values);
     let range = summary.values.unwrap_or_default();
     qgis_style(&path.with_extension("qml"), range, STEPS, layer.colour)?;
-    Ok(FileContent::new(Coordinates::System(crs.clone()), summary))
+    Ok(FileContent::in_system(&spec.crs, summary))
 }
 
 /// The cells that are known, and the whole raster around them.

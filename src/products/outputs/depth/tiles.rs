@@ -4,8 +4,7 @@ use super::map_tiles::MapTiles;
 use crate::products::export::Summary;
 use crate::products::export::tile_sets::{map_page, mbtiles, pmtiles};
 use crate::products::map_tiles::TileStyle;
-use crate::products::outputs::OutputError;
-use crate::products::outputs::content::{Coordinates, FileContent};
+use crate::products::outputs::content::{FileContent, FileResult};
 use crate::products::outputs::results::Results;
 use crate::support::geo::{Crs, LonLat, web_mercator};
 use std::path::Path;
@@ -16,44 +15,36 @@ const WEB_MERCATOR: u16 = 3857;
 const ARCHIVES: [&str; 2] = ["depth.pmtiles", "depth_values.pmtiles"];
 
 /// Writes `depth.mbtiles`.
-pub(crate) fn chart(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(crate) fn chart(results: &Results<'_>, path: &Path) -> FileResult {
     let tiles = results.map_tiles(path)?;
     mbtiles(path, &tiles.store, TileStyle::Chart, &tiles.set)?;
     content(results, tiles, TileStyle::Chart)
 }
 
 /// Writes `depth.pmtiles`.
-pub(crate) fn colours(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(crate) fn colours(results: &Results<'_>, path: &Path) -> FileResult {
     archive(results, path, TileStyle::Colours)
 }
 
 /// Writes `depth_values.pmtiles`.
-pub(crate) fn values(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(crate) fn values(results: &Results<'_>, path: &Path) -> FileResult {
     archive(results, path, TileStyle::Elevations)
 }
 
-fn archive(
-    results: &Results<'_>,
-    path: &Path,
-    picture: TileStyle,
-) -> Result<FileContent, OutputError> {
+fn archive(results: &Results<'_>, path: &Path, picture: TileStyle) -> FileResult {
     let tiles = results.map_tiles(path)?;
     pmtiles(path, &tiles.store, picture, &tiles.set)?;
     content(results, tiles, picture)
 }
 
 /// Writes `index.html`, behind the archives.
-pub(crate) fn page(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+pub(crate) fn page(results: &Results<'_>, path: &Path) -> FileResult {
     let tiles = results.map_tiles(path)?;
     map_page(path, &tiles.set, ARCHIVES)?;
-    Ok(FileContent::new(Coordinates::None, Summary::default()))
+    Ok(FileContent::count(0))
 }
 
-fn content(
-    results: &Results<'_>,
-    tiles: &MapTiles,
-    picture: TileStyle,
-) -> Result<FileContent, OutputError> {
+fn content(results: &Results<'_>, tiles: &MapTiles, picture: TileStyle) -> FileResult {
     let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
     let mut summary = Summary {
         count: tiles.store.tiles(picture).len(),
@@ -65,5 +56,5 @@ fn content(
         summary.reach(web_mercator(LonLat { lon_deg, lat_deg }));
     }
     let crs = Crs::from_epsg(WEB_MERCATOR).map_err(|error| error.to_string())?;
-    Ok(FileContent::new(Coordinates::System(crs), summary))
+    Ok(FileContent::in_system(&crs, summary))
 }

@@ -1,9 +1,11 @@
 //! Rows of files of a kind: the columns that they share.
 
-use super::{Described, OutputFile, Writer};
+use super::{Described, OutputFile, RunFile, WriteFile, Writer};
 use crate::products::outputs::need::Need;
 use crate::products::outputs::order::When;
 use crate::products::outputs::product::Product;
+
+type Text = &'static str;
 
 /// What no table of pings depends on.
 pub(super) const NOT_OF_POINTS: &[&str] = &["detector", "isobaths", "mosaic", "review", "surface"];
@@ -44,7 +46,19 @@ const TARGETS: &str = "Targets that an analyst accepted, drew or marked";
 const BOXES: &str = "Boxes that the detector proposes, not reviewed";
 
 /// A row with the columns that most rows share.
-pub(super) const fn row(name: &'static str, when: When, writer: Writer) -> OutputFile {
+pub(super) const fn row(name: Text, when: When, write: WriteFile) -> OutputFile {
+    row_written_by(name, when, Writer::Results(write))
+}
+
+/// A file that tells of all others.
+pub(super) const fn run_file(name: Text, when: When, brief: Text, file: RunFile) -> OutputFile {
+    OutputFile {
+        brief,
+        ..row_written_by(name, when, Writer::Run(file))
+    }
+}
+
+const fn row_written_by(name: Text, when: When, writer: Writer) -> OutputFile {
     OutputFile {
         name,
         companions: &[],
@@ -57,11 +71,7 @@ pub(super) const fn row(name: &'static str, when: When, writer: Writer) -> Outpu
     }
 }
 
-pub(super) const fn described(
-    what: &'static str,
-    counted: &'static str,
-    measured: &'static str,
-) -> Option<Described> {
+pub(super) const fn described(what: Text, counted: Text, measured: Text) -> Option<Described> {
     Some(Described {
         what,
         counted,
@@ -69,52 +79,43 @@ pub(super) const fn described(
     })
 }
 
-pub(super) const fn cloud(
-    name: &'static str,
-    what: &'static str,
-    brief: &'static str,
-    writer: Writer,
-) -> OutputFile {
+pub(super) const fn cloud(name: Text, what: Text, brief: Text, write: WriteFile) -> OutputFile {
     OutputFile {
         needs: &[Need::KeptPoints],
         regardless_of: NOT_OF_CLOUD,
         brief,
         described: described(what, "points", "z_m"),
-        ..row(name, When::Chosen(Product::Cloud), writer)
+        ..row(name, When::Chosen(Product::Cloud), write)
     }
 }
 
-pub(super) const fn track_file(
-    name: &'static str,
-    counted: &'static str,
-    writer: Writer,
-) -> OutputFile {
+pub(super) const fn track_file(name: Text, counted: Text, write: WriteFile) -> OutputFile {
     OutputFile {
         needs: &[Need::Track],
         regardless_of: NOT_OF_TRACK,
         brief: "way of the boat",
         described: described(TRACK, counted, ""),
-        ..row(name, When::Chosen(Product::Track), writer)
+        ..row(name, When::Chosen(Product::Track), write)
     }
 }
 
-pub(super) const fn footprint(name: &'static str, writer: Writer) -> OutputFile {
+pub(super) const fn footprint(name: Text, write: WriteFile) -> OutputFile {
     OutputFile {
         needs: &[Need::Track, Need::Footprint],
         regardless_of: NOT_OF_FOOTPRINT,
         brief: "ground that the side-scan covers",
         described: described(FOOTPRINT, "areas", "area_m2"),
-        ..row(name, When::Chosen(Product::Track), writer)
+        ..row(name, When::Chosen(Product::Track), write)
     }
 }
 
 pub(super) const fn raster(
-    name: &'static str,
-    companions: &'static [&'static str],
-    what: &'static str,
-    measured: &'static str,
-    brief: &'static str,
-    writer: Writer,
+    name: Text,
+    companions: &'static [Text],
+    what: Text,
+    measured: Text,
+    brief: Text,
+    write: WriteFile,
 ) -> OutputFile {
     OutputFile {
         companions,
@@ -122,75 +123,66 @@ pub(super) const fn raster(
         regardless_of: NOT_OF_DEPTHS,
         brief,
         described: described(what, "cells", measured),
-        ..row(name, When::Chosen(Product::Depth), writer)
+        ..row(name, When::Chosen(Product::Depth), write)
     }
 }
 
 pub(super) const fn contours(
-    name: &'static str,
-    what: &'static str,
-    counted: &'static str,
-    brief: &'static str,
-    writer: Writer,
+    name: Text,
+    what: Text,
+    counted: Text,
+    brief: Text,
+    write: WriteFile,
 ) -> OutputFile {
     OutputFile {
         needs: &[Need::Surface, Need::Levels],
         regardless_of: NOT_OF_ISOBATHS,
         brief,
         described: described(what, counted, "depth_m"),
-        ..row(name, When::Chosen(Product::Isobaths), writer)
+        ..row(name, When::Chosen(Product::Isobaths), write)
     }
 }
 
-pub(super) const fn map_tiles(
-    name: &'static str,
-    what: &'static str,
-    brief: &'static str,
-    writer: Writer,
-) -> OutputFile {
+pub(super) const fn map_tiles(name: Text, what: Text, brief: Text, write: WriteFile) -> OutputFile {
     OutputFile {
         needs: &[Need::Surface],
         regardless_of: NOT_OF_ISOBATHS,
         brief,
         described: described(what, "tiles", "depth_m"),
-        ..row(name, When::Chosen(Product::MapTiles), writer)
+        ..row(name, When::Chosen(Product::MapTiles), write)
     }
 }
 
 pub(super) const fn compared(
-    name: &'static str,
-    what: &'static str,
-    measured: &'static str,
-    writer: Writer,
+    name: Text,
+    what: Text,
+    measured: Text,
+    write: WriteFile,
 ) -> OutputFile {
     OutputFile {
         needs: &[Need::Reference],
         regardless_of: NOT_OF_DEPTHS,
         brief: "agreement of depths with the reference",
         described: described(what, "points", measured),
-        ..row(name, When::Compared, writer)
+        ..row(name, When::Compared, write)
     }
 }
 
-pub(super) const fn target_file(
-    name: &'static str,
-    counted: &'static str,
-    writer: Writer,
-) -> OutputFile {
+pub(super) const fn target_file(name: Text, counted: Text, write: WriteFile) -> OutputFile {
     OutputFile {
         needs: &[Need::Targets],
         regardless_of: NOT_OF_BOXES,
         brief: "reviewed targets for maps and plotters",
         described: described(TARGETS, counted, ""),
-        ..row(name, When::Chosen(Product::Targets), writer)
+        ..row(name, When::Chosen(Product::Targets), write)
     }
 }
 
-pub(super) const fn boxes(name: &'static str, brief: &'static str, writer: Writer) -> OutputFile {
+pub(super) const fn boxes(name: Text, brief: Text, write: WriteFile) -> OutputFile {
     OutputFile {
         regardless_of: NOT_OF_BOXES,
         brief,
         described: described(BOXES, "boxes", ""),
-        ..row(name, When::Searched, writer)
+        ..row(name, When::Searched, write)
     }
 }
