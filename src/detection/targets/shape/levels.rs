@@ -58,6 +58,14 @@ const MEDIAN_SQUARE: f64 = 0.4549;
 /// Levels in standard deviations of the speckle are held within: glints tell nothing more.
 const LEVELS: [f64; 2] = [-5.0, 8.0];
 
+impl PingLevels {
+    /// Sum of the squares of its levels.
+    pub(super) fn squares(&self) -> f64 {
+        let squares = self.levels.iter().map(|level| f64::from(level * level));
+        squares.sum()
+    }
+}
+
 impl BoxLevels {
     /// Slant range at which a bin begins, on the recorder's scale, metres.
     pub(super) fn recorded_m(&self, bin: usize) -> f64 {

@@ -12,6 +12,7 @@ mod initial_guess;
 mod levels;
 mod predict;
 mod problem;
+mod ray;
 mod search;
 mod solid;
 

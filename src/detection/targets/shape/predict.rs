@@ -6,8 +6,10 @@
 //! Everything is power over that of the bare bottom at the same range, so that gain, spreading and the beam across the track cancel.
 
 use super::levels::{BoxLevels, PingLevels};
+use super::ray::{Bins, Ray, slant_m};
 use super::solid::{ShapeKind, Solid};
 use std::f64::consts::{PI, TAU};
+use std::ops::Range;
 
 /// A solid in its place.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,37 +97,50 @@ pub(super) struct Predicted {
     pub(super) bottom: Vec<f32>,
     /// The solid's echo, were it to scatter as strongly as the bottom.
     pub(super) object: Vec<f32>,
+    /// The bins of each ping that the solid changes: all others are 1 and 0.
+    pub(super) changed: Vec<Range<usize>>,
+}
+
+impl Predicted {
+    /// Makes it that of a look without a solid. The search does this for every trial: only what the last one changed is written.
+    fn clear(&mut self, look: &BoxLevels) {
+        let count = look.pings.len() * look.bins;
+        if self.bottom.len() != count {
+            self.bottom = vec![1.0; count];
+            self.object = vec![0.0; count];
+            self.changed = vec![0..0; look.pings.len()];
+            return;
+        }
+        let pings = self.bottom.chunks_exact_mut(look.bins);
+        let pings = pings.zip(self.object.chunks_exact_mut(look.bins));
+        for ((bottom, object), changed) in pings.zip(&mut self.changed) {
+            bottom[changed.clone()].fill(1.0);
+            object[changed.clone()].fill(0.0);
+            *changed = 0..0;
+        }
+    }
 }
 
 /// Standard deviation of the two-way beam along the track, radians, of a beam a little under a degree wide: the usual 455 kHz.
 const BEAM_SIGMA_RAD: f64 = 0.0157 / 2.355;
 /// Rays that stand for its width, in standard deviations, and their weights (Gauss-Hermite).
 const RAYS: [(f64, f64); 3] = [(-1.732, 1.0 / 6.0), (0.0, 2.0 / 3.0), (1.732, 1.0 / 6.0)];
-/// Steps that a solid is followed in at most, and how short they are at least, metres.
-const STEPS: usize = 48;
-const LEAST_STEP_M: f64 = 0.015;
-/// A solid ends so far under the transducer at least, metres.
-const LEAST_BELOW_M: f64 = 0.05;
 
 /// Writes what the look would be of a solid.
 pub(super) fn predict(look: &BoxLevels, posed: &PosedSolid, into: &mut Predicted) {
-    let count = look.pings.len() * look.bins;
-    into.bottom.clear();
-    into.bottom.resize(count, 1.0);
-    into.object.clear();
-    into.object.resize(count, 0.0);
+    into.clear(look);
+    let mut ray = Ray::default();
     let bottom = into.bottom.chunks_exact_mut(look.bins);
     let both = bottom.zip(into.object.chunks_exact_mut(look.bins));
-    for (ping, (bottom, object)) in look.pings.iter().zip(both) {
-        let mut bins = Bins {
-            look,
-            bottom,
-            object,
+    for ((ping, (bottom, object)), changed) in look.pings.iter().zip(both).zip(&mut into.changed) {
+        let mut bins = Bins::new(look, bottom, object);
+        one_ping(look, ping, posed, &mut ray, &mut bins);
+        let Some(written) = bins.written() else {
+            continue;
         };
-        if one_ping(look, ping, posed, &mut bins) {
-            blur(bottom);
-            blur(object);
-        }
+        *changed = written.start.saturating_sub(1)..(written.end + 1).min(look.bins);
+        blur(&mut bottom[changed.clone()]);
+        blur(&mut object[changed.clone()]);
     }
 }
 
@@ -139,151 +154,48 @@ fn blur(bins: &mut [f32]) {
     }
 }
 
-/// The bins of a ping.
-struct Bins<'a> {
-    look: &'a BoxLevels,
-    bottom: &'a mut [f32],
-    object: &'a mut [f32],
-}
-
-/// Writes what a ping would be, and says whether it meets the solid.
-fn one_ping(look: &BoxLevels, ping: &PingLevels, posed: &PosedSolid, bins: &mut Bins<'_>) -> bool {
+/// Writes what a ping would be.
+fn one_ping(
+    look: &BoxLevels,
+    ping: &PingLevels,
+    posed: &PosedSolid,
+    ray: &mut Ray,
+    bins: &mut Bins<'_>,
+) {
     let [x, y] = ping.outward;
+    let [ahead_x, ahead_y] = [-y, x];
     let [east_m, north_m] = [
         posed.east_m - ping.boat_m[0],
         posed.north_m - ping.boat_m[1],
     ];
     let out_m = east_m * x + north_m * y;
-    let [ahead_x, ahead_y] = [-y, x];
     let ahead_m = east_m * ahead_x + north_m * ahead_y;
     let reach_m = posed.solid.reach_m();
     let (sin, cos) = posed.heading_rad.sin_cos();
     // Pings that were summed see more of the way: evenly over a width its standard deviation is that over the root of 12.
-    let beam_m = BEAM_SIGMA_RAD * out_m.hypot(look.altitude_m);
-    let sigma_m = beam_m.hypot(look.ping_m / 12f64.sqrt());
+    let beam_m = BEAM_SIGMA_RAD * slant_m(out_m, look.altitude_m);
+    let sigma_m = slant_m(beam_m, look.ping_m / 12f64.sqrt());
     // What is coarse anyway needs no width.
     let rays = match look.together {
         1 => &RAYS[..],
         _ => &[(0.0, 1.0)][..],
     };
-    let mut meets = false;
+    // Along and across the solid, of a step outward.
+    let outward = [x * sin + y * cos, x * cos - y * sin];
     for &(at, weight) in rays {
         let beside_m = ahead_m - at * sigma_m;
         let half_m = (reach_m * reach_m - beside_m * beside_m).max(0.0).sqrt();
         if half_m == 0.0 || out_m + half_m <= 0.0 {
             continue;
         }
-        meets = true;
-        let start = [
-            ping.boat_m[0] + at * sigma_m * ahead_x,
-            ping.boat_m[1] + at * sigma_m * ahead_y,
+        let [east_m, north_m] = [
+            at * sigma_m * ahead_x - east_m,
+            at * sigma_m * ahead_y - north_m,
         ];
-        let step_m = (2.0 * half_m / STEPS as f64).max(LEAST_STEP_M);
-        let from_m = (out_m - half_m - step_m).max(LEAST_BELOW_M);
-        let steps = ((out_m + half_m - from_m) / step_m).ceil() as usize + 1;
-        // Along and across the solid, which turn with the heading only.
-        let (east_m, north_m) = (start[0] - posed.east_m, start[1] - posed.north_m);
-        let (along_m, across_m) = (east_m * sin + north_m * cos, east_m * cos - north_m * sin);
-        let (along, across) = (x * sin + y * cos, x * cos - y * sin);
-        let height_m = |y_m: f64| {
-            posed
-                .solid
-                .height_at_m(along_m + along * y_m, across_m + across * y_m)
-        };
-        ray(bins, height_m, (from_m, step_m, steps), weight);
-    }
-    meets
-}
-
-/// Follows a ray over the solid.
-fn ray(
-    bins: &mut Bins<'_>,
-    height_m: impl Fn(f64) -> f64,
-    (from_m, step_m, steps): (f64, f64, usize),
-    weight: f64,
-) {
-    let altitude_m = bins.look.altitude_m;
-    // Tangent, from the vertical, of the farthest direction seen so far; where the solid begins and ends.
-    let mut horizon = 0.0;
-    let mut solid_m: Option<[f64; 2]> = None;
-    let (mut y0, mut below0) = (from_m, altitude_m);
-    for step in 1..=steps {
-        let y1 = from_m + step as f64 * step_m;
-        let below1 = (altitude_m - height_m(y1)).max(LEAST_BELOW_M);
-        let of_solid = below0 < altitude_m || below1 < altitude_m;
-        if of_solid {
-            solid_m = Some([solid_m.map_or(y0, |[first, _]| first), y1]);
+        let start_m = [east_m * sin + north_m * cos, east_m * cos - north_m * sin];
+        if ray.follow(look.altitude_m, &posed.solid, half_m, (start_m, outward)) {
+            bins.add(ray, weight);
         }
-        let (t0, t1) = (y0 / below0, y1 / below1);
-        if t1 > horizon {
-            let visible = match t0 >= horizon {
-                true => 1.0,
-                false => (t1 - horizon) / (t1 - t0),
-            };
-            horizon = t1;
-            if solid_m.is_some() {
-                bins.echo([y0, y1], [below0, below1], weight * visible, of_solid);
-            }
-        }
-        (y0, below0) = (y1, below1);
-    }
-    if let Some([first_m, last_m]) = solid_m {
-        let end_m = last_m.max(horizon * altitude_m);
-        // What is seen within was added; from where the last step of the bottom was seen on nothing is.
-        bins.hide([first_m, end_m].map(|y_m| y_m.hypot(altitude_m)), weight);
-    }
-}
-
-impl Bins<'_> {
-    /// Adds the echo of a step, from so far out and so far below to so far out and below.
-    fn echo(&mut self, [y0, y1]: [f64; 2], [below0, below1]: [f64; 2], weight: f64, solid: bool) {
-        let (y_m, below_m, step_m) = (0.5 * (y0 + y1), 0.5 * (below0 + below1), y1 - y0);
-        let slope = (below1 - below0) / step_m;
-        let [r0, r1] = [slant_m(y0, below0), slant_m(y1, below1)];
-        let (near_m, width_m) = (r0.min(r1), (r1 - r0).abs().max(1e-6));
-        // Lambert's law on a step that is longer for its slope: facing^2 / range^2 * length.
-        let facing_m = (below_m - y_m * slope).max(0.0);
-        let range_m2 = y_m * y_m + below_m * below_m;
-        let power = facing_m * facing_m * step_m / (range_m2 * (1.0 + slope * slope).sqrt());
-        // Of the bare bottom: cos^2 dy/dr = (H/r)^2 r/y a metre of range. At its nearest point that grows without end.
-        let range_m = 0.5 * (r0 + r1);
-        let altitude_m2 = self.look.altitude_m * self.look.altitude_m;
-        let least_m2 = 0.01 * range_m * range_m;
-        let out_m = (range_m * range_m - altitude_m2).max(least_m2).sqrt();
-        let scale = weight * power * range_m * out_m / (altitude_m2 * width_m);
-        let into = match solid {
-            true => &mut *self.object,
-            false => &mut *self.bottom,
-        };
-        spread(self.look, [near_m, near_m + width_m], |bin, share| {
-            into[bin] += (scale * share) as f32;
-        });
-    }
-
-    /// Takes the bottom away between two slant ranges.
-    fn hide(&mut self, ranges_m: [f64; 2], weight: f64) {
-        let bottom = &mut *self.bottom;
-        spread(self.look, ranges_m, |bin, share| {
-            bottom[bin] -= (weight * share) as f32;
-        });
-    }
-}
-
-/// Slant range of a place so far out and so far below. These are no numbers that `hypot` would be needed for, which costs as much as a step.
-fn slant_m(out_m: f64, below_m: f64) -> f64 {
-    (out_m * out_m + below_m * below_m).sqrt()
-}
-
-/// Calls for each bin that a stretch of range overlaps, with the share of the bin that it overlaps.
-fn spread(look: &BoxLevels, [from_m, to_m]: [f64; 2], mut add: impl FnMut(usize, f64)) {
-    let bin = |range_m: f64| (range_m - look.from_m) / look.step_m;
-    let (from, to) = (bin(from_m).max(0.0), bin(to_m).min(look.bins as f64));
-    if from >= to {
-        return;
-    }
-    for index in from as usize..(to as usize + 1).min(look.bins) {
-        let share = to.min(index as f64 + 1.0) - from.max(index as f64);
-        add(index, share.max(0.0));
     }
 }
 

@@ -1,6 +1,6 @@
 //! What a solid is compared with: the looks, and what numbers of it predict of them.
 
-use super::levels::BoxLevels;
+use super::levels::{BoxLevels, PingLevels};
 use super::predict::{PosedSolid, Predicted, predict};
 use super::solid::{ShapeKind, Solid};
 
@@ -30,6 +30,8 @@ const LEAST_STEP: f64 = 0.01;
 pub(super) struct Problem<'a> {
     kind: ShapeKind,
     looks: &'a [BoxLevels],
+    /// Sum of the squares of the levels of each look, ping by ping.
+    bare: Vec<Vec<f64>>,
     /// Size and heading are what they are: only the numbers of the looks are sought.
     is_object_known: bool,
 }
@@ -69,6 +71,7 @@ impl Clone for State {
         for (own, other) in self.predicted.iter_mut().zip(&other.predicted) {
             own.bottom.clone_from(&other.bottom);
             own.object.clone_from(&other.object);
+            own.changed.clone_from(&other.changed);
         }
     }
 }
@@ -112,6 +115,10 @@ impl<'a> Problem<'a> {
         Self {
             kind,
             looks,
+            bare: looks
+                .iter()
+                .map(|look| look.pings.iter().map(PingLevels::squares).collect())
+                .collect(),
             is_object_known: false,
         }
     }
@@ -163,8 +170,9 @@ impl<'a> Problem<'a> {
         let of_look = &state.numbers[OF_OBJECT + look * OF_LOOK..];
         let strength = of_look[2].exp() as f32;
         let darkest = [of_look[3], of_look[4]];
-        let all = squares(&self.looks[look], &state.predicted[look], strength, darkest);
-        state.costs[look] = all * self.looks[look].together as f64;
+        let (recorded, bare) = (&self.looks[look], &self.bare[look]);
+        let all = squares((recorded, bare), &state.predicted[look], strength, darkest);
+        state.costs[look] = all * recorded.together as f64;
     }
 
     fn sum(&self, state: &mut State) {
@@ -279,8 +287,13 @@ impl Problem<'_> {
     }
 }
 
-/// Sum of the squares of what is recorded minus what is predicted.
-fn squares(look: &BoxLevels, predicted: &Predicted, strength: f32, darkest: [f64; 2]) -> f64 {
+/// Sum of the squares of what is recorded minus what is predicted, from a look and the squares of its pings as they are.
+fn squares(
+    (look, bare): (&BoxLevels, &[f64]),
+    predicted: &Predicted,
+    strength: f32,
+    darkest: [f64; 2],
+) -> f64 {
     let [dark_ln, lighter_ln] = darkest;
     // The noise that fills a shadow does not fade with the bottom.
     let darkest: Vec<f32> = (0..look.bins)
@@ -289,17 +302,22 @@ fn squares(look: &BoxLevels, predicted: &Predicted, strength: f32, darkest: [f64
     let scale = SPECKLE_LN.recip() as f32;
     let bottom = predicted.bottom.chunks_exact(look.bins);
     let both = bottom.zip(predicted.object.chunks_exact(look.bins));
-    let pings = look.pings.iter().zip(both).map(|(ping, (bottom, object))| {
-        let all = ping.levels.iter().zip(bottom).zip(object).zip(&darkest);
-        let squares = all.map(|(((level, bottom), object), darkest)| {
-            // Most of a look is bare bottom, and a logarithm is what costs time here.
-            let expected = match *bottom == 1.0 && *object == 0.0 {
-                true => 0.0,
-                false => scale * (bottom + strength * object).max(*darkest).ln(),
-            };
-            (level - expected) * (level - expected)
+    let pings = look
+        .pings
+        .iter()
+        .zip(both)
+        .zip(&predicted.changed)
+        .zip(bare);
+    let pings = pings.map(|(((ping, (bottom, object)), changed), bare)| {
+        let bins = || changed.clone();
+        let all = ping.levels[bins()].iter().zip(&bottom[bins()]);
+        let all = all.zip(&object[bins()]).zip(&darkest[bins()]);
+        // (level - expected)^2 - level^2: most of a look is bare bottom, where nothing else is expected than 0.
+        let more = all.map(|(((level, bottom), object), darkest)| {
+            let expected = scale * (bottom + strength * object).max(*darkest).ln();
+            expected * (expected - 2.0 * level)
         });
-        f64::from(squares.sum::<f32>())
+        bare + f64::from(more.sum::<f32>())
     });
     pings.sum()
 }

@@ -108,19 +108,67 @@ impl Solid {
     /// Height above the bottom, metres, at a place so far along its length (a boat's bow ahead) and across it (to starboard) from its middle;
     /// 0 beside it.
     pub(crate) fn height_at_m(&self, along_m: f64, across_m: f64) -> f64 {
-        let (u, v) = (2.0 * along_m / self.length_m, 2.0 * across_m / self.width_m);
-        if u.abs() > 1.0 || v.abs() > 1.0 {
-            return 0.0;
+        let mut height_m = [0.0];
+        self.heights_m([along_m, across_m], [0.0; 2], &mut height_m);
+        height_m[0]
+    }
+
+    /// Writes the same of places in a row, each a step along and across from the one before.
+    pub(super) fn heights_m(&self, first_m: [f64; 2], step_m: [f64; 2], into: &mut [f64]) {
+        // One loop a kind: a choice at every place would keep several from being computed at once.
+        match self.kind {
+            ShapeKind::Block => self.fill(first_m, step_m, into, |_, _| 1.0),
+            ShapeKind::Cylinder => self.fill(first_m, step_m, into, |_, v| lying_round(v)),
+            ShapeKind::Tyre => self.fill(first_m, step_m, into, |u, v| {
+                lying_round(((u * u + v * v).sqrt() - RING[0]) / RING[1])
+            }),
+            ShapeKind::Boulder => self.fill(first_m, step_m, into, |u, v| {
+                (1.0 - u * u - v * v).max(0.0).sqrt()
+            }),
+            ShapeKind::Hull => self.fill(first_m, step_m, into, |u, v| self.open_hull(u, v)),
+            ShapeKind::UpturnedHull => self.fill(first_m, step_m, into, |u, v| {
+                lying_round(v / boat_outline(u))
+            }),
         }
-        let upright = match self.kind {
-            ShapeKind::Block => 1.0,
-            ShapeKind::Cylinder => lying_round(v),
-            ShapeKind::Tyre => lying_round((u.hypot(v) - RING[0]) / RING[1]),
-            ShapeKind::Boulder => (1.0 - u * u - v * v).max(0.0).sqrt(),
-            ShapeKind::Hull => self.open_hull(u, v),
-            ShapeKind::UpturnedHull => lying_round(v / boat_outline(u)),
-        };
-        self.height_m * upright * (1.0 + self.list * v) / (1.0 + self.list.abs())
+    }
+
+    /// Writes the heights of a shape that is so high, as a share, at places along and across in half lengths and half widths.
+    fn fill(
+        &self,
+        first_m: [f64; 2],
+        step_m: [f64; 2],
+        into: &mut [f64],
+        upright: impl Fn(f64, f64) -> f64,
+    ) {
+        let half_m = self.half_m();
+        let [u0, v0] = [0, 1].map(|axis| first_m[axis] / half_m[axis]);
+        let [du, dv] = [0, 1].map(|axis| step_m[axis] / half_m[axis]);
+        let middle_m = self.height_m / (1.0 + self.list.abs());
+        for (step, height_m) in into.iter_mut().enumerate() {
+            let (u, v) = (u0 + du * step as f64, v0 + dv * step as f64);
+            let over_m = middle_m * upright(u, v) * (1.0 + self.list * v);
+            let is_over = u.abs() <= 1.0 && v.abs() <= 1.0;
+            *height_m = if is_over { over_m } else { 0.0 };
+        }
+    }
+
+    /// Where a ray enters and leaves the rectangle around it: distances from a place along and across it in a direction of length 1;
+    /// `None` where it passes by.
+    pub(super) fn met_m(&self, start_m: [f64; 2], toward: [f64; 2]) -> Option<[f64; 2]> {
+        let half_m = self.half_m();
+        let mut met_m = [f64::NEG_INFINITY, f64::INFINITY];
+        for axis in 0..2 {
+            let sides = [-half_m[axis], half_m[axis]];
+            let [one_m, other_m] = sides.map(|side_m| (side_m - start_m[axis]) / toward[axis]);
+            met_m[0] = met_m[0].max(one_m.min(other_m));
+            met_m[1] = met_m[1].min(one_m.max(other_m));
+        }
+        (met_m[0] < met_m[1]).then_some(met_m)
+    }
+
+    /// Half of its length and width, metres.
+    fn half_m(&self) -> [f64; 2] {
+        [0.5 * self.length_m, 0.5 * self.width_m]
     }
 
     fn open_hull(&self, u: f64, v: f64) -> f64 {
@@ -136,7 +184,7 @@ impl Solid {
     /// Its outline on the bottom: places along and across from its middle, metres, back to the first.
     pub(crate) fn outline_m(&self) -> Vec<[f64; 2]> {
         const POINTS: usize = 32;
-        let [length_m, width_m] = [0.5 * self.length_m, 0.5 * self.width_m];
+        let [length_m, width_m] = self.half_m();
         if matches!(self.kind, ShapeKind::Block | ShapeKind::Cylinder) {
             let corners = [
                 (1.0, 1.0),
@@ -228,5 +276,16 @@ mod tests {
         let hull = solid(ShapeKind::Hull);
         assert_eq!(hull.height_at_m(1.8, 0.6), 0.0);
         assert!(hull.height_at_m(-1.8, 0.6) > 0.0);
+    }
+
+    #[test]
+    fn a_ray_meets_the_rectangle_around_a_solid_where_its_sides_are() {
+        let solid = solid(ShapeKind::Block);
+        assert_eq!(solid.met_m([-5.0, 0.5], [1.0, 0.0]), Some([3.0, 7.0]));
+        assert_eq!(solid.met_m([0.5, 5.0], [0.0, -1.0]), Some([4.0, 6.0]));
+        assert_eq!(solid.met_m([-5.0, 1.5], [1.0, 0.0]), None);
+        let diagonal = [0.5_f64.sqrt(); 2];
+        assert_eq!(solid.met_m([1.2, -2.0], diagonal), None, "past a corner");
+        assert!(solid.met_m([0.8, -2.0], diagonal).is_some());
     }
 }
