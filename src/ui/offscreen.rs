@@ -1,5 +1,6 @@
 //! The window without a window: frames are drawn into a texture and read back, on a GPU or on lavapipe.
 
+use super::render::extent;
 use super::{Shell, into_texture};
 use crate::products::export::{ExportError, write_atomically};
 use crate::support::progress::{Cancelled, Progress};
@@ -322,14 +323,6 @@ fn opaque(pixels: &mut [u8], format: wgpu::TextureFormat) {
             pixel.swap(0, 2);
         }
         pixel[3] = 255;
-    }
-}
-
-fn extent([width, height]: [u32; 2]) -> wgpu::Extent3d {
-    wgpu::Extent3d {
-        width,
-        height,
-        depth_or_array_layers: 1,
     }
 }
 
