@@ -74,6 +74,21 @@ impl DropDown {
         }
         shown.response
     }
+
+    /// Draws it with all values that there are to choose from.
+    pub(super) fn pick<T: Copy + PartialEq>(
+        self,
+        ui: &mut Ui,
+        value: &mut T,
+        all: impl IntoIterator<Item = T>,
+        name: impl Fn(T) -> &'static str,
+    ) -> Response {
+        self.show(ui, |choices| {
+            for one in all {
+                choices.value(value, one, name(one));
+            }
+        })
+    }
 }
 
 impl Choices<'_> {

@@ -22,8 +22,11 @@ mod window;
 pub(crate) use shell::{Alone, Shell};
 pub(crate) use window::open_window;
 
-use crate::app::{App, Command, View};
+use crate::app::{Action, App, Command, ThemeChoice, View};
+use crate::pipeline::Settings;
 use crate::support::presentation::text;
+use crate::support::presentation::units::Units;
+use egui::{Response, WidgetText};
 
 /// What a panel or view gets: the state to read, the list to push commands to.
 pub(crate) struct ViewContext<'a> {
@@ -41,6 +44,67 @@ impl ViewContext<'_> {
     /// Pushes a command.
     pub(crate) fn push(&mut self, command: Command) {
         self.commands.push(command);
+    }
+
+    /// The units in use.
+    pub(crate) fn units(&self) -> Units {
+        self.app.view.options.units
+    }
+
+    /// Light or dark.
+    pub(crate) fn theme(&self) -> ThemeChoice {
+        self.app.view.options.theme
+    }
+
+    /// Changes the settings; undo names it by the label.
+    pub(crate) fn change(&mut self, label: &'static str, change: impl FnOnce(&mut Settings)) {
+        self.change_live(label, false, change);
+    }
+
+    /// Changes the settings; what is `live` goes on, and is one step with what follows.
+    pub(crate) fn change_live(
+        &mut self,
+        label: &'static str,
+        live: bool,
+        change: impl FnOnce(&mut Settings),
+    ) {
+        let mut settings = Box::new(Settings::clone(&self.app.log.settings));
+        change(&mut settings);
+        self.push(Command::Change {
+            settings,
+            label,
+            live,
+        });
+    }
+
+    /// Has a button do an action: what that does is said under the pointer.
+    pub(crate) fn button(&mut self, button: Response, action: Action) {
+        self.button_with_hint(button, action, action.hint());
+    }
+
+    /// The same, and its key is said too.
+    pub(crate) fn keyed_button(&mut self, button: Response, action: Action) {
+        self.button_with_hint(button, action, hint_with_key(action));
+    }
+
+    /// Has a button do an action, with words of its own under the pointer.
+    pub(crate) fn button_with_hint(
+        &mut self,
+        button: Response,
+        action: Action,
+        hint: impl Into<WidgetText>,
+    ) {
+        if button.on_hover_text(hint).clicked() {
+            self.push(Command::Do(action));
+        }
+    }
+}
+
+/// What an action does, and its key.
+pub(crate) fn hint_with_key(action: Action) -> String {
+    match action.keys() {
+        Some(keys) => format!("{} ({keys})", action.hint()),
+        None => action.hint().to_owned(),
     }
 }
 

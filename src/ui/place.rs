@@ -14,6 +14,18 @@ pub(super) fn reduction(app: &App) -> Reduction<'_> {
     products.map_or_else(Reduction::default, Products::reduction)
 }
 
+/// Whether the shown log has a side-scan that is of use.
+pub(super) fn has_side_scan(app: &App) -> bool {
+    let survey = app.log.survey.as_ref();
+    survey.is_some_and(|survey| survey.has_side_scan())
+}
+
+/// Side-scan pings of the shown log.
+pub(super) fn ping_count(app: &App) -> usize {
+    let survey = app.log.survey.as_ref();
+    survey.map_or(0, |survey| survey.side_scan.len())
+}
+
 /// Slant range of a mark, metres.
 pub(super) fn range_m(app: &App, mark: Mark) -> Option<f64> {
     let survey = app.log.survey.as_ref()?;

@@ -27,19 +27,19 @@ pub(super) fn same_ping(residuals: &Residuals, units: Units) -> String {
 
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let heading = Section {
-        number: Some(3),
-        title: "Cloud",
-        stage: Some(Stage::Cloud),
-    };
-    section(ui, context, &heading, |ui, context| {
-        if let (Some(products), Some(figures)) =
-            (&context.app.log.products, &context.app.log.figures)
-        {
-            found(ui, products, figures, context.app.view.options.units);
-        }
-        controls(ui, context);
-    });
+    section(
+        ui,
+        context,
+        Section::new("Cloud").step(3).of(Stage::Cloud),
+        |ui, context| {
+            if let (Some(products), Some(figures)) =
+                (&context.app.log.products, &context.app.log.figures)
+            {
+                found(ui, products, figures, context.units());
+            }
+            controls(ui, context);
+        },
+    );
 }
 
 fn found(ui: &mut Ui, products: &Products, figures: &Figures, units: Units) {

@@ -2,41 +2,34 @@
 
 mod above_bottom;
 
-use super::parts::{self, setting};
+use super::parts;
 use super::section::{Section, section};
 use crate::app::{Action, Command, Tool};
 use crate::bottom::cloud::PointClass;
 use crate::pipeline::Stage;
-use crate::pipeline::settings::rows;
 use crate::survey::Side;
-use crate::ui::{ViewContext, text, theme, toggle};
+use crate::ui::{ViewContext, place, text, theme, toggle};
 use egui::{Button, Response, RichText, Ui};
+
+/// Title of the section.
+const TITLE: &str = "First return";
 
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let heading = Section {
-        number: Some(1),
-        title: "First return",
-        stage: Some(Stage::FirstReturn),
-    };
-    section(ui, context, &heading, |ui, context| {
-        if !has_side_scan(context) {
-            parts::remark(ui, "This log has no side-scan.");
-            return;
-        }
-        found(ui, context);
-        controls(ui, context);
-        bottom_edits(ui, context);
-    });
-}
-
-fn has_side_scan(context: &ViewContext<'_>) -> bool {
-    context
-        .app
-        .log
-        .survey
-        .as_ref()
-        .is_some_and(|survey| survey.has_side_scan())
+    section(
+        ui,
+        context,
+        Section::new(TITLE).step(1).of(Stage::FirstReturn),
+        |ui, context| {
+            if !place::has_side_scan(context.app) {
+                parts::remark(ui, "This log has no side-scan.");
+                return;
+            }
+            found(ui, context);
+            parts::settings_of(ui, context, TITLE);
+            bottom_edits(ui, context);
+        },
+    );
 }
 
 fn found(ui: &mut Ui, context: &mut ViewContext<'_>) {
@@ -77,7 +70,7 @@ fn found(ui: &mut Ui, context: &mut ViewContext<'_>) {
             .on_hover_text(format!("{share:.1} % of all first returns are below the minimum confidence; neither cloud nor map uses them."));
     }
     for text in &products.bottom_line.warnings {
-        parts::warning(ui, context, &context.app.view.options.units.sentence(text));
+        parts::warning(ui, context, &context.units().sentence(text));
     }
 }
 
@@ -125,18 +118,4 @@ fn action(response: Response, action: Action) -> Response {
     response
         .accessible_name(action.label())
         .on_hover_text(action.hint())
-}
-
-fn controls(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    for row in [
-        &rows::METHOD,
-        &rows::SAMPLES,
-        &rows::THRESHOLD,
-        &rows::DEAD_ZONE,
-        &rows::ABOVE_BOTTOM_MARGIN,
-        &rows::MIN_CONFIDENCE,
-        &rows::BOTTOM_LINE,
-    ] {
-        setting(ui, context, row);
-    }
 }

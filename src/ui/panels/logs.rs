@@ -11,12 +11,7 @@ use egui::{Button, Color32, RichText, Sense, Ui};
 
 /// Draws the section while a log is open.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let heading = Section {
-        number: None,
-        title: "Logs",
-        stage: None,
-    };
-    section(ui, context, &heading, |ui, context| {
+    section(ui, context, Section::new("Logs"), |ui, context| {
         let app = context.app;
         let last = app.log_count().saturating_sub(1);
         let keys = ListKeys::read(ui, "logs", app.log_count());
@@ -43,13 +38,8 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 fn add(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let action = Action::AddLog;
-    let keys = action.keys().unwrap_or_default();
-    let button = Button::new(action.label()).small();
-    let hint = format!("{} ({keys})", action.hint());
-    if ui.add(button).on_hover_text(hint).clicked() {
-        context.push(Command::Do(action));
-    }
+    let button = ui.add(Button::new(Action::AddLog.label()).small());
+    context.keyed_button(button, Action::AddLog);
 }
 
 /// One log; what was asked for on its row.

@@ -1,8 +1,7 @@
 //! The few parts that all panels are made of: rows, facts, and controls that change a setting.
 
-use super::find_setting;
-use crate::app::{Action, App, Command, LogId, OpenLog};
-use crate::pipeline::Settings;
+use super::find_setting::{self, Place};
+use crate::app::{Action, App, LogId, OpenLog};
 use crate::pipeline::settings::{Choice, Control, Kind, Number, Row, ShownNumber};
 use crate::ui::drop_down::DropDown;
 use crate::ui::list_keys::ListKeys;
@@ -106,9 +105,7 @@ pub(crate) fn file(
         if action == open {
             find_setting::answer(ui, context, setting.key, &button);
         }
-        if button.on_hover_text(action.hint()).clicked() {
-            context.push(Command::Do(action));
-        }
+        context.button(button, action);
     };
     ui.horizontal(|ui| {
         name_cell(ui, setting.label, setting.hint);
@@ -170,7 +167,7 @@ pub(crate) fn remark(ui: &mut Ui, text: impl Into<String>) {
 
 /// Something that does not agree or could not be used.
 pub(crate) fn warning(ui: &mut Ui, context: &ViewContext<'_>, text: &str) {
-    let colour = theme::stale_colour(context.app.view.options.theme);
+    let colour = theme::stale_colour(context.theme());
     ui.add(egui::Label::new(RichText::new(text).small().color(colour)).wrap());
 }
 
@@ -225,13 +222,22 @@ pub(crate) fn setting(ui: &mut Ui, context: &mut ViewContext<'_>, row: &'static 
     });
 }
 
+/// The controls of all settings that are numbers or names in the section with this title.
+pub(crate) fn settings_of(ui: &mut Ui, context: &mut ViewContext<'_>, title: &'static str) {
+    for row in find_setting::rows_in(Place::Section(title)) {
+        if matches!(row.kind, Kind::Number(_) | Kind::Choice(_)) {
+            setting(ui, context, row);
+        }
+    }
+}
+
 fn number(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,
     setting: &'static Row,
     number: &'static Number,
 ) -> Response {
-    let units = context.app.view.options.units;
+    let units = context.units();
     let shown = number.shown_in(units);
     let [least, most] = shown.ends;
     let mut requested = shown.value(&context.app.log.settings);
@@ -288,14 +294,11 @@ fn number(
         )
     });
     if response.changed() || response.drag_stopped() {
-        let mut settings = Settings::clone(&context.app.log.settings);
-        if response.changed() {
-            shown.take(&mut settings, requested);
-        }
-        context.push(Command::Change {
-            settings: Box::new(settings),
-            label: setting.name,
-            live: response.dragged() && !response.drag_stopped(),
+        let live = response.dragged() && !response.drag_stopped();
+        context.change_live(setting.name, live, |settings| {
+            if response.changed() {
+                shown.take(settings, requested);
+            }
         });
     }
     response
@@ -324,13 +327,7 @@ fn choice(
             })
     });
     if let Some(value) = picked {
-        let mut settings = Settings::clone(&context.app.log.settings);
-        (choice.set)(&mut settings, value);
-        context.push(Command::Change {
-            settings: Box::new(settings),
-            label: setting.name,
-            live: false,
-        });
+        context.change(setting.name, |settings| (choice.set)(settings, value));
     }
     response
 }
@@ -349,9 +346,7 @@ pub(crate) fn press_short(
 ) {
     let button = ui.add_enabled(is_enabled, Button::new(label).small());
     let button = button.accessible_name(action.label());
-    if button.on_hover_text(action.hint()).clicked() {
-        context.push(Command::Do(action));
-    }
+    context.button(button, action);
 }
 
 /// The name of an open log; empty where it is open no longer.

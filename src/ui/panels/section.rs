@@ -7,12 +7,33 @@ use egui::{Response, Ui};
 
 /// The heading of a panel's part, and whether it is open.
 pub(crate) struct Section {
-    /// Number of the paper's step, if it is one.
-    pub number: Option<u8>,
-    /// Name.
-    pub title: &'static str,
+    number: Option<u8>,
+    title: &'static str,
     /// The stage whose result it shows, for the mark of stale results.
-    pub stage: Option<Stage>,
+    stage: Option<Stage>,
+}
+
+impl Section {
+    /// A part with this name.
+    pub(crate) fn new(title: &'static str) -> Self {
+        Self {
+            number: None,
+            title,
+            stage: None,
+        }
+    }
+
+    /// It is a step of the paper.
+    pub(crate) fn step(mut self, number: u8) -> Self {
+        self.number = Some(number);
+        self
+    }
+
+    /// It shows the result of a stage.
+    pub(crate) fn of(mut self, stage: Stage) -> Self {
+        self.stage = Some(stage);
+        self
+    }
 }
 
 /// How a stage's result stands to its settings.
@@ -74,7 +95,7 @@ const LOW_WINDOW: f32 = 600.0;
 pub(crate) fn section(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,
-    section: &Section,
+    section: Section,
     body: impl FnOnce(&mut Ui, &mut ViewContext<'_>),
 ) {
     let folded_id = folded_id(section.title);
@@ -83,7 +104,7 @@ pub(crate) fn section(
     let known = ui.data_mut(|data| data.get_persisted::<bool>(folded_id));
     let mut folded = known.unwrap_or(begins_folded);
     let freshness = freshness(context, section.stage);
-    let title = heading(ui, context, section, folded, freshness);
+    let title = heading(ui, context, &section, folded, freshness);
     let wanted = ui.data_mut(|data| {
         let is_this = data.get_temp(wanted_id()) == Some(section.title);
         is_this.then(|| data.remove::<&'static str>(wanted_id()))
@@ -110,7 +131,7 @@ fn heading(
     folded: bool,
     freshness: Freshness,
 ) -> Response {
-    let look = context.app.view.options.theme;
+    let look = context.theme();
     let size = egui::vec2(ui.available_width(), 20.0);
     let (rect, response) = ui.allocate_exact_size(size, egui::Sense::click());
     let painter = ui.painter();

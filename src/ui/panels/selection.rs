@@ -10,24 +10,22 @@ use egui::{RichText, Ui};
 
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let heading = Section {
-        number: None,
-        title: "Selection",
-        stage: None,
-    };
-    section(ui, context, &heading, |ui, context| {
-        match context.app.view.selection {
+    section(
+        ui,
+        context,
+        Section::new("Selection"),
+        |ui, context| match context.app.view.selection {
             Some(mark) => selected(ui, context, mark),
             None => remark(
                 ui,
                 "Nothing is selected: click the waterfall, the map, the cloud or the time line.",
             ),
-        }
-    });
+        },
+    );
 }
 
 fn selected(ui: &mut Ui, context: &mut ViewContext<'_>, mark: Mark) {
-    let units = context.app.view.options.units;
+    let units = context.units();
     let Some(survey) = context.app.log.survey.clone() else {
         return;
     };
@@ -102,7 +100,7 @@ fn first_return(ui: &mut Ui, context: &ViewContext<'_>, ping: usize, side: Side)
             };
             format!(
                 "{} · conf. {:.2}{above_bottom}",
-                context.app.view.options.units.measure(range, 2),
+                context.units().measure(range, 2),
                 pick.confidence
             )
         }
@@ -140,7 +138,7 @@ fn heading(ui: &mut Ui, context: &ViewContext<'_>, ping: usize) {
         ui,
         "Speed",
         "Over ground.",
-        context.app.view.options.units.speed(here.speed_mps, 1),
+        context.units().speed(here.speed_mps, 1),
     );
 }
 
@@ -152,7 +150,7 @@ fn mounting(ui: &mut Ui, context: &ViewContext<'_>, ping: usize) {
     let mounting = &products.settings.mounting;
     let is_apart = products.navigation.antenna.get(ping).is_some();
     if let Some(arm_m) = mounting.lever_arm_m().filter(|_| is_apart) {
-        let units = context.app.view.options.units;
+        let units = context.units();
         let arm = arm_in_words(arm_m, |metres| units.measure(metres, 2));
         let hint = "Position of the transducer, which positions refer to.";
         fact(ui, "Transducer", hint, format!("{arm} of the antenna"));
@@ -192,7 +190,7 @@ fn point(ui: &mut Ui, context: &ViewContext<'_>, mark: Mark) {
         "The selected point of the cloud: its source, depth and echo level (0 to 255).",
         format!(
             "{source} · {} deep{level}{class}",
-            context.app.view.options.units.measure(-point.z_m, 2),
+            context.units().measure(-point.z_m, 2),
         ),
     );
 }

@@ -20,24 +20,24 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     if !figure.is_some_and(|figure| is_height(figure.measurement.kind)) {
         return;
     }
-    let heading = Section {
-        number: None,
-        title: "Height from shadow",
-        stage: None,
-    };
     let found = context.app.measured_height();
-    section(ui, context, &heading, |ui, context| match found {
-        None => remark(ui, "Drag in the waterfall to the end of the shadow."),
-        Some(Err(error)) => {
-            let why = context.app.view.options.units.sentence(&error.to_string());
-            remark(ui, format!("There is no height: {why}."));
-        }
-        Some(Ok(shadow)) => inputs(ui, context, &shadow),
-    });
+    section(
+        ui,
+        context,
+        Section::new("Height from shadow"),
+        |ui, context| match found {
+            None => remark(ui, "Drag in the waterfall to the end of the shadow."),
+            Some(Err(error)) => {
+                let why = context.units().sentence(&error.to_string());
+                remark(ui, format!("There is no height: {why}."));
+            }
+            Some(Ok(shadow)) => inputs(ui, context, &shadow),
+        },
+    );
 }
 
 fn inputs(ui: &mut Ui, context: &mut ViewContext<'_>, shadow: &ShadowHeight) {
-    let units = context.app.view.options.units;
+    let units = context.units();
     drawing(ui, context, shadow);
     fact(
         ui,
@@ -76,9 +76,7 @@ fn inputs(ui: &mut Ui, context: &mut ViewContext<'_>, shadow: &ShadowHeight) {
             (Action::RemoveFigure, "Remove"),
         ] {
             let button = ui.button(label);
-            if button.on_hover_text(action.hint()).clicked() {
-                context.push(Command::Do(action));
-            }
+            context.button(button, action);
         }
     });
 }
@@ -89,7 +87,7 @@ fn drawing(ui: &mut Ui, context: &ViewContext<'_>, shadow: &ShadowHeight) {
         ui.allocate_exact_size(vec2(ui.available_width(), DRAWING_HEIGHT), Sense::hover());
     let spoken = format!(
         "Construction: height {}",
-        measured::height(&Ok(*shadow), context.app.view.options.units)
+        measured::height(&Ok(*shadow), context.units())
     );
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &spoken));
     let painter = ui.painter_at(area);
@@ -121,12 +119,8 @@ fn drawing(ui: &mut Ui, context: &ViewContext<'_>, shadow: &ShadowHeight) {
         3.0,
     ));
     painter.line_segment([boat, end], Stroke::new(1.0, weak));
-    painter.line_segment([foot, top], Stroke::new(3.0, theme::measure_colour()));
-    painter.circle_filled(
-        boat,
-        3.0,
-        theme::accent_colour(context.app.view.options.theme),
-    );
+    painter.line_segment([foot, top], Stroke::new(3.0, theme::MEASURE_COLOUR));
+    painter.circle_filled(boat, 3.0, theme::accent_colour(context.theme()));
     let font = FontId::proportional(theme::SMALL);
     let words = [
         (

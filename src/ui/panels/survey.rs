@@ -16,21 +16,19 @@ const WARNINGS_SHOWN: usize = 40;
 
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let heading = Section {
-        number: None,
-        title: "Survey",
-        stage: None,
-    };
-    section(ui, context, &heading, |ui, context| {
-        match context.app.log.survey.clone() {
+    section(
+        ui,
+        context,
+        Section::new("Survey"),
+        |ui, context| match context.app.log.survey.clone() {
             Some(survey) => {
                 summary(ui, context, &survey);
                 warnings(ui, context, &survey);
                 preset_line(ui, context);
             }
             None => nothing_open(ui, context),
-        }
-    });
+        },
+    );
 }
 
 fn nothing_open(ui: &mut Ui, context: &mut ViewContext<'_>) {
@@ -42,9 +40,7 @@ fn nothing_open(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.add_space(4.0);
     for action in [Action::Open, Action::OpenDemo] {
         let button = egui::Button::new(action.label()).min_size(egui::vec2(180.0, 24.0));
-        if ui.add(button).on_hover_text(action.hint()).clicked() {
-            context.push(Command::Do(action));
-        }
+        context.button(ui.add(button), action);
     }
 }
 
@@ -64,7 +60,7 @@ fn summary(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
             ui.label(file.display().to_string());
         }
     });
-    channels(ui, survey, context.app.view.options.units);
+    channels(ui, survey, context.units());
     let span = time_span(survey);
     let pings = survey.side_scan.len();
     let length = span.map_or(text::NONE.to_owned(), |(from, to)| {
@@ -124,12 +120,7 @@ fn soundings(context: &ViewContext<'_>, survey: &Survey) -> String {
         _ if survey.soundings.is_empty() => "none".to_owned(),
         None => format!("{count} · bottom never found"),
         Some([low, high]) => {
-            let span = context
-                .app
-                .view
-                .options
-                .units
-                .span([low, high].map(f64::from), 1);
+            let span = context.units().span([low, high].map(f64::from), 1);
             format!("{count} · {span}")
         }
     }
@@ -164,7 +155,7 @@ fn channels(ui: &mut Ui, survey: &Survey, units: Units) {
 }
 
 fn state_line(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
-    let units = context.app.view.options.units;
+    let units = context.units();
     match survey.side_scan_state {
         SideScanState::Usable => {}
         SideScanState::Absent => warning(
@@ -202,7 +193,7 @@ fn warnings(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
                         text::count(offset as usize)
                     )
                 });
-                let said = context.app.view.options.units.sentence(&one.text);
+                let said = context.units().sentence(&one.text);
                 warning(ui, context, &format!("{said}{place}"));
             }
             if count > WARNINGS_SHOWN {
@@ -238,7 +229,7 @@ fn preset_line(ui: &mut Ui, context: &mut ViewContext<'_>) {
             }
         }
         if in_force.is_none() {
-            let colour = crate::ui::theme::stale_colour(context.app.view.options.theme);
+            let colour = crate::ui::theme::stale_colour(context.theme());
             ui.colored_label(colour, "changed").on_hover_text(
                 "Some settings differ from the preset; a click on a preset restores all of its settings.",
             );

@@ -1,5 +1,6 @@
 //! What the shell itself does about a command; the rest goes to the state.
 
+use super::printing::BUSY;
 use super::sides::SidePanel;
 use super::{Shell, ViewRequest};
 use crate::app::{Action, Command, Jobs, KeyFocus, Keys, LayoutPreset, View};
@@ -159,8 +160,26 @@ impl Shell {
 
     fn toggle_panel(&mut self, panel: SidePanel, ctx: &egui::Context) {
         let (panels, width) = (self.app.view.options.panels, ctx.content_rect().width());
-        let is_shown = panel.is_shown(panels, width);
-        self.app.view.options.panels = panel.set_shown(panels, !is_shown, width);
+        self.show_panel(panel, !panel.is_shown(panels, width), ctx);
+    }
+
+    /// Shows or hides a panel, unless it is so already.
+    fn show_panel(&mut self, panel: SidePanel, shown: bool, ctx: &egui::Context) {
+        let (panels, width) = (self.app.view.options.panels, ctx.content_rect().width());
+        if panel.is_shown(panels, width) != shown {
+            self.app.view.options.panels = panel.set_shown(panels, shown, width);
+        }
+    }
+
+    /// Says why something is not done.
+    pub(super) fn say(&mut self, text: &str) {
+        self.app.apply(Command::Notify(text.to_owned()));
+    }
+
+    /// Asks where a file is to be written, which is proposed beside the log.
+    pub(super) fn ask_beside_log(&mut self, purpose: Purpose, ending: &str) {
+        let proposed = self.sidecar_path(ending);
+        self.dialogs.name(purpose, proposed, self.app.jobs());
     }
 
     /// Moves the keyboard on: to the steps, to the details, back to the views.
@@ -189,10 +208,7 @@ impl Shell {
     fn show_setting(&mut self, ctx: &egui::Context, key: &'static str) {
         match find_setting::place_of(key) {
             Some(Place::Section(title)) => {
-                let (panels, width) = (self.app.view.options.panels, ctx.content_rect().width());
-                if !SidePanel::Steps.is_shown(panels, width) {
-                    self.app.view.options.panels = SidePanel::Steps.set_shown(panels, true, width);
-                }
+                self.show_panel(SidePanel::Steps, true, ctx);
                 panels::unfold_section(ctx, title);
             }
             Some(Place::Levels) => self.layout.focus(View::Waterfall),
@@ -228,13 +244,9 @@ impl Shell {
     /// Moves the keyboard to the name of the selected box.
     fn name_box(&mut self, ctx: &egui::Context) {
         if self.app.log.reviewing.selected.is_none() {
-            let text = "select a box first, with Tab or a click";
-            return self.app.apply(Command::Notify(text.to_owned()));
+            return self.say("select a box first, with Tab or a click");
         }
-        let (panels, width) = (self.app.view.options.panels, ctx.content_rect().width());
-        if !SidePanel::Details.is_shown(panels, width) {
-            self.app.view.options.panels = SidePanel::Details.set_shown(panels, true, width);
-        }
+        self.show_panel(SidePanel::Details, true, ctx);
         panels::unfold_section(ctx, "Review");
         self.review.name_box();
     }
@@ -242,8 +254,7 @@ impl Shell {
     /// Asks where the project is to be kept.
     fn name_project(&mut self) {
         if self.app.log_count() == 0 {
-            let text = "there is nothing to keep yet; open a log first";
-            return self.app.apply(Command::Notify(text.to_owned()));
+            return self.say("there is nothing to keep yet; open a log first");
         }
         let known = self.app.project_path().map(std::path::Path::to_owned);
         let proposed = known.unwrap_or_else(|| self.sidecar_path("bathyscope"));
@@ -265,7 +276,7 @@ impl Shell {
                 self.dialogs
                     .name(Purpose::SaveReview, path, self.app.jobs());
             }
-            _ => self.app.apply(Command::Notify(NO_BOXES.to_owned())),
+            _ => self.say(NO_BOXES),
         }
     }
 
@@ -278,44 +289,33 @@ impl Shell {
 
     fn save_figure(&mut self) {
         if self.app.measured().is_some() {
-            let proposed = self.sidecar_path("measured.geojson");
-            self.dialogs
-                .name(Purpose::SaveFigure, proposed, self.app.jobs());
+            self.ask_beside_log(Purpose::SaveFigure, "measured.geojson");
         } else {
-            let text = "nothing is measured yet; draw a line or an area on the map first";
-            self.app.apply(Command::Notify(text.to_owned()));
+            self.say("nothing is measured yet; draw a line or an area on the map first");
         }
     }
 
     fn save_plan(&mut self) {
         if self.app.map.planning.lines.is_some() {
-            let proposed = self.sidecar_path("lines.gpx");
-            self.dialogs
-                .name(Purpose::SavePlan, proposed, self.app.jobs());
+            self.ask_beside_log(Purpose::SavePlan, "lines.gpx");
         } else {
-            let text = "no lines are planned yet; use Plan lines first";
-            self.app.apply(Command::Notify(text.to_owned()));
+            self.say("no lines are planned yet; use Plan lines first");
         }
     }
 
     fn save_profile(&mut self) {
         match self.app.profile_csv() {
-            Some(_) => {
-                let proposed = self.sidecar_path("profile.csv");
-                self.dialogs
-                    .name(Purpose::SaveProfile, proposed, self.app.jobs());
-            }
-            None => self.app.apply(Command::Notify(NO_PROFILE.to_owned())),
+            Some(_) => self.ask_beside_log(Purpose::SaveProfile, "profile.csv"),
+            None => self.say(NO_PROFILE),
         }
     }
 
     fn export_boxes(&mut self) {
         let is_writing = self.app.export_fraction().is_some();
         if !self.app.log.reviewing.has_boxes() {
-            self.app.apply(Command::Notify(NO_BOXES.to_owned()));
+            self.say(NO_BOXES);
         } else if is_writing {
-            let text = "products are still being written; wait, or cancel that first";
-            self.app.apply(Command::Notify(text.to_owned()));
+            self.say(BUSY);
         } else {
             self.dialogs.ask(Purpose::ExportBoxesInto, self.app.jobs());
         }

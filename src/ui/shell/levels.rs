@@ -1,8 +1,7 @@
 //! Gain, filters and levels of the waterfall, with the histogram that black and white are dragged in.
 
-use crate::app::{Action, Command};
+use crate::app::Action;
 use crate::imagery::picture::Histogram;
-use crate::pipeline::Settings;
 use crate::pipeline::settings::{Kind, Row, rows};
 use crate::ui::panels::{find_setting, parts};
 use crate::ui::{ViewContext, theme, toggle};
@@ -48,10 +47,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.separator();
     names(ui, context, &rows::PICTURE_FLIP);
     names(ui, context, &rows::PICTURE_FIRST);
-    let reset = ui.button("Reset").on_hover_text(Action::LevelsReset.hint());
-    if reset.clicked() {
-        context.push(Command::Do(Action::LevelsReset));
-    }
+    context.button(ui.button("Reset"), Action::LevelsReset);
 }
 
 /// A setting of few names, side by side: a list of its own would close the panel with it.
@@ -69,13 +65,7 @@ fn names(ui: &mut Ui, context: &mut ViewContext<'_>, setting: &'static Row) {
                 }
                 let hint = format!("{} {}", setting.hint, name.meaning);
                 if item.on_hover_text(hint).clicked() && name.value != current {
-                    let mut settings = Settings::clone(&context.app.log.settings);
-                    (choice.set)(&mut settings, name.value);
-                    context.push(Command::Change {
-                        settings: Box::new(settings),
-                        label: setting.name,
-                        live: false,
-                    });
+                    context.change(setting.name, |settings| (choice.set)(settings, name.value));
                 }
             }
         });
@@ -130,14 +120,10 @@ fn automatic(ui: &mut Ui, context: &mut ViewContext<'_>) {
 
 /// Puts black and white at these levels, or leaves them to the log.
 fn set(context: &mut ViewContext<'_>, levels: Option<[f64; 2]>, label: &'static str, live: bool) {
-    let mut settings = Settings::clone(&context.app.log.settings);
     let rounded = levels.map(|levels| levels.map(|level| (10.0 * level).round() / 10.0));
-    settings.picture.black = rounded.map(|[black, _]| black);
-    settings.picture.white = rounded.map(|[_, white]| white);
-    context.push(Command::Change {
-        settings: Box::new(settings),
-        label,
-        live,
+    context.change_live(label, live, |settings| {
+        settings.picture.black = rounded.map(|[black, _]| black);
+        settings.picture.white = rounded.map(|[_, white]| white);
     });
 }
 
@@ -234,7 +220,7 @@ fn bars(painter: &Painter, area: Rect, counted: &Histogram, reach: f64, ink: Col
 
 fn knob(painter: &Painter, area: Rect, x: f32, which: Level, context: &ViewContext<'_>) {
     let x = x.clamp(area.left(), area.right());
-    let accent = theme::accent_colour(context.app.view.options.theme);
+    let accent = theme::accent_colour(context.theme());
     painter.line_segment(
         [pos2(x, area.top()), pos2(x, area.bottom())],
         Stroke::new(1.5, accent),

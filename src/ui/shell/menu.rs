@@ -2,7 +2,7 @@
 
 use super::sides::SidePanel;
 use super::{levels, map_layers, swipe};
-use crate::app::{Action, CloudColour, ColourMap, Command, SideColours, ThemeChoice};
+use crate::app::{Action, App, CloudColour, ColourMap, Command, SideColours, ThemeChoice};
 use crate::pipeline::BottomColour;
 use crate::support::geo::CoordinateFormat;
 use crate::support::presentation::units::{LengthUnit, SpeedUnit};
@@ -211,11 +211,6 @@ fn help(ui: &mut Ui, context: &mut ViewContext<'_>) {
     );
 }
 
-fn entry(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action) {
-    let enabled = context.app.has_what_it_takes(action);
-    titled(ui, context, action, action.label(), enabled);
-}
-
 fn titled(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action, title: &str, enabled: bool) {
     let button = Button::new(title).shortcut_text(action.keys().unwrap_or_default());
     let response = ui.add_enabled(enabled, button);
@@ -226,8 +221,19 @@ fn titled(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action, title: &st
 }
 
 fn entries(ui: &mut Ui, context: &mut ViewContext<'_>, actions: &[Action]) {
+    entries_where(ui, context, actions, App::has_what_it_takes);
+}
+
+/// Entries that can be chosen where a condition holds.
+fn entries_where(
+    ui: &mut Ui,
+    context: &mut ViewContext<'_>,
+    actions: &[Action],
+    enabled: impl Fn(&App, Action) -> bool,
+) {
     for &action in actions {
-        entry(ui, context, action);
+        let enabled = enabled(context.app, action);
+        titled(ui, context, action, action.label(), enabled);
     }
 }
 
@@ -251,31 +257,23 @@ fn file(ui: &mut Ui, context: &mut ViewContext<'_>) {
     external(ui, context);
     ui.separator();
     let ready = context.app.log.products.is_some();
-    for action in [Action::Export, Action::PrintView] {
-        titled(ui, context, action, action.label(), ready);
-    }
+    entries_where(ui, context, &[Action::Export, Action::PrintView], |_, _| {
+        ready
+    });
     ui.separator();
-    entry(ui, context, Action::Quit);
+    entries(ui, context, &[Action::Quit]);
 }
 
 fn external(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let is_open = context.app.log.survey.is_some();
-    for &action in EXTERNAL {
-        let enabled = is_open && context.app.has_what_it_takes(action);
-        titled(ui, context, action, action.label(), enabled);
-    }
-}
-
-fn mounting(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    for &action in MOUNTING {
-        let enabled = context.app.has_what_it_takes(action);
-        titled(ui, context, action, action.label(), enabled);
-    }
+    entries_where(ui, context, EXTERNAL, |app, action| {
+        is_open && app.has_what_it_takes(action)
+    });
 }
 
 fn edit(ui: &mut Ui, context: &mut ViewContext<'_>) {
     // A change that was made in metres is named in the units in use.
-    let units = context.app.view.options.units;
+    let units = context.units();
     for (action, label) in [
         (Action::Undo, context.app.undo_label()),
         (Action::Redo, context.app.redo_label()),
@@ -286,7 +284,7 @@ fn edit(ui: &mut Ui, context: &mut ViewContext<'_>) {
         };
         titled(ui, context, action, &title, label.is_some());
     }
-    entry(ui, context, Action::History);
+    entries(ui, context, &[Action::History]);
 }
 
 fn view(ui: &mut Ui, context: &mut ViewContext<'_>) {
@@ -297,9 +295,12 @@ fn view(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let before = context.app.view.options.clone();
     let mut options = before.clone();
     ui.menu_button("Waterfall", |ui| {
-        for map in ColourMap::ALL {
-            ui.radio_value(&mut options.waterfall.colour_map, map, map.name());
-        }
+        radios(
+            ui,
+            &mut options.waterfall.colour_map,
+            ColourMap::ALL,
+            ColourMap::name,
+        );
         ui.separator();
         ui.menu_button("Gain and levels", |ui| levels::ui(ui, context));
         ui.separator();
@@ -337,18 +338,27 @@ fn view(ui: &mut Ui, context: &mut ViewContext<'_>) {
         ui.checkbox(&mut options.cloud.water, "Water surface and track");
     });
     ui.menu_button("Coordinates", |ui| {
-        for format in CoordinateFormat::ALL {
-            ui.radio_value(&mut options.coordinates, format, format.name());
-        }
+        radios(
+            ui,
+            &mut options.coordinates,
+            CoordinateFormat::ALL,
+            CoordinateFormat::name,
+        );
     });
     ui.menu_button("Units", |ui| {
-        for unit in LengthUnit::ALL {
-            ui.radio_value(&mut options.units.length, unit, unit.name());
-        }
+        radios(
+            ui,
+            &mut options.units.length,
+            LengthUnit::ALL,
+            LengthUnit::name,
+        );
         ui.separator();
-        for unit in SpeedUnit::ALL {
-            ui.radio_value(&mut options.units.speed, unit, unit.name());
-        }
+        radios(
+            ui,
+            &mut options.units.speed,
+            SpeedUnit::ALL,
+            SpeedUnit::name,
+        );
     });
     ui.menu_button("Side colours", |ui| {
         let paper = "paper: starboard red, port blue";
@@ -362,19 +372,28 @@ fn view(ui: &mut Ui, context: &mut ViewContext<'_>) {
     entries(ui, context, &[Action::Orientation, Action::Theme]);
 }
 
+/// An option that is one of these.
+fn radios<T: Copy + PartialEq>(
+    ui: &mut Ui,
+    option: &mut T,
+    all: impl IntoIterator<Item = T>,
+    name: impl Fn(T) -> &'static str,
+) {
+    for one in all {
+        ui.radio_value(option, one, name(one));
+    }
+}
+
 fn survey(ui: &mut Ui, context: &mut ViewContext<'_>) {
     entries(ui, context, PROCESSING);
     ui.separator();
     ui.menu_button("Measure", |ui| entries(ui, context, MEASURING));
     ui.menu_button("Survey planning", |ui| entries(ui, context, PLANNING));
-    ui.menu_button("Mounting", |ui| mounting(ui, context));
-    for &action in COMPARING {
-        let enabled = match action {
-            Action::CompareWith => context.app.log.products.is_some(),
-            _ => context.app.map.comparing.reference.is_some(),
-        };
-        titled(ui, context, action, action.label(), enabled);
-    }
+    ui.menu_button("Mounting", |ui| entries(ui, context, MOUNTING));
+    entries_where(ui, context, COMPARING, |app, action| match action {
+        Action::CompareWith => app.log.products.is_some(),
+        _ => app.map.comparing.reference.is_some(),
+    });
     ui.separator();
     entries(ui, context, STEPS);
 }
@@ -382,38 +401,28 @@ fn survey(ui: &mut Ui, context: &mut ViewContext<'_>) {
 fn review(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let is_open = context.app.log.survey.is_some();
     let has_boxes = context.app.has_boxes();
-    for &action in DETECTOR {
-        let enabled = action != Action::FindObjects || context.app.log.products.is_some();
-        titled(ui, context, action, action.label(), enabled);
-    }
-    ui.separator();
-    for &action in BOXES {
-        let enabled =
-            is_open && (has_boxes || matches!(action, Action::NewBox | Action::MarkTarget));
-        titled(ui, context, action, action.label(), enabled);
-    }
-    ui.separator();
-    for &action in REVIEW_FILES {
-        let enabled = is_open && (has_boxes || action == Action::OpenReview);
-        titled(ui, context, action, action.label(), enabled);
-    }
-    ui.separator();
-    truth(ui, context);
-}
-
-fn truth(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let is_open = context.app.log.survey.is_some();
     let is_known = context.app.log.reviewing.judging.source().is_some();
-    for &action in TRUTH {
-        let enabled = is_open && (is_known || action == Action::OpenTruth);
-        titled(ui, context, action, action.label(), enabled);
-    }
+    entries_where(ui, context, DETECTOR, |app, action| {
+        action != Action::FindObjects || app.log.products.is_some()
+    });
+    ui.separator();
+    entries_where(ui, context, BOXES, |_, action| {
+        is_open && (has_boxes || matches!(action, Action::NewBox | Action::MarkTarget))
+    });
+    ui.separator();
+    entries_where(ui, context, REVIEW_FILES, |_, action| {
+        is_open && (has_boxes || action == Action::OpenReview)
+    });
+    ui.separator();
+    entries_where(ui, context, TRUTH, |_, action| {
+        is_open && (is_known || action == Action::OpenTruth)
+    });
 }
 
 fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let undo = context.app.undo_label();
     let redo = context.app.redo_label();
-    let units = context.app.view.options.units;
+    let units = context.units();
     let open = "Open";
     for (action, label, enabled, what) in [
         (Action::Open, open, true, None),
@@ -426,28 +435,19 @@ fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>) {
         );
         let hint = format!("{hint} ({})", action.keys().unwrap_or_default());
         let button = ui.add_enabled(enabled, Button::new(label));
-        if button
-            .accessible_name(format!("{label} button"))
-            .on_hover_text(hint)
-            .clicked()
-        {
-            context.push(Command::Do(action));
-        }
+        let button = button.accessible_name(format!("{label} button"));
+        context.button_with_hint(button, action, hint);
     }
 }
 
 fn theme_button(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let label = match context.app.view.options.theme {
+    let label = match context.theme() {
         ThemeChoice::Dark => "Light",
         ThemeChoice::Light => "Dark",
     };
     let button = ui.button(label).accessible_name(Action::Theme.label());
-    if button
-        .on_hover_text("Switches between light and dark (L).")
-        .clicked()
-    {
-        context.push(Command::Do(Action::Theme));
-    }
+    let hint = "Switches between light and dark (L).";
+    context.button_with_hint(button, Action::Theme, hint);
 }
 
 fn palette_field(ui: &mut Ui, context: &mut ViewContext<'_>) {

@@ -109,7 +109,6 @@ impl SidePanel {
         let action = self.action();
         let is_shown = self.is_shown(context.app.view.options.panels, ui.content_rect().width());
         let button = ui.add(Button::new("").min_size(vec2(26.0, 18.0)));
-        let hint = format!("{} ({})", action.hint(), action.keys().unwrap_or_default());
         button.widget_info(|| {
             egui::WidgetInfo::selected(egui::Role::Button, true, is_shown, action.label())
         });
@@ -129,9 +128,7 @@ impl SidePanel {
                 .painter()
                 .rect_stroke(side, 0.0, Stroke::new(1.0, stroke.color), kind),
         };
-        if button.on_hover_text(hint).clicked() {
-            context.push(Command::Do(action));
-        }
+        context.keyed_button(button, action);
     }
 }
 

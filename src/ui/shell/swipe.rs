@@ -35,11 +35,7 @@ pub(super) fn control(ui: &mut Ui, map: &mut MapOptions) {
                 let mut side = map.swipe.side(layer);
                 DropDown::new(("side", layer), RichText::new(side.name()).small())
                     .width(64.0)
-                    .show(ui, |choices| {
-                        for one in SwipeSide::ALL {
-                            choices.value(&mut side, one, one.name());
-                        }
-                    })
+                    .pick(ui, &mut side, SwipeSide::ALL, SwipeSide::name)
                     .accessible_name(format!("Side of {}", layer.name()));
                 if side != map.swipe.side(layer) {
                     map.swipe.set_side(layer, side);

@@ -56,13 +56,7 @@ fn controls(ui: &mut Ui, view: View, context: &mut ViewContext<'_>, options: &mu
 fn button(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action, label: &str) {
     let label = egui::RichText::new(label).small();
     let button = ui.button(label).accessible_name(action.label());
-    let hint = action.keys().map_or_else(
-        || action.hint().to_owned(),
-        |keys| format!("{} ({keys})", action.hint()),
-    );
-    if button.on_hover_text(hint).clicked() {
-        context.push(Command::Do(action));
-    }
+    context.keyed_button(button, action);
 }
 
 fn switch(ui: &mut Ui, on: &mut bool, label: &str, hint: &str) {
@@ -102,11 +96,7 @@ fn waterfall(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptio
     let name = egui::RichText::new(shown.colour_map.name()).small();
     DropDown::new("colour map", name)
         .width(92.0)
-        .show(ui, |choices| {
-            for map in ColourMap::ALL {
-                choices.value(&mut shown.colour_map, map, map.name());
-            }
-        })
+        .pick(ui, &mut shown.colour_map, ColourMap::ALL, ColourMap::name)
         .accessible_name("Colour map")
         .on_hover_text("Colours of echo strength.");
 }

@@ -41,9 +41,7 @@ pub(super) fn offer_to_open(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Re
 
 fn button(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action) {
     let button = ui.button(action.label());
-    if button.on_hover_text(action.hint()).clicked() {
-        context.push(Command::Do(action));
-    }
+    context.button(button, action);
 }
 
 fn middle(ui: &mut Ui, rect: Rect, height: f32, add: impl FnOnce(&mut Ui)) {

@@ -105,9 +105,7 @@ pub(crate) fn strip(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, show
                 }
                 let action = Action::RemoveFigure;
                 let remove = ui.small_button("Remove").accessible_name(action.label());
-                if remove.on_hover_text(action.hint()).clicked() {
-                    context.push(Command::Do(action));
-                }
+                context.button(remove, action);
             })
         });
     });

@@ -77,7 +77,7 @@ fn candidate(
     survey: &Survey,
     spots: &[FlatSpot],
 ) -> Response {
-    let units = context.app.view.options.units;
+    let units = context.units();
     let objections = spot.objections(survey, spots.first());
     let range = spot.range();
     let factor = flat_spot_words::factor(spot);

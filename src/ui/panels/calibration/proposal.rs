@@ -1,6 +1,6 @@
 //! The stretch that is proposed for the scale: what it gives, what speaks against it, and what it would change.
 
-use super::{pings, plot, press};
+use super::{pings, plot};
 use crate::app::Action;
 use crate::pipeline::{Products, ScaleEffect, ScaleTrial};
 use crate::support::presentation::units::Units;
@@ -18,11 +18,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, products: &Products
     let frame = Frame::group(ui.style()).show(ui, |ui| {
         ui.set_width(ui.available_width());
         let title = RichText::new(format!("Proposed: {}", pings(range)));
-        ui.label(
-            title
-                .strong()
-                .color(theme::accent_colour(context.app.view.options.theme)),
-        );
+        ui.label(title.strong().color(theme::accent_colour(context.theme())));
         match &trial {
             Some(trial) => found(ui, context, products, trial),
             None => parts::remark(ui, "Measuring the scale."),
@@ -35,7 +31,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, products: &Products
 }
 
 fn found(ui: &mut Ui, context: &ViewContext<'_>, products: &Products, trial: &ScaleTrial) {
-    let units = context.app.view.options.units;
+    let units = context.units();
     let spot = &trial.spot;
     let place = format!(
         "{} long, {} deep, relief {}",
@@ -98,10 +94,11 @@ fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>, trial: Option<&Arc<ScaleT
     let gives_scale = trial.is_some_and(|trial| trial.spot.ppd.is_some());
     ui.horizontal_wrapped(|ui| {
         ui.add_enabled_ui(gives_scale, |ui| {
-            press(ui, context, Action::UseScale, Action::UseScale.label());
+            let take = Action::UseScale;
+            context.button(ui.button(take.label()), take);
         });
         let keep = Action::KeepRecordedRange;
-        press(ui, context, keep, keep.label());
-        press(ui, context, Action::DropProposal, "Drop");
+        context.button(ui.button(keep.label()), keep);
+        context.button(ui.button("Drop"), Action::DropProposal);
     });
 }

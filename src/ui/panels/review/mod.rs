@@ -10,7 +10,7 @@ mod selected;
 
 use super::parts::{remark, warning, within};
 use super::section::{Section, section};
-use crate::app::{Action, Command};
+use crate::app::Action;
 use crate::pipeline::Background;
 use crate::support::presentation::units::Units;
 use crate::ui::views::chip::{self, Chip};
@@ -54,12 +54,7 @@ impl ReviewPanel {
             return;
         }
         let top = ui.cursor().min;
-        let heading = Section {
-            number: None,
-            title: "Review",
-            stage: None,
-        };
-        section(ui, context, &heading, |ui, context| {
+        section(ui, context, Section::new("Review"), |ui, context| {
             progress(ui, context);
             if let Some(note) = context.app.search_note() {
                 warning(ui, context, &note);
@@ -91,7 +86,7 @@ fn progress(ui: &mut Ui, context: &ViewContext<'_>) {
         let bar = ProgressBar::new(share)
             .desired_width(ui.available_width())
             .desired_height(8.0)
-            .fill(theme::accent_colour(context.app.view.options.theme));
+            .fill(theme::accent_colour(context.theme()));
         ui.add(bar);
     });
     let parts = [
@@ -140,17 +135,8 @@ fn files(ui: &mut Ui, context: &mut ViewContext<'_>) {
 
 /// A button for an action of the table, with its key in the hint.
 fn button(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action, name: &str, enabled: bool) {
-    let hint = match action.keys() {
-        Some(keys) => format!("{} ({keys})", action.hint()),
-        None => action.hint().to_owned(),
-    };
-    let button = ui
-        .add_enabled(enabled, Button::new(name))
-        .accessible_name(action.label())
-        .on_hover_text(hint);
-    if button.clicked() {
-        context.push(Command::Do(action));
-    }
+    let button = ui.add_enabled(enabled, Button::new(name));
+    context.keyed_button(button.accessible_name(action.label()), action);
 }
 
 /// Extent along the track and in slant range: `0.82 × 1.30 m`.

@@ -98,7 +98,7 @@ fn sighting(ui: &mut Ui, app: &App, id: LogBox, chip: &Chip) -> Option<Command> 
             let room = vec2(PICTURE_WIDTH, PICTURE_HEIGHT);
             let picture = chip.draw(ui, one, room, Sense::click());
             if is_selected {
-                let frame = egui::Stroke::new(2.0, theme::selection_colour());
+                let frame = egui::Stroke::new(2.0, theme::SELECTION_COLOUR);
                 let kind = egui::StrokeKind::Inside;
                 ui.painter().rect_stroke(picture.rect, 0.0, frame, kind);
             }

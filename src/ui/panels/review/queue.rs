@@ -20,7 +20,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     class(ui, context, &mut queue);
     state(ui, &mut queue);
     score(ui, &mut queue);
-    size(ui, &mut queue, context.app.view.options.units);
+    size(ui, &mut queue, context.units());
     let counts = context.app.review_counts();
     let (line, all) = (counts.in_line, counts.boxes.total());
     if line < all {

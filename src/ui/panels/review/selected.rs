@@ -70,7 +70,7 @@ fn title(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed) {
         if let Some(score) = one.score {
             ui.label(format!("{score:.2}"));
         }
-        let colour = theme::box_colour_on_panel(context.app.view.options.theme, one.state);
+        let colour = theme::box_colour_on_panel(context.theme(), one.state);
         let state = RichText::new(one.state.name()).color(colour);
         ui.label(state);
         let corrected = if one.edited { ", corrected" } else { "" };

@@ -54,10 +54,7 @@ fn said(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let count = context.app.said().len();
     let title = RichText::new(format!("Notices {count}")).small();
     let button = ui.button(title).accessible_name(action.label());
-    let hint = format!("{} ({})", action.hint(), action.keys().unwrap_or_default());
-    if button.on_hover_text(hint).clicked() {
-        context.push(Command::Do(action));
-    }
+    context.keyed_button(button, action);
 }
 
 /// As much of the place as there is room for; all of it when the pointer rests on it.
@@ -96,7 +93,7 @@ fn following(ui: &mut Ui, context: &ViewContext<'_>) {
         FollowStatus::Ending => "reading the log to its end".to_owned(),
     };
     let is_silent = matches!(status, FollowStatus::Silent { .. });
-    let theme = context.app.view.options.theme;
+    let theme = context.theme();
     let colour = match is_silent {
         true => theme::stale_colour(theme),
         false => theme::accent_colour(theme),
@@ -157,18 +154,12 @@ fn jobs(ui: &mut Ui, context: &mut ViewContext<'_>) {
         return;
     }
     let stop = ui.small_button("Cancel");
-    if stop
-        .accessible_name(Action::Cancel.label())
-        .on_hover_text(Action::Cancel.hint())
-        .clicked()
-    {
-        context.push(Command::Do(Action::Cancel));
-    }
+    context.button(stop.accessible_name(Action::Cancel.label()), Action::Cancel);
     let text = format!("{what} {:.0} %", f64::from(share) * 100.0);
     let bar = egui::ProgressBar::new(share)
         .desired_width(110.0)
         .desired_height(8.0)
-        .fill(theme::accent_colour(context.app.view.options.theme));
+        .fill(theme::accent_colour(context.theme()));
     ui.add(bar);
     ui.label(RichText::new(text).small());
 }
@@ -180,9 +171,7 @@ fn stopped(ui: &mut Ui, context: &mut ViewContext<'_>) {
     }
     let action = Action::Update;
     let update = ui.small_button(action.label());
-    if update.on_hover_text(action.hint()).clicked() {
-        context.push(Command::Do(action));
-    }
+    context.button(update, action);
     let text = RichText::new("stopped before it was done").small();
-    ui.label(text.color(theme::stale_colour(context.app.view.options.theme)));
+    ui.label(text.color(theme::stale_colour(context.theme())));
 }

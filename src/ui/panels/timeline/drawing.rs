@@ -45,7 +45,7 @@ impl TimelineLayout {
         strips: &Strips,
         pictures: &mut [Option<RasterTexture>; 2],
     ) {
-        let look = context.app.view.options.theme;
+        let look = context.theme();
         let well = ui.visuals().extreme_bg_color;
         let [mut above, mut below] =
             [self.depth, self.speed].map(|rect| Raster::new(ui.painter(), rect, well));
@@ -90,7 +90,7 @@ impl TimelineLayout {
         );
         above.show(ui.painter(), &mut pictures[0]);
         below.show(ui.painter(), &mut pictures[1]);
-        let units = context.app.view.options.units;
+        let units = context.units();
         let reach = |high: Option<f32>, written: &dyn Fn(f64) -> String| match high {
             Some(high) => format!("to {}", written(f64::from(high))),
             None => text::NONE.to_owned(),
@@ -183,14 +183,10 @@ impl TimelineLayout {
             self.window(ui, from, to);
         }
         if let Some(x) = app.view.hover.and_then(|mark| x_of(mark.ping)) {
-            painter.vline(
-                x,
-                self.all.y_range(),
-                Stroke::new(1.0, theme::hover_colour()),
-            );
+            painter.vline(x, self.all.y_range(), Stroke::new(1.0, theme::HOVER_COLOUR));
         }
         if let Some(x) = app.view.selection.and_then(|mark| x_of(mark.ping)) {
-            let colour = theme::selection_colour();
+            let colour = theme::SELECTION_COLOUR;
             painter.vline(x, self.all.y_range(), Stroke::new(1.5, colour));
             let top = self.all.top();
             let head = vec![

@@ -10,7 +10,7 @@ use crate::pipeline::Products;
 use crate::pipeline::{Background, Same};
 use crate::survey::{Navigation, Survey};
 use crate::ui::raster::RasterTexture;
-use crate::ui::{ViewContext, exclusion_text, theme};
+use crate::ui::{ViewContext, exclusion_text, place, theme};
 use drawing::TimelineLayout;
 use egui::{Sense, Ui};
 use std::sync::Arc;
@@ -83,16 +83,11 @@ impl TimeLine {
         self.refresh(context);
         let (outer, response) =
             ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
-        let count = context
-            .app
-            .log
-            .survey
-            .as_ref()
-            .map_or(0, |survey| survey.side_scan.len());
+        let count = place::ping_count(context.app);
         let ping = context.app.view.selection.map_or(0, |mark| mark.ping);
         response.widget_info(|| {
             let strips = self.strips.result().and_then(Option::as_ref);
-            let depth = strips.and_then(|strips| strips.deepest(context.app.view.options.units));
+            let depth = strips.and_then(|strips| strips.deepest(context.units()));
             let depth = depth.map_or(String::new(), |depth| format!(", depth {depth}"));
             let excluded = exclusion_text::and_stretches(context.app);
             let name = format!("Time line, ping {ping} of {count}{depth}{excluded}");

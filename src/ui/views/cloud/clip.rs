@@ -108,8 +108,8 @@ fn handles(ui: &Ui, scene: SceneBox, axes: &Axes<'_>, clip: ClipBox) -> ClipBox 
             });
             let is_held = response.hovered() || response.dragged();
             let fill = match is_held {
-                true => theme::hover_colour(),
-                false => theme::selection_colour(),
+                true => theme::HOVER_COLOUR,
+                false => theme::SELECTION_COLOUR,
             };
             let painter = ui.painter_at(axes.rect);
             painter.circle(at, HANDLE[0], fill, edge(axes.options));

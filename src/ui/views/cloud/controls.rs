@@ -171,7 +171,7 @@ pub(super) fn paint_legend(
     }
     if bottom.is_some_and(|one| one.colour == BottomColour::Hardness && one.ends.is_none()) {
         let text = "bottom: no hardness without depths from echo levels";
-        lines.push((text.to_owned(), theme::outlier_colour()));
+        lines.push((text.to_owned(), theme::OUTLIER_COLOUR));
     }
     for (text, colour) in lines {
         let plate = legend::plate(
@@ -196,7 +196,7 @@ pub(super) fn paint_legend(
         note(text, theme::canvas_text_colour(options));
     }
     if let Some(text) = lack(survey, options.units) {
-        note(&text, theme::outlier_colour());
+        note(&text, theme::OUTLIER_COLOUR);
     }
     let of_points = options
         .cloud
@@ -276,8 +276,8 @@ fn lines(options: &ViewOptions, scene: &CloudScene) -> Vec<(String, Color32)> {
         }
     }
     let (verb, colour) = match options.cloud.outlier_preview {
-        true => ("to be removed", theme::outlier_colour()),
-        false => ("removed", theme::outlier_colour().gamma_multiply(0.4)),
+        true => ("to be removed", theme::OUTLIER_COLOUR),
+        false => ("removed", theme::OUTLIER_COLOUR.gamma_multiply(0.4)),
     };
     let classes = scene.classes;
     if classes.noise() > 0 {

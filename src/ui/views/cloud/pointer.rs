@@ -201,8 +201,8 @@ pub(super) fn paint_marks(
     axes: &Axes<'_>,
 ) {
     let marks = [
-        (app.view.selection, theme::selection_colour(), 2.0),
-        (app.view.hover, theme::hover_colour(), 1.0),
+        (app.view.selection, theme::SELECTION_COLOUR, 2.0),
+        (app.view.hover, theme::HOVER_COLOUR, 1.0),
     ];
     for (mark, colour, width) in marks {
         if let Some(mark) = mark {

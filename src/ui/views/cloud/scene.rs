@@ -358,7 +358,7 @@ impl CloudScene {
         let kept = self.points(true);
         let kept = kept.map(|(_, log, point)| (point, self.colour(log, point, options)));
         let removed = self.points(false);
-        let removed = removed.map(|(_, _, point)| (point, theme::outlier_colour()));
+        let removed = removed.map(|(_, _, point)| (point, theme::OUTLIER_COLOUR));
         let all = kept.chain(removed).enumerate();
         all.map_while(move |(count, (point, colour))| {
             goes_on(count).then(|| PointVertex {

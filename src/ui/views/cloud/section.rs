@@ -51,7 +51,7 @@ pub(super) fn paint(painter: &Painter, app: &App, scene: &CloudScene, axes: &Axe
     if axes.part.cut.is_none() {
         return;
     }
-    let colour = theme::measure_colour();
+    let colour = theme::MEASURE_COLOUR;
     let at = |one: &Station, depth_m: f64| {
         let [east_m, north_m] = one.place;
         in_box(axes, scene.local(east_m, north_m, -depth_m))

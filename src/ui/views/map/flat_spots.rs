@@ -34,14 +34,14 @@ pub(super) fn paint(painter: &Painter, scene: &Scene<'_>) {
     }
     let calibration = &scene.products.calibration;
     if let Some(spot) = &calibration.flat_spot {
-        stretch(painter, scene, &spot.pings, theme::calibration_colour());
+        stretch(painter, scene, &spot.pings, theme::CALIBRATION_COLOUR);
     }
     if let Some(pings) = scene.proposed {
         stretch(
             painter,
             scene,
             &(pings.start..pings.end),
-            theme::proposal_colour(),
+            theme::PROPOSAL_COLOUR,
         );
     }
 }
@@ -60,7 +60,7 @@ pub(super) fn name_calibrated(painter: &Painter, scene: &Scene<'_>, covered: &[R
         ScaleMode::FlatSpot => "scale from here",
         ScaleMode::Header => "flat stretch, not in use",
     };
-    let colour = theme::calibration_colour();
+    let colour = theme::CALIBRATION_COLOUR;
     let size = legend::plate_size(painter, text);
     let plate_at = |(offset, anchor): (Vec2, Align2)| anchor.anchor_size(middle + offset, size);
     let free = SIDES.into_iter().filter(|side| {

@@ -32,7 +32,7 @@ pub(super) fn paint(painter: &Painter, scene: &Scene<'_>, app: &App) {
     else {
         return;
     };
-    let colour = theme::selection_colour();
+    let colour = theme::SELECTION_COLOUR;
     painter.line_segment([antenna, transducer], Stroke::new(1.5, colour));
     let corners = [vec2(0.0, -HALF), vec2(HALF, HALF), vec2(-HALF, HALF)];
     let corners = corners.map(|corner| antenna + corner).to_vec();

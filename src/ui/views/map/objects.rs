@@ -87,11 +87,11 @@ pub(super) fn paint(painter: &Painter, scene: &Scene<'_>, app: &App) {
         }
         mark(painter, at, one.state, colour);
         if is_selected {
-            let ring = Stroke::new(2.0, theme::selection_colour());
+            let ring = Stroke::new(2.0, theme::SELECTION_COLOUR);
             painter.circle_stroke(at, HALF + 4.0, ring);
             let sigma = (placed.target.sigma_m / scene.transform.metres_per_point) as f32;
             if sigma > HALF + 4.0 && sigma.is_finite() {
-                let faint = Stroke::new(1.0, theme::selection_colour().gamma_multiply(0.6));
+                let faint = Stroke::new(1.0, theme::SELECTION_COLOUR.gamma_multiply(0.6));
                 painter.circle_stroke(at, sigma, faint);
             }
             let name = log.reviewing.review.class_name(one.class);
@@ -117,7 +117,7 @@ fn sightings(painter: &Painter, scene: &Scene<'_>, app: &App) {
         return;
     };
     let middle = scene.at(object.joint.place_m);
-    let stroke = Stroke::new(1.0, theme::selection_colour());
+    let stroke = Stroke::new(1.0, theme::SELECTION_COLOUR);
     for id in &object.boxes {
         let placed = app.open_log(id.log);
         if let Some(placed) = placed.and_then(|log| log.reviewing.placed(id.id)) {

@@ -118,14 +118,14 @@ fn scale_bar(painter: &Painter, scene: &Scene<'_>) -> Rect {
 /// to its boat.
 pub(super) fn marks(painter: &Painter, scene: &Scene<'_>, app: &App) {
     if let Some(mark) = app.view.selection {
-        let stroke = Stroke::new(2.0, theme::selection_colour());
+        let stroke = Stroke::new(2.0, theme::SELECTION_COLOUR);
         if let Some(at) = mark_at(painter, scene, app, mark, stroke) {
             painter.circle_stroke(at, 7.0, stroke);
         }
         heading_tick(painter, scene, mark.ping, stroke);
     }
     if let Some(mark) = app.view.hover {
-        let stroke = Stroke::new(1.0, theme::hover_colour().gamma_multiply(0.8));
+        let stroke = Stroke::new(1.0, theme::HOVER_COLOUR.gamma_multiply(0.8));
         if let Some(at) = mark_at(painter, scene, app, mark, stroke) {
             painter.vline(at.x, scene.rect.y_range(), stroke);
             painter.hline(scene.rect.x_range(), at.y, stroke);

@@ -192,8 +192,8 @@ fn paint(
     painter.add(Shape::line(way.to_vec(), Stroke::new(1.0, faint)));
     for (number, [from, to]) in lines.iter().enumerate() {
         let colour = match selected == Some(number) {
-            true => theme::selection_colour(),
-            false => theme::measure_colour(),
+            true => theme::SELECTION_COLOUR,
+            false => theme::MEASURE_COLOUR,
         };
         let stroke = Stroke::new(2.0, colour);
         let under = Stroke::new(4.0, casing.gamma_multiply(0.7));
@@ -253,9 +253,7 @@ fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>) {
             continue;
         }
         let button = ui.small_button(name).accessible_name(action.label());
-        if button.on_hover_text(action.hint()).clicked() {
-            context.push(Command::Do(action));
-        }
+        context.button(button, action);
     }
 }
 

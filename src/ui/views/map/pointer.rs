@@ -196,7 +196,7 @@ impl Pointer {
             && let Some(spot) = scene.products.flat_spots.get(rank)
         {
             let below = plate.left_bottom() + vec2(0.0, 2.0);
-            let text = flat_spots::describe(rank, spot, context.app.view.options.units);
+            let text = flat_spots::describe(rank, spot, context.units());
             legend::plate(
                 &painter,
                 scene.options,
@@ -234,7 +234,7 @@ fn passes_menu(ui: &mut Ui, context: &mut ViewContext<'_>, at: LonLat) {
         egui::ScrollArea::vertical().show(ui, |ui| {
             for (log, pass) in passes {
                 let [first, last] = pass.pings;
-                let away = context.app.view.options.units.measure(pass.range_m, 1);
+                let away = context.units().measure(pass.range_m, 1);
                 let side = pass.side.name();
                 let ping = named_ping(context.app, (*log, first));
                 let to = match first == last {

@@ -203,7 +203,7 @@ impl Layers {
             self.isobaths = Background::default();
             return;
         };
-        let units = context.app.view.options.units;
+        let units = context.units();
         let key = (Same(drawn.clone()), units);
         let uploader = context
             .render_state

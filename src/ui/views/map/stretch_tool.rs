@@ -127,8 +127,8 @@ impl StretchTool {
         let line = places(scene, sailed);
         let last = line.last().copied();
         let colour = match drag.edit {
-            Some(_) => theme::hand_colour(),
-            None => theme::proposal_colour(),
+            Some(_) => theme::HAND_COLOUR,
+            None => theme::PROPOSAL_COLOUR,
         };
         painter.add(Shape::line(line, Stroke::new(CASING, colour)));
         if let Some((at, extent)) = last.zip(app.extent_of(drag.log, part)) {

@@ -84,7 +84,7 @@ fn moved(ui: &mut Ui, rect: Rect, response: &Response) -> Option<f32> {
 fn paint(painter: &Painter, scene: &Scene<'_>, x: f32, response: &Response) {
     let held = response.hovered() || response.dragged() || response.has_focus();
     let ink = match held {
-        true => theme::selection_colour(),
+        true => theme::SELECTION_COLOUR,
         false => theme::canvas_text_colour(scene.options),
     };
     painter.vline(

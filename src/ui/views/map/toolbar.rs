@@ -36,10 +36,7 @@ fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>, request: &mut Option<View
     let action = Action::Calibrate;
     let holds = context.app.log.reviewing.tool == Tool::Calibrate;
     let tool = toggle::chip(ui, holds, "Calibrate").accessible_name(action.label());
-    let hint = format!("{} ({})", action.hint(), action.keys().unwrap_or_default());
-    if tool.on_hover_text(hint).clicked() {
-        context.push(Command::Do(action));
-    }
+    context.keyed_button(tool, action);
 }
 
 fn measure(ui: &mut Ui, context: &mut ViewContext<'_>) {
@@ -52,7 +49,7 @@ fn measure(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let tool = context.app.map.measuring.tool;
     let title = egui::RichText::new("Measure");
     let title = match tool {
-        Some(_) => title.color(theme::measure_colour()),
+        Some(_) => title.color(theme::MEASURE_COLOUR),
         None => title,
     };
     ui.menu_button(title, |ui| {

@@ -217,9 +217,7 @@ fn no_objects(ui: &mut Ui, context: &mut ViewContext<'_>) {
         let action = Action::FindObjects;
         let is_ready = context.app.log.products.is_some();
         let button = ui.add_enabled(is_ready, Button::new(action.label()));
-        if button.on_hover_text(action.hint()).clicked() {
-            context.push(Command::Do(action));
-        }
+        context.button(button, action);
     });
 }
 

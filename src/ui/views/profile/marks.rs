@@ -22,7 +22,7 @@ pub(super) fn draw(painter: &Painter, plot: &Plot, shown: &Shown<'_>, options: &
             painter,
             plot,
             across_m,
-            Stroke::new(1.0, theme::depth_line_colour()),
+            Stroke::new(1.0, theme::DEPTH_LINE_COLOUR),
         );
     }
     threshold(painter, plot, shown.threshold, options);

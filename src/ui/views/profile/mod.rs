@@ -125,7 +125,7 @@ impl ProfileView {
             egui::WidgetInfo::labeled(
                 egui::Role::Image,
                 true,
-                accessible_name(&shown, context.app.view.options.units),
+                accessible_name(&shown, context.units()),
             )
         });
     }

@@ -28,7 +28,7 @@ pub(super) fn without_picture(
             "reading the survey".to_owned()
         }
         Some(survey) => {
-            let text = marks::warning(&survey, context.app.view.options.units)
+            let text = marks::warning(&survey, context.units())
                 .unwrap_or_else(|| "no side-scan: no ping has a usable range".to_owned());
             marks::banner(&ui.painter_at(rect), rect, &text);
             text
@@ -63,7 +63,7 @@ fn name(visible: &Range<usize>, survey: &Survey, context: &ViewContext<'_>) -> S
         (Some(_), true, BottomLine::Search) => "first return shown",
         (Some(_), true, BottomLine::Recorded) => "bottom line at the recorded depth shown",
     };
-    let units = context.app.view.options.units;
+    let units = context.units();
     let warning =
         marks::warning(survey, units).map_or_else(String::new, |text| format!(", {text}"));
     let excluded = exclusion_text::and_stretches(context.app);

@@ -71,7 +71,7 @@ impl BottomPen {
                     .iter()
                     .map(|&[ping, range_m]| at(lens, side, ping, range_m));
                 let points: Vec<Pos2> = points.collect();
-                let line = Stroke::new(WIDTH, theme::hand_colour());
+                let line = Stroke::new(WIDTH, theme::HAND_COLOUR);
                 match stroke.ink {
                     Ink::Bottom => {
                         painter.line(points, line);
@@ -123,7 +123,7 @@ fn at(lens: &Lens, side: Side, ping: f64, range_m: f64) -> Pos2 {
 pub(super) fn drawn(painter: &Painter, lens: &Lens, app: &App) {
     let seen = lens.pings();
     let pen = Pen {
-        colour: theme::hand_colour(),
+        colour: theme::HAND_COLOUR,
         width: WIDTH,
         rim: 0.0,
     };

@@ -57,7 +57,7 @@ impl Cross {
             return;
         };
         let at = lens.screen_at(place);
-        let stroke = Stroke::new(1.5, theme::measure_colour());
+        let stroke = Stroke::new(1.5, theme::MEASURE_COLOUR);
         for arm in [vec2(9.0, 0.0), vec2(0.0, 9.0)] {
             painter.line_segment([at - arm, at - 0.3 * arm], stroke);
             painter.line_segment([at + 0.3 * arm, at + arm], stroke);

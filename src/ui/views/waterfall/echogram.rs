@@ -12,7 +12,7 @@ use crate::app::{App, Command, EchogramChannel, Mark, Orientation};
 use crate::bottom::cloud::Reduction;
 use crate::imagery::waterfall::LineStep;
 use crate::survey::{Side, Survey};
-use crate::ui::{ViewContext, text, theme};
+use crate::ui::{ViewContext, place, text, theme};
 use eframe::egui_wgpu::RenderState;
 use egui::{Align2, Painter, Rect, Response, Sense, Stroke, Ui};
 use std::sync::Arc;
@@ -55,13 +55,7 @@ impl EchogramPart {
         {
             return [whole, Rect::NOTHING];
         }
-        let has_side_scan = context
-            .app
-            .log
-            .survey
-            .as_ref()
-            .is_some_and(|survey| survey.has_side_scan());
-        if options.echogram_alone || !has_side_scan {
+        if options.echogram_alone || !place::has_side_scan(context.app) {
             return [Rect::NOTHING, whole];
         }
         let (one, other) = match options.orientation {
@@ -258,8 +252,8 @@ impl Over<'_> {
         }
         self.bottom(painter, lens, app);
         let marked = [
-            (app.view.selection, theme::selection_colour()),
-            (app.view.hover, theme::hover_colour()),
+            (app.view.selection, theme::SELECTION_COLOUR),
+            (app.view.hover, theme::HOVER_COLOUR),
         ];
         for (mark, colour) in marked {
             if let Some(mark) = mark {
@@ -296,7 +290,7 @@ impl Over<'_> {
             width: 1.0,
             rim: 0.0,
         };
-        let depth = pen(theme::depth_line_colour());
+        let depth = pen(theme::DEPTH_LINE_COLOUR);
         let as_recorded = Reduction::default();
         lines::depth(painter, lens, self.survey, self.drawing, as_recorded, depth);
         let returns = app
@@ -329,13 +323,7 @@ fn point(
     let place = lens.place_at(response.hover_pos()?);
     let ping = (place.ping >= 0.0).then_some(place.ping as usize)?;
     let recorded = survey.side_scan.get(ping)?;
-    let is_of_log = context
-        .app
-        .log
-        .survey
-        .as_ref()
-        .is_some_and(|log| ping < log.side_scan.len());
-    if is_of_log {
+    if ping < place::ping_count(context.app) {
         let mark = Mark::ping(ping);
         if context.app.view.hover != Some(mark) {
             context.push(Command::Hover(Some(mark)));
@@ -344,7 +332,7 @@ fn point(
             context.push(Command::Select(Some(mark)));
         }
     }
-    let units = context.app.view.options.units;
+    let units = context.units();
     let mut words = format!(
         "ping {ping}  {}\n{} below the transducer",
         text::clock(survey.start_unix_s, recorded.time_s),

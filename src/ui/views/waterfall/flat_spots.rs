@@ -5,7 +5,7 @@ use super::labels::Labels;
 use super::lens::{Lens, Place};
 use crate::app::{App, Tool};
 use crate::sonar::calibration::{FlatSpot, PingRange, ScaleMode};
-use crate::ui::{flat_spot_words, theme};
+use crate::ui::{flat_spot_words, place, theme};
 use egui::{Align2, Color32, Painter, Pos2, Rect, Stroke, vec2};
 use std::ops::Range;
 
@@ -34,12 +34,8 @@ enum Kind {
 
 /// The stretches that a lens sees: of the calibration, the proposed one, and the ranked ones if they are shown or one is to be chosen.
 pub(super) fn in_view(lens: &Lens, app: &App) -> Vec<Stretch> {
-    let has_picture = app
-        .log
-        .survey
-        .as_ref()
-        .is_some_and(|survey| survey.has_side_scan());
-    let Some(products) = app.log.products.as_ref().filter(|_| has_picture) else {
+    let products = app.log.products.as_ref();
+    let Some(products) = products.filter(|_| place::has_side_scan(app)) else {
         return Vec::new();
     };
     let calibration = &products.calibration;
@@ -142,8 +138,8 @@ impl Stretch {
         match self.kind {
             // White on any theme: it lies on the picture, which is dark or coloured.
             Kind::Ranked => Color32::from_gray(235),
-            Kind::InUse => theme::calibration_colour(),
-            Kind::Proposed => theme::proposal_colour(),
+            Kind::InUse => theme::CALIBRATION_COLOUR,
+            Kind::Proposed => theme::PROPOSAL_COLOUR,
         }
     }
 }

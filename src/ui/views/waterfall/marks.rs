@@ -38,7 +38,7 @@ pub(super) fn banner(painter: &Painter, rect: Rect, text: &str) -> Rect {
     let galley = painter.layout(
         text.to_owned(),
         egui::FontId::proportional(14.0),
-        theme::outlier_colour(),
+        theme::OUTLIER_COLOUR,
         (rect.width() - 40.0).max(60.0),
     );
     let area = Align2::CENTER_TOP.anchor_size(rect.center_top() + vec2(0.0, 14.0), galley.size());

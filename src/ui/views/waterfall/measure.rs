@@ -170,7 +170,7 @@ fn on_screen<'a>(lens: &'a Lens, app: &App, figure: &'a Measurement) -> Vec<(usi
 /// Corners, lines between neighbours of this log, and the numbers beside the last one.
 fn corners(painter: &Painter, lens: &Lens, app: &App, figure: &Measurement) {
     let corners = on_screen(lens, app, figure);
-    let colour = theme::measure_colour();
+    let colour = theme::MEASURE_COLOUR;
     let casing = egui::Color32::from_black_alpha(180);
     let count = figure.corners.len();
     let closes = figure.kind == MeasurementKind::Area && count > 2;
@@ -197,7 +197,7 @@ fn corners(painter: &Painter, lens: &Lens, app: &App, figure: &Measurement) {
 /// The shadow between its ends, with the height that follows.
 fn shadow(painter: &Painter, lens: &Lens, app: &App, figure: &Measurement) {
     let ends = on_screen(lens, app, figure);
-    let colour = theme::measure_colour();
+    let colour = theme::MEASURE_COLOUR;
     let casing = egui::Color32::from_black_alpha(180);
     if let [(_, top), (_, end)] = ends[..] {
         let along = match (end - top).length() > 0.0 {

@@ -59,8 +59,8 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
         stretch.draw(painter);
     }
     let marked = [
-        (shown.app.view.selection, theme::selection_colour()),
-        (shown.hover, theme::hover_colour()),
+        (shown.app.view.selection, theme::SELECTION_COLOUR),
+        (shown.hover, theme::HOVER_COLOUR),
     ];
     for (mark, colour) in marked {
         if let Some(mark) = mark {
@@ -121,7 +121,7 @@ fn draw_lines(painter: &Painter, lens: &Lens, shown: &Shown<'_>, drawing: &Drawi
     let options = &shown.app.view.options;
     if options.waterfall.depth_line {
         let pen = lines::Pen {
-            colour: theme::depth_line_colour(),
+            colour: theme::DEPTH_LINE_COLOUR,
             width: 1.0,
             rim: 0.0,
         };

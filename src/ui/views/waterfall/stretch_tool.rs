@@ -8,7 +8,7 @@ use crate::app::{App, Command, ExclusionEdit, Tool};
 use crate::sonar::calibration::PingRange;
 use crate::survey::{LogPart, Side};
 use crate::ui::views::drag;
-use crate::ui::{ViewContext, exclusion_text, theme};
+use crate::ui::{ViewContext, exclusion_text, place, theme};
 use egui::{Align2, CursorIcon, Painter, Response, Stroke, Ui, pos2};
 
 /// The drag under way.
@@ -57,7 +57,7 @@ impl Drag {
     }
 
     fn command(&self, app: &App) -> Option<Command> {
-        let pings @ [first, last] = self.pings(ping_count(app))?;
+        let pings @ [first, last] = self.pings(place::ping_count(app))?;
         Some(match self.does {
             Does::Exclusion(edit) => Command::Exclude {
                 log: app.log.id,
@@ -88,10 +88,6 @@ impl Drag {
             Does::Accept(side, false) => format!("no longer accepted, {}: {covered}", side.name()),
         })
     }
-}
-
-fn ping_count(app: &App) -> usize {
-    (app.log.survey.as_ref()).map_or(0, |survey| survey.side_scan.len())
 }
 
 impl StretchTool {
@@ -141,7 +137,7 @@ impl StretchTool {
         let Some(drag) = &self.drag else {
             return;
         };
-        let Some(pings) = drag.pings(ping_count(app)) else {
+        let Some(pings) = drag.pings(place::ping_count(app)) else {
             return;
         };
         let Some(area) = area(lens, pings) else {
@@ -151,8 +147,8 @@ impl StretchTool {
             veil(painter, area);
         }
         let colour = match drag.does {
-            Does::Propose => theme::proposal_colour(),
-            Does::Exclusion(_) | Does::Accept(..) => theme::hand_colour(),
+            Does::Propose => theme::PROPOSAL_COLOUR,
+            Does::Exclusion(_) | Does::Accept(..) => theme::HAND_COLOUR,
         };
         for edge in edges(lens, pings) {
             painter.line_segment(edge, Stroke::new(2.0, colour));

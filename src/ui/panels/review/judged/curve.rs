@@ -152,11 +152,11 @@ fn draw(
     let counts = &standing.counts;
     if counts.recall().is_finite() && counts.precision().is_finite() {
         let here = plot.at(counts.recall(), counts.precision());
-        let thin = Stroke::new(1.0, theme::selection_colour().gamma_multiply(0.5));
+        let thin = Stroke::new(1.0, theme::SELECTION_COLOUR.gamma_multiply(0.5));
         painter.line_segment([here, pos2(here.x, plot.area.bottom())], thin);
         painter.line_segment([here, pos2(plot.area.left(), here.y)], thin);
         let ink = theme::plot_ink(options);
-        painter.circle(here, 4.0, theme::selection_colour(), Stroke::new(1.0, ink));
+        painter.circle(here, 4.0, theme::SELECTION_COLOUR, Stroke::new(1.0, ink));
     }
 }
 

@@ -34,12 +34,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let (Some(comparison), Some(standing)) = (judging.comparison(), judging.standing()) else {
         return;
     };
-    let heading = Section {
-        number: None,
-        title: "Mistakes",
-        stage: None,
-    };
-    section(ui, context, &heading, |ui, context| {
+    section(ui, context, Section::new("Mistakes"), |ui, context| {
         let unsearched = comparison.unsearched();
         let (counted, all) = (
             comparison.counted(),

@@ -14,7 +14,7 @@ pub(super) fn paint(painter: &Painter, scene: &Scene<'_>, app: &App, figure: &Me
     let place =
         |at: &crate::support::geo::LonLat| scene.at(navigation.to_plane(&scene.survey.track, *at));
     let corners: Vec<Pos2> = figure.corners.iter().map(place).collect();
-    let colour = theme::measure_colour();
+    let colour = theme::MEASURE_COLOUR;
     let casing = theme::canvas_colour(scene.options);
     let mut line = corners.clone();
     if figure.kind == MeasurementKind::Area && corners.len() > 2 {
@@ -41,7 +41,7 @@ pub(super) fn paint(painter: &Painter, scene: &Scene<'_>, app: &App, figure: &Me
 /// The cross that the arrow keys move.
 pub(super) fn cross(painter: &Painter, scene: &Scene<'_>, place: [f64; 2]) {
     let at = scene.at(place);
-    let stroke = Stroke::new(1.5, theme::measure_colour());
+    let stroke = Stroke::new(1.5, theme::MEASURE_COLOUR);
     for arm in [vec2(9.0, 0.0), vec2(0.0, 9.0)] {
         painter.line_segment([at - arm, at - 0.3 * arm], stroke);
         painter.line_segment([at + 0.3 * arm, at + arm], stroke);
@@ -56,5 +56,5 @@ pub(super) fn station(painter: &Painter, scene: &Scene<'_>, station: &Station) {
         6.0,
         Stroke::new(4.0, theme::canvas_colour(scene.options)),
     );
-    painter.circle_stroke(at, 6.0, Stroke::new(2.0, theme::hover_colour()));
+    painter.circle_stroke(at, 6.0, Stroke::new(2.0, theme::HOVER_COLOUR));
 }

@@ -88,7 +88,7 @@ pub(super) fn ui(
     if let Some(station) = pointed {
         mark(&painter, &frame, station, context);
     }
-    let units = context.app.view.options.units;
+    let units = context.units();
     let name = name(stations, pointed, units);
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
 }
@@ -100,7 +100,7 @@ fn head_line(
     frame: Option<&ProfileTransform>,
 ) {
     let line = context.app.map.measuring.profile();
-    let units = context.app.view.options.units;
+    let units = context.units();
     ui.scope_builder(UiBuilder::new().max_rect(rect), |ui| {
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
@@ -113,9 +113,7 @@ fn head_line(
                 let enabled = ready || action == Action::RemoveFigure;
                 let button = ui.add_enabled(enabled, Button::new(RichText::new(label).small()));
                 let button = button.accessible_name(format!("{label} (depth profile)"));
-                if button.on_hover_text(action.hint()).clicked() {
-                    context.push(Command::Do(action));
-                }
+                context.button(button, action);
             }
             ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
                 let title = RichText::new("DEPTH PROFILE").size(12.0).strong();
@@ -184,7 +182,7 @@ fn curve(
     stations: &[Station],
     context: &ViewContext<'_>,
 ) {
-    let colour = theme::measure_colour();
+    let colour = theme::MEASURE_COLOUR;
     for run in stations.split(|station| station.depth_m.is_none()) {
         let line: Vec<Pos2> = run.iter().filter_map(|station| frame.at(station)).collect();
         painter.add(ground(
@@ -206,7 +204,7 @@ fn curve(
     let corner = frame.area.left_top() + vec2(4.0, 2.0);
     let font = crate::ui::views::legend::font();
     let title = place::reduction(context.app).reference();
-    let title = title.title(context.app.view.options.units.symbol());
+    let title = title.title(context.units().symbol());
     painter.text(corner, egui::Align2::LEFT_TOP, title, font, ink);
 }
 
@@ -228,10 +226,10 @@ fn ground(line: &[Pos2], bottom: f32, colour: Color32) -> Shape {
 fn mark(painter: &Painter, frame: &ProfileTransform, station: &Station, context: &ViewContext<'_>) {
     let options = &context.app.view.options;
     let x = frame.x(station.distance_m);
-    let stroke = Stroke::new(1.0, theme::hover_colour());
+    let stroke = Stroke::new(1.0, theme::HOVER_COLOUR);
     painter.vline(x, frame.area.y_range(), stroke);
     if let Some(at) = frame.at(station) {
-        painter.circle_filled(at, 3.5, theme::hover_colour());
+        painter.circle_filled(at, 3.5, theme::HOVER_COLOUR);
     }
     let (shift, anchor) = match x < frame.area.center().x {
         true => (8.0, egui::Align2::LEFT_BOTTOM),

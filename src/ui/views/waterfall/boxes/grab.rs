@@ -165,7 +165,7 @@ impl Boxes {
     pub(crate) fn draw(&self, painter: &Painter, at: Option<Pos2>) {
         if let Some((Held::Corner(corner), at)) = self.held.as_ref().zip(at) {
             let rect = Rect::from_two_pos(*corner, at);
-            let stroke = Stroke::new(1.5, theme::selection_colour());
+            let stroke = Stroke::new(1.5, theme::SELECTION_COLOUR);
             painter.rect_stroke(rect, 0.0, stroke, StrokeKind::Middle);
         }
     }

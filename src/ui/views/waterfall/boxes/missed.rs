@@ -53,6 +53,6 @@ impl<'a> Missed<'a> {
     pub(crate) fn label(&self, labels: &mut Labels<'_>) {
         let at = self.rect.left_bottom() + vec2(0.0, 2.0);
         let words = format!("missed {}", self.class);
-        labels.write(at, Align2::LEFT_TOP, &words, theme::missed_colour());
+        labels.write(at, Align2::LEFT_TOP, &words, theme::MISSED_COLOUR);
     }
 }

@@ -29,7 +29,7 @@ pub(in crate::ui::views::waterfall) fn draw(painter: &Painter, lens: &Lens, app:
             [one.echo_m[1], one.shadow_end_m]
         });
         let rim = Stroke::new(RIM, outline::RIM);
-        let stroke = Stroke::new(WIDTH, theme::inferred_colour());
+        let stroke = Stroke::new(WIDTH, theme::INFERRED_COLOUR);
         if echo.len() < 3
             || !painter
                 .clip_rect()
