@@ -1,7 +1,7 @@
 //! Lists obey the keyboard: while a row has it, the arrow keys walk along the rows, also to those that are scrolled out of sight, Home and
 //! End go to the ends, and Return presses the row.
 
-use egui::{AsIdSalt, FocusDirection, Id, Key, Modifiers, Response, ScrollArea, Ui};
+use egui::{AsIdSalt, EventFilter, FocusDirection, Id, Key, Modifiers, Response, ScrollArea, Ui};
 
 /// Rows that Page Up and Page Down pass.
 const PAGE: usize = 8;
@@ -53,6 +53,16 @@ impl ListKeys {
             ui.data_mut(|data| data.insert_temp(self.id, (index, row.id)));
         }
     }
+}
+
+/// Leaves the arrow keys to a control that has the keyboard: egui would walk to another one.
+pub(in crate::ui) fn keep_arrows(ctx: &egui::Context, control: Id, across: bool, upright: bool) {
+    let arrows = EventFilter {
+        horizontal_arrows: across,
+        vertical_arrows: upright,
+        ..EventFilter::default()
+    };
+    ctx.memory_mut(|memory| memory.set_focus_lock_filter(control, arrows));
 }
 
 /// Where the keys of this frame walk from a row.

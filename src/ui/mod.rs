@@ -22,11 +22,12 @@ mod window;
 pub(crate) use shell::{Alone, Shell};
 pub(crate) use window::open_window;
 
-use crate::app::{Action, App, Command, ThemeChoice, View};
+use crate::app::{Action, App, Command, Mark, ThemeChoice, View, ViewOptions};
 use crate::pipeline::Settings;
 use crate::support::presentation::text;
 use crate::support::presentation::units::Units;
-use egui::{Response, WidgetText};
+use egui::{Event, Response, Ui, WidgetText};
+use render::Uploader;
 
 /// What a panel or view gets: the state to read, the list to push commands to.
 pub(crate) struct ViewContext<'a> {
@@ -40,10 +41,21 @@ pub(crate) struct ViewContext<'a> {
     pub commands: &'a mut Vec<Command>,
 }
 
-impl ViewContext<'_> {
+impl<'a> ViewContext<'a> {
     /// Pushes a command.
     pub(crate) fn push(&mut self, command: Command) {
         self.commands.push(command);
+    }
+
+    /// What fills buffers of the window's GPU.
+    pub(crate) fn uploader(&self) -> Option<Uploader> {
+        let state = self.render_state?;
+        Some(Uploader::new(&state.device, &state.queue))
+    }
+
+    /// What is shown, and how.
+    pub(crate) fn options(&self) -> &'a ViewOptions {
+        &self.app.view.options
     }
 
     /// The units in use.
@@ -54,6 +66,13 @@ impl ViewContext<'_> {
     /// Light or dark.
     pub(crate) fn theme(&self) -> ThemeChoice {
         self.app.view.options.theme
+    }
+
+    /// Changes what is shown and how, where that differs from how it is.
+    pub(crate) fn show(&mut self, options: ViewOptions) {
+        if options != self.app.view.options {
+            self.push(Command::Show(Box::new(options)));
+        }
     }
 
     /// Changes the settings; undo names it by the label.
@@ -98,6 +117,36 @@ impl ViewContext<'_> {
             self.push(Command::Do(action));
         }
     }
+}
+
+/// The hover that a view has told the state: its own is the view's to take back.
+#[derive(Default)]
+pub(crate) struct OwnHover(bool);
+
+impl OwnHover {
+    /// Tells what the pointer is over now.
+    pub(crate) fn tell(&mut self, context: &mut ViewContext<'_>, hover: Option<Mark>) {
+        let ours = hover.is_some() || self.0;
+        if ours && context.app.view.hover != hover {
+            context.push(Command::Hover(hover));
+        }
+        self.0 = hover.is_some();
+    }
+}
+
+/// Takes what was typed in this frame: no field gets it.
+pub(crate) fn take_typed(ui: &Ui) -> String {
+    let mut typed = String::new();
+    ui.input_mut(|input| {
+        input.events.retain(|event| match event {
+            Event::Text(text) => {
+                typed += text;
+                false
+            }
+            _ => true,
+        });
+    });
+    typed
 }
 
 /// What an action does, and its key.

@@ -26,6 +26,22 @@ pub(super) fn ping_count(app: &App) -> usize {
     survey.map_or(0, |survey| survey.side_scan.len())
 }
 
+/// A range with the sign of its side: port is negative.
+pub(super) fn across_m(side: Side, range_m: f64) -> f64 {
+    match side {
+        Side::Port => -range_m,
+        Side::Starboard => range_m,
+    }
+}
+
+/// The side that a range with a sign lies on.
+pub(super) fn side_at(across_m: f64) -> Side {
+    match across_m < 0.0 {
+        true => Side::Port,
+        false => Side::Starboard,
+    }
+}
+
 /// Slant range of a mark, metres.
 pub(super) fn range_m(app: &App, mark: Mark) -> Option<f64> {
     let survey = app.log.survey.as_ref()?;

@@ -45,7 +45,7 @@ fn found(ui: &mut Ui, context: &mut ViewContext<'_>) {
         return;
     };
     // A preview may hold the visible pings only; the counts are those of the whole log.
-    let options = &context.app.view.options;
+    let options = context.options();
     let pings = products.returns.port.len().max(1);
     let hint = |side: &str, found: usize| {
         let share = 100.0 * found as f64 / pings as f64;

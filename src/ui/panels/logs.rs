@@ -1,6 +1,6 @@
 //! The list of open logs: which one is shown, which take part, in which order, and how their heights stand to each other.
 
-use super::parts::{fact, name_of, press, press_short, remark, warning};
+use super::parts::{self, fact, name_of, press, press_short, remark, warning};
 use super::positions;
 use super::section::{Section, section};
 use crate::app::{Action, App, Command, OpenLog};
@@ -160,6 +160,16 @@ fn describe(ui: &mut Ui, log: &OpenLog, units: Units) {
     }
 }
 
+const HEIGHTS: [(&str, &str); 4] = [
+    ("Log", ""),
+    (
+        "offset",
+        "How much deeper the depths of the log are than those of all logs.",
+    ),
+    ("±", "Standard error of the offset."),
+    ("crossings", "Crossings of its track with other tracks."),
+];
+
 /// Height differences between the logs, where their tracks meet.
 fn heights(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let app = context.app;
@@ -175,39 +185,22 @@ fn heights(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let Some(found) = app.height_offsets() else {
         return;
     };
-    egui::Grid::new("height offsets")
-        .num_columns(4)
-        .spacing([8.0, 2.0])
-        .striped(true)
-        .show(ui, |ui| {
-            for (title, hint) in [
-                ("Log", ""),
-                (
-                    "offset",
-                    "How much deeper the depths of the log are than those of all logs.",
+    parts::table(ui, "height offsets", &HEIGHTS, |ui| {
+        for (id, offset) in found.logs() {
+            ui.add(egui::Label::new(RichText::new(name_of(app, id)).small()).truncate());
+            let (value, error) = match offset.log_overlaps {
+                0 => (text::NONE.to_owned(), text::NONE.to_owned()),
+                _ => (
+                    app.view.options.units.signed(offset.offset_m, 3),
+                    app.view.options.units.spread(offset.standard_error_m, 3),
                 ),
-                ("±", "Standard error of the offset."),
-                ("crossings", "Crossings of its track with other tracks."),
-            ] {
-                ui.label(RichText::new(title).small().strong())
-                    .on_hover_text(hint);
-            }
+            };
+            ui.label(RichText::new(value).small());
+            ui.label(RichText::new(error).small());
+            ui.label(RichText::new(offset.log_overlaps.to_string()).small());
             ui.end_row();
-            for (id, offset) in found.logs() {
-                ui.add(egui::Label::new(RichText::new(name_of(app, id)).small()).truncate());
-                let (value, error) = match offset.log_overlaps {
-                    0 => (text::NONE.to_owned(), text::NONE.to_owned()),
-                    _ => (
-                        app.view.options.units.signed(offset.offset_m, 3),
-                        app.view.options.units.spread(offset.standard_error_m, 3),
-                    ),
-                };
-                ui.label(RichText::new(value).small());
-                ui.label(RichText::new(error).small());
-                ui.label(RichText::new(offset.log_overlaps.to_string()).small());
-                ui.end_row();
-            }
-        });
+        }
+    });
     if found.groups() > 1 {
         remark(
             ui,

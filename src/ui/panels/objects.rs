@@ -3,8 +3,8 @@
 use super::parts::{self, fact};
 use super::section::{Section, section};
 use crate::app::{Action, SearchStatus};
-use crate::ui::{ViewContext, text, theme};
-use egui::{Button, ProgressBar, Ui};
+use crate::ui::{ViewContext, text};
+use egui::{Button, Ui};
 
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
@@ -56,11 +56,7 @@ fn search(ui: &mut Ui, context: &mut ViewContext<'_>) {
             parts::remark(ui, searching(context, &status));
         }
         ui.horizontal(|ui| {
-            let bar = ProgressBar::new(status.share)
-                .desired_width(140.0)
-                .desired_height(8.0)
-                .fill(theme::accent_colour(context.theme()));
-            ui.add(bar);
+            ui.add(parts::progress_bar(context, status.share, 140.0));
             let stop = ui.small_button("Stop");
             context.button_with_hint(stop, Action::Cancel, "What was found so far stays.");
         });

@@ -41,7 +41,7 @@ fn removed(ui: &mut Ui, context: &ViewContext<'_>) {
 
 fn preview(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let action = Action::OutlierPreview;
-    let mut on = context.app.view.options.cloud.outlier_preview;
+    let mut on = context.options().cloud.outlier_preview;
     let toggle = ui.checkbox(&mut on, "Show unused points in 3D");
     context.button(toggle.accessible_name(action.label()), action);
 }

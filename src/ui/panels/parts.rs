@@ -6,7 +6,7 @@ use crate::pipeline::settings::{Choice, Control, Kind, Number, Row, ShownNumber}
 use crate::ui::drop_down::DropDown;
 use crate::ui::list_keys::ListKeys;
 use crate::ui::{ViewContext, theme};
-use egui::{Align, Button, DragValue, Layout, Response, RichText, Ui, WidgetText};
+use egui::{Align, Button, DragValue, Layout, ProgressBar, Response, RichText, Ui, WidgetText};
 
 /// Whether a notice says what could not be done, as a triangle with `!`, or what was, as a circle with `i`.
 pub(crate) fn severity(ui: &mut Ui, look: crate::app::ThemeChoice, is_error: bool) {
@@ -158,6 +158,29 @@ pub(crate) fn list_rows(
             }
         }
     });
+}
+
+/// How much of something is done.
+pub(crate) fn progress_bar(context: &ViewContext<'_>, share: f32, width: f32) -> ProgressBar {
+    let bar = ProgressBar::new(share).desired_width(width);
+    bar.desired_height(8.0)
+        .fill(theme::accent_colour(context.theme()))
+}
+
+/// A table of small text, its headings with what they mean.
+pub(crate) fn table(ui: &mut Ui, name: &str, columns: &[(&str, &str)], rows: impl FnOnce(&mut Ui)) {
+    egui::Grid::new(name)
+        .num_columns(columns.len())
+        .spacing([8.0, 2.0])
+        .striped(true)
+        .show(ui, |ui| {
+            for (title, hint) in columns {
+                ui.label(RichText::new(*title).small().strong())
+                    .on_hover_text(*hint);
+            }
+            ui.end_row();
+            rows(ui);
+        });
 }
 
 /// A quiet remark.

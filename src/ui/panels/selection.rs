@@ -106,11 +106,8 @@ fn first_return(ui: &mut Ui, context: &ViewContext<'_>, ping: usize, side: Side)
         }
     };
     let (name, colour) = match side {
-        Side::Port => ("Port", theme::side_colour(&context.app.view.options, side)),
-        Side::Starboard => (
-            "Starboard",
-            theme::side_colour(&context.app.view.options, side),
-        ),
+        Side::Port => ("Port", theme::side_colour(context.options(), side)),
+        Side::Starboard => ("Starboard", theme::side_colour(context.options(), side)),
     };
     fact(
         ui,

@@ -292,15 +292,11 @@ fn view(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.separator();
     entries(ui, context, CAMERAS);
     ui.separator();
-    let before = context.app.view.options.clone();
-    let mut options = before.clone();
+    let mut options = context.options().clone();
     ui.menu_button("Waterfall", |ui| {
-        radios(
-            ui,
-            &mut options.waterfall.colour_map,
-            ColourMap::ALL,
-            ColourMap::name,
-        );
+        for map in ColourMap::ALL {
+            ui.radio_value(&mut options.waterfall.colour_map, map, map.name());
+        }
         ui.separator();
         ui.menu_button("Gain and levels", |ui| levels::ui(ui, context));
         ui.separator();
@@ -338,27 +334,18 @@ fn view(ui: &mut Ui, context: &mut ViewContext<'_>) {
         ui.checkbox(&mut options.cloud.water, "Water surface and track");
     });
     ui.menu_button("Coordinates", |ui| {
-        radios(
-            ui,
-            &mut options.coordinates,
-            CoordinateFormat::ALL,
-            CoordinateFormat::name,
-        );
+        for format in CoordinateFormat::ALL {
+            ui.radio_value(&mut options.coordinates, format, format.name());
+        }
     });
     ui.menu_button("Units", |ui| {
-        radios(
-            ui,
-            &mut options.units.length,
-            LengthUnit::ALL,
-            LengthUnit::name,
-        );
+        for unit in LengthUnit::ALL {
+            ui.radio_value(&mut options.units.length, unit, unit.name());
+        }
         ui.separator();
-        radios(
-            ui,
-            &mut options.units.speed,
-            SpeedUnit::ALL,
-            SpeedUnit::name,
-        );
+        for unit in SpeedUnit::ALL {
+            ui.radio_value(&mut options.units.speed, unit, unit.name());
+        }
     });
     ui.menu_button("Side colours", |ui| {
         let paper = "paper: starboard red, port blue";
@@ -366,22 +353,8 @@ fn view(ui: &mut Ui, context: &mut ViewContext<'_>) {
         let maritime = "maritime: port red, starboard green";
         ui.radio_value(&mut options.side_colours, SideColours::Maritime, maritime);
     });
-    if options != before {
-        context.push(Command::Show(Box::new(options)));
-    }
+    context.show(options);
     entries(ui, context, &[Action::Orientation, Action::Theme]);
-}
-
-/// An option that is one of these.
-fn radios<T: Copy + PartialEq>(
-    ui: &mut Ui,
-    option: &mut T,
-    all: impl IntoIterator<Item = T>,
-    name: impl Fn(T) -> &'static str,
-) {
-    for one in all {
-        ui.radio_value(option, one, name(one));
-    }
 }
 
 fn survey(ui: &mut Ui, context: &mut ViewContext<'_>) {

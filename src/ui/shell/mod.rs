@@ -428,7 +428,7 @@ fn forget_vanished_control(ctx: &egui::Context) {
 }
 
 fn draw_alone(ui: &mut Ui, views: &mut Views, context: &mut ViewContext<'_>, alone: Alone) {
-    let canvas = Frame::new().fill(theme::canvas_colour(&context.app.view.options));
+    let canvas = Frame::new().fill(theme::canvas_colour(context.options()));
     CentralPanel::no_frame()
         .frame(canvas)
         .show(ui, |ui| match alone {

@@ -40,12 +40,12 @@ impl Printing {
         let Some(mut view) = self.view.filter(|_| self.is_open) else {
             return false;
         };
-        let before = context.app.view.options.print.clone();
-        let mut options = before.clone();
+        let mut shown = context.options().clone();
+        let options = &mut shown.print;
         let modal = Modal::new(Id::unique("print")).show(ctx, |ui| {
             ui.set_width(320.0);
             ui.heading("Print view");
-            choices(ui, &mut view, &mut options);
+            choices(ui, &mut view, options);
             let sheet = options.sheet(views.size(view));
             ui.label(sheet_summary(view, sheet, views));
             ui.add_space(6.0);
@@ -53,11 +53,7 @@ impl Printing {
                 .inner
         });
         self.view = Some(view);
-        if options != before {
-            let mut shown = context.app.view.options.clone();
-            shown.print = options;
-            context.push(Command::Show(Box::new(shown)));
-        }
+        context.show(shown);
         let (save, cancel) = modal.inner;
         if save || cancel || modal.should_close() {
             self.is_open = false;

@@ -29,8 +29,7 @@ pub(super) fn ui(ui: &mut Ui, view: View, context: &mut ViewContext<'_>) {
     }
     ui.add_space(6.0);
     ui.spacing_mut().item_spacing.x = 4.0;
-    let before = context.app.view.options.clone();
-    let mut options = before.clone();
+    let mut options = context.options().clone();
     if ui.available_width() < room(view) {
         let title = egui::RichText::new("Options").small();
         let title = menu(title).ui(ui, |ui| controls(ui, view, context, &mut options));
@@ -38,9 +37,7 @@ pub(super) fn ui(ui: &mut Ui, view: View, context: &mut ViewContext<'_>) {
     } else {
         controls(ui, view, context, &mut options);
     }
-    if options != before {
-        context.push(Command::Show(Box::new(options)));
-    }
+    context.show(options);
 }
 
 fn controls(ui: &mut Ui, view: View, context: &mut ViewContext<'_>, options: &mut ViewOptions) {

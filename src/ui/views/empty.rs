@@ -10,7 +10,7 @@ pub(super) const NO_GPU: &str =
 
 /// A sentence in the middle of the view.
 pub(super) fn say(ui: &mut Ui, context: &ViewContext<'_>, rect: Rect, text: &str) {
-    let colour = theme::canvas_text_colour(&context.app.view.options);
+    let colour = theme::canvas_text_colour(context.options());
     middle(ui, rect, 20.0, |ui| {
         ui.label(RichText::new(text).color(colour));
     });
@@ -21,7 +21,7 @@ pub(super) fn wait(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, text:
     if !context.app.is_stopped() {
         return say(ui, context, rect, text);
     }
-    let colour = theme::canvas_text_colour(&context.app.view.options);
+    let colour = theme::canvas_text_colour(context.options());
     middle(ui, rect, 48.0, |ui| {
         ui.label(RichText::new("Processing was stopped before there was a result.").color(colour));
         button(ui, context, Action::Update);
@@ -30,7 +30,7 @@ pub(super) fn wait(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, text:
 
 /// Says what would fill the view, and offers to open something.
 pub(super) fn offer_to_open(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, text: &str) {
-    let colour = theme::canvas_text_colour(&context.app.view.options);
+    let colour = theme::canvas_text_colour(context.options());
     middle(ui, rect, 84.0, |ui| {
         ui.label(RichText::new(text).color(colour));
         for action in [Action::Open, Action::OpenDemo] {

@@ -54,7 +54,7 @@ fn found(ui: &mut Ui, context: &ViewContext<'_>, products: &Products, trial: &Sc
         "What recorded ranges would be multiplied with: recorded depth over recorded range, median over the first returns of the stretch, with the spread of single pings.",
         format!("range {factor} {spread}"),
     );
-    plot::ui(ui, trial, products, &context.app.view.options);
+    plot::ui(ui, trial, products, context.options());
     match &trial.effect {
         Some(effect) => changes(ui, effect, units),
         None => parts::remark(ui, "The log has no side-scan depths that would change."),

@@ -44,7 +44,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
                 }
             });
             ui.data_mut(|data| data.insert_temp(id, over));
-            plots::picture(ui, &agreement.tables, over, &context.app.view.options);
+            plots::picture(ui, &agreement.tables, over, context.options());
             let of = match agreement.reference.is_some() {
                 true => "Elevation of the points minus that of the reference at their place",
                 false => "Elevation of side-scan points minus that of the soundings at their place",
@@ -66,7 +66,7 @@ fn lack(app: &App) -> &str {
 
 /// Whether the map shows them, point by point.
 fn on_map(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let layers = &context.app.view.options.map.layers;
+    let layers = &context.options().map.layers;
     let mut is_shown = layers.is_visible(MapLayer::Residuals);
     let check = ui.checkbox(&mut is_shown, "Residuals on the map");
     context.button_with_hint(check, Action::ResidualLayer, MapLayer::Residuals.hint());

@@ -8,14 +8,14 @@ mod object;
 mod queue;
 mod selected;
 
-use super::parts::{remark, warning, within};
+use super::parts::{progress_bar, remark, warning, within};
 use super::section::{Section, section};
 use crate::app::Action;
 use crate::pipeline::Background;
 use crate::support::presentation::units::Units;
 use crate::ui::views::chip::{self, Chip};
-use crate::ui::{ViewContext, text, theme};
-use egui::{Button, LayerId, ProgressBar, Rect, Response, RichText, Ui};
+use crate::ui::{ViewContext, text};
+use egui::{Button, LayerId, Rect, Response, RichText, Ui};
 use object::ObjectPictures;
 
 /// State of the panel: the picture of the selected box, and what is being written about it.
@@ -83,11 +83,7 @@ fn progress(ui: &mut Ui, context: &ViewContext<'_>) {
     ui.horizontal(|ui| {
         ui.label(RichText::new(&said).strong());
         let share = decided as f32 / total.max(1) as f32;
-        let bar = ProgressBar::new(share)
-            .desired_width(ui.available_width())
-            .desired_height(8.0)
-            .fill(theme::accent_colour(context.theme()));
-        ui.add(bar);
+        ui.add(progress_bar(context, share, ui.available_width()));
     });
     let parts = [
         format!("{} accepted", counts.accepted),

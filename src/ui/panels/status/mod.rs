@@ -5,6 +5,7 @@ mod cells;
 use crate::app::{Action, Command, FollowStatus, Mark};
 use crate::pipeline::EngineStatus;
 use crate::support::presentation::text::count;
+use crate::ui::panels::parts::progress_bar;
 use crate::ui::{ViewContext, theme};
 use egui::{Align, Layout, RichText, Ui};
 
@@ -116,7 +117,7 @@ fn rest(ui: &mut Ui, context: &ViewContext<'_>) {
         ui.label(shown)
             .on_hover_text("Frames a second when they last followed each other.");
     }
-    let map = context.app.view.options.waterfall.colour_map.name();
+    let map = context.options().waterfall.colour_map.name();
     ui.label(RichText::new(map).weak().small());
 }
 
@@ -156,11 +157,7 @@ fn jobs(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let stop = ui.small_button("Cancel");
     context.button(stop.accessible_name(Action::Cancel.label()), Action::Cancel);
     let text = format!("{what} {:.0} %", f64::from(share) * 100.0);
-    let bar = egui::ProgressBar::new(share)
-        .desired_width(110.0)
-        .desired_height(8.0)
-        .fill(theme::accent_colour(context.theme()));
-    ui.add(bar);
+    ui.add(progress_bar(context, share, 110.0));
     ui.label(RichText::new(text).small());
 }
 

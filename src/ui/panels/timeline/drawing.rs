@@ -202,7 +202,7 @@ impl TimelineLayout {
     fn exclusions(&self, ui: &Ui, context: &ViewContext<'_>, strips: &Strips) {
         let painter = ui.painter().with_clip_rect(self.all);
         let veil = ui.visuals().extreme_bg_color.gamma_multiply(0.75);
-        let bar = theme::excluded_colour(&context.app.view.options);
+        let bar = theme::excluded_colour(context.options());
         let found = context.app.log.exclusions().into_iter();
         for stretch in found.flat_map(|found| &found.exclusions.stretches) {
             let [from, to] = stretch.time_s.map(|time_s| strips.x(self.all, time_s));

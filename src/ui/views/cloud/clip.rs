@@ -69,7 +69,7 @@ pub(super) fn show(
     scene: SceneBox,
     axes: &Axes<'_>,
 ) -> Option<ClipBox> {
-    let clip = context.app.view.options.cloud.clip?;
+    let clip = context.options().cloud.clip?;
     let dragged = handles(ui, scene, axes, clip);
     let changed = match legend::has_room(axes.rect) {
         true => numbers(ui, context, scene, axes, dragged),
@@ -135,7 +135,7 @@ fn numbers(
     axes: &Axes<'_>,
     mut clip: ClipBox,
 ) -> ClipBox {
-    let options = &context.app.view.options;
+    let options = context.options();
     let reference = place::reduction(context.app).reference();
     let size = vec2(196.0, 84.0);
     let corner = axes.rect.right_top() + vec2(-4.0 - size.x, 4.0);
@@ -190,7 +190,6 @@ fn number(
 pub(super) fn paint_note(painter: &egui::Painter, rect: Rect, options: &ViewOptions) {
     if options.cloud.clip.is_some() {
         let at = rect.right_top() + vec2(-8.0, 8.0);
-        let colour = theme::canvas_text_colour(options);
-        legend::plate(painter, options, at, Align2::RIGHT_TOP, "clipped", colour);
+        legend::words(painter, options, at, Align2::RIGHT_TOP, "clipped");
     }
 }

@@ -27,7 +27,7 @@ pub(super) fn show(
     rect: Rect,
     request: &mut Option<ViewRequest>,
 ) {
-    let mut options = context.app.view.options.clone();
+    let mut options = context.options().clone();
     let frame = legend::frame(&options);
     let top = Rect::from_min_size(rect.min + vec2(4.0, 4.0), vec2(120.0, 28.0));
     ui.scope_builder(UiBuilder::new().max_rect(top), |ui| {
@@ -55,17 +55,14 @@ pub(super) fn show(
             })
         });
     });
-    if options.cloud != context.app.view.options.cloud {
-        context.push(Command::Show(Box::new(options)));
-    }
+    context.show(options);
 }
 
 /// The vertical exaggeration in words, for a picture.
 pub(super) fn paint_exaggeration(painter: &Painter, rect: Rect, options: &ViewOptions) {
     let text = format!("elevations x{}", options.cloud.vertical_exaggeration);
     let corner = rect.left_bottom() + vec2(8.0, -8.0);
-    let colour = theme::canvas_text_colour(options);
-    legend::plate(painter, options, corner, Align2::LEFT_BOTTOM, &text, colour);
+    legend::words(painter, options, corner, Align2::LEFT_BOTTOM, &text);
 }
 
 fn exaggeration(ui: &mut Ui, options: &mut ViewOptions) {
@@ -122,15 +119,7 @@ pub(super) fn paint_read_out(
         place::written(app, position),
     );
     let at = rect.left_top() + vec2(50.0, 9.0);
-    let colour = theme::canvas_text_colour(&app.view.options);
-    legend::plate(
-        painter,
-        &app.view.options,
-        at,
-        Align2::LEFT_TOP,
-        &text,
-        colour,
-    );
+    legend::words(painter, &app.view.options, at, Align2::LEFT_TOP, &text);
 }
 
 /// Why there are no side-scan points, when there are none.
@@ -174,14 +163,8 @@ pub(super) fn paint_legend(
         lines.push((text.to_owned(), theme::OUTLIER_COLOUR));
     }
     for (text, colour) in lines {
-        let plate = legend::plate(
-            painter,
-            options,
-            at + vec2(12.0, 0.0),
-            Align2::LEFT_TOP,
-            &text,
-            theme::canvas_text_colour(options),
-        );
+        let beside = at + vec2(12.0, 0.0);
+        let plate = legend::words(painter, options, beside, Align2::LEFT_TOP, &text);
         painter.circle_filled(pos2(at.x + 5.0, plate.center().y), 4.0, colour);
         at.y = plate.bottom() + 1.0;
         covered.push(plate);

@@ -7,7 +7,7 @@ use crate::app::{App, Command, LogId, Mark};
 use crate::pipeline::Products;
 use crate::support::geo::LonLat;
 use crate::ui::render::OrbitCamera;
-use crate::ui::{ViewContext, place, theme};
+use crate::ui::{OwnHover, ViewContext, place, theme};
 use egui::{Painter, PointerButton, Pos2, Rect, Response, Shape, Stroke, Ui};
 use glam::Vec2;
 
@@ -21,7 +21,7 @@ const MOST_ON_HOVER: usize = 2_000_000;
 /// What the pointer was found over.
 #[derive(Default)]
 pub(super) struct Pointer {
-    hovering: bool,
+    hover: OwnHover,
     looked: Option<(Pos2, OrbitCamera, Option<usize>)>,
 }
 
@@ -135,7 +135,7 @@ impl Pointer {
             true => response.interact_pointer_pos(),
             false => response.hover_pos().filter(|_| !response.dragged()),
         };
-        let looks = context.app.view.options.cloud.points
+        let looks = context.options().cloud.points
             && (scene.shown(shown.outliers) <= MOST_ON_HOVER || response.clicked());
         let point = at.filter(|_| looks).and_then(|at| match self.looked {
             Some((last, with, point)) if last == at && with == camera => point,
@@ -148,7 +148,7 @@ impl Pointer {
         let mark = point.and_then(|point| scene.mark(point));
         // Other views show the log under the selection: what is hovered of another one is nowhere in them.
         let here = mark.filter(|(log, _)| *log == context.app.log.id);
-        self.hover(context, here.map(|(_, mark)| mark));
+        self.hover.tell(context, here.map(|(_, mark)| mark));
         if response.clicked() {
             let on_bottom = || position_on(bottom?, context.app, axes, at?);
             context.push(match (mark, on_bottom()) {
@@ -157,14 +157,6 @@ impl Pointer {
                 (None, None) => Command::Select(None),
             });
         }
-    }
-
-    fn hover(&mut self, context: &mut ViewContext<'_>, mark: Option<Mark>) {
-        let ours = mark.is_some() || self.hovering;
-        if ours && context.app.view.hover != mark {
-            context.push(Command::Hover(mark));
-        }
-        self.hovering = mark.is_some();
     }
 }
 

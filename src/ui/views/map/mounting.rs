@@ -51,15 +51,7 @@ pub(super) fn paint(painter: &Painter, scene: &Scene<'_>, app: &App) {
             true => (Align2::RIGHT_CENTER, vec2(-12.0, 0.0)),
             false => (Align2::LEFT_CENTER, vec2(12.0, 0.0)),
         };
-        let at = at + aside;
-        legend::plate(
-            painter,
-            scene.options,
-            at,
-            anchor,
-            text,
-            scene.text_colour(),
-        );
+        legend::words(painter, scene.options, at + aside, anchor, text);
     };
     name(antenna, transducer, "antenna");
     name(transducer, antenna, "transducer");

@@ -222,7 +222,7 @@ fn strip(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, planned: &Plann
     let bar = Rect::from_min_max(foot + vec2(6.0, -84.0 - height), pos2(right, foot.y - 84.0));
     let words = RichText::new(words(context.app, planned)).size(11.5);
     ui.scope_builder(UiBuilder::new().max_rect(bar), |ui| {
-        legend::frame(&context.app.view.options).show(ui, |ui| match is_narrow {
+        legend::frame(context.options()).show(ui, |ui| match is_narrow {
             true => {
                 ui.label(words);
                 ui.horizontal(|ui| buttons(ui, context));

@@ -137,8 +137,8 @@ impl StretchTool {
                 Some(edit) => exclusion_text::of_drag(edit, &extent, units),
                 None => format!("propose {}", exclusion_text::extent(&extent, units)),
             };
-            let (at, ink) = (at + vec2(14.0, 14.0), scene.text_colour());
-            legend::plate(painter, scene.options, at, Align2::LEFT_TOP, &text, ink);
+            let at = at + vec2(14.0, 14.0);
+            legend::words(painter, scene.options, at, Align2::LEFT_TOP, &text);
         }
     }
 }

@@ -2,9 +2,10 @@
 
 use super::scene::Scene;
 use crate::app::{Command, MapLayer, Swipe, SwipeSide};
+use crate::ui::list_keys::keep_arrows;
 use crate::ui::views::legend;
 use crate::ui::{ViewContext, theme};
-use egui::{Align2, CursorIcon, EventFilter, Key, Modifiers, Painter, Rect, Response, Sense};
+use egui::{Align2, CursorIcon, Key, Modifiers, Painter, Rect, Response, Sense};
 use egui::{Stroke, Ui, Vec2, WidgetInfo, pos2, vec2};
 
 /// Half of the width in which the pointer takes hold of the divider, points.
@@ -50,9 +51,9 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, scene: &Scene<'_>) 
         )
     });
     if let Some(by) = moved(ui, scene.rect, &response) {
-        let mut options = context.app.view.options.clone();
+        let mut options = context.options().clone();
         options.map.swipe.shift(by);
-        context.push(Command::Show(Box::new(options)));
+        context.show(options);
     }
     let response = response.on_hover_cursor(CursorIcon::ResizeHorizontal);
     paint(&ui.painter_at(scene.rect), scene, x, &response);
@@ -65,11 +66,7 @@ fn moved(ui: &mut Ui, rect: Rect, response: &Response) -> Option<f32> {
     }
     let mut by = response.drag_delta().x / rect.width().max(1.0);
     if response.has_focus() {
-        let filter = EventFilter {
-            horizontal_arrows: true,
-            ..EventFilter::default()
-        };
-        ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
+        keep_arrows(ui.ctx(), response.id, true, false);
         for (key, way) in [(Key::ArrowLeft, -1.0), (Key::ArrowRight, 1.0)] {
             // A plain arrow would match with Shift held too.
             for (modifiers, step) in [(Modifiers::SHIFT, STEPS[1]), (Modifiers::NONE, STEPS[0])] {
@@ -103,8 +100,7 @@ fn paint(painter: &Painter, scene: &Scene<'_>, x: f32, response: &Response) {
         let text = names(scene, side);
         let at = pos2(x, scene.rect.top() + 40.0) + Vec2::X * aside;
         if !text.is_empty() {
-            let ink = theme::canvas_text_colour(scene.options);
-            legend::plate(painter, scene.options, at, anchor, &text, ink);
+            legend::words(painter, scene.options, at, anchor, &text);
         }
     }
 }

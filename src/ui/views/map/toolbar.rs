@@ -15,7 +15,7 @@ pub(super) fn show(
 ) {
     let bar = Rect::from_min_size(rect.min + vec2(4.0, 4.0), vec2(rect.width() - 60.0, 28.0));
     ui.scope_builder(UiBuilder::new().max_rect(bar), |ui| {
-        legend::frame(&context.app.view.options).show(ui, |ui| {
+        legend::frame(context.options()).show(ui, |ui| {
             ui.horizontal(|ui| {
                 buttons(ui, context, request);
                 measure(ui, context);

@@ -11,11 +11,12 @@ mod thumbnails;
 
 use super::empty;
 use crate::app::{Action, Command, LogBox, SurveyObject, View};
+use crate::ui::list_keys::keep_arrows;
 use crate::ui::{ViewContext, theme};
 use columns::Columns;
 use egui::{
-    Button, EventFilter, Frame, Id, Key, Margin, Modifiers, Rect, Response, RichText, Role,
-    ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2,
+    Button, Frame, Id, Key, Margin, Modifiers, Rect, Response, RichText, Role, ScrollArea, Sense,
+    Ui, WidgetInfo, pos2, vec2,
 };
 use std::ops::Range;
 use thumbnails::Thumbnails;
@@ -51,7 +52,7 @@ impl ObjectsView {
         let rect = ui.available_rect_before_wrap();
         if context.app.log.survey.is_none() {
             ui.painter()
-                .rect_filled(rect, 0.0, theme::canvas_colour(&context.app.view.options));
+                .rect_filled(rect, 0.0, theme::canvas_colour(context.options()));
             let text = "The objects of a survey are listed here.";
             return empty::offer_to_open(ui, context, rect, text);
         }
@@ -139,11 +140,7 @@ impl ObjectsView {
             body.request_focus();
         }
         if body.has_focus() {
-            let arrows = EventFilter {
-                vertical_arrows: true,
-                ..EventFilter::default()
-            };
-            ui.memory_mut(|memory| memory.set_focus_lock_filter(body.id, arrows));
+            keep_arrows(ui.ctx(), body.id, false, true);
             let stroke = ui.visuals().selection.stroke;
             let kind = egui::StrokeKind::Inside;
             ui.painter().rect_stroke(rect, 2.0, stroke, kind);

@@ -4,7 +4,7 @@ use super::Shown;
 use super::plot::Plot;
 use crate::app::ViewOptions;
 use crate::survey::Side;
-use crate::ui::theme;
+use crate::ui::{place, theme};
 use egui::{Align2, FontId, Painter, Rect, Shape, Stroke, pos2, vec2};
 
 /// The stretch around the transducer that is ignored.
@@ -69,10 +69,7 @@ fn pick(painter: &Painter, plot: &Plot, shown: &Shown<'_>, side: Side, options: 
     let Some(found) = shown.picks[side as usize] else {
         return;
     };
-    let across_m = match side {
-        Side::Port => -found.range_m,
-        Side::Starboard => found.range_m,
-    };
+    let across_m = place::across_m(side, found.range_m);
     let colour = theme::side_colour(options, side);
     if !vertical(painter, plot, across_m, Stroke::new(2.0, colour)) {
         return;

@@ -55,7 +55,7 @@ pub(super) fn describe(
 }
 
 fn name(visible: &Range<usize>, survey: &Survey, context: &ViewContext<'_>) -> String {
-    let options = &context.app.view.options.waterfall;
+    let options = &context.options().waterfall;
     let source = context.app.log.settings.first_return.bottom_line;
     let first_return = match (context.app.bottom_line(), options.first_return, source) {
         (_, false, _) => "first return hidden",

@@ -46,7 +46,7 @@ impl EchogramPart {
         ctx: &egui::Context,
         context: &ViewContext<'_>,
     ) -> [Rect; 2] {
-        let options = &context.app.view.options.waterfall;
+        let options = &context.options().waterfall;
         self.follow(ctx, context.app);
         if self
             .shown
@@ -134,7 +134,7 @@ impl EchogramPart {
             });
             return drawing.is_settled();
         };
-        let options = &context.app.view.options.waterfall;
+        let options = &context.options().waterfall;
         let arrangement = Arrangement {
             orientation: options.orientation,
             flip: context.app.log.settings.picture.flip,
@@ -285,11 +285,7 @@ impl Over<'_> {
 
     /// The bottom as recorded, and as the side-scan found it on both sides.
     fn bottom(&self, painter: &Painter, lens: &Lens, app: &App) {
-        let pen = |colour| Pen {
-            colour,
-            width: 1.0,
-            rim: 0.0,
-        };
+        let pen = |colour| Pen::new(colour, 1.0);
         let depth = pen(theme::DEPTH_LINE_COLOUR);
         let as_recorded = Reduction::default();
         lines::depth(painter, lens, self.survey, self.drawing, as_recorded, depth);

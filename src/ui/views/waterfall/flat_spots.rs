@@ -5,6 +5,7 @@ use super::labels::Labels;
 use super::lens::{Lens, Place};
 use crate::app::{App, Tool};
 use crate::sonar::calibration::{FlatSpot, PingRange, ScaleMode};
+use crate::survey::Side;
 use crate::ui::{flat_spot_words, place, theme};
 use egui::{Align2, Color32, Painter, Pos2, Rect, Stroke, vec2};
 use std::ops::Range;
@@ -83,12 +84,7 @@ fn stretch(lens: &Lens, pings: &Range<usize>, kind: Kind, name: String) -> Optio
     let ends = [pings.start as f64, pings.end as f64];
     let edges = ends.map(|ping| lens.line_at_ping(ping));
     let area = Rect::from_two_pos(edges[0][0], edges[1][1]).intersect(lens.rect);
-    let [start, end] = ends.map(|ping| {
-        lens.screen_at(Place {
-            ping,
-            across_m: 0.0,
-        })
-    });
+    let [start, end] = ends.map(|ping| lens.screen_at(Place::of(ping, Side::Starboard, 0.0)));
     let nadir = Rect::from_two_pos(start, end).expand(BAR / 2.0);
     area.is_positive().then_some(Stretch {
         area,

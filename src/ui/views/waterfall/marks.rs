@@ -1,6 +1,6 @@
 //! Cross-hairs on the picture, and what it cannot be trusted for.
 
-use super::lens::{Lens, Place, across_m};
+use super::lens::{Lens, Place};
 use crate::app::Mark;
 use crate::support::presentation::units::Units;
 use crate::survey::{SideScanState, Survey};
@@ -25,10 +25,11 @@ pub(super) fn cross_hair(
         .get(mark.ping)
         .and_then(|ping| ping.side(side));
     if let Some(span) = span {
-        let across_m = across_m(side, span.range_m(f64::from(sample)));
+        let place = Place::of(ping, side, span.range_m(f64::from(sample)));
         let faint = colour.gamma_multiply(0.6);
-        painter.line(lens.line_at_range(across_m), Stroke::new(1.0, faint));
-        let at = lens.screen_at(Place { ping, across_m });
+        let along = lens.line_at_range(place.across_m);
+        painter.line(along, Stroke::new(1.0, faint));
+        let at = lens.screen_at(place);
         painter.circle_stroke(at, 5.0, Stroke::new(1.5, colour));
     }
 }

@@ -2,10 +2,10 @@
 
 use super::cross::Cross;
 use super::labels;
-use super::lens::{Lens, Place, across_m};
+use super::lens::{Lens, Place};
 use crate::app::{Action, App, Command, Measure};
 use crate::project::{Measurement, MeasurementKind, Pick};
-use crate::survey::{Identity, Side, Survey};
+use crate::survey::{Identity, Survey};
 use crate::ui::views::{drag, measured};
 use crate::ui::{ViewContext, theme};
 use egui::{Align2, CursorIcon, Painter, Pos2, Rect, Response, Shape, Stroke, Ui, vec2};
@@ -157,13 +157,8 @@ fn on_screen<'a>(lens: &'a Lens, app: &App, figure: &'a Measurement) -> Vec<(usi
         .picks
         .iter()
         .filter(|(_, pick)| pick.log.is_same_log(&shown));
-    let at = |side: Side, ping: usize, slant_m: f64| {
-        lens.screen_at(Place {
-            ping: ping as f64 + 0.5,
-            across_m: across_m(side, slant_m),
-        })
-    };
-    own.map(|(corner, pick)| (*corner, at(pick.side_in(survey), pick.ping, pick.slant_m)))
+    let at = |pick: &Pick| Place::of(pick.ping as f64 + 0.5, pick.side_in(survey), pick.slant_m);
+    own.map(|(corner, pick)| (*corner, lens.screen_at(at(pick))))
         .collect()
 }
 

@@ -86,7 +86,7 @@ impl WaterfallView {
         let whole = ui
             .available_rect_before_wrap()
             .round_to_pixels(ui.pixels_per_point());
-        let canvas = theme::canvas_colour(&context.app.view.options);
+        let canvas = theme::canvas_colour(context.options());
         flat::fill(ui.painter(), whole, canvas, context.render_state);
         self.follow_survey(ui.ctx(), context);
         if whole.width() < 1.0 || whole.height() < 1.0 {
@@ -392,7 +392,7 @@ impl WaterfallView {
             self.settled = true;
             return;
         };
-        let options = &context.app.view.options.waterfall;
+        let options = &context.options().waterfall;
         let gpu = self.gpu.get_or_insert_with(|| Gpu::new(render_state));
         gpu.colour(render_state, options.colour_map);
         drawing.upload(|size, texels| {

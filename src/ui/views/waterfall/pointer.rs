@@ -132,20 +132,14 @@ fn menu(response: &Response, context: &mut ViewContext<'_>) -> Option<usize> {
             equal_scales_at = Some(mark.ping);
             ui.close();
         }
-        let mut options = context.app.view.options.clone();
+        let mut options = context.options().clone();
         let shown = &mut options.waterfall;
-        let changed = ui
-            .checkbox(&mut shown.first_return, "First return")
-            .changed()
-            | ui.checkbox(&mut shown.depth_line, "Recorded depth")
-                .changed()
-            | ui.checkbox(&mut shown.range_lines, "Range lines").changed()
-            | ui.checkbox(&mut shown.flat_stretches, "Flat stretches")
-                .changed()
-            | ui.checkbox(&mut shown.boxes, "Boxes").changed();
-        if changed {
-            context.push(Command::Show(Box::new(options)));
-        }
+        ui.checkbox(&mut shown.first_return, "First return");
+        ui.checkbox(&mut shown.depth_line, "Recorded depth");
+        ui.checkbox(&mut shown.range_lines, "Range lines");
+        ui.checkbox(&mut shown.flat_stretches, "Flat stretches");
+        ui.checkbox(&mut shown.boxes, "Boxes");
+        context.show(options);
     });
     equal_scales_at
 }

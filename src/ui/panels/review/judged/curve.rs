@@ -31,7 +31,7 @@ pub(super) fn ui(
         let (rect, response) = ui.allocate_exact_size(vec2(width, HEIGHT), Sense::click());
         let painter = ui.painter_at(rect);
         let plot = shares(&painter, rect);
-        draw(&painter, &plot, comparison, standing, &context.app.view.options);
+        draw(&painter, &plot, comparison, standing, context.options());
         let said = said(standing);
         response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &said));
         let picked = response

@@ -110,7 +110,7 @@ pub(super) fn ui(
 }
 
 fn draw(painter: &Painter, grid: &Grid<'_>, origin: Pos2, cell: f32, context: &ViewContext<'_>) {
-    let options = &context.app.view.options;
+    let options = context.options();
     let ink = theme::plot_ink(options);
     let small = FontId::proportional(10.0);
     let extent = grid.shown.len() as f32 * cell;
@@ -164,7 +164,7 @@ fn draw(painter: &Painter, grid: &Grid<'_>, origin: Pos2, cell: f32, context: &V
 
 /// Found in the accent, mistakes in the warning colour, the more the stronger.
 fn ground(context: &ViewContext<'_>, right: bool, share: f32) -> Color32 {
-    let options = &context.app.view.options;
+    let options = context.options();
     let full = match right {
         true => theme::accent_colour(options.theme),
         false => theme::error_colour(options.theme),

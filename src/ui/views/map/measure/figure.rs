@@ -29,23 +29,17 @@ pub(super) fn paint(painter: &Painter, scene: &Scene<'_>, app: &App, figure: &Me
         painter.circle(*at, 3.5, colour, Stroke::new(1.0, casing));
     }
     if let (Some(at), Some(words)) = (corners.last(), measured::beside(app, figure)) {
-        let ink = theme::canvas_text_colour(scene.options);
         let (shift, anchor) = match at.x < scene.rect.center().x {
             true => (vec2(10.0, -10.0), Align2::LEFT_BOTTOM),
             false => (vec2(-10.0, -10.0), Align2::RIGHT_BOTTOM),
         };
-        legend::plate(painter, scene.options, *at + shift, anchor, &words, ink);
+        legend::words(painter, scene.options, *at + shift, anchor, &words);
     }
 }
 
 /// The cross that the arrow keys move.
 pub(super) fn cross(painter: &Painter, scene: &Scene<'_>, place: [f64; 2]) {
-    let at = scene.at(place);
-    let stroke = Stroke::new(1.5, theme::MEASURE_COLOUR);
-    for arm in [vec2(9.0, 0.0), vec2(0.0, 9.0)] {
-        painter.line_segment([at - arm, at - 0.3 * arm], stroke);
-        painter.line_segment([at + 0.3 * arm, at + arm], stroke);
-    }
+    measured::cross(painter, scene.at(place));
 }
 
 /// The place that the pointer is at in the plot.

@@ -4,6 +4,7 @@ use super::frame::ProfileTransform;
 use crate::app::{Action, App, Command, ProfileLine};
 use crate::bottom::bathymetry::Station;
 use crate::support::presentation::units::Units;
+use crate::ui::views::legend;
 use crate::ui::{ViewContext, place, theme};
 use egui::{
     Button, Color32, FontId, Label, Mesh, Painter, Pos2, Rect, RichText, Role, Sense, Shape,
@@ -54,7 +55,7 @@ pub(super) fn ui(
         (&line.stations[..], &line.corners_m[..])
     });
     let painter = ui.painter_at(rect);
-    painter.rect_filled(rect, 0.0, theme::canvas_colour(&context.app.view.options));
+    painter.rect_filled(rect, 0.0, theme::canvas_colour(context.options()));
     painter.hline(
         rect.x_range(),
         rect.top(),
@@ -82,7 +83,7 @@ pub(super) fn ui(
     if let Some(at) = response.hover_pos() {
         *hovered_m = Some(frame.distance_m(at.x));
     }
-    frame.axes(&painter, &context.app.view.options, corners_m);
+    frame.axes(&painter, context.options(), corners_m);
     curve(&painter, &frame, stations, context);
     let pointed = hovered_m.and_then(|at_m| nearest(stations, at_m));
     if let Some(station) = pointed {
@@ -200,9 +201,9 @@ fn curve(
             }
         }
     }
-    let ink = theme::plot_ink(&context.app.view.options);
+    let ink = theme::plot_ink(context.options());
     let corner = frame.area.left_top() + vec2(4.0, 2.0);
-    let font = crate::ui::views::legend::font();
+    let font = legend::font();
     let title = place::reduction(context.app).reference();
     let title = title.title(context.units().symbol());
     painter.text(corner, egui::Align2::LEFT_TOP, title, font, ink);
@@ -224,7 +225,7 @@ fn ground(line: &[Pos2], bottom: f32, colour: Color32) -> Shape {
 
 /// The station under the pointer.
 fn mark(painter: &Painter, frame: &ProfileTransform, station: &Station, context: &ViewContext<'_>) {
-    let options = &context.app.view.options;
+    let options = context.options();
     let x = frame.x(station.distance_m);
     let stroke = Stroke::new(1.0, theme::HOVER_COLOUR);
     painter.vline(x, frame.area.y_range(), stroke);
@@ -236,13 +237,6 @@ fn mark(painter: &Painter, frame: &ProfileTransform, station: &Station, context:
         false => (-8.0, egui::Align2::RIGHT_BOTTOM),
     };
     let at = pos2(x + shift, frame.area.bottom() - 4.0);
-    let ink = theme::canvas_text_colour(options);
-    crate::ui::views::legend::plate(
-        painter,
-        options,
-        at,
-        anchor,
-        &words(station, options.units),
-        ink,
-    );
+    let words = words(station, options.units);
+    legend::words(painter, options, at, anchor, &words);
 }

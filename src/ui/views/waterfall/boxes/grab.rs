@@ -1,6 +1,5 @@
 //! Clicks and drags on boxes.
 
-use super::hit::outward_m;
 use super::hit::{Edges, drawn};
 use super::{Lens, on_screen};
 use crate::app::{App, Command, Tool, border_m};
@@ -96,7 +95,7 @@ impl Boxes {
                 from,
                 ..
             } => {
-                let moved_m = outward_m(mark.side, lens.place_at(at)) - outward_m(mark.side, *from);
+                let moved_m = lens.place_at(at).outward_m(mark.side) - from.outward_m(mark.side);
                 let border_m = (border_m + moved_m).clamp(mark.near_m, mark.far_m);
                 let (id, mark) = (*id, mark.clone());
                 context.push(Command::Edit {
