@@ -101,6 +101,11 @@ impl<'a> ViewContext<'a> {
         self.button_with_hint(button, action, action.hint());
     }
 
+    /// The same where the button does not bear the name of the action.
+    pub(crate) fn named_button(&mut self, button: Response, action: Action) {
+        self.button(button.accessible_name(action.label()), action);
+    }
+
     /// The same, and its key is said too.
     pub(crate) fn keyed_button(&mut self, button: Response, action: Action) {
         self.button_with_hint(button, action, hint_with_key(action));

@@ -43,24 +43,18 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 fn found(ui: &mut Ui, products: &Products, figures: &Figures, units: Units) {
-    fact(
-        ui,
-        "Points",
-        "All points of the cloud, and how many of them are side-scan points; the others are soundings.",
-        format!(
-            "{} · {} side-scan",
-            text::count(figures.classes.all()),
-            text::count(figures.classes.side_scan)
-        ),
+    let hint = "All points of the cloud, and how many of them are side-scan points; the others are soundings.";
+    let value = format!(
+        "{} · {} side-scan",
+        text::count(figures.classes.all()),
+        text::count(figures.classes.side_scan)
     );
+    fact(ui, "Points", hint, value);
     let zero = products.navigation.zero_heading;
     let share = 100.0 * zero as f64 / products.navigation.pings.len().max(1) as f64;
-    fact(
-        ui,
-        "No heading",
-        "Pings without a heading give no side-scan point.",
-        format!("{} ({share:.1} %)", text::plural(zero, "ping", "pings")),
-    );
+    let hint = "Pings without a heading give no side-scan point.";
+    let value = format!("{} ({share:.1} %)", text::plural(zero, "ping", "pings"));
+    fact(ui, "No heading", hint, value);
     if let Some(residuals) = figures.residuals {
         fact(ui, SAME_PING, SAME_PING_HINT, same_ping(&residuals, units));
     }

@@ -24,7 +24,7 @@ impl Place {
 }
 
 /// All settings that have a control in the window, by the place where it is.
-pub(crate) static CONTROLS: &[(Place, &[&'static Row])] = &[
+pub(crate) static CONTROLS: &[(Place, &[&Row])] = &[
     (
         Place::Section("First return"),
         &[

@@ -4,12 +4,12 @@ mod above_bottom;
 
 use super::parts;
 use super::section::{Section, section};
-use crate::app::{Action, Command, Tool};
+use crate::app::{Action, Tool};
 use crate::bottom::cloud::PointClass;
 use crate::pipeline::Stage;
 use crate::survey::Side;
 use crate::ui::{ViewContext, place, text, theme, toggle};
-use egui::{Button, Response, RichText, Ui};
+use egui::{Button, RichText, Ui};
 
 /// Title of the section.
 const TITLE: &str = "First return";
@@ -79,19 +79,14 @@ fn bottom_edits(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let app = context.app;
     let bottom = &app.log.settings.bottom;
     let (drawn, accepted) = (bottom.ping_count(), bottom.accepted_count());
-    let mut requested = None;
     ui.horizontal(|ui| {
         let holds = app.log.reviewing.tool == Tool::Bottom;
         let mut both = app.view.options.waterfall.bottom_both_sides;
         let pen = Button::new("Draw bottom").selected(holds);
-        let pen = action(toggle::underline(ui, holds, pen), Action::DrawBottom);
-        let sides = action(
-            ui.checkbox(&mut both, "Both sides"),
-            Action::BottomBothSides,
-        );
-        requested = [(pen, Action::DrawBottom), (sides, Action::BottomBothSides)]
-            .into_iter()
-            .find_map(|(response, action)| response.clicked().then_some(action));
+        let pen = toggle::underline(ui, holds, pen);
+        context.named_button(pen, Action::DrawBottom);
+        let sides = ui.checkbox(&mut both, "Both sides");
+        context.named_button(sides, Action::BottomBothSides);
     });
     if drawn + accepted > 0 {
         ui.horizontal_wrapped(|ui| {
@@ -104,18 +99,7 @@ fn bottom_edits(ui: &mut Ui, context: &mut ViewContext<'_>) {
                 ui.label(format!("{pings} accepted as bottom"))
                     .on_hover_text("Pings whose first return counts as bottom where it was found, both sides counted.");
             }
-            if action(ui.button("Forget"), Action::ForgetBottom).clicked() {
-                requested = Some(Action::ForgetBottom);
-            }
+            context.named_button(ui.button("Forget"), Action::ForgetBottom);
         });
     }
-    if let Some(action) = requested {
-        context.push(Command::Do(action));
-    }
-}
-
-fn action(response: Response, action: Action) -> Response {
-    response
-        .accessible_name(action.label())
-        .on_hover_text(action.hint())
 }

@@ -128,12 +128,8 @@ fn describe(ui: &mut Ui, log: &OpenLog, units: Units) {
     };
     if let Some(start) = survey.start_unix_s {
         let day = crate::support::calendar::date(start);
-        fact(
-            ui,
-            "Start, UTC",
-            "",
-            format!("{day} {}", text::clock(Some(start), 0.0)),
-        );
+        let value = format!("{day} {}", text::clock(Some(start), 0.0));
+        fact(ui, "Start, UTC", "", value);
     }
     let length = survey
         .time_span_s()

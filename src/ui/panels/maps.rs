@@ -28,8 +28,7 @@ fn layer_button(ui: &mut Ui, context: &mut ViewContext<'_>, layer: MapLayer, act
         true => "Hide on the map",
         false => "Show on the map",
     };
-    let button = ui.button(text).accessible_name(action.label());
-    context.button(button, action);
+    context.named_button(ui.button(text), action);
 }
 
 fn depth_map(ui: &mut Ui, context: &mut ViewContext<'_>) {

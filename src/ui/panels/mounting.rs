@@ -81,8 +81,7 @@ fn usual(ui: &mut Ui, context: &mut ViewContext<'_>) {
                 Action::UseMounting => "Make default",
                 _ => "Remove default",
             };
-            let button = ui.small_button(label).accessible_name(action.label());
-            context.button(button, action);
+            context.named_button(ui.small_button(label), action);
         }
     });
 }

@@ -84,8 +84,7 @@ fn line(ui: &mut Ui, context: &mut ViewContext<'_>, index: usize, notice: &Notic
                 context.push(Command::Dismiss(index));
             }
             if let Some(action) = notice.offer {
-                let button = ui.small_button(action.label());
-                context.button(button, action);
+                context.button(ui.small_button(action.label()), action);
             }
             ui.with_layout(Layout::left_to_right(Align::Min), |ui| {
                 let text = context.units().sentence(&notice.text);

@@ -27,21 +27,18 @@ fn removed(ui: &mut Ui, context: &ViewContext<'_>) {
         return;
     };
     let classes = figures.classes;
-    fact(
-        ui,
-        "Removed",
-        "Side-scan points that the filter removes, and their share; about 10 % in the paper (Pulido et al.).",
-        format!(
-            "{} ({:.1} %)",
-            text::count(classes.noise()),
-            100.0 * classes.noise_share()
-        ),
+    let hint = "Side-scan points that the filter removes, and their share; about 10 % in the paper (Pulido et al.).";
+    let value = format!(
+        "{} ({:.1} %)",
+        text::count(classes.noise()),
+        100.0 * classes.noise_share()
     );
+    fact(ui, "Removed", hint, value);
 }
 
 fn preview(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let action = Action::OutlierPreview;
     let mut on = context.options().cloud.outlier_preview;
     let toggle = ui.checkbox(&mut on, "Show unused points in 3D");
-    context.button(toggle.accessible_name(action.label()), action);
+    context.named_button(toggle, action);
 }

@@ -368,8 +368,8 @@ pub(crate) fn press_short(
     is_enabled: bool,
 ) {
     let button = ui.add_enabled(is_enabled, Button::new(label).small());
-    let button = button.accessible_name(action.label());
-    context.button(button, action);
+    let button = button;
+    context.named_button(button, action);
 }
 
 /// The name of an open log; empty where it is open no longer.

@@ -43,20 +43,13 @@ fn selected(ui: &mut Ui, context: &mut ViewContext<'_>, mark: Mark) {
     if let Some(at) = place::lon_lat(context.app, mark) {
         ui.label(RichText::new(place::written(context.app, at)).monospace());
     }
-    fact(
-        ui,
-        "Depth",
-        "Corrected depth under the boat: the sounding, or the first return where the recorder lost the bottom.",
-        place::depth(context.app, mark.ping),
-    );
+    let hint = "Corrected depth under the boat: the sounding, or the first return where the recorder lost the bottom.";
+    fact(ui, "Depth", hint, place::depth(context.app, mark.ping));
     if let Some(range) = place::range_m(context.app, mark) {
         let side = mark.side.map_or("", Side::name);
-        fact(
-            ui,
-            "Range here",
-            "Calibrated slant range of the selected place.",
-            format!("{} {side}", units.measure(range, 2)),
-        );
+        let hint = "Calibrated slant range of the selected place.";
+        let value = format!("{} {side}", units.measure(range, 2));
+        fact(ui, "Range here", hint, value);
     }
     if let Some(stretch) = context.app.excluded_at(context.app.log.id, mark.ping) {
         let hint = "Why the ping is excluded: no point, depth, echo or box comes from it.";
@@ -105,16 +98,13 @@ fn first_return(ui: &mut Ui, context: &ViewContext<'_>, ping: usize, side: Side)
             )
         }
     };
-    let (name, colour) = match side {
-        Side::Port => ("Port", theme::side_colour(context.options(), side)),
-        Side::Starboard => ("Starboard", theme::side_colour(context.options(), side)),
+    let name = match side {
+        Side::Port => "Port",
+        Side::Starboard => "Starboard",
     };
-    fact(
-        ui,
-        name,
-        "First return on this side: calibrated slant range and confidence from 0 to 1.",
-        RichText::new(value).color(colour),
-    );
+    let colour = theme::side_colour(context.options(), side);
+    let hint = "First return on this side: calibrated slant range and confidence from 0 to 1.";
+    fact(ui, name, hint, RichText::new(value).color(colour));
 }
 
 fn heading(ui: &mut Ui, context: &ViewContext<'_>, ping: usize) {
@@ -125,18 +115,10 @@ fn heading(ui: &mut Ui, context: &ViewContext<'_>, ping: usize) {
         return;
     };
     let value = place::heading(context.app, ping);
-    fact(
-        ui,
-        "Heading",
-        "Clockwise from north, and where it comes from.",
-        value,
-    );
-    fact(
-        ui,
-        "Speed",
-        "Over ground.",
-        context.units().speed(here.speed_mps, 1),
-    );
+    let hint = "Clockwise from north, and where it comes from.";
+    fact(ui, "Heading", hint, value);
+    let hint = "Over ground.";
+    fact(ui, "Speed", hint, context.units().speed(here.speed_mps, 1));
 }
 
 /// How antenna and transducer lie to each other at the ping, and which sides these are, where that is not as recorded.
@@ -181,13 +163,10 @@ fn point(ui: &mut Ui, context: &ViewContext<'_>, mark: Mark) {
     let class = class.map_or(String::new(), |class| {
         format!(" · {}", PointClass::name(*class))
     });
-    fact(
-        ui,
-        "Point",
-        "The selected point of the cloud: its source, depth and echo level (0 to 255).",
-        format!(
-            "{source} · {} deep{level}{class}",
-            context.units().measure(-point.z_m, 2),
-        ),
+    let hint = "The selected point of the cloud: its source, depth and echo level (0 to 255).";
+    let value = format!(
+        "{source} · {} deep{level}{class}",
+        context.units().measure(-point.z_m, 2),
     );
+    fact(ui, "Point", hint, value);
 }

@@ -2,7 +2,7 @@
 
 use super::parts::{fact, remark};
 use super::section::{Section, section};
-use crate::app::{Action, Command};
+use crate::app::Action;
 use crate::detection::targets::ShadowHeight;
 use crate::project::MeasurementKind;
 use crate::ui::views::measured;
@@ -39,30 +39,14 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 fn inputs(ui: &mut Ui, context: &mut ViewContext<'_>, shadow: &ShadowHeight) {
     let units = context.units();
     drawing(ui, context, shadow);
-    fact(
-        ui,
-        "Height h",
-        "h = H (e - t) / e. The standard deviation includes pulse length, sample size, 5 % of the altitude and 2 degrees of bottom slope.",
-        measured::height(&Ok(*shadow), units),
-    );
-    fact(
-        ui,
-        "Altitude H",
-        "Height of the transducer above the bottom, the median of 13 pings.",
-        units.measure(shadow.altitude_m, 2),
-    );
-    fact(
-        ui,
-        "Top t",
-        "Slant range of the top of the object, where the shadow begins.",
-        units.measure(shadow.top_m, 2),
-    );
-    fact(
-        ui,
-        "End e",
-        "Slant range of the end of the shadow.",
-        units.measure(shadow.end_m, 2),
-    );
+    let hint = "h = H (e - t) / e. The standard deviation includes pulse length, sample size, 5 % of the altitude and 2 degrees of bottom slope.";
+    fact(ui, "Height h", hint, measured::height(&Ok(*shadow), units));
+    let hint = "Height of the transducer above the bottom, the median of 13 pings.";
+    fact(ui, "Altitude H", hint, units.measure(shadow.altitude_m, 2));
+    let hint = "Slant range of the top of the object, where the shadow begins.";
+    fact(ui, "Top t", hint, units.measure(shadow.top_m, 2));
+    let hint = "Slant range of the end of the shadow.";
+    fact(ui, "End e", hint, units.measure(shadow.end_m, 2));
     if shadow.is_least {
         remark(
             ui,
@@ -75,8 +59,7 @@ fn inputs(ui: &mut Ui, context: &mut ViewContext<'_>, shadow: &ShadowHeight) {
             (Action::SaveFigure, "Save…"),
             (Action::RemoveFigure, "Remove"),
         ] {
-            let button = ui.button(label);
-            context.button(button, action);
+            context.button(ui.button(label), action);
         }
     });
 }

@@ -66,40 +66,28 @@ fn summary(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
     let length = span.map_or(text::NONE.to_owned(), |(from, to)| {
         text::duration(to - from)
     });
-    fact(
-        ui,
-        "Side-scan",
-        "Side-scan pings, and the time that they cover.",
-        match pings {
-            0 => "none".to_owned(),
-            _ => format!("{} · {length}", text::plural(pings, "ping", "pings")),
-        },
-    );
-    fact(
-        ui,
-        "Soundings",
-        "Depths that the recorder found, below the transducer; repeated ones are not counted.",
-        soundings(context, survey),
-    );
+    let hint = "Side-scan pings, and the time that they cover.";
+    let value = match pings {
+        0 => "none".to_owned(),
+        _ => format!("{} · {length}", text::plural(pings, "ping", "pings")),
+    };
+    fact(ui, "Side-scan", hint, value);
+    let hint =
+        "Depths that the recorder found, below the transducer; repeated ones are not counted.";
+    fact(ui, "Soundings", hint, soundings(context, survey));
     if context.app.log.lost_soundings > 0 {
-        fact(
-            ui,
-            "Bottom lost",
-            "Soundings after the recorder lost the bottom: drawn faded, used only where a first return confirms them.",
-            text::plural(context.app.log.lost_soundings, "sounding", "soundings"),
-        );
+        let hint = "Soundings after the recorder lost the bottom: drawn faded, used only where a first return confirms them.";
+        let value = text::plural(context.app.log.lost_soundings, "sounding", "soundings");
+        fact(ui, "Bottom lost", hint, value);
     }
     if let (Some(start), Some((from, _))) = (survey.start_unix_s, span) {
-        fact(
-            ui,
-            "Start, UTC",
-            "Start of the log by the recorder's clock, corrected by the clock offset.",
-            format!(
-                "{} {}",
-                calendar::date(start + from),
-                text::clock(Some(start), from).trim_end_matches(" UTC")
-            ),
+        let hint = "Start of the log by the recorder's clock, corrected by the clock offset.";
+        let value = format!(
+            "{} {}",
+            calendar::date(start + from),
+            text::clock(Some(start), from).trim_end_matches(" UTC")
         );
+        fact(ui, "Start, UTC", hint, value);
     }
     state_line(ui, context, survey);
 }

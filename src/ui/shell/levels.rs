@@ -16,13 +16,6 @@ const KNOB: f32 = 5.0;
 /// Black and white keep at least this apart, levels.
 const APART: f64 = 1.0;
 
-/// The two levels.
-#[derive(Clone, Copy, PartialEq)]
-enum Level {
-    Black,
-    White,
-}
-
 /// Draws it all.
 pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.set_width(WIDTH);
@@ -149,8 +142,8 @@ fn histogram(ui: &mut Ui, context: &mut ViewContext<'_>) {
         ui.visuals().weak_text_color(),
     );
     let x_of = |level: f64| inside.left() + (level / reach) as f32 * inside.width();
-    for (level, which) in levels.into_iter().zip([Level::Black, Level::White]) {
-        knob(&painter, inside, x_of(level), which, context);
+    for (level, fill) in levels.into_iter().zip([Color32::BLACK, Color32::WHITE]) {
+        knob(&painter, inside, x_of(level), fill, context);
     }
     let [black, white] = levels;
     response.widget_info(|| {
@@ -177,11 +170,8 @@ fn follow(
         && (response.drag_started() || response.clicked())
     {
         let level = level_at(at);
-        let nearer = match (level - black).abs() < (level - white).abs() {
-            true => Level::Black,
-            false => Level::White,
-        };
-        ui.data_mut(|data| data.insert_temp(held_id, nearer == Level::Black));
+        let holds_black = (level - black).abs() < (level - white).abs();
+        ui.data_mut(|data| data.insert_temp(held_id, holds_black));
     }
     let is_moved = response.dragged() || response.drag_stopped() || response.clicked();
     let Some(at) = response.interact_pointer_pos().filter(|_| is_moved) else {
@@ -218,17 +208,13 @@ fn bars(painter: &Painter, area: Rect, counted: &Histogram, reach: f64, ink: Col
     }
 }
 
-fn knob(painter: &Painter, area: Rect, x: f32, which: Level, context: &ViewContext<'_>) {
+fn knob(painter: &Painter, area: Rect, x: f32, fill: Color32, context: &ViewContext<'_>) {
     let x = x.clamp(area.left(), area.right());
     let accent = theme::accent_colour(context.theme());
     painter.line_segment(
         [pos2(x, area.top()), pos2(x, area.bottom())],
         Stroke::new(1.5, accent),
     );
-    let fill = match which {
-        Level::Black => Color32::BLACK,
-        Level::White => Color32::WHITE,
-    };
     let at = pos2(x, area.bottom() - KNOB);
     painter.circle(at, KNOB, fill, Stroke::new(1.5, accent));
 }

@@ -1,6 +1,6 @@
 //! All that the program has said since it was started: when, what, and what can be done about it.
 
-use crate::app::{Command, Notice};
+use crate::app::Notice;
 use crate::support::presentation::text;
 use crate::ui::ViewContext;
 use crate::ui::panels::parts;
@@ -59,8 +59,7 @@ fn line(ui: &mut Ui, context: &mut ViewContext<'_>, notice: &Notice) {
         ui.label(RichText::new(clock).monospace().weak());
         ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
             if let Some(action) = notice.offer {
-                let button = ui.small_button(action.label());
-                context.button(button, action);
+                context.button(ui.small_button(action.label()), action);
             }
             ui.with_layout(Layout::top_down(Align::Min), |ui| {
                 ui.add(egui::Label::new(said).wrap());

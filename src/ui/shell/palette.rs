@@ -5,7 +5,7 @@ use crate::pipeline::settings::Row;
 use crate::ui::panels::find_setting::{self, Place};
 use crate::ui::{ViewContext, take_typed};
 use egui::text::{CCursor, CCursorRange};
-use egui::{Event, Key, Modal, RichText, ScrollArea, TextEdit, Ui};
+use egui::{Key, Modal, RichText, ScrollArea, TextEdit, Ui};
 
 /// The palette; closed at the start.
 #[derive(Default)]
@@ -220,6 +220,7 @@ mod tests {
     use super::*;
     use crate::app::{App, Jobs};
     use crate::ui::Shell;
+    use egui::Event;
     use egui_kittest::Harness;
 
     /// Settings whose controls are drawn once another setting has another value than in a survey just opened.

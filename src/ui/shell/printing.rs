@@ -1,7 +1,7 @@
 //! Printing a view: the dialog that asks for the size, and what stands around the view on the sheet.
 
 use super::{Shell, Views};
-use crate::app::{App, Command, Paper, PrintOptions, PrintText, Sheet, View};
+use crate::app::{App, Paper, PrintOptions, PrintText, Sheet, View};
 use crate::ui::ViewContext;
 use crate::ui::dialogs::Purpose;
 use crate::ui::drop_down::DropDown;

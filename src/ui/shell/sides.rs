@@ -1,6 +1,6 @@
 //! The panels left and right of the views: whether they are shown, how wide they are, and the buttons that show and hide them.
 
-use crate::app::{Action, Command, PanelOptions, PanelShown};
+use crate::app::{Action, PanelOptions, PanelShown};
 use crate::ui::{ViewContext, theme};
 use egui::{Button, Frame, Id, Panel, Rect, Stroke, Ui, UiBuilder, UiKind, UiStackInfo, vec2};
 

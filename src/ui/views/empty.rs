@@ -1,6 +1,6 @@
 //! What an empty view says, and what it offers.
 
-use crate::app::{Action, Command};
+use crate::app::Action;
 use crate::ui::{ViewContext, theme};
 use egui::{Rect, RichText, Ui, UiBuilder, vec2};
 
@@ -40,8 +40,7 @@ pub(super) fn offer_to_open(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Re
 }
 
 fn button(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action) {
-    let button = ui.button(action.label());
-    context.button(button, action);
+    context.button(ui.button(action.label()), action);
 }
 
 fn middle(ui: &mut Ui, rect: Rect, height: f32, add: impl FnOnce(&mut Ui)) {

@@ -67,12 +67,20 @@ pub(super) fn words(
     plate(painter, options, at, anchor, text, ink)
 }
 
-/// A frame for buttons that lie on a view: keeps them readable over whatever is drawn there.
-pub(super) fn frame(options: &ViewOptions) -> egui::Frame {
-    egui::Frame::NONE
+/// Puts buttons on a part of a view, in a frame that keeps them readable over whatever is drawn there.
+pub(super) fn framed(
+    ui: &mut egui::Ui,
+    options: &ViewOptions,
+    place: Rect,
+    add: impl FnOnce(&mut egui::Ui),
+) {
+    let frame = egui::Frame::NONE
         .fill(theme::plate_colour(options))
         .corner_radius(3.0)
-        .inner_margin(2.0)
+        .inner_margin(2.0);
+    ui.scope_builder(egui::UiBuilder::new().max_rect(place), |ui| {
+        frame.show(ui, add)
+    });
 }
 
 /// Colours and what they stand for.

@@ -7,10 +7,7 @@ use crate::project::{Measurement, MeasurementKind};
 use crate::support::geo::{course_rad, distance_m};
 use crate::support::presentation::units::Units;
 use crate::ui::{ViewContext, text, theme};
-use egui::{
-    FocusDirection, Key, Modifiers, Painter, Pos2, Rect, RichText, Stroke, Ui, UiBuilder, pos2,
-    vec2,
-};
+use egui::{FocusDirection, Key, Modifiers, Painter, Pos2, Rect, RichText, Stroke, Ui, pos2, vec2};
 
 /// Points that the cross moves at a key, and with Shift.
 const STEPS: [f64; 2] = [10.0, 1.0];
@@ -87,27 +84,23 @@ pub(crate) fn strip(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, show
     let foot = rect.left_bottom();
     let right = rect.right() - 84.0;
     let bar = Rect::from_min_max(foot + vec2(6.0, -78.0), pos2(right, foot.y - 50.0));
-    ui.scope_builder(UiBuilder::new().max_rect(bar), |ui| {
-        legend::frame(context.options()).show(ui, |ui| {
-            ui.horizontal(|ui| {
-                ui.spacing_mut().item_spacing.x = 4.0;
-                ui.label(RichText::new(&text).size(11.5));
-                if is_drawing || context.app.view.is_picture {
-                    return;
-                }
-                let copy = ui
-                    .small_button("Copy")
-                    .accessible_name("Copy the measurement");
-                if copy.clicked() {
-                    ui.copy_text(text);
-                }
-                let save = Action::SaveFigure;
-                let button = ui.small_button("Save…").accessible_name(save.label());
-                context.button(button, save);
-                let action = Action::RemoveFigure;
-                let remove = ui.small_button("Remove").accessible_name(action.label());
-                context.button(remove, action);
-            })
+    legend::framed(ui, context.options(), bar, |ui| {
+        ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = 4.0;
+            ui.label(RichText::new(&text).size(11.5));
+            if is_drawing || context.app.view.is_picture {
+                return;
+            }
+            let copy = ui
+                .small_button("Copy")
+                .accessible_name("Copy the measurement");
+            if copy.clicked() {
+                ui.copy_text(text);
+            }
+            let save = Action::SaveFigure;
+            context.named_button(ui.small_button("Save…"), save);
+            let action = Action::RemoveFigure;
+            context.named_button(ui.small_button("Remove"), action);
         });
     });
 }

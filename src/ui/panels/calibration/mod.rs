@@ -87,30 +87,19 @@ fn in_use(ui: &mut Ui, calibration: &Calibration, units: Units) {
         (ScaleMode::FlatSpot, Some(spot)) => format!("flat stretch, {}", pings(spot.range())),
         _ => "recorded range".to_owned(),
     };
-    fact(
-        ui,
-        "Scale in use",
-        "What turns samples into metres: the range that the recorder wrote, or a flat stretch where first returns are compared with soundings.",
-        in_use,
-    );
+    let hint = "What turns samples into metres: the range that the recorder wrote, or a flat stretch where first returns are compared with soundings.";
+    fact(ui, "Scale in use", hint, in_use);
     fact(
         ui,
         "Slant ranges",
         &range_hint(calibration, units),
         ranges(calibration, units),
     );
-    fact(
-        ui,
-        "From recorder",
-        "Pixels per metre by the ranges that the recorder wrote: median over the log and robust spread.",
-        scale(calibration.header.as_ref()),
-    );
-    fact(
-        ui,
-        "From stretch",
-        "Pixels per metre (PPD of Pulido et al.) on the flat stretch: first return over recorded depth, median over its pings and robust spread.",
-        scale(calibration.ppd().as_ref()),
-    );
+    let hint = "Pixels per metre by the ranges that the recorder wrote: median over the log and robust spread.";
+    let value = scale(calibration.header.as_ref());
+    fact(ui, "From recorder", hint, value);
+    let hint = "Pixels per metre (PPD of Pulido et al.) on the flat stretch: first return over recorded depth, median over its pings and robust spread.";
+    fact(ui, "From stretch", hint, scale(calibration.ppd().as_ref()));
     if let Some(fit) = calibration.fit {
         let offset = units.signed(fit.b_m, 2);
         let spread = units.spread(fit.spread_m, 2);

@@ -48,12 +48,8 @@ fn found(ui: &mut Ui, context: &ViewContext<'_>, products: &Products, trial: &Sc
     else {
         return;
     };
-    fact(
-        ui,
-        "Scale",
-        "What recorded ranges would be multiplied with: recorded depth over recorded range, median over the first returns of the stretch, with the spread of single pings.",
-        format!("range {factor} {spread}"),
-    );
+    let hint = "What recorded ranges would be multiplied with: recorded depth over recorded range, median over the first returns of the stretch, with the spread of single pings.";
+    fact(ui, "Scale", hint, format!("range {factor} {spread}"));
     plot::ui(ui, trial, products, context.options());
     match &trial.effect {
         Some(effect) => changes(ui, effect, units),
@@ -64,29 +60,20 @@ fn found(ui: &mut Ui, context: &ViewContext<'_>, products: &Products, trial: &Sc
 /// What becomes of the depths.
 fn changes(ui: &mut Ui, effect: &ScaleEffect, units: Units) {
     let change = &effect.change;
-    fact(
-        ui,
-        "Depth change",
-        "By how much side-scan depths that count for the map would change, in the median of the log; above 0 they become greater.",
-        format!("{} (median)", units.signed_difference(change.median_m)),
-    );
-    fact(
-        ui,
-        "At most",
-        "The largest change of a side-scan depth of the log.",
-        units.signed_difference(change.largest_m),
-    );
+    let hint = "By how much side-scan depths that count for the map would change, in the median of the log; above 0 they become greater.";
+    let value = format!("{} (median)", units.signed_difference(change.median_m));
+    fact(ui, "Depth change", hint, value);
+    let hint = "The largest change of a side-scan depth of the log.";
+    let value = units.signed_difference(change.largest_m);
+    fact(ui, "At most", hint, value);
     if let Some([now, then]) = &effect.residuals {
-        fact(
-            ui,
-            "To soundings",
-            "Side-scan minus sounding at the same ping, median over the log, with the scale in use and with this one: the nearer to 0 the better.",
-            format!(
-                "{} now, {} then",
-                units.signed_difference(now.median_m),
-                units.signed_difference(then.median_m)
-            ),
+        let hint = "Side-scan minus sounding at the same ping, median over the log, with the scale in use and with this one: the nearer to 0 the better.";
+        let value = format!(
+            "{} now, {} then",
+            units.signed_difference(now.median_m),
+            units.signed_difference(then.median_m)
         );
+        fact(ui, "To soundings", hint, value);
     }
 }
 

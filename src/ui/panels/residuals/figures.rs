@@ -24,16 +24,13 @@ pub(super) fn ui(
         );
     }
     let matched = comparison.measured - comparison.unmatched;
-    fact(
-        ui,
-        "Compared",
-        "Points that have a reference, of all that could have one.",
-        format!(
-            "{} of {}",
-            text::count(matched),
-            text::count(comparison.measured)
-        ),
+    let hint = "Points that have a reference, of all that could have one.";
+    let value = format!(
+        "{} of {}",
+        text::count(matched),
+        text::count(comparison.measured)
     );
+    fact(ui, "Compared", hint, value);
     if let Some(found) = &comparison.residuals {
         let pairs = [
             (

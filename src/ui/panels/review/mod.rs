@@ -15,7 +15,7 @@ use crate::pipeline::Background;
 use crate::support::presentation::units::Units;
 use crate::ui::views::chip::{self, Chip};
 use crate::ui::{ViewContext, text};
-use egui::{Button, LayerId, Rect, Response, RichText, Ui};
+use egui::{LayerId, Rect, Response, RichText, Ui};
 use object::ObjectPictures;
 
 /// State of the panel: the picture of the selected box, and what is being written about it.
@@ -113,25 +113,25 @@ fn objects(ui: &mut Ui, context: &mut ViewContext<'_>) {
     }
     ui.horizontal_wrapped(|ui| {
         ui.label(text::plural(count, "object", "objects"));
-        button(ui, context, Action::FocusObjects, "Table", true);
+        button(ui, context, (Action::FocusObjects, "Table"));
     });
 }
 
 fn files(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.horizontal_wrapped(|ui| {
-        for (action, name) in [
+        for named in [
             (Action::SaveReview, "Save"),
             (Action::OpenReview, "Open…"),
             (Action::ExportBoxes, "Export…"),
         ] {
-            button(ui, context, action, name, true);
+            button(ui, context, named);
         }
     });
 }
 
 /// A button for an action of the table, with its key in the hint.
-fn button(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action, name: &str, enabled: bool) {
-    let button = ui.add_enabled(enabled, Button::new(name));
+fn button(ui: &mut Ui, context: &mut ViewContext<'_>, (action, name): (Action, &str)) {
+    let button = ui.button(name);
     context.keyed_button(button.accessible_name(action.label()), action);
 }
 

@@ -39,13 +39,13 @@ impl ObjectPictures {
         if object.boxes.len() > 1 {
             self.pictures(ui, context, &object);
             ui.horizontal_wrapped(|ui| {
-                for (action, name) in [
+                for named in [
                     (Action::AcceptObject, "Accept all"),
                     (Action::RejectObject, "Reject all"),
                     (Action::UndecideObject, "Undecide all"),
                     (Action::NextSighting, "Next sighting"),
                 ] {
-                    button(ui, context, action, name, true);
+                    button(ui, context, named);
                 }
             });
         }

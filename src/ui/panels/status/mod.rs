@@ -2,7 +2,7 @@
 
 mod cells;
 
-use crate::app::{Action, Command, FollowStatus, Mark};
+use crate::app::{Action, FollowStatus, Mark};
 use crate::pipeline::EngineStatus;
 use crate::support::presentation::text::count;
 use crate::ui::panels::parts::progress_bar;
@@ -54,8 +54,7 @@ fn said(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let action = Action::Notices;
     let count = context.app.said().len();
     let title = RichText::new(format!("Notices {count}")).small();
-    let button = ui.button(title).accessible_name(action.label());
-    context.keyed_button(button, action);
+    context.keyed_button(ui.button(title).accessible_name(action.label()), action);
 }
 
 /// As much of the place as there is room for; all of it when the pointer rests on it.
@@ -128,18 +127,20 @@ fn jobs(ui: &mut Ui, context: &mut ViewContext<'_>) {
             Some((stage.name().to_owned(), fraction))
         }
         (None, EngineStatus::Idle) => {
-            let detecting = context.app.search_status().map(|status| status.share);
-            let exporting = context.app.export_fraction();
-            let base_map = context.app.base_map_fraction();
-            let comparing = context.app.comparing_fraction();
-            let planning = context.app.map.planning.fraction();
-            let passes = context.app.passes_fraction();
-            (detecting.map(|share| ("finding objects".to_owned(), share)))
-                .or(exporting.map(|share| ("exporting".to_owned(), share)))
-                .or(comparing.map(|share| ("comparing".to_owned(), share)))
-                .or(planning.map(|share| ("planning lines".to_owned(), share)))
-                .or(passes.map(|share| ("looking for passes".to_owned(), share)))
-                .or(base_map.map(|share| ("opening the base map".to_owned(), share)))
+            let app = context.app;
+            let detecting = app.search_status().map(|status| status.share);
+            let jobs = [
+                ("finding objects", detecting),
+                ("exporting", app.export_fraction()),
+                ("comparing", app.comparing_fraction()),
+                ("planning lines", app.map.planning.fraction()),
+                ("looking for passes", app.passes_fraction()),
+                ("opening the base map", app.base_map_fraction()),
+            ];
+            let running = jobs
+                .into_iter()
+                .find_map(|(what, share)| share.zip(Some(what)));
+            running.map(|(share, what)| (what.to_owned(), share))
         }
     };
     let since = egui::Id::unique("job since");
@@ -154,8 +155,7 @@ fn jobs(ui: &mut Ui, context: &mut ViewContext<'_>) {
     if now - started < PATIENCE_S {
         return;
     }
-    let stop = ui.small_button("Cancel");
-    context.button(stop.accessible_name(Action::Cancel.label()), Action::Cancel);
+    context.named_button(ui.small_button("Cancel"), Action::Cancel);
     let text = format!("{what} {:.0} %", f64::from(share) * 100.0);
     ui.add(progress_bar(context, share, 110.0));
     ui.label(RichText::new(text).small());
@@ -167,8 +167,7 @@ fn stopped(ui: &mut Ui, context: &mut ViewContext<'_>) {
         return;
     }
     let action = Action::Update;
-    let update = ui.small_button(action.label());
-    context.button(update, action);
+    context.button(ui.small_button(action.label()), action);
     let text = RichText::new("stopped before it was done").small();
     ui.label(text.color(theme::stale_colour(context.theme())));
 }

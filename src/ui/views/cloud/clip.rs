@@ -8,8 +8,7 @@ use crate::ui::ViewContext;
 use crate::ui::views::legend;
 use crate::ui::{place, theme};
 use egui::{
-    Align2, CursorIcon, DragValue, Id, Rect, Role, Sense, Stroke, Ui, UiBuilder, Vec2, WidgetInfo,
-    vec2,
+    Align2, CursorIcon, DragValue, Id, Rect, Role, Sense, Stroke, Ui, Vec2, WidgetInfo, vec2,
 };
 use glam::Vec3;
 
@@ -140,23 +139,21 @@ fn numbers(
     let size = vec2(196.0, 84.0);
     let corner = axes.rect.right_top() + vec2(-4.0 - size.x, 4.0);
     let place = Rect::from_min_size(corner, size);
-    ui.scope_builder(UiBuilder::new().max_rect(place), |ui| {
-        legend::frame(options).show(ui, |ui| {
-            egui::Grid::new("clip box").show(ui, |ui| {
-                for (axis, (name, names)) in AXES.iter().enumerate() {
-                    ui.small(*name).on_hover_text(match axis {
-                        2 => format!("Below 0: {}.", reference.name()),
-                        _ => "Local metres of the survey, as on the scale of the box.".to_owned(),
-                    });
-                    for (end, end_name) in names.iter().enumerate() {
-                        let local = part(scene, Some(clip))[end][axis];
-                        if let Some(to) = number(ui, options.units, scene, axis, local, end_name) {
-                            clip = with_end(scene, clip, axis, end, to);
-                        }
+    legend::framed(ui, options, place, |ui| {
+        egui::Grid::new("clip box").show(ui, |ui| {
+            for (axis, (name, names)) in AXES.iter().enumerate() {
+                ui.small(*name).on_hover_text(match axis {
+                    2 => format!("Below 0: {}.", reference.name()),
+                    _ => "Local metres of the survey, as on the scale of the box.".to_owned(),
+                });
+                for (end, end_name) in names.iter().enumerate() {
+                    let local = part(scene, Some(clip))[end][axis];
+                    if let Some(to) = number(ui, options.units, scene, axis, local, end_name) {
+                        clip = with_end(scene, clip, axis, end, to);
                     }
-                    ui.end_row();
                 }
-            });
+                ui.end_row();
+            }
         });
     });
     clip

@@ -2,7 +2,7 @@
 
 use super::light;
 use super::scene::CloudScene;
-use crate::app::{App, CloudColour, Command, ViewOptions};
+use crate::app::{App, CloudColour, ViewOptions};
 use crate::bottom::bathymetry::CellSource;
 use crate::bottom::cloud::{DepthReference, PointClass, PointSource};
 use crate::pipeline::{Bottom, BottomColour, Products};
@@ -12,7 +12,7 @@ use crate::survey::{Side, SideScanState, Survey};
 use crate::ui::text::count;
 use crate::ui::views::legend::{self, Scale};
 use crate::ui::{ViewContext, ViewRequest, place, theme};
-use egui::{Align2, Color32, Painter, Rect, Slider, Ui, UiBuilder, pos2, vec2};
+use egui::{Align2, Color32, Painter, Rect, Slider, Ui, pos2, vec2};
 
 /// Most logs that the legend names.
 const MOST_LOGS: usize = 8;
@@ -28,31 +28,23 @@ pub(super) fn show(
     request: &mut Option<ViewRequest>,
 ) {
     let mut options = context.options().clone();
-    let frame = legend::frame(&options);
     let top = Rect::from_min_size(rect.min + vec2(4.0, 4.0), vec2(120.0, 28.0));
-    ui.scope_builder(UiBuilder::new().max_rect(top), |ui| {
-        frame.show(ui, |ui| {
-            let fit = ui.button("Fit");
-            if fit
-                .on_hover_text("Shows the whole cloud (F, or a double-click).")
-                .clicked()
-            {
-                *request = Some(ViewRequest::Fit);
-            }
-        });
+    legend::framed(ui, context.options(), top, |ui| {
+        let hint = "Shows the whole cloud (F, or a double-click).";
+        if ui.button("Fit").on_hover_text(hint).clicked() {
+            *request = Some(ViewRequest::Fit);
+        }
     });
     let bottom = Rect::from_min_size(
         pos2(rect.left() + 4.0, rect.bottom() - 30.0),
         vec2(rect.width() - 90.0, 26.0),
     );
-    ui.scope_builder(UiBuilder::new().max_rect(bottom), |ui| {
-        frame.show(ui, |ui| {
-            ui.horizontal(|ui| {
-                exaggeration(ui, &mut options);
-                if options.cloud.bottom {
-                    light::dial(ui, &mut options.cloud.light_deg);
-                }
-            })
+    legend::framed(ui, context.options(), bottom, |ui| {
+        ui.horizontal(|ui| {
+            exaggeration(ui, &mut options);
+            if options.cloud.bottom {
+                light::dial(ui, &mut options.cloud.light_deg);
+            }
         });
     });
     context.show(options);

@@ -10,8 +10,7 @@ use crate::survey::Survey;
 use crate::ui::views::{drag, legend};
 use crate::ui::{ViewContext, theme};
 use egui::{
-    Align2, CursorIcon, Painter, Pos2, Rect, Response, RichText, Shape, Stroke, Ui, UiBuilder,
-    pos2, vec2,
+    Align2, CursorIcon, Painter, Pos2, Rect, Response, RichText, Shape, Stroke, Ui, pos2, vec2,
 };
 
 /// How near the pointer must come to a line or an end of one, points.
@@ -221,19 +220,17 @@ fn strip(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, planned: &Plann
     let height = if is_narrow { 66.0 } else { 28.0 };
     let bar = Rect::from_min_max(foot + vec2(6.0, -84.0 - height), pos2(right, foot.y - 84.0));
     let words = RichText::new(words(context.app, planned)).size(11.5);
-    ui.scope_builder(UiBuilder::new().max_rect(bar), |ui| {
-        legend::frame(context.options()).show(ui, |ui| match is_narrow {
-            true => {
+    legend::framed(ui, context.options(), bar, |ui| match is_narrow {
+        true => {
+            ui.label(words);
+            ui.horizontal(|ui| buttons(ui, context));
+        }
+        false => {
+            ui.horizontal(|ui| {
                 ui.label(words);
-                ui.horizontal(|ui| buttons(ui, context));
-            }
-            false => {
-                ui.horizontal(|ui| {
-                    ui.label(words);
-                    buttons(ui, context);
-                });
-            }
-        });
+                buttons(ui, context);
+            });
+        }
     });
 }
 
@@ -252,8 +249,7 @@ fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>) {
         if action == Action::RemoveLine && !is_selected {
             continue;
         }
-        let button = ui.small_button(name).accessible_name(action.label());
-        context.button(button, action);
+        context.named_button(ui.small_button(name), action);
     }
 }
 

@@ -1,7 +1,7 @@
 //! The divider between two stacks of layers: dragged, or moved by the arrow keys once it was clicked.
 
 use super::scene::Scene;
-use crate::app::{Command, MapLayer, Swipe, SwipeSide};
+use crate::app::{MapLayer, Swipe, SwipeSide};
 use crate::ui::list_keys::keep_arrows;
 use crate::ui::views::legend;
 use crate::ui::{ViewContext, theme};

@@ -4,7 +4,7 @@ use crate::app::{Action, Command, Tool};
 use crate::project::MeasurementKind;
 use crate::ui::views::legend;
 use crate::ui::{ViewContext, ViewRequest, theme, toggle};
-use egui::{Rect, Ui, UiBuilder, vec2};
+use egui::{Rect, Ui, vec2};
 
 /// Fit, the calibration tool and the measuring tools.
 pub(super) fn show(
@@ -14,12 +14,10 @@ pub(super) fn show(
     request: &mut Option<ViewRequest>,
 ) {
     let bar = Rect::from_min_size(rect.min + vec2(4.0, 4.0), vec2(rect.width() - 60.0, 28.0));
-    ui.scope_builder(UiBuilder::new().max_rect(bar), |ui| {
-        legend::frame(context.options()).show(ui, |ui| {
-            ui.horizontal(|ui| {
-                buttons(ui, context, request);
-                measure(ui, context);
-            })
+    legend::framed(ui, context.options(), bar, |ui| {
+        ui.horizontal(|ui| {
+            buttons(ui, context, request);
+            measure(ui, context);
         });
     });
 }

@@ -29,7 +29,7 @@ pub(super) fn around(places: impl Iterator<Item = [f64; 2]>) -> GroundBounds {
     })
 }
 
-/// Distance from a place to bounds east and north, 0 inside.
+/// How far a place lies outside of bounds, along east and along north; 0 inside.
 pub(super) fn away_m(
     [east_m, north_m]: [f64; 2],
     [west, south, east, north]: &GroundBounds,

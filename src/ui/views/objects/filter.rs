@@ -1,6 +1,6 @@
 //! The text and the state that rows are looked for by.
 
-use crate::app::{Command, ObjectFilter, ObjectTable};
+use crate::app::{ObjectFilter, ObjectTable};
 use crate::ui::drop_down::DropDown;
 use crate::ui::{ViewContext, text};
 use egui::{RichText, TextEdit, Ui};

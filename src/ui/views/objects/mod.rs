@@ -11,7 +11,7 @@ mod thumbnails;
 
 use super::empty;
 use crate::app::{Action, Command, LogBox, SurveyObject, View};
-use crate::ui::list_keys::keep_arrows;
+use crate::ui::list_keys::{self, keep_arrows};
 use crate::ui::{ViewContext, theme};
 use columns::Columns;
 use egui::{
@@ -160,34 +160,18 @@ impl ObjectsView {
         if !body.has_focus() {
             return Vec::new();
         }
-        let pressed = |key| ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
-        let to = |index: usize| -> Vec<Command> {
-            let object = listed.get(index.min(listed.len().saturating_sub(1)));
+        let last = listed.len().saturating_sub(1);
+        if let Some(index) = list_keys::moved(ui, selected, last, self.page.max(1)) {
+            let object = listed.get(index);
             let id = object.and_then(|object| context.app.best_box(object));
-            id.map(Command::SelectLogBox).into_iter().collect()
-        };
-        let page = self.page.max(1);
-        let from = |step: usize| selected.map_or(0, |index| index + step);
-        let back = |step: usize| selected.map_or(0, |index| index.saturating_sub(step));
-        if pressed(Key::ArrowDown) {
-            to(from(1))
-        } else if pressed(Key::ArrowUp) {
-            to(back(1))
-        } else if pressed(Key::PageDown) {
-            to(from(page))
-        } else if pressed(Key::PageUp) {
-            to(back(page))
-        } else if pressed(Key::Home) {
-            to(0)
-        } else if pressed(Key::End) {
-            to(listed.len())
-        } else if pressed(Key::Enter) {
-            let id = context.app.selected_log_box();
-            id.filter(|_| selected.is_some())
-                .map_or_else(Vec::new, enlarged)
-        } else {
-            Vec::new()
+            return id.map(Command::SelectLogBox).into_iter().collect();
         }
+        if !ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Enter)) {
+            return Vec::new();
+        }
+        let id = context.app.selected_log_box();
+        id.filter(|_| selected.is_some())
+            .map_or_else(Vec::new, enlarged)
     }
 }
 

@@ -60,15 +60,7 @@ pub(super) fn follow(
         && let Some(at) = response.interact_pointer_pos()
     {
         let tool = context.app.log.reviewing.tool;
-        let finds = !matches!(
-            tool,
-            Tool::Draw
-                | Tool::Point
-                | Tool::Bottom
-                | Tool::Exclude
-                | Tool::Calibrate
-                | Tool::Accept
-        );
+        let finds = matches!(tool, Tool::Look | Tool::Edit);
         match boxes::under(lens, context.app, at).filter(|_| finds) {
             Some(id) => context.push(Command::SelectBox(Some(id))),
             None if tool == Tool::Point && response.clicked() => {

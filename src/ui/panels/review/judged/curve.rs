@@ -79,36 +79,19 @@ fn figures(ui: &mut Ui, counts: &MatchCounts) {
             ui.label(RichText::new(value).strong()).on_hover_text(hint);
         });
     };
-    line(
-        "Precision",
-        share(counts.precision()),
-        "Precision: share of the shown boxes that are right.",
-    );
-    line(
-        "Recall",
-        share(counts.recall()),
-        "Recall: share of the objects that a shown box found.",
-    );
-    line(
-        "F1",
-        share(counts.f1()),
-        "2 found / (2 found + false + missed).",
-    );
-    line(
-        "Found",
-        format!("{} of {}", counts.found, counts.truths),
-        "Objects that a box of their class overlaps by more than half (IoU).",
-    );
-    line(
-        "False",
-        text::count(counts.false_alarms),
-        "Shown boxes that found no object, or one that a box of more confidence found.",
-    );
-    line(
-        "Missed",
-        text::count(counts.missed()),
-        "Objects that no box shown has found.",
-    );
+    let hint = "Precision: share of the shown boxes that are right.";
+    line("Precision", share(counts.precision()), hint);
+    let hint = "Recall: share of the objects that a shown box found.";
+    line("Recall", share(counts.recall()), hint);
+    let hint = "2 found / (2 found + false + missed).";
+    line("F1", share(counts.f1()), hint);
+    let hint = "Objects that a box of their class overlaps by more than half (IoU).";
+    let value = format!("{} of {}", counts.found, counts.truths);
+    line("Found", value, hint);
+    let hint = "Shown boxes that found no object, or one that a box of more confidence found.";
+    line("False", text::count(counts.false_alarms), hint);
+    let hint = "Objects that no box shown has found.";
+    line("Missed", text::count(counts.missed()), hint);
 }
 
 /// Recall across, precision up.

@@ -27,12 +27,8 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, comparison: &TruthC
         context.push(Command::SortMistakes(sort));
     }
     ui.horizontal(|ui| {
-        for (action, name) in [
-            (Action::PreviousMistake, "Previous"),
-            (Action::NextMistake, "Next"),
-        ] {
-            super::super::button(ui, context, action, name, true);
-        }
+        super::super::button(ui, context, (Action::PreviousMistake, "Previous"));
+        super::super::button(ui, context, (Action::NextMistake, "Next"));
     });
     list(ui, context, comparison, mistakes);
 }

@@ -55,8 +55,8 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         mistakes::ui(ui, context, comparison);
         matrix::ui(ui, context, comparison, standing);
         ui.horizontal(|ui| {
-            super::button(ui, context, Action::OpenTruth, "Open known objects…", true);
-            super::button(ui, context, Action::ForgetTruth, "Close", true);
+            super::button(ui, context, (Action::OpenTruth, "Open known objects…"));
+            super::button(ui, context, (Action::ForgetTruth, "Close"));
         });
     });
 }

@@ -1,7 +1,7 @@
 //! The plot of a depth profile below the map.
 
 use super::frame::ProfileTransform;
-use crate::app::{Action, App, Command, ProfileLine};
+use crate::app::{Action, App, ProfileLine};
 use crate::bottom::bathymetry::Station;
 use crate::support::presentation::units::Units;
 use crate::ui::views::legend;

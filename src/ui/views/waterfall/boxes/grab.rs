@@ -148,12 +148,7 @@ impl Boxes {
                 .reviewing
                 .selected_box()
                 .and_then(|one| cursor(app, lens, one, lens.place_at(at))),
-            Tool::Look
-            | Tool::Point
-            | Tool::Bottom
-            | Tool::Exclude
-            | Tool::Calibrate
-            | Tool::Accept => None,
+            _ => None,
         };
         if let Some(icon) = icon {
             ui.ctx().set_cursor_icon(icon);

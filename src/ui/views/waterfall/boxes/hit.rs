@@ -2,7 +2,6 @@
 
 use super::Lens;
 use crate::detection::Mark;
-use crate::survey::Side;
 use crate::ui::views::waterfall::lens::Place;
 use egui::CursorIcon;
 
@@ -142,6 +141,7 @@ pub(super) fn drawn(from: Place, to: Place) -> Mark {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::survey::Side;
 
     fn port() -> Mark {
         Mark {
