@@ -248,10 +248,8 @@ impl Reel {
         let input = self.input();
         let gpu = self.gpu.clone();
         let output = self.ctx.run_ui(input, |ui| shell.frame(ui, Some(&gpu)));
-        let repaint = output
-            .viewport_output
-            .values()
-            .any(|viewport| viewport.repaint_delay.is_zero());
+        let mut viewports = output.viewport_output.values();
+        let repaint = viewports.any(|viewport| viewport.repaint_delay.is_zero());
         self.paint(output)?;
         Ok(repaint)
     }

@@ -132,12 +132,10 @@ pub(super) fn depth(app: &App, ping: usize) -> String {
     bottom.map_or_else(
         || format!("{}, bottom lost", text::NONE),
         |bottom| {
-            format!(
-                "{} {}, {}",
-                app.view.options.units.measure(bottom.depth_m, 2),
-                reduction(app).reference().name(),
-                bottom.by.name()
-            )
+            let depth = app.view.options.units.measure(bottom.depth_m, 2);
+            let reference = reduction(app).reference().name();
+            let by = bottom.by.name();
+            format!("{depth} {reference}, {by}")
         },
     )
 }
@@ -191,11 +189,8 @@ pub(super) fn heading(app: &App, ping: usize) -> String {
 
 /// A position as the analyst wants to read it; UTM in the zone of the survey's first fix, as in the products.
 pub(super) fn written(app: &App, at: LonLat) -> String {
-    let start = app
-        .log
-        .survey
-        .as_ref()
-        .map(|survey| survey.track.frame.origin());
+    let survey = app.log.survey.as_ref();
+    let start = survey.map(|survey| survey.track.frame.origin());
     let zone = UtmZone::of(start.unwrap_or(at));
     app.view.options.coordinates.write(at, zone)
 }

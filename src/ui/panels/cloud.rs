@@ -18,11 +18,9 @@ pub(super) const SAME_PING_HINT: &str = "Elevation of side-scan points minus tha
 
 /// Its figures.
 pub(super) fn same_ping(residuals: &Residuals, units: Units) -> String {
-    format!(
-        "{} · p95 {}",
-        units.signed_difference(residuals.median_m),
-        units.difference(residuals.p95_m)
-    )
+    let median = units.signed_difference(residuals.median_m);
+    let p95 = units.difference(residuals.p95_m);
+    format!("{median} · p95 {p95}")
 }
 
 /// Draws the section.
@@ -44,11 +42,9 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 
 fn found(ui: &mut Ui, products: &Products, figures: &Figures, units: Units) {
     let hint = "All points of the cloud, and how many of them are side-scan points; the others are soundings.";
-    let value = format!(
-        "{} · {} side-scan",
-        text::count(figures.classes.all()),
-        text::count(figures.classes.side_scan)
-    );
+    let all = text::count(figures.classes.all());
+    let side_scan = text::count(figures.classes.side_scan);
+    let value = format!("{all} · {side_scan} side-scan");
     fact(ui, "Points", hint, value);
     let zero = products.navigation.zero_heading;
     let share = 100.0 * zero as f64 / products.navigation.pings.len().max(1) as f64;

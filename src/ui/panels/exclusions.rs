@@ -66,10 +66,8 @@ fn counts(ui: &mut Ui, context: &ViewContext<'_>, found: &FoundExclusions) {
         let extent = found.extent(Some(reason));
         if extent.stretches > 0 {
             let what = text::plural(extent.stretches, one, many);
-            ui.label(format!(
-                "{what}: {}",
-                exclusion_text::extent(&extent, units)
-            ));
+            let extent = exclusion_text::extent(&extent, units);
+            ui.label(format!("{what}: {extent}"));
         }
     }
     let others = context.app.visible_logs().filter_map(OpenLog::exclusions);
@@ -122,10 +120,8 @@ fn kept(ui: &mut Ui, context: &mut ViewContext<'_>) {
         (Some(pings), _) => Some(LogPart::Pings(pings)),
         (None, time_s) => time_s.map(LogPart::Time),
     };
-    let kept: Vec<LogPart> = stretches
-        .filter(|stretch| stretch.reason.is_none())
-        .filter_map(part)
-        .collect();
+    let kept = stretches.filter(|stretch| stretch.reason.is_none());
+    let kept: Vec<LogPart> = kept.filter_map(part).collect();
     for part in kept {
         let where_at = place(&survey, part);
         let label = format!("kept  {where_at}");
@@ -152,11 +148,8 @@ fn row(
                 context.push(Command::Exclude { log, part, edit });
             }
             let row = ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                let is_here = context
-                    .app
-                    .view
-                    .selection
-                    .is_some_and(|mark| holds(part, mark));
+                let selection = context.app.view.selection;
+                let is_here = selection.is_some_and(|mark| holds(part, mark));
                 let label = ui.add(Button::selectable(is_here, label).truncate());
                 let label = label.accessible_name(format!("Stretch {name}"));
                 let label = label.on_hover_text("Shows it in all views.");

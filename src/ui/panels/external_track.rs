@@ -17,13 +17,8 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         Section::new("Position").of(Stage::Navigation),
         |ui, context| {
             let path = context.app.log.settings.track.file.clone();
-            parts::file(
-                ui,
-                context,
-                &rows::TRACK_FILE,
-                path.as_deref(),
-                [Action::OpenTrack, Action::RemoveTrack],
-            );
+            let actions = [Action::OpenTrack, Action::RemoveTrack];
+            parts::file(ui, context, &rows::TRACK_FILE, path.as_deref(), actions);
             match path {
                 Some(_) => clock(ui, context),
                 None => remark(ui, "Positions are those of the recorder."),
@@ -46,10 +41,8 @@ fn clock(ui: &mut Ui, context: &mut ViewContext<'_>) {
     if !apart.pairs.is_empty() {
         let hint = "Median distance between the positions of recorder and receiver at the same times: \
                     smallest where their clocks agree.";
-        let text = format!(
-            "{} from the recorder's",
-            context.units().measure(apart.median_m, 2)
-        );
+        let apart = context.units().measure(apart.median_m, 2);
+        let text = format!("{apart} from the recorder's");
         fact(ui, "Lies", hint, text);
     }
     remark(

@@ -22,8 +22,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         Section::new(TITLE).step(1).of(Stage::FirstReturn),
         |ui, context| {
             if !place::has_side_scan(context.app) {
-                parts::remark(ui, "This log has no side-scan.");
-                return;
+                return parts::remark(ui, "This log has no side-scan.");
             }
             found(ui, context);
             parts::settings_of(ui, context, TITLE);

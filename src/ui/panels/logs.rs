@@ -60,11 +60,8 @@ fn row(
     ui.horizontal(|ui| {
         let mut visible = log.is_visible;
         let tick = ui.checkbox(&mut visible, "");
-        let tick = accessible(
-            tick,
-            egui::Role::CheckBox,
-            &format!("Show {name} on the map"),
-        );
+        let shows = format!("Show {name} on the map");
+        let tick = accessible(tick, egui::Role::CheckBox, &shows);
         let hint = "Uses this log in map, cloud, depth map, mosaic and products.";
         ask(
             tick.on_hover_text(hint).changed(),
@@ -92,10 +89,8 @@ fn row(
             if app.is_processing(id) {
                 ui.add(egui::Spinner::new().size(12.0));
             }
-            let warnings = log
-                .survey
-                .as_ref()
-                .map_or(0, |survey| survey.warnings.len());
+            let survey = log.survey.as_ref();
+            let warnings = survey.map_or(0, |survey| survey.warnings.len());
             if warnings > 0 {
                 let colour = theme::stale_colour(app.view.options.theme);
                 ui.colored_label(colour, "!")

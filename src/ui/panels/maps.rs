@@ -40,13 +40,8 @@ fn isobaths(ui: &mut Ui, context: &mut ViewContext<'_>) {
     layer_button(ui, context, MapLayer::Isobaths, Action::IsobathLayer);
     parts::settings_of(ui, context, ISOBATHS);
     let area = context.app.log.settings.isobaths.clip.clone();
-    parts::file(
-        ui,
-        context,
-        &rows::CLIP,
-        area.as_deref(),
-        [Action::OpenIsobathArea, Action::RemoveIsobathArea],
-    );
+    let actions = [Action::OpenIsobathArea, Action::RemoveIsobathArea];
+    parts::file(ui, context, &rows::CLIP, area.as_deref(), actions);
 }
 
 /// What the map between depths was made by, and what its depths are worth where that is known.

@@ -100,12 +100,8 @@ fn line(ui: &mut Ui, context: &mut ViewContext<'_>, index: usize, notice: &Notic
 fn words(ui: &Ui, text: &str) -> LayoutJob {
     let mut job = LayoutJob::default();
     let colour = ui.visuals().strong_text_color();
-    RichText::new(text).strong().color(colour).append_to(
-        &mut job,
-        ui.style(),
-        FontSelection::Default,
-        Align::Min,
-    );
+    let words = RichText::new(text).strong().color(colour);
+    words.append_to(&mut job, ui.style(), FontSelection::Default, Align::Min);
     job.wrap = TextWrapping {
         max_rows: LINES,
         max_width: ui.available_width(),

@@ -29,8 +29,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 
 fn found(ui: &mut Ui, context: &ViewContext<'_>) {
     if !context.app.has_boxes() {
-        parts::remark(ui, "No boxes yet: find objects, or draw a box with N.");
-        return;
+        return parts::remark(ui, "No boxes yet: find objects, or draw a box with N.");
     }
     let all = context.app.review_counts();
     let counts = all.boxes;

@@ -23,16 +23,13 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 
 fn removed(ui: &mut Ui, context: &ViewContext<'_>) {
     let Some(figures) = &context.app.log.figures else {
-        parts::remark(ui, "No result yet.");
-        return;
+        return parts::remark(ui, "No result yet.");
     };
     let classes = figures.classes;
     let hint = "Side-scan points that the filter removes, and their share; about 10 % in the paper (Pulido et al.).";
-    let value = format!(
-        "{} ({:.1} %)",
-        text::count(classes.noise()),
-        100.0 * classes.noise_share()
-    );
+    let noise = text::count(classes.noise());
+    let percent = 100.0 * classes.noise_share();
+    let value = format!("{noise} ({percent:.1} %)");
     fact(ui, "Removed", hint, value);
 }
 

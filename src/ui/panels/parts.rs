@@ -136,10 +136,8 @@ pub(crate) fn list_rows(
     const ROWS: f32 = 8.0;
     let height = ui.spacing().interact_size.y;
     let each = height + ui.spacing().item_spacing.y;
-    let mut area = egui::ScrollArea::vertical()
-        .id_salt(name)
-        .max_height(ROWS * each)
-        .auto_shrink([false, true]);
+    let area = egui::ScrollArea::vertical().id_salt(name);
+    let mut area = area.max_height(ROWS * each).auto_shrink([false, true]);
     let last_id = egui::Id::unique(("last row shown", name));
     let last: Option<usize> = ui.data(|data| data.get_temp(last_id)).flatten();
     if here != last {

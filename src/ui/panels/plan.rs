@@ -29,11 +29,8 @@ fn plan(ui: &mut Ui, context: &mut ViewContext<'_>) {
             false => "as surveyed".to_owned(),
         };
         let value = DragValue::new(&mut speed).range(0.0..=20.0 / of_speed);
-        ui.add(
-            value
-                .speed(0.05)
-                .custom_formatter(|value, _| written(value)),
-        )
+        let value = value.custom_formatter(|value, _| written(value));
+        ui.add(value.speed(0.05))
     });
     asked.speed_mps = Some(speed * of_speed).filter(|speed_mps| *speed_mps >= 0.1);
     let of_length = units.length.metres();

@@ -25,11 +25,9 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
                 parts::warning(ui, context, text);
             }
             if let Some((folder, files)) = context.app.out_of_date() {
-                let text = format!(
-                    "Out of date in {}: {}",
-                    folder.display(),
-                    files_in_words(files.into_iter())
-                );
+                let folder = folder.display();
+                let files = files_in_words(files.into_iter());
+                let text = format!("Out of date in {folder}: {files}");
                 parts::warning(ui, context, &text);
             }
             parts::settings_of(ui, context, "Products");

@@ -137,32 +137,18 @@ fn heading(
     let painter = ui.painter();
     let strong = ui.visuals().strong_text_color();
     let mut x = rect.left();
-    triangle(
-        painter,
-        egui::pos2(x + 4.0, rect.center().y),
-        folded,
-        strong,
-    );
+    let at = |x: f32| egui::pos2(x, rect.center().y);
+    triangle(painter, at(x + 4.0), folded, strong);
     x += 14.0;
+    let beside = egui::Align2::LEFT_CENTER;
     if let Some(number) = section.number {
-        painter.text(
-            egui::pos2(x, rect.center().y),
-            egui::Align2::LEFT_CENTER,
-            number,
-            egui::FontId::proportional(14.0),
-            theme::accent_colour(look),
-        );
+        let font = egui::FontId::proportional(14.0);
+        painter.text(at(x), beside, number, font, theme::accent_colour(look));
         x += 16.0;
     }
     let title = section.title.to_uppercase();
     let font = egui::FontId::proportional(12.0);
-    painter.text(
-        egui::pos2(x, rect.center().y),
-        egui::Align2::LEFT_CENTER,
-        title,
-        font,
-        strong,
-    );
+    painter.text(at(x), beside, title, font, strong);
     let mark = match freshness {
         _ if folded => Some(("folded".to_owned(), ui.visuals().weak_text_color())),
         Freshness::Fresh => None,
@@ -174,13 +160,9 @@ fn heading(
         )),
     };
     if let Some((text, colour)) = mark {
-        painter.text(
-            rect.right_center(),
-            egui::Align2::RIGHT_CENTER,
-            text,
-            egui::FontId::proportional(theme::SMALL),
-            colour,
-        );
+        let font = egui::FontId::proportional(theme::SMALL);
+        let right = egui::Align2::RIGHT_CENTER;
+        painter.text(rect.right_center(), right, text, font, colour);
     }
     let state = match freshness {
         Freshness::OutOfDate => ", out of date",

@@ -33,11 +33,8 @@ fn selected(ui: &mut Ui, context: &mut ViewContext<'_>, mark: Mark) {
         return;
     };
     ui.horizontal(|ui| {
-        ui.label(
-            RichText::new(format!("Ping {}", mark.ping))
-                .heading()
-                .strong(),
-        );
+        let title = RichText::new(format!("Ping {}", mark.ping));
+        ui.label(title.heading().strong());
         ui.label(text::clock(survey.start_unix_s, ping.time_s));
     });
     if let Some(at) = place::lon_lat(context.app, mark) {
@@ -72,11 +69,9 @@ fn selected(ui: &mut Ui, context: &mut ViewContext<'_>, mark: Mark) {
 }
 
 fn first_return(ui: &mut Ui, context: &ViewContext<'_>, ping: usize, side: Side) {
-    let pick = context
-        .app
-        .returns()
-        .and_then(|returns| returns.side(side).get(ping).copied())
-        .filter(|pick| pick.is_some());
+    let returns = context.app.returns();
+    let pick = returns.and_then(|returns| returns.side(side).get(ping).copied());
+    let pick = pick.filter(|pick| pick.is_some());
     let value = match pick {
         None => "no return".to_owned(),
         Some(pick) => {
@@ -91,11 +86,9 @@ fn first_return(ui: &mut Ui, context: &ViewContext<'_>, ping: usize, side: Side)
             } else {
                 ""
             };
-            format!(
-                "{} · conf. {:.2}{above_bottom}",
-                context.units().measure(range, 2),
-                pick.confidence
-            )
+            let range = context.units().measure(range, 2);
+            let confidence = pick.confidence;
+            format!("{range} · conf. {confidence:.2}{above_bottom}")
         }
     };
     let name = match side {
@@ -164,9 +157,7 @@ fn point(ui: &mut Ui, context: &ViewContext<'_>, mark: Mark) {
         format!(" · {}", PointClass::name(*class))
     });
     let hint = "The selected point of the cloud: its source, depth and echo level (0 to 255).";
-    let value = format!(
-        "{source} · {} deep{level}{class}",
-        context.units().measure(-point.z_m, 2),
-    );
+    let depth = context.units().measure(-point.z_m, 2);
+    let value = format!("{source} · {depth} deep{level}{class}");
     fact(ui, "Point", hint, value);
 }

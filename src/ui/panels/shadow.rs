@@ -68,10 +68,8 @@ fn inputs(ui: &mut Ui, context: &mut ViewContext<'_>, shadow: &ShadowHeight) {
 fn drawing(ui: &mut Ui, context: &ViewContext<'_>, shadow: &ShadowHeight) {
     let (area, response) =
         ui.allocate_exact_size(vec2(ui.available_width(), DRAWING_HEIGHT), Sense::hover());
-    let spoken = format!(
-        "Construction: height {}",
-        measured::height(&Ok(*shadow), context.units())
-    );
+    let height = measured::height(&Ok(*shadow), context.units());
+    let spoken = format!("Construction: height {height}");
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &spoken));
     let painter = ui.painter_at(area);
     let ink = ui.visuals().text_color();
@@ -90,49 +88,25 @@ fn drawing(ui: &mut Ui, context: &ViewContext<'_>, shadow: &ShadowHeight) {
     let [boat, below, end] = [at(0.0, shadow.altitude_m), at(0.0, 0.0), at(end_m, 0.0)];
     let [top, foot] = [at(top_m, shadow.height_m()), at(top_m, 0.0)];
     painter.line_segment([below, end], Stroke::new(1.5, ink));
-    painter.add(Shape::convex_polygon(
-        vec![foot, top, end],
-        ink.gamma_multiply(0.18),
-        Stroke::NONE,
-    ));
-    painter.add(Shape::dashed_line(
-        &[boat, below],
-        Stroke::new(1.0, weak),
-        3.0,
-        3.0,
-    ));
-    painter.line_segment([boat, end], Stroke::new(1.0, weak));
+    let (shadow, fill) = (vec![foot, top, end], ink.gamma_multiply(0.18));
+    painter.add(Shape::convex_polygon(shadow, fill, Stroke::NONE));
+    let thin = Stroke::new(1.0, weak);
+    painter.add(Shape::dashed_line(&[boat, below], thin, 3.0, 3.0));
+    painter.line_segment([boat, end], thin);
     painter.line_segment([foot, top], Stroke::new(3.0, theme::MEASURE_COLOUR));
     painter.circle_filled(boat, 3.0, theme::accent_colour(context.theme()));
     let font = FontId::proportional(theme::SMALL);
-    let words = [
-        (
-            below.lerp(boat, 0.5) + vec2(-4.0, 0.0),
-            Align2::RIGHT_CENTER,
-            "H",
-        ),
-        (
-            foot.lerp(top, 0.5) + vec2(-4.0, 0.0),
-            Align2::RIGHT_CENTER,
-            "h",
-        ),
-        (
-            boat.lerp(top, 0.5) + vec2(4.0, -2.0),
-            Align2::LEFT_BOTTOM,
-            "t",
-        ),
-        (
-            top.lerp(end, 0.5) + vec2(4.0, -2.0),
-            Align2::LEFT_BOTTOM,
-            "to e",
-        ),
-        (
-            foot.lerp(end, 0.5) + vec2(0.0, 3.0),
-            Align2::CENTER_TOP,
-            "shadow",
-        ),
-    ];
-    for (at, anchor, word) in words {
+    let left = (vec2(-4.0, 0.0), Align2::RIGHT_CENTER);
+    let above = (vec2(4.0, -2.0), Align2::LEFT_BOTTOM);
+    let under = (vec2(0.0, 3.0), Align2::CENTER_TOP);
+    for (from, to, (aside, anchor), word) in [
+        (below, boat, left, "H"),
+        (foot, top, left, "h"),
+        (boat, top, above, "t"),
+        (top, end, above, "to e"),
+        (foot, end, under, "shadow"),
+    ] {
+        let at = from.lerp(to, 0.5) + aside;
         painter.text(at, anchor, word, font.clone(), ink);
     }
 }

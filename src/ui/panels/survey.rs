@@ -82,11 +82,9 @@ fn summary(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
     }
     if let (Some(start), Some((from, _))) = (survey.start_unix_s, span) {
         let hint = "Start of the log by the recorder's clock, corrected by the clock offset.";
-        let value = format!(
-            "{} {}",
-            calendar::date(start + from),
-            text::clock(Some(start), from).trim_end_matches(" UTC")
-        );
+        let day = calendar::date(start + from);
+        let clock = text::clock(Some(start), from);
+        let value = format!("{day} {}", clock.trim_end_matches(" UTC"));
         fact(ui, "Start, UTC", hint, value);
     }
     state_line(ui, context, survey);
@@ -116,28 +114,22 @@ fn soundings(context: &ViewContext<'_>, survey: &Survey) -> String {
 
 /// Format and size; every channel of the log on hover.
 fn channels(ui: &mut Ui, survey: &Survey, units: Units) {
-    let line = format!(
-        "{} · {} · {}",
-        survey.source.format,
-        text::bytes(survey.source.byte_count),
-        text::plural(survey.channels.len(), "channel", "channels")
-    );
+    let format = &survey.source.format;
+    let bytes = text::bytes(survey.source.byte_count);
+    let channels = text::plural(survey.channels.len(), "channel", "channels");
+    let line = format!("{format} · {bytes} · {channels}");
     let shown = egui::Label::new(egui::RichText::new(line).small().weak());
     let shown = ui.add(shown.truncate());
     shown.on_hover_ui(|ui| {
         for channel in &survey.channels {
-            let frequency = channel
-                .frequency_khz
-                .map_or(String::new(), |khz| format!(", {khz:.0} kHz"));
+            let khz = channel.frequency_khz;
+            let frequency = khz.map_or(String::new(), |khz| format!(", {khz:.0} kHz"));
             let range = channel.range_m.map_or(String::new(), |(near, far)| {
                 format!(", {}", units.span([near, far].map(f64::from), 1))
             });
-            ui.label(format!(
-                "{} ({}): {}{frequency}{range}",
-                channel.kind.name(),
-                one_line(&channel.recorder_name),
-                text::plural(channel.ping_count, "ping", "pings"),
-            ));
+            let (kind, name) = (channel.kind.name(), one_line(&channel.recorder_name));
+            let pings = text::plural(channel.ping_count, "ping", "pings");
+            ui.label(format!("{kind} ({name}): {pings}{frequency}{range}"));
         }
     });
 }
@@ -175,11 +167,9 @@ fn warnings(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
                 let place = one.place.map_or(String::new(), |(file, offset)| {
                     let name = survey.source.files.get(file);
                     let name = name.and_then(|file| file.file_name()).unwrap_or_default();
-                    format!(
-                        " ({} byte {})",
-                        name.to_string_lossy(),
-                        text::count(offset as usize)
-                    )
+                    let name = name.to_string_lossy();
+                    let offset = text::count(offset as usize);
+                    format!(" ({name} byte {offset})")
                 });
                 let said = context.units().sentence(&one.text);
                 warning(ui, context, &format!("{said}{place}"));

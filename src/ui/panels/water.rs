@@ -33,13 +33,9 @@ fn levels(ui: &mut Ui, context: &mut ViewContext<'_>) {
     setting(ui, context, &rows::DRAFT);
     setting(ui, context, &rows::WATER_LEVEL);
     let readings = context.app.log.settings.water_level.file.clone();
-    parts::file(
-        ui,
-        context,
-        &rows::WATER_LEVEL_FILE,
-        readings.as_deref(),
-        [Action::OpenWaterLevels, Action::RemoveWaterLevels],
-    );
+    let readings = readings.as_deref();
+    let actions = [Action::OpenWaterLevels, Action::RemoveWaterLevels];
+    parts::file(ui, context, &rows::WATER_LEVEL_FILE, readings, actions);
 }
 
 fn sound_speed(ui: &mut Ui, context: &mut ViewContext<'_>) {

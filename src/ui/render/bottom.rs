@@ -181,14 +181,10 @@ impl BottomBuffers {
             let usage = wgpu::BufferUsages::VERTEX;
             uploader.buffer("bottom", usage, held * VERTICES, vertices)
         });
+        let (usage, count) = (wgpu::BufferUsages::INDEX, numbers.len());
         Self {
             tiles: buffers.collect(),
-            numbers: uploader.buffer(
-                "triangles",
-                wgpu::BufferUsages::INDEX,
-                numbers.len(),
-                numbers.into_iter(),
-            ),
+            numbers: uploader.buffer("triangles", usage, count, numbers.into_iter()),
             extents,
             levels,
             cell_m,

@@ -34,12 +34,8 @@ impl TrackBuffers {
     pub(crate) fn add(&mut self, uploader: &Uploader, vertices: &[Vertex]) {
         let fits = size_of_val(vertices) as u64 <= uploader.most_bytes();
         let buffer = (vertices.len() > 1 && fits).then(|| {
-            uploader.buffer(
-                "track",
-                wgpu::BufferUsages::VERTEX,
-                vertices.len(),
-                vertices.iter().copied(),
-            )
+            let (usage, all) = (wgpu::BufferUsages::VERTEX, vertices.iter().copied());
+            uploader.buffer("track", usage, vertices.len(), all)
         });
         self.levels.push(buffer);
     }

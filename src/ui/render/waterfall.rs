@@ -168,13 +168,8 @@ impl WaterfallPicture {
         let rows = texels.len().div_ceil(width as usize).max(1) as u32;
         texels.resize((width * rows) as usize, [0.0, 1.0, 0.0, 1.0]);
         let size = [width, rows];
-        let pings = texture(
-            device,
-            queue,
-            size,
-            &texels,
-            wgpu::TextureFormat::Rgba32Float,
-        );
+        let format = wgpu::TextureFormat::Rgba32Float;
+        let pings = texture(device, queue, size, &texels, format);
         let mut values = [[1.0_f32; CURVE_PLACES]; 4];
         for (row, curve) in values.iter_mut().zip(curves) {
             for (value, known) in row.iter_mut().zip(curve) {

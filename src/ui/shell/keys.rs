@@ -28,12 +28,8 @@ static BOUND: LazyLock<Vec<Bound>> = LazyLock::new(|| {
     let mut bound: Vec<_> = Action::ALL.iter().copied().flat_map(of).collect();
     bound.sort_by_key(|one| {
         let held = one.shortcut.modifiers;
-        std::cmp::Reverse(
-            [held.command, held.shift, held.alt]
-                .iter()
-                .filter(|on| **on)
-                .count(),
-        )
+        let held = [held.command, held.shift, held.alt];
+        std::cmp::Reverse(held.iter().filter(|on| **on).count())
     });
     bound
 });
@@ -159,11 +155,9 @@ pub(super) fn collect(
 /// How often a key was pressed since the last frame, which then nobody else sees: more than once where frames are slow. A letter with Shift is another key than the letter: where one of them has no
 /// meaning, the other one must not act in its place. Of a sign only its keyboard knows whether it takes Shift.
 fn consume(ui: &Ui, shortcut: &KeyboardShortcut) -> usize {
-    let is_letter = shortcut.logical_key.name().len() == 1
-        && shortcut
-            .logical_key
-            .name()
-            .starts_with(|letter: char| letter.is_ascii_alphabetic());
+    let name = shortcut.logical_key.name();
+    let is_letter =
+        name.len() == 1 && name.starts_with(|letter: char| letter.is_ascii_alphabetic());
     if !is_letter {
         return ui.input_mut(|input| {
             input.count_and_consume_key(shortcut.modifiers, shortcut.logical_key)

@@ -37,11 +37,9 @@ impl Default for Layout {
 
 /// Whether all views lie behind each other.
 fn is_stacked(tree: &Tree<View>) -> bool {
-    tree.active_tiles()
-        .iter()
-        .filter(|tile| tree.tiles.get_pane(tile).is_some())
-        .count()
-        == 1
+    let tiles = tree.active_tiles();
+    let views = tiles.iter().filter_map(|tile| tree.tiles.get_pane(tile));
+    views.count() == 1
 }
 
 fn tree(preset: LayoutPreset) -> Tree<View> {

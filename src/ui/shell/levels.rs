@@ -84,10 +84,8 @@ fn automatic(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let mut is_automatic = picture.black.is_none() && picture.white.is_none();
     let hint = "Black at the 1st percentile of the echoes, white a little above the 99th. \
                 Off: black and white stay as they are set.";
-    let levels = context
-        .app
-        .histogram()
-        .map(|counted| shown(context, counted));
+    let counted = context.app.histogram();
+    let levels = counted.map(|counted| shown(context, counted));
     ui.horizontal(|ui| {
         let switch = ui.checkbox(&mut is_automatic, "Automatic level");
         if switch.on_hover_text(hint).changed() {
@@ -101,12 +99,8 @@ fn automatic(ui: &mut Ui, context: &mut ViewContext<'_>) {
         let button = ui.button("0 to 255");
         let hint = "Black at 0, white at 255: levels as bytes are recorded.";
         if button.on_hover_text(hint).clicked() {
-            set(
-                context,
-                Some([0.0, 255.0]),
-                "levels of the waterfall",
-                false,
-            );
+            let all = Some([0.0, 255.0]);
+            set(context, all, "levels of the waterfall", false);
         }
     });
 }
@@ -134,13 +128,8 @@ fn histogram(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let levels = shown(context, &counted);
     let reach = f64::from(counted.reach).max(1.2 * levels[1]);
     let inside = area.shrink2(vec2(KNOB, 0.0));
-    bars(
-        &painter,
-        inside,
-        &counted,
-        reach,
-        ui.visuals().weak_text_color(),
-    );
+    let weak = ui.visuals().weak_text_color();
+    bars(&painter, inside, &counted, reach, weak);
     let x_of = |level: f64| inside.left() + (level / reach) as f32 * inside.width();
     for (level, fill) in levels.into_iter().zip([Color32::BLACK, Color32::WHITE]) {
         knob(&painter, inside, x_of(level), fill, context);
@@ -199,11 +188,8 @@ fn bars(painter: &Painter, area: Rect, counted: &Histogram, reach: f64, ink: Col
     for (index, &count) in counted.bars.iter().enumerate() {
         // By the root: the water column and the shadows would hide the rest.
         let height = area.height() * (count as f32 / most as f32).sqrt();
-        let left = area.left() + index as f32 * width;
-        let bar = Rect::from_min_max(
-            pos2(left, area.bottom() - height),
-            pos2(left + width, area.bottom()),
-        );
+        let top = pos2(area.left() + index as f32 * width, area.bottom() - height);
+        let bar = Rect::from_min_max(top, pos2(top.x + width, area.bottom()));
         painter.rect_filled(bar.intersect(area), 0.0, ink);
     }
 }
@@ -211,10 +197,7 @@ fn bars(painter: &Painter, area: Rect, counted: &Histogram, reach: f64, ink: Col
 fn knob(painter: &Painter, area: Rect, x: f32, fill: Color32, context: &ViewContext<'_>) {
     let x = x.clamp(area.left(), area.right());
     let accent = theme::accent_colour(context.theme());
-    painter.line_segment(
-        [pos2(x, area.top()), pos2(x, area.bottom())],
-        Stroke::new(1.5, accent),
-    );
-    let at = pos2(x, area.bottom() - KNOB);
-    painter.circle(at, KNOB, fill, Stroke::new(1.5, accent));
+    let stroke = Stroke::new(1.5, accent);
+    painter.line_segment([pos2(x, area.top()), pos2(x, area.bottom())], stroke);
+    painter.circle(pos2(x, area.bottom() - KNOB), KNOB, fill, stroke);
 }

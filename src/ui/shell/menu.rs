@@ -204,11 +204,8 @@ fn scrolled(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
 }
 
 fn help(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    entries(
-        ui,
-        context,
-        &[Action::Palette, Action::Notices, Action::Manual],
-    );
+    let actions = [Action::Palette, Action::Notices, Action::Manual];
+    entries(ui, context, &actions);
 }
 
 fn titled(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action, title: &str, enabled: bool) {

@@ -262,12 +262,8 @@ mod tests {
                 .state_mut()
                 .carry_out(&ctx, Command::ShowSetting(row.key));
             window.run();
-            let said = window
-                .state()
-                .app
-                .notices
-                .last()
-                .map(|one| one.text.clone());
+            let notices = &window.state().app.notices;
+            let said = notices.last().map(|one| one.text.clone());
             if DEPEND.contains(&row.key) {
                 let said = said.expect(row.key);
                 assert!(said.contains("has no control now"), "{}: {said}", row.key);

@@ -94,11 +94,9 @@ impl SidePanel {
             SidePanel::Steps => (Panel::left("steps"), 240.0..=widest(480.0)),
             SidePanel::Details => (Panel::right("details"), 220.0..=widest(560.0)),
         };
-        panel
-            .default_size(default_width(width))
-            .size_range(sizes)
-            .frame(frame)
-            .show_collapsible(ui, &mut is_shown, |ui| add(ui, context));
+        let panel = panel.default_size(default_width(width)).size_range(sizes);
+        let panel = panel.frame(frame);
+        panel.show_collapsible(ui, &mut is_shown, |ui| add(ui, context));
         if is_shown != was_shown {
             let mut shown = context.options().clone();
             shown.panels = self.set_shown(options, is_shown, width);

@@ -17,12 +17,8 @@ pub(super) fn control(ui: &mut Ui, map: &mut MapOptions) {
     if !on {
         return;
     }
-    let shown: Vec<_> = map
-        .layers
-        .bottom_up()
-        .rev()
-        .map(|shown| shown.layer)
-        .collect();
+    let shown = map.layers.bottom_up().rev();
+    let shown: Vec<_> = shown.map(|shown| shown.layer).collect();
     egui::Grid::new("swipe sides")
         .num_columns(2)
         .spacing([8.0, 3.0])

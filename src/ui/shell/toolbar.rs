@@ -171,10 +171,8 @@ fn cloud(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptions) 
 
 fn point_colours(ui: &mut Ui, context: &ViewContext<'_>, shown: &mut CloudOptions) {
     let several_logs = context.app.log_count() > 1;
-    let hint = format!(
-        "What the colour of a point says ({}).",
-        Action::NextCloudColour.keys().unwrap_or_default()
-    );
+    let keys = Action::NextCloudColour.keys().unwrap_or_default();
+    let hint = format!("What the colour of a point says ({keys}).");
     let selected = match shown.points {
         true => format!("points by {}", shown.colour.name()),
         false => "no points".to_owned(),
@@ -195,10 +193,8 @@ fn point_colours(ui: &mut Ui, context: &ViewContext<'_>, shown: &mut CloudOption
 }
 
 fn bottom_colours(ui: &mut Ui, shown: &mut CloudOptions) {
-    let hint = format!(
-        "What the colour of the bottom says ({}).",
-        Action::NextBottomColour.keys().unwrap_or_default()
-    );
+    let keys = Action::NextBottomColour.keys().unwrap_or_default();
+    let hint = format!("What the colour of the bottom says ({keys}).");
     let selected = match shown.bottom {
         true => format!("bottom by {}", shown.bottom_colour.name()),
         false => "no bottom".to_owned(),

@@ -65,11 +65,9 @@ pub(crate) fn height(found: &Result<ShadowHeight, ShadowError>, units: Units) ->
     match found {
         Ok(shadow) => {
             let least = if shadow.is_least { "at least " } else { "" };
-            format!(
-                "{least}{} ± {}",
-                units.measure(shadow.height_m(), 2),
-                units.measure(shadow.sigma_m(), 2)
-            )
+            let height = units.measure(shadow.height_m(), 2);
+            let sigma = units.measure(shadow.sigma_m(), 2);
+            format!("{least}{height} ± {sigma}")
         }
         Err(error) => units.sentence(&error.to_string()),
     }

@@ -102,11 +102,8 @@ impl PlacedBanner {
         painter.rect_filled(plate, 3.0, Color32::from_black_alpha(225));
         let edge = Rect::from_min_size(plate.min, vec2(3.0, plate.height()));
         painter.rect_filled(edge, 0.0, theme::MEASURE_COLOUR);
-        painter.galley(
-            plate.min + MARGIN,
-            self.galley.clone(),
-            Color32::PLACEHOLDER,
-        );
+        let galley = self.galley.clone();
+        painter.galley(plate.min + MARGIN, galley, Color32::PLACEHOLDER);
         let response = ui.interact(plate, ui.scope_id().with("tool banner"), Sense::hover());
         response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &self.words));
     }

@@ -27,8 +27,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         Section::new(TITLE).step(2).of(Stage::Calibration),
         |ui, context| {
             let Some(products) = context.app.log.products.clone() else {
-                parts::remark(ui, "No result yet.");
-                return;
+                return parts::remark(ui, "No result yet.");
             };
             let calibration = &products.calibration;
             in_use(ui, calibration, context.units());
@@ -42,8 +41,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
             );
             let survey = context.app.log.survey.clone();
             let Some(survey) = survey.filter(|survey| !survey.soundings.is_empty()) else {
-                parts::remark(ui, "This log records no depth to measure a scale against.");
-                return;
+                return parts::remark(ui, "This log records no depth to measure a scale against.");
             };
             for text in &calibration.warnings {
                 parts::warning(ui, context, &context.units().sentence(text));
@@ -89,12 +87,8 @@ fn in_use(ui: &mut Ui, calibration: &Calibration, units: Units) {
     };
     let hint = "What turns samples into metres: the range that the recorder wrote, or a flat stretch where first returns are compared with soundings.";
     fact(ui, "Scale in use", hint, in_use);
-    fact(
-        ui,
-        "Slant ranges",
-        &range_hint(calibration, units),
-        ranges(calibration, units),
-    );
+    let hint = range_hint(calibration, units);
+    fact(ui, "Slant ranges", &hint, ranges(calibration, units));
     let hint = "Pixels per metre by the ranges that the recorder wrote: median over the log and robust spread.";
     let value = scale(calibration.header.as_ref());
     fact(ui, "From recorder", hint, value);
@@ -128,10 +122,8 @@ fn ranges(calibration: &Calibration, units: Units) -> String {
 
 fn range_hint(calibration: &Calibration, units: Units) -> String {
     let measured = calibration.measured_offset.map_or(String::new(), |found| {
-        format!(
-            " First returns differ from the soundings by {}.",
-            units.signed_within(found.offset_m, found.uncertainty_m, 2)
-        )
+        let differ = units.signed_within(found.offset_m, found.uncertainty_m, 2);
+        format!(" First returns differ from the soundings by {differ}.")
     });
     format!("What is done to every recorded range before depths are made of it.{measured}")
 }

@@ -33,12 +33,10 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, products: &Products
 fn found(ui: &mut Ui, context: &ViewContext<'_>, products: &Products, trial: &ScaleTrial) {
     let units = context.units();
     let spot = &trial.spot;
-    let place = format!(
-        "{} long, {} deep, relief {}",
-        units.measure(spot.length_m, 1),
-        units.measure(spot.depth_m, 2),
-        flat_spot_words::relief(spot, units)
-    );
+    let length = units.measure(spot.length_m, 1);
+    let depth = units.measure(spot.depth_m, 2);
+    let relief = flat_spot_words::relief(spot, units);
+    let place = format!("{length} long, {depth} deep, relief {relief}");
     parts::remark(ui, place);
     for text in &trial.objections {
         parts::warning(ui, context, &units.sentence(text));
@@ -68,11 +66,9 @@ fn changes(ui: &mut Ui, effect: &ScaleEffect, units: Units) {
     fact(ui, "At most", hint, value);
     if let Some([now, then]) = &effect.residuals {
         let hint = "Side-scan minus sounding at the same ping, median over the log, with the scale in use and with this one: the nearer to 0 the better.";
-        let value = format!(
-            "{} now, {} then",
-            units.signed_difference(now.median_m),
-            units.signed_difference(then.median_m)
-        );
+        let now = units.signed_difference(now.median_m);
+        let then = units.signed_difference(then.median_m);
+        let value = format!("{now} now, {then} then");
         fact(ui, "To soundings", hint, value);
     }
 }

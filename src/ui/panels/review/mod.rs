@@ -138,11 +138,9 @@ fn button(ui: &mut Ui, context: &mut ViewContext<'_>, (action, name): (Action, &
 /// Extent along the track and in slant range: `0.82 × 1.30 m`.
 fn size([along_m, across_m]: [f64; 2], units: Units) -> String {
     if along_m.is_finite() {
-        format!(
-            "{} × {}",
-            units.number(along_m, 2),
-            units.measure(across_m, 2)
-        )
+        let along = units.number(along_m, 2);
+        let across = units.measure(across_m, 2);
+        format!("{along} × {across}")
     } else {
         format!("{} across", units.measure(across_m, 2))
     }

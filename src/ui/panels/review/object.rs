@@ -192,10 +192,8 @@ fn shape(ui: &mut Ui, context: &ViewContext<'_>) {
                 _ => String::new(),
             };
             let explained = 100.0 * fitted.explained;
-            format!(
-                "{}{rivals}, {size}; {explained:.0} % fits",
-                solid.kind.name()
-            )
+            let kind = solid.kind.name();
+            format!("{kind}{rivals}, {size}; {explained:.0} % fits")
         }
         Err(why) => why.to_string(),
     };

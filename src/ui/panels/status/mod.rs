@@ -147,8 +147,7 @@ fn jobs(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let now = ui.input(|input| input.time);
     let Some((what, share)) = job else {
         ui.data_mut(|data| data.remove::<f64>(since));
-        stopped(ui, context);
-        return;
+        return stopped(ui, context);
     };
     // Short jobs come and go without a flicker.
     let started = ui.data_mut(|data| *data.get_temp_mut_or(since, now));

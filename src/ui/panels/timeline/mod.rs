@@ -97,13 +97,8 @@ impl TimeLine {
             let empty = "Time line: depth and speed over the log appear here.";
             let font = egui::FontId::proportional(theme::SMALL);
             let weak = ui.visuals().weak_text_color();
-            ui.painter().text(
-                outer.center(),
-                egui::Align2::CENTER_CENTER,
-                empty,
-                font,
-                weak,
-            );
+            let (at, middle) = (outer.center(), egui::Align2::CENTER_CENTER);
+            ui.painter().text(at, middle, empty, font, weak);
             return;
         };
         let frame = TimelineLayout::new(outer);

@@ -35,10 +35,8 @@ pub(super) fn show(
             *request = Some(ViewRequest::Fit);
         }
     });
-    let bottom = Rect::from_min_size(
-        pos2(rect.left() + 4.0, rect.bottom() - 30.0),
-        vec2(rect.width() - 90.0, 26.0),
-    );
+    let corner = pos2(rect.left() + 4.0, rect.bottom() - 30.0);
+    let bottom = Rect::from_min_size(corner, vec2(rect.width() - 90.0, 26.0));
     legend::framed(ui, context.options(), bottom, |ui| {
         ui.horizontal(|ui| {
             exaggeration(ui, &mut options);
@@ -173,11 +171,8 @@ pub(super) fn paint_legend(
     if let Some(text) = lack(survey, options.units) {
         note(&text, theme::OUTLIER_COLOUR);
     }
-    let of_points = options
-        .cloud
-        .points
-        .then(|| scale(options, scene, reference))
-        .flatten();
+    let shown = options.cloud.points;
+    let of_points = shown.then(|| scale(options, scene, reference)).flatten();
     let of_bottom = bottom.and_then(|bottom| bottom_scale(bottom, reference, options.units));
     let by_depth = options.cloud.colour == CloudColour::Depth;
     let is_one = by_depth && bottom.is_some_and(|one| one.colour == BottomColour::Depth);
@@ -224,11 +219,8 @@ fn lines(options: &ViewOptions, scene: &CloudScene) -> Vec<(String, Color32)> {
     };
     match options.cloud.colour {
         CloudColour::Source => {
-            kind(
-                counts.down_scan,
-                "down-scan",
-                theme::down_scan_colour(options),
-            );
+            let down_scan = theme::down_scan_colour(options);
+            kind(counts.down_scan, "down-scan", down_scan);
             kind(counts.port, "port", theme::side_colour(options, Side::Port));
             let starboard = theme::side_colour(options, Side::Starboard);
             kind(counts.starboard, "starboard", starboard);

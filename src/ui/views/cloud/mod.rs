@@ -382,12 +382,10 @@ fn draw(
 }
 
 fn name(scene: &CloudScene) -> String {
-    format!(
-        "3D point cloud, {} points, {} removed ({:.1} %)",
-        text::count(scene.counts.kept()),
-        text::count(scene.classes.noise()),
-        100.0 * scene.classes.noise_share()
-    )
+    let kept = text::count(scene.counts.kept());
+    let noise = text::count(scene.classes.noise());
+    let percent = 100.0 * scene.classes.noise_share();
+    format!("3D point cloud, {kept} points, {noise} removed ({percent:.1} %)")
 }
 
 #[cfg(test)]

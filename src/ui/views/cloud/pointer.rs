@@ -198,18 +198,13 @@ pub(super) fn paint_marks(
     ];
     for (mark, colour, width) in marks {
         if let Some(mark) = mark {
-            paint_mark(
-                painter,
-                (app.log.id, &mark),
-                products,
-                seen.scene,
-                axes,
-                Stroke::new(width, colour),
-            );
+            let stroke = Stroke::new(width, colour);
+            let of_log = (app.log.id, &mark);
+            paint_mark(painter, of_log, products, seen.scene, axes, stroke);
             let is_on_bottom = mark.point.is_none() && mark.sample.is_some();
             let place = || seen.bottom?.at(place::east_north(app, mark)?);
             if let Some(at) = place().filter(|_| is_on_bottom).and_then(|at| axes.at(at)) {
-                painter.circle_stroke(at, 8.0, Stroke::new(width, colour));
+                painter.circle_stroke(at, 8.0, stroke);
             }
         }
     }
@@ -287,14 +282,8 @@ mod tests {
             ranging: None,
             colour: [0; 3],
         };
-        let options = ViewOptions::default();
-        let made = CloudScene::new(
-            vec![log],
-            ColourEnds::default(),
-            &options,
-            None,
-            &Progress::new(),
-        );
+        let (ends, options) = (ColourEnds::default(), ViewOptions::default());
+        let made = CloudScene::new(vec![log], ends, &options, None, &Progress::new());
         made.expect("a scene")
     }
 
@@ -312,13 +301,8 @@ mod tests {
                         bottom: None,
                         all: scene.extent(),
                     };
-                    zoom(
-                        &mut camera,
-                        seen,
-                        (Default::default(), rect),
-                        at.into(),
-                        factor,
-                    );
+                    let shown = (Default::default(), rect);
+                    zoom(&mut camera, seen, shown, at.into(), factor);
                 }
                 let projection = camera.projection(1.5);
                 let in_picture = scene.places(Default::default()).filter(|(_, place)| {

@@ -137,11 +137,8 @@ fn extent(warp: &Warp) -> Option<[[f64; 2]; 2]> {
             [high[0].max(place[0]), high[1].max(place[1])],
         ]
     });
-    found
-        .iter()
-        .flatten()
-        .all(|edge| edge.is_finite())
-        .then_some(found)
+    let mut edges = found.iter().flatten();
+    edges.all(|edge| edge.is_finite()).then_some(found)
 }
 
 /// Colours count as much as they are opaque.

@@ -37,12 +37,8 @@ pub(super) fn paint(painter: &Painter, scene: &Scene<'_>) {
         stretch(painter, scene, &spot.pings, theme::CALIBRATION_COLOUR);
     }
     if let Some(pings) = scene.proposed {
-        stretch(
-            painter,
-            scene,
-            &(pings.start..pings.end),
-            theme::PROPOSAL_COLOUR,
-        );
+        let pings = pings.start..pings.end;
+        stretch(painter, scene, &pings, theme::PROPOSAL_COLOUR);
     }
 }
 
@@ -97,11 +93,9 @@ pub(super) fn under(scene: &Scene<'_>, pointer: Pos2) -> Option<usize> {
 
 /// A few lines about a stretch.
 pub(super) fn describe(rank: usize, spot: &FlatSpot, units: Units) -> String {
-    format!(
-        "flat stretch {}: {}",
-        rank + 1,
-        units.sentence(&spot.summary())
-    )
+    let number = rank + 1;
+    let spot = units.sentence(&spot.summary());
+    format!("flat stretch {number}: {spot}")
 }
 
 fn places(scene: &Scene<'_>, pings: &Range<usize>) -> Vec<Pos2> {

@@ -384,14 +384,10 @@ fn name(app: &App, products: &Products, track: &TrackLayer) -> String {
     };
     let depths = track.range_m.map_or_else(String::new, |[shallow, deep]| {
         let depths = [shallow, deep].map(f64::from);
-        format!(
-            ", depth {} {reference}",
-            app.view.options.units.span(depths, 1)
-        )
+        let depths = app.view.options.units.span(depths, 1);
+        format!(", depth {depths} {reference}")
     });
-    format!(
-        "Map, track of {} pings{excluded}{depths}, {} flat stretches",
-        text::count(pings),
-        products.flat_spots.len()
-    )
+    let pings = text::count(pings);
+    let spots = products.flat_spots.len();
+    format!("Map, track of {pings} pings{excluded}{depths}, {spots} flat stretches")
 }

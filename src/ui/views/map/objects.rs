@@ -20,10 +20,8 @@ fn placed<'a>(scene: &Scene<'_>, app: &'a App) -> impl Iterator<Item = Seen<'a>>
     let (rect, transform) = (scene.rect.expand(2.0 * HALF), scene.transform);
     let frame = scene.rect;
     let own = app.visible_logs().filter(|log| log.id == app.log.id);
-    let logs = app
-        .visible_logs()
-        .filter(|log| log.id != app.log.id)
-        .chain(own);
+    let others = app.visible_logs().filter(|log| log.id != app.log.id);
+    let logs = others.chain(own);
     logs.flat_map(move |log| {
         let reviewing = &log.reviewing;
         let others = reviewing.in_line();
@@ -96,14 +94,8 @@ pub(super) fn paint(painter: &Painter, scene: &Scene<'_>, app: &App) {
             }
             let name = log.reviewing.review.class_name(one.class);
             let corner = at + vec2(HALF + 8.0, 0.0);
-            legend::plate(
-                painter,
-                scene.options,
-                corner,
-                Align2::LEFT_CENTER,
-                name,
-                colour,
-            );
+            let (options, beside) = (scene.options, Align2::LEFT_CENTER);
+            legend::plate(painter, options, corner, beside, name, colour);
         }
     }
 }

@@ -101,13 +101,8 @@ fn scale_bar(painter: &Painter, scene: &Scene<'_>) -> Rect {
         painter.line_segment([at, at - vec2(0.0, 5.0)], stroke);
     }
     let middle = start + vec2(0.5 * length, -4.0);
-    painter.text(
-        middle,
-        Align2::CENTER_BOTTOM,
-        text,
-        legend::font(),
-        stroke.color,
-    );
+    let (above, font) = (Align2::CENTER_BOTTOM, legend::font());
+    painter.text(middle, above, text, font, stroke.color);
     plate
 }
 

@@ -146,13 +146,8 @@ impl PlanTool {
         let way = planned.plan.way.iter();
         let way: Vec<Pos2> = way.map(|one| place.at(&planned, one.place)).collect();
         let painter = ui.painter_at(scene.rect);
-        paint(
-            &painter,
-            scene,
-            &way,
-            &lines,
-            context.app.map.planning.selected,
-        );
+        let selected = context.app.map.planning.selected;
+        paint(&painter, scene, &way, &lines, selected);
         strip(ui, context, scene.rect, &planned);
     }
 }
@@ -264,11 +259,9 @@ fn words(app: &App, planned: &PlannedLines) -> String {
             text::plural(count, "turn", "turns")
         ),
     };
-    format!(
-        "{lines}, {} with turns, {:.1} min; sigma {}, then {}{outside}",
-        units.measure(plan.length_m, 0),
-        plan.minutes(),
-        units.measure(plan.before.mean_sigma_m, 3),
-        units.measure(plan.after.mean_sigma_m, 3),
-    )
+    let (length, minutes) = (units.measure(plan.length_m, 0), plan.minutes());
+    let sigmas = [&plan.before, &plan.after].map(|worth| worth.mean_sigma_m);
+    let [before, after] = sigmas.map(|sigma_m| units.measure(sigma_m, 3));
+    let sigmas = format!("sigma {before}, then {after}");
+    format!("{lines}, {length} with turns, {minutes:.1} min; {sigmas}{outside}")
 }

@@ -263,21 +263,16 @@ fn read_out(app: &App, scene: &Scene<'_>, at: Pos2, near: Option<(LogId, usize)>
     let mut text = place::written(app, scene.position(at));
     if app.view.options.coordinates != CoordinateFormat::Utm {
         text += gap(TWO_PLACES);
-        text += &format!(
-            "E {}  N {}",
-            units.measure(east_m, 1),
-            units.measure(north_m, 1)
-        );
+        let [east, north] = [east_m, north_m].map(|metres| units.measure(metres, 1));
+        text += &format!("E {east}  N {north}");
     }
     let depth_map = scene.depth_map.flatten();
     if let Some((depth_m, distance_m)) = depth_map.and_then(|map| map.at([east_m, north_m])) {
         text += gap(ONE_LINE);
-        text += &format!(
-            "depth {} {} (interpolated, nearest {} away)",
-            units.measure(f64::from(depth_m), 2),
-            place::reduction(app).reference().name(),
-            units.measure(f64::from(distance_m), 1)
-        );
+        let depth = units.measure(f64::from(depth_m), 2);
+        let reference = place::reduction(app).reference().name();
+        let away = units.measure(f64::from(distance_m), 1);
+        text += &format!("depth {depth} {reference} (interpolated, nearest {away} away)");
     }
     let residuals = scene.residuals.as_deref();
     let reach_m = f64::from(NEAR) * scene.transform.metres_per_point;

@@ -163,12 +163,8 @@ impl Layers {
         };
         if !self.mosaic.as_ref().is_some_and(same) {
             self.mosaic = mosaic.map(|(mosaic, settings)| {
-                let tiles = Arc::new(MosaicTiles::new(mosaic.clone(), settings));
-                (
-                    mosaic.clone(),
-                    settings.colours,
-                    tiles as Arc<dyn TileSource>,
-                )
+                let tiles: PaintedBy = Arc::new(MosaicTiles::new(mosaic.clone(), settings));
+                (mosaic.clone(), settings.colours, tiles)
             });
         }
     }
@@ -291,14 +287,8 @@ impl Layers {
             Labels::place(lines, octave, progress)
         });
         let (picture, labels) = (&mut self.isobath_picture, self.labels.result());
-        isobaths::show(
-            picture,
-            painter,
-            context.render_state,
-            scene,
-            &layer,
-            labels,
-        );
+        let state = context.render_state;
+        isobaths::show(picture, painter, state, scene, &layer, labels);
     }
 
     /// What is being made before it can be drawn.

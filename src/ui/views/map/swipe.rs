@@ -44,11 +44,8 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, scene: &Scene<'_>) 
     let handle = Rect::from_min_max(pos2(x - REACH, top), pos2(x + REACH, bottom));
     let response = ui.interact(handle, ui.scope_id().with("swipe"), Sense::click_and_drag());
     response.widget_info(|| {
-        WidgetInfo::slider(
-            true,
-            f64::from(100.0 * swipe.share),
-            "Divider of the map, percent",
-        )
+        let percent = f64::from(100.0 * swipe.share);
+        WidgetInfo::slider(true, percent, "Divider of the map, percent")
     });
     if let Some(by) = moved(ui, scene.rect, &response) {
         let mut options = context.options().clone();
@@ -84,14 +81,11 @@ fn paint(painter: &Painter, scene: &Scene<'_>, x: f32, response: &Response) {
         true => theme::SELECTION_COLOUR,
         false => theme::canvas_text_colour(scene.options),
     };
-    painter.vline(
-        x,
-        scene.rect.y_range(),
-        Stroke::new(4.0, theme::plate_colour(scene.options)),
-    );
+    let plate = theme::plate_colour(scene.options);
+    painter.vline(x, scene.rect.y_range(), Stroke::new(4.0, plate));
     painter.vline(x, scene.rect.y_range(), Stroke::new(1.5, ink));
     let grip = Rect::from_center_size(pos2(x, scene.rect.center().y), vec2(9.0, 34.0));
-    painter.rect_filled(grip, 4.0, theme::plate_colour(scene.options));
+    painter.rect_filled(grip, 4.0, plate);
     painter.rect_stroke(grip, 4.0, Stroke::new(1.5, ink), egui::StrokeKind::Inside);
     for (side, anchor, aside) in [
         (SwipeSide::Left, Align2::RIGHT_TOP, -8.0),

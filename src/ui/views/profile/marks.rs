@@ -18,12 +18,8 @@ pub(super) fn dead_zone(painter: &Painter, plot: &Plot, dead_zone_m: f64, option
 pub(super) fn draw(painter: &Painter, plot: &Plot, shown: &Shown<'_>, options: &ViewOptions) {
     let altitude_m = shown.bottom.map_or(f64::NAN, |bottom| bottom.altitude_m);
     for across_m in [-altitude_m, altitude_m] {
-        vertical(
-            painter,
-            plot,
-            across_m,
-            Stroke::new(1.0, theme::DEPTH_LINE_COLOUR),
-        );
+        let stroke = Stroke::new(1.0, theme::DEPTH_LINE_COLOUR);
+        vertical(painter, plot, across_m, stroke);
     }
     threshold(painter, plot, shown.threshold, options);
     for side in Side::BOTH {
@@ -41,17 +37,10 @@ fn threshold(painter: &Painter, plot: &Plot, level: f32, options: &ViewOptions) 
     let y = plot.y(level);
     let colour = theme::accent_colour(options.theme);
     let ends = [pos2(plot.area.left(), y), pos2(plot.area.right(), y)];
-    painter.extend(Shape::dashed_line(
-        &ends,
-        Stroke::new(1.5, colour),
-        6.0,
-        3.0,
-    ));
-    let galley = painter.layout_no_wrap(
-        format!("threshold {level:.2}"),
-        FontId::proportional(10.0),
-        colour,
-    );
+    let stroke = Stroke::new(1.5, colour);
+    painter.extend(Shape::dashed_line(&ends, stroke, 6.0, 3.0));
+    let (words, font) = (format!("threshold {level:.2}"), FontId::proportional(10.0));
+    let galley = painter.layout_no_wrap(words, font, colour);
     // Above the line, or below it where the plot ends; on a ground, since the curve runs through.
     let above = y - galley.size().y > plot.area.top();
     let anchor = if above {

@@ -87,40 +87,25 @@ impl ProfileView {
         let survey = context.app.log.survey.clone();
         let mark = context.app.view.hover.or(context.app.view.selection);
         let Some((survey, mark)) = survey.zip(mark) else {
-            empty(
-                &painter,
-                rect,
-                &response,
-                "move the pointer over the waterfall, or select a ping",
-            );
-            return;
+            let words = "move the pointer over the waterfall, or select a ping";
+            return empty(&painter, rect, &response, words);
         };
         let Some(shown) = shown(&survey, mark.ping, context) else {
-            empty(&painter, rect, &response, "no side-scan ping here");
-            return;
+            return empty(&painter, rect, &response, "no side-scan ping here");
         };
         let normalisation = self.scale.of(context, &survey);
         self.zoom_at(ui, &response);
         let plot = Plot::new(rect, far_m(&shown) / f64::from(self.zoom));
-        plot::axes(&painter, &plot, context.options());
-        marks::dead_zone(&painter, &plot, shown.dead_zone_m, context.options());
-        curve::draw(
-            &painter,
-            &plot,
-            &shown,
-            &normalisation,
-            context.options(),
-            &mut self.curves,
-        );
-        marks::draw(&painter, &plot, &shown, context.options());
+        let (options, curves) = (context.options(), &mut self.curves);
+        plot::axes(&painter, &plot, options);
+        marks::dead_zone(&painter, &plot, shown.dead_zone_m, options);
+        curve::draw(&painter, &plot, &shown, &normalisation, options, curves);
+        marks::draw(&painter, &plot, &shown, options);
         self.drag_threshold(ui, &response, &plot, context);
         self.hover(&response, &plot, &shown, context);
         response.widget_info(|| {
-            egui::WidgetInfo::labeled(
-                egui::Role::Image,
-                true,
-                accessible_name(&shown, context.units()),
-            )
+            let name = accessible_name(&shown, context.units());
+            egui::WidgetInfo::labeled(egui::Role::Image, true, name)
         });
     }
 
@@ -266,11 +251,9 @@ fn accessible_name(shown: &Shown<'_>, units: Units) -> String {
         format!("{} first return {range}", side.name())
     });
     let depth = shown.bottom.map_or_else(String::new, |bottom| {
-        format!(
-            ", bottom {} below transducer by {}",
-            units.measure(bottom.altitude_m, 2),
-            bottom.by.name()
-        )
+        let altitude = units.measure(bottom.altitude_m, 2);
+        let by = bottom.by.name();
+        format!(", bottom {altitude} below transducer by {by}")
     });
     let excluded = (shown.excluded.as_ref()).map_or_else(String::new, |why| format!(", {why}"));
     format!(

@@ -66,10 +66,8 @@ impl BottomPen {
         };
         for side in Side::BOTH {
             if side == stroke.side || app.view.options.waterfall.bottom_both_sides {
-                let points = stroke
-                    .path
-                    .iter()
-                    .map(|&[ping, range_m]| at(lens, side, ping, range_m));
+                let path = stroke.path.iter();
+                let points = path.map(|&[ping, range_m]| at(lens, side, ping, range_m));
                 let points: Vec<Pos2> = points.collect();
                 let line = Stroke::new(WIDTH, theme::HAND_COLOUR);
                 match stroke.ink {

@@ -70,8 +70,7 @@ impl Axis {
     fn settle(&mut self, from: f64, to: f64, points: f64, finest: f64) {
         let whole = (to - from) / points;
         if self.fitted || self.per_point >= whole.max(finest) {
-            self.fit(from, to, points);
-            return;
+            return self.fit(from, to, points);
         }
         self.per_point = self.per_point.clamp(finest.min(whole), whole.max(finest));
         let half = self.per_point * points / 2.0;

@@ -67,11 +67,8 @@ impl EchogramPart {
 
     /// Starts over with another log or channel.
     fn follow(&mut self, ctx: &egui::Context, app: &App) {
-        let chosen = app
-            .log
-            .survey
-            .as_ref()
-            .map(|survey| channel_of(app, survey));
+        let survey = app.log.survey.as_ref();
+        let chosen = survey.map(|survey| channel_of(app, survey));
         let (Some(channel), Some(survey)) = (chosen, &app.log.survey) else {
             self.shown = None;
             return;
@@ -271,12 +268,8 @@ impl Over<'_> {
         if let Some(text) = log.and_then(|log| marks::warning(log, options.units)) {
             labels.keep_clear(marks::banner(painter, lens.rect, &text));
         }
-        labels.write(
-            lens.rect.shrink(6.0).right_bottom(),
-            Align2::RIGHT_BOTTOM,
-            self.name,
-            INK,
-        );
+        let corner = lens.rect.shrink(6.0).right_bottom();
+        labels.write(corner, Align2::RIGHT_BOTTOM, self.name, INK);
         if let Some(lines) = &range_lines {
             lines.label(&mut labels, lens);
         }
@@ -329,11 +322,9 @@ fn point(
         }
     }
     let units = context.units();
-    let mut words = format!(
-        "ping {ping}  {}\n{} below the transducer",
-        text::clock(survey.start_unix_s, recorded.time_s),
-        units.measure(place.across_m.abs(), 2)
-    );
+    let clock = text::clock(survey.start_unix_s, recorded.time_s);
+    let depth = units.measure(place.across_m.abs(), 2);
+    let mut words = format!("ping {ping}  {clock}\n{depth} below the transducer");
     if let (Some(span), Some(samples)) = (
         survey.span(ping, Side::Starboard),
         survey.samples(ping, Side::Starboard),

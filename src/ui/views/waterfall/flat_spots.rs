@@ -46,10 +46,8 @@ pub(super) fn in_view(lens: &Lens, app: &App) -> Vec<Stretch> {
     };
     let used = calibration.flat_spot.iter();
     let used = used.filter_map(|spot| stretch(lens, &spot.pings, Kind::InUse, name.to_owned()));
-    let proposed = app
-        .log
-        .proposed_stretch()
-        .map(|pings| pings.start..pings.end);
+    let proposed = app.log.proposed_stretch();
+    let proposed = proposed.map(|pings| pings.start..pings.end);
     let proposed = proposed.and_then(|pings| {
         let name = "proposed for the scale".to_owned();
         stretch(lens, &pings, Kind::Proposed, name)

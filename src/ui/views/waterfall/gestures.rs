@@ -36,8 +36,7 @@ pub(super) fn apply(
 ) {
     let size = Size::of(response.rect.size(), arrangement.orientation);
     if response.double_clicked() && fits {
-        camera.fit(extent, size);
-        return;
+        return camera.fit(extent, size);
     }
     let space = response.hovered() && ui.input(|input| input.key_down(Key::Space));
     let held = (drag_moves && response.dragged_by(PointerButton::Primary))
@@ -50,13 +49,8 @@ pub(super) fn apply(
     let Some(pointer) = response.hover_pos() else {
         return;
     };
-    let (scroll, zoom, modifiers) = ui.input(|input| {
-        (
-            input.smooth_scroll_delta(),
-            f64::from(input.zoom_delta()),
-            input.modifiers,
-        )
-    });
+    let (scroll, modifiers) = ui.input(|input| (input.smooth_scroll_delta(), input.modifiers));
+    let zoom = f64::from(ui.input(|input| input.zoom_delta()));
     let offset = Lens::arranged(*camera, response.rect, arrangement).offset(pointer);
     let wheel = (f64::from(scroll.y) / WHEEL_POINTS).exp();
     let factor = match (modifiers.alt, modifiers.command) {

@@ -116,10 +116,8 @@ impl MeasureTool {
     /// The figure as it is: with the next corner while it is being drawn.
     fn shown(&self, app: &App) -> Option<Measurement> {
         let figure = &app.map.measuring.figure.as_deref()?.measurement;
-        let next = self
-            .next
-            .as_ref()
-            .filter(|_| app.map.measuring.is_drawing());
+        let next = self.next.as_ref();
+        let next = next.filter(|_| app.map.measuring.is_drawing());
         let at = figure.corners.last().copied();
         Some(match next.zip(at) {
             // Its place on the ground is not known before it is set; only the picture needs it until then.
@@ -153,10 +151,8 @@ fn on_screen<'a>(lens: &'a Lens, app: &App, figure: &'a Measurement) -> Vec<(usi
         return Vec::new();
     };
     let shown = Identity::of(survey);
-    let own = figure
-        .picks
-        .iter()
-        .filter(|(_, pick)| pick.log.is_same_log(&shown));
+    let picks = figure.picks.iter();
+    let own = picks.filter(|(_, pick)| pick.log.is_same_log(&shown));
     let at = |pick: &Pick| Place::of(pick.ping as f64 + 0.5, pick.side_in(survey), pick.slant_m);
     own.map(|(corner, pick)| (*corner, lens.screen_at(at(pick))))
         .collect()

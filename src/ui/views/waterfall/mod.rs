@@ -231,10 +231,8 @@ impl WaterfallView {
             return;
         }
         if self.cross.follow(ui, response, lens, context) {
-            let mark = self
-                .cross
-                .place()
-                .map(|place| pointer::mark_at(survey, place));
+            let place = self.cross.place();
+            let mark = place.map(|place| pointer::mark_at(survey, place));
             context.push(Command::Hover(mark.flatten()));
         }
     }
@@ -284,11 +282,9 @@ impl WaterfallView {
         }
         if is_other || turned {
             self.settled = false;
-            self.drawing = app
-                .log
-                .survey
-                .as_ref()
-                .map(|survey| Drawing::start(survey.clone(), app.view.survey_serial, ctx));
+            let survey = app.log.survey.as_ref();
+            self.drawing =
+                survey.map(|survey| Drawing::start(survey.clone(), app.view.survey_serial, ctx));
         }
         if let (Some(drawing), Some(survey)) = (&mut self.drawing, &app.log.survey) {
             drawing.follow(survey);

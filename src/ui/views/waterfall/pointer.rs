@@ -179,14 +179,8 @@ fn include_again(context: &mut ViewContext<'_>, ping: usize) {
 
 /// Metres that the boat moved from one ping to the next, over a hundred pings about this one.
 pub(super) fn metres_per_ping(app: &App, survey: &Survey, ping: usize) -> Option<f64> {
-    let speed_mps = app
-        .log
-        .products
-        .as_ref()?
-        .navigation
-        .pings
-        .get(ping)?
-        .speed_mps;
+    let pings = &app.log.products.as_ref()?.navigation.pings;
+    let speed_mps = pings.get(ping)?.speed_mps;
     let first = ping.saturating_sub(50);
     let last = (ping + 50).min(survey.side_scan.len().checked_sub(1)?);
     let time_s = |ping: usize| survey.side_scan.get(ping).map(|ping| ping.time_s);

@@ -128,9 +128,8 @@ fn in_slant_range(
     for side in Side::BOTH {
         let seen = lens.seen_of(side);
         let farthest = seen.end.min(far_m);
-        let spans: Vec<(usize, SideSpan)> = visible
-            .clone()
-            .step_by(step)
+        let pings = visible.clone().step_by(step);
+        let spans: Vec<(usize, SideSpan)> = pings
             .filter_map(|ping| Some((ping, *survey.span(ping, side)?)))
             .collect();
         // Also where no side was recorded in view, or its scale is damaged.
@@ -194,12 +193,8 @@ pub(super) fn geometry(labels: &mut Labels<'_>, lens: &Lens, stretch: Option<f64
         // There stands the name of the side, and what is done to its ranges.
         Orientation::Vertical => at - vec2(0.0, 2.0 * BELOW_SIDE),
     };
-    labels.write(
-        at,
-        Align2::LEFT_BOTTOM,
-        &format!("{across}{along}{flipped}"),
-        INK,
-    );
+    let words = format!("{across}{along}{flipped}");
+    labels.write(at, Align2::LEFT_BOTTOM, &words, INK);
 }
 
 /// What is done to the recorded ranges, below the name of the side where the picture ends.

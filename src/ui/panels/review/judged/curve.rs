@@ -109,10 +109,8 @@ fn shares(painter: &Painter, rect: Rect) -> Axes {
 /// The point of the curve nearest to a place.
 fn nearest<'a>(axes: &Axes, curve: &'a [CurvePoint], at: Pos2) -> Option<&'a CurvePoint> {
     let distance = |point: &CurvePoint| axes.at(point.recall, point.precision).distance_sq(at);
-    curve
-        .iter()
-        .filter(|point| point.recall.is_finite())
-        .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+    let drawn = curve.iter().filter(|point| point.recall.is_finite());
+    drawn.min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }
 
 fn draw(

@@ -36,15 +36,11 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     };
     section(ui, context, Section::new("Mistakes"), |ui, context| {
         let unsearched = comparison.unsearched();
-        let (counted, all) = (
-            comparison.counted(),
-            comparison.truth().objects.len() - unsearched,
-        );
-        let mut text = format!(
-            "Against {}: {}",
-            judging.source().unwrap_or_default(),
-            text::plural(counted, "object", "objects")
-        );
+        let counted = comparison.counted();
+        let all = comparison.truth().objects.len() - unsearched;
+        let source = judging.source().unwrap_or_default();
+        let objects = text::plural(counted, "object", "objects");
+        let mut text = format!("Against {source}: {objects}");
         if counted < all {
             text += &format!(", {} more are not visible and do not count", all - counted);
         }

@@ -20,10 +20,8 @@ pub(super) fn paint(painter: &Painter, scene: &Scene<'_>, app: &App, figure: &Me
     if figure.kind == MeasurementKind::Area && corners.len() > 2 {
         line.push(corners[0]);
     }
-    painter.add(Shape::line(
-        line.clone(),
-        Stroke::new(4.0, casing.gamma_multiply(0.7)),
-    ));
+    let around = Stroke::new(4.0, casing.gamma_multiply(0.7));
+    painter.add(Shape::line(line.clone(), around));
     painter.add(Shape::line(line, Stroke::new(2.0, colour)));
     for at in &corners {
         painter.circle(*at, 3.5, colour, Stroke::new(1.0, casing));
@@ -45,10 +43,7 @@ pub(super) fn cross(painter: &Painter, scene: &Scene<'_>, place: [f64; 2]) {
 /// The place that the pointer is at in the plot.
 pub(super) fn station(painter: &Painter, scene: &Scene<'_>, station: &Station) {
     let at = scene.at(station.place);
-    painter.circle_stroke(
-        at,
-        6.0,
-        Stroke::new(4.0, theme::canvas_colour(scene.options)),
-    );
+    let around = Stroke::new(4.0, theme::canvas_colour(scene.options));
+    painter.circle_stroke(at, 6.0, around);
     painter.circle_stroke(at, 6.0, Stroke::new(2.0, theme::HOVER_COLOUR));
 }

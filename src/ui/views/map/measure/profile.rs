@@ -31,10 +31,8 @@ pub(crate) fn split(whole: Rect, app: &App) -> (Rect, Option<Rect>) {
 pub(super) fn nearest(stations: &[Station], at_m: f64) -> Option<&Station> {
     let after = stations.partition_point(|station| station.distance_m < at_m);
     let about = [after.checked_sub(1), Some(after)];
-    let about = about
-        .into_iter()
-        .flatten()
-        .filter_map(|index| stations.get(index));
+    let about = about.into_iter().flatten();
+    let about = about.filter_map(|index| stations.get(index));
     about.min_by(|a, b| {
         (a.distance_m - at_m)
             .abs()
@@ -56,11 +54,8 @@ pub(super) fn ui(
     });
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 0.0, theme::canvas_colour(context.options()));
-    painter.hline(
-        rect.x_range(),
-        rect.top(),
-        ui.visuals().widgets.noninteractive.bg_stroke,
-    );
+    let edge = ui.visuals().widgets.noninteractive.bg_stroke;
+    painter.hline(rect.x_range(), rect.top(), edge);
     let (head, body) = rect.split_top_bottom_at_y(rect.top() + HEAD);
     let frame = ProfileTransform::new(body, stations);
     head_line(ui, context, head.shrink2(vec2(8.0, 2.0)), frame.as_ref());
@@ -68,13 +63,8 @@ pub(super) fn ui(
     let Some(frame) = frame else {
         let words = lack(line);
         let colour = ui.visuals().weak_text_color();
-        painter.text(
-            body.center(),
-            egui::Align2::CENTER_CENTER,
-            words,
-            FontId::proportional(12.0),
-            colour,
-        );
+        let (middle, font) = (egui::Align2::CENTER_CENTER, FontId::proportional(12.0));
+        painter.text(body.center(), middle, words, font, colour);
         response.widget_info(|| {
             WidgetInfo::labeled(Role::Image, true, format!("Depth profile, empty: {words}"))
         });
@@ -120,11 +110,9 @@ fn head_line(
                 let title = RichText::new("DEPTH PROFILE").size(12.0).strong();
                 ui.add(Label::new(title).selectable(false));
                 if let Some(frame) = frame {
-                    let figures = format!(
-                        "{}, ×{:.0} vertical",
-                        figures(line.map_or(&[], |line| &line.stations), units),
-                        frame.exaggeration()
-                    );
+                    let figures = figures(line.map_or(&[], |line| &line.stations), units);
+                    let factor = frame.exaggeration();
+                    let figures = format!("{figures}, ×{factor:.0} vertical");
                     ui.add(Label::new(RichText::new(figures).small()).truncate());
                 }
             });
@@ -186,11 +174,8 @@ fn curve(
     let colour = theme::MEASURE_COLOUR;
     for run in stations.split(|station| station.depth_m.is_none()) {
         let line: Vec<Pos2> = run.iter().filter_map(|station| frame.at(station)).collect();
-        painter.add(ground(
-            &line,
-            frame.area.bottom(),
-            colour.gamma_multiply(0.18),
-        ));
+        let fill = colour.gamma_multiply(0.18);
+        painter.add(ground(&line, frame.area.bottom(), fill));
         match line[..] {
             [] => {}
             [alone] => {

@@ -41,12 +41,8 @@ impl<'a> Missed<'a> {
 
     /// Draws its outline.
     pub(crate) fn draw(&self, painter: &Painter) {
-        outline::draw(
-            painter,
-            self.rect,
-            outline::Style::missed(),
-            self.is_selected,
-        );
+        let style = outline::Style::missed();
+        outline::draw(painter, self.rect, style, self.is_selected);
     }
 
     /// Writes `missed rock` below it, where the words of boxes are not.

@@ -122,13 +122,8 @@ impl Shown<'_> {
     pub(super) fn label(&self, labels: &mut Labels<'_>, review: &Review) {
         if self.rect.size().min_elem() >= LABELLED || self.is_selected {
             let at = self.rect.left_top() - vec2(0.0, 2.0);
-            let style = Style::of(self.one.state);
-            labels.write(
-                at,
-                Align2::LEFT_BOTTOM,
-                &caption(self.one, review),
-                style.colour,
-            );
+            let (caption, style) = (caption(self.one, review), Style::of(self.one.state));
+            labels.write(at, Align2::LEFT_BOTTOM, &caption, style.colour);
         }
     }
 }
@@ -154,21 +149,17 @@ pub(super) fn words(seen: &[Shown<'_>], missed: &[Missed<'_>], app: &App) -> Str
     let selected = app.log.reviewing.selected_box();
     let selected = selected.map_or_else(String::new, |one| {
         let caption = caption(one, &app.log.reviewing.review);
-        format!(
-            ", box {} selected: {caption}, {}",
-            one.id.0,
-            one.state.name()
-        )
+        let id = one.id.0;
+        let state = one.state.name();
+        format!(", box {id} selected: {caption}, {state}")
     });
     let missed = match missed.len() {
         0 => String::new(),
         count => format!(", {count} missed in view"),
     };
-    format!(
-        ", {} in view{missed}{selected}{}",
-        text::plural(seen.len(), "box", "boxes"),
-        tool_in_hand(app)
-    )
+    let boxes = text::plural(seen.len(), "box", "boxes");
+    let tool = tool_in_hand(app);
+    format!(", {boxes} in view{missed}{selected}{tool}")
 }
 
 fn tool_in_hand(app: &App) -> &'static str {

@@ -138,12 +138,8 @@ pub(crate) fn point(painter: &Painter, at: Pos2, style: Style, is_selected: bool
 /// The line between echo and shadow, with a handle in its middle while it can be dragged.
 pub(crate) fn border(painter: &Painter, line: [Pos2; 2], colour: Color32, has_handle: bool) {
     painter.line_segment(line, Stroke::new(3.0, RIM));
-    painter.extend(Shape::dashed_line(
-        &line,
-        Stroke::new(1.5, colour),
-        4.0,
-        3.0,
-    ));
+    let stroke = Stroke::new(1.5, colour);
+    painter.extend(Shape::dashed_line(&line, stroke, 4.0, 3.0));
     if has_handle {
         handle(painter, line[0].lerp(line[1], 0.5), colour);
     }
