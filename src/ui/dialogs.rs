@@ -248,15 +248,7 @@ impl Dialogs {
         if self.waiting.is_none() || ui.text_edit_focused() {
             return;
         }
-        ui.input_mut(|input| {
-            input.events.retain(|event| match event {
-                egui::Event::Text(text) => {
-                    self.typed += text;
-                    false
-                }
-                _ => true,
-            });
-        });
+        self.typed += &super::take_typed(ui);
     }
 
     /// Asks for a file or a folder that is there; one dialog at a time.

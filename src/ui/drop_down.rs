@@ -1,7 +1,8 @@
 //! Lists that drop down and obey the keyboard: arrow keys walk along the choices from the one in force, Return takes one, Escape leaves
 //! all as it is. A list that has the keyboard drops down with the arrow keys as well.
 
-use egui::{AsIdSalt, ComboBox, EventFilter, Id, IdSalt, Key, Popup, Response, Ui, WidgetText};
+use super::list_keys::keep_arrows;
+use egui::{AsIdSalt, ComboBox, Id, IdSalt, Key, Popup, Response, Ui, WidgetText};
 
 /// A list that drops down.
 pub(in crate::ui) struct DropDown {
@@ -74,6 +75,21 @@ impl DropDown {
         }
         shown.response
     }
+
+    /// Draws it with all values that there are to choose from.
+    pub(super) fn pick<T: Copy + PartialEq>(
+        self,
+        ui: &mut Ui,
+        value: &mut T,
+        all: impl IntoIterator<Item = T>,
+        name: impl Fn(T) -> &'static str,
+    ) -> Response {
+        self.show(ui, |choices| {
+            for one in all {
+                choices.value(value, one, name(one));
+            }
+        })
+    }
 }
 
 impl Choices<'_> {
@@ -112,13 +128,7 @@ fn drop_by_arrow(ui: &Ui, button: Id) {
     if !ctx.memory(|memory| memory.has_focus(button)) || ComboBox::is_open(ctx, button) {
         return;
     }
-    ctx.memory_mut(|memory| {
-        let arrows = EventFilter {
-            vertical_arrows: true,
-            ..EventFilter::default()
-        };
-        memory.set_focus_lock_filter(button, arrows);
-    });
+    keep_arrows(ctx, button, false, true);
     let is_pressed = |key| ctx.input_mut(|input| input.consume_key(Default::default(), key));
     if is_pressed(Key::ArrowDown) || is_pressed(Key::ArrowUp) {
         ctx.memory_mut(|memory| memory.move_focus(egui::FocusDirection::None));

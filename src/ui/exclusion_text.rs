@@ -43,10 +43,8 @@ pub(super) fn include_again(ui: &mut egui::Ui, stretch: &ExcludedStretch) -> boo
 
 /// How much of the log that is shown is excluded, behind a comma; empty where nothing is.
 pub(super) fn and_stretches(app: &App) -> String {
-    let count = app
-        .log
-        .exclusions()
-        .map_or(0, |found| found.exclusions.stretches.len());
+    let found = app.log.exclusions();
+    let count = found.map_or(0, |found| found.exclusions.stretches.len());
     match count {
         0 => String::new(),
         count => format!(", {} excluded", text::plural(count, "stretch", "stretches")),

@@ -1,7 +1,7 @@
 //! Lists obey the keyboard: while a row has it, the arrow keys walk along the rows, also to those that are scrolled out of sight, Home and
 //! End go to the ends, and Return presses the row.
 
-use egui::{AsIdSalt, FocusDirection, Id, Key, Modifiers, Response, ScrollArea, Ui};
+use egui::{AsIdSalt, EventFilter, FocusDirection, Id, Key, Modifiers, Response, ScrollArea, Ui};
 
 /// Rows that Page Up and Page Down pass.
 const PAGE: usize = 8;
@@ -19,7 +19,7 @@ impl ListKeys {
         let id = ui.scope_id().with(name);
         let known: Option<(usize, Id)> = ui.data(|data| data.get_temp(id));
         let here = known.filter(|(_, row)| ui.memory(|memory| memory.has_focus(*row)));
-        let next = here.and_then(|(here, _)| moved(ui, here, count.checked_sub(1)?));
+        let next = here.and_then(|(here, _)| moved(ui, Some(here), count.checked_sub(1)?, PAGE));
         if next.is_some() {
             // egui has seen the key too, and would walk to whatever lies there.
             ui.memory_mut(|memory| memory.move_focus(FocusDirection::None));
@@ -55,13 +55,30 @@ impl ListKeys {
     }
 }
 
-/// Where the keys of this frame walk from a row.
-fn moved(ui: &Ui, here: usize, last: usize) -> Option<usize> {
+/// Leaves the arrow keys to a control that has the keyboard: egui would walk to another one.
+pub(in crate::ui) fn keep_arrows(ctx: &egui::Context, control: Id, across: bool, upright: bool) {
+    let arrows = EventFilter {
+        horizontal_arrows: across,
+        vertical_arrows: upright,
+        ..EventFilter::default()
+    };
+    ctx.memory_mut(|memory| memory.set_focus_lock_filter(control, arrows));
+}
+
+/// Where the keys of this frame walk from a row; to the first one from none.
+pub(in crate::ui) fn moved(
+    ui: &Ui,
+    here: Option<usize>,
+    last: usize,
+    page: usize,
+) -> Option<usize> {
+    let back = |rows: usize| here.map_or(0, |here| here.saturating_sub(rows));
+    let on = |rows: usize| here.map_or(0, |here| here + rows);
     let keys = [
-        (Key::ArrowUp, here.saturating_sub(1)),
-        (Key::ArrowDown, here + 1),
-        (Key::PageUp, here.saturating_sub(PAGE)),
-        (Key::PageDown, here + PAGE),
+        (Key::ArrowUp, back(1)),
+        (Key::ArrowDown, on(1)),
+        (Key::PageUp, back(page)),
+        (Key::PageDown, on(page)),
         (Key::Home, 0),
         (Key::End, last),
     ];

@@ -24,8 +24,12 @@ mod window;
 pub(crate) use shell::{Alone, Shell};
 pub(crate) use window::open_window;
 
-use crate::app::{App, Command, View};
+use crate::app::{Action, App, Command, Mark, ThemeChoice, View, ViewOptions};
+use crate::pipeline::Settings;
 use crate::support::presentation::text;
+use crate::support::presentation::units::Units;
+use egui::{Event, Response, Ui, WidgetText};
+use render::Uploader;
 
 /// What a panel or view gets: the state to read, the list to push commands to.
 pub(crate) struct ViewContext<'a> {
@@ -39,10 +43,124 @@ pub(crate) struct ViewContext<'a> {
     pub commands: &'a mut Vec<Command>,
 }
 
-impl ViewContext<'_> {
+impl<'a> ViewContext<'a> {
     /// Pushes a command.
     pub(crate) fn push(&mut self, command: Command) {
         self.commands.push(command);
+    }
+
+    /// What fills buffers of the window's GPU.
+    pub(crate) fn uploader(&self) -> Option<Uploader> {
+        let state = self.render_state?;
+        Some(Uploader::new(&state.device, &state.queue))
+    }
+
+    /// What is shown, and how.
+    pub(crate) fn options(&self) -> &'a ViewOptions {
+        &self.app.view.options
+    }
+
+    /// The units in use.
+    pub(crate) fn units(&self) -> Units {
+        self.app.view.options.units
+    }
+
+    /// Light or dark.
+    pub(crate) fn theme(&self) -> ThemeChoice {
+        self.app.view.options.theme
+    }
+
+    /// Changes what is shown and how, where that differs from how it is.
+    pub(crate) fn show(&mut self, options: ViewOptions) {
+        if options != self.app.view.options {
+            self.push(Command::Show(Box::new(options)));
+        }
+    }
+
+    /// Changes the settings; undo names it by the label.
+    pub(crate) fn change(&mut self, label: &'static str, change: impl FnOnce(&mut Settings)) {
+        self.change_live(label, false, change);
+    }
+
+    /// Changes the settings; what is `live` goes on, and is one step with what follows.
+    pub(crate) fn change_live(
+        &mut self,
+        label: &'static str,
+        live: bool,
+        change: impl FnOnce(&mut Settings),
+    ) {
+        let mut settings = Box::new(Settings::clone(&self.app.log.settings));
+        change(&mut settings);
+        self.push(Command::Change {
+            settings,
+            label,
+            live,
+        });
+    }
+
+    /// Has a button do an action: what that does is said under the pointer.
+    pub(crate) fn button(&mut self, button: Response, action: Action) {
+        self.button_with_hint(button, action, action.hint());
+    }
+
+    /// The same where the button does not bear the name of the action.
+    pub(crate) fn named_button(&mut self, button: Response, action: Action) {
+        self.button(button.accessible_name(action.label()), action);
+    }
+
+    /// The same, and its key is said too.
+    pub(crate) fn keyed_button(&mut self, button: Response, action: Action) {
+        self.button_with_hint(button, action, hint_with_key(action));
+    }
+
+    /// Has a button do an action, with words of its own under the pointer.
+    pub(crate) fn button_with_hint(
+        &mut self,
+        button: Response,
+        action: Action,
+        hint: impl Into<WidgetText>,
+    ) {
+        if button.on_hover_text(hint).clicked() {
+            self.push(Command::Do(action));
+        }
+    }
+}
+
+/// The hover that a view has told the state: its own is the view's to take back.
+#[derive(Default)]
+pub(crate) struct OwnHover(bool);
+
+impl OwnHover {
+    /// Tells what the pointer is over now.
+    pub(crate) fn tell(&mut self, context: &mut ViewContext<'_>, hover: Option<Mark>) {
+        let ours = hover.is_some() || self.0;
+        if ours && context.app.view.hover != hover {
+            context.push(Command::Hover(hover));
+        }
+        self.0 = hover.is_some();
+    }
+}
+
+/// Takes what was typed in this frame: no field gets it.
+pub(crate) fn take_typed(ui: &Ui) -> String {
+    let mut typed = String::new();
+    ui.input_mut(|input| {
+        input.events.retain(|event| match event {
+            Event::Text(text) => {
+                typed += text;
+                false
+            }
+            _ => true,
+        });
+    });
+    typed
+}
+
+/// What an action does, and its key.
+pub(crate) fn hint_with_key(action: Action) -> String {
+    match action.keys() {
+        Some(keys) => format!("{} ({keys})", action.hint()),
+        None => action.hint().to_owned(),
     }
 }
 

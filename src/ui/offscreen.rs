@@ -1,5 +1,6 @@
 //! The window without a window: frames are drawn into a texture and read back, on a GPU or on lavapipe.
 
+use super::render::extent;
 use super::{Shell, into_texture};
 use crate::products::export::{ExportError, write_atomically};
 use crate::support::progress::{Cancelled, Progress};
@@ -98,9 +99,9 @@ impl Studio {
         pixels_per_point: f32,
         progress: &Progress,
     ) -> Result<RgbaImage, PictureError> {
-        let mut host = self.host(size, pixels_per_point)?;
-        host.settle(shell, STILL, progress)?;
-        host.read_back()
+        let mut reel = self.sized(size, pixels_per_point)?;
+        reel.settle(shell, STILL, progress)?;
+        reel.read_back()
     }
 
     /// Pictures of one size that follow each other.
@@ -108,39 +109,15 @@ impl Studio {
     /// # Errors
     /// As [`Studio::draw`].
     pub(crate) fn reel(&self, size: [u32; 2]) -> Result<Reel, PictureError> {
-        let host = self.host(size, 1.0)?;
-        Ok(Reel { host })
+        self.sized(size, 1.0)
     }
 
-    fn host(&self, size: [u32; 2], pixels_per_point: f32) -> Result<Host, PictureError> {
+    fn sized(&self, size: [u32; 2], pixels_per_point: f32) -> Result<Reel, PictureError> {
         let largest = self.gpu.device.limits().max_texture_dimension_2d;
         if size.iter().any(|side| *side == 0 || *side > largest) {
             return Err(PictureError::Size { size, largest });
         }
-        Ok(Host::new(self.gpu.clone(), size, pixels_per_point))
-    }
-}
-
-/// Draws pictures that follow each other, as of a film.
-pub(crate) struct Reel {
-    host: Host,
-}
-
-impl Reel {
-    /// The next picture, once everything in it is drawn.
-    ///
-    /// # Errors
-    /// As [`Studio::draw`].
-    pub(crate) fn draw(
-        &mut self,
-        shell: &mut Shell,
-        progress: &Progress,
-    ) -> Result<RgbaImage, PictureError> {
-        progress.check()?;
-        // Sizes have settled with the first one.
-        let still = if self.host.frames == 0 { STILL } else { 2 };
-        self.host.settle(shell, still, &Progress::new())?;
-        self.host.read_back()
+        Ok(Reel::new(self.gpu.clone(), size, pixels_per_point))
     }
 }
 
@@ -169,8 +146,8 @@ fn gpu() -> Result<RenderState, WgpuError> {
     block_on(created)
 }
 
-/// An egui context and the texture that it is drawn into.
-struct Host {
+/// Draws pictures that follow each other, as of a film: an egui context and the texture that it is drawn into.
+pub(crate) struct Reel {
     gpu: RenderState,
     ctx: egui::Context,
     target: wgpu::Texture,
@@ -179,7 +156,7 @@ struct Host {
     frames: u32,
 }
 
-impl Host {
+impl Reel {
     fn new(gpu: RenderState, size: [u32; 2], pixels_per_point: f32) -> Self {
         let ctx = egui::Context::default();
         ctx.all_styles_mut(|style| style.animation_time = 0.0);
@@ -201,6 +178,22 @@ impl Host {
             pixels_per_point,
             frames: 0,
         }
+    }
+
+    /// The next picture, once everything in it is drawn.
+    ///
+    /// # Errors
+    /// As [`Studio::draw`].
+    pub(crate) fn draw(
+        &mut self,
+        shell: &mut Shell,
+        progress: &Progress,
+    ) -> Result<RgbaImage, PictureError> {
+        progress.check()?;
+        // Sizes have settled with the first one.
+        let still = if self.frames == 0 { STILL } else { 2 };
+        self.settle(shell, still, &Progress::new())?;
+        self.read_back()
     }
 
     /// Draws frames until everything is computed and drawn at its final quality.
@@ -255,10 +248,8 @@ impl Host {
         let input = self.input();
         let gpu = self.gpu.clone();
         let output = self.ctx.run_ui(input, |ui| shell.frame(ui, Some(&gpu)));
-        let repaint = output
-            .viewport_output
-            .values()
-            .any(|viewport| viewport.repaint_delay.is_zero());
+        let mut viewports = output.viewport_output.values();
+        let repaint = viewports.any(|viewport| viewport.repaint_delay.is_zero());
         self.paint(output)?;
         Ok(repaint)
     }
@@ -322,14 +313,6 @@ fn opaque(pixels: &mut [u8], format: wgpu::TextureFormat) {
             pixel.swap(0, 2);
         }
         pixel[3] = 255;
-    }
-}
-
-fn extent([width, height]: [u32; 2]) -> wgpu::Extent3d {
-    wgpu::Extent3d {
-        width,
-        height,
-        depth_or_array_layers: 1,
     }
 }
 
@@ -431,31 +414,31 @@ mod tests {
         for pixels_per_point in [1.0, 1.25] {
             let size = [1000, 640].map(|side| (side as f32 * pixels_per_point) as u32);
             let gpu = gpu().unwrap();
-            let mut host = Host::new(gpu.clone(), size, pixels_per_point);
-            let mut whole = Host::new(gpu.clone(), size, pixels_per_point);
-            whole.ctx = host.ctx.clone();
+            let mut reel = Reel::new(gpu.clone(), size, pixels_per_point);
+            let mut whole = Reel::new(gpu.clone(), size, pixels_per_point);
+            whole.ctx = reel.ctx.clone();
             let painted = Arc::new(Mutex::new(Vec::new()));
-            host.ctx.add_plugin(Spy(painted.clone()));
-            host.ctx.add_plugin(IncrementalPainter::new(gpu.clone()));
+            reel.ctx.add_plugin(Spy(painted.clone()));
+            reel.ctx.add_plugin(IncrementalPainter::new(gpu.clone()));
             let mut shell = Shell::new(App::new(Jobs::Inline));
             shell.app.apply(Command::OpenDemo);
-            host.settle(&mut shell, 2, &Progress::new()).unwrap();
+            reel.settle(&mut shell, 2, &Progress::new()).unwrap();
             for (step, event) in work().into_iter().enumerate() {
                 if step == 8 {
                     shell.app.apply(Command::Do(Action::Theme));
                 }
-                let mut input = host.input();
+                let mut input = reel.input();
                 input.events.push(event.clone());
-                let output = host.ctx.run_ui(input, |ui| shell.frame(ui, Some(&gpu)));
+                let output = reel.ctx.run_ui(input, |ui| shell.frame(ui, Some(&gpu)));
                 assert_eq!(output.shapes.len(), 1, "one picture");
-                host.paint(output).unwrap();
+                reel.paint(output).unwrap();
                 let all = egui::FullOutput {
                     shapes: painted.lock().unwrap().clone(),
                     pixels_per_point,
                     ..Default::default()
                 };
                 whole.paint(all).unwrap();
-                let [part, whole] = [&host, &whole].map(|host| host.read_back().unwrap());
+                let [part, whole] = [&reel, &whole].map(|reel| reel.read_back().unwrap());
                 let differing = (part.enumerate_pixels().zip(whole.pixels()))
                     .find(|((_, _, part), whole)| part != whole);
                 assert_eq!(differing, None, "at {pixels_per_point} after {event:?}");

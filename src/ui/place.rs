@@ -14,6 +14,34 @@ pub(super) fn reduction(app: &App) -> Reduction<'_> {
     products.map_or_else(Reduction::default, Products::reduction)
 }
 
+/// Whether the shown log has a side-scan that is of use.
+pub(super) fn has_side_scan(app: &App) -> bool {
+    let survey = app.log.survey.as_ref();
+    survey.is_some_and(|survey| survey.has_side_scan())
+}
+
+/// Side-scan pings of the shown log.
+pub(super) fn ping_count(app: &App) -> usize {
+    let survey = app.log.survey.as_ref();
+    survey.map_or(0, |survey| survey.side_scan.len())
+}
+
+/// A range with the sign of its side: port is negative.
+pub(super) fn across_m(side: Side, range_m: f64) -> f64 {
+    match side {
+        Side::Port => -range_m,
+        Side::Starboard => range_m,
+    }
+}
+
+/// The side that a range with a sign lies on.
+pub(super) fn side_at(across_m: f64) -> Side {
+    match across_m < 0.0 {
+        true => Side::Port,
+        false => Side::Starboard,
+    }
+}
+
 /// Slant range of a mark, metres.
 pub(super) fn range_m(app: &App, mark: Mark) -> Option<f64> {
     let survey = app.log.survey.as_ref()?;
@@ -104,12 +132,10 @@ pub(super) fn depth(app: &App, ping: usize) -> String {
     bottom.map_or_else(
         || format!("{}, bottom lost", text::NONE),
         |bottom| {
-            format!(
-                "{} {}, {}",
-                app.view.options.units.measure(bottom.depth_m, 2),
-                reduction(app).reference().name(),
-                bottom.by.name()
-            )
+            let depth = app.view.options.units.measure(bottom.depth_m, 2);
+            let reference = reduction(app).reference().name();
+            let by = bottom.by.name();
+            format!("{depth} {reference}, {by}")
         },
     )
 }
@@ -163,11 +189,8 @@ pub(super) fn heading(app: &App, ping: usize) -> String {
 
 /// A position as the analyst wants to read it; UTM in the zone of the survey's first fix, as in the products.
 pub(super) fn written(app: &App, at: LonLat) -> String {
-    let start = app
-        .log
-        .survey
-        .as_ref()
-        .map(|survey| survey.track.frame.origin());
+    let survey = app.log.survey.as_ref();
+    let start = survey.map(|survey| survey.track.frame.origin());
     let zone = UtmZone::of(start.unwrap_or(at));
     app.view.options.coordinates.write(at, zone)
 }

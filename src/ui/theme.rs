@@ -5,6 +5,14 @@ use crate::detection::review::State;
 use crate::survey::Side;
 use egui::{Color32, CornerRadius, FontId, Stroke, TextStyle, Visuals};
 
+fn by_theme(theme: ThemeChoice, dark: [u8; 3], light: [u8; 3]) -> Color32 {
+    let [r, g, b] = match theme {
+        ThemeChoice::Dark => dark,
+        ThemeChoice::Light => light,
+    };
+    Color32::from_rgb(r, g, b)
+}
+
 /// Colour of a side's first return and points.
 pub(crate) fn side_colour(options: &ViewOptions, side: Side) -> Color32 {
     match (options.side_colours, side) {
@@ -17,16 +25,11 @@ pub(crate) fn side_colour(options: &ViewOptions, side: Side) -> Color32 {
 
 /// Colour of down-scan points: black as in the paper, white on dark.
 pub(crate) fn down_scan_colour(options: &ViewOptions) -> Color32 {
-    match options.theme {
-        ThemeChoice::Dark => Color32::from_rgb(235, 235, 235),
-        ThemeChoice::Light => Color32::from_rgb(20, 20, 20),
-    }
+    by_theme(options.theme, [235, 235, 235], [20, 20, 20])
 }
 
 /// Colour of points that the outlier filter would remove.
-pub(crate) fn outlier_colour() -> Color32 {
-    Color32::from_rgb(255, 190, 40)
-}
+pub(crate) const OUTLIER_COLOUR: Color32 = Color32::from_rgb(255, 190, 40);
 
 /// Boxes on the waterfall, which is dark or coloured in any theme.
 pub(crate) fn box_colour(state: State) -> Color32 {
@@ -50,55 +53,38 @@ pub(crate) fn box_colour_on_panel(theme: ThemeChoice, state: State) -> Color32 {
 }
 
 /// Objects that no box has found, on the waterfall.
-pub(crate) fn missed_colour() -> Color32 {
-    Color32::from_rgb(206, 130, 255)
-}
+pub(crate) const MISSED_COLOUR: Color32 = Color32::from_rgb(206, 130, 255);
 
 /// The same as words on a panel.
 pub(crate) fn missed_colour_on_panel(theme: ThemeChoice) -> Color32 {
     match theme {
-        ThemeChoice::Dark => missed_colour(),
+        ThemeChoice::Dark => MISSED_COLOUR,
         ThemeChoice::Light => Color32::from_rgb(122, 40, 176),
     }
 }
 
 /// What is inferred and not measured: the shape of an object.
-pub(crate) fn inferred_colour() -> Color32 {
-    Color32::from_rgb(255, 122, 46)
-}
+pub(crate) const INFERRED_COLOUR: Color32 = Color32::from_rgb(255, 122, 46);
 
 /// Background of waterfall, map and cloud.
 pub(crate) fn canvas_colour(options: &ViewOptions) -> Color32 {
-    match options.theme {
-        ThemeChoice::Dark => Color32::from_rgb(14, 17, 22),
-        ThemeChoice::Light => Color32::from_rgb(247, 247, 245),
-    }
+    by_theme(options.theme, [14, 17, 22], [247, 247, 245])
 }
 
 /// Cross-hairs of the place under the pointer in another view.
-pub(crate) fn hover_colour() -> Color32 {
-    Color32::from_rgb(255, 221, 87)
-}
+pub(crate) const HOVER_COLOUR: Color32 = Color32::from_rgb(255, 221, 87);
 
 /// Mark of the selection.
-pub(crate) fn selection_colour() -> Color32 {
-    Color32::from_rgb(90, 220, 220)
-}
+pub(crate) const SELECTION_COLOUR: Color32 = Color32::from_rgb(90, 220, 220);
 
 /// Text on waterfall, map and cloud.
 pub(crate) fn canvas_text_colour(options: &ViewOptions) -> Color32 {
-    match options.theme {
-        ThemeChoice::Dark => Color32::from_rgb(205, 210, 216),
-        ThemeChoice::Light => Color32::from_rgb(48, 52, 58),
-    }
+    by_theme(options.theme, [205, 210, 216], [48, 52, 58])
 }
 
 /// Grid lines on map and cloud.
 pub(crate) fn grid_colour(options: &ViewOptions) -> Color32 {
-    match options.theme {
-        ThemeChoice::Dark => Color32::from_rgb(42, 48, 56),
-        ThemeChoice::Light => Color32::from_rgb(218, 220, 220),
-    }
+    by_theme(options.theme, [42, 48, 56], [218, 220, 220])
 }
 
 /// Plates behind text that lies on a picture.
@@ -109,68 +95,46 @@ pub(crate) fn plate_colour(options: &ViewOptions) -> Color32 {
 
 /// Ranked flat stretches on the map.
 pub(crate) fn flat_spot_colour(options: &ViewOptions) -> Color32 {
-    match options.theme {
-        ThemeChoice::Dark => Color32::from_rgb(250, 250, 250),
-        ThemeChoice::Light => Color32::from_rgb(30, 30, 30),
-    }
+    by_theme(options.theme, [250, 250, 250], [30, 30, 30])
 }
 
 /// The stretch that the calibration was measured on.
-pub(crate) fn calibration_colour() -> Color32 {
-    Color32::from_rgb(255, 105, 180)
-}
+pub(crate) const CALIBRATION_COLOUR: Color32 = Color32::from_rgb(255, 105, 180);
 
 /// A stretch that is proposed for the calibration.
-pub(crate) fn proposal_colour() -> Color32 {
-    Color32::from_rgb(255, 196, 60)
-}
+pub(crate) const PROPOSAL_COLOUR: Color32 = Color32::from_rgb(255, 196, 60);
 
 /// The same on the ground of a panel.
 pub(crate) fn proposal_ink(options: &ViewOptions) -> Color32 {
     match options.theme {
-        ThemeChoice::Dark => proposal_colour(),
+        ThemeChoice::Dark => PROPOSAL_COLOUR,
         ThemeChoice::Light => Color32::from_rgb(176, 108, 0),
     }
 }
 
 /// What is under way or in force: numbers of steps, the focused view, progress.
 pub(crate) fn accent_colour(theme: ThemeChoice) -> Color32 {
-    match theme {
-        ThemeChoice::Dark => Color32::from_rgb(72, 176, 176),
-        ThemeChoice::Light => Color32::from_rgb(14, 120, 124),
-    }
+    by_theme(theme, [72, 176, 176], [14, 120, 124])
 }
 
 /// A result that is older than its settings, and warnings.
 pub(crate) fn stale_colour(theme: ThemeChoice) -> Color32 {
-    match theme {
-        ThemeChoice::Dark => Color32::from_rgb(226, 168, 62),
-        ThemeChoice::Light => Color32::from_rgb(166, 104, 0),
-    }
+    by_theme(theme, [226, 168, 62], [166, 104, 0])
 }
 
 /// Something could not be done.
 pub(crate) fn error_colour(theme: ThemeChoice) -> Color32 {
-    match theme {
-        ThemeChoice::Dark => Color32::from_rgb(240, 112, 100),
-        ThemeChoice::Light => Color32::from_rgb(186, 40, 30),
-    }
+    by_theme(theme, [240, 112, 100], [186, 40, 30])
 }
 
 /// Curve of the recorded depth in the time line.
 pub(crate) fn depth_strip_colour(theme: ThemeChoice) -> Color32 {
-    match theme {
-        ThemeChoice::Dark => Color32::from_rgb(96, 150, 190),
-        ThemeChoice::Light => Color32::from_rgb(58, 112, 156),
-    }
+    by_theme(theme, [96, 150, 190], [58, 112, 156])
 }
 
 /// Curve of the speed in the time line.
 pub(crate) fn speed_strip_colour(theme: ThemeChoice) -> Color32 {
-    match theme {
-        ThemeChoice::Dark => Color32::from_rgb(134, 150, 110),
-        ThemeChoice::Light => Color32::from_rgb(98, 118, 66),
-    }
+    by_theme(theme, [134, 150, 110], [98, 118, 66])
 }
 
 /// Width of the panels left and right of the views, points.
@@ -320,9 +284,7 @@ pub(crate) fn excluded_colour(options: &ViewOptions) -> Color32 {
 }
 
 /// What is drawn on the map to measure, set off by a casing.
-pub(crate) fn measure_colour() -> Color32 {
-    Color32::from_rgb(255, 150, 50)
-}
+pub(crate) const MEASURE_COLOUR: Color32 = Color32::from_rgb(255, 150, 50);
 
 /// Curves, axes and numbers of the profile.
 pub(crate) fn plot_ink(options: &ViewOptions) -> Color32 {
@@ -333,14 +295,10 @@ pub(crate) fn plot_ink(options: &ViewOptions) -> Color32 {
 }
 
 /// Bottom edits, in the waterfall.
-pub(crate) fn hand_colour() -> Color32 {
-    Color32::from_rgb(120, 255, 140)
-}
+pub(crate) const HAND_COLOUR: Color32 = Color32::from_rgb(120, 255, 140);
 
 /// The depth that the recorder itself found, on waterfall and profile.
-pub(crate) fn depth_line_colour() -> Color32 {
-    Color32::from_rgb(225, 200, 60)
-}
+pub(crate) const DEPTH_LINE_COLOUR: Color32 = Color32::from_rgb(225, 200, 60);
 
 /// Makes a menu as wide as its longest entry: where it opens there may be less room, and words would be broken.
 pub(crate) fn whole_words(ui: &mut egui::Ui) {

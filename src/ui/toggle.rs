@@ -11,12 +11,8 @@ pub(super) fn switch(ui: &mut Ui, on: &mut bool, name: &str) -> Response {
     // Room for the slot, in spaces of the font: the button then has its size by itself.
     let font = egui::TextStyle::Small.resolve(ui.style());
     let colour = egui::Color32::PLACEHOLDER;
-    let space = ui
-        .painter()
-        .layout_no_wrap("    ".to_owned(), font, colour)
-        .size()
-        .x
-        / 4.0;
+    let spaces = ui.painter().layout_no_wrap("    ".to_owned(), font, colour);
+    let space = spaces.size().x / 4.0;
     let room = " ".repeat((SLOT.x / space.max(1.0)).ceil() as usize + 1);
     let text = egui::RichText::new(format!("{room}{name}")).small();
     let button = ui.add(Button::new(text));
@@ -37,11 +33,8 @@ pub(super) fn switch(ui: &mut Ui, on: &mut bool, name: &str) -> Response {
             painter.circle_filled(knob(slot.right() - reach), reach - 1.0, ink);
         }
         false => {
-            painter.circle_stroke(
-                knob(slot.left() + reach),
-                reach - 2.5,
-                Stroke::new(1.2, ink),
-            );
+            let (at, stroke) = (knob(slot.left() + reach), Stroke::new(1.2, ink));
+            painter.circle_stroke(at, reach - 2.5, stroke);
         }
     }
     painter.rect_stroke(slot, reach, Stroke::new(1.0, ink), StrokeKind::Inside);

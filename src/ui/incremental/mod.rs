@@ -9,6 +9,7 @@ mod changes;
 
 use super::flat::{self, Picture};
 use super::into_texture;
+use super::render::extent;
 use changes::{changed, covered};
 use eframe::egui_wgpu::{RenderState, ScreenDescriptor};
 use egui::epaint::{ClippedShape, ImageDelta};
@@ -101,15 +102,10 @@ impl Ground {
 
 impl Kept {
     fn new(gpu: &RenderState, ground: Ground) -> Self {
-        let [width, height] = ground.size;
         let as_stored = gpu.target_format.remove_srgb_suffix();
         let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: Some("window"),
-            size: wgpu::Extent3d {
-                width,
-                height,
-                depth_or_array_layers: 1,
-            },
+            size: extent(ground.size),
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,

@@ -18,49 +18,39 @@ pub(super) const SAME_PING_HINT: &str = "Elevation of side-scan points minus tha
 
 /// Its figures.
 pub(super) fn same_ping(residuals: &Residuals, units: Units) -> String {
-    format!(
-        "{} · p95 {}",
-        units.signed_difference(residuals.median_m),
-        units.difference(residuals.p95_m)
-    )
+    let median = units.signed_difference(residuals.median_m);
+    let p95 = units.difference(residuals.p95_m);
+    format!("{median} · p95 {p95}")
 }
 
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let heading = Section {
-        number: Some(3),
-        title: "Cloud",
-        stage: Some(Stage::Cloud),
-    };
-    section(ui, context, &heading, |ui, context| {
-        if let (Some(products), Some(figures)) =
-            (&context.app.log.products, &context.app.log.figures)
-        {
-            found(ui, products, figures, context.app.view.options.units);
-        }
-        controls(ui, context);
-    });
+    section(
+        ui,
+        context,
+        Section::new("Cloud").step(3).of(Stage::Cloud),
+        |ui, context| {
+            if let (Some(products), Some(figures)) =
+                (&context.app.log.products, &context.app.log.figures)
+            {
+                found(ui, products, figures, context.units());
+            }
+            controls(ui, context);
+        },
+    );
 }
 
 fn found(ui: &mut Ui, products: &Products, figures: &Figures, units: Units) {
-    fact(
-        ui,
-        "Points",
-        "All points of the cloud, and how many of them are side-scan points; the others are soundings.",
-        format!(
-            "{} · {} side-scan",
-            text::count(figures.classes.all()),
-            text::count(figures.classes.side_scan)
-        ),
-    );
+    let hint = "All points of the cloud, and how many of them are side-scan points; the others are soundings.";
+    let all = text::count(figures.classes.all());
+    let side_scan = text::count(figures.classes.side_scan);
+    let value = format!("{all} · {side_scan} side-scan");
+    fact(ui, "Points", hint, value);
     let zero = products.navigation.zero_heading;
     let share = 100.0 * zero as f64 / products.navigation.pings.len().max(1) as f64;
-    fact(
-        ui,
-        "No heading",
-        "Pings without a heading give no side-scan point.",
-        format!("{} ({share:.1} %)", text::plural(zero, "ping", "pings")),
-    );
+    let hint = "Pings without a heading give no side-scan point.";
+    let value = format!("{} ({share:.1} %)", text::plural(zero, "ping", "pings"));
+    fact(ui, "No heading", hint, value);
     if let Some(residuals) = figures.residuals {
         fact(ui, SAME_PING, SAME_PING_HINT, same_ping(&residuals, units));
     }

@@ -17,47 +17,43 @@ const ROWS: f32 = 7.0;
 
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let heading = Section {
-        number: None,
-        title: "Excluded",
-        stage: Some(Stage::Calibration),
-    };
-    section(ui, context, &heading, |ui, context| {
-        tool(ui, context);
-        for row in [&rows::MAX_TURN, &rows::MIN_SPEED] {
-            setting(ui, context, row);
-        }
-        let settings = &context.app.log.settings.excluded;
-        if settings.max_turn_deg_s.is_some() || settings.min_speed_mps.is_some() {
-            setting(ui, context, &rows::MIN_DURATION);
-        }
-        let Some(found) = context.app.log.exclusions().cloned() else {
-            return;
-        };
-        for text in &found.exclusions.warnings {
-            warning(ui, context, &context.app.view.options.units.sentence(text));
-        }
-        counts(ui, context, &found);
-        list(ui, context, &found);
-        kept(ui, context);
-    });
+    section(
+        ui,
+        context,
+        Section::new("Excluded").of(Stage::Calibration),
+        |ui, context| {
+            tool(ui, context);
+            for row in [&rows::MAX_TURN, &rows::MIN_SPEED] {
+                setting(ui, context, row);
+            }
+            let settings = &context.app.log.settings.excluded;
+            if settings.max_turn_deg_s.is_some() || settings.min_speed_mps.is_some() {
+                setting(ui, context, &rows::MIN_DURATION);
+            }
+            let Some(found) = context.app.log.exclusions().cloned() else {
+                return;
+            };
+            for text in &found.exclusions.warnings {
+                warning(ui, context, &context.units().sentence(text));
+            }
+            counts(ui, context, &found);
+            list(ui, context, &found);
+            kept(ui, context);
+        },
+    );
 }
 
 fn tool(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let action = Action::Exclude;
     let holds = context.app.log.reviewing.tool == Tool::Exclude;
     let button = ui.add(Button::new("Exclude stretches").selected(holds));
-    let hint = format!("{} ({})", action.hint(), action.keys().unwrap_or_default());
-    let button = button.accessible_name(action.label()).on_hover_text(hint);
-    if button.clicked() {
-        context.push(Command::Do(action));
-    }
+    context.keyed_button(button.accessible_name(action.label()), action);
 }
 
 /// How much is excluded, for each reason and of all logs.
 fn counts(ui: &mut Ui, context: &ViewContext<'_>, found: &FoundExclusions) {
     use ExclusionReason::{Bad, Drawn, Stop, Turn};
-    let units = context.app.view.options.units;
+    let units = context.units();
     if found.exclusions.is_empty() {
         return remark(ui, "No part of this log is excluded.");
     }
@@ -70,10 +66,8 @@ fn counts(ui: &mut Ui, context: &ViewContext<'_>, found: &FoundExclusions) {
         let extent = found.extent(Some(reason));
         if extent.stretches > 0 {
             let what = text::plural(extent.stretches, one, many);
-            ui.label(format!(
-                "{what}: {}",
-                exclusion_text::extent(&extent, units)
-            ));
+            let extent = exclusion_text::extent(&extent, units);
+            ui.label(format!("{what}: {extent}"));
         }
     }
     let others = context.app.visible_logs().filter_map(OpenLog::exclusions);
@@ -102,7 +96,7 @@ fn list(ui: &mut Ui, context: &mut ViewContext<'_>, found: &FoundExclusions) {
         .show_rows(ui, ROW, stretches.len(), |ui, range| {
             let first = range.start;
             for (index, (stretch, length_m)) in stretches[range].iter().enumerate() {
-                let way = context.app.view.options.units.way(*length_m);
+                let way = context.units().way(*length_m);
                 let part = stretch.part();
                 let where_at = place(&survey, part);
                 let label = format!("{}  {where_at}  {way}", stretch.reason.name());
@@ -126,10 +120,8 @@ fn kept(ui: &mut Ui, context: &mut ViewContext<'_>) {
         (Some(pings), _) => Some(LogPart::Pings(pings)),
         (None, time_s) => time_s.map(LogPart::Time),
     };
-    let kept: Vec<LogPart> = stretches
-        .filter(|stretch| stretch.reason.is_none())
-        .filter_map(part)
-        .collect();
+    let kept = stretches.filter(|stretch| stretch.reason.is_none());
+    let kept: Vec<LogPart> = kept.filter_map(part).collect();
     for part in kept {
         let where_at = place(&survey, part);
         let label = format!("kept  {where_at}");
@@ -156,11 +148,8 @@ fn row(
                 context.push(Command::Exclude { log, part, edit });
             }
             let row = ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                let is_here = context
-                    .app
-                    .view
-                    .selection
-                    .is_some_and(|mark| holds(part, mark));
+                let selection = context.app.view.selection;
+                let is_here = selection.is_some_and(|mark| holds(part, mark));
                 let label = ui.add(Button::selectable(is_here, label).truncate());
                 let label = label.accessible_name(format!("Stretch {name}"));
                 let label = label.on_hover_text("Shows it in all views.");

@@ -11,32 +11,27 @@ use egui::Ui;
 
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let heading = Section {
-        number: None,
-        title: "Position",
-        stage: Some(Stage::Navigation),
-    };
-    section(ui, context, &heading, |ui, context| {
-        let path = context.app.log.settings.track.file.clone();
-        parts::file(
-            ui,
-            context,
-            &rows::TRACK_FILE,
-            path.as_deref(),
-            [Action::OpenTrack, Action::RemoveTrack],
-        );
-        match path {
-            Some(_) => clock(ui, context),
-            None => remark(ui, "Positions are those of the recorder."),
-        }
-        for row in [&rows::SHIFT_EAST, &rows::SHIFT_NORTH] {
-            setting(ui, context, row);
-        }
-        // Of several logs they are compared where the logs are listed.
-        if context.app.log_count() == 1 {
-            positions::ui(ui, context);
-        }
-    });
+    section(
+        ui,
+        context,
+        Section::new("Position").of(Stage::Navigation),
+        |ui, context| {
+            let path = context.app.log.settings.track.file.clone();
+            let actions = [Action::OpenTrack, Action::RemoveTrack];
+            parts::file(ui, context, &rows::TRACK_FILE, path.as_deref(), actions);
+            match path {
+                Some(_) => clock(ui, context),
+                None => remark(ui, "Positions are those of the recorder."),
+            }
+            for row in [&rows::SHIFT_EAST, &rows::SHIFT_NORTH] {
+                setting(ui, context, row);
+            }
+            // Of several logs they are compared where the logs are listed.
+            if context.app.log_count() == 1 {
+                positions::ui(ui, context);
+            }
+        },
+    );
 }
 
 /// The offset of the clock, and what it does to the distance between the tracks.
@@ -46,10 +41,8 @@ fn clock(ui: &mut Ui, context: &mut ViewContext<'_>) {
     if !apart.pairs.is_empty() {
         let hint = "Median distance between the positions of recorder and receiver at the same times: \
                     smallest where their clocks agree.";
-        let text = format!(
-            "{} from the recorder's",
-            context.app.view.options.units.measure(apart.median_m, 2)
-        );
+        let apart = context.units().measure(apart.median_m, 2);
+        let text = format!("{apart} from the recorder's");
         fact(ui, "Lies", hint, text);
     }
     remark(

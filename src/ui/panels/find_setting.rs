@@ -147,6 +147,12 @@ pub(crate) static CONTROLS: &[(Place, &[&Row])] = &[
     ),
 ];
 
+/// The settings that have their controls in a place.
+pub(crate) fn rows_in(place: Place) -> impl Iterator<Item = &'static Row> {
+    let here = CONTROLS.iter().filter(move |(other, _)| *other == place);
+    here.flat_map(|(_, rows)| rows.iter().copied())
+}
+
 /// Where the control of a setting is.
 pub(crate) fn place_of(key: &str) -> Option<Place> {
     let holds = |(_, rows): &&(Place, &[&Row])| rows.iter().any(|row| row.key == key);
@@ -188,7 +194,7 @@ pub(crate) fn answer(ui: &Ui, context: &ViewContext<'_>, key: &str, control: &Re
     }
     let is_marked = ctx.data(|data| data.get_temp(marked_id()) == Some(key.to_owned()));
     if is_marked && (control.has_focus() || control.gained_focus()) {
-        let stroke = Stroke::new(1.5, theme::accent_colour(context.app.view.options.theme));
+        let stroke = Stroke::new(1.5, theme::accent_colour(context.theme()));
         let frame = control.rect.expand(2.0);
         ui.painter()
             .rect_stroke(frame, 3.0, stroke, StrokeKind::Outside);

@@ -2,41 +2,33 @@
 
 mod above_bottom;
 
-use super::parts::{self, setting};
+use super::parts;
 use super::section::{Section, section};
-use crate::app::{Action, Command, Tool};
+use crate::app::{Action, Tool};
 use crate::bottom::cloud::PointClass;
 use crate::pipeline::Stage;
-use crate::pipeline::settings::rows;
 use crate::survey::Side;
-use crate::ui::{ViewContext, text, theme, toggle};
-use egui::{Button, Response, RichText, Ui};
+use crate::ui::{ViewContext, place, text, theme, toggle};
+use egui::{Button, RichText, Ui};
+
+/// Title of the section.
+const TITLE: &str = "First return";
 
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let heading = Section {
-        number: Some(1),
-        title: "First return",
-        stage: Some(Stage::FirstReturn),
-    };
-    section(ui, context, &heading, |ui, context| {
-        if !has_side_scan(context) {
-            parts::remark(ui, "This log has no side-scan.");
-            return;
-        }
-        found(ui, context);
-        controls(ui, context);
-        bottom_edits(ui, context);
-    });
-}
-
-fn has_side_scan(context: &ViewContext<'_>) -> bool {
-    context
-        .app
-        .log
-        .survey
-        .as_ref()
-        .is_some_and(|survey| survey.has_side_scan())
+    section(
+        ui,
+        context,
+        Section::new(TITLE).step(1).of(Stage::FirstReturn),
+        |ui, context| {
+            if !place::has_side_scan(context.app) {
+                return parts::remark(ui, "This log has no side-scan.");
+            }
+            found(ui, context);
+            parts::settings_of(ui, context, TITLE);
+            bottom_edits(ui, context);
+        },
+    );
 }
 
 fn found(ui: &mut Ui, context: &mut ViewContext<'_>) {
@@ -52,7 +44,7 @@ fn found(ui: &mut Ui, context: &mut ViewContext<'_>) {
         return;
     };
     // A preview may hold the visible pings only; the counts are those of the whole log.
-    let options = &context.app.view.options;
+    let options = context.options();
     let pings = products.returns.port.len().max(1);
     let hint = |side: &str, found: usize| {
         let share = 100.0 * found as f64 / pings as f64;
@@ -77,7 +69,7 @@ fn found(ui: &mut Ui, context: &mut ViewContext<'_>) {
             .on_hover_text(format!("{share:.1} % of all first returns are below the minimum confidence; neither cloud nor map uses them."));
     }
     for text in &products.bottom_line.warnings {
-        parts::warning(ui, context, &context.app.view.options.units.sentence(text));
+        parts::warning(ui, context, &context.units().sentence(text));
     }
 }
 
@@ -86,19 +78,14 @@ fn bottom_edits(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let app = context.app;
     let bottom = &app.log.settings.bottom;
     let (drawn, accepted) = (bottom.ping_count(), bottom.accepted_count());
-    let mut requested = None;
     ui.horizontal(|ui| {
         let holds = app.log.reviewing.tool == Tool::Bottom;
         let mut both = app.view.options.waterfall.bottom_both_sides;
         let pen = Button::new("Draw bottom").selected(holds);
-        let pen = action(toggle::underline(ui, holds, pen), Action::DrawBottom);
-        let sides = action(
-            ui.checkbox(&mut both, "Both sides"),
-            Action::BottomBothSides,
-        );
-        requested = [(pen, Action::DrawBottom), (sides, Action::BottomBothSides)]
-            .into_iter()
-            .find_map(|(response, action)| response.clicked().then_some(action));
+        let pen = toggle::underline(ui, holds, pen);
+        context.named_button(pen, Action::DrawBottom);
+        let sides = ui.checkbox(&mut both, "Both sides");
+        context.named_button(sides, Action::BottomBothSides);
     });
     if drawn + accepted > 0 {
         ui.horizontal_wrapped(|ui| {
@@ -111,32 +98,7 @@ fn bottom_edits(ui: &mut Ui, context: &mut ViewContext<'_>) {
                 ui.label(format!("{pings} accepted as bottom"))
                     .on_hover_text("Pings whose first return counts as bottom where it was found, both sides counted.");
             }
-            if action(ui.button("Forget"), Action::ForgetBottom).clicked() {
-                requested = Some(Action::ForgetBottom);
-            }
+            context.named_button(ui.button("Forget"), Action::ForgetBottom);
         });
-    }
-    if let Some(action) = requested {
-        context.push(Command::Do(action));
-    }
-}
-
-fn action(response: Response, action: Action) -> Response {
-    response
-        .accessible_name(action.label())
-        .on_hover_text(action.hint())
-}
-
-fn controls(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    for row in [
-        &rows::METHOD,
-        &rows::SAMPLES,
-        &rows::THRESHOLD,
-        &rows::DEAD_ZONE,
-        &rows::ABOVE_BOTTOM_MARGIN,
-        &rows::MIN_CONFIDENCE,
-        &rows::BOTTOM_LINE,
-    ] {
-        setting(ui, context, row);
     }
 }

@@ -1,6 +1,6 @@
 //! The list of open logs: which one is shown, which take part, in which order, and how their heights stand to each other.
 
-use super::parts::{fact, name_of, press, press_short, remark, warning};
+use super::parts::{self, fact, name_of, press, press_short, remark, warning};
 use super::positions;
 use super::section::{Section, section};
 use crate::app::{Action, App, Command, OpenLog};
@@ -11,12 +11,7 @@ use egui::{Button, Color32, RichText, Sense, Ui};
 
 /// Draws the section while a log is open.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let heading = Section {
-        number: None,
-        title: "Logs",
-        stage: None,
-    };
-    section(ui, context, &heading, |ui, context| {
+    section(ui, context, Section::new("Logs"), |ui, context| {
         let app = context.app;
         let last = app.log_count().saturating_sub(1);
         let keys = ListKeys::read(ui, "logs", app.log_count());
@@ -43,13 +38,8 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 fn add(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let action = Action::AddLog;
-    let keys = action.keys().unwrap_or_default();
-    let button = Button::new(action.label()).small();
-    let hint = format!("{} ({keys})", action.hint());
-    if ui.add(button).on_hover_text(hint).clicked() {
-        context.push(Command::Do(action));
-    }
+    let button = ui.add(Button::new(Action::AddLog.label()).small());
+    context.keyed_button(button, Action::AddLog);
 }
 
 /// One log; what was asked for on its row.
@@ -70,11 +60,8 @@ fn row(
     ui.horizontal(|ui| {
         let mut visible = log.is_visible;
         let tick = ui.checkbox(&mut visible, "");
-        let tick = accessible(
-            tick,
-            egui::Role::CheckBox,
-            &format!("Show {name} on the map"),
-        );
+        let shows = format!("Show {name} on the map");
+        let tick = accessible(tick, egui::Role::CheckBox, &shows);
         let hint = "Uses this log in map, cloud, depth map, mosaic and products.";
         ask(
             tick.on_hover_text(hint).changed(),
@@ -102,10 +89,8 @@ fn row(
             if app.is_processing(id) {
                 ui.add(egui::Spinner::new().size(12.0));
             }
-            let warnings = log
-                .survey
-                .as_ref()
-                .map_or(0, |survey| survey.warnings.len());
+            let survey = log.survey.as_ref();
+            let warnings = survey.map_or(0, |survey| survey.warnings.len());
             if warnings > 0 {
                 let colour = theme::stale_colour(app.view.options.theme);
                 ui.colored_label(colour, "!")
@@ -138,12 +123,8 @@ fn describe(ui: &mut Ui, log: &OpenLog, units: Units) {
     };
     if let Some(start) = survey.start_unix_s {
         let day = crate::support::calendar::date(start);
-        fact(
-            ui,
-            "Start, UTC",
-            "",
-            format!("{day} {}", text::clock(Some(start), 0.0)),
-        );
+        let value = format!("{day} {}", text::clock(Some(start), 0.0));
+        fact(ui, "Start, UTC", "", value);
     }
     let length = survey
         .time_span_s()
@@ -170,6 +151,16 @@ fn describe(ui: &mut Ui, log: &OpenLog, units: Units) {
     }
 }
 
+const HEIGHTS: [(&str, &str); 4] = [
+    ("Log", ""),
+    (
+        "offset",
+        "How much deeper the depths of the log are than those of all logs.",
+    ),
+    ("±", "Standard error of the offset."),
+    ("crossings", "Crossings of its track with other tracks."),
+];
+
 /// Height differences between the logs, where their tracks meet.
 fn heights(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let app = context.app;
@@ -185,39 +176,22 @@ fn heights(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let Some(found) = app.height_offsets() else {
         return;
     };
-    egui::Grid::new("height offsets")
-        .num_columns(4)
-        .spacing([8.0, 2.0])
-        .striped(true)
-        .show(ui, |ui| {
-            for (title, hint) in [
-                ("Log", ""),
-                (
-                    "offset",
-                    "How much deeper the depths of the log are than those of all logs.",
+    parts::table(ui, "height offsets", &HEIGHTS, |ui| {
+        for (id, offset) in found.logs() {
+            ui.add(egui::Label::new(RichText::new(name_of(app, id)).small()).truncate());
+            let (value, error) = match offset.log_overlaps {
+                0 => (text::NONE.to_owned(), text::NONE.to_owned()),
+                _ => (
+                    app.view.options.units.signed(offset.offset_m, 3),
+                    app.view.options.units.spread(offset.standard_error_m, 3),
                 ),
-                ("±", "Standard error of the offset."),
-                ("crossings", "Crossings of its track with other tracks."),
-            ] {
-                ui.label(RichText::new(title).small().strong())
-                    .on_hover_text(hint);
-            }
+            };
+            ui.label(RichText::new(value).small());
+            ui.label(RichText::new(error).small());
+            ui.label(RichText::new(offset.log_overlaps.to_string()).small());
             ui.end_row();
-            for (id, offset) in found.logs() {
-                ui.add(egui::Label::new(RichText::new(name_of(app, id)).small()).truncate());
-                let (value, error) = match offset.log_overlaps {
-                    0 => (text::NONE.to_owned(), text::NONE.to_owned()),
-                    _ => (
-                        app.view.options.units.signed(offset.offset_m, 3),
-                        app.view.options.units.spread(offset.standard_error_m, 3),
-                    ),
-                };
-                ui.label(RichText::new(value).small());
-                ui.label(RichText::new(error).small());
-                ui.label(RichText::new(offset.log_overlaps.to_string()).small());
-                ui.end_row();
-            }
-        });
+        }
+    });
     if found.groups() > 1 {
         remark(
             ui,

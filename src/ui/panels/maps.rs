@@ -1,71 +1,47 @@
 //! How depth map, isobaths and mosaic are made: on the map and in the files.
 
-use super::parts::{self, fact, setting};
+use super::parts::{self, fact};
 use super::section::{Section, section};
-use crate::app::{Action, Command, MapLayer};
+use crate::app::{Action, MapLayer};
 use crate::bottom::bathymetry::{FromLevels, LevelsRefused};
 use crate::pipeline::settings::rows;
 use crate::support::presentation::units::Units;
 use crate::ui::ViewContext;
 use egui::Ui;
 
+/// Titles of the sections.
+const DEPTH_MAP: &str = "Depth map";
+const ISOBATHS: &str = "Isobaths";
+const MOSAIC: &str = "Mosaic";
+
 /// Draws the sections.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let heading = |title| Section {
-        number: None,
-        title,
-        stage: None,
-    };
-    section(ui, context, &heading("Depth map"), depth_map);
-    section(ui, context, &heading("Isobaths"), isobaths);
-    section(ui, context, &heading("Mosaic"), mosaic);
+    section(ui, context, Section::new(DEPTH_MAP), depth_map);
+    section(ui, context, Section::new(ISOBATHS), isobaths);
+    section(ui, context, Section::new(MOSAIC), mosaic);
 }
 
 /// Shows or hides a layer, and says which it is now.
 fn layer_button(ui: &mut Ui, context: &mut ViewContext<'_>, layer: MapLayer, action: Action) {
-    let shown = context.app.view.options.map.layers.is_visible(layer);
+    let shown = context.options().map.layers.is_visible(layer);
     let text = match shown {
         true => "Hide on the map",
         false => "Show on the map",
     };
-    let button = ui.button(text).accessible_name(action.label());
-    if button.on_hover_text(action.hint()).clicked() {
-        context.push(Command::Do(action));
-    }
+    context.named_button(ui.button(text), action);
 }
 
 fn depth_map(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    for row in [
-        &rows::SURFACE_METHOD,
-        &rows::SWATH,
-        &rows::SURFACE_CELL,
-        &rows::MAX_GAP,
-        &rows::SIDE_SCAN_WEIGHT,
-    ] {
-        setting(ui, context, row);
-    }
+    parts::settings_of(ui, context, DEPTH_MAP);
     worth(ui, context);
 }
 
 fn isobaths(ui: &mut Ui, context: &mut ViewContext<'_>) {
     layer_button(ui, context, MapLayer::Isobaths, Action::IsobathLayer);
-    for row in [
-        &rows::INTERVAL,
-        &rows::ISOBATH_UNIT,
-        &rows::SMOOTH,
-        &rows::SHOAL_SAFE,
-        &rows::SPOT_RADIUS,
-    ] {
-        setting(ui, context, row);
-    }
+    parts::settings_of(ui, context, ISOBATHS);
     let area = context.app.log.settings.isobaths.clip.clone();
-    parts::file(
-        ui,
-        context,
-        &rows::CLIP,
-        area.as_deref(),
-        [Action::OpenIsobathArea, Action::RemoveIsobathArea],
-    );
+    let actions = [Action::OpenIsobathArea, Action::RemoveIsobathArea];
+    parts::file(ui, context, &rows::CLIP, area.as_deref(), actions);
 }
 
 /// What the map between depths was made by, and what its depths are worth where that is known.
@@ -76,14 +52,14 @@ fn worth(ui: &mut Ui, context: &ViewContext<'_>) {
     let hint = "Method that gives the depths between measured ones.";
     fact(ui, "Interpolation", hint, map.surface.method.in_words());
     let hint = "Whether depths between the lines are interpolated, or come from echo levels where these predict withheld soundings.";
-    let units = context.app.view.options.units;
+    let units = context.units();
     fact(ui, "Between lines", hint, between_lines(map.surface.levels));
     if let Some(text) = withheld_errors(map.surface.levels, units) {
         let hint = "What withheld soundings are missed by: with depths from echo levels, and by interpolation alone.";
         fact(ui, "Withheld", hint, text);
     }
     if let Some([half_m, most_m]) = map.usual_error_m {
-        let units = context.app.view.options.units;
+        let units = context.units();
         let hint = "Standard deviation of mapped depths, from withheld depths: the median, and what 90 % of the map do not exceed.";
         let [half, most] = [half_m, most_m].map(|sigma_m| units.spread(sigma_m, 2));
         let text = format!("±{half} to ±{most} {}", units.symbol());
@@ -115,16 +91,5 @@ fn withheld_errors(levels: FromLevels, units: Units) -> Option<String> {
 
 fn mosaic(ui: &mut Ui, context: &mut ViewContext<'_>) {
     layer_button(ui, context, MapLayer::Mosaic, Action::MosaicLayer);
-    for row in [
-        &rows::RELIEF,
-        &rows::OVERLAP,
-        &rows::GAIN,
-        &rows::MOSAIC_COLOURS,
-        &rows::WATER_COLUMN,
-        &rows::NADIR_GAP,
-        &rows::MOST_TURN,
-        &rows::MOSAIC_CELL,
-    ] {
-        setting(ui, context, row);
-    }
+    parts::settings_of(ui, context, MOSAIC);
 }

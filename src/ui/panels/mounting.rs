@@ -1,42 +1,33 @@
 //! How the recorder is mounted on its boat, what its default is, and whose metres its positions are.
 
 use super::find_setting;
-use super::parts::{name_cell, remark, setting, warning};
+use super::parts::{self, name_cell, remark, warning};
 use super::section::{Section, section};
 use crate::app::{Action, Command};
+use crate::pipeline::Stage;
 use crate::pipeline::settings::rows;
-use crate::pipeline::{Settings, Stage};
 use crate::survey::{HeadingSource, MountingSettings, Survey, arm_in_words};
 use crate::ui::ViewContext;
 use egui::{TextEdit, Ui};
 
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let heading = Section {
-        number: None,
-        title: "Mounting",
-        stage: Some(Stage::Navigation),
-    };
-    section(ui, context, &heading, |ui, context| {
-        let Some(survey) = context.app.log.survey.clone() else {
-            return;
-        };
-        for row in [
-            &rows::SWAP_SIDES,
-            &rows::ANTENNA_FORWARD,
-            &rows::ANTENNA_RIGHT,
-            &rows::HEADING_OFFSET,
-            &rows::CLOCK_OFFSET,
-            &rows::LATENCY,
-        ] {
-            setting(ui, context, row);
-        }
-        effect(ui, context, &survey);
-        usual(ui, context);
-        if survey.track.projected.is_some() {
-            system(ui, context, &survey);
-        }
-    });
+    section(
+        ui,
+        context,
+        Section::new("Mounting").of(Stage::Navigation),
+        |ui, context| {
+            let Some(survey) = context.app.log.survey.clone() else {
+                return;
+            };
+            parts::settings_of(ui, context, "Mounting");
+            effect(ui, context, &survey);
+            usual(ui, context);
+            if survey.track.projected.is_some() {
+                system(ui, context, &survey);
+            }
+        },
+    );
 }
 
 /// What the settings do, and which of them cannot do anything.
@@ -44,7 +35,7 @@ fn effect(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
     let settings = &context.app.log.settings;
     let mounting = &settings.mounting;
     if let Some(arm_m) = mounting.lever_arm_m() {
-        let units = context.app.view.options.units;
+        let units = context.units();
         let arm = arm_in_words(arm_m, |metres| units.measure(metres, 2));
         remark(ui, format!("The transducer is {arm} of the antenna."));
     }
@@ -90,10 +81,7 @@ fn usual(ui: &mut Ui, context: &mut ViewContext<'_>) {
                 Action::UseMounting => "Make default",
                 _ => "Remove default",
             };
-            let button = ui.small_button(label).accessible_name(action.label());
-            if button.on_hover_text(action.hint()).clicked() {
-                context.push(Command::Do(action));
-            }
+            context.named_button(ui.small_button(label), action);
         }
     });
 }
@@ -141,23 +129,18 @@ fn take_system(context: &mut ViewContext<'_>, typed: &str, in_force: &str) {
     if typed == in_force {
         return;
     }
-    let mut settings = Settings::clone(&context.app.log.settings);
+    let row = &rows::SOURCE_CRS;
     if typed.is_empty() {
-        settings.source.crs = None;
-    } else {
-        let is_number = typed.bytes().all(|digit| digit.is_ascii_digit());
-        let named = match is_number {
-            true => format!("EPSG:{typed}"),
-            false => typed.to_owned(),
-        };
-        match settings.with_assignment(&format!("{}={named}", rows::SOURCE_CRS.key)) {
-            Ok(named) => settings = named,
-            Err(error) => return context.push(Command::Notify(error.to_string())),
-        }
+        return context.change(row.name, |settings| settings.source.crs = None);
     }
-    context.push(Command::Change {
-        settings: Box::new(settings),
-        label: rows::SOURCE_CRS.name,
-        live: false,
-    });
+    let is_number = typed.bytes().all(|digit| digit.is_ascii_digit());
+    let named = match is_number {
+        true => format!("EPSG:{typed}"),
+        false => typed.to_owned(),
+    };
+    let assignment = format!("{}={named}", row.key);
+    match context.app.log.settings.with_assignment(&assignment) {
+        Ok(named) => context.change(row.name, |settings| *settings = named),
+        Err(error) => context.push(Command::Notify(error.to_string())),
+    }
 }

@@ -78,19 +78,16 @@ fn forget_old(ctx: &egui::Context, context: &mut ViewContext<'_>) {
 
 fn line(ui: &mut Ui, context: &mut ViewContext<'_>, index: usize, notice: &Notice) {
     ui.horizontal_top(|ui| {
-        severity(ui, context.app.view.options.theme, notice.is_error);
+        severity(ui, context.theme(), notice.is_error);
         ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
             if ui.small_button("Dismiss").clicked() {
                 context.push(Command::Dismiss(index));
             }
             if let Some(action) = notice.offer {
-                let button = ui.small_button(action.label());
-                if button.on_hover_text(action.hint()).clicked() {
-                    context.push(Command::Do(action));
-                }
+                context.button(ui.small_button(action.label()), action);
             }
             ui.with_layout(Layout::left_to_right(Align::Min), |ui| {
-                let text = context.app.view.options.units.sentence(&notice.text);
+                let text = context.units().sentence(&notice.text);
                 // Laid out here: a label in a row would be as wide as its text, and lie over the buttons.
                 let lines = ui.painter().layout_job(words(ui, &text));
                 ui.add(Label::new(lines)).on_hover_text(&text);
@@ -103,12 +100,8 @@ fn line(ui: &mut Ui, context: &mut ViewContext<'_>, index: usize, notice: &Notic
 fn words(ui: &Ui, text: &str) -> LayoutJob {
     let mut job = LayoutJob::default();
     let colour = ui.visuals().strong_text_color();
-    RichText::new(text).strong().color(colour).append_to(
-        &mut job,
-        ui.style(),
-        FontSelection::Default,
-        Align::Min,
-    );
+    let words = RichText::new(text).strong().color(colour);
+    words.append_to(&mut job, ui.style(), FontSelection::Default, Align::Min);
     job.wrap = TextWrapping {
         max_rows: LINES,
         max_width: ui.available_width(),

@@ -2,35 +2,34 @@
 
 use super::parts::{self, fact};
 use super::section::{Section, section};
-use crate::app::{Action, Command, SearchStatus};
-use crate::ui::{ViewContext, text, theme};
-use egui::{Button, ProgressBar, Ui};
+use crate::app::{Action, SearchStatus};
+use crate::ui::{ViewContext, text};
+use egui::{Button, Ui};
 
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let heading = Section {
-        number: Some(5),
-        title: "Objects",
-        stage: None,
-    };
-    section(ui, context, &heading, |ui, context| {
-        found(ui, context);
-        if let Some(note) = context.app.search_note() {
-            parts::warning(ui, context, &note);
-        }
-        let hint = context.app.model_description().map_or_else(
-            || "The detector in use.".to_owned(),
-            |known| format!("The detector in use: {known}"),
-        );
-        fact(ui, "Model", &hint, context.app.model_name());
-        search(ui, context);
-    });
+    section(
+        ui,
+        context,
+        Section::new("Objects").step(5),
+        |ui, context| {
+            found(ui, context);
+            if let Some(note) = context.app.search_note() {
+                parts::warning(ui, context, &note);
+            }
+            let hint = context.app.model_description().map_or_else(
+                || "The detector in use.".to_owned(),
+                |known| format!("The detector in use: {known}"),
+            );
+            fact(ui, "Model", &hint, context.app.model_name());
+            search(ui, context);
+        },
+    );
 }
 
 fn found(ui: &mut Ui, context: &ViewContext<'_>) {
     if !context.app.has_boxes() {
-        parts::remark(ui, "No boxes yet: find objects, or draw a box with N.");
-        return;
+        return parts::remark(ui, "No boxes yet: find objects, or draw a box with N.");
     }
     let all = context.app.review_counts();
     let counts = all.boxes;
@@ -56,31 +55,18 @@ fn search(ui: &mut Ui, context: &mut ViewContext<'_>) {
             parts::remark(ui, searching(context, &status));
         }
         ui.horizontal(|ui| {
-            let bar = ProgressBar::new(status.share)
-                .desired_width(140.0)
-                .desired_height(8.0)
-                .fill(theme::accent_colour(context.app.view.options.theme));
-            ui.add(bar);
-            if ui
-                .small_button("Stop")
-                .on_hover_text("What was found so far stays.")
-                .clicked()
-            {
-                context.push(Command::Do(Action::Cancel));
-            }
+            ui.add(parts::progress_bar(context, status.share, 140.0));
+            let stop = ui.small_button("Stop");
+            context.button_with_hint(stop, Action::Cancel, "What was found so far stays.");
         });
         return;
     }
     let ready = context.app.log.products.is_some();
     ui.horizontal(|ui| {
         for (action, ready) in [(Action::FindObjects, ready), (Action::ChooseModel, true)] {
-            let button = ui
-                .add_enabled(ready, Button::new(action.label()))
-                .on_hover_text(action.hint())
-                .on_disabled_hover_text("There is no track yet to place objects on.");
-            if button.clicked() {
-                context.push(Command::Do(action));
-            }
+            let button = ui.add_enabled(ready, Button::new(action.label()));
+            let lack = "There is no track yet to place objects on.";
+            context.button(button.on_disabled_hover_text(lack), action);
         }
     });
 }

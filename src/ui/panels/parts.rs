@@ -1,13 +1,12 @@
 //! The few parts that all panels are made of: rows, facts, and controls that change a setting.
 
-use super::find_setting;
-use crate::app::{Action, App, Command, LogId, OpenLog};
-use crate::pipeline::Settings;
+use super::find_setting::{self, Place};
+use crate::app::{Action, App, LogId, OpenLog};
 use crate::pipeline::settings::{Choice, Control, Kind, Number, Row, ShownNumber};
 use crate::ui::drop_down::DropDown;
 use crate::ui::list_keys::ListKeys;
 use crate::ui::{ViewContext, theme};
-use egui::{Align, Button, DragValue, Layout, Response, RichText, Ui, WidgetText};
+use egui::{Align, Button, DragValue, Layout, ProgressBar, Response, RichText, Ui, WidgetText};
 
 /// Whether a notice says what could not be done, as a triangle with `!`, or what was, as a circle with `i`.
 pub(crate) fn severity(ui: &mut Ui, look: crate::app::ThemeChoice, is_error: bool) {
@@ -106,9 +105,7 @@ pub(crate) fn file(
         if action == open {
             find_setting::answer(ui, context, setting.key, &button);
         }
-        if button.on_hover_text(action.hint()).clicked() {
-            context.push(Command::Do(action));
-        }
+        context.button(button, action);
     };
     ui.horizontal(|ui| {
         name_cell(ui, setting.label, setting.hint);
@@ -139,10 +136,8 @@ pub(crate) fn list_rows(
     const ROWS: f32 = 8.0;
     let height = ui.spacing().interact_size.y;
     let each = height + ui.spacing().item_spacing.y;
-    let mut area = egui::ScrollArea::vertical()
-        .id_salt(name)
-        .max_height(ROWS * each)
-        .auto_shrink([false, true]);
+    let area = egui::ScrollArea::vertical().id_salt(name);
+    let mut area = area.max_height(ROWS * each).auto_shrink([false, true]);
     let last_id = egui::Id::unique(("last row shown", name));
     let last: Option<usize> = ui.data(|data| data.get_temp(last_id)).flatten();
     if here != last {
@@ -163,6 +158,29 @@ pub(crate) fn list_rows(
     });
 }
 
+/// How much of something is done.
+pub(crate) fn progress_bar(context: &ViewContext<'_>, share: f32, width: f32) -> ProgressBar {
+    let bar = ProgressBar::new(share).desired_width(width);
+    bar.desired_height(8.0)
+        .fill(theme::accent_colour(context.theme()))
+}
+
+/// A table of small text, its headings with what they mean.
+pub(crate) fn table(ui: &mut Ui, name: &str, columns: &[(&str, &str)], rows: impl FnOnce(&mut Ui)) {
+    egui::Grid::new(name)
+        .num_columns(columns.len())
+        .spacing([8.0, 2.0])
+        .striped(true)
+        .show(ui, |ui| {
+            for (title, hint) in columns {
+                ui.label(RichText::new(*title).small().strong())
+                    .on_hover_text(*hint);
+            }
+            ui.end_row();
+            rows(ui);
+        });
+}
+
 /// A quiet remark.
 pub(crate) fn remark(ui: &mut Ui, text: impl Into<String>) {
     ui.add(egui::Label::new(RichText::new(text).small().weak()).wrap());
@@ -170,7 +188,7 @@ pub(crate) fn remark(ui: &mut Ui, text: impl Into<String>) {
 
 /// Something that does not agree or could not be used.
 pub(crate) fn warning(ui: &mut Ui, context: &ViewContext<'_>, text: &str) {
-    let colour = theme::stale_colour(context.app.view.options.theme);
+    let colour = theme::stale_colour(context.theme());
     ui.add(egui::Label::new(RichText::new(text).small().color(colour)).wrap());
 }
 
@@ -225,13 +243,22 @@ pub(crate) fn setting(ui: &mut Ui, context: &mut ViewContext<'_>, row: &'static 
     });
 }
 
+/// The controls of all settings that are numbers or names in the section with this title.
+pub(crate) fn settings_of(ui: &mut Ui, context: &mut ViewContext<'_>, title: &'static str) {
+    for row in find_setting::rows_in(Place::Section(title)) {
+        if matches!(row.kind, Kind::Number(_) | Kind::Choice(_)) {
+            setting(ui, context, row);
+        }
+    }
+}
+
 fn number(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,
     setting: &'static Row,
     number: &'static Number,
 ) -> Response {
-    let units = context.app.view.options.units;
+    let units = context.units();
     let shown = number.shown_in(units);
     let [least, most] = shown.ends;
     let mut requested = shown.value(&context.app.log.settings);
@@ -288,14 +315,11 @@ fn number(
         )
     });
     if response.changed() || response.drag_stopped() {
-        let mut settings = Settings::clone(&context.app.log.settings);
-        if response.changed() {
-            shown.take(&mut settings, requested);
-        }
-        context.push(Command::Change {
-            settings: Box::new(settings),
-            label: setting.name,
-            live: response.dragged() && !response.drag_stopped(),
+        let live = response.dragged() && !response.drag_stopped();
+        context.change_live(setting.name, live, |settings| {
+            if response.changed() {
+                shown.take(settings, requested);
+            }
         });
     }
     response
@@ -324,13 +348,7 @@ fn choice(
             })
     });
     if let Some(value) = picked {
-        let mut settings = Settings::clone(&context.app.log.settings);
-        (choice.set)(&mut settings, value);
-        context.push(Command::Change {
-            settings: Box::new(settings),
-            label: setting.name,
-            live: false,
-        });
+        context.change(setting.name, |settings| (choice.set)(settings, value));
     }
     response
 }
@@ -348,10 +366,8 @@ pub(crate) fn press_short(
     is_enabled: bool,
 ) {
     let button = ui.add_enabled(is_enabled, Button::new(label).small());
-    let button = button.accessible_name(action.label());
-    if button.on_hover_text(action.hint()).clicked() {
-        context.push(Command::Do(action));
-    }
+    let button = button;
+    context.named_button(button, action);
 }
 
 /// The name of an open log; empty where it is open no longer.

@@ -8,17 +8,12 @@ use egui::{DragValue, Ui};
 
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let heading = Section {
-        number: None,
-        title: "Survey planning",
-        stage: None,
-    };
-    section(ui, context, &heading, plan);
+    section(ui, context, Section::new("Survey planning"), plan);
 }
 
 fn plan(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let before = context.app.map.planning.asked;
-    let units = context.app.view.options.units;
+    let units = context.units();
     let mut asked = before;
     let hint = "Time from the start of the first line to the end of the last, turns included.";
     row(ui, "Time", hint, |ui| {
@@ -34,11 +29,8 @@ fn plan(ui: &mut Ui, context: &mut ViewContext<'_>) {
             false => "as surveyed".to_owned(),
         };
         let value = DragValue::new(&mut speed).range(0.0..=20.0 / of_speed);
-        ui.add(
-            value
-                .speed(0.05)
-                .custom_formatter(|value, _| written(value)),
-        )
+        let value = value.custom_formatter(|value, _| written(value));
+        ui.add(value.speed(0.05))
     });
     asked.speed_mps = Some(speed * of_speed).filter(|speed_mps| *speed_mps >= 0.1);
     let of_length = units.length.metres();
@@ -67,9 +59,7 @@ fn plan(ui: &mut Ui, context: &mut ViewContext<'_>) {
         let action = Action::PlanLines;
         let busy = context.app.map.planning.is_busy();
         let button = ui.add_enabled(!busy, egui::Button::new(action.label()));
-        if button.on_hover_text(action.hint()).clicked() {
-            context.push(Command::Do(action));
-        }
+        context.button(button, action);
         if busy {
             ui.add(egui::Spinner::new().size(12.0));
         }

@@ -1,6 +1,6 @@
 //! How far the positions of the logs are off, and how late they are.
 
-use super::parts::{name_of, press, press_short, remark};
+use super::parts::{self, name_of, press, press_short, remark};
 use crate::app::{Action, App, FoundPositions};
 use crate::bottom::bathymetry::position_offsets::FoundShift;
 use crate::ui::{ViewContext, text};
@@ -46,25 +46,16 @@ const COLUMNS: [(&str, &str); 6] = [
 ];
 
 fn table(ui: &mut Ui, app: &App, found: &FoundPositions) {
-    egui::Grid::new("positions")
-        .num_columns(COLUMNS.len())
-        .spacing([8.0, 2.0])
-        .striped(true)
-        .show(ui, |ui| {
-            for (title, hint) in COLUMNS {
-                ui.label(RichText::new(title).small().strong())
-                    .on_hover_text(hint);
+    parts::table(ui, "positions", &COLUMNS, |ui| {
+        for (id, log) in &found.logs {
+            let name = RichText::new(name_of(app, *id)).small();
+            ui.add(egui::Label::new(name).truncate());
+            for value in values(app, &log.found) {
+                ui.label(RichText::new(value).small());
             }
             ui.end_row();
-            for (id, log) in &found.logs {
-                let name = RichText::new(name_of(app, *id)).small();
-                ui.add(egui::Label::new(name).truncate());
-                for value in values(app, &log.found) {
-                    ui.label(RichText::new(value).small());
-                }
-                ui.end_row();
-            }
-        });
+        }
+    });
 }
 
 fn values(app: &App, found: &FoundShift) -> [String; 5] {

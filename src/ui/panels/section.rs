@@ -7,12 +7,33 @@ use egui::{Response, Ui};
 
 /// The heading of a panel's part, and whether it is open.
 pub(crate) struct Section {
-    /// Number of the paper's step, if it is one.
-    pub number: Option<u8>,
-    /// Name.
-    pub title: &'static str,
+    number: Option<u8>,
+    title: &'static str,
     /// The stage whose result it shows, for the mark of stale results.
-    pub stage: Option<Stage>,
+    stage: Option<Stage>,
+}
+
+impl Section {
+    /// A part with this name.
+    pub(crate) fn new(title: &'static str) -> Self {
+        Self {
+            number: None,
+            title,
+            stage: None,
+        }
+    }
+
+    /// It is a step of the paper.
+    pub(crate) fn step(mut self, number: u8) -> Self {
+        self.number = Some(number);
+        self
+    }
+
+    /// It shows the result of a stage.
+    pub(crate) fn of(mut self, stage: Stage) -> Self {
+        self.stage = Some(stage);
+        self
+    }
 }
 
 /// How a stage's result stands to its settings.
@@ -74,7 +95,7 @@ const LOW_WINDOW: f32 = 600.0;
 pub(crate) fn section(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,
-    section: &Section,
+    section: Section,
     body: impl FnOnce(&mut Ui, &mut ViewContext<'_>),
 ) {
     let folded_id = folded_id(section.title);
@@ -83,7 +104,7 @@ pub(crate) fn section(
     let known = ui.data_mut(|data| data.get_persisted::<bool>(folded_id));
     let mut folded = known.unwrap_or(begins_folded);
     let freshness = freshness(context, section.stage);
-    let title = heading(ui, context, section, folded, freshness);
+    let title = heading(ui, context, &section, folded, freshness);
     let wanted = ui.data_mut(|data| {
         let is_this = data.get_temp(wanted_id()) == Some(section.title);
         is_this.then(|| data.remove::<&'static str>(wanted_id()))
@@ -110,38 +131,24 @@ fn heading(
     folded: bool,
     freshness: Freshness,
 ) -> Response {
-    let look = context.app.view.options.theme;
+    let look = context.theme();
     let size = egui::vec2(ui.available_width(), 20.0);
     let (rect, response) = ui.allocate_exact_size(size, egui::Sense::click());
     let painter = ui.painter();
     let strong = ui.visuals().strong_text_color();
     let mut x = rect.left();
-    triangle(
-        painter,
-        egui::pos2(x + 4.0, rect.center().y),
-        folded,
-        strong,
-    );
+    let at = |x: f32| egui::pos2(x, rect.center().y);
+    triangle(painter, at(x + 4.0), folded, strong);
     x += 14.0;
+    let beside = egui::Align2::LEFT_CENTER;
     if let Some(number) = section.number {
-        painter.text(
-            egui::pos2(x, rect.center().y),
-            egui::Align2::LEFT_CENTER,
-            number,
-            egui::FontId::proportional(14.0),
-            theme::accent_colour(look),
-        );
+        let font = egui::FontId::proportional(14.0);
+        painter.text(at(x), beside, number, font, theme::accent_colour(look));
         x += 16.0;
     }
     let title = section.title.to_uppercase();
     let font = egui::FontId::proportional(12.0);
-    painter.text(
-        egui::pos2(x, rect.center().y),
-        egui::Align2::LEFT_CENTER,
-        title,
-        font,
-        strong,
-    );
+    painter.text(at(x), beside, title, font, strong);
     let mark = match freshness {
         _ if folded => Some(("folded".to_owned(), ui.visuals().weak_text_color())),
         Freshness::Fresh => None,
@@ -153,13 +160,9 @@ fn heading(
         )),
     };
     if let Some((text, colour)) = mark {
-        painter.text(
-            rect.right_center(),
-            egui::Align2::RIGHT_CENTER,
-            text,
-            egui::FontId::proportional(theme::SMALL),
-            colour,
-        );
+        let font = egui::FontId::proportional(theme::SMALL);
+        let right = egui::Align2::RIGHT_CENTER;
+        painter.text(rect.right_center(), right, text, font, colour);
     }
     let state = match freshness {
         Freshness::OutOfDate => ", out of date",

@@ -10,24 +10,22 @@ use egui::{RichText, Ui};
 
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let heading = Section {
-        number: None,
-        title: "Selection",
-        stage: None,
-    };
-    section(ui, context, &heading, |ui, context| {
-        match context.app.view.selection {
+    section(
+        ui,
+        context,
+        Section::new("Selection"),
+        |ui, context| match context.app.view.selection {
             Some(mark) => selected(ui, context, mark),
             None => remark(
                 ui,
                 "Nothing is selected: click the waterfall, the map, the cloud or the time line.",
             ),
-        }
-    });
+        },
+    );
 }
 
 fn selected(ui: &mut Ui, context: &mut ViewContext<'_>, mark: Mark) {
-    let units = context.app.view.options.units;
+    let units = context.units();
     let Some(survey) = context.app.log.survey.clone() else {
         return;
     };
@@ -35,30 +33,20 @@ fn selected(ui: &mut Ui, context: &mut ViewContext<'_>, mark: Mark) {
         return;
     };
     ui.horizontal(|ui| {
-        ui.label(
-            RichText::new(format!("Ping {}", mark.ping))
-                .heading()
-                .strong(),
-        );
+        let title = RichText::new(format!("Ping {}", mark.ping));
+        ui.label(title.heading().strong());
         ui.label(text::clock(survey.start_unix_s, ping.time_s));
     });
     if let Some(at) = place::lon_lat(context.app, mark) {
         ui.label(RichText::new(place::written(context.app, at)).monospace());
     }
-    fact(
-        ui,
-        "Depth",
-        "Corrected depth under the boat: the sounding, or the first return where the recorder lost the bottom.",
-        place::depth(context.app, mark.ping),
-    );
+    let hint = "Corrected depth under the boat: the sounding, or the first return where the recorder lost the bottom.";
+    fact(ui, "Depth", hint, place::depth(context.app, mark.ping));
     if let Some(range) = place::range_m(context.app, mark) {
         let side = mark.side.map_or("", Side::name);
-        fact(
-            ui,
-            "Range here",
-            "Calibrated slant range of the selected place.",
-            format!("{} {side}", units.measure(range, 2)),
-        );
+        let hint = "Calibrated slant range of the selected place.";
+        let value = format!("{} {side}", units.measure(range, 2));
+        fact(ui, "Range here", hint, value);
     }
     if let Some(stretch) = context.app.excluded_at(context.app.log.id, mark.ping) {
         let hint = "Why the ping is excluded: no point, depth, echo or box comes from it.";
@@ -81,11 +69,9 @@ fn selected(ui: &mut Ui, context: &mut ViewContext<'_>, mark: Mark) {
 }
 
 fn first_return(ui: &mut Ui, context: &ViewContext<'_>, ping: usize, side: Side) {
-    let pick = context
-        .app
-        .returns()
-        .and_then(|returns| returns.side(side).get(ping).copied())
-        .filter(|pick| pick.is_some());
+    let returns = context.app.returns();
+    let pick = returns.and_then(|returns| returns.side(side).get(ping).copied());
+    let pick = pick.filter(|pick| pick.is_some());
     let value = match pick {
         None => "no return".to_owned(),
         Some(pick) => {
@@ -100,26 +86,18 @@ fn first_return(ui: &mut Ui, context: &ViewContext<'_>, ping: usize, side: Side)
             } else {
                 ""
             };
-            format!(
-                "{} · conf. {:.2}{above_bottom}",
-                context.app.view.options.units.measure(range, 2),
-                pick.confidence
-            )
+            let range = context.units().measure(range, 2);
+            let confidence = pick.confidence;
+            format!("{range} · conf. {confidence:.2}{above_bottom}")
         }
     };
-    let (name, colour) = match side {
-        Side::Port => ("Port", theme::side_colour(&context.app.view.options, side)),
-        Side::Starboard => (
-            "Starboard",
-            theme::side_colour(&context.app.view.options, side),
-        ),
+    let name = match side {
+        Side::Port => "Port",
+        Side::Starboard => "Starboard",
     };
-    fact(
-        ui,
-        name,
-        "First return on this side: calibrated slant range and confidence from 0 to 1.",
-        RichText::new(value).color(colour),
-    );
+    let colour = theme::side_colour(context.options(), side);
+    let hint = "First return on this side: calibrated slant range and confidence from 0 to 1.";
+    fact(ui, name, hint, RichText::new(value).color(colour));
 }
 
 fn heading(ui: &mut Ui, context: &ViewContext<'_>, ping: usize) {
@@ -130,18 +108,10 @@ fn heading(ui: &mut Ui, context: &ViewContext<'_>, ping: usize) {
         return;
     };
     let value = place::heading(context.app, ping);
-    fact(
-        ui,
-        "Heading",
-        "Clockwise from north, and where it comes from.",
-        value,
-    );
-    fact(
-        ui,
-        "Speed",
-        "Over ground.",
-        context.app.view.options.units.speed(here.speed_mps, 1),
-    );
+    let hint = "Clockwise from north, and where it comes from.";
+    fact(ui, "Heading", hint, value);
+    let hint = "Over ground.";
+    fact(ui, "Speed", hint, context.units().speed(here.speed_mps, 1));
 }
 
 /// How antenna and transducer lie to each other at the ping, and which sides these are, where that is not as recorded.
@@ -152,7 +122,7 @@ fn mounting(ui: &mut Ui, context: &ViewContext<'_>, ping: usize) {
     let mounting = &products.settings.mounting;
     let is_apart = products.navigation.antenna.get(ping).is_some();
     if let Some(arm_m) = mounting.lever_arm_m().filter(|_| is_apart) {
-        let units = context.app.view.options.units;
+        let units = context.units();
         let arm = arm_in_words(arm_m, |metres| units.measure(metres, 2));
         let hint = "Position of the transducer, which positions refer to.";
         fact(ui, "Transducer", hint, format!("{arm} of the antenna"));
@@ -186,13 +156,8 @@ fn point(ui: &mut Ui, context: &ViewContext<'_>, mark: Mark) {
     let class = class.map_or(String::new(), |class| {
         format!(" · {}", PointClass::name(*class))
     });
-    fact(
-        ui,
-        "Point",
-        "The selected point of the cloud: its source, depth and echo level (0 to 255).",
-        format!(
-            "{source} · {} deep{level}{class}",
-            context.app.view.options.units.measure(-point.z_m, 2),
-        ),
-    );
+    let hint = "The selected point of the cloud: its source, depth and echo level (0 to 255).";
+    let depth = context.units().measure(-point.z_m, 2);
+    let value = format!("{source} · {depth} deep{level}{class}");
+    fact(ui, "Point", hint, value);
 }

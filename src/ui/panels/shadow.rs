@@ -2,7 +2,7 @@
 
 use super::parts::{fact, remark};
 use super::section::{Section, section};
-use crate::app::{Action, Command};
+use crate::app::Action;
 use crate::detection::targets::ShadowHeight;
 use crate::project::MeasurementKind;
 use crate::ui::views::measured;
@@ -20,49 +20,33 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     if !figure.is_some_and(|figure| is_height(figure.measurement.kind)) {
         return;
     }
-    let heading = Section {
-        number: None,
-        title: "Height from shadow",
-        stage: None,
-    };
     let found = context.app.measured_height();
-    section(ui, context, &heading, |ui, context| match found {
-        None => remark(ui, "Drag in the waterfall to the end of the shadow."),
-        Some(Err(error)) => {
-            let why = context.app.view.options.units.sentence(&error.to_string());
-            remark(ui, format!("There is no height: {why}."));
-        }
-        Some(Ok(shadow)) => inputs(ui, context, &shadow),
-    });
+    section(
+        ui,
+        context,
+        Section::new("Height from shadow"),
+        |ui, context| match found {
+            None => remark(ui, "Drag in the waterfall to the end of the shadow."),
+            Some(Err(error)) => {
+                let why = context.units().sentence(&error.to_string());
+                remark(ui, format!("There is no height: {why}."));
+            }
+            Some(Ok(shadow)) => inputs(ui, context, &shadow),
+        },
+    );
 }
 
 fn inputs(ui: &mut Ui, context: &mut ViewContext<'_>, shadow: &ShadowHeight) {
-    let units = context.app.view.options.units;
+    let units = context.units();
     drawing(ui, context, shadow);
-    fact(
-        ui,
-        "Height h",
-        "h = H (e - t) / e. The standard deviation includes pulse length, sample size, 5 % of the altitude and 2 degrees of bottom slope.",
-        measured::height(&Ok(*shadow), units),
-    );
-    fact(
-        ui,
-        "Altitude H",
-        "Height of the transducer above the bottom, the median of 13 pings.",
-        units.measure(shadow.altitude_m, 2),
-    );
-    fact(
-        ui,
-        "Top t",
-        "Slant range of the top of the object, where the shadow begins.",
-        units.measure(shadow.top_m, 2),
-    );
-    fact(
-        ui,
-        "End e",
-        "Slant range of the end of the shadow.",
-        units.measure(shadow.end_m, 2),
-    );
+    let hint = "h = H (e - t) / e. The standard deviation includes pulse length, sample size, 5 % of the altitude and 2 degrees of bottom slope.";
+    fact(ui, "Height h", hint, measured::height(&Ok(*shadow), units));
+    let hint = "Height of the transducer above the bottom, the median of 13 pings.";
+    fact(ui, "Altitude H", hint, units.measure(shadow.altitude_m, 2));
+    let hint = "Slant range of the top of the object, where the shadow begins.";
+    fact(ui, "Top t", hint, units.measure(shadow.top_m, 2));
+    let hint = "Slant range of the end of the shadow.";
+    fact(ui, "End e", hint, units.measure(shadow.end_m, 2));
     if shadow.is_least {
         remark(
             ui,
@@ -75,10 +59,7 @@ fn inputs(ui: &mut Ui, context: &mut ViewContext<'_>, shadow: &ShadowHeight) {
             (Action::SaveFigure, "Save…"),
             (Action::RemoveFigure, "Remove"),
         ] {
-            let button = ui.button(label);
-            if button.on_hover_text(action.hint()).clicked() {
-                context.push(Command::Do(action));
-            }
+            context.button(ui.button(label), action);
         }
     });
 }
@@ -87,10 +68,8 @@ fn inputs(ui: &mut Ui, context: &mut ViewContext<'_>, shadow: &ShadowHeight) {
 fn drawing(ui: &mut Ui, context: &ViewContext<'_>, shadow: &ShadowHeight) {
     let (area, response) =
         ui.allocate_exact_size(vec2(ui.available_width(), DRAWING_HEIGHT), Sense::hover());
-    let spoken = format!(
-        "Construction: height {}",
-        measured::height(&Ok(*shadow), context.app.view.options.units)
-    );
+    let height = measured::height(&Ok(*shadow), context.units());
+    let spoken = format!("Construction: height {height}");
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &spoken));
     let painter = ui.painter_at(area);
     let ink = ui.visuals().text_color();
@@ -109,53 +88,25 @@ fn drawing(ui: &mut Ui, context: &ViewContext<'_>, shadow: &ShadowHeight) {
     let [boat, below, end] = [at(0.0, shadow.altitude_m), at(0.0, 0.0), at(end_m, 0.0)];
     let [top, foot] = [at(top_m, shadow.height_m()), at(top_m, 0.0)];
     painter.line_segment([below, end], Stroke::new(1.5, ink));
-    painter.add(Shape::convex_polygon(
-        vec![foot, top, end],
-        ink.gamma_multiply(0.18),
-        Stroke::NONE,
-    ));
-    painter.add(Shape::dashed_line(
-        &[boat, below],
-        Stroke::new(1.0, weak),
-        3.0,
-        3.0,
-    ));
-    painter.line_segment([boat, end], Stroke::new(1.0, weak));
-    painter.line_segment([foot, top], Stroke::new(3.0, theme::measure_colour()));
-    painter.circle_filled(
-        boat,
-        3.0,
-        theme::accent_colour(context.app.view.options.theme),
-    );
+    let (shadow, fill) = (vec![foot, top, end], ink.gamma_multiply(0.18));
+    painter.add(Shape::convex_polygon(shadow, fill, Stroke::NONE));
+    let thin = Stroke::new(1.0, weak);
+    painter.add(Shape::dashed_line(&[boat, below], thin, 3.0, 3.0));
+    painter.line_segment([boat, end], thin);
+    painter.line_segment([foot, top], Stroke::new(3.0, theme::MEASURE_COLOUR));
+    painter.circle_filled(boat, 3.0, theme::accent_colour(context.theme()));
     let font = FontId::proportional(theme::SMALL);
-    let words = [
-        (
-            below.lerp(boat, 0.5) + vec2(-4.0, 0.0),
-            Align2::RIGHT_CENTER,
-            "H",
-        ),
-        (
-            foot.lerp(top, 0.5) + vec2(-4.0, 0.0),
-            Align2::RIGHT_CENTER,
-            "h",
-        ),
-        (
-            boat.lerp(top, 0.5) + vec2(4.0, -2.0),
-            Align2::LEFT_BOTTOM,
-            "t",
-        ),
-        (
-            top.lerp(end, 0.5) + vec2(4.0, -2.0),
-            Align2::LEFT_BOTTOM,
-            "to e",
-        ),
-        (
-            foot.lerp(end, 0.5) + vec2(0.0, 3.0),
-            Align2::CENTER_TOP,
-            "shadow",
-        ),
-    ];
-    for (at, anchor, word) in words {
+    let left = (vec2(-4.0, 0.0), Align2::RIGHT_CENTER);
+    let above = (vec2(4.0, -2.0), Align2::LEFT_BOTTOM);
+    let under = (vec2(0.0, 3.0), Align2::CENTER_TOP);
+    for (from, to, (aside, anchor), word) in [
+        (below, boat, left, "H"),
+        (foot, top, left, "h"),
+        (boat, top, above, "t"),
+        (top, end, above, "to e"),
+        (foot, end, under, "shadow"),
+    ] {
+        let at = from.lerp(to, 0.5) + aside;
         painter.text(at, anchor, word, font.clone(), ink);
     }
 }

@@ -16,21 +16,19 @@ const WARNINGS_SHOWN: usize = 40;
 
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let heading = Section {
-        number: None,
-        title: "Survey",
-        stage: None,
-    };
-    section(ui, context, &heading, |ui, context| {
-        match context.app.log.survey.clone() {
+    section(
+        ui,
+        context,
+        Section::new("Survey"),
+        |ui, context| match context.app.log.survey.clone() {
             Some(survey) => {
                 summary(ui, context, &survey);
                 warnings(ui, context, &survey);
                 preset_line(ui, context);
             }
             None => nothing_open(ui, context),
-        }
-    });
+        },
+    );
 }
 
 fn nothing_open(ui: &mut Ui, context: &mut ViewContext<'_>) {
@@ -42,9 +40,7 @@ fn nothing_open(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.add_space(4.0);
     for action in [Action::Open, Action::OpenDemo] {
         let button = egui::Button::new(action.label()).min_size(egui::vec2(180.0, 24.0));
-        if ui.add(button).on_hover_text(action.hint()).clicked() {
-            context.push(Command::Do(action));
-        }
+        context.button(ui.add(button), action);
     }
 }
 
@@ -64,46 +60,32 @@ fn summary(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
             ui.label(file.display().to_string());
         }
     });
-    channels(ui, survey, context.app.view.options.units);
+    channels(ui, survey, context.units());
     let span = time_span(survey);
     let pings = survey.side_scan.len();
     let length = span.map_or(text::NONE.to_owned(), |(from, to)| {
         text::duration(to - from)
     });
-    fact(
-        ui,
-        "Side-scan",
-        "Side-scan pings, and the time that they cover.",
-        match pings {
-            0 => "none".to_owned(),
-            _ => format!("{} · {length}", text::plural(pings, "ping", "pings")),
-        },
-    );
-    fact(
-        ui,
-        "Soundings",
-        "Depths that the recorder found, below the transducer; repeated ones are not counted.",
-        soundings(context, survey),
-    );
+    let hint = "Side-scan pings, and the time that they cover.";
+    let value = match pings {
+        0 => "none".to_owned(),
+        _ => format!("{} · {length}", text::plural(pings, "ping", "pings")),
+    };
+    fact(ui, "Side-scan", hint, value);
+    let hint =
+        "Depths that the recorder found, below the transducer; repeated ones are not counted.";
+    fact(ui, "Soundings", hint, soundings(context, survey));
     if context.app.log.lost_soundings > 0 {
-        fact(
-            ui,
-            "Bottom lost",
-            "Soundings after the recorder lost the bottom: drawn faded, used only where a first return confirms them.",
-            text::plural(context.app.log.lost_soundings, "sounding", "soundings"),
-        );
+        let hint = "Soundings after the recorder lost the bottom: drawn faded, used only where a first return confirms them.";
+        let value = text::plural(context.app.log.lost_soundings, "sounding", "soundings");
+        fact(ui, "Bottom lost", hint, value);
     }
     if let (Some(start), Some((from, _))) = (survey.start_unix_s, span) {
-        fact(
-            ui,
-            "Start, UTC",
-            "Start of the log by the recorder's clock, corrected by the clock offset.",
-            format!(
-                "{} {}",
-                calendar::date(start + from),
-                text::clock(Some(start), from).trim_end_matches(" UTC")
-            ),
-        );
+        let hint = "Start of the log by the recorder's clock, corrected by the clock offset.";
+        let day = calendar::date(start + from);
+        let clock = text::clock(Some(start), from);
+        let value = format!("{day} {}", clock.trim_end_matches(" UTC"));
+        fact(ui, "Start, UTC", hint, value);
     }
     state_line(ui, context, survey);
 }
@@ -124,12 +106,7 @@ fn soundings(context: &ViewContext<'_>, survey: &Survey) -> String {
         _ if survey.soundings.is_empty() => "none".to_owned(),
         None => format!("{count} · bottom never found"),
         Some([low, high]) => {
-            let span = context
-                .app
-                .view
-                .options
-                .units
-                .span([low, high].map(f64::from), 1);
+            let span = context.units().span([low, high].map(f64::from), 1);
             format!("{count} · {span}")
         }
     }
@@ -137,34 +114,28 @@ fn soundings(context: &ViewContext<'_>, survey: &Survey) -> String {
 
 /// Format and size; every channel of the log on hover.
 fn channels(ui: &mut Ui, survey: &Survey, units: Units) {
-    let line = format!(
-        "{} · {} · {}",
-        survey.source.format,
-        text::bytes(survey.source.byte_count),
-        text::plural(survey.channels.len(), "channel", "channels")
-    );
+    let format = &survey.source.format;
+    let bytes = text::bytes(survey.source.byte_count);
+    let channels = text::plural(survey.channels.len(), "channel", "channels");
+    let line = format!("{format} · {bytes} · {channels}");
     let shown = egui::Label::new(egui::RichText::new(line).small().weak());
     let shown = ui.add(shown.truncate());
     shown.on_hover_ui(|ui| {
         for channel in &survey.channels {
-            let frequency = channel
-                .frequency_khz
-                .map_or(String::new(), |khz| format!(", {khz:.0} kHz"));
+            let khz = channel.frequency_khz;
+            let frequency = khz.map_or(String::new(), |khz| format!(", {khz:.0} kHz"));
             let range = channel.range_m.map_or(String::new(), |(near, far)| {
                 format!(", {}", units.span([near, far].map(f64::from), 1))
             });
-            ui.label(format!(
-                "{} ({}): {}{frequency}{range}",
-                channel.kind.name(),
-                one_line(&channel.recorder_name),
-                text::plural(channel.ping_count, "ping", "pings"),
-            ));
+            let (kind, name) = (channel.kind.name(), one_line(&channel.recorder_name));
+            let pings = text::plural(channel.ping_count, "ping", "pings");
+            ui.label(format!("{kind} ({name}): {pings}{frequency}{range}"));
         }
     });
 }
 
 fn state_line(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
-    let units = context.app.view.options.units;
+    let units = context.units();
     match survey.side_scan_state {
         SideScanState::Usable => {}
         SideScanState::Absent => warning(
@@ -196,13 +167,11 @@ fn warnings(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
                 let place = one.place.map_or(String::new(), |(file, offset)| {
                     let name = survey.source.files.get(file);
                     let name = name.and_then(|file| file.file_name()).unwrap_or_default();
-                    format!(
-                        " ({} byte {})",
-                        name.to_string_lossy(),
-                        text::count(offset as usize)
-                    )
+                    let name = name.to_string_lossy();
+                    let offset = text::count(offset as usize);
+                    format!(" ({name} byte {offset})")
                 });
-                let said = context.app.view.options.units.sentence(&one.text);
+                let said = context.units().sentence(&one.text);
                 warning(ui, context, &format!("{said}{place}"));
             }
             if count > WARNINGS_SHOWN {
@@ -238,7 +207,7 @@ fn preset_line(ui: &mut Ui, context: &mut ViewContext<'_>) {
             }
         }
         if in_force.is_none() {
-            let colour = crate::ui::theme::stale_colour(context.app.view.options.theme);
+            let colour = crate::ui::theme::stale_colour(context.theme());
             ui.colored_label(colour, "changed").on_hover_text(
                 "Some settings differ from the preset; a click on a preset restores all of its settings.",
             );

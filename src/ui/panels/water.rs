@@ -2,8 +2,7 @@
 
 use super::parts::{self, setting};
 use super::section::{Section, section};
-use crate::app::{Action, Command};
-use crate::pipeline::Settings;
+use crate::app::Action;
 use crate::pipeline::Stage;
 use crate::pipeline::settings::rows;
 use crate::ui::ViewContext;
@@ -14,33 +13,29 @@ const USUAL_C: f64 = 12.0;
 
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let heading = Section {
-        number: None,
-        title: "Depth correction",
-        stage: Some(Stage::Cloud),
-    };
-    section(ui, context, &heading, |ui, context| {
-        levels(ui, context);
-        sound_speed(ui, context);
-        if let Some(products) = &context.app.log.products {
-            for sentence in products.correction.sentences() {
-                parts::remark(ui, context.app.view.options.units.sentence(&sentence));
+    section(
+        ui,
+        context,
+        Section::new("Depth correction").of(Stage::Cloud),
+        |ui, context| {
+            levels(ui, context);
+            sound_speed(ui, context);
+            if let Some(products) = &context.app.log.products {
+                for sentence in products.correction.sentences() {
+                    parts::remark(ui, context.units().sentence(&sentence));
+                }
             }
-        }
-    });
+        },
+    );
 }
 
 fn levels(ui: &mut Ui, context: &mut ViewContext<'_>) {
     setting(ui, context, &rows::DRAFT);
     setting(ui, context, &rows::WATER_LEVEL);
     let readings = context.app.log.settings.water_level.file.clone();
-    parts::file(
-        ui,
-        context,
-        &rows::WATER_LEVEL_FILE,
-        readings.as_deref(),
-        [Action::OpenWaterLevels, Action::RemoveWaterLevels],
-    );
+    let readings = readings.as_deref();
+    let actions = [Action::OpenWaterLevels, Action::RemoveWaterLevels];
+    parts::file(ui, context, &rows::WATER_LEVEL_FILE, readings, actions);
 }
 
 fn sound_speed(ui: &mut Ui, context: &mut ViewContext<'_>) {
@@ -53,13 +48,9 @@ fn sound_speed(ui: &mut Ui, context: &mut ViewContext<'_>) {
             "Multiplies ranges and depths by the ratio of this sound speed to that of the recorder.",
         );
     if toggle.changed() {
-        let mut settings = Settings::clone(&context.app.log.settings);
-        settings.sound_speed.m_s = None;
-        settings.sound_speed.temperature_c = requested.then_some(USUAL_C);
-        context.push(Command::Change {
-            settings: Box::new(settings),
-            label: "sound speed",
-            live: false,
+        context.change("sound speed", |settings| {
+            settings.sound_speed.m_s = None;
+            settings.sound_speed.temperature_c = requested.then_some(USUAL_C);
         });
     }
     if known && speed.temperature_c.is_some() {

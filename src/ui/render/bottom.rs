@@ -2,7 +2,8 @@
 
 use super::camera::corners;
 use super::part::Part;
-use super::target::{PipelineParts, Target, offscreen_pipeline, uniform};
+use super::pipeline::PipelineParts;
+use super::target::{OffscreenPipeline, Target, Uniform};
 use super::{Projection, Uploader};
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec2, Vec3, Vec4};
@@ -180,14 +181,10 @@ impl BottomBuffers {
             let usage = wgpu::BufferUsages::VERTEX;
             uploader.buffer("bottom", usage, held * VERTICES, vertices)
         });
+        let (usage, count) = (wgpu::BufferUsages::INDEX, numbers.len());
         Self {
             tiles: buffers.collect(),
-            numbers: uploader.buffer(
-                "triangles",
-                wgpu::BufferUsages::INDEX,
-                numbers.len(),
-                numbers.into_iter(),
-            ),
+            numbers: uploader.buffer("triangles", usage, count, numbers.into_iter()),
             extents,
             levels,
             cell_m,
@@ -276,19 +273,19 @@ struct ViewUniform {
 
 /// The pipeline for the bottom, with the uniforms of one view.
 pub(crate) struct BottomRenderer {
-    pipeline: wgpu::RenderPipeline,
-    view: wgpu::Buffer,
-    group: wgpu::BindGroup,
+    pipeline: OffscreenPipeline,
+    view: Uniform,
 }
 
 impl BottomRenderer {
     /// Builds the pipeline.
     pub(crate) fn new(device: &wgpu::Device) -> Self {
-        let (pipeline, layout) = offscreen_pipeline(
+        let pipeline = OffscreenPipeline::new(
             device,
             PipelineParts {
                 label: "bottom",
                 shader: include_str!("../../../shaders/bottom.wgsl"),
+                entries: ["vertex", "fragment"],
                 buffers: &[Some(wgpu::VertexBufferLayout {
                     array_stride: size_of::<BottomVertex>() as u64,
                     step_mode: wgpu::VertexStepMode::Vertex,
@@ -298,15 +295,11 @@ impl BottomRenderer {
                 })],
                 blend: None,
                 topology: wgpu::PrimitiveTopology::TriangleList,
-                writes_depth: true,
             },
+            true,
         );
-        let (view, group) = uniform(device, &layout, size_of::<ViewUniform>());
-        Self {
-            pipeline,
-            view,
-            group,
-        }
+        let view = pipeline.uniform(device, size_of::<ViewUniform>());
+        Self { pipeline, view }
     }
 
     /// Draws the bottom in a pass of the target.
@@ -332,9 +325,8 @@ impl BottomRenderer {
             high,
             cut,
         };
-        queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
-        pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, &self.group, &[]);
+        pass.set_pipeline(&self.pipeline.pipeline);
+        self.view.set(queue, pass, &uniform);
         pass.set_index_buffer(bottom.numbers.slice(..), wgpu::IndexFormat::Uint16);
         let height_px = target.size_px()[1] as f32;
         for (tile, level) in bottom.seen(draw, height_px) {
@@ -351,27 +343,27 @@ impl BottomRenderer {
 #[cfg(test)]
 mod tests {
     use super::super::OrbitCamera;
-    use super::super::target::tests::layout;
+    use super::super::pipeline::tests::assert_laid_out;
     use super::*;
-    use std::mem::offset_of;
 
     #[test]
     fn the_shader_reads_the_view_as_it_is_written() {
-        let (size, offsets) = layout(include_str!("../../../shaders/bottom.wgsl"), "View");
-        assert_eq!(size as usize, size_of::<ViewUniform>());
-        let ours = [
-            offset_of!(ViewUniform, clip_from_world),
-            offset_of!(ViewUniform, light),
-            offset_of!(ViewUniform, exaggeration),
-            offset_of!(ViewUniform, isobath_m),
-            offset_of!(ViewUniform, first_m),
-            offset_of!(ViewUniform, half_line_px),
-            offset_of!(ViewUniform, darkest),
-            offset_of!(ViewUniform, low),
-            offset_of!(ViewUniform, high),
-            offset_of!(ViewUniform, cut),
-        ];
-        assert_eq!(offsets, ours.map(|offset| offset as u32));
+        assert_laid_out!(
+            "bottom.wgsl",
+            "View",
+            ViewUniform {
+                clip_from_world,
+                light,
+                exaggeration,
+                isobath_m,
+                first_m,
+                half_line_px,
+                darkest,
+                low,
+                high,
+                cut
+            }
+        );
     }
 
     #[test]

@@ -304,12 +304,8 @@ mod tests {
                 let projection = camera.projection(0.8);
                 let most = corners(LOW, HIGH)
                     .map(|corner| {
-                        projection
-                            .project(corner)
-                            .unwrap()
-                            .truncate()
-                            .abs()
-                            .max_element()
+                        let ndc = projection.project(corner).unwrap();
+                        ndc.truncate().abs().max_element()
                     })
                     .into_iter()
                     .fold(0.0, f32::max);

@@ -2,7 +2,8 @@
 
 use super::Uploader;
 use super::part::Part;
-use super::target::{PipelineParts, Target, offscreen_pipeline, uniform};
+use super::pipeline::PipelineParts;
+use super::target::{OffscreenPipeline, Target, Uniform};
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec4};
 
@@ -73,19 +74,19 @@ pub(crate) struct CloudDraw {
 
 /// The pipeline for points, with the uniforms of one view.
 pub(crate) struct CloudRenderer {
-    pipeline: wgpu::RenderPipeline,
-    view: wgpu::Buffer,
-    group: wgpu::BindGroup,
+    pipeline: OffscreenPipeline,
+    view: Uniform,
 }
 
 impl CloudRenderer {
     /// Builds the pipeline.
     pub(crate) fn new(device: &wgpu::Device) -> Self {
-        let (pipeline, layout) = offscreen_pipeline(
+        let pipeline = OffscreenPipeline::new(
             device,
             PipelineParts {
                 label: "cloud",
                 shader: include_str!("../../../shaders/cloud.wgsl"),
+                entries: ["vertex", "fragment"],
                 buffers: &[Some(wgpu::VertexBufferLayout {
                     array_stride: size_of::<PointVertex>() as u64,
                     step_mode: wgpu::VertexStepMode::Instance,
@@ -93,15 +94,11 @@ impl CloudRenderer {
                 })],
                 blend: None,
                 topology: wgpu::PrimitiveTopology::TriangleStrip,
-                writes_depth: true,
             },
+            true,
         );
-        let (view, group) = uniform(device, &layout, size_of::<ViewUniform>());
-        Self {
-            pipeline,
-            view,
-            group,
-        }
+        let view = pipeline.uniform(device, size_of::<ViewUniform>());
+        Self { pipeline, view }
     }
 
     /// Draws the points in a pass of the target.
@@ -123,9 +120,8 @@ impl CloudRenderer {
             high,
             cut,
         };
-        queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
-        pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, &self.group, &[]);
+        pass.set_pipeline(&self.pipeline.pipeline);
+        self.view.set(queue, pass, &uniform);
         let mut left = draw.count;
         for (buffer, count) in &points.buffers {
             let drawn = left.min(*count as usize);
@@ -138,23 +134,23 @@ impl CloudRenderer {
 
 #[cfg(test)]
 mod tests {
-    use super::super::target::tests::layout;
+    use super::super::pipeline::tests::assert_laid_out;
     use super::*;
-    use std::mem::offset_of;
 
     #[test]
     fn the_shader_reads_the_view_as_it_is_written() {
-        let (size, offsets) = layout(include_str!("../../../shaders/cloud.wgsl"), "View");
-        assert_eq!(size as usize, size_of::<ViewUniform>());
-        let ours = [
-            offset_of!(ViewUniform, clip_from_world),
-            offset_of!(ViewUniform, size_px),
-            offset_of!(ViewUniform, radius_px),
-            offset_of!(ViewUniform, nearer),
-            offset_of!(ViewUniform, low),
-            offset_of!(ViewUniform, high),
-            offset_of!(ViewUniform, cut),
-        ];
-        assert_eq!(offsets, ours.map(|offset| offset as u32));
+        assert_laid_out!(
+            "cloud.wgsl",
+            "View",
+            ViewUniform {
+                clip_from_world,
+                size_px,
+                radius_px,
+                nearer,
+                low,
+                high,
+                cut
+            }
+        );
     }
 }

@@ -3,6 +3,9 @@
 //! The window's painter draws both as triangles of a filtered texture. A driver without a graphics card takes some 40 ns for each pixel
 //! of these, and most pixels of the window are flat.
 
+use super::pipeline::{
+    PipelineParts, bind_group, bind_group_layout, pipeline, texture_entry, uniform_entry,
+};
 use bytemuck::{Pod, Zeroable};
 use std::collections::HashMap;
 use wgpu::util::{BufferInitDescriptor, DeviceExt as _};
@@ -32,23 +35,13 @@ pub(crate) struct FlatRenderer {
 impl FlatRenderer {
     /// Builds the pipelines for targets of this format.
     pub(crate) fn new(device: &wgpu::Device, target: wgpu::TextureFormat) -> Self {
-        let uniform = wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Uniform,
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        };
-        let texture = wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Float { filterable: false },
-            view_dimension: wgpu::TextureViewDimension::D2,
-            multisampled: false,
-        };
-        let tint_layout = layout(device, uniform);
-        let picture_layout = layout(device, texture);
+        let tint_layout = bind_group_layout(device, &[uniform_entry(0)]);
+        let picture_layout = bind_group_layout(device, &[texture_entry(0)]);
         let over = wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING;
         let both = [Some(&tint_layout), Some(&picture_layout)];
         Self {
-            fill: pipeline(device, &both[..1], "fs_fill", None, target),
-            picture: pipeline(device, &both, "fs_picture", Some(over), target),
+            fill: draw_with(device, &both[..1], "fs_fill", None, target),
+            picture: draw_with(device, &both, "fs_picture", Some(over), target),
             tint_layout,
             picture_layout,
             tints: HashMap::new(),
@@ -70,7 +63,7 @@ impl FlatRenderer {
                 contents: bytemuck::bytes_of(&tint),
                 usage: wgpu::BufferUsages::UNIFORM,
             });
-            bind(device, layout, buffer.as_entire_binding())
+            bind_group(device, layout, &[buffer.as_entire_binding()])
         });
     }
 
@@ -81,7 +74,7 @@ impl FlatRenderer {
         picture: &wgpu::TextureView,
     ) -> wgpu::BindGroup {
         let view = wgpu::BindingResource::TextureView(picture);
-        bind(device, &self.picture_layout, view)
+        bind_group(device, &self.picture_layout, &[view])
     }
 
     /// Fills the viewport with a colour that is prepared.
@@ -110,84 +103,38 @@ impl FlatRenderer {
     }
 }
 
-fn layout(device: &wgpu::Device, ty: wgpu::BindingType) -> wgpu::BindGroupLayout {
-    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some("flat"),
-        entries: &[wgpu::BindGroupLayoutEntry {
-            binding: 0,
-            visibility: wgpu::ShaderStages::FRAGMENT,
-            ty,
-            count: None,
-        }],
-    })
-}
-
-fn bind(
-    device: &wgpu::Device,
-    layout: &wgpu::BindGroupLayout,
-    resource: wgpu::BindingResource<'_>,
-) -> wgpu::BindGroup {
-    device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("flat"),
-        layout,
-        entries: &[wgpu::BindGroupEntry {
-            binding: 0,
-            resource,
-        }],
-    })
-}
-
-fn pipeline(
+fn draw_with(
     device: &wgpu::Device,
     layouts: &[Option<&wgpu::BindGroupLayout>],
-    fragment: &str,
+    fragment: &'static str,
     blend: Option<wgpu::BlendState>,
     target: wgpu::TextureFormat,
 ) -> wgpu::RenderPipeline {
-    let module = device.create_shader_module(wgpu::include_wgsl!("../../../shaders/flat.wgsl"));
-    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some("flat"),
-        bind_group_layouts: layouts,
-        immediate_size: 0,
-    });
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("flat"),
-        layout: Some(&layout),
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some("vs_main"),
-            compilation_options: Default::default(),
-            buffers: &[],
-        },
-        primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: None,
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: Some(fragment),
-            compilation_options: Default::default(),
-            targets: &[Some(wgpu::ColorTargetState {
-                format: target,
-                blend,
-                write_mask: wgpu::ColorWrites::ALL,
-            })],
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
+    let parts = PipelineParts {
+        label: "flat",
+        shader: include_str!("../../../shaders/flat.wgsl"),
+        entries: ["vs_main", fragment],
+        buffers: &[],
+        topology: wgpu::PrimitiveTopology::TriangleList,
+        blend,
+    };
+    pipeline(device, layouts, parts, target, None)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::target::tests::layout;
+    use super::super::pipeline::tests::assert_laid_out;
     use super::*;
-    use std::mem::offset_of;
 
     #[test]
     fn the_shader_reads_the_tint_as_it_is_written() {
-        let (size, offsets) = layout(include_str!("../../../shaders/flat.wgsl"), "Tint");
-        assert_eq!(size as usize, size_of::<Tint>());
-        let ours = [offset_of!(Tint, colour), offset_of!(Tint, linear_target)];
-        assert_eq!(offsets, ours.map(|offset| offset as u32));
+        assert_laid_out!(
+            "flat.wgsl",
+            "Tint",
+            Tint {
+                colour,
+                linear_target
+            }
+        );
     }
 }

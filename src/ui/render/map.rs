@@ -2,7 +2,8 @@
 
 use super::Uploader;
 use super::lod::Vertex;
-use super::target::{PipelineParts, Target, offscreen_pipeline, uniform};
+use super::pipeline::PipelineParts;
+use super::target::{OffscreenPipeline, Target, Uniform};
 use bytemuck::{Pod, Zeroable};
 use std::ops::Range;
 
@@ -33,12 +34,8 @@ impl TrackBuffers {
     pub(crate) fn add(&mut self, uploader: &Uploader, vertices: &[Vertex]) {
         let fits = size_of_val(vertices) as u64 <= uploader.most_bytes();
         let buffer = (vertices.len() > 1 && fits).then(|| {
-            uploader.buffer(
-                "track",
-                wgpu::BufferUsages::VERTEX,
-                vertices.len(),
-                vertices.iter().copied(),
-            )
+            let (usage, all) = (wgpu::BufferUsages::VERTEX, vertices.iter().copied());
+            uploader.buffer("track", usage, vertices.len(), all)
         });
         self.levels.push(buffer);
     }
@@ -57,20 +54,20 @@ pub(crate) struct LineDraw {
 
 /// The pipeline for lines, with the uniforms of one picture.
 pub(crate) struct LineRenderer {
-    pipeline: wgpu::RenderPipeline,
-    layout: wgpu::BindGroupLayout,
+    pipeline: OffscreenPipeline,
     /// Two for each line drawn so far.
-    strokes: Vec<(wgpu::Buffer, wgpu::BindGroup)>,
+    strokes: Vec<Uniform>,
 }
 
 impl LineRenderer {
     /// Builds the pipeline.
     pub(crate) fn new(device: &wgpu::Device) -> Self {
-        let (pipeline, layout) = offscreen_pipeline(
+        let pipeline = OffscreenPipeline::new(
             device,
             PipelineParts {
                 label: "track",
                 shader: include_str!("../../../shaders/track.wgsl"),
+                entries: ["vertex", "fragment"],
                 // The same vertices twice, one apart: a segment goes from each to the next.
                 buffers: &[
                     Some(vertices(
@@ -82,12 +79,11 @@ impl LineRenderer {
                 ],
                 blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
                 topology: wgpu::PrimitiveTopology::TriangleStrip,
-                writes_depth: false,
             },
+            false,
         );
         Self {
             pipeline,
-            layout,
             strokes: Vec::new(),
         }
     }
@@ -101,7 +97,7 @@ impl LineRenderer {
         lines: &[(&TrackBuffers, &LineDraw)],
     ) {
         while self.strokes.len() < 2 * lines.len() {
-            let stroke = uniform(device, &self.layout, size_of::<LineUniform>());
+            let stroke = self.pipeline.uniform(device, size_of::<LineUniform>());
             self.strokes.push(stroke);
         }
         let mut encoder = device.create_command_encoder(&Default::default());
@@ -111,14 +107,13 @@ impl LineRenderer {
                 let Some(Some(vertices)) = buffers.levels.get(draw.level) else {
                     continue;
                 };
-                pass.set_pipeline(&self.pipeline);
+                pass.set_pipeline(&self.pipeline.pipeline);
                 pass.set_vertex_buffer(0, vertices.slice(..));
                 pass.set_vertex_buffer(1, vertices.slice(size_of::<Vertex>() as u64..));
-                for ((buffer, group), stroke) in uniforms.iter().zip(&draw.strokes) {
+                for (uniform, stroke) in uniforms.iter().zip(&draw.strokes) {
                     let size_px = target.size_px().map(|side| side as f32);
                     let stroke = LineUniform { size_px, ..*stroke };
-                    queue.write_buffer(buffer, 0, bytemuck::bytes_of(&stroke));
-                    pass.set_bind_group(0, group, &[]);
+                    uniform.set(queue, &mut pass, &stroke);
                     for run in &draw.runs {
                         pass.draw(0..4, run.clone());
                     }
@@ -139,21 +134,21 @@ fn vertices(attributes: &[wgpu::VertexAttribute]) -> wgpu::VertexBufferLayout<'_
 
 #[cfg(test)]
 mod tests {
-    use super::super::target::tests::layout;
+    use super::super::pipeline::tests::assert_laid_out;
     use super::*;
-    use std::mem::offset_of;
 
     #[test]
     fn the_shader_reads_the_line_as_it_is_written() {
-        let (size, offsets) = layout(include_str!("../../../shaders/track.wgsl"), "Line");
-        assert_eq!(size as usize, size_of::<LineUniform>());
-        let ours = [
-            offset_of!(LineUniform, px_from_world),
-            offset_of!(LineUniform, size_px),
-            offset_of!(LineUniform, half_width_px),
-            offset_of!(LineUniform, plain),
-            offset_of!(LineUniform, colour),
-        ];
-        assert_eq!(offsets, ours.map(|offset| offset as u32));
+        assert_laid_out!(
+            "track.wgsl",
+            "Line",
+            LineUniform {
+                px_from_world,
+                size_px,
+                half_width_px,
+                plain,
+                colour
+            }
+        );
     }
 }

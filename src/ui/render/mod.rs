@@ -4,7 +4,7 @@
 //!
 //! `cloud` draws points, `bottom` a mesh and `map` lines into an offscreen `target`, `waterfall` draws tiles and `flat` areas of one
 //! colour and whole pictures into a pass of the window;
-//! `upload` fills buffers, `camera` orbits, `lod` thins long lines.
+//! `pipeline` has what all of them are made of, `upload` fills buffers, `camera` orbits, `lod` thins long lines.
 
 mod bottom;
 mod camera;
@@ -13,6 +13,7 @@ mod flat;
 mod lod;
 mod map;
 mod part;
+mod pipeline;
 mod target;
 mod upload;
 pub(crate) mod waterfall;
@@ -26,5 +27,5 @@ pub(crate) use flat::{FlatRenderer, Rgba};
 pub(crate) use lod::{LinePyramid, Specks, Vertex};
 pub(crate) use map::{LineDraw, LineRenderer, LineUniform, TrackBuffers};
 pub(crate) use part::{Cut, Part};
-pub(crate) use target::Target;
+pub(crate) use target::{Target, extent};
 pub(crate) use upload::Uploader;

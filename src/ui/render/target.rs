@@ -1,9 +1,14 @@
-//! An offscreen picture with its own depth buffer.
+//! An offscreen picture with its own depth buffer, and the pipelines that draw into it.
+
+use super::pipeline::{
+    PipelineParts, bind_group, bind_group_layout, buffer, pipeline, uniform_entry,
+};
+use bytemuck::Pod;
 
 /// Format of the picture: plain sRGB bytes, which the window shows unchanged.
-pub(super) const COLOUR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+const COLOUR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 /// Format of the depth buffer. With infinite reverse-Z, floats spread their precision evenly over distance.
-pub(super) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// A colour picture, transparent where nothing is drawn, and its depth buffer. The window's own render pass has no depth
 /// buffer that can be relied on, so 3D is drawn here and then shown as an image.
@@ -68,145 +73,87 @@ impl Target {
 
 fn texture(
     device: &wgpu::Device,
-    [width, height]: [u32; 2],
+    size: [u32; 2],
     format: wgpu::TextureFormat,
 ) -> wgpu::TextureView {
-    let texture = device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("offscreen"),
-        size: wgpu::Extent3d {
-            width,
-            height,
-            depth_or_array_layers: 1,
-        },
+    // A picture may be read back, too.
+    let usage = wgpu::TextureUsages::RENDER_ATTACHMENT
+        | wgpu::TextureUsages::TEXTURE_BINDING
+        | wgpu::TextureUsages::COPY_SRC;
+    plain_texture(device, size, format, usage).create_view(&Default::default())
+}
+
+/// A texture of two dimensions and one level.
+pub(super) fn plain_texture(
+    device: &wgpu::Device,
+    size: [u32; 2],
+    format: wgpu::TextureFormat,
+    usage: wgpu::TextureUsages,
+) -> wgpu::Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("picture"),
+        size: extent(size),
         mip_level_count: 1,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
         format,
-        // A picture may be read back, too.
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT
-            | wgpu::TextureUsages::TEXTURE_BINDING
-            | wgpu::TextureUsages::COPY_SRC,
+        usage,
         view_formats: &[],
-    });
-    texture.create_view(&wgpu::TextureViewDescriptor::default())
+    })
 }
 
-/// What a pipeline of a [`Target`] differs in from the others.
-pub(super) struct PipelineParts<'a> {
-    pub label: &'static str,
-    pub shader: &'a str,
-    pub buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>],
-    pub topology: wgpu::PrimitiveTopology,
-    pub blend: Option<wgpu::BlendState>,
-    pub writes_depth: bool,
+/// The size of a texture of two dimensions.
+pub(crate) fn extent([width, height]: [u32; 2]) -> wgpu::Extent3d {
+    wgpu::Extent3d {
+        width,
+        height,
+        depth_or_array_layers: 1,
+    }
 }
 
-/// A pipeline that draws into a [`Target`], with one uniform buffer at group 0, binding 0.
-pub(super) fn offscreen_pipeline(
-    device: &wgpu::Device,
-    parts: PipelineParts<'_>,
-) -> (wgpu::RenderPipeline, wgpu::BindGroupLayout) {
-    let uniforms = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some(parts.label),
-        entries: &[wgpu::BindGroupLayoutEntry {
-            binding: 0,
-            visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
-            ty: wgpu::BindingType::Buffer {
-                ty: wgpu::BufferBindingType::Uniform,
-                has_dynamic_offset: false,
-                min_binding_size: None,
-            },
-            count: None,
-        }],
-    });
-    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some(parts.label),
-        bind_group_layouts: &[Some(&uniforms)],
-        immediate_size: 0,
-    });
-    let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some(parts.label),
-        source: wgpu::ShaderSource::Wgsl(parts.shader.into()),
-    });
-    let compare = if parts.writes_depth {
-        wgpu::CompareFunction::GreaterEqual
-    } else {
-        wgpu::CompareFunction::Always
-    };
-    let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(parts.label),
-        layout: Some(&layout),
-        vertex: wgpu::VertexState {
-            module: &shader,
-            entry_point: Some("vertex"),
-            compilation_options: Default::default(),
-            buffers: parts.buffers,
-        },
-        fragment: Some(wgpu::FragmentState {
-            module: &shader,
-            entry_point: Some("fragment"),
-            compilation_options: Default::default(),
-            targets: &[Some(wgpu::ColorTargetState {
-                format: COLOUR_FORMAT,
-                blend: parts.blend,
-                write_mask: wgpu::ColorWrites::ALL,
-            })],
-        }),
-        primitive: wgpu::PrimitiveState {
-            topology: parts.topology,
-            ..Default::default()
-        },
-        depth_stencil: Some(wgpu::DepthStencilState {
+/// A pipeline that draws into a [`Target`], with one uniform block at group 0, binding 0.
+pub(super) struct OffscreenPipeline {
+    pub pipeline: wgpu::RenderPipeline,
+    layout: wgpu::BindGroupLayout,
+}
+
+impl OffscreenPipeline {
+    /// Draws over what is nearer only where it `tests_depth`.
+    pub(super) fn new(device: &wgpu::Device, parts: PipelineParts<'_>, tests_depth: bool) -> Self {
+        let layout = bind_group_layout(device, &[uniform_entry(0)]);
+        let depth_compare = match tests_depth {
+            true => wgpu::CompareFunction::GreaterEqual,
+            false => wgpu::CompareFunction::Always,
+        };
+        let depth = wgpu::DepthStencilState {
             format: DEPTH_FORMAT,
-            depth_write_enabled: Some(parts.writes_depth),
-            depth_compare: Some(compare),
+            depth_write_enabled: Some(tests_depth),
+            depth_compare: Some(depth_compare),
             stencil: wgpu::StencilState::default(),
             bias: wgpu::DepthBiasState::default(),
-        }),
-        multisample: wgpu::MultisampleState::default(),
-        multiview_mask: None,
-        cache: None,
-    });
-    (pipeline, uniforms)
+        };
+        let pipeline = pipeline(device, &[Some(&layout)], parts, COLOUR_FORMAT, Some(depth));
+        Self { pipeline, layout }
+    }
+
+    /// A uniform block of the pipeline.
+    pub(super) fn uniform(&self, device: &wgpu::Device, size: usize) -> Uniform {
+        let buffer = buffer(device, size, wgpu::BufferUsages::UNIFORM);
+        let group = bind_group(device, &self.layout, &[buffer.as_entire_binding()]);
+        Uniform { buffer, group }
+    }
 }
 
-/// A uniform buffer and its bind group.
-pub(super) fn uniform(
-    device: &wgpu::Device,
-    layout: &wgpu::BindGroupLayout,
-    size: usize,
-) -> (wgpu::Buffer, wgpu::BindGroup) {
-    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("uniform"),
-        size: size as u64,
-        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    });
-    let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("uniform"),
-        layout,
-        entries: &[wgpu::BindGroupEntry {
-            binding: 0,
-            resource: buffer.as_entire_binding(),
-        }],
-    });
-    (buffer, group)
+/// A uniform block at group 0.
+pub(super) struct Uniform {
+    buffer: wgpu::Buffer,
+    group: wgpu::BindGroup,
 }
 
-#[cfg(test)]
-pub(super) mod tests {
-    use wgpu::naga::{self, TypeInner};
-
-    /// Size in bytes and byte offsets of the members of a struct of a shader.
-    pub(crate) fn layout(shader: &str, name: &str) -> (u32, Vec<u32>) {
-        let module = naga::front::wgsl::parse_str(shader).expect("a valid shader");
-        let of_name = |inner: &naga::Type| inner.name.as_deref() == Some(name);
-        let found = module.types.iter().find(|(_, inner)| of_name(inner));
-        match &found.expect("a struct of this name").1.inner {
-            TypeInner::Struct { members, span } => {
-                (*span, members.iter().map(|member| member.offset).collect())
-            }
-            other => panic!("{name} is {other:?}"),
-        }
+impl Uniform {
+    /// Writes the block, and has what is drawn next read it.
+    pub(super) fn set(&self, queue: &wgpu::Queue, pass: &mut wgpu::RenderPass<'_>, to: &impl Pod) {
+        queue.write_buffer(&self.buffer, 0, bytemuck::bytes_of(to));
+        pass.set_bind_group(0, &self.group, &[]);
     }
 }

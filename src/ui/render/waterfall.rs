@@ -1,5 +1,9 @@
 //! Draws waterfall tiles: one quad each, coloured in the shader, so that colours and gain cost a uniform write.
 
+use super::pipeline::{
+    PipelineParts, bind_group, bind_group_layout, buffer, pipeline, texture_entry, uniform_entry,
+};
+use super::target::{extent, plain_texture};
 use bytemuck::{Pod, Zeroable};
 
 /// Tiles in one picture at most: 4K at the worst zoom needs 160.
@@ -101,28 +105,40 @@ pub(crate) struct WaterfallPicture {
 impl WaterfallPicture {
     /// Builds everything for targets of this format.
     pub(crate) fn new(device: &wgpu::Device, target: wgpu::TextureFormat) -> Self {
-        let frame_layout = frame_layout(device);
-        let tile_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("waterfall tile"),
-            entries: &[texture_entry(0)],
-        });
-        let look = buffer(
-            device,
-            "waterfall look",
-            size_of::<EchoStyle>(),
-            wgpu::BufferUsages::UNIFORM,
-        );
-        let bytes = MAX_QUADS * size_of::<Quad>();
-        let quads = buffer(device, "waterfall quads", bytes, wgpu::BufferUsages::VERTEX);
+        // Arrays in a buffer are read several times faster than textures by a driver without a graphics card.
+        let frame = [
+            uniform_entry(0),
+            uniform_entry(1),
+            texture_entry(2),
+            uniform_entry(3),
+        ];
+        let frame_layout = bind_group_layout(device, &frame);
+        let tile_layout = bind_group_layout(device, &[texture_entry(0)]);
         let uniform = wgpu::BufferUsages::UNIFORM;
-        let palette = buffer(device, "waterfall palette", 256 * 4, uniform);
+        let quads = MAX_QUADS * size_of::<Quad>();
+        let parts = PipelineParts {
+            label: "waterfall",
+            shader: include_str!("../../../shaders/waterfall.wgsl"),
+            entries: ["vs_main", "fs_main"],
+            buffers: &[Some(wgpu::VertexBufferLayout {
+                array_stride: size_of::<Quad>() as u64,
+                step_mode: wgpu::VertexStepMode::Instance,
+                attributes: &wgpu::vertex_attr_array![
+                    0 => Float32x2, 1 => Float32x2, 2 => Float32x2, 3 => Float32x2, 4 => Float32x2,
+                    5 => Float32x2, 6 => Float32x2, 7 => Uint32x3
+                ],
+            })],
+            topology: wgpu::PrimitiveTopology::TriangleStrip,
+            blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+        };
+        let layouts = [Some(&frame_layout), Some(&tile_layout)];
         Self {
-            pipeline: pipeline(device, &[Some(&frame_layout), Some(&tile_layout)], target),
+            pipeline: pipeline(device, &layouts, parts, target, None),
             tile_layout,
             frame_layout,
-            look,
-            quads,
-            palette,
+            look: buffer(device, size_of::<EchoStyle>(), uniform),
+            quads: buffer(device, quads, wgpu::BufferUsages::VERTEX),
+            palette: buffer(device, 256 * 4, uniform),
             linear_target: target.is_srgb(),
         }
     }
@@ -152,8 +168,8 @@ impl WaterfallPicture {
         let rows = texels.len().div_ceil(width as usize).max(1) as u32;
         texels.resize((width * rows) as usize, [0.0, 1.0, 0.0, 1.0]);
         let size = [width, rows];
-        let pings = texture(device, size, wgpu::TextureFormat::Rgba32Float);
-        write(queue, &pings, size, bytemuck::cast_slice(&texels));
+        let format = wgpu::TextureFormat::Rgba32Float;
+        let pings = texture(device, queue, size, &texels, format);
         let mut values = [[1.0_f32; CURVE_PLACES]; 4];
         for (row, curve) in values.iter_mut().zip(curves) {
             for (value, known) in row.iter_mut().zip(curve) {
@@ -161,20 +177,15 @@ impl WaterfallPicture {
             }
         }
         let uniform = wgpu::BufferUsages::UNIFORM;
-        let curves = buffer(device, "waterfall curves", size_of_val(&values), uniform);
+        let curves = buffer(device, size_of_val(&values), uniform);
         queue.write_buffer(&curves, 0, bytemuck::cast_slice(&values));
-        let pings = pings.create_view(&Default::default());
-        let entry = |binding: u32, resource| wgpu::BindGroupEntry { binding, resource };
-        let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("waterfall frame"),
-            layout: &self.frame_layout,
-            entries: &[
-                entry(0, self.look.as_entire_binding()),
-                entry(1, self.palette.as_entire_binding()),
-                entry(2, wgpu::BindingResource::TextureView(&pings)),
-                entry(3, curves.as_entire_binding()),
-            ],
-        });
+        let resources = [
+            self.look.as_entire_binding(),
+            self.palette.as_entire_binding(),
+            wgpu::BindingResource::TextureView(&pings),
+            curves.as_entire_binding(),
+        ];
+        let bind_group = bind_group(device, &self.frame_layout, &resources);
         (Tables { bind_group }, fits)
     }
 
@@ -186,18 +197,9 @@ impl WaterfallPicture {
         size: [u32; 2],
         texels: &[[u8; 2]],
     ) -> TileTexture {
-        let texture = texture(device, size, wgpu::TextureFormat::Rg8Unorm);
-        write(queue, &texture, size, bytemuck::cast_slice(texels));
-        let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("waterfall tile"),
-            layout: &self.tile_layout,
-            entries: &[wgpu::BindGroupEntry {
-                binding: 0,
-                resource: wgpu::BindingResource::TextureView(
-                    &texture.create_view(&Default::default()),
-                ),
-            }],
-        });
+        let tile = texture(device, queue, size, texels, wgpu::TextureFormat::Rg8Unorm);
+        let tile = wgpu::BindingResource::TextureView(&tile);
+        let bind_group = bind_group(device, &self.tile_layout, &[tile]);
         TileTexture { bind_group }
     }
 
@@ -238,172 +240,54 @@ impl WaterfallPicture {
     }
 }
 
-fn frame_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
-    let uniform = |binding| wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
-        ty: wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Uniform,
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        },
-        count: None,
-    };
-    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some("waterfall frame"),
-        // Arrays in a buffer are read several times faster than textures by a driver without a graphics card.
-        entries: &[uniform(0), uniform(1), texture_entry(2), uniform(3)],
-    })
-}
-
-fn texture_entry(binding: u32) -> wgpu::BindGroupLayoutEntry {
-    wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility: wgpu::ShaderStages::FRAGMENT,
-        ty: wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Float { filterable: false },
-            view_dimension: wgpu::TextureViewDimension::D2,
-            multisampled: false,
-        },
-        count: None,
-    }
-}
-
-fn buffer(
+/// A texture of these texels, row by row.
+fn texture(
     device: &wgpu::Device,
-    label: &str,
-    bytes: usize,
-    usage: wgpu::BufferUsages,
-) -> wgpu::Buffer {
-    device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some(label),
-        size: bytes as u64,
-        usage: usage | wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    })
-}
-
-fn texture(device: &wgpu::Device, size: [u32; 2], format: wgpu::TextureFormat) -> wgpu::Texture {
-    device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("waterfall"),
-        size: extent(size),
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    })
-}
-
-fn extent([width, height]: [u32; 2]) -> wgpu::Extent3d {
-    wgpu::Extent3d {
-        width,
-        height,
-        depth_or_array_layers: 1,
-    }
-}
-
-fn write(queue: &wgpu::Queue, texture: &wgpu::Texture, size: [u32; 2], bytes: &[u8]) {
+    queue: &wgpu::Queue,
+    size: [u32; 2],
+    texels: &[impl Pod],
+    format: wgpu::TextureFormat,
+) -> wgpu::TextureView {
+    let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
+    let texture = plain_texture(device, size, format, usage);
+    let bytes: &[u8] = bytemuck::cast_slice(texels);
     let layout = wgpu::TexelCopyBufferLayout {
         offset: 0,
         bytes_per_row: Some(bytes.len() as u32 / size[1].max(1)),
         rows_per_image: None,
     };
     queue.write_texture(texture.as_image_copy(), bytes, layout, extent(size));
-}
-
-fn pipeline(
-    device: &wgpu::Device,
-    layouts: &[Option<&wgpu::BindGroupLayout>],
-    target: wgpu::TextureFormat,
-) -> wgpu::RenderPipeline {
-    let module =
-        device.create_shader_module(wgpu::include_wgsl!("../../../shaders/waterfall.wgsl"));
-    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some("waterfall"),
-        bind_group_layouts: layouts,
-        immediate_size: 0,
-    });
-    let quad = wgpu::VertexBufferLayout {
-        array_stride: size_of::<Quad>() as u64,
-        step_mode: wgpu::VertexStepMode::Instance,
-        attributes: &wgpu::vertex_attr_array![
-            0 => Float32x2, 1 => Float32x2, 2 => Float32x2, 3 => Float32x2, 4 => Float32x2,
-            5 => Float32x2, 6 => Float32x2, 7 => Uint32x3
-        ],
-    };
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("waterfall"),
-        layout: Some(&layout),
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some("vs_main"),
-            compilation_options: Default::default(),
-            buffers: &[Some(quad)],
-        },
-        primitive: wgpu::PrimitiveState {
-            topology: wgpu::PrimitiveTopology::TriangleStrip,
-            ..Default::default()
-        },
-        depth_stencil: None,
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: Some("fs_main"),
-            compilation_options: Default::default(),
-            targets: &[Some(wgpu::ColorTargetState {
-                format: target,
-                blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
-                write_mask: wgpu::ColorWrites::ALL,
-            })],
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
+    texture.create_view(&Default::default())
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::pipeline::tests::assert_laid_out;
     use super::*;
-    use std::mem::offset_of;
-    use wgpu::naga::{TypeInner, front::wgsl};
 
     #[test]
     fn look_is_laid_out_as_in_the_shader() {
-        let source = include_str!("../../../shaders/waterfall.wgsl");
-        let module = wgsl::parse_str(source).expect("the shader parses");
-        let look = module
-            .types
-            .iter()
-            .find(|(_, kind)| kind.name.as_deref() == Some("EchoStyle"))
-            .map(|(_, kind)| &kind.inner);
-        let Some(TypeInner::Struct { members, span }) = look else {
-            panic!("the shader has no struct EchoStyle");
-        };
-        let offsets: Vec<usize> = members
-            .iter()
-            .map(|member| member.offset as usize)
-            .collect();
-        let expected = [
-            offset_of!(EchoStyle, gamma),
-            offset_of!(EchoStyle, highlight),
-            offset_of!(EchoStyle, black),
-            offset_of!(EchoStyle, white),
-            offset_of!(EchoStyle, time_is_down),
-            offset_of!(EchoStyle, linear_target),
-            offset_of!(EchoStyle, geometry),
-            offset_of!(EchoStyle, filters),
-            offset_of!(EchoStyle, spreading),
-            offset_of!(EchoStyle, absorption),
-            offset_of!(EchoStyle, middle_m),
-            offset_of!(EchoStyle, port),
-            offset_of!(EchoStyle, starboard),
-            offset_of!(EchoStyle, curve_far_m),
-            offset_of!(EchoStyle, curve_factor),
-            offset_of!(EchoStyle, padding),
-        ];
-        assert_eq!(offsets, expected);
-        assert_eq!(*span as usize, size_of::<EchoStyle>());
+        assert_laid_out!(
+            "waterfall.wgsl",
+            "EchoStyle",
+            EchoStyle {
+                gamma,
+                highlight,
+                black,
+                white,
+                time_is_down,
+                linear_target,
+                geometry,
+                filters,
+                spreading,
+                absorption,
+                middle_m,
+                port,
+                starboard,
+                curve_far_m,
+                curve_factor,
+                padding
+            }
+        );
     }
 }

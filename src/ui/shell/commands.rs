@@ -1,5 +1,6 @@
 //! What the shell itself does about a command; the rest goes to the state.
 
+use super::printing::BUSY;
 use super::sides::SidePanel;
 use super::{Shell, ViewRequest};
 use crate::app::{Action, Command, Jobs, KeyFocus, Keys, LayoutPreset, View};
@@ -14,9 +15,6 @@ const NO_BOXES: &str = "there are no boxes yet; find objects, or draw a box with
 /// Said when there is no profile to save or copy.
 const NO_PROFILE: &str =
     "there is no depth profile yet; draw a line over the depth map with P first";
-
-/// Said when products cannot be written yet.
-const STILL_WRITING: &str = "products are still being written; wait, or cancel that first";
 
 /// Frames within which the control of a setting is drawn, if it is: a list that drops down needs a few.
 const SEEK_FRAMES: u8 = 6;
@@ -158,7 +156,7 @@ impl Shell {
             let text = "there is no result to export yet; open a log first";
             self.app.apply(Command::Notify(text.to_owned()));
         } else if self.app.export_fraction().is_some() {
-            self.app.apply(Command::Notify(STILL_WRITING.to_owned()));
+            self.say(BUSY);
         } else {
             let (folder, amounts) = (self.app.export_folder(), self.app.amounts());
             self.export.ask(&folder, amounts);
@@ -192,8 +190,26 @@ impl Shell {
 
     fn toggle_panel(&mut self, panel: SidePanel, ctx: &egui::Context) {
         let (panels, width) = (self.app.view.options.panels, ctx.content_rect().width());
-        let is_shown = panel.is_shown(panels, width);
-        self.app.view.options.panels = panel.set_shown(panels, !is_shown, width);
+        self.show_panel(panel, !panel.is_shown(panels, width), ctx);
+    }
+
+    /// Shows or hides a panel, unless it is so already.
+    fn show_panel(&mut self, panel: SidePanel, shown: bool, ctx: &egui::Context) {
+        let (panels, width) = (self.app.view.options.panels, ctx.content_rect().width());
+        if panel.is_shown(panels, width) != shown {
+            self.app.view.options.panels = panel.set_shown(panels, shown, width);
+        }
+    }
+
+    /// Says why something is not done.
+    pub(super) fn say(&mut self, text: &str) {
+        self.app.apply(Command::Notify(text.to_owned()));
+    }
+
+    /// Asks where a file is to be written, which is proposed beside the log.
+    pub(super) fn ask_beside_log(&mut self, purpose: Purpose, ending: &str) {
+        let proposed = self.sidecar_path(ending);
+        self.dialogs.name(purpose, proposed, self.app.jobs());
     }
 
     /// Moves the keyboard on: to the steps, to the details, back to the views.
@@ -222,10 +238,7 @@ impl Shell {
     fn show_setting(&mut self, ctx: &egui::Context, key: &'static str) {
         match find_setting::place_of(key) {
             Some(Place::Section(title)) => {
-                let (panels, width) = (self.app.view.options.panels, ctx.content_rect().width());
-                if !SidePanel::Steps.is_shown(panels, width) {
-                    self.app.view.options.panels = SidePanel::Steps.set_shown(panels, true, width);
-                }
+                self.show_panel(SidePanel::Steps, true, ctx);
                 panels::unfold_section(ctx, title);
             }
             Some(Place::Levels) => self.layout.focus(View::Waterfall),
@@ -261,13 +274,9 @@ impl Shell {
     /// Moves the keyboard to the name of the selected box.
     fn name_box(&mut self, ctx: &egui::Context) {
         if self.app.log.reviewing.selected.is_none() {
-            let text = "select a box first, with Tab or a click";
-            return self.app.apply(Command::Notify(text.to_owned()));
+            return self.say("select a box first, with Tab or a click");
         }
-        let (panels, width) = (self.app.view.options.panels, ctx.content_rect().width());
-        if !SidePanel::Details.is_shown(panels, width) {
-            self.app.view.options.panels = SidePanel::Details.set_shown(panels, true, width);
-        }
+        self.show_panel(SidePanel::Details, true, ctx);
         panels::unfold_section(ctx, "Review");
         self.review.name_box();
     }
@@ -275,8 +284,7 @@ impl Shell {
     /// Asks where the project is to be kept.
     fn name_project(&mut self) {
         if self.app.log_count() == 0 {
-            let text = "there is nothing to keep yet; open a log first";
-            return self.app.apply(Command::Notify(text.to_owned()));
+            return self.say("there is nothing to keep yet; open a log first");
         }
         let known = self.app.project_path().map(std::path::Path::to_owned);
         let proposed = known.unwrap_or_else(|| self.sidecar_path("bathyscope"));
@@ -298,7 +306,7 @@ impl Shell {
                 self.dialogs
                     .name(Purpose::SaveReview, path, self.app.jobs());
             }
-            _ => self.app.apply(Command::Notify(NO_BOXES.to_owned())),
+            _ => self.say(NO_BOXES),
         }
     }
 
@@ -311,43 +319,33 @@ impl Shell {
 
     fn save_figure(&mut self) {
         if self.app.measured().is_some() {
-            let proposed = self.sidecar_path("measured.geojson");
-            self.dialogs
-                .name(Purpose::SaveFigure, proposed, self.app.jobs());
+            self.ask_beside_log(Purpose::SaveFigure, "measured.geojson");
         } else {
-            let text = "nothing is measured yet; draw a line or an area on the map first";
-            self.app.apply(Command::Notify(text.to_owned()));
+            self.say("nothing is measured yet; draw a line or an area on the map first");
         }
     }
 
     fn save_plan(&mut self) {
         if self.app.map.planning.lines.is_some() {
-            let proposed = self.sidecar_path("lines.gpx");
-            self.dialogs
-                .name(Purpose::SavePlan, proposed, self.app.jobs());
+            self.ask_beside_log(Purpose::SavePlan, "lines.gpx");
         } else {
-            let text = "no lines are planned yet; use Plan lines first";
-            self.app.apply(Command::Notify(text.to_owned()));
+            self.say("no lines are planned yet; use Plan lines first");
         }
     }
 
     fn save_profile(&mut self) {
         match self.app.profile_csv() {
-            Some(_) => {
-                let proposed = self.sidecar_path("profile.csv");
-                self.dialogs
-                    .name(Purpose::SaveProfile, proposed, self.app.jobs());
-            }
-            None => self.app.apply(Command::Notify(NO_PROFILE.to_owned())),
+            Some(_) => self.ask_beside_log(Purpose::SaveProfile, "profile.csv"),
+            None => self.say(NO_PROFILE),
         }
     }
 
     fn export_boxes(&mut self) {
         let is_writing = self.app.export_fraction().is_some();
         if !self.app.log.reviewing.has_boxes() {
-            self.app.apply(Command::Notify(NO_BOXES.to_owned()));
+            self.say(NO_BOXES);
         } else if is_writing {
-            self.app.apply(Command::Notify(STILL_WRITING.to_owned()));
+            self.say(BUSY);
         } else {
             self.dialogs.ask(Purpose::ExportBoxesInto, self.app.jobs());
         }

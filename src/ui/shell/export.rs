@@ -105,7 +105,7 @@ impl ExportDialog {
 
 /// A box to tick for each group of files, with its size.
 fn products(ui: &mut Ui, context: &mut ViewContext<'_>, amounts: &Amounts) {
-    let mut options = context.app.view.options.clone();
+    let mut options = context.options().clone();
     let grid = egui::Grid::new("products").num_columns(2);
     grid.spacing([24.0, 4.0]).show(ui, |ui| {
         for product in Product::ALL {
@@ -131,9 +131,7 @@ fn products(ui: &mut Ui, context: &mut ViewContext<'_>, amounts: &Amounts) {
         "About {sum} with the tables of first returns and points, which are always written."
     );
     ui.add(egui::Label::new(text).wrap());
-    if options.excluded_products != context.app.view.options.excluded_products {
-        context.push(Command::Show(Box::new(options)));
-    }
+    context.show(options);
 }
 
 /// The files of a product.

@@ -37,7 +37,7 @@ impl HistoryList {
     }
 
     fn list(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
-        let units = context.app.view.options.units;
+        let units = context.units();
         let steps: Vec<(String, bool)> = (context.app.history())
             .map(|step| (units.sentence(step.label), step.is_undone))
             .collect();
@@ -76,9 +76,7 @@ fn row(
 ) -> Response {
     let text = RichText::new(label);
     let text = match (is_here, is_undone) {
-        (true, _) => text
-            .color(theme::accent_colour(context.app.view.options.theme))
-            .strong(),
+        (true, _) => text.color(theme::accent_colour(context.theme())).strong(),
         (false, true) => text.weak().italics(),
         (false, false) => text,
     };

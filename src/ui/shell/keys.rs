@@ -28,12 +28,8 @@ static BOUND: LazyLock<Vec<Bound>> = LazyLock::new(|| {
     let mut bound: Vec<_> = Action::ALL.iter().copied().flat_map(of).collect();
     bound.sort_by_key(|one| {
         let held = one.shortcut.modifiers;
-        std::cmp::Reverse(
-            [held.command, held.shift, held.alt]
-                .iter()
-                .filter(|on| **on)
-                .count(),
-        )
+        let held = [held.command, held.shift, held.alt];
+        std::cmp::Reverse(held.iter().filter(|on| **on).count())
     });
     bound
 });
@@ -80,17 +76,7 @@ fn may_repeat(key: Key, held: Modifiers) -> bool {
 /// Removes the presses that a held key sends again, where its action is done once per press. That holds for a focused button as
 /// well, which Space and Enter press.
 fn drop_repeats(ui: &Ui) {
-    let is_repeat = |event: &Event| match event {
-        Event::Key {
-            key,
-            pressed: true,
-            repeat: true,
-            modifiers,
-            ..
-        } => !may_repeat(*key, *modifiers),
-        _ => false,
-    };
-    ui.input_mut(|input| input.events.retain(|event| !is_repeat(event)));
+    take_presses(ui, |key, held, repeat| repeat && !may_repeat(key, held));
 }
 
 /// Pushes a command for each key of the table that was pressed, and for those of the selected box, which go first. A bare key counts only
@@ -169,27 +155,31 @@ pub(super) fn collect(
 /// How often a key was pressed since the last frame, which then nobody else sees: more than once where frames are slow. A letter with Shift is another key than the letter: where one of them has no
 /// meaning, the other one must not act in its place. Of a sign only its keyboard knows whether it takes Shift.
 fn consume(ui: &Ui, shortcut: &KeyboardShortcut) -> usize {
-    let is_letter = shortcut.logical_key.name().len() == 1
-        && shortcut
-            .logical_key
-            .name()
-            .starts_with(|letter: char| letter.is_ascii_alphabetic());
+    let name = shortcut.logical_key.name();
+    let is_letter =
+        name.len() == 1 && name.starts_with(|letter: char| letter.is_ascii_alphabetic());
     if !is_letter {
         return ui.input_mut(|input| {
             input.count_and_consume_key(shortcut.modifiers, shortcut.logical_key)
         });
     }
-    let is_it = |event: &Event| match event {
+    take_presses(ui, |key, held, _| {
+        key == shortcut.logical_key
+            && held.shift == shortcut.modifiers.shift
+            && held.matches_logically(shortcut.modifiers)
+    })
+}
+
+/// Removes the presses of keys that are asked for by the key, what is held with it, and whether it is held itself; how many there were.
+fn take_presses(ui: &Ui, is_it: impl Fn(Key, Modifiers, bool) -> bool) -> usize {
+    let is_it = |event: &Event| match *event {
         Event::Key {
             key,
             pressed: true,
             modifiers,
+            repeat,
             ..
-        } => {
-            *key == shortcut.logical_key
-                && modifiers.shift == shortcut.modifiers.shift
-                && modifiers.matches_logically(shortcut.modifiers)
-        }
+        } => is_it(key, modifiers, repeat),
         _ => false,
     };
     ui.input_mut(|input| {
@@ -208,22 +198,12 @@ fn leaves_full_screen(ui: &Ui) -> bool {
 /// Whether the palette's key was pressed, with nothing else held: other keys with more modifiers hold its letter too.
 fn asks_for_palette(ui: &Ui) -> bool {
     let shortcuts: Vec<_> = Action::Palette.all_keys().filter_map(parse).collect();
-    let is_it = |event: &Event| match event {
-        Event::Key {
-            key,
-            pressed: true,
-            modifiers,
-            ..
-        } => shortcuts.iter().any(|shortcut| {
-            *key == shortcut.logical_key && modifiers.matches_exact(shortcut.modifiers)
-        }),
-        _ => false,
-    };
-    ui.input_mut(|input| {
-        let before = input.events.len();
-        input.events.retain(|event| !is_it(event));
-        input.events.len() < before
-    })
+    let presses = take_presses(ui, |key, held, _| {
+        let is_it =
+            |one: &KeyboardShortcut| key == one.logical_key && held.matches_exact(one.modifiers);
+        shortcuts.iter().any(is_it)
+    });
+    presses > 0
 }
 
 /// Whether a key that others want too is for boxes now: Tab walks through the controls while there are no boxes, or once a

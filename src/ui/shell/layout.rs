@@ -37,11 +37,9 @@ impl Default for Layout {
 
 /// Whether all views lie behind each other.
 fn is_stacked(tree: &Tree<View>) -> bool {
-    tree.active_tiles()
-        .iter()
-        .filter(|tile| tree.tiles.get_pane(tile).is_some())
-        .count()
-        == 1
+    let tiles = tree.active_tiles();
+    let views = tiles.iter().filter_map(|tile| tree.tiles.get_pane(tile));
+    views.count() == 1
 }
 
 fn tree(preset: LayoutPreset) -> Tree<View> {
@@ -236,7 +234,7 @@ impl Behavior<View> for Panes<'_, '_> {
         if let Some(&view) = tiles.get_pane(&tile) {
             if view == self.focus {
                 // Underlined, so that no colour alone says which view has the keyboard.
-                let colour = theme::accent_colour(self.context.app.view.options.theme);
+                let colour = theme::accent_colour(self.context.theme());
                 let painter = response.ctx.layer_painter(response.layer_id);
                 let line = response.rect.shrink(6.0);
                 painter.hline(line.x_range(), response.rect.bottom() - 3.0, (1.5, colour));
@@ -320,7 +318,7 @@ impl Behavior<View> for Panes<'_, '_> {
     ) -> Color32 {
         let focused = tiles.get_pane(&tile) == Some(&self.focus);
         match (state.active, focused) {
-            (true, true) => theme::accent_colour(self.context.app.view.options.theme),
+            (true, true) => theme::accent_colour(self.context.theme()),
             (true, false) => visuals.strong_text_color(),
             (false, _) => visuals.weak_text_color(),
         }

@@ -1,8 +1,7 @@
 //! Gain, filters and levels of the waterfall, with the histogram that black and white are dragged in.
 
-use crate::app::{Action, Command};
+use crate::app::Action;
 use crate::imagery::picture::Histogram;
-use crate::pipeline::Settings;
 use crate::pipeline::settings::{Kind, Row, rows};
 use crate::ui::panels::{find_setting, parts};
 use crate::ui::{ViewContext, theme, toggle};
@@ -16,13 +15,6 @@ const HEIGHT: f32 = 72.0;
 const KNOB: f32 = 5.0;
 /// Black and white keep at least this apart, levels.
 const APART: f64 = 1.0;
-
-/// The two levels.
-#[derive(Clone, Copy, PartialEq)]
-enum Level {
-    Black,
-    White,
-}
 
 /// Draws it all.
 pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
@@ -48,10 +40,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.separator();
     names(ui, context, &rows::PICTURE_FLIP);
     names(ui, context, &rows::PICTURE_FIRST);
-    let reset = ui.button("Reset").on_hover_text(Action::LevelsReset.hint());
-    if reset.clicked() {
-        context.push(Command::Do(Action::LevelsReset));
-    }
+    context.button(ui.button("Reset"), Action::LevelsReset);
 }
 
 /// A setting of few names, side by side: a list of its own would close the panel with it.
@@ -69,13 +58,7 @@ fn names(ui: &mut Ui, context: &mut ViewContext<'_>, setting: &'static Row) {
                 }
                 let hint = format!("{} {}", setting.hint, name.meaning);
                 if item.on_hover_text(hint).clicked() && name.value != current {
-                    let mut settings = Settings::clone(&context.app.log.settings);
-                    (choice.set)(&mut settings, name.value);
-                    context.push(Command::Change {
-                        settings: Box::new(settings),
-                        label: setting.name,
-                        live: false,
-                    });
+                    context.change(setting.name, |settings| (choice.set)(settings, name.value));
                 }
             }
         });
@@ -101,10 +84,8 @@ fn automatic(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let mut is_automatic = picture.black.is_none() && picture.white.is_none();
     let hint = "Black at the 1st percentile of the echoes, white a little above the 99th. \
                 Off: black and white stay as they are set.";
-    let levels = context
-        .app
-        .histogram()
-        .map(|counted| shown(context, counted));
+    let counted = context.app.histogram();
+    let levels = counted.map(|counted| shown(context, counted));
     ui.horizontal(|ui| {
         let switch = ui.checkbox(&mut is_automatic, "Automatic level");
         if switch.on_hover_text(hint).changed() {
@@ -118,26 +99,18 @@ fn automatic(ui: &mut Ui, context: &mut ViewContext<'_>) {
         let button = ui.button("0 to 255");
         let hint = "Black at 0, white at 255: levels as bytes are recorded.";
         if button.on_hover_text(hint).clicked() {
-            set(
-                context,
-                Some([0.0, 255.0]),
-                "levels of the waterfall",
-                false,
-            );
+            let all = Some([0.0, 255.0]);
+            set(context, all, "levels of the waterfall", false);
         }
     });
 }
 
 /// Puts black and white at these levels, or leaves them to the log.
 fn set(context: &mut ViewContext<'_>, levels: Option<[f64; 2]>, label: &'static str, live: bool) {
-    let mut settings = Settings::clone(&context.app.log.settings);
     let rounded = levels.map(|levels| levels.map(|level| (10.0 * level).round() / 10.0));
-    settings.picture.black = rounded.map(|[black, _]| black);
-    settings.picture.white = rounded.map(|[_, white]| white);
-    context.push(Command::Change {
-        settings: Box::new(settings),
-        label,
-        live,
+    context.change_live(label, live, |settings| {
+        settings.picture.black = rounded.map(|[black, _]| black);
+        settings.picture.white = rounded.map(|[_, white]| white);
     });
 }
 
@@ -155,16 +128,11 @@ fn histogram(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let levels = shown(context, &counted);
     let reach = f64::from(counted.reach).max(1.2 * levels[1]);
     let inside = area.shrink2(vec2(KNOB, 0.0));
-    bars(
-        &painter,
-        inside,
-        &counted,
-        reach,
-        ui.visuals().weak_text_color(),
-    );
+    let weak = ui.visuals().weak_text_color();
+    bars(&painter, inside, &counted, reach, weak);
     let x_of = |level: f64| inside.left() + (level / reach) as f32 * inside.width();
-    for (level, which) in levels.into_iter().zip([Level::Black, Level::White]) {
-        knob(&painter, inside, x_of(level), which, context);
+    for (level, fill) in levels.into_iter().zip([Color32::BLACK, Color32::WHITE]) {
+        knob(&painter, inside, x_of(level), fill, context);
     }
     let [black, white] = levels;
     response.widget_info(|| {
@@ -191,11 +159,8 @@ fn follow(
         && (response.drag_started() || response.clicked())
     {
         let level = level_at(at);
-        let nearer = match (level - black).abs() < (level - white).abs() {
-            true => Level::Black,
-            false => Level::White,
-        };
-        ui.data_mut(|data| data.insert_temp(held_id, nearer == Level::Black));
+        let holds_black = (level - black).abs() < (level - white).abs();
+        ui.data_mut(|data| data.insert_temp(held_id, holds_black));
     }
     let is_moved = response.dragged() || response.drag_stopped() || response.clicked();
     let Some(at) = response.interact_pointer_pos().filter(|_| is_moved) else {
@@ -223,26 +188,16 @@ fn bars(painter: &Painter, area: Rect, counted: &Histogram, reach: f64, ink: Col
     for (index, &count) in counted.bars.iter().enumerate() {
         // By the root: the water column and the shadows would hide the rest.
         let height = area.height() * (count as f32 / most as f32).sqrt();
-        let left = area.left() + index as f32 * width;
-        let bar = Rect::from_min_max(
-            pos2(left, area.bottom() - height),
-            pos2(left + width, area.bottom()),
-        );
+        let top = pos2(area.left() + index as f32 * width, area.bottom() - height);
+        let bar = Rect::from_min_max(top, pos2(top.x + width, area.bottom()));
         painter.rect_filled(bar.intersect(area), 0.0, ink);
     }
 }
 
-fn knob(painter: &Painter, area: Rect, x: f32, which: Level, context: &ViewContext<'_>) {
+fn knob(painter: &Painter, area: Rect, x: f32, fill: Color32, context: &ViewContext<'_>) {
     let x = x.clamp(area.left(), area.right());
-    let accent = theme::accent_colour(context.app.view.options.theme);
-    painter.line_segment(
-        [pos2(x, area.top()), pos2(x, area.bottom())],
-        Stroke::new(1.5, accent),
-    );
-    let fill = match which {
-        Level::Black => Color32::BLACK,
-        Level::White => Color32::WHITE,
-    };
-    let at = pos2(x, area.bottom() - KNOB);
-    painter.circle(at, KNOB, fill, Stroke::new(1.5, accent));
+    let accent = theme::accent_colour(context.theme());
+    let stroke = Stroke::new(1.5, accent);
+    painter.line_segment([pos2(x, area.top()), pos2(x, area.bottom())], stroke);
+    painter.circle(pos2(x, area.bottom() - KNOB), KNOB, fill, stroke);
 }

@@ -124,11 +124,8 @@ impl Manual {
 }
 
 fn words_of(query: &str) -> Vec<String> {
-    query
-        .to_lowercase()
-        .split_whitespace()
-        .map(str::to_owned)
-        .collect()
+    let query = query.to_lowercase();
+    query.split_whitespace().map(str::to_owned).collect()
 }
 
 /// Whether every word occurs in a section.

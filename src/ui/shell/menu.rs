@@ -2,7 +2,7 @@
 
 use super::sides::SidePanel;
 use super::{levels, map_layers, swipe};
-use crate::app::{Action, CloudColour, ColourMap, Command, SideColours, ThemeChoice};
+use crate::app::{Action, App, CloudColour, ColourMap, Command, SideColours, ThemeChoice};
 use crate::pipeline::BottomColour;
 use crate::support::geo::CoordinateFormat;
 use crate::support::presentation::units::{LengthUnit, SpeedUnit};
@@ -204,16 +204,8 @@ fn scrolled(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
 }
 
 fn help(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    entries(
-        ui,
-        context,
-        &[Action::Palette, Action::Notices, Action::Manual],
-    );
-}
-
-fn entry(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action) {
-    let enabled = context.app.has_what_it_takes(action);
-    titled(ui, context, action, action.label(), enabled);
+    let actions = [Action::Palette, Action::Notices, Action::Manual];
+    entries(ui, context, &actions);
 }
 
 fn titled(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action, title: &str, enabled: bool) {
@@ -226,8 +218,19 @@ fn titled(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action, title: &st
 }
 
 fn entries(ui: &mut Ui, context: &mut ViewContext<'_>, actions: &[Action]) {
+    entries_where(ui, context, actions, App::has_what_it_takes);
+}
+
+/// Entries that can be chosen where a condition holds.
+fn entries_where(
+    ui: &mut Ui,
+    context: &mut ViewContext<'_>,
+    actions: &[Action],
+    enabled: impl Fn(&App, Action) -> bool,
+) {
     for &action in actions {
-        entry(ui, context, action);
+        let enabled = enabled(context.app, action);
+        titled(ui, context, action, action.label(), enabled);
     }
 }
 
@@ -251,31 +254,23 @@ fn file(ui: &mut Ui, context: &mut ViewContext<'_>) {
     external(ui, context);
     ui.separator();
     let ready = context.app.log.products.is_some();
-    for action in [Action::Export, Action::PrintView] {
-        titled(ui, context, action, action.label(), ready);
-    }
+    entries_where(ui, context, &[Action::Export, Action::PrintView], |_, _| {
+        ready
+    });
     ui.separator();
-    entry(ui, context, Action::Quit);
+    entries(ui, context, &[Action::Quit]);
 }
 
 fn external(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let is_open = context.app.log.survey.is_some();
-    for &action in EXTERNAL {
-        let enabled = is_open && context.app.has_what_it_takes(action);
-        titled(ui, context, action, action.label(), enabled);
-    }
-}
-
-fn mounting(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    for &action in MOUNTING {
-        let enabled = context.app.has_what_it_takes(action);
-        titled(ui, context, action, action.label(), enabled);
-    }
+    entries_where(ui, context, EXTERNAL, |app, action| {
+        is_open && app.has_what_it_takes(action)
+    });
 }
 
 fn edit(ui: &mut Ui, context: &mut ViewContext<'_>) {
     // A change that was made in metres is named in the units in use.
-    let units = context.app.view.options.units;
+    let units = context.units();
     for (action, label) in [
         (Action::Undo, context.app.undo_label()),
         (Action::Redo, context.app.redo_label()),
@@ -286,7 +281,7 @@ fn edit(ui: &mut Ui, context: &mut ViewContext<'_>) {
         };
         titled(ui, context, action, &title, label.is_some());
     }
-    entry(ui, context, Action::History);
+    entries(ui, context, &[Action::History]);
 }
 
 fn view(ui: &mut Ui, context: &mut ViewContext<'_>) {
@@ -294,8 +289,7 @@ fn view(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.separator();
     entries(ui, context, CAMERAS);
     ui.separator();
-    let before = context.app.view.options.clone();
-    let mut options = before.clone();
+    let mut options = context.options().clone();
     ui.menu_button("Waterfall", |ui| {
         for map in ColourMap::ALL {
             ui.radio_value(&mut options.waterfall.colour_map, map, map.name());
@@ -356,9 +350,7 @@ fn view(ui: &mut Ui, context: &mut ViewContext<'_>) {
         let maritime = "maritime: port red, starboard green";
         ui.radio_value(&mut options.side_colours, SideColours::Maritime, maritime);
     });
-    if options != before {
-        context.push(Command::Show(Box::new(options)));
-    }
+    context.show(options);
     entries(ui, context, &[Action::Orientation, Action::Theme]);
 }
 
@@ -367,14 +359,11 @@ fn survey(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.separator();
     ui.menu_button("Measure", |ui| entries(ui, context, MEASURING));
     ui.menu_button("Survey planning", |ui| entries(ui, context, PLANNING));
-    ui.menu_button("Mounting", |ui| mounting(ui, context));
-    for &action in COMPARING {
-        let enabled = match action {
-            Action::CompareWith => context.app.log.products.is_some(),
-            _ => context.app.map.comparing.reference.is_some(),
-        };
-        titled(ui, context, action, action.label(), enabled);
-    }
+    ui.menu_button("Mounting", |ui| entries(ui, context, MOUNTING));
+    entries_where(ui, context, COMPARING, |app, action| match action {
+        Action::CompareWith => app.log.products.is_some(),
+        _ => app.map.comparing.reference.is_some(),
+    });
     ui.separator();
     entries(ui, context, STEPS);
 }
@@ -382,38 +371,28 @@ fn survey(ui: &mut Ui, context: &mut ViewContext<'_>) {
 fn review(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let is_open = context.app.log.survey.is_some();
     let has_boxes = context.app.has_boxes();
-    for &action in DETECTOR {
-        let enabled = action != Action::FindObjects || context.app.log.products.is_some();
-        titled(ui, context, action, action.label(), enabled);
-    }
-    ui.separator();
-    for &action in BOXES {
-        let enabled =
-            is_open && (has_boxes || matches!(action, Action::NewBox | Action::MarkTarget));
-        titled(ui, context, action, action.label(), enabled);
-    }
-    ui.separator();
-    for &action in REVIEW_FILES {
-        let enabled = is_open && (has_boxes || action == Action::OpenReview);
-        titled(ui, context, action, action.label(), enabled);
-    }
-    ui.separator();
-    truth(ui, context);
-}
-
-fn truth(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let is_open = context.app.log.survey.is_some();
     let is_known = context.app.log.reviewing.judging.source().is_some();
-    for &action in TRUTH {
-        let enabled = is_open && (is_known || action == Action::OpenTruth);
-        titled(ui, context, action, action.label(), enabled);
-    }
+    entries_where(ui, context, DETECTOR, |app, action| {
+        action != Action::FindObjects || app.log.products.is_some()
+    });
+    ui.separator();
+    entries_where(ui, context, BOXES, |_, action| {
+        is_open && (has_boxes || matches!(action, Action::NewBox | Action::MarkTarget))
+    });
+    ui.separator();
+    entries_where(ui, context, REVIEW_FILES, |_, action| {
+        is_open && (has_boxes || action == Action::OpenReview)
+    });
+    ui.separator();
+    entries_where(ui, context, TRUTH, |_, action| {
+        is_open && (is_known || action == Action::OpenTruth)
+    });
 }
 
 fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let undo = context.app.undo_label();
     let redo = context.app.redo_label();
-    let units = context.app.view.options.units;
+    let units = context.units();
     let open = "Open";
     for (action, label, enabled, what) in [
         (Action::Open, open, true, None),
@@ -426,28 +405,19 @@ fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>) {
         );
         let hint = format!("{hint} ({})", action.keys().unwrap_or_default());
         let button = ui.add_enabled(enabled, Button::new(label));
-        if button
-            .accessible_name(format!("{label} button"))
-            .on_hover_text(hint)
-            .clicked()
-        {
-            context.push(Command::Do(action));
-        }
+        let button = button.accessible_name(format!("{label} button"));
+        context.button_with_hint(button, action, hint);
     }
 }
 
 fn theme_button(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let label = match context.app.view.options.theme {
+    let label = match context.theme() {
         ThemeChoice::Dark => "Light",
         ThemeChoice::Light => "Dark",
     };
     let button = ui.button(label).accessible_name(Action::Theme.label());
-    if button
-        .on_hover_text("Switches between light and dark (L).")
-        .clicked()
-    {
-        context.push(Command::Do(Action::Theme));
-    }
+    let hint = "Switches between light and dark (L).";
+    context.button_with_hint(button, Action::Theme, hint);
 }
 
 fn palette_field(ui: &mut Ui, context: &mut ViewContext<'_>) {

@@ -318,8 +318,9 @@ impl Shell {
         if closes && !self.warned_of_loss {
             self.warned_of_loss = true;
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
-            let text = "decisions about boxes are not saved; save the project with Ctrl+S or the review in the Review menu, or close again to discard them";
-            self.app.apply(Command::Notify(text.to_owned()));
+            self.say(
+                "decisions about boxes are not saved; save the project with Ctrl+S or the review in the Review menu, or close again to discard them",
+            );
         }
     }
 
@@ -430,7 +431,7 @@ fn forget_vanished_control(ctx: &egui::Context) {
 }
 
 fn draw_alone(ui: &mut Ui, views: &mut Views, context: &mut ViewContext<'_>, alone: Alone) {
-    let canvas = Frame::new().fill(theme::canvas_colour(&context.app.view.options));
+    let canvas = Frame::new().fill(theme::canvas_colour(context.options()));
     CentralPanel::no_frame()
         .frame(canvas)
         .show(ui, |ui| match alone {
@@ -451,12 +452,7 @@ fn details(
         review.ui(ui, context);
         panels::shadow::ui(ui, context);
         panels::selection::ui(ui, context);
-        let heading = Section {
-            number: None,
-            title: "Profile",
-            stage: None,
-        };
-        panels::section(ui, context, &heading, |ui, context| {
+        panels::section(ui, context, Section::new("Profile"), |ui, context| {
             // Taller, the curve would be all spikes.
             let left = (height - ui.min_rect().height() - 24.0).clamp(200.0, 400.0);
             let size = egui::vec2(ui.available_width(), left);

@@ -1,6 +1,6 @@
 //! All that the program has said since it was started: when, what, and what can be done about it.
 
-use crate::app::{Command, Notice};
+use crate::app::Notice;
 use crate::support::presentation::text;
 use crate::ui::ViewContext;
 use crate::ui::panels::parts;
@@ -51,18 +51,15 @@ fn list(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 fn line(ui: &mut Ui, context: &mut ViewContext<'_>, notice: &Notice) {
-    let said = context.app.view.options.units.sentence(&notice.text);
+    let said = context.units().sentence(&notice.text);
     ui.horizontal_top(|ui| {
-        parts::severity(ui, context.app.view.options.theme, notice.is_error);
+        parts::severity(ui, context.theme(), notice.is_error);
         let unix_s = notice.at.duration_since(UNIX_EPOCH).unwrap_or_default();
         let clock = text::clock(Some(0.0), unix_s.as_secs_f64());
         ui.label(RichText::new(clock).monospace().weak());
         ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
             if let Some(action) = notice.offer {
-                let button = ui.small_button(action.label());
-                if button.on_hover_text(action.hint()).clicked() {
-                    context.push(Command::Do(action));
-                }
+                context.button(ui.small_button(action.label()), action);
             }
             ui.with_layout(Layout::top_down(Align::Min), |ui| {
                 ui.add(egui::Label::new(said).wrap());

@@ -2,10 +2,10 @@
 
 use crate::app::{Action, Command};
 use crate::pipeline::settings::Row;
-use crate::ui::ViewContext;
 use crate::ui::panels::find_setting::{self, Place};
+use crate::ui::{ViewContext, take_typed};
 use egui::text::{CCursor, CCursorRange};
-use egui::{Event, Key, Modal, RichText, ScrollArea, TextEdit, Ui};
+use egui::{Key, Modal, RichText, ScrollArea, TextEdit, Ui};
 
 /// The palette; closed at the start.
 #[derive(Default)]
@@ -59,19 +59,6 @@ impl Palette {
         }
     }
 
-    /// Takes what was typed since the palette was asked for: its field does not take anything in the frame in which it appears.
-    fn take_typed(&mut self, ui: &Ui) {
-        ui.input_mut(|input| {
-            input.events.retain(|event| match event {
-                Event::Text(text) => {
-                    self.query += text;
-                    false
-                }
-                _ => true,
-            });
-        });
-    }
-
     /// Draws the field and the list; returns whether something was run.
     fn contents(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) -> bool {
         let down = ui.input_mut(|input| input.consume_key(Default::default(), Key::ArrowDown));
@@ -79,7 +66,8 @@ impl Palette {
         let enter = ui.input(|input| input.key_pressed(Key::Enter));
         let id = egui::Id::unique("field of the command palette");
         if !self.has_keyboard {
-            self.take_typed(ui);
+            // Its field does not take anything in the frame in which it appears.
+            self.query += &take_typed(ui);
             // Asked for before the field is drawn, it has the keyboard in this frame.
             ui.memory_mut(|memory| memory.request_focus(id));
         }
@@ -232,6 +220,7 @@ mod tests {
     use super::*;
     use crate::app::{App, Jobs};
     use crate::ui::Shell;
+    use egui::Event;
     use egui_kittest::Harness;
 
     /// Settings whose controls are drawn once another setting has another value than in a survey just opened.
@@ -273,12 +262,8 @@ mod tests {
                 .state_mut()
                 .carry_out(&ctx, Command::ShowSetting(row.key));
             window.run();
-            let said = window
-                .state()
-                .app
-                .notices
-                .last()
-                .map(|one| one.text.clone());
+            let notices = &window.state().app.notices;
+            let said = notices.last().map(|one| one.text.clone());
             if DEPEND.contains(&row.key) {
                 let said = said.expect(row.key);
                 assert!(said.contains("has no control now"), "{}: {said}", row.key);

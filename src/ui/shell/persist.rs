@@ -38,16 +38,12 @@ struct Saving<'a> {
 
 /// Writes the window's state into the store.
 pub(super) fn save(shell: &Shell, storage: &mut dyn eframe::Storage) {
+    let base_map = shell.app.map.base_map.as_ref();
     let saving = Saving {
         options: &shell.app.view.options,
         layout: &shell.layout,
         recent: &shell.app.recent,
-        base_map: shell
-            .app
-            .map
-            .base_map
-            .as_ref()
-            .map(|map| map.path.as_path()),
+        base_map: base_map.map(|map| map.path.as_path()),
         mountings: shell.app.mountings(),
         given: shell.app.given_settings(),
     };

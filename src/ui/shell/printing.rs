@@ -1,15 +1,15 @@
 //! Printing a view: the dialog that asks for the size, and what stands around the view on the sheet.
 
 use super::{Shell, Views};
-use crate::app::{App, Command, Paper, PrintOptions, PrintText, Sheet, View};
+use crate::app::{App, Paper, PrintOptions, PrintText, Sheet, View};
 use crate::ui::ViewContext;
 use crate::ui::dialogs::Purpose;
 use crate::ui::drop_down::DropDown;
 use crate::ui::theme;
 use egui::{DragValue, Id, Label, Modal, Panel, RichText, Ui};
 
-/// Said while a picture cannot be started.
-const BUSY: &str = "products are still being written; wait, or cancel that first";
+/// Said while nothing else can be written.
+pub(super) const BUSY: &str = "products are still being written; wait, or cancel that first";
 
 /// The view that is to be printed, and whether its dialog is open.
 #[derive(Default)]
@@ -40,12 +40,12 @@ impl Printing {
         let Some(mut view) = self.view.filter(|_| self.is_open) else {
             return false;
         };
-        let before = context.app.view.options.print.clone();
-        let mut options = before.clone();
+        let mut shown = context.options().clone();
+        let options = &mut shown.print;
         let modal = Modal::new(Id::unique("print")).show(ctx, |ui| {
             ui.set_width(320.0);
             ui.heading("Print view");
-            choices(ui, &mut view, &mut options);
+            choices(ui, &mut view, options);
             let sheet = options.sheet(views.size(view));
             ui.label(sheet_summary(view, sheet, views));
             ui.add_space(6.0);
@@ -53,11 +53,7 @@ impl Printing {
                 .inner
         });
         self.view = Some(view);
-        if options != before {
-            let mut shown = context.app.view.options.clone();
-            shown.print = options;
-            context.push(Command::Show(Box::new(shown)));
-        }
+        context.show(shown);
         let (save, cancel) = modal.inner;
         if save || cancel || modal.should_close() {
             self.is_open = false;
@@ -73,20 +69,12 @@ fn choices(ui: &mut Ui, view: &mut View, options: &mut PrintOptions) {
         .show(ui, |ui| {
             ui.label("View");
             DropDown::new("printed view", view.title())
-                .show(ui, |choices| {
-                    for one in View::PICTURES {
-                        choices.value(view, one, one.title());
-                    }
-                })
+                .pick(ui, view, View::PICTURES, View::title)
                 .accessible_name("View to print");
             ui.end_row();
             ui.label("Size");
             DropDown::new("paper", options.paper.name())
-                .show(ui, |choices| {
-                    for paper in Paper::ALL {
-                        choices.value(&mut options.paper, paper, paper.name());
-                    }
-                })
+                .pick(ui, &mut options.paper, Paper::ALL, Paper::name)
                 .accessible_name("Paper");
             ui.end_row();
             if options.paper == Paper::Pixels {
@@ -163,10 +151,9 @@ impl Shell {
     /// Opens the dialog, or says why not.
     pub(super) fn ask_to_print(&mut self) {
         if self.app.log.products.is_none() {
-            let text = "there is nothing to print yet; open a log first";
-            self.app.apply(Command::Notify(text.to_owned()));
+            self.say("there is nothing to print yet; open a log first");
         } else if self.app.export_fraction().is_some() {
-            self.app.apply(Command::Notify(BUSY.to_owned()));
+            self.say(BUSY);
         } else {
             let target = self.layout.target();
             let is_picture = View::PICTURES.contains(&target);
@@ -183,8 +170,6 @@ impl Shell {
             View::Map => "map.png",
             View::Cloud | View::Objects => "cloud.png",
         };
-        let proposed = self.sidecar_path(ending);
-        self.dialogs
-            .name(Purpose::PrintInto, proposed, self.app.jobs());
+        self.ask_beside_log(Purpose::PrintInto, ending);
     }
 }

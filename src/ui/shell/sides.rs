@@ -1,6 +1,6 @@
 //! The panels left and right of the views: whether they are shown, how wide they are, and the buttons that show and hide them.
 
-use crate::app::{Action, Command, PanelOptions, PanelShown};
+use crate::app::{Action, PanelOptions, PanelShown};
 use crate::ui::{ViewContext, theme};
 use egui::{Button, Frame, Id, Panel, Rect, Stroke, Ui, UiBuilder, UiKind, UiStackInfo, vec2};
 
@@ -85,7 +85,7 @@ impl SidePanel {
         add: impl FnOnce(&mut Ui, &mut ViewContext<'_>),
     ) {
         let width = ui.content_rect().width();
-        let options = context.app.view.options.panels;
+        let options = context.options().panels;
         let was_shown = self.is_shown(options, width);
         let mut is_shown = was_shown;
         // What an earlier run saved is held to that as well: on a small screen the views keep half of the width.
@@ -94,22 +94,21 @@ impl SidePanel {
             SidePanel::Steps => (Panel::left("steps"), 240.0..=widest(480.0)),
             SidePanel::Details => (Panel::right("details"), 220.0..=widest(560.0)),
         };
-        panel
-            .default_size(default_width(width))
-            .size_range(sizes)
-            .frame(frame)
-            .show_collapsible(ui, &mut is_shown, |ui| add(ui, context));
+        let panel = panel.default_size(default_width(width)).size_range(sizes);
+        let panel = panel.frame(frame);
+        panel.show_collapsible(ui, &mut is_shown, |ui| add(ui, context));
         if is_shown != was_shown {
-            show(context, self.set_shown(options, is_shown, width));
+            let mut shown = context.options().clone();
+            shown.panels = self.set_shown(options, is_shown, width);
+            context.show(shown);
         }
     }
 
     /// The button that shows and hides it: a window whose side is filled while the panel is shown.
     pub(super) fn button(self, ui: &mut Ui, context: &mut ViewContext<'_>) {
         let action = self.action();
-        let is_shown = self.is_shown(context.app.view.options.panels, ui.content_rect().width());
+        let is_shown = self.is_shown(context.options().panels, ui.content_rect().width());
         let button = ui.add(Button::new("").min_size(vec2(26.0, 18.0)));
-        let hint = format!("{} ({})", action.hint(), action.keys().unwrap_or_default());
         button.widget_info(|| {
             egui::WidgetInfo::selected(egui::Role::Button, true, is_shown, action.label())
         });
@@ -129,9 +128,7 @@ impl SidePanel {
                 .painter()
                 .rect_stroke(side, 0.0, Stroke::new(1.0, stroke.color), kind),
         };
-        if button.on_hover_text(hint).clicked() {
-            context.push(Command::Do(action));
-        }
+        context.keyed_button(button, action);
     }
 }
 
@@ -140,12 +137,6 @@ fn default_width(window: f32) -> f32 {
     let least = 240.0;
     let share = ((window - 1280.0) / 120.0).clamp(0.0, 1.0);
     least + share * (theme::SIDE_PANEL_WIDTH - least)
-}
-
-fn show(context: &mut ViewContext<'_>, panels: PanelOptions) {
-    let mut options = context.app.view.options.clone();
-    options.panels = panels;
-    context.push(Command::Show(Box::new(options)));
 }
 
 /// Height of the time line in a window of this height, points.

@@ -17,12 +17,8 @@ pub(super) fn control(ui: &mut Ui, map: &mut MapOptions) {
     if !on {
         return;
     }
-    let shown: Vec<_> = map
-        .layers
-        .bottom_up()
-        .rev()
-        .map(|shown| shown.layer)
-        .collect();
+    let shown = map.layers.bottom_up().rev();
+    let shown: Vec<_> = shown.map(|shown| shown.layer).collect();
     egui::Grid::new("swipe sides")
         .num_columns(2)
         .spacing([8.0, 3.0])
@@ -35,11 +31,7 @@ pub(super) fn control(ui: &mut Ui, map: &mut MapOptions) {
                 let mut side = map.swipe.side(layer);
                 DropDown::new(("side", layer), RichText::new(side.name()).small())
                     .width(64.0)
-                    .show(ui, |choices| {
-                        for one in SwipeSide::ALL {
-                            choices.value(&mut side, one, one.name());
-                        }
-                    })
+                    .pick(ui, &mut side, SwipeSide::ALL, SwipeSide::name)
                     .accessible_name(format!("Side of {}", layer.name()));
                 if side != map.swipe.side(layer) {
                     map.swipe.set_side(layer, side);

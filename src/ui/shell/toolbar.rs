@@ -2,7 +2,7 @@
 
 use super::{levels, map_layers, swipe};
 use crate::app::{
-    Action, CloudColour, CloudOptions, ColourMap, Command, EchogramChannel, View, ViewOptions,
+    Action, CloudColour, CloudOptions, ColourMap, EchogramChannel, View, ViewOptions,
     WaterfallOptions,
 };
 use crate::pipeline::BottomColour;
@@ -29,8 +29,7 @@ pub(super) fn ui(ui: &mut Ui, view: View, context: &mut ViewContext<'_>) {
     }
     ui.add_space(6.0);
     ui.spacing_mut().item_spacing.x = 4.0;
-    let before = context.app.view.options.clone();
-    let mut options = before.clone();
+    let mut options = context.options().clone();
     if ui.available_width() < room(view) {
         let title = egui::RichText::new("Options").small();
         let title = menu(title).ui(ui, |ui| controls(ui, view, context, &mut options));
@@ -38,9 +37,7 @@ pub(super) fn ui(ui: &mut Ui, view: View, context: &mut ViewContext<'_>) {
     } else {
         controls(ui, view, context, &mut options);
     }
-    if options != before {
-        context.push(Command::Show(Box::new(options)));
-    }
+    context.show(options);
 }
 
 fn controls(ui: &mut Ui, view: View, context: &mut ViewContext<'_>, options: &mut ViewOptions) {
@@ -55,14 +52,7 @@ fn controls(ui: &mut Ui, view: View, context: &mut ViewContext<'_>, options: &mu
 
 fn button(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action, label: &str) {
     let label = egui::RichText::new(label).small();
-    let button = ui.button(label).accessible_name(action.label());
-    let hint = action.keys().map_or_else(
-        || action.hint().to_owned(),
-        |keys| format!("{} ({keys})", action.hint()),
-    );
-    if button.on_hover_text(hint).clicked() {
-        context.push(Command::Do(action));
-    }
+    context.keyed_button(ui.button(label).accessible_name(action.label()), action);
 }
 
 fn switch(ui: &mut Ui, on: &mut bool, label: &str, hint: &str) {
@@ -72,24 +62,12 @@ fn switch(ui: &mut Ui, on: &mut bool, label: &str, hint: &str) {
 fn waterfall(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptions) {
     button(ui, context, Action::Orientation, "Turn");
     let shown = &mut options.waterfall;
-    switch(
-        ui,
-        &mut shown.range_lines,
-        "Range lines",
-        "Lines of equal slant range.",
-    );
-    switch(
-        ui,
-        &mut shown.first_return,
-        "First return",
-        "Draws the first return on both sides (B).",
-    );
-    switch(
-        ui,
-        &mut shown.ground_range,
-        "Ground",
-        "Distance on level ground instead of slant range (G).",
-    );
+    let hint = "Lines of equal slant range.";
+    switch(ui, &mut shown.range_lines, "Range lines", hint);
+    let hint = "Draws the first return on both sides (B).";
+    switch(ui, &mut shown.first_return, "First return", hint);
+    let hint = "Distance on level ground instead of slant range (G).";
+    switch(ui, &mut shown.ground_range, "Ground", hint);
     button(ui, context, Action::OneToOne, "1:1");
     let title = egui::RichText::new("Levels").small();
     let (button, _) = menu(title).ui(ui, |ui| levels::ui(ui, context));
@@ -102,11 +80,7 @@ fn waterfall(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptio
     let name = egui::RichText::new(shown.colour_map.name()).small();
     DropDown::new("colour map", name)
         .width(92.0)
-        .show(ui, |choices| {
-            for map in ColourMap::ALL {
-                choices.value(&mut shown.colour_map, map, map.name());
-            }
-        })
+        .pick(ui, &mut shown.colour_map, ColourMap::ALL, ColourMap::name)
         .accessible_name("Colour map")
         .on_hover_text("Colours of echo strength.");
 }
@@ -160,19 +134,11 @@ fn menu(title: egui::RichText) -> MenuButton<'static> {
 fn map(ui: &mut Ui, context: &ViewContext<'_>, options: &mut ViewOptions) {
     let shown = &mut options.map;
     if context.app.log_count() > 1 || shown.track_by_log {
-        switch(
-            ui,
-            &mut shown.track_by_log,
-            "By log",
-            "Colours each track by its log, not by depth.",
-        );
+        let hint = "Colours each track by its log, not by depth.";
+        switch(ui, &mut shown.track_by_log, "By log", hint);
     }
-    switch(
-        ui,
-        &mut shown.flat_spots,
-        "Flat stretches",
-        "The flat stretches for the calibration, ranked.",
-    );
+    let hint = "The flat stretches for the calibration, ranked.";
+    switch(ui, &mut shown.flat_spots, "Flat stretches", hint);
     menu(egui::RichText::new("Layers").small())
         .ui(ui, |ui| {
             map_layers::control(ui, &mut shown.layers);
@@ -187,29 +153,17 @@ fn cloud(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptions) 
     button(ui, context, Action::SideView, "Side");
     button(ui, context, Action::TopView, "Top");
     let shown = &mut options.cloud;
-    switch(
-        ui,
-        &mut shown.outlier_preview,
-        "Outliers",
-        "Shows points that the depth map does not use (O).",
-    );
+    let hint = "Shows points that the depth map does not use (O).";
+    switch(ui, &mut shown.outlier_preview, "Outliers", hint);
     let mut is_clipped = shown.clip.is_some();
-    switch(
-        ui,
-        &mut is_clipped,
-        "Clip box",
-        "Shows only what lies in a box (Shift+X).",
-    );
+    let hint = "Shows only what lies in a box (Shift+X).";
+    switch(ui, &mut is_clipped, "Clip box", hint);
     if is_clipped != shown.clip.is_some() {
         shown.toggle_clip();
     }
     if !context.app.map.measuring.stations().is_empty() {
-        switch(
-            ui,
-            &mut shown.cut,
-            "Cut",
-            "Cuts along the line of the depth profile (Shift+Q).",
-        );
+        let hint = "Cuts along the line of the depth profile (Shift+Q).";
+        switch(ui, &mut shown.cut, "Cut", hint);
     }
     bottom_colours(ui, shown);
     point_colours(ui, context, shown);
@@ -217,10 +171,8 @@ fn cloud(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptions) 
 
 fn point_colours(ui: &mut Ui, context: &ViewContext<'_>, shown: &mut CloudOptions) {
     let several_logs = context.app.log_count() > 1;
-    let hint = format!(
-        "What the colour of a point says ({}).",
-        Action::NextCloudColour.keys().unwrap_or_default()
-    );
+    let keys = Action::NextCloudColour.keys().unwrap_or_default();
+    let hint = format!("What the colour of a point says ({keys}).");
     let selected = match shown.points {
         true => format!("points by {}", shown.colour.name()),
         false => "no points".to_owned(),
@@ -241,10 +193,8 @@ fn point_colours(ui: &mut Ui, context: &ViewContext<'_>, shown: &mut CloudOption
 }
 
 fn bottom_colours(ui: &mut Ui, shown: &mut CloudOptions) {
-    let hint = format!(
-        "What the colour of the bottom says ({}).",
-        Action::NextBottomColour.keys().unwrap_or_default()
-    );
+    let keys = Action::NextBottomColour.keys().unwrap_or_default();
+    let hint = format!("What the colour of the bottom says ({keys}).");
     let selected = match shown.bottom {
         true => format!("bottom by {}", shown.bottom_colour.name()),
         false => "no bottom".to_owned(),

@@ -183,20 +183,11 @@ impl Chip {
         let width = ui.available_width();
         let room = vec2(width, width / 1.2);
         let response = self.draw(ui, one, room, Sense::hover());
-        let [width_m, height_m] = self.size_m;
-        let name = format!(
-            "Picture of box {}, {}, {} wide, {} high, {}",
-            one.id.0,
-            review.class_name(one.class),
-            units.measure(width_m, 1),
-            units.measure(height_m, 1),
-            self.turned.words()
-        );
+        let [width, height] = self.size_m.map(|side_m| units.measure(side_m, 1));
+        let (id, class, turned) = (one.id.0, review.class_name(one.class), self.turned.words());
+        let name = format!("Picture of box {id}, {class}, {width} wide, {height} high, {turned}");
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
-        let hint = format!(
-            "As in the waterfall: {}; equal scales.",
-            self.turned.words()
-        );
+        let hint = format!("As in the waterfall: {turned}; equal scales.");
         response.on_hover_text(hint);
     }
 

@@ -1,7 +1,56 @@
 //! Drags with a tool in hand, the same in all views.
 
-use crate::app::ExclusionEdit;
-use egui::{Key, Modifiers, PointerButton, Pos2, Response, Ui};
+use crate::app::{App, Command, ExclusionEdit, LogId};
+use crate::sonar::calibration::PingRange;
+use crate::survey::{LogPart, Side};
+use crate::ui::{exclusion_text, theme};
+use egui::{Color32, Key, Modifiers, PointerButton, Pos2, Response, Ui};
+
+/// What comes of a drag along the pings of a log.
+#[derive(Clone, Copy)]
+pub(super) enum Does {
+    Exclusion(ExclusionEdit),
+    Propose,
+    Accept(Side, bool),
+}
+
+impl Does {
+    pub(super) fn command(self, log: LogId, pings: [usize; 2]) -> Command {
+        let part = LogPart::Pings(pings);
+        match self {
+            Self::Exclusion(edit) => Command::Exclude { log, part, edit },
+            Self::Propose => Command::ProposeStretch(PingRange {
+                start: pings[0],
+                end: pings[1] + 1,
+            }),
+            Self::Accept(side, accept) => Command::AcceptBottom {
+                side,
+                pings,
+                accept,
+            },
+        }
+    }
+
+    /// What it will do, with how much it covers.
+    pub(super) fn words(self, app: &App, log: LogId, pings: [usize; 2]) -> Option<String> {
+        let units = app.view.options.units;
+        let extent = app.extent_of(log, LogPart::Pings(pings))?;
+        let covered = exclusion_text::extent(&extent, units);
+        Some(match self {
+            Self::Exclusion(edit) => exclusion_text::of_drag(edit, &extent, units),
+            Self::Propose => format!("propose {covered}"),
+            Self::Accept(side, true) => format!("accept as bottom, {}: {covered}", side.name()),
+            Self::Accept(side, false) => format!("no longer accepted, {}: {covered}", side.name()),
+        })
+    }
+
+    pub(super) fn colour(self) -> Color32 {
+        match self {
+            Self::Propose => theme::PROPOSAL_COLOUR,
+            Self::Exclusion(_) | Self::Accept(..) => theme::HAND_COLOUR,
+        }
+    }
+}
 
 /// Where a drag with a tool in hand began in this frame; with Space held it moves the picture instead.
 pub(super) fn begun(ui: &Ui, response: &Response) -> Option<Pos2> {

@@ -1,6 +1,6 @@
 //! What an empty view says, and what it offers.
 
-use crate::app::{Action, Command};
+use crate::app::Action;
 use crate::ui::{ViewContext, theme};
 use egui::{Rect, RichText, Ui, UiBuilder, vec2};
 
@@ -10,7 +10,7 @@ pub(super) const NO_GPU: &str =
 
 /// A sentence in the middle of the view.
 pub(super) fn say(ui: &mut Ui, context: &ViewContext<'_>, rect: Rect, text: &str) {
-    let colour = theme::canvas_text_colour(&context.app.view.options);
+    let colour = theme::canvas_text_colour(context.options());
     middle(ui, rect, 20.0, |ui| {
         ui.label(RichText::new(text).color(colour));
     });
@@ -21,7 +21,7 @@ pub(super) fn wait(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, text:
     if !context.app.is_stopped() {
         return say(ui, context, rect, text);
     }
-    let colour = theme::canvas_text_colour(&context.app.view.options);
+    let colour = theme::canvas_text_colour(context.options());
     middle(ui, rect, 48.0, |ui| {
         ui.label(RichText::new("Processing was stopped before there was a result.").color(colour));
         button(ui, context, Action::Update);
@@ -30,7 +30,7 @@ pub(super) fn wait(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, text:
 
 /// Says what would fill the view, and offers to open something.
 pub(super) fn offer_to_open(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, text: &str) {
-    let colour = theme::canvas_text_colour(&context.app.view.options);
+    let colour = theme::canvas_text_colour(context.options());
     middle(ui, rect, 84.0, |ui| {
         ui.label(RichText::new(text).color(colour));
         for action in [Action::Open, Action::OpenDemo] {
@@ -40,10 +40,7 @@ pub(super) fn offer_to_open(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Re
 }
 
 fn button(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action) {
-    let button = ui.button(action.label());
-    if button.on_hover_text(action.hint()).clicked() {
-        context.push(Command::Do(action));
-    }
+    context.button(ui.button(action.label()), action);
 }
 
 fn middle(ui: &mut Ui, rect: Rect, height: f32, add: impl FnOnce(&mut Ui)) {

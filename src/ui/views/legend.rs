@@ -55,12 +55,32 @@ pub(super) fn plate(
     rect
 }
 
-/// A frame for buttons that lie on a view: keeps them readable over whatever is drawn there.
-pub(super) fn frame(options: &ViewOptions) -> egui::Frame {
-    egui::Frame::NONE
+/// Words on a plate, in the colour of words on a canvas; returns the plate.
+pub(super) fn words(
+    painter: &Painter,
+    options: &ViewOptions,
+    at: Pos2,
+    anchor: Align2,
+    text: &str,
+) -> Rect {
+    let ink = theme::canvas_text_colour(options);
+    plate(painter, options, at, anchor, text, ink)
+}
+
+/// Puts buttons on a part of a view, in a frame that keeps them readable over whatever is drawn there.
+pub(super) fn framed(
+    ui: &mut egui::Ui,
+    options: &ViewOptions,
+    place: Rect,
+    add: impl FnOnce(&mut egui::Ui),
+) {
+    let frame = egui::Frame::NONE
         .fill(theme::plate_colour(options))
         .corner_radius(3.0)
-        .inner_margin(2.0)
+        .inner_margin(2.0);
+    ui.scope_builder(egui::UiBuilder::new().max_rect(place), |ui| {
+        frame.show(ui, add)
+    });
 }
 
 /// Colours and what they stand for.
@@ -96,31 +116,25 @@ impl Scale {
     }
 
     /// Slant ranges, the nearest on top.
-    pub(super) fn of_ranges(range_m: [f32; 2], units: Units) -> Self {
-        Self {
-            title: format!("slant range, {}", units.symbol()),
-            ends: range_m.map(|range_m| units.in_unit(f64::from(range_m))),
-            colour: share_colour,
-            signed: false,
-        }
+    pub(super) fn of_ranges(ends_m: [f32; 2], units: Units) -> Self {
+        Self::of_metres("slant range", ends_m, units, share_colour)
     }
 
     /// What depths are worth, the surest on top.
     pub(super) fn of_uncertainty(ends_m: [f32; 2], units: Units) -> Self {
-        Self {
-            title: format!("uncertainty, {}", units.symbol()),
-            ends: ends_m.map(|metres| units.in_unit(f64::from(metres))),
-            colour: uncertainty_colour,
-            signed: false,
-        }
+        Self::of_metres("uncertainty", ends_m, units, uncertainty_colour)
     }
 
     /// Distances to the nearest depth, the nearest on top.
     pub(super) fn of_distance(ends_m: [f32; 2], units: Units) -> Self {
+        Self::of_metres("to a depth", ends_m, units, distance_colour)
+    }
+
+    fn of_metres(name: &str, ends_m: [f32; 2], units: Units, colour: fn(f32) -> [u8; 3]) -> Self {
         Self {
-            title: format!("to a depth, {}", units.symbol()),
+            title: format!("{name}, {}", units.symbol()),
             ends: ends_m.map(|metres| units.in_unit(f64::from(metres))),
-            colour: distance_colour,
+            colour,
             signed: false,
         }
     }

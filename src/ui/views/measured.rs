@@ -1,13 +1,13 @@
 //! What is measured, in words, and what the views share to measure: the strip that says it and the keys of the cross.
 
 use super::legend;
-use crate::app::{Action, App, Command};
+use crate::app::{Action, App};
 use crate::detection::targets::{ShadowError, ShadowHeight};
 use crate::project::{Measurement, MeasurementKind};
 use crate::support::geo::{course_rad, distance_m};
 use crate::support::presentation::units::Units;
-use crate::ui::{ViewContext, text};
-use egui::{FocusDirection, Key, Modifiers, Rect, RichText, Ui, UiBuilder, pos2, vec2};
+use crate::ui::{ViewContext, text, theme};
+use egui::{FocusDirection, Key, Modifiers, Painter, Pos2, Rect, RichText, Stroke, Ui, pos2, vec2};
 
 /// Points that the cross moves at a key, and with Shift.
 const STEPS: [f64; 2] = [10.0, 1.0];
@@ -65,11 +65,9 @@ pub(crate) fn height(found: &Result<ShadowHeight, ShadowError>, units: Units) ->
     match found {
         Ok(shadow) => {
             let least = if shadow.is_least { "at least " } else { "" };
-            format!(
-                "{least}{} ± {}",
-                units.measure(shadow.height_m(), 2),
-                units.measure(shadow.sigma_m(), 2)
-            )
+            let height = units.measure(shadow.height_m(), 2);
+            let sigma = units.measure(shadow.sigma_m(), 2);
+            format!("{least}{height} ± {sigma}")
         }
         Err(error) => units.sentence(&error.to_string()),
     }
@@ -84,33 +82,34 @@ pub(crate) fn strip(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, show
     let foot = rect.left_bottom();
     let right = rect.right() - 84.0;
     let bar = Rect::from_min_max(foot + vec2(6.0, -78.0), pos2(right, foot.y - 50.0));
-    ui.scope_builder(UiBuilder::new().max_rect(bar), |ui| {
-        legend::frame(&context.app.view.options).show(ui, |ui| {
-            ui.horizontal(|ui| {
-                ui.spacing_mut().item_spacing.x = 4.0;
-                ui.label(RichText::new(&text).size(11.5));
-                if is_drawing || context.app.view.is_picture {
-                    return;
-                }
-                let copy = ui
-                    .small_button("Copy")
-                    .accessible_name("Copy the measurement");
-                if copy.clicked() {
-                    ui.copy_text(text);
-                }
-                let save = Action::SaveFigure;
-                let button = ui.small_button("Save…").accessible_name(save.label());
-                if button.on_hover_text(save.hint()).clicked() {
-                    context.push(Command::Do(save));
-                }
-                let action = Action::RemoveFigure;
-                let remove = ui.small_button("Remove").accessible_name(action.label());
-                if remove.on_hover_text(action.hint()).clicked() {
-                    context.push(Command::Do(action));
-                }
-            })
+    legend::framed(ui, context.options(), bar, |ui| {
+        ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = 4.0;
+            ui.label(RichText::new(&text).size(11.5));
+            if is_drawing || context.app.view.is_picture {
+                return;
+            }
+            let copy = ui
+                .small_button("Copy")
+                .accessible_name("Copy the measurement");
+            if copy.clicked() {
+                ui.copy_text(text);
+            }
+            let save = Action::SaveFigure;
+            context.named_button(ui.small_button("Save…"), save);
+            let action = Action::RemoveFigure;
+            context.named_button(ui.small_button("Remove"), action);
         });
     });
+}
+
+/// Draws the cross that the arrow keys move.
+pub(crate) fn cross(painter: &Painter, at: Pos2) {
+    let stroke = Stroke::new(1.5, theme::MEASURE_COLOUR);
+    for arm in [vec2(9.0, 0.0), vec2(0.0, 9.0)] {
+        painter.line_segment([at - arm, at - 0.3 * arm], stroke);
+        painter.line_segment([at + 0.3 * arm, at + arm], stroke);
+    }
 }
 
 /// Points that the arrow keys move the cross by: to the right, and up.

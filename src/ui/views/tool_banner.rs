@@ -78,7 +78,7 @@ impl Banner {
             job.append(text, 0.0, TextFormat::simple(font.clone(), colour));
         };
         // On a dark ground in any theme, as all words on the picture are.
-        add(self.name, theme::measure_colour());
+        add(self.name, theme::MEASURE_COLOUR);
         add(&format!("  {}", self.next), Color32::from_gray(240));
         add(&format!("   {keys}"), Color32::from_gray(178));
         job.wrap.max_width = (room.width() - 2.0 * MARGIN.x).max(80.0);
@@ -101,12 +101,9 @@ impl PlacedBanner {
         let painter = ui.painter();
         painter.rect_filled(plate, 3.0, Color32::from_black_alpha(225));
         let edge = Rect::from_min_size(plate.min, vec2(3.0, plate.height()));
-        painter.rect_filled(edge, 0.0, theme::measure_colour());
-        painter.galley(
-            plate.min + MARGIN,
-            self.galley.clone(),
-            Color32::PLACEHOLDER,
-        );
+        painter.rect_filled(edge, 0.0, theme::MEASURE_COLOUR);
+        let galley = self.galley.clone();
+        painter.galley(plate.min + MARGIN, galley, Color32::PLACEHOLDER);
         let response = ui.interact(plate, ui.scope_id().with("tool banner"), Sense::hover());
         response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &self.words));
     }

@@ -35,8 +35,7 @@ const COLUMNS: [(&str, &str, f32); 6] = [
 pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, survey: &Survey, products: &Products) {
     let spots = &products.flat_spots;
     if spots.is_empty() {
-        parts::remark(ui, "No flat stretch was found in this log.");
-        return;
+        return parts::remark(ui, "No flat stretch was found in this log.");
     }
     let title = text::plural(spots.len(), "flat stretch", "flat stretches");
     let log = &context.app.log;
@@ -77,7 +76,7 @@ fn candidate(
     survey: &Survey,
     spots: &[FlatSpot],
 ) -> Response {
-    let units = context.app.view.options.units;
+    let units = context.units();
     let objections = spot.objections(survey, spots.first());
     let range = spot.range();
     let factor = flat_spot_words::factor(spot);
@@ -91,26 +90,18 @@ fn candidate(
     ];
     let is_proposed = context.app.log.proposed_stretch() == Some(range);
     let worse = objections.first().map(|why| units.sentence(why));
-    let name = format!(
-        "Flat stretch {rank}, pings {}..{}, {} deep, {}",
-        range.start,
-        range.end,
-        units.measure(spot.depth_m, 2),
-        worse.as_ref().map_or_else(
-            || flat_spot_words::brief(spot, units),
-            |why| format!("worse: {why}")
-        )
-    );
+    let brief = || flat_spot_words::brief(spot, units);
+    let words = worse
+        .as_ref()
+        .map_or_else(brief, |why| format!("worse: {why}"));
+    let (PingRange { start, end }, depth) = (range, units.measure(spot.depth_m, 2));
+    let name = format!("Flat stretch {rank}, pings {start}..{end}, {depth} deep, {words}");
     let response = row(ui, &cells, is_proposed, &name);
-    let hint = format!(
-        "{}\n{}Click to propose it for the scale.",
-        units.sentence(&spot.summary()),
-        objections
-            .iter()
-            .map(|why| format!("{}\n", units.sentence(why)))
-            .collect::<String>()
-    );
-    let response = response.on_hover_text(hint);
+    let mut hint = units.sentence(&spot.summary());
+    for why in &objections {
+        hint += &format!("\n{}", units.sentence(why));
+    }
+    let response = response.on_hover_text(hint + "\nClick to propose it for the scale.");
     if response.clicked() {
         propose(context, range);
     }

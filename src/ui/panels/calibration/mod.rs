@@ -10,7 +10,7 @@ mod proposal;
 use super::find_setting;
 use super::parts::{self, fact, setting};
 use super::section::{Section, section, unfold_section};
-use crate::app::{Action, Command, Tool};
+use crate::app::{Action, Tool};
 use crate::pipeline::Stage;
 use crate::pipeline::settings::rows;
 use crate::sonar::calibration::{Calibration, PingRange, Scale, ScaleMode};
@@ -24,38 +24,36 @@ const TITLE: &str = "Calibration";
 /// Draws the section.
 pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let is_new = follow_proposal(ui, context);
-    let heading = Section {
-        number: Some(2),
-        title: TITLE,
-        stage: Some(Stage::Calibration),
-    };
-    section(ui, context, &heading, |ui, context| {
-        let Some(products) = context.app.log.products.clone() else {
-            parts::remark(ui, "No result yet.");
-            return;
-        };
-        let calibration = &products.calibration;
-        in_use(ui, calibration, context.app.view.options.units);
-        setting(
-            ui,
-            context,
-            match calibration.mode {
-                ScaleMode::FlatSpot => &rows::PPD_REACH,
-                ScaleMode::Header => &rows::OFFSET,
-            },
-        );
-        let survey = context.app.log.survey.clone();
-        let Some(survey) = survey.filter(|survey| !survey.soundings.is_empty()) else {
-            parts::remark(ui, "This log records no depth to measure a scale against.");
-            return;
-        };
-        for text in &calibration.warnings {
-            parts::warning(ui, context, &context.app.view.options.units.sentence(text));
-        }
-        tools(ui, context, calibration.mode);
-        proposal::ui(ui, context, &products, is_new);
-        candidates::ui(ui, context, &survey, &products);
-    });
+    section(
+        ui,
+        context,
+        Section::new(TITLE).step(2).of(Stage::Calibration),
+        |ui, context| {
+            let Some(products) = context.app.log.products.clone() else {
+                return parts::remark(ui, "No result yet.");
+            };
+            let calibration = &products.calibration;
+            in_use(ui, calibration, context.units());
+            setting(
+                ui,
+                context,
+                match calibration.mode {
+                    ScaleMode::FlatSpot => &rows::PPD_REACH,
+                    ScaleMode::Header => &rows::OFFSET,
+                },
+            );
+            let survey = context.app.log.survey.clone();
+            let Some(survey) = survey.filter(|survey| !survey.soundings.is_empty()) else {
+                return parts::remark(ui, "This log records no depth to measure a scale against.");
+            };
+            for text in &calibration.warnings {
+                parts::warning(ui, context, &context.units().sentence(text));
+            }
+            tools(ui, context, calibration.mode);
+            proposal::ui(ui, context, &products, is_new);
+            candidates::ui(ui, context, &survey, &products);
+        },
+    );
 }
 
 /// Whether another stretch is proposed than in the frame before: the section opens for it.
@@ -90,30 +88,15 @@ fn in_use(ui: &mut Ui, calibration: &Calibration, units: Units) {
         (ScaleMode::FlatSpot, Some(spot)) => format!("flat stretch, {}", pings(spot.range())),
         _ => "recorded range".to_owned(),
     };
-    fact(
-        ui,
-        "Scale in use",
-        "What turns samples into metres: the range that the recorder wrote, or a flat stretch where first returns are compared with soundings.",
-        in_use,
-    );
-    fact(
-        ui,
-        "Slant ranges",
-        &range_hint(calibration, units),
-        ranges(calibration, units),
-    );
-    fact(
-        ui,
-        "From recorder",
-        "Pixels per metre by the ranges that the recorder wrote: median over the log and robust spread.",
-        scale(calibration.header.as_ref()),
-    );
-    fact(
-        ui,
-        "From stretch",
-        "Pixels per metre (PPD of Pulido et al.) on the flat stretch: first return over recorded depth, median over its pings and robust spread.",
-        scale(calibration.ppd().as_ref()),
-    );
+    let hint = "What turns samples into metres: the range that the recorder wrote, or a flat stretch where first returns are compared with soundings.";
+    fact(ui, "Scale in use", hint, in_use);
+    let hint = range_hint(calibration, units);
+    fact(ui, "Slant ranges", &hint, ranges(calibration, units));
+    let hint = "Pixels per metre by the ranges that the recorder wrote: median over the log and robust spread.";
+    let value = scale(calibration.header.as_ref());
+    fact(ui, "From recorder", hint, value);
+    let hint = "Pixels per metre (PPD of Pulido et al.) on the flat stretch: first return over recorded depth, median over its pings and robust spread.";
+    fact(ui, "From stretch", hint, scale(calibration.ppd().as_ref()));
     if let Some(fit) = calibration.fit {
         let offset = units.signed(fit.b_m, 2);
         let spread = units.spread(fit.spread_m, 2);
@@ -142,10 +125,8 @@ fn ranges(calibration: &Calibration, units: Units) -> String {
 
 fn range_hint(calibration: &Calibration, units: Units) -> String {
     let measured = calibration.measured_offset.map_or(String::new(), |found| {
-        format!(
-            " First returns differ from the soundings by {}.",
-            units.signed_within(found.offset_m, found.uncertainty_m, 2)
-        )
+        let differ = units.signed_within(found.offset_m, found.uncertainty_m, 2);
+        format!(" First returns differ from the soundings by {differ}.")
     });
     format!("What is done to every recorded range before depths are made of it.{measured}")
 }
@@ -161,24 +142,13 @@ fn tools(ui: &mut Ui, context: &mut ViewContext<'_>, mode: ScaleMode) {
     let holds = context.app.log.reviewing.tool == Tool::Calibrate;
     ui.horizontal_wrapped(|ui| {
         let button = Button::new("Calibrate on a stretch").selected(holds);
-        let hint = format!("{} ({})", action.hint(), action.keys().unwrap_or_default());
-        let response = toggle::underline(ui, holds, button).on_hover_text(hint);
+        let response = toggle::underline(ui, holds, button);
         // The scale is chosen by what this begins.
         find_setting::answer(ui, context, rows::SCALE.key, &response);
-        if response.clicked() {
-            context.push(Command::Do(action));
-        }
+        context.keyed_button(response, action);
         if mode == ScaleMode::FlatSpot && context.app.log.proposed_stretch().is_none() {
             let keep = Action::KeepRecordedRange;
-            press(ui, context, keep, keep.label());
+            context.button(ui.button(keep.label()), keep);
         }
     });
-}
-
-/// A button that does an action of the table.
-fn press(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action, label: &str) {
-    let button = ui.button(label);
-    if button.on_hover_text(action.hint()).clicked() {
-        context.push(Command::Do(action));
-    }
 }

@@ -1,6 +1,6 @@
 //! The stretch that is proposed for the scale: what it gives, what speaks against it, and what it would change.
 
-use super::{pings, plot, press};
+use super::{pings, plot};
 use crate::app::Action;
 use crate::pipeline::{Products, ScaleEffect, ScaleTrial};
 use crate::support::presentation::units::Units;
@@ -18,11 +18,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, products: &Products
     let frame = Frame::group(ui.style()).show(ui, |ui| {
         ui.set_width(ui.available_width());
         let title = RichText::new(format!("Proposed: {}", pings(range)));
-        ui.label(
-            title
-                .strong()
-                .color(theme::accent_colour(context.app.view.options.theme)),
-        );
+        ui.label(title.strong().color(theme::accent_colour(context.theme())));
         match &trial {
             Some(trial) => found(ui, context, products, trial),
             None => parts::remark(ui, "Measuring the scale."),
@@ -35,14 +31,12 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, products: &Products
 }
 
 fn found(ui: &mut Ui, context: &ViewContext<'_>, products: &Products, trial: &ScaleTrial) {
-    let units = context.app.view.options.units;
+    let units = context.units();
     let spot = &trial.spot;
-    let place = format!(
-        "{} long, {} deep, relief {}",
-        units.measure(spot.length_m, 1),
-        units.measure(spot.depth_m, 2),
-        flat_spot_words::relief(spot, units)
-    );
+    let length = units.measure(spot.length_m, 1);
+    let depth = units.measure(spot.depth_m, 2);
+    let relief = flat_spot_words::relief(spot, units);
+    let place = format!("{length} long, {depth} deep, relief {relief}");
     parts::remark(ui, place);
     for text in &trial.objections {
         parts::warning(ui, context, &units.sentence(text));
@@ -52,13 +46,9 @@ fn found(ui: &mut Ui, context: &ViewContext<'_>, products: &Products, trial: &Sc
     else {
         return;
     };
-    fact(
-        ui,
-        "Scale",
-        "What recorded ranges would be multiplied with: recorded depth over recorded range, median over the first returns of the stretch, with the spread of single pings.",
-        format!("range {factor} {spread}"),
-    );
-    plot::ui(ui, trial, products, &context.app.view.options);
+    let hint = "What recorded ranges would be multiplied with: recorded depth over recorded range, median over the first returns of the stretch, with the spread of single pings.";
+    fact(ui, "Scale", hint, format!("range {factor} {spread}"));
+    plot::ui(ui, trial, products, context.options());
     match &trial.effect {
         Some(effect) => changes(ui, effect, units),
         None => parts::remark(ui, "The log has no side-scan depths that would change."),
@@ -68,29 +58,18 @@ fn found(ui: &mut Ui, context: &ViewContext<'_>, products: &Products, trial: &Sc
 /// What becomes of the depths.
 fn changes(ui: &mut Ui, effect: &ScaleEffect, units: Units) {
     let change = &effect.change;
-    fact(
-        ui,
-        "Depth change",
-        "By how much side-scan depths that count for the map would change, in the median of the log; above 0 they become greater.",
-        format!("{} (median)", units.signed_difference(change.median_m)),
-    );
-    fact(
-        ui,
-        "At most",
-        "The largest change of a side-scan depth of the log.",
-        units.signed_difference(change.largest_m),
-    );
+    let hint = "By how much side-scan depths that count for the map would change, in the median of the log; above 0 they become greater.";
+    let value = format!("{} (median)", units.signed_difference(change.median_m));
+    fact(ui, "Depth change", hint, value);
+    let hint = "The largest change of a side-scan depth of the log.";
+    let value = units.signed_difference(change.largest_m);
+    fact(ui, "At most", hint, value);
     if let Some([now, then]) = &effect.residuals {
-        fact(
-            ui,
-            "To soundings",
-            "Side-scan minus sounding at the same ping, median over the log, with the scale in use and with this one: the nearer to 0 the better.",
-            format!(
-                "{} now, {} then",
-                units.signed_difference(now.median_m),
-                units.signed_difference(then.median_m)
-            ),
-        );
+        let hint = "Side-scan minus sounding at the same ping, median over the log, with the scale in use and with this one: the nearer to 0 the better.";
+        let now = units.signed_difference(now.median_m);
+        let then = units.signed_difference(then.median_m);
+        let value = format!("{now} now, {then} then");
+        fact(ui, "To soundings", hint, value);
     }
 }
 
@@ -98,10 +77,11 @@ fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>, trial: Option<&Arc<ScaleT
     let gives_scale = trial.is_some_and(|trial| trial.spot.ppd.is_some());
     ui.horizontal_wrapped(|ui| {
         ui.add_enabled_ui(gives_scale, |ui| {
-            press(ui, context, Action::UseScale, Action::UseScale.label());
+            let take = Action::UseScale;
+            context.button(ui.button(take.label()), take);
         });
         let keep = Action::KeepRecordedRange;
-        press(ui, context, keep, keep.label());
-        press(ui, context, Action::DropProposal, "Drop");
+        context.button(ui.button(keep.label()), keep);
+        context.button(ui.button("Drop"), Action::DropProposal);
     });
 }

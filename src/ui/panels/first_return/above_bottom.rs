@@ -19,7 +19,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, above: &AboveBottom
     let margin_m = context.app.log.settings.first_return.above_bottom_margin_m;
     let hint = format!(
         "First returns nearer than the recorded depth by more than {}: dashed in the waterfall.",
-        context.app.view.options.units.measure(margin_m, 2)
+        context.units().measure(margin_m, 2)
     );
     let (count, of) = (text::count(above.count), text::count(of));
     ui.label(format!("{count} of {of} above recorded depth"))
@@ -36,7 +36,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, above: &AboveBottom
 
 /// Why they may lie there, and how many count for the map.
 fn reasons(context: &ViewContext<'_>, above: &AboveBottom) -> Vec<String> {
-    let units = context.app.view.options.units;
+    let units = context.units();
     let settings = &context.app.log.settings.surface;
     let usual = above.count - above.standing;
     let mut reasons = Vec::new();
@@ -92,7 +92,7 @@ fn row(ui: &mut Ui, context: &mut ViewContext<'_>, stretch: &AboveStretch) {
         uncounted,
         height_m,
     } = *stretch;
-    let units = context.app.view.options.units;
+    let units = context.units();
     let name = format!("pings {first} to {last}, {}", side.name());
     ui.horizontal(|ui| {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -139,7 +139,5 @@ fn tool(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let holds = context.app.log.reviewing.tool == Tool::Accept;
     let button = Button::new(action.label()).selected(holds);
     let button = toggle::underline(ui, holds, button);
-    if button.on_hover_text(action.hint()).clicked() {
-        context.push(Command::Do(action));
-    }
+    context.button(button, action);
 }

@@ -16,24 +16,13 @@ pub(super) fn ui(
     units: Units,
 ) {
     if let Some(residuals) = same_ping {
-        fact(
-            ui,
-            cloud::SAME_PING,
-            cloud::SAME_PING_HINT,
-            cloud::same_ping(residuals, units),
-        );
+        let value = cloud::same_ping(residuals, units);
+        fact(ui, cloud::SAME_PING, cloud::SAME_PING_HINT, value);
     }
     let matched = comparison.measured - comparison.unmatched;
-    fact(
-        ui,
-        "Compared",
-        "Points that have a reference, of all that could have one.",
-        format!(
-            "{} of {}",
-            text::count(matched),
-            text::count(comparison.measured)
-        ),
-    );
+    let hint = "Points that have a reference, of all that could have one.";
+    let [matched, measured] = [matched, comparison.measured].map(text::count);
+    fact(ui, "Compared", hint, format!("{matched} of {measured}"));
     if let Some(found) = &comparison.residuals {
         let pairs = [
             (

@@ -54,10 +54,8 @@ pub(super) fn picture(ui: &mut Ui, tables: &ResidualTables, over: Over, options:
         Over::Count => {
             if let Some(histogram) = &tables.histogram {
                 columns(&painter, rect, histogram, options);
-                let said = format!(
-                    "Histogram of {} columns of differences",
-                    histogram.counts.len()
-                );
+                let columns = histogram.counts.len();
+                let said = format!("Histogram of {columns} columns of differences");
                 response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &said));
             }
             return;
@@ -111,10 +109,8 @@ fn columns(painter: &Painter, rect: Rect, histogram: &Histogram, options: &ViewO
     let accent = theme::accent_colour(options.theme);
     for (column, count) in counts.iter().enumerate() {
         let start_m = from_m + width_m * column as f64;
-        let bar = Rect::from_two_pos(
-            axes.at(start_m, 0.0),
-            axes.at(start_m + width_m, *count as f64),
-        );
+        let top = axes.at(start_m + width_m, *count as f64);
+        let bar = Rect::from_two_pos(axes.at(start_m, 0.0), top);
         painter.rect_filled(bar, 0.0, accent);
     }
 }
@@ -134,12 +130,8 @@ fn medians(
     let counts = |bin: &&Bin| 50 * bin.residuals.n >= most;
     let ends = |bin: &Bin| (bin.residuals.median_m.abs() + bin.residuals.sd_m).max(0.01);
     let reach_m = bins.iter().filter(counts).map(ends).fold(0.0, f64::max);
-    let middle = 0.5 * (first.from + last.to);
-    let across = axis(
-        [first.from, last.to],
-        [first.from, middle, last.to],
-        written,
-    );
+    let [from, to] = [first.from, last.to];
+    let across = axis([from, to], [from, 0.5 * (from + to), to], written);
     let up = axis([-reach_m, reach_m], [-reach_m, 0.0, reach_m], |metres| {
         options.units.small_difference(metres)
     });

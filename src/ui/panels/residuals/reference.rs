@@ -41,7 +41,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         parts::remark(ui, "Another mission, processed with the same settings.");
     }
     for note in &reference.notes {
-        parts::remark(ui, context.app.view.options.units.sentence(note));
+        parts::remark(ui, context.units().sentence(note));
     }
 }
 
@@ -53,9 +53,7 @@ fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>, is_open: bool) {
             (Action::CloseReference, is_open),
         ] {
             let button = ui.add_enabled(enabled, Button::new(action.label()));
-            if button.on_hover_text(action.hint()).clicked() {
-                context.push(Command::Do(action));
-            }
+            context.button(button, action);
         }
     });
 }
@@ -68,7 +66,7 @@ fn matching(ui: &mut Ui, context: &mut ViewContext<'_>) {
             ui.selectable_value(&mut by, each, name).on_hover_text(hint);
         }
     });
-    let units = context.app.view.options.units;
+    let units = context.units();
     let [least, most] = RADII_M.map(|radius_m| units.in_unit(radius_m));
     let (mut radius, radii) = (units.in_unit(radius_m), least..=most);
     let mut moved = false;

@@ -92,39 +92,24 @@ impl Classes {
 /// The buttons that move a class in the list, and take it away.
 fn place(ui: &mut Ui, context: &mut ViewContext<'_>, list: &[String], index: usize) {
     let name = &list[index];
-    let press = |ui: &mut Ui, label: &str, what: &str, hint: &str, enabled: bool| {
+    let mut press = |label: &str, what: &str, hint: &str, enabled: bool| {
         ui.add_enabled(enabled, Button::new(label).small())
             .accessible_name(format!("{what} {name}"))
             .on_hover_text(hint)
             .clicked()
     };
     let mut after = list.to_vec();
-    if press(
-        ui,
-        "Up",
-        "Move up",
-        "Moves the class up by one: the keys 1 to 9 name the first nine.",
-        index > 0,
-    ) {
+    let hint = "Moves the class up by one: the keys 1 to 9 name the first nine.";
+    if press("Up", "Move up", hint, index > 0) {
         after.swap(index - 1, index);
     }
     let is_last = index + 1 == list.len();
-    if press(
-        ui,
-        "Down",
-        "Move down",
-        "Moves the class down by one.",
-        !is_last,
-    ) {
+    let hint = "Moves the class down by one.";
+    if press("Down", "Move down", hint, !is_last) {
         after.swap(index, index + 1);
     }
-    if press(
-        ui,
-        "×",
-        "Remove class",
-        "Removes the class from the list; boxes keep it.",
-        true,
-    ) {
+    let hint = "Removes the class from the list; boxes keep it.";
+    if press("×", "Remove class", hint, true) {
         after.remove(index);
     }
     if after != list {

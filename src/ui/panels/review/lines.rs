@@ -17,27 +17,24 @@ enum Line {
 impl Line {
     const ALL: [Self; 3] = [Self::Name, Self::Class, Self::Note];
 
-    fn label(self) -> &'static str {
+    /// Its heading, its name for screen readers, and what it is.
+    fn words(self) -> [&'static str; 3] {
         match self {
-            Self::Name => "Name of the box",
-            Self::Class => "Class of the box",
-            Self::Note => "Note on the box",
-        }
-    }
-
-    fn heading(self) -> &'static str {
-        match self {
-            Self::Name => "Name",
-            Self::Class => "Class",
-            Self::Note => "Remarks",
-        }
-    }
-
-    fn hint(self) -> &'static str {
-        match self {
-            Self::Name => "What you call it, in tables, maps and the report.",
-            Self::Class => "A class of your own; Edit classes gives it a key.",
-            Self::Note => "Remarks, for table and report.",
+            Self::Name => [
+                "Name",
+                "Name of the box",
+                "What you call it, in tables, maps and the report.",
+            ],
+            Self::Class => [
+                "Class",
+                "Class of the box",
+                "A class of your own; Edit classes gives it a key.",
+            ],
+            Self::Note => [
+                "Remarks",
+                "Note on the box",
+                "Remarks, for table and report.",
+            ],
         }
     }
 
@@ -80,12 +77,13 @@ impl Lines {
         };
         for (line, text) in Line::ALL.into_iter().zip(texts) {
             let now = line.of(context.app, *id).unwrap_or_default();
+            let [heading, name, hint] = line.words();
             let field = TextEdit::singleline(text)
-                .hint_text(line.heading())
+                .hint_text(heading)
                 .desired_width(f32::INFINITY);
             let field = ui.horizontal(|ui| {
-                name_cell(ui, line.heading(), line.hint());
-                ui.add(field).accessible_name(line.label())
+                name_cell(ui, heading, hint);
+                ui.add(field).accessible_name(name)
             });
             let field = field.inner;
             if line == Line::Name && std::mem::take(&mut self.wants_name) {

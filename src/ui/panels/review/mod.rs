@@ -11,14 +11,14 @@ mod object;
 mod queue;
 mod selected;
 
-use super::parts::{remark, warning, within};
+use super::parts::{progress_bar, remark, warning, within};
 use super::section::{Section, section};
-use crate::app::{Action, Command};
+use crate::app::Action;
 use crate::pipeline::Background;
 use crate::support::presentation::units::Units;
 use crate::ui::views::chip::{self, Chip};
-use crate::ui::{ViewContext, text, theme};
-use egui::{Button, LayerId, ProgressBar, Rect, Response, RichText, Ui};
+use crate::ui::{ViewContext, text};
+use egui::{LayerId, Rect, Response, RichText, Ui};
 use object::ObjectPictures;
 
 /// State of the panel: the picture of the selected box, and what is being written about it.
@@ -57,12 +57,7 @@ impl ReviewPanel {
             return;
         }
         let top = ui.cursor().min;
-        let heading = Section {
-            number: None,
-            title: "Review",
-            stage: None,
-        };
-        section(ui, context, &heading, |ui, context| {
+        section(ui, context, Section::new("Review"), |ui, context| {
             progress(ui, context);
             if let Some(note) = context.app.search_note() {
                 warning(ui, context, &note);
@@ -91,11 +86,7 @@ fn progress(ui: &mut Ui, context: &ViewContext<'_>) {
     ui.horizontal(|ui| {
         ui.label(RichText::new(&said).strong());
         let share = decided as f32 / total.max(1) as f32;
-        let bar = ProgressBar::new(share)
-            .desired_width(ui.available_width())
-            .desired_height(8.0)
-            .fill(theme::accent_colour(context.app.view.options.theme));
-        ui.add(bar);
+        ui.add(progress_bar(context, share, ui.available_width()));
     });
     let parts = [
         format!("{} accepted", counts.accepted),
@@ -125,45 +116,34 @@ fn objects(ui: &mut Ui, context: &mut ViewContext<'_>) {
     }
     ui.horizontal_wrapped(|ui| {
         ui.label(text::plural(count, "object", "objects"));
-        button(ui, context, Action::FocusObjects, "Table", true);
+        button(ui, context, (Action::FocusObjects, "Table"));
     });
 }
 
 fn files(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.horizontal_wrapped(|ui| {
-        for (action, name) in [
+        for named in [
             (Action::SaveReview, "Save"),
             (Action::OpenReview, "Open…"),
             (Action::ExportBoxes, "Export…"),
         ] {
-            button(ui, context, action, name, true);
+            button(ui, context, named);
         }
     });
 }
 
 /// A button for an action of the table, with its key in the hint.
-fn button(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action, name: &str, enabled: bool) {
-    let hint = match action.keys() {
-        Some(keys) => format!("{} ({keys})", action.hint()),
-        None => action.hint().to_owned(),
-    };
-    let button = ui
-        .add_enabled(enabled, Button::new(name))
-        .accessible_name(action.label())
-        .on_hover_text(hint);
-    if button.clicked() {
-        context.push(Command::Do(action));
-    }
+fn button(ui: &mut Ui, context: &mut ViewContext<'_>, (action, name): (Action, &str)) {
+    let button = ui.button(name);
+    context.keyed_button(button.accessible_name(action.label()), action);
 }
 
 /// Extent along the track and in slant range: `0.82 × 1.30 m`.
 fn size([along_m, across_m]: [f64; 2], units: Units) -> String {
     if along_m.is_finite() {
-        format!(
-            "{} × {}",
-            units.number(along_m, 2),
-            units.measure(across_m, 2)
-        )
+        let along = units.number(along_m, 2);
+        let across = units.measure(across_m, 2);
+        format!("{along} × {across}")
     } else {
         format!("{} across", units.measure(across_m, 2))
     }

@@ -39,13 +39,13 @@ impl ObjectPictures {
         if object.boxes.len() > 1 {
             self.pictures(ui, context, &object);
             ui.horizontal_wrapped(|ui| {
-                for (action, name) in [
+                for named in [
                     (Action::AcceptObject, "Accept all"),
                     (Action::RejectObject, "Reject all"),
                     (Action::UndecideObject, "Undecide all"),
                     (Action::NextSighting, "Next sighting"),
                 ] {
-                    button(ui, context, action, name, true);
+                    button(ui, context, named);
                 }
             });
         }
@@ -98,7 +98,7 @@ fn sighting(ui: &mut Ui, app: &App, id: LogBox, chip: &Chip) -> Option<Command> 
             let room = vec2(PICTURE_WIDTH, PICTURE_HEIGHT);
             let picture = chip.draw(ui, one, room, Sense::click());
             if is_selected {
-                let frame = egui::Stroke::new(2.0, theme::selection_colour());
+                let frame = egui::Stroke::new(2.0, theme::SELECTION_COLOUR);
                 let kind = egui::StrokeKind::Inside;
                 ui.painter().rect_stroke(picture.rect, 0.0, frame, kind);
             }
@@ -192,10 +192,8 @@ fn shape(ui: &mut Ui, context: &ViewContext<'_>) {
                 _ => String::new(),
             };
             let explained = 100.0 * fitted.explained;
-            format!(
-                "{}{rivals}, {size}; {explained:.0} % fits",
-                solid.kind.name()
-            )
+            let kind = solid.kind.name();
+            format!("{kind}{rivals}, {size}; {explained:.0} % fits")
         }
         Err(why) => why.to_string(),
     };

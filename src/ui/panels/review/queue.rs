@@ -20,7 +20,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     class(ui, context, &mut queue);
     state(ui, &mut queue);
     score(ui, &mut queue);
-    size(ui, &mut queue, context.app.view.options.units);
+    size(ui, &mut queue, context.units());
     let counts = context.app.review_counts();
     let (line, all) = (counts.in_line, counts.boxes.total());
     if line < all {
@@ -86,12 +86,8 @@ fn score(ui: &mut Ui, queue: &mut Queue) {
     let (mut low, mut high) = (*queue.filter.score.start(), *queue.filter.score.end());
     between(ui, "Score", "Only boxes of these scores.", |ui, which| {
         let value = if which == 0 { &mut low } else { &mut high };
-        ui.add(
-            DragValue::new(value)
-                .range(0.0..=1.0)
-                .speed(0.01)
-                .fixed_decimals(2),
-        )
+        let value = DragValue::new(value).range(0.0..=1.0);
+        ui.add(value.speed(0.01).fixed_decimals(2))
     });
     if [low, high] != [*queue.filter.score.start(), *queue.filter.score.end()] {
         queue.filter.score = low..=high.max(low);
@@ -107,11 +103,8 @@ fn size(ui: &mut Ui, queue: &mut Queue, units: Units) {
     let name = format!("Size, {}", units.symbol());
     between(ui, &name, hint, |ui, which| {
         let value = if which == 0 { &mut low } else { &mut high };
-        let value = DragValue::new(value)
-            .range(0.0..=any)
-            .speed(0.05)
-            .max_decimals(1);
-        ui.add(value)
+        let value = DragValue::new(value).range(0.0..=any);
+        ui.add(value.speed(0.05).max_decimals(1))
     });
     if [low, high] != before {
         let unit_m = units.length.metres();

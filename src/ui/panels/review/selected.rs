@@ -70,7 +70,7 @@ fn title(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed) {
         if let Some(score) = one.score {
             ui.label(format!("{score:.2}"));
         }
-        let colour = theme::box_colour_on_panel(context.app.view.options.theme, one.state);
+        let colour = theme::box_colour_on_panel(context.theme(), one.state);
         let state = RichText::new(one.state.name()).color(colour);
         ui.label(state);
         let corrected = if one.edited { ", corrected" } else { "" };
@@ -86,13 +86,13 @@ fn title(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed) {
 fn decisions(ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
     let tool = context.app.log.reviewing.tool;
     ui.horizontal_wrapped(|ui| {
-        for (action, name) in [
+        for named in [
             (Action::AcceptBox, "Accept"),
             (Action::RejectBox, "Reject"),
             (Action::PreviousBox, "Previous"),
             (Action::NextBox, "Next"),
         ] {
-            button(ui, context, action, name, true);
+            button(ui, context, named);
         }
     });
     ui.horizontal_wrapped(|ui| {
@@ -107,13 +107,13 @@ fn decisions(ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
             Some(_) => (Action::UndecideBox, "Undecide"),
             None => (Action::RemoveBox, "Remove"),
         };
-        for (action, name) in [
+        for named in [
             back,
             (Action::EditBox, edits),
             (Action::SwapSide, "Swap side"),
             (Action::NewBox, draws),
         ] {
-            button(ui, context, action, name, true);
+            button(ui, context, named);
         }
     });
 }
@@ -121,12 +121,9 @@ fn decisions(ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
 fn facts(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed) {
     let app = context.app;
     let mark = &one.mark;
-    fact(
-        ui,
-        "Size",
-        "Along the track and in slant range; echo and shadow together.",
-        size(app.log.reviewing.size_m(mark), app.view.options.units),
-    );
+    let hint = "Along the track and in slant range; echo and shadow together.";
+    let value = size(app.log.reviewing.size_m(mark), app.view.options.units);
+    fact(ui, "Size", hint, value);
     fact(ui, "Range", "Slant range of its near and far edge.", {
         let ranges = app.view.options.units.span(place::ranges_m(app, mark), 2);
         format!("{ranges} {}", mark.side.name())
@@ -142,18 +139,11 @@ fn facts(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed) {
 fn on_the_ground(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed, target: &Target) {
     let app = context.app;
     let units = app.view.options.units;
-    fact(
-        ui,
-        "Position",
-        "The middle of the object on the bottom, WGS84.",
-        RichText::new(place::written(context.app, target.position)).monospace(),
-    );
-    fact(
-        ui,
-        "Uncertainty",
-        "Standard deviation of the position, without the error of the receiver.",
-        units.measure(target.sigma_m, 2),
-    );
+    let hint = "The middle of the object on the bottom, WGS84.";
+    let value = RichText::new(place::written(context.app, target.position)).monospace();
+    fact(ui, "Position", hint, value);
+    let hint = "Standard deviation of the position, without the error of the receiver.";
+    fact(ui, "Uncertainty", hint, units.measure(target.sigma_m, 2));
     let hint = "Length along the track and width across it, of the echo without its shadow.";
     fact(ui, "Object", hint, extent(target, units));
     let hint = "Height above the bottom from the shadows of all boxes, with its standard deviation; a shadow set by hand is preferred.";

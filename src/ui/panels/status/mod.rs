@@ -5,9 +5,10 @@
 
 mod cells;
 
-use crate::app::{Action, Command, FollowStatus, Mark};
+use crate::app::{Action, FollowStatus, Mark};
 use crate::pipeline::EngineStatus;
 use crate::support::presentation::text::count;
+use crate::ui::panels::parts::progress_bar;
 use crate::ui::{ViewContext, theme};
 use egui::{Align, Layout, RichText, Ui};
 
@@ -56,11 +57,7 @@ fn said(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let action = Action::Notices;
     let count = context.app.said().len();
     let title = RichText::new(format!("Notices {count}")).small();
-    let button = ui.button(title).accessible_name(action.label());
-    let hint = format!("{} ({})", action.hint(), action.keys().unwrap_or_default());
-    if button.on_hover_text(hint).clicked() {
-        context.push(Command::Do(action));
-    }
+    context.keyed_button(ui.button(title).accessible_name(action.label()), action);
 }
 
 /// As much of the place as there is room for; all of it when the pointer rests on it.
@@ -99,7 +96,7 @@ fn following(ui: &mut Ui, context: &ViewContext<'_>) {
         FollowStatus::Ending => "reading the log to its end".to_owned(),
     };
     let is_silent = matches!(status, FollowStatus::Silent { .. });
-    let theme = context.app.view.options.theme;
+    let theme = context.theme();
     let colour = match is_silent {
         true => theme::stale_colour(theme),
         false => theme::accent_colour(theme),
@@ -122,7 +119,7 @@ fn rest(ui: &mut Ui, context: &ViewContext<'_>) {
         ui.label(shown)
             .on_hover_text("Frames a second when they last followed each other.");
     }
-    let map = context.app.view.options.waterfall.colour_map.name();
+    let map = context.options().waterfall.colour_map.name();
     ui.label(RichText::new(map).weak().small());
 }
 
@@ -133,46 +130,36 @@ fn jobs(ui: &mut Ui, context: &mut ViewContext<'_>) {
             Some((stage.name().to_owned(), fraction))
         }
         (None, EngineStatus::Idle) => {
-            let detecting = context.app.search_status().map(|status| status.share);
-            let exporting = context.app.export_fraction();
-            let base_map = context.app.base_map_fraction();
-            let comparing = context.app.comparing_fraction();
-            let planning = context.app.map.planning.fraction();
-            let passes = context.app.passes_fraction();
-            (detecting.map(|share| ("finding objects".to_owned(), share)))
-                .or(exporting.map(|share| ("exporting".to_owned(), share)))
-                .or(comparing.map(|share| ("comparing".to_owned(), share)))
-                .or(planning.map(|share| ("planning lines".to_owned(), share)))
-                .or(passes.map(|share| ("looking for passes".to_owned(), share)))
-                .or(base_map.map(|share| ("opening the base map".to_owned(), share)))
+            let app = context.app;
+            let detecting = app.search_status().map(|status| status.share);
+            let jobs = [
+                ("finding objects", detecting),
+                ("exporting", app.export_fraction()),
+                ("comparing", app.comparing_fraction()),
+                ("planning lines", app.map.planning.fraction()),
+                ("looking for passes", app.passes_fraction()),
+                ("opening the base map", app.base_map_fraction()),
+            ];
+            let running = jobs
+                .into_iter()
+                .find_map(|(what, share)| share.zip(Some(what)));
+            running.map(|(share, what)| (what.to_owned(), share))
         }
     };
     let since = egui::Id::unique("job since");
     let now = ui.input(|input| input.time);
     let Some((what, share)) = job else {
         ui.data_mut(|data| data.remove::<f64>(since));
-        stopped(ui, context);
-        return;
+        return stopped(ui, context);
     };
     // Short jobs come and go without a flicker.
     let started = ui.data_mut(|data| *data.get_temp_mut_or(since, now));
     if now - started < PATIENCE_S {
         return;
     }
-    let stop = ui.small_button("Cancel");
-    if stop
-        .accessible_name(Action::Cancel.label())
-        .on_hover_text(Action::Cancel.hint())
-        .clicked()
-    {
-        context.push(Command::Do(Action::Cancel));
-    }
+    context.named_button(ui.small_button("Cancel"), Action::Cancel);
     let text = format!("{what} {:.0} %", f64::from(share) * 100.0);
-    let bar = egui::ProgressBar::new(share)
-        .desired_width(110.0)
-        .desired_height(8.0)
-        .fill(theme::accent_colour(context.app.view.options.theme));
-    ui.add(bar);
+    ui.add(progress_bar(context, share, 110.0));
     ui.label(RichText::new(text).small());
 }
 
@@ -182,10 +169,7 @@ fn stopped(ui: &mut Ui, context: &mut ViewContext<'_>) {
         return;
     }
     let action = Action::Update;
-    let update = ui.small_button(action.label());
-    if update.on_hover_text(action.hint()).clicked() {
-        context.push(Command::Do(action));
-    }
+    context.button(ui.small_button(action.label()), action);
     let text = RichText::new("stopped before it was done").small();
-    ui.label(text.color(theme::stale_colour(context.app.view.options.theme)));
+    ui.label(text.color(theme::stale_colour(context.theme())));
 }

@@ -29,11 +29,8 @@ pub(super) fn columns(
 
 /// Lowest and highest value of all columns.
 pub(super) fn span(columns: &Columns) -> Option<[f32; 2]> {
-    columns
-        .iter()
-        .flatten()
-        .copied()
-        .reduce(|[low, high], [l, h]| [low.min(l), high.max(h)])
+    let known = columns.iter().flatten().copied();
+    known.reduce(|[low, high], [l, h]| [low.min(l), high.max(h)])
 }
 
 /// The same series as `count` columns, more or fewer: extremes are kept, wide columns are repeated.
@@ -44,12 +41,8 @@ pub(super) fn resampled(
     (0..count).map(move |index| {
         let from = index * columns.len() / count;
         let to = ((index + 1) * columns.len() / count).max(from + 1);
-        columns
-            .get(from..to)?
-            .iter()
-            .flatten()
-            .copied()
-            .reduce(|[low, high], [l, h]| [low.min(l), high.max(h)])
+        let known = columns.get(from..to)?.iter().flatten().copied();
+        known.reduce(|[low, high], [l, h]| [low.min(l), high.max(h)])
     })
 }
 

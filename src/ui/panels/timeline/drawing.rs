@@ -45,7 +45,7 @@ impl TimelineLayout {
         strips: &Strips,
         pictures: &mut [Option<RasterTexture>; 2],
     ) {
-        let look = context.app.view.options.theme;
+        let look = context.theme();
         let well = ui.visuals().extreme_bg_color;
         let [mut above, mut below] =
             [self.depth, self.speed].map(|rect| Raster::new(ui.painter(), rect, well));
@@ -68,29 +68,17 @@ impl TimelineLayout {
         let lost = theme::stale_colour(look).gamma_multiply(0.5);
         depth.paint(&mut above, &strips.lost, Color32::TRANSPARENT, lost);
         let colour = theme::depth_strip_colour(look);
-        depth.paint(
-            &mut above,
-            &strips.depth,
-            colour.gamma_multiply(0.35),
-            colour,
-        );
+        let body = colour.gamma_multiply(0.35);
+        depth.paint(&mut above, &strips.depth, body, colour);
         // A line without a body: depth by side-scan only.
-        depth.paint(
-            &mut above,
-            &strips.side_scan,
-            colour.gamma_multiply(0.12),
-            colour,
-        );
+        let body = colour.gamma_multiply(0.12);
+        depth.paint(&mut above, &strips.side_scan, body, colour);
         let colour = theme::speed_strip_colour(look);
-        speed.paint(
-            &mut below,
-            &strips.speed,
-            colour.gamma_multiply(0.35),
-            colour,
-        );
+        let body = colour.gamma_multiply(0.35);
+        speed.paint(&mut below, &strips.speed, body, colour);
         above.show(ui.painter(), &mut pictures[0]);
         below.show(ui.painter(), &mut pictures[1]);
-        let units = context.app.view.options.units;
+        let units = context.units();
         let reach = |high: Option<f32>, written: &dyn Fn(f64) -> String| match high {
             Some(high) => format!("to {}", written(f64::from(high))),
             None => text::NONE.to_owned(),
@@ -130,12 +118,8 @@ impl TimelineLayout {
     }
 
     fn axis(&self, ui: &Ui, context: &ViewContext<'_>, strips: &Strips) {
-        let start = context
-            .app
-            .log
-            .survey
-            .as_ref()
-            .and_then(|survey| survey.start_unix_s);
+        let survey = context.app.log.survey.as_ref();
+        let start = survey.and_then(|survey| survey.start_unix_s);
         // In a window too narrow for the strips their width is negative: no room for ticks, not for one a second.
         let width = f64::from(self.all.width().max(1.0));
         let step_s = ticks::time_step_s((strips.to_s - strips.from_s) * 90.0 / width);
@@ -175,22 +159,16 @@ impl TimelineLayout {
             let at = egui::pos2(strips.x(self.all, time_s), self.all.top() + 3.0);
             painter.circle_filled(at, 2.0, theme::stale_colour(app.view.options.theme));
         }
-        let seen = (
-            x_of(app.view.visible.start),
-            x_of(app.view.visible.end.saturating_sub(1)),
-        );
-        if let (Some(from), Some(to), false) = (seen.0, seen.1, app.view.visible.is_empty()) {
+        let visible = &app.view.visible;
+        let ends = x_of(visible.start).zip(x_of(visible.end.saturating_sub(1)));
+        if let Some((from, to)) = ends.filter(|_| !visible.is_empty()) {
             self.window(ui, from, to);
         }
         if let Some(x) = app.view.hover.and_then(|mark| x_of(mark.ping)) {
-            painter.vline(
-                x,
-                self.all.y_range(),
-                Stroke::new(1.0, theme::hover_colour()),
-            );
+            painter.vline(x, self.all.y_range(), Stroke::new(1.0, theme::HOVER_COLOUR));
         }
         if let Some(x) = app.view.selection.and_then(|mark| x_of(mark.ping)) {
-            let colour = theme::selection_colour();
+            let colour = theme::SELECTION_COLOUR;
             painter.vline(x, self.all.y_range(), Stroke::new(1.5, colour));
             let top = self.all.top();
             let head = vec![
@@ -206,7 +184,7 @@ impl TimelineLayout {
     fn exclusions(&self, ui: &Ui, context: &ViewContext<'_>, strips: &Strips) {
         let painter = ui.painter().with_clip_rect(self.all);
         let veil = ui.visuals().extreme_bg_color.gamma_multiply(0.75);
-        let bar = theme::excluded_colour(&context.app.view.options);
+        let bar = theme::excluded_colour(context.options());
         let found = context.app.log.exclusions().into_iter();
         for stretch in found.flat_map(|found| &found.exclusions.stretches) {
             let [from, to] = stretch.time_s.map(|time_s| strips.x(self.all, time_s));

@@ -13,7 +13,7 @@ use crate::pipeline::Products;
 use crate::pipeline::{Background, Same};
 use crate::survey::{Navigation, Survey};
 use crate::ui::raster::RasterTexture;
-use crate::ui::{ViewContext, exclusion_text, theme};
+use crate::ui::{ViewContext, exclusion_text, place, theme};
 use drawing::TimelineLayout;
 use egui::{Sense, Ui};
 use std::sync::Arc;
@@ -86,16 +86,11 @@ impl TimeLine {
         self.refresh(context);
         let (outer, response) =
             ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
-        let count = context
-            .app
-            .log
-            .survey
-            .as_ref()
-            .map_or(0, |survey| survey.side_scan.len());
+        let count = place::ping_count(context.app);
         let ping = context.app.view.selection.map_or(0, |mark| mark.ping);
         response.widget_info(|| {
             let strips = self.strips.result().and_then(Option::as_ref);
-            let depth = strips.and_then(|strips| strips.deepest(context.app.view.options.units));
+            let depth = strips.and_then(|strips| strips.deepest(context.units()));
             let depth = depth.map_or(String::new(), |depth| format!(", depth {depth}"));
             let excluded = exclusion_text::and_stretches(context.app);
             let name = format!("Time line, ping {ping} of {count}{depth}{excluded}");
@@ -105,13 +100,8 @@ impl TimeLine {
             let empty = "Time line: depth and speed over the log appear here.";
             let font = egui::FontId::proportional(theme::SMALL);
             let weak = ui.visuals().weak_text_color();
-            ui.painter().text(
-                outer.center(),
-                egui::Align2::CENTER_CENTER,
-                empty,
-                font,
-                weak,
-            );
+            let (at, middle) = (outer.center(), egui::Align2::CENTER_CENTER);
+            ui.painter().text(at, middle, empty, font, weak);
             return;
         };
         let frame = TimelineLayout::new(outer);

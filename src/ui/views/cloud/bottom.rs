@@ -1,6 +1,6 @@
 //! The bottom, ready to draw; uploaded in a background thread.
 
-use crate::app::{App, CloudOptions, Jobs};
+use crate::app::{App, CloudOptions};
 use crate::pipeline::{Background, Bottom, BottomColour, CornerGround, Same};
 use crate::ui::render::{
     BOTTOM_TILE, BottomBuffers, BottomDraw, BottomPart, BottomVertex, Part, Projection, Uploader,
@@ -85,13 +85,9 @@ impl ShownBottom {
             self.0 = Background::default();
             return None;
         };
-        let (key, bottom, uploader) = (
-            (Same(bottom.clone()), origin_m),
-            bottom.clone(),
-            uploader.clone(),
-        );
-        let jobs: &Jobs = app.jobs();
-        self.0.ask(key, jobs, move |progress| {
+        let key = (Same(bottom.clone()), origin_m);
+        let (bottom, uploader) = (bottom.clone(), uploader.clone());
+        self.0.ask(key, app.jobs(), move |progress| {
             let buffers = upload(&bottom, origin_m, &uploader);
             progress.check().ok()?;
             Some(Arc::new(BottomScene {
@@ -118,11 +114,8 @@ fn upload(
         let corners = bottom.corners(row..row + BOTTOM_TILE + 1, column..column + BOTTOM_TILE + 1);
         let vertices = corners.map(|corner| {
             let [east, north, up] = corner.place_m;
-            let place = Vec3::new(
-                (east - east_m) as f32,
-                (north - north_m) as f32,
-                (up - up_m) as f32,
-            );
+            let place = [east - east_m, north - north_m, up - up_m];
+            let place = Vec3::from(place.map(|metres| metres as f32));
             let part = match corner.ground {
                 CornerGround::Unknown => BottomPart::None,
                 CornerGround::Level => BottomPart::Plain,

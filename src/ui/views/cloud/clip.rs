@@ -8,8 +8,7 @@ use crate::ui::ViewContext;
 use crate::ui::views::legend;
 use crate::ui::{place, theme};
 use egui::{
-    Align2, CursorIcon, DragValue, Id, Rect, Role, Sense, Stroke, Ui, UiBuilder, Vec2, WidgetInfo,
-    vec2,
+    Align2, CursorIcon, DragValue, Id, Rect, Role, Sense, Stroke, Ui, Vec2, WidgetInfo, vec2,
 };
 use glam::Vec3;
 
@@ -69,7 +68,7 @@ pub(super) fn show(
     scene: SceneBox,
     axes: &Axes<'_>,
 ) -> Option<ClipBox> {
-    let clip = context.app.view.options.cloud.clip?;
+    let clip = context.options().cloud.clip?;
     let dragged = handles(ui, scene, axes, clip);
     let changed = match legend::has_room(axes.rect) {
         true => numbers(ui, context, scene, axes, dragged),
@@ -108,8 +107,8 @@ fn handles(ui: &Ui, scene: SceneBox, axes: &Axes<'_>, clip: ClipBox) -> ClipBox 
             });
             let is_held = response.hovered() || response.dragged();
             let fill = match is_held {
-                true => theme::hover_colour(),
-                false => theme::selection_colour(),
+                true => theme::HOVER_COLOUR,
+                false => theme::SELECTION_COLOUR,
             };
             let painter = ui.painter_at(axes.rect);
             painter.circle(at, HANDLE[0], fill, edge(axes.options));
@@ -135,28 +134,26 @@ fn numbers(
     axes: &Axes<'_>,
     mut clip: ClipBox,
 ) -> ClipBox {
-    let options = &context.app.view.options;
+    let options = context.options();
     let reference = place::reduction(context.app).reference();
     let size = vec2(196.0, 84.0);
     let corner = axes.rect.right_top() + vec2(-4.0 - size.x, 4.0);
     let place = Rect::from_min_size(corner, size);
-    ui.scope_builder(UiBuilder::new().max_rect(place), |ui| {
-        legend::frame(options).show(ui, |ui| {
-            egui::Grid::new("clip box").show(ui, |ui| {
-                for (axis, (name, names)) in AXES.iter().enumerate() {
-                    ui.small(*name).on_hover_text(match axis {
-                        2 => format!("Below 0: {}.", reference.name()),
-                        _ => "Local metres of the survey, as on the scale of the box.".to_owned(),
-                    });
-                    for (end, end_name) in names.iter().enumerate() {
-                        let local = part(scene, Some(clip))[end][axis];
-                        if let Some(to) = number(ui, options.units, scene, axis, local, end_name) {
-                            clip = with_end(scene, clip, axis, end, to);
-                        }
+    legend::framed(ui, options, place, |ui| {
+        egui::Grid::new("clip box").show(ui, |ui| {
+            for (axis, (name, names)) in AXES.iter().enumerate() {
+                ui.small(*name).on_hover_text(match axis {
+                    2 => format!("Below 0: {}.", reference.name()),
+                    _ => "Local metres of the survey, as on the scale of the box.".to_owned(),
+                });
+                for (end, end_name) in names.iter().enumerate() {
+                    let local = part(scene, Some(clip))[end][axis];
+                    if let Some(to) = number(ui, options.units, scene, axis, local, end_name) {
+                        clip = with_end(scene, clip, axis, end, to);
                     }
-                    ui.end_row();
                 }
-            });
+                ui.end_row();
+            }
         });
     });
     clip
@@ -190,7 +187,6 @@ fn number(
 pub(super) fn paint_note(painter: &egui::Painter, rect: Rect, options: &ViewOptions) {
     if options.cloud.clip.is_some() {
         let at = rect.right_top() + vec2(-8.0, 8.0);
-        let colour = theme::canvas_text_colour(options);
-        legend::plate(painter, options, at, Align2::RIGHT_TOP, "clipped", colour);
+        legend::words(painter, options, at, Align2::RIGHT_TOP, "clipped");
     }
 }

@@ -2,7 +2,7 @@
 
 use super::light;
 use super::scene::CloudScene;
-use crate::app::{App, CloudColour, Command, ViewOptions};
+use crate::app::{App, CloudColour, ViewOptions};
 use crate::bottom::bathymetry::CellSource;
 use crate::bottom::cloud::{DepthReference, PointClass, PointSource};
 use crate::pipeline::{Bottom, BottomColour, Products};
@@ -12,7 +12,7 @@ use crate::survey::{Side, SideScanState, Survey};
 use crate::ui::text::count;
 use crate::ui::views::legend::{self, Scale};
 use crate::ui::{ViewContext, ViewRequest, place, theme};
-use egui::{Align2, Color32, Painter, Rect, Slider, Ui, UiBuilder, pos2, vec2};
+use egui::{Align2, Color32, Painter, Rect, Slider, Ui, pos2, vec2};
 
 /// Most logs that the legend names.
 const MOST_LOGS: usize = 8;
@@ -27,45 +27,32 @@ pub(super) fn show(
     rect: Rect,
     request: &mut Option<ViewRequest>,
 ) {
-    let mut options = context.app.view.options.clone();
-    let frame = legend::frame(&options);
+    let mut options = context.options().clone();
     let top = Rect::from_min_size(rect.min + vec2(4.0, 4.0), vec2(120.0, 28.0));
-    ui.scope_builder(UiBuilder::new().max_rect(top), |ui| {
-        frame.show(ui, |ui| {
-            let fit = ui.button("Fit");
-            if fit
-                .on_hover_text("Shows the whole cloud (F, or a double-click).")
-                .clicked()
-            {
-                *request = Some(ViewRequest::Fit);
+    legend::framed(ui, context.options(), top, |ui| {
+        let hint = "Shows the whole cloud (F, or a double-click).";
+        if ui.button("Fit").on_hover_text(hint).clicked() {
+            *request = Some(ViewRequest::Fit);
+        }
+    });
+    let corner = pos2(rect.left() + 4.0, rect.bottom() - 30.0);
+    let bottom = Rect::from_min_size(corner, vec2(rect.width() - 90.0, 26.0));
+    legend::framed(ui, context.options(), bottom, |ui| {
+        ui.horizontal(|ui| {
+            exaggeration(ui, &mut options);
+            if options.cloud.bottom {
+                light::dial(ui, &mut options.cloud.light_deg);
             }
         });
     });
-    let bottom = Rect::from_min_size(
-        pos2(rect.left() + 4.0, rect.bottom() - 30.0),
-        vec2(rect.width() - 90.0, 26.0),
-    );
-    ui.scope_builder(UiBuilder::new().max_rect(bottom), |ui| {
-        frame.show(ui, |ui| {
-            ui.horizontal(|ui| {
-                exaggeration(ui, &mut options);
-                if options.cloud.bottom {
-                    light::dial(ui, &mut options.cloud.light_deg);
-                }
-            })
-        });
-    });
-    if options.cloud != context.app.view.options.cloud {
-        context.push(Command::Show(Box::new(options)));
-    }
+    context.show(options);
 }
 
 /// The vertical exaggeration in words, for a picture.
 pub(super) fn paint_exaggeration(painter: &Painter, rect: Rect, options: &ViewOptions) {
     let text = format!("elevations x{}", options.cloud.vertical_exaggeration);
     let corner = rect.left_bottom() + vec2(8.0, -8.0);
-    let colour = theme::canvas_text_colour(options);
-    legend::plate(painter, options, corner, Align2::LEFT_BOTTOM, &text, colour);
+    legend::words(painter, options, corner, Align2::LEFT_BOTTOM, &text);
 }
 
 fn exaggeration(ui: &mut Ui, options: &mut ViewOptions) {
@@ -122,15 +109,7 @@ pub(super) fn paint_read_out(
         place::written(app, position),
     );
     let at = rect.left_top() + vec2(50.0, 9.0);
-    let colour = theme::canvas_text_colour(&app.view.options);
-    legend::plate(
-        painter,
-        &app.view.options,
-        at,
-        Align2::LEFT_TOP,
-        &text,
-        colour,
-    );
+    legend::words(painter, &app.view.options, at, Align2::LEFT_TOP, &text);
 }
 
 /// Why there are no side-scan points, when there are none.
@@ -171,17 +150,11 @@ pub(super) fn paint_legend(
     }
     if bottom.is_some_and(|one| one.colour == BottomColour::Hardness && one.ends.is_none()) {
         let text = "bottom: no hardness without depths from echo levels";
-        lines.push((text.to_owned(), theme::outlier_colour()));
+        lines.push((text.to_owned(), theme::OUTLIER_COLOUR));
     }
     for (text, colour) in lines {
-        let plate = legend::plate(
-            painter,
-            options,
-            at + vec2(12.0, 0.0),
-            Align2::LEFT_TOP,
-            &text,
-            theme::canvas_text_colour(options),
-        );
+        let beside = at + vec2(12.0, 0.0);
+        let plate = legend::words(painter, options, beside, Align2::LEFT_TOP, &text);
         painter.circle_filled(pos2(at.x + 5.0, plate.center().y), 4.0, colour);
         at.y = plate.bottom() + 1.0;
         covered.push(plate);
@@ -196,13 +169,10 @@ pub(super) fn paint_legend(
         note(text, theme::canvas_text_colour(options));
     }
     if let Some(text) = lack(survey, options.units) {
-        note(&text, theme::outlier_colour());
+        note(&text, theme::OUTLIER_COLOUR);
     }
-    let of_points = options
-        .cloud
-        .points
-        .then(|| scale(options, scene, reference))
-        .flatten();
+    let shown = options.cloud.points;
+    let of_points = shown.then(|| scale(options, scene, reference)).flatten();
     let of_bottom = bottom.and_then(|bottom| bottom_scale(bottom, reference, options.units));
     let by_depth = options.cloud.colour == CloudColour::Depth;
     let is_one = by_depth && bottom.is_some_and(|one| one.colour == BottomColour::Depth);
@@ -249,11 +219,8 @@ fn lines(options: &ViewOptions, scene: &CloudScene) -> Vec<(String, Color32)> {
     };
     match options.cloud.colour {
         CloudColour::Source => {
-            kind(
-                counts.down_scan,
-                "down-scan",
-                theme::down_scan_colour(options),
-            );
+            let down_scan = theme::down_scan_colour(options);
+            kind(counts.down_scan, "down-scan", down_scan);
             kind(counts.port, "port", theme::side_colour(options, Side::Port));
             let starboard = theme::side_colour(options, Side::Starboard);
             kind(counts.starboard, "starboard", starboard);
@@ -276,8 +243,8 @@ fn lines(options: &ViewOptions, scene: &CloudScene) -> Vec<(String, Color32)> {
         }
     }
     let (verb, colour) = match options.cloud.outlier_preview {
-        true => ("to be removed", theme::outlier_colour()),
-        false => ("removed", theme::outlier_colour().gamma_multiply(0.4)),
+        true => ("to be removed", theme::OUTLIER_COLOUR),
+        false => ("removed", theme::OUTLIER_COLOUR.gamma_multiply(0.4)),
     };
     let classes = scene.classes;
     if classes.noise() > 0 {

@@ -1,5 +1,6 @@
 //! The light on the bottom, moved by hand: a disc seen from above, north up, with the light where it stands.
 
+use crate::ui::list_keys::keep_arrows;
 use egui::{Key, Response, Role, Sense, Stroke, Ui, Vec2, WidgetInfo, vec2};
 
 /// Radius of the disc, points.
@@ -20,12 +21,7 @@ pub(super) fn dial(ui: &mut Ui, light_deg: &mut [f32; 2]) -> Response {
         *light_deg = light_at((at - rect.center()) / RADIUS, light_deg[0]);
     }
     if response.has_focus() {
-        let filter = egui::EventFilter {
-            horizontal_arrows: true,
-            vertical_arrows: true,
-            ..Default::default()
-        };
-        ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
+        keep_arrows(ui.ctx(), response.id, true, true);
         let pressed = |key| ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, key));
         let [left, right, up, down] = [
             Key::ArrowLeft,

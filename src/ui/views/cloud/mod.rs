@@ -68,7 +68,7 @@ impl CloudView {
     pub(crate) fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
         let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         let painter = ui.painter_at(rect);
-        let canvas = theme::canvas_colour(&context.app.view.options);
+        let canvas = theme::canvas_colour(context.options());
         flat::fill(&painter, rect, canvas, context.render_state);
         if self.seen_plane != context.app.view.plane_serial {
             self.seen_plane = context.app.view.plane_serial;
@@ -202,12 +202,10 @@ impl CloudView {
     }
 
     fn ask_for_scene(&mut self, context: &ViewContext<'_>) {
-        let options = context.app.view.options.clone();
+        let options = context.options().clone();
         let colours = (options.cloud.colour, options.theme, options.side_colours);
         let logs: Vec<LogPoints> = context.app.shown_logs().iter().map(LogPoints::of).collect();
-        let uploader = context
-            .render_state
-            .map(|state| Uploader::new(&state.device, &state.queue));
+        let uploader = context.uploader();
         let ends = ColourEnds {
             depth_m: context.app.depth_range_m(),
             scales: context.app.point_scales(),
@@ -235,23 +233,17 @@ impl CloudView {
             .is_some_and(|(fitted, size)| self.camera == Some(fitted) && size != rect.size());
         let is_new = self.camera.is_none() || outgrown;
         let mut camera = self.camera.unwrap_or_default();
-        camera.exaggeration = context
-            .app
-            .view
-            .options
-            .cloud
-            .vertical_exaggeration
-            .max(0.1);
+        camera.exaggeration = context.options().cloud.vertical_exaggeration.max(0.1);
         self.aspect = Some(aspect(rect));
         // What is seen is as tall in any frame: a narrower one would cut its sides off.
         if let Some(seen) = self.aim.take().filter(|seen| aspect(rect) < *seen) {
             camera.zoom(aspect(rect) / seen, glam::Vec2::ZERO, aspect(rect));
         }
         let request = self.request.take();
-        let clip = context.app.view.options.cloud.clip;
+        let clip = context.options().cloud.clip;
         let eye = camera.projection(aspect(rect)).eye;
         let shown = ShownPoints {
-            outliers: context.app.view.options.cloud.outlier_preview,
+            outliers: context.options().cloud.outlier_preview,
             part: section::part(context.app, scene, eye),
         };
         let shown = (shown, rect);

@@ -51,7 +51,7 @@ fn shape(painter: &Painter, app: &App, scene: &CloudScene, axes: &Axes<'_>) {
         });
         places.collect::<Vec<[f64; 2]>>()
     };
-    let stroke = Stroke::new(1.5, theme::inferred_colour());
+    let stroke = Stroke::new(1.5, theme::INFERRED_COLOUR);
     let outline = solid.outline_m();
     let outline = outline.iter().filter_map(|place_m| at(*place_m, 0.0));
     painter.line(outline.collect(), stroke);
@@ -118,7 +118,7 @@ fn boxes(
             painter.add(Shape::closed_line(corners, stroke));
         }
         if is_selected {
-            let ring = Stroke::new(2.0, theme::selection_colour());
+            let ring = Stroke::new(2.0, theme::SELECTION_COLOUR);
             painter.circle_stroke(middle, 9.0, ring);
         }
     }

@@ -7,7 +7,7 @@ use crate::app::{App, Command, LogId, Mark};
 use crate::pipeline::Products;
 use crate::support::geo::LonLat;
 use crate::ui::render::OrbitCamera;
-use crate::ui::{ViewContext, place, theme};
+use crate::ui::{OwnHover, ViewContext, place, theme};
 use egui::{Painter, PointerButton, Pos2, Rect, Response, Shape, Stroke, Ui};
 use glam::Vec2;
 
@@ -21,7 +21,7 @@ const MOST_ON_HOVER: usize = 2_000_000;
 /// What the pointer was found over.
 #[derive(Default)]
 pub(super) struct Pointer {
-    hovering: bool,
+    hover: OwnHover,
     looked: Option<(Pos2, OrbitCamera, Option<usize>)>,
 }
 
@@ -135,7 +135,7 @@ impl Pointer {
             true => response.interact_pointer_pos(),
             false => response.hover_pos().filter(|_| !response.dragged()),
         };
-        let looks = context.app.view.options.cloud.points
+        let looks = context.options().cloud.points
             && (scene.shown(shown.outliers) <= MOST_ON_HOVER || response.clicked());
         let point = at.filter(|_| looks).and_then(|at| match self.looked {
             Some((last, with, point)) if last == at && with == camera => point,
@@ -148,7 +148,7 @@ impl Pointer {
         let mark = point.and_then(|point| scene.mark(point));
         // Other views show the log under the selection: what is hovered of another one is nowhere in them.
         let here = mark.filter(|(log, _)| *log == context.app.log.id);
-        self.hover(context, here.map(|(_, mark)| mark));
+        self.hover.tell(context, here.map(|(_, mark)| mark));
         if response.clicked() {
             let on_bottom = || position_on(bottom?, context.app, axes, at?);
             context.push(match (mark, on_bottom()) {
@@ -157,14 +157,6 @@ impl Pointer {
                 (None, None) => Command::Select(None),
             });
         }
-    }
-
-    fn hover(&mut self, context: &mut ViewContext<'_>, mark: Option<Mark>) {
-        let ours = mark.is_some() || self.hovering;
-        if ours && context.app.view.hover != mark {
-            context.push(Command::Hover(mark));
-        }
-        self.hovering = mark.is_some();
     }
 }
 
@@ -201,23 +193,18 @@ pub(super) fn paint_marks(
     axes: &Axes<'_>,
 ) {
     let marks = [
-        (app.view.selection, theme::selection_colour(), 2.0),
-        (app.view.hover, theme::hover_colour(), 1.0),
+        (app.view.selection, theme::SELECTION_COLOUR, 2.0),
+        (app.view.hover, theme::HOVER_COLOUR, 1.0),
     ];
     for (mark, colour, width) in marks {
         if let Some(mark) = mark {
-            paint_mark(
-                painter,
-                (app.log.id, &mark),
-                products,
-                seen.scene,
-                axes,
-                Stroke::new(width, colour),
-            );
+            let stroke = Stroke::new(width, colour);
+            let of_log = (app.log.id, &mark);
+            paint_mark(painter, of_log, products, seen.scene, axes, stroke);
             let is_on_bottom = mark.point.is_none() && mark.sample.is_some();
             let place = || seen.bottom?.at(place::east_north(app, mark)?);
             if let Some(at) = place().filter(|_| is_on_bottom).and_then(|at| axes.at(at)) {
-                painter.circle_stroke(at, 8.0, Stroke::new(width, colour));
+                painter.circle_stroke(at, 8.0, stroke);
             }
         }
     }
@@ -295,14 +282,8 @@ mod tests {
             ranging: None,
             colour: [0; 3],
         };
-        let options = ViewOptions::default();
-        let made = CloudScene::new(
-            vec![log],
-            ColourEnds::default(),
-            &options,
-            None,
-            &Progress::new(),
-        );
+        let (ends, options) = (ColourEnds::default(), ViewOptions::default());
+        let made = CloudScene::new(vec![log], ends, &options, None, &Progress::new());
         made.expect("a scene")
     }
 
@@ -320,13 +301,8 @@ mod tests {
                         bottom: None,
                         all: scene.extent(),
                     };
-                    zoom(
-                        &mut camera,
-                        seen,
-                        (Default::default(), rect),
-                        at.into(),
-                        factor,
-                    );
+                    let shown = (Default::default(), rect);
+                    zoom(&mut camera, seen, shown, at.into(), factor);
                 }
                 let projection = camera.projection(1.5);
                 let in_picture = scene.places(Default::default()).filter(|(_, place)| {

@@ -257,10 +257,8 @@ impl CloudScene {
 
     /// The log of a point by its number, and its index there.
     fn of_number(&self, number: usize) -> Option<(&LogPoints, usize)> {
-        let log = self
-            .starts
-            .partition_point(|start| *start <= number)
-            .checked_sub(1)?;
+        let after = self.starts.partition_point(|start| *start <= number);
+        let log = after.checked_sub(1)?;
         Some((self.logs.get(log)?, number - self.starts[log]))
     }
 
@@ -278,11 +276,7 @@ impl CloudScene {
     /// A place of the survey in the scene.
     pub(super) fn local(&self, east_m: f64, north_m: f64, z_m: f64) -> Vec3 {
         let [east, north, up] = self.origin_m;
-        Vec3::new(
-            (east_m - east) as f32,
-            (north_m - north) as f32,
-            (z_m - up) as f32,
-        )
+        Vec3::from([east_m - east, north_m - north, z_m - up].map(|metres| metres as f32))
     }
 
     /// Places of the side-scan points of a log's ping.
@@ -358,7 +352,7 @@ impl CloudScene {
         let kept = self.points(true);
         let kept = kept.map(|(_, log, point)| (point, self.colour(log, point, options)));
         let removed = self.points(false);
-        let removed = removed.map(|(_, _, point)| (point, theme::outlier_colour()));
+        let removed = removed.map(|(_, _, point)| (point, theme::OUTLIER_COLOUR));
         let all = kept.chain(removed).enumerate();
         all.map_while(move |(count, (point, colour))| {
             goes_on(count).then(|| PointVertex {

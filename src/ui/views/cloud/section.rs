@@ -51,7 +51,7 @@ pub(super) fn paint(painter: &Painter, app: &App, scene: &CloudScene, axes: &Axe
     if axes.part.cut.is_none() {
         return;
     }
-    let colour = theme::measure_colour();
+    let colour = theme::MEASURE_COLOUR;
     let at = |one: &Station, depth_m: f64| {
         let [east_m, north_m] = one.place;
         in_box(axes, scene.local(east_m, north_m, -depth_m))
@@ -62,10 +62,8 @@ pub(super) fn paint(painter: &Painter, app: &App, scene: &CloudScene, axes: &Axe
     let thin = Stroke::new(1.0, colour);
     lines(painter, &bottom, Stroke::new(2.5, colour));
     lines(painter, &surface, thin);
-    let upright = bottom
-        .iter()
-        .zip(&surface)
-        .filter_map(|(low, high)| Some([(*low)?, (*high)?]));
+    let both = bottom.iter().zip(&surface);
+    let upright = both.filter_map(|(low, high)| Some([(*low)?, (*high)?]));
     let upright: Vec<[Pos2; 2]> = upright.collect();
     for ends in upright.first().into_iter().chain(upright.last()) {
         painter.line_segment(*ends, thin);
@@ -111,11 +109,8 @@ pub(super) fn paint_water(painter: &Painter, app: &App, scene: &CloudScene, axes
             .step_by(pings.len().div_ceil(most.max(2)).max(1));
         let places = thinned.map(|ping| in_box(axes, scene.local(ping.east_m, ping.north_m, 0.0)));
         let places: Vec<Option<Pos2>> = places.collect();
-        lines(
-            painter,
-            &places,
-            Stroke::new(1.5, Color32::from_rgb(r, g, b)),
-        );
+        let stroke = Stroke::new(1.5, Color32::from_rgb(r, g, b));
+        lines(painter, &places, stroke);
     }
 }
 

@@ -1,7 +1,7 @@
 //! The analyst's own picture, painted in tiles under the other layers.
 
 use super::tiles::{MapTileKey, SIDE, TileSource};
-use super::transform::GroundBounds;
+use super::transform::{GroundBounds, NOWHERE, joined};
 use super::warp::Warp;
 use crate::formats::base_map::BaseMap;
 use crate::pipeline::Same;
@@ -71,15 +71,7 @@ fn bounds(key: &BaseMapKey) -> GroundBounds {
         let at = map.0.place.to_position(pixel);
         navigation.0.to_plane(&survey.0.track, at)
     });
-    let nowhere = [
-        f64::INFINITY,
-        f64::INFINITY,
-        f64::NEG_INFINITY,
-        f64::NEG_INFINITY,
-    ];
-    let [west, south, east, north] = places.fold(nowhere, |[w, s, e, n], [x, y]| {
-        [w.min(x), s.min(y), e.max(x), n.max(y)]
-    });
+    let [west, south, east, north] = places.fold(NOWHERE, |all, [x, y]| joined(all, [x, y, x, y]));
     // A picture of half the Earth has edges where the plane of the survey has none.
     match map.0.covers(survey.0.track.frame.origin()) && east - west > REACH_M {
         true => near,
@@ -145,11 +137,8 @@ fn extent(warp: &Warp) -> Option<[[f64; 2]; 2]> {
             [high[0].max(place[0]), high[1].max(place[1])],
         ]
     });
-    found
-        .iter()
-        .flatten()
-        .all(|edge| edge.is_finite())
-        .then_some(found)
+    let mut edges = found.iter().flatten();
+    edges.all(|edge| edge.is_finite()).then_some(found)
 }
 
 /// Colours count as much as they are opaque.

@@ -1,7 +1,7 @@
 //! Tiles of coloured dots, and which of them is nearest to a place.
 
 use super::tiles::{MapTileKey, SIDE, TileSource};
-use super::transform::GroundBounds;
+use super::transform::{GroundBounds, around, away_m};
 use crate::support::progress::Progress;
 use egui::Color32;
 
@@ -42,8 +42,8 @@ impl Dots {
             return None;
         }
         Some(Self {
-            bounds: around(&dots),
-            boxes: dots.chunks(BOXED).map(around).collect(),
+            bounds: bounds(&dots),
+            boxes: dots.chunks(BOXED).map(bounds).collect(),
             dots,
             colours,
         })
@@ -51,7 +51,10 @@ impl Dots {
 
     /// Index of the dot nearest to a place, if one is within `reach_m`.
     pub(super) fn nearest(&self, place: [f64; 2], reach_m: f64) -> Option<usize> {
-        let away = |index: usize| away_m(place, &self.boxes[index]);
+        let away = |index: usize| {
+            let [beside, beyond] = away_m(place, &self.boxes[index]);
+            beside.hypot(beyond)
+        };
         // The nearest box first: what it holds rules out most of the others.
         let first = (0..self.boxes.len()).min_by(|a, b| away(*a).total_cmp(&away(*b)))?;
         let others = (0..self.boxes.len()).filter(|index| *index != first);
@@ -72,25 +75,8 @@ impl Dots {
     }
 }
 
-/// West, south, east and north of the dots that have a place.
-fn around(dots: &[Dot]) -> GroundBounds {
-    let start = [f64::MAX, f64::MAX, f64::MIN, f64::MIN];
-    let placed = dots.iter().filter(|dot| dot.has_place());
-    placed.fold(start, |[west, south, east, north], dot| {
-        [
-            west.min(dot.east_m),
-            south.min(dot.north_m),
-            east.max(dot.east_m),
-            north.max(dot.north_m),
-        ]
-    })
-}
-
-/// Distance from a place to a box, 0 inside.
-fn away_m([east_m, north_m]: [f64; 2], [west, south, east, north]: &GroundBounds) -> f64 {
-    let beside = (west - east_m).max(east_m - east).max(0.0);
-    let beyond = (south - north_m).max(north_m - north).max(0.0);
-    beside.hypot(beyond)
+fn bounds(dots: &[Dot]) -> GroundBounds {
+    around(dots.iter().map(|dot| [dot.east_m, dot.north_m]))
 }
 
 impl TileSource for Dots {

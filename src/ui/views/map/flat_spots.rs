@@ -34,15 +34,11 @@ pub(super) fn paint(painter: &Painter, scene: &Scene<'_>) {
     }
     let calibration = &scene.products.calibration;
     if let Some(spot) = &calibration.flat_spot {
-        stretch(painter, scene, &spot.pings, theme::calibration_colour());
+        stretch(painter, scene, &spot.pings, theme::CALIBRATION_COLOUR);
     }
     if let Some(pings) = scene.proposed {
-        stretch(
-            painter,
-            scene,
-            &(pings.start..pings.end),
-            theme::proposal_colour(),
-        );
+        let pings = pings.start..pings.end;
+        stretch(painter, scene, &pings, theme::PROPOSAL_COLOUR);
     }
 }
 
@@ -60,7 +56,7 @@ pub(super) fn name_calibrated(painter: &Painter, scene: &Scene<'_>, covered: &[R
         ScaleMode::FlatSpot => "scale from here",
         ScaleMode::Header => "flat stretch, not in use",
     };
-    let colour = theme::calibration_colour();
+    let colour = theme::CALIBRATION_COLOUR;
     let size = legend::plate_size(painter, text);
     let plate_at = |(offset, anchor): (Vec2, Align2)| anchor.anchor_size(middle + offset, size);
     let free = SIDES.into_iter().filter(|side| {
@@ -97,11 +93,9 @@ pub(super) fn under(scene: &Scene<'_>, pointer: Pos2) -> Option<usize> {
 
 /// A few lines about a stretch.
 pub(super) fn describe(rank: usize, spot: &FlatSpot, units: Units) -> String {
-    format!(
-        "flat stretch {}: {}",
-        rank + 1,
-        units.sentence(&spot.summary())
-    )
+    let number = rank + 1;
+    let spot = units.sentence(&spot.summary());
+    format!("flat stretch {number}: {spot}")
 }
 
 fn places(scene: &Scene<'_>, pings: &Range<usize>) -> Vec<Pos2> {

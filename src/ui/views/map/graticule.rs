@@ -114,11 +114,8 @@ fn name(painter: &Painter, scene: &Scene<'_>, covered: &mut Vec<Rect>, at: Pos2,
     if fits {
         // Layers of any brightness lie under them.
         let plate = rect.expand2(vec2(2.0, 0.0));
-        painter.rect_filled(
-            plate,
-            2.0,
-            theme::plate_colour(scene.options).gamma_multiply(0.7),
-        );
+        let ground = theme::plate_colour(scene.options).gamma_multiply(0.7);
+        painter.rect_filled(plate, 2.0, ground);
         painter.galley(rect.min, words, colour);
         covered.push(rect.expand2(vec2(4.0, 0.0)));
     }

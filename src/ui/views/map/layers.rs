@@ -2,7 +2,7 @@
 
 use super::lines::MapLine;
 use super::ping_boxes::PingBoxes;
-use super::transform::GroundBounds;
+use super::transform::{GroundBounds, NOWHERE, around};
 use crate::app::{LogId, ShownLog};
 use crate::bottom::cloud::{Correction, DepthSource, PingDepth};
 use crate::pipeline::ProcessedLog;
@@ -80,8 +80,11 @@ impl TrackLayer {
         progress: &Progress,
     ) -> Option<Self> {
         let each = || logs.iter().map(|shown| (shown, records(&shown.log)));
-        let places = each().filter_map(|(_, records)| bounds(records.iter().map(|one| one.place)));
-        let bounds = places.reduce(joined)?;
+        let place = |one: Record<'_>| [one.place.east_m, one.place.north_m];
+        let bounds = around(each().flat_map(|(_, records)| records.into_iter().map(place)));
+        if bounds == NOWHERE {
+            return None;
+        }
         let origin_m = [0.5 * (bounds[0] + bounds[2]), 0.5 * (bounds[1] + bounds[3])];
         let (mut line, mut side_scan_only) = (Vec::new(), false);
         for (shown, records) in each() {
@@ -141,10 +144,6 @@ enum Colouring {
     Depth(Option<[f32; 2]>),
     /// Which log it is.
     Log([u8; 3]),
-}
-
-fn joined([west, south, east, north]: GroundBounds, [w, s, e, n]: GroundBounds) -> GroundBounds {
-    [west.min(w), south.min(s), east.max(e), north.max(n)]
 }
 
 /// A place of the track and the depth there.
@@ -221,14 +220,4 @@ fn vertices(
         });
     }
     line
-}
-
-fn bounds<'a>(places: impl Iterator<Item = &'a PingNav>) -> Option<GroundBounds> {
-    places
-        .filter(|place| place.east_m.is_finite() && place.north_m.is_finite())
-        .fold(None, |all: Option<GroundBounds>, place| {
-            let (e, n) = (place.east_m, place.north_m);
-            let [west, south, east, north] = all.unwrap_or([e, n, e, n]);
-            Some([west.min(e), south.min(n), east.max(e), north.max(n)])
-        })
 }

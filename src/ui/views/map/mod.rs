@@ -40,7 +40,6 @@ use crate::app::{App, Command, Enlarged, MapLayer, Reviewing, View};
 use crate::pipeline::Background;
 use crate::pipeline::Products;
 use crate::survey::Survey;
-use crate::ui::render::Uploader;
 use crate::ui::{ViewContext, ViewRequest, flat, place, text, theme};
 use egui::{Rect, Response, Role, Sense, Ui, WidgetInfo, vec2};
 use layers::{TrackKey, TrackLayer};
@@ -82,7 +81,7 @@ impl MapView {
         self.make_room(whole.height() - rect.height());
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
         let painter = ui.painter_at(rect);
-        let canvas = theme::canvas_colour(&context.app.view.options);
+        let canvas = theme::canvas_colour(context.options());
         flat::fill(&painter, rect, canvas, context.render_state);
         self.forget_other_plane(context);
         let name = self.content(ui, context, rect, &response);
@@ -174,14 +173,7 @@ impl MapView {
             empty::wait(ui, context, rect, text);
             return "Map, waiting for the track".to_owned();
         };
-        if context
-            .app
-            .view
-            .options
-            .map
-            .layers
-            .is_visible(MapLayer::Residuals)
-        {
+        if context.options().map.layers.is_visible(MapLayer::Residuals) {
             context.push(Command::CompareWithReference);
         }
         self.ask_for_layers(context, &survey, &products);
@@ -212,13 +204,13 @@ impl MapView {
             products: &products,
             track: &track,
             depth_map: (context.app.depth_map()).filter(|_| context.app.needs_depth_map()),
-            isobaths: self.layers.isobaths(&context.app.view.options.map.layers),
-            residuals: self.layers.residuals(&context.app.view.options.map.layers),
+            isobaths: self.layers.isobaths(&context.options().map.layers),
+            residuals: self.layers.residuals(&context.options().map.layers),
             lost_soundings: context.app.log.lost_soundings,
             made_of: (context.app.log.whole.as_ref()).map(|whole| whole.survey.side_scan.len()),
             has_excluded: exclusions::ping_count(context.app) > 0,
             proposed: context.app.log.proposed_stretch(),
-            options: &context.app.view.options,
+            options: context.options(),
         };
         paint(ui, context, &scene, &mut self.layers);
         let painter = ui.painter_at(rect);
@@ -257,10 +249,8 @@ impl MapView {
         survey: &Arc<Survey>,
         products: &Products,
     ) {
-        let uploader = context
-            .render_state
-            .map(|state| Uploader::new(&state.device, &state.queue));
-        let by_log = context.app.view.options.map.track_by_log;
+        let uploader = context.uploader();
+        let by_log = context.options().map.track_by_log;
         let logs = context.app.shown_logs();
         let range_m = context.app.depth_range_m();
         let key = TrackKey::of(&logs, range_m, by_log);
@@ -286,12 +276,12 @@ impl MapView {
         let fits = context.app.map.measuring.tool.is_none();
         let is_asked = self.request == Some(ViewRequest::Fit) || fits && response.double_clicked();
         if self.transform.is_none() || is_asked {
-            let shown = context.app.view.options.map.layers.bottom_up();
+            let shown = context.options().map.layers.bottom_up();
             let shown = shown.filter(|shown| shown.visible).map(|shown| shown.layer);
             self.fits = shown.collect();
         }
         let bounds = self.layers.extent(&self.fits, track.bounds);
-        let layers = &context.app.view.options.map.layers;
+        let layers = &context.options().map.layers;
         let scales = 1 + usize::from(layers.is_visible(MapLayer::Residuals));
         let whole = || MapTransform::fit(bounds, rect, scales);
         let moved = self.transform.filter(|now| Some(*now) != self.fitted);
@@ -375,7 +365,7 @@ fn boxes(context: &ViewContext<'_>) -> String {
 
 /// What is drawn, bottom first.
 fn layers(context: &ViewContext<'_>) -> String {
-    let stack = &context.app.view.options.map.layers;
+    let stack = &context.options().map.layers;
     let shown = stack.bottom_up().map(|shown| shown.layer);
     let has_base_map = context.app.map.base_map.is_some();
     let is_there = |layer: &MapLayer| *layer != MapLayer::BaseMap || has_base_map;
@@ -397,14 +387,10 @@ fn name(app: &App, products: &Products, track: &TrackLayer) -> String {
     };
     let depths = track.range_m.map_or_else(String::new, |[shallow, deep]| {
         let depths = [shallow, deep].map(f64::from);
-        format!(
-            ", depth {} {reference}",
-            app.view.options.units.span(depths, 1)
-        )
+        let depths = app.view.options.units.span(depths, 1);
+        format!(", depth {depths} {reference}")
     });
-    format!(
-        "Map, track of {} pings{excluded}{depths}, {} flat stretches",
-        text::count(pings),
-        products.flat_spots.len()
-    )
+    let pings = text::count(pings);
+    let spots = products.flat_spots.len();
+    format!("Map, track of {pings} pings{excluded}{depths}, {spots} flat stretches")
 }

@@ -18,11 +18,8 @@ fn places(scene: &Scene<'_>, app: &App) -> Option<[[f64; 2]; 2]> {
     let antenna = *navigation.antenna.get(ping)?;
     let transducer = navigation.pings.get(ping)?;
     let places = [antenna, [transducer.east_m, transducer.north_m]];
-    places
-        .as_flattened()
-        .iter()
-        .all(|metres| metres.is_finite())
-        .then_some(places)
+    let mut metres = places.as_flattened().iter();
+    metres.all(|metres| metres.is_finite()).then_some(places)
 }
 
 /// Draws the antenna as a triangle and the transducer as a disc, joined by a line.
@@ -32,16 +29,13 @@ pub(super) fn paint(painter: &Painter, scene: &Scene<'_>, app: &App) {
     else {
         return;
     };
-    let colour = theme::selection_colour();
+    let colour = theme::SELECTION_COLOUR;
     painter.line_segment([antenna, transducer], Stroke::new(1.5, colour));
     let corners = [vec2(0.0, -HALF), vec2(HALF, HALF), vec2(-HALF, HALF)];
     let corners = corners.map(|corner| antenna + corner).to_vec();
     let fill = theme::canvas_colour(scene.options);
-    painter.add(Shape::convex_polygon(
-        corners,
-        fill,
-        Stroke::new(1.5, colour),
-    ));
+    let edge = Stroke::new(1.5, colour);
+    painter.add(Shape::convex_polygon(corners, fill, edge));
     painter.circle_filled(transducer, 3.0, colour);
     if antenna.distance(transducer) < NAMED {
         return;
@@ -51,15 +45,7 @@ pub(super) fn paint(painter: &Painter, scene: &Scene<'_>, app: &App) {
             true => (Align2::RIGHT_CENTER, vec2(-12.0, 0.0)),
             false => (Align2::LEFT_CENTER, vec2(12.0, 0.0)),
         };
-        let at = at + aside;
-        legend::plate(
-            painter,
-            scene.options,
-            at,
-            anchor,
-            text,
-            scene.text_colour(),
-        );
+        legend::words(painter, scene.options, at + aside, anchor, text);
     };
     name(antenna, transducer, "antenna");
     name(transducer, antenna, "transducer");

@@ -20,10 +20,8 @@ fn placed<'a>(scene: &Scene<'_>, app: &'a App) -> impl Iterator<Item = Seen<'a>>
     let (rect, transform) = (scene.rect.expand(2.0 * HALF), scene.transform);
     let frame = scene.rect;
     let own = app.visible_logs().filter(|log| log.id == app.log.id);
-    let logs = app
-        .visible_logs()
-        .filter(|log| log.id != app.log.id)
-        .chain(own);
+    let others = app.visible_logs().filter(|log| log.id != app.log.id);
+    let logs = others.chain(own);
     logs.flat_map(move |log| {
         let reviewing = &log.reviewing;
         let others = reviewing.in_line();
@@ -87,23 +85,17 @@ pub(super) fn paint(painter: &Painter, scene: &Scene<'_>, app: &App) {
         }
         mark(painter, at, one.state, colour);
         if is_selected {
-            let ring = Stroke::new(2.0, theme::selection_colour());
+            let ring = Stroke::new(2.0, theme::SELECTION_COLOUR);
             painter.circle_stroke(at, HALF + 4.0, ring);
             let sigma = (placed.target.sigma_m / scene.transform.metres_per_point) as f32;
             if sigma > HALF + 4.0 && sigma.is_finite() {
-                let faint = Stroke::new(1.0, theme::selection_colour().gamma_multiply(0.6));
+                let faint = Stroke::new(1.0, theme::SELECTION_COLOUR.gamma_multiply(0.6));
                 painter.circle_stroke(at, sigma, faint);
             }
             let name = log.reviewing.review.class_name(one.class);
             let corner = at + vec2(HALF + 8.0, 0.0);
-            legend::plate(
-                painter,
-                scene.options,
-                corner,
-                Align2::LEFT_CENTER,
-                name,
-                colour,
-            );
+            let (options, beside) = (scene.options, Align2::LEFT_CENTER);
+            legend::plate(painter, options, corner, beside, name, colour);
         }
     }
 }
@@ -117,7 +109,7 @@ fn sightings(painter: &Painter, scene: &Scene<'_>, app: &App) {
         return;
     };
     let middle = scene.at(object.joint.place_m);
-    let stroke = Stroke::new(1.0, theme::selection_colour());
+    let stroke = Stroke::new(1.0, theme::SELECTION_COLOUR);
     for id in &object.boxes {
         let placed = app.open_log(id.log);
         if let Some(placed) = placed.and_then(|log| log.reviewing.placed(id.id)) {

@@ -23,9 +23,8 @@ pub(super) fn furniture(painter: &Painter, scene: &Scene<'_>) -> Vec<Rect> {
     covered.extend(log_names(painter, scene));
     let room = corner.y - scene.rect.top() - BELOW_ARROW;
     if let Some(text) = notes::fitting(painter, scene, room) {
-        let (anchor, colour) = (Align2::RIGHT_BOTTOM, scene.text_colour());
-        let plate = legend::plate(painter, scene.options, corner, anchor, &text, colour);
-        covered.push(plate);
+        let anchor = Align2::RIGHT_BOTTOM;
+        covered.push(legend::words(painter, scene.options, corner, anchor, &text));
     }
     covered
 }
@@ -41,8 +40,7 @@ fn log_names(painter: &Painter, scene: &Scene<'_>) -> Vec<Rect> {
     let mut at = scene.rect.left_bottom() + vec2(22.0, -54.0);
     let logs = scene.track.logs.iter().take(MOST_LOGS).rev();
     let name = |(name, [r, g, b]): &(String, [u8; 3])| {
-        let (anchor, colour) = (Align2::LEFT_BOTTOM, scene.text_colour());
-        let plate = legend::plate(painter, scene.options, at, anchor, name, colour);
+        let plate = legend::words(painter, scene.options, at, Align2::LEFT_BOTTOM, name);
         let dot = plate.left_center() - vec2(8.0, 0.0);
         painter.circle_filled(dot, 4.0, Color32::from_rgb(*r, *g, *b));
         at.y = plate.top() - 1.0;
@@ -75,8 +73,7 @@ fn scales(painter: &Painter, scene: &Scene<'_>, mut corner: Pos2) -> Vec<Rect> {
 /// What the map is still being made of.
 pub(super) fn under_way(painter: &Painter, scene: &Scene<'_>, text: &str) {
     let at = scene.rect.center_bottom() - vec2(0.0, 20.0);
-    let (anchor, colour) = (Align2::CENTER_BOTTOM, scene.text_colour());
-    legend::plate(painter, scene.options, at, anchor, text, colour);
+    legend::words(painter, scene.options, at, Align2::CENTER_BOTTOM, text);
 }
 
 fn north_arrow(painter: &Painter, scene: &Scene<'_>) {
@@ -104,13 +101,8 @@ fn scale_bar(painter: &Painter, scene: &Scene<'_>) -> Rect {
         painter.line_segment([at, at - vec2(0.0, 5.0)], stroke);
     }
     let middle = start + vec2(0.5 * length, -4.0);
-    painter.text(
-        middle,
-        Align2::CENTER_BOTTOM,
-        text,
-        legend::font(),
-        stroke.color,
-    );
+    let (above, font) = (Align2::CENTER_BOTTOM, legend::font());
+    painter.text(middle, above, text, font, stroke.color);
     plate
 }
 
@@ -118,14 +110,14 @@ fn scale_bar(painter: &Painter, scene: &Scene<'_>) -> Rect {
 /// to its boat.
 pub(super) fn marks(painter: &Painter, scene: &Scene<'_>, app: &App) {
     if let Some(mark) = app.view.selection {
-        let stroke = Stroke::new(2.0, theme::selection_colour());
+        let stroke = Stroke::new(2.0, theme::SELECTION_COLOUR);
         if let Some(at) = mark_at(painter, scene, app, mark, stroke) {
             painter.circle_stroke(at, 7.0, stroke);
         }
         heading_tick(painter, scene, mark.ping, stroke);
     }
     if let Some(mark) = app.view.hover {
-        let stroke = Stroke::new(1.0, theme::hover_colour().gamma_multiply(0.8));
+        let stroke = Stroke::new(1.0, theme::HOVER_COLOUR.gamma_multiply(0.8));
         if let Some(at) = mark_at(painter, scene, app, mark, stroke) {
             painter.vline(at.x, scene.rect.y_range(), stroke);
             painter.hline(scene.rect.x_range(), at.y, stroke);

@@ -1,7 +1,7 @@
 //! Finds the ping nearest to a place. The boat cannot jump: a few hundred pings in a row lie close together, and a box around
 //! them shows whether they need to be looked at.
 
-use super::transform::GroundBounds;
+use super::transform::{GroundBounds, around, away_m};
 use crate::survey::{Navigation, PingNav};
 use std::sync::Arc;
 
@@ -17,7 +17,8 @@ pub(super) struct PingBoxes {
 impl PingBoxes {
     /// One pass over the pings.
     pub(super) fn new(navigation: Arc<Navigation>) -> Self {
-        let boxes = navigation.pings.chunks(PINGS).map(bounds);
+        let places = |pings: &[PingNav]| around(pings.iter().map(|one| [one.east_m, one.north_m]));
+        let boxes = navigation.pings.chunks(PINGS).map(places);
         Self {
             boxes: boxes.collect(),
             navigation,
@@ -26,7 +27,10 @@ impl PingBoxes {
 
     /// The ping nearest to a place and its distance, metres, if one is within `reach_m`.
     pub(super) fn nearest(&self, place: [f64; 2], reach_m: f64) -> Option<(usize, f64)> {
-        let away = self.boxes.iter().map(|bounds| away_square(place, bounds));
+        let away = self.boxes.iter().map(|bounds| {
+            let [beside, beyond] = away_m(place, bounds);
+            beside * beside + beyond * beyond
+        });
         let away = away.enumerate();
         // The nearest box first: what it holds rules out most of the others.
         let (first, _) = away.clone().min_by(|a, b| a.1.total_cmp(&b.1))?;
@@ -55,33 +59,6 @@ impl PingBoxes {
             }
         }
     }
-}
-
-/// West, south, east and north of the pings that have a place; far from everything when none has.
-fn bounds(pings: &[PingNav]) -> GroundBounds {
-    let start = [
-        f64::INFINITY,
-        f64::INFINITY,
-        f64::NEG_INFINITY,
-        f64::NEG_INFINITY,
-    ];
-    pings
-        .iter()
-        .fold(start, |[west, south, east, north], ping| {
-            [
-                west.min(ping.east_m),
-                south.min(ping.north_m),
-                east.max(ping.east_m),
-                north.max(ping.north_m),
-            ]
-        })
-}
-
-/// Square of the distance from a place to a box, 0 inside.
-fn away_square([east_m, north_m]: [f64; 2], [west, south, east, north]: &GroundBounds) -> f64 {
-    let beside = (west - east_m).max(east_m - east).max(0.0);
-    let beyond = (south - north_m).max(north_m - north).max(0.0);
-    beside * beside + beyond * beyond
 }
 
 #[cfg(test)]

@@ -10,8 +10,7 @@ use crate::survey::Survey;
 use crate::ui::views::{drag, legend};
 use crate::ui::{ViewContext, theme};
 use egui::{
-    Align2, CursorIcon, Painter, Pos2, Rect, Response, RichText, Shape, Stroke, Ui, UiBuilder,
-    pos2, vec2,
+    Align2, CursorIcon, Painter, Pos2, Rect, Response, RichText, Shape, Stroke, Ui, pos2, vec2,
 };
 
 /// How near the pointer must come to a line or an end of one, points.
@@ -147,13 +146,8 @@ impl PlanTool {
         let way = planned.plan.way.iter();
         let way: Vec<Pos2> = way.map(|one| place.at(&planned, one.place)).collect();
         let painter = ui.painter_at(scene.rect);
-        paint(
-            &painter,
-            scene,
-            &way,
-            &lines,
-            context.app.map.planning.selected,
-        );
+        let selected = context.app.map.planning.selected;
+        paint(&painter, scene, &way, &lines, selected);
         strip(ui, context, scene.rect, &planned);
     }
 }
@@ -192,8 +186,8 @@ fn paint(
     painter.add(Shape::line(way.to_vec(), Stroke::new(1.0, faint)));
     for (number, [from, to]) in lines.iter().enumerate() {
         let colour = match selected == Some(number) {
-            true => theme::selection_colour(),
-            false => theme::measure_colour(),
+            true => theme::SELECTION_COLOUR,
+            false => theme::MEASURE_COLOUR,
         };
         let stroke = Stroke::new(2.0, colour);
         let under = Stroke::new(4.0, casing.gamma_multiply(0.7));
@@ -221,19 +215,17 @@ fn strip(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, planned: &Plann
     let height = if is_narrow { 66.0 } else { 28.0 };
     let bar = Rect::from_min_max(foot + vec2(6.0, -84.0 - height), pos2(right, foot.y - 84.0));
     let words = RichText::new(words(context.app, planned)).size(11.5);
-    ui.scope_builder(UiBuilder::new().max_rect(bar), |ui| {
-        legend::frame(&context.app.view.options).show(ui, |ui| match is_narrow {
-            true => {
+    legend::framed(ui, context.options(), bar, |ui| match is_narrow {
+        true => {
+            ui.label(words);
+            ui.horizontal(|ui| buttons(ui, context));
+        }
+        false => {
+            ui.horizontal(|ui| {
                 ui.label(words);
-                ui.horizontal(|ui| buttons(ui, context));
-            }
-            false => {
-                ui.horizontal(|ui| {
-                    ui.label(words);
-                    buttons(ui, context);
-                });
-            }
-        });
+                buttons(ui, context);
+            });
+        }
     });
 }
 
@@ -252,10 +244,7 @@ fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>) {
         if action == Action::RemoveLine && !is_selected {
             continue;
         }
-        let button = ui.small_button(name).accessible_name(action.label());
-        if button.on_hover_text(action.hint()).clicked() {
-            context.push(Command::Do(action));
-        }
+        context.named_button(ui.small_button(name), action);
     }
 }
 
@@ -270,11 +259,9 @@ fn words(app: &App, planned: &PlannedLines) -> String {
             text::plural(count, "turn", "turns")
         ),
     };
-    format!(
-        "{lines}, {} with turns, {:.1} min; sigma {}, then {}{outside}",
-        units.measure(plan.length_m, 0),
-        plan.minutes(),
-        units.measure(plan.before.mean_sigma_m, 3),
-        units.measure(plan.after.mean_sigma_m, 3),
-    )
+    let (length, minutes) = (units.measure(plan.length_m, 0), plan.minutes());
+    let sigmas = [&plan.before, &plan.after].map(|worth| worth.mean_sigma_m);
+    let [before, after] = sigmas.map(|sigma_m| units.measure(sigma_m, 3));
+    let sigmas = format!("sigma {before}, then {after}");
+    format!("{lines}, {length} with turns, {minutes:.1} min; {sigmas}{outside}")
 }

@@ -7,7 +7,7 @@ use crate::app::{App, Command, ExclusionEdit, LogId, Mark, PassesFound, Tool, ma
 use crate::sonar::calibration::{FlatSpot, PingRange};
 use crate::support::geo::{CoordinateFormat, LonLat};
 use crate::ui::views::legend;
-use crate::ui::{ViewContext, exclusion_text, place, text, theme};
+use crate::ui::{OwnHover, ViewContext, exclusion_text, place, text, theme};
 use egui::{Align2, PointerButton, Pos2, Response, Ui, vec2};
 
 /// How near the pointer must come to the track, points.
@@ -26,8 +26,7 @@ const ONE_LINE: f32 = 720.0;
 pub(super) struct Pointer {
     /// Room that the banner of a tool takes below the buttons, points.
     pub banner_height: f32,
-    /// The hover in the app is ours to take back.
-    hovering: bool,
+    hover: OwnHover,
     /// What the menu is about, as it was opened.
     menu_at: Option<MenuAt>,
 }
@@ -78,8 +77,8 @@ impl Pointer {
             .filter(|_| !is_measuring);
         // Other views show the log under the selection: a ping of another one is nowhere in them.
         let here = near.filter(|(log, _)| *log == context.app.log.id);
-        let ping = here.map(|(_, ping)| ping);
-        self.hover(context, ping);
+        let ping = here.map(|(_, ping)| Mark::ping(ping));
+        self.hover.tell(context, ping);
         if let Some(at) = at {
             self.show_under(ui, context, scene, at, near);
         }
@@ -101,15 +100,6 @@ impl Pointer {
             }
         }
         self.menu(context, response);
-    }
-
-    fn hover(&mut self, context: &mut ViewContext<'_>, ping: Option<usize>) {
-        let hover = ping.map(Mark::ping);
-        let ours = hover.is_some() || self.hovering;
-        if ours && context.app.view.hover != hover {
-            context.push(Command::Hover(hover));
-        }
-        self.hovering = hover.is_some();
     }
 
     /// A numbered stretch is proposed for the scale; with the tool in hand, any place of the track is.
@@ -183,28 +173,14 @@ impl Pointer {
         let painter = ui.painter_at(scene.rect);
         let text = read_out(context.app, scene, at, near);
         let corner = scene.rect.left_top() + vec2(6.0, 34.0 + self.banner_height);
-        let colour = theme::canvas_text_colour(scene.options);
-        let plate = legend::plate(
-            &painter,
-            scene.options,
-            corner,
-            Align2::LEFT_TOP,
-            &text,
-            colour,
-        );
+        let anchor = Align2::LEFT_TOP;
+        let plate = legend::words(&painter, scene.options, corner, anchor, &text);
         if let Some(rank) = flat_spots::under(scene, at)
             && let Some(spot) = scene.products.flat_spots.get(rank)
         {
             let below = plate.left_bottom() + vec2(0.0, 2.0);
-            let text = flat_spots::describe(rank, spot, context.app.view.options.units);
-            legend::plate(
-                &painter,
-                scene.options,
-                below,
-                Align2::LEFT_TOP,
-                &text,
-                colour,
-            );
+            let text = flat_spots::describe(rank, spot, context.units());
+            legend::words(&painter, scene.options, below, anchor, &text);
         }
     }
 }
@@ -234,7 +210,7 @@ fn passes_menu(ui: &mut Ui, context: &mut ViewContext<'_>, at: LonLat) {
         egui::ScrollArea::vertical().show(ui, |ui| {
             for (log, pass) in passes {
                 let [first, last] = pass.pings;
-                let away = context.app.view.options.units.measure(pass.range_m, 1);
+                let away = context.units().measure(pass.range_m, 1);
                 let side = pass.side.name();
                 let ping = named_ping(context.app, (*log, first));
                 let to = match first == last {
@@ -287,21 +263,16 @@ fn read_out(app: &App, scene: &Scene<'_>, at: Pos2, near: Option<(LogId, usize)>
     let mut text = place::written(app, scene.position(at));
     if app.view.options.coordinates != CoordinateFormat::Utm {
         text += gap(TWO_PLACES);
-        text += &format!(
-            "E {}  N {}",
-            units.measure(east_m, 1),
-            units.measure(north_m, 1)
-        );
+        let [east, north] = [east_m, north_m].map(|metres| units.measure(metres, 1));
+        text += &format!("E {east}  N {north}");
     }
     let depth_map = scene.depth_map.flatten();
     if let Some((depth_m, distance_m)) = depth_map.and_then(|map| map.at([east_m, north_m])) {
         text += gap(ONE_LINE);
-        text += &format!(
-            "depth {} {} (interpolated, nearest {} away)",
-            units.measure(f64::from(depth_m), 2),
-            place::reduction(app).reference().name(),
-            units.measure(f64::from(distance_m), 1)
-        );
+        let depth = units.measure(f64::from(depth_m), 2);
+        let reference = place::reduction(app).reference().name();
+        let away = units.measure(f64::from(distance_m), 1);
+        text += &format!("depth {depth} {reference} (interpolated, nearest {away} away)");
     }
     let residuals = scene.residuals.as_deref();
     let reach_m = f64::from(NEAR) * scene.transform.metres_per_point;

@@ -10,7 +10,7 @@ use super::points::{self, PointKey};
 use super::residuals::ResidualLayer;
 use super::scene::Scene;
 use super::tiles::{TileLayer, TileSource};
-use super::transform::GroundBounds;
+use super::transform::{GroundBounds, joined};
 use super::{objects, track_picture};
 use crate::app::{DrawnIsobaths, LayerStack, MapLayer, ShownLog};
 use crate::imagery::mosaic::{Colours, MosaicSettings};
@@ -19,7 +19,6 @@ use crate::pipeline::{Background, Same};
 use crate::support::presentation::units::Units;
 use crate::survey::Survey;
 use crate::ui::ViewContext;
-use crate::ui::render::Uploader;
 use egui::Painter;
 use std::sync::Arc;
 
@@ -90,7 +89,7 @@ impl Layers {
         products: &Products,
         logs: &[ShownLog],
     ) {
-        let stack = &context.app.view.options.map.layers;
+        let stack = &context.options().map.layers;
         self.deriving = context.app.deriving().collect();
         self.take_depths(context.app.depth_map().flatten());
         let settings = logs.first().map(|one| &one.log.products.settings.mosaic);
@@ -99,7 +98,7 @@ impl Layers {
             self.ask_for_isobaths(context);
         }
         if stack.is_visible(MapLayer::Points) {
-            let (logs, options) = (logs.to_vec(), context.app.view.options.clone());
+            let (logs, options) = (logs.to_vec(), context.options().clone());
             let key = PointKey::of(&logs, &options);
             self.points.ask(key, context.app.jobs(), move |progress| {
                 points::source(&logs, &options, progress)
@@ -111,7 +110,7 @@ impl Layers {
     }
 
     fn ask_for_residuals(&mut self, context: &ViewContext<'_>) {
-        let is_shown = (context.app.view.options.map.layers).is_visible(MapLayer::Residuals);
+        let is_shown = (context.options().map.layers).is_visible(MapLayer::Residuals);
         self.comparing = is_shown && context.app.is_comparing_with_reference();
         let agreement = context.app.agreement().filter(|_| is_shown).cloned();
         match agreement {
@@ -164,12 +163,8 @@ impl Layers {
         };
         if !self.mosaic.as_ref().is_some_and(same) {
             self.mosaic = mosaic.map(|(mosaic, settings)| {
-                let tiles = Arc::new(MosaicTiles::new(mosaic.clone(), settings));
-                (
-                    mosaic.clone(),
-                    settings.colours,
-                    tiles as Arc<dyn TileSource>,
-                )
+                let tiles: PaintedBy = Arc::new(MosaicTiles::new(mosaic.clone(), settings));
+                (mosaic.clone(), settings.colours, tiles)
             });
         }
     }
@@ -203,11 +198,9 @@ impl Layers {
             self.isobaths = Background::default();
             return;
         };
-        let units = context.app.view.options.units;
+        let units = context.units();
         let key = (Same(drawn.clone()), units);
-        let uploader = context
-            .render_state
-            .map(|state| Uploader::new(&state.device, &state.queue));
+        let uploader = context.uploader();
         self.isobaths.ask(key, context.app.jobs(), move |progress| {
             IsobathLayer::new(&drawn, units, uploader.as_ref(), progress).map(Arc::new)
         });
@@ -230,9 +223,7 @@ impl Layers {
         let counts = |layer: &MapLayer| *layer != MapLayer::BaseMap && layers.contains(layer);
         let tiles = self.tiles.iter().filter(|(layer, _)| counts(layer));
         let bounds = tiles.filter_map(|(_, tiles)| tiles.bounds());
-        bounds.fold(track, |[west, south, east, north], [w, s, e, n]| {
-            [west.min(w), south.min(s), east.max(e), north.max(n)]
-        })
+        bounds.fold(track, joined)
     }
 
     /// Tiles that are not painted yet, of those in view.
@@ -296,14 +287,8 @@ impl Layers {
             Labels::place(lines, octave, progress)
         });
         let (picture, labels) = (&mut self.isobath_picture, self.labels.result());
-        isobaths::show(
-            picture,
-            painter,
-            context.render_state,
-            scene,
-            &layer,
-            labels,
-        );
+        let state = context.render_state;
+        isobaths::show(picture, painter, state, scene, &layer, labels);
     }
 
     /// What is being made before it can be drawn.

@@ -6,10 +6,10 @@ use super::pointer::REACH;
 use super::scene::Scene;
 use super::transform::MapTransform;
 use crate::app::{App, Command, ExclusionEdit, LogId, Tool};
-use crate::sonar::calibration::PingRange;
 use crate::survey::LogPart;
-use crate::ui::views::{drag, legend};
-use crate::ui::{ViewContext, exclusion_text, theme};
+use crate::ui::ViewContext;
+use crate::ui::views::drag::{self, Does};
+use crate::ui::views::legend;
 use egui::{Align2, CursorIcon, Painter, Pos2, Rect, Response, Shape, Stroke, Ui, vec2};
 
 /// The drag under way.
@@ -22,29 +22,13 @@ struct Drag {
     log: LogId,
     /// Pings where it began and where it is.
     ends: [usize; 2],
-    /// What is done with the pings; `None` where they are proposed for the scale.
-    edit: Option<ExclusionEdit>,
+    does: Does,
 }
 
 impl Drag {
     fn pings(&self) -> [usize; 2] {
         let [one, other] = self.ends;
         [one.min(other), one.max(other)]
-    }
-
-    fn command(&self) -> Command {
-        let pings @ [first, last] = self.pings();
-        match self.edit {
-            Some(edit) => Command::Exclude {
-                log: self.log,
-                part: LogPart::Pings(pings),
-                edit,
-            },
-            None => Command::ProposeStretch(PingRange {
-                start: first,
-                end: last + 1,
-            }),
-        }
     }
 }
 
@@ -80,11 +64,13 @@ impl StretchTool {
         }
         if let Some((log, ping)) = drag::begun(ui, response).and_then(under) {
             let edit = drag::exclusion_edit(ui.input(|input| input.modifiers));
-            self.drag = Some(Drag {
-                log,
-                ends: [ping, ping],
-                edit: (!is_calibrating).then_some(edit),
-            });
+            let does = if is_calibrating {
+                Does::Propose
+            } else {
+                Does::Exclusion(edit)
+            };
+            let ends = [ping, ping];
+            self.drag = Some(Drag { log, ends, does });
         }
         let clicked = response.clicked().then(|| response.interact_pointer_pos());
         if let Some((log, ping)) = clicked.flatten().and_then(under)
@@ -107,7 +93,7 @@ impl StretchTool {
         if response.drag_stopped()
             && let Some(drag) = self.drag.take()
         {
-            context.push(drag.command());
+            context.push(drag.does.command(drag.log, drag.pings()));
         }
         true
     }
@@ -122,23 +108,14 @@ impl StretchTool {
         let Some((survey, products)) = log.survey.as_ref().zip(log.products.as_ref()) else {
             return;
         };
-        let part = LogPart::Pings(drag.pings());
-        let sailed = part.places(survey, &products.navigation);
+        let sailed = LogPart::Pings(drag.pings()).places(survey, &products.navigation);
         let line = places(scene, sailed);
         let last = line.last().copied();
-        let colour = match drag.edit {
-            Some(_) => theme::hand_colour(),
-            None => theme::proposal_colour(),
-        };
-        painter.add(Shape::line(line, Stroke::new(CASING, colour)));
-        if let Some((at, extent)) = last.zip(app.extent_of(drag.log, part)) {
-            let units = app.view.options.units;
-            let text = match drag.edit {
-                Some(edit) => exclusion_text::of_drag(edit, &extent, units),
-                None => format!("propose {}", exclusion_text::extent(&extent, units)),
-            };
-            let (at, ink) = (at + vec2(14.0, 14.0), scene.text_colour());
-            legend::plate(painter, scene.options, at, Align2::LEFT_TOP, &text, ink);
+        let stroke = Stroke::new(CASING, drag.does.colour());
+        painter.add(Shape::line(line, stroke));
+        if let Some((at, text)) = last.zip(drag.does.words(app, drag.log, drag.pings())) {
+            let at = at + vec2(14.0, 14.0);
+            legend::words(painter, scene.options, at, Align2::LEFT_TOP, &text);
         }
     }
 }

@@ -1,10 +1,11 @@
 //! The divider between two stacks of layers: dragged, or moved by the arrow keys once it was clicked.
 
 use super::scene::Scene;
-use crate::app::{Command, MapLayer, Swipe, SwipeSide};
+use crate::app::{MapLayer, Swipe, SwipeSide};
+use crate::ui::list_keys::keep_arrows;
 use crate::ui::views::legend;
 use crate::ui::{ViewContext, theme};
-use egui::{Align2, CursorIcon, EventFilter, Key, Modifiers, Painter, Rect, Response, Sense};
+use egui::{Align2, CursorIcon, Key, Modifiers, Painter, Rect, Response, Sense};
 use egui::{Stroke, Ui, Vec2, WidgetInfo, pos2, vec2};
 
 /// Half of the width in which the pointer takes hold of the divider, points.
@@ -43,16 +44,13 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, scene: &Scene<'_>) 
     let handle = Rect::from_min_max(pos2(x - REACH, top), pos2(x + REACH, bottom));
     let response = ui.interact(handle, ui.scope_id().with("swipe"), Sense::click_and_drag());
     response.widget_info(|| {
-        WidgetInfo::slider(
-            true,
-            f64::from(100.0 * swipe.share),
-            "Divider of the map, percent",
-        )
+        let percent = f64::from(100.0 * swipe.share);
+        WidgetInfo::slider(true, percent, "Divider of the map, percent")
     });
     if let Some(by) = moved(ui, scene.rect, &response) {
-        let mut options = context.app.view.options.clone();
+        let mut options = context.options().clone();
         options.map.swipe.shift(by);
-        context.push(Command::Show(Box::new(options)));
+        context.show(options);
     }
     let response = response.on_hover_cursor(CursorIcon::ResizeHorizontal);
     paint(&ui.painter_at(scene.rect), scene, x, &response);
@@ -65,11 +63,7 @@ fn moved(ui: &mut Ui, rect: Rect, response: &Response) -> Option<f32> {
     }
     let mut by = response.drag_delta().x / rect.width().max(1.0);
     if response.has_focus() {
-        let filter = EventFilter {
-            horizontal_arrows: true,
-            ..EventFilter::default()
-        };
-        ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
+        keep_arrows(ui.ctx(), response.id, true, false);
         for (key, way) in [(Key::ArrowLeft, -1.0), (Key::ArrowRight, 1.0)] {
             // A plain arrow would match with Shift held too.
             for (modifiers, step) in [(Modifiers::SHIFT, STEPS[1]), (Modifiers::NONE, STEPS[0])] {
@@ -84,17 +78,14 @@ fn moved(ui: &mut Ui, rect: Rect, response: &Response) -> Option<f32> {
 fn paint(painter: &Painter, scene: &Scene<'_>, x: f32, response: &Response) {
     let held = response.hovered() || response.dragged() || response.has_focus();
     let ink = match held {
-        true => theme::selection_colour(),
+        true => theme::SELECTION_COLOUR,
         false => theme::canvas_text_colour(scene.options),
     };
-    painter.vline(
-        x,
-        scene.rect.y_range(),
-        Stroke::new(4.0, theme::plate_colour(scene.options)),
-    );
+    let plate = theme::plate_colour(scene.options);
+    painter.vline(x, scene.rect.y_range(), Stroke::new(4.0, plate));
     painter.vline(x, scene.rect.y_range(), Stroke::new(1.5, ink));
     let grip = Rect::from_center_size(pos2(x, scene.rect.center().y), vec2(9.0, 34.0));
-    painter.rect_filled(grip, 4.0, theme::plate_colour(scene.options));
+    painter.rect_filled(grip, 4.0, plate);
     painter.rect_stroke(grip, 4.0, Stroke::new(1.5, ink), egui::StrokeKind::Inside);
     for (side, anchor, aside) in [
         (SwipeSide::Left, Align2::RIGHT_TOP, -8.0),
@@ -103,8 +94,7 @@ fn paint(painter: &Painter, scene: &Scene<'_>, x: f32, response: &Response) {
         let text = names(scene, side);
         let at = pos2(x, scene.rect.top() + 40.0) + Vec2::X * aside;
         if !text.is_empty() {
-            let ink = theme::canvas_text_colour(scene.options);
-            legend::plate(painter, scene.options, at, anchor, &text, ink);
+            legend::words(painter, scene.options, at, anchor, &text);
         }
     }
 }

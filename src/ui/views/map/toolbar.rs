@@ -4,7 +4,7 @@ use crate::app::{Action, Command, Tool};
 use crate::project::MeasurementKind;
 use crate::ui::views::legend;
 use crate::ui::{ViewContext, ViewRequest, theme, toggle};
-use egui::{Rect, Ui, UiBuilder, vec2};
+use egui::{Rect, Ui, vec2};
 
 /// Fit, the calibration tool and the measuring tools.
 pub(super) fn show(
@@ -14,12 +14,10 @@ pub(super) fn show(
     request: &mut Option<ViewRequest>,
 ) {
     let bar = Rect::from_min_size(rect.min + vec2(4.0, 4.0), vec2(rect.width() - 60.0, 28.0));
-    ui.scope_builder(UiBuilder::new().max_rect(bar), |ui| {
-        legend::frame(&context.app.view.options).show(ui, |ui| {
-            ui.horizontal(|ui| {
-                buttons(ui, context, request);
-                measure(ui, context);
-            })
+    legend::framed(ui, context.options(), bar, |ui| {
+        ui.horizontal(|ui| {
+            buttons(ui, context, request);
+            measure(ui, context);
         });
     });
 }
@@ -36,10 +34,7 @@ fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>, request: &mut Option<View
     let action = Action::Calibrate;
     let holds = context.app.log.reviewing.tool == Tool::Calibrate;
     let tool = toggle::chip(ui, holds, "Calibrate").accessible_name(action.label());
-    let hint = format!("{} ({})", action.hint(), action.keys().unwrap_or_default());
-    if tool.on_hover_text(hint).clicked() {
-        context.push(Command::Do(action));
-    }
+    context.keyed_button(tool, action);
 }
 
 fn measure(ui: &mut Ui, context: &mut ViewContext<'_>) {
@@ -52,7 +47,7 @@ fn measure(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let tool = context.app.map.measuring.tool;
     let title = egui::RichText::new("Measure");
     let title = match tool {
-        Some(_) => title.color(theme::measure_colour()),
+        Some(_) => title.color(theme::MEASURE_COLOUR),
         None => title,
     };
     ui.menu_button(title, |ui| {

@@ -23,17 +23,9 @@ pub(super) fn show(
     scene: &Scene<'_>,
 ) {
     let Some(state) = state else {
-        let (at, text) = (
-            scene.rect.center(),
-            theme::canvas_text_colour(scene.options),
-        );
-        painter.text(
-            at,
-            Align2::CENTER_CENTER,
-            empty::NO_GPU,
-            legend::font(),
-            text,
-        );
+        let (at, middle) = (scene.rect.center(), Align2::CENTER_CENTER);
+        let colour = theme::canvas_text_colour(scene.options);
+        painter.text(at, middle, empty::NO_GPU, legend::font(), colour);
         return;
     };
     // The line under the track sets it off from the depth map, whose colours it shares.
@@ -43,11 +35,6 @@ pub(super) fn show(
         colours: [Some(casing), None],
         most_segments: MOST_SEGMENTS,
     };
-    picture.show(
-        painter,
-        state,
-        (scene.rect, &scene.transform),
-        scene.track,
-        [(&scene.track.line, pen)],
-    );
+    let (view, lines) = ((scene.rect, &scene.transform), [(&scene.track.line, pen)]);
+    picture.show(painter, state, view, scene.track, lines);
 }

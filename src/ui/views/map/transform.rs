@@ -5,6 +5,40 @@ use egui::{Pos2, Rect, Vec2, pos2};
 /// West, south, east, north, metres.
 pub(super) type GroundBounds = [f64; 4];
 
+/// Around nothing.
+pub(super) const NOWHERE: GroundBounds = [
+    f64::INFINITY,
+    f64::INFINITY,
+    f64::NEG_INFINITY,
+    f64::NEG_INFINITY,
+];
+
+/// Around both.
+pub(super) fn joined(
+    [west, south, east, north]: GroundBounds,
+    [w, s, e, n]: GroundBounds,
+) -> GroundBounds {
+    [west.min(w), south.min(s), east.max(e), north.max(n)]
+}
+
+/// Around places, those without numbers left out.
+pub(super) fn around(places: impl Iterator<Item = [f64; 2]>) -> GroundBounds {
+    let placed = places.filter(|place| place.iter().all(|metres| metres.is_finite()));
+    placed.fold(NOWHERE, |all, [east, north]| {
+        joined(all, [east, north, east, north])
+    })
+}
+
+/// How far a place lies outside of bounds, along east and along north; 0 inside.
+pub(super) fn away_m(
+    [east_m, north_m]: [f64; 2],
+    [west, south, east, north]: &GroundBounds,
+) -> [f64; 2] {
+    let beside = (west - east_m).max(east_m - east).max(0.0);
+    let beyond = (south - north_m).max(north_m - north).max(0.0);
+    [beside, beyond]
+}
+
 /// Share of the view that fitted bounds fill.
 const FIT_SHARE: f64 = 0.84;
 /// Width at the right edge that belongs to the legend, points.

@@ -1,6 +1,6 @@
 //! The text and the state that rows are looked for by.
 
-use crate::app::{Command, ObjectFilter, ObjectTable};
+use crate::app::{ObjectFilter, ObjectTable};
 use crate::ui::drop_down::DropDown;
 use crate::ui::{ViewContext, text};
 use egui::{RichText, TextEdit, Ui};
@@ -9,7 +9,7 @@ use egui::{RichText, TextEdit, Ui};
 const FIELD_WIDTH: f32 = 220.0;
 
 pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let mut table = context.app.view.options.objects.clone();
+    let mut table = context.options().objects.clone();
     ui.horizontal_wrapped(|ui| {
         let field = TextEdit::singleline(&mut table.text)
             .hint_text("Filter")
@@ -42,9 +42,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 
 /// Has the table shown with another order or filter.
 pub(super) fn show(context: &mut ViewContext<'_>, table: ObjectTable) {
-    if table != context.app.view.options.objects {
-        let mut options = context.app.view.options.clone();
-        options.objects = table;
-        context.push(Command::Show(Box::new(options)));
-    }
+    let mut options = context.options().clone();
+    options.objects = table;
+    context.show(options);
 }

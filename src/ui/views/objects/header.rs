@@ -6,8 +6,8 @@ use crate::ui::{ViewContext, theme};
 use egui::{Button, Rect, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 
 pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, columns: &Columns) {
-    let mut table = context.app.view.options.objects.clone();
-    let units = context.app.view.options.units;
+    let mut table = context.options().objects.clone();
+    let units = context.units();
     let size = vec2(columns.width(), ui.spacing().interact_size.y);
     let (row, _) = ui.allocate_exact_size(size, Sense::hover());
     let (_, cells) = columns.cells(row);

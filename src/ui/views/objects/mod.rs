@@ -14,11 +14,12 @@ mod thumbnails;
 
 use super::empty;
 use crate::app::{Action, Command, LogBox, SurveyObject, View};
+use crate::ui::list_keys::{self, keep_arrows};
 use crate::ui::{ViewContext, theme};
 use columns::Columns;
 use egui::{
-    Button, EventFilter, Frame, Id, Key, Margin, Modifiers, Rect, Response, RichText, Role,
-    ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2,
+    Button, Frame, Id, Key, Margin, Modifiers, Rect, Response, RichText, Role, ScrollArea, Sense,
+    Ui, WidgetInfo, pos2, vec2,
 };
 use std::ops::Range;
 use thumbnails::Thumbnails;
@@ -54,7 +55,7 @@ impl ObjectsView {
         let rect = ui.available_rect_before_wrap();
         if context.app.log.survey.is_none() {
             ui.painter()
-                .rect_filled(rect, 0.0, theme::canvas_colour(&context.app.view.options));
+                .rect_filled(rect, 0.0, theme::canvas_colour(context.options()));
             let text = "The objects of a survey are listed here.";
             return empty::offer_to_open(ui, context, rect, text);
         }
@@ -142,11 +143,7 @@ impl ObjectsView {
             body.request_focus();
         }
         if body.has_focus() {
-            let arrows = EventFilter {
-                vertical_arrows: true,
-                ..EventFilter::default()
-            };
-            ui.memory_mut(|memory| memory.set_focus_lock_filter(body.id, arrows));
+            keep_arrows(ui.ctx(), body.id, false, true);
             let stroke = ui.visuals().selection.stroke;
             let kind = egui::StrokeKind::Inside;
             ui.painter().rect_stroke(rect, 2.0, stroke, kind);
@@ -166,34 +163,18 @@ impl ObjectsView {
         if !body.has_focus() {
             return Vec::new();
         }
-        let pressed = |key| ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
-        let to = |index: usize| -> Vec<Command> {
-            let object = listed.get(index.min(listed.len().saturating_sub(1)));
+        let last = listed.len().saturating_sub(1);
+        if let Some(index) = list_keys::moved(ui, selected, last, self.page.max(1)) {
+            let object = listed.get(index);
             let id = object.and_then(|object| context.app.best_box(object));
-            id.map(Command::SelectLogBox).into_iter().collect()
-        };
-        let page = self.page.max(1);
-        let from = |step: usize| selected.map_or(0, |index| index + step);
-        let back = |step: usize| selected.map_or(0, |index| index.saturating_sub(step));
-        if pressed(Key::ArrowDown) {
-            to(from(1))
-        } else if pressed(Key::ArrowUp) {
-            to(back(1))
-        } else if pressed(Key::PageDown) {
-            to(from(page))
-        } else if pressed(Key::PageUp) {
-            to(back(page))
-        } else if pressed(Key::Home) {
-            to(0)
-        } else if pressed(Key::End) {
-            to(listed.len())
-        } else if pressed(Key::Enter) {
-            let id = context.app.selected_log_box();
-            id.filter(|_| selected.is_some())
-                .map_or_else(Vec::new, enlarged)
-        } else {
-            Vec::new()
+            return id.map(Command::SelectLogBox).into_iter().collect();
         }
+        if !ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Enter)) {
+            return Vec::new();
+        }
+        let id = context.app.selected_log_box();
+        id.filter(|_| selected.is_some())
+            .map_or_else(Vec::new, enlarged)
     }
 }
 
@@ -220,9 +201,7 @@ fn no_objects(ui: &mut Ui, context: &mut ViewContext<'_>) {
         let action = Action::FindObjects;
         let is_ready = context.app.log.products.is_some();
         let button = ui.add_enabled(is_ready, Button::new(action.label()));
-        if button.on_hover_text(action.hint()).clicked() {
-            context.push(Command::Do(action));
-        }
+        context.button(button, action);
     });
 }
 

@@ -7,7 +7,7 @@ use crate::bottom::cloud::Reduction;
 use crate::sonar::first_return::Normalisation;
 use crate::survey::{Side, SideSpan};
 use crate::ui::raster::{Raster, RasterTexture};
-use crate::ui::theme;
+use crate::ui::{place, theme};
 use egui::{Color32, Painter, Pos2, pos2};
 
 /// Width of a curve, points.
@@ -54,10 +54,7 @@ fn points(
     let samples_per_value = f64::from(span.count) / values.len().max(1) as f64;
     let x = |index: usize| {
         let range_m = reduction.range_m(span, (index as f64 + 0.5) * samples_per_value);
-        plot.x(match side {
-            Side::Port => -range_m,
-            Side::Starboard => range_m,
-        })
+        plot.x(place::across_m(side, range_m))
     };
     let mut points: Vec<Pos2> = Vec::new();
     let mut column: Option<(f32, f32, f32)> = None;

@@ -4,7 +4,7 @@ use super::Shown;
 use super::plot::Plot;
 use crate::app::ViewOptions;
 use crate::survey::Side;
-use crate::ui::theme;
+use crate::ui::{place, theme};
 use egui::{Align2, FontId, Painter, Rect, Shape, Stroke, pos2, vec2};
 
 /// The stretch around the transducer that is ignored.
@@ -18,12 +18,8 @@ pub(super) fn dead_zone(painter: &Painter, plot: &Plot, dead_zone_m: f64, option
 pub(super) fn draw(painter: &Painter, plot: &Plot, shown: &Shown<'_>, options: &ViewOptions) {
     let altitude_m = shown.bottom.map_or(f64::NAN, |bottom| bottom.altitude_m);
     for across_m in [-altitude_m, altitude_m] {
-        vertical(
-            painter,
-            plot,
-            across_m,
-            Stroke::new(1.0, theme::depth_line_colour()),
-        );
+        let stroke = Stroke::new(1.0, theme::DEPTH_LINE_COLOUR);
+        vertical(painter, plot, across_m, stroke);
     }
     threshold(painter, plot, shown.threshold, options);
     for side in Side::BOTH {
@@ -41,17 +37,10 @@ fn threshold(painter: &Painter, plot: &Plot, level: f32, options: &ViewOptions) 
     let y = plot.y(level);
     let colour = theme::accent_colour(options.theme);
     let ends = [pos2(plot.area.left(), y), pos2(plot.area.right(), y)];
-    painter.extend(Shape::dashed_line(
-        &ends,
-        Stroke::new(1.5, colour),
-        6.0,
-        3.0,
-    ));
-    let galley = painter.layout_no_wrap(
-        format!("threshold {level:.2}"),
-        FontId::proportional(10.0),
-        colour,
-    );
+    let stroke = Stroke::new(1.5, colour);
+    painter.extend(Shape::dashed_line(&ends, stroke, 6.0, 3.0));
+    let (words, font) = (format!("threshold {level:.2}"), FontId::proportional(10.0));
+    let galley = painter.layout_no_wrap(words, font, colour);
     // Above the line, or below it where the plot ends; on a ground, since the curve runs through.
     let above = y - galley.size().y > plot.area.top();
     let anchor = if above {
@@ -69,10 +58,7 @@ fn pick(painter: &Painter, plot: &Plot, shown: &Shown<'_>, side: Side, options: 
     let Some(found) = shown.picks[side as usize] else {
         return;
     };
-    let across_m = match side {
-        Side::Port => -found.range_m,
-        Side::Starboard => found.range_m,
-    };
+    let across_m = place::across_m(side, found.range_m);
     let colour = theme::side_colour(options, side);
     if !vertical(painter, plot, across_m, Stroke::new(2.0, colour)) {
         return;

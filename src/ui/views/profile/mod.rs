@@ -11,7 +11,6 @@ mod scale;
 
 use crate::app::{Command, Mark};
 use crate::bottom::cloud::Reduction;
-use crate::pipeline::Settings;
 use crate::sonar::first_return::Pick;
 use crate::support::presentation::units::Units;
 use crate::survey::{Side, SidePing, Survey};
@@ -86,50 +85,30 @@ impl ProfileView {
         let size = vec2(available.x, height);
         let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
         let painter = ui.painter_at(rect);
-        let canvas = theme::canvas_colour(&context.app.view.options);
+        let canvas = theme::canvas_colour(context.options());
         flat::fill(&painter, rect, canvas, context.render_state);
         let survey = context.app.log.survey.clone();
         let mark = context.app.view.hover.or(context.app.view.selection);
         let Some((survey, mark)) = survey.zip(mark) else {
-            empty(
-                &painter,
-                rect,
-                &response,
-                "move the pointer over the waterfall, or select a ping",
-            );
-            return;
+            let words = "move the pointer over the waterfall, or select a ping";
+            return empty(&painter, rect, &response, words);
         };
         let Some(shown) = shown(&survey, mark.ping, context) else {
-            empty(&painter, rect, &response, "no side-scan ping here");
-            return;
+            return empty(&painter, rect, &response, "no side-scan ping here");
         };
         let normalisation = self.scale.of(context, &survey);
         self.zoom_at(ui, &response);
         let plot = Plot::new(rect, far_m(&shown) / f64::from(self.zoom));
-        plot::axes(&painter, &plot, &context.app.view.options);
-        marks::dead_zone(
-            &painter,
-            &plot,
-            shown.dead_zone_m,
-            &context.app.view.options,
-        );
-        curve::draw(
-            &painter,
-            &plot,
-            &shown,
-            &normalisation,
-            &context.app.view.options,
-            &mut self.curves,
-        );
-        marks::draw(&painter, &plot, &shown, &context.app.view.options);
+        let (options, curves) = (context.options(), &mut self.curves);
+        plot::axes(&painter, &plot, options);
+        marks::dead_zone(&painter, &plot, shown.dead_zone_m, options);
+        curve::draw(&painter, &plot, &shown, &normalisation, options, curves);
+        marks::draw(&painter, &plot, &shown, options);
         self.drag_threshold(ui, &response, &plot, context);
         self.hover(&response, &plot, &shown, context);
         response.widget_info(|| {
-            egui::WidgetInfo::labeled(
-                egui::Role::Image,
-                true,
-                accessible_name(&shown, context.app.view.options.units),
-            )
+            let name = accessible_name(&shown, context.units());
+            egui::WidgetInfo::labeled(egui::Role::Image, true, name)
         });
     }
 
@@ -165,13 +144,10 @@ impl ProfileView {
         }
         let live = !response.drag_stopped();
         if let Some(at) = response.interact_pointer_pos() {
-            let mut settings = Settings::clone(&context.app.log.settings);
             // Steps of a hundredth, as the slider and the keys make them.
-            settings.first_return.threshold = (plot.level(at.y) * 100.0).round() / 100.0;
-            context.push(Command::Change {
-                settings: Box::new(settings),
-                label: "threshold",
-                live,
+            let threshold = (plot.level(at.y) * 100.0).round() / 100.0;
+            context.change_live("threshold", live, |settings| {
+                settings.first_return.threshold = threshold;
             });
         }
         self.drags_threshold = live;
@@ -241,11 +217,7 @@ fn far_m(shown: &Shown<'_>) -> f64 {
 }
 
 fn mark_at(shown: &Shown<'_>, across_m: f64) -> Mark {
-    let side = if across_m < 0.0 {
-        Side::Port
-    } else {
-        Side::Starboard
-    };
+    let side = place::side_at(across_m);
     let span = shown.recorded.side(side);
     let sample = span
         .map(|span| {
@@ -282,11 +254,9 @@ fn accessible_name(shown: &Shown<'_>, units: Units) -> String {
         format!("{} first return {range}", side.name())
     });
     let depth = shown.bottom.map_or_else(String::new, |bottom| {
-        format!(
-            ", bottom {} below transducer by {}",
-            units.measure(bottom.altitude_m, 2),
-            bottom.by.name()
-        )
+        let altitude = units.measure(bottom.altitude_m, 2);
+        let by = bottom.by.name();
+        format!(", bottom {altitude} below transducer by {by}")
     });
     let excluded = (shown.excluded.as_ref()).map_or_else(String::new, |why| format!(", {why}"));
     format!(

@@ -71,22 +71,16 @@ pub(super) fn axes(painter: &Painter, plot: &Plot, options: &ViewOptions) {
         painter.hline(area.x_range(), y, faint);
         let normalised = format!("{level}");
         write(pos2(area.left() - 4.0, y), Align2::RIGHT_CENTER, normalised);
-        write(
-            pos2(area.right() + 4.0, y),
-            Align2::LEFT_CENTER,
-            raw.to_owned(),
-        );
+        let right = pos2(area.right() + 4.0, y);
+        write(right, Align2::LEFT_CENTER, raw.to_owned());
     }
     let step_m = plot.step_m(options.units);
     let ticks = (plot.far_m / step_m).floor() as i32;
     for tick in -ticks..=ticks {
         let across_m = f64::from(tick) * step_m;
         let x = plot.x(across_m);
-        painter.vline(
-            x,
-            area.bottom()..=area.bottom() + 3.0,
-            Stroke::new(1.0, ink),
-        );
+        let tick = area.bottom()..=area.bottom() + 3.0;
+        painter.vline(x, tick, Stroke::new(1.0, ink));
         let label = options.units.tick_with_unit(across_m.abs(), step_m);
         write(pos2(x, area.bottom() + 3.0), Align2::CENTER_TOP, label);
     }

@@ -28,7 +28,7 @@ pub(super) fn without_picture(
             "reading the survey".to_owned()
         }
         Some(survey) => {
-            let text = marks::warning(&survey, context.app.view.options.units)
+            let text = marks::warning(&survey, context.units())
                 .unwrap_or_else(|| "no side-scan: no ping has a usable range".to_owned());
             marks::banner(&ui.painter_at(rect), rect, &text);
             text
@@ -55,7 +55,7 @@ pub(super) fn describe(
 }
 
 fn name(visible: &Range<usize>, survey: &Survey, context: &ViewContext<'_>) -> String {
-    let options = &context.app.view.options.waterfall;
+    let options = &context.options().waterfall;
     let source = context.app.log.settings.first_return.bottom_line;
     let first_return = match (context.app.bottom_line(), options.first_return, source) {
         (_, false, _) => "first return hidden",
@@ -63,7 +63,7 @@ fn name(visible: &Range<usize>, survey: &Survey, context: &ViewContext<'_>) -> S
         (Some(_), true, BottomLine::Search) => "first return shown",
         (Some(_), true, BottomLine::Recorded) => "bottom line at the recorded depth shown",
     };
-    let units = context.app.view.options.units;
+    let units = context.units();
     let warning =
         marks::warning(survey, units).map_or_else(String::new, |text| format!(", {text}"));
     let excluded = exclusion_text::and_stretches(context.app);

@@ -1,6 +1,6 @@
 //! The pen for bottom edits, and the edits.
 
-use super::lens::{Lens, Place, across_m};
+use super::lens::{Lens, Place};
 use super::lines::Pen;
 use crate::app::{App, BottomStroke, Command, Ink, Tool};
 use crate::sonar::first_return::BottomEdit;
@@ -66,12 +66,10 @@ impl BottomPen {
         };
         for side in Side::BOTH {
             if side == stroke.side || app.view.options.waterfall.bottom_both_sides {
-                let points = stroke
-                    .path
-                    .iter()
-                    .map(|&[ping, range_m]| at(lens, side, ping, range_m));
+                let path = stroke.path.iter();
+                let points = path.map(|&[ping, range_m]| at(lens, side, ping, range_m));
                 let points: Vec<Pos2> = points.collect();
-                let line = Stroke::new(WIDTH, theme::hand_colour());
+                let line = Stroke::new(WIDTH, theme::HAND_COLOUR);
                 match stroke.ink {
                     Ink::Bottom => {
                         painter.line(points, line);
@@ -102,31 +100,20 @@ fn begun(lens: &Lens, at: Pos2, modifiers: Modifiers) -> BottomStroke {
 
 /// A stroke stays on its side: beyond the nadir it lies on it.
 fn extend(stroke: &mut BottomStroke, to: Place) {
-    let outward_m = match stroke.side {
-        Side::Port => -to.across_m,
-        Side::Starboard => to.across_m,
-    };
-    let point = [to.ping, outward_m.max(0.0)];
+    let point = [to.ping, to.outward_m(stroke.side).max(0.0)];
     if stroke.path.last() != Some(&point) {
         stroke.path.push(point);
     }
 }
 
 fn at(lens: &Lens, side: Side, ping: f64, range_m: f64) -> Pos2 {
-    lens.screen_at(Place {
-        ping,
-        across_m: across_m(side, range_m),
-    })
+    lens.screen_at(Place::of(ping, side, range_m))
 }
 
 /// The bottom edits in view, over the first returns: they are there before the results are.
 pub(super) fn drawn(painter: &Painter, lens: &Lens, app: &App) {
     let seen = lens.pings();
-    let pen = Pen {
-        colour: theme::hand_colour(),
-        width: WIDTH,
-        rim: 0.0,
-    };
+    let pen = Pen::new(theme::HAND_COLOUR, WIDTH);
     for line in &app.log.settings.bottom.lines {
         let [first, last] = line.pings.map(|ping| ping as f64);
         if last + 1.0 < seen.start || first > seen.end {

@@ -70,8 +70,7 @@ impl Axis {
     fn settle(&mut self, from: f64, to: f64, points: f64, finest: f64) {
         let whole = (to - from) / points;
         if self.fitted || self.per_point >= whole.max(finest) {
-            self.fit(from, to, points);
-            return;
+            return self.fit(from, to, points);
         }
         self.per_point = self.per_point.clamp(finest.min(whole), whole.max(finest));
         let half = self.per_point * points / 2.0;
@@ -335,43 +334,49 @@ pub(super) struct Size {
 }
 
 impl Size {
+    pub(super) fn new(along: f64, across: f64) -> Self {
+        Self { along, across }
+    }
+
+    /// The same along and across.
+    pub(super) fn both(value: f64) -> Self {
+        Self::new(value, value)
+    }
+
     /// A screen vector read in an orientation.
     pub(super) fn of(vector: Vec2, orientation: Orientation) -> Self {
         let (x, y) = (f64::from(vector.x), f64::from(vector.y));
         match orientation {
-            Orientation::Horizontal => Self {
-                along: x,
-                across: y,
-            },
-            Orientation::Vertical => Self {
-                along: y,
-                across: x,
-            },
+            Orientation::Horizontal => Self::new(x, y),
+            Orientation::Vertical => Self::new(y, x),
         }
     }
+}
+
+#[cfg(test)]
+pub(super) const EXTENT: Extent = Extent {
+    pings: 3453.0,
+    near_m: -30.0,
+    far_m: 30.0,
+    bin_m: 0.02,
+    ping_m: None,
+};
+
+#[cfg(test)]
+pub(super) fn rect() -> egui::Rect {
+    egui::Rect::from_min_size(egui::pos2(10.0, 20.0), egui::vec2(800.0, 300.0))
+}
+
+#[cfg(test)]
+pub(super) fn size(orientation: Orientation) -> Size {
+    Size::of(rect().size(), orientation)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::ui::views::waterfall::lens::Lens;
-    use egui::{Rect, pos2};
-
-    const EXTENT: Extent = Extent {
-        pings: 3453.0,
-        near_m: -30.0,
-        far_m: 30.0,
-        bin_m: 0.02,
-        ping_m: None,
-    };
-
-    fn rect() -> Rect {
-        Rect::from_min_size(pos2(10.0, 20.0), egui::vec2(800.0, 300.0))
-    }
-
-    fn size(orientation: Orientation) -> Size {
-        Size::of(rect().size(), orientation)
-    }
+    use egui::pos2;
 
     #[test]
     fn zoom_keeps_the_place_under_the_pointer() {
@@ -380,13 +385,7 @@ mod tests {
         let pointer = pos2(300.0, 140.0);
         let lens = Lens::new(camera, rect(), orientation);
         let before = lens.place_at(pointer);
-        camera.zoom(
-            Size {
-                along: 3.0,
-                across: 2.0,
-            },
-            lens.offset(pointer),
-        );
+        camera.zoom(Size::new(3.0, 2.0), lens.offset(pointer));
         camera.settle(&EXTENT, size(orientation));
         let after = Lens::new(camera, rect(), orientation).place_at(pointer);
         assert!((after.ping - before.ping).abs() < 1e-6);
@@ -419,11 +418,7 @@ mod tests {
         let mut camera = Camera::start(&EXTENT, size);
         camera.show_pings(&(1000..1010), size);
         for _ in 0..40 {
-            let both = Size {
-                along: 0.5,
-                across: 0.5,
-            };
-            camera.zoom(both, size);
+            camera.zoom(Size::both(0.5), size);
             camera.settle(&EXTENT, size);
         }
         let mut whole = Camera::default();
@@ -468,20 +463,10 @@ mod tests {
             from.abs() < 1e-9 && (to - 640.0).abs() < 1e-9,
             "{from} {to}"
         );
-        let both = |factor| Size {
-            along: factor,
-            across: factor,
-        };
-        camera.zoom(both(2.0), both(0.0));
+        camera.zoom(Size::both(2.0), Size::both(0.0));
         camera.settle(&extent, size);
         assert!((camera.stretch(&extent).expect("a speed") - 1.0).abs() < 1e-9);
-        camera.zoom(
-            Size {
-                along: 3.0,
-                across: 1.0,
-            },
-            both(0.0),
-        );
+        camera.zoom(Size::new(3.0, 1.0), Size::both(0.0));
         camera.settle(&extent, size);
         assert!(!camera.is_one_to_one);
         assert!((camera.stretch(&extent).expect("a speed") - 3.0).abs() < 1e-9);

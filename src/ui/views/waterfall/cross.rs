@@ -2,9 +2,9 @@
 
 use super::lens::{Lens, Place};
 use crate::app::View;
+use crate::ui::ViewContext;
 use crate::ui::views::measured;
-use crate::ui::{ViewContext, theme};
-use egui::{Painter, Response, Stroke, Ui, Vec2, vec2};
+use egui::{Painter, Response, Ui, Vec2, vec2};
 
 /// Where it stands; nowhere before a key has moved it, and after the pointer has.
 #[derive(Default)]
@@ -56,11 +56,6 @@ impl Cross {
         let Some(place) = self.place else {
             return;
         };
-        let at = lens.screen_at(place);
-        let stroke = Stroke::new(1.5, theme::measure_colour());
-        for arm in [vec2(9.0, 0.0), vec2(0.0, 9.0)] {
-            painter.line_segment([at - arm, at - 0.3 * arm], stroke);
-            painter.line_segment([at + 0.3 * arm, at + arm], stroke);
-        }
+        measured::cross(painter, lens.screen_at(place));
     }
 }

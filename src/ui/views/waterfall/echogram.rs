@@ -12,7 +12,7 @@ use crate::app::{App, Command, EchogramChannel, Mark, Orientation};
 use crate::bottom::cloud::Reduction;
 use crate::imagery::waterfall::{LineStep, RangeAxis};
 use crate::survey::{Side, Survey};
-use crate::ui::{ViewContext, text, theme};
+use crate::ui::{ViewContext, place, text, theme};
 use eframe::egui_wgpu::RenderState;
 use egui::{Align2, Painter, Rect, Response, Sense, Stroke, Ui};
 use std::sync::Arc;
@@ -46,7 +46,7 @@ impl EchogramPart {
         ctx: &egui::Context,
         context: &ViewContext<'_>,
     ) -> [Rect; 2] {
-        let options = &context.app.view.options.waterfall;
+        let options = &context.options().waterfall;
         self.follow(ctx, context.app);
         if self
             .shown
@@ -55,13 +55,7 @@ impl EchogramPart {
         {
             return [whole, Rect::NOTHING];
         }
-        let has_side_scan = context
-            .app
-            .log
-            .survey
-            .as_ref()
-            .is_some_and(|survey| survey.has_side_scan());
-        if options.echogram_alone || !has_side_scan {
+        if options.echogram_alone || !place::has_side_scan(context.app) {
             return [Rect::NOTHING, whole];
         }
         let (one, other) = match options.orientation {
@@ -73,11 +67,8 @@ impl EchogramPart {
 
     /// Starts over with another log or channel.
     fn follow(&mut self, ctx: &egui::Context, app: &App) {
-        let chosen = app
-            .log
-            .survey
-            .as_ref()
-            .map(|survey| channel_of(app, survey));
+        let survey = app.log.survey.as_ref();
+        let chosen = survey.map(|survey| channel_of(app, survey));
         let (Some(channel), Some(survey)) = (chosen, &app.log.survey) else {
             self.shown = None;
             return;
@@ -280,8 +271,8 @@ impl Over<'_> {
         }
         self.bottom(painter, lens, app);
         let marked = [
-            (app.view.selection, theme::selection_colour()),
-            (app.view.hover, theme::hover_colour()),
+            (app.view.selection, theme::SELECTION_COLOUR),
+            (app.view.hover, theme::HOVER_COLOUR),
         ];
         for (mark, colour) in marked {
             if let Some(mark) = mark {
@@ -299,12 +290,8 @@ impl Over<'_> {
         if let Some(text) = log.and_then(|log| marks::warning(log, options.units)) {
             labels.keep_clear(marks::banner(painter, lens.rect, &text));
         }
-        labels.write(
-            lens.rect.shrink(6.0).right_bottom(),
-            Align2::RIGHT_BOTTOM,
-            self.name,
-            INK,
-        );
+        let corner = lens.rect.shrink(6.0).right_bottom();
+        labels.write(corner, Align2::RIGHT_BOTTOM, self.name, INK);
         if let Some(lines) = &range_lines {
             lines.label(&mut labels, lens);
         }
@@ -313,12 +300,8 @@ impl Over<'_> {
 
     /// The bottom as recorded, and as the side-scan found it on both sides.
     fn bottom(&self, painter: &Painter, lens: &Lens, app: &App) {
-        let pen = |colour| Pen {
-            colour,
-            width: 1.0,
-            rim: 0.0,
-        };
-        let depth = pen(theme::depth_line_colour());
+        let pen = |colour| Pen::new(colour, 1.0);
+        let depth = pen(theme::DEPTH_LINE_COLOUR);
         let as_recorded = Reduction::default();
         lines::depth(painter, lens, self.survey, self.drawing, as_recorded, depth);
         let returns = app
@@ -351,13 +334,7 @@ fn point(
     let place = lens.place_at(response.hover_pos()?);
     let ping = (place.ping >= 0.0).then_some(place.ping as usize)?;
     let recorded = survey.side_scan.get(ping)?;
-    let is_of_log = context
-        .app
-        .log
-        .survey
-        .as_ref()
-        .is_some_and(|log| ping < log.side_scan.len());
-    if is_of_log {
+    if ping < place::ping_count(context.app) {
         let mark = Mark::ping(ping);
         if context.app.view.hover != Some(mark) {
             context.push(Command::Hover(Some(mark)));
@@ -366,12 +343,10 @@ fn point(
             context.push(Command::Select(Some(mark)));
         }
     }
-    let units = context.app.view.options.units;
-    let mut words = format!(
-        "ping {ping}  {}\n{} below the transducer",
-        text::clock(survey.start_unix_s, recorded.time_s),
-        units.measure(place.across_m.abs(), 2)
-    );
+    let units = context.units();
+    let clock = text::clock(survey.start_unix_s, recorded.time_s);
+    let depth = units.measure(place.across_m.abs(), 2);
+    let mut words = format!("ping {ping}  {clock}\n{depth} below the transducer");
     if let (Some(span), Some(samples)) = (
         survey.span(ping, Side::Starboard),
         survey.samples(ping, Side::Starboard),

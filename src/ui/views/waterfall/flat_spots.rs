@@ -5,7 +5,8 @@ use super::labels::Labels;
 use super::lens::{Lens, Place};
 use crate::app::{App, Tool};
 use crate::sonar::calibration::{FlatSpot, PingRange, ScaleMode};
-use crate::ui::{flat_spot_words, theme};
+use crate::survey::Side;
+use crate::ui::{flat_spot_words, place, theme};
 use egui::{Align2, Color32, Painter, Pos2, Rect, Stroke, vec2};
 use std::ops::Range;
 
@@ -34,12 +35,8 @@ enum Kind {
 
 /// The stretches that a lens sees: of the calibration, the proposed one, and the ranked ones if they are shown or one is to be chosen.
 pub(super) fn in_view(lens: &Lens, app: &App) -> Vec<Stretch> {
-    let has_picture = app
-        .log
-        .survey
-        .as_ref()
-        .is_some_and(|survey| survey.has_side_scan());
-    let Some(products) = app.log.products.as_ref().filter(|_| has_picture) else {
+    let products = app.log.products.as_ref();
+    let Some(products) = products.filter(|_| place::has_side_scan(app)) else {
         return Vec::new();
     };
     let calibration = &products.calibration;
@@ -49,10 +46,8 @@ pub(super) fn in_view(lens: &Lens, app: &App) -> Vec<Stretch> {
     };
     let used = calibration.flat_spot.iter();
     let used = used.filter_map(|spot| stretch(lens, &spot.pings, Kind::InUse, name.to_owned()));
-    let proposed = app
-        .log
-        .proposed_stretch()
-        .map(|pings| pings.start..pings.end);
+    let proposed = app.log.proposed_stretch();
+    let proposed = proposed.map(|pings| pings.start..pings.end);
     let proposed = proposed.and_then(|pings| {
         let name = "proposed for the scale".to_owned();
         stretch(lens, &pings, Kind::Proposed, name)
@@ -87,12 +82,7 @@ fn stretch(lens: &Lens, pings: &Range<usize>, kind: Kind, name: String) -> Optio
     let ends = [pings.start as f64, pings.end as f64];
     let edges = ends.map(|ping| lens.line_at_ping(ping));
     let area = Rect::from_two_pos(edges[0][0], edges[1][1]).intersect(lens.rect);
-    let [start, end] = ends.map(|ping| {
-        lens.screen_at(Place {
-            ping,
-            across_m: 0.0,
-        })
-    });
+    let [start, end] = ends.map(|ping| lens.screen_at(Place::of(ping, Side::Starboard, 0.0)));
     let nadir = Rect::from_two_pos(start, end).expand(BAR / 2.0);
     area.is_positive().then_some(Stretch {
         area,
@@ -142,8 +132,8 @@ impl Stretch {
         match self.kind {
             // White on any theme: it lies on the picture, which is dark or coloured.
             Kind::Ranked => Color32::from_gray(235),
-            Kind::InUse => theme::calibration_colour(),
-            Kind::Proposed => theme::proposal_colour(),
+            Kind::InUse => theme::CALIBRATION_COLOUR,
+            Kind::Proposed => theme::PROPOSAL_COLOUR,
         }
     }
 }

@@ -12,15 +12,12 @@ const WHEEL_POINTS: f64 = 200.0;
 
 /// A request from menu, key or palette.
 pub(super) fn carry_out(camera: &mut Camera, request: ViewRequest, extent: &Extent, size: Size) {
-    let middle = Size {
-        along: 0.0,
-        across: 0.0,
-    };
+    let middle = Size::both(0.0);
     match request {
         ViewRequest::Fit => camera.fit(extent, size),
         ViewRequest::OneToOne => camera.toggle_one_to_one(extent, size),
-        ViewRequest::ZoomIn => camera.zoom(both(KEY_STEP), middle),
-        ViewRequest::ZoomOut => camera.zoom(both(1.0 / KEY_STEP), middle),
+        ViewRequest::ZoomIn => camera.zoom(Size::both(KEY_STEP), middle),
+        ViewRequest::ZoomOut => camera.zoom(Size::both(1.0 / KEY_STEP), middle),
         ViewRequest::Top | ViewRequest::Side => {}
     }
 }
@@ -39,8 +36,7 @@ pub(super) fn apply(
 ) {
     let size = Size::of(response.rect.size(), arrangement.orientation);
     if response.double_clicked() && fits {
-        camera.fit(extent, size);
-        return;
+        return camera.fit(extent, size);
     }
     let space = response.hovered() && ui.input(|input| input.key_down(Key::Space));
     let held = (drag_moves && response.dragged_by(PointerButton::Primary))
@@ -53,40 +49,22 @@ pub(super) fn apply(
     let Some(pointer) = response.hover_pos() else {
         return;
     };
-    let (scroll, zoom, modifiers) = ui.input(|input| {
-        (
-            input.smooth_scroll_delta(),
-            f64::from(input.zoom_delta()),
-            input.modifiers,
-        )
-    });
+    let (scroll, modifiers) = ui.input(|input| (input.smooth_scroll_delta(), input.modifiers));
+    let zoom = f64::from(ui.input(|input| input.zoom_delta()));
     let offset = Lens::arranged(*camera, response.rect, arrangement).offset(pointer);
     let wheel = (f64::from(scroll.y) / WHEEL_POINTS).exp();
     let factor = match (modifiers.alt, modifiers.command) {
-        (true, _) => Size {
-            along: 1.0,
-            across: wheel,
-        },
-        (_, true) => Size {
-            along: zoom,
-            across: 1.0,
-        },
-        _ => both(wheel * zoom),
+        (true, _) => Size::new(1.0, wheel),
+        (_, true) => Size::new(zoom, 1.0),
+        _ => Size::both(wheel * zoom),
     };
     camera.zoom(factor, offset);
     // egui turns the wheel sideways while Shift is held.
-    camera.pan(Size {
-        along: match arrangement.flip {
-            true => -f64::from(scroll.x),
-            false => f64::from(scroll.x),
-        },
-        across: 0.0,
-    });
-}
-
-fn both(factor: f64) -> Size {
-    Size {
-        along: factor,
-        across: factor,
-    }
+    let sideways = f64::from(scroll.x);
+    let sideways = if arrangement.flip {
+        -sideways
+    } else {
+        sideways
+    };
+    camera.pan(Size::new(sideways, 0.0));
 }

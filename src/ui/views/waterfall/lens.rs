@@ -5,6 +5,7 @@ use super::camera::{Camera, Size};
 use crate::app::Orientation;
 use crate::imagery::picture::{Geometry, PingScale, PingScales};
 use crate::survey::Side;
+use crate::ui::place::{across_m, side_at};
 use egui::{Pos2, Rect, pos2};
 use std::ops::Range;
 use std::sync::Arc;
@@ -22,21 +23,20 @@ pub(super) struct Place {
 }
 
 impl Place {
+    /// At a slant range of a side.
+    pub(super) fn of(ping: f64, side: Side, range_m: f64) -> Self {
+        let across_m = across_m(side, range_m);
+        Self { ping, across_m }
+    }
+
+    /// Slant range counted outward on a side; negative beyond the nadir.
+    pub(super) fn outward_m(&self, side: Side) -> f64 {
+        across_m(side, self.across_m)
+    }
+
     /// The side it lies on.
     pub(super) fn side(&self) -> Side {
-        if self.across_m < 0.0 {
-            Side::Port
-        } else {
-            Side::Starboard
-        }
-    }
-}
-
-/// A slant range with the sign of its side.
-pub(super) fn across_m(side: Side, range_m: f64) -> f64 {
-    match side {
-        Side::Port => -range_m,
-        Side::Starboard => range_m,
+        side_at(self.across_m)
     }
 }
 
@@ -215,10 +215,7 @@ impl Lens {
                 scale.recorded_at_m(geometry, shown_m.abs()).max(0.0)
             }
         };
-        Place {
-            ping,
-            across_m: across_m(side, range_m),
-        }
+        Place::of(ping, side, range_m)
     }
 
     /// Points from the middle of the rectangle, as pings and metres run.
@@ -262,24 +259,13 @@ impl Lens {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ui::views::waterfall::camera::Extent;
+    use crate::ui::views::waterfall::camera::{EXTENT, rect, size};
 
     const BOTH: [Orientation; 2] = [Orientation::Horizontal, Orientation::Vertical];
 
-    fn camera(rect: Rect, orientation: Orientation) -> Camera {
-        let extent = Extent {
-            pings: 3453.0,
-            near_m: -30.0,
-            far_m: 30.0,
-            bin_m: 0.02,
-            ping_m: None,
-        };
-        Camera::start(&extent, Size::of(rect.size(), orientation))
-    }
-
     fn lens(orientation: Orientation) -> Lens {
-        let rect = Rect::from_min_size(pos2(10.0, 20.0), egui::vec2(800.0, 300.0));
-        Lens::new(camera(rect, orientation), rect, orientation)
+        let camera = Camera::start(&EXTENT, size(orientation));
+        Lens::new(camera, rect(), orientation)
     }
 
     /// The same with everything that can be turned, over ground 4 m down.

@@ -1,7 +1,7 @@
 //! First return and recorded depth over the picture.
 
 use super::drawing::Drawing;
-use super::lens::{Lens, Place, across_m};
+use super::lens::{Lens, Place};
 use crate::app::Orientation;
 use crate::bottom::cloud::Reduction;
 use crate::imagery::waterfall::{LineSpan, LineStep};
@@ -18,15 +18,22 @@ const RIM_POINTS: f32 = 1.25;
 /// How a line looks.
 #[derive(Clone, Copy)]
 pub(super) struct Pen {
-    /// Its colour.
-    pub colour: Color32,
-    /// Its width, points.
-    pub width: f32,
+    colour: Color32,
+    /// Points.
+    width: f32,
     /// How far it stands out beyond that on each side, points; 0 but for the rim under a line.
-    pub rim: f32,
+    rim: f32,
 }
 
 impl Pen {
+    pub(super) fn new(colour: Color32, width: f32) -> Self {
+        Self {
+            colour,
+            width,
+            rim: 0.0,
+        }
+    }
+
     /// What is drawn under the line, so that it stands out from any picture.
     fn rim(self) -> Self {
         Self {
@@ -141,10 +148,8 @@ struct Columns {
 
 impl Columns {
     fn place(&self, index: usize, range_m: f32) -> Place {
-        Place {
-            ping: ((self.first + index) as f64 + 0.5) * f64::from(1_u32 << self.halvings),
-            across_m: across_m(self.side, f64::from(range_m)),
-        }
+        let ping = ((self.first + index) as f64 + 0.5) * f64::from(1_u32 << self.halvings);
+        Place::of(ping, self.side, f64::from(range_m))
     }
 }
 

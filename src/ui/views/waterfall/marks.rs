@@ -1,6 +1,6 @@
 //! Cross-hairs on the picture, and what it cannot be trusted for.
 
-use super::lens::{Lens, Place, across_m};
+use super::lens::{Lens, Place};
 use crate::app::Mark;
 use crate::support::presentation::units::Units;
 use crate::survey::{SideScanState, Survey};
@@ -20,27 +20,22 @@ pub(super) fn cross_hair(
     let Some((side, sample)) = mark.side.zip(mark.sample) else {
         return;
     };
-    let span = survey
-        .side_scan
-        .get(mark.ping)
-        .and_then(|ping| ping.side(side));
-    if let Some(span) = span {
-        let across_m = across_m(side, span.range_m(f64::from(sample)));
+    let recorded = survey.side_scan.get(mark.ping);
+    if let Some(span) = recorded.and_then(|recorded| recorded.side(side)) {
+        let place = Place::of(ping, side, span.range_m(f64::from(sample)));
         let faint = colour.gamma_multiply(0.6);
-        painter.line(lens.line_at_range(across_m), Stroke::new(1.0, faint));
-        let at = lens.screen_at(Place { ping, across_m });
+        let along = lens.line_at_range(place.across_m);
+        painter.line(along, Stroke::new(1.0, faint));
+        let at = lens.screen_at(place);
         painter.circle_stroke(at, 5.0, Stroke::new(1.5, colour));
     }
 }
 
 /// A sentence on the picture that changes its meaning; returns what it covers.
 pub(super) fn banner(painter: &Painter, rect: Rect, text: &str) -> Rect {
-    let galley = painter.layout(
-        text.to_owned(),
-        egui::FontId::proportional(14.0),
-        theme::outlier_colour(),
-        (rect.width() - 40.0).max(60.0),
-    );
+    let (font, colour) = (egui::FontId::proportional(14.0), theme::OUTLIER_COLOUR);
+    let width = (rect.width() - 40.0).max(60.0);
+    let galley = painter.layout(text.to_owned(), font, colour, width);
     let area = Align2::CENTER_TOP.anchor_size(rect.center_top() + vec2(0.0, 14.0), galley.size());
     let ground = area.expand(8.0);
     painter.rect_filled(ground, 4.0, Color32::from_black_alpha(200));

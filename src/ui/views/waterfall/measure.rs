@@ -2,10 +2,10 @@
 
 use super::cross::Cross;
 use super::labels;
-use super::lens::{Lens, Place, across_m};
+use super::lens::{Lens, Place};
 use crate::app::{Action, App, Command, Measure};
 use crate::project::{Measurement, MeasurementKind, Pick};
-use crate::survey::{Identity, Side, Survey};
+use crate::survey::{Identity, Survey};
 use crate::ui::views::{drag, measured};
 use crate::ui::{ViewContext, theme};
 use egui::{Align2, CursorIcon, Painter, Pos2, Rect, Response, Shape, Stroke, Ui, vec2};
@@ -116,10 +116,8 @@ impl MeasureTool {
     /// The figure as it is: with the next corner while it is being drawn.
     fn shown(&self, app: &App) -> Option<Measurement> {
         let figure = &app.map.measuring.figure.as_deref()?.measurement;
-        let next = self
-            .next
-            .as_ref()
-            .filter(|_| app.map.measuring.is_drawing());
+        let next = self.next.as_ref();
+        let next = next.filter(|_| app.map.measuring.is_drawing());
         let at = figure.corners.last().copied();
         Some(match next.zip(at) {
             // Its place on the ground is not known before it is set; only the picture needs it until then.
@@ -153,24 +151,17 @@ fn on_screen<'a>(lens: &'a Lens, app: &App, figure: &'a Measurement) -> Vec<(usi
         return Vec::new();
     };
     let shown = Identity::of(survey);
-    let own = figure
-        .picks
-        .iter()
-        .filter(|(_, pick)| pick.log.is_same_log(&shown));
-    let at = |side: Side, ping: usize, slant_m: f64| {
-        lens.screen_at(Place {
-            ping: ping as f64 + 0.5,
-            across_m: across_m(side, slant_m),
-        })
-    };
-    own.map(|(corner, pick)| (*corner, at(pick.side_in(survey), pick.ping, pick.slant_m)))
+    let picks = figure.picks.iter();
+    let own = picks.filter(|(_, pick)| pick.log.is_same_log(&shown));
+    let at = |pick: &Pick| Place::of(pick.ping as f64 + 0.5, pick.side_in(survey), pick.slant_m);
+    own.map(|(corner, pick)| (*corner, lens.screen_at(at(pick))))
         .collect()
 }
 
 /// Corners, lines between neighbours of this log, and the numbers beside the last one.
 fn corners(painter: &Painter, lens: &Lens, app: &App, figure: &Measurement) {
     let corners = on_screen(lens, app, figure);
-    let colour = theme::measure_colour();
+    let colour = theme::MEASURE_COLOUR;
     let casing = egui::Color32::from_black_alpha(180);
     let count = figure.corners.len();
     let closes = figure.kind == MeasurementKind::Area && count > 2;
@@ -197,7 +188,7 @@ fn corners(painter: &Painter, lens: &Lens, app: &App, figure: &Measurement) {
 /// The shadow between its ends, with the height that follows.
 fn shadow(painter: &Painter, lens: &Lens, app: &App, figure: &Measurement) {
     let ends = on_screen(lens, app, figure);
-    let colour = theme::measure_colour();
+    let colour = theme::MEASURE_COLOUR;
     let casing = egui::Color32::from_black_alpha(180);
     if let [(_, top), (_, end)] = ends[..] {
         let along = match (end - top).length() > 0.0 {

@@ -88,7 +88,7 @@ impl WaterfallView {
         let whole = ui
             .available_rect_before_wrap()
             .round_to_pixels(ui.pixels_per_point());
-        let canvas = theme::canvas_colour(&context.app.view.options);
+        let canvas = theme::canvas_colour(context.options());
         flat::fill(ui.painter(), whole, canvas, context.render_state);
         self.follow_survey(ui.ctx(), context);
         if whole.width() < 1.0 || whole.height() < 1.0 {
@@ -170,11 +170,9 @@ impl WaterfallView {
         }
         if is_other || turned {
             self.settled = false;
-            self.drawing = app
-                .log
-                .survey
-                .as_ref()
-                .map(|survey| Drawing::start(survey.clone(), app.view.survey_serial, ctx));
+            let survey = app.log.survey.as_ref();
+            self.drawing =
+                survey.map(|survey| Drawing::start(survey.clone(), app.view.survey_serial, ctx));
         }
         if let (Some(drawing), Some(survey)) = (&mut self.drawing, &app.log.survey) {
             drawing.follow(survey);
@@ -278,7 +276,7 @@ impl WaterfallView {
             self.settled = true;
             return;
         };
-        let options = &context.app.view.options.waterfall;
+        let options = &context.options().waterfall;
         let gpu = self.gpu.get_or_insert_with(|| Gpu::new(render_state));
         gpu.colour(render_state, options.colour_map);
         drawing.upload(|size, texels| {

@@ -59,8 +59,8 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
         stretch.draw(painter);
     }
     let marked = [
-        (shown.app.view.selection, theme::selection_colour()),
-        (shown.hover, theme::hover_colour()),
+        (shown.app.view.selection, theme::SELECTION_COLOUR),
+        (shown.hover, theme::HOVER_COLOUR),
     ];
     for (mark, colour) in marked {
         if let Some(mark) = mark {
@@ -120,11 +120,7 @@ fn warning(shown: &Shown<'_>) -> Option<String> {
 fn draw_lines(painter: &Painter, lens: &Lens, shown: &Shown<'_>, drawing: &Drawing) {
     let options = &shown.app.view.options;
     if options.waterfall.depth_line {
-        let pen = lines::Pen {
-            colour: theme::depth_line_colour(),
-            width: 1.0,
-            rim: 0.0,
-        };
+        let pen = lines::Pen::new(theme::DEPTH_LINE_COLOUR, 1.0);
         let reduction = place::reduction(shown.app);
         lines::depth(painter, lens, shown.survey, drawing, reduction, pen);
     }
@@ -133,11 +129,7 @@ fn draw_lines(painter: &Painter, lens: &Lens, shown: &Shown<'_>, drawing: &Drawi
         return;
     };
     for side in Side::BOTH {
-        let pen = lines::Pen {
-            colour: theme::side_colour(options, side),
-            width: FIRST_RETURN_WIDTH,
-            rim: 0.0,
-        };
+        let pen = lines::Pen::new(theme::side_colour(options, side), FIRST_RETURN_WIDTH);
         lines::first_return(painter, lens, shown.survey, drawing, returns, side, pen);
     }
     bottom::drawn(painter, lens, shown.app);

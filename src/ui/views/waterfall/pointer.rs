@@ -60,15 +60,7 @@ pub(super) fn follow(
         && let Some(at) = response.interact_pointer_pos()
     {
         let tool = context.app.log.reviewing.tool;
-        let finds = !matches!(
-            tool,
-            Tool::Draw
-                | Tool::Point
-                | Tool::Bottom
-                | Tool::Exclude
-                | Tool::Calibrate
-                | Tool::Accept
-        );
+        let finds = matches!(tool, Tool::Look | Tool::Edit);
         match boxes::under(lens, context.app, at).filter(|_| finds) {
             Some(id) => context.push(Command::SelectBox(Some(id))),
             None if tool == Tool::Point && response.clicked() => {
@@ -132,20 +124,14 @@ fn menu(response: &Response, context: &mut ViewContext<'_>) -> Option<usize> {
             equal_scales_at = Some(mark.ping);
             ui.close();
         }
-        let mut options = context.app.view.options.clone();
+        let mut options = context.options().clone();
         let shown = &mut options.waterfall;
-        let changed = ui
-            .checkbox(&mut shown.first_return, "First return")
-            .changed()
-            | ui.checkbox(&mut shown.depth_line, "Recorded depth")
-                .changed()
-            | ui.checkbox(&mut shown.range_lines, "Range lines").changed()
-            | ui.checkbox(&mut shown.flat_stretches, "Flat stretches")
-                .changed()
-            | ui.checkbox(&mut shown.boxes, "Boxes").changed();
-        if changed {
-            context.push(Command::Show(Box::new(options)));
-        }
+        ui.checkbox(&mut shown.first_return, "First return");
+        ui.checkbox(&mut shown.depth_line, "Recorded depth");
+        ui.checkbox(&mut shown.range_lines, "Range lines");
+        ui.checkbox(&mut shown.flat_stretches, "Flat stretches");
+        ui.checkbox(&mut shown.boxes, "Boxes");
+        context.show(options);
     });
     equal_scales_at
 }
@@ -193,14 +179,8 @@ fn include_again(context: &mut ViewContext<'_>, ping: usize) {
 
 /// Metres that the boat moved from one ping to the next, over a hundred pings about this one.
 pub(super) fn metres_per_ping(app: &App, survey: &Survey, ping: usize) -> Option<f64> {
-    let speed_mps = app
-        .log
-        .products
-        .as_ref()?
-        .navigation
-        .pings
-        .get(ping)?
-        .speed_mps;
+    let pings = &app.log.products.as_ref()?.navigation.pings;
+    let speed_mps = pings.get(ping)?.speed_mps;
     let first = ping.saturating_sub(50);
     let last = (ping + 50).min(survey.side_scan.len().checked_sub(1)?);
     let time_s = |ping: usize| survey.side_scan.get(ping).map(|ping| ping.time_s);

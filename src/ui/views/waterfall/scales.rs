@@ -1,7 +1,7 @@
 //! Range lines across the picture, ticks of ping and time along it, and the names of its sides.
 
 use super::labels::{INK, Labels};
-use super::lens::{Lens, Place, across_m};
+use super::lens::{Lens, Place};
 use crate::app::{Orientation, ViewOptions};
 use crate::bottom::cloud::Reduction;
 use crate::imagery::picture::Geometry;
@@ -128,9 +128,8 @@ fn in_slant_range(
     for side in Side::BOTH {
         let seen = lens.seen_of(side);
         let farthest = seen.end.min(far_m);
-        let spans: Vec<(usize, SideSpan)> = visible
-            .clone()
-            .step_by(step)
+        let pings = visible.clone().step_by(step);
+        let spans: Vec<(usize, SideSpan)> = pings
             .filter_map(|ping| Some((ping, *survey.span(ping, side)?)))
             .collect();
         // Also where no side was recorded in view, or its scale is damaged.
@@ -170,10 +169,7 @@ fn points(lens: &Lens, side: Side, places: &[LinePlace]) -> Vec<Pos2> {
         return lens.line_at_distance(side, first_m).to_vec();
     }
     let at = |place: &LinePlace| {
-        lens.screen_at(Place {
-            ping: place.ping as f64 + 0.5,
-            across_m: across_m(side, place.recorded_m),
-        })
+        lens.screen_at(Place::of(place.ping as f64 + 0.5, side, place.recorded_m))
     };
     places.iter().map(at).collect()
 }
@@ -197,12 +193,8 @@ pub(super) fn geometry(labels: &mut Labels<'_>, lens: &Lens, stretch: Option<f64
         // There stands the name of the side, and what is done to its ranges.
         Orientation::Vertical => at - vec2(0.0, 2.0 * BELOW_SIDE),
     };
-    labels.write(
-        at,
-        Align2::LEFT_BOTTOM,
-        &format!("{across}{along}{flipped}"),
-        INK,
-    );
+    let words = format!("{across}{along}{flipped}");
+    labels.write(at, Align2::LEFT_BOTTOM, &words, INK);
 }
 
 /// What is done to the recorded ranges, below the name of the side where the picture ends.
@@ -269,6 +261,7 @@ mod tests {
     use crate::bottom::cloud::Correction;
     use crate::sonar::calibration::{Calibration, PpdReach, ScaleMode};
     use crate::survey::SidePing;
+    use crate::ui::views::waterfall::camera::EXTENT;
     use crate::ui::views::waterfall::camera::{Camera, Extent, Size};
     use egui::{Rect, pos2, vec2};
     use std::sync::Arc;
@@ -305,8 +298,7 @@ mod tests {
             pings: 50.0,
             near_m: -20.0,
             far_m: 20.0,
-            bin_m: 0.02,
-            ping_m: None,
+            ..EXTENT
         };
         let size = Size::of(rect.size(), Orientation::Horizontal);
         let lens = Lens::new(Camera::start(&extent, size), rect, Orientation::Horizontal);

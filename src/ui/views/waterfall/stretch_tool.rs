@@ -4,11 +4,10 @@
 use super::exclusions::{area, edges, veil};
 use super::labels;
 use super::lens::Lens;
-use crate::app::{App, Command, ExclusionEdit, Tool};
-use crate::sonar::calibration::PingRange;
-use crate::survey::{LogPart, Side};
-use crate::ui::views::drag;
-use crate::ui::{ViewContext, exclusion_text, theme};
+use crate::app::{App, ExclusionEdit, Tool};
+use crate::survey::Side;
+use crate::ui::views::drag::{self, Does};
+use crate::ui::{ViewContext, place};
 use egui::{Align2, CursorIcon, Painter, Response, Stroke, Ui, pos2};
 
 /// The drag under way.
@@ -23,24 +22,14 @@ struct Drag {
     does: Does,
 }
 
-/// What comes of a drag.
-#[derive(Clone, Copy)]
-enum Does {
-    Exclusion(ExclusionEdit),
-    Propose,
-    Accept(Side, bool),
-}
-
-impl Does {
-    /// What the tool in hand does with what was begun on a side.
-    fn of(tool: Tool, side: Side, ui: &Ui) -> Option<Self> {
-        let modifiers = ui.input(|input| input.modifiers);
-        match tool {
-            Tool::Exclude => Some(Self::Exclusion(drag::exclusion_edit(modifiers))),
-            Tool::Calibrate => Some(Self::Propose),
-            Tool::Accept => Some(Self::Accept(side, !modifiers.alt)),
-            _ => None,
-        }
+/// What the tool in hand does with what was begun on a side.
+fn does(tool: Tool, side: Side, ui: &Ui) -> Option<Does> {
+    let modifiers = ui.input(|input| input.modifiers);
+    match tool {
+        Tool::Exclude => Some(Does::Exclusion(drag::exclusion_edit(modifiers))),
+        Tool::Calibrate => Some(Does::Propose),
+        Tool::Accept => Some(Does::Accept(side, !modifiers.alt)),
+        _ => None,
     }
 }
 
@@ -55,43 +44,6 @@ impl Drag {
         let last = (last as usize).min(count.checked_sub(1)?);
         Some([first.max(0.0) as usize, last])
     }
-
-    fn command(&self, app: &App) -> Option<Command> {
-        let pings @ [first, last] = self.pings(ping_count(app))?;
-        Some(match self.does {
-            Does::Exclusion(edit) => Command::Exclude {
-                log: app.log.id,
-                part: LogPart::Pings(pings),
-                edit,
-            },
-            Does::Propose => Command::ProposeStretch(PingRange {
-                start: first,
-                end: last + 1,
-            }),
-            Does::Accept(side, accept) => Command::AcceptBottom {
-                side,
-                pings,
-                accept,
-            },
-        })
-    }
-
-    /// What it will do, with how much it covers.
-    fn words(&self, app: &App, pings: [usize; 2]) -> Option<String> {
-        let units = app.view.options.units;
-        let extent = app.extent_of(app.log.id, LogPart::Pings(pings))?;
-        let covered = exclusion_text::extent(&extent, units);
-        Some(match self.does {
-            Does::Exclusion(edit) => exclusion_text::of_drag(edit, &extent, units),
-            Does::Propose => format!("propose {covered}"),
-            Does::Accept(side, true) => format!("accept as bottom, {}: {covered}", side.name()),
-            Does::Accept(side, false) => format!("no longer accepted, {}: {covered}", side.name()),
-        })
-    }
-}
-
-fn ping_count(app: &App) -> usize {
-    (app.log.survey.as_ref()).map_or(0, |survey| survey.side_scan.len())
 }
 
 impl StretchTool {
@@ -113,8 +65,7 @@ impl StretchTool {
         }
         if let Some(at) = drag::begun(ui, response) {
             let place = lens.place_at(at);
-            let does = Does::of(tool, place.side(), ui);
-            self.drag = does.map(|does| Drag {
+            self.drag = does(tool, place.side(), ui).map(|does| Drag {
                 ends: [place.ping, place.ping],
                 does,
             });
@@ -129,9 +80,10 @@ impl StretchTool {
             drag.ends[1] = lens.place_at(at).ping;
         }
         if response.drag_stopped()
-            && let Some(command) = self.drag.take().and_then(|drag| drag.command(context.app))
+            && let Some(drag) = self.drag.take()
+            && let Some(pings) = drag.pings(place::ping_count(context.app))
         {
-            context.push(command);
+            context.push(drag.does.command(context.app.log.id, pings));
         }
         true
     }
@@ -141,7 +93,7 @@ impl StretchTool {
         let Some(drag) = &self.drag else {
             return;
         };
-        let Some(pings) = drag.pings(ping_count(app)) else {
+        let Some(pings) = drag.pings(place::ping_count(app)) else {
             return;
         };
         let Some(area) = area(lens, pings) else {
@@ -150,14 +102,10 @@ impl StretchTool {
         if matches!(drag.does, Does::Exclusion(ExclusionEdit::Exclude)) {
             veil(painter, area);
         }
-        let colour = match drag.does {
-            Does::Propose => theme::proposal_colour(),
-            Does::Exclusion(_) | Does::Accept(..) => theme::hand_colour(),
-        };
         for edge in edges(lens, pings) {
-            painter.line_segment(edge, Stroke::new(2.0, colour));
+            painter.line_segment(edge, Stroke::new(2.0, drag.does.colour()));
         }
-        if let Some(words) = drag.words(app, pings) {
+        if let Some(words) = drag.does.words(app, app.log.id, pings) {
             let at = pos2(area.center().x, area.top() + 18.0);
             labels::text(painter, at, Align2::CENTER_TOP, &words);
         }

@@ -71,19 +71,13 @@ pub(super) fn look(
         fixed.map_or(automatic, |level| (level / 255.0) as f32)
     };
     let black = level(settings.black, automatic.black);
-    let white = level(settings.white, automatic.white).max(black + LEAST_CONTRAST);
+    let white = level(settings.white, automatic.white);
     let gain = picture.and_then(|picture| picture.gain.as_deref());
     let filter = |is_on: bool, bit: u32| if is_on { bit } else { 0 };
     // Without the scales of the pings, nothing is known that gain goes by.
     let known = picture.is_some();
     let [port, starboard] = tone.sides;
     EchoStyle {
-        gamma: settings.gamma.max(0.01) as f32,
-        highlight: HIGHLIGHT,
-        black,
-        white,
-        time_is_down: u32::from(lens.orientation == Orientation::Vertical),
-        linear_target: 0,
         geometry: match lens.geometry() {
             Geometry::Slant => 0,
             Geometry::SlantBeyondWater => 1,
@@ -99,7 +93,7 @@ pub(super) fn look(
         starboard,
         curve_far_m: gain.map_or(1.0, |gain| gain.far_m() as f32),
         curve_factor: gain.map_or(1.0, |gain| gain.brightness()),
-        padding: 0.0,
+        ..plain_look(app, lens, Levels { black, white })
     }
 }
 

@@ -31,7 +31,7 @@ pub(super) fn ui(
         let (rect, response) = ui.allocate_exact_size(vec2(width, HEIGHT), Sense::click());
         let painter = ui.painter_at(rect);
         let plot = shares(&painter, rect);
-        draw(&painter, &plot, comparison, standing, &context.app.view.options);
+        draw(&painter, &plot, comparison, standing, context.options());
         let said = said(standing);
         response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &said));
         let picked = response
@@ -79,36 +79,19 @@ fn figures(ui: &mut Ui, counts: &MatchCounts) {
             ui.label(RichText::new(value).strong()).on_hover_text(hint);
         });
     };
-    line(
-        "Precision",
-        share(counts.precision()),
-        "Precision: share of the shown boxes that are right.",
-    );
-    line(
-        "Recall",
-        share(counts.recall()),
-        "Recall: share of the objects that a shown box found.",
-    );
-    line(
-        "F1",
-        share(counts.f1()),
-        "2 found / (2 found + false + missed).",
-    );
-    line(
-        "Found",
-        format!("{} of {}", counts.found, counts.truths),
-        "Objects that a box of their class overlaps by more than half (IoU).",
-    );
-    line(
-        "False",
-        text::count(counts.false_alarms),
-        "Shown boxes that found no object, or one that a box of more confidence found.",
-    );
-    line(
-        "Missed",
-        text::count(counts.missed()),
-        "Objects that no box shown has found.",
-    );
+    let hint = "Precision: share of the shown boxes that are right.";
+    line("Precision", share(counts.precision()), hint);
+    let hint = "Recall: share of the objects that a shown box found.";
+    line("Recall", share(counts.recall()), hint);
+    let hint = "2 found / (2 found + false + missed).";
+    line("F1", share(counts.f1()), hint);
+    let hint = "Objects that a box of their class overlaps by more than half (IoU).";
+    let value = format!("{} of {}", counts.found, counts.truths);
+    line("Found", value, hint);
+    let hint = "Shown boxes that found no object, or one that a box of more confidence found.";
+    line("False", text::count(counts.false_alarms), hint);
+    let hint = "Objects that no box shown has found.";
+    line("Missed", text::count(counts.missed()), hint);
 }
 
 /// Recall across, precision up.
@@ -126,10 +109,8 @@ fn shares(painter: &Painter, rect: Rect) -> Axes {
 /// The point of the curve nearest to a place.
 fn nearest<'a>(axes: &Axes, curve: &'a [CurvePoint], at: Pos2) -> Option<&'a CurvePoint> {
     let distance = |point: &CurvePoint| axes.at(point.recall, point.precision).distance_sq(at);
-    curve
-        .iter()
-        .filter(|point| point.recall.is_finite())
-        .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+    let drawn = curve.iter().filter(|point| point.recall.is_finite());
+    drawn.min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }
 
 fn draw(
@@ -152,11 +133,11 @@ fn draw(
     let counts = &standing.counts;
     if counts.recall().is_finite() && counts.precision().is_finite() {
         let here = plot.at(counts.recall(), counts.precision());
-        let thin = Stroke::new(1.0, theme::selection_colour().gamma_multiply(0.5));
+        let thin = Stroke::new(1.0, theme::SELECTION_COLOUR.gamma_multiply(0.5));
         painter.line_segment([here, pos2(here.x, plot.area.bottom())], thin);
         painter.line_segment([here, pos2(plot.area.left(), here.y)], thin);
         let ink = theme::plot_ink(options);
-        painter.circle(here, 4.0, theme::selection_colour(), Stroke::new(1.0, ink));
+        painter.circle(here, 4.0, theme::SELECTION_COLOUR, Stroke::new(1.0, ink));
     }
 }
 

@@ -73,10 +73,8 @@ impl<'a> Grid<'a> {
             .filter(|&(truth, predicted)| self.confusion.at(truth, predicted) > 0)
             .map(|(truth, predicted)| self.said(truth, predicted))
             .collect();
-        format!(
-            "Confusion matrix, rows truth, columns proposed: {}",
-            said.join("; ")
-        )
+        let said = said.join("; ");
+        format!("Confusion matrix, rows truth, columns proposed: {said}")
     }
 }
 
@@ -110,7 +108,7 @@ pub(super) fn ui(
 }
 
 fn draw(painter: &Painter, grid: &Grid<'_>, origin: Pos2, cell: f32, context: &ViewContext<'_>) {
-    let options = &context.app.view.options;
+    let options = context.options();
     let ink = theme::plot_ink(options);
     let small = FontId::proportional(10.0);
     let extent = grid.shown.len() as f32 * cell;
@@ -121,25 +119,15 @@ fn draw(painter: &Painter, grid: &Grid<'_>, origin: Pos2, cell: f32, context: &V
     let most = most.max().unwrap_or(0).max(1) as f32;
     let top = pos2(origin.x + extent / 2.0, origin.y - ABOVE);
     painter.text(top, Align2::CENTER_BOTTOM, "proposed", small.clone(), ink);
-    upright(
-        painter,
-        pos2(origin.x - NAMES - AXIS + 2.0, origin.y + extent / 2.0),
-        Align2::CENTER_CENTER,
-        "truth",
-        ink,
-    );
+    let left = pos2(origin.x - NAMES - AXIS + 2.0, origin.y + extent / 2.0);
+    upright(painter, left, Align2::CENTER_CENTER, "truth", ink);
     for (row, &truth) in grid.shown.iter().enumerate() {
         let y = origin.y + row as f32 * cell;
         let beside = pos2(origin.x - 4.0, y + cell / 2.0);
-        painter.text(
-            beside,
-            Align2::RIGHT_CENTER,
-            grid.name(truth),
-            small.clone(),
-            ink,
-        );
+        let name = grid.name(truth);
+        painter.text(beside, Align2::RIGHT_CENTER, name, small.clone(), ink);
         let above = pos2(origin.x + (row as f32 + 0.5) * cell, origin.y - 3.0);
-        upright(painter, above, Align2::LEFT_CENTER, grid.name(truth), ink);
+        upright(painter, above, Align2::LEFT_CENTER, name, ink);
         for (column, &predicted) in grid.shown.iter().enumerate() {
             let corner = pos2(origin.x + column as f32 * cell, y);
             let area = Rect::from_min_size(corner, vec2(cell, cell)).shrink(0.5);
@@ -148,15 +136,9 @@ fn draw(painter: &Painter, grid: &Grid<'_>, origin: Pos2, cell: f32, context: &V
             let right = truth == predicted;
             painter.rect_filled(area, 1.0, ground(context, right, share));
             if count > 0 {
-                let number = text::count(count);
+                let (number, middle) = (text::count(count), area.center());
                 let strong = painter.ctx().global_style().visuals.strong_text_color();
-                painter.text(
-                    area.center(),
-                    Align2::CENTER_CENTER,
-                    number,
-                    small.clone(),
-                    strong,
-                );
+                painter.text(middle, Align2::CENTER_CENTER, number, small.clone(), strong);
             }
         }
     }
@@ -164,7 +146,7 @@ fn draw(painter: &Painter, grid: &Grid<'_>, origin: Pos2, cell: f32, context: &V
 
 /// Found in the accent, mistakes in the warning colour, the more the stronger.
 fn ground(context: &ViewContext<'_>, right: bool, share: f32) -> Color32 {
-    let options = &context.app.view.options;
+    let options = context.options();
     let full = match right {
         true => theme::accent_colour(options.theme),
         false => theme::error_colour(options.theme),

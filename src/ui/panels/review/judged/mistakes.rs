@@ -13,30 +13,21 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, comparison: &TruthC
     let reviewing = &context.app.log.reviewing;
     let mistakes = reviewing.judging.mistakes();
     if mistakes.is_empty() {
-        remark(ui, "No mistake at this confidence.");
-        return;
+        return remark(ui, "No mistake at this confidence.");
     }
     let mut sort = reviewing.judging.sort();
     let before = sort;
     row(ui, "Sort by", "The order of the list.", |ui| {
         DropDown::new("sort mistakes", sort.name())
             .width(ui.available_width() - 2.0)
-            .show(ui, |choices| {
-                for one in MistakeSort::ALL {
-                    choices.value(&mut sort, one, one.name());
-                }
-            })
+            .pick(ui, &mut sort, MistakeSort::ALL, MistakeSort::name)
     });
     if sort != before {
         context.push(Command::SortMistakes(sort));
     }
     ui.horizontal(|ui| {
-        for (action, name) in [
-            (Action::PreviousMistake, "Previous"),
-            (Action::NextMistake, "Next"),
-        ] {
-            super::super::button(ui, context, action, name, true);
-        }
+        super::super::button(ui, context, (Action::PreviousMistake, "Previous"));
+        super::super::button(ui, context, (Action::NextMistake, "Next"));
     });
     list(ui, context, comparison, mistakes);
 }
@@ -65,7 +56,7 @@ fn list(
 
 /// `rock 0.87, background, 1.2 m` or `missed tyre, 0.8 m`.
 fn said(context: &ViewContext<'_>, comparison: &TruthComparison, mistake: &Mistake) -> String {
-    let size = context.app.view.options.units.measure(mistake.size_m(), 1);
+    let size = context.units().measure(mistake.size_m(), 1);
     match mistake {
         Mistake::FalseAlarm {
             id, score, cause, ..
@@ -92,7 +83,7 @@ fn said(context: &ViewContext<'_>, comparison: &TruthComparison, mistake: &Mista
 }
 
 fn colour(context: &ViewContext<'_>, mistake: &Mistake) -> egui::Color32 {
-    let look = context.app.view.options.theme;
+    let look = context.theme();
     match mistake {
         Mistake::FalseAlarm { id, .. } => {
             let one = context.app.log.reviewing.review.get(*id);

@@ -37,22 +37,13 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let (Some(comparison), Some(standing)) = (judging.comparison(), judging.standing()) else {
         return;
     };
-    let heading = Section {
-        number: None,
-        title: "Mistakes",
-        stage: None,
-    };
-    section(ui, context, &heading, |ui, context| {
+    section(ui, context, Section::new("Mistakes"), |ui, context| {
         let unsearched = comparison.unsearched();
-        let (counted, all) = (
-            comparison.counted(),
-            comparison.truth().objects.len() - unsearched,
-        );
-        let mut text = format!(
-            "Against {}: {}",
-            judging.source().unwrap_or_default(),
-            text::plural(counted, "object", "objects")
-        );
+        let counted = comparison.counted();
+        let all = comparison.truth().objects.len() - unsearched;
+        let source = judging.source().unwrap_or_default();
+        let objects = text::plural(counted, "object", "objects");
+        let mut text = format!("Against {source}: {objects}");
         if counted < all {
             text += &format!(", {} more are not visible and do not count", all - counted);
         }
@@ -63,8 +54,8 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         mistakes::ui(ui, context, comparison);
         matrix::ui(ui, context, comparison, standing);
         ui.horizontal(|ui| {
-            super::button(ui, context, Action::OpenTruth, "Open known objects…", true);
-            super::button(ui, context, Action::ForgetTruth, "Close", true);
+            super::button(ui, context, (Action::OpenTruth, "Open known objects…"));
+            super::button(ui, context, (Action::ForgetTruth, "Close"));
         });
     });
 }

@@ -195,10 +195,8 @@ impl Taken {
         let hits = |other: &[f32; 4]| {
             west < other[2] && other[0] < east && south < other[3] && other[1] < north
         };
-        let is_free = squares
-            .iter()
-            .filter_map(|square| self.squares.get(square))
-            .all(|others| !others.iter().any(hits));
+        let mut taken = squares.iter().filter_map(|square| self.squares.get(square));
+        let is_free = taken.all(|others| !others.iter().any(hits));
         if is_free {
             for square in squares {
                 let others = self.squares.entry(square).or_default();
@@ -250,9 +248,8 @@ mod tests {
             assert!(labels.len() > 3, "{metres_per_point}: {}", labels.len());
             for (index, label) in labels.iter().enumerate() {
                 assert!(label.angle_rad.abs() <= std::f32::consts::FRAC_PI_2 + 1e-5);
-                let near = lines[label.line]
-                    .points
-                    .iter()
+                let points = lines[label.line].points.iter();
+                let near = points
                     .map(|point| (point[0] - label.place[0]).hypot(point[1] - label.place[1]));
                 let off_m = near.fold(f32::MAX, f32::min);
                 assert!(off_m < 0.6 + 4.0 * metres_per_point, "{off_m}");

@@ -14,47 +14,36 @@ pub(super) fn paint(painter: &Painter, scene: &Scene<'_>, app: &App, figure: &Me
     let place =
         |at: &crate::support::geo::LonLat| scene.at(navigation.to_plane(&scene.survey.track, *at));
     let corners: Vec<Pos2> = figure.corners.iter().map(place).collect();
-    let colour = theme::measure_colour();
+    let colour = theme::MEASURE_COLOUR;
     let casing = theme::canvas_colour(scene.options);
     let mut line = corners.clone();
     if figure.kind == MeasurementKind::Area && corners.len() > 2 {
         line.push(corners[0]);
     }
-    painter.add(Shape::line(
-        line.clone(),
-        Stroke::new(4.0, casing.gamma_multiply(0.7)),
-    ));
+    let around = Stroke::new(4.0, casing.gamma_multiply(0.7));
+    painter.add(Shape::line(line.clone(), around));
     painter.add(Shape::line(line, Stroke::new(2.0, colour)));
     for at in &corners {
         painter.circle(*at, 3.5, colour, Stroke::new(1.0, casing));
     }
     if let (Some(at), Some(words)) = (corners.last(), measured::beside(app, figure)) {
-        let ink = theme::canvas_text_colour(scene.options);
         let (shift, anchor) = match at.x < scene.rect.center().x {
             true => (vec2(10.0, -10.0), Align2::LEFT_BOTTOM),
             false => (vec2(-10.0, -10.0), Align2::RIGHT_BOTTOM),
         };
-        legend::plate(painter, scene.options, *at + shift, anchor, &words, ink);
+        legend::words(painter, scene.options, *at + shift, anchor, &words);
     }
 }
 
 /// The cross that the arrow keys move.
 pub(super) fn cross(painter: &Painter, scene: &Scene<'_>, place: [f64; 2]) {
-    let at = scene.at(place);
-    let stroke = Stroke::new(1.5, theme::measure_colour());
-    for arm in [vec2(9.0, 0.0), vec2(0.0, 9.0)] {
-        painter.line_segment([at - arm, at - 0.3 * arm], stroke);
-        painter.line_segment([at + 0.3 * arm, at + arm], stroke);
-    }
+    measured::cross(painter, scene.at(place));
 }
 
 /// The place that the pointer is at in the plot.
 pub(super) fn station(painter: &Painter, scene: &Scene<'_>, station: &Station) {
     let at = scene.at(station.place);
-    painter.circle_stroke(
-        at,
-        6.0,
-        Stroke::new(4.0, theme::canvas_colour(scene.options)),
-    );
-    painter.circle_stroke(at, 6.0, Stroke::new(2.0, theme::hover_colour()));
+    let around = Stroke::new(4.0, theme::canvas_colour(scene.options));
+    painter.circle_stroke(at, 6.0, around);
+    painter.circle_stroke(at, 6.0, Stroke::new(2.0, theme::HOVER_COLOUR));
 }

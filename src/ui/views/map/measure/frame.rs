@@ -23,17 +23,13 @@ impl ProfileTransform {
     pub(super) fn new(rect: Rect, stations: &[Station]) -> Option<Self> {
         let length_m = stations.last()?.distance_m;
         let depths = || {
-            stations
-                .iter()
-                .filter_map(|station| station.depth_m)
-                .map(f64::from)
+            let depths = stations.iter().filter_map(|station| station.depth_m);
+            depths.map(f64::from)
         };
         let [shallow_m, deep_m] = [depths().reduce(f64::min)?, depths().reduce(f64::max)?];
         let margin_m = (0.1 * (deep_m - shallow_m)).max(0.05);
-        let area = Rect::from_min_max(
-            rect.min + vec2(ROOM[0], 4.0),
-            rect.max - vec2(12.0, ROOM[1]),
-        );
+        let corner = rect.min + vec2(ROOM[0], 4.0);
+        let area = Rect::from_min_max(corner, rect.max - vec2(12.0, ROOM[1]));
         (area.is_positive() && length_m > 0.0).then_some(Self {
             area,
             length_m,
@@ -82,18 +78,13 @@ impl ProfileTransform {
         };
         let [top_m, bottom_m] = self.depths_m;
         let units = options.units;
-        let step_m = units.round_step_m(
-            bottom_m - top_m,
-            f64::from(self.area.height() / 24.0).max(1.0),
-        );
+        let most = f64::from(self.area.height() / 24.0).max(1.0);
+        let step_m = units.round_step_m(bottom_m - top_m, most);
         for depth_m in ticks::multiples(top_m, bottom_m, step_m) {
             let y = self.y(depth_m);
             painter.hline(self.area.x_range(), y, faint);
-            write(
-                pos2(self.area.left() - 4.0, y),
-                Align2::RIGHT_CENTER,
-                units.tick(depth_m, step_m),
-            );
+            let at = pos2(self.area.left() - 4.0, y);
+            write(at, Align2::RIGHT_CENTER, units.tick(depth_m, step_m));
         }
         let most = f64::from(self.area.width() / 70.0).max(1.0);
         let step_m = units.round_step_m(self.length_m, most);
@@ -106,11 +97,8 @@ impl ProfileTransform {
             write(at, Align2::CENTER_TOP, units.tick(distance_m, step_m));
         }
         let end = pos2(self.area.right(), self.area.bottom() + 4.0);
-        write(
-            end,
-            Align2::RIGHT_TOP,
-            format!("distance, {}", units.symbol()),
-        );
+        let unit = format!("distance, {}", units.symbol());
+        write(end, Align2::RIGHT_TOP, unit);
         for corner_m in corners_m {
             painter.vline(self.x(*corner_m), self.area.y_range(), faint);
         }

@@ -184,8 +184,6 @@ fn shown(app: &App, next: Option<LonLat>) -> Option<Measurement> {
 
 /// The depths along the line of the profile.
 fn stations(app: &App) -> &[Station] {
-    app.map
-        .measuring
-        .profile()
-        .map_or(&[], |line| &line.stations)
+    let profile = app.map.measuring.profile();
+    profile.map_or(&[], |line| &line.stations)
 }

@@ -1,9 +1,10 @@
 //! The plot of a depth profile below the map.
 
 use super::frame::ProfileTransform;
-use crate::app::{Action, App, Command, ProfileLine};
+use crate::app::{Action, App, ProfileLine};
 use crate::bottom::bathymetry::Station;
 use crate::support::presentation::units::Units;
+use crate::ui::views::legend;
 use crate::ui::{ViewContext, place, theme};
 use egui::{
     Button, Color32, FontId, Label, Mesh, Painter, Pos2, Rect, RichText, Role, Sense, Shape,
@@ -30,10 +31,8 @@ pub(crate) fn split(whole: Rect, app: &App) -> (Rect, Option<Rect>) {
 pub(super) fn nearest(stations: &[Station], at_m: f64) -> Option<&Station> {
     let after = stations.partition_point(|station| station.distance_m < at_m);
     let about = [after.checked_sub(1), Some(after)];
-    let about = about
-        .into_iter()
-        .flatten()
-        .filter_map(|index| stations.get(index));
+    let about = about.into_iter().flatten();
+    let about = about.filter_map(|index| stations.get(index));
     about.min_by(|a, b| {
         (a.distance_m - at_m)
             .abs()
@@ -54,12 +53,9 @@ pub(super) fn ui(
         (&line.stations[..], &line.corners_m[..])
     });
     let painter = ui.painter_at(rect);
-    painter.rect_filled(rect, 0.0, theme::canvas_colour(&context.app.view.options));
-    painter.hline(
-        rect.x_range(),
-        rect.top(),
-        ui.visuals().widgets.noninteractive.bg_stroke,
-    );
+    painter.rect_filled(rect, 0.0, theme::canvas_colour(context.options()));
+    let edge = ui.visuals().widgets.noninteractive.bg_stroke;
+    painter.hline(rect.x_range(), rect.top(), edge);
     let (head, body) = rect.split_top_bottom_at_y(rect.top() + HEAD);
     let frame = ProfileTransform::new(body, stations);
     head_line(ui, context, head.shrink2(vec2(8.0, 2.0)), frame.as_ref());
@@ -67,13 +63,8 @@ pub(super) fn ui(
     let Some(frame) = frame else {
         let words = lack(line);
         let colour = ui.visuals().weak_text_color();
-        painter.text(
-            body.center(),
-            egui::Align2::CENTER_CENTER,
-            words,
-            FontId::proportional(12.0),
-            colour,
-        );
+        let (middle, font) = (egui::Align2::CENTER_CENTER, FontId::proportional(12.0));
+        painter.text(body.center(), middle, words, font, colour);
         response.widget_info(|| {
             WidgetInfo::labeled(Role::Image, true, format!("Depth profile, empty: {words}"))
         });
@@ -82,13 +73,13 @@ pub(super) fn ui(
     if let Some(at) = response.hover_pos() {
         *hovered_m = Some(frame.distance_m(at.x));
     }
-    frame.axes(&painter, &context.app.view.options, corners_m);
+    frame.axes(&painter, context.options(), corners_m);
     curve(&painter, &frame, stations, context);
     let pointed = hovered_m.and_then(|at_m| nearest(stations, at_m));
     if let Some(station) = pointed {
         mark(&painter, &frame, station, context);
     }
-    let units = context.app.view.options.units;
+    let units = context.units();
     let name = name(stations, pointed, units);
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
 }
@@ -100,7 +91,7 @@ fn head_line(
     frame: Option<&ProfileTransform>,
 ) {
     let line = context.app.map.measuring.profile();
-    let units = context.app.view.options.units;
+    let units = context.units();
     ui.scope_builder(UiBuilder::new().max_rect(rect), |ui| {
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
@@ -113,19 +104,15 @@ fn head_line(
                 let enabled = ready || action == Action::RemoveFigure;
                 let button = ui.add_enabled(enabled, Button::new(RichText::new(label).small()));
                 let button = button.accessible_name(format!("{label} (depth profile)"));
-                if button.on_hover_text(action.hint()).clicked() {
-                    context.push(Command::Do(action));
-                }
+                context.button(button, action);
             }
             ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
                 let title = RichText::new("DEPTH PROFILE").size(12.0).strong();
                 ui.add(Label::new(title).selectable(false));
                 if let Some(frame) = frame {
-                    let figures = format!(
-                        "{}, ×{:.0} vertical",
-                        figures(line.map_or(&[], |line| &line.stations), units),
-                        frame.exaggeration()
-                    );
+                    let figures = figures(line.map_or(&[], |line| &line.stations), units);
+                    let factor = frame.exaggeration();
+                    let figures = format!("{figures}, ×{factor:.0} vertical");
                     ui.add(Label::new(RichText::new(figures).small()).truncate());
                 }
             });
@@ -184,14 +171,11 @@ fn curve(
     stations: &[Station],
     context: &ViewContext<'_>,
 ) {
-    let colour = theme::measure_colour();
+    let colour = theme::MEASURE_COLOUR;
     for run in stations.split(|station| station.depth_m.is_none()) {
         let line: Vec<Pos2> = run.iter().filter_map(|station| frame.at(station)).collect();
-        painter.add(ground(
-            &line,
-            frame.area.bottom(),
-            colour.gamma_multiply(0.18),
-        ));
+        let fill = colour.gamma_multiply(0.18);
+        painter.add(ground(&line, frame.area.bottom(), fill));
         match line[..] {
             [] => {}
             [alone] => {
@@ -202,11 +186,11 @@ fn curve(
             }
         }
     }
-    let ink = theme::plot_ink(&context.app.view.options);
+    let ink = theme::plot_ink(context.options());
     let corner = frame.area.left_top() + vec2(4.0, 2.0);
-    let font = crate::ui::views::legend::font();
+    let font = legend::font();
     let title = place::reduction(context.app).reference();
-    let title = title.title(context.app.view.options.units.symbol());
+    let title = title.title(context.units().symbol());
     painter.text(corner, egui::Align2::LEFT_TOP, title, font, ink);
 }
 
@@ -226,25 +210,18 @@ fn ground(line: &[Pos2], bottom: f32, colour: Color32) -> Shape {
 
 /// The station under the pointer.
 fn mark(painter: &Painter, frame: &ProfileTransform, station: &Station, context: &ViewContext<'_>) {
-    let options = &context.app.view.options;
+    let options = context.options();
     let x = frame.x(station.distance_m);
-    let stroke = Stroke::new(1.0, theme::hover_colour());
+    let stroke = Stroke::new(1.0, theme::HOVER_COLOUR);
     painter.vline(x, frame.area.y_range(), stroke);
     if let Some(at) = frame.at(station) {
-        painter.circle_filled(at, 3.5, theme::hover_colour());
+        painter.circle_filled(at, 3.5, theme::HOVER_COLOUR);
     }
     let (shift, anchor) = match x < frame.area.center().x {
         true => (8.0, egui::Align2::LEFT_BOTTOM),
         false => (-8.0, egui::Align2::RIGHT_BOTTOM),
     };
     let at = pos2(x + shift, frame.area.bottom() - 4.0);
-    let ink = theme::canvas_text_colour(options);
-    crate::ui::views::legend::plate(
-        painter,
-        options,
-        at,
-        anchor,
-        &words(station, options.units),
-        ink,
-    );
+    let words = words(station, options.units);
+    legend::words(painter, options, at, anchor, &words);
 }

@@ -125,8 +125,7 @@ impl TileLayer {
         jobs: &Jobs,
     ) {
         let Some(source) = self.source.clone() else {
-            self.rest();
-            return;
+            return self.rest();
         };
         self.cache.begin_frame();
         self.collect(painter.ctx());

@@ -1,6 +1,5 @@
 //! Clicks and drags on boxes.
 
-use super::hit::outward_m;
 use super::hit::{Edges, drawn};
 use super::{Lens, on_screen};
 use crate::app::{App, Command, Tool, border_m};
@@ -96,7 +95,7 @@ impl Boxes {
                 from,
                 ..
             } => {
-                let moved_m = outward_m(mark.side, lens.place_at(at)) - outward_m(mark.side, *from);
+                let moved_m = lens.place_at(at).outward_m(mark.side) - from.outward_m(mark.side);
                 let border_m = (border_m + moved_m).clamp(mark.near_m, mark.far_m);
                 let (id, mark) = (*id, mark.clone());
                 context.push(Command::Edit {
@@ -149,12 +148,7 @@ impl Boxes {
                 .reviewing
                 .selected_box()
                 .and_then(|one| cursor(app, lens, one, lens.place_at(at))),
-            Tool::Look
-            | Tool::Point
-            | Tool::Bottom
-            | Tool::Exclude
-            | Tool::Calibrate
-            | Tool::Accept => None,
+            _ => None,
         };
         if let Some(icon) = icon {
             ui.ctx().set_cursor_icon(icon);
@@ -165,7 +159,7 @@ impl Boxes {
     pub(crate) fn draw(&self, painter: &Painter, at: Option<Pos2>) {
         if let Some((Held::Corner(corner), at)) = self.held.as_ref().zip(at) {
             let rect = Rect::from_two_pos(*corner, at);
-            let stroke = Stroke::new(1.5, theme::selection_colour());
+            let stroke = Stroke::new(1.5, theme::SELECTION_COLOUR);
             painter.rect_stroke(rect, 0.0, stroke, StrokeKind::Middle);
         }
     }

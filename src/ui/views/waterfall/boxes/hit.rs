@@ -2,7 +2,6 @@
 
 use super::Lens;
 use crate::detection::Mark;
-use crate::survey::Side;
 use crate::ui::views::waterfall::lens::Place;
 use egui::CursorIcon;
 
@@ -31,7 +30,7 @@ impl Edges {
 
     /// The edges under the pointer, all of them inside the box, `None` outside.
     pub(super) fn under(lens: &Lens, mark: &Mark, at: Place) -> Option<Self> {
-        let range_m = outward_m(mark.side, at);
+        let range_m = at.outward_m(mark.side);
         let points = |from: f64, to: f64, per_point: f64| (to - from) / per_point;
         let (along, across) = (lens.pings_per_point(), lens.metres_per_point());
         let start = points(mark.pings.start as f64, at.ping, along);
@@ -58,7 +57,7 @@ impl Edges {
     /// Whether the border between echo and shadow is under the pointer, nearer than an edge along it. It leaves most of echo and shadow
     /// to drag the whole box by.
     pub(super) fn is_border(lens: &Lens, mark: &Mark, border_m: f64, at: Place) -> bool {
-        let range_m = outward_m(mark.side, at);
+        let range_m = at.outward_m(mark.side);
         let points = |from_m: f64, to_m: f64| (to_m - from_m).abs() / lens.metres_per_point();
         let (echo, shadow) = (points(mark.near_m, border_m), points(border_m, mark.far_m));
         let reach = (0.25 * echo.min(shadow)).clamp(LEAST_REACH, REACH);
@@ -94,7 +93,7 @@ impl Edges {
     /// The mark after a drag from one place to another. A box keeps a ping and a centimetre, and its side.
     pub(super) fn dragged(&self, mark: &Mark, from: Place, to: Place) -> Mark {
         let pings = (to.ping - from.ping).round() as isize;
-        let outward = outward_m(mark.side, to) - outward_m(mark.side, from);
+        let outward = to.outward_m(mark.side) - from.outward_m(mark.side);
         let mut after = mark.clone();
         if *self == Self::ALL {
             let pings = pings.max(-(mark.pings.start as isize));
@@ -125,18 +124,10 @@ impl Edges {
 /// Least extent in range that a drag leaves, metres.
 const LEAST_M: f64 = 0.01;
 
-/// Slant range of a place counted outward on a side; negative beyond the nadir.
-pub(super) fn outward_m(side: Side, at: Place) -> f64 {
-    match side {
-        Side::Port => -at.across_m,
-        Side::Starboard => at.across_m,
-    }
-}
-
 /// The box between two places, on the side of the first.
 pub(super) fn drawn(from: Place, to: Place) -> Mark {
     let side = from.side();
-    let ranges = [from, to].map(|at| outward_m(side, at).max(0.0));
+    let ranges = [from, to].map(|at| at.outward_m(side).max(0.0));
     let pings = [from, to].map(|at| at.ping.max(0.0));
     // `as` saturates; a survey's pings fit many times over.
     Mark {
@@ -150,6 +141,7 @@ pub(super) fn drawn(from: Place, to: Place) -> Mark {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::survey::Side;
 
     fn port() -> Mark {
         Mark {

@@ -41,18 +41,14 @@ impl<'a> Missed<'a> {
 
     /// Draws its outline.
     pub(crate) fn draw(&self, painter: &Painter) {
-        outline::draw(
-            painter,
-            self.rect,
-            outline::Style::missed(),
-            self.is_selected,
-        );
+        let style = outline::Style::missed();
+        outline::draw(painter, self.rect, style, self.is_selected);
     }
 
     /// Writes `missed rock` below it, where the words of boxes are not.
     pub(crate) fn label(&self, labels: &mut Labels<'_>) {
         let at = self.rect.left_bottom() + vec2(0.0, 2.0);
         let words = format!("missed {}", self.class);
-        labels.write(at, Align2::LEFT_TOP, &words, theme::missed_colour());
+        labels.write(at, Align2::LEFT_TOP, &words, theme::MISSED_COLOUR);
     }
 }

@@ -13,7 +13,7 @@ pub(super) use grab::{Boxes, under};
 pub(super) use missed::Missed;
 
 use super::labels::Labels;
-use super::lens::{Lens, Place, across_m};
+use super::lens::{Lens, Place};
 use crate::app::{App, BoxEdge, Reviewing, Tool, border_m};
 use crate::detection::review::{Review, Reviewed};
 use crate::detection::{Mark, ObjectExtent};
@@ -54,12 +54,8 @@ pub(super) fn in_view<'a>(lens: &Lens, app: &'a App) -> Vec<Shown<'a>> {
 
 /// Where a mark is on the screen: around its corners, which over uneven ground lie in no rectangle.
 fn on_screen(lens: &Lens, mark: &Mark) -> Rect {
-    let corner = |ping: usize, range_m: f64| {
-        lens.screen_at(Place {
-            ping: ping as f64,
-            across_m: across_m(mark.side, range_m),
-        })
-    };
+    let at = |ping: usize, range_m: f64| Place::of(ping as f64, mark.side, range_m);
+    let corner = |ping: usize, range_m: f64| lens.screen_at(at(ping, range_m));
     let pings = [mark.pings.start, mark.pings.end];
     let corners = pings.map(|ping| [mark.near_m, mark.far_m].map(|range_m| corner(ping, range_m)));
     Rect::from_points(corners.as_flattened())
@@ -101,11 +97,7 @@ impl Shown<'_> {
 
     fn line_at(&self, lens: &Lens, range_m: f64) -> [Pos2; 2] {
         let Mark { side, pings, .. } = &self.one.mark;
-        let across_m = across_m(*side, range_m);
-        [pings.start, pings.end].map(|ping| {
-            let ping = ping as f64;
-            lens.screen_at(Place { ping, across_m })
-        })
+        [pings.start, pings.end].map(|ping| lens.screen_at(Place::of(ping as f64, *side, range_m)))
     }
 
     /// The edge that the arrow keys move; `None` where they move all of it.
@@ -117,11 +109,7 @@ impl Shown<'_> {
             far_m,
         } = &self.one.mark;
         let at_ping = |ping: usize| {
-            [*near_m, *far_m].map(|range_m| {
-                let across_m = across_m(*side, range_m);
-                let ping = ping as f64;
-                lens.screen_at(Place { ping, across_m })
-            })
+            [*near_m, *far_m].map(|range_m| lens.screen_at(Place::of(ping as f64, *side, range_m)))
         };
         match reviewing.edge {
             BoxEdge::Whole => None,
@@ -137,13 +125,8 @@ impl Shown<'_> {
     pub(super) fn label(&self, labels: &mut Labels<'_>, review: &Review) {
         if self.rect.size().min_elem() >= LABELLED || self.is_selected {
             let at = self.rect.left_top() - vec2(0.0, 2.0);
-            let style = Style::of(self.one.state);
-            labels.write(
-                at,
-                Align2::LEFT_BOTTOM,
-                &caption(self.one, review),
-                style.colour,
-            );
+            let (caption, style) = (caption(self.one, review), Style::of(self.one.state));
+            labels.write(at, Align2::LEFT_BOTTOM, &caption, style.colour);
         }
     }
 }
@@ -169,21 +152,17 @@ pub(super) fn words(seen: &[Shown<'_>], missed: &[Missed<'_>], app: &App) -> Str
     let selected = app.log.reviewing.selected_box();
     let selected = selected.map_or_else(String::new, |one| {
         let caption = caption(one, &app.log.reviewing.review);
-        format!(
-            ", box {} selected: {caption}, {}",
-            one.id.0,
-            one.state.name()
-        )
+        let id = one.id.0;
+        let state = one.state.name();
+        format!(", box {id} selected: {caption}, {state}")
     });
     let missed = match missed.len() {
         0 => String::new(),
         count => format!(", {count} missed in view"),
     };
-    format!(
-        ", {} in view{missed}{selected}{}",
-        text::plural(seen.len(), "box", "boxes"),
-        tool_in_hand(app)
-    )
+    let boxes = text::plural(seen.len(), "box", "boxes");
+    let tool = tool_in_hand(app);
+    format!(", {boxes} in view{missed}{selected}{tool}")
 }
 
 fn tool_in_hand(app: &App) -> &'static str {

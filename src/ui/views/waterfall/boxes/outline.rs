@@ -53,7 +53,7 @@ impl Style {
     /// An object that no box has found.
     pub(crate) fn missed() -> Self {
         Self {
-            colour: theme::missed_colour(),
+            colour: theme::MISSED_COLOUR,
             line: Line::Dotted,
         }
     }
@@ -65,7 +65,7 @@ pub(crate) fn draw(painter: &Painter, rect: Rect, style: Style, is_selected: boo
     let stroke = Stroke::new(width, style.colour);
     let rim = Stroke::new(width + 2.0, RIM);
     if is_selected {
-        let halo = Stroke::new(2.0, theme::selection_colour());
+        let halo = Stroke::new(2.0, theme::SELECTION_COLOUR);
         painter.rect_stroke(rect.expand(4.0), 3.0, halo, StrokeKind::Outside);
     }
     if rect.size().min_elem() < PLAIN {
@@ -130,7 +130,7 @@ pub(crate) fn point(painter: &Painter, at: Pos2, style: Style, is_selected: bool
         cross(painter, rect, style.colour);
     }
     if is_selected {
-        let halo = Stroke::new(2.0, theme::selection_colour());
+        let halo = Stroke::new(2.0, theme::SELECTION_COLOUR);
         painter.circle_stroke(at, POINT + 5.0, halo);
     }
 }
@@ -138,12 +138,8 @@ pub(crate) fn point(painter: &Painter, at: Pos2, style: Style, is_selected: bool
 /// The line between echo and shadow, with a handle in its middle while it can be dragged.
 pub(crate) fn border(painter: &Painter, line: [Pos2; 2], colour: Color32, has_handle: bool) {
     painter.line_segment(line, Stroke::new(3.0, RIM));
-    painter.extend(Shape::dashed_line(
-        &line,
-        Stroke::new(1.5, colour),
-        4.0,
-        3.0,
-    ));
+    let stroke = Stroke::new(1.5, colour);
+    painter.extend(Shape::dashed_line(&line, stroke, 4.0, 3.0));
     if has_handle {
         handle(painter, line[0].lerp(line[1], 0.5), colour);
     }
@@ -151,7 +147,7 @@ pub(crate) fn border(painter: &Painter, line: [Pos2; 2], colour: Color32, has_ha
 
 /// The edge that the arrow keys move.
 pub(crate) fn held(painter: &Painter, line: [Pos2; 2]) {
-    painter.line_segment(line, Stroke::new(3.0, theme::selection_colour()));
+    painter.line_segment(line, Stroke::new(3.0, theme::SELECTION_COLOUR));
 }
 
 /// Squares at the corners and on the middles of the edges.

@@ -1,6 +1,6 @@
 //! The shape of the selected object over the picture: where its echo and its shadow would lie.
 
-use super::super::lens::{Lens, Place, across_m};
+use super::super::lens::{Lens, Place};
 use super::outline;
 use crate::app::App;
 use crate::detection::Mark;
@@ -29,7 +29,7 @@ pub(in crate::ui::views::waterfall) fn draw(painter: &Painter, lens: &Lens, app:
             [one.echo_m[1], one.shadow_end_m]
         });
         let rim = Stroke::new(RIM, outline::RIM);
-        let stroke = Stroke::new(WIDTH, theme::inferred_colour());
+        let stroke = Stroke::new(WIDTH, theme::INFERRED_COLOUR);
         if echo.len() < 3
             || !painter
                 .clip_rect()
@@ -51,10 +51,8 @@ fn around(
     between_m: impl Fn(&ShapeOnPing) -> [f64; 2],
 ) -> Vec<Pos2> {
     let at = |one: &ShapeOnPing, edge: usize| {
-        lens.screen_at(Place {
-            ping: one.ping as f64 + 0.5,
-            across_m: across_m(mark.side, between_m(one)[edge]),
-        })
+        let range_m = between_m(one)[edge];
+        lens.screen_at(Place::of(one.ping as f64 + 0.5, mark.side, range_m))
     };
     let there = on_pings.iter().map(|one| at(one, 0));
     let back = on_pings.iter().rev().map(|one| at(one, 1));
