@@ -39,12 +39,7 @@ fn surest_there(one: &Scored, others: &[Scored]) -> f32 {
 pub(super) fn mirrored(found: Scored, height: f32) -> Scored {
     let Rect { x0, y0, x1, y1 } = found.rect;
     Scored {
-        rect: Rect {
-            x0,
-            y0: height - y1,
-            x1,
-            y1: height - y0,
-        },
+        rect: Rect::new([x0, height - y1], [x1, height - y0]),
         ..found
     }
 }

@@ -109,10 +109,9 @@ mod tests {
     use std::sync::Arc;
 
     fn settings(corners: &[[f64; 2]]) -> IsobathSettings {
-        let ring = corners.iter().map(|[lon_deg, lat_deg]| LonLat {
-            lon_deg: *lon_deg,
-            lat_deg: *lat_deg,
-        });
+        let ring = corners
+            .iter()
+            .map(|[lon_deg, lat_deg]| LonLat::new(*lon_deg, *lat_deg));
         IsobathSettings {
             clip: Some("shore.kml".into()),
             area: Some(Arc::new(WaterArea {

@@ -62,18 +62,14 @@ fn deeper_m(
     ground_m: f64,
 ) -> Option<f64> {
     let boat = navigation.pings.get(ping)?;
-    let [x, y] = boat.starboard()?;
-    let out_m = match side {
-        Side::Port => -ground_m,
-        Side::Starboard => ground_m,
-    };
+    let beside = boat.abeam(side, ground_m)?;
     // At its edge, where the outermost lines lie, a cell has no neighbours to be bilinear between.
     let depth_m = |[east_m, north_m]: [f64; 2]| {
         let of_cell = || bottom.at(east_m, north_m).map(|(depth_m, _)| depth_m);
         bottom.depth_at([east_m, north_m]).or_else(of_cell)
     };
     let under_m = depth_m([boat.east_m, boat.north_m])?;
-    let there_m = depth_m([boat.east_m + x * out_m, boat.north_m + y * out_m])?;
+    let there_m = depth_m(beside)?;
     Some(f64::from(there_m - under_m))
 }
 
@@ -97,14 +93,11 @@ mod tests {
     #[test]
     fn a_damaged_header_does_not_say_how_far_the_bottom_is_read() {
         let ping = |index: usize| SidePing {
-            time_s: index as f64,
-            depth_m: 3.0,
-            depth_locked: true,
-            port: None,
             starboard: Some(SideSpan::of_bytes(
                 100,
                 [0.0, if index == 7 { 3e9 } else { 20.0 }],
             )),
+            ..SidePing::with_depth(index as f64, 3.0)
         };
         let survey = Survey {
             side_scan: Arc::new((0..200).map(ping).collect()),

@@ -162,10 +162,7 @@ impl Log<'_> {
                 let range_m = f64::from(span.far_m);
                 ranges_m.push(range_m);
                 let across_m = (range_m * range_m - depth_m * depth_m).max(0.0).sqrt();
-                let out_m = match side {
-                    Side::Port => -across_m,
-                    Side::Starboard => across_m,
-                };
+                let out_m = side.to_starboard(across_m);
                 looks.push(InsonifiedSide {
                     from: self.place(boat.east_m, boat.north_m),
                     to: self.place(boat.east_m + x * out_m, boat.north_m + y * out_m),

@@ -370,13 +370,7 @@ mod tests {
                 speed_mps,
             });
         }
-        let ping = |&time_s: &f64| SidePing {
-            time_s,
-            depth_m: 3.0,
-            depth_locked: true,
-            port: None,
-            starboard: None,
-        };
+        let ping = |&time_s: &f64| SidePing::with_depth(time_s, 3.0);
         let sounding = |&time_s: &f64| Sounding {
             time_s,
             depth_m: 3.0,

@@ -397,11 +397,9 @@ mod tests {
             ..SideSpan::of_bytes(200, [0.0, 10.0])
         };
         let ping = |index: u64| SidePing {
-            time_s: 0.05 * index as f64,
-            depth_m: f32::NAN,
-            depth_locked: false,
             port: Some(span(500 * index + 100)),
             starboard: Some(span(500 * index + 300)),
+            ..SidePing::with_depth(0.05 * index as f64, f32::NAN)
         };
         let mut log = Survey {
             side_scan: Arc::new((0..pings).map(ping).collect()),

@@ -170,11 +170,8 @@ mod tests {
         let survey = Survey {
             start_unix_s: Some(100.0),
             side_scan: Arc::new(vec![SidePing {
-                time_s: 0.0,
-                depth_m: 3.0,
-                depth_locked: true,
                 port: Some(span(1)),
-                starboard: None,
+                ..SidePing::with_depth(0.0, 3.0)
             }]),
             ..Survey::default()
         };

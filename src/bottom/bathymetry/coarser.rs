@@ -95,13 +95,7 @@ mod tests {
 
     /// 5 x 3 cells of 0.5 m: a plane that falls 1 in 2 towards the east and rises 1 in 4 towards the north, with a hole.
     fn plane() -> Surface {
-        let grid = Grid {
-            west_m: 10.0,
-            north_m: 20.0,
-            cell_m: 0.5,
-            columns: 5,
-            rows: 3,
-        };
+        let grid = Grid::at([10.0, 20.0], 0.5, [5, 3]);
         let depth = |cell: usize| {
             let [east_m, north_m] = grid.centre(cell / 5, cell % 5);
             match cell {

@@ -150,13 +150,7 @@ mod tests {
 
     /// Depths along a line of cells from west to east, in the middle of 3 rows of which the others are unknown.
     fn strip(depth_m: impl Fn(usize) -> f32) -> Surface {
-        let grid = Grid {
-            west_m: 100.0,
-            north_m: 50.0,
-            cell_m: 0.5,
-            columns: 40,
-            rows: 3,
-        };
+        let grid = Grid::at([100.0, 50.0], 0.5, [40, 3]);
         let depths = (0..grid.len()).map(|cell| match cell / grid.columns {
             1 => depth_m(cell % grid.columns),
             _ => f32::NAN,

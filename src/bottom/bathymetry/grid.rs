@@ -25,6 +25,22 @@ pub struct Grid {
 }
 
 impl Grid {
+    /// A grid by its north-western corner, the side of a cell, and its columns and rows.
+    #[cfg(test)]
+    pub(crate) const fn at(
+        [west_m, north_m]: [f64; 2],
+        cell_m: f64,
+        [columns, rows]: [usize; 2],
+    ) -> Self {
+        Self {
+            west_m,
+            north_m,
+            cell_m,
+            columns,
+            rows,
+        }
+    }
+
     /// Cells of `cell_m`, or of what makes `max_side` of them along the longer side, or some 20 million in all, where that is more,
     /// over all points. Edges
     /// lie on multiples of the cell, so that grids of several surveys fit onto each other. `None` without points, and where
@@ -177,12 +193,11 @@ mod tests {
     fn lines(spacing_m: f64, step_m: f64) -> Vec<DepthPoint> {
         let along = 1 + (400.0 / step_m) as usize;
         (0..11 * along)
-            .map(|i| DepthPoint {
-                east_m: step_m * (i % along) as f64,
-                north_m: spacing_m * (i / along) as f64,
-                depth_m: 1.0,
-                weight: 1.0,
-                is_sounding: true,
+            .map(|i| {
+                DepthPoint::of_sounding(
+                    [step_m * (i % along) as f64, spacing_m * (i / along) as f64],
+                    1.0,
+                )
             })
             .collect()
     }

@@ -4,13 +4,7 @@ use super::{DepthPoint, Node, merge_repeated};
 
 /// A recorded depth at a place.
 pub(super) fn point(east_m: f64, north_m: f64, depth_m: f64) -> DepthPoint {
-    DepthPoint {
-        east_m,
-        north_m,
-        depth_m,
-        weight: 1.0,
-        is_sounding: true,
-    }
+    DepthPoint::of_sounding([east_m, north_m], depth_m)
 }
 
 pub(super) struct Golden {

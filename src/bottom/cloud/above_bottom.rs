@@ -136,11 +136,9 @@ mod tests {
         let way_m = |ping: usize| 0.1 * ping as f64;
         let span = SideSpan::of_bytes(1000, [0.0, 10.0]);
         let ping = |ping: usize| SidePing {
-            time_s: 0.05 * ping as f64,
-            depth_m: recorded_m(way_m(ping)) as f32,
-            depth_locked: true,
             port: Some(span),
             starboard: Some(span),
+            ..SidePing::with_depth(0.05 * ping as f64, recorded_m(way_m(ping)) as f32)
         };
         let pick = |ping: usize| {
             let weed_m = if (590..610).contains(&ping) { 0.4 } else { 0.0 };

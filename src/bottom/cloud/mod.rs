@@ -26,9 +26,7 @@ pub(crate) use class::{ClassCounts, ClassRules, PointClass, classify};
 pub(crate) use correction::{Correction, DepthReference, DepthSettings};
 pub(crate) use depth_change::DepthChange;
 #[cfg(any(test, feature = "bench"))]
-pub(crate) use geometry::across_track;
-#[cfg(any(test, feature = "bench"))]
-pub(crate) use geometry::fixed_bottom_point;
+pub(crate) use geometry::{across_track, fixed_bottom_point};
 pub(crate) use ping_depth::{
     DepthSource, PingDepth, TrackShare, clear_excluded_depths, ping_depths,
 };

@@ -312,24 +312,12 @@ mod tests {
     use super::*;
     use crate::survey::Survey;
 
-    const GRID: Grid = Grid {
-        west_m: 0.0,
-        north_m: 10.0,
-        cell_m: 1.0,
-        columns: 10,
-        rows: 10,
-    };
+    const GRID: Grid = Grid::at([0.0, 10.0], 1.0, [10, 10]);
 
     #[test]
     fn a_surface_without_echoes_stays_as_it_is_and_says_why() {
         let before = Surface::of_depths(GRID, vec![2.0; 100]);
-        let measured = DepthPoint {
-            east_m: 3.0,
-            north_m: 3.0,
-            depth_m: 2.0,
-            weight: 1.0,
-            is_sounding: true,
-        };
+        let measured = DepthPoint::of_sounding([3.0, 3.0], 2.0);
         let side = SideEchoes {
             near_m: 0.0,
             step_m: 0.01,

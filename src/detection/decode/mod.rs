@@ -66,12 +66,10 @@ impl Found {
 
 /// A box by its centre and size.
 fn centred([x, y, width, height]: [f32; 4]) -> Rect {
-    Rect {
-        x0: x - 0.5 * width,
-        y0: y - 0.5 * height,
-        x1: x + 0.5 * width,
-        y1: y + 0.5 * height,
-    }
+    Rect::new(
+        [x - 0.5 * width, y - 0.5 * height],
+        [x + 0.5 * width, y + 0.5 * height],
+    )
 }
 
 /// `1 / (1 + e^-x)`.

@@ -249,12 +249,7 @@ fn held(mark: &Mark, pings: usize) -> Option<Mark> {
     let (start, end) = (mark.pings.start, mark.pings.end.min(pings));
     let (near_m, far_m) = (mark.near_m.max(0.0), mark.far_m);
     let is_sound = start < end && far_m.is_finite() && far_m > near_m;
-    is_sound.then_some(Mark {
-        side: mark.side,
-        pings: start..end,
-        near_m,
-        far_m,
-    })
+    is_sound.then_some(Mark::new(mark.side, start..end, [near_m, far_m]))
 }
 
 #[cfg(test)]

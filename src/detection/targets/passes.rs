@@ -193,11 +193,9 @@ mod tests {
     fn log(start_unix_s: Option<f64>, place_m: impl Fn(usize) -> [f64; 2]) -> (Survey, Navigation) {
         let span = SideSpan::of_bytes(100, [0.0, 10.0]);
         let side_scan = (0..200).map(|ping| SidePing {
-            time_s: 0.1 * f64::from(ping),
-            depth_m: 2.0,
-            depth_locked: true,
             port: Some(span),
             starboard: Some(span),
+            ..SidePing::with_depth(0.1 * f64::from(ping), 2.0)
         });
         let pings = (0..200).map(|ping| {
             let [east_m, north_m] = place_m(ping);

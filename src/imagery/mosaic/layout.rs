@@ -351,10 +351,7 @@ impl Layout {
         let placed = (*self.placed.get(ping)?)?;
         let ranges = (*self.ranges[slot(side)].get(ping)?)?;
         let altitude_m = f64::from(*self.altitudes_m[slot(side)].get(ping)?);
-        let sign = match side {
-            Side::Port => -1.0,
-            Side::Starboard => 1.0,
-        };
+        let sign = side.to_starboard(1.0);
         let (across, under_m) = match &self.relief {
             Some((relief, under_m)) => (
                 relief.across(side, *self.pings.get(ping)? as usize),

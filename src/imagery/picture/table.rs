@@ -75,13 +75,7 @@ mod tests {
     use std::sync::Arc;
 
     fn table(pings: usize) -> PingTable {
-        let ping = SidePing {
-            time_s: 0.0,
-            depth_m: f32::NAN,
-            depth_locked: false,
-            port: None,
-            starboard: None,
-        };
+        let ping = SidePing::with_depth(0.0, f32::NAN);
         let survey = Survey {
             side_scan: Arc::new(vec![ping; pings]),
             ..Survey::default()

@@ -80,11 +80,8 @@ mod tests {
     #[test]
     fn an_accepted_stretch_is_bottom_where_it_was_found_and_leaves_what_was_drawn() {
         let recorded = SidePing {
-            time_s: 0.0,
-            depth_m: 3.0,
-            depth_locked: true,
             port: Some(SideSpan::of_bytes(100, [0.0, 10.0])),
-            starboard: None,
+            ..SidePing::with_depth(0.0, 3.0)
         };
         let survey = Survey {
             side_scan: Arc::new(vec![recorded; 40]),

@@ -466,11 +466,8 @@ mod tests {
             side_scan: Arc::new(
                 pings
                     .map(|(near_m, far_m)| SidePing {
-                        time_s: 0.0,
-                        depth_m: f32::NAN,
-                        depth_locked: false,
                         port: Some(span(near_m, far_m)),
-                        starboard: None,
+                        ..SidePing::with_depth(0.0, f32::NAN)
                     })
                     .to_vec(),
             ),

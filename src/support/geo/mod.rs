@@ -36,6 +36,11 @@ pub struct LonLat {
 }
 
 impl LonLat {
+    /// A position by its longitude and latitude, degrees.
+    pub(crate) const fn new(lon_deg: f64, lat_deg: f64) -> Self {
+        Self { lon_deg, lat_deg }
+    }
+
     /// Whether there is such a position: longitude within 180 degrees, latitude within 90.
     pub fn is_on_earth(&self) -> bool {
         (-180.0..=180.0).contains(&self.lon_deg) && (-90.0..=90.0).contains(&self.lat_deg)

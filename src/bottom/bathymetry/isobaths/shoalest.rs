@@ -68,13 +68,7 @@ mod tests {
 
     /// Cells of a metre, all 3 m deep, east and south of the origin.
     fn flat(side: usize) -> Surface {
-        let grid = Grid {
-            west_m: 0.0,
-            north_m: 0.0,
-            cell_m: 1.0,
-            columns: side,
-            rows: side,
-        };
+        let grid = Grid::at([0.0, 0.0], 1.0, [side, side]);
         Surface::of_depths(grid, vec![3.0; side * side])
     }
 

@@ -3,13 +3,7 @@ use crate::bottom::bathymetry::local_surface;
 use crate::bottom::bathymetry::testing::golden_points;
 
 fn line(north_m: f64, depth_m: f64) -> impl Iterator<Item = DepthPoint> {
-    (0..=40).map(move |i| DepthPoint {
-        east_m: f64::from(i),
-        north_m,
-        depth_m,
-        weight: 1.0,
-        is_sounding: true,
-    })
+    (0..=40).map(move |i| DepthPoint::of_sounding([f64::from(i), north_m], depth_m))
 }
 
 fn settings(gap_m: f64) -> SurfaceSettings {
@@ -62,12 +56,14 @@ fn a_cell_says_what_its_depth_rests_on() {
 fn no_value_is_farther_than_the_gap_from_a_sounding() {
     // Triangles of equal sides, 5.9 m: their middles are 3.4 m from the corners.
     let points: Vec<_> = (0..49)
-        .map(|i| DepthPoint {
-            east_m: 5.9 * (f64::from(i % 7) + 0.5 * f64::from(i / 7)),
-            north_m: 5.9 * 0.75f64.sqrt() * f64::from(i / 7),
-            depth_m: f64::from(i % 5),
-            weight: 1.0,
-            is_sounding: true,
+        .map(|i| {
+            DepthPoint::of_sounding(
+                [
+                    5.9 * (f64::from(i % 7) + 0.5 * f64::from(i / 7)),
+                    5.9 * 0.75f64.sqrt() * f64::from(i / 7),
+                ],
+                f64::from(i % 5),
+            )
         })
         .collect();
     let map = surface(points.clone(), &settings(3.0), &Progress::new())
@@ -100,13 +96,7 @@ fn the_bay_of_a_bend_stays_empty() {
     let points: Vec<_> = (0..=180)
         .map(|i| {
             let (sin, cos) = (f64::from(i) * 0.5).to_radians().sin_cos();
-            DepthPoint {
-                east_m: 100.0 * cos,
-                north_m: 100.0 * sin,
-                depth_m: 2.0,
-                weight: 1.0,
-                is_sounding: true,
-            }
+            DepthPoint::of_sounding([100.0 * cos, 100.0 * sin], 2.0)
         })
         .collect();
     let map = surface(points.clone(), &settings(20.0), &Progress::new()).unwrap();
@@ -124,13 +114,7 @@ fn a_bend_is_not_bridged_by_a_lens_across_the_track() {
             // Depths under the boat and half a metre to either side of it.
             [-0.5, 0.0, 0.5].map(|beside_m| {
                 let reach_m = 60.0 + 30.0 * along + beside_m;
-                DepthPoint {
-                    east_m: reach_m * cos,
-                    north_m: reach_m * sin,
-                    depth_m: 2.0,
-                    weight: 1.0,
-                    is_sounding: true,
-                }
+                DepthPoint::of_sounding([reach_m * cos, reach_m * sin], 2.0)
             })
         })
         .collect();
@@ -149,13 +133,7 @@ fn every_sounding_of_a_single_winding_track_has_its_cell() {
     let points: Vec<_> = (0..2000)
         .map(|i| {
             let (sin, cos) = (0.05 * f64::from(i)).to_radians().sin_cos();
-            DepthPoint {
-                east_m: 120.0 * cos,
-                north_m: 120.0 * sin,
-                depth_m: 2.0 + 0.001 * f64::from(i),
-                weight: 1.0,
-                is_sounding: true,
-            }
+            DepthPoint::of_sounding([120.0 * cos, 120.0 * sin], 2.0 + 0.001 * f64::from(i))
         })
         .collect();
     let map = surface(points.clone(), &settings(20.0), &Progress::new())
@@ -275,13 +253,7 @@ fn a_source_of_no_weight_is_left_out_and_a_cancelled_surface_is_none() {
 
 #[test]
 fn known_depths_lie_within_their_outermost_cells() {
-    let grid = Grid {
-        west_m: 100.0,
-        north_m: 50.0,
-        cell_m: 0.5,
-        columns: 4,
-        rows: 3,
-    };
+    let grid = Grid::at([100.0, 50.0], 0.5, [4, 3]);
     let of = |known: &[usize]| {
         let mut depth_m = vec![f32::NAN; grid.len()];
         known.iter().for_each(|cell| depth_m[*cell] = 2.0);
