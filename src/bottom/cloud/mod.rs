@@ -20,6 +20,7 @@ mod residuals;
 mod scales;
 mod specular;
 
+use crate::support::named::named;
 pub(crate) use build::{build, slant_range_m};
 pub(crate) use by_source::BySource;
 pub(crate) use class::{ClassCounts, ClassRules, PointClass, classify};
@@ -118,21 +119,12 @@ pub enum PointSource {
     Starboard,
 }
 
-impl PointSource {
+named! {
     /// All of them, in the order of points in a cloud.
-    pub const ALL: [PointSource; 3] = [
-        PointSource::DownScan,
-        PointSource::Port,
-        PointSource::Starboard,
-    ];
-
-    /// `downscan`, `port`, `starboard`, as in `cloud.csv`.
-    pub fn name(self) -> &'static str {
-        match self {
-            PointSource::DownScan => "downscan",
-            PointSource::Port => "port",
-            PointSource::Starboard => "starboard",
-        }
+    pub PointSource {
+        DownScan: "downscan",
+        Port: "port",
+        Starboard: "starboard",
     }
 }
 

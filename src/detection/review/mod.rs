@@ -12,6 +12,7 @@ mod queue;
 mod searched;
 mod tiles;
 
+use crate::support::named::named;
 pub(crate) use confidence::Confidence;
 pub(crate) use edit::Edit;
 pub(crate) use file::{BoxRow, ReviewError, ReviewRows, SearchRow, read_text};
@@ -47,25 +48,17 @@ pub enum State {
     Added,
 }
 
-impl State {
+named! {
     /// All states in the order of the work.
-    pub const ALL: [State; 4] = [
-        State::Proposed,
-        State::Accepted,
-        State::Rejected,
-        State::Added,
-    ];
-
-    /// `proposed`, `accepted`, `rejected` or `added`.
-    pub fn name(self) -> &'static str {
-        match self {
-            State::Proposed => "proposed",
-            State::Accepted => "accepted",
-            State::Rejected => "rejected",
-            State::Added => "added",
-        }
+    pub State {
+        Proposed: "proposed",
+        Accepted: "accepted",
+        Rejected: "rejected",
+        Added: "added",
     }
+}
 
+impl State {
     /// Whether it says that there is an object.
     pub fn is_object(self) -> bool {
         matches!(self, State::Accepted | State::Added)
