@@ -341,11 +341,7 @@ mod tests {
 
     #[test]
     fn what_lies_beyond_the_picture_is_no_object() {
-        let found = |x0, x1| Scored {
-            class: 0,
-            score: 0.5,
-            rect: Rect::new([x0, 0.0], [x1, 10.0]),
-        };
+        let found = |x0, x1| Scored::new(0, 0.5, Rect::new([x0, 0.0], [x1, 10.0]));
         let edges = |x0, x1| inside(found(x0, x1), [375.0, 416.0]).map(|one| one.rect.x1);
         assert_eq!(edges(300.0, 320.0), Some(320.0));
         assert_eq!(edges(360.0, 380.0), Some(375.0));
@@ -361,11 +357,7 @@ mod tests {
         let seen = |place: InPicture, [y0, y1]: [f32; 2]| {
             let tile = grid.place(place.tile).1;
             let rect = Rect::new([10.0, y0 - tile.y0], [20.0, y1 - tile.y0]);
-            let found = Scored {
-                class: 0,
-                score: 0.5,
-                rect,
-            };
+            let found = Scored::new(0, 0.5, rect);
             vec![TileDetection::new(found, tile, 500.0, 1000.0)]
         };
         let places: Vec<InPicture> = (0..12).map(|index| grid.of_picture(index, 2)).collect();

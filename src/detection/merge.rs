@@ -173,11 +173,7 @@ mod tests {
                 let rect = object
                     .intersection(&tile(index))
                     .shifted(0.0, -tile(index).y0);
-                let found = Scored {
-                    class,
-                    score: score?,
-                    rect,
-                };
+                let found = Scored::new(class, score?, rect);
                 Some(TileDetection::new(found, tile(index), 416.0, HEIGHT))
             })
             .collect()
@@ -212,11 +208,7 @@ mod tests {
     fn the_cut_end_of_a_whole_box_is_no_object_of_its_own() {
         let mut boxes = seen(0, [330.0, 420.0], [None, Some(0.8), None]);
         let end = Rect::new([120.0, 400.0], [140.0, 416.0]);
-        let found = Scored {
-            class: 1,
-            score: 0.9,
-            rect: end,
-        };
+        let found = Scored::new(1, 0.9, end);
         boxes.push(TileDetection::new(found, tile(0), 416.0, HEIGHT));
         assert_eq!(merged(boxes), [(0.8, 330.0, 420.0)]);
     }

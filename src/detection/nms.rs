@@ -108,11 +108,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn scored(class: usize, score: f32, [x0, y0, x1, y1]: [f32; 4]) -> Scored {
-        Scored {
-            class,
-            score,
-            rect: Rect { x0, y0, x1, y1 },
-        }
+        Scored::new(class, score, Rect { x0, y0, x1, y1 })
     }
 
     fn scores(mut boxes: Vec<Scored>, how: Nms, iou: f32) -> Vec<f32> {

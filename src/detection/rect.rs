@@ -33,6 +33,13 @@ pub struct Scored {
     pub rect: Rect,
 }
 
+impl Scored {
+    /// A box of a class.
+    pub(crate) const fn new(class: usize, score: f32, rect: Rect) -> Self {
+        Self { class, score, rect }
+    }
+}
+
 impl Rect {
     /// A box by the corners with its least and its greatest coordinates.
     pub(crate) const fn new([x0, y0]: [f32; 2], [x1, y1]: [f32; 2]) -> Self {

@@ -49,12 +49,7 @@ mod tests {
     use super::*;
 
     fn scored(class: usize, score: f32, [y0, y1]: [f32; 2]) -> Scored {
-        let (x0, x1) = (0.0, 10.0);
-        Scored {
-            class,
-            score,
-            rect: Rect { x0, y0, x1, y1 },
-        }
+        Scored::new(class, score, Rect::new([0.0, y0], [10.0, y1]))
     }
 
     fn scores(first: &[Scored], second: &[Scored]) -> Vec<f32> {

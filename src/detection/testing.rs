@@ -1,6 +1,6 @@
 //! A survey for the tests of this room.
 
-use crate::survey::{Bytes, Navigation, PingNav, Projection, SidePing, SideSpan, Survey};
+use crate::survey::{Bytes, Navigation, PingNav, SidePing, SideSpan, Survey};
 use std::sync::Arc;
 
 /// Pings a tenth of a second apart at 2 m/s: 0.2 m each, 100 samples over 10 m, sample i of ping p holding `level`.
@@ -26,18 +26,5 @@ pub(super) fn survey(pings: usize, level: impl Fn(usize, usize) -> u8) -> (Surve
 
 /// A boat at 2 m/s, always at the same place of the map: what only counts its way does not mind.
 pub(super) fn navigation_of(pings: usize) -> Navigation {
-    let place = PingNav {
-        east_m: 0.0,
-        north_m: 0.0,
-        heading_rad: 0.0,
-        speed_mps: 2.0,
-    };
-    Navigation {
-        antenna: Arc::default(),
-        pings: vec![place; pings].into(),
-        soundings: Arc::default(),
-        projection: Projection::Enu,
-        zero_heading: 0,
-        moving: pings,
-    }
+    Navigation::of_pings(vec![PingNav::northbound([0.0; 2], 2.0); pings])
 }

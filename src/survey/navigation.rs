@@ -87,7 +87,34 @@ pub struct Navigation {
     pub moving: usize,
 }
 
+#[cfg(test)]
+impl Navigation {
+    /// Of pings in the survey's plane, at all of which the boat moves.
+    pub(crate) fn of_pings(pings: impl IntoIterator<Item = PingNav>) -> Self {
+        let pings: Vec<PingNav> = pings.into_iter().collect();
+        Self {
+            moving: pings.len(),
+            pings: Arc::new(pings),
+            soundings: Arc::default(),
+            antenna: Arc::default(),
+            projection: Projection::Enu,
+            zero_heading: 0,
+        }
+    }
+}
+
 impl PingNav {
+    /// At a place east and north, metres, heading north.
+    #[cfg(test)]
+    pub(crate) fn northbound([east_m, north_m]: [f64; 2], speed_mps: f64) -> Self {
+        Self {
+            east_m,
+            north_m,
+            heading_rad: 0.0,
+            speed_mps,
+        }
+    }
+
     const UNKNOWN: Self = Self {
         east_m: f64::NAN,
         north_m: f64::NAN,
@@ -95,7 +122,8 @@ impl PingNav {
         speed_mps: f64::NAN,
     };
 
-    fn place(&self) -> [f64; 2] {
+    /// East and north, metres; NaN where unknown.
+    pub(crate) fn place(&self) -> [f64; 2] {
         [self.east_m, self.north_m]
     }
 

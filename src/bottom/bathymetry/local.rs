@@ -51,14 +51,11 @@ pub(crate) fn local_surface(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bottom::bathymetry::testing::random;
 
     /// Winding tracks at random over uneven ground, in the metres of a zone.
     fn points() -> Vec<DepthPoint> {
-        let mut seed = 7_u64;
-        let mut random = move || {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            (seed >> 33) as f64 / (1_u64 << 31) as f64
-        };
+        let mut random = random();
         let mut points = Vec::new();
         for _ in 0..40 {
             let [mut east_m, mut north_m] =

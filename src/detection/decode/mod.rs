@@ -54,11 +54,7 @@ impl Found {
                 .iter()
                 .all(|edge| edge.is_finite());
             if finite && rect.area() > 0.0 {
-                self.boxes.push(Scored {
-                    class,
-                    score: score.min(1.0),
-                    rect,
-                });
+                self.boxes.push(Scored::new(class, score.min(1.0), rect));
             }
         }
     }

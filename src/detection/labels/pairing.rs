@@ -85,10 +85,9 @@ fn image(
             .collect(),
         predicted: proposed
             .into_iter()
-            .map(|label| Scored {
-                class: label.class,
-                score: label.score.unwrap_or(0.0),
-                rect: pixels(label.rect, predicted.format, size_px),
+            .map(|label| {
+                let rect = pixels(label.rect, predicted.format, size_px);
+                Scored::new(label.class, label.score.unwrap_or(0.0), rect)
             })
             .collect(),
     }

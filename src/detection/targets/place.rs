@@ -305,7 +305,7 @@ impl<'a> Placer<'a> {
                     let step_m = f64::hypot(place.east_m - east_m, place.north_m - north_m);
                     sum_m += if step_m.is_finite() { step_m } else { 0.0 };
                 }
-                last = Some([place.east_m, place.north_m]);
+                last = Some(place.place());
                 sum_m
             });
             sailed.collect()
