@@ -2,7 +2,7 @@
 
 use super::depth::depth_points;
 use crate::bottom::bathymetry::{Surface, SurfaceMethod, SurfaceSettings, surface_of_depths};
-use crate::bottom::cloud::{PointClass, PointCloud};
+use crate::bottom::cloud::{CloudPoint, PointClass, PointCloud};
 use crate::support::progress::{Cancelled, Progress};
 use crate::support::statistics::{median, quantile};
 use crate::survey::{Navigation, Relief, Side, Survey};
@@ -34,7 +34,7 @@ pub(super) fn relief(
     if !settings.relief || !survey.has_side_scan() {
         return Ok(Relief::default());
     }
-    let points = depth_points(cloud, classes, settings, |p| [p.east_m, p.north_m, p.z_m]);
+    let points = depth_points(cloud, classes, settings, CloudPoint::place);
     let mut depths_m: Vec<f64> = points.iter().map(|point| point.depth_m).collect();
     let cell_m = (CELL_SHARE * median(&mut depths_m)).max(LEAST_CELL_M);
     let settings = SurfaceSettings {
@@ -68,7 +68,7 @@ fn deeper_m(
         let of_cell = || bottom.at(east_m, north_m).map(|(depth_m, _)| depth_m);
         bottom.depth_at([east_m, north_m]).or_else(of_cell)
     };
-    let under_m = depth_m([boat.east_m, boat.north_m])?;
+    let under_m = depth_m(boat.place())?;
     let there_m = depth_m(beside)?;
     Some(f64::from(there_m - under_m))
 }

@@ -9,17 +9,8 @@ impl Surface {
     pub fn coarser(&self, times: usize) -> Self {
         let grid = self.grid.coarser(times);
         let means = |values: &[f32]| means(&self.grid, values, &grid, times);
-        Self {
-            depth_m: means(&self.depth_m),
-            spread_m: means(&self.spread_m),
-            distance_m: means(&self.distance_m),
-            source: best(&self.grid, &self.source, &grid, times),
-            hardness_db: self.hardness_db.as_deref().map(means),
-            grid,
-            method: self.method,
-            levels: self.levels,
-            spread_is: self.spread_is,
-        }
+        let best = best(&self.grid, &self.source, &grid, times);
+        self.on_grid(grid, means, best)
     }
 
     /// The direction square to the bottom at the centre of a cell, of length 1: east, north, up. Differences reach over known
@@ -97,7 +88,7 @@ mod tests {
     fn plane() -> Surface {
         let grid = Grid::at([10.0, 20.0], 0.5, [5, 3]);
         let depth = |cell: usize| {
-            let [east_m, north_m] = grid.centre(cell / 5, cell % 5);
+            let [east_m, north_m] = grid.centre_of(cell);
             match cell {
                 7 => f32::NAN,
                 _ => (0.5 * east_m - 0.25 * north_m) as f32,

@@ -19,9 +19,14 @@ pub struct DepthPoint {
     pub is_sounding: bool,
 }
 
-#[cfg(any(test, feature = "bench"))]
 impl DepthPoint {
+    /// East and north, metres.
+    pub(crate) fn place(&self) -> [f64; 2] {
+        [self.east_m, self.north_m]
+    }
+
     /// A sounding that counts in full.
+    #[cfg(any(test, feature = "bench"))]
     pub(crate) fn of_sounding([east_m, north_m]: [f64; 2], depth_m: f64) -> Self {
         Self {
             east_m,
@@ -40,7 +45,7 @@ pub(crate) fn depth_points(survey: &Survey, navigation: &Navigation) -> Vec<Dept
     placed
         .filter(|(sounding, _)| sounding.locked)
         .map(|(sounding, place)| {
-            DepthPoint::of_sounding([place.east_m, place.north_m], f64::from(sounding.depth_m))
+            DepthPoint::of_sounding(place.place(), f64::from(sounding.depth_m))
         })
         .filter(|point| {
             point.east_m.is_finite() && point.north_m.is_finite() && point.depth_m.is_finite()

@@ -89,7 +89,7 @@ mod tests {
     fn slope() -> Surface {
         let grid = Grid::at([10.0, 106.0], 2.0, [4, 3]);
         let depth = |index: usize| {
-            let [east_m, north_m] = grid.centre(index / 4, index % 4);
+            let [east_m, north_m] = grid.centre_of(index);
             (0.5 * east_m - 0.25 * north_m + 30.0) as f32
         };
         Surface::of_depths(grid, (0..12).map(depth).collect())

@@ -126,7 +126,7 @@ fn way_m(pings: &[PingNav]) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::sonar::first_return::Pick;
-    use crate::survey::{Projection, SidePing, SideSpan};
+    use crate::survey::{SidePing, SideSpan};
     use std::sync::Arc;
 
     /// Heights of first returns above recorded depths, and how far above them is usual, along 120 m of a bed with a clump of weed of
@@ -158,20 +158,8 @@ mod tests {
             starboard: picks,
             ..FirstReturns::default()
         };
-        let place = |ping: usize| PingNav {
-            east_m: 0.0,
-            north_m: way_m(ping),
-            heading_rad: 0.0,
-            speed_mps: 2.0,
-        };
-        let navigation = Navigation {
-            pings: Arc::new((0..pings).map(place).collect()),
-            soundings: Arc::default(),
-            antenna: Arc::default(),
-            projection: Projection::Enu,
-            zero_heading: 0,
-            moving: pings,
-        };
+        let place = |ping: usize| PingNav::northbound([0.0, way_m(ping)], 2.0);
+        let navigation = Navigation::of_pings((0..pings).map(place));
         let usual_m = usual_departures_m(&survey, &navigation, &returns);
         let height = |ping| height_m(&survey, &returns, ping, Side::Port);
         (0..pings).map(height).zip(usual_m).collect()

@@ -101,7 +101,7 @@ pub(crate) fn classify(
         point if point.source == PointSource::DownScan || rules.has_low_confidence(point) => {
             [f64::NAN; 3]
         }
-        point => [point.east_m, point.north_m, point.z_m],
+        point => point.place(),
     };
     let OutlierSettings {
         radius_m,

@@ -230,6 +230,11 @@ impl PointCloud {
 }
 
 impl CloudPoint {
+    /// East, north and elevation, metres.
+    pub(crate) fn place(&self) -> [f64; 3] {
+        [self.east_m, self.north_m, self.z_m]
+    }
+
     /// The confidence if what lies above the recorded depth is ground, as where it goes on for long; that of any other point is its own.
     pub fn ground_confidence(&self) -> f32 {
         ground_confidence(self.confidence, self.above_bottom)

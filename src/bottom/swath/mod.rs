@@ -251,13 +251,12 @@ fn add(found: &Found, error_sds: f64, surface: &mut Surface) {
     let both = found.sd_m.iter().zip(&found.seen);
     let seen = both.filter(|(_, seen)| **seen > 0.5);
     let usual_sd_m = median(&mut seen.map(|(sd_m, _)| *sd_m).collect::<Vec<_>>());
-    let columns = surface.grid.columns.max(1);
     for cell in 0..surface.depth_m.len() {
         let without_m = f64::from(surface.depth_m[cell]);
         if without_m.is_nan() {
             continue;
         }
-        let centre = surface.grid.centre(cell / columns, cell % columns);
+        let centre = surface.grid.centre_of(cell);
         let sd_m = nodes.value_at(&found.sd_m, centre);
         let error_m = error_sds * sd_m;
         let without_error_m = f64::from(surface.spread_m[cell]);
@@ -284,10 +283,9 @@ fn add(found: &Found, error_sds: f64, surface: &mut Surface) {
 /// The brightness of the bed in the cells with a depth that echoes say something of, decibels over their median; `None` where that
 /// is none.
 fn hardness_db(found: &Found, surface: &Surface) -> Option<Vec<f32>> {
-    let columns = surface.grid.columns.max(1);
     let nodes = &found.nodes;
     let of_cell = |(cell, depth_m): (usize, &f32)| {
-        let centre = surface.grid.centre(cell / columns, cell % columns);
+        let centre = surface.grid.centre_of(cell);
         let is_known = !depth_m.is_nan() && found.seen[nodes.nearest(centre)] > 0.5;
         let ln = is_known.then(|| nodes.value_at(&found.ln_brightness, centre));
         ln.map_or(f64::NAN, |ln| 10.0 * ln / std::f64::consts::LN_10)

@@ -1,7 +1,7 @@
 //! Draws tiles and other windows: each cell takes the mean of the samples that it covers on the ray through its middle.
 
 use super::canvas::Canvas;
-use super::layout::{Layout, Ray, TILE_CELLS, TileIndex, grid_bounds};
+use super::layout::{Layout, Ray, TILE_CELLS, TileIndex};
 use super::line::{Lines, MosaicLine};
 use super::{GainTable, MosaicSettings};
 use crate::bottom::bathymetry::Grid;
@@ -161,7 +161,7 @@ pub(crate) fn joint_window<'a>(
     progress: &Progress,
 ) -> Result<Vec<u8>, Cancelled> {
     let mut canvas = Canvas::new(*grid, [grid.columns, grid.rows], settings);
-    let ground = grid_bounds(grid);
+    let ground = grid.bounds_m();
     for (survey, layout, gain) in logs {
         let strips = layout.strips_in(ground);
         let lines = Lines::new(survey, layout, gain, settings, grid.cell_m);
@@ -180,13 +180,13 @@ fn draw<E>(
 ) -> Result<(), E> {
     // The last two pings of each side.
     let none = |side| [MosaicLine::none(side), MosaicLine::none(side)];
-    let mut kept = [Side::Port, Side::Starboard].map(none);
+    let mut kept = Side::BOTH.map(none);
     for (ping, side) in strips {
         check()?;
         let Some(strip) = layout.strip(ping, side) else {
             continue;
         };
-        let kept = &mut kept[usize::from(side == Side::Starboard)];
+        let kept = &mut kept[side as usize];
         let moved_m = moved_m(&strip);
         let mut is_there = true;
         for (place, ray) in [ping, ping + 1].into_iter().zip(&strip) {

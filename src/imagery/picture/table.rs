@@ -19,8 +19,7 @@ impl PingTable {
         let pings = scales.side(Side::Port).len();
         let texel = |side: Side, ping: usize| {
             let scale = scales.at(side, ping);
-            let slot = usize::from(side == Side::Starboard);
-            let factor = factors.and_then(|factors| factors[slot].get(ping));
+            let factor = factors.and_then(|factors| factors[side as usize].get(ping));
             let factor = factor.copied().unwrap_or(1.0);
             [scale.altitude_m, scale.scale, scale.offset_m, factor]
         };

@@ -196,7 +196,7 @@ impl Bottom {
         let plane = MosaicPlane::Map(depth_map.map.clone());
         let mosaic = derived.mosaic(logs, plane, progress)?;
         let fine = depth_map.surface.grid;
-        let shown_m = mosaic.as_ref().map_or(extent_m(&fine), |mosaic| {
+        let shown_m = mosaic.as_ref().map_or(fine.bounds_m(), |mosaic| {
             let reach_m = logs.iter().map(|log| farthest_m(&log.survey));
             beside(&fine, mosaic.bounds, reach_m.fold(0.0, f64::max))
         });
@@ -237,7 +237,7 @@ impl Bottom {
             .map(|level| Self::echo_colour(colours, *level))
             .collect();
         let far_rgb = (0..grid.len()).into_par_iter().map(|cell| {
-            let place = grid.centre(cell / grid.columns, cell % grid.columns);
+            let place = grid.centre_of(cell);
             let level = between(&far, &far_levels, place);
             level.map_or(rgb[cell], |level| Self::echo_colour(colours, level))
         });
@@ -337,21 +337,10 @@ impl Bottom {
     }
 }
 
-/// West, south, east and north edge of a grid, metres.
-fn extent_m(grid: &Grid) -> [f64; 4] {
-    let [across_m, down_m] = [grid.columns, grid.rows].map(|cells| cells as f64 * grid.cell_m);
-    [
-        grid.west_m,
-        grid.north_m - down_m,
-        grid.west_m + across_m,
-        grid.north_m,
-    ]
-}
-
 /// The extent of a grid with what is shown beside it, up to a distance away.
 fn beside(grid: &Grid, shown_m: [f64; 4], reach_m: f64) -> [f64; 4] {
     let reach_m = reach_m.min(MOST_BESIDE_M);
-    let [west_m, south_m, east_m, north_m] = extent_m(grid);
+    let [west_m, south_m, east_m, north_m] = grid.bounds_m();
     [
         shown_m[0].max(west_m - reach_m).min(west_m),
         shown_m[1].max(south_m - reach_m).min(south_m),

@@ -49,15 +49,26 @@ impl LonLat {
 
 /// West, south, east and north of some positions, degrees; without any, a box that meets no other.
 pub(crate) fn bounds_deg(positions: impl Iterator<Item = LonLat>) -> [f64; 4] {
-    let start = [f64::MAX, f64::MAX, f64::MIN, f64::MIN];
-    positions.fold(start, |[west, south, east, north], at| {
-        [
-            west.min(at.lon_deg),
-            south.min(at.lat_deg),
-            east.max(at.lon_deg),
-            north.max(at.lat_deg),
-        ]
-    })
+    bounds(positions.map(|at| [at.lon_deg, at.lat_deg]))
+}
+
+/// West, south, east and north of no place: a box that meets no other.
+pub(crate) const NOWHERE: [f64; 4] = [f64::MAX, f64::MAX, f64::MIN, f64::MIN];
+
+/// West, south, east and north of some places in a plane; [`NOWHERE`] without any.
+pub(crate) fn bounds(places: impl IntoIterator<Item = [f64; 2]>) -> [f64; 4] {
+    let boxes = places.into_iter().map(|[x, y]| [x, y, x, y]);
+    boxes.fold(NOWHERE, box_around)
+}
+
+/// The smallest box around two (west, south, east, north).
+pub(crate) fn box_around(one: [f64; 4], other: [f64; 4]) -> [f64; 4] {
+    [
+        one[0].min(other[0]),
+        one[1].min(other[1]),
+        one[2].max(other[2]),
+        one[3].max(other[3]),
+    ]
 }
 
 /// Whether two boxes (west, south, east, north) share a place.

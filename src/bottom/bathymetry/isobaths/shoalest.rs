@@ -120,9 +120,7 @@ mod tests {
                 let rings: Vec<Vec<[f64; 2]>> =
                     rings().map(|ring| smoothed(ring, smoothing)).collect();
                 let is_deep = |point: &&DepthPoint| {
-                    let around = rings
-                        .iter()
-                        .filter(|ring| is_inside(ring, [point.east_m, point.north_m]));
+                    let around = rings.iter().filter(|ring| is_inside(ring, point.place()));
                     around.count() % 2 == 1
                 };
                 let beyond = points.iter().filter(|point| point.depth_m < level_m);
