@@ -1,7 +1,6 @@
 //! A survey for the tests of this room.
 
 use crate::survey::{Bytes, Navigation, PingNav, SidePing, SideSpan, Survey};
-use std::sync::Arc;
 
 /// Pings a tenth of a second apart at 2 m/s: 0.2 m each, 100 samples over 10 m, sample i of ping p holding `level`.
 pub(super) fn survey(pings: usize, level: impl Fn(usize, usize) -> u8) -> (Survey, Navigation) {
@@ -17,9 +16,8 @@ pub(super) fn survey(pings: usize, level: impl Fn(usize, usize) -> u8) -> (Surve
         ..SidePing::with_depth(ping as f64 * 0.1, 2.0)
     });
     let survey = Survey {
-        side_scan: Arc::new(side_scan.collect()),
         bytes: vec![Bytes::Held(bytes.into())],
-        ..Survey::default()
+        ..Survey::of_pings(side_scan)
     };
     (survey, navigation_of(pings))
 }

@@ -88,7 +88,6 @@ pub(super) fn farthest_m(survey: &Survey) -> f64 {
 mod tests {
     use super::*;
     use crate::survey::{SidePing, SideSpan};
-    use std::sync::Arc;
 
     #[test]
     fn a_damaged_header_does_not_say_how_far_the_bottom_is_read() {
@@ -99,10 +98,7 @@ mod tests {
             )),
             ..SidePing::with_depth(index as f64, 3.0)
         };
-        let survey = Survey {
-            side_scan: Arc::new((0..200).map(ping).collect()),
-            ..Survey::default()
-        };
+        let survey = Survey::of_pings((0..200).map(ping));
         assert_eq!(farthest_m(&survey), 20.0);
         assert_eq!(farthest_m(&Survey::default()), 1.0);
     }

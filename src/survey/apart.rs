@@ -101,10 +101,7 @@ mod tests {
         let ping = SidePing::with_depth(0.0, f32::NAN);
         let position = LonLat::new(lon_deg, 50.0);
         let fix = Fix::at(0.0, position);
-        let mut survey = Survey {
-            side_scan: vec![ping; pings].into(),
-            ..Survey::default()
-        };
+        let mut survey = Survey::of_pings(vec![ping; pings]);
         survey.track.fixes = vec![fix].into();
         survey
     }

@@ -381,9 +381,8 @@ mod tests {
             false => Vec::new(),
         };
         let survey = Survey {
-            side_scan: Arc::new(pings),
             soundings: Arc::new(times_s.iter().step_by(2).map(sounding).collect()),
-            ..Survey::default()
+            ..Survey::of_pings(pings)
         };
         let of_soundings = places.clone().into_iter().step_by(2).collect();
         let navigation = Navigation {

@@ -402,9 +402,8 @@ mod tests {
             ..SidePing::with_depth(0.05 * index as f64, f32::NAN)
         };
         let mut log = Survey {
-            side_scan: Arc::new((0..pings).map(ping).collect()),
             bytes: vec![Bytes::Held(Arc::new(vec![0; 500 * pings as usize]))],
-            ..Survey::default()
+            ..Survey::of_pings((0..pings).map(ping))
         };
         log.source.files = vec![PathBuf::from("log.sl2")];
         log.source.byte_count = 500 * pings;

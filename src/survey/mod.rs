@@ -299,6 +299,15 @@ pub struct Survey {
 }
 
 impl Survey {
+    /// Of side-scan pings and nothing else.
+    #[cfg(test)]
+    pub(crate) fn of_pings(pings: impl IntoIterator<Item = SidePing>) -> Self {
+        Self {
+            side_scan: Arc::new(pings.into_iter().collect()),
+            ..Self::default()
+        }
+    }
+
     /// Where the samples of one side of one ping lie; `None` when the ping or the side was not recorded.
     pub fn span(&self, ping: usize, side: Side) -> Option<&SideSpan> {
         self.side_scan.get(ping)?.side(side)

@@ -148,10 +148,7 @@ mod tests {
                 above_bottom: false,
             }
         };
-        let survey = Survey {
-            side_scan: Arc::new((0..pings).map(ping).collect()),
-            ..Survey::default()
-        };
+        let survey = Survey::of_pings((0..pings).map(ping));
         let picks = Arc::new((0..pings).map(pick).collect());
         let returns = FirstReturns {
             port: Arc::clone(&picks),

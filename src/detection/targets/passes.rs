@@ -187,7 +187,6 @@ fn abeam(
 mod tests {
     use super::*;
     use crate::survey::{PingNav, SidePing, SideSpan};
-    use std::sync::Arc;
 
     /// A log of a boat that heads north at 2 m/s for 20 s, 10 pings a second, passing the origin halfway, from `start_unix_s` on.
     fn log(start_unix_s: Option<f64>, place_m: impl Fn(usize) -> [f64; 2]) -> (Survey, Navigation) {
@@ -200,8 +199,7 @@ mod tests {
         let pings = (0..200).map(|ping| PingNav::northbound(place_m(ping), 2.0));
         let survey = Survey {
             start_unix_s,
-            side_scan: Arc::new(side_scan.collect()),
-            ..Survey::default()
+            ..Survey::of_pings(side_scan)
         };
         (survey, Navigation::of_pings(pings))
     }

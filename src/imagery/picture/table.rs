@@ -71,14 +71,10 @@ impl PingTable {
 mod tests {
     use super::*;
     use crate::survey::{SidePing, Survey};
-    use std::sync::Arc;
 
     fn table(pings: usize) -> PingTable {
         let ping = SidePing::with_depth(0.0, f32::NAN);
-        let survey = Survey {
-            side_scan: Arc::new(vec![ping; pings]),
-            ..Survey::default()
-        };
+        let survey = Survey::of_pings(vec![ping; pings]);
         let scales = PingScales::unknown(&survey);
         let port: Vec<f32> = (0..pings).map(|ping| ping as f32).collect();
         PingTable::new(&scales, Some(&[port, vec![1.0; pings]]))

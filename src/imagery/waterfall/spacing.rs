@@ -49,7 +49,6 @@ mod tests {
     use super::*;
     use crate::support::geo::{LocalFrame, LonLat};
     use crate::survey::{SidePing, Track};
-    use std::sync::Arc;
 
     /// A boat at 2 m/s that lies still for a third of the time; ten pings and one fix a second.
     #[test]
@@ -64,9 +63,8 @@ mod tests {
         });
         let ping = |index: i32| SidePing::with_depth(f64::from(index) / 10.0, f32::NAN);
         let survey = Survey {
-            side_scan: Arc::new((0..3000).map(ping).collect()),
             track: Track::new(fixes.collect()),
-            ..Survey::default()
+            ..Survey::of_pings((0..3000).map(ping))
         };
         let metres = ping_spacing_m(&survey).expect("a spacing");
         assert!((metres - 0.2).abs() < 0.005, "{metres}");

@@ -13,10 +13,9 @@ pub(super) fn survey(bytes: Vec<u8>, spans: Vec<[Option<SideSpan>; 2]>) -> Surve
             ..SidePing::with_depth(ping as f64, f32::NAN)
         });
     Survey {
-        side_scan: std::sync::Arc::new(side_scan.collect()),
         side_scan_state: SideScanState::Usable,
         bytes: vec![Bytes::Held(bytes.into())],
-        ..Survey::default()
+        ..Survey::of_pings(side_scan)
     }
 }
 

@@ -93,10 +93,7 @@ mod tests {
             ping(f32::NAN, true),
             ping(30.0, true),
         ];
-        let survey = Survey {
-            side_scan: Arc::new(side_scan),
-            ..Survey::default()
-        };
+        let survey = Survey::of_pings(side_scan);
         let pick = |sample| Pick {
             sample,
             confidence: 0.5,

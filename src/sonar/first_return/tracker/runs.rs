@@ -102,9 +102,8 @@ mod tests {
             ..SidePing::with_depth(time_s, f32::NAN)
         };
         Survey {
-            side_scan: std::sync::Arc::new(times_and_ranges.map(ping).collect()),
             side_scan_state: SideScanState::Usable,
-            ..Survey::default()
+            ..Survey::of_pings(times_and_ranges.map(ping))
         }
     }
 
