@@ -1,7 +1,7 @@
 //! The squares that a surface is sampled on, and a mosaic drawn on.
 
 use super::DepthPoint;
-use crate::support::geo::bounds;
+use crate::support::outline::bounds;
 use crate::support::presentation::ticks;
 use rayon::prelude::*;
 
@@ -28,7 +28,7 @@ pub struct Grid {
 impl Grid {
     /// A grid by its north-western corner, the side of a cell, and its columns and rows.
     #[cfg(test)]
-    pub(crate) const fn at(
+    pub(crate) fn at(
         [west_m, north_m]: [f64; 2],
         cell_m: f64,
         [columns, rows]: [usize; 2],

@@ -2,7 +2,7 @@
 
 use super::DepthPoint;
 use super::isobaths::IsobathSettings;
-use crate::support::geo::bounds;
+use crate::support::outline::bounds;
 use crate::support::presentation::ticks;
 use std::collections::HashMap;
 

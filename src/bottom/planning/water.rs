@@ -1,9 +1,8 @@
 //! The water that a plan may use: within a polygon, or within the outline of what was sailed.
 
 use crate::bottom::bathymetry::Grid;
-use crate::support::geo;
 use crate::support::nearest::Nearest;
-use crate::support::outline::{between, edges};
+use crate::support::outline::{self, between, edges};
 use rayon::prelude::*;
 
 /// Cells are no smaller than this, metres: a boat keeps no line any better.
@@ -60,8 +59,8 @@ impl Water {
 /// West, south, east, north; `None` without a finite place.
 fn bounds(places: impl Iterator<Item = [f64; 2]>) -> Option<[f64; 4]> {
     let finite = places.filter(|place| place.iter().all(|value| value.is_finite()));
-    let bounds = geo::bounds(finite);
-    (bounds != geo::NOWHERE).then_some(bounds)
+    let bounds = outline::bounds(finite);
+    (bounds != outline::NOWHERE).then_some(bounds)
 }
 
 /// The water on the finest grid that has not too many cells.

@@ -310,11 +310,13 @@ mod tests {
     use super::*;
     use crate::survey::Survey;
 
-    const GRID: Grid = Grid::at([0.0, 10.0], 1.0, [10, 10]);
+    fn grid() -> Grid {
+        Grid::at([0.0, 10.0], 1.0, [10, 10])
+    }
 
     #[test]
     fn a_surface_without_echoes_stays_as_it_is_and_says_why() {
-        let before = Surface::of_depths(GRID, vec![2.0; 100]);
+        let before = Surface::of_depths(grid(), vec![2.0; 100]);
         let measured = DepthPoint::of_sounding([3.0, 3.0], 2.0);
         let side = SideEchoes {
             near_m: 0.0,
@@ -355,7 +357,7 @@ mod tests {
 
     #[test]
     fn the_smaller_error_counts_more() {
-        let nodes = nodes::Nodes::over(&GRID, 1.0);
+        let nodes = nodes::Nodes::over(&grid(), 1.0);
         let all = |value: f64| vec![value; nodes.len()];
         let found = Found {
             nodes,
@@ -365,7 +367,7 @@ mod tests {
             seen: all(1.0),
         };
         let depth_m = |triangles_error_m: f32| {
-            let mut surface = Surface::of_depths(GRID, vec![2.0; 100]);
+            let mut surface = Surface::of_depths(grid(), vec![2.0; 100]);
             surface.spread_is = Spread::OfError;
             surface.spread_m.fill(triangles_error_m);
             surface.distance_m.fill(3.0);

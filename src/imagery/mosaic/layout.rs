@@ -7,7 +7,7 @@ use super::altitude::altitudes_m;
 use crate::bottom::bathymetry::Grid;
 use crate::sonar::calibration::Calibration;
 use crate::sonar::first_return::FirstReturns;
-use crate::support::geo::{NOWHERE, bounds, box_around, boxes_meet};
+use crate::support::outline::{NOWHERE, bounds, box_around, boxes_meet};
 use crate::support::statistics::ends;
 use crate::survey::{AcrossTrack, Exclusions, Navigation, Relief, Side, Survey, turn_rates_deg_s};
 use rayon::prelude::*;

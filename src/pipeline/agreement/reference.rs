@@ -7,7 +7,8 @@ use crate::formats::{ReferenceFile, open_reference};
 use crate::pipeline::fingerprint::{Input, InputError, hash_file, hash_inputs};
 use crate::pipeline::{ProcessedLog, Products, Settings, as_mounted, run};
 use crate::sonar::first_return::BottomSettings;
-use crate::support::geo::{self, Crs, LocalFrame, LonLat};
+use crate::support::geo::{Crs, LocalFrame, LonLat};
+use crate::support::outline;
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::Survey;
 use rayon::prelude::*;
@@ -300,7 +301,7 @@ const NEAR_M: f64 = 20_000.0;
 
 /// West, south, east and north of what has a place.
 pub(super) fn bounds(places: impl Iterator<Item = [f64; 2]>) -> [f64; 4] {
-    geo::bounds(places.filter(|[x, y]| x.is_finite() && y.is_finite()))
+    outline::bounds(places.filter(|[x, y]| x.is_finite() && y.is_finite()))
 }
 
 /// Distance between two rectangles, 0 where they meet.

@@ -7,7 +7,8 @@ use crate::pipeline::{
     CommonUncertainty, Plane, ProcessedLog, Same, clip_area, colour_range_m, joint_depth_points,
     joint_depth_surface,
 };
-use crate::support::geo::{CrsChoice, MapPlane, bounds, bounds_deg};
+use crate::support::geo::{CrsChoice, MapPlane, bounds_deg};
+use crate::support::outline::bounds;
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::{Navigation, Survey};
 use std::sync::{Arc, OnceLock};

@@ -14,6 +14,7 @@ mod mercator;
 mod utm;
 mod wgs84;
 
+pub(crate) use super::outline::boxes_meet;
 pub(crate) use coordinates::CoordinateFormat;
 pub(crate) use crs::{Crs, CrsChoice, CrsError, SourceCrs};
 pub(crate) use geodesic::{area_m2, course_rad, distance_m};
@@ -25,6 +26,8 @@ pub(crate) use mercator::{
 };
 pub(crate) use utm::UtmZone;
 pub(crate) use wgs84::metres_per_degree;
+
+use super::outline;
 
 /// A WGS84 position in degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,31 +52,7 @@ impl LonLat {
 
 /// West, south, east and north of some positions, degrees; without any, a box that meets no other.
 pub(crate) fn bounds_deg(positions: impl Iterator<Item = LonLat>) -> [f64; 4] {
-    bounds(positions.map(|at| [at.lon_deg, at.lat_deg]))
-}
-
-/// West, south, east and north of no place: a box that meets no other.
-pub(crate) const NOWHERE: [f64; 4] = [f64::MAX, f64::MAX, f64::MIN, f64::MIN];
-
-/// West, south, east and north of some places in a plane; [`NOWHERE`] without any.
-pub(crate) fn bounds(places: impl IntoIterator<Item = [f64; 2]>) -> [f64; 4] {
-    let boxes = places.into_iter().map(|[x, y]| [x, y, x, y]);
-    boxes.fold(NOWHERE, box_around)
-}
-
-/// The smallest box around two (west, south, east, north).
-pub(crate) fn box_around(one: [f64; 4], other: [f64; 4]) -> [f64; 4] {
-    [
-        one[0].min(other[0]),
-        one[1].min(other[1]),
-        one[2].max(other[2]),
-        one[3].max(other[3]),
-    ]
-}
-
-/// Whether two boxes (west, south, east, north) share a place.
-pub(crate) fn boxes_meet(one: [f64; 4], other: [f64; 4]) -> bool {
-    one[0] <= other[2] && one[2] >= other[0] && one[1] <= other[3] && one[3] >= other[1]
+    outline::bounds(positions.map(|at| [at.lon_deg, at.lat_deg]))
 }
 
 /// Metres in an international foot.

@@ -1,8 +1,7 @@
 //! Pieces of a border joined to rings, and rings sorted into outlines and holes.
 
 use super::{Piece, Stop};
-use crate::support::geo::bounds;
-use crate::support::outline::goes_around;
+use crate::support::outline::{bounds, goes_around};
 
 /// An area with holes.
 #[derive(Clone, Debug, PartialEq)]
