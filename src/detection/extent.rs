@@ -88,12 +88,7 @@ mod tests {
     use crate::survey::Side;
 
     fn mark(near_m: f64, far_m: f64) -> Mark {
-        Mark {
-            side: Side::Port,
-            pings: 3..9,
-            near_m,
-            far_m,
-        }
+        Mark::new(Side::Port, 3..9, [near_m, far_m])
     }
 
     #[test]

@@ -262,12 +262,9 @@ struct InPicture {
 /// A box cut at the picture's end, which lies within a tile that is larger; `None` where most of it lies beyond: what looks
 /// like an object there is the edge itself.
 fn inside(found: Scored, [width, height]: [f32; 2]) -> Option<Scored> {
-    let rect = found.rect.intersection(&Rect {
-        x0: 0.0,
-        y0: 0.0,
-        x1: width,
-        y1: height,
-    });
+    let rect = found
+        .rect
+        .intersection(&Rect::new([0.0, 0.0], [width, height]));
     (rect.area() >= 0.5 * found.rect.area()).then_some(Scored { rect, ..found })
 }
 
@@ -325,12 +322,10 @@ impl Grid {
             (at[axis] * step(self.tile[axis])).min(last)
         });
         let [x0, y0] = place.map(|first| first as f32);
-        let rect = Rect {
-            x0,
-            y0,
-            x1: x0 + self.tile[0] as f32,
-            y1: y0 + self.tile[1] as f32,
-        };
+        let rect = Rect::new(
+            [x0, y0],
+            [x0 + self.tile[0] as f32, y0 + self.tile[1] as f32],
+        );
         (place, rect)
     }
 }
@@ -346,16 +341,7 @@ mod tests {
 
     #[test]
     fn what_lies_beyond_the_picture_is_no_object() {
-        let found = |x0, x1| Scored {
-            class: 0,
-            score: 0.5,
-            rect: Rect {
-                x0,
-                y0: 0.0,
-                x1,
-                y1: 10.0,
-            },
-        };
+        let found = |x0, x1| Scored::new(0, 0.5, Rect::new([x0, 0.0], [x1, 10.0]));
         let edges = |x0, x1| inside(found(x0, x1), [375.0, 416.0]).map(|one| one.rect.x1);
         assert_eq!(edges(300.0, 320.0), Some(320.0));
         assert_eq!(edges(360.0, 380.0), Some(375.0));
@@ -370,17 +356,8 @@ mod tests {
         let mut gathered = Gathered::new(&grid, 2);
         let seen = |place: InPicture, [y0, y1]: [f32; 2]| {
             let tile = grid.place(place.tile).1;
-            let rect = Rect {
-                x0: 10.0,
-                y0: y0 - tile.y0,
-                x1: 20.0,
-                y1: y1 - tile.y0,
-            };
-            let found = Scored {
-                class: 0,
-                score: 0.5,
-                rect,
-            };
+            let rect = Rect::new([10.0, y0 - tile.y0], [20.0, y1 - tile.y0]);
+            let found = Scored::new(0, 0.5, rect);
             vec![TileDetection::new(found, tile, 500.0, 1000.0)]
         };
         let places: Vec<InPicture> = (0..12).map(|index| grid.of_picture(index, 2)).collect();

@@ -29,6 +29,16 @@ pub struct Detection {
 }
 
 impl Mark {
+    /// A box by its side, its pings, and the slant ranges of its edges, metres.
+    pub(crate) fn new(side: Side, pings: Range<usize>, [near_m, far_m]: [f64; 2]) -> Self {
+        Self {
+            side,
+            pings,
+            near_m,
+            far_m,
+        }
+    }
+
     /// The samples that the box covers in its middle ping, the end excluded; empty where that ping has no such side.
     pub fn samples(&self, survey: &Survey) -> Range<u32> {
         let middle = usize::midpoint(self.pings.start, self.pings.end);

@@ -161,33 +161,19 @@ mod tests {
     /// Tiles of 416 rows, a new one every 312, of a picture 416 across.
     fn tile(index: u8) -> Rect {
         let y0 = 312.0 * f32::from(index);
-        Rect {
-            x0: 0.0,
-            y0,
-            x1: 416.0,
-            y1: y0 + 416.0,
-        }
+        Rect::new([0.0, y0], [416.0, y0 + 416.0])
     }
 
     /// What the tiles see of an object between two rows, each with the score given for it.
     fn seen(class: usize, [y0, y1]: [f32; 2], scores: [Option<f32>; 3]) -> Vec<TileDetection> {
-        let object = Rect {
-            x0: 100.0,
-            y0,
-            x1: 150.0,
-            y1,
-        };
+        let object = Rect::new([100.0, y0], [150.0, y1]);
         (0..3_u8)
             .zip(scores)
             .filter_map(|(index, score)| {
                 let rect = object
                     .intersection(&tile(index))
                     .shifted(0.0, -tile(index).y0);
-                let found = Scored {
-                    class,
-                    score: score?,
-                    rect,
-                };
+                let found = Scored::new(class, score?, rect);
                 Some(TileDetection::new(found, tile(index), 416.0, HEIGHT))
             })
             .collect()
@@ -221,17 +207,8 @@ mod tests {
     #[test]
     fn the_cut_end_of_a_whole_box_is_no_object_of_its_own() {
         let mut boxes = seen(0, [330.0, 420.0], [None, Some(0.8), None]);
-        let end = Rect {
-            x0: 120.0,
-            y0: 400.0,
-            x1: 140.0,
-            y1: 416.0,
-        };
-        let found = Scored {
-            class: 1,
-            score: 0.9,
-            rect: end,
-        };
+        let end = Rect::new([120.0, 400.0], [140.0, 416.0]);
+        let found = Scored::new(1, 0.9, end);
         boxes.push(TileDetection::new(found, tile(0), 416.0, HEIGHT));
         assert_eq!(merged(boxes), [(0.8, 330.0, 420.0)]);
     }

@@ -108,11 +108,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn scored(class: usize, score: f32, [x0, y0, x1, y1]: [f32; 4]) -> Scored {
-        Scored {
-            class,
-            score,
-            rect: Rect { x0, y0, x1, y1 },
-        }
+        Scored::new(class, score, Rect { x0, y0, x1, y1 })
     }
 
     fn scores(mut boxes: Vec<Scored>, how: Nms, iou: f32) -> Vec<f32> {
@@ -133,12 +129,7 @@ mod tests {
 
     #[test]
     fn darknet_takes_the_distance_of_the_centres_off() {
-        let a = Rect {
-            x0: 0.0,
-            y0: 0.0,
-            x1: 4.0,
-            y1: 2.0,
-        };
+        let a = Rect::new([0.0, 0.0], [4.0, 2.0]);
         // d^2 = 4, c^2 = 6^2 + 2^2 = 40: 1/3 - 0.1^0.6 = 0.333333 - 0.251189.
         let measure = Overlap::Darknet.of(&a, &a.shifted(2.0, 0.0));
         assert!((measure - 0.082_144).abs() < 1e-6, "{measure}");

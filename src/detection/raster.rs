@@ -125,12 +125,16 @@ impl Raster {
 
     /// A mark as a box in the whole picture.
     pub fn rect_of(&self, mark: &Mark) -> Rect {
-        Rect {
-            x0: (mark.near_m / self.pixel_m) as f32,
-            x1: (mark.far_m / self.pixel_m) as f32,
-            y0: self.row_of(mark.pings.start as f64) as f32,
-            y1: self.row_of(mark.pings.end as f64) as f32,
-        }
+        Rect::new(
+            [
+                (mark.near_m / self.pixel_m) as f32,
+                self.row_of(mark.pings.start as f64) as f32,
+            ],
+            [
+                (mark.far_m / self.pixel_m) as f32,
+                self.row_of(mark.pings.end as f64) as f32,
+            ],
+        )
     }
 
     /// A box in the whole picture as a mark of at least one ping.
@@ -138,12 +142,14 @@ impl Raster {
         let start = self.ping_of(f64::from(rect.y0)).round().max(0.0) as usize;
         let end = self.ping_of(f64::from(rect.y1)).round() as usize;
         let last = self.along_m.len().saturating_sub(1);
-        Mark {
+        Mark::new(
             side,
-            pings: start.min(last)..end.clamp(start.min(last) + 1, last + 1),
-            near_m: f64::from(rect.x0.max(0.0)) * self.pixel_m,
-            far_m: f64::from(rect.x1) * self.pixel_m,
-        }
+            start.min(last)..end.clamp(start.min(last) + 1, last + 1),
+            [
+                f64::from(rect.x0.max(0.0)) * self.pixel_m,
+                f64::from(rect.x1) * self.pixel_m,
+            ],
+        )
     }
 
     /// Row and column at which a tile about the middle of a box starts, held to the picture.

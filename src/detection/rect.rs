@@ -33,7 +33,19 @@ pub struct Scored {
     pub rect: Rect,
 }
 
+impl Scored {
+    /// A box of a class.
+    pub(crate) const fn new(class: usize, score: f32, rect: Rect) -> Self {
+        Self { class, score, rect }
+    }
+}
+
 impl Rect {
+    /// A box by the corners with its least and its greatest coordinates.
+    pub(crate) const fn new([x0, y0]: [f32; 2], [x1, y1]: [f32; 2]) -> Self {
+        Self { x0, y0, x1, y1 }
+    }
+
     /// Width times height; 0 for a box that is inside out.
     pub fn area(&self) -> f32 {
         (self.x1 - self.x0).max(0.0) * (self.y1 - self.y0).max(0.0)
@@ -41,22 +53,18 @@ impl Rect {
 
     /// What two boxes share; inside out (area 0) when they do not meet.
     pub fn intersection(&self, other: &Rect) -> Rect {
-        Rect {
-            x0: self.x0.max(other.x0),
-            y0: self.y0.max(other.y0),
-            x1: self.x1.min(other.x1),
-            y1: self.y1.min(other.y1),
-        }
+        Self::new(
+            [self.x0.max(other.x0), self.y0.max(other.y0)],
+            [self.x1.min(other.x1), self.y1.min(other.y1)],
+        )
     }
 
     /// The smallest box around both.
     pub fn hull(&self, other: &Rect) -> Rect {
-        Rect {
-            x0: self.x0.min(other.x0),
-            y0: self.y0.min(other.y0),
-            x1: self.x1.max(other.x1),
-            y1: self.y1.max(other.y1),
-        }
+        Self::new(
+            [self.x0.min(other.x0), self.y0.min(other.y0)],
+            [self.x1.max(other.x1), self.y1.max(other.y1)],
+        )
     }
 
     /// Intersection over union, 0 to 1; 0 for two boxes without area.
@@ -68,12 +76,7 @@ impl Rect {
 
     /// The box moved.
     pub fn shifted(&self, dx: f32, dy: f32) -> Rect {
-        Rect {
-            x0: self.x0 + dx,
-            y0: self.y0 + dy,
-            x1: self.x1 + dx,
-            y1: self.y1 + dy,
-        }
+        Self::new([self.x0 + dx, self.y0 + dy], [self.x1 + dx, self.y1 + dy])
     }
 }
 

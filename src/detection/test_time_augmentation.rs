@@ -39,12 +39,7 @@ fn surest_there(one: &Scored, others: &[Scored]) -> f32 {
 pub(super) fn mirrored(found: Scored, height: f32) -> Scored {
     let Rect { x0, y0, x1, y1 } = found.rect;
     Scored {
-        rect: Rect {
-            x0,
-            y0: height - y1,
-            x1,
-            y1: height - y0,
-        },
+        rect: Rect::new([x0, height - y1], [x1, height - y0]),
         ..found
     }
 }
@@ -54,12 +49,7 @@ mod tests {
     use super::*;
 
     fn scored(class: usize, score: f32, [y0, y1]: [f32; 2]) -> Scored {
-        let (x0, x1) = (0.0, 10.0);
-        Scored {
-            class,
-            score,
-            rect: Rect { x0, y0, x1, y1 },
-        }
+        Scored::new(class, score, Rect::new([0.0, y0], [10.0, y1]))
     }
 
     fn scores(first: &[Scored], second: &[Scored]) -> Vec<f32> {

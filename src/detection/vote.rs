@@ -42,12 +42,7 @@ mod tests {
     use super::*;
 
     fn scored(class: usize, score: f32, [x0, x1]: [f32; 2]) -> Scored {
-        let (y0, y1) = (0.0, 1.0);
-        Scored {
-            class,
-            score,
-            rect: Rect { x0, y0, x1, y1 },
-        }
+        Scored::new(class, score, Rect::new([x0, 0.0], [x1, 1.0]))
     }
 
     fn voted(kept: Scored, others: &[Scored]) -> [f32; 2] {

@@ -2,6 +2,7 @@
 
 use crate::bottom::bathymetry::isobaths::{ClipArea, IsobathSettings, NoIsobaths};
 use crate::support::geo::{LonLat, bounds_deg};
+use crate::support::outline::{between, edges};
 
 /// Edges are straight in degrees; pieces so long, metres, are off that by less than a millimetre where they are straight in the plane.
 const PIECE_M: f64 = 50.0;
@@ -54,20 +55,11 @@ pub(crate) fn clip_area(
         let corners = edges(ring).flat_map(|edge| {
             let count = (length_m(edge) / piece_m).ceil().max(1.0) as usize;
             let [from, to] = edge;
-            (0..count).map(move |step| {
-                let share = step as f64 / count as f64;
-                [0, 1].map(|axis| from[axis] + share * (to[axis] - from[axis]))
-            })
+            (0..count).map(move |step| between(from, to, step as f64 / count as f64))
         });
         corners.map(place).collect()
     };
     Ok(Some(ClipArea::new(rings.iter().map(in_pieces).collect())))
-}
-
-/// The edges of a ring that names each corner once.
-fn edges(ring: &[[f64; 2]]) -> impl Iterator<Item = [[f64; 2]; 2]> {
-    let next = ring.iter().cycle().skip(1);
-    ring.iter().zip(next).map(|(from, to)| [*from, *to])
 }
 
 /// A ring within a box (Sutherland and Hodgman 1974): what lies beyond runs along the edges of the box. Beyond the date line it lies where
@@ -92,7 +84,7 @@ fn within(ring: &[LonLat], middle_deg: f64, around: [f64; 4]) -> Vec<[f64; 2]> {
             }
             if is_in(from) != is_in(to) {
                 let share = (edge - from[axis]) / (to[axis] - from[axis]);
-                let mut at = [0, 1].map(|axis| from[axis] + share * (to[axis] - from[axis]));
+                let mut at = between(from, to, share);
                 at[axis] = edge;
                 cut.push(at);
             }
@@ -109,10 +101,9 @@ mod tests {
     use std::sync::Arc;
 
     fn settings(corners: &[[f64; 2]]) -> IsobathSettings {
-        let ring = corners.iter().map(|[lon_deg, lat_deg]| LonLat {
-            lon_deg: *lon_deg,
-            lat_deg: *lat_deg,
-        });
+        let ring = corners
+            .iter()
+            .map(|[lon_deg, lat_deg]| LonLat::new(*lon_deg, *lat_deg));
         IsobathSettings {
             clip: Some("shore.kml".into()),
             area: Some(Arc::new(WaterArea {

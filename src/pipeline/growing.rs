@@ -14,6 +14,7 @@ use crate::bottom::cloud::{
 use crate::pipeline::Settings;
 use crate::sonar::first_return::{self, FirstReturns, Normalisation, Pick};
 use crate::support::progress::{Cancelled, Progress};
+use crate::support::statistics::wider;
 use crate::support::versions::Versions;
 use crate::survey::{Exclusions, Navigation, PingNav, Side, Survey, navigate_with};
 use std::ops::Range;
@@ -293,12 +294,5 @@ impl Part {
             sounding: sounding.and_then(SoundingIndex::new),
             ..*point
         })
-    }
-}
-
-fn wider(one: Option<[f32; 2]>, other: Option<[f32; 2]>) -> Option<[f32; 2]> {
-    match (one, other) {
-        (Some([a, b]), Some([c, d])) => Some([a.min(c), b.max(d)]),
-        (one, other) => one.or(other),
     }
 }

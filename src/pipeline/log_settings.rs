@@ -3,7 +3,7 @@
 //! A log's settings are the shared ones with its own keys over them ([`LogSettings::compose`]); the pipeline takes the result as it
 //! takes the settings of a single log. Keys are those of `--set`: `draft_m`, `first_return.threshold`.
 
-use super::settings::{renamed, row};
+use super::settings::{in_one_line, renamed, row};
 use super::{Settings, SettingsError};
 use crate::sonar::first_return::BottomSettings;
 use crate::survey::{Gauge, Identity, Survey, WaterArea};
@@ -15,38 +15,7 @@ use toml::{Table, Value};
 /// Settings by their dotted keys.
 pub(crate) type SettingValues = BTreeMap<String, Value>;
 
-/// Keys that belong to one log by their nature: a change of them never concerns another log.
-const OF_ONE_LOG: [&str; 28] = [
-    "calibration.pings",
-    "draft_m",
-    "excluded.log",
-    "excluded.stretches",
-    "height_offset_m",
-    "mounting.clock_offset_s",
-    "mounting.forward_m",
-    "mounting.heading_offset_deg",
-    "mounting.latency_s",
-    "mounting.right_m",
-    "mounting.swap_sides",
-    "picture.absorption_db_m",
-    "picture.balance_db",
-    "picture.black",
-    "picture.despeckle",
-    "picture.flip",
-    "picture.gain",
-    "picture.gamma",
-    "picture.spreading_db",
-    "picture.starboard_first",
-    "picture.stripe_filter",
-    "picture.white",
-    "position_shift.east_m",
-    "position_shift.north_m",
-    "track.file",
-    "track.offset_s",
-    "water_level.file",
-    "water_level_m",
-];
-/// Of these, the keys that say nothing about another log, so that they cannot be shared.
+/// Keys that say nothing about another log, so that they cannot be shared.
 const NEVER_SHARED: [&str; 14] = [
     "calibration.pings",
     "excluded.log",
@@ -62,6 +31,23 @@ const NEVER_SHARED: [&str; 14] = [
     "position_shift.north_m",
     "track.file",
     "track.offset_s",
+];
+/// Other keys that belong to one log by their nature: a change of them never concerns another log.
+const SELDOM_SHARED: [&str; 14] = [
+    "draft_m",
+    "picture.absorption_db_m",
+    "picture.balance_db",
+    "picture.black",
+    "picture.despeckle",
+    "picture.flip",
+    "picture.gain",
+    "picture.gamma",
+    "picture.spreading_db",
+    "picture.starboard_first",
+    "picture.stripe_filter",
+    "picture.white",
+    "water_level.file",
+    "water_level_m",
 ];
 /// Kept by itself: it is made of many strokes.
 const BOTTOM: &str = "bottom";
@@ -91,7 +77,7 @@ pub(crate) fn is_setting(key: &str) -> bool {
 /// Whether a change of this key is one of a single log, not of all: draft, water level, height offset,
 /// track and its clock, mounting, position shift, flat spot, excluded stretches, and how its picture is shown.
 pub(crate) fn is_of_one_log(key: &str) -> bool {
-    OF_ONE_LOG.contains(&key)
+    NEVER_SHARED.contains(&key) || SELDOM_SHARED.contains(&key)
 }
 
 /// All settings that have a value, by their keys, but for the bottom edits.
@@ -126,7 +112,7 @@ fn flatten(prefix: &str, table: Table, values: &mut SettingValues) {
         };
         match value {
             // A key with a table for its value: which log the stretches are of.
-            Value::Table(inner) if !OF_ONE_LOG.contains(&key.as_str()) => {
+            Value::Table(inner) if !is_of_one_log(&key) => {
                 flatten(&key, inner, values);
             }
             value => {
@@ -164,7 +150,7 @@ pub(crate) fn with_values(
     }
     let mut made: Settings = table
         .try_into()
-        .map_err(|error: toml::de::Error| SettingsError(in_one_line(&error)))?;
+        .map_err(|error: toml::de::Error| SettingsError(in_one_line(&error.to_string())))?;
     if made.water_level.file == settings.water_level.file {
         made.water_level.gauge = settings.water_level.gauge.clone();
     }
@@ -185,10 +171,6 @@ fn insert(table: &mut Table, key: &str, value: Value) {
     if let Value::Table(inner) = inner {
         insert(inner, rest, value);
     }
-}
-
-fn in_one_line(error: &toml::de::Error) -> String {
-    error.to_string().lines().collect::<Vec<_>>().join(" ")
 }
 
 /// What is set for one log only.

@@ -39,7 +39,7 @@ mod task;
 #[cfg(any(test, feature = "bench"))]
 pub(crate) use agreement::LogDifferences;
 pub(crate) use agreement::{
-    Agreement, AgreementError, MissionLog, Reference, ResidualTables, matching_in_words, positions,
+    Agreement, AgreementError, MissionLog, Reference, ResidualTables, positions,
 };
 pub(crate) use background::{Background, Same};
 pub(crate) use clip_area::clip_area;

@@ -2,7 +2,7 @@
 
 use super::depth::depth_points;
 use crate::bottom::bathymetry::{Surface, SurfaceMethod, SurfaceSettings, surface_of_depths};
-use crate::bottom::cloud::{PointClass, PointCloud};
+use crate::bottom::cloud::{CloudPoint, PointClass, PointCloud};
 use crate::support::progress::{Cancelled, Progress};
 use crate::support::statistics::{median, quantile};
 use crate::survey::{Navigation, Relief, Side, Survey};
@@ -34,7 +34,7 @@ pub(super) fn relief(
     if !settings.relief || !survey.has_side_scan() {
         return Ok(Relief::default());
     }
-    let points = depth_points(cloud, classes, settings, |p| [p.east_m, p.north_m, p.z_m]);
+    let points = depth_points(cloud, classes, settings, CloudPoint::place);
     let mut depths_m: Vec<f64> = points.iter().map(|point| point.depth_m).collect();
     let cell_m = (CELL_SHARE * median(&mut depths_m)).max(LEAST_CELL_M);
     let settings = SurfaceSettings {
@@ -62,18 +62,14 @@ fn deeper_m(
     ground_m: f64,
 ) -> Option<f64> {
     let boat = navigation.pings.get(ping)?;
-    let [x, y] = boat.starboard()?;
-    let out_m = match side {
-        Side::Port => -ground_m,
-        Side::Starboard => ground_m,
-    };
+    let beside = boat.abeam(side, ground_m)?;
     // At its edge, where the outermost lines lie, a cell has no neighbours to be bilinear between.
     let depth_m = |[east_m, north_m]: [f64; 2]| {
         let of_cell = || bottom.at(east_m, north_m).map(|(depth_m, _)| depth_m);
         bottom.depth_at([east_m, north_m]).or_else(of_cell)
     };
-    let under_m = depth_m([boat.east_m, boat.north_m])?;
-    let there_m = depth_m([boat.east_m + x * out_m, boat.north_m + y * out_m])?;
+    let under_m = depth_m(boat.place())?;
+    let there_m = depth_m(beside)?;
     Some(f64::from(there_m - under_m))
 }
 
@@ -92,24 +88,17 @@ pub(super) fn farthest_m(survey: &Survey) -> f64 {
 mod tests {
     use super::*;
     use crate::survey::{SidePing, SideSpan};
-    use std::sync::Arc;
 
     #[test]
     fn a_damaged_header_does_not_say_how_far_the_bottom_is_read() {
         let ping = |index: usize| SidePing {
-            time_s: index as f64,
-            depth_m: 3.0,
-            depth_locked: true,
-            port: None,
             starboard: Some(SideSpan::of_bytes(
                 100,
                 [0.0, if index == 7 { 3e9 } else { 20.0 }],
             )),
+            ..SidePing::with_depth(index as f64, 3.0)
         };
-        let survey = Survey {
-            side_scan: Arc::new((0..200).map(ping).collect()),
-            ..Survey::default()
-        };
+        let survey = Survey::of_pings((0..200).map(ping));
         assert_eq!(farthest_m(&survey), 20.0);
         assert_eq!(farthest_m(&Survey::default()), 1.0);
     }

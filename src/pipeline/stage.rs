@@ -1,6 +1,7 @@
 //! The stages of a run, and which of them a change of settings makes stale.
 
 use super::Settings;
+use crate::support::named::named;
 
 /// A stage of the pipeline, in the order of the data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -19,29 +20,19 @@ pub enum Stage {
     Relief,
 }
 
-impl Stage {
+named! {
     /// All stages in order.
-    pub const ALL: [Stage; 6] = [
-        Stage::Navigation,
-        Stage::FirstReturn,
-        Stage::Calibration,
-        Stage::Cloud,
-        Stage::Outliers,
-        Stage::Relief,
-    ];
-
-    /// What the stage does, for a progress line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Stage::Navigation => "track",
-            Stage::FirstReturn => "first return",
-            Stage::Calibration => "calibration",
-            Stage::Cloud => "cloud",
-            Stage::Outliers => "outliers",
-            Stage::Relief => "relief",
-        }
+    pub Stage {
+        Navigation: "track",
+        FirstReturn: "first return",
+        Calibration: "calibration",
+        Cloud: "cloud",
+        Outliers: "outliers",
+        Relief: "relief",
     }
+}
 
+impl Stage {
     /// The first stage whose result differs between two settings; `None` when all results are the same.
     pub fn first_stale(old: &Settings, new: &Settings) -> Option<Stage> {
         // With the sides of a log all that is known of it is another, its places included.

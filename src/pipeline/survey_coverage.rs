@@ -1,6 +1,7 @@
 //! What a plan of further lines starts from: soundings, ground that was insonified, objects and disagreements of all logs in one plane.
 
 use super::ProcessedLog;
+use super::depth::depth_points;
 use super::joint::track_depths;
 use crate::bottom::bathymetry::crosslines::{TrackDepth, crossings};
 use crate::bottom::bathymetry::{DepthPoint, sigma_by_distance};
@@ -53,7 +54,7 @@ pub(crate) fn survey_coverage(
     let limit_m = spread_about(&mut depths_m, depth_m);
     let doubts = crossings(&tracks, progress)?.into_iter();
     Ok(Some(SurveyCoverage {
-        soundings: points.iter().map(|p| [p.east_m, p.north_m]).collect(),
+        soundings: points.iter().map(DepthPoint::place).collect(),
         sigma: SigmaLaw::new(held_out.as_ref(), finite_or_zero(limit_m)),
         looks,
         objects: seen_objects(objects, &Log { log: first, frame }),
@@ -96,35 +97,20 @@ impl Log<'_> {
     }
 
     /// The points that count for the depth map.
-    fn points(&self) -> impl Iterator<Item = DepthPoint> {
-        let settings = &self.log.products.settings.surface;
-        let weighted = self
-            .log
-            .kept_points()
-            .map(|point| (point, settings.weight(point)));
-        let weighted = weighted.filter(|(_, weight)| *weight > 0.0);
-        let placed = weighted.map(|(point, weight)| {
+    fn points(&self) -> Vec<DepthPoint> {
+        let products = &self.log.products;
+        let (cloud, classes) = (&products.cloud, &products.classes);
+        depth_points(cloud, classes, &products.settings.surface, |point| {
             let [east_m, north_m] = self.place(point.east_m, point.north_m);
-            DepthPoint {
-                east_m,
-                north_m,
-                depth_m: -point.z_m,
-                weight,
-                is_sounding: true,
-            }
-        });
-        placed.filter(|point| (point.east_m + point.north_m + point.depth_m).is_finite())
+            [east_m, north_m, point.z_m]
+        })
     }
 
     fn track(&self) -> Vec<TrackDepth> {
         let depths = track_depths(self.log).into_iter();
         let placed = depths.map(|depth| {
-            let [east_m, north_m] = self.place(depth.east_m, depth.north_m);
-            TrackDepth {
-                east_m,
-                north_m,
-                ..depth
-            }
+            let place = self.place(depth.east_m, depth.north_m);
+            TrackDepth::new(depth.time_s, place, depth.depth_m)
         });
         placed.collect()
     }
@@ -146,7 +132,7 @@ impl Log<'_> {
             if products.exclusions.ping(ping).is_some() {
                 continue;
             }
-            last = [boat.east_m, boat.north_m];
+            last = boat.place();
             let turned = (boat.heading_rad - begun_rad).cos();
             if begun_rad.is_nan() {
                 begun_rad = boat.heading_rad;
@@ -162,10 +148,7 @@ impl Log<'_> {
                 let range_m = f64::from(span.far_m);
                 ranges_m.push(range_m);
                 let across_m = (range_m * range_m - depth_m * depth_m).max(0.0).sqrt();
-                let out_m = match side {
-                    Side::Port => -across_m,
-                    Side::Starboard => across_m,
-                };
+                let out_m = side.to_starboard(across_m);
                 looks.push(InsonifiedSide {
                     from: self.place(boat.east_m, boat.north_m),
                     to: self.place(boat.east_m + x * out_m, boat.north_m + y * out_m),

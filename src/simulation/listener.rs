@@ -25,10 +25,7 @@ impl Listener<'_> {
     /// The place `across_m` to this side and `along_m` ahead of the boat.
     pub(super) fn place(&self, across_m: f64, along_m: f64) -> [f64; 2] {
         let [east, north] = self.forward;
-        let across_m = match self.side {
-            Side::Starboard => across_m,
-            Side::Port => -across_m,
-        };
+        let across_m = self.side.to_starboard(across_m);
         [
             self.pose.east_m + along_m * east + across_m * north,
             self.pose.north_m + along_m * north - across_m * east,

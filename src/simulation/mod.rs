@@ -51,27 +51,12 @@ mod weed;
 mod world;
 
 pub(crate) use object_kind::ObjectKind;
-#[cfg(any(test, feature = "bench"))]
-pub(crate) use scene::Artefacts;
-#[cfg(any(test, feature = "bench"))]
-pub(crate) use scene::Bank;
-#[cfg(any(test, feature = "bench"))]
-pub(crate) use scene::BedKind;
-#[cfg(any(test, feature = "bench"))]
-pub(crate) use scene::BedSettings;
-#[cfg(any(test, feature = "bench"))]
-pub(crate) use scene::Curve;
-#[cfg(any(test, feature = "bench"))]
-pub(crate) use scene::Mound;
-#[cfg(any(test, feature = "bench"))]
-pub(crate) use scene::ObjectSettings;
-#[cfg(any(test, feature = "bench"))]
-pub(crate) use scene::RecorderSettings;
 pub(crate) use scene::Scene;
 #[cfg(any(test, feature = "bench"))]
-pub(crate) use scene::Terrace;
-#[cfg(any(test, feature = "bench"))]
-pub(crate) use scene::TrackSettings;
+pub(crate) use scene::{
+    Artefacts, Bank, BedKind, BedSettings, Curve, Mound, ObjectSettings, RecorderSettings, Terrace,
+    TrackSettings,
+};
 pub(crate) use simulate::{Simulated, simulate};
 pub(crate) use training_scene::{TrainingPlace, TrainingScene, training_scene, training_seed};
 pub(crate) use truth::ObjectPass;

@@ -1,5 +1,6 @@
 //! The kinds of objects that a scene may hold.
 
+use crate::support::named::named;
 use serde::{Deserialize, Serialize};
 
 /// What an object is.
@@ -22,28 +23,15 @@ pub enum ObjectKind {
     Effigy,
 }
 
-impl ObjectKind {
+named! {
     /// All kinds, in the order of a detector's classes.
-    pub const ALL: [ObjectKind; 7] = [
-        ObjectKind::Rock,
-        ObjectKind::Block,
-        ObjectKind::Cylinder,
-        ObjectKind::Tyre,
-        ObjectKind::Boat,
-        ObjectKind::Log,
-        ObjectKind::Effigy,
-    ];
-
-    /// One word, as in scenes and tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            ObjectKind::Rock => "rock",
-            ObjectKind::Block => "block",
-            ObjectKind::Cylinder => "cylinder",
-            ObjectKind::Tyre => "tyre",
-            ObjectKind::Boat => "boat",
-            ObjectKind::Log => "log",
-            ObjectKind::Effigy => "effigy",
-        }
+    pub ObjectKind {
+        Rock: "rock",
+        Block: "block",
+        Cylinder: "cylinder",
+        Tyre: "tyre",
+        Boat: "boat",
+        Log: "log",
+        Effigy: "effigy",
     }
 }

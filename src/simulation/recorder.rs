@@ -356,11 +356,7 @@ fn pulse(deviation_samples: f64) -> Vec<f64> {
 
 /// The stream of a side's speckle in one ping.
 pub(super) fn speckle_stream(seed: u64, ping: u64, side: Side) -> Random {
-    let side = match side {
-        Side::Port => 0,
-        Side::Starboard => 1,
-    };
-    Random::new(seed, Purpose::Speckle, 2 * ping + side)
+    Random::new(seed, Purpose::Speckle, 2 * ping + side as u64)
 }
 
 #[cfg(test)]

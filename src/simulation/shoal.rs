@@ -42,10 +42,7 @@ impl Fishes {
         let echoes = self.0.iter().filter_map(|&(at, strength_db)| {
             let (de, dn) = (at[0] - pose.east_m, at[1] - pose.north_m);
             let (along, right) = (de * east + dn * north, de * north - dn * east);
-            let outward = match side {
-                Side::Starboard => right,
-                Side::Port => -right,
-            };
+            let outward = side.to_starboard(right);
             let down = at[2];
             if outward < 0.0 || down < 0.1 || down > depth_m {
                 return None;

@@ -141,10 +141,7 @@ pub(super) struct ReceivedPing {
 impl<'a> Run<'a> {
     fn new(scene: &'a Scene, seed: u64) -> Self {
         let path = Path::new(&scene.track);
-        let scene_frame = LocalFrame::new(LonLat {
-            lon_deg: scene.longitude_deg,
-            lat_deg: scene.latitude_deg,
-        });
+        let scene_frame = LocalFrame::new(LonLat::new(scene.longitude_deg, scene.latitude_deg));
         let start = path.at(0.0);
         let [x, y] = mercator(&scene_frame, start.antenna(&scene.mounting));
         let range_m = scene.recorder.range_m;
@@ -251,10 +248,7 @@ impl<'a> Run<'a> {
         receiver: &Receiver,
     ) -> (Echo, Vec<u8>) {
         // Rolling to starboard turns the starboard beam down and the port beam up.
-        let roll_rad = match side {
-            Side::Port => -trouble.roll_rad,
-            Side::Starboard => trouble.roll_rad,
-        };
+        let roll_rad = side.to_starboard(trouble.roll_rad);
         let echo = receiver.listen(&self.world, pose, side, roll_rad);
         let mut random = speckle_stream(self.seed, ping, side);
         let mut fish = Vec::from_iter(self.fish(trouble, side, echo.first_return_m));

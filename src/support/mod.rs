@@ -6,6 +6,8 @@ pub(crate) mod calendar;
 pub(crate) mod catch_panic;
 pub(crate) mod file_error;
 pub(crate) mod geo;
+pub(crate) mod named;
+pub(crate) mod nearest;
 pub(crate) mod outline;
 pub(crate) mod presentation;
 pub(crate) mod printable;

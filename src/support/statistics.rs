@@ -18,6 +18,22 @@ pub(crate) fn colour_ends(values: impl IntoIterator<Item = f32>) -> Option<[f32;
     Some([at(0.02), at(0.98)])
 }
 
+/// The least and the greatest of some values; the first above the second without any.
+pub(crate) fn ends(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
+    let values = values.into_iter();
+    values.fold([f64::MAX, f64::MIN], |[least, most], value| {
+        [least.min(value), most.max(value)]
+    })
+}
+
+/// From the least to the greatest of two ranges, where there are any.
+pub(crate) fn wider(one: Option<[f32; 2]>, other: Option<[f32; 2]>) -> Option<[f32; 2]> {
+    match (one, other) {
+        (Some([a, b]), Some([c, d])) => Some([a.min(c), b.max(d)]),
+        (one, other) => one.or(other),
+    }
+}
+
 /// Median, the mean of the middle two of an even count; NaN for an empty slice. Reorders `values`.
 pub(crate) fn median(values: &mut [f64]) -> f64 {
     if values.is_empty() {

@@ -98,28 +98,10 @@ mod tests {
     use crate::survey::{Fix, SidePing};
 
     fn log(pings: usize, lon_deg: f64) -> Survey {
-        let ping = SidePing {
-            time_s: 0.0,
-            depth_m: f32::NAN,
-            depth_locked: false,
-            port: None,
-            starboard: None,
-        };
-        let position = LonLat {
-            lon_deg,
-            lat_deg: 50.0,
-        };
-        let fix = Fix {
-            time_s: 0.0,
-            position,
-            cog_rad: f32::NAN,
-            compass_rad: f32::NAN,
-            speed_mps: f32::NAN,
-        };
-        let mut survey = Survey {
-            side_scan: vec![ping; pings].into(),
-            ..Survey::default()
-        };
+        let ping = SidePing::with_depth(0.0, f32::NAN);
+        let position = LonLat::new(lon_deg, 50.0);
+        let fix = Fix::at(0.0, position);
+        let mut survey = Survey::of_pings(vec![ping; pings]);
         survey.track.fixes = vec![fix].into();
         survey
     }

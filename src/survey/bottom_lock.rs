@@ -124,56 +124,39 @@ mod tests {
         soundings.iter().map(|sounding| sounding.locked).collect()
     }
 
+    fn all_locked<'a>(locked: impl IntoIterator<Item = &'a bool>) -> bool {
+        locked.into_iter().all(|locked| *locked)
+    }
+
+    /// Depths about a bed of 1.5 m while the recorder has lost it.
+    fn wandering(lost: std::ops::Range<usize>) -> impl Fn(usize) -> f32 {
+        move |i| match lost.contains(&i) {
+            true => [1.5, 5.0, 3.0, 6.0][i / 7 % 4],
+            false => 1.5,
+        }
+    }
+
     #[test]
     fn slopes_noise_and_ledges_keep_the_lock() {
-        assert!(
-            locked((0..300).map(|i| 2.0 + 0.02 * i as f32))
-                .iter()
-                .all(|locked| *locked)
-        );
-        assert!(
-            locked((0..300).map(|i| 2.0 + 0.1 * (i % 3) as f32))
-                .iter()
-                .all(|locked| *locked)
-        );
+        let slope = locked((0..300).map(|i| 2.0 + 0.02 * i as f32));
+        let noise = locked((0..300).map(|i| 2.0 + 0.1 * (i % 3) as f32));
+        assert!(all_locked(&slope) && all_locked(&noise));
         // A block on the bed, a metre high and two seconds long.
         let block = |i| if (100..120).contains(&i) { 2.0 } else { 3.0 };
-        assert!(locked((0..300).map(block)).iter().all(|locked| *locked));
+        assert!(all_locked(&locked((0..300).map(block))));
     }
 
     #[test]
     fn a_wandering_lock_is_lost_from_its_first_to_its_last_jump() {
-        let wandering = |i: usize| {
-            if (100..200).contains(&i) {
-                [1.5, 5.0, 3.0, 6.0][i / 7 % 4]
-            } else {
-                1.5
-            }
-        };
-        let locked = locked((0..300).map(wandering));
-        assert!(
-            locked[..90]
-                .iter()
-                .chain(&locked[210..])
-                .all(|locked| *locked)
-        );
+        let locked = locked((0..300).map(wandering(100..200)));
+        assert!(all_locked(locked[..90].iter().chain(&locked[210..])));
         assert!(locked[110..190].iter().all(|locked| !*locked));
     }
 
     #[test]
     fn a_log_that_ends_without_the_bottom_does_not_find_it_in_its_last_second() {
-        let wandering = |i: usize| {
-            if i >= 100 {
-                [1.5, 5.0, 3.0, 6.0][i / 7 % 4]
-            } else {
-                1.5
-            }
-        };
-        assert!(
-            locked((0..160).map(wandering))[110..]
-                .iter()
-                .all(|locked| !*locked)
-        );
+        let locked = locked((0..160).map(wandering(100..160)));
+        assert!(locked[110..].iter().all(|locked| !*locked));
     }
 
     #[test]

@@ -90,11 +90,8 @@ mod tests {
 
     fn log(side_scan: usize) -> Survey {
         let ping = |index: usize| SidePing {
-            time_s: index as f64,
-            depth_m: 3.0,
-            depth_locked: true,
             port: Some(span(1000)),
-            starboard: None,
+            ..SidePing::with_depth(index as f64, 3.0)
         };
         let below = |index: u32| EchogramPing {
             time_s: 0.1 + 0.5 * f64::from(index),

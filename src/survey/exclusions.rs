@@ -346,7 +346,7 @@ fn stretches(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::survey::{Projection, SidePing, Sounding};
+    use crate::survey::{SidePing, Sounding};
     use std::sync::Arc;
 
     /// A minute at ten pings a second: 20 s north at 2 m/s, a turn of 12 degrees a second for 15 s, 15 s straight, 10 s at rest.
@@ -370,13 +370,7 @@ mod tests {
                 speed_mps,
             });
         }
-        let ping = |&time_s: &f64| SidePing {
-            time_s,
-            depth_m: 3.0,
-            depth_locked: true,
-            port: None,
-            starboard: None,
-        };
+        let ping = |&time_s: &f64| SidePing::with_depth(time_s, 3.0);
         let sounding = |&time_s: &f64| Sounding {
             time_s,
             depth_m: 3.0,
@@ -387,20 +381,13 @@ mod tests {
             false => Vec::new(),
         };
         let survey = Survey {
-            side_scan: Arc::new(pings),
             soundings: Arc::new(times_s.iter().step_by(2).map(sounding).collect()),
-            ..Survey::default()
+            ..Survey::of_pings(pings)
         };
+        let of_soundings = places.clone().into_iter().step_by(2).collect();
         let navigation = Navigation {
-            antenna: Arc::default(),
-            pings: match with_pings {
-                true => Arc::new(places.clone()),
-                false => Arc::default(),
-            },
-            soundings: Arc::new(places.into_iter().step_by(2).collect()),
-            projection: Projection::Enu,
-            zero_heading: 0,
-            moving: 0,
+            soundings: Arc::new(of_soundings),
+            ..Navigation::of_pings(places.into_iter().filter(|_| with_pings))
         };
         (survey, navigation)
     }

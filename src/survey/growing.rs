@@ -397,16 +397,13 @@ mod tests {
             ..SideSpan::of_bytes(200, [0.0, 10.0])
         };
         let ping = |index: u64| SidePing {
-            time_s: 0.05 * index as f64,
-            depth_m: f32::NAN,
-            depth_locked: false,
             port: Some(span(500 * index + 100)),
             starboard: Some(span(500 * index + 300)),
+            ..SidePing::with_depth(0.05 * index as f64, f32::NAN)
         };
         let mut log = Survey {
-            side_scan: Arc::new((0..pings).map(ping).collect()),
             bytes: vec![Bytes::Held(Arc::new(vec![0; 500 * pings as usize]))],
-            ..Survey::default()
+            ..Survey::of_pings((0..pings).map(ping))
         };
         log.source.files = vec![PathBuf::from("log.sl2")];
         log.source.byte_count = 500 * pings;

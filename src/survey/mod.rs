@@ -69,8 +69,16 @@ pub enum Side {
 }
 
 impl Side {
-    /// Both sides, port first.
+    /// Both sides, port first: the order of what is kept for each side, by `side as usize`.
     pub const BOTH: [Side; 2] = [Side::Port, Side::Starboard];
+
+    /// A distance outward on this side as one to starboard, and one to starboard as one outward.
+    pub(crate) fn to_starboard<T: std::ops::Neg<Output = T>>(self, outward: T) -> T {
+        match self {
+            Side::Port => -outward,
+            Side::Starboard => outward,
+        }
+    }
 
     /// The other one.
     #[must_use]
@@ -159,6 +167,18 @@ pub struct SidePing {
 }
 
 impl SidePing {
+    /// A ping without echoes; the recorder had the bottom where there is a depth.
+    #[cfg(test)]
+    pub(crate) fn with_depth(time_s: f64, depth_m: f32) -> Self {
+        Self {
+            time_s,
+            depth_m,
+            depth_locked: !depth_m.is_nan(),
+            port: None,
+            starboard: None,
+        }
+    }
+
     /// The recorded depth where it can be leaned on, metres; NaN without one, or where the recorder had lost the bottom.
     pub fn locked_depth_m(&self) -> f32 {
         if self.depth_locked && self.depth_m > 0.0 {
@@ -282,6 +302,15 @@ pub struct Survey {
 }
 
 impl Survey {
+    /// Of side-scan pings and nothing else.
+    #[cfg(test)]
+    pub(crate) fn of_pings(pings: impl IntoIterator<Item = SidePing>) -> Self {
+        Self {
+            side_scan: Arc::new(pings.into_iter().collect()),
+            ..Self::default()
+        }
+    }
+
     /// Where the samples of one side of one ping lie; `None` when the ping or the side was not recorded.
     pub fn span(&self, ping: usize, side: Side) -> Option<&SideSpan> {
         self.side_scan.get(ping)?.side(side)

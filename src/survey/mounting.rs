@@ -93,19 +93,23 @@ pub(crate) fn arm_in_words(
     [forward_m, right_m]: [f64; 2],
     length: impl Fn(f64) -> String,
 ) -> String {
-    let part = |metres: f64, [positive, negative]: [&str; 2]| {
+    let ways = [["forward", "aft"], ["to starboard", "to port"]];
+    ways_in_words([forward_m, right_m], ways, length)
+}
+
+/// Two distances in words, each with the name of the way that it goes: `1.2 m east and 0.3 m south`; empty where both are 0.
+pub(super) fn ways_in_words(
+    distances_m: [f64; 2],
+    ways: [[&str; 2]; 2],
+    length: impl Fn(f64) -> String,
+) -> String {
+    let distances = distances_m.into_iter().zip(ways);
+    let parts = distances.filter(|(metres, _)| *metres != 0.0);
+    let parts = parts.map(|(metres, [positive, negative])| {
         let way = if metres > 0.0 { positive } else { negative };
-        (metres != 0.0).then(|| format!("{} {way}", length(metres.abs())))
-    };
-    let parts = [
-        part(forward_m, ["forward", "aft"]),
-        part(right_m, ["to starboard", "to port"]),
-    ];
-    parts
-        .into_iter()
-        .flatten()
-        .collect::<Vec<_>>()
-        .join(" and ")
+        format!("{} {way}", length(metres.abs()))
+    });
+    parts.collect::<Vec<_>>().join(" and ")
 }
 
 impl Survey {
@@ -170,11 +174,8 @@ mod tests {
         let survey = Survey {
             start_unix_s: Some(100.0),
             side_scan: Arc::new(vec![SidePing {
-                time_s: 0.0,
-                depth_m: 3.0,
-                depth_locked: true,
                 port: Some(span(1)),
-                starboard: None,
+                ..SidePing::with_depth(0.0, 3.0)
             }]),
             ..Survey::default()
         };

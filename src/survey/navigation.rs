@@ -1,7 +1,7 @@
 //! Position and heading of every side-scan ping, from one of four sources.
 
 use super::fitted_track::{FittedTrack, Motion};
-use super::{Fix, MountingSettings, PositionShift, Survey, Track};
+use super::{Fix, MountingSettings, PositionShift, Side, Survey, Track};
 use crate::support::geo::{LonLat, metres_per_degree, web_mercator, web_mercator_inverse};
 use crate::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
@@ -87,7 +87,34 @@ pub struct Navigation {
     pub moving: usize,
 }
 
+#[cfg(test)]
+impl Navigation {
+    /// Of pings in the survey's plane, at all of which the boat moves.
+    pub(crate) fn of_pings(pings: impl IntoIterator<Item = PingNav>) -> Self {
+        let pings: Vec<PingNav> = pings.into_iter().collect();
+        Self {
+            moving: pings.len(),
+            pings: Arc::new(pings),
+            soundings: Arc::default(),
+            antenna: Arc::default(),
+            projection: Projection::Enu,
+            zero_heading: 0,
+        }
+    }
+}
+
 impl PingNav {
+    /// At a place east and north, metres, heading north.
+    #[cfg(test)]
+    pub(crate) fn northbound([east_m, north_m]: [f64; 2], speed_mps: f64) -> Self {
+        Self {
+            east_m,
+            north_m,
+            heading_rad: 0.0,
+            speed_mps,
+        }
+    }
+
     const UNKNOWN: Self = Self {
         east_m: f64::NAN,
         north_m: f64::NAN,
@@ -95,7 +122,8 @@ impl PingNav {
         speed_mps: f64::NAN,
     };
 
-    fn place(&self) -> [f64; 2] {
+    /// East and north, metres; NaN where unknown.
+    pub(crate) fn place(&self) -> [f64; 2] {
         [self.east_m, self.north_m]
     }
 
@@ -105,6 +133,15 @@ impl PingNav {
     pub fn starboard(&self) -> Option<[f64; 2]> {
         let (sin, cos) = self.heading_rad.sin_cos();
         self.heading_rad.is_finite().then_some([cos, -sin])
+    }
+}
+
+impl PingNav {
+    /// The place so far out on a side of the boat; `None` without a heading.
+    pub(crate) fn abeam(&self, side: Side, out_m: f64) -> Option<[f64; 2]> {
+        let [x, y] = self.starboard()?;
+        let right_m = side.to_starboard(out_m);
+        Some([self.east_m + x * right_m, self.north_m + y * right_m])
     }
 }
 
@@ -304,10 +341,7 @@ impl Navigator<'_> {
                 let [x0, y0] = web_mercator(self.track.frame.origin());
                 let at = web_mercator_inverse(x0 + east_m, y0 + north_m);
                 let [lon_m, lat_m] = metres_per_degree(at);
-                let moved = LonLat {
-                    lon_deg: at.lon_deg + by_m[0] / lon_m,
-                    lat_deg: at.lat_deg + by_m[1] / lat_m,
-                };
+                let moved = LonLat::new(at.lon_deg + by_m[0] / lon_m, at.lat_deg + by_m[1] / lat_m);
                 self.projection.place(self.track, moved)
             }
         }

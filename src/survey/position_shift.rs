@@ -1,5 +1,6 @@
 //! How far all positions of a log are off.
 
+use super::mounting::ways_in_words;
 use serde::{Deserialize, Serialize};
 
 /// `position_shift.*` settings: of one log each. A receiver without corrections is off by a metre or two, which changes little in an hour: what
@@ -22,18 +23,11 @@ impl PositionShift {
 
     /// What is done to the positions, in a sentence; empty where nothing is.
     pub fn statement(&self) -> String {
-        let part = |metres: f64, [positive, negative]: [&str; 2]| {
-            let way = if metres > 0.0 { positive } else { negative };
-            (metres != 0.0).then(|| format!("{} m {way}", metres.abs()))
-        };
-        let parts = [
-            part(self.east_m, ["east", "west"]),
-            part(self.north_m, ["north", "south"]),
-        ];
-        let parts: Vec<String> = parts.into_iter().flatten().collect();
-        match parts.is_empty() {
-            true => String::new(),
-            false => format!("Positions are moved by {}.", parts.join(" and ")),
+        let ways = [["east", "west"], ["north", "south"]];
+        let by = ways_in_words([self.east_m, self.north_m], ways, |m| format!("{m} m"));
+        match by.is_empty() {
+            true => by,
+            false => format!("Positions are moved by {by}."),
         }
     }
 }

@@ -175,11 +175,7 @@ impl Relief {
 
     /// To one side of a ping; level where nothing is known.
     pub fn across(&self, side: Side, ping: usize) -> AcrossTrack {
-        let profiles = match side {
-            Side::Port => &self.sides[0],
-            Side::Starboard => &self.sides[1],
-        };
-        let profile = profiles.get(ping / PINGS);
+        let profile = self.sides[side as usize].get(ping / PINGS);
         profile.map_or(AcrossTrack::LEVEL, |deeper_m| AcrossTrack {
             farthest_m: self.farthest_m,
             deeper_m: *deeper_m,

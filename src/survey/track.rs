@@ -20,6 +20,20 @@ pub struct Fix {
     pub speed_mps: f32,
 }
 
+impl Fix {
+    /// A position with nothing else.
+    #[cfg(test)]
+    pub(crate) fn at(time_s: f64, position: LonLat) -> Self {
+        Self {
+            time_s,
+            position,
+            cog_rad: f32::NAN,
+            compass_rad: f32::NAN,
+            speed_mps: f32::NAN,
+        }
+    }
+}
+
 /// The boat's track. Position between fixes, and heading, come from [`super::navigate`].
 #[derive(Clone, Debug)]
 pub struct Track {
@@ -55,10 +69,7 @@ impl ProjectedTrack {
 
     /// The frame around longitude 0, latitude 0 that the metres are kept in.
     pub fn frame() -> LocalFrame {
-        LocalFrame::new(LonLat {
-            lon_deg: 0.0,
-            lat_deg: 0.0,
-        })
+        LocalFrame::new(LonLat::new(0.0, 0.0))
     }
 }
 
@@ -104,13 +115,9 @@ impl Track {
 
     /// The recorder's track through `fixes`, which the caller has put in time order.
     pub fn new(fixes: Vec<Fix>) -> Self {
-        let origin = fixes.first().map_or(
-            LonLat {
-                lon_deg: 0.0,
-                lat_deg: 0.0,
-            },
-            |fix| fix.position,
-        );
+        let origin = fixes
+            .first()
+            .map_or(LonLat::new(0.0, 0.0), |fix| fix.position);
         Self {
             fixes: Arc::new(fixes),
             frame: LocalFrame::new(origin),
@@ -171,13 +178,7 @@ mod tests {
     #[test]
     fn a_log_twenty_kilometres_off_keeps_its_lengths_to_a_few_millimetres_a_kilometre() {
         let at = |lon_deg, lat_deg| LonLat { lon_deg, lat_deg };
-        let fix = |position| Fix {
-            time_s: 0.0,
-            position,
-            cog_rad: f32::NAN,
-            compass_rad: f32::NAN,
-            speed_mps: f32::NAN,
-        };
+        let fix = |position| Fix::at(0.0, position);
         for lat_deg in [0.0, 29.41, 61.0] {
             let frame = LocalFrame::new(at(-82.11, lat_deg));
             // About 20 km away in eight directions, a line of 1 km in each of two.

@@ -56,10 +56,10 @@ fn at(moves: &[(f64, LonLat)], time_s: f64) -> Option<LonLat> {
     let (to_s, to) = *moves.get(after)?;
     let share = (time_s - from_s) / (to_s - from_s);
     let between = |a: f64, b: f64| a + share * (b - a);
-    Some(LonLat {
-        lon_deg: between(from.lon_deg, to.lon_deg),
-        lat_deg: between(from.lat_deg, to.lat_deg),
-    })
+    Some(LonLat::new(
+        between(from.lon_deg, to.lon_deg),
+        between(from.lat_deg, to.lat_deg),
+    ))
 }
 
 #[cfg(test)]
@@ -69,15 +69,11 @@ mod tests {
 
     /// A boat that goes north at 1.5 m/s, fixed every second and reported `late_s` late.
     fn track(late_s: f64, east_deg: f64) -> Track {
-        let fix = |second: i32| Fix {
-            time_s: f64::from(second) + late_s,
-            position: LonLat {
-                lon_deg: -82.0 + east_deg,
-                lat_deg: 29.0 + 1.5 * f64::from(second) / 110_855.0,
-            },
-            cog_rad: f32::NAN,
-            compass_rad: f32::NAN,
-            speed_mps: f32::NAN,
+        let fix = |second: i32| {
+            Fix::at(
+                f64::from(second) + late_s,
+                LonLat::new(-82.0 + east_deg, 29.0 + 1.5 * f64::from(second) / 110_855.0),
+            )
         };
         Track::new(
             (0..200)

@@ -51,17 +51,10 @@ mod tests {
         let place = |time_s: f64| {
             let turned = rate * (time_s - 10.0).max(0.0);
             let along = 1.5 * time_s.min(10.0) + 1.5 / rate * turned.sin();
-            (along, 1.5 / rate * (1.0 - turned.cos()))
+            [1.5 / rate * (1.0 - turned.cos()), along]
         };
-        let places = times.iter().map(|&time_s| {
-            let (north_m, east_m) = place(time_s);
-            PingNav {
-                east_m,
-                north_m,
-                heading_rad: 0.0,
-                speed_mps: 1.5,
-            }
-        });
+        let places = times.iter();
+        let places = places.map(|&time_s| PingNav::northbound(place(time_s), 1.5));
         let places: Vec<PingNav> = places.collect();
         let rates = turn_rates_deg_s(&times, &places);
         assert!(rates[40] < 0.01, "{}", rates[40]);

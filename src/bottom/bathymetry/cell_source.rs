@@ -82,13 +82,7 @@ mod tests {
 
     #[test]
     fn a_cell_says_the_best_that_lies_in_it() {
-        let grid = Grid {
-            west_m: 0.0,
-            north_m: 1.0,
-            cell_m: 1.0,
-            columns: 5,
-            rows: 1,
-        };
+        let grid = Grid::at([0.0, 1.0], 1.0, [5, 1]);
         let point = |east_m, is_sounding, weight| DepthPoint {
             east_m,
             north_m: 0.5,

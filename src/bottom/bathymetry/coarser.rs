@@ -9,17 +9,8 @@ impl Surface {
     pub fn coarser(&self, times: usize) -> Self {
         let grid = self.grid.coarser(times);
         let means = |values: &[f32]| means(&self.grid, values, &grid, times);
-        Self {
-            depth_m: means(&self.depth_m),
-            spread_m: means(&self.spread_m),
-            distance_m: means(&self.distance_m),
-            source: best(&self.grid, &self.source, &grid, times),
-            hardness_db: self.hardness_db.as_deref().map(means),
-            grid,
-            method: self.method,
-            levels: self.levels,
-            spread_is: self.spread_is,
-        }
+        let best = best(&self.grid, &self.source, &grid, times);
+        self.on_grid(grid, means, best)
     }
 
     /// The direction square to the bottom at the centre of a cell, of length 1: east, north, up. Differences reach over known
@@ -95,15 +86,9 @@ mod tests {
 
     /// 5 x 3 cells of 0.5 m: a plane that falls 1 in 2 towards the east and rises 1 in 4 towards the north, with a hole.
     fn plane() -> Surface {
-        let grid = Grid {
-            west_m: 10.0,
-            north_m: 20.0,
-            cell_m: 0.5,
-            columns: 5,
-            rows: 3,
-        };
+        let grid = Grid::at([10.0, 20.0], 0.5, [5, 3]);
         let depth = |cell: usize| {
-            let [east_m, north_m] = grid.centre(cell / 5, cell % 5);
+            let [east_m, north_m] = grid.centre_of(cell);
             match cell {
                 7 => f32::NAN,
                 _ => (0.5 * east_m - 0.25 * north_m) as f32,

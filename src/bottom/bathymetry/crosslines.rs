@@ -17,6 +17,18 @@ pub(crate) struct TrackDepth {
     pub depth_m: f64,
 }
 
+impl TrackDepth {
+    /// A depth at a time and a place.
+    pub(crate) fn new(time_s: f64, [east_m, north_m]: [f64; 2], depth_m: f64) -> Self {
+        Self {
+            time_s,
+            east_m,
+            north_m,
+            depth_m,
+        }
+    }
+}
+
 /// One of the two passes over a crossing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Pass {
@@ -341,12 +353,8 @@ mod tests {
                 let turn = f64::from(index) * 0.0016;
                 let (east_m, north_m) = (40.0 * (3.0 * turn).sin(), 30.0 * (2.0 * turn).sin());
                 let time_s = 0.05 * f64::from(index);
-                TrackDepth {
-                    time_s,
-                    east_m,
-                    north_m,
-                    depth_m: bed_m(east_m, north_m) + 0.001 * time_s,
-                }
+                let depth_m = bed_m(east_m, north_m) + 0.001 * time_s;
+                TrackDepth::new(time_s, [east_m, north_m], depth_m)
             })
             .collect()
     }
@@ -388,17 +396,12 @@ mod tests {
             (0..200)
                 .map(|index| {
                     let along_m = 0.1 * f64::from(index) - 10.0;
-                    let [east_m, north_m] = if east {
-                        [along_m, 0.03]
-                    } else {
-                        [0.02, along_m]
+                    let place = match east {
+                        true => [along_m, 0.03],
+                        false => [0.02, along_m],
                     };
-                    TrackDepth {
-                        time_s: f64::from(index),
-                        east_m,
-                        north_m,
-                        depth_m: bed_m(east_m, north_m) + offset_m,
-                    }
+                    let depth_m = bed_m(place[0], place[1]) + offset_m;
+                    TrackDepth::new(f64::from(index), place, depth_m)
                 })
                 .collect()
         };

@@ -32,25 +32,17 @@ impl Surface {
     /// spread nor distance.
     #[must_use]
     pub fn extrapolated_flat(&self, grid: Grid, wanted: impl Fn(usize) -> bool + Sync) -> Self {
-        let depth_m = carried(&self.grid, &self.depth_m, &grid, f32::NAN);
-        let held_m = held(&grid, &depth_m);
-        let cells = depth_m.into_par_iter().zip(held_m).enumerate();
-        let depth_m = cells.map(|(cell, (depth_m, held_m))| match depth_m.is_nan() {
-            true if wanted(cell) => held_m,
-            _ => depth_m,
+        let numbers = |values: &[f32]| carried(&self.grid, values, &grid, f32::NAN);
+        let source = carried(&self.grid, &self.source, &grid, CellSource::None);
+        let mut made = self.on_grid(grid, numbers, source);
+        let held_m = held(&grid, &made.depth_m);
+        let cells = made.depth_m.par_iter_mut().zip(held_m).enumerate();
+        cells.for_each(|(cell, (depth_m, held_m))| {
+            if depth_m.is_nan() && wanted(cell) {
+                *depth_m = held_m;
+            }
         });
-        Self {
-            depth_m: depth_m.collect(),
-            spread_m: carried(&self.grid, &self.spread_m, &grid, f32::NAN),
-            distance_m: carried(&self.grid, &self.distance_m, &grid, f32::NAN),
-            source: carried(&self.grid, &self.source, &grid, CellSource::None),
-            hardness_db: (self.hardness_db.as_deref())
-                .map(|values| carried(&self.grid, values, &grid, f32::NAN)),
-            grid,
-            method: self.method,
-            levels: self.levels,
-            spread_is: self.spread_is,
-        }
+        made
     }
 }
 
@@ -80,31 +72,19 @@ impl Surface {
             let [row, column] = [cell / grid.columns, cell % grid.columns];
             row / times * self.grid.columns + column / times
         };
-        let depth_m = (0..grid.len()).into_par_iter().map(|cell| {
-            let here_m = self.depth_m[of_cell(cell)];
-            let place = grid.centre(cell / grid.columns, cell % grid.columns);
-            match here_m.is_nan() {
-                true => here_m,
-                false => self.depth_at(place).unwrap_or(here_m),
-            }
-        });
-        let values = |values: &[f32]| -> Vec<f32> {
+        let numbers = |values: &[f32]| -> Vec<f32> {
             let cells = (0..grid.len()).into_par_iter();
             cells.map(|cell| values[of_cell(cell)]).collect()
         };
-        Self {
-            depth_m: depth_m.collect(),
-            spread_m: values(&self.spread_m),
-            distance_m: values(&self.distance_m),
-            source: (0..grid.len())
-                .map(|cell| self.source[of_cell(cell)])
-                .collect(),
-            hardness_db: self.hardness_db.as_deref().map(values),
-            grid,
-            method: self.method,
-            levels: self.levels,
-            spread_is: self.spread_is,
-        }
+        let sources = (0..grid.len()).map(|cell| self.source[of_cell(cell)]);
+        let mut made = self.on_grid(grid, numbers, sources.collect());
+        let cells = made.depth_m.par_iter_mut().enumerate();
+        cells.for_each(|(cell, depth_m)| {
+            if !depth_m.is_nan() {
+                *depth_m = self.depth_at(grid.centre_of(cell)).unwrap_or(*depth_m);
+            }
+        });
+        made
     }
 }
 
@@ -135,10 +115,9 @@ fn held(grid: &Grid, depth_m: &[f32]) -> Vec<f32> {
         };
         between(rows.cells.map(in_row), rows.share) as f32
     };
-    let columns = grid.columns;
     let cells = depth_m.par_iter().enumerate();
     let cells = cells.map(|(cell, depth_m)| match depth_m.is_nan() {
-        true => around(grid.centre(cell / columns, cell % columns)),
+        true => around(grid.centre_of(cell)),
         false => *depth_m,
     });
     cells.collect()
@@ -150,13 +129,7 @@ mod tests {
 
     /// Depths along a line of cells from west to east, in the middle of 3 rows of which the others are unknown.
     fn strip(depth_m: impl Fn(usize) -> f32) -> Surface {
-        let grid = Grid {
-            west_m: 100.0,
-            north_m: 50.0,
-            cell_m: 0.5,
-            columns: 40,
-            rows: 3,
-        };
+        let grid = Grid::at([100.0, 50.0], 0.5, [40, 3]);
         let depths = (0..grid.len()).map(|cell| match cell / grid.columns {
             1 => depth_m(cell % grid.columns),
             _ => f32::NAN,
@@ -191,7 +164,7 @@ mod tests {
         let columns = grid.columns;
         let wide = strip.extrapolated_flat(grid, |cell| cell % columns != 7);
         for (cell, (depth_m, source)) in wide.depth_m.iter().zip(&wide.source).enumerate() {
-            let [east_m, north_m] = grid.centre(cell / columns, cell % columns);
+            let [east_m, north_m] = grid.centre_of(cell);
             let known = strip.at(east_m, north_m);
             assert_eq!(*source == CellSource::Sounding, known.is_some());
             match cell % columns {
@@ -237,7 +210,7 @@ mod tests {
         let finer = coarse.finer(4);
         assert_eq!((finer.grid.columns, finer.grid.rows), (160, 12));
         for (cell, depth_m) in finer.depth_m.iter().enumerate() {
-            let [east_m, north_m] = finer.grid.centre(cell / 160, cell % 160);
+            let [east_m, north_m] = finer.grid.centre_of(cell);
             let known = coarse.at(east_m, north_m);
             assert_eq!(known.is_some(), !depth_m.is_nan());
             // 0.1 m a cell of 0.5 m, but for what is beside the hole, and the outermost half cells, which have nothing to be between.

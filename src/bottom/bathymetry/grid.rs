@@ -1,6 +1,7 @@
 //! The squares that a surface is sampled on, and a mosaic drawn on.
 
 use super::DepthPoint;
+use crate::support::outline::bounds;
 use crate::support::presentation::ticks;
 use rayon::prelude::*;
 
@@ -25,12 +26,28 @@ pub struct Grid {
 }
 
 impl Grid {
+    /// A grid by its north-western corner, the side of a cell, and its columns and rows.
+    #[cfg(test)]
+    pub(crate) fn at(
+        [west_m, north_m]: [f64; 2],
+        cell_m: f64,
+        [columns, rows]: [usize; 2],
+    ) -> Self {
+        Self {
+            west_m,
+            north_m,
+            cell_m,
+            columns,
+            rows,
+        }
+    }
+
     /// Cells of `cell_m`, or of what makes `max_side` of them along the longer side, or some 20 million in all, where that is more,
     /// over all points. Edges
     /// lie on multiples of the cell, so that grids of several surveys fit onto each other. `None` without points, and where
     /// the points or the cell are no numbers that a grid can be made of.
     pub fn over(points: &[DepthPoint], cell_m: f64, max_side: usize) -> Option<Self> {
-        let [west_m, south_m, east_m, north_m] = bounds(points)?;
+        let [west_m, south_m, east_m, north_m] = bounds(points.iter().map(DepthPoint::place));
         let extent_m = (east_m - west_m).max(north_m - south_m);
         // Two cells less, for the edges that are rounded outwards.
         let least_m = extent_m / max_side.saturating_sub(2).max(1) as f64;
@@ -66,6 +83,11 @@ impl Grid {
             self.west_m + (column as f64 + 0.5) * self.cell_m,
             self.north_m - (row as f64 + 0.5) * self.cell_m,
         ]
+    }
+
+    /// The same by the index of the cell.
+    pub fn centre_of(&self, cell: usize) -> [f64; 2] {
+        self.centre(cell / self.columns, cell % self.columns)
     }
 
     /// Index of the cell at a place, row by row; `None` outside.
@@ -141,20 +163,6 @@ impl CentresAbout {
     }
 }
 
-/// West, south, east, north.
-fn bounds(points: &[DepthPoint]) -> Option<[f64; 4]> {
-    let first = points.first()?;
-    let start = [first.east_m, first.north_m, first.east_m, first.north_m];
-    Some(points.iter().fold(start, |[w, s, e, n], point| {
-        [
-            w.min(point.east_m),
-            s.min(point.north_m),
-            e.max(point.east_m),
-            n.max(point.north_m),
-        ]
-    }))
-}
-
 /// The cell that suits the data: half of the mean distance `sqrt(area / places)` between places of soundings, rounded down to
 /// 1, 2 or 5 times a power of ten and at least 0.1 m. The area is that of the squares of `gap_m` that hold a sounding, since
 /// beyond the gap there will be no surface. `None` without points.
@@ -169,7 +177,7 @@ pub(crate) fn suited_cell_m(points: &[DepthPoint], gap_m: f64) -> Option<f64> {
 fn occupied(points: &[DepthPoint], side_m: f64) -> usize {
     let square = |point: &DepthPoint| {
         // The earth's metres over the least cell fit into 32 bits.
-        [point.east_m, point.north_m].map(|metres| (metres / side_m).floor() as i32)
+        point.place().map(|metres| (metres / side_m).floor() as i32)
     };
     // Sorted: a set of them would take several times the memory.
     let mut squares: Vec<[i32; 2]> = points.iter().map(square).collect();
@@ -184,12 +192,11 @@ mod tests {
     fn lines(spacing_m: f64, step_m: f64) -> Vec<DepthPoint> {
         let along = 1 + (400.0 / step_m) as usize;
         (0..11 * along)
-            .map(|i| DepthPoint {
-                east_m: step_m * (i % along) as f64,
-                north_m: spacing_m * (i / along) as f64,
-                depth_m: 1.0,
-                weight: 1.0,
-                is_sounding: true,
+            .map(|i| {
+                DepthPoint::of_sounding(
+                    [step_m * (i % along) as f64, spacing_m * (i / along) as f64],
+                    1.0,
+                )
             })
             .collect()
     }
@@ -211,7 +218,7 @@ mod tests {
             assert!(grid.columns.max(grid.rows) <= max_side && grid.cell_m >= cell_m);
             for point in &points {
                 let index = grid.index_at(point.east_m, point.north_m).unwrap();
-                let [east_m, north_m] = grid.centre(index / grid.columns, index % grid.columns);
+                let [east_m, north_m] = grid.centre_of(index);
                 let off_m = (east_m - point.east_m)
                     .abs()
                     .max((north_m - point.north_m).abs());

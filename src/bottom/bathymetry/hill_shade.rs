@@ -137,13 +137,7 @@ mod tests {
         };
         let mut depth_m: Vec<f32> = (0..rows * columns).map(depth_m).collect();
         depth_m[5 * columns + 4] = f32::NAN;
-        let grid = Grid {
-            west_m: 100.0,
-            north_m: 200.0,
-            cell_m: 0.5,
-            columns,
-            rows,
-        };
+        let grid = Grid::at([100.0, 200.0], 0.5, [columns, rows]);
         Surface::of_depths(grid, depth_m)
     }
 

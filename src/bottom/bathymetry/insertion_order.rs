@@ -7,6 +7,7 @@
 //! Incremental constructions con BRIO, SoCG 2003.
 
 use super::Node;
+use crate::support::outline::bounds;
 use rayon::prelude::*;
 
 /// Steps of the curve along a side: 2^16, so that a place on it is a number of 32 bits.
@@ -80,11 +81,7 @@ fn put_triangle_first(nodes: &mut [Node]) -> bool {
 
 /// The south-west corner, and the steps of the curve to a metre.
 fn extent(nodes: &[Node]) -> ([f64; 2], f64) {
-    let start = [f64::MAX, f64::MAX, f64::MIN, f64::MIN];
-    let [west, south, east, north] = nodes.iter().fold(start, |[w, s, e, n], node| {
-        let (x, y) = (node.east_m, node.north_m);
-        [w.min(x), s.min(y), e.max(x), n.max(y)]
-    });
+    let [west, south, east, north] = bounds(nodes.iter().map(Node::place));
     let side_m = (east - west).max(north - south);
     let steps = f64::from((1_u32 << CURVE_BITS) - 1);
     ([west, south], steps / side_m)

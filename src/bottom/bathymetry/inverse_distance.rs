@@ -42,7 +42,7 @@ mod tests {
     #[test]
     fn all_points_within_reach_give_the_golden_depths() {
         let nodes = golden_nodes();
-        let places: Vec<[f64; 2]> = nodes.iter().map(|n| [n.east_m, n.north_m]).collect();
+        let places: Vec<[f64; 2]> = nodes.iter().map(|node| node.place()).collect();
         let index = ImmutableKdTree::new_from_slice(&places).unwrap();
         let mut weights = Vec::new();
         let mut depth_at = |place, reach_m| {

@@ -51,14 +51,11 @@ pub(crate) fn local_surface(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bottom::bathymetry::testing::random;
 
     /// Winding tracks at random over uneven ground, in the metres of a zone.
     fn points() -> Vec<DepthPoint> {
-        let mut seed = 7_u64;
-        let mut random = move || {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            (seed >> 33) as f64 / (1_u64 << 31) as f64
-        };
+        let mut random = random();
         let mut points = Vec::new();
         for _ in 0..40 {
             let [mut east_m, mut north_m] =
@@ -81,13 +78,7 @@ mod tests {
     }
 
     fn grid(west_m: f64, north_m: f64, columns: usize, rows: usize) -> Grid {
-        Grid {
-            west_m,
-            north_m,
-            cell_m: 0.5,
-            columns,
-            rows,
-        }
+        Grid::at([west_m, north_m], 0.5, [columns, rows])
     }
 
     #[test]
@@ -139,13 +130,7 @@ mod tests {
     #[test]
     fn a_single_line_is_the_cells_that_it_crosses() {
         let points: Vec<DepthPoint> = (0..100)
-            .map(|index| DepthPoint {
-                east_m: 0.25 * f64::from(index),
-                north_m: 5.25,
-                depth_m: 3.0,
-                weight: 1.0,
-                is_sounding: true,
-            })
+            .map(|index| DepthPoint::of_sounding([0.25 * f64::from(index), 5.25], 3.0))
             .collect();
         let made = local_surface(&points, grid(0.0, 10.0, 40, 20), 20.0, &Progress::new()).unwrap();
         let known = made.depth_m.iter().filter(|depth| **depth == 3.0).count();

@@ -18,6 +18,13 @@ pub(crate) struct Node {
     pub spread_m: f64,
 }
 
+impl Node {
+    /// East and north, metres.
+    pub(crate) fn place(&self) -> [f64; 2] {
+        [self.east_m, self.north_m]
+    }
+}
+
 /// Fewer depths than this say nothing about their spread.
 const LEAST_FOR_SPREAD: usize = 3;
 

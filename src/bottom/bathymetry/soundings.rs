@@ -19,18 +19,33 @@ pub struct DepthPoint {
     pub is_sounding: bool,
 }
 
+impl DepthPoint {
+    /// East and north, metres.
+    pub(crate) fn place(&self) -> [f64; 2] {
+        [self.east_m, self.north_m]
+    }
+
+    /// A sounding that counts in full.
+    #[cfg(any(test, feature = "bench"))]
+    pub(crate) fn of_sounding([east_m, north_m]: [f64; 2], depth_m: f64) -> Self {
+        Self {
+            east_m,
+            north_m,
+            depth_m,
+            weight: 1.0,
+            is_sounding: true,
+        }
+    }
+}
+
 /// Every sounding of the survey that has both a place and a depth, in time order.
 #[cfg(any(test, feature = "bench"))]
 pub(crate) fn depth_points(survey: &Survey, navigation: &Navigation) -> Vec<DepthPoint> {
     let placed = survey.soundings.iter().zip(navigation.soundings.iter());
     placed
         .filter(|(sounding, _)| sounding.locked)
-        .map(|(sounding, place)| DepthPoint {
-            east_m: place.east_m,
-            north_m: place.north_m,
-            depth_m: f64::from(sounding.depth_m),
-            weight: 1.0,
-            is_sounding: true,
+        .map(|(sounding, place)| {
+            DepthPoint::of_sounding(place.place(), f64::from(sounding.depth_m))
         })
         .filter(|point| {
             point.east_m.is_finite() && point.north_m.is_finite() && point.depth_m.is_finite()

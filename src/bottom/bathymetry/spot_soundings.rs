@@ -2,6 +2,7 @@
 
 use super::DepthPoint;
 use super::isobaths::IsobathSettings;
+use crate::support::outline::bounds;
 use crate::support::presentation::ticks;
 use std::collections::HashMap;
 
@@ -20,7 +21,7 @@ pub(crate) fn spot_soundings(points: &[DepthPoint], radius_m: f64) -> Vec<DepthP
     let mut chosen: Vec<DepthPoint> = Vec::new();
     let mut in_square: HashMap<[i64; 2], Vec<usize>> = HashMap::new();
     for point in order {
-        let place = [point.east_m, point.north_m];
+        let place = point.place();
         let [column, row] = place.map(|metres| (metres / radius_m).floor() as i64);
         let around = (-1..=1).flat_map(|right| (-1..=1).map(move |up| [column + right, row + up]));
         let mut near = around.filter_map(|square| in_square.get(&square)).flatten();
@@ -42,14 +43,7 @@ pub(crate) fn spot_soundings(points: &[DepthPoint], radius_m: f64) -> Vec<DepthP
 /// How far spot soundings are apart by the settings, or, where these leave it open, a round distance by the extent of the depths; `None`
 /// without an extent.
 pub(crate) fn spot_radius_m(settings: &IsobathSettings, points: &[DepthPoint]) -> Option<f64> {
-    let ends = |value: fn(&DepthPoint) -> f64| {
-        let values = points.iter().map(value);
-        values.fold([f64::MAX, f64::MIN], |[least, most], value| {
-            [least.min(value), most.max(value)]
-        })
-    };
-    let [west, east] = ends(|point| point.east_m);
-    let [south, north] = ends(|point| point.north_m);
+    let [west, south, east, north] = bounds(points.iter().map(DepthPoint::place));
     let by_extent = || {
         let diagonal_m = (east - west).hypot(north - south);
         (east > west || north > south).then(|| ticks::round_up(diagonal_m / ALONG_DIAGONAL))

@@ -7,7 +7,7 @@ use super::left_out::state_error;
 use super::{Between, DepthPoint, Grid, Node, Tin, TinSampler, merge_repeated, suited_cell_m};
 use crate::bottom::cloud::{CloudPoint, PointSource};
 use crate::support::progress::{Cancelled, Progress};
-use crate::support::statistics::quantile;
+use crate::support::statistics::{ends, quantile};
 use kiddo::ImmutableKdTree;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -184,8 +184,7 @@ impl Surface {
                 continue;
             };
             if self.depth_m.get(index).is_some_and(|depth| depth.is_nan()) {
-                let columns = self.grid.columns;
-                let [east_m, north_m] = self.grid.centre(index / columns, index % columns);
+                let [east_m, north_m] = self.grid.centre_of(index);
                 let distance_m = (node.east_m - east_m).hypot(node.north_m - north_m);
                 self.depth_m[index] = node.depth_m as f32;
                 self.spread_m[index] = node.spread_m as f32;
@@ -206,9 +205,7 @@ impl Surface {
     /// Shallowest and deepest known depth, metres; the first above the second where none is known.
     pub fn range_m(&self) -> [f64; 2] {
         let known = self.depth_m.iter().filter(|depth| !depth.is_nan());
-        known.fold([f64::MAX, f64::MIN], |[least, most], depth| {
-            [least.min(f64::from(*depth)), most.max(f64::from(*depth))]
-        })
+        ends(known.map(|depth| f64::from(*depth)))
     }
 
     /// West, south, east and north edge of the cells with a known depth, metres of the grid; `None` without any.
@@ -259,13 +256,23 @@ impl Surface {
             rows.flatten().copied().collect()
         };
         let sources = (0..part.rows).map(|row| &self.source[start(row)..start(row) + part.columns]);
+        self.on_grid(part, cut, sources.flatten().copied().collect())
+    }
+
+    /// The same on other cells, with the numbers and the sources of those.
+    pub(super) fn on_grid(
+        &self,
+        grid: Grid,
+        numbers: impl Fn(&[f32]) -> Vec<f32>,
+        source: Vec<CellSource>,
+    ) -> Self {
         Self {
-            grid: part,
-            depth_m: cut(&self.depth_m),
-            spread_m: cut(&self.spread_m),
-            distance_m: cut(&self.distance_m),
-            source: sources.flatten().copied().collect(),
-            hardness_db: self.hardness_db.as_deref().map(cut),
+            grid,
+            depth_m: numbers(&self.depth_m),
+            spread_m: numbers(&self.spread_m),
+            distance_m: numbers(&self.distance_m),
+            source,
+            hardness_db: self.hardness_db.as_deref().map(numbers),
             ..*self
         }
     }
@@ -465,7 +472,7 @@ impl Field {
 
 impl Near {
     fn new(nodes: Vec<Node>) -> Option<Self> {
-        let places: Vec<[f64; 2]> = nodes.iter().map(|p| [p.east_m, p.north_m]).collect();
+        let places: Vec<[f64; 2]> = nodes.iter().map(Node::place).collect();
         let index = ImmutableKdTree::new_from_slice(&places).ok()?;
         Some(Self { nodes, index })
     }

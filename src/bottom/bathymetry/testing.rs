@@ -4,12 +4,15 @@ use super::{DepthPoint, Node, merge_repeated};
 
 /// A recorded depth at a place.
 pub(super) fn point(east_m: f64, north_m: f64, depth_m: f64) -> DepthPoint {
-    DepthPoint {
-        east_m,
-        north_m,
-        depth_m,
-        weight: 1.0,
-        is_sounding: true,
+    DepthPoint::of_sounding([east_m, north_m], depth_m)
+}
+
+/// Numbers from 0 to 1 at random, the same each time.
+pub(super) fn random() -> impl FnMut() -> f64 {
+    let mut seed = 7_u64;
+    move || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (seed >> 33) as f64 / (1_u64 << 31) as f64
     }
 }
 

@@ -295,7 +295,7 @@ mod tests {
         for between in [Between::Linear, Between::NaturalNeighbour] {
             let mut sampler = tin.sampler(between);
             for node in &nodes {
-                let at = sampler.nodes_at([node.east_m, node.north_m]).unwrap();
+                let at = sampler.nodes_at(node.place()).unwrap();
                 let depth_m: f64 = at.map(|(node, weight)| weight * node.depth_m).sum();
                 assert!((depth_m - node.depth_m).abs() < 1e-9);
             }

@@ -87,15 +87,9 @@ mod tests {
 
     /// Three rows of four cells of 2 m, west edge at 10, north edge at 106; the bed slopes to the east and to the south.
     fn slope() -> Surface {
-        let grid = Grid {
-            west_m: 10.0,
-            north_m: 106.0,
-            cell_m: 2.0,
-            columns: 4,
-            rows: 3,
-        };
+        let grid = Grid::at([10.0, 106.0], 2.0, [4, 3]);
         let depth = |index: usize| {
-            let [east_m, north_m] = grid.centre(index / 4, index % 4);
+            let [east_m, north_m] = grid.centre_of(index);
             (0.5 * east_m - 0.25 * north_m + 30.0) as f32
         };
         Surface::of_depths(grid, (0..12).map(depth).collect())

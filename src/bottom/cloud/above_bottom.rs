@@ -126,7 +126,7 @@ fn way_m(pings: &[PingNav]) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::sonar::first_return::Pick;
-    use crate::survey::{Projection, SidePing, SideSpan};
+    use crate::survey::{SidePing, SideSpan};
     use std::sync::Arc;
 
     /// Heights of first returns above recorded depths, and how far above them is usual, along 120 m of a bed with a clump of weed of
@@ -136,11 +136,9 @@ mod tests {
         let way_m = |ping: usize| 0.1 * ping as f64;
         let span = SideSpan::of_bytes(1000, [0.0, 10.0]);
         let ping = |ping: usize| SidePing {
-            time_s: 0.05 * ping as f64,
-            depth_m: recorded_m(way_m(ping)) as f32,
-            depth_locked: true,
             port: Some(span),
             starboard: Some(span),
+            ..SidePing::with_depth(0.05 * ping as f64, recorded_m(way_m(ping)) as f32)
         };
         let pick = |ping: usize| {
             let weed_m = if (590..610).contains(&ping) { 0.4 } else { 0.0 };
@@ -150,30 +148,15 @@ mod tests {
                 above_bottom: false,
             }
         };
-        let survey = Survey {
-            side_scan: Arc::new((0..pings).map(ping).collect()),
-            ..Survey::default()
-        };
+        let survey = Survey::of_pings((0..pings).map(ping));
         let picks = Arc::new((0..pings).map(pick).collect());
         let returns = FirstReturns {
             port: Arc::clone(&picks),
             starboard: picks,
             ..FirstReturns::default()
         };
-        let place = |ping: usize| PingNav {
-            east_m: 0.0,
-            north_m: way_m(ping),
-            heading_rad: 0.0,
-            speed_mps: 2.0,
-        };
-        let navigation = Navigation {
-            pings: Arc::new((0..pings).map(place).collect()),
-            soundings: Arc::default(),
-            antenna: Arc::default(),
-            projection: Projection::Enu,
-            zero_heading: 0,
-            moving: pings,
-        };
+        let place = |ping: usize| PingNav::northbound([0.0, way_m(ping)], 2.0);
+        let navigation = Navigation::of_pings((0..pings).map(place));
         let usual_m = usual_departures_m(&survey, &navigation, &returns);
         let height = |ping| height_m(&survey, &returns, ping, Side::Port);
         (0..pings).map(height).zip(usual_m).collect()

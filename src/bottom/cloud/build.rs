@@ -4,7 +4,7 @@ use super::above_bottom::{height_m, stretches_m, usual_departures_m};
 use super::confirmed::confirmed;
 use super::geometry::{BottomPoint, across_track, fixed_bottom_point};
 use super::level::echo_level;
-use super::specular::{CrossSlope, Pair, specular_point};
+use super::specular::{Pair, cross_slopes_rad, specular_point};
 use super::{
     BySource, CloudPoint, CloudSettings, Correction, DownScan, Geometry, PointCloud, PointSource,
     Reduction, SoundingIndex,
@@ -69,10 +69,9 @@ pub(crate) fn build(
     progress.advance(1);
     progress.check()?;
     let points_of = |side: Side, ranges_m: &[f64]| -> Vec<CloudPoint> {
-        let bottom_point = |ping: usize, range_m: f64| match (cross_slopes.get(ping), side) {
-            (Some(slope), Side::Port) => specular_point(range_m, slope.port_rad),
-            (Some(slope), Side::Starboard) => specular_point(range_m, slope.starboard_rad),
-            (None, _) => fixed_bottom_point(settings.geometry, range_m, settings.alpha2_deg),
+        let bottom_point = |ping: usize, range_m: f64| match cross_slopes.get(ping) {
+            Some(slopes_rad) => specular_point(range_m, slopes_rad[side as usize]),
+            None => fixed_bottom_point(settings.geometry, range_m, settings.alpha2_deg),
         };
         let z_m =
             |ping: usize, below_m: f64| correction.z_m(survey.side_scan[ping].time_s, below_m);
@@ -134,7 +133,7 @@ fn ranges_m(
 
 /// The slope at every ping. Above-bottom returns count: on a steep slope the bottom itself lies above the recorded
 /// depth, and an above-bottom return on one side moves only the points of that side.
-fn cross_slopes(survey: &Survey, [port, starboard]: &[Vec<f64>; 2]) -> Vec<CrossSlope> {
+fn cross_slopes(survey: &Survey, [port, starboard]: &[Vec<f64>; 2]) -> Vec<[f64; 2]> {
     let sides = port.iter().zip(starboard);
     let pairs: Vec<Pair> = sides
         .zip(survey.side_scan.iter())
@@ -146,7 +145,7 @@ fn cross_slopes(survey: &Survey, [port, starboard]: &[Vec<f64>; 2]) -> Vec<Cross
         .collect();
     (0..pairs.len())
         .into_par_iter()
-        .map(|ping| CrossSlope::at(&pairs, ping))
+        .map(|ping| cross_slopes_rad(&pairs, ping))
         .collect()
 }
 

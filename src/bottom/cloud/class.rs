@@ -1,6 +1,7 @@
 //! What each point of a cloud is: decided here once, for the map, every file, every count and every view.
 
 use super::{CloudPoint, OutlierSettings, PointCloud, PointSource, outliers};
+use crate::support::named::named;
 use crate::support::progress::{Cancelled, Progress};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
@@ -23,32 +24,22 @@ pub enum PointClass {
     AboveBottom = 64,
 }
 
-impl PointClass {
+named! {
     /// All of them, by their codes.
-    pub const ALL: [PointClass; 6] = [
-        PointClass::Unclassified,
-        PointClass::LowNoise,
-        PointClass::HighNoise,
-        PointClass::Bottom,
-        PointClass::NoBottom,
-        PointClass::AboveBottom,
-    ];
+    pub PointClass {
+        Unclassified: "unclassified",
+        LowNoise: "low noise",
+        HighNoise: "high noise",
+        Bottom: "bathymetric",
+        NoBottom: "no bottom found",
+        AboveBottom: "above bottom",
+    }
+}
 
+impl PointClass {
     /// The number that files hold.
     pub fn code(self) -> u8 {
         self as u8
-    }
-
-    /// In words, at most 15 letters: LAS has room for no more.
-    pub fn name(self) -> &'static str {
-        match self {
-            PointClass::Unclassified => "unclassified",
-            PointClass::LowNoise => "low noise",
-            PointClass::HighNoise => "high noise",
-            PointClass::Bottom => "bathymetric",
-            PointClass::NoBottom => "no bottom found",
-            PointClass::AboveBottom => "above bottom",
-        }
     }
 
     /// Whether the point counts for the map: `kept` of `cloud.csv`.
@@ -110,7 +101,7 @@ pub(crate) fn classify(
         point if point.source == PointSource::DownScan || rules.has_low_confidence(point) => {
             [f64::NAN; 3]
         }
-        point => [point.east_m, point.north_m, point.z_m],
+        point => point.place(),
     };
     let OutlierSettings {
         radius_m,

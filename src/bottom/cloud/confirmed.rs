@@ -59,17 +59,10 @@ mod tests {
             })
             .collect();
         mark_bottom_lock(&mut soundings);
-        let ping = |ping: usize| SidePing {
-            time_s: 0.1 * ping as f64,
-            depth_m: 3.0,
-            depth_locked: true,
-            port: None,
-            starboard: None,
-        };
+        let ping = |ping: usize| SidePing::with_depth(0.1 * ping as f64, 3.0);
         let survey = Survey {
             soundings: Arc::new(soundings),
-            side_scan: Arc::new((0..120).map(ping).collect()),
-            ..Survey::default()
+            ..Survey::of_pings((0..120).map(ping))
         };
         let port = (0..120).map(|ping| match stretch.contains(&(ping / 2)) {
             true => port_m,

@@ -30,11 +30,7 @@ pub(crate) fn fixed_bottom_point(geometry: Geometry, range_m: f64, alpha2_deg: f
 
 /// The place `across_m` out to one side of the boat; `None` without heading or position.
 pub(crate) fn across_track(place: &PingNav, side: Side, across_m: f64) -> Option<[f64; 2]> {
-    let [x, y] = place.starboard()?;
-    let out_m = match side {
-        Side::Port => -across_m,
-        Side::Starboard => across_m,
-    };
-    let at = [place.east_m + x * out_m, place.north_m + y * out_m];
-    at[0].is_finite().then_some(at)
+    place
+        .abeam(side, across_m)
+        .filter(|[east_m, _]| east_m.is_finite())
 }

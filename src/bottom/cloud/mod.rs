@@ -23,15 +23,14 @@ mod residuals;
 mod scales;
 mod specular;
 
+use crate::support::named::named;
 pub(crate) use build::{build, slant_range_m};
 pub(crate) use by_source::BySource;
 pub(crate) use class::{ClassCounts, ClassRules, PointClass, classify};
 pub(crate) use correction::{Correction, DepthReference, DepthSettings};
 pub(crate) use depth_change::DepthChange;
 #[cfg(any(test, feature = "bench"))]
-pub(crate) use geometry::across_track;
-#[cfg(any(test, feature = "bench"))]
-pub(crate) use geometry::fixed_bottom_point;
+pub(crate) use geometry::{across_track, fixed_bottom_point};
 pub(crate) use ping_depth::{
     DepthSource, PingDepth, TrackShare, clear_excluded_depths, ping_depths,
 };
@@ -123,21 +122,12 @@ pub enum PointSource {
     Starboard,
 }
 
-impl PointSource {
+named! {
     /// All of them, in the order of points in a cloud.
-    pub const ALL: [PointSource; 3] = [
-        PointSource::DownScan,
-        PointSource::Port,
-        PointSource::Starboard,
-    ];
-
-    /// `downscan`, `port`, `starboard`, as in `cloud.csv`.
-    pub fn name(self) -> &'static str {
-        match self {
-            PointSource::DownScan => "downscan",
-            PointSource::Port => "port",
-            PointSource::Starboard => "starboard",
-        }
+    pub PointSource {
+        DownScan: "downscan",
+        Port: "port",
+        Starboard: "starboard",
     }
 }
 
@@ -243,6 +233,11 @@ impl PointCloud {
 }
 
 impl CloudPoint {
+    /// East, north and elevation, metres.
+    pub(crate) fn place(&self) -> [f64; 3] {
+        [self.east_m, self.north_m, self.z_m]
+    }
+
     /// The confidence if what lies above the recorded depth is ground, as where it goes on for long; that of any other point is its own.
     pub fn ground_confidence(&self) -> f32 {
         ground_confidence(self.confidence, self.above_bottom)

@@ -1,7 +1,7 @@
 //! Between which values the points of a cloud are coloured.
 
 use super::{PointClass, PointCloud, PointSource, Reduction};
-use crate::support::statistics::colour_ends;
+use crate::support::statistics::{colour_ends, wider};
 use crate::survey::Survey;
 
 /// Ends of the colour scales of what is known of a point besides its depth: the 2nd and the 98th percentile of the kept points. `None`
@@ -35,10 +35,6 @@ impl PointScales {
     /// Those that both need.
     #[must_use]
     pub fn with(self, other: Self) -> Self {
-        let wider = |one: Option<[f32; 2]>, other: Option<[f32; 2]>| match (one, other) {
-            (Some([low, high]), Some([l, h])) => Some([low.min(l), high.max(h)]),
-            (one, other) => one.or(other),
-        };
         Self {
             level: wider(self.level, other.level),
             range_m: wider(self.range_m, other.range_m),

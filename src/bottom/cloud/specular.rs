@@ -27,49 +27,34 @@ pub(super) struct Pair {
     pub(super) starboard_m: f64,
 }
 
-/// How steeply the bottom rises to either side at a ping, radians; one of the two is 0.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct CrossSlope {
-    pub(super) port_rad: f64,
-    pub(super) starboard_rad: f64,
-}
-
-impl CrossSlope {
-    /// At `ping`, from the pings around it; level where there are too few.
-    pub(super) fn at(pairs: &[Pair], ping: usize) -> Self {
-        let around = &pairs[ping.saturating_sub(REACH)..pairs.len().min(ping + REACH + 1)];
-        let (mut differences, mut deeper) = ([0.0; 2 * REACH + 1], [0.0; 2 * REACH + 1]);
-        let mut count = 0;
-        for pair in around {
-            let difference = pair.starboard_m - pair.port_m;
-            if difference.is_finite() && (pair.time_s - pairs[ping].time_s).abs() <= MAX_AWAY_S {
-                differences[count] = difference;
-                deeper[count] = pair.starboard_m.max(pair.port_m);
-                count += 1;
-            }
+/// How steeply the bottom rises to port and to starboard at a ping, radians, from the pings around it: one of the two is 0, and both where
+/// there are too few.
+pub(super) fn cross_slopes_rad(pairs: &[Pair], ping: usize) -> [f64; 2] {
+    let around = &pairs[ping.saturating_sub(REACH)..pairs.len().min(ping + REACH + 1)];
+    let (mut differences, mut deeper) = ([0.0; 2 * REACH + 1], [0.0; 2 * REACH + 1]);
+    let mut count = 0;
+    for pair in around {
+        let difference = pair.starboard_m - pair.port_m;
+        if difference.is_finite() && (pair.time_s - pairs[ping].time_s).abs() <= MAX_AWAY_S {
+            differences[count] = difference;
+            deeper[count] = pair.starboard_m.max(pair.port_m);
+            count += 1;
         }
-        if count < MIN_PAIRS {
-            return Self::default();
-        }
-        let (differences, deeper) = (&mut differences[..count], &mut deeper[..count]);
-        let difference_m = middle(differences);
-        for difference in differences.iter_mut() {
-            *difference = (*difference - difference_m).abs();
-        }
-        let certain_m = (difference_m.abs() - SIGMA_PER_MAD * middle(differences)).max(0.0);
-        let cosine = 1.0 - certain_m / middle(deeper);
-        let slope_rad = cosine.max(MAX_SLOPE_DEG.to_radians().cos()).acos();
-        if difference_m > 0.0 {
-            Self {
-                port_rad: slope_rad,
-                starboard_rad: 0.0,
-            }
-        } else {
-            Self {
-                port_rad: 0.0,
-                starboard_rad: slope_rad,
-            }
-        }
+    }
+    if count < MIN_PAIRS {
+        return [0.0; 2];
+    }
+    let (differences, deeper) = (&mut differences[..count], &mut deeper[..count]);
+    let difference_m = middle(differences);
+    for difference in differences.iter_mut() {
+        *difference = (*difference - difference_m).abs();
+    }
+    let certain_m = (difference_m.abs() - SIGMA_PER_MAD * middle(differences)).max(0.0);
+    let cosine = 1.0 - certain_m / middle(deeper);
+    let slope_rad = cosine.max(MAX_SLOPE_DEG.to_radians().cos()).acos();
+    match difference_m > 0.0 {
+        true => [slope_rad, 0.0],
+        false => [0.0, slope_rad],
     }
 }
 
@@ -104,18 +89,18 @@ mod tests {
     #[test]
     fn planes_come_back_and_level_ground_stays_level() {
         for slope_deg in [8.0, 12.0, 20.0] {
-            let slope = CrossSlope::at(&plane(slope_deg), 30);
+            let slopes_rad = cross_slopes_rad(&plane(slope_deg), 30);
             assert!(
-                (slope.port_rad.to_degrees() - slope_deg).abs() < 0.8,
-                "{slope_deg}: {slope:?}"
+                (slopes_rad[0].to_degrees() - slope_deg).abs() < 0.8,
+                "{slope_deg}: {slopes_rad:?}"
             );
-            assert_eq!(slope.starboard_rad, 0.0);
+            assert_eq!(slopes_rad[1], 0.0);
             // The point lies on the plane.
-            let point = specular_point(3.0 * slope_deg.to_radians().cos(), slope.port_rad);
+            let point = specular_point(3.0 * slope_deg.to_radians().cos(), slopes_rad[0]);
             let bed_m = 3.0 - point.across_m * slope_deg.to_radians().tan();
             assert!((point.depth_m - bed_m).abs() < 0.002, "{point:?} {bed_m}");
         }
-        assert_eq!(CrossSlope::at(&plane(0.0), 30), CrossSlope::default());
-        assert_eq!(CrossSlope::at(&plane(12.0)[..5], 2), CrossSlope::default());
+        assert_eq!(cross_slopes_rad(&plane(0.0), 30), [0.0; 2]);
+        assert_eq!(cross_slopes_rad(&plane(12.0)[..5], 2), [0.0; 2]);
     }
 }

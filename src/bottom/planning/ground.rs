@@ -2,7 +2,8 @@
 
 use super::known::{Doubt, SeenObject, SigmaLaw, SurveyCoverage};
 use super::leg::apart_m;
-use super::water::{Near, Water, thinned};
+use super::water::{Water, thinned};
+use crate::support::nearest::Nearest;
 use rayon::prelude::*;
 
 /// A doubt lies on the cells within this distance of a crossing, metres, and a pass within it helps.
@@ -52,7 +53,7 @@ pub(super) struct PlanningGrid {
 impl PlanningGrid {
     /// Of what a survey knows, in some water.
     pub(super) fn new(known: &SurveyCoverage, water: Water, spacing_m: Option<f64>) -> Self {
-        let soundings = Near::new(thinned(&known.soundings, 0.25 * water.grid.cell_m));
+        let soundings = Nearest::of(&thinned(&known.soundings, 0.25 * water.grid.cell_m));
         let doubts = largest(known);
         let places: Vec<(usize, [f64; 2])> = water.cells().collect();
         let looks = counted(&water, &known.looks);

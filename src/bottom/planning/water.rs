@@ -1,7 +1,8 @@
 //! The water that a plan may use: within a polygon, or within the outline of what was sailed.
 
 use crate::bottom::bathymetry::Grid;
-use kiddo::{ImmutableKdTree, SquaredEuclidean};
+use crate::support::nearest::Nearest;
+use crate::support::outline::{self, between, edges};
 use rayon::prelude::*;
 
 /// Cells are no smaller than this, metres: a boat keeps no line any better.
@@ -50,19 +51,16 @@ impl Water {
 
     /// Indices and centres of the open cells.
     pub(super) fn cells(&self) -> impl Iterator<Item = (usize, [f64; 2])> {
-        let columns = self.grid.columns;
         let open = (0..).zip(&self.open).filter(|(_, open)| **open);
-        open.map(move |(cell, _)| (cell, self.grid.centre(cell / columns, cell % columns)))
+        open.map(|(cell, _)| (cell, self.grid.centre_of(cell)))
     }
 }
 
 /// West, south, east, north; `None` without a finite place.
 fn bounds(places: impl Iterator<Item = [f64; 2]>) -> Option<[f64; 4]> {
     let finite = places.filter(|place| place.iter().all(|value| value.is_finite()));
-    finite.fold(None, |bounds, [x, y]| {
-        let [w, s, e, n] = bounds.unwrap_or([x, y, x, y]);
-        Some([w.min(x), s.min(y), e.max(x), n.max(y)])
-    })
+    let bounds = outline::bounds(finite);
+    (bounds != outline::NOWHERE).then_some(bounds)
 }
 
 /// The water on the finest grid that has not too many cells.
@@ -111,28 +109,21 @@ fn within_rings(grid: &Grid, rings: &[Vec<[f64; 2]>]) -> Vec<bool> {
         }
     });
     for ring in rings {
-        for (from, to) in steps(ring) {
+        for [from, to] in edges(ring) {
             let length_m = (to[0] - from[0]).hypot(to[1] - from[1]);
             let count = (2.0 * length_m / grid.cell_m).ceil().min(1e7) as usize;
             for step in 0..=count {
                 let share = step as f64 / count.max(1) as f64;
-                let place = [0, 1].map(|axis| from[axis] + share * (to[axis] - from[axis]));
-                close_about(grid, place, &mut open);
+                close_about(grid, between(from, to, share), &mut open);
             }
         }
     }
     open
 }
 
-/// The sides of a ring, the last back to its first corner.
-fn steps(ring: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> {
-    let next = ring.iter().cycle().skip(1);
-    ring.iter().copied().zip(next.copied())
-}
-
 /// Where a ring crosses a parallel, metres east.
 fn crossed(ring: &[[f64; 2]], north_m: f64) -> impl Iterator<Item = f64> {
-    steps(ring).filter_map(move |([x0, y0], [x1, y1])| {
+    edges(ring).filter_map(move |[[x0, y0], [x1, y1]]| {
         let crosses = (y0 > north_m) != (y1 > north_m);
         crosses.then(|| x0 + (north_m - y0) / (y1 - y0) * (x1 - x0))
     })
@@ -152,13 +143,12 @@ fn close_about(grid: &Grid, [east_m, north_m]: [f64; 2], open: &mut [bool]) {
 
 /// The closing of the soundings by a circle: cells within its radius of a sounding, without those within its radius of others.
 fn closed(grid: &Grid, soundings: &[[f64; 2]], reach_m: f64) -> Vec<bool> {
-    let Some(near) = Near::new(thinned(soundings, 0.5 * grid.cell_m)) else {
+    let Some(near) = Nearest::of(&thinned(soundings, 0.5 * grid.cell_m)) else {
         return vec![false; grid.len()];
     };
-    let centre = |cell: usize| grid.centre(cell / grid.columns, cell % grid.columns);
     let cells = (0..grid.len()).into_par_iter();
     let reached: Vec<bool> = cells
-        .map(|cell| near.distance_m(centre(cell)) <= reach_m)
+        .map(|cell| near.distance_m(grid.centre_of(cell)) <= reach_m)
         .collect();
     let is_rim = |cell: &usize| {
         let (row, column) = (cell / grid.columns, cell % grid.columns);
@@ -170,15 +160,18 @@ fn closed(grid: &Grid, soundings: &[[f64; 2]], reach_m: f64) -> Vec<bool> {
         ];
         !reached[*cell] && beside.into_iter().flatten().any(|cell| reached[cell])
     };
-    let rim: Vec<[f64; 2]> = (0..grid.len()).filter(is_rim).map(centre).collect();
-    let Some(rim) = Near::new(rim) else {
+    let rim: Vec<[f64; 2]> = (0..grid.len())
+        .filter(is_rim)
+        .map(|cell| grid.centre_of(cell))
+        .collect();
+    let Some(rim) = Nearest::of(&rim) else {
         return reached;
     };
     // The outermost lines themselves are a boundary, which half a cell of rounding must not take away.
     let inner_m = reach_m - 0.5 * grid.cell_m;
     let cells = reached.par_iter().enumerate();
     cells
-        .map(|(cell, reached)| *reached && rim.distance_m(centre(cell)) >= inner_m)
+        .map(|(cell, reached)| *reached && rim.distance_m(grid.centre_of(cell)) >= inner_m)
         .collect()
 }
 
@@ -195,26 +188,6 @@ pub(super) fn thinned(places: &[[f64; 2]], side_m: f64) -> Vec<[f64; 2]> {
     });
     places.dedup_by_key(|place| square(place));
     places
-}
-
-/// Places that can be asked how far the nearest is.
-pub(super) struct Near {
-    index: ImmutableKdTree<f64, 2>,
-}
-
-impl Near {
-    /// Of places; `None` without any.
-    pub(super) fn new(places: Vec<[f64; 2]>) -> Option<Self> {
-        let index = (!places.is_empty()).then(|| ImmutableKdTree::new_from_slice(&places))?;
-        Some(Self { index: index.ok()? })
-    }
-
-    /// To the nearest of them, metres.
-    pub(super) fn distance_m(&self, place: [f64; 2]) -> f64 {
-        let nearest = self.index.query(&place);
-        let nearest = nearest.nearest_one::<SquaredEuclidean<f64>>();
-        nearest.execute().distance.sqrt()
-    }
 }
 
 #[cfg(test)]
@@ -247,9 +220,9 @@ mod tests {
         }
         let all_m2 = 80.0 * 84.0 - 16.0 * 16.8;
         // Along the sides, two cells wide, nothing is open.
-        let sides_m = rings.iter().flat_map(|ring| steps(ring));
+        let sides_m = rings.iter().flat_map(|ring| edges(ring));
         let sides_m: f64 = sides_m
-            .map(|([x, y], [to_x, to_y])| (to_x - x).hypot(to_y - y))
+            .map(|[[x, y], [to_x, to_y]]| (to_x - x).hypot(to_y - y))
             .sum();
         let closed_m2 = 2.0 * water.grid.cell_m * sides_m;
         assert!(

@@ -70,13 +70,12 @@ impl PingPlace {
 
     /// Unit vector outward on a side, east and north.
     pub(crate) fn outward(&self, side: Side) -> [f64; 2] {
-        let sign = if side == Side::Port { -1.0 } else { 1.0 };
-        self.starboard.map(|part| sign * part)
+        self.starboard.map(|part| side.to_starboard(part))
     }
 
     /// What is known of a side.
     pub(crate) fn side(&self, side: Side) -> &SideEchoes {
-        &self.sides[usize::from(side == Side::Starboard)]
+        &self.sides[side as usize]
     }
 }
 

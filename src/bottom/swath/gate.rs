@@ -7,8 +7,8 @@ use super::observations::Bed;
 use super::solve::{Brightness, Prior, TileSolution};
 use super::tiling::Tiling;
 use crate::bottom::bathymetry::{Between, DepthPoint, Tin};
+use crate::support::nearest::Nearest;
 use crate::support::progress::{Cancelled, Progress};
-use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
 /// Length of a stretch that is left out, metres, and of how many stretches one is.
 const STRETCH_M: f64 = 8.0;
@@ -82,18 +82,14 @@ impl Split {
                 ways_m.push(way_m);
             }
         }
-        let tree = ImmutableKdTree::<f64, 2>::new_from_slice(&places).ok()?;
+        let nearest = Nearest::of(&places)?;
         let mut split = Self {
             kept: Vec::new(),
             asked: Vec::new(),
         };
         for point in measured.iter().filter(|point| point.weight > 0.0) {
-            let place = [point.east_m, point.north_m];
-            let nearest = tree
-                .query(&place)
-                .nearest_one::<SquaredEuclidean<f64>>()
-                .execute();
-            let way_m = ways_m[nearest.item as usize];
+            let (ping, _) = nearest.at(point.place());
+            let way_m = ways_m[ping];
             let along_m = way_m % STRETCH_M;
             if (way_m / STRETCH_M) as u64 % ONE_OF != 1 {
                 split.kept.push(*point);
@@ -138,7 +134,7 @@ pub(super) fn choose(
     let mut triangles = tin.sampler(Between::Linear);
     let mut asked: Vec<Asked> = Vec::new();
     for point in split.asked {
-        let place = [point.east_m, point.north_m];
+        let place = point.place();
         let is_in_core = |state: &TileSolution| tiling.tiles[state.tile].core_nodes().holds(place);
         if let Some(state) = sample.states.iter().position(is_in_core) {
             asked.extend(triangles.depth_at(place).map(|triangles_m| Asked {

@@ -109,7 +109,7 @@ impl SideChunk {
         Some(Self {
             stretch: (number as u32, chunk.stretch),
             curves,
-            side: if side == Side::Port { -1.0 } else { 1.0 },
+            side: side.to_starboard(1.0),
             place_m,
             outward: outward.map(|part| part / straight),
             transducer_m,

@@ -254,13 +254,12 @@ fn add(found: &Found, error_sds: f64, surface: &mut Surface) {
     let both = found.sd_m.iter().zip(&found.seen);
     let seen = both.filter(|(_, seen)| **seen > 0.5);
     let usual_sd_m = median(&mut seen.map(|(sd_m, _)| *sd_m).collect::<Vec<_>>());
-    let columns = surface.grid.columns.max(1);
     for cell in 0..surface.depth_m.len() {
         let without_m = f64::from(surface.depth_m[cell]);
         if without_m.is_nan() {
             continue;
         }
-        let centre = surface.grid.centre(cell / columns, cell % columns);
+        let centre = surface.grid.centre_of(cell);
         let sd_m = nodes.value_at(&found.sd_m, centre);
         let error_m = error_sds * sd_m;
         let without_error_m = f64::from(surface.spread_m[cell]);
@@ -287,10 +286,9 @@ fn add(found: &Found, error_sds: f64, surface: &mut Surface) {
 /// The brightness of the bed in the cells with a depth that echoes say something of, decibels over their median; `None` where that
 /// is none.
 fn hardness_db(found: &Found, surface: &Surface) -> Option<Vec<f32>> {
-    let columns = surface.grid.columns.max(1);
     let nodes = &found.nodes;
     let of_cell = |(cell, depth_m): (usize, &f32)| {
-        let centre = surface.grid.centre(cell / columns, cell % columns);
+        let centre = surface.grid.centre_of(cell);
         let is_known = !depth_m.is_nan() && found.seen[nodes.nearest(centre)] > 0.5;
         let ln = is_known.then(|| nodes.value_at(&found.ln_brightness, centre));
         ln.map_or(f64::NAN, |ln| 10.0 * ln / std::f64::consts::LN_10)
@@ -315,24 +313,14 @@ mod tests {
     use super::*;
     use crate::survey::Survey;
 
-    const GRID: Grid = Grid {
-        west_m: 0.0,
-        north_m: 10.0,
-        cell_m: 1.0,
-        columns: 10,
-        rows: 10,
-    };
+    fn grid() -> Grid {
+        Grid::at([0.0, 10.0], 1.0, [10, 10])
+    }
 
     #[test]
     fn a_surface_without_echoes_stays_as_it_is_and_says_why() {
-        let before = Surface::of_depths(GRID, vec![2.0; 100]);
-        let measured = DepthPoint {
-            east_m: 3.0,
-            north_m: 3.0,
-            depth_m: 2.0,
-            weight: 1.0,
-            is_sounding: true,
-        };
+        let before = Surface::of_depths(grid(), vec![2.0; 100]);
+        let measured = DepthPoint::of_sounding([3.0, 3.0], 2.0);
         let side = SideEchoes {
             near_m: 0.0,
             step_m: 0.01,
@@ -372,7 +360,7 @@ mod tests {
 
     #[test]
     fn the_smaller_error_counts_more() {
-        let nodes = nodes::Nodes::over(&GRID, 1.0);
+        let nodes = nodes::Nodes::over(&grid(), 1.0);
         let all = |value: f64| vec![value; nodes.len()];
         let found = Found {
             nodes,
@@ -382,7 +370,7 @@ mod tests {
             seen: all(1.0),
         };
         let depth_m = |triangles_error_m: f32| {
-            let mut surface = Surface::of_depths(GRID, vec![2.0; 100]);
+            let mut surface = Surface::of_depths(grid(), vec![2.0; 100]);
             surface.spread_is = Spread::OfError;
             surface.spread_m.fill(triangles_error_m);
             surface.distance_m.fill(3.0);

@@ -5,7 +5,7 @@ use super::looks::SideChunk;
 use super::model::{Curves, Incidence};
 use super::nodes::Nodes;
 use crate::bottom::bathymetry::{Between, Node, Tin};
-use kiddo::{ImmutableKdTree, SquaredEuclidean};
+use crate::support::nearest::Nearest;
 
 /// Ground range from which on level cells lie, metres: nearer the beam looks straight down, and depths were measured.
 const NEAREST_M: f64 = 1.2;
@@ -25,11 +25,6 @@ const KNOWN_M: f64 = 20.0;
 const MOST_STEP_M: f64 = 0.4;
 /// Least altitude over the bed that a slant range is turned into an angle by, metres.
 const LEAST_ALTITUDE_M: f64 = 0.1;
-
-/// East and north of a measured depth, metres.
-pub(super) fn place(measured: &Node) -> [f64; 2] {
-    [measured.east_m, measured.north_m]
-}
 
 /// Depth and brightness of the bed at nodes.
 #[derive(Clone, Debug)]
@@ -51,11 +46,8 @@ pub(super) struct Bed {
 impl Bed {
     /// Of the triangles between some measured depths, and the nearest one beyond them; `None` without any.
     pub(super) fn new(nodes: Nodes, measured: &[Node]) -> Option<Self> {
-        if measured.is_empty() {
-            return None;
-        }
-        let places: Vec<[f64; 2]> = measured.iter().map(place).collect();
-        let tree = ImmutableKdTree::<f64, 2>::new_from_slice(&places).ok()?;
+        let places: Vec<[f64; 2]> = measured.iter().map(Node::place).collect();
+        let nearest = Nearest::of(&places)?;
         let tin = Tin::new(measured.to_vec());
         let mut triangles = tin.as_ref().map(|tin| tin.sampler(Between::Linear));
         let mut bed = Self {
@@ -67,12 +59,11 @@ impl Bed {
             is_known: Vec::new(),
         };
         for place in (0..nodes.len()).map(|node| nodes.place_m(node)) {
-            let query = tree.query(&place);
-            let nearest = query.nearest_one::<SquaredEuclidean<f64>>().execute();
+            let (node, distance2_m2) = nearest.at(place);
             let between_m = triangles.as_mut().and_then(|tin| tin.depth_at(place));
-            let nearest_m = measured[nearest.item as usize].depth_m;
+            let nearest_m = measured[node].depth_m;
             bed.triangles_m.push(between_m.unwrap_or(nearest_m));
-            bed.is_known.push(nearest.distance <= KNOWN_M * KNOWN_M);
+            bed.is_known.push(distance2_m2 <= KNOWN_M * KNOWN_M);
         }
         bed.depth_m = bed.triangles_m.clone();
         Some(bed)

@@ -9,7 +9,7 @@ use super::elimination;
 use super::looks::SideChunk;
 use super::model::{Curves, PARAMETERS, solve_dense};
 use super::nodes::{Nodes, Shares};
-use super::observations::{Bed, SlopeObservation, place};
+use super::observations::{Bed, SlopeObservation};
 use crate::bottom::bathymetry::Node;
 use crate::support::sparse::{Equations, Factor, Normal, Pattern};
 use crate::support::statistics::median;
@@ -114,7 +114,7 @@ impl TileSolution {
         measured: &[Node],
         looks: &[SideChunk],
     ) -> Option<Self> {
-        let inside = measured.iter().filter(|depth| nodes.holds(place(depth)));
+        let inside = measured.iter().filter(|depth| nodes.holds(depth.place()));
         let measured: Vec<Node> = inside.copied().collect();
         let bed = Bed::new(*nodes, &measured)?;
         let all = looks.iter().enumerate();
@@ -153,7 +153,7 @@ impl TileSolution {
         system.add_observations(&self.bed, given.level_cell_m, given.is_robust);
         for depth in &self.measured {
             let sd_m = SD_MEASURED_M.max(0.6 * depth.spread_m);
-            let shares = nodes.shares(place(depth));
+            let shares = nodes.shares(depth.place());
             system.equations.add(shares, depth.depth_m, sd_m);
         }
         system.add_relief(&self.bed.triangles_m, given.prior.relief_m);

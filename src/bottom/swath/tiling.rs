@@ -140,13 +140,7 @@ mod tests {
 
     #[test]
     fn a_small_survey_is_fine_and_one_tile_and_a_survey_may_be_too_large() {
-        let grid = |side: usize| Grid {
-            west_m: 0.0,
-            north_m: 0.0,
-            cell_m: 1.0,
-            columns: side,
-            rows: side,
-        };
+        let grid = |side: usize| Grid::at([0.0, 0.0], 1.0, [side, side]);
         let small = Tiling::of_survey(&grid(60)).unwrap();
         assert_eq!((small.tiles.len(), small.resolution), (1, Resolution::FINE));
         assert_eq!(

@@ -1,8 +1,8 @@
 //! Where first returns lie above the bottom on both sides: weed, whose brightness says nothing of the bed's slope.
 
 use super::echoes::{LogEchoes, PingPlace};
+use crate::support::nearest::Nearest;
 use crate::survey::Side;
-use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
 /// Pings that are looked at together.
 const PINGS: usize = 15;
@@ -12,7 +12,7 @@ const SHARE: f64 = 0.5;
 const REACH_M: f64 = 3.5;
 
 /// Places of pings in stretches of weed.
-pub(super) struct Weed(Option<ImmutableKdTree<f64, 2>>);
+pub(super) struct Weed(Option<Nearest>);
 
 impl Weed {
     /// Of some logs, each with whether each of its pings is in a stretch of weed.
@@ -23,18 +23,13 @@ impl Weed {
             pings.map(|(ping, _)| ping.place_m).collect()
         };
         let places: Vec<[f64; 2]> = logs.flat_map(in_weed).collect();
-        let tree = ImmutableKdTree::new_from_slice(&places).ok();
-        Self(tree.filter(|_| !places.is_empty()))
+        Self(Nearest::of(&places))
     }
 
     /// Whether a place east and north is far from all weed.
     pub(super) fn is_far_from(&self, place: [f64; 2]) -> bool {
-        let Self(Some(tree)) = self else {
-            return true;
-        };
-        let query = tree.query(&place);
-        let nearest = query.nearest_one::<SquaredEuclidean<f64>>().execute();
-        nearest.distance >= REACH_M * REACH_M
+        let nearest = self.0.as_ref();
+        nearest.is_none_or(|nearest| nearest.at(place).1 >= REACH_M * REACH_M)
     }
 }
 

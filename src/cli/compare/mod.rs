@@ -13,7 +13,6 @@ use super::status_line::StatusLine;
 use crate::bottom::bathymetry::compare::{Comparison, Match, Matching, match_points};
 use crate::cli::Failure;
 use crate::formats::points::{Elevations, is_named_as_elevations, read_elevations, split_columns};
-use crate::pipeline::matching_in_words;
 use crate::products::export::{ExportError, is_same_file, write_atomically};
 use crate::support::progress::Progress;
 use plane::into_one_plane;
@@ -143,7 +142,7 @@ fn points(args: &CompareArgs) -> Result<(), Failure> {
     };
     into_one_plane(&mut measured, &mut reference)?;
     let matching = args.matching();
-    let by = matching_in_words(matching);
+    let by = matching.in_words();
     let progress = Progress::new();
     let status = StatusLine::at("matching", &progress);
     let matches = match_points(&measured.points, &reference.points, matching, &progress)?;

@@ -34,12 +34,7 @@ pub struct Slice {
 
 impl Slice {
     fn mark(&self, side: Side) -> Mark {
-        Mark {
-            side,
-            pings: self.ping..self.ping + 1,
-            near_m: self.near_m,
-            far_m: self.far_m,
-        }
+        Mark::new(side, self.ping..self.ping + 1, [self.near_m, self.far_m])
     }
 }
 
@@ -133,9 +128,4 @@ fn outline(rows: &[(Rect, f32)]) -> Vec<[f32; 2]> {
 }
 
 /// The tile.
-const FRAME: Rect = Rect {
-    x0: 0.0,
-    y0: 0.0,
-    x1: TILE_PX as f32,
-    y1: TILE_PX as f32,
-};
+const FRAME: Rect = Rect::new([0.0, 0.0], [TILE_PX as f32, TILE_PX as f32]);

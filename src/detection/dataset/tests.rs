@@ -13,12 +13,7 @@ fn pipe(shown: bool, slices: bool) -> Known {
     let near_m = |ping: usize| 1.0 + 0.2 * (ping - 100) as f64;
     Known {
         class: 2,
-        whole: Mark {
-            side: Side::Port,
-            pings: 100..120,
-            near_m: near_m(100),
-            far_m: near_m(119) + 0.4,
-        },
+        whole: Mark::new(Side::Port, 100..120, [near_m(100), near_m(119) + 0.4]),
         shown,
         slices: (100..120)
             .filter(|_| slices)

@@ -49,12 +49,7 @@ mod tests {
     fn edges_count_from_one_and_ignored_boxes_are_difficult() {
         let label = |x0, x1| Labelled {
             class: 0,
-            rect: Rect {
-                x0,
-                y0: 10.0,
-                x1,
-                y1: 30.0,
-            },
+            rect: Rect::new([x0, 10.0], [x1, 30.0]),
         };
         let boxes = Boxes {
             labels: vec![label(20.0, 50.0)],

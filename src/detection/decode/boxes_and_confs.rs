@@ -17,11 +17,11 @@ pub(crate) fn boxes_and_confs(
         .chunks_exact(4)
         .zip(confs.chunks_exact(classes.max(1)))
     {
-        found.add(1.0, scores.iter().copied(), || Rect {
-            x0: edges[0] * scale[0],
-            y0: edges[1] * scale[1],
-            x1: edges[2] * scale[0],
-            y1: edges[3] * scale[1],
+        found.add(1.0, scores.iter().copied(), || {
+            Rect::new(
+                [edges[0] * scale[0], edges[1] * scale[1]],
+                [edges[2] * scale[0], edges[3] * scale[1]],
+            )
         });
     }
     found.boxes

@@ -10,11 +10,8 @@ pub(crate) fn end_to_end(values: &[f32], classes: usize, least: f32) -> Vec<Scor
         let class = row[5].round();
         // Written so that a NaN is no class.
         if class >= 0.0 && class < classes as f32 {
-            found.add_one(class as usize, row[4], || Rect {
-                x0: row[0],
-                y0: row[1],
-                x1: row[2],
-                y1: row[3],
+            found.add_one(class as usize, row[4], || {
+                Rect::new([row[0], row[1]], [row[2], row[3]])
             });
         }
     }

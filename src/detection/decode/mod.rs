@@ -57,11 +57,7 @@ impl Found {
                 .iter()
                 .all(|edge| edge.is_finite());
             if finite && rect.area() > 0.0 {
-                self.boxes.push(Scored {
-                    class,
-                    score: score.min(1.0),
-                    rect,
-                });
+                self.boxes.push(Scored::new(class, score.min(1.0), rect));
             }
         }
     }
@@ -69,12 +65,10 @@ impl Found {
 
 /// A box by its centre and size.
 fn centred([x, y, width, height]: [f32; 4]) -> Rect {
-    Rect {
-        x0: x - 0.5 * width,
-        y0: y - 0.5 * height,
-        x1: x + 0.5 * width,
-        y1: y + 0.5 * height,
-    }
+    Rect::new(
+        [x - 0.5 * width, y - 0.5 * height],
+        [x + 0.5 * width, y + 0.5 * height],
+    )
 }
 
 /// `1 / (1 + e^-x)`.

@@ -187,12 +187,10 @@ fn add(
             class,
             score: score.map(|score| score as f32),
             ignored: annotation.iscrowd == 1 && !predicted,
-            rect: Rect {
-                x0: x as f32,
-                y0: y as f32,
-                x1: (x + width) as f32,
-                y1: (y + height) as f32,
-            },
+            rect: Rect::new(
+                [x as f32, y as f32],
+                [(x + width) as f32, (y + height) as f32],
+            ),
         };
         set.pictures.entry(name).or_default().labels.push(label);
     }

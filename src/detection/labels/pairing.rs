@@ -85,10 +85,9 @@ fn image(
             .collect(),
         predicted: proposed
             .into_iter()
-            .map(|label| Scored {
-                class: label.class,
-                score: label.score.unwrap_or(0.0),
-                rect: pixels(label.rect, predicted.format, size_px),
+            .map(|label| {
+                let rect = pixels(label.rect, predicted.format, size_px);
+                Scored::new(label.class, label.score.unwrap_or(0.0), rect)
             })
             .collect(),
     }
@@ -99,12 +98,10 @@ fn pixels(rect: Rect, format: LabelFormat, [width, height]: [u32; 2]) -> Rect {
         LabelFormat::Yolo => (width as f32, height as f32),
         LabelFormat::Coco => (1.0, 1.0),
     };
-    Rect {
-        x0: rect.x0 * width,
-        y0: rect.y0 * height,
-        x1: rect.x1 * width,
-        y1: rect.y1 * height,
-    }
+    Rect::new(
+        [rect.x0 * width, rect.y0 * height],
+        [rect.x1 * width, rect.y1 * height],
+    )
 }
 
 /// Names for every class that is named or used.

@@ -54,12 +54,7 @@ fn both_formats_give_the_same_boxes() {
     assert_eq!(yolo.names, coco.names);
     let results = read_predicted(&at("results.json"), &coco).expect("the results");
     let texts = read_predicted(&at("predicted"), &coco).expect("the labels");
-    let expected = Rect {
-        x0: 20.0,
-        y0: 10.0,
-        x1: 60.0,
-        y1: 30.0,
-    };
+    let expected = Rect::new([20.0, 10.0], [60.0, 30.0]);
     for predicted in [&results, &texts] {
         let paired = pair(&coco, predicted).expect("the same pictures");
         assert_eq!(paired.names, ["a", "b"]);

@@ -146,11 +146,9 @@ fn parse(line: &str, predicted: bool) -> Result<Label, LineFault> {
         class,
         score: score.map(|score| score as f32),
         ignored: false,
-        rect: Rect {
-            x0: (cx - 0.5 * w) as f32,
-            y0: (cy - 0.5 * h) as f32,
-            x1: (cx + 0.5 * w) as f32,
-            y1: (cy + 0.5 * h) as f32,
-        },
+        rect: Rect::new(
+            [(cx - 0.5 * w) as f32, (cy - 0.5 * h) as f32],
+            [(cx + 0.5 * w) as f32, (cy + 0.5 * h) as f32],
+        ),
     })
 }

@@ -70,12 +70,10 @@ impl Fit {
         let back = |value: f32, axis: usize| {
             ((value - self.offset[axis]) / self.scale[axis]).clamp(0.0, self.picture[axis])
         };
-        Rect {
-            x0: back(rect.x0, 0),
-            y0: back(rect.y0, 1),
-            x1: back(rect.x1, 0),
-            y1: back(rect.y1, 1),
-        }
+        Rect::new(
+            [back(rect.x0, 0), back(rect.y0, 1)],
+            [back(rect.x1, 0), back(rect.y1, 1)],
+        )
     }
 }
 

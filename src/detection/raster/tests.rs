@@ -7,12 +7,7 @@ fn a_mark_and_its_box_are_the_same_place() {
     let (survey, navigation) = survey(200, |_, _| 0);
     let raster = Raster::new(&survey, &navigation, 0.04);
     assert_eq!(raster.columns(), 250);
-    let mark = Mark {
-        side: Side::Port,
-        pings: 40..52,
-        near_m: 3.2,
-        far_m: 4.8,
-    };
+    let mark = Mark::new(Side::Port, 40..52, [3.2, 4.8]);
     let rect = raster.rect_of(&mark);
     // Twelve pings of 0.2 m are 60 rows of 0.04 m.
     assert!((rect.y1 - rect.y0 - 60.0).abs() < 0.01, "{rect:?}");
@@ -30,12 +25,7 @@ fn a_bright_patch_lands_in_its_box() {
     });
     let raster = Raster::new(&survey, &navigation, 0.04);
     let tile = raster.tile(&survey, Side::Port, 100, 50);
-    let mark = Mark {
-        side: Side::Port,
-        pings: 40..52,
-        near_m: 3.2,
-        far_m: 4.8,
-    };
+    let mark = Mark::new(Side::Port, 40..52, [3.2, 4.8]);
     let rect = raster.rect_of(&mark).shifted(-50.0, -100.0);
     for (index, &pixel) in tile.pixels.iter().enumerate() {
         let (x, y) = (

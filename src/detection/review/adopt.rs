@@ -124,7 +124,7 @@ impl Places {
         for (index, one) in boxes.iter().enumerate() {
             let rect = raster.rect_of(&one.mark);
             places.tallest = places.tallest.max(rect.y1 - rect.y0);
-            places.sides[side_index(one.mark.side)].push((rect, index));
+            places.sides[one.mark.side as usize].push((rect, index));
         }
         for side in &mut places.sides {
             side.sort_by(|(a, _), (b, _)| a.y0.total_cmp(&b.y0));
@@ -134,7 +134,7 @@ impl Places {
 
     /// Place in the list and overlap of the box that overlaps most, if it is the same object.
     fn find(&self, side: Side, rect: &Rect) -> Option<usize> {
-        let list = &self.sides[side_index(side)];
+        let list = &self.sides[side as usize];
         let from = list.partition_point(|(other, _)| other.y0 < rect.y0 - self.tallest);
         let near = list.iter().enumerate().skip(from);
         near.take_while(|(_, (other, _))| other.y0 <= rect.y1)
@@ -146,19 +146,12 @@ impl Places {
 
     fn nearest(&self, side: Side, rect: &Rect) -> Option<usize> {
         let place = self.find(side, rect)?;
-        Some(self.sides[side_index(side)][place].1)
+        Some(self.sides[side as usize][place].1)
     }
 
     /// As `nearest`, and no other box finds it again.
     fn take_nearest(&mut self, side: Side, rect: &Rect) -> Option<usize> {
         let place = self.find(side, rect)?;
-        Some(self.sides[side_index(side)].remove(place).1)
-    }
-}
-
-fn side_index(side: Side) -> usize {
-    match side {
-        Side::Port => 0,
-        Side::Starboard => 1,
+        Some(self.sides[side as usize].remove(place).1)
     }
 }

@@ -1,5 +1,6 @@
 //! How sure the analyst is of an object.
 
+use crate::support::named::named;
 use serde::{Deserialize, Serialize};
 
 /// How sure the analyst is that there is an object, and of what it is: a word of their own, beside the score of a model.
@@ -14,20 +15,11 @@ pub enum Confidence {
     Certain,
 }
 
-impl Confidence {
+named! {
     /// All of them, the least sure first.
-    pub const ALL: [Confidence; 3] = [
-        Confidence::Unsure,
-        Confidence::Probable,
-        Confidence::Certain,
-    ];
-
-    /// `unsure`, `probable` or `certain`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Confidence::Unsure => "unsure",
-            Confidence::Probable => "probable",
-            Confidence::Certain => "certain",
-        }
+    pub Confidence {
+        Unsure: "unsure",
+        Probable: "probable",
+        Certain: "certain",
     }
 }

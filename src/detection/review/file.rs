@@ -327,12 +327,7 @@ impl Review {
 
     fn read_box(&self, one: BoxRow, model: Option<Arc<str>>) -> Result<Reviewed, &'static str> {
         let [start, end] = one.pings;
-        let mark = Mark {
-            side: one.side,
-            pings: start..end,
-            near_m: one.near_m,
-            far_m: one.far_m,
-        };
+        let mark = Mark::new(one.side, start..end, [one.near_m, one.far_m]);
         let is_held = held(&mark, self.identity.pings).as_ref() == Some(&mark);
         let class = self.classes.iter().position(|class| *class == one.class);
         let has_model_name = model.as_deref().is_none_or(is_name);

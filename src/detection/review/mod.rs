@@ -15,6 +15,7 @@ mod queue;
 mod searched;
 mod tiles;
 
+use crate::support::named::named;
 pub(crate) use confidence::Confidence;
 pub(crate) use edit::Edit;
 pub(crate) use file::{BoxRow, ReviewError, ReviewRows, SearchRow, read_text};
@@ -50,25 +51,17 @@ pub enum State {
     Added,
 }
 
-impl State {
+named! {
     /// All states in the order of the work.
-    pub const ALL: [State; 4] = [
-        State::Proposed,
-        State::Accepted,
-        State::Rejected,
-        State::Added,
-    ];
-
-    /// `proposed`, `accepted`, `rejected` or `added`.
-    pub fn name(self) -> &'static str {
-        match self {
-            State::Proposed => "proposed",
-            State::Accepted => "accepted",
-            State::Rejected => "rejected",
-            State::Added => "added",
-        }
+    pub State {
+        Proposed: "proposed",
+        Accepted: "accepted",
+        Rejected: "rejected",
+        Added: "added",
     }
+}
 
+impl State {
     /// Whether it says that there is an object.
     pub fn is_object(self) -> bool {
         matches!(self, State::Accepted | State::Added)
@@ -252,12 +245,7 @@ fn held(mark: &Mark, pings: usize) -> Option<Mark> {
     let (start, end) = (mark.pings.start, mark.pings.end.min(pings));
     let (near_m, far_m) = (mark.near_m.max(0.0), mark.far_m);
     let is_sound = start < end && far_m.is_finite() && far_m > near_m;
-    is_sound.then_some(Mark {
-        side: mark.side,
-        pings: start..end,
-        near_m,
-        far_m,
-    })
+    is_sound.then_some(Mark::new(mark.side, start..end, [near_m, far_m]))
 }
 
 #[cfg(test)]

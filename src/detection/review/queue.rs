@@ -2,6 +2,7 @@
 
 use super::{BoxId, Review, Reviewed, State};
 use crate::detection::Mark;
+use crate::support::named::named;
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 use std::ops::RangeInclusive;
@@ -18,17 +19,12 @@ pub(crate) enum Sort {
     Class,
 }
 
-impl Sort {
+named! {
     /// All sorts in the order of the menu.
-    pub(crate) const ALL: [Sort; 3] = [Sort::Score, Sort::Position, Sort::Class];
-
-    /// Name in the menu.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Sort::Score => "score",
-            Sort::Position => "position",
-            Sort::Class => "class",
-        }
+    pub(crate) Sort {
+        Score: "score",
+        Position: "position",
+        Class: "class",
     }
 }
 

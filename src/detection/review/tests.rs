@@ -3,7 +3,6 @@ mod classes;
 use super::*;
 use crate::detection::testing::navigation_of;
 use crate::detection::{Detection, NAMELESS_CLASS, Raster};
-use crate::survey::{Encoding, Order};
 use crate::survey::{Side, SidePing, SideSpan, Survey};
 
 const PINGS: usize = 1000;
@@ -22,12 +21,7 @@ fn names(names: &[&str]) -> Vec<String> {
 }
 
 fn mark(side: Side, start: usize, near_m: f64) -> Mark {
-    Mark {
-        side,
-        pings: start..start + 10,
-        near_m,
-        far_m: near_m + 2.0,
-    }
+    Mark::new(side, start..start + 10, [near_m, near_m + 2.0])
 }
 
 fn detection(class: usize, score: f32, mark: Mark) -> Detection {
@@ -36,24 +30,14 @@ fn detection(class: usize, score: f32, mark: Mark) -> Detection {
 
 /// Pings a tenth of a second apart at 2 m/s: 0.2 m each.
 fn raster() -> Raster {
-    let span = SideSpan {
-        file: 0,
-        encoding: Encoding::U8,
-        order: Order::NearToFar,
-        offset: 0,
-        count: 100,
-        near_m: 0.0,
-        far_m: 20.0,
-    };
+    let span = SideSpan::of_bytes(100, [0.0, 20.0]);
     let survey = Survey {
         side_scan: std::sync::Arc::new(
             (0..PINGS)
                 .map(|ping| SidePing {
-                    time_s: ping as f64 * 0.1,
-                    depth_m: 2.0,
-                    depth_locked: true,
                     port: Some(span),
                     starboard: Some(span),
+                    ..SidePing::with_depth(ping as f64 * 0.1, 2.0)
                 })
                 .collect(),
         ),
@@ -222,12 +206,11 @@ fn adoption_is_as_comparing_all_with_all() {
             let start = next(900);
             let pings = start..start + 2 + next(60);
             let near_m = next(40) as f64 * 0.25;
-            let mark = Mark {
-                side: side(next(2)),
+            let mark = Mark::new(
+                side(next(2)),
                 pings,
-                near_m,
-                far_m: near_m + 1.0 + next(8) as f64 * 0.5,
-            };
+                [near_m, near_m + 1.0 + next(8) as f64 * 0.5],
+            );
             detection(0, next(100) as f32 / 100.0, mark)
         })
         .collect();
@@ -541,12 +524,7 @@ fn a_file_keeps_edges_points_names_and_refuses_those_that_make_no_sense() {
     let [near_m, far_m] = [5.0, 7.0];
     let set = Edit::SetEdges {
         id,
-        mark: Mark {
-            side: Side::Port,
-            pings: 100..110,
-            near_m,
-            far_m,
-        },
+        mark: Mark::new(Side::Port, 100..110, [near_m, far_m]),
         border_m: 5.5,
     };
     let point = Edit::AddPoint {

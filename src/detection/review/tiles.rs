@@ -81,22 +81,15 @@ fn rect_of(raster: &Raster, one: &Reviewed) -> Rect {
     }
     let half = 0.5 * POINT_M / raster.pixel_m() as f32;
     let [x, y] = [0.5 * (rect.x0 + rect.x1), 0.5 * (rect.y0 + rect.y1)];
-    Rect {
-        x0: (x - half).max(0.0),
-        y0: (y - half).max(0.0),
-        x1: x + half,
-        y1: y + half,
-    }
+    Rect::new(
+        [(x - half).max(0.0), (y - half).max(0.0)],
+        [x + half, y + half],
+    )
 }
 
 fn frame(tile: &ReviewedTile) -> Rect {
     let (x0, y0) = (tile.column as f32, tile.row as f32);
-    Rect {
-        x0,
-        y0,
-        x1: x0 + TILE_PX as f32,
-        y1: y0 + TILE_PX as f32,
-    }
+    Rect::new([x0, y0], [x0 + TILE_PX as f32, y0 + TILE_PX as f32])
 }
 
 /// A tile about the middle of a box, held to the picture.

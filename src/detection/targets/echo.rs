@@ -296,12 +296,7 @@ mod tests {
 
     #[test]
     fn drawn_edges_are_the_parts_and_a_shadow_to_the_end_has_no_end() {
-        let mark = Mark {
-            side: Side::Port,
-            pings: 3..9,
-            near_m: 4.0,
-            far_m: 7.0,
-        };
+        let mark = Mark::new(Side::Port, 3..9, [4.0, 7.0]);
         let whole = set_parts(&mark, 5.0, 12.0);
         assert_eq!(whole.echo_m, [4.0, 5.0]);
         assert_eq!(whole.shadow_m, Some([5.0, 7.0]));

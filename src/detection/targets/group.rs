@@ -203,12 +203,7 @@ mod tests {
     fn seen(east_m: f64, sailed_m: f64, sigma_m: f64) -> Target {
         let ping = (10.0 * sailed_m) as usize;
         Target {
-            mark: Mark {
-                side: Side::Port,
-                pings: ping..ping + 5,
-                near_m: 1.0,
-                far_m: 2.0,
-            },
+            mark: Mark::new(Side::Port, ping..ping + 5, [1.0, 2.0]),
             extent: crate::detection::ObjectExtent::Found,
             measured_shadow: None,
             parts: None,
@@ -217,10 +212,7 @@ mod tests {
             altitude_m: 3.0,
             east_m,
             north_m: 0.0,
-            position: LonLat {
-                lon_deg: 0.0,
-                lat_deg: 0.0,
-            },
+            position: LonLat::new(0.0, 0.0),
             length_m: 0.6,
             width_m: 0.4,
             height_m: f64::NAN,

@@ -32,13 +32,9 @@ pub(crate) use passes::passes_over;
 pub(crate) use passes::{LogPings, PassCount, PassLog, count_seen};
 pub(crate) use place::Placer;
 pub(crate) use shadow::{ShadowError, ShadowHeight};
-#[cfg(any(test, feature = "bench"))]
-pub(crate) use shape::PosedSolid;
-#[cfg(any(test, feature = "bench"))]
-pub(crate) use shape::ShapeKind;
-#[cfg(any(test, feature = "bench"))]
-pub(crate) use shape::Solid;
 pub(crate) use shape::{BoxLevels, FittedShape, ShapeError, ShapeOnPing, fit_shape};
+#[cfg(any(test, feature = "bench"))]
+pub(crate) use shape::{PosedSolid, ShapeKind, Solid};
 pub(crate) use sighting::{GroupSettings, Sighting};
 
 use super::{Mark, MeasuredShadow, ObjectExtent};

@@ -120,7 +120,7 @@ fn moment((log, pings): &LogPings, logs: &[PassLog<'_>]) -> Option<Moment> {
     let boat = navigation.pings.get(usize::midpoint(pings.start, last))?;
     Some(Moment {
         unix_s: [unix_s(pings.start)?, unix_s(last)?],
-        place: [boat.east_m, boat.north_m],
+        place: boat.place(),
     })
 }
 
@@ -186,42 +186,22 @@ fn abeam(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::survey::{PingNav, Projection, SidePing, SideSpan};
-    use std::sync::Arc;
+    use crate::survey::{PingNav, SidePing, SideSpan};
 
     /// A log of a boat that heads north at 2 m/s for 20 s, 10 pings a second, passing the origin halfway, from `start_unix_s` on.
     fn log(start_unix_s: Option<f64>, place_m: impl Fn(usize) -> [f64; 2]) -> (Survey, Navigation) {
         let span = SideSpan::of_bytes(100, [0.0, 10.0]);
         let side_scan = (0..200).map(|ping| SidePing {
-            time_s: 0.1 * f64::from(ping),
-            depth_m: 2.0,
-            depth_locked: true,
             port: Some(span),
             starboard: Some(span),
+            ..SidePing::with_depth(0.1 * f64::from(ping), 2.0)
         });
-        let pings = (0..200).map(|ping| {
-            let [east_m, north_m] = place_m(ping);
-            PingNav {
-                east_m,
-                north_m,
-                heading_rad: 0.0,
-                speed_mps: 2.0,
-            }
-        });
+        let pings = (0..200).map(|ping| PingNav::northbound(place_m(ping), 2.0));
         let survey = Survey {
             start_unix_s,
-            side_scan: Arc::new(side_scan.collect()),
-            ..Survey::default()
+            ..Survey::of_pings(side_scan)
         };
-        let navigation = Navigation {
-            antenna: Arc::default(),
-            pings: Arc::new(pings.collect()),
-            soundings: Arc::default(),
-            projection: Projection::Enu,
-            zero_heading: 0,
-            moving: 200,
-        };
-        (survey, navigation)
+        (survey, Navigation::of_pings(pings))
     }
 
     fn north(ping: usize) -> f64 {

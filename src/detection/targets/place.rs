@@ -101,19 +101,14 @@ impl<'a> Placer<'a> {
         };
         let ground_m = seen.middle_m();
         let boat = self.boat(mark)?;
-        let [x, y] = boat.starboard()?;
-        let out_m = match mark.side {
-            Side::Port => -ground_m,
-            Side::Starboard => ground_m,
-        };
-        let (east_m, north_m) = (boat.east_m + x * out_m, boat.north_m + y * out_m);
+        let [east_m, north_m] = boat.abeam(mark.side, ground_m)?;
         if !(east_m.is_finite() && north_m.is_finite()) {
             return None;
         }
         let track = &self.survey.track;
         let is_point = extent == ObjectExtent::Point;
         let sized = |size_m: f64| if is_point { f64::NAN } else { size_m };
-        let length_m = sized(self.length_m(mark, seen.slant_m(), out_m));
+        let length_m = sized(self.length_m(mark, seen.slant_m(), ground_m));
         let askew_m = heading_sigma_rad(self.navigation, &mark.pings) * ground_m;
         let ends_sigma_m = match extent {
             // Both ends are drawn to the width of the beam.
@@ -190,17 +185,8 @@ impl<'a> Placer<'a> {
 
     /// The place so far across the track from the boat at a ping, metres east and north.
     pub(super) fn abeam(&self, side: Side, ping: usize, ground_m: f64) -> Option<[f64; 2]> {
-        let boat = self.navigation.pings.get(ping)?;
-        let [x, y] = boat.starboard()?;
-        let out_m = match side {
-            Side::Port => -ground_m,
-            Side::Starboard => ground_m,
-        };
-        let place = [boat.east_m + x * out_m, boat.north_m + y * out_m];
-        place
-            .iter()
-            .all(|metres| metres.is_finite())
-            .then_some(place)
+        let place = self.navigation.pings.get(ping)?.abeam(side, ground_m)?;
+        (place.iter().all(|metres| metres.is_finite())).then_some(place)
     }
 
     /// The recording.
@@ -319,7 +305,7 @@ impl<'a> Placer<'a> {
                     let step_m = f64::hypot(place.east_m - east_m, place.north_m - north_m);
                     sum_m += if step_m.is_finite() { step_m } else { 0.0 };
                 }
-                last = Some([place.east_m, place.north_m]);
+                last = Some(place.place());
                 sum_m
             });
             sailed.collect()
@@ -372,11 +358,10 @@ impl<'a> Placer<'a> {
 
     /// ObjectExtent along the track where the object lies, with the beam's width there taken off (as widths of two blurs are). In a
     /// turn the beam sweeps slower or faster there than the boat sails.
-    fn length_m(&self, mark: &Mark, slant_m: f64, out_m: f64) -> f64 {
+    fn length_m(&self, mark: &Mark, slant_m: f64, ground_m: f64) -> f64 {
         let abeam = |ping: usize| {
             let boat = self.navigation.pings.get(ping)?;
-            let [x, y] = boat.starboard()?;
-            Some([boat.east_m + out_m * x, boat.north_m + out_m * y])
+            boat.abeam(mark.side, ground_m)
         };
         let ends = abeam(mark.pings.start).zip(abeam(mark.pings.end.saturating_sub(1)));
         let Some(([from_east, from_north], [to_east, to_north])) = ends else {

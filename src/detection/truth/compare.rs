@@ -86,11 +86,11 @@ impl TruthComparison {
                 (review.boxes().filter(of_side)).filter_map(|one| Some((one, one.score?)))
             {
                 boxes[index].push(one.id);
-                images[index].predicted.push(Scored {
-                    class: one.class,
+                images[index].predicted.push(Scored::new(
+                    one.class,
                     score,
-                    rect: raster.rect_of(&one.mark),
-                });
+                    raster.rect_of(&one.mark),
+                ));
             }
         }
         if let Some(nameless) = classes.iter().position(|name| name == NAMELESS_CLASS) {

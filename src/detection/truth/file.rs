@@ -218,12 +218,7 @@ fn known(
     };
     Ok(Known {
         class: class_index(classes, field(columns.kind)),
-        whole: Mark {
-            side,
-            pings: first..last + 1,
-            near_m,
-            far_m,
-        },
+        whole: Mark::new(side, first..last + 1, [near_m, far_m]),
         shown,
         slices: Vec::new(),
     })

@@ -18,12 +18,7 @@ fn identity(pings: usize) -> Identity {
 }
 
 fn mark(start: usize, near_m: f64) -> Mark {
-    Mark {
-        side: Side::Port,
-        pings: start..start + 10,
-        near_m,
-        far_m: near_m + 2.0,
-    }
+    Mark::new(Side::Port, start..start + 10, [near_m, near_m + 2.0])
 }
 
 fn read(lines: &str) -> Result<Truth, TruthError> {

@@ -68,13 +68,7 @@ mod tests {
 
     #[test]
     fn strips_side_by_side_cover_all_between_them() {
-        let grid = Grid {
-            west_m: 0.0,
-            north_m: 20.0,
-            cell_m: 0.5,
-            columns: 80,
-            rows: 40,
-        };
+        let grid = Grid::at([0.0, 20.0], 0.5, [80, 40]);
         let mut covered = vec![0.0; grid.len()];
         // A fan of thin strips, 30 m long and slanting: the parallelogram from x = 1 to 9 at the bottom, 6 m to the right on top.
         for strip in 0..80 {

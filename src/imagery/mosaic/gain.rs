@@ -145,11 +145,8 @@ pub(crate) fn gain_table(
         of_chunks.try_reduce(Sums::none, |a, b| Ok(a.with(b)))
     };
     let sides = [sums(Side::Port)?, sums(Side::Starboard)?];
-    let [sum, count] = sides
-        .clone()
-        .into_iter()
-        .fold(Sums::none(), Sums::with)
-        .total();
+    let all = sides.iter().cloned().fold(Sums::none(), Sums::with);
+    let [sum, count] = all.total();
     let goal = sum / count.max(1.0);
     let mut table = GainTable {
         far_m,
@@ -292,7 +289,7 @@ impl GainTable {
     }
 
     fn at(&self, side: Side, range_m: f64, altitude_m: f64) -> f32 {
-        let curves = &self.sides[usize::from(side == Side::Starboard)];
+        let curves = &self.sides[side as usize];
         let range_m = range_m.max(altitude_m);
         let angle = obliqueness(range_m, altitude_m) * ANGLE_BINS as f64;
         let bins_per_m = RANGE_BINS as f64 / self.far_m;
@@ -304,7 +301,7 @@ impl GainTable {
     /// The factors by range and by angle of a side, at the middles of even steps: in slant range from 0 to [`GainTable::far_m`], in
     /// `sqrt(1 - altitude / range)` from 0 to 1.
     pub fn curves(&self, side: Side) -> (&[f32], &[f32]) {
-        let curves = &self.sides[usize::from(side == Side::Starboard)];
+        let curves = &self.sides[side as usize];
         (&curves.by_range, &curves.by_angle)
     }
 

@@ -7,6 +7,8 @@ use super::altitude::altitudes_m;
 use crate::bottom::bathymetry::Grid;
 use crate::sonar::calibration::Calibration;
 use crate::sonar::first_return::FirstReturns;
+use crate::support::outline::{NOWHERE, bounds, box_around, boxes_meet};
+use crate::support::statistics::ends;
 use crate::survey::{AcrossTrack, Exclusions, Navigation, Relief, Side, Survey, turn_rates_deg_s};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -105,9 +107,6 @@ const BOXED: usize = 64;
 /// West, south, east and north, metres in the plane of the map.
 pub(crate) type Bounds = [f64; 4];
 
-/// No ground at all: what every place enlarges.
-const NOWHERE: Bounds = [f64::MAX, f64::MAX, f64::MIN, f64::MIN];
-
 /// Pings in the plane of the map: all of a survey, or as many as a coarse picture shows.
 #[derive(Clone, Debug)]
 pub struct Layout {
@@ -127,13 +126,6 @@ pub struct Layout {
     far_m: f64,
     /// Around the strips that begin at each run of [`BOXED`] pings.
     boxes: Vec<Bounds>,
-}
-
-fn slot(side: Side) -> usize {
-    match side {
-        Side::Port => 0,
-        Side::Starboard => 1,
-    }
 }
 
 impl Layout {
@@ -156,7 +148,7 @@ impl Layout {
             .map(|(place, &turn_deg_s)| {
                 let [x, y] = place.starboard()?;
                 let straight = f64::from(turn_deg_s) <= settings.most_turn_deg_s;
-                let at = plane([place.east_m, place.north_m]);
+                let at = plane(place.place());
                 let probe = plane([place.east_m + PROBE_M * x, place.north_m + PROBE_M * y]);
                 let starboard = [0, 1].map(|axis| (probe[axis] - at[axis]) / PROBE_M);
                 let known = at.iter().chain(&starboard).all(|value| value.is_finite());
@@ -246,7 +238,7 @@ impl Layout {
             return self;
         }
         let under = |side: Side| {
-            let altitudes = self.pings.par_iter().zip(&self.altitudes_m[slot(side)]);
+            let altitudes = self.pings.par_iter().zip(&self.altitudes_m[side as usize]);
             let under = altitudes.map(|(ping, altitude_m)| {
                 let across = relief.across(side, *ping as usize);
                 across.altitude_m(f64::from(*altitude_m)) as f32
@@ -278,8 +270,8 @@ impl Layout {
     fn boxed(mut self) -> Self {
         let mut boxes = vec![NOWHERE; self.placed.len().div_ceil(BOXED)];
         for (ping, _, strip) in self.strips() {
-            let bounds = &mut boxes[ping / BOXED];
-            *bounds = around(*bounds, &self.corners(&strip));
+            let all = &mut boxes[ping / BOXED];
+            *all = box_around(*all, bounds(self.corners(&strip)));
         }
         self.boxes = boxes;
         self
@@ -308,28 +300,21 @@ impl Layout {
 
     /// What all strips cover, with the ground between them; `None` when nothing is shown.
     pub fn bounds(&self) -> Option<Bounds> {
-        let all = self.boxes.iter().fold(NOWHERE, |all, one| {
-            [
-                all[0].min(one[0]),
-                all[1].min(one[1]),
-                all[2].max(one[2]),
-                all[3].max(one[3]),
-            ]
-        });
+        let all = self.boxes.iter().copied().fold(NOWHERE, box_around);
         (all[0] <= all[2]).then_some(all)
     }
 
     /// The strips that touch some ground, in the order they were recorded: the ping of this layout they begin at, and the side.
     pub fn strips_in(&self, ground: Bounds) -> impl Iterator<Item = (usize, Side)> {
         let boxes = self.boxes.iter().enumerate();
-        let boxes = boxes.filter(move |(_, bounds)| touch(bounds, &ground));
+        let boxes = boxes.filter(move |(_, bounds)| boxes_meet(**bounds, ground));
         boxes.flat_map(move |(index, _)| {
             let pings = index * BOXED..(index + 1) * BOXED;
             pings.flat_map(move |ping| {
                 Side::BOTH.into_iter().filter_map(move |side| {
                     let strip = self.strip(ping, side)?;
                     let corners = self.corners(&strip);
-                    let is_near = touch(&around(NOWHERE, &corners), &ground);
+                    let is_near = boxes_meet(bounds(corners), ground);
                     (is_near && lies_on(&strip, &corners, &ground)).then_some((ping, side))
                 })
             })
@@ -349,16 +334,13 @@ impl Layout {
     /// One side of a ping; `None` where it was not recorded, has no place, heading or altitude, or lies in a turn.
     pub fn ray(&self, ping: usize, side: Side) -> Option<Ray> {
         let placed = (*self.placed.get(ping)?)?;
-        let ranges = (*self.ranges[slot(side)].get(ping)?)?;
-        let altitude_m = f64::from(*self.altitudes_m[slot(side)].get(ping)?);
-        let sign = match side {
-            Side::Port => -1.0,
-            Side::Starboard => 1.0,
-        };
+        let ranges = (*self.ranges[side as usize].get(ping)?)?;
+        let altitude_m = f64::from(*self.altitudes_m[side as usize].get(ping)?);
+        let sign = side.to_starboard(1.0);
         let (across, under_m) = match &self.relief {
             Some((relief, under_m)) => (
                 relief.across(side, *self.pings.get(ping)? as usize),
-                f64::from(*under_m[slot(side)].get(ping)?),
+                f64::from(*under_m[side as usize].get(ping)?),
             ),
             None => (AcrossTrack::LEVEL, altitude_m),
         };
@@ -433,7 +415,7 @@ impl Layout {
                         continue;
                     }
                     let strips = tiles.entry((row, column)).or_default();
-                    strips.push(2 * ping as u32 + slot(side) as u32);
+                    strips.push(2 * ping as u32 + side as u32);
                 }
             }
         }
@@ -442,21 +424,8 @@ impl Layout {
 
     /// A box around each strip.
     pub fn strip_bounds(&self) -> impl Iterator<Item = Bounds> {
-        (self.strips()).map(|(_, _, strip)| around(NOWHERE, &self.corners(&strip)))
+        (self.strips()).map(|(_, _, strip)| bounds(self.corners(&strip)))
     }
-}
-
-/// `bounds` enlarged to hold some places.
-fn around(bounds: Bounds, places: &[[f64; 2]]) -> Bounds {
-    places
-        .iter()
-        .fold(bounds, |[west, south, east, north], &[x, y]| {
-            [west.min(x), south.min(y), east.max(x), north.max(y)]
-        })
-}
-
-fn touch(one: &Bounds, other: &Bounds) -> bool {
-    one[0] <= other[2] && other[0] <= one[2] && one[1] <= other[3] && other[1] <= one[3]
 }
 
 /// Whether a strip may lie on some ground that its bounds touch: long, thin strips that run askew pass most of it by. They do
@@ -473,12 +442,7 @@ fn lies_on(strip: &[Ray; 2], corners: &[[f64; 2]; 4], [west, south, east, north]
             let off = |place: &[f64; 2]| {
                 (place[0] - ray.at[0]) * ray.out[1] - (place[1] - ray.at[1]) * ray.out[0]
             };
-            places
-                .iter()
-                .map(off)
-                .fold([f64::MAX, f64::MIN], |[low, high], off| {
-                    [low.min(off), high.max(off)]
-                })
+            ends(places.iter().map(off))
         };
         let [strip, ground] = [reach(corners), reach(&ground)];
         strip[0] <= ground[1] && ground[0] <= strip[1]
@@ -522,14 +486,7 @@ pub(crate) fn joined_way_m(survey: &Survey, navigation: &Navigation, ping: usize
 
 /// What all of some layouts cover; `None` when nothing is shown.
 pub(super) fn bounds_of<'a>(layouts: impl Iterator<Item = &'a Layout>) -> Option<Bounds> {
-    layouts.filter_map(Layout::bounds).reduce(|all, one| {
-        [
-            all[0].min(one[0]),
-            all[1].min(one[1]),
-            all[2].max(one[2]),
-            all[3].max(one[3]),
-        ]
-    })
+    layouts.filter_map(Layout::bounds).reduce(box_around)
 }
 
 /// The grid over some ground, its edges at whole cells.
@@ -564,13 +521,7 @@ impl TileIndex {
     pub fn strips(&self, row: usize, column: usize) -> impl Iterator<Item = (usize, Side)> {
         let key = u32::try_from(row).ok().zip(u32::try_from(column).ok());
         let strips = key.and_then(|key| self.tiles.get(&key));
-        strips.into_iter().flatten().map(|&strip| {
-            let side = if strip % 2 == 0 {
-                Side::Port
-            } else {
-                Side::Starboard
-            };
-            ((strip / 2) as usize, side)
-        })
+        let strips = strips.into_iter().flatten().map(|strip| *strip as usize);
+        strips.map(|strip| (strip / 2, Side::BOTH[strip % 2]))
     }
 }

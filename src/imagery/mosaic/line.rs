@@ -2,6 +2,7 @@
 
 use super::layout::Ray;
 use super::{Gain, GainTable, Layout, MosaicSettings};
+use crate::support::statistics::ends;
 use crate::survey::{Side, SideSpan, Survey};
 use std::ops::Range;
 
@@ -119,9 +120,7 @@ impl MosaicLine {
         self.edges
             .extend((self.steps.start..self.steps.end + STEPS).map(edge));
         // Where the bottom rises from under the boat, what is nearest is not the first.
-        let start = [f64::INFINITY, f64::NEG_INFINITY];
-        let edges = self.edges.iter();
-        let [low, high] = edges.fold(start, |[low, high], edge| [low.min(*edge), high.max(*edge)]);
+        let [low, high] = ends(self.edges.iter().copied());
         let samples =
             (low - 1.0).max(0.0) as usize..((high + 2.0).max(0.0) as usize).min(ray.count);
         if samples.is_empty() || !self.sum_up(lines, place, ray, samples.clone()) {

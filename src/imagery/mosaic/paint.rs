@@ -180,13 +180,13 @@ fn draw<E>(
 ) -> Result<(), E> {
     // The last two pings of each side.
     let none = |side| [MosaicLine::none(side), MosaicLine::none(side)];
-    let mut kept = [Side::Port, Side::Starboard].map(none);
+    let mut kept = Side::BOTH.map(none);
     for (ping, side) in strips {
         check()?;
         let Some(strip) = layout.strip(ping, side) else {
             continue;
         };
-        let kept = &mut kept[usize::from(side == Side::Starboard)];
+        let kept = &mut kept[side as usize];
         let moved_m = moved_m(&strip);
         let mut is_there = true;
         for (place, ray) in [ping, ping + 1].into_iter().zip(&strip) {

@@ -1,5 +1,6 @@
 //! Which cells of a grid lie in a strip, row by row.
 
+use crate::support::statistics::ends;
 use std::ops::Range;
 
 /// Rows and columns of the cells, within so many columns and rows, whose middles lie in a polygon; its corners are counted in
@@ -9,9 +10,7 @@ pub(super) fn spans(
     columns: usize,
     rows: usize,
 ) -> impl Iterator<Item = (usize, Range<usize>)> {
-    let [low, high] = (corners.iter()).fold([f64::MAX, f64::MIN], |[low, high], corner| {
-        [low.min(corner[1]), high.max(corner[1])]
-    });
+    let [low, high] = ends(corners.map(|corner| corner[1]));
     cells(low, high, rows).filter_map(move |row| {
         let [from, to] = crossing(corners, (row as f64).clamp(low, high))?;
         Some((row, cells(from, to, columns)))

@@ -117,8 +117,7 @@ fn echoes(
                 continue;
             };
             let scale = scales.at(side, ping);
-            let slot = usize::from(side == Side::Starboard);
-            let even = factors.and_then(|factors| factors[slot].get(ping).copied());
+            let even = factors.and_then(|factors| factors[side as usize].get(ping).copied());
             samples.copy_outward(&mut outward);
             let sampled = outward.iter().enumerate().skip(first).step_by(every);
             echoes.extend(sampled.map(|(sample, &level)| {

@@ -193,7 +193,7 @@ impl PingScales {
 
     /// Of a side, ping by ping.
     pub fn side(&self, side: Side) -> &[PingScale] {
-        &self.sides[usize::from(side == Side::Starboard)]
+        &self.sides[side as usize]
     }
 
     /// Of a side at a ping; that of the nearest ping beyond the ends.

@@ -109,7 +109,7 @@ impl Tone {
         let range_m = range_m.max(LEAST_RANGE_M);
         let spreading = self.spreading_db * (range_m / middle_m).log10();
         let absorption = 2.0 * self.absorption_db_m * (range_m - middle_m);
-        let of_side = self.sides[usize::from(side == Side::Starboard)];
+        let of_side = self.sides[side as usize];
         of_side * 10f32.powf((spreading + absorption) / 20.0)
     }
 }

@@ -19,8 +19,7 @@ impl PingTable {
         let pings = scales.side(Side::Port).len();
         let texel = |side: Side, ping: usize| {
             let scale = scales.at(side, ping);
-            let slot = usize::from(side == Side::Starboard);
-            let factor = factors.and_then(|factors| factors[slot].get(ping));
+            let factor = factors.and_then(|factors| factors[side as usize].get(ping));
             let factor = factor.copied().unwrap_or(1.0);
             [scale.altitude_m, scale.scale, scale.offset_m, factor]
         };
@@ -72,20 +71,10 @@ impl PingTable {
 mod tests {
     use super::*;
     use crate::survey::{SidePing, Survey};
-    use std::sync::Arc;
 
     fn table(pings: usize) -> PingTable {
-        let ping = SidePing {
-            time_s: 0.0,
-            depth_m: f32::NAN,
-            depth_locked: false,
-            port: None,
-            starboard: None,
-        };
-        let survey = Survey {
-            side_scan: Arc::new(vec![ping; pings]),
-            ..Survey::default()
-        };
+        let ping = SidePing::with_depth(0.0, f32::NAN);
+        let survey = Survey::of_pings(vec![ping; pings]);
         let scales = PingScales::unknown(&survey);
         let port: Vec<f32> = (0..pings).map(|ping| ping as f32).collect();
         PingTable::new(&scales, Some(&[port, vec![1.0; pings]]))

@@ -92,19 +92,11 @@ impl<K: Copy + Eq + Hash, V> Lru<K, V> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::imagery::waterfall::{Level, WaterfallTileKey};
+    use crate::imagery::waterfall::WaterfallTileKey;
     use crate::survey::Side;
 
     fn key(column: u32) -> WaterfallTileKey {
-        WaterfallTileKey {
-            side: Side::Port,
-            level: Level {
-                along: 0,
-                across: 0,
-            },
-            column,
-            row: 0,
-        }
+        WaterfallTileKey::at_boat(Side::Port, [0, 0], column)
     }
 
     #[test]

@@ -134,24 +134,24 @@ mod tests {
     use super::*;
     use crate::imagery::waterfall::testing::even;
 
+    fn complete(survey: &Survey) -> (RangeAxis, Coarse) {
+        let axis = RangeAxis::of(survey).expect("an axis");
+        let mut coarse = Coarse::new(&axis);
+        while !coarse.is_complete() {
+            coarse.build_next(survey, &axis);
+        }
+        (axis, coarse)
+    }
+
     #[test]
     fn tiles_from_the_store_equal_those_from_the_samples() {
         // Two chunks and a bit of the store; full texels, so that a mean of means is the mean.
         let survey = even(18_000, 200);
-        let axis = RangeAxis::of(&survey).expect("an axis");
-        let mut coarse = Coarse::new(&axis);
-        while !coarse.is_complete() {
-            coarse.build_next(&survey, &axis);
-        }
+        let (axis, coarse) = complete(&survey);
         for (along, across) in [(4, 3), (5, 3), (6, 5)] {
             let level = Level { along, across };
             for column in 0..2 {
-                let key = WaterfallTileKey {
-                    side: Side::Starboard,
-                    level,
-                    column,
-                    row: 0,
-                };
+                let key = WaterfallTileKey::at_boat(Side::Starboard, [along, across], column);
                 let stored = coarse.tile(&axis, key);
                 let pings = key.first_ping().min(axis.pings)
                     ..(key.first_ping() + stored.height * level.pings()).min(axis.pings);
@@ -167,12 +167,7 @@ mod tests {
 
     #[test]
     fn the_store_is_small() {
-        let survey = even(5_000, 400);
-        let axis = RangeAxis::of(&survey).expect("an axis");
-        let mut coarse = Coarse::new(&axis);
-        while !coarse.is_complete() {
-            coarse.build_next(&survey, &axis);
-        }
+        let (_, coarse) = complete(&even(5_000, 400));
         let bytes: usize = coarse
             .chunks
             .iter()

@@ -49,34 +49,22 @@ mod tests {
     use super::*;
     use crate::support::geo::{LocalFrame, LonLat};
     use crate::survey::{SidePing, Track};
-    use std::sync::Arc;
 
     /// A boat at 2 m/s that lies still for a third of the time; ten pings and one fix a second.
     #[test]
     fn stops_do_not_shorten_the_spacing() {
-        let origin = LonLat {
-            lon_deg: -111.5,
-            lat_deg: 36.8,
-        };
+        let origin = LonLat::new(-111.5, 36.8);
         let frame = LocalFrame::new(origin);
-        let fixes = (0..300).map(|second| Fix {
-            time_s: f64::from(second),
-            position: frame.to_lon_lat(2.0 * f64::from(second.min(200)), 0.0),
-            cog_rad: f32::NAN,
-            compass_rad: f32::NAN,
-            speed_mps: f32::NAN,
+        let fixes = (0..300).map(|second| {
+            Fix::at(
+                f64::from(second),
+                frame.to_lon_lat(2.0 * f64::from(second.min(200)), 0.0),
+            )
         });
-        let ping = |index: i32| SidePing {
-            time_s: f64::from(index) / 10.0,
-            depth_m: f32::NAN,
-            depth_locked: false,
-            port: None,
-            starboard: None,
-        };
+        let ping = |index: i32| SidePing::with_depth(f64::from(index) / 10.0, f32::NAN);
         let survey = Survey {
-            side_scan: Arc::new((0..3000).map(ping).collect()),
             track: Track::new(fixes.collect()),
-            ..Survey::default()
+            ..Survey::of_pings((0..3000).map(ping))
         };
         let metres = ping_spacing_m(&survey).expect("a spacing");
         assert!((metres - 0.2).abs() < 0.005, "{metres}");

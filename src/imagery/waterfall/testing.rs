@@ -1,6 +1,6 @@
 //! Surveys for the tests of this room: pings over a buffer of bytes.
 
-use crate::survey::{Bytes, Encoding, Order, SidePing, SideScanState, SideSpan, Survey};
+use crate::survey::{Bytes, SidePing, SideScanState, SideSpan, Survey};
 
 /// A survey whose pings have the given spans of port and starboard.
 pub(super) fn survey(bytes: Vec<u8>, spans: Vec<[Option<SideSpan>; 2]>) -> Survey {
@@ -8,30 +8,22 @@ pub(super) fn survey(bytes: Vec<u8>, spans: Vec<[Option<SideSpan>; 2]>) -> Surve
         .into_iter()
         .enumerate()
         .map(|(ping, [port, starboard])| SidePing {
-            time_s: ping as f64,
-            depth_m: f32::NAN,
-            depth_locked: false,
             port,
             starboard,
+            ..SidePing::with_depth(ping as f64, f32::NAN)
         });
     Survey {
-        side_scan: std::sync::Arc::new(side_scan.collect()),
         side_scan_state: SideScanState::Usable,
         bytes: vec![Bytes::Held(bytes.into())],
-        ..Survey::default()
+        ..Survey::of_pings(side_scan)
     }
 }
 
 /// `count` samples from `offset`, near to far, over 0 to `far_m`.
 pub(super) fn span(offset: usize, count: u32, far_m: f32) -> SideSpan {
     SideSpan {
-        file: 0,
-        encoding: Encoding::U8,
-        order: Order::NearToFar,
         offset: offset as u64,
-        count,
-        near_m: 0.0,
-        far_m,
+        ..SideSpan::of_bytes(count, [0.0, far_m])
     }
 }
 

@@ -50,6 +50,17 @@ pub(crate) struct WaterfallTileKey {
 }
 
 impl WaterfallTileKey {
+    /// Of the row beside the boat, at a level along and across.
+    #[cfg(test)]
+    pub(crate) fn at_boat(side: Side, [along, across]: [u8; 2], column: u32) -> Self {
+        Self {
+            side,
+            level: Level { along, across },
+            column,
+            row: 0,
+        }
+    }
+
     /// First ping of the tile.
     pub(crate) fn first_ping(&self) -> usize {
         self.column as usize * TILE * self.level.pings()

@@ -269,7 +269,6 @@ impl Work {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::imagery::waterfall::Level;
     use crate::imagery::waterfall::testing::even;
     use crate::survey::Side;
     use std::time::{Duration, Instant};
@@ -291,15 +290,7 @@ mod tests {
     #[test]
     fn far_out_tiles_grow_until_they_are_complete() {
         let tiler = Tiler::start(Arc::new(even(30_000, 64)), || ());
-        let key = WaterfallTileKey {
-            side: Side::Port,
-            level: Level {
-                along: 6,
-                across: 3,
-            },
-            column: 0,
-            row: 0,
-        };
+        let key = WaterfallTileKey::at_boat(Side::Port, [6, 3], 0);
         let mut have = None;
         let last = loop {
             tiler.want(vec![Want { key, have }]);
@@ -324,13 +315,8 @@ mod tests {
         shorter.side_scan = Arc::new(whole.side_scan[..5_000].to_vec());
         let tiler = Tiler::start(Arc::new(shorter), || ());
         let fresh = Tiler::start(Arc::new(whole.clone()), || ());
-        let level = |along| Level { along, across: 3 };
-        let keys = [(0, 9), (2, 3), (5, 0)].map(|(along, column)| WaterfallTileKey {
-            side: Side::Port,
-            level: level(along),
-            column,
-            row: 0,
-        });
+        let keys = [(0, 9), (2, 3), (5, 0)]
+            .map(|(along, column)| WaterfallTileKey::at_boat(Side::Port, [along, 3], column));
         let tile = |tiler: &Tiler, key: WaterfallTileKey| {
             let mut have = None;
             loop {

@@ -1,6 +1,6 @@
 //! The agreement of each source of points.
 
-use super::{Agreement, matching_in_words};
+use super::Agreement;
 use crate::bottom::bathymetry::compare::{Comparison, Match};
 use crate::bottom::cloud::{CloudPoint, PointSource};
 use crate::pipeline::{NamedComparison, ProcessedLog};
@@ -45,7 +45,7 @@ impl Agreement {
             (!matches.is_empty()).then(|| NamedComparison {
                 source,
                 reference: name.clone(),
-                matching: matching_in_words(self.matching),
+                matching: self.matching.in_words(),
                 comparison: Comparison::new(measured, &matches, super::level_m(logs)),
             })
         };

@@ -1,6 +1,5 @@
 //! Why a survey cannot be compared with a reference.
 
-use super::matching_in_words;
 use crate::bottom::bathymetry::compare::Matching;
 use crate::bottom::cloud::correction::WaterLevelError;
 use crate::formats::ReferenceError;
@@ -59,7 +58,7 @@ pub enum ReferenceFault {
     /// It lies over the survey, but no point is as near as asked.
     #[error(
         "no point of this survey has a reference ({}); take a larger distance",
-        matching_in_words(*.0)
+        (*.0).in_words()
     )]
     Unmatched(Matching),
 }

@@ -71,7 +71,7 @@ impl Agreement {
         };
         let is_sounding = |point: &CloudPoint| point.source == PointSource::DownScan;
         let soundings = chosen(logs, |products| kept(products, is_sounding));
-        let soundings = soundings.iter().map(|one| place(point(logs, *one)));
+        let soundings = soundings.iter().map(|one| point(logs, *one).place());
         let max_gap_m = first.products.settings.surface.max_gap_m;
         let side_scan = chosen(logs, |products| kept(products, |point| !is_sounding(point)));
         let matching = Matching::Surface { max_gap_m };
@@ -126,7 +126,7 @@ impl Agreement {
     ) -> Result<Option<Self>, Cancelled> {
         let reference = compare::Reference::new(reference, matching);
         progress.check()?;
-        let at = |one: &Chosen| place(point(logs, *one));
+        let at = |one: &Chosen| point(logs, *one).place();
         let differences = reference.matches(chosen, at, progress)?;
         drop(reference);
         if differences.is_empty() {
@@ -211,14 +211,6 @@ fn by_log(logs: &[ProcessedLog], chosen: &[Chosen], differences: &[Match]) -> Ve
     (0..).zip(logs).map(with).collect()
 }
 
-/// How a point finds its reference, in words.
-pub(crate) fn matching_in_words(matching: Matching) -> String {
-    match matching {
-        Matching::Nearest { radius_m } => format!("nearest point within {radius_m} m"),
-        Matching::Surface { max_gap_m } => format!("triangulated surface, gap {max_gap_m} m"),
-    }
-}
-
 fn unmatched(matching: Matching, away_m: f64) -> ReferenceFault {
     if !away_m.is_finite() || away_m > f64::MAX / 4.0 {
         return ReferenceFault::NoPlace;
@@ -245,9 +237,4 @@ fn kept(products: &Products, counts: impl Fn(&CloudPoint) -> bool) -> Vec<usize>
 fn counted(products: &Products) -> Vec<usize> {
     let settings = &products.settings.surface;
     kept(products, |point| settings.weight(point) > 0.0)
-}
-
-/// East, north and elevation in the survey's plane, metres.
-fn place(point: &CloudPoint) -> [f64; 3] {
-    [point.east_m, point.north_m, point.z_m]
 }

@@ -9,6 +9,7 @@ use crate::pipeline::{ProcessedLog, Products, Settings, as_mounted, run};
 use crate::sonar::first_return::BottomSettings;
 use crate::support::file_error::FileError;
 use crate::support::geo::{Crs, LocalFrame, LonLat};
+use crate::support::outline;
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::Survey;
 use rayon::prelude::*;
@@ -295,11 +296,7 @@ const NEAR_M: f64 = 20_000.0;
 
 /// West, south, east and north of what has a place.
 pub(super) fn bounds(places: impl Iterator<Item = [f64; 2]>) -> [f64; 4] {
-    let start = [f64::MAX, f64::MAX, f64::MIN, f64::MIN];
-    let placed = places.filter(|[x, y]| x.is_finite() && y.is_finite());
-    placed.fold(start, |[west, south, east, north], [x, y]| {
-        [west.min(x), south.min(y), east.max(x), north.max(y)]
-    })
+    outline::bounds(places.filter(|[x, y]| x.is_finite() && y.is_finite()))
 }
 
 /// Distance between two rectangles, 0 where they meet.

@@ -1,6 +1,6 @@
 //! What each choice of geometry and calibration costs: the same picks, compared with the same soundings.
 
-use super::residuals::{kept_of, place};
+use super::residuals::kept_of;
 use crate::bottom::bathymetry::compare::{Matching, Reference};
 use crate::bottom::cloud::{Geometry, PointSource, Residuals};
 use crate::pipeline::{Products, Settings, run};
@@ -66,7 +66,7 @@ pub(crate) fn choices(
     let soundings = kept_of(products, &[PointSource::DownScan]);
     let max_gap_m = products.settings.surface.max_gap_m;
     let reference = Reference::new(
-        soundings.iter().map(|point| place(point)),
+        soundings.iter().map(|point| point.place()),
         Matching::Surface { max_gap_m },
     );
     let mut found = Vec::new();
@@ -86,7 +86,7 @@ pub(crate) fn choices(
                 continue;
             }
             let points = kept_of(&made, &[PointSource::Port, PointSource::Starboard]);
-            let matches = reference.matches(&points, |point| place(point), progress)?;
+            let matches = reference.matches(&points, |point| point.place(), progress)?;
             let mut differences: Vec<f64> = matches.iter().map(|one| one.difference_m).collect();
             found.extend(Residuals::of(&mut differences).map(|residuals| Choice {
                 geometry,

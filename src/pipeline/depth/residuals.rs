@@ -50,14 +50,8 @@ pub(crate) fn comparisons(
     let reference = points(&|_, point| point.source == DownScan);
     let max_gap_m = first.products.settings.surface.max_gap_m;
     let ways = [
-        (
-            Matching::Surface { max_gap_m },
-            format!("triangulated surface, gap {max_gap_m} m"),
-        ),
-        (
-            Matching::Nearest { radius_m: RADIUS_M },
-            format!("nearest point within {RADIUS_M} m"),
-        ),
+        Matching::Surface { max_gap_m },
+        Matching::Nearest { radius_m: RADIUS_M },
     ];
     // Where the recorder had lost the bottom, depth comes from these alone: nearby soundings are compared with them.
     let is_lost =
@@ -74,7 +68,7 @@ pub(crate) fn comparisons(
     ];
     let level_m = first.products.correction.middle_level_m();
     let mut found = Vec::new();
-    for (matching, how) in ways {
+    for matching in ways {
         for (source, sources, only_lost) in sides {
             let points = points(&|survey, point| {
                 sources.contains(&point.source) && (!only_lost || is_lost(survey, point))
@@ -84,7 +78,7 @@ pub(crate) fn comparisons(
                 found.push(NamedComparison {
                     source,
                     reference: "down-scan".to_owned(),
-                    matching: how.clone(),
+                    matching: matching.in_words(),
                     comparison: Comparison::new(points.len(), &matches, level_m),
                 });
             }
@@ -99,9 +93,4 @@ pub(super) fn kept_of<'a>(products: &'a Products, sources: &[PointSource]) -> Ve
     let mut points = Vec::with_capacity(chosen().count());
     points.extend(chosen());
     points
-}
-
-/// East, north and elevation in the survey's plane, metres.
-pub(super) fn place(point: &CloudPoint) -> [f64; 3] {
-    [point.east_m, point.north_m, point.z_m]
 }

@@ -47,7 +47,7 @@ fn placed(
     place: impl Fn([f64; 2]) -> [f64; 2],
 ) -> Option<([f64; 2], [f64; 2])> {
     let starboard = navigation.starboard()?;
-    let from = [navigation.east_m, navigation.north_m];
+    let from = navigation.place();
     let here = place(from);
     let beside = place([from[0] + starboard[0], from[1] + starboard[1]]);
     let across = [beside[0] - here[0], beside[1] - here[1]];

@@ -5,6 +5,7 @@ use crate::bottom::bathymetry::{CellSource, Grid, Surface};
 use crate::imagery::mosaic::Colours;
 use crate::pipeline::relief::farthest_m;
 use crate::pipeline::{ProcessedLog, Same};
+use crate::support::named::named;
 use crate::support::presentation::colours::{
     Rgb, SOURCES, depth_colour, depth_share, distance_colour, share_colour, uncertainty_colour,
 };
@@ -41,29 +42,19 @@ pub enum BottomColour {
     Hardness,
 }
 
-impl BottomColour {
+named! {
     /// All of them, in the order of the menu.
-    pub const ALL: [Self; 6] = [
-        Self::Depth,
-        Self::Mosaic,
-        Self::Uncertainty,
-        Self::Distance,
-        Self::Source,
-        Self::Hardness,
-    ];
-
-    /// Name in the menu.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Depth => "depth",
-            Self::Mosaic => "mosaic",
-            Self::Uncertainty => "uncertainty",
-            Self::Distance => "distance",
-            Self::Source => "source",
-            Self::Hardness => "hardness",
-        }
+    pub BottomColour {
+        Depth: "depth",
+        Mosaic: "mosaic",
+        Uncertainty: "uncertainty",
+        Distance: "distance",
+        Source: "source",
+        Hardness: "hardness",
     }
+}
 
+impl BottomColour {
     /// The next one in the menu.
     #[must_use]
     pub fn next(self) -> Self {
@@ -246,7 +237,7 @@ impl Bottom {
             .map(|level| Self::echo_colour(colours, *level))
             .collect();
         let far_rgb = (0..grid.len()).into_par_iter().map(|cell| {
-            let place = grid.centre(cell / grid.columns, cell % grid.columns);
+            let place = grid.centre_of(cell);
             let level = between(&far, &far_levels, place);
             level.map_or(rgb[cell], |level| Self::echo_colour(colours, level))
         });

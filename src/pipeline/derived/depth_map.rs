@@ -8,6 +8,7 @@ use crate::pipeline::{
     joint_depth_surface,
 };
 use crate::support::geo::{CrsChoice, MapPlane, bounds_deg};
+use crate::support::outline::bounds;
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::{Navigation, Survey};
 use std::sync::{Arc, OnceLock};
@@ -188,16 +189,12 @@ impl DepthMap {
 
     fn bounds_in_survey_m(&self) -> [f64; 4] {
         let [west_m, south_m, east_m, north_m] = self.surface.grid.bounds_m();
-        let start = [f64::MAX, f64::MAX, f64::MIN, f64::MIN];
         // The edges of a zone are bent by centimetres in the plane of the survey: their middles count too.
         let middle_east_m = 0.5 * (west_m + east_m);
         let middle_north_m = 0.5 * (north_m + south_m);
         let eastings_m = [west_m, middle_east_m, east_m].into_iter();
         let northings_m = [south_m, middle_north_m, north_m];
         let places = eastings_m.flat_map(|e| northings_m.map(|n| [e, n]));
-        places.fold(start, |[west, south, east, north], place| {
-            let [e, n] = self.to_survey(place);
-            [west.min(e), south.min(n), east.max(e), north.max(n)]
-        })
+        bounds(places.map(|place| self.to_survey(place)))
     }
 }

@@ -1,8 +1,7 @@
 //! Where the echoes of one log lie in its own plane, which the mosaic on the screen and the search for passes share.
 
 use super::gain::SideScanKey;
-use crate::imagery::mosaic::Layout;
-use crate::pipeline::{ProcessedLog, Same, mosaic_layout_by};
+use crate::pipeline::{ProcessedLog, Same};
 use crate::survey::Relief;
 
 /// What a log is laid out by; equal keys give equal layouts.
@@ -25,9 +24,4 @@ impl LayoutKey {
             water_column: settings.water_column,
         }
     }
-}
-
-/// The layout of a log in its own plane.
-pub(super) fn made(ProcessedLog { survey, products }: &ProcessedLog) -> Layout {
-    mosaic_layout_by(survey, products, |place| place)
 }

@@ -34,7 +34,7 @@ pub(crate) use picture::PictureKey;
 use crate::bottom::bathymetry::isobaths::{IsobathSettings, NoIsobaths};
 use crate::imagery::mosaic::{GainTable, Layout};
 use crate::imagery::picture::LogPicture;
-use crate::pipeline::ProcessedLog;
+use crate::pipeline::{ProcessedLog, mosaic_layout_by};
 use crate::support::progress::{Cancelled, Progress};
 use gain::GainKey;
 use layout::LayoutKey;
@@ -152,7 +152,11 @@ impl Derived {
     ) -> Result<Arc<Layout>, Cancelled> {
         let make = || {
             progress.check()?;
-            Ok(Arc::new(layout::made(log)))
+            Ok(Arc::new(mosaic_layout_by(
+                &log.survey,
+                &log.products,
+                |place| place,
+            )))
         };
         self.layout.get(LayoutKey::of(log), progress, make)
     }
@@ -185,7 +189,7 @@ impl Derived {
                 true => self.gain(log, progress)?,
                 false => None,
             };
-            Ok(Arc::new(picture::made(log, gain, progress)?))
+            Ok(Arc::new(picture::made(log, gain, key.is_even(), progress)?))
         };
         self.picture.get(key.clone(), progress, make)
     }
@@ -205,6 +209,6 @@ impl Derived {
             true => self.gain(whole, progress)?,
             false => None,
         };
-        Ok(Arc::new(picture::growing(log, gain, progress)?))
+        Ok(Arc::new(picture::made(log, gain, false, progress)?))
     }
 }

@@ -30,32 +30,23 @@ impl PictureKey {
     pub(crate) fn is_normalised(&self) -> bool {
         self.is_normalised
     }
+
+    /// Whether the stripe filter is on.
+    pub(super) fn is_even(&self) -> bool {
+        self.is_even
+    }
 }
 
-/// Of a log whose results are provisional: without the factors of the stripe filter.
-pub(super) fn growing(
+/// With the factors of the stripe filter or without.
+pub(super) fn made(
     ProcessedLog { survey, products }: &ProcessedLog,
     gain: Option<Arc<GainTable>>,
+    is_even: bool,
     progress: &Progress,
 ) -> Result<LogPicture, Cancelled> {
     let factor = products.correction.range_factor();
     let scales = PingScales::new(survey, &products.bottom_line, &products.calibration, factor);
-    LogPicture::new(survey, Arc::new(scales), gain, None, progress)
-}
-
-pub(super) fn made(
-    log: &ProcessedLog,
-    gain: Option<Arc<GainTable>>,
-    progress: &Progress,
-) -> Result<LogPicture, Cancelled> {
-    let ProcessedLog { survey, products } = log;
-    let scales = PingScales::new(
-        survey,
-        &products.bottom_line,
-        &products.calibration,
-        products.correction.range_factor(),
-    );
-    let factors = match products.settings.picture.stripe_filter {
+    let factors = match is_even {
         true => Some(stripe_factors(survey, &scales, progress)?),
         false => None,
     };

@@ -1,6 +1,7 @@
 //! Logs of one survey compared with each other by their points.
 
 use crate::bottom::bathymetry::compare::{Comparison, Matching, Reference};
+use crate::bottom::cloud::CloudPoint;
 use crate::pipeline::ProcessedLog;
 use crate::support::progress::{Cancelled, Progress};
 
@@ -31,9 +32,8 @@ pub(crate) fn compare_logs(
 /// East, north and elevation of the points that the depth map takes.
 fn places(log: &ProcessedLog) -> impl Iterator<Item = [f64; 3]> {
     let surface = &log.products.settings.surface;
-    let counted = log
-        .kept_points()
-        .filter(|point| surface.weight(point) > 0.0);
-    let places = counted.map(|point| [point.east_m, point.north_m, point.z_m]);
+    let counted = log.kept_points();
+    let counted = counted.filter(|point| surface.weight(point) > 0.0);
+    let places = counted.map(CloudPoint::place);
     places.filter(|place| place.iter().all(|value| value.is_finite()))
 }

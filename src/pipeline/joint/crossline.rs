@@ -31,12 +31,9 @@ pub(crate) fn track_depths(log: &ProcessedLog) -> Vec<TrackDepth> {
         .kept_points()
         .filter(|point| point.source == PointSource::DownScan);
     let depths = soundings.filter_map(|point| {
-        Some(TrackDepth {
-            time_s: survey.soundings.get(point.sounding?.get())?.time_s,
-            east_m: point.east_m,
-            north_m: point.north_m,
-            depth_m: -point.z_m,
-        })
+        let time_s = survey.soundings.get(point.sounding?.get())?.time_s;
+        let [east_m, north_m, z_m] = point.place();
+        Some(TrackDepth::new(time_s, [east_m, north_m], -z_m))
     });
     let depths: Vec<TrackDepth> = depths.filter(is_finite).collect();
     if !depths.is_empty() {
@@ -44,11 +41,8 @@ pub(crate) fn track_depths(log: &ProcessedLog) -> Vec<TrackDepth> {
     }
     let pings = survey.side_scan.iter().zip(log.products.depths.iter());
     let placed = pings.zip(log.products.navigation.pings.iter());
-    let depths = placed.map(|((ping, depth), place)| TrackDepth {
-        time_s: ping.time_s,
-        east_m: place.east_m,
-        north_m: place.north_m,
-        depth_m: f64::from(depth.depth_m),
+    let depths = placed.map(|((ping, depth), at)| {
+        TrackDepth::new(ping.time_s, at.place(), f64::from(depth.depth_m))
     });
     depths.filter(is_finite).collect()
 }

@@ -16,8 +16,8 @@ mod tests;
 
 pub(crate) use display_units::ShownNumber;
 pub(crate) use help::{help, markdown, row};
-pub(crate) use keys::renamed;
 pub(crate) use keys::slips;
+pub(crate) use keys::{in_one_line, renamed};
 pub(crate) use table::{Choice, Control, Kind, Number, Row};
 
 use crate::bottom::bathymetry::SurfaceSettings;

@@ -141,45 +141,29 @@ pub(super) trait Numeric {
     fn set(&mut self, value: Option<f64>);
 }
 
-impl Numeric for f64 {
-    fn get(&self) -> Option<f64> {
-        Some(*self)
-    }
+/// Numbers by how they become one of 64 bits, and how they are made of it.
+macro_rules! numeric {
+    ($($kind:ty: $get:expr, $set:expr;)+) => { $(
+        impl Numeric for $kind {
+            fn get(&self) -> Option<f64> {
+                let get: fn($kind) -> f64 = $get;
+                Some(get(*self))
+            }
 
-    fn set(&mut self, value: Option<f64>) {
-        *self = value.unwrap_or(*self);
-    }
+            fn set(&mut self, value: Option<f64>) {
+                let set: fn(f64) -> $kind = $set;
+                *self = value.map_or(*self, set);
+            }
+        }
+    )+ };
 }
 
-impl Numeric for f32 {
-    fn get(&self) -> Option<f64> {
-        // 0.3 as f32 is not 0.3 as f64; a hundredth stays a hundredth.
-        Some((f64::from(*self) * 1e4).round() / 1e4)
-    }
-
-    fn set(&mut self, value: Option<f64>) {
-        *self = value.map_or(*self, |value| value as f32);
-    }
-}
-
-impl Numeric for usize {
-    fn get(&self) -> Option<f64> {
-        Some(*self as f64)
-    }
-
-    fn set(&mut self, value: Option<f64>) {
-        *self = value.map_or(*self, |value| value.round() as usize);
-    }
-}
-
-impl Numeric for u32 {
-    fn get(&self) -> Option<f64> {
-        Some(f64::from(*self))
-    }
-
-    fn set(&mut self, value: Option<f64>) {
-        *self = value.map_or(*self, |value| value.round() as u32);
-    }
+numeric! {
+    f64: |value| value, |value| value;
+    // 0.3 as f32 is not 0.3 as f64; a hundredth stays a hundredth.
+    f32: |value| (f64::from(value) * 1e4).round() / 1e4, |value| value as f32;
+    usize: |value| value as f64, |value| value.round() as usize;
+    u32: f64::from, |value| value.round() as u32;
 }
 
 impl<T: Numeric + Default> Numeric for Option<T> {

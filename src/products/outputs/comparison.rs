@@ -4,9 +4,7 @@ use super::content::{FileContent, FileResult};
 use super::logs::{log_names, log_points};
 use super::results::Results;
 use crate::bottom::bathymetry::compare::{Comparison, Match};
-use crate::pipeline::{
-    Agreement, Input, NamedComparison, ProcessedLog, ResidualTables, Settings, matching_in_words,
-};
+use crate::pipeline::{Agreement, Input, NamedComparison, ProcessedLog, ResidualTables, Settings};
 use crate::products::export::{self, Summary};
 use crate::products::outputs::OutputError;
 use serde::Serialize;
@@ -98,7 +96,7 @@ impl<'a> ComparisonRecord<'a> {
                 inputs,
                 notes: &reference.notes,
             },
-            by: matching_in_words(agreement.matching),
+            by: agreement.matching.in_words(),
             comparison: &agreement.comparison,
             sources: agreement.by_source(logs),
             logs: match logs {

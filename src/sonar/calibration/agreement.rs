@@ -20,8 +20,8 @@ pub(super) struct Agreement {
 
 #[derive(Clone, Copy, Default)]
 struct Sums {
-    port: f64,
-    starboard: f64,
+    /// How many, port and starboard.
+    counts: [f64; 2],
     /// Of the share by which a pick's `r / d` exceeds the log's median.
     excess: f64,
     squares: f64,
@@ -74,19 +74,13 @@ impl Agreement {
 
 impl Sums {
     fn add(&mut self, side: Side, excess: f64) {
-        match side {
-            Side::Port => self.port += 1.0,
-            Side::Starboard => self.starboard += 1.0,
-        }
+        self.counts[side as usize] += 1.0;
         let excess = excess.clamp(-WRONG, WRONG);
         self.excess += excess;
         self.squares += excess * excess;
     }
 
     fn count(&self, side: Side) -> f64 {
-        match side {
-            Side::Port => self.port,
-            Side::Starboard => self.starboard,
-        }
+        self.counts[side as usize]
     }
 }

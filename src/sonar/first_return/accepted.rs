@@ -75,21 +75,14 @@ mod tests {
     use super::*;
     use crate::sonar::first_return::{FirstReturns, Pick};
     use crate::survey::{SidePing, SideSpan, Survey};
-    use std::sync::Arc;
 
     #[test]
     fn an_accepted_stretch_is_bottom_where_it_was_found_and_leaves_what_was_drawn() {
         let recorded = SidePing {
-            time_s: 0.0,
-            depth_m: 3.0,
-            depth_locked: true,
             port: Some(SideSpan::of_bytes(100, [0.0, 10.0])),
-            starboard: None,
+            ..SidePing::with_depth(0.0, 3.0)
         };
-        let survey = Survey {
-            side_scan: Arc::new(vec![recorded; 40]),
-            ..Survey::default()
-        };
+        let survey = Survey::of_pings(vec![recorded; 40]);
         let flagged = Pick {
             sample: 24.0,
             confidence: 0.02,

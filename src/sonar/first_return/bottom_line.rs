@@ -6,7 +6,6 @@
 use super::{FirstReturns, Pick};
 use crate::survey::{Side, SideSpan, Survey};
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
 /// Where the bottom line comes from. Bottom edits stay on top of either.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -31,11 +30,7 @@ pub(crate) fn at_recorded_depth(
     let (mut found, mut places) = (0, 0);
     for side in Side::BOTH {
         let drawn = drawn(returns, side);
-        let picks = match side {
-            Side::Port => &mut line.port,
-            Side::Starboard => &mut line.starboard,
-        };
-        let recorded = Arc::make_mut(picks).iter_mut().zip(drawn).enumerate();
+        let recorded = line.side_mut(side).iter_mut().zip(drawn).enumerate();
         for (ping, (pick, is_drawn)) in recorded {
             let Some(span) = survey.span(ping, side).filter(|_| !is_drawn) else {
                 continue;
@@ -78,6 +73,7 @@ fn drawn(returns: &FirstReturns, side: Side) -> Vec<bool> {
 mod tests {
     use super::*;
     use crate::survey::SidePing;
+    use std::sync::Arc;
 
     #[test]
     fn edits_stay_and_what_was_not_recorded_is_searched_and_said() {
@@ -97,10 +93,7 @@ mod tests {
             ping(f32::NAN, true),
             ping(30.0, true),
         ];
-        let survey = Survey {
-            side_scan: Arc::new(side_scan),
-            ..Survey::default()
-        };
+        let survey = Survey::of_pings(side_scan);
         let pick = |sample| Pick {
             sample,
             confidence: 0.5,

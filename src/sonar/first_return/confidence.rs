@@ -87,12 +87,9 @@ pub(super) struct Gathering<'a> {
 impl Gathering<'_> {
     /// The evidence for every pick, port and starboard.
     pub(super) fn evidence(&self) -> [Vec<Evidence>; 2] {
-        let ranges = [
-            self.ranges_m(Side::Port, 0),
-            self.ranges_m(Side::Starboard, 1),
-        ];
-        [Side::Port, Side::Starboard].map(|side| {
-            let this = usize::from(side == Side::Starboard);
+        let ranges = Side::BOTH.map(|side| self.ranges_m(side));
+        Side::BOTH.map(|side| {
+            let this = side as usize;
             let (own, other) = (&ranges[this], &ranges[1 - this]);
             let is_alone = other.iter().all(|range_m| range_m.is_nan());
             let of = |ping: usize| {
@@ -144,8 +141,11 @@ impl Gathering<'_> {
     }
 
     /// Slant ranges by the recorder's scale, metres; NaN without a pick.
-    fn ranges_m(&self, side: Side, this: usize) -> Vec<f32> {
-        let found = self.found[this].par_iter().enumerate().with_min_len(1024);
+    fn ranges_m(&self, side: Side) -> Vec<f32> {
+        let found = self.found[side as usize]
+            .par_iter()
+            .enumerate()
+            .with_min_len(1024);
         found
             .map(|(index, found)| {
                 let span = self.survey.span(self.first + index, side);

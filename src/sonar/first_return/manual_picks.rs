@@ -1,10 +1,10 @@
 //! Manual picks (bottom edits): where the search is wrong and the analyst sees the ground, they replace what was found.
 
 use super::{FirstReturns, Pick};
+use crate::support::statistics::ends;
 use crate::survey::{Identity, Side, Survey};
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
-use std::sync::Arc;
 
 /// `bottom.*` settings: the edits of the first returns of one log. The window keeps them in `LOG.bottom.toml`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -53,10 +53,7 @@ impl BottomEdit {
     ) -> Option<BottomEdit> {
         let last = count.checked_sub(1)? as f64;
         let ping_of = |at: f64| at.floor().clamp(0.0, last) as usize;
-        let ends = path.iter().map(|[ping, _]| *ping);
-        let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), ping| {
-            (low.min(ping), high.max(ping))
-        });
+        let [low, high] = ends(path.iter().map(|[ping, _]| *ping));
         if !(low <= high && high >= 0.0 && low <= last + 1.0) {
             return None;
         }
@@ -321,18 +318,15 @@ impl BottomSettings {
         }
         let own = self.clone().with_sides(survey.swapped_sides);
         for line in &own.lines {
-            let picks = match line.side {
-                Side::Port => &mut returns.port,
-                Side::Starboard => &mut returns.starboard,
-            };
-            let picks = Arc::make_mut(picks);
             if line.accepted {
+                let picks = returns.side_mut(line.side);
                 let end = (line.pings[1] + 1).min(picks.len());
                 let stretch = picks.get_mut(line.pings[0]..end).unwrap_or_default();
                 stretch.iter_mut().for_each(Pick::accept);
                 continue;
             }
             returns.drawn.push((line.side, line.pings));
+            let picks = returns.side_mut(line.side);
             for ping in line.span() {
                 if let (Some(pick), Some(span)) =
                     (picks.get_mut(ping), survey.span(ping, line.side))
@@ -379,6 +373,7 @@ fn simplified(corners: &[[f64; 2]], tolerance_m: f64) -> Vec<[f64; 2]> {
 mod tests {
     use super::*;
     use crate::survey::{SidePing, SideSpan};
+    use std::sync::Arc;
 
     fn line(side: Side, pings: [usize; 2], range_m: f64) -> BottomEdit {
         BottomEdit {
@@ -466,11 +461,8 @@ mod tests {
             side_scan: Arc::new(
                 pings
                     .map(|(near_m, far_m)| SidePing {
-                        time_s: 0.0,
-                        depth_m: f32::NAN,
-                        depth_locked: false,
                         port: Some(span(near_m, far_m)),
-                        starboard: None,
+                        ..SidePing::with_depth(0.0, f32::NAN)
                     })
                     .to_vec(),
             ),

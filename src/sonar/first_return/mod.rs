@@ -163,14 +163,22 @@ impl FirstReturns {
     #[must_use]
     pub fn without(&self, exclusions: &Exclusions) -> Self {
         let mut counted = self.clone();
-        for side in [&mut counted.port, &mut counted.starboard] {
-            for (ping, pick) in Arc::make_mut(side).iter_mut().enumerate() {
+        for side in Side::BOTH {
+            for (ping, pick) in counted.side_mut(side).iter_mut().enumerate() {
                 if exclusions.ping(ping).is_some() {
                     *pick = Pick::NONE;
                 }
             }
         }
         counted
+    }
+
+    /// The picks of one side, to change them.
+    fn side_mut(&mut self, side: Side) -> &mut Vec<Pick> {
+        Arc::make_mut(match side {
+            Side::Port => &mut self.port,
+            Side::Starboard => &mut self.starboard,
+        })
     }
 
     /// The picks of one side.

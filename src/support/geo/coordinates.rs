@@ -1,6 +1,7 @@
 //! Positions as people write them.
 
 use super::{LonLat, UtmZone};
+use crate::support::named::named;
 use serde::{Deserialize, Serialize};
 
 /// How a position is written: each to about a decimetre.
@@ -20,20 +21,17 @@ pub(crate) enum CoordinateFormat {
 /// Where UTM is defined; beyond are the poles, which have a grid of their own.
 const UTM_LATITUDES_DEG: std::ops::RangeInclusive<f64> = -80.0..=84.0;
 
-impl CoordinateFormat {
+named! {
     /// All formats in the order of the menu.
-    pub(crate) const ALL: [Self; 4] = [Self::Degrees, Self::Minutes, Self::Seconds, Self::Utm];
-
-    /// Name in the menu.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Degrees => "decimal degrees",
-            Self::Minutes => "degrees and minutes",
-            Self::Seconds => "degrees, minutes and seconds",
-            Self::Utm => "UTM metres",
-        }
+    pub(crate) CoordinateFormat {
+        Degrees: "decimal degrees",
+        Minutes: "degrees and minutes",
+        Seconds: "degrees, minutes and seconds",
+        Utm: "UTM metres",
     }
+}
 
+impl CoordinateFormat {
     /// Writes a position; a dash for one that is no number. UTM is written in `zone`, that of the survey, whose places shall
     /// not jump where the boat crosses the border of a zone; at the poles it gives way to decimal degrees.
     pub(crate) fn write(self, at: LonLat, zone: UtmZone) -> String {

@@ -352,10 +352,7 @@ impl fmt::Debug for Crs {
 /// Square units of a system in a square metre on the ground at a position.
 pub(super) fn area_scale(crs: &Crs, at: LonLat) -> f64 {
     let moved = |east_deg: f64, north_deg: f64| {
-        crs.place(LonLat {
-            lon_deg: at.lon_deg + east_deg,
-            lat_deg: at.lat_deg + north_deg,
-        })
+        crs.place(LonLat::new(at.lon_deg + east_deg, at.lat_deg + north_deg))
     };
     let half = 0.5 * STEP_DEG;
     let across = |from: [f64; 2], to: [f64; 2]| [0, 1].map(|axis| to[axis] - from[axis]);

@@ -66,10 +66,10 @@ fn middle(positions: impl Iterator<Item = LonLat> + Clone) -> LonLat {
         let off_deg = at.lon_deg - first_deg;
         off_deg - 360.0 * (off_deg / 360.0).round()
     };
-    LonLat {
-        lon_deg: first_deg + positions.clone().map(beyond).sum::<f64>() / count,
-        lat_deg: positions.map(|at| at.lat_deg).sum::<f64>() / count,
-    }
+    LonLat::new(
+        first_deg + positions.clone().map(beyond).sum::<f64>() / count,
+        positions.map(|at| at.lat_deg).sum::<f64>() / count,
+    )
 }
 
 #[cfg(test)]

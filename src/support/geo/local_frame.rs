@@ -58,10 +58,10 @@ impl LocalFrame {
         let [x, y, z] =
             [0, 1, 2].map(|axis| self.centre[axis] + offset[axis] + drop * self.up[axis]);
         // At height 0 the geodetic latitude has a closed form.
-        LonLat {
-            lon_deg: y.atan2(x).to_degrees(),
-            lat_deg: z.atan2((1.0 - E2) * x.hypot(y)).to_degrees(),
-        }
+        LonLat::new(
+            y.atan2(x).to_degrees(),
+            z.atan2((1.0 - E2) * x.hypot(y)).to_degrees(),
+        )
     }
 
     /// Direction of true north at a position, radians clockwise from the frame's north: 0 on the meridian of the origin, and

@@ -61,10 +61,7 @@ mod tests {
     fn area_scales_are_those_of_proj() {
         // pyproj 3.7.2: Proj(...).get_factors(-111.48, 36.86).areal_scale. That of web Mercator is its area over
         // that of Geod.polygon_area_perimeter: PROJ's factors leave the ellipsoid out.
-        let at = LonLat {
-            lon_deg: -111.48,
-            lat_deg: 36.86,
-        };
+        let at = LonLat::new(-111.48, 36.86);
         for (choice, scale) in [
             (CrsChoice::Utm, 0.999_245_248),
             (CrsChoice::WebMercator, 1.0),

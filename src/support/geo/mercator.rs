@@ -52,8 +52,8 @@ fn forward(position: LonLat, radius_m: f64) -> [f64; 2] {
 }
 
 fn inverse(x: f64, y: f64, radius_m: f64) -> LonLat {
-    LonLat {
-        lon_deg: (x / radius_m).to_degrees(),
-        lat_deg: (2.0 * (y / radius_m).exp().atan() - FRAC_PI_2).to_degrees(),
-    }
+    LonLat::new(
+        (x / radius_m).to_degrees(),
+        (2.0 * (y / radius_m).exp().atan() - FRAC_PI_2).to_degrees(),
+    )
 }

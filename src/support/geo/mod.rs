@@ -17,6 +17,7 @@ mod mercator;
 mod utm;
 mod wgs84;
 
+pub(crate) use super::outline::boxes_meet;
 pub(crate) use coordinates::CoordinateFormat;
 pub(crate) use crs::{Crs, CrsChoice, CrsError, SourceCrs};
 pub(crate) use geodesic::{area_m2, course_rad, distance_m};
@@ -29,6 +30,8 @@ pub(crate) use mercator::{
 pub(crate) use utm::UtmZone;
 pub(crate) use wgs84::metres_per_degree;
 
+use super::outline;
+
 /// A WGS84 position in degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LonLat {
@@ -39,6 +42,11 @@ pub struct LonLat {
 }
 
 impl LonLat {
+    /// A position by its longitude and latitude, degrees.
+    pub(crate) const fn new(lon_deg: f64, lat_deg: f64) -> Self {
+        Self { lon_deg, lat_deg }
+    }
+
     /// Whether there is such a position: longitude within 180 degrees, latitude within 90.
     pub fn is_on_earth(&self) -> bool {
         (-180.0..=180.0).contains(&self.lon_deg) && (-90.0..=90.0).contains(&self.lat_deg)
@@ -47,20 +55,7 @@ impl LonLat {
 
 /// West, south, east and north of some positions, degrees; without any, a box that meets no other.
 pub(crate) fn bounds_deg(positions: impl Iterator<Item = LonLat>) -> [f64; 4] {
-    let start = [f64::MAX, f64::MAX, f64::MIN, f64::MIN];
-    positions.fold(start, |[west, south, east, north], at| {
-        [
-            west.min(at.lon_deg),
-            south.min(at.lat_deg),
-            east.max(at.lon_deg),
-            north.max(at.lat_deg),
-        ]
-    })
-}
-
-/// Whether two boxes (west, south, east, north) share a place.
-pub(crate) fn boxes_meet(one: [f64; 4], other: [f64; 4]) -> bool {
-    one[0] <= other[2] && one[2] >= other[0] && one[1] <= other[3] && one[3] >= other[1]
+    outline::bounds(positions.map(|at| [at.lon_deg, at.lat_deg]))
 }
 
 /// Metres in an international foot.

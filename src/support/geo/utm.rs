@@ -33,10 +33,10 @@ impl UtmZone {
             .into_iter()
             .flat_map(|east| [-1.0, 0.0, 1.0].map(|north| [east, north]))
         {
-            let zone = Self::of(LonLat {
-                lon_deg: position.lon_deg + east * lon_deg,
-                lat_deg: position.lat_deg + north * lat_deg,
-            });
+            let zone = Self::of(LonLat::new(
+                position.lon_deg + east * lon_deg,
+                position.lat_deg + north * lat_deg,
+            ));
             if !zones.contains(&zone) {
                 zones.push(zone);
             }
@@ -149,10 +149,7 @@ mod tests {
 
     #[test]
     fn what_is_no_zone_or_no_place_is_nowhere() {
-        let position = LonLat {
-            lon_deg: 9.0,
-            lat_deg: 50.0,
-        };
+        let position = LonLat::new(9.0, 50.0);
         for number in [0, 61, 255] {
             let zone = UtmZone {
                 number,

@@ -159,10 +159,7 @@ mod tests {
             ["48 s", "17 min", "2 h 05 min"]
         );
         assert_eq!([950.4, 2347.0].map(way), ["950 m", "2.35 km"]);
-        let place = LonLat {
-            lon_deg: -111.488_102,
-            lat_deg: 36.932_541,
-        };
+        let place = LonLat::new(-111.488_102, 36.932_541);
         assert_eq!(position(place), "36.932541° N, 111.488102° W");
         assert_eq!([decimal(1.005, 1), decimal(f64::NAN, 2)], ["1.0", NONE]);
     }

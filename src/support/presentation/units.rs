@@ -6,6 +6,7 @@ mod sentence;
 use super::text::{self, NONE};
 use super::ticks;
 use crate::support::geo::{METRES_PER_FOOT, MPS_PER_KNOT};
+use crate::support::named::named;
 use serde::{Deserialize, Serialize};
 
 /// Feet in a fathom.
@@ -49,19 +50,16 @@ pub(crate) struct Units {
     pub speed: SpeedUnit,
 }
 
-impl LengthUnit {
+named! {
     /// All of them in the order of the menu.
-    pub const ALL: [Self; 3] = [Self::Metres, Self::Feet, Self::Fathoms];
-
-    /// Name in the menu.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Metres => "metres",
-            Self::Feet => "feet",
-            Self::Fathoms => "fathoms",
-        }
+    pub LengthUnit {
+        Metres: "metres",
+        Feet: "feet",
+        Fathoms: "fathoms",
     }
+}
 
+impl LengthUnit {
     /// Metres in one of it.
     pub fn metres(self) -> f64 {
         match self {
@@ -95,18 +93,15 @@ impl LengthUnit {
     }
 }
 
-impl SpeedUnit {
+named! {
     /// All of them in the order of the menu.
-    pub(crate) const ALL: [Self; 2] = [Self::MetresPerSecond, Self::Knots];
-
-    /// Name in the menu.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::MetresPerSecond => "metres a second",
-            Self::Knots => "knots",
-        }
+    pub(crate) SpeedUnit {
+        MetresPerSecond: "metres a second",
+        Knots: "knots",
     }
+}
 
+impl SpeedUnit {
     /// Metres a second in one of it.
     pub(crate) fn metres_per_second(self) -> f64 {
         match self {

@@ -1,8 +1,8 @@
 //! Which reference belongs to a measured point.
 
 use crate::bottom::bathymetry::{Between, Node, Tin};
+use crate::support::nearest::Nearest;
 use crate::support::progress::{Cancelled, Progress};
-use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use rayon::prelude::*;
 
 /// How the reference of a point is found.
@@ -18,6 +18,16 @@ pub enum Matching {
         /// The surface has no triangles between points farther apart than twice this ([`Tin::with_max_gap`]), metres.
         max_gap_m: f64,
     },
+}
+
+impl Matching {
+    /// In words.
+    pub(crate) fn in_words(self) -> String {
+        match self {
+            Self::Nearest { radius_m } => format!("nearest point within {radius_m} m"),
+            Self::Surface { max_gap_m } => format!("triangulated surface, gap {max_gap_m} m"),
+        }
+    }
 }
 
 /// A measured point and its reference.
@@ -49,7 +59,7 @@ pub(crate) fn match_points(
 pub(crate) struct Reference(Prepared);
 
 enum Prepared {
-    Nearest(Nearest),
+    Nearest(NearPoints),
     Surface(Tin),
     /// No point, or none that spans a surface.
     Nothing,
@@ -61,7 +71,7 @@ impl Reference {
         let points = points.filter(|point| point.iter().all(|value| value.is_finite()));
         let prepared = match matching {
             Matching::Nearest { radius_m } => {
-                Nearest::new(points.collect(), radius_m).map(Prepared::Nearest)
+                NearPoints::new(points.collect(), radius_m).map(Prepared::Nearest)
             }
             Matching::Surface { max_gap_m } => {
                 triangulated(points, max_gap_m).map(Prepared::Surface)
@@ -132,32 +142,25 @@ fn each<T: Sync, R: FnMut([f64; 2]) -> Option<f64>>(
     Ok(matches)
 }
 
-struct Nearest {
+struct NearPoints {
     points: Vec<[f64; 3]>,
-    index: ImmutableKdTree<f64, 2>,
+    nearest: Nearest,
     radius_m: f64,
 }
 
-impl Nearest {
+impl NearPoints {
     fn new(points: Vec<[f64; 3]>, radius_m: f64) -> Option<Self> {
         let places: Vec<[f64; 2]> = points.iter().map(|[x, y, _]| [*x, *y]).collect();
-        if places.is_empty() {
-            return None;
-        }
         Some(Self {
-            index: ImmutableKdTree::new_from_slice(&places).ok()?,
+            nearest: Nearest::of(&places)?,
             points,
             radius_m,
         })
     }
 
     fn at(&self, place: [f64; 2]) -> Option<f64> {
-        let found = self
-            .index
-            .query(&place)
-            .nearest_one::<SquaredEuclidean<f64>>()
-            .execute();
-        let [x, y, z_m] = self.points[found.item as usize];
+        let (found, _) = self.nearest.at(place);
+        let [x, y, z_m] = self.points[found];
         // Of coordinates, not of the index's square: a radius is exact to its last bit only so.
         let distance_m = (x - place[0]).hypot(y - place[1]);
         (distance_m <= self.radius_m).then_some(z_m)

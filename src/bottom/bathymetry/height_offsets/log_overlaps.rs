@@ -3,7 +3,7 @@
 use super::{LogOverlap, OverlapKind};
 use crate::bottom::bathymetry::crosslines::{Pass, TrackDepth, crossings, velocity_mps};
 use crate::support::progress::{Cancelled, Progress};
-use crate::support::statistics::median;
+use crate::support::statistics::{ends, median};
 use std::collections::{BTreeMap, HashMap};
 
 /// Where the tracks of two logs cross fewer times than this, places along which both went count as well.
@@ -154,10 +154,7 @@ fn by_square(depths: &[TrackDepth]) -> BTreeMap<[i64; 2], f64> {
 fn log_overlap(logs: [usize; 2], block: [i64; 2], shared: &[Shared]) -> LogOverlap {
     let side_m = BLOCK_SQUARES as f64 * SQUARE_M;
     let mut differences: Vec<f64> = shared.iter().map(|one| one.difference_m).collect();
-    let depths = shared.iter().map(|one| one.depth_m);
-    let (least, most) = depths.fold((f64::MAX, f64::MIN), |(least, most), depth_m| {
-        (least.min(depth_m), most.max(depth_m))
-    });
+    let [least, most] = ends(shared.iter().map(|one| one.depth_m));
     LogOverlap::new(
         logs,
         OverlapKind::Overlap,
@@ -173,11 +170,10 @@ mod tests {
 
     fn line(north_m: f64, raised_m: f64) -> Vec<TrackDepth> {
         (0..600)
-            .map(|index| TrackDepth {
-                time_s: 0.1 * f64::from(index),
-                east_m: 0.1 * f64::from(index),
-                north_m,
-                depth_m: 3.0 + 0.02 * 0.1 * f64::from(index) - raised_m,
+            .map(|index| {
+                let way_m = 0.1 * f64::from(index);
+                let depth_m = 3.0 + 0.02 * 0.1 * f64::from(index) - raised_m;
+                TrackDepth::new(way_m, [way_m, north_m], depth_m)
             })
             .collect()
     }
@@ -202,11 +198,9 @@ mod tests {
     fn a_line_ends_where_the_boat_turns() {
         // East for 60 s at a metre a second, then north.
         let track: Vec<TrackDepth> = (0..120)
-            .map(|second| TrackDepth {
-                time_s: f64::from(second),
-                east_m: f64::from(second.min(60)),
-                north_m: f64::from((second - 60).max(0)),
-                depth_m: 3.0,
+            .map(|second| {
+                let place = [second.min(60), (second - 60).max(0)].map(f64::from);
+                TrackDepth::new(f64::from(second), place, 3.0)
             })
             .collect();
         let starts_s = line_starts_s(&track);

@@ -2,7 +2,7 @@
 
 mod rings;
 
-use super::march::{Edge, Square, centre, crossing, square};
+use super::march::{Edge, Square, crossing, square};
 use crate::bottom::bathymetry::Surface;
 use crate::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
@@ -161,7 +161,7 @@ impl Band<'_> {
     fn places(&self, stops: &[Stop]) -> Vec<[f64; 2]> {
         let [shallow_m, deep_m] = self.levels_m;
         let place = |stop: &Stop| match *stop {
-            Stop::Corner(cell) => centre(self.surface, cell),
+            Stop::Corner(cell) => self.surface.grid.centre_of(cell),
             Stop::Shallow(edge) => crossing(self.surface, edge, shallow_m),
             Stop::Deep(edge) => crossing(self.surface, edge, deep_m),
         };

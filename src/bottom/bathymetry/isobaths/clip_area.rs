@@ -2,6 +2,8 @@
 
 use super::clip::LEAST_LENGTH_M;
 use super::{DepthArea, Isobath, Polygon};
+use crate::support::outline::{between, edges, is_crossed};
+use crate::support::statistics::ends;
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::float::single::SingleFloatOverlay as _;
@@ -37,16 +39,8 @@ impl ClipArea {
             ring.retain(|corner| corner.iter().all(|value| value.is_finite()));
         }
         rings.retain(|ring| ring.len() > 2);
-        let closed = |ring: &Vec<[f64; 2]>| {
-            let next = ring.iter().cycle().skip(1);
-            let edges = ring.iter().zip(next);
-            edges.map(|(from, to)| [*from, *to]).collect::<Vec<_>>()
-        };
-        let edges: Vec<[[f64; 2]; 2]> = rings.iter().flat_map(closed).collect();
-        let northings = edges.iter().map(|edge| edge[0][1]);
-        let [south_m, north_m] = northings.fold([f64::MAX, f64::MIN], |[least, most], north| {
-            [least.min(north), most.max(north)]
-        });
+        let edges: Vec<[[f64; 2]; 2]> = rings.iter().flat_map(|ring| edges(ring)).collect();
+        let [south_m, north_m] = ends(edges.iter().map(|edge| edge[0][1]));
         let mut count = edges.len().clamp(1, MOST_BANDS);
         let height_m = (north_m - south_m).max(f64::MIN_POSITIVE);
         let times = |count: usize| {
@@ -79,13 +73,9 @@ impl ClipArea {
     }
 
     /// Whether a place lies in it.
-    pub fn holds(&self, [x, y]: [f64; 2]) -> bool {
-        // A ray to the east crosses the edges of the rings around the place.
-        let crosses = |index: &&u32| {
-            let [[x0, y0], [x1, y1]] = self.edges[**index as usize];
-            (y0 > y) != (y1 > y) && x < x0 + (y - y0) / (y1 - y0) * (x1 - x0)
-        };
-        let band = self.bands_over(y, y).next();
+    pub fn holds(&self, place: [f64; 2]) -> bool {
+        let crosses = |index: &&u32| is_crossed(self.edges[**index as usize], place);
+        let band = self.bands_over(place[1], place[1]).next();
         let near = band.and_then(|band| self.bands.get(band));
         near.is_some_and(|near| near.iter().filter(crosses).count() % 2 == 1)
     }
@@ -97,10 +87,10 @@ impl ClipArea {
         for step in line.points.windows(2) {
             let [from, to] = [step[0], step[1]];
             let shares = self.shares(from, to);
-            let between = shares
+            let inner = shares
                 .iter()
                 .filter(|share| (SLACK..=1.0 - SLACK).contains(*share));
-            let mut stops: Vec<f64> = between.copied().collect();
+            let mut stops: Vec<f64> = inner.copied().collect();
             stops.dedup_by(|one, before| *one - *before < SLACK);
             stops.insert(0, 0.0);
             stops.push(1.0);
@@ -110,7 +100,7 @@ impl ClipArea {
                 } else if share == 1.0 {
                     to
                 } else {
-                    [0, 1].map(|axis| from[axis] + share * (to[axis] - from[axis]))
+                    between(from, to, share)
                 }
             };
             for ends in stops.windows(2) {

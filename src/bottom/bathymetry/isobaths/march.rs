@@ -91,15 +91,9 @@ pub(super) fn crossing(surface: &Surface, edge: Edge, level_m: f64) -> [f64; 2] 
     let next = cell + if runs_south { grid.columns } else { 1 };
     let [from_m, to_m] = [cell, next].map(|cell| f64::from(surface.depth_m[cell]));
     let share = (level_m - from_m) / (to_m - from_m);
-    let [east_m, north_m] = centre(surface, cell);
+    let [east_m, north_m] = grid.centre_of(cell);
     match runs_south {
         true => [east_m, north_m - share * grid.cell_m],
         false => [east_m + share * grid.cell_m, north_m],
     }
-}
-
-/// East and north of a cell's centre.
-pub(super) fn centre(surface: &Surface, cell: usize) -> [f64; 2] {
-    let columns = surface.grid.columns;
-    surface.grid.centre(cell / columns, cell % columns)
 }

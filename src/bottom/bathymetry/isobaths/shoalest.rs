@@ -68,13 +68,7 @@ mod tests {
 
     /// Cells of a metre, all 3 m deep, east and south of the origin.
     fn flat(side: usize) -> Surface {
-        let grid = Grid {
-            west_m: 0.0,
-            north_m: 0.0,
-            cell_m: 1.0,
-            columns: side,
-            rows: side,
-        };
+        let grid = Grid::at([0.0, 0.0], 1.0, [side, side]);
         Surface::of_depths(grid, vec![3.0; side * side])
     }
 
@@ -126,9 +120,7 @@ mod tests {
                 let rings: Vec<Vec<[f64; 2]>> =
                     rings().map(|ring| smoothed(ring, smoothing)).collect();
                 let is_deep = |point: &&DepthPoint| {
-                    let around = rings
-                        .iter()
-                        .filter(|ring| is_inside(ring, [point.east_m, point.north_m]));
+                    let around = rings.iter().filter(|ring| is_inside(ring, point.place()));
                     around.count() % 2 == 1
                 };
                 let beyond = points.iter().filter(|point| point.depth_m < level_m);

@@ -1,5 +1,7 @@
 //! Rounder lines, for those who prefer looks to exactness.
 
+use crate::support::outline::between;
+
 /// How the corners of lines are cut.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Smoothing {
@@ -25,9 +27,6 @@ fn cut_corners(line: &[[f64; 2]], toward_deep: bool) -> Vec<[f64; 2]> {
         return line.to_vec();
     }
     let is_ring = line[0] == line[count - 1];
-    let between = |from: [f64; 2], to: [f64; 2], share: f64| {
-        [0, 1].map(|axis| from[axis] + share * (to[axis] - from[axis]))
-    };
     let mut cut = Vec::with_capacity(2 * count);
     let mut corner = |before: [f64; 2], at: [f64; 2], after: [f64; 2]| {
         // The deeper side is on the left: cutting a turn to the left moves the line that way.

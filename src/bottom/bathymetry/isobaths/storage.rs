@@ -22,9 +22,8 @@ pub(crate) fn storage(
     levels_m: &[f64],
     within: Option<&ClipArea>,
 ) -> Vec<Storage> {
-    let columns = surface.grid.columns;
     let is_within = |cell: usize| {
-        let middle = surface.grid.centre(cell / columns, cell % columns);
+        let middle = surface.grid.centre_of(cell);
         within.is_none_or(|area| area.holds(middle))
     };
     let known = surface.depth_m.iter().enumerate();

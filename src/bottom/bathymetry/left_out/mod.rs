@@ -13,8 +13,8 @@ mod roughness;
 pub(crate) use by_distance::SigmaByDistance;
 
 use super::{Between, DepthPoint, Grid, Node, Tin, merge_repeated, suited_cell_m};
+use crate::support::nearest::Nearest;
 use crate::support::progress::{Cancelled, Progress};
-use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use rayon::prelude::*;
 use roughness::Roughness;
 
@@ -71,7 +71,7 @@ pub(super) fn state_error(
         .enumerate()
         .filter(|(_, (spread_m, _))| !spread_m.is_nan())
         .for_each(|(cell, (spread_m, away_m))| {
-            let place = grid.centre(cell / grid.columns, cell % grid.columns);
+            let place = grid.centre_of(cell);
             *spread_m = stated.at(place, f64::from(*away_m)) as f32;
         });
     Ok(true)
@@ -93,18 +93,13 @@ pub(crate) fn sigma_by_distance(
     };
     let nodes = merge_repeated(points, grid.cell_m);
     progress.check()?;
-    let places: Vec<[f64; 2]> = nodes.iter().map(|p| [p.east_m, p.north_m]).collect();
-    let Ok(near) = ImmutableKdTree::<f64, 2>::new_from_slice(&places) else {
+    let places: Vec<[f64; 2]> = nodes.iter().map(Node::place).collect();
+    let Some(near) = Nearest::of(&places) else {
         return Ok(None);
     };
     let tried = grid.coarser(grid.times_coarser(MOST_CELLS_TRIED));
     let cells = (0..tried.len()).into_par_iter();
-    let distances = cells.map(|cell| {
-        away_m(
-            &near,
-            tried.centre(cell / tried.columns, cell % tried.columns),
-        ) as f32
-    });
+    let distances = cells.map(|cell| near.distance_m(tried.centre_of(cell)) as f32);
     let distances = distances.filter(|distance| f64::from(*distance) <= max_gap_m);
     let squares = Squares::over(&grid, usual_of(distances.collect()));
     let stated = StatedError::of(&nodes, squares, Between::Linear, progress)?;
@@ -180,34 +175,26 @@ fn misses(
 }
 
 fn predicted(out: &[Node], used: Vec<Node>, between: Between) -> Vec<Miss> {
-    let places: Vec<[f64; 2]> = used.iter().map(|p| [p.east_m, p.north_m]).collect();
-    let (Ok(near), Some(tin)) = (
-        ImmutableKdTree::<f64, 2>::new_from_slice(&places),
-        Tin::new(used),
-    ) else {
+    let places: Vec<[f64; 2]> = used.iter().map(Node::place).collect();
+    let (Some(near), Some(tin)) = (Nearest::of(&places), Tin::new(used)) else {
         return Vec::new();
     };
     let mut sampler = tin.sampler(between);
     let miss = |node: &Node| {
-        let place = [node.east_m, node.north_m];
+        let place = node.place();
         Some(Miss {
             place,
             error_m: sampler.depth_at(place)? - node.depth_m,
-            away_m: away_m(&near, place),
+            away_m: near.distance_m(place),
         })
     };
     out.iter().filter_map(miss).collect()
 }
 
-fn away_m(near: &ImmutableKdTree<f64, 2>, place: [f64; 2]) -> f64 {
-    let nearest = near.query(&place);
-    let nearest = nearest.nearest_one::<SquaredEuclidean<f64>>();
-    nearest.execute().distance.sqrt()
-}
-
 /// The square that a sounding lies in.
 fn column_and_row(node: &Node, square_m: f64) -> [i64; 2] {
-    [node.east_m, node.north_m].map(|metres| (metres / square_m).floor() as i64)
+    node.place()
+        .map(|metres| (metres / square_m).floor() as i64)
 }
 
 /// What [`DISTANCE_SHARE`] of some distances do not exceed; 0 of none.

@@ -1,18 +1,14 @@
 //! What is stated of a depth against beds that are known.
 
 use super::*;
-use crate::bottom::bathymetry::testing::point;
+use crate::bottom::bathymetry::testing::{point, random};
 use crate::bottom::bathymetry::{Spread, Surface, SurfaceSettings, surface};
 
 /// Four lines 8 m apart over a bed, a sounding each half metre, with noise of `noise_m`.
 fn lines(noise_m: f64, bed: impl Fn(f64, f64) -> f64) -> Vec<DepthPoint> {
     let points = (0..4).flat_map(|line| (0..160).map(move |step| (line, step)));
     let places = points.map(|(line, step)| (0.5 * f64::from(step), 8.0 * f64::from(line)));
-    let mut seed = 7_u64;
-    let mut random = move || {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-        (seed >> 33) as f64 / (1_u64 << 31) as f64
-    };
+    let mut random = random();
     // Twelve of them have a standard deviation of 1, about 6.
     let mut noise = move || noise_m * ((0..12).map(|_| random()).sum::<f64>() - 6.0);
     places
@@ -32,9 +28,7 @@ fn made(points: Vec<DepthPoint>) -> Surface {
 /// Error and stated deviation of every known cell, with its place.
 fn cells(made: &Surface, bed: impl Fn(f64, f64) -> f64) -> Vec<([f64; 2], f64, f64)> {
     let cell = |cell: usize| {
-        let place = made
-            .grid
-            .centre(cell / made.grid.columns, cell % made.grid.columns);
+        let place = made.grid.centre_of(cell);
         let depth_m = made.depth_m[cell];
         let error_m = f64::from(depth_m) - bed(place[0], place[1]);
         (!depth_m.is_nan()).then(|| (place, error_m, f64::from(made.spread_m[cell])))

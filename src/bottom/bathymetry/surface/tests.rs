@@ -1,15 +1,10 @@
 use super::*;
 use crate::bottom::bathymetry::local_surface;
 use crate::bottom::bathymetry::testing::golden_points;
+use crate::support::statistics::ends;
 
 fn line(north_m: f64, depth_m: f64) -> impl Iterator<Item = DepthPoint> {
-    (0..=40).map(move |i| DepthPoint {
-        east_m: f64::from(i),
-        north_m,
-        depth_m,
-        weight: 1.0,
-        is_sounding: true,
-    })
+    (0..=40).map(move |i| DepthPoint::of_sounding([f64::from(i), north_m], depth_m))
 }
 
 fn settings(gap_m: f64) -> SurfaceSettings {
@@ -21,12 +16,15 @@ fn settings(gap_m: f64) -> SurfaceSettings {
     }
 }
 
+fn made(points: Vec<DepthPoint>, gap_m: f64) -> Surface {
+    let made = surface(points, &settings(gap_m), &Progress::new());
+    made.unwrap().unwrap()
+}
+
 #[test]
 fn between_two_lines_the_depth_is_linear() {
     let points: Vec<_> = line(0.0, 2.0).chain(line(10.0, 4.0)).collect();
-    let map = surface(points.clone(), &settings(6.0), &Progress::new())
-        .unwrap()
-        .unwrap();
+    let map = made(points.clone(), 6.0);
     let (depth_m, distance_m) = map.at(20.0, 5.0).unwrap();
     assert!((depth_m - 3.0).abs() < 0.06, "{depth_m}");
     assert!((distance_m - 5.0).abs() < 0.3, "{distance_m}");
@@ -43,9 +41,7 @@ fn a_cell_says_what_its_depth_rests_on() {
         .chain(beside)
         .chain(line(10.0, 4.0))
         .collect();
-    let map = surface(points, &settings(6.0), &Progress::new())
-        .unwrap()
-        .unwrap();
+    let map = made(points, 6.0);
     let at = |east_m, north_m| map.source[map.grid.index_at(east_m, north_m).unwrap()];
     assert_eq!(at(20.0, 0.01), CellSource::Sounding);
     assert_eq!(at(20.0, 0.61), CellSource::FirstReturn);
@@ -62,22 +58,20 @@ fn a_cell_says_what_its_depth_rests_on() {
 fn no_value_is_farther_than_the_gap_from_a_sounding() {
     // Triangles of equal sides, 5.9 m: their middles are 3.4 m from the corners.
     let points: Vec<_> = (0..49)
-        .map(|i| DepthPoint {
-            east_m: 5.9 * (f64::from(i % 7) + 0.5 * f64::from(i / 7)),
-            north_m: 5.9 * 0.75f64.sqrt() * f64::from(i / 7),
-            depth_m: f64::from(i % 5),
-            weight: 1.0,
-            is_sounding: true,
+        .map(|i| {
+            DepthPoint::of_sounding(
+                [
+                    5.9 * (f64::from(i % 7) + 0.5 * f64::from(i / 7)),
+                    5.9 * 0.75f64.sqrt() * f64::from(i / 7),
+                ],
+                f64::from(i % 5),
+            )
         })
         .collect();
-    let map = surface(points.clone(), &settings(3.0), &Progress::new())
-        .unwrap()
-        .unwrap();
+    let map = made(points.clone(), 3.0);
     let (mut known, mut unknown) = (0, 0);
     for cell in 0..map.grid.len() {
-        let [east_m, north_m] = map
-            .grid
-            .centre(cell / map.grid.columns, cell % map.grid.columns);
+        let [east_m, north_m] = map.grid.centre_of(cell);
         let brute_m = points
             .iter()
             .map(|p| (p.east_m - east_m).hypot(p.north_m - north_m))
@@ -100,13 +94,7 @@ fn the_bay_of_a_bend_stays_empty() {
     let points: Vec<_> = (0..=180)
         .map(|i| {
             let (sin, cos) = (f64::from(i) * 0.5).to_radians().sin_cos();
-            DepthPoint {
-                east_m: 100.0 * cos,
-                north_m: 100.0 * sin,
-                depth_m: 2.0,
-                weight: 1.0,
-                is_sounding: true,
-            }
+            DepthPoint::of_sounding([100.0 * cos, 100.0 * sin], 2.0)
         })
         .collect();
     let map = surface(points.clone(), &settings(20.0), &Progress::new()).unwrap();
@@ -124,19 +112,11 @@ fn a_bend_is_not_bridged_by_a_lens_across_the_track() {
             // Depths under the boat and half a metre to either side of it.
             [-0.5, 0.0, 0.5].map(|beside_m| {
                 let reach_m = 60.0 + 30.0 * along + beside_m;
-                DepthPoint {
-                    east_m: reach_m * cos,
-                    north_m: reach_m * sin,
-                    depth_m: 2.0,
-                    weight: 1.0,
-                    is_sounding: true,
-                }
+                DepthPoint::of_sounding([reach_m * cos, reach_m * sin], 2.0)
             })
         })
         .collect();
-    let map = surface(points, &settings(20.0), &Progress::new())
-        .unwrap()
-        .unwrap();
+    let map = made(points, 20.0);
     let known = map.distance_m.iter().filter(|distance| !distance.is_nan());
     let farthest_m = known.clone().copied().fold(0.0, f32::max);
     assert!(known.count() > 1000);
@@ -149,18 +129,10 @@ fn every_sounding_of_a_single_winding_track_has_its_cell() {
     let points: Vec<_> = (0..2000)
         .map(|i| {
             let (sin, cos) = (0.05 * f64::from(i)).to_radians().sin_cos();
-            DepthPoint {
-                east_m: 120.0 * cos,
-                north_m: 120.0 * sin,
-                depth_m: 2.0 + 0.001 * f64::from(i),
-                weight: 1.0,
-                is_sounding: true,
-            }
+            DepthPoint::of_sounding([120.0 * cos, 120.0 * sin], 2.0 + 0.001 * f64::from(i))
         })
         .collect();
-    let map = surface(points.clone(), &settings(20.0), &Progress::new())
-        .unwrap()
-        .unwrap();
+    let map = made(points.clone(), 20.0);
     for point in &points {
         let (depth_m, distance_m) = map.at(point.east_m, point.north_m).expect("a cell");
         assert!(
@@ -190,8 +162,7 @@ fn one_straight_line_is_no_surface() {
 #[test]
 fn each_method_honours_its_soundings_and_stays_within_their_depths() {
     let points = golden_points();
-    let depths = points.iter().map(|p| p.depth_m);
-    let [least, most] = depths.fold([f64::MAX, f64::MIN], |[l, m], d| [l.min(d), m.max(d)]);
+    let [least, most] = ends(points.iter().map(|p| p.depth_m));
     for method in [
         SurfaceMethod::Linear,
         SurfaceMethod::Natural,
@@ -261,9 +232,7 @@ fn a_source_of_no_weight_is_left_out_and_a_cancelled_surface_is_none() {
         weight: 0.0,
         ..point
     }));
-    let made = surface(points.clone(), &settings(6.0), &Progress::new())
-        .unwrap()
-        .unwrap();
+    let made = made(points.clone(), 6.0);
     assert!((made.at(20.0, 5.0).unwrap().0 - 3.0).abs() < 0.06);
     let progress = Progress::new();
     progress.cancel();
@@ -275,13 +244,7 @@ fn a_source_of_no_weight_is_left_out_and_a_cancelled_surface_is_none() {
 
 #[test]
 fn known_depths_lie_within_their_outermost_cells() {
-    let grid = Grid {
-        west_m: 100.0,
-        north_m: 50.0,
-        cell_m: 0.5,
-        columns: 4,
-        rows: 3,
-    };
+    let grid = Grid::at([100.0, 50.0], 0.5, [4, 3]);
     let of = |known: &[usize]| {
         let mut depth_m = vec![f32::NAN; grid.len()];
         known.iter().for_each(|cell| depth_m[*cell] = 2.0);

@@ -4,7 +4,6 @@ use super::super::Placer;
 use super::super::profile::{Background, Grid};
 use crate::detection::Mark;
 use crate::support::statistics::median;
-use crate::survey::Side;
 use std::ops::Range;
 
 /// Levels around a box, and from where they were recorded. Slant ranges are by the calibration in force, metres.
@@ -201,10 +200,7 @@ impl Placer<'_> {
         let ping = usize::midpoint(pings.start, pings.end - 1);
         let boat = self.boat_at(ping)?;
         let [x, y] = boat.starboard()?;
-        let outward = match grid.side {
-            Side::Port => [-x, -y],
-            Side::Starboard => [x, y],
-        };
+        let outward = [x, y].map(|part| grid.side.to_starboard(part));
         let boat_m = [
             boat.east_m + moved_m * outward[0],
             boat.north_m + moved_m * outward[1],

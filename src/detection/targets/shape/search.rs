@@ -10,27 +10,15 @@ pub(super) fn search(problem: &Problem<'_>, state: &mut State, rounds: usize) {
         let before = state.numbers.clone();
         for number in (0..before.len()).filter(|number| !problem.is_fixed(*number)) {
             let step = state.steps[number];
-            let better = [step, -step].into_iter().any(|by| {
-                trial.clone_from(state);
-                problem.change(&mut trial, number, by);
-                trial.cost < state.cost
+            let better = try_both_ways(state, &mut trial, step, |trial, by| {
+                problem.change(trial, number, by);
             });
-            if better {
-                std::mem::swap(state, &mut trial);
-            }
             state.steps[number] = step * if better { 1.3 } else { 0.5 };
         }
         for (index, edge) in Edge::ALL.into_iter().enumerate() {
             let step = state.edge_steps[index];
-            let better = step > 0.0
-                && [step, -step].into_iter().any(|by| {
-                    trial.clone_from(state);
-                    problem.move_edge(&mut trial, edge, by);
-                    trial.cost < state.cost
-                });
-            if better {
-                std::mem::swap(state, &mut trial);
-            }
+            let move_edge = |trial: &mut State, by: f64| problem.move_edge(trial, edge, by);
+            let better = step > 0.0 && try_both_ways(state, &mut trial, step, move_edge);
             state.edge_steps[index] = step * if better { 1.3 } else { 0.5 };
         }
         trial.clone_from(state);
@@ -45,6 +33,24 @@ pub(super) fn search(problem: &Problem<'_>, state: &mut State, rounds: usize) {
             break;
         }
     }
+}
+
+/// Changes a state by a step, or else by as much the other way, where that costs less; whether it did.
+fn try_both_ways(
+    state: &mut State,
+    trial: &mut State,
+    step: f64,
+    change: impl Fn(&mut State, f64),
+) -> bool {
+    let better = [step, -step].into_iter().any(|by| {
+        trial.clone_from(state);
+        change(trial, by);
+        trial.cost < state.cost
+    });
+    if better {
+        std::mem::swap(state, trial);
+    }
+    better
 }
 
 /// Searches on from those that explain most over some rounds, and leaves them in order, the best first.

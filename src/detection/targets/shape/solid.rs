@@ -1,5 +1,7 @@
 //! Solids that objects are like, as heights above the bottom.
 
+use crate::support::named::named;
+
 /// What an object is like by its shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum ShapeKind {
@@ -27,29 +29,19 @@ pub(super) struct Usual {
     pub(super) typical_slenderness: f64,
 }
 
-impl ShapeKind {
+named! {
     /// All of them.
-    pub(crate) const ALL: [ShapeKind; 6] = [
-        ShapeKind::Block,
-        ShapeKind::Cylinder,
-        ShapeKind::Tyre,
-        ShapeKind::Boulder,
-        ShapeKind::Hull,
-        ShapeKind::UpturnedHull,
-    ];
-
-    /// In words and in files.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            ShapeKind::Block => "block",
-            ShapeKind::Cylinder => "cylinder",
-            ShapeKind::Tyre => "tyre",
-            ShapeKind::Boulder => "boulder",
-            ShapeKind::Hull => "hull",
-            ShapeKind::UpturnedHull => "hull keel up",
-        }
+    pub(crate) ShapeKind {
+        Block: "block",
+        Cylinder: "cylinder",
+        Tyre: "tyre",
+        Boulder: "boulder",
+        Hull: "hull",
+        UpturnedHull: "hull keel up",
     }
+}
 
+impl ShapeKind {
     /// Whether it is a boat, whichever way up: with a bow, it does not look the same from ahead and from behind.
     pub(crate) fn is_boat(self) -> bool {
         matches!(self, ShapeKind::Hull | ShapeKind::UpturnedHull)

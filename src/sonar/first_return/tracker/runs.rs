@@ -94,28 +94,16 @@ fn same_scale(a: &SideSpan, b: &SideSpan) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::survey::{Encoding, Order, SidePing, SideScanState};
+    use crate::survey::{SidePing, SideScanState};
 
     fn survey(times_and_ranges: impl Iterator<Item = (f64, f32)>) -> Survey {
         let ping = |(time_s, far_m)| SidePing {
-            time_s,
-            depth_m: f32::NAN,
-            depth_locked: false,
-            port: Some(SideSpan {
-                file: 0,
-                encoding: Encoding::U8,
-                order: Order::NearToFar,
-                offset: 0,
-                count: 100,
-                near_m: 0.0,
-                far_m,
-            }),
-            starboard: None,
+            port: Some(SideSpan::of_bytes(100, [0.0, far_m])),
+            ..SidePing::with_depth(time_s, f32::NAN)
         };
         Survey {
-            side_scan: std::sync::Arc::new(times_and_ranges.map(ping).collect()),
             side_scan_state: SideScanState::Usable,
-            ..Survey::default()
+            ..Survey::of_pings(times_and_ranges.map(ping))
         }
     }
 

@@ -69,10 +69,7 @@ impl Net {
 
     fn to_position(self, [x, y]: [f64; 2]) -> LonLat {
         match self {
-            Self::Degrees { .. } => LonLat {
-                lon_deg: x,
-                lat_deg: y,
-            },
+            Self::Degrees { .. } => LonLat::new(x, y),
             Self::Utm(zone) => zone.to_lon_lat([x, y]),
         }
     }

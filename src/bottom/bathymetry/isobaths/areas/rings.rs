@@ -1,7 +1,7 @@
 //! Pieces of a border joined to rings, and rings sorted into outlines and holes.
 
 use super::{Piece, Stop};
-use crate::support::outline::goes_around;
+use crate::support::outline::{bounds, goes_around};
 
 /// An area with holes.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,7 +65,7 @@ pub(crate) fn polygons(rings: Vec<Vec<[f64; 2]>>) -> Vec<Polygon> {
     for ring in rings.into_iter().filter(|ring| ring.len() > 3) {
         let area_m2 = signed_area(&ring);
         if area_m2 > 0.0 {
-            outlines.push((area_m2, bounds(&ring), ring));
+            outlines.push((area_m2, bounds(ring.iter().copied()), ring));
         } else if area_m2 < 0.0 {
             holes.push(ring);
         }
@@ -74,7 +74,7 @@ pub(crate) fn polygons(rings: Vec<Vec<[f64; 2]>>) -> Vec<Polygon> {
     outlines.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut owned: Vec<Vec<Vec<[f64; 2]>>> = vec![Vec::new(); outlines.len()];
     for hole in holes {
-        let box_of_hole = bounds(&hole);
+        let box_of_hole = bounds(hole.iter().copied());
         let holds = |(_, bounds, ring): &(f64, [f64; 4], Vec<[f64; 2]>)| {
             within(box_of_hole, *bounds) && surrounds(ring, &hole)
         };
@@ -98,14 +98,6 @@ fn signed_area(ring: &[[f64; 2]]) -> f64 {
         (step[0][0] - x0) * (step[1][1] - y0) - (step[1][0] - x0) * (step[0][1] - y0)
     };
     0.5 * ring.windows(2).map(cross).sum::<f64>()
-}
-
-/// West, south, east, north.
-fn bounds(ring: &[[f64; 2]]) -> [f64; 4] {
-    let none = [f64::MAX, f64::MAX, f64::MIN, f64::MIN];
-    ring.iter().fold(none, |[w, s, e, n], [x, y]| {
-        [w.min(*x), s.min(*y), e.max(*x), n.max(*y)]
-    })
 }
 
 fn within(inner: [f64; 4], outer: [f64; 4]) -> bool {
