@@ -8,9 +8,7 @@ use super::loader::Place;
 use super::mounting::with_sides;
 use super::project::is_project;
 use super::{Action, App, Command, LogId, Mark, Origin, Reveal};
-use crate::pipeline::settings::row;
 use crate::pipeline::{LogSettings, Preset, Settings};
-use crate::support::printable::quoted;
 use std::borrow::Cow;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -39,7 +37,6 @@ impl App {
             Command::ShowPlace(at) => self.show_place(at),
             Command::RevealIn(id, mark) => self.reveal_in(id, mark),
             Command::GoToStep(count) => self.go_to_step(count),
-            Command::SetOwn { key, own } => self.set_own_key(&key, own),
             Command::OpenDemo => self.start_loading(Origin::Demo),
             Command::Change {
                 settings,
@@ -211,24 +208,6 @@ impl App {
         } else if live && changed {
             self.pipeline.is_waiting = true;
         }
-    }
-
-    /// Makes a setting one of the shown log alone, or one that all share again, as an undo step.
-    fn set_own_key(&mut self, key: &str, own: bool) {
-        let Some(owning) = self.log.own.owning(&self.document.shared, key, own) else {
-            return;
-        };
-        let before = self.step_now();
-        let owning = Arc::new(owning);
-        self.log.own = owning.clone();
-        let after = self.step_now();
-        let what = row(key).map_or(key, |row| row.name);
-        let title = match own {
-            true => format!("{what} for {} alone", quoted(&self.log.name())),
-            false => format!("{what} for all logs again"),
-        };
-        self.record_named(&before, &after, title);
-        self.set_own(owning, false);
     }
 
     fn use_preset(&mut self, preset: Preset) {
