@@ -230,11 +230,10 @@ impl App {
         let Some(fix) = fix else {
             return;
         };
-        self.document.plane = LocalFrame::new(fix.position);
+        let frame = LocalFrame::new(fix.position);
+        self.document.plane = frame.clone();
         self.enter_plane();
-        self.each_log(|app| {
-            let frame = app.document.plane.clone();
-            let log = &mut app.log;
+        for log in self.logs_mut() {
             for survey in [
                 &mut log.survey,
                 &mut log.as_read,
@@ -247,7 +246,7 @@ impl App {
             // They lie in the plane that was.
             log.products = None;
             log.preview = None;
-        });
+        }
         self.schedule();
     }
 }

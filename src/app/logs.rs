@@ -136,6 +136,16 @@ impl App {
         all.find(|log| log.id == id && log.survey.is_some())
     }
 
+    /// The shown log, or the one beside it with this id.
+    pub(super) fn log_mut(&mut self, id: LogId) -> Option<&mut OpenLog> {
+        self.logs_mut().find(|log| log.id == id)
+    }
+
+    /// The shown log, and then those beside it.
+    pub(super) fn logs_mut(&mut self) -> impl Iterator<Item = &mut OpenLog> {
+        [&mut self.log].into_iter().chain(&mut self.logs.others)
+    }
+
     /// The settings that all logs share.
     #[cfg(any(test, feature = "bench"))]
     pub(crate) fn shared_settings(&self) -> &Settings {
@@ -342,9 +352,7 @@ impl App {
         let logs: Vec<(LogId, Arc<Survey>)> = self.logs().filter_map(read).collect();
         let names = distinct_names(logs.iter().map(|(_, survey)| &**survey));
         for ((id, _), name) in logs.into_iter().zip(names) {
-            let others = self.logs.others.iter_mut();
-            let mut all = others.chain([&mut self.log]);
-            if let Some(log) = all.find(|log| log.id == id) {
+            if let Some(log) = self.log_mut(id) {
                 log.name = name;
             }
         }
@@ -389,10 +397,10 @@ impl App {
     /// Lets a log take part in maps, clouds and products, or leaves it out, as an undo step.
     pub(super) fn set_log_visible(&mut self, id: LogId, is_visible: bool) {
         let before = self.step_now();
-        self.with_log(id, |app| {
-            app.log.is_visible = is_visible;
-            app.log.apart = None;
-        });
+        if let Some(log) = self.log_mut(id) {
+            log.is_visible = is_visible;
+            log.apart = None;
+        }
         let after = self.step_now();
         let what = if is_visible { "show" } else { "hide" };
         self.record_named(&before, &after, format!("{what} {}", self.name_of(id)));

@@ -331,7 +331,9 @@ impl App {
 
     fn name_project(&mut self, path: &Path, files: Vec<(LogId, LogFile)>) {
         for (id, file) in files {
-            self.with_log(id, |app| app.log.file = Some(file));
+            if let Some(log) = self.log_mut(id) {
+                log.file = Some(file);
+            }
         }
         if self
             .project_path()
@@ -373,7 +375,7 @@ impl App {
                 self.files.project_saving.failed = false;
                 self.notify(text, false);
                 self.keep_project("save under another name");
-                self.each_log(App::leave_sidecars);
+                self.logs_mut().for_each(OpenLog::leave_sidecars);
             }
             Some(Err(error)) => self.notify(error.to_string(), true),
             None => self.notify("saving the project failed unexpectedly".to_owned(), true),
@@ -454,13 +456,15 @@ impl App {
             self.carry_own(&survey);
             self.carry_decisions(&survey);
         }
-        self.leave_sidecars();
+        self.log.leave_sidecars();
     }
+}
 
+impl OpenLog {
     /// What is decided about the log is kept in the project from now on, not next to the log.
     fn leave_sidecars(&mut self) {
-        self.log.bottom_file = super::bottom::BottomFile::default();
-        self.log.reviewing.keep_elsewhere();
+        self.bottom_file = super::bottom::BottomFile::default();
+        self.reviewing.keep_elsewhere();
     }
 }
 

@@ -240,7 +240,9 @@ impl App {
         self.map.planning.stop();
         self.findings.passes.stop();
         self.findings.reference_comparison.stop();
-        self.each_log(|app| app.log.external.stop_reading());
+        for log in self.logs_mut() {
+            log.external.stop_reading();
+        }
     }
 
     /// Whether a file that is to be written is one of an open log's, which nothing is written over; says so.
