@@ -38,8 +38,6 @@ pub(super) struct Logs {
     pub others: Vec<OpenLog>,
     /// All of them, in the order of the list.
     pub order: Vec<LogId>,
-    /// The one that is shown. [`App::log`] is another one only inside [`App::with_log`].
-    pub shown: LogId,
     last: u64,
     /// Those that were opened since nothing was being opened.
     pub arrived: Vec<LogId>,
@@ -60,7 +58,6 @@ impl Logs {
         Self {
             others: self.others.iter().map(OpenLog::for_picture).collect(),
             order: self.order.clone(),
-            shown: self.shown,
             ..Self::default()
         }
     }
@@ -146,6 +143,12 @@ impl App {
         [&mut self.log].into_iter().chain(&mut self.logs.others)
     }
 
+    /// The ids of the shown log, and then of those beside it.
+    pub(super) fn log_ids(&self) -> Vec<LogId> {
+        let all = [&self.log].into_iter().chain(&self.logs.others);
+        all.map(|log| log.id).collect()
+    }
+
     /// The settings that all logs share.
     #[cfg(any(test, feature = "bench"))]
     pub(crate) fn shared_settings(&self) -> &Settings {
@@ -178,8 +181,10 @@ impl App {
 
     /// Closes all logs.
     pub(super) fn close_all(&mut self) {
-        self.each_log(App::keep_decisions);
-        self.each_log(App::remember_settings);
+        self.keep_decisions();
+        for id in self.log_ids() {
+            self.remember_settings(id);
+        }
         let mut last = std::mem::take(&mut self.log);
         self.logs.park(&mut last);
         for mut other in std::mem::take(&mut self.logs.others) {
@@ -280,7 +285,6 @@ impl App {
 
     /// Puts everything at rest that was of the log shown before.
     fn meet_log(&mut self) {
-        self.logs.shown = self.log.id;
         self.view.survey_serial += 1;
         self.view.selection = None;
         self.view.hover = None;
@@ -293,7 +297,7 @@ impl App {
 
     /// Writes what is not in a file yet: the window closes.
     pub(crate) fn keep_all(&mut self) {
-        self.each_log(App::keep_decisions);
+        self.keep_decisions();
         self.keep_project("close");
         self.finish_keeping();
     }
@@ -313,10 +317,8 @@ impl App {
 
     /// Takes a log out of the open ones; another one is shown where it was.
     fn put_away(&mut self, id: LogId) {
-        self.with_log(id, |app| {
-            app.keep_decisions();
-            app.remember_settings();
-        });
+        self.keep_decisions_of(id);
+        self.remember_settings(id);
         self.findings.search.leave(id);
         let order = &self.logs.order;
         let Some(place) = order.iter().position(|one| *one == id) else {
@@ -452,32 +454,6 @@ impl App {
         self.reveal(mark);
     }
 
-    /// Does something with a log as if it were the one that is shown.
-    pub(super) fn with_log<T>(
-        &mut self,
-        id: LogId,
-        work: impl FnOnce(&mut Self) -> T,
-    ) -> Option<T> {
-        if self.log.id == id {
-            return Some(work(self));
-        }
-        let place = self.logs.others.iter().position(|log| log.id == id)?;
-        std::mem::swap(&mut self.log, &mut self.logs.others[place]);
-        let done = work(self);
-        std::mem::swap(&mut self.log, &mut self.logs.others[place]);
-        Some(done)
-    }
-
-    /// Does something with every log.
-    pub(super) fn each_log(&mut self, work: impl Fn(&mut Self)) {
-        work(self);
-        for place in 0..self.logs.others.len() {
-            std::mem::swap(&mut self.log, &mut self.logs.others[place]);
-            work(self);
-            std::mem::swap(&mut self.log, &mut self.logs.others[place]);
-        }
-    }
-
     /// Whether a log is being processed.
     pub(crate) fn is_processing(&self, id: LogId) -> bool {
         let processed = self
@@ -488,18 +464,13 @@ impl App {
         processed == Some(id) && self.engine_status() != EngineStatus::Idle
     }
 
-    /// Whether [`App::log`] is the log that is shown.
-    pub(super) fn is_shown(&self) -> bool {
-        self.log.id == self.logs.shown
-    }
-
     /// Has the log processed next whose results are missing or older than its settings: first the one that is shown.
     pub(super) fn schedule(&mut self) {
         if self.pipeline.is_waiting {
             return;
         }
         let behind = |log: &&OpenLog| log.is_behind();
-        let shown = self.open_log(self.logs.shown).filter(behind);
+        let shown = self.open_log(self.log.id).filter(behind);
         let next = shown.or_else(|| self.visible_logs().find(behind));
         let Some((log, survey)) = next.and_then(|log| Some((log, log.survey.as_ref()?))) else {
             return;

@@ -336,11 +336,12 @@ impl App {
                 } else {
                     // More was shown meanwhile: the next step adds it to these.
                     let settled = ground.settled();
-                    self.with_log(id, |app| {
+                    let jobs = self.jobs.clone();
+                    if let Some(log) = self.log_mut(id) {
                         let (survey, products) = (settled.survey.clone(), settled.products.clone());
-                        app.count_figures(survey, products);
-                        app.log.whole = Some(settled);
-                    });
+                        log.count_figures(survey, products, &jobs);
+                        log.whole = Some(settled);
+                    }
                     active.fresh = Some(ground);
                 }
             }
