@@ -4,6 +4,7 @@
 //! leaves everything as it was.
 
 use super::error::AppError;
+use super::outdated::LogsChange;
 use super::{App, LogId, OpenLog, Outcome, Task};
 use crate::bottom::cloud::Correction;
 use crate::bottom::cloud::correction::WaterLevelSettings;
@@ -12,7 +13,7 @@ use crate::pipeline::{Settings, SourceKey, as_set};
 use crate::support::geo::{Crs, LocalFrame};
 use crate::support::progress::Progress;
 use crate::support::regular_file;
-use crate::survey::{Gauge, Side, Survey, TrackSettings, TracksApart};
+use crate::survey::{Gauge, Survey, TrackSettings, TracksApart};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -194,33 +195,13 @@ impl App {
             return Ok(());
         };
         if now.track.frame.origin() != before.track.frame.origin() {
-            self.document.plane = now.track.frame.clone();
-            self.enter_plane();
+            self.enter_plane(now.track.frame.clone());
         }
         self.document.is_plane_moved |= system_of(&now) != system_of(&before);
         if now.swapped_sides != before.swapped_sides {
-            self.exchange_sides(id);
+            self.follow_change(LogsChange::SidesExchanged(id));
         }
         Ok(())
-    }
-
-    /// What points to a side of a log points to the same echo once its sides are exchanged.
-    fn exchange_sides(&mut self, id: LogId) {
-        if let Some(log) = self.log_mut(id) {
-            log.preview = None;
-        }
-        // What is found in the log as it was would come to the other side.
-        self.findings.search.leave(id);
-        if id != self.log.id {
-            return;
-        }
-        self.pipeline.previewer.forget();
-        for mark in [&mut self.view.selection, &mut self.view.hover]
-            .into_iter()
-            .flatten()
-        {
-            mark.side = mark.side.map(Side::other);
-        }
     }
 
     /// Puts all logs into the plane of the first that is on the Earth, after the metres of one became those of another system: a plane
@@ -242,8 +223,7 @@ impl App {
             return;
         };
         let frame = LocalFrame::new(fix.position);
-        self.document.plane = frame.clone();
-        self.enter_plane();
+        self.enter_plane(frame.clone());
         for log in self.logs_mut() {
             for survey in [
                 &mut log.survey,

@@ -4,12 +4,13 @@
 //! products are made of all that are visible.
 
 use super::open_log::log_colour;
+use super::outdated::LogsChange;
 use super::reviewing::Parked;
 use super::{App, LogId, Mark, OpenLog};
 #[cfg(any(test, feature = "bench"))]
 use crate::pipeline::Products;
 use crate::pipeline::{EngineStatus, ProcessedLog, Settings};
-use crate::project::History;
+use crate::support::geo::LocalFrame;
 use crate::support::printable::quoted;
 use crate::survey::{Identity, Survey, distinct_names};
 use std::sync::Arc;
@@ -193,33 +194,22 @@ impl App {
         for id in std::mem::take(&mut self.logs.order) {
             self.findings.search.leave(id);
         }
-        self.logs.closed.clear();
         self.log.settings = self.document.shared.clone();
         self.take_over(&mut last);
-        self.document.history = History::default();
-        self.map.measuring = super::Measuring::default();
-        self.findings.heights = super::heights::Heights::default();
-        self.findings.positions = super::positions::Positions::default();
-        self.findings.objects = super::objects::Objects::default();
-        self.map.comparing.leave();
+        self.follow_change(LogsChange::AllClosed);
         self.meet_log();
     }
 
-    /// Notes that the logs lie in another plane: what was counted in that of before means nothing any more.
-    pub(super) fn enter_plane(&mut self) {
-        self.view.plane_serial += 1;
-        self.view.options.cloud.clip = None;
-        self.view.options.cloud.cut = false;
+    /// Has the logs lie in another plane.
+    pub(super) fn enter_plane(&mut self, plane: LocalFrame) {
+        self.document.plane = plane;
+        self.follow_change(LogsChange::OtherPlane);
     }
 
     /// Opens a log in an empty window.
     fn open_first(&mut self, survey: Arc<Survey>) {
-        self.document.plane = survey.track.frame.clone();
-        self.enter_plane();
-        // What was closed before lay in another plane.
-        self.logs.closed.clear();
-        self.document.history = History::default();
-        self.map.measuring = super::Measuring::default();
+        self.enter_plane(survey.track.frame.clone());
+        self.follow_change(LogsChange::FirstOpened);
         let log = self.opened(survey);
         let mut last = std::mem::replace(&mut self.log, log);
         self.take_over(&mut last);
@@ -242,8 +232,7 @@ impl App {
         let is_placed = |log: &OpenLog| log.survey.as_ref().is_some_and(|one| one.has_place());
         if !self.logs().any(is_placed) {
             // A plane through no place of the survey would bend this log's track.
-            self.document.plane = survey.track.frame.clone();
-            self.enter_plane();
+            self.enter_plane(survey.track.frame.clone());
         }
         let log = self.opened(Arc::new(survey.in_frame(&self.document.plane)));
         let id = log.id;
@@ -285,13 +274,7 @@ impl App {
 
     /// Puts everything at rest that was of the log shown before.
     fn meet_log(&mut self) {
-        self.view.survey_serial += 1;
-        self.view.selection = None;
-        self.view.hover = None;
-        self.view.visible = 0..0;
-        self.findings.reference_comparison =
-            super::reference_comparison::ReferenceComparison::default();
-        self.pipeline.previewer.forget();
+        self.follow_change(LogsChange::OtherShown);
         self.schedule();
     }
 
@@ -336,7 +319,7 @@ impl App {
                 self.log.settings = self.document.shared.clone();
                 self.take_over(&mut last);
                 self.logs.close(last);
-                self.map.comparing.leave();
+                self.follow_change(LogsChange::LastClosed);
                 self.meet_log();
             }
         }

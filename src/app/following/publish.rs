@@ -1,6 +1,7 @@
 //! A longer state of a log in the place of the one that was shown: what was decided about it is carried over.
 
 use super::step::FollowedLog;
+use crate::app::outdated::LogsChange;
 use crate::app::{App, LogId, OpenLog};
 use crate::pipeline::{LogSettings, Products, Settings};
 use crate::survey::{Identity, Survey};
@@ -71,13 +72,9 @@ impl App {
     fn take_growing_products(&mut self, id: LogId, survey: &Survey, products: Products) {
         if let Some(log) = self.log_mut(id) {
             log.reviewing.grow(survey, &products.navigation);
-            log.preview = None;
             log.products = Some(products);
         }
-        if id == self.log.id {
-            // What was measured for the slider is of the shorter log.
-            self.pipeline.previewer.forget();
-        }
+        self.follow_change(LogsChange::Grown(id));
     }
 
     /// Carries boxes and measurements over to the state that a log has now, which may be longer than the one they were made on.
