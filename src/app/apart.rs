@@ -24,12 +24,11 @@ impl App {
             .collect();
         let mut names = Vec::new();
         for (id, why) in found.iter().filter_map(|(id, why)| Some((*id, (*why)?))) {
-            let name = self.with_log(id, |app| {
-                app.log.is_visible = false;
-                app.log.apart = Some(why);
-                app.log.name()
-            });
-            names.push(format!("{} ({why})", quoted(&name.unwrap_or_default())));
+            if let Some(log) = self.log_mut(id) {
+                log.is_visible = false;
+                log.apart = Some(why);
+                names.push(format!("{} ({why})", quoted(&log.name())));
+            }
         }
         if names.is_empty() {
             return;
@@ -49,15 +48,10 @@ impl App {
 
     /// Shows all logs on one map, whatever is between them, as an undo step.
     pub(super) fn show_together(&mut self) {
-        let hidden: Vec<LogId> = (self.logs().filter(|log| log.apart.is_some()))
-            .map(|log| log.id)
-            .collect();
         let before = self.step_now();
-        for id in &hidden {
-            self.with_log(*id, |app| {
-                app.log.is_visible = true;
-                app.log.apart = None;
-            });
+        for log in self.logs_mut().filter(|log| log.apart.is_some()) {
+            log.is_visible = true;
+            log.apart = None;
         }
         let after = self.step_now();
         self.record_named(&before, &after, "show all logs together".to_owned());

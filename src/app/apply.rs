@@ -8,9 +8,7 @@ use super::loader::Place;
 use super::mounting::with_sides;
 use super::project::is_project;
 use super::{Action, App, Command, LogId, Mark, Origin, Reveal};
-use crate::pipeline::settings::row;
 use crate::pipeline::{LogSettings, Preset, Settings};
-use crate::support::printable::quoted;
 use std::borrow::Cow;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -39,7 +37,6 @@ impl App {
             Command::ShowPlace(at) => self.show_place(at),
             Command::RevealIn(id, mark) => self.reveal_in(id, mark),
             Command::GoToStep(count) => self.go_to_step(count),
-            Command::SetOwn { key, own } => self.set_own_key(&key, own),
             Command::OpenDemo => self.start_loading(Origin::Demo),
             Command::Change {
                 settings,
@@ -65,9 +62,13 @@ impl App {
             Command::SavePlan(path) => self.save_plan(path),
             Command::OpenBaseMap(path) => self.open_base_map(path),
             Command::OpenIsobathArea(path) => self.open_isobath_area(path),
-            Command::OpenWaterLevels(path) => self.read_external(path, Some(Instrument::Gauge)),
-            Command::OpenTrack(path) => self.read_external(path, Some(Instrument::Receiver)),
-            Command::OpenTable(path) => self.read_external(path, None),
+            Command::OpenWaterLevels(path) => {
+                self.read_external(self.log.id, path, Some(Instrument::Gauge))
+            }
+            Command::OpenTrack(path) => {
+                self.read_external(self.log.id, path, Some(Instrument::Receiver))
+            }
+            Command::OpenTable(path) => self.read_external(self.log.id, path, None),
             Command::SaveFigure(path) => self.save_figure(path),
             Command::SaveProfile(path) => self.save_profile(path),
             Command::Notify(text) => self.notify(text, true),
@@ -80,7 +81,7 @@ impl App {
             }
             Command::RenameClass { from, to } => self.rename_class(&from, to.trim()),
             Command::EditIn(log, edit) => {
-                self.with_log(log, |app| app.edit(&edit, false));
+                self.edit_of(log, &edit, false);
             }
             Command::SelectBox(id) => self.select_box(id),
             Command::SelectLogBox(id) => self.select_log_box(id),
@@ -100,7 +101,7 @@ impl App {
             Command::OpenTruth(path) => self.open_truth(path),
             Command::ShowMistake(mistake) => self.show_mistake(&mistake),
             Command::SortMistakes(sort) => self.sort_mistakes(sort),
-            Command::SaveReview(path) => self.save_review(path),
+            Command::SaveReview(path) => self.save_review(self.log.id, path),
             Command::SaveReviews => self.save_reviews(),
             Command::ExportBoxes(folder) => self.export_boxes(folder),
             // Views, their arrangement and the keyboard belong to the shell.
@@ -120,18 +121,33 @@ impl App {
         }
     }
 
+    /// Changes the settings of the shown log.
     pub(super) fn change(
         &mut self,
         settings: Settings,
         label: impl Into<Cow<'static, str>>,
         live: bool,
     ) {
+        self.change_of(self.log.id, settings, label, live);
+    }
+
+    /// Changes the settings of a log, and of all others what they share with it.
+    pub(super) fn change_of(
+        &mut self,
+        id: LogId,
+        settings: Settings,
+        label: impl Into<Cow<'static, str>>,
+        live: bool,
+    ) {
+        let Some(log) = self.log_mut(id) else {
+            return;
+        };
         let allowed = settings.check().map_err(AppError::from);
-        let settings = with_sides(settings, &self.log.settings);
+        let settings = with_sides(settings, &log.settings);
+        let own_before = log.own.clone();
         let before = self.step_now();
-        let allowed = allowed.and_then(|()| self.follow_source(&settings));
-        let parts =
-            allowed.and_then(|()| Ok(self.log.own.change(&self.document.shared, &settings)?));
+        let allowed = allowed.and_then(|()| self.follow_source(id, &settings));
+        let parts = allowed.and_then(|()| Ok(own_before.change(&self.document.shared, &settings)?));
         let (shared, own) = match parts {
             Ok(parts) => parts,
             Err(error) => {
@@ -146,55 +162,63 @@ impl App {
         if shared != *self.document.shared {
             self.document.shared = Arc::new(shared);
         }
-        let own = match own == *self.log.own {
-            true => self.log.own.clone(),
+        let own = match own == *own_before {
+            true => own_before,
             false => Arc::new(own),
         };
-        self.log.own = own.clone();
-        self.exchange_boxes();
+        if let Some(log) = self.log_mut(id) {
+            log.own = own.clone();
+            log.exchange_boxes();
+        }
         let after = self.step_now();
         self.record_step(&before, &after, label, live);
-        self.set_own(own, live);
+        self.set_own(id, own, live);
         if !live {
-            self.share_settings();
+            self.share_settings(id);
         }
         self.settle_plane();
     }
 
     /// Gives a log its own settings over the shared ones.
-    pub(super) fn set_own(&mut self, own: Arc<LogSettings>, live: bool) {
-        self.log.own = own;
-        match self.log.own.compose(&self.document.shared) {
-            Ok(settings) => self.set(settings, live),
-            Err(error) => self.notify(error.to_string(), true),
+    pub(super) fn set_own(&mut self, id: LogId, own: Arc<LogSettings>, live: bool) {
+        let settings = own.compose(&self.document.shared);
+        if let Some(log) = self.log_mut(id) {
+            log.own = own;
+            match settings {
+                Ok(settings) => self.set(id, settings, live),
+                Err(error) => self.notify(error.to_string(), true),
+            }
         }
     }
 
-    /// Has all other logs follow the shared settings.
-    fn share_settings(&mut self) {
-        let shown = self.log.id;
-        let others: Vec<LogId> = self.logs().map(|log| log.id).collect();
-        for id in others.into_iter().filter(|id| *id != shown) {
-            self.with_log(id, |app| app.set_own(app.log.own.clone(), false));
+    /// Has all logs but one follow the shared settings.
+    fn share_settings(&mut self, but: LogId) {
+        let others = self.logs().filter(|log| log.id != but);
+        let others: Vec<_> = others.map(|log| (log.id, log.own.clone())).collect();
+        for (id, own) in others {
+            self.set_own(id, own, false);
         }
     }
 
-    fn set(&mut self, settings: Settings, live: bool) {
-        if let Err(error) = self.follow_source(&settings) {
+    fn set(&mut self, id: LogId, settings: Settings, live: bool) {
+        if let Err(error) = self.follow_source(id, &settings) {
             return self.notify(error.to_string(), true);
         }
-        let changed = settings != *self.log.settings;
+        let Some(log) = self.log_mut(id) else {
+            return;
+        };
+        let changed = settings != *log.settings;
         if changed {
-            self.log.settings = Arc::new(settings);
+            log.settings = Arc::new(settings);
         }
-        let shows_only = self.log.take_settings_of_no_result();
+        let shows_only = log.take_settings_of_no_result();
         if !live {
-            self.keep_bottom();
+            self.keep_bottom(id);
         }
         if shows_only {
             return;
         }
-        if !self.is_shown() {
+        if id != self.log.id {
             return self.schedule();
         }
         let same_returns = self.log.products.as_ref().is_some_and(|products| {
@@ -211,24 +235,6 @@ impl App {
         } else if live && changed {
             self.pipeline.is_waiting = true;
         }
-    }
-
-    /// Makes a setting one of the shown log alone, or one that all share again, as an undo step.
-    fn set_own_key(&mut self, key: &str, own: bool) {
-        let Some(owning) = self.log.own.owning(&self.document.shared, key, own) else {
-            return;
-        };
-        let before = self.step_now();
-        let owning = Arc::new(owning);
-        self.log.own = owning.clone();
-        let after = self.step_now();
-        let what = row(key).map_or(key, |row| row.name);
-        let title = match own {
-            true => format!("{what} for {} alone", quoted(&self.log.name())),
-            false => format!("{what} for all logs again"),
-        };
-        self.record_named(&before, &after, title);
-        self.set_own(owning, false);
     }
 
     fn use_preset(&mut self, preset: Preset) {

@@ -3,9 +3,10 @@
 
 use super::error::AppError;
 use super::loader::ReadBottom;
-use super::{Action, App, Mark};
+use super::{Action, App, LogId, Mark, OpenLog};
 use crate::pipeline::Settings;
 use crate::products::export;
+use crate::project::BottomFileError;
 use crate::sonar::first_return::{BottomEdit, BottomSettings};
 use crate::survey::{Side, Survey};
 use serde::Serialize;
@@ -186,76 +187,89 @@ impl App {
         self.change(settings, LABEL, false);
     }
 
-    /// Takes up what was drawn on the log that is opened, `read` in a background thread.
-    pub(super) fn take_bottom(&mut self, log: Option<&Path>, read: Option<ReadBottom>) {
-        let path = log.map(|log| log.with_extension(BottomSettings::SIDECAR));
-        self.log.bottom_file = BottomFile {
-            path,
-            ..BottomFile::default()
-        };
-        let kept = match read {
-            None => return,
-            Some(Ok(kept)) => kept,
-            Some(Err(error)) => {
-                self.log.bottom_file.refused = true;
-                return self.notify(error.to_string(), true);
-            }
-        };
-        let swapped = self
-            .log
-            .survey
-            .as_ref()
-            .is_some_and(|one| one.swapped_sides);
-        let kept = kept.with_sides(swapped);
-        let pings = kept.edited_count();
-        self.log.bottom_file.written = kept.clone();
-        Arc::make_mut(&mut self.log.own).bottom = kept.clone();
-        Arc::make_mut(&mut self.log.settings).bottom = kept;
-        let name = self
-            .log
-            .bottom_file
-            .path
-            .as_deref()
-            .unwrap_or(Path::new(BottomSettings::SIDECAR));
-        let text = format!(
-            "The bottom edits of {pings} pings were made when this log was last open: {}",
-            name.display()
-        );
-        self.notify(text, false);
+    /// Takes up what was drawn on a log that is opened, `read` in a background thread.
+    pub(super) fn take_bottom(&mut self, id: LogId, read: Option<ReadBottom>, is_file: bool) {
+        let taken = self.log_mut(id).map(|log| log.take_bottom(read, is_file));
+        match taken {
+            Some(Ok(Some(text))) => self.notify(text, false),
+            Some(Err(error)) => self.notify(error.to_string(), true),
+            Some(Ok(None)) | None => {}
+        }
     }
 
-    /// Writes what was drawn, when it is not what the file holds. An empty drawing takes the file away.
-    pub(super) fn keep_bottom(&mut self) {
-        let bottom = &self.log.settings.bottom;
-        let Some(path) = self.log.bottom_file.path.clone() else {
+    /// Writes what was drawn on a log, when it is not what the file holds.
+    pub(super) fn keep_bottom(&mut self, id: LogId) {
+        let Some(log) = self.log_mut(id) else {
             return;
         };
-        if *bottom == self.log.bottom_file.written {
-            return;
+        let (aside, written) = log.bottom_file.keep(&log.settings.bottom);
+        if let Some(aside) = aside {
+            let text = "What could not be used of the bottom edits is kept as";
+            self.notify(format!("{text} {}", aside.display()), false);
         }
-        if self.log.bottom_file.refused {
+        if let Err(error) = written {
+            self.notify(format!("the bottom edits cannot be saved: {error}"), true);
+        }
+    }
+}
+
+impl OpenLog {
+    /// Takes up what was drawn on it when it was last open; gives what to say of that.
+    fn take_bottom(
+        &mut self,
+        read: Option<ReadBottom>,
+        is_file: bool,
+    ) -> Result<Option<String>, BottomFileError> {
+        let survey = self.survey.as_ref();
+        let swapped = survey.is_some_and(|survey| survey.swapped_sides);
+        let file = survey.and_then(|survey| survey.source.files.first());
+        let file = file.filter(|_| is_file);
+        self.bottom_file = BottomFile {
+            path: file.map(|file| file.with_extension(BottomSettings::SIDECAR)),
+            refused: matches!(read, Some(Err(_))),
+            ..BottomFile::default()
+        };
+        let Some(kept) = read.transpose()? else {
+            return Ok(None);
+        };
+        let kept = kept.with_sides(swapped);
+        let pings = kept.edited_count();
+        self.bottom_file.written = kept.clone();
+        Arc::make_mut(&mut self.own).bottom = kept.clone();
+        Arc::make_mut(&mut self.settings).bottom = kept;
+        let path = self.bottom_file.path.as_deref();
+        let name = path.unwrap_or(Path::new(BottomSettings::SIDECAR));
+        Ok(Some(format!(
+            "The bottom edits of {pings} pings were made when this log was last open: {}",
+            name.display()
+        )))
+    }
+}
+
+impl BottomFile {
+    /// Writes the bottom, when it is not what the file holds. An empty drawing takes the file away. Gives where what could not be used is
+    /// kept, where there was something, and why nothing is written any more.
+    fn keep(&mut self, bottom: &BottomSettings) -> (Option<PathBuf>, Result<(), AppError>) {
+        let Some(path) = self.path.clone().filter(|_| *bottom != self.written) else {
+            return (None, Ok(()));
+        };
+        let mut aside = None;
+        let mut written = Ok(());
+        if self.refused {
             match export::rename_older(&path) {
-                Ok(aside) => {
-                    self.log.bottom_file.refused = false;
-                    let text = "What could not be used of the bottom edits is kept as";
-                    self.notify(format!("{text} {}", aside.display()), false);
+                Ok(moved) => {
+                    aside = Some(moved);
+                    self.refused = false;
                 }
-                Err(error) => {
-                    self.log.bottom_file.path = None;
-                    let text = format!("the bottom edits cannot be saved: {error}");
-                    return self.notify(text, true);
-                }
+                Err(error) => written = Err(error.into()),
             }
         }
-        let bottom = &self.log.settings.bottom;
-        match write(&path, bottom) {
-            Ok(()) => self.log.bottom_file.written = bottom.clone(),
-            Err(error) => {
-                self.log.bottom_file.path = None;
-                let text = format!("the bottom edits cannot be saved: {error}");
-                self.notify(text, true);
-            }
+        let written = written.and_then(|()| write(&path, bottom));
+        match written {
+            Ok(()) => self.written = bottom.clone(),
+            Err(_) => self.path = None,
         }
+        (aside, written)
     }
 }
 

@@ -1,7 +1,7 @@
 //! The scale of a log: a stretch is proposed, what it would change is worked out, and the analyst takes it or keeps the recorded range.
 //! Nothing changes before that; afterwards it is said by how much the depths changed.
 
-use super::{Action, App, OpenLog};
+use super::{Action, App, LogId, OpenLog, Tool};
 use crate::bottom::cloud::{DepthChange, PointClass, PointCloud};
 use crate::pipeline::{Background, Jobs, ProcessedLog, Products, Same, ScaleTrial, Settings};
 use crate::sonar::calibration::{self, CalibrationSettings, PingRange, ScaleMode};
@@ -47,8 +47,30 @@ impl Calibrating {
         });
     }
 
+    /// Drops the proposal.
+    fn drop_proposal(&mut self) {
+        self.proposal = None;
+        self.trial = Background::default();
+    }
+
     pub(super) fn is_busy(&self) -> bool {
         self.trial.is_running()
+    }
+
+    /// What a change of scale did to the depths, in a sentence, if `products` are the results of one.
+    pub(super) fn said_of_change(&mut self, products: &Products) -> Option<String> {
+        let change = self.change.take();
+        let change = change.filter(|change| change.calibration == products.settings.calibration)?;
+        let found = DepthChange::between(&change.cloud, &change.classes, &products.cloud);
+        Some(match found {
+            Some(found) => format!(
+                "{}: depths change by {:+.1} cm (median), {:+.1} cm at most",
+                change.what,
+                100.0 * found.median_m,
+                100.0 * found.largest_m
+            ),
+            None => format!("{}: no side-scan depth changes", change.what),
+        })
     }
 }
 
@@ -63,6 +85,24 @@ impl OpenLog {
         let proposal = self.calibrating.proposal?;
         let trial = self.calibrating.trial.result();
         trial.filter(|trial| trial.spot.range() == proposal)
+    }
+
+    /// Has the trial of the proposed stretch follow the results.
+    pub(super) fn poll_calibrating(&mut self, jobs: &Jobs) {
+        if let Some((pings, log)) = self.calibrating.proposal.zip(self.settled()) {
+            self.calibrating.follow(log, pings, jobs);
+        }
+    }
+
+    /// Has it said what a change of scale did to the depths, once the results are there.
+    fn expect_change(&mut self, what: String, calibration: CalibrationSettings) {
+        let products = self.products.as_ref();
+        self.calibrating.change = products.map(|products| ScaleChange {
+            what,
+            calibration,
+            cloud: products.cloud.clone(),
+            classes: products.classes.clone(),
+        });
     }
 }
 
@@ -79,8 +119,8 @@ impl App {
     /// Takes the tool that proposes stretches, or lays it down. Where nothing is proposed yet, the stretch at the selected ping is, or the
     /// best one.
     pub(super) fn take_calibration_tool(&mut self) {
-        self.take_tool(super::Tool::Calibrate);
-        let is_in_hand = self.log.reviewing.tool == super::Tool::Calibrate;
+        self.take_tool(Tool::Calibrate);
+        let is_in_hand = self.log.reviewing.tool == Tool::Calibrate;
         if !is_in_hand || self.log.calibrating.proposal.is_some() {
             return;
         }
@@ -109,21 +149,12 @@ impl App {
         (start < end).then_some(PingRange { start, end })
     }
 
-    /// Drops the proposal.
+    /// Drops the proposal for the shown log.
     pub(super) fn drop_proposal(&mut self) {
-        self.log.calibrating.proposal = None;
-        self.log.calibrating.trial = Background::default();
+        self.log.calibrating.drop_proposal();
     }
 
-    /// Has the trial of the proposed stretch follow the results.
-    pub(super) fn poll_calibrating(&mut self) {
-        let proposal = self.log.calibrating.proposal;
-        if let Some((pings, log)) = proposal.zip(self.log.settled()) {
-            self.log.calibrating.follow(log, pings, &self.jobs);
-        }
-    }
-
-    /// Takes the scale of the proposed stretch, as an undo step.
+    /// Takes the scale of the stretch that is proposed for the shown log, as an undo step.
     pub(super) fn use_scale(&mut self) {
         let Some(pings) = self.log.calibrating.proposal else {
             let text = "no stretch is proposed; drag one with Calibrate on a stretch";
@@ -139,21 +170,22 @@ impl App {
             let text = format!("the proposed stretch gives no scale. {why}");
             return self.notify(text, true);
         }
-        self.use_stretch(pings);
+        self.use_stretch(self.log.id, pings);
     }
 
-    /// Takes the scale of a stretch of the log, as an undo step.
-    pub(super) fn use_stretch(&mut self, pings: PingRange) {
+    /// Takes the scale of a stretch of a log, as an undo step.
+    fn use_stretch(&mut self, id: LogId, pings: PingRange) {
         let (first, last) = (pings.start, pings.end.saturating_sub(1));
         let what = format!("Scale from pings {first} to {last}");
-        self.set_scale(ScaleMode::FlatSpot, Some(pings), what);
+        self.set_scale(id, ScaleMode::FlatSpot, Some(pings), what);
     }
 
-    /// Takes the recorder's own range as the scale, as an undo step, and drops the proposal.
+    /// Takes the recorder's own range as the scale of the shown log, as an undo step, and drops the proposal.
     pub(super) fn keep_recorded_range(&mut self) {
         self.drop_proposal();
         if self.log.settings.calibration.mode != ScaleMode::Header {
-            self.set_scale(ScaleMode::Header, None, "Scale: recorded range".to_owned());
+            let what = "Scale: recorded range".to_owned();
+            self.set_scale(self.log.id, ScaleMode::Header, None, what);
         }
     }
 
@@ -163,71 +195,42 @@ impl App {
         let offered = |log: &OpenLog| Some((log.id, log.calibrating.offered?));
         let found = self.logs().find_map(offered);
         if let Some((id, pings)) = found {
-            self.with_log(id, |app| app.use_stretch(pings));
+            self.use_stretch(id, pings);
         }
     }
 
-    /// Changes the scale of the shown log, as a setting of its own: a scale that is measured on its pings says nothing about another log.
-    fn set_scale(&mut self, mode: ScaleMode, pings: Option<PingRange>, what: String) {
-        let mut settings = Settings::clone(&self.log.settings);
+    /// Changes the scale of a log, as a setting of its own: a scale that is measured on its pings says nothing about another log.
+    fn set_scale(&mut self, id: LogId, mode: ScaleMode, pings: Option<PingRange>, what: String) {
+        let before = self.step_now();
+        let (shared, count) = (self.document.shared.clone(), self.log_count());
+        let Some(log) = self.log_mut(id) else {
+            return;
+        };
+        let mut settings = Settings::clone(&log.settings);
         settings.calibration.mode = mode;
         settings.calibration.pings = pings;
-        let before = self.step_now();
-        let owning = self.log.own.owning(&self.document.shared, MODE, true);
-        let own = owning.unwrap_or_else(|| (*self.log.own).clone());
-        let (_, mut own) = match own.change(&self.document.shared, &settings) {
+        let owning = log.own.owning(&shared, MODE, true);
+        let own = owning.unwrap_or_else(|| (*log.own).clone());
+        let (_, mut own) = match own.change(&shared, &settings) {
             Ok(parts) => parts,
             Err(error) => return self.notify(error.to_string(), true),
         };
-        if pings.is_none() && mode == self.document.shared.calibration.mode {
+        if pings.is_none() && mode == shared.calibration.mode {
             own.unset(MODE);
         }
-        self.expect_change(what.clone(), settings.calibration);
         let own = Arc::new(own);
-        self.log.own = own.clone();
-        let after = self.step_now();
-        let title = match self.log_count() {
-            0 | 1 => what,
-            _ => format!("{what}, {}", quoted(&self.log.name())),
-        };
-        self.record_named(&before, &after, title);
-        self.drop_proposal();
-        if self.log.reviewing.tool == super::Tool::Calibrate {
-            self.leave_tool();
+        log.own = own.clone();
+        log.expect_change(what.clone(), settings.calibration);
+        log.calibrating.drop_proposal();
+        if log.reviewing.tool == Tool::Calibrate {
+            log.reviewing.tool = Tool::Look;
         }
-        self.set_own(own, false);
-    }
-
-    /// Has it said what a change of scale did to the depths, once the results are there.
-    fn expect_change(&mut self, what: String, calibration: CalibrationSettings) {
-        let products = self.log.products.as_ref();
-        self.log.calibrating.change = products.map(|products| ScaleChange {
-            what,
-            calibration,
-            cloud: products.cloud.clone(),
-            classes: products.classes.clone(),
-        });
-    }
-
-    /// Says what a change of scale did to the depths, if `products` are the results of one.
-    pub(super) fn tell_change(&mut self, products: &Products) {
-        let change = self.log.calibrating.change.take();
-        let Some(change) =
-            change.filter(|change| change.calibration == products.settings.calibration)
-        else {
-            return;
+        let title = match count {
+            0 | 1 => what,
+            _ => format!("{what}, {}", quoted(&log.name())),
         };
-        let found = DepthChange::between(&change.cloud, &change.classes, &products.cloud);
-        let text = match found {
-            Some(found) => format!(
-                "{}: depths change by {:+.1} cm (median), {:+.1} cm at most",
-                change.what,
-                100.0 * found.median_m,
-                100.0 * found.largest_m
-            ),
-            None => format!("{}: no side-scan depth changes", change.what),
-        };
-        self.withdraw(Action::Undo);
-        self.offer(text, Action::Undo);
+        let after = self.step_now();
+        self.record_named(&before, &after, title);
+        self.set_own(id, own, false);
     }
 }

@@ -51,14 +51,6 @@ pub(crate) enum Command {
     RevealIn(LogId, Mark),
     /// Go to the state after so many steps of the history, of those taken back as well.
     GoToStep(usize),
-    /// Make a setting one of the shown log alone, or one that all logs share again.
-    #[cfg_attr(not(test), expect(dead_code, reason = "no control offers it yet"))]
-    SetOwn {
-        /// Its key.
-        key: String,
-        /// Whether it is the log's own.
-        own: bool,
-    },
     /// Open the bundled demo survey.
     OpenDemo,
     /// Change processing settings. One undo step ends with the first change that is not `live`.

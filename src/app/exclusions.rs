@@ -130,39 +130,37 @@ impl OpenLog {
     pub(crate) fn exclusions(&self) -> Option<&Arc<FoundExclusions>> {
         self.exclusion_search.found.result()
     }
+
+    /// Has what is excluded follow the settings.
+    pub(super) fn poll_exclusions(&mut self, jobs: &Jobs) {
+        if let (Some(survey), Some(products)) = (&self.survey, &self.products) {
+            let found_in = (survey, &products.navigation, self.settings.as_ref());
+            self.exclusion_search.follow(found_in, jobs);
+        }
+    }
 }
 
 impl App {
-    /// Has what is excluded follow the settings.
-    pub(super) fn poll_exclusions(&mut self) {
-        let log = &mut self.log;
-        if let (Some(survey), Some(products)) = (&log.survey, &log.products) {
-            let found_in = (survey, &products.navigation, log.settings.as_ref());
-            log.exclusion_search.follow(found_in, &self.jobs);
-        }
-    }
-
     /// Excludes a part of a log or includes it again, as an undo step.
-    pub(super) fn exclude(&mut self, log: LogId, part: LogPart, edit: ExclusionEdit) {
-        self.with_log(log, |app| app.exclude_here(part, edit));
-    }
-
-    fn exclude_here(&mut self, part: LogPart, edit: ExclusionEdit) {
-        let Some(survey) = &self.log.survey else {
+    pub(super) fn exclude(&mut self, id: LogId, part: LogPart, edit: ExclusionEdit) {
+        let Some(log) = self.open_log(id) else {
             return;
         };
-        let mut settings = Settings::clone(&self.log.settings);
+        let Some(survey) = &log.survey else {
+            return;
+        };
+        let mut settings = Settings::clone(&log.settings);
         let exclusions = &settings.excluded;
         settings.excluded = match edit {
             ExclusionEdit::Exclude => exclusions.excluding(survey, part),
             // Until it is known where the boat was nothing is found, and nothing has to be kept in.
-            ExclusionEdit::Include => match &self.log.products {
+            ExclusionEdit::Include => match &log.products {
                 Some(products) => exclusions.including(survey, &products.navigation, part),
                 None => exclusions.reset(survey, part),
             },
             ExclusionEdit::Reset => exclusions.reset(survey, part),
         };
-        self.change(settings, edit.label(part), false);
+        self.change_of(id, settings, edit.label(part), false);
     }
 
     /// The excluded stretch that a ping of a log lies in.

@@ -4,7 +4,8 @@
 //! leaves everything as it was.
 
 use super::error::AppError;
-use super::{App, Outcome, Task};
+use super::outdated::LogsChange;
+use super::{App, LogId, OpenLog, Outcome, Task};
 use crate::bottom::cloud::Correction;
 use crate::bottom::cloud::correction::WaterLevelSettings;
 use crate::formats::{TrackError, TrackFile, read_gauge};
@@ -12,13 +13,16 @@ use crate::pipeline::{Settings, SourceKey, as_set};
 use crate::support::geo::{Crs, LocalFrame};
 use crate::support::progress::Progress;
 use crate::support::regular_file;
-use crate::survey::{Gauge, Side, Survey, TrackSettings, TracksApart};
+use crate::survey::{Gauge, Survey, TrackSettings, TracksApart};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Pairs of places that two tracks are compared at.
 const PAIRS: usize = 400;
+
+/// Undo's name for the track of another receiver.
+const TRACK: &str = "external track";
 
 /// What recorded a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,6 +81,17 @@ impl External {
         Ok(read)
     }
 
+    /// A file that was read, once.
+    fn collect(&mut self) -> Option<Result<Read, AppError>> {
+        let read = match self.reading.as_ref()?.poll() {
+            Outcome::Pending => return None,
+            Outcome::Done(read) => read,
+            Outcome::Failed => Err(AppError::Failed("reading the table")),
+        };
+        self.reading = None;
+        Some(read)
+    }
+
     fn keep(&mut self, track: TrackFile) {
         self.tracks.retain(|known| known.path() != track.path());
         self.tracks.push(Arc::new(track));
@@ -84,132 +99,109 @@ impl External {
 }
 
 impl App {
-    /// Starts reading a file of an instrument, or of the one that its columns identify.
-    pub(super) fn read_external(&mut self, path: PathBuf, instrument: Option<Instrument>) {
-        if self.log.survey.is_none() {
-            let text = "open the log first, then its water levels or its track";
-            return self.notify(text.to_owned(), true);
-        }
+    /// Starts reading a file of an instrument, or of the one that its columns identify, for a log.
+    pub(super) fn read_external(
+        &mut self,
+        id: LogId,
+        path: PathBuf,
+        instrument: Option<Instrument>,
+    ) {
         let work = move |_: &Progress| match instrument.or_else(|| instrument_of(&path)) {
             Some(Instrument::Gauge) => Ok(Read::Levels(read_gauge(&path)?)),
             Some(Instrument::Receiver) => Ok(Read::Track(TrackFile::read(&path)?)),
             None => Ok(Read::Points(path)),
         };
-        self.log.external.reading = Some(Task::start(&self.jobs, work));
-    }
-
-    /// Collects a file that was read, and takes it into the settings.
-    pub(super) fn poll_external(&mut self) {
-        let read = match self.log.external.reading.as_ref().map(Task::poll) {
-            None | Some(Outcome::Pending) => return,
-            Some(Outcome::Done(read)) => read,
-            Some(Outcome::Failed) => Err(AppError::Failed("reading the table")),
-        };
-        self.log.external.reading = None;
-        match read {
-            Ok(Read::Levels(gauge)) => self.take_levels(gauge),
-            Ok(Read::Track(track)) => self.take_track(track),
-            Ok(Read::Points(path)) => self.compare_with(path),
-            Err(error) => self.notify(error.to_string(), true),
+        let jobs = self.jobs.clone();
+        match self.log_mut(id).filter(|log| log.survey.is_some()) {
+            Some(log) => log.external.reading = Some(Task::start(&jobs, work)),
+            None => {
+                let text = "open the log first, then its water levels or its track";
+                self.notify(text.to_owned(), true);
+            }
         }
     }
 
-    fn take_levels(&mut self, gauge: Gauge) {
-        let Some(survey) = &self.log.survey else {
+    /// Collects a file that was read for a log, and takes it into its settings.
+    pub(super) fn poll_external(&mut self, id: LogId) {
+        let read = self.log_mut(id).and_then(|log| log.external.collect());
+        match read {
+            Some(Ok(Read::Levels(gauge))) => self.take_levels(id, gauge),
+            Some(Ok(Read::Track(track))) => self.take_track(id, track),
+            Some(Ok(Read::Points(path))) => self.compare_with(path),
+            Some(Err(error)) => self.notify(error.to_string(), true),
+            None => {}
+        }
+    }
+
+    fn take_levels(&mut self, id: LogId, gauge: Gauge) {
+        let Some(log) = self.open_log(id) else {
             return;
         };
-        let mut settings = Settings::clone(&self.log.settings);
+        let Some(survey) = &log.survey else {
+            return;
+        };
+        let mut settings = Settings::clone(&log.settings);
         settings.water_level = WaterLevelSettings {
             file: Some(gauge.path.clone()),
             gauge: Some(Arc::new(gauge)),
         };
         match Correction::new(settings.depth(), survey).refused() {
             Some(why) => self.notify(why.to_string(), true),
-            None => self.change(settings, "water levels", false),
+            None => self.change_of(id, settings, "water levels", false),
         }
     }
 
-    fn take_track(&mut self, track: TrackFile) {
-        let mut settings = Settings::clone(&self.log.settings);
+    fn take_track(&mut self, id: LogId, track: TrackFile) {
+        let Some(log) = self.log_mut(id) else {
+            return;
+        };
+        let mut settings = Settings::clone(&log.settings);
         settings.track.file = Some(track.path().to_owned());
         // The same file may have been written anew meanwhile.
-        if settings.track == self.log.settings.track {
-            self.remove_track();
+        if settings.track == log.settings.track {
+            let mut without = settings.clone();
+            without.track = TrackSettings::default();
+            self.change_of(id, without, TRACK, false);
         }
-        self.log.external.keep(track);
-        self.change(settings, "external track", false);
+        if let Some(log) = self.log_mut(id) {
+            log.external.keep(track);
+        }
+        self.change_of(id, settings, TRACK, false);
     }
 
-    /// Leaves the readings of the water's height.
+    /// Leaves for the shown log the readings of the water's height.
     pub(super) fn remove_water_levels(&mut self) {
         let mut settings = Settings::clone(&self.log.settings);
         settings.water_level = WaterLevelSettings::default();
         self.change(settings, "water levels", false);
     }
 
-    /// Takes the boat's places from the recorder again.
+    /// Takes the boat's places of the shown log from the recorder again.
     pub(super) fn remove_track(&mut self) {
         let mut settings = Settings::clone(&self.log.settings);
         settings.track = TrackSettings::default();
-        self.change(settings, "external track", false);
+        self.change(settings, TRACK, false);
     }
 
-    /// Makes the open survey what the settings say of its source: its sides, its clock, the system of its metres, and the track of
-    /// another receiver. After an error the survey is as it was.
-    pub(super) fn follow_source(&mut self, settings: &Settings) -> Result<(), AppError> {
-        let Some(survey) = self.log.survey.clone() else {
+    /// Makes a log what the settings say of its source, and has all that depends on its plane and its sides follow. After an error the
+    /// log is as it was.
+    pub(super) fn follow_source(&mut self, id: LogId, settings: &Settings) -> Result<(), AppError> {
+        // Several logs lie in one plane.
+        let plane = (self.log_count() > 1).then(|| self.document.plane.clone());
+        let Some(log) = self.log_mut(id) else {
             return Ok(());
         };
-        let request = SourceKey::of(settings);
-        if self.log.source == request {
+        let Some([before, now]) = log.follow_source(settings, plane.as_ref())? else {
             return Ok(());
-        }
-        let read = self.log.as_read.clone().unwrap_or(survey.clone());
-        let recorded = as_set(Survey::clone(&read), settings, None)?;
-        let now = match &request.track.file {
-            None => recorded.clone(),
-            Some(path) => {
-                let track = self.log.external.track(path)?;
-                as_set(Survey::clone(&read), settings, Some(&track))?
-            }
         };
-        let now = match self.log_count() {
-            0 | 1 => Arc::new(now),
-            // Several logs lie in one plane.
-            _ => Arc::new(now.in_frame(&self.document.plane)),
-        };
-        let has_track = request.track.file.is_some();
-        self.log.external.apart = Arc::new(apart(&recorded, &now));
-        self.log.external.recorded = has_track.then(|| Arc::new(recorded));
-        self.log.as_read = (request != SourceKey::default()).then_some(read);
-        self.log.source = request;
-        if now.track.frame.origin() != survey.track.frame.origin() {
-            self.document.plane = now.track.frame.clone();
-            self.enter_plane();
+        if now.track.frame.origin() != before.track.frame.origin() {
+            self.enter_plane(now.track.frame.clone());
         }
-        self.document.is_plane_moved |= system_of(&now) != system_of(&survey);
-        if now.swapped_sides != survey.swapped_sides {
-            self.exchange_sides();
+        self.document.is_plane_moved |= system_of(&now) != system_of(&before);
+        if now.swapped_sides != before.swapped_sides {
+            self.follow_change(LogsChange::SidesExchanged(id));
         }
-        self.log.survey = Some(now);
         Ok(())
-    }
-
-    /// What points to a side points to the same echo once the sides are exchanged.
-    fn exchange_sides(&mut self) {
-        self.log.preview = None;
-        // What is found in the log as it was would come to the other side.
-        self.findings.search.leave(self.log.id);
-        if !self.is_shown() {
-            return;
-        }
-        self.pipeline.previewer.forget();
-        for mark in [&mut self.view.selection, &mut self.view.hover]
-            .into_iter()
-            .flatten()
-        {
-            mark.side = mark.side.map(Side::other);
-        }
     }
 
     /// Puts all logs into the plane of the first that is on the Earth, after the metres of one became those of another system: a plane
@@ -230,11 +222,9 @@ impl App {
         let Some(fix) = fix else {
             return;
         };
-        self.document.plane = LocalFrame::new(fix.position);
-        self.enter_plane();
-        self.each_log(|app| {
-            let frame = app.document.plane.clone();
-            let log = &mut app.log;
+        let frame = LocalFrame::new(fix.position);
+        self.enter_plane(frame.clone());
+        for log in self.logs_mut() {
             for survey in [
                 &mut log.survey,
                 &mut log.as_read,
@@ -247,8 +237,43 @@ impl App {
             // They lie in the plane that was.
             log.products = None;
             log.preview = None;
-        });
+        }
         self.schedule();
+    }
+}
+
+impl OpenLog {
+    /// Makes the survey what the settings say of its source: its sides, its clock, the system of its metres, and the track of another
+    /// receiver; in a plane, where it shares one with others. Gives the survey as it was and as it is, where it is another one now.
+    fn follow_source(
+        &mut self,
+        settings: &Settings,
+        plane: Option<&LocalFrame>,
+    ) -> Result<Option<[Arc<Survey>; 2]>, AppError> {
+        let request = SourceKey::of(settings);
+        let Some(survey) = self.survey.clone().filter(|_| self.source != request) else {
+            return Ok(None);
+        };
+        let read = self.as_read.clone().unwrap_or(survey.clone());
+        let recorded = as_set(Survey::clone(&read), settings, None)?;
+        let now = match &request.track.file {
+            None => recorded.clone(),
+            Some(path) => {
+                let track = self.external.track(path)?;
+                as_set(Survey::clone(&read), settings, Some(&track))?
+            }
+        };
+        let now = Arc::new(match plane {
+            None => now,
+            Some(plane) => now.in_frame(plane),
+        });
+        let has_track = request.track.file.is_some();
+        self.external.apart = Arc::new(apart(&recorded, &now));
+        self.external.recorded = has_track.then(|| Arc::new(recorded));
+        self.as_read = (request != SourceKey::default()).then_some(read);
+        self.source = request;
+        self.survey = Some(now.clone());
+        Ok(Some([survey, now]))
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! A new survey starts from the preset. When a log is opened again, its own settings are taken up as one step that undo takes back.
 
-use super::{Action, App, OpenLog};
+use super::{Action, App, LogId, OpenLog};
 use crate::pipeline::{
     SettingValues, Settings, deserialize_values, is_of_one_log, setting_values, settings::row,
     with_values,
@@ -10,6 +10,7 @@ use crate::pipeline::{
 use crate::support::printable::quoted;
 use crate::survey::{Identity, Survey};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// Logs whose settings are remembered.
 const KEPT: usize = 300;
@@ -61,8 +62,9 @@ impl App {
         let mut given = self.document.given.clone();
         if self.project_path().is_none() {
             // The shown log is the newest.
-            for log in self.logs.others.iter().chain([&self.log]) {
-                remember(&mut given, log);
+            let logs = self.logs.others.iter().chain([&self.log]);
+            for (survey, settings) in logs.filter_map(to_remember) {
+                given.remember(&survey, &settings);
             }
         }
         given
@@ -73,20 +75,23 @@ impl App {
         self.document.given = given;
     }
 
-    /// Remembers the settings of the shown log, which is being closed.
-    pub(super) fn remember_settings(&mut self) {
-        if self.project_path().is_none() {
-            remember(&mut self.document.given, &self.log);
+    /// Remembers the settings of a log that is being closed.
+    pub(super) fn remember_settings(&mut self, id: LogId) {
+        if self.project_path().is_none()
+            && let Some((survey, settings)) = self.open_log(id).and_then(to_remember)
+        {
+            self.document.given.remember(&survey, &settings);
         }
     }
 
     /// Takes up the settings that a log was last given, which was just opened: all of them where it is the only one, its own where it
     /// joins others. Settings that the program was started with stay.
-    pub(super) fn take_up_settings(&mut self) {
-        let Some(survey) = &self.log.survey else {
+    pub(super) fn take_up_settings(&mut self, id: LogId) {
+        let Some(log) = self.open_log(id) else {
             return;
         };
-        let Some(values) = self.document.given.of(survey) else {
+        let survey = log.survey.as_ref();
+        let Some(values) = survey.and_then(|survey| self.document.given.of(survey)) else {
             return;
         };
         let (usual, start) = (
@@ -99,15 +104,15 @@ impl App {
             .retain(|key, _| (is_first || is_of_one_log(key)) && usual.get(key) == start.get(key));
         let names = named(&values);
         let track = values.remove(TRACK_FILE);
-        let made = with_values(&self.log.settings, &values).and_then(|mut settings| {
+        let made = with_values(&log.settings, &values).and_then(|mut settings| {
             settings.load_files()?;
             settings.check()?;
             Ok(settings)
         });
-        let name = quoted(&self.log.name());
+        let name = quoted(&log.name());
         match made {
-            Ok(settings) if settings != *self.log.settings => {
-                self.change(settings, "last settings of the log", false);
+            Ok(settings) if settings != *log.settings => {
+                self.change_of(id, settings, "last settings of the log", false);
                 let text = format!("{name} opened with its last settings: {names}");
                 self.offer(text, Action::Undo);
             }
@@ -121,17 +126,16 @@ impl App {
         }
         if let Some(track) = track.as_ref().and_then(toml::Value::as_str) {
             let receiver = super::external::Instrument::Receiver;
-            self.read_external(track.into(), Some(receiver));
+            self.read_external(id, track.into(), Some(receiver));
         }
     }
 }
 
-/// Logs of files are remembered; the demo survey is none.
-fn remember(given: &mut GivenSettings, log: &OpenLog) {
+/// What is remembered of a log, where it is a file; the demo survey is none.
+fn to_remember(log: &OpenLog) -> Option<(Arc<Survey>, Arc<Settings>)> {
     let survey = log.as_read.as_ref().or(log.survey.as_ref());
-    if let Some(survey) = survey.filter(|survey| !survey.source.files.is_empty()) {
-        given.remember(survey, &log.settings);
-    }
+    let survey = survey.filter(|survey| !survey.source.files.is_empty())?;
+    Some((survey.clone(), log.settings.clone()))
 }
 
 /// The names of some settings in a sentence.

@@ -98,11 +98,11 @@ impl App {
         };
         let before = self.step_now();
         for (id, offset) in found.logs().filter(|(_, offset)| offset.log_overlaps > 0) {
-            self.with_log(id, |app| {
-                let mut own = LogSettings::clone(&app.log.own);
+            if let Some(log) = self.open_log(id) {
+                let mut own = LogSettings::clone(&log.own);
                 own.set(KEY, Value::Float(offset.applied_m()));
-                app.set_own(Arc::new(own), false);
-            });
+                self.set_own(id, Arc::new(own), false);
+            }
         }
         let after = self.step_now();
         self.record_step(&before, &after, "height offsets", false);

@@ -4,12 +4,13 @@
 //! products are made of all that are visible.
 
 use super::open_log::log_colour;
+use super::outdated::LogsChange;
 use super::reviewing::Parked;
 use super::{App, LogId, Mark, OpenLog};
 #[cfg(any(test, feature = "bench"))]
 use crate::pipeline::Products;
 use crate::pipeline::{EngineStatus, ProcessedLog, Settings};
-use crate::project::History;
+use crate::support::geo::LocalFrame;
 use crate::support::printable::quoted;
 use crate::survey::{Identity, Survey, distinct_names};
 use std::sync::Arc;
@@ -38,8 +39,6 @@ pub(super) struct Logs {
     pub others: Vec<OpenLog>,
     /// All of them, in the order of the list.
     pub order: Vec<LogId>,
-    /// The one that is shown. [`App::log`] is another one only inside [`App::with_log`].
-    pub shown: LogId,
     last: u64,
     /// Those that were opened since nothing was being opened.
     pub arrived: Vec<LogId>,
@@ -60,7 +59,6 @@ impl Logs {
         Self {
             others: self.others.iter().map(OpenLog::for_picture).collect(),
             order: self.order.clone(),
-            shown: self.shown,
             ..Self::default()
         }
     }
@@ -136,6 +134,22 @@ impl App {
         all.find(|log| log.id == id && log.survey.is_some())
     }
 
+    /// The shown log, or the one beside it with this id.
+    pub(super) fn log_mut(&mut self, id: LogId) -> Option<&mut OpenLog> {
+        self.logs_mut().find(|log| log.id == id)
+    }
+
+    /// The shown log, and then those beside it.
+    pub(super) fn logs_mut(&mut self) -> impl Iterator<Item = &mut OpenLog> {
+        [&mut self.log].into_iter().chain(&mut self.logs.others)
+    }
+
+    /// The ids of the shown log, and then of those beside it.
+    pub(super) fn log_ids(&self) -> Vec<LogId> {
+        let all = [&self.log].into_iter().chain(&self.logs.others);
+        all.map(|log| log.id).collect()
+    }
+
     /// The settings that all logs share.
     #[cfg(any(test, feature = "bench"))]
     pub(crate) fn shared_settings(&self) -> &Settings {
@@ -168,8 +182,10 @@ impl App {
 
     /// Closes all logs.
     pub(super) fn close_all(&mut self) {
-        self.each_log(App::keep_decisions);
-        self.each_log(App::remember_settings);
+        self.keep_decisions();
+        for id in self.log_ids() {
+            self.remember_settings(id);
+        }
         let mut last = std::mem::take(&mut self.log);
         self.logs.park(&mut last);
         for mut other in std::mem::take(&mut self.logs.others) {
@@ -178,33 +194,22 @@ impl App {
         for id in std::mem::take(&mut self.logs.order) {
             self.findings.search.leave(id);
         }
-        self.logs.closed.clear();
         self.log.settings = self.document.shared.clone();
         self.take_over(&mut last);
-        self.document.history = History::default();
-        self.map.measuring = super::Measuring::default();
-        self.findings.heights = super::heights::Heights::default();
-        self.findings.positions = super::positions::Positions::default();
-        self.findings.objects = super::objects::Objects::default();
-        self.map.comparing.leave();
+        self.follow_change(LogsChange::AllClosed);
         self.meet_log();
     }
 
-    /// Notes that the logs lie in another plane: what was counted in that of before means nothing any more.
-    pub(super) fn enter_plane(&mut self) {
-        self.view.plane_serial += 1;
-        self.view.options.cloud.clip = None;
-        self.view.options.cloud.cut = false;
+    /// Has the logs lie in another plane.
+    pub(super) fn enter_plane(&mut self, plane: LocalFrame) {
+        self.document.plane = plane;
+        self.follow_change(LogsChange::OtherPlane);
     }
 
     /// Opens a log in an empty window.
     fn open_first(&mut self, survey: Arc<Survey>) {
-        self.document.plane = survey.track.frame.clone();
-        self.enter_plane();
-        // What was closed before lay in another plane.
-        self.logs.closed.clear();
-        self.document.history = History::default();
-        self.map.measuring = super::Measuring::default();
+        self.enter_plane(survey.track.frame.clone());
+        self.follow_change(LogsChange::FirstOpened);
         let log = self.opened(survey);
         let mut last = std::mem::replace(&mut self.log, log);
         self.take_over(&mut last);
@@ -227,8 +232,7 @@ impl App {
         let is_placed = |log: &OpenLog| log.survey.as_ref().is_some_and(|one| one.has_place());
         if !self.logs().any(is_placed) {
             // A plane through no place of the survey would bend this log's track.
-            self.document.plane = survey.track.frame.clone();
-            self.enter_plane();
+            self.enter_plane(survey.track.frame.clone());
         }
         let log = self.opened(Arc::new(survey.in_frame(&self.document.plane)));
         let id = log.id;
@@ -270,20 +274,13 @@ impl App {
 
     /// Puts everything at rest that was of the log shown before.
     fn meet_log(&mut self) {
-        self.logs.shown = self.log.id;
-        self.view.survey_serial += 1;
-        self.view.selection = None;
-        self.view.hover = None;
-        self.view.visible = 0..0;
-        self.findings.reference_comparison =
-            super::reference_comparison::ReferenceComparison::default();
-        self.pipeline.previewer.forget();
+        self.follow_change(LogsChange::OtherShown);
         self.schedule();
     }
 
     /// Writes what is not in a file yet: the window closes.
     pub(crate) fn keep_all(&mut self) {
-        self.each_log(App::keep_decisions);
+        self.keep_decisions();
         self.keep_project("close");
         self.finish_keeping();
     }
@@ -303,10 +300,8 @@ impl App {
 
     /// Takes a log out of the open ones; another one is shown where it was.
     fn put_away(&mut self, id: LogId) {
-        self.with_log(id, |app| {
-            app.keep_decisions();
-            app.remember_settings();
-        });
+        self.keep_decisions_of(id);
+        self.remember_settings(id);
         self.findings.search.leave(id);
         let order = &self.logs.order;
         let Some(place) = order.iter().position(|one| *one == id) else {
@@ -324,7 +319,7 @@ impl App {
                 self.log.settings = self.document.shared.clone();
                 self.take_over(&mut last);
                 self.logs.close(last);
-                self.map.comparing.leave();
+                self.follow_change(LogsChange::LastClosed);
                 self.meet_log();
             }
         }
@@ -342,9 +337,7 @@ impl App {
         let logs: Vec<(LogId, Arc<Survey>)> = self.logs().filter_map(read).collect();
         let names = distinct_names(logs.iter().map(|(_, survey)| &**survey));
         for ((id, _), name) in logs.into_iter().zip(names) {
-            let others = self.logs.others.iter_mut();
-            let mut all = others.chain([&mut self.log]);
-            if let Some(log) = all.find(|log| log.id == id) {
+            if let Some(log) = self.log_mut(id) {
                 log.name = name;
             }
         }
@@ -389,10 +382,10 @@ impl App {
     /// Lets a log take part in maps, clouds and products, or leaves it out, as an undo step.
     pub(super) fn set_log_visible(&mut self, id: LogId, is_visible: bool) {
         let before = self.step_now();
-        self.with_log(id, |app| {
-            app.log.is_visible = is_visible;
-            app.log.apart = None;
-        });
+        if let Some(log) = self.log_mut(id) {
+            log.is_visible = is_visible;
+            log.apart = None;
+        }
         let after = self.step_now();
         let what = if is_visible { "show" } else { "hide" };
         self.record_named(&before, &after, format!("{what} {}", self.name_of(id)));
@@ -444,32 +437,6 @@ impl App {
         self.reveal(mark);
     }
 
-    /// Does something with a log as if it were the one that is shown.
-    pub(super) fn with_log<T>(
-        &mut self,
-        id: LogId,
-        work: impl FnOnce(&mut Self) -> T,
-    ) -> Option<T> {
-        if self.log.id == id {
-            return Some(work(self));
-        }
-        let place = self.logs.others.iter().position(|log| log.id == id)?;
-        std::mem::swap(&mut self.log, &mut self.logs.others[place]);
-        let done = work(self);
-        std::mem::swap(&mut self.log, &mut self.logs.others[place]);
-        Some(done)
-    }
-
-    /// Does something with every log.
-    pub(super) fn each_log(&mut self, work: impl Fn(&mut Self)) {
-        work(self);
-        for place in 0..self.logs.others.len() {
-            std::mem::swap(&mut self.log, &mut self.logs.others[place]);
-            work(self);
-            std::mem::swap(&mut self.log, &mut self.logs.others[place]);
-        }
-    }
-
     /// Whether a log is being processed.
     pub(crate) fn is_processing(&self, id: LogId) -> bool {
         let processed = self
@@ -480,18 +447,13 @@ impl App {
         processed == Some(id) && self.engine_status() != EngineStatus::Idle
     }
 
-    /// Whether [`App::log`] is the log that is shown.
-    pub(super) fn is_shown(&self) -> bool {
-        self.log.id == self.logs.shown
-    }
-
     /// Has the log processed next whose results are missing or older than its settings: first the one that is shown.
     pub(super) fn schedule(&mut self) {
         if self.pipeline.is_waiting {
             return;
         }
         let behind = |log: &&OpenLog| log.is_behind();
-        let shown = self.open_log(self.logs.shown).filter(behind);
+        let shown = self.open_log(self.log.id).filter(behind);
         let next = shown.or_else(|| self.visible_logs().find(behind));
         let Some((log, survey)) = next.and_then(|log| Some((log, log.survey.as_ref()?))) else {
             return;

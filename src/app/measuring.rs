@@ -13,7 +13,7 @@ use crate::pipeline::ObjectLocator;
 use crate::products::export;
 use crate::project::{Measurement, MeasurementKind, Pick};
 use crate::support::geo::LonLat;
-use crate::survey::{Identity, Side};
+use crate::survey::{Identity, Side, Survey};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -85,6 +85,23 @@ impl Measuring {
     pub(crate) fn is_drawing(&self) -> bool {
         let open = self.figure.as_ref().filter(|figure| !figure.done);
         open.is_some_and(|figure| Some(figure.measurement.kind) == self.tool)
+    }
+}
+
+impl Measuring {
+    /// Has the picks of a figure name a longer state of their log.
+    pub(super) fn carry(&mut self, survey: &Survey, identity: &Identity) {
+        let Some(figure) = &mut self.figure else {
+            return;
+        };
+        let mut picks = figure.measurement.picks.values();
+        if picks.any(|pick| survey.is_or_was(&pick.log)) {
+            for pick in Arc::make_mut(figure).measurement.picks.values_mut() {
+                if survey.is_or_was(&pick.log) {
+                    pick.log = identity.clone();
+                }
+            }
+        }
     }
 }
 
@@ -314,7 +331,7 @@ impl App {
         let Some(text) = self.profile_csv() else {
             return;
         };
-        if self.refuses_log(&path) {
+        if self.refuses_log(self.log.id, &path) {
             return;
         }
         match export::write_profile_csv(&path, &text) {

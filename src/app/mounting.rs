@@ -1,7 +1,7 @@
 //! How recorders are mounted: exchanging sides, and the default that a recorder has for its logs.
 
 use super::error::AppError;
-use super::{App, LogId};
+use super::{App, LogId, OpenLog};
 use crate::pipeline::Settings;
 use crate::survey::MountingSettings;
 use std::collections::BTreeMap;
@@ -22,8 +22,7 @@ pub(super) fn with_sides(mut settings: Settings, before: &Settings) -> Settings 
 impl App {
     /// What the shown log tells of its recorder; empty without a log.
     pub(crate) fn recorder(&self) -> String {
-        let survey = self.log.survey.as_ref();
-        survey.map_or_else(String::new, |survey| survey.source.recorder())
+        self.log.recorder()
     }
 
     /// How the recorder of the shown log is mounted as a rule, where that is known.
@@ -41,29 +40,26 @@ impl App {
         self.document.mountings = Arc::new(mountings);
     }
 
+    /// Exchanges the sides of the shown log.
     pub(super) fn swap_sides(&mut self) {
         let mut settings = Settings::clone(&self.log.settings);
         settings.mounting.swap_sides = !settings.mounting.swap_sides;
         self.change(settings, "sides of the recorder", false);
     }
 
-    /// Boxes follow their echoes to the other side.
-    pub(super) fn exchange_boxes(&mut self) {
-        let swapped = (self.log.survey.as_ref()).is_some_and(|survey| survey.swapped_sides);
-        self.log.reviewing.exchange(swapped);
-    }
-
     /// Mounts a log that was just opened as its recorder is as a rule. The first look at a log is no step that could be taken back.
-    pub(super) fn mount_as_usual(&mut self) {
-        let shared = Settings::clone(&self.log.settings);
-        if let Err(error) = self.follow_source(&shared) {
-            self.notify(error.to_string(), true);
-        }
-        let Some(mounting) = self.usual_mounting() else {
+    pub(super) fn mount_as_usual(&mut self, id: LogId) {
+        let Some(log) = self.open_log(id) else {
             return;
         };
-        let (name, recorder) = (self.log.name(), self.recorder());
-        match self.mount(mounting) {
+        let (name, recorder, shared) = (log.name(), log.recorder(), log.settings.clone());
+        if let Err(error) = self.follow_source(id, &shared) {
+            self.notify(error.to_string(), true);
+        }
+        let Some(mounting) = self.document.mountings.get(&recorder).copied() else {
+            return;
+        };
+        match self.mount(id, mounting) {
             Ok(()) => self.notify(
                 format!("{name} has the default mounting of {recorder}"),
                 false,
@@ -86,13 +82,12 @@ impl App {
             false => mountings.insert(recorder.clone(), mounting),
         };
         let shown = self.log.id;
-        let others: Vec<LogId> = self.logs().map(|log| log.id).collect();
-        for id in others.into_iter().filter(|id| *id != shown) {
-            let mounted = self.with_log(id, |app| {
-                let is_same = app.recorder() == recorder && app.log.settings.mounting != mounting;
-                is_same.then(|| app.mount(mounting))
-            });
-            if let Some(Some(Err(error))) = mounted {
+        let is_other = |log: &&OpenLog| {
+            log.id != shown && log.recorder() == recorder && log.settings.mounting != mounting
+        };
+        let others: Vec<LogId> = self.logs().filter(is_other).map(|log| log.id).collect();
+        for id in others {
+            if let Err(error) = self.mount(id, mounting) {
                 self.notify(error.to_string(), true);
             }
         }
@@ -121,16 +116,36 @@ impl App {
     }
 
     /// Mounts a log, with its boxes and its bottom edits. After an error the log is as it was.
-    fn mount(&mut self, mounting: MountingSettings) -> Result<(), AppError> {
-        let mut settings = Settings::clone(&self.log.settings);
+    fn mount(&mut self, id: LogId, mounting: MountingSettings) -> Result<(), AppError> {
+        let Some(log) = self.open_log(id) else {
+            return Ok(());
+        };
+        let mut settings = Settings::clone(&log.settings);
         settings.mounting = mounting;
-        let settings = with_sides(settings, &self.log.settings);
+        let settings = with_sides(settings, &log.settings);
+        let own = log.own.clone();
         settings.check()?;
-        self.follow_source(&settings)?;
-        let (_, own) = self.log.own.change(&self.document.shared, &settings)?;
-        self.log.own = Arc::new(own);
-        self.log.settings = Arc::new(settings);
-        self.exchange_boxes();
+        self.follow_source(id, &settings)?;
+        let (_, own) = own.change(&self.document.shared, &settings)?;
+        if let Some(log) = self.log_mut(id) {
+            log.own = Arc::new(own);
+            log.settings = Arc::new(settings);
+            log.exchange_boxes();
+        }
         Ok(())
+    }
+}
+
+impl OpenLog {
+    /// What it tells of its recorder; empty in an empty window.
+    fn recorder(&self) -> String {
+        let survey = self.survey.as_ref();
+        survey.map_or_else(String::new, |survey| survey.source.recorder())
+    }
+
+    /// Boxes follow their echoes to the other side.
+    pub(super) fn exchange_boxes(&mut self) {
+        let swapped = (self.survey.as_ref()).is_some_and(|survey| survey.swapped_sides);
+        self.reviewing.exchange(swapped);
     }
 }

@@ -212,7 +212,7 @@ impl App {
         let Some(planned) = self.map.planning.lines.clone() else {
             return self.notify(NO_LINES.to_owned(), true);
         };
-        if self.refuses_log(&path) {
+        if self.refuses_log(self.log.id, &path) {
             return;
         }
         let way = PlannedWay {

@@ -96,13 +96,13 @@ impl App {
             if told.is_empty() {
                 continue;
             }
-            self.with_log(*id, |app| {
-                let mut own = LogSettings::clone(&app.log.own);
+            if let Some(log) = self.open_log(*id) {
+                let mut own = LogSettings::clone(&log.own);
                 for (key, value) in told {
                     own.set(key, Value::Float(value));
                 }
-                app.set_own(Arc::new(own), false);
-            });
+                self.set_own(*id, Arc::new(own), false);
+            }
         }
         let after = self.step_now();
         self.record_step(&before, &after, "positions", false);

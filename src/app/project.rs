@@ -331,7 +331,9 @@ impl App {
 
     fn name_project(&mut self, path: &Path, files: Vec<(LogId, LogFile)>) {
         for (id, file) in files {
-            self.with_log(id, |app| app.log.file = Some(file));
+            if let Some(log) = self.log_mut(id) {
+                log.file = Some(file);
+            }
         }
         if self
             .project_path()
@@ -373,7 +375,7 @@ impl App {
                 self.files.project_saving.failed = false;
                 self.notify(text, false);
                 self.keep_project("save under another name");
-                self.each_log(App::leave_sidecars);
+                self.logs_mut().for_each(OpenLog::leave_sidecars);
             }
             Some(Err(error)) => self.notify(error.to_string(), true),
             None => self.notify("saving the project failed unexpectedly".to_owned(), true),
@@ -413,7 +415,7 @@ impl App {
             };
             let id = self.add_log(survey);
             numbers.add_log(id, log.object_numbers.clone());
-            self.with_log(id, |app| app.take_project_log(&log, settings));
+            self.take_project_log(id, &log, settings);
         }
         self.findings.objects.number_from(numbers);
         if let Some(queue) = queue.filter(|kept| (0.0..=1.0).contains(&kept.threshold)) {
@@ -440,27 +442,31 @@ impl App {
         self.schedule();
     }
 
-    fn take_project_log(&mut self, log: &ProjectLog, settings: Settings) {
-        self.log.file = Some(log.file.clone());
-        self.log.is_visible = log.is_visible;
-        self.log.own = Arc::new(log.settings.clone().with_files_of(&settings));
-        if let Err(error) = self.follow_source(&settings) {
+    /// Takes up what a project has of a log.
+    fn take_project_log(&mut self, id: LogId, log: &ProjectLog, settings: Settings) {
+        if let Err(error) = self.follow_source(id, &settings) {
             self.notify(error.to_string(), true);
         }
-        self.log.settings = Arc::new(settings);
-        self.log.reviewing.take_kept(log.review.clone());
-        if let Some(survey) = self.log.survey.clone() {
+        let shared = self.document.shared.clone();
+        if let Some(open) = self.log_mut(id) {
+            open.file = Some(log.file.clone());
+            open.is_visible = log.is_visible;
+            open.own = Arc::new(log.settings.clone().with_files_of(&settings));
+            open.settings = Arc::new(settings);
+            open.reviewing.take_kept(log.review.clone());
+            open.leave_sidecars();
             // More of it may have been written since.
-            self.carry_own(&survey);
-            self.carry_decisions(&survey);
+            open.carry_own(&shared);
         }
-        self.leave_sidecars();
+        self.carry_decisions(id);
     }
+}
 
+impl OpenLog {
     /// What is decided about the log is kept in the project from now on, not next to the log.
     fn leave_sidecars(&mut self) {
-        self.log.bottom_file = super::bottom::BottomFile::default();
-        self.log.reviewing.keep_elsewhere();
+        self.bottom_file = super::bottom::BottomFile::default();
+        self.reviewing.keep_elsewhere();
     }
 }
 

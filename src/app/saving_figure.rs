@@ -45,7 +45,7 @@ impl App {
         let Some(figure) = self.measured() else {
             return;
         };
-        if self.refuses_log(&path) {
+        if self.refuses_log(self.log.id, &path) {
             return;
         }
         match write(self, &figure, &path) {

@@ -3,7 +3,7 @@
 use super::figures::Figures;
 use super::loader::{Loading, Opened, Place, ReadBottom, Request};
 use super::preview::Request as PreviewRequest;
-use super::{Action, App, Origin, Outcome, Task};
+use super::{Action, App, Jobs, LogId, OpenLog, Origin, Outcome, Task};
 use crate::pipeline::Products;
 use crate::products::export::is_same_file;
 use crate::project::LogFile;
@@ -38,7 +38,9 @@ impl App {
         self.poll_project();
         self.poll_export();
         self.poll_detecting();
-        self.each_log(App::poll_log);
+        for id in self.log_ids() {
+            self.poll_log(id);
+        }
         self.poll_objects();
         self.poll_base_map();
         self.poll_isobath_area();
@@ -48,22 +50,22 @@ impl App {
     }
 
     /// Collects what was done about one log.
-    fn poll_log(&mut self) {
-        match self.log.counting.as_ref().map(Task::poll) {
-            Some(Outcome::Done(figures)) => {
-                self.log.figures = figures;
-                self.log.counting = None;
-            }
-            Some(Outcome::Failed) => self.log.counting = None,
-            Some(Outcome::Pending) | None => {}
+    fn poll_log(&mut self, id: LogId) {
+        let jobs = self.jobs.clone();
+        if let Some(log) = self.log_mut(id) {
+            log.poll_figures();
         }
-        self.poll_review();
-        self.poll_autosave();
-        self.poll_judging();
-        self.poll_places();
-        self.poll_external();
-        self.poll_exclusions();
-        self.poll_calibrating();
+        self.poll_review(id);
+        self.poll_autosave(id);
+        self.poll_judging(id);
+        if let Some(log) = self.log_mut(id) {
+            log.poll_places(&jobs);
+        }
+        self.poll_external(id);
+        if let Some(log) = self.log_mut(id) {
+            log.poll_exclusions(&jobs);
+            log.poll_calibrating(&jobs);
+        }
     }
 
     fn poll_engine(&mut self) {
@@ -72,9 +74,7 @@ impl App {
         };
         let log = self.pipeline.requested.take().map(|(id, ..)| id);
         match (processed, log) {
-            (Ok(products), Some(id)) => {
-                self.with_log(id, |app| app.take_products(products));
-            }
+            (Ok(products), Some(id)) => self.take_products(id, products),
             (Ok(_), None) => {}
             (Err(failed), _) => {
                 // The same settings would only fail again.
@@ -143,21 +143,19 @@ impl App {
             }
         };
         self.logs.arrived.push(id);
-        self.with_log(id, |app| {
-            let log = app.log.survey.as_ref();
-            let log = log.and_then(|survey| survey.source.files.first().cloned());
-            app.mount_as_usual();
-            app.take_bottom(log.filter(|_| is_file).as_deref(), drawn);
-            if is_file {
-                app.look_for_review();
-                app.look_for_unsaved();
-            }
-            app.look_for_truth(is_file);
-            app.log.file = file;
-            if is_file {
-                app.take_up_settings();
-            }
-        });
+        self.mount_as_usual(id);
+        self.take_bottom(id, drawn, is_file);
+        if is_file {
+            self.look_for_review(id);
+            self.look_for_unsaved(id);
+        }
+        self.look_for_truth(id, is_file);
+        if let Some(log) = self.log_mut(id) {
+            log.file = file;
+        }
+        if is_file {
+            self.take_up_settings(id);
+        }
         self.keep_project("add log");
         self.pipeline.is_waiting = false;
         self.schedule();
@@ -171,27 +169,21 @@ impl App {
         self.recent.truncate(RECENT);
     }
 
-    pub(super) fn take_products(&mut self, products: Products) {
-        self.log.preview = None;
-        self.tell_change(&products);
-        if let Some(survey) = self.log.survey.clone() {
-            self.log.reviewing.follow(&survey, &products.navigation);
-            self.count_figures(survey, products.clone());
-        }
-        self.log.products = Some(products);
-        if !self.is_shown() {
+    /// Takes new results of a log.
+    pub(super) fn take_products(&mut self, id: LogId, products: Products) {
+        let jobs = self.jobs.clone();
+        let Some(log) = self.log_mut(id) else {
             return;
+        };
+        if let Some(text) = log.take_products(products, &jobs) {
+            self.withdraw(Action::Undo);
+            self.offer(text, Action::Undo);
         }
-        if let Some(request) = self.preview_request() {
+        if id == self.log.id
+            && let Some(request) = self.preview_request()
+        {
             self.pipeline.previewer.warm_up(request, &self.jobs);
         }
-    }
-
-    /// Has counted what is in the panels of some results.
-    pub(super) fn count_figures(&mut self, survey: Arc<Survey>, products: Products) {
-        self.log.counting = Some(Task::start(&self.jobs, move |progress| {
-            Figures::of(&survey, &products, progress).ok()
-        }));
     }
 
     /// Has the pipeline run with the settings in force.
@@ -200,7 +192,7 @@ impl App {
         self.schedule();
     }
 
-    /// Starts the search for the first return on what is on screen, ahead of the pipeline.
+    /// Starts the search for the first return on what is on screen of the shown log, ahead of the pipeline.
     pub(super) fn preview_returns(&mut self) {
         if let Some(request) = self.preview_request() {
             self.pipeline.previewer.want(request, &self.jobs);
@@ -240,14 +232,16 @@ impl App {
         self.map.planning.stop();
         self.findings.passes.stop();
         self.findings.reference_comparison.stop();
-        self.each_log(|app| app.log.external.stop_reading());
+        for log in self.logs_mut() {
+            log.external.stop_reading();
+        }
     }
 
-    /// Whether a file that is to be written is one of an open log's, which nothing is written over; says so.
-    pub(super) fn refuses_log(&mut self, path: &Path) -> bool {
+    /// Whether a file that is to be written is one of a log's, which nothing is written over; says so.
+    pub(super) fn refuses_log(&mut self, id: LogId, path: &Path) -> bool {
         let is_this = |file: &PathBuf| is_same_file(file, path);
-        let is_log = (self.log.survey.as_ref())
-            .is_some_and(|survey| survey.source.files.iter().any(is_this));
+        let survey = self.open_log(id).and_then(|log| log.survey.as_ref());
+        let is_log = survey.is_some_and(|survey| survey.source.files.iter().any(is_this));
         if is_log {
             let path = path.display();
             self.notify(
@@ -285,6 +279,39 @@ impl App {
         if self.files.loading.is_none() && self.files.to_load.is_empty() {
             self.set_apart();
         }
+    }
+}
+
+impl OpenLog {
+    /// Collects what was counted.
+    fn poll_figures(&mut self) {
+        match self.counting.as_ref().map(Task::poll) {
+            Some(Outcome::Done(figures)) => {
+                self.figures = figures;
+                self.counting = None;
+            }
+            Some(Outcome::Failed) => self.counting = None,
+            Some(Outcome::Pending) | None => {}
+        }
+    }
+
+    /// Takes new results; gives what to say of them, where they are those of a change of scale.
+    fn take_products(&mut self, products: Products, jobs: &Jobs) -> Option<String> {
+        self.preview = None;
+        let said = self.calibrating.said_of_change(&products);
+        if let Some(survey) = self.survey.clone() {
+            self.reviewing.follow(&survey, &products.navigation);
+            self.count_figures(survey, products.clone(), jobs);
+        }
+        self.products = Some(products);
+        said
+    }
+
+    /// Has counted what is in the panels of some results.
+    pub(super) fn count_figures(&mut self, survey: Arc<Survey>, products: Products, jobs: &Jobs) {
+        self.counting = Some(Task::start(jobs, move |progress| {
+            Figures::of(&survey, &products, progress).ok()
+        }));
     }
 }
 

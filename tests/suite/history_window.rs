@@ -1,6 +1,6 @@
 //! The history as a list: steps by name, where we are in it, and a click or a key that goes anywhere.
 
-use crate::app::{BottomStroke, Command, Ink};
+use crate::app::{Action, BottomStroke, Command, Ink};
 use crate::suite::logs_window::{change, ids, names, opened, settle};
 use crate::suite::window::{Window, app, press};
 use crate::survey::Side;
@@ -43,11 +43,8 @@ fn steps_are_named_by_what_became_of_which_log_and_a_click_goes_there() {
         Command::DrawBottom(stroke),
         Command::SetLogVisible(first, false),
         Command::MoveLog(second, -1),
-        Command::SetOwn {
-            key: "first_return.threshold".to_owned(),
-            own: true,
-        },
         Command::UsePreset(crate::pipeline::Preset::Published),
+        Command::Do(Action::KeepRecordedRange),
     ] {
         window.state_mut().app.apply(command);
         settle(&mut window);
@@ -60,12 +57,13 @@ fn steps_are_named_by_what_became_of_which_log_and_a_click_goes_there() {
         "bottom of lake-1, done",
         "hide lake-0, done",
         "move lake-1 up, done",
-        "threshold for lake-1 alone, done",
-        "preset, here",
+        "preset, done",
+        "Scale: recorded range, lake-1, here",
     ];
     let shown = rows(&window);
-    assert_eq!(shown[..8], done[..8]);
-    assert!(shown[8].starts_with("preset"), "{shown:?}");
+    assert_eq!(shown[..7], done[..7]);
+    assert!(shown[7].starts_with("preset"), "{shown:?}");
+    assert_eq!(shown[8], done[8]);
     assert_eq!(names(&window), ["lake-1", "lake-0"]);
 
     // Back over several steps at once, and what is taken back is still in the list.

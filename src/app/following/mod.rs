@@ -253,7 +253,10 @@ impl App {
         match started {
             Ok(mut tools) => {
                 let bytes = std::mem::take(&mut tools.beginning);
-                self.with_log(active.log, |app| app.leave_map(&bytes));
+                if let Some(log) = self.log_mut(active.log) {
+                    log.leave_map(&bytes);
+                }
+                self.pipeline.previewer.forget();
                 active.tools = Some(tools);
             }
             Err(error) => {
@@ -264,23 +267,6 @@ impl App {
                 self.notify(format!("{name} cannot be followed: {error}"), true);
             }
         }
-    }
-
-    /// Reads the log from the copy from now on: a map of a log that its writer cuts short would end the program.
-    fn leave_map(&mut self, bytes: &[Bytes]) {
-        for survey in [&mut self.log.survey, &mut self.log.as_read] {
-            let is_as_long = |survey: &Arc<Survey>| {
-                let lengths = survey.bytes.iter().map(|bytes| bytes.len());
-                lengths.eq(bytes.iter().map(|bytes| bytes.len()))
-            };
-            if let Some(mapped) = survey.as_ref().filter(|survey| is_as_long(survey)) {
-                *survey = Some(Arc::new(Survey {
-                    bytes: bytes.to_vec(),
-                    ..Survey::clone(mapped)
-                }));
-            }
-        }
-        self.pipeline.previewer.forget();
     }
 
     fn collect_step(&mut self, active: &mut Active) {
@@ -350,11 +336,12 @@ impl App {
                 } else {
                     // More was shown meanwhile: the next step adds it to these.
                     let settled = ground.settled();
-                    self.with_log(id, |app| {
+                    let jobs = self.jobs.clone();
+                    if let Some(log) = self.log_mut(id) {
                         let (survey, products) = (settled.survey.clone(), settled.products.clone());
-                        app.count_figures(survey, products);
-                        app.log.whole = Some(settled);
-                    });
+                        log.count_figures(survey, products, &jobs);
+                        log.whole = Some(settled);
+                    }
                     active.fresh = Some(ground);
                 }
             }
@@ -424,13 +411,13 @@ impl App {
 
     /// Ends following a log whose track is another receiver's now: what is there is run over as it is.
     fn leave_following(&mut self, id: LogId) {
-        self.with_log(id, |app| {
-            app.leave_provisional();
-            let name = quoted(&app.log.name());
+        if let Some(log) = self.log_mut(id) {
+            log.leave_provisional();
+            let name = quoted(&log.name());
             let text =
                 format!("{name} is no longer followed: its track is that of another receiver now");
-            app.notify(text, true);
-        });
+            self.notify(text, true);
+        }
         self.process();
     }
 
@@ -448,6 +435,24 @@ impl App {
         let pings = count(pings);
         let text = format!("{name} is no longer followed; its {pings} pings stay: {why}");
         self.notify(text, true);
+    }
+}
+
+impl OpenLog {
+    /// Reads the log from the copy from now on: a map of a log that its writer cuts short would end the program.
+    fn leave_map(&mut self, bytes: &[Bytes]) {
+        for survey in [&mut self.survey, &mut self.as_read] {
+            let is_as_long = |survey: &Arc<Survey>| {
+                let lengths = survey.bytes.iter().map(|bytes| bytes.len());
+                lengths.eq(bytes.iter().map(|bytes| bytes.len()))
+            };
+            if let Some(mapped) = survey.as_ref().filter(|survey| is_as_long(survey)) {
+                *survey = Some(Arc::new(Survey {
+                    bytes: bytes.to_vec(),
+                    ..Survey::clone(mapped)
+                }));
+            }
+        }
     }
 }
 

@@ -1,8 +1,9 @@
 //! A longer state of a log in the place of the one that was shown: what was decided about it is carried over.
 
 use super::step::FollowedLog;
-use crate::app::{App, LogId};
-use crate::pipeline::{LogSettings, Products};
+use crate::app::outdated::LogsChange;
+use crate::app::{App, LogId, OpenLog};
+use crate::pipeline::{LogSettings, Products, Settings};
 use crate::survey::{Identity, Survey};
 use std::sync::Arc;
 
@@ -27,45 +28,39 @@ impl App {
     /// Shows a longer log with its results. The analyst's decisions are carried over to it.
     pub(super) fn publish(&mut self, id: LogId, ground: FollowedLog, is_provisional: bool) {
         let is_as_set = self.is_as_set(id, &ground);
-        self.with_log(id, |app| {
-            let FollowedLog {
-                read,
-                survey,
-                mut products,
-                own,
-                ..
-            } = ground;
-            app.log.whole = app.log.settled().filter(|_| is_provisional);
-            app.log.as_read = app.log.as_read.is_some().then_some(read);
-            app.log.replace_survey(survey.clone());
-            if is_as_set {
-                app.log.own = own;
-                app.log.settings = products.settings.clone();
-            } else {
-                app.carry_own(&survey);
+        let shared = self.document.shared.clone();
+        let Some(log) = self.log_mut(id) else {
+            return;
+        };
+        let FollowedLog {
+            read,
+            survey,
+            mut products,
+            own,
+            ..
+        } = ground;
+        log.whole = log.settled().filter(|_| is_provisional);
+        log.as_read = log.as_read.is_some().then_some(read);
+        log.replace_survey(survey.clone());
+        if is_as_set {
+            log.own = own;
+            log.settings = products.settings.clone();
+        } else {
+            log.carry_own(&shared);
+        }
+        let before = log.products.as_ref();
+        if before.is_some_and(|old| old.settings.picture != products.settings.picture) {
+            Arc::make_mut(&mut products.settings).picture = log.settings.picture.clone();
+        }
+        let before = before.map(|products| products.calibration.clone());
+        self.carry_decisions(id);
+        if is_provisional {
+            self.take_growing_products(id, &survey, products);
+        } else {
+            if let Some(before) = before {
+                self.tell_drift(&survey, &before, &products.calibration);
             }
-            if app
-                .log
-                .products
-                .as_ref()
-                .is_some_and(|old| old.settings.picture != products.settings.picture)
-            {
-                Arc::make_mut(&mut products.settings).picture = app.log.settings.picture.clone();
-            }
-            app.carry_decisions(&survey);
-            if is_provisional {
-                app.log.reviewing.grow(&survey, &products.navigation);
-                app.take_growing_products(products);
-            } else {
-                if let Some(before) = &app.log.products {
-                    let (before, after) =
-                        (before.calibration.clone(), products.calibration.clone());
-                    app.tell_drift(&survey, &before, &after);
-                }
-                app.take_products(products);
-            }
-        });
-        if !is_provisional {
+            self.take_products(id, products);
             self.offer_flatter(id);
         }
         if !is_as_set {
@@ -73,46 +68,41 @@ impl App {
         }
     }
 
-    fn take_growing_products(&mut self, products: Products) {
-        self.log.preview = None;
-        self.log.products = Some(products);
-        if self.is_shown() {
-            // What was measured for the slider is of the shorter log.
-            self.pipeline.previewer.forget();
+    /// Takes the provisional results of a longer state of a log.
+    fn take_growing_products(&mut self, id: LogId, survey: &Survey, products: Products) {
+        if let Some(log) = self.log_mut(id) {
+            log.reviewing.grow(survey, &products.navigation);
+            log.products = Some(products);
         }
+        self.follow_change(LogsChange::Grown(id));
     }
 
-    /// Carries settings that belong to one log over to a longer state of it.
-    pub(in crate::app) fn carry_own(&mut self, survey: &Survey) {
-        if let Some(own) = self.log.own.carried_to(survey)
-            && let Ok(settings) = own.compose(&self.document.shared)
-        {
-            self.log.own = Arc::new(own);
-            self.log.settings = Arc::new(settings);
-        }
-    }
-
-    /// Carries boxes and measurements over to a longer state of the log.
-    pub(in crate::app) fn carry_decisions(&mut self, survey: &Survey) {
-        let identity = Identity::of(survey);
-        if let Some(file) = &mut self.log.file {
+    /// Carries boxes and measurements over to the state that a log has now, which may be longer than the one they were made on.
+    pub(in crate::app) fn carry_decisions(&mut self, id: LogId) {
+        let Some(log) = self.log_mut(id) else {
+            return;
+        };
+        let Some(survey) = log.survey.clone() else {
+            return;
+        };
+        let identity = Identity::of(&survey);
+        if let Some(file) = &mut log.file {
             file.pings = identity.pings;
         }
-        if let Some(figure) = &self.map.measuring.figure
-            && figure
-                .measurement
-                .picks
-                .values()
-                .any(|pick| survey.is_or_was(&pick.log))
+        log.reviewing.carry(identity.clone());
+        self.map.measuring.carry(&survey, &identity);
+    }
+}
+
+impl OpenLog {
+    /// Carries settings that belong to it alone over to the state that it has now.
+    pub(in crate::app) fn carry_own(&mut self, shared: &Settings) {
+        let survey = self.survey.as_ref();
+        if let Some(own) = survey.and_then(|survey| self.own.carried_to(survey))
+            && let Ok(settings) = own.compose(shared)
         {
-            let mut figure = (**figure).clone();
-            for pick in figure.measurement.picks.values_mut() {
-                if survey.is_or_was(&pick.log) {
-                    pick.log = identity.clone();
-                }
-            }
-            self.map.measuring.figure = Some(Arc::new(figure));
+            self.own = Arc::new(own);
+            self.settings = Arc::new(settings);
         }
-        self.log.reviewing.carry(identity);
     }
 }

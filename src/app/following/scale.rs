@@ -1,7 +1,7 @@
 //! The scale of a log while it is followed: what was in force stays until the analyst takes another one, and what changes is said.
 
 use super::Active;
-use crate::app::{Action, App, LogId};
+use crate::app::{Action, App, LogId, OpenLog};
 use crate::pipeline::{Products, Settings};
 use crate::sonar::calibration::{Calibration, PingRange, ScaleMode};
 use crate::survey::{Side, Survey};
@@ -39,42 +39,25 @@ impl App {
         };
         if let Some(pings) = active.stretch.or_else(in_use) {
             active.stretch = Some(pings);
-            self.with_log(active.log, |app| app.name_stretch(pings));
-        }
-    }
-
-    /// Writes the stretch that the scale is measured on into the log's own settings. Results that were made with it, as the best-ranked
-    /// one, stay as they are.
-    fn name_stretch(&mut self, pings: PingRange) {
-        let mut own = (*self.log.own).clone();
-        own.set(STRETCH, Value::String(pings.into()));
-        self.log.own = Arc::new(own);
-        let name = |settings: &mut Arc<Settings>| {
-            Arc::make_mut(settings).calibration.pings = Some(pings);
-        };
-        name(&mut self.log.settings);
-        let whole = self.log.whole.as_mut().map(|whole| &mut whole.products);
-        for products in self.log.products.as_mut().into_iter().chain(whole) {
-            if is_measured_on(products, pings) {
-                name(&mut products.settings);
+            if let Some(log) = self.log_mut(active.log) {
+                log.name_stretch(pings);
             }
+            self.keep_project("flat stretch");
         }
-        self.keep_project("flat stretch");
     }
 
     /// Offers the best-ranked stretch of a log that has grown where its scale is another than the one in force.
     pub(super) fn offer_flatter(&mut self, id: LogId) {
-        self.with_log(id, |app| {
-            let found = app.log.products.as_ref().and_then(flatter);
-            let Some((pings, text)) = found else {
-                return;
-            };
-            if app.log.calibrating.offered.replace(pings) == Some(pings) {
-                return;
-            }
-            app.withdraw(Action::UseFlatterStretch);
-            app.offer(text, Action::UseFlatterStretch);
-        });
+        let Some(log) = self.log_mut(id) else {
+            return;
+        };
+        let Some((pings, text)) = log.products.as_ref().and_then(flatter) else {
+            return;
+        };
+        if log.calibrating.offered.replace(pings) != Some(pings) {
+            self.withdraw(Action::UseFlatterStretch);
+            self.offer(text, Action::UseFlatterStretch);
+        }
     }
 
     /// Says by how much depths changed with the results of the whole log, where its scale or its offset is another now.
@@ -99,6 +82,24 @@ impl App {
                 100.0 * change_m
             );
             self.notify(text, false);
+        }
+    }
+}
+
+impl OpenLog {
+    /// Writes the stretch that the scale is measured on into the log's own settings. Results that were made with it, as the best-ranked
+    /// one, stay as they are.
+    fn name_stretch(&mut self, pings: PingRange) {
+        Arc::make_mut(&mut self.own).set(STRETCH, Value::String(pings.into()));
+        let name = |settings: &mut Arc<Settings>| {
+            Arc::make_mut(settings).calibration.pings = Some(pings);
+        };
+        name(&mut self.settings);
+        let whole = self.whole.as_mut().map(|whole| &mut whole.products);
+        for products in self.products.as_mut().into_iter().chain(whole) {
+            if is_measured_on(products, pings) {
+                name(&mut products.settings);
+            }
         }
     }
 }

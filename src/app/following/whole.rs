@@ -2,7 +2,7 @@
 
 use super::step;
 use super::{Active, App, BETWEEN_WHOLE, End, QUIET, WHOLE_AGAIN};
-use crate::app::Task;
+use crate::app::{LogId, OpenLog, Task};
 use crate::formats::{GrowingError, GrowingLog};
 use crate::imagery::picture::PictureSettings;
 use crate::pipeline::Settings;
@@ -36,11 +36,12 @@ impl App {
         self.start_whole(active, false);
     }
 
-    /// Has what is shown of the log run over as it is, where its results are provisional.
-    pub(super) fn leave_provisional(&mut self) {
-        if self.log.whole.take().is_some() {
-            self.log.products = None;
+    /// Has what is shown of a log run over as it is, where its results are provisional.
+    fn leave_provisional(&mut self, id: LogId) {
+        if let Some(log) = self.log_mut(id) {
+            log.leave_provisional();
         }
+        self.process();
     }
 
     fn start_whole(&mut self, active: &mut Active, is_finished: bool) {
@@ -77,8 +78,7 @@ impl App {
             Some((survey.source.byte_count, log.whole.is_some()))
         });
         let Some(((bytes, is_provisional), tools)) = known.zip(active.tools.as_ref()) else {
-            self.with_log(active.log, Self::leave_provisional);
-            self.process();
+            self.leave_provisional(active.log);
             return true;
         };
         if active.is_last {
@@ -93,8 +93,7 @@ impl App {
             }
             if is_provisional {
                 // That reading failed: what was shown last is run over as it is.
-                self.with_log(active.log, Self::leave_provisional);
-                self.process();
+                self.leave_provisional(active.log);
             }
             return true;
         }
@@ -107,6 +106,15 @@ impl App {
         active.is_last = true;
         self.start_whole(active, true);
         false
+    }
+}
+
+impl OpenLog {
+    /// Drops provisional results: those of the log as it is are made next.
+    pub(super) fn leave_provisional(&mut self) {
+        if self.whole.take().is_some() {
+            self.products = None;
+        }
     }
 }
 

@@ -3,9 +3,10 @@
 
 use super::{Parked, Reviewing, is_touched};
 use crate::app::error::AppError;
-use crate::app::{Action, App, Outcome, Task};
+use crate::app::{Action, App, Jobs, LogId, Outcome, Task};
 use crate::detection::review::{Review, Reviewed};
 use crate::products::export::{self, ExportError};
+use crate::support::progress::Progress;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -136,120 +137,160 @@ impl Reviewing {
         let is_possible = autosave.log.is_some() && !autosave.failed && !autosave.is_looking();
         is_possible && reviewing.is_unsaved() && !autosave.holds(&reviewing.review)
     }
-}
 
-impl App {
-    /// Writes decisions when they are due, and notifies of those that an earlier run left.
-    pub(in crate::app) fn poll_autosave(&mut self) {
-        self.poll_left();
-        if let Some(writing) = self.log.reviewing.autosave.writing.take() {
-            match writing.task.poll() {
-                Outcome::Pending => self.log.reviewing.autosave.writing = Some(writing),
-                Outcome::Done(Ok(())) => self.log.reviewing.autosave.written = Some(writing.review),
-                Outcome::Done(Err(error)) => self.cannot_keep(&error.into()),
-                Outcome::Failed => self.cannot_keep(&AppError::Failed("the writing")),
-            }
-        }
-        if self.log.reviewing.autosave_due() == Some(Duration::ZERO) {
-            let review = self.log.reviewing.review.clone();
-            let autosave = &mut self.log.reviewing.autosave;
-            if let Some(write) = autosave.next() {
-                let requested = review.clone();
-                let task = Task::start(&self.jobs, move |_| write(&requested));
-                autosave.last = Some(Instant::now());
-                autosave.writing = Some(Writing { review, task });
-            }
-        }
-    }
-
-    /// Writes what is not in the file yet, now: another log is opened, or the window closes.
-    pub(crate) fn keep_decisions(&mut self) {
-        // A write under way ends before this one, so that the newest stays.
-        while self.log.reviewing.autosave.writing.is_some() {
-            self.poll_autosave();
-            std::thread::sleep(Duration::from_millis(1));
-        }
-        if !self.log.reviewing.wants_autosave() {
-            return;
-        }
-        let review = self.log.reviewing.review.clone();
-        match self
-            .log
-            .reviewing
-            .autosave
-            .next()
-            .map(|write| write(&review))
+    /// Collects a write that has ended, and starts one that is due.
+    fn poll_writing(&mut self, jobs: &Jobs) -> Result<(), AppError> {
+        let collected = self.collect_writing();
+        self.autosave.failed |= collected.is_err();
+        if self.autosave_due() == Some(Duration::ZERO)
+            && let Some(write) = self.autosave.next()
         {
-            Some(Ok(())) => self.log.reviewing.autosave.written = Some(review),
-            Some(Err(error)) => self.cannot_keep(&error.into()),
-            None => {}
+            let review = self.review.clone();
+            let requested = review.clone();
+            let task = Task::start(jobs, move |_| write(&requested));
+            self.autosave.last = Some(Instant::now());
+            self.autosave.writing = Some(Writing { review, task });
         }
+        collected
     }
 
-    fn cannot_keep(&mut self, why: &AppError) {
-        self.log.reviewing.autosave.failed = true;
-        let text = format!(
-            "decisions cannot be saved automatically; save the review in the Review menu: {why}"
-        );
-        self.notify(text, true);
-    }
-
-    /// Keeps the decisions about a log that is a file from now on, and looks for those that an earlier run left.
-    pub(in crate::app) fn look_for_unsaved(&mut self) {
-        let Some(survey) = &self.log.survey else {
-            return;
+    fn collect_writing(&mut self) -> Result<(), AppError> {
+        let Some(writing) = self.autosave.writing.take() else {
+            return Ok(());
         };
-        let autosave = &mut self.log.reviewing.autosave;
-        autosave.log = survey.source.files.first().cloned();
-        let Some(path) = autosave.path().filter(|path| path.is_file()) else {
-            return;
-        };
-        let survey = survey.clone();
-        autosave.looking = Some(Task::start(&self.jobs, move |_| {
-            Ok(Review::open_for(&path, &survey)?)
-        }));
+        match writing.task.poll() {
+            Outcome::Pending => self.autosave.writing = Some(writing),
+            Outcome::Done(written) => {
+                written?;
+                self.autosave.written = Some(writing.review);
+            }
+            Outcome::Failed => return Err(AppError::Failed("the writing")),
+        }
+        Ok(())
     }
 
-    fn poll_left(&mut self) {
+    /// Writes what is not in the file yet.
+    fn write_now(&mut self) -> Result<(), AppError> {
+        if self.wants_autosave()
+            && let Some(write) = self.autosave.next()
+        {
+            let written = write(&self.review);
+            self.autosave.failed = written.is_err();
+            written?;
+            self.autosave.written = Some(self.review.clone());
+        }
+        Ok(())
+    }
+
+    /// Collects what an earlier run left. Gives how many boxes it decided about, where nobody has taken that up yet.
+    fn poll_left(&mut self) -> Result<Option<usize>, AppError> {
         // The saved review comes first: what was left is compared with it.
-        if self.log.reviewing.opening.is_some() {
-            return;
+        if self.opening.is_some() {
+            return Ok(None);
         }
-        let autosave = &mut self.log.reviewing.autosave;
+        let autosave = &mut self.autosave;
         let left = match autosave.looking.as_ref().map(Task::poll) {
             Some(Outcome::Done(left)) => left,
             Some(Outcome::Failed) => Err(AppError::Failed("reading them")),
-            Some(Outcome::Pending) | None => return,
+            Some(Outcome::Pending) | None => return Ok(None),
         };
         autosave.looking = None;
-        let now = &self.log.reviewing.review;
         match left {
             // This run wrote it.
-            Ok(left) if left.shared() == now.shared() => autosave.written = Some(now.clone()),
+            Ok(left) if left.shared() == self.review.shared() => {
+                autosave.written = Some(self.review.clone());
+                Ok(None)
+            }
             Ok(left) => {
                 let decided = left.boxes().filter(|one| Reviewed::is_kept(one)).count();
                 autosave.left = Some(Arc::new(left));
+                Ok(Some(decided))
+            }
+            Err(error) => {
+                // Never written over: it may be somebody's work.
+                autosave.log = None;
+                Err(error)
+            }
+        }
+    }
+}
+
+impl App {
+    /// Writes decisions about a log when they are due, and notifies of those that an earlier run left.
+    pub(in crate::app) fn poll_autosave(&mut self, id: LogId) {
+        let jobs = self.jobs.clone();
+        let Some(log) = self.log_mut(id) else {
+            return;
+        };
+        let left = log.reviewing.poll_left();
+        let written = log.reviewing.poll_writing(&jobs);
+        match left {
+            Ok(Some(decided)) => {
                 let text = format!(
                     "Decisions about {decided} boxes were not saved when this log was last open"
                 );
                 self.offer(text, Action::TakeUpUnsaved);
             }
+            Ok(None) => {}
             Err(error) => {
-                // Never written over: it may be somebody's work.
-                autosave.log = None;
                 self.notify(format!("cannot use the unsaved decisions: {error}"), true);
             }
         }
+        self.say_not_kept(written);
     }
 
-    /// Takes up what an earlier run left, as one undo step.
+    /// Writes what is in no file yet of any log, now: others are opened, or the window closes.
+    pub(crate) fn keep_decisions(&mut self) {
+        for id in self.log_ids() {
+            self.keep_decisions_of(id);
+        }
+    }
+
+    /// Writes what is not in the file of a log yet, now: it is closed.
+    pub(in crate::app) fn keep_decisions_of(&mut self, id: LogId) {
+        // A write under way ends before this one, so that the newest stays.
+        while (self.log_mut(id)).is_some_and(|log| log.reviewing.autosave.writing.is_some()) {
+            self.poll_autosave(id);
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        let written = self.log_mut(id).map(|log| log.reviewing.write_now());
+        self.say_not_kept(written.unwrap_or(Ok(())));
+    }
+
+    fn say_not_kept(&mut self, written: Result<(), AppError>) {
+        if let Err(why) = written {
+            let text = format!(
+                "decisions cannot be saved automatically; save the review in the Review menu: {why}"
+            );
+            self.notify(text, true);
+        }
+    }
+
+    /// Keeps the decisions about a log that is a file from now on, and looks for those that an earlier run left.
+    pub(in crate::app) fn look_for_unsaved(&mut self, id: LogId) {
+        let jobs = self.jobs.clone();
+        let Some(log) = self.log_mut(id) else {
+            return;
+        };
+        let Some(survey) = log.survey.clone() else {
+            return;
+        };
+        let autosave = &mut log.reviewing.autosave;
+        autosave.log = survey.source.files.first().cloned();
+        if let Some(path) = autosave.path().filter(|path| path.is_file()) {
+            let read = move |_: &Progress| Ok(Review::open_for(&path, &survey)?);
+            autosave.looking = Some(Task::start(&jobs, read));
+        }
+    }
+
+    /// Takes up what an earlier run left of the shown log, as one undo step.
     pub(in crate::app) fn take_up_unsaved(&mut self) {
         let Some(left) = self.log.reviewing.autosave.left.take() else {
             let text = "there are no unsaved decisions of an earlier run about this log";
             return self.notify(text.to_owned(), true);
         };
         self.log.reviewing.autosave.written = Some(left.clone());
-        self.take_review(left, "restore decisions", false);
+        self.take_review(self.log.id, left, "restore decisions", false);
         self.withdraw(Action::TakeUpUnsaved);
     }
 }

@@ -1,6 +1,6 @@
 //! The list of classes of a survey: changed and renamed as one undo step.
 
-use crate::app::{App, LogId};
+use crate::app::App;
 use crate::detection::ReviewSettings;
 use crate::pipeline::Settings;
 use std::sync::Arc;
@@ -22,14 +22,10 @@ impl App {
             return self.notify(why.to_owned(), true);
         }
         let before = self.step_now();
-        let ids: Vec<LogId> = self.logs().map(|log| log.id).collect();
-        for id in ids {
-            self.with_log(id, |app| {
-                let reviewing = &mut app.log.reviewing;
-                if let Some(after) = reviewing.review.with_class_renamed(from, to) {
-                    reviewing.set(Arc::new(after));
-                }
-            });
+        for log in self.logs_mut() {
+            if let Some(after) = log.reviewing.review.with_class_renamed(from, to) {
+                log.reviewing.set(Arc::new(after));
+            }
         }
         let after = self.step_now();
         // The list is part of the same step.

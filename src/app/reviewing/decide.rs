@@ -1,8 +1,8 @@
 //! Decisions and corrections of single boxes, and the steps that undo goes back to.
 
 use super::{BoxEdge, Reviewing, Tool, border_m, middle};
-use crate::app::step::Step;
-use crate::app::{App, LogBox, Orientation};
+use crate::app::step::{LogStep, Step};
+use crate::app::{App, LogBox, LogId, Orientation};
 use crate::detection::review::{BoxId, Edit, Review};
 use crate::detection::{Mark, ObjectExtent};
 use crate::survey::Side;
@@ -44,47 +44,61 @@ impl App {
         let same_shared = Arc::ptr_eq(&shared, &self.document.shared);
         let mut changed_box = None;
         for log in step.logs {
-            let changed = self.with_log(log.id, |app| {
-                app.log.is_visible = log.is_visible;
-                let survey = app.log.survey.as_ref();
-                let longer = survey.and_then(|survey| log.own.carried_to(survey));
-                let own = longer.map_or(log.own, Arc::new);
-                if !same_shared || !Arc::ptr_eq(&app.log.own, &own) {
-                    app.set_own(own, false);
-                }
-                let changed = app.log.reviewing.go_to(log.review);
-                // The log may have grown since that step; and with the settings its sides may be others than a moment ago.
-                if let Some(survey) = app.log.survey.clone() {
-                    app.carry_decisions(&survey);
-                }
-                changed
-            });
-            changed_box = changed_box.or(changed.flatten().map(|id| (log.id, id)));
+            let changed = self.take_log_step(log, same_shared);
+            changed_box = changed_box.or(changed);
         }
-        if let Some((log, id)) = changed_box {
-            self.bring_in(LogBox { log, id });
+        if let Some(changed) = changed_box {
+            self.bring_in(changed);
         }
         self.settle_plane();
         self.keep_project(label);
         self.process();
     }
 
-    /// Makes `review` the boxes in force, as one undo step that ends with the first change that is not `live`.
+    /// Goes back or forward to a step of one log; gives back the first box that is another one then.
+    fn take_log_step(&mut self, step: LogStep, same_shared: bool) -> Option<LogBox> {
+        let id = step.id;
+        let log = self.log_mut(id)?;
+        log.is_visible = step.is_visible;
+        let survey = log.survey.as_ref();
+        let longer = survey.and_then(|survey| step.own.carried_to(survey));
+        let own = longer.map_or(step.own, Arc::new);
+        if !same_shared || !Arc::ptr_eq(&log.own, &own) {
+            self.set_own(id, own, false);
+        }
+        let changed = self.log_mut(id)?.reviewing.go_to(step.review);
+        // The log may have grown since that step; and with the settings its sides may be others than a moment ago.
+        self.carry_decisions(id);
+        changed.map(|one| LogBox { log: id, id: one })
+    }
+
+    /// Makes `review` the boxes in force of a log, as one undo step that ends with the first change that is not `live`.
     pub(in crate::app) fn take_review(
         &mut self,
+        id: LogId,
         review: Arc<Review>,
         label: impl Into<Cow<'static, str>>,
         live: bool,
     ) {
         let before = self.step_now();
-        self.log.reviewing.set(review);
+        if let Some(log) = self.log_mut(id) {
+            log.reviewing.set(review);
+        }
         let after = self.step_now();
         self.record_step(&before, &after, label, live);
     }
 
-    /// Carries out an edit. A drag passes many places, all but the last `live`.
+    /// Carries out an edit of the shown log's boxes, and selects the box that it adds. A drag passes many places, all but the last `live`.
     pub(in crate::app) fn edit(&mut self, edit: &Edit, live: bool) {
-        let now = &self.log.reviewing.review;
+        if let Some(added) = self.edit_of(self.log.id, edit, live) {
+            self.log.reviewing.tool = Tool::Look;
+            self.select_box(Some(added));
+        }
+    }
+
+    /// Carries out an edit of a log's boxes. Gives the box that it adds.
+    pub(in crate::app) fn edit_of(&mut self, id: LogId, edit: &Edit, live: bool) -> Option<BoxId> {
+        let now = &self.log_mut(id)?.reviewing.review;
         let next_id = now.next_id();
         let after = now.apply(edit);
         let adds = matches!(edit, Edit::Add { .. } | Edit::AddPoint { .. });
@@ -96,23 +110,20 @@ impl App {
             Some(BoxId(number)) => Cow::Owned(format!("{} {number}", edit.label())),
             None => Cow::Borrowed(edit.label()),
         };
-        self.take_review(after, label, live);
+        self.take_review(id, after, label, live);
+        let reviewing = &mut self.log_mut(id)?.reviewing;
         match edit {
-            Edit::Relabel(_, class) => self.log.reviewing.class = *class,
-            Edit::Classify(id, _) => {
-                let reviewing = &mut self.log.reviewing;
-                let class = reviewing.review.get(*id).map(|one| one.class);
+            Edit::Relabel(_, class) => reviewing.class = *class,
+            Edit::Classify(one, _) => {
+                let class = reviewing.review.get(*one).map(|one| one.class);
                 reviewing.class = class.unwrap_or(reviewing.class);
-            }
-            _ if is_new => {
-                self.log.reviewing.tool = Tool::Look;
-                self.select_box(Some(next_id));
             }
             _ => {}
         }
+        is_new.then_some(next_id)
     }
 
-    /// Selects a box and brings it into all views, or selects none.
+    /// Selects a box of the shown log and brings it into all views, or selects none.
     pub(in crate::app) fn select_box(&mut self, id: Option<BoxId>) {
         self.log.reviewing.selected = id;
         self.log.reviewing.edge = BoxEdge::default();

@@ -5,10 +5,11 @@ mod tail;
 use crate::app::error::AppError;
 use crate::app::{App, LogId, OpenLog, Outcome, Task};
 use crate::detection::model::shipped;
-use crate::detection::review::Queue;
+use crate::detection::review::{Queue, Review};
 use crate::detection::{Detection, DetectorSettings, Model, ModelError, SoFar, find};
 use crate::pipeline::EngineStatus;
 use std::collections::VecDeque;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, mpsc};
 
@@ -158,7 +159,7 @@ impl App {
         };
         if let Some(place) = ahead.clone().position(ready) {
             if let Some(id) = self.findings.search.ahead.remove(place) {
-                self.with_log(id, App::search_log);
+                self.search_log(id);
             }
         } else if self.engine_status() == EngineStatus::Idle
             && (self.pipeline.is_waiting || self.pipeline.requested.is_none())
@@ -175,8 +176,10 @@ impl App {
         }
     }
 
-    fn search_log(&mut self) {
-        let (Some(survey), Some(products)) = (&self.log.survey, &self.log.products) else {
+    fn search_log(&mut self, id: LogId) {
+        let log = self.open_log(id);
+        let known = log.and_then(|log| log.survey.as_ref().zip(log.products.as_ref()));
+        let Some((survey, products)) = known else {
             return;
         };
         let (survey, navigation) = (survey.clone(), products.navigation.clone());
@@ -204,7 +207,7 @@ impl App {
             Ok(found?)
         });
         self.findings.search.running = Some(Detecting {
-            log: self.log.id,
+            log: id,
             messages,
             pings: 0,
             all,
@@ -243,17 +246,19 @@ impl App {
         match self.findings.search.running.take() {
             Some(running) => {
                 let last = self.receive_messages(&running);
-                self.with_log(running.log, |app| app.end_search(last));
+                self.end_search(running.log, last);
             }
-            None => self.end_search(None),
+            None => self.end_search(self.log.id, None),
         }
     }
 
-    /// Ends the undo step of a search that has come to no end.
-    fn end_search(&mut self, last: Option<SoFar>) {
-        match last {
-            Some(so_far) => self.adopt(&so_far.boxes, so_far.pings, false),
-            None => self.take_review(self.log.reviewing.review.clone(), LABEL, false),
+    /// Ends the undo step of a search of a log that has come to no end.
+    fn end_search(&mut self, id: LogId, last: Option<SoFar>) {
+        if let Some(so_far) = last {
+            self.adopt(id, &so_far.boxes, so_far.pings, false);
+        } else if let Some(log) = self.log_mut(id) {
+            let review = log.reviewing.review.clone();
+            self.take_review(id, review, LABEL, false);
         }
     }
 
@@ -284,7 +289,7 @@ impl App {
             Outcome::Pending => {
                 if let Some(so_far) = last {
                     running.pings = so_far.pings;
-                    self.with_log(id, |app| app.adopt(&so_far.boxes, so_far.pings, true));
+                    self.adopt(id, &so_far.boxes, so_far.pings, true);
                 }
                 self.findings.search.running = Some(running);
                 return;
@@ -297,7 +302,7 @@ impl App {
             Err(error) => {
                 // The same model would fail on the next log as well.
                 self.findings.search.ahead.clear();
-                self.with_log(id, |app| app.end_search(last));
+                self.end_search(id, last);
                 self.notify(error.to_string(), true);
             }
         }
@@ -308,7 +313,7 @@ impl App {
         self.findings.search.done += 1;
         self.findings.search.found += found.len();
         let is_last = self.findings.search.ahead.is_empty();
-        self.with_log(id, |app| app.adopt(found, pings, !is_last));
+        self.adopt(id, found, pings, !is_last);
         if !is_last {
             self.keep_project(LABEL);
             return self.search_next();
@@ -331,19 +336,24 @@ impl App {
         self.findings.search.detector = Some(detector);
     }
 
-    /// Takes the boxes that were found in the log's first pings.
-    fn adopt(&mut self, found: &[Detection], pings: usize, live: bool) {
-        let Some((detector, raster)) =
-            (self.findings.search.detector.clone()).zip(self.log.reviewing.raster().cloned())
-        else {
-            return;
-        };
+    /// Takes the boxes that were found in a log's first pings.
+    fn adopt(&mut self, id: LogId, found: &[Detection], pings: usize, live: bool) {
+        let adopted = self.adopted(id, found, 0..pings);
+        if let Some(review) = adopted {
+            self.take_review(id, review, LABEL, live);
+        }
+    }
+
+    /// The boxes of a log with those that were found in some of its pings.
+    fn adopted(&self, id: LogId, found: &[Detection], pings: Range<usize>) -> Option<Arc<Review>> {
+        let detector = self.findings.search.detector.as_ref()?;
+        let reviewing = &self.open_log(id)?.reviewing;
         let path = detector.path.as_deref();
         let name = path.map_or_else(|| "shipped".to_owned(), file_name);
-        let review = &self.log.reviewing.review;
         let names = detector.model.names();
-        let review = review.adopt_part(&name, names, found, &raster, 0..pings);
-        self.take_review(Arc::new(review), LABEL, live);
+        let raster = reviewing.raster()?;
+        let review = (reviewing.review).adopt_part(&name, names, found, raster, pings);
+        Some(Arc::new(review))
     }
 }
 

@@ -1,9 +1,10 @@
 //! The file that a review is kept in: a sidecar file of the log, which is never changed.
 
+use super::Reviewing;
 use crate::app::error::AppError;
-use crate::app::{App, LogId, Outcome, Task};
+use crate::app::{App, Jobs, LogId, OpenLog, Outcome, Task};
 use crate::detection::review::Review;
-use crate::products::export;
+use crate::products::export::{self, ExportError};
 use crate::products::outputs::write_boxes;
 use crate::support::printable::quoted;
 use std::io::Write as _;
@@ -22,13 +23,9 @@ pub(super) struct Opening {
 }
 
 impl App {
-    /// Where the review is or would be kept: its file, or the sidecar file of the log.
+    /// Where the review of the shown log is or would be kept: its file, or the sidecar file of the log.
     pub(crate) fn review_path(&self) -> Option<PathBuf> {
-        let beside = || {
-            let log = self.log.survey.as_ref()?.source.files.first()?;
-            Some(log.with_extension(SUFFIX))
-        };
-        self.log.reviewing.path.clone().or_else(beside)
+        self.log.review_path()
     }
 
     /// Whether decisions about a reviewed log are in no file yet.
@@ -42,35 +39,34 @@ impl App {
             let reviewing = &log.reviewing;
             reviewing.has_boxes() && !Arc::ptr_eq(&reviewing.review, &reviewing.saved)
         });
-        let changed: Vec<LogId> = changed.map(|log| log.id).collect();
+        let changed = changed.map(|log| (log.id, log.name(), log.review_path()));
+        let changed: Vec<(LogId, String, Option<PathBuf>)> = changed.collect();
         if changed.is_empty() {
             self.notify("the reviews are saved already".to_owned(), false);
         }
-        for id in changed {
-            self.with_log(id, |app| match app.review_path() {
-                Some(path) => app.save_review(path),
+        for (id, name, path) in changed {
+            match path {
+                Some(path) => self.save_review(id, path),
                 None => {
-                    let name = quoted(&app.log.name());
+                    let name = quoted(&name);
                     let text =
                         format!("{name} is no file; save its review while it is shown alone");
-                    app.notify(text, true);
+                    self.notify(text, true);
                 }
-            });
+            }
         }
     }
 
-    /// Writes the review.
-    pub(in crate::app) fn save_review(&mut self, path: PathBuf) {
-        if self.refuses_log(&path) {
+    /// Writes the review of a log.
+    pub(in crate::app) fn save_review(&mut self, id: LogId, path: PathBuf) {
+        if self.refuses_log(id, &path) {
             return;
         }
-        if self
-            .log
-            .reviewing
-            .refused
-            .take_if(|refused| *refused == path)
-            .is_some()
-        {
+        let Some(log) = self.log_mut(id) else {
+            return;
+        };
+        let refused = &mut log.reviewing.refused;
+        if refused.take_if(|refused| *refused == path).is_some() {
             match export::rename_older(&path) {
                 Ok(aside) => {
                     let text = "The review that could not be used is kept as";
@@ -79,19 +75,16 @@ impl App {
                 Err(error) => return self.notify(error.to_string(), true),
             }
         }
-        let text = self.log.reviewing.review.to_json();
-        let written = export::write_atomically(&path, |mut file| {
-            file.write_all(text.as_bytes())?;
-            file.write_all(b"\n")
-        });
-        match written {
-            Ok(()) => {
-                self.log.reviewing.autosave.clear();
-                let boxes = self.log.reviewing.review.boxes().len();
-                self.notify(format!("Saved {boxes} boxes to {}", path.display()), false);
-                self.log.reviewing.saved = self.log.reviewing.review.clone();
-                self.log.reviewing.path = Some(path);
-            }
+        let Some(log) = self.log_mut(id) else {
+            return;
+        };
+        let text = format!(
+            "Saved {} boxes to {}",
+            log.reviewing.review.boxes().len(),
+            path.display()
+        );
+        match log.reviewing.save(path) {
+            Ok(()) => self.notify(text, false),
             Err(error) => self.notify(error.to_string(), true),
         }
     }
@@ -108,72 +101,111 @@ impl App {
         });
     }
 
-    /// Starts reading a review of the open survey.
+    /// Starts reading a review of the shown log.
     pub(in crate::app) fn open_review(&mut self, path: PathBuf) {
-        self.read_review(path, false);
-    }
-
-    /// Starts reading the review in the log's sidecar file, if there is one and nothing is at hand already.
-    pub(in crate::app) fn look_for_review(&mut self) {
-        if let Some(path) = self.review_path()
-            && !self.log.reviewing.has_boxes()
-            && path.is_file()
-        {
-            self.read_review(path, true);
+        let jobs = self.jobs.clone();
+        if !self.log.read_review(path, false, &jobs) {
+            let text = "open the log first, then the review of its boxes";
+            self.notify(text.to_owned(), true);
         }
     }
 
-    fn read_review(&mut self, path: PathBuf, unasked: bool) {
-        let Some(survey) = &self.log.survey else {
-            let text = "open the log first, then the review of its boxes";
-            return self.notify(text.to_owned(), true);
-        };
-        let (survey, from) = (survey.clone(), path.clone());
-        let task = Task::start(&self.jobs, move |_| Ok(Review::open_for(&from, &survey)?));
-        self.log.reviewing.opening = Some(Opening {
-            path,
-            unasked,
-            task,
-        });
+    /// Starts reading the review in a log's sidecar file, if there is one and nothing is at hand already.
+    pub(in crate::app) fn look_for_review(&mut self, id: LogId) {
+        let jobs = self.jobs.clone();
+        if let Some(log) = self.log_mut(id)
+            && let Some(path) = log.review_path()
+            && !log.reviewing.has_boxes()
+            && path.is_file()
+        {
+            log.read_review(path, true, &jobs);
+        }
     }
 
-    /// Collects a review that was read.
-    pub(in crate::app) fn poll_review(&mut self) {
-        let Some(opening) = &self.log.reviewing.opening else {
+    /// Collects a review that was read for a log.
+    pub(in crate::app) fn poll_review(&mut self, id: LogId) {
+        let Some(log) = self.log_mut(id) else {
             return;
         };
-        let read = match opening.task.poll() {
-            Outcome::Pending => return,
-            Outcome::Done(read) => read,
-            Outcome::Failed => Err(AppError::Failed("reading the review")),
-        };
-        let Some(opening) = self.log.reviewing.opening.take() else {
+        let Some((read, path, unasked)) = log.reviewing.take_read() else {
             return;
         };
         match read {
             Ok(review) => {
                 let boxes = review.boxes().len();
-                // The sides may have been exchanged while it was read.
-                let swapped = self
-                    .log
-                    .survey
-                    .as_ref()
-                    .is_some_and(|one| one.swapped_sides);
-                let review = Arc::new(review.with_sides(swapped));
-                self.take_review(review.clone(), "open review", false);
-                self.log.reviewing.saved = review;
-                let path = opening.path.display();
-                let text = match opening.unasked {
-                    true => format!("Found {boxes} boxes in the log's sidecar file: {path}"),
-                    false => format!("Opened {boxes} boxes: {path}"),
+                let text = match unasked {
+                    true => format!(
+                        "Found {boxes} boxes in the log's sidecar file: {}",
+                        path.display()
+                    ),
+                    false => format!("Opened {boxes} boxes: {}", path.display()),
                 };
+                // The sides may have been exchanged while it was read.
+                let swapped = (log.survey.as_ref()).is_some_and(|one| one.swapped_sides);
+                let review = Arc::new(review.with_sides(swapped));
+                self.take_review(id, review.clone(), "open review", false);
+                if let Some(log) = self.log_mut(id) {
+                    log.reviewing.saved = review;
+                    log.reviewing.path = Some(path);
+                }
                 self.notify(text, false);
-                self.log.reviewing.path = Some(opening.path);
             }
             Err(error) => {
-                self.log.reviewing.refused = opening.unasked.then_some(opening.path);
+                log.reviewing.refused = unasked.then_some(path);
                 self.notify(error.to_string(), true);
             }
         }
+    }
+}
+
+impl OpenLog {
+    /// Where its review is or would be kept: its file, or the sidecar file of the log.
+    fn review_path(&self) -> Option<PathBuf> {
+        let beside = || {
+            let log = self.survey.as_ref()?.source.files.first()?;
+            Some(log.with_extension(SUFFIX))
+        };
+        self.reviewing.path.clone().or_else(beside)
+    }
+
+    /// Starts reading a review of it. Gives back whether there is a log.
+    fn read_review(&mut self, path: PathBuf, unasked: bool, jobs: &Jobs) -> bool {
+        let Some(survey) = self.survey.clone() else {
+            return false;
+        };
+        let from = path.clone();
+        let task = Task::start(jobs, move |_| Ok(Review::open_for(&from, &survey)?));
+        self.reviewing.opening = Some(Opening {
+            path,
+            unasked,
+            task,
+        });
+        true
+    }
+}
+
+impl Reviewing {
+    /// A review that was read, once, with its file and whether it was found there unasked.
+    fn take_read(&mut self) -> Option<(Result<Review, AppError>, PathBuf, bool)> {
+        let read = match self.opening.as_ref()?.task.poll() {
+            Outcome::Pending => return None,
+            Outcome::Done(read) => read,
+            Outcome::Failed => Err(AppError::Failed("reading the review")),
+        };
+        let Opening { path, unasked, .. } = self.opening.take()?;
+        Some((read, path, unasked))
+    }
+
+    /// Writes the boxes into a file, which is theirs from now on.
+    fn save(&mut self, path: PathBuf) -> Result<(), ExportError> {
+        let text = self.review.to_json();
+        export::write_atomically(&path, |mut file| {
+            file.write_all(text.as_bytes())?;
+            file.write_all(b"\n")
+        })?;
+        self.autosave.clear();
+        self.saved = self.review.clone();
+        self.path = Some(path);
+        Ok(())
     }
 }

@@ -3,7 +3,7 @@
 
 use super::{Reviewing, middle};
 use crate::app::error::AppError;
-use crate::app::{App, Outcome, Task};
+use crate::app::{App, Jobs, LogId, OpenLog, Outcome, Task};
 use crate::detection::truth::{self, Mistake, RasterTruth, Standing, Truth, TruthComparison};
 use crate::survey::Identity;
 use std::path::PathBuf;
@@ -134,6 +134,31 @@ impl Judging {
         self.missed = None;
     }
 
+    /// Takes a truth that was read; gives what to say of it.
+    fn take_truth(&mut self) -> Result<Option<String>, AppError> {
+        let read = match self.opening.as_ref().map(|opening| opening.task.poll()) {
+            Some(Outcome::Done(read)) => read,
+            Some(Outcome::Failed) => Err(AppError::Failed("reading the known objects")),
+            Some(Outcome::Pending) | None => return Ok(None),
+        };
+        let opening = self.opening.take();
+        let (truth, Some(opening)) = (read?, opening) else {
+            return Ok(None);
+        };
+        let objects = truth.objects.len();
+        self.forget();
+        self.truth = Some((opening.source.clone(), Arc::new(truth)));
+        self.outdated = true;
+        Ok(match opening.source {
+            Source::File(path) if !opening.unasked => {
+                let path = path.display();
+                Some(format!("Opened {objects} known objects: {path}"))
+            }
+            // A sidecar file is named where it is used.
+            Source::File(_) | Source::Demo => None,
+        })
+    }
+
     fn forget(&mut self) {
         self.truth = None;
         self.comparison = None;
@@ -144,6 +169,39 @@ impl Judging {
 }
 
 impl Reviewing {
+    /// Collects the comparison with the truth, and starts it where it is outdated.
+    fn poll_comparison(&mut self, jobs: &Jobs) {
+        if self.judging.running.is_none() {
+            self.compare(jobs);
+        }
+        let judging = &mut self.judging;
+        match judging.running.as_ref().map(Task::poll) {
+            Some(Outcome::Done(comparison)) => {
+                judging.running = None;
+                judging.comparison = Some(comparison);
+                self.count_mistakes();
+            }
+            Some(Outcome::Failed) => judging.running = None,
+            Some(Outcome::Pending) | None => {}
+        }
+    }
+
+    fn compare(&mut self, jobs: &Jobs) {
+        let Some(raster) = self.raster().cloned() else {
+            return;
+        };
+        let review = self.review.clone();
+        let judging = &mut self.judging;
+        let (Some((_, truth)), true) = (&judging.truth, judging.outdated) else {
+            return;
+        };
+        judging.outdated = false;
+        let truth = truth.clone();
+        judging.running = Some(Task::start(jobs, move |_| {
+            TruthComparison::new(&review, RasterTruth::new(&raster, truth), &raster)
+        }));
+    }
+
     /// Counts anew at the confidence slider.
     pub(super) fn count_mistakes(&mut self) {
         let Some(comparison) = &self.judging.comparison else {
@@ -184,114 +242,81 @@ impl Reviewing {
     }
 }
 
-impl App {
-    /// Reads the truth from a file; while a log is being opened, once that is open.
-    pub(in crate::app) fn open_truth(&mut self, path: PathBuf) {
-        if self.load_status().is_some() {
-            self.log.reviewing.judging.requested = Some(path);
-        } else {
-            self.read_truth(Source::File(path), false);
-        }
-    }
-
-    /// Reads what was asked for while the log was being opened, or its sidecar file.
-    pub(in crate::app) fn look_for_truth(&mut self, is_file: bool) {
-        if let Some(path) = self.log.reviewing.judging.requested.take() {
-            return self.read_truth(Source::File(path), false);
+impl OpenLog {
+    /// Where its truth is, and whether nobody asked for that.
+    fn known_truth(&mut self, is_file: bool) -> Option<(Source, bool)> {
+        if let Some(path) = self.reviewing.judging.requested.take() {
+            return Some((Source::File(path), false));
         }
         if !is_file {
-            return self.read_truth(Source::Demo, true);
+            return Some((Source::Demo, true));
         }
-        let log = (self.log.survey.as_ref()).and_then(|survey| survey.source.files.first());
-        let sidecar = log.map(|log| log.with_extension(truth::SIDECAR));
-        if let Some(sidecar) = sidecar.filter(|sidecar| sidecar.is_file()) {
-            self.read_truth(Source::File(sidecar), true);
-        }
+        let log = self.survey.as_ref()?.source.files.first()?;
+        let sidecar = log.with_extension(truth::SIDECAR);
+        sidecar.is_file().then_some((Source::File(sidecar), true))
     }
 
-    /// Leaves the truth aside.
-    pub(in crate::app) fn forget_truth(&mut self) {
-        self.log.reviewing.judging.forget();
-    }
-
-    fn read_truth(&mut self, source: Source, unasked: bool) {
-        let Some(survey) = &self.log.survey else {
-            let text = "open the log first, then its known objects";
-            return self.notify(text.to_owned(), true);
+    /// Starts reading its truth. Gives back whether there is a log.
+    fn read_truth(&mut self, source: Source, unasked: bool, jobs: &Jobs) -> bool {
+        let Some(survey) = &self.survey else {
+            return false;
         };
         let (identity, from) = (Identity::of(survey), source.clone());
-        let task = Task::start(&self.jobs, move |_| match &from {
+        let task = Task::start(jobs, move |_| match &from {
             Source::Demo => Ok(Truth::parse(DEMO_TRUTH, &identity)?),
             Source::File(path) => Ok(Truth::read(path, &identity)?),
         });
-        self.log.reviewing.judging.opening = Some(Opening {
+        self.reviewing.judging.opening = Some(Opening {
             source,
             unasked,
             task,
         });
+        true
     }
+}
 
-    /// Collects truth and comparisons, and asks for what is outdated.
-    pub(in crate::app) fn poll_judging(&mut self) {
-        self.poll_truth();
-        if self.log.reviewing.judging.running.is_none() {
-            self.compare();
-        }
-        let judging = &mut self.log.reviewing.judging;
-        match judging.running.as_ref().map(Task::poll) {
-            Some(Outcome::Done(comparison)) => {
-                judging.running = None;
-                judging.comparison = Some(comparison);
-                self.log.reviewing.count_mistakes();
+impl App {
+    /// Reads the truth of the shown log from a file; while a log is being opened, once that is open.
+    pub(in crate::app) fn open_truth(&mut self, path: PathBuf) {
+        if self.load_status().is_some() {
+            self.log.reviewing.judging.requested = Some(path);
+        } else {
+            let jobs = self.jobs.clone();
+            if !self.log.read_truth(Source::File(path), false, &jobs) {
+                let text = "open the log first, then its known objects";
+                self.notify(text.to_owned(), true);
             }
-            Some(Outcome::Failed) => judging.running = None,
-            Some(Outcome::Pending) | None => {}
         }
     }
 
-    fn poll_truth(&mut self) {
-        let judging = &mut self.log.reviewing.judging;
-        let read = match judging.opening.as_ref().map(|opening| opening.task.poll()) {
-            Some(Outcome::Done(read)) => read,
-            Some(Outcome::Failed) => Err(AppError::Failed("reading the known objects")),
-            Some(Outcome::Pending) | None => return,
-        };
-        let Some(opening) = judging.opening.take() else {
+    /// Reads what was asked for while a log was being opened, or its sidecar file.
+    pub(in crate::app) fn look_for_truth(&mut self, id: LogId, is_file: bool) {
+        let jobs = self.jobs.clone();
+        if let Some(log) = self.log_mut(id)
+            && let Some((source, unasked)) = log.known_truth(is_file)
+        {
+            log.read_truth(source, unasked, &jobs);
+        }
+    }
+
+    /// Leaves the truth of the shown log aside.
+    pub(in crate::app) fn forget_truth(&mut self) {
+        self.log.reviewing.judging.forget();
+    }
+
+    /// Collects truth and comparisons of a log, and asks for what is outdated.
+    pub(in crate::app) fn poll_judging(&mut self, id: LogId) {
+        let jobs = self.jobs.clone();
+        let Some(log) = self.log_mut(id) else {
             return;
         };
-        match read {
-            Ok(truth) => {
-                let objects = truth.objects.len();
-                judging.forget();
-                judging.truth = Some((opening.source.clone(), Arc::new(truth)));
-                judging.outdated = true;
-                // A sidecar file is named where it is used.
-                if let Source::File(path) = opening.source
-                    && !opening.unasked
-                {
-                    let path = path.display();
-                    let text = format!("Opened {objects} known objects: {path}");
-                    self.notify(text, false);
-                }
-            }
+        let opened = log.reviewing.judging.take_truth();
+        log.reviewing.poll_comparison(&jobs);
+        match opened {
+            Ok(Some(text)) => self.notify(text, false),
+            Ok(None) => {}
             Err(error) => self.notify(error.to_string(), true),
         }
-    }
-
-    fn compare(&mut self) {
-        let Some(raster) = self.log.reviewing.raster().cloned() else {
-            return;
-        };
-        let review = self.log.reviewing.review.clone();
-        let judging = &mut self.log.reviewing.judging;
-        let (Some((_, truth)), true) = (&judging.truth, judging.outdated) else {
-            return;
-        };
-        judging.outdated = false;
-        let truth = truth.clone();
-        judging.running = Some(Task::start(&self.jobs, move |_| {
-            TruthComparison::new(&review, RasterTruth::new(&raster, truth), &raster)
-        }));
     }
 
     /// Shows a mistake: a box is selected, a missed object marked, and both are brought into all views.

@@ -136,12 +136,11 @@ impl App {
         };
         let before = self.step_now();
         for one in boxes {
-            self.with_log(one.log, |app| {
-                let reviewing = &mut app.log.reviewing;
-                if let Some(after) = reviewing.review.apply(&edit(one.id)) {
-                    reviewing.set(Arc::new(after));
-                }
-            });
+            if let Some(log) = self.log_mut(one.log)
+                && let Some(after) = log.reviewing.review.apply(&edit(one.id))
+            {
+                log.reviewing.set(Arc::new(after));
+            }
         }
         let after = self.step_now();
         self.record_step(&before, &after, label, false);
@@ -182,7 +181,9 @@ impl App {
 
     /// Sorts and filters the boxes of all logs.
     pub(in crate::app) fn set_queue(&mut self, queue: &Queue) {
-        self.each_log(|app| app.log.reviewing.line_up(queue));
+        for log in self.logs_mut() {
+            log.reviewing.line_up(queue);
+        }
     }
 }
 

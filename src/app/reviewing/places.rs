@@ -2,7 +2,7 @@
 //! when the track, the first returns or the scale are others.
 
 use super::Reviewing;
-use crate::app::{App, Outcome, Task};
+use crate::app::{Jobs, OpenLog, Outcome, Task};
 use crate::detection::review::{BoxId, Reviewed};
 use crate::detection::targets::Target;
 use crate::detection::{Mark, MeasuredShadow, ObjectExtent};
@@ -84,10 +84,10 @@ impl Places {
     }
 }
 
-impl App {
+impl OpenLog {
     /// Collects places, and asks for those that are missing.
-    pub(in crate::app) fn poll_places(&mut self) {
-        let places = &mut self.log.reviewing.places;
+    pub(in crate::app) fn poll_places(&mut self, jobs: &Jobs) {
+        let places = &mut self.reviewing.places;
         match places.running.as_ref().map(|running| running.task.poll()) {
             Some(Outcome::Pending) => return,
             Some(Outcome::Done(entries)) => {
@@ -109,15 +109,15 @@ impl App {
             None => {}
         }
         if places.outdated {
-            self.place_boxes();
+            self.place_boxes(jobs);
         }
     }
 
-    fn place_boxes(&mut self) {
-        let (Some(survey), Some(products)) = (&self.log.survey, &self.log.products) else {
+    fn place_boxes(&mut self, jobs: &Jobs) {
+        let (Some(survey), Some(products)) = (&self.survey, &self.products) else {
             return;
         };
-        let reviewing = &mut self.log.reviewing;
+        let reviewing = &mut self.reviewing;
         reviewing.places.outdated = false;
         let ground = Ground(products.clone());
         let places = &mut reviewing.places;
@@ -140,7 +140,7 @@ impl App {
             return;
         }
         let (survey, from) = (survey.clone(), ground.clone());
-        let task = Task::start(&self.jobs, move |progress| {
+        let task = Task::start(jobs, move |progress| {
             let locator = ObjectLocator::new(&survey, &from.0);
             let entry = |(id, (mark, extent, shadow)): (BoxId, Drawn)| {
                 let placed = locator.place_as(&mark, extent, shadow).map(|target| {

@@ -84,10 +84,9 @@ fn gesture(app: &App, number: usize, folder: &Path) -> Command {
         }),
         4 | 22 => edit(Edit::Add { mark, class: 0 }),
         5 => edit(Edit::Accept(BoxId(last))),
-        6 => Command::SetOwn {
-            key: "first_return.threshold".to_owned(),
-            own: round.is_multiple_of(2),
-        },
+        // What all logs share, and then what one log has for itself.
+        6 if round.is_multiple_of(2) => change(app, "calibration.mode=flat_spot", "scale"),
+        6 => Command::Do(Action::KeepRecordedRange),
         7 => Command::MoveLog(ids[0], 1),
         8 => Command::SetLogVisible(other, !round.is_multiple_of(3)),
         9 | 10 | 18 | 27 => Command::Do(Action::Undo),

@@ -3,7 +3,7 @@
 //! What is found is no step of the history: undo takes back what the analyst did. A step that brings an older version of the boxes back
 //! leaves pings unsearched, and they are searched again.
 
-use super::{LEAST_SCORE, file_name};
+use super::{LABEL, LEAST_SCORE};
 use crate::app::error::AppError;
 use crate::app::{App, LogId, Outcome, Task};
 use crate::detection::{Detection, DetectorSettings, find};
@@ -54,18 +54,21 @@ impl App {
     pub(in crate::app) fn search_tail(&mut self, id: LogId) {
         let tail = &self.findings.search.tail;
         if tail.is_wanted && tail.running.is_none() && !self.findings.search.is_busy() {
-            self.with_log(id, Self::begin_tail);
+            self.begin_tail(id);
         }
     }
 
-    fn begin_tail(&mut self) {
+    fn begin_tail(&mut self, id: LogId) {
         let Some(detector) = self.findings.search.detector.clone() else {
             return;
         };
-        let (Some(survey), Some(products)) = (&self.log.survey, &self.log.products) else {
+        let Some(log) = self.open_log(id) else {
             return;
         };
-        let searched = self.log.reviewing.review.searched().last();
+        let (Some(survey), Some(products)) = (&log.survey, &log.products) else {
+            return;
+        };
+        let searched = log.reviewing.review.searched().last();
         let end = searched.map_or(0, |searched| searched.pings.end);
         let to = survey.side_scan.len().min(products.navigation.pings.len());
         if to < end + ENOUGH {
@@ -96,7 +99,7 @@ impl App {
             Ok(found)
         });
         self.findings.search.tail.running = Some(Running {
-            log: self.log.id,
+            log: id,
             from,
             to,
             task,
@@ -121,11 +124,7 @@ impl App {
             return;
         };
         match found {
-            Ok(found) => {
-                self.with_log(running.log, |app| {
-                    app.adopt_tail(&found, running.from, running.to)
-                });
-            }
+            Ok(found) => self.adopt_tail(&running, &found),
             Err(error) => {
                 // The same model would fail again.
                 self.findings.search.tail.stop();
@@ -134,22 +133,17 @@ impl App {
         }
     }
 
-    fn adopt_tail(&mut self, found: &[Detection], from: usize, to: usize) {
-        let detector = self.findings.search.detector.clone();
-        let Some((detector, raster)) = detector.zip(self.log.reviewing.raster().cloned()) else {
-            return;
-        };
-        let path = detector.path.as_deref();
-        let name = path.map_or_else(|| "shipped".to_owned(), file_name);
-        let review = &self.log.reviewing.review;
+    fn adopt_tail(&mut self, running: &Running, found: &[Detection]) {
+        let &Running { log, from, to, .. } = running;
         // The edge of the picture is no object, and what begins before is there already.
         let inside = found
             .iter()
             .filter(|one| one.mark.pings.start > from || from == 0);
         let inside: Vec<Detection> = inside.cloned().collect();
-        let names = detector.model.names();
-        let review = review.adopt_part(&name, names, &inside, &raster, from..to);
-        self.log.reviewing.set(Arc::new(review));
-        self.keep_project("find objects");
+        let adopted = self.adopted(log, &inside, from..to);
+        if let Some((log, review)) = self.log_mut(log).zip(adopted) {
+            log.reviewing.set(review);
+            self.keep_project(LABEL);
+        }
     }
 }
