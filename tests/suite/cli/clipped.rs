@@ -29,7 +29,13 @@ fn isobaths_areas_and_spot_soundings_end_at_the_area_that_is_named() {
     let temporary = tempfile::tempdir().unwrap();
     let folder = temporary.path();
     fs::copy(demo_log(), folder.join("demo.sl2")).unwrap();
-    let process = ["process", "demo.sl2", "--products", "isobaths,geopackage"];
+    let process = [
+        "process",
+        "demo.sl2",
+        "--no-objects",
+        "--products",
+        "isobaths,geopackage",
+    ];
     run(folder, &[&process[..], &["-o", "whole"]].concat());
     let features = |run: &str, name: &str| -> Vec<Value> {
         let path = folder.join(run).join("isobaths").join(name);

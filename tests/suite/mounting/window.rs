@@ -328,7 +328,8 @@ fn a_recorder_has_a_default_that_its_logs_are_opened_with() {
 
     // A run knows nothing of it, whatever the window keeps.
     let process = |set: &[&str]| {
-        let args = ["process", "first.sl2", "--products", "track", "-o", "out"];
+        let args = ["process", "first.sl2", "--no-objects"];
+        let args = [&args[..], &["--products", "track", "-o", "out"]].concat();
         run(folder, &[&args[..], set].concat());
         std::fs::read_to_string(folder.join("out/report.json")).expect("a report")
     };
