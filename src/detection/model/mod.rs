@@ -3,11 +3,11 @@
 //! In: an ONNX file, and pictures. Out: boxes with classes and scores, or a reason why the file cannot be used.
 //! It uses `support`.
 //!
-//! `screen` refuses what could harm before anything is computed, `constants` what would grow while it is compiled, `cost` what
-//! would take too much to run. `tract` compiles and runs (behind `backend`, so that another may come), `guard` keeps failures
-//! and endless work to themselves. `family` infers from the outputs' shapes how boxes are
-//! written; `sidecar` (the JSON file next to the model) and `metadata` (inside it) state the rest. `input` makes the numbers that
-//! the network takes. `calibration` turns a network's confidence into the share of such boxes that are right. `shipped` is the model that comes with the program.
+//! `screen` refuses what could harm before anything is computed, `constants` what would grow while it is compiled, `cost` what would take
+//! too much to run. `tract` compiles and runs (behind `backend`, so that another may come), convolutions of 3 x 3 by `winograd`. `guard`
+//! keeps failures and endless work to themselves. `family` infers from the outputs' shapes how boxes are written; `sidecar` (the JSON file
+//! next to the model) and `metadata` (inside it) state the rest. `input` makes the numbers that the network takes. `calibration` turns a
+//! network's confidence into the share of such boxes that are right. `shipped` is the model that comes with the program.
 
 mod backend;
 mod calibration;
@@ -15,6 +15,7 @@ mod constants;
 mod cost;
 mod error;
 mod family;
+mod fast_convolutions;
 mod guard;
 mod input;
 mod load;
@@ -23,6 +24,7 @@ mod screen;
 mod shipped;
 mod sidecar;
 mod tract;
+mod winograd;
 
 pub(crate) use backend::{Inference, Output};
 pub(crate) use error::{DetectError, ModelError, Unusable};

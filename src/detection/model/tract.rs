@@ -1,8 +1,9 @@
 //! Networks run by tract, in pure Rust. Beside it only `screen`, `constants` and `cost` name it, which look at the
-//! same graph before it is compiled or run.
+//! same graph before it is compiled or run, and `fast_convolutions`, which replaces layers of it.
 
 use super::constants::check_constants;
 use super::cost::check_cost;
+use super::fast_convolutions::replace_convolutions;
 use super::screen::Declared;
 use super::{Inference, Output, Unusable};
 use crate::support::catch_panic::catch_panic;
@@ -45,10 +46,7 @@ pub(super) fn compile(
     let model = typed(model).map_err(compile_error)?;
     check_cost(&model)?;
     let names = output_names(proto);
-    let plan = model
-        .into_optimized()
-        .and_then(|model| model.into_runnable())
-        .map_err(compile_error)?;
+    let plan = runnable(model).map_err(compile_error)?;
     Ok(Network { plan, names, shape })
 }
 
@@ -74,6 +72,12 @@ fn parsed(
     parsed
         .model
         .with_input_fact(0, InferenceFact::dt_shape(element, shape))
+}
+
+fn runnable(model: TypedModel) -> TractResult<Arc<TypedRunnableModel>> {
+    let mut model = model.into_decluttered()?;
+    replace_convolutions(&mut model)?;
+    model.into_optimized()?.into_runnable()
 }
 
 fn typed(model: InferenceModel) -> TractResult<TypedModel> {
