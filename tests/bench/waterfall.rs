@@ -2,7 +2,7 @@
 
 use crate::app::{App, Jobs, Mark, View};
 use crate::sonar::first_return::{FirstReturns, Pick};
-use crate::survey::{Bytes, Encoding, Order, SidePing, SideScanState, SideSpan, Survey};
+use crate::survey::{Bytes, Encoding, SampleOrder, SidePing, SideScanState, SideSpan, Survey};
 use crate::ui::views::WaterfallView;
 use crate::ui::{ViewContext, ViewRequest};
 use egui_kittest::Harness;
@@ -131,8 +131,8 @@ fn survey(pings: usize) -> Survey {
         time_s: ping as f64 * 0.05,
         depth_m: 5.0,
         depth_locked: true,
-        port: Some(span(ping, Order::FarToNear)),
-        starboard: Some(span(ping, Order::NearToFar)),
+        port: Some(span(ping, SampleOrder::FarToNear)),
+        starboard: Some(span(ping, SampleOrder::NearToFar)),
     });
     Survey {
         side_scan: std::sync::Arc::new(side_scan.collect()),

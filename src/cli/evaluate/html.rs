@@ -3,7 +3,7 @@
 use super::{Outcome, table};
 use crate::detection::Rect;
 use crate::detection::metrics::CurvePoint;
-use crate::support::presentation::plot::{Axis, Curve, Plot};
+use crate::support::presentation::plot::{Axis, Plot, PlotCurve};
 use crate::support::printable::xml;
 
 /// Area of the curves, pixels.
@@ -30,7 +30,7 @@ pub(super) fn of(outcome: &Outcome) -> String {
 fn curves(outcome: &Outcome) -> String {
     let all = &outcome.darknet;
     let at_score = format!("confidence {}", outcome.score);
-    let precision_recall = |name: String, points: &[CurvePoint]| Curve {
+    let precision_recall = |name: String, points: &[CurvePoint]| PlotCurve {
         name,
         points: (points.iter())
             .map(|point| [point.recall, point.precision])
@@ -55,7 +55,7 @@ fn curves(outcome: &Outcome) -> String {
         outcome.iou,
         plot.svg(PLOT_PX)
     );
-    let over_confidence = |name: &str, of: fn(&CurvePoint) -> f64| Curve {
+    let over_confidence = |name: &str, of: fn(&CurvePoint) -> f64| PlotCurve {
         name: name.to_owned(),
         points: steps(&all.curve, of),
     };

@@ -17,8 +17,8 @@ mod ply_file;
 mod text_file;
 
 pub(crate) use copc::write_copc;
-pub(crate) use elevations::{Elevations, Plane, read_elevations};
-pub(crate) use error::{LasFault, LineFault, PlyFault, PointFault, PointFileError, TextFault};
+pub(crate) use elevations::{Elevations, PointPlane, read_elevations};
+pub(crate) use error::{LasFault, PlyFault, PointFault, PointFileError, PointLineFault, TextFault};
 pub(crate) use las_writer::{LasWriter, transforms};
 
 use copc::is_named_copc;

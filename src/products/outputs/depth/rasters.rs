@@ -4,7 +4,7 @@
 use super::applied;
 use crate::bottom::bathymetry::isobaths::shoalest_m;
 use crate::bottom::bathymetry::{CellSource, Grid, Spread, Surface};
-use crate::formats::geotiff::{Band, Cells, RasterSpec};
+use crate::formats::geotiff::{Band, CellFormat, RasterSpec};
 use crate::pipeline::Plane;
 use crate::products::export::{Summary, metres_raster, qgis_classes, qgis_style, source_raster};
 use crate::products::outputs::content::{FileContent, FileResult};
@@ -137,7 +137,7 @@ fn write_values(layer: &Layer, values: &[f32], results: &Results<'_>, path: &Pat
     let (grid, plane) = (&surface.grid, &results.plane);
     let applied = applied(results.products, surface);
     let spec = RasterSpec {
-        cells: Cells::Metres,
+        cells: CellFormat::Metres,
         band: Some(layer.band),
         description: format!("{}; {}. {applied}", layer.what, plane.survey.name()),
         ..raster::over(grid, &plane.map)

@@ -2,7 +2,7 @@
 
 use super::scene::Scene;
 use crate::support::geo::{LonLat, UtmZone};
-use crate::support::presentation::graticule::{Bounds, Family, Net};
+use crate::support::presentation::graticule::{LineFamily, Net, NetBounds};
 use crate::ui::theme;
 use crate::ui::views::legend;
 use egui::{Align2, Painter, Pos2, Rect, Shape, Stroke, pos2, vec2};
@@ -34,7 +34,7 @@ pub(super) fn paint(painter: &Painter, scene: &Scene<'_>) {
         Rect::from_min_max(foot - vec2(0.0, 46.0), foot + vec2(160.0, -18.0)),
     ];
     let [across, up] = distances(painter, scene, &net, bounds);
-    for (family, least) in [(Family::Upright, across), (Family::Level, up)] {
+    for (family, least) in [(LineFamily::Upright, across), (LineFamily::Level, up)] {
         for line in net.lines(family, bounds, least) {
             let places = net.places(family, line.value, bounds, BENDS);
             let bent: Vec<Pos2> = places.map(|at| on_screen(scene, at)).collect();
@@ -70,7 +70,7 @@ fn edge(scene: &Scene<'_>) -> impl Iterator<Item = LonLat> {
 }
 
 /// Least distances between upright and between level lines, in degrees or metres of the net.
-fn distances(painter: &Painter, scene: &Scene<'_>, net: &Net, bounds: Bounds) -> [f64; 2] {
+fn distances(painter: &Painter, scene: &Scene<'_>, net: &Net, bounds: NetBounds) -> [f64; 2] {
     let [west, south, east, north] = bounds;
     // How much of the axis a point of the screen covers.
     let across = (east - west) / f64::from(scene.rect.width().max(1.0));
@@ -89,14 +89,14 @@ fn on_screen(scene: &Scene<'_>, at: LonLat) -> Pos2 {
 
 /// Where the name of a line stands: upright lines have theirs on the lower edge, level ones on the left, which the lower edge
 /// takes first.
-fn name_at(scene: &Scene<'_>, family: Family, line: &[Pos2]) -> Option<Pos2> {
+fn name_at(scene: &Scene<'_>, family: LineFamily, line: &[Pos2]) -> Option<Pos2> {
     let rect = scene.rect;
     match family {
-        Family::Upright => {
+        LineFamily::Upright => {
             let foot = crossing(line, |at| at.y - rect.bottom())?;
             Some(pos2(foot.x + 3.0, rect.bottom() - 1.0))
         }
-        Family::Level => {
+        LineFamily::Level => {
             let start = crossing(line, |at| at.x - rect.left())?;
             let stands = rect.bottom() - start.y > 16.0;
             stands.then(|| pos2(rect.left() + 3.0, start.y - 1.0))

@@ -348,7 +348,7 @@ fn shown_m(lens: &Lens, pings: &[f64; 2], across_m: [f64; 2]) -> [f64; 2] {
 }
 
 /// The colours of echo strength.
-pub(in crate::ui) fn palette(map: ColourMap) -> colours::Palette {
+pub(in crate::ui) fn palette(map: ColourMap) -> colours::EchoPalette {
     match map {
         ColourMap::Copper => colours::palette(colours::copper),
         ColourMap::Grey => colours::palette(colours::grey),
