@@ -5,7 +5,7 @@ use super::drawn_figure::Figure;
 use super::reviewing::Tool;
 use super::step::Step;
 use super::{App, OpenLog, ProfileLine};
-use crate::bottom::bathymetry::Station;
+use crate::bottom::bathymetry::TransectStation;
 use crate::detection::MeasuredShadow;
 use crate::detection::review::{BoxId, Edit, Reviewed};
 use crate::detection::targets::{ShadowError, ShadowHeight};
@@ -59,7 +59,7 @@ impl Measuring {
     }
 
     /// Depths along the figure; none where it is not the line of a profile.
-    pub(crate) fn stations(&self) -> &[Station] {
+    pub(crate) fn stations(&self) -> &[TransectStation] {
         self.set.as_ref().map_or(&[], |set| &set.stations)
     }
 

@@ -1,7 +1,7 @@
 //! How even the gain makes a mosaic: no step under the boat, no bands along the track, no bars across it, relief kept.
 
 use crate::formats;
-use crate::imagery::mosaic::{Gain, Layout, MosaicSettings, gain_table, window};
+use crate::imagery::mosaic::{Gain, MosaicLayout, MosaicSettings, gain_table, window};
 use crate::pipeline::{self, Products, Settings};
 use crate::simulation::{Artefacts, Scene, simulate};
 use crate::suite::{river, support};
@@ -36,7 +36,7 @@ impl Swaths {
             ..MosaicSettings::default()
         };
         let progress = Progress::new();
-        let layout = Layout::new(
+        let layout = MosaicLayout::new(
             survey,
             &products.navigation,
             &products.returns,

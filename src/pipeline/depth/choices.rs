@@ -1,7 +1,7 @@
 //! What each choice of geometry and calibration costs: the same picks, compared with the same soundings.
 
 use super::residuals::kept_of;
-use crate::bottom::bathymetry::compare::{Matching, Reference};
+use crate::bottom::bathymetry::compare::{Matching, ReferencePoints};
 use crate::bottom::cloud::{Geometry, PointSource, Residuals};
 use crate::pipeline::{Products, Settings, run};
 use crate::sonar::calibration::{OffsetMode, PpdReach, ScaleMode};
@@ -65,7 +65,7 @@ pub(crate) fn choices(
 ) -> Result<Vec<Choice>, Cancelled> {
     let soundings = kept_of(products, &[PointSource::DownScan]);
     let max_gap_m = products.settings.surface.max_gap_m;
-    let reference = Reference::new(
+    let reference = ReferencePoints::new(
         soundings.iter().map(|point| point.place()),
         Matching::Surface { max_gap_m },
     );

@@ -8,7 +8,7 @@
 //!                     |                                     '--colours--> Bottom
 //!                     --layout--> GainTable of each log --> Mosaic
 //!                     |                                 '--> LogPicture
-//!                     '--layout--> Layout of each log, for the Mosaic on the screen and for passes
+//!                     '--layout--> MosaicLayout of each log, for the Mosaic on the screen and for passes
 //! ```
 //!
 //! [`Derived`] has one node for each: of the same results and settings it makes nothing twice, whoever asks, the map on the screen, the
@@ -32,7 +32,7 @@ pub use mosaic::{Mosaic, MosaicPlane};
 pub(crate) use picture::PictureKey;
 
 use crate::bottom::bathymetry::isobaths::{IsobathSettings, NoIsobaths};
-use crate::imagery::mosaic::{GainTable, Layout};
+use crate::imagery::mosaic::{GainTable, MosaicLayout};
 use crate::imagery::picture::LogPicture;
 use crate::pipeline::{ProcessedLog, mosaic_layout_by};
 use crate::support::progress::{Cancelled, Progress};
@@ -51,7 +51,7 @@ pub struct Derived {
     depth_map: Node<DepthMapKey, Option<Arc<DepthMap>>>,
     isobaths: Node<IsobathKey, Result<Arc<Isobaths>, NoIsobaths>>,
     gain: Node<GainKey, Option<Arc<GainTable>>>,
-    layout: Node<LayoutKey, Arc<Layout>>,
+    layout: Node<LayoutKey, Arc<MosaicLayout>>,
     mosaic: Node<MosaicKey, Option<Arc<Mosaic>>>,
     picture: Node<PictureKey, Arc<LogPicture>>,
     bottom: Node<BottomKey, Arc<Bottom>>,
@@ -149,7 +149,7 @@ impl Derived {
         &self,
         log: &ProcessedLog,
         progress: &Progress,
-    ) -> Result<Arc<Layout>, Cancelled> {
+    ) -> Result<Arc<MosaicLayout>, Cancelled> {
         let make = || {
             progress.check()?;
             Ok(Arc::new(mosaic_layout_by(

@@ -14,7 +14,7 @@ use crate::bottom::bathymetry::{DepthPoint, FromLevels, Surface, spot_radius_m, 
 use crate::detection::objects::{LogId, LogReview, ObjectList, SurveyReview};
 use crate::detection::review::Review;
 use crate::detection::{Detection, find};
-use crate::imagery::mosaic::{Layout, footprint};
+use crate::imagery::mosaic::{MosaicLayout, footprint};
 use crate::pipeline::list_objects;
 use crate::pipeline::{
     Agreement, Bottom, BottomColour, Contours, Crosslines, DepthMap, Input, Isobaths, Mosaic,
@@ -235,7 +235,7 @@ impl<'a> Results<'a> {
     pub(super) fn ground(&self) -> Result<&SideScanCoverage, OutputError> {
         once(&self.of_group.ground, || {
             let map = &self.plane.map;
-            let layouts: Vec<Layout> = self
+            let layouts: Vec<MosaicLayout> = self
                 .logs()
                 .map(|(survey, products)| mosaic_layout(survey, products, map))
                 .collect();

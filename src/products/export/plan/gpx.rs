@@ -1,11 +1,13 @@
 //! `.gpx` (GPX 1.1).
 
 use super::{Place, PlannedWay};
-use crate::bottom::planning::Station;
+use crate::bottom::planning::WaypointKind;
 use crate::support::printable::xml;
 
 pub(super) fn text(way: &PlannedWay<'_>) -> String {
-    let ends = way.places().filter(|place| place.station != Station::Turn);
+    let ends = way
+        .places()
+        .filter(|place| place.station != WaypointKind::Turn);
     let waypoints: String = ends.map(|place| point("wpt", &place)).collect();
     let route: String = way.places().map(|place| point("rtept", &place)).collect();
     let (name, description) = (xml(way.name), xml(&way.description()));

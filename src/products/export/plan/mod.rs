@@ -11,7 +11,7 @@ mod mission_planner;
 mod qgroundcontrol;
 
 use super::{ExportError, write_bytes};
-use crate::bottom::planning::{Plan, Station};
+use crate::bottom::planning::{Plan, WaypointKind};
 use crate::support::geo::{LocalFrame, LonLat};
 use std::path::{Path, PathBuf};
 
@@ -83,7 +83,7 @@ pub(crate) struct PlannedWay<'a> {
 /// A place of the way on the Earth.
 struct Place {
     at: LonLat,
-    station: Station,
+    station: WaypointKind,
 }
 
 impl PlannedWay<'_> {
@@ -127,9 +127,9 @@ impl Place {
     /// `L3 start`, `L3 end`, `turn`; lines count from 1.
     fn name(&self) -> String {
         match self.station {
-            Station::Start(line) => format!("L{} start", line + 1),
-            Station::End(line) => format!("L{} end", line + 1),
-            Station::Turn => "turn".to_owned(),
+            WaypointKind::Start(line) => format!("L{} start", line + 1),
+            WaypointKind::End(line) => format!("L{} end", line + 1),
+            WaypointKind::Turn => "turn".to_owned(),
         }
     }
 }

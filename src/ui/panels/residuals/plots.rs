@@ -1,7 +1,7 @@
 //! The pictures of differences: how often each size occurs, and what they hang on.
 
 use crate::app::ViewOptions;
-use crate::bottom::bathymetry::compare::{Bin, Histogram};
+use crate::bottom::bathymetry::compare::{Bin, DifferenceHistogram};
 use crate::pipeline::ResidualTables;
 use crate::support::presentation::plot::Axis;
 use crate::ui::panels::axes::Axes;
@@ -88,8 +88,8 @@ fn short(value: f64) -> String {
     format!("{}", (100.0 * value).round() / 100.0 + 0.0)
 }
 
-fn columns(painter: &Painter, rect: Rect, histogram: &Histogram, options: &ViewOptions) {
-    let Histogram {
+fn columns(painter: &Painter, rect: Rect, histogram: &DifferenceHistogram, options: &ViewOptions) {
+    let DifferenceHistogram {
         from_m,
         width_m,
         counts,

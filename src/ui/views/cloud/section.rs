@@ -5,7 +5,7 @@ use super::axes::Axes;
 use super::clip;
 use super::scene::CloudScene;
 use crate::app::{App, ViewOptions};
-use crate::bottom::bathymetry::Station;
+use crate::bottom::bathymetry::TransectStation;
 use crate::ui::render::{Cut, Part, Projection};
 use crate::ui::theme;
 use egui::{Color32, Painter, Pos2, Shape, Stroke};
@@ -33,7 +33,7 @@ pub(super) fn part(app: &App, scene: &CloudScene, eye: Vec3) -> Part {
 
 /// The upright plane from the first to the last place of a profile; what is left out is the side that the camera is on, so that the section
 /// is seen from wherever one looks.
-fn cut(stations: &[Station], scene: &CloudScene, eye: Vec3) -> Option<Cut> {
+fn cut(stations: &[TransectStation], scene: &CloudScene, eye: Vec3) -> Option<Cut> {
     let ends = [stations.first()?, stations.last()?];
     let [first, last] = ends.map(|end| scene.local(end.place[0], end.place[1], 0.0).truncate());
     let right = (last - first).try_normalize()?.perp();
@@ -52,11 +52,11 @@ pub(super) fn paint(painter: &Painter, app: &App, scene: &CloudScene, axes: &Axe
         return;
     }
     let colour = theme::MEASURE_COLOUR;
-    let at = |one: &Station, depth_m: f64| {
+    let at = |one: &TransectStation, depth_m: f64| {
         let [east_m, north_m] = one.place;
         in_box(axes, scene.local(east_m, north_m, -depth_m))
     };
-    let bottom = |one: &Station| at(one, f64::from(one.depth_m?));
+    let bottom = |one: &TransectStation| at(one, f64::from(one.depth_m?));
     let bottom: Vec<Option<Pos2>> = stations.iter().map(bottom).collect();
     let surface: Vec<Option<Pos2>> = stations.iter().map(|one| at(one, 0.0)).collect();
     let thin = Stroke::new(1.0, colour);

@@ -3,7 +3,7 @@
 
 use super::camera::{Camera, Size};
 use crate::app::Orientation;
-use crate::imagery::picture::{Geometry, PingScale, PingScales};
+use crate::imagery::picture::{PictureGeometry, PingScale, PingScales};
 use crate::survey::Side;
 use crate::ui::place::{across_m, side_at};
 use egui::{Pos2, Rect, pos2};
@@ -46,7 +46,7 @@ pub(super) struct Arrangement {
     /// Which way time runs.
     pub orientation: Orientation,
     /// What lies across.
-    pub geometry: Geometry,
+    pub geometry: PictureGeometry,
     /// Later pings to the left, or above.
     pub flip: bool,
     /// Starboard first.
@@ -99,10 +99,10 @@ impl Lens {
     }
 
     /// What lies across.
-    pub(super) fn geometry(&self) -> Geometry {
+    pub(super) fn geometry(&self) -> PictureGeometry {
         match self.arrangement.scales {
             Some(_) => self.arrangement.geometry,
-            None => Geometry::Slant,
+            None => PictureGeometry::Slant,
         }
     }
 
@@ -165,7 +165,7 @@ impl Lens {
     /// How far from the middle a recorded range of a side is shown at a ping, metres.
     pub(super) fn distance_m(&self, side: Side, ping: f64, range_m: f64) -> f64 {
         match self.geometry() {
-            Geometry::Slant => range_m,
+            PictureGeometry::Slant => range_m,
             geometry => self.scale(side, ping).across_m(geometry, range_m),
         }
     }
@@ -209,7 +209,7 @@ impl Lens {
             false => Side::Starboard,
         };
         let range_m = match self.geometry() {
-            Geometry::Slant => shown_m.abs(),
+            PictureGeometry::Slant => shown_m.abs(),
             geometry => {
                 let scale = self.scale(side, ping);
                 scale.recorded_at_m(geometry, shown_m.abs()).max(0.0)
@@ -233,7 +233,7 @@ impl Lens {
     pub(super) fn line_at_range(&self, across_m: f64) -> Vec<Pos2> {
         let pings = self.pings();
         let steps = match self.geometry() {
-            Geometry::Slant => 1,
+            PictureGeometry::Slant => 1,
             _ => LINE_POINTS,
         };
         let ping = |step: usize| {
@@ -269,7 +269,7 @@ mod tests {
     }
 
     /// The same with everything that can be turned, over ground 4 m down.
-    fn turned(orientation: Orientation, geometry: Geometry) -> Lens {
+    fn turned(orientation: Orientation, geometry: PictureGeometry) -> Lens {
         let plain = lens(orientation);
         let arrangement = Arrangement {
             orientation,
@@ -284,9 +284,9 @@ mod tests {
     #[test]
     fn a_place_comes_back_from_the_screen() {
         let geometries = [
-            Geometry::Slant,
-            Geometry::SlantBeyondWater,
-            Geometry::Ground,
+            PictureGeometry::Slant,
+            PictureGeometry::SlantBeyondWater,
+            PictureGeometry::Ground,
         ];
         for orientation in BOTH {
             let turned = geometries.map(|geometry| turned(orientation, geometry));
@@ -318,14 +318,14 @@ mod tests {
             };
             let (time, range) = towards(lens(orientation));
             assert!(time > 0.0 && range > 0.0, "{orientation:?}");
-            let (time, range) = towards(turned(orientation, Geometry::Slant));
+            let (time, range) = towards(turned(orientation, PictureGeometry::Slant));
             assert!(time < 0.0 && range < 0.0, "{orientation:?}");
         }
     }
 
     #[test]
     fn ground_range_is_the_side_of_the_triangle() {
-        let lens = turned(Orientation::Horizontal, Geometry::Ground);
+        let lens = turned(Orientation::Horizontal, PictureGeometry::Ground);
         // 5 m of slant range over 4 m of water are 3 m on the ground.
         assert!((lens.distance_m(Side::Port, 7.0, 5.0) - 3.0).abs() < 1e-6);
         assert_eq!(lens.distance_m(Side::Port, 7.0, 2.0), 0.0);

@@ -31,7 +31,7 @@ mod tone;
 pub(crate) use boxes::outline;
 
 use crate::app::{App, ColourMap, Command, Enlarged, Mark, Orientation, Tool};
-use crate::imagery::picture::Geometry;
+use crate::imagery::picture::PictureGeometry;
 use crate::imagery::waterfall::RangeAxis;
 use crate::support::presentation::colours;
 use crate::ui::render::waterfall::WaterfallPicture;
@@ -196,7 +196,7 @@ impl WaterfallView {
         Arrangement {
             orientation: options.orientation,
             geometry: match app.log.reviewing.tool {
-                Tool::Bottom => Geometry::Slant,
+                Tool::Bottom => PictureGeometry::Slant,
                 _ => options.geometry(),
             },
             flip: picture.flip,

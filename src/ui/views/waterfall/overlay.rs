@@ -6,7 +6,7 @@ use super::lens::Lens;
 use super::scales::RangeLines;
 use super::{bottom, boxes, exclusions, flat_spots, lines, marks, scales};
 use crate::app::{App, Mark};
-use crate::imagery::picture::Geometry;
+use crate::imagery::picture::PictureGeometry;
 use crate::survey::{Side, Survey};
 use crate::ui::{place, theme};
 use egui::Painter;
@@ -50,7 +50,7 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
         stretch.draw(painter);
     }
     // Without the water column, the bottom lies in the middle.
-    let shows_water = lens.geometry() == Geometry::Slant;
+    let shows_water = lens.geometry() == PictureGeometry::Slant;
     if let Some(drawing) = shown.drawing.filter(|_| shows_water) {
         draw_lines(painter, lens, shown, drawing);
     }

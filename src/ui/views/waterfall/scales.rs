@@ -4,7 +4,7 @@ use super::labels::{INK, Labels};
 use super::lens::{Lens, Place};
 use crate::app::{Orientation, ViewOptions};
 use crate::bottom::cloud::Reduction;
-use crate::imagery::picture::Geometry;
+use crate::imagery::picture::PictureGeometry;
 use crate::support::presentation::ticks;
 use crate::support::presentation::units::Units;
 use crate::survey::{Side, SideSpan, Survey};
@@ -48,8 +48,8 @@ impl RangeLines {
     ) -> Self {
         let step_m = units.round_up_m(lens.metres_per_point() * LINE_POINTS);
         let lines = match lens.geometry() {
-            Geometry::Ground => on_ground(lens, step_m, far_m),
-            Geometry::Slant | Geometry::SlantBeyondWater => {
+            PictureGeometry::Ground => on_ground(lens, step_m, far_m),
+            PictureGeometry::Slant | PictureGeometry::SlantBeyondWater => {
                 in_slant_range(lens, survey, reduction, step_m, far_m)
             }
         };
@@ -177,9 +177,9 @@ fn points(lens: &Lens, side: Side, places: &[LinePlace]) -> Vec<Pos2> {
 /// What lies across, and how long a metre along is drawn, where the picture begins.
 pub(super) fn geometry(labels: &mut Labels<'_>, lens: &Lens, stretch: Option<f64>) {
     let across = match lens.geometry() {
-        Geometry::Slant => "slant range",
-        Geometry::SlantBeyondWater => "slant range, no water column",
-        Geometry::Ground => "ground range",
+        PictureGeometry::Slant => "slant range",
+        PictureGeometry::SlantBeyondWater => "slant range, no water column",
+        PictureGeometry::Ground => "ground range",
     };
     let along = match stretch {
         Some(stretch) if (stretch - 1.0).abs() < 0.005 => ", 1:1".to_owned(),

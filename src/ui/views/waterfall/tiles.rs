@@ -2,7 +2,7 @@
 
 use super::lens::Lens;
 use crate::app::Orientation;
-use crate::imagery::picture::{Geometry, LogPicture};
+use crate::imagery::picture::{LogPicture, PictureGeometry};
 use crate::imagery::waterfall::{
     Level, Lru, RangeAxis, TILE, Want, WaterfallTile, WaterfallTileKey,
 };
@@ -213,7 +213,7 @@ impl<'a> Scale<'a> {
     /// Recorded ranges that can be shown between two distances from the middle, metres.
     fn recorded_m(&self, shown_m: [f64; 2]) -> [f64; 2] {
         match (self.lens.geometry(), self.picture) {
-            (Geometry::Slant, _) | (_, None) => shown_m,
+            (PictureGeometry::Slant, _) | (_, None) => shown_m,
             (geometry, Some(picture)) => picture.extremes.recorded_m(geometry, shown_m),
         }
     }
@@ -221,7 +221,7 @@ impl<'a> Scale<'a> {
     /// Distances from the middle between which recorded ranges of a side are shown, as far as they are seen, metres.
     fn shown_m(&self, side: Side, recorded_m: [f64; 2]) -> [f64; 2] {
         match (self.lens.geometry(), self.picture) {
-            (Geometry::Slant, _) | (_, None) => recorded_m,
+            (PictureGeometry::Slant, _) | (_, None) => recorded_m,
             (geometry, Some(picture)) => {
                 let [near_m, far_m] = picture.extremes.across_m(geometry, recorded_m);
                 let seen = self.lens.seen_of(side);

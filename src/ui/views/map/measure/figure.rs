@@ -1,7 +1,7 @@
 //! What is drawn to measure on the map.
 
 use crate::app::App;
-use crate::bottom::bathymetry::Station;
+use crate::bottom::bathymetry::TransectStation;
 use crate::project::{Measurement, MeasurementKind};
 use crate::ui::theme;
 use crate::ui::views::map::scene::Scene;
@@ -41,7 +41,7 @@ pub(super) fn cross(painter: &Painter, scene: &Scene<'_>, place: [f64; 2]) {
 }
 
 /// The place that the pointer is at in the plot.
-pub(super) fn station(painter: &Painter, scene: &Scene<'_>, station: &Station) {
+pub(super) fn station(painter: &Painter, scene: &Scene<'_>, station: &TransectStation) {
     let at = scene.at(station.place);
     let around = Stroke::new(4.0, theme::canvas_colour(scene.options));
     painter.circle_stroke(at, 6.0, around);

@@ -11,7 +11,7 @@ mod profile;
 
 use super::scene::Scene;
 use crate::app::{Action, App, Command, Measure, View};
-use crate::bottom::bathymetry::Station;
+use crate::bottom::bathymetry::TransectStation;
 use crate::project::{Measurement, MeasurementKind};
 use crate::support::geo::LonLat;
 use crate::ui::ViewContext;
@@ -158,7 +158,7 @@ impl MeasureTool {
         let Some(at) = response.hover_pos() else {
             return;
         };
-        let off = |station: &Station| scene.at(station.place).distance(at);
+        let off = |station: &TransectStation| scene.at(station.place).distance(at);
         let nearest = stations(app)
             .iter()
             .min_by(|a, b| off(a).total_cmp(&off(b)));
@@ -183,7 +183,7 @@ fn shown(app: &App, next: Option<LonLat>) -> Option<Measurement> {
 }
 
 /// The depths along the line of the profile.
-fn stations(app: &App) -> &[Station] {
+fn stations(app: &App) -> &[TransectStation] {
     let profile = app.map.measuring.profile();
     profile.map_or(&[], |line| &line.stations)
 }
