@@ -2,7 +2,7 @@
 
 use super::status_line::StatusLine;
 use super::{Failure, output, simulated_files};
-use crate::detection::dataset::{Boxes, Chip, Known, Slice};
+use crate::detection::dataset::{Chip, KnownObject, PictureBoxes, Slice};
 use crate::detection::{Mark, Raster, TILE_PX};
 use crate::formats;
 use crate::products::export::{DatasetFolder, Part, PartSummary, make_folder};
@@ -177,11 +177,11 @@ impl Maker<'_> {
             make_folder(folder)?;
         }
         let scenes = self.images.div_ceil(self.per_scene);
-        let boxes: Vec<Vec<Boxes>> = (0..scenes)
+        let boxes: Vec<Vec<PictureBoxes>> = (0..scenes)
             .into_par_iter()
             .map(|scene| self.scene(scene))
             .collect::<Result<_, Failure>>()?;
-        let boxes: Vec<Boxes> = boxes.into_iter().flatten().collect();
+        let boxes: Vec<PictureBoxes> = boxes.into_iter().flatten().collect();
         Ok(Made {
             part: self.dataset.finish(self.part, &boxes)?,
             scenes,
@@ -194,7 +194,7 @@ impl Maker<'_> {
     }
 
     /// Simulates one scene and writes its pictures and their YOLO labels.
-    fn scene(&self, index: usize) -> Result<Vec<Boxes>, Failure> {
+    fn scene(&self, index: usize) -> Result<Vec<PictureBoxes>, Failure> {
         self.progress.check()?;
         let seed = self.seed_of(index);
         let training = training_scene(seed, self.per_scene, TILE_PX as f64 * PIXEL_M);
@@ -238,7 +238,7 @@ fn chips(
         .collect())
 }
 
-fn chip(survey: &Survey, raster: &Raster, look: &TrainingPlace, known: &[Known]) -> Chip {
+fn chip(survey: &Survey, raster: &Raster, look: &TrainingPlace, known: &[KnownObject]) -> Chip {
     let start = |share: f64, room: usize| (share * room as f64) as usize;
     let row = start(look.along, raster.rows().saturating_sub(TILE_PX));
     let column = start(look.outward, raster.columns().saturating_sub(LEAST_COLUMNS));
@@ -246,7 +246,7 @@ fn chip(survey: &Survey, raster: &Raster, look: &TrainingPlace, known: &[Known])
 }
 
 /// The truth about all objects of a simulated survey, as boxes in it.
-pub fn known_objects(simulated: &Simulated) -> Vec<Known> {
+pub fn known_objects(simulated: &Simulated) -> Vec<KnownObject> {
     let count = simulated.pings.len();
     let mut known = Vec::new();
     for object in &simulated.objects {
@@ -258,10 +258,10 @@ pub fn known_objects(simulated: &Simulated) -> Vec<Known> {
     known
 }
 
-fn of_sighting(class: usize, sighting: &ObjectPass, count: usize) -> Known {
+fn of_sighting(class: usize, sighting: &ObjectPass, count: usize) -> KnownObject {
     let [near_m, far_m] = sighting.echo_and_shadow_m();
     let slices = sighting.shown.iter().flat_map(|shown| &shown.slices);
-    Known {
+    KnownObject {
         class,
         whole: Mark {
             side: sighting.side,

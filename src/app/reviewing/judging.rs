@@ -4,7 +4,7 @@
 use super::{Reviewing, middle};
 use crate::app::error::AppError;
 use crate::app::{App, Jobs, LogId, OpenLog, Outcome, Task};
-use crate::detection::truth::{self, Mistake, RasterTruth, Standing, Truth, TruthComparison};
+use crate::detection::truth::{self, Mistake, RasterTruth, Standing, SurveyTruth, TruthComparison};
 use crate::survey::Identity;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -51,13 +51,13 @@ struct Opening {
     source: Source,
     /// A sidecar file of the log: it was found, not opened.
     unasked: bool,
-    task: Task<Result<Truth, AppError>>,
+    task: Task<Result<SurveyTruth, AppError>>,
 }
 
 /// The truth, and how the boxes stand to it.
 #[derive(Default)]
 pub(crate) struct Judging {
-    truth: Option<(Source, Arc<Truth>)>,
+    truth: Option<(Source, Arc<SurveyTruth>)>,
     opening: Option<Opening>,
     /// Asked for while the log was still being opened.
     requested: Option<PathBuf>,
@@ -263,8 +263,8 @@ impl OpenLog {
         };
         let (identity, from) = (Identity::of(survey), source.clone());
         let task = Task::start(jobs, move |_| match &from {
-            Source::Demo => Ok(Truth::parse(DEMO_TRUTH, &identity)?),
-            Source::File(path) => Ok(Truth::read(path, &identity)?),
+            Source::Demo => Ok(SurveyTruth::parse(DEMO_TRUTH, &identity)?),
+            Source::File(path) => Ok(SurveyTruth::read(path, &identity)?),
         });
         self.reviewing.judging.opening = Some(Opening {
             source,

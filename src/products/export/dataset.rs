@@ -1,7 +1,7 @@
 //! The folder of pictures and labels that a detector is trained on (`assets/detector/training/data.py` reads it).
 
 use super::{ExportError, write_bytes};
-use crate::detection::dataset::{Boxes, Chip, Coco, voc_xml, yolo_lines};
+use crate::detection::dataset::{Chip, Coco, PictureBoxes, voc_xml, yolo_lines};
 use serde::Serialize;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -80,7 +80,12 @@ impl DatasetFolder {
     }
 
     /// Writes a picture's labels as Pascal VOC, in `voc/PART`.
-    pub(crate) fn voc(&self, part: Part, number: usize, boxes: &Boxes) -> Result<(), ExportError> {
+    pub(crate) fn voc(
+        &self,
+        part: Part,
+        number: usize,
+        boxes: &PictureBoxes,
+    ) -> Result<(), ExportError> {
         make(&self.root.join("voc").join(part.name()))?;
         let text = voc_xml(&picture(number), &self.classes, boxes);
         self.text(&format!("voc/{}/{number:06}.xml", part.name()), &text)
@@ -90,7 +95,7 @@ impl DatasetFolder {
     pub(crate) fn finish(
         &self,
         part: Part,
-        pictures: &[Boxes],
+        pictures: &[PictureBoxes],
     ) -> Result<PartSummary, ExportError> {
         let mut coco = Coco::new(self.classes.iter().map(String::as_str));
         for (number, boxes) in pictures.iter().enumerate() {
@@ -104,7 +109,7 @@ impl DatasetFolder {
                 *labels.entry(name.clone()).or_default() += 1;
             }
         }
-        let is_empty = |boxes: &&Boxes| boxes.labels.is_empty();
+        let is_empty = |boxes: &&PictureBoxes| boxes.labels.is_empty();
         Ok(PartSummary {
             name: part.name(),
             images: pictures.len(),

@@ -1,6 +1,6 @@
 //! What was decided about boxes as pictures with labels, for training.
 
-use crate::detection::dataset::{Boxes, Chip};
+use crate::detection::dataset::{Chip, PictureBoxes};
 use crate::detection::review::{Review, ReviewedTile};
 use crate::detection::{Labelled, Raster, TILE_PX, level};
 use crate::products::export::{DatasetFolder, Part, PartSummary};
@@ -105,7 +105,7 @@ impl TrainingTiles<'_> {
         };
         Chip {
             pixels,
-            boxes: Boxes {
+            boxes: PictureBoxes {
                 labels: renumbered(&tile.boxes.labels),
                 ignored: renumbered(&tile.boxes.ignored),
                 outlines: Vec::new(),
