@@ -2,7 +2,7 @@
 
 use super::error::AppError;
 use super::reference_comparison::{Of, ReferenceComparison};
-use super::{App, MapLayer, Outcome, Task};
+use super::{App, MapLayer, Task, TaskOutcome};
 use crate::bottom::bathymetry::compare::Matching;
 use crate::pipeline::{Agreement, AgreementError, ProcessedLog, Reference, Settings};
 use crate::support::progress::Progress;
@@ -142,9 +142,9 @@ impl App {
     /// Collects a reference that was opened.
     pub(super) fn poll_comparing(&mut self) {
         let opened = match self.map.comparing.opening.as_ref().map(Task::poll) {
-            None | Some(Outcome::Pending) => return,
-            Some(Outcome::Done(opened)) => opened,
-            Some(Outcome::Failed) => Err(AppError::Failed("opening the reference")),
+            None | Some(TaskOutcome::Pending) => return,
+            Some(TaskOutcome::Done(opened)) => opened,
+            Some(TaskOutcome::Failed) => Err(AppError::Failed("opening the reference")),
         };
         self.map.comparing.opening = None;
         match opened {

@@ -5,7 +5,7 @@
 
 use super::error::AppError;
 use super::outdated::LogsChange;
-use super::{App, LogId, OpenLog, Outcome, Task};
+use super::{App, LogId, OpenLog, Task, TaskOutcome};
 use crate::bottom::cloud::Correction;
 use crate::bottom::cloud::correction::WaterLevelSettings;
 use crate::formats::{TrackError, TrackFile, read_gauge};
@@ -84,9 +84,9 @@ impl External {
     /// A file that was read, once.
     fn collect(&mut self) -> Option<Result<Read, AppError>> {
         let read = match self.reading.as_ref()?.poll() {
-            Outcome::Pending => return None,
-            Outcome::Done(read) => read,
-            Outcome::Failed => Err(AppError::Failed("reading the table")),
+            TaskOutcome::Pending => return None,
+            TaskOutcome::Done(read) => read,
+            TaskOutcome::Failed => Err(AppError::Failed("reading the table")),
         };
         self.reading = None;
         Some(read)

@@ -3,7 +3,7 @@
 use super::project::{keep_figure, kept_figure};
 use super::step::{LogStep, Step};
 use super::{Action, App, LogId};
-use crate::pipeline::settings::{Kind, Number, row};
+use crate::pipeline::settings::{Number, SettingKind, row};
 use crate::pipeline::{Settings, setting_values};
 use crate::project::{self, History, PastStep, Project, ProjectLog, UNDONE};
 use crate::support::presentation::units::Units;
@@ -61,7 +61,7 @@ impl App {
     }
 
     /// Steps in the order in which they were done, and after them those that were taken back.
-    pub(crate) fn history(&self) -> impl Iterator<Item = project::Step<'_>> {
+    pub(crate) fn history(&self) -> impl Iterator<Item = project::HistoryStep<'_>> {
         self.document.history.steps()
     }
 
@@ -273,14 +273,14 @@ fn value_of_change(before: &Step, after: &Step, units: Units) -> Option<String> 
         return None;
     }
     match (&row(key)?.kind, is.get(key)) {
-        (Kind::Number(number), Some(value)) => {
+        (SettingKind::Number(number), Some(value)) => {
             let value = value
                 .as_float()
                 .or(value.as_integer().map(|whole| whole as f64))?;
             Some(in_metres(number, value, units))
         }
-        (Kind::Number(number), None) => number.none_word().map(str::to_owned),
-        (Kind::Choice(choice), Some(Value::String(chosen))) => {
+        (SettingKind::Number(number), None) => number.none_word().map(str::to_owned),
+        (SettingKind::Choice(choice), Some(Value::String(chosen))) => {
             let named = choice.names.iter().find(|name| name.value == chosen);
             Some(named.map_or(chosen.as_str(), |name| name.label).to_owned())
         }

@@ -2,7 +2,7 @@
 
 use super::Jobs;
 use super::error::AppError;
-use super::{Outcome, Task};
+use super::{Task, TaskOutcome};
 use crate::formats;
 use crate::project::{BottomFileError, LogFile, read_bottom};
 use crate::sonar::first_return::BottomSettings;
@@ -127,9 +127,9 @@ impl Loading {
     /// The outcome, once.
     pub(super) fn poll(&self) -> Option<Result<Opened, AppError>> {
         match self.task.poll() {
-            Outcome::Done(opened) => Some(opened),
-            Outcome::Pending => None,
-            Outcome::Failed => Some(Err(AppError::OpeningFailed(self.request.origin.name()))),
+            TaskOutcome::Done(opened) => Some(opened),
+            TaskOutcome::Pending => None,
+            TaskOutcome::Failed => Some(Err(AppError::OpeningFailed(self.request.origin.name()))),
         }
     }
 

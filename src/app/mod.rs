@@ -98,6 +98,6 @@ pub(crate) use state::App;
 pub(crate) use swipe::{Swipe, SwipeSide};
 
 pub(crate) use crate::detection::objects::{LogBox, LogId, ObjectState, SurveyObject};
-pub(crate) use crate::pipeline::{Jobs, Outcome, Task};
+pub(crate) use crate::pipeline::{Jobs, Task, TaskOutcome};
 #[cfg(any(test, feature = "bench"))]
 pub(crate) use passes::LogPass;

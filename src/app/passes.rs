@@ -1,7 +1,7 @@
 //! Which passes saw a place: for the menu of the map, and from a selected place to the next look at it. Logs are laid out for it, in
 //! a background thread; a search that nobody waits for any more is dropped.
 
-use super::{App, LogId, Mark, Outcome, ShownLog, Task};
+use super::{App, LogId, Mark, ShownLog, Task, TaskOutcome};
 use crate::pipeline::{Derived, Pass, passes_over, place_of};
 use crate::support::geo::LonLat;
 use crate::support::progress::{Cancelled, Progress};
@@ -179,8 +179,8 @@ impl App {
             .as_ref()
             .map(|next| next.task.poll())
         {
-            None | Some(Outcome::Pending) => {}
-            Some(Outcome::Done(found)) => {
+            None | Some(TaskOutcome::Pending) => {}
+            Some(TaskOutcome::Done(found)) => {
                 let here = self.selected();
                 // Whoever selected something else meanwhile does not want to be led away from it.
                 let next = self
@@ -198,7 +198,7 @@ impl App {
                     None => {}
                 }
             }
-            Some(Outcome::Failed) => {
+            Some(TaskOutcome::Failed) => {
                 self.findings.passes.next = None;
                 self.notify("looking for passes failed unexpectedly".to_owned(), true);
             }
@@ -210,9 +210,9 @@ impl App {
             return;
         };
         match listed.task.as_ref().map(Task::poll) {
-            None | Some(Outcome::Pending) => {}
-            Some(Outcome::Done(found)) => (listed.found, listed.task) = (found, None),
-            Some(Outcome::Failed) => listed.task = None,
+            None | Some(TaskOutcome::Pending) => {}
+            Some(TaskOutcome::Done(found)) => (listed.found, listed.task) = (found, None),
+            Some(TaskOutcome::Failed) => listed.task = None,
         }
     }
 

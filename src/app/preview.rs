@@ -4,7 +4,7 @@
 //! on screen. One job runs at a time and the newest request waits for it: cancelling each time would show nothing at all
 //! during a long drag.
 
-use super::{Jobs, Outcome, Task};
+use super::{Jobs, Task, TaskOutcome};
 use crate::pipeline::Settings;
 use crate::sonar::first_return::{
     BottomSettings, FirstReturnSettings, FirstReturns, ImageSettings, Method, Normalisation,
@@ -139,9 +139,9 @@ impl Previewer {
     pub(super) fn poll(&mut self, jobs: &Jobs) -> Option<Preview> {
         let outcome = self.running.as_ref()?.poll();
         let answer = match outcome {
-            Outcome::Pending => return None,
-            Outcome::Done(answer) => answer.ok(),
-            Outcome::Failed => None,
+            TaskOutcome::Pending => return None,
+            TaskOutcome::Done(answer) => answer.ok(),
+            TaskOutcome::Failed => None,
         };
         self.running = None;
         let preview = answer.and_then(|answer| {

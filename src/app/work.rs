@@ -3,7 +3,7 @@
 use super::figures::Figures;
 use super::loader::{Loading, Opened, Place, ReadBottom, Request};
 use super::preview::Request as PreviewRequest;
-use super::{Action, App, Jobs, LogId, OpenLog, Origin, Outcome, Task};
+use super::{Action, App, Jobs, LogId, OpenLog, Origin, Task, TaskOutcome};
 use crate::pipeline::Products;
 use crate::products::export::is_same_file;
 use crate::project::LogFile;
@@ -286,12 +286,12 @@ impl OpenLog {
     /// Collects what was counted.
     fn poll_figures(&mut self) {
         match self.counting.as_ref().map(Task::poll) {
-            Some(Outcome::Done(figures)) => {
+            Some(TaskOutcome::Done(figures)) => {
                 self.figures = figures;
                 self.counting = None;
             }
-            Some(Outcome::Failed) => self.counting = None,
-            Some(Outcome::Pending) | None => {}
+            Some(TaskOutcome::Failed) => self.counting = None,
+            Some(TaskOutcome::Pending) | None => {}
         }
     }
 

@@ -5,7 +5,7 @@ use super::{Failure, output, simulated_files};
 use crate::detection::dataset::{Chip, KnownObject, PictureBoxes, Slice};
 use crate::detection::{Mark, Raster, TILE_PX};
 use crate::formats;
-use crate::products::export::{DatasetFolder, Part, PartSummary, make_folder};
+use crate::products::export::{DatasetFolder, DatasetPart, PartSummary, make_folder};
 use crate::simulation::{
     self, ObjectKind, ObjectPass, Simulated, TrainingPlace, TrainingScene, training_scene,
     training_seed,
@@ -106,7 +106,7 @@ pub(super) fn run(args: &DatasetArgs, seed: u64) -> Result<(), Failure> {
     let per_scene = usize::from(args.per_scene);
     let surveys = folder.join("surveys");
     let made = pool.install(|| {
-        let parts = Part::ALL.into_iter().zip(images);
+        let parts = DatasetPart::ALL.into_iter().zip(images);
         parts
             .map(|(part, images)| {
                 let maker = Maker {
@@ -152,7 +152,7 @@ fn refuse_in_use(folder: &Path) -> Result<(), Failure> {
 /// Makes one part of the dataset.
 struct Maker<'a> {
     dataset: &'a DatasetFolder,
-    part: Part,
+    part: DatasetPart,
     seed: u64,
     per_scene: usize,
     images: usize,

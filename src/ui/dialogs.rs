@@ -1,7 +1,7 @@
 //! Choosing a log, a review or a folder: the system's dialog on a worker, and a path field where there is none.
 
 use super::ViewContext;
-use crate::app::{Command, Jobs, Outcome, Task};
+use crate::app::{Command, Jobs, Task, TaskOutcome};
 use egui::text::{CCursor, CCursorRange};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -282,9 +282,9 @@ impl Dialogs {
         };
         let purpose = waiting.purpose;
         let chosen = match waiting.task.poll() {
-            Outcome::Pending => return,
-            Outcome::Done(chosen) => Some(chosen),
-            Outcome::Failed => None,
+            TaskOutcome::Pending => return,
+            TaskOutcome::Done(chosen) => Some(chosen),
+            TaskOutcome::Failed => None,
         };
         self.waiting = None;
         match chosen {

@@ -2,7 +2,7 @@
 
 use super::Reviewing;
 use crate::app::error::AppError;
-use crate::app::{App, Jobs, LogId, OpenLog, Outcome, Task};
+use crate::app::{App, Jobs, LogId, OpenLog, Task, TaskOutcome};
 use crate::detection::review::Review;
 use crate::products::export::{self, ExportError};
 use crate::products::outputs::write_boxes;
@@ -96,7 +96,13 @@ impl App {
             return;
         }
         self.write(move |progress| {
-            let written = write_boxes(&logs, &review, export::Part::Train, &folder, progress);
+            let written = write_boxes(
+                &logs,
+                &review,
+                export::DatasetPart::Train,
+                &folder,
+                progress,
+            );
             written.map(|written| written.summary(&folder))
         });
     }
@@ -188,9 +194,9 @@ impl Reviewing {
     /// A review that was read, once, with its file and whether it was found there unasked.
     fn take_read(&mut self) -> Option<(Result<Review, AppError>, PathBuf, bool)> {
         let read = match self.opening.as_ref()?.task.poll() {
-            Outcome::Pending => return None,
-            Outcome::Done(read) => read,
-            Outcome::Failed => Err(AppError::Failed("reading the review")),
+            TaskOutcome::Pending => return None,
+            TaskOutcome::Done(read) => read,
+            TaskOutcome::Failed => Err(AppError::Failed("reading the review")),
         };
         let Opening { path, unasked, .. } = self.opening.take()?;
         Some((read, path, unasked))

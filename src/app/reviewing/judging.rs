@@ -3,7 +3,7 @@
 
 use super::{Reviewing, middle};
 use crate::app::error::AppError;
-use crate::app::{App, Jobs, LogId, OpenLog, Outcome, Task};
+use crate::app::{App, Jobs, LogId, OpenLog, Task, TaskOutcome};
 use crate::detection::truth::{self, Mistake, RasterTruth, Standing, SurveyTruth, TruthComparison};
 use crate::survey::Identity;
 use std::path::PathBuf;
@@ -137,9 +137,9 @@ impl Judging {
     /// Takes a truth that was read; gives what to say of it.
     fn take_truth(&mut self) -> Result<Option<String>, AppError> {
         let read = match self.opening.as_ref().map(|opening| opening.task.poll()) {
-            Some(Outcome::Done(read)) => read,
-            Some(Outcome::Failed) => Err(AppError::Failed("reading the known objects")),
-            Some(Outcome::Pending) | None => return Ok(None),
+            Some(TaskOutcome::Done(read)) => read,
+            Some(TaskOutcome::Failed) => Err(AppError::Failed("reading the known objects")),
+            Some(TaskOutcome::Pending) | None => return Ok(None),
         };
         let opening = self.opening.take();
         let (truth, Some(opening)) = (read?, opening) else {
@@ -176,13 +176,13 @@ impl Reviewing {
         }
         let judging = &mut self.judging;
         match judging.running.as_ref().map(Task::poll) {
-            Some(Outcome::Done(comparison)) => {
+            Some(TaskOutcome::Done(comparison)) => {
                 judging.running = None;
                 judging.comparison = Some(comparison);
                 self.count_mistakes();
             }
-            Some(Outcome::Failed) => judging.running = None,
-            Some(Outcome::Pending) | None => {}
+            Some(TaskOutcome::Failed) => judging.running = None,
+            Some(TaskOutcome::Pending) | None => {}
         }
     }
 

@@ -2,7 +2,7 @@
 //! when the track, the first returns or the scale are others.
 
 use super::Reviewing;
-use crate::app::{Jobs, OpenLog, Outcome, Task};
+use crate::app::{Jobs, OpenLog, Task, TaskOutcome};
 use crate::detection::review::{BoxId, Reviewed};
 use crate::detection::targets::Target;
 use crate::detection::{Mark, MeasuredShadow, ObjectExtent};
@@ -89,8 +89,8 @@ impl OpenLog {
     pub(in crate::app) fn poll_places(&mut self, jobs: &Jobs) {
         let places = &mut self.reviewing.places;
         match places.running.as_ref().map(|running| running.task.poll()) {
-            Some(Outcome::Pending) => return,
-            Some(Outcome::Done(entries)) => {
+            Some(TaskOutcome::Pending) => return,
+            Some(TaskOutcome::Done(entries)) => {
                 if let Some(running) = places.running.take() {
                     // Those of another ground stay on screen until the new ones are there.
                     let is_same = places
@@ -105,7 +105,7 @@ impl OpenLog {
                     places.ground = Some(running.ground);
                 }
             }
-            Some(Outcome::Failed) => places.running = None,
+            Some(TaskOutcome::Failed) => places.running = None,
             None => {}
         }
         if places.outdated {

@@ -124,7 +124,7 @@ fn figures(outcome: &Outcome) -> String {
 }
 
 /// A line of the list.
-struct Mistake<'a> {
+struct MistakeLine<'a> {
     what: &'static str,
     picture: usize,
     class: usize,
@@ -133,11 +133,11 @@ struct Mistake<'a> {
 }
 
 /// False alarms by falling score, then misses by falling size.
-fn list<'a>(outcome: &'a Outcome) -> Vec<Mistake<'a>> {
+fn list<'a>(outcome: &'a Outcome) -> Vec<MistakeLine<'a>> {
     let (paired, evaluation) = (&outcome.paired, &outcome.darknet);
     let alarms = evaluation.false_alarms.iter().map(|one| {
         let predicted = &paired.images[one.image].predicted[one.predicted];
-        Mistake {
+        MistakeLine {
             what: one.cause.name(),
             picture: one.image,
             class: predicted.class,
@@ -147,7 +147,7 @@ fn list<'a>(outcome: &'a Outcome) -> Vec<Mistake<'a>> {
     });
     let misses = evaluation.misses.iter().map(|one| {
         let truth = &paired.images[one.image].truth[one.truth];
-        Mistake {
+        MistakeLine {
             what: "missed",
             picture: one.image,
             class: truth.class,
@@ -155,7 +155,7 @@ fn list<'a>(outcome: &'a Outcome) -> Vec<Mistake<'a>> {
             rect: &truth.rect,
         }
     });
-    let mut misses: Vec<Mistake<'a>> = misses.collect();
+    let mut misses: Vec<MistakeLine<'a>> = misses.collect();
     misses.sort_by(|a, b| b.rect.area().total_cmp(&a.rect.area()));
     alarms.chain(misses).collect()
 }

@@ -1,6 +1,6 @@
 //! Logs whose objects are known: searched as `bathyscope detect` does, and compared with them.
 
-use super::{Boxes, Source};
+use super::{BoxSource, Boxes};
 use crate::cli::Failure;
 use crate::cli::detect::load;
 use crate::cli::status_line::StatusLine;
@@ -156,7 +156,7 @@ impl Found {
             [first, rest @ ..] => format!("{} and {} more", first.display(), rest.len()),
             [] => String::new(),
         };
-        let source = |format: &str, boxes: usize| Source {
+        let source = |format: &str, boxes: usize| BoxSource {
             format: format.to_owned(),
             pictures: self.names.len(),
             boxes,

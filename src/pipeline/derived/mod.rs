@@ -38,7 +38,7 @@ use crate::pipeline::{ProcessedLog, mosaic_layout_by};
 use crate::support::progress::{Cancelled, Progress};
 use gain::GainKey;
 use layout::LayoutKey;
-use node::Node;
+use node::DerivedNode;
 use std::sync::Arc;
 
 /// Gain tables of so many logs are kept; each is small.
@@ -48,26 +48,26 @@ const LAID_OUT_PINGS: usize = 1_000_000;
 
 /// Depth map, isobaths, mosaic and what logs are shown with, each made when it is first asked for.
 pub struct Derived {
-    depth_map: Node<DepthMapKey, Option<Arc<DepthMap>>>,
-    isobaths: Node<IsobathKey, Result<Arc<Isobaths>, NoIsobaths>>,
-    gain: Node<GainKey, Option<Arc<GainTable>>>,
-    layout: Node<LayoutKey, Arc<MosaicLayout>>,
-    mosaic: Node<MosaicKey, Option<Arc<Mosaic>>>,
-    picture: Node<PictureKey, Arc<LogPicture>>,
-    bottom: Node<BottomKey, Arc<Bottom>>,
+    depth_map: DerivedNode<DepthMapKey, Option<Arc<DepthMap>>>,
+    isobaths: DerivedNode<IsobathKey, Result<Arc<Isobaths>, NoIsobaths>>,
+    gain: DerivedNode<GainKey, Option<Arc<GainTable>>>,
+    layout: DerivedNode<LayoutKey, Arc<MosaicLayout>>,
+    mosaic: DerivedNode<MosaicKey, Option<Arc<Mosaic>>>,
+    picture: DerivedNode<PictureKey, Arc<LogPicture>>,
+    bottom: DerivedNode<BottomKey, Arc<Bottom>>,
 }
 
 impl Default for Derived {
     fn default() -> Self {
         Self {
-            depth_map: Node::keeping(1),
-            isobaths: Node::keeping(1),
-            gain: Node::keeping(GAIN_TABLES),
-            layout: Node::weighing(LAID_OUT_PINGS, |layout| layout.len()),
-            picture: Node::keeping(2),
-            bottom: Node::keeping(1),
+            depth_map: DerivedNode::keeping(1),
+            isobaths: DerivedNode::keeping(1),
+            gain: DerivedNode::keeping(GAIN_TABLES),
+            layout: DerivedNode::weighing(LAID_OUT_PINGS, |layout| layout.len()),
+            picture: DerivedNode::keeping(2),
+            bottom: DerivedNode::keeping(1),
             // In the plane of the survey on the screen, in that of the map in files.
-            mosaic: Node::keeping(2),
+            mosaic: DerivedNode::keeping(2),
         }
     }
 }

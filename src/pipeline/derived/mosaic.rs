@@ -33,11 +33,11 @@ pub enum MosaicPlane {
 #[derive(Clone, PartialEq)]
 pub(crate) struct MosaicKey {
     plane: MosaicPlane,
-    logs: Vec<LogKey>,
+    logs: Vec<MosaicLogKey>,
 }
 
 #[derive(Clone, PartialEq)]
-struct LogKey {
+struct MosaicLogKey {
     side_scan: SideScanKey,
     relief: Same<Relief>,
     settings: MosaicSettings,
@@ -49,7 +49,7 @@ impl MosaicKey {
         let MosaicSettings {
             cell_m, colours, ..
         } = MosaicSettings::default();
-        let key = |log: &ProcessedLog| LogKey {
+        let key = |log: &ProcessedLog| MosaicLogKey {
             side_scan: SideScanKey::of(log),
             relief: Same(log.products.relief.clone()),
             settings: MosaicSettings {

@@ -6,7 +6,7 @@ use super::log_record::LogRecord;
 use super::log_rows::LogRows;
 use super::offsets::Offsets;
 use super::positions::moved;
-use super::spread::{self, Row, RowsByTile};
+use super::spread::{self, RowsByTile, TileRow};
 use super::tile::TileId;
 use crate::bottom::swath::{
     LaidOutLog, LearntLevels, LogEchoes, PingChunk, PingPlace, SampleSource, SideEchoes,
@@ -49,13 +49,15 @@ impl<'a> EchoesByTile<'a> {
             }
             for (rank, zone) in UtmZone::near(at, halo_m).into_iter().enumerate() {
                 let place = zone.to_metres(at);
-                rows.entry(TileId::at(zone, place)).or_default().push(Row {
-                    index,
-                    at,
-                    zone,
-                    place,
-                    is_core: rank == 0,
-                });
+                rows.entry(TileId::at(zone, place))
+                    .or_default()
+                    .push(TileRow {
+                        index,
+                        at,
+                        zone,
+                        place,
+                        is_core: rank == 0,
+                    });
             }
         }
         let mut chunks = vec![None; laid_out.echoes.pings.len()];
@@ -78,18 +80,18 @@ impl<'a> EchoesByTile<'a> {
     }
 
     /// Columns of rows in a tile.
-    pub(super) fn columns(&self, log: &LogRows<'_>, rows: &[Row]) -> Vec<Column> {
+    pub(super) fn columns(&self, log: &LogRows<'_>, rows: &[TileRow]) -> Vec<Column> {
         let pings: Vec<&PingPlace> = rows
             .iter()
             .map(|row| &self.log.echoes.pings[row.index])
             .collect();
-        let of_rows = |name: &'static str, value: &dyn Fn(&Row) -> f64| {
+        let of_rows = |name: &'static str, value: &dyn Fn(&TileRow) -> f64| {
             Column::doubles(name, rows.iter().map(value))
         };
         let of_pings = |name: &'static str, value: fn(&PingPlace) -> f64| {
             Column::doubles(name, pings.iter().map(move |ping| value(ping)))
         };
-        let chunk = |row: &Row| Some(&self.log.chunks[self.chunks[row.index]?]);
+        let chunk = |row: &TileRow| Some(&self.log.chunks[self.chunks[row.index]?]);
         let of_chunks = |name: &'static str, value: fn(&PingChunk) -> i32| {
             Column::wholes(name, rows.iter().map(move |row| chunk(row).map(value)))
         };
@@ -102,7 +104,7 @@ impl<'a> EchoesByTile<'a> {
         };
         let levels = |side: Side| {
             let mut levels = Vec::new();
-            let read = |row: &Row| {
+            let read = |row: &TileRow| {
                 self.log.echoes.read(row.index, side, &mut levels);
                 levels.clone()
             };
@@ -140,7 +142,7 @@ impl<'a> EchoesByTile<'a> {
     }
 
     /// Unit vector to starboard of a ping in a zone.
-    fn starboard(&self, log: &LogRows<'_>, row: &Row) -> [f64; 2] {
+    fn starboard(&self, log: &LogRows<'_>, row: &TileRow) -> [f64; 2] {
         let PingPlace {
             place_m, starboard, ..
         } = self.log.echoes.pings[row.index];

@@ -17,8 +17,8 @@ use crate::detection::{Detection, find};
 use crate::imagery::mosaic::{MosaicLayout, footprint};
 use crate::pipeline::list_objects;
 use crate::pipeline::{
-    Agreement, Bottom, BottomColour, Contours, Crosslines, DepthMap, Input, Isobaths, Mosaic,
-    MosaicPlane, NamedComparison, Plane, ProcessedLog, Products, comparisons, crosslines,
+    Agreement, Bottom, BottomColour, CloudPlane, Contours, Crosslines, DepthMap, Input, Isobaths,
+    Mosaic, MosaicPlane, NamedComparison, ProcessedLog, Products, comparisons, crosslines,
     mosaic_layout,
 };
 use crate::products::export::{self, LogPoints, ObjectLog, TrackPiece};
@@ -34,7 +34,7 @@ pub(super) struct Results<'a> {
     pub order: &'a Order<'a>,
     pub survey: &'a Survey,
     pub products: &'a Products,
-    pub plane: Plane<'a>,
+    pub plane: CloudPlane<'a>,
     /// What each log is called.
     pub names: Vec<String>,
     pub progress: &'a Progress,
@@ -92,7 +92,7 @@ impl<'a> Results<'a> {
             order,
             survey,
             products,
-            plane: Plane::of(survey, products)?,
+            plane: CloudPlane::of(survey, products)?,
             names: log_names(order.logs),
             progress,
             of_group: OfGroup::default(),

@@ -1,6 +1,6 @@
 //! Where the window has the control of a setting, and going there: the palette finds settings by their names.
 
-use crate::pipeline::settings::{Row, rows};
+use crate::pipeline::settings::{SettingRow, rows};
 use crate::ui::{ViewContext, theme};
 use egui::{Context, Id, Response, Stroke, StrokeKind, Ui};
 
@@ -24,7 +24,7 @@ impl Place {
 }
 
 /// All settings that have a control in the window, by the place where it is.
-pub(crate) static CONTROLS: &[(Place, &[&Row])] = &[
+pub(crate) static CONTROLS: &[(Place, &[&SettingRow])] = &[
     (
         Place::Section("First return"),
         &[
@@ -148,14 +148,14 @@ pub(crate) static CONTROLS: &[(Place, &[&Row])] = &[
 ];
 
 /// The settings that have their controls in a place.
-pub(crate) fn rows_in(place: Place) -> impl Iterator<Item = &'static Row> {
+pub(crate) fn rows_in(place: Place) -> impl Iterator<Item = &'static SettingRow> {
     let here = CONTROLS.iter().filter(move |(other, _)| *other == place);
     here.flat_map(|(_, rows)| rows.iter().copied())
 }
 
 /// Where the control of a setting is.
 pub(crate) fn place_of(key: &str) -> Option<Place> {
-    let holds = |(_, rows): &&(Place, &[&Row])| rows.iter().any(|row| row.key == key);
+    let holds = |(_, rows): &&(Place, &[&SettingRow])| rows.iter().any(|row| row.key == key);
     CONTROLS.iter().find(holds).map(|(place, _)| *place)
 }
 

@@ -2,7 +2,7 @@
 
 use crate::app::Action;
 use crate::imagery::picture::LevelHistogram;
-use crate::pipeline::settings::{Kind, Row, rows};
+use crate::pipeline::settings::{SettingKind, SettingRow, rows};
 use crate::ui::panels::{find_setting, parts};
 use crate::ui::{ViewContext, theme, toggle};
 use egui::{Color32, CursorIcon, Painter, Pos2, Rect, Response, Sense, Stroke, Ui, pos2, vec2};
@@ -44,8 +44,8 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 /// A setting of few names, side by side: a list of its own would close the panel with it.
-fn names(ui: &mut Ui, context: &mut ViewContext<'_>, setting: &'static Row) {
-    let Kind::Choice(choice) = &setting.kind else {
+fn names(ui: &mut Ui, context: &mut ViewContext<'_>, setting: &'static SettingRow) {
+    let SettingKind::Choice(choice) = &setting.kind else {
         return;
     };
     let current = (choice.get)(&context.app.log.settings);

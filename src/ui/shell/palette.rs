@@ -1,7 +1,7 @@
 //! The command palette: a few letters of a name find any command, any setting of the panels, or a recent log.
 
 use crate::app::{Action, Command};
-use crate::pipeline::settings::Row;
+use crate::pipeline::settings::SettingRow;
 use crate::ui::panels::find_setting::{self, Place};
 use crate::ui::{ViewContext, take_typed};
 use egui::text::{CCursor, CCursorRange};
@@ -153,7 +153,7 @@ fn settings(context: &ViewContext<'_>) -> Vec<Item> {
         return Vec::new();
     }
     let units = app.view.options.units;
-    let item = |place: Place, row: &'static Row| Item {
+    let item = |place: Place, row: &'static SettingRow| Item {
         label: format!("{}: {}", place.name(), row.name),
         alias: row.label,
         aside: row.value_in_words(&app.log.settings, units),

@@ -1,6 +1,6 @@
 //! `.gpx` (GPX 1.1).
 
-use super::{Place, PlannedWay};
+use super::{PlannedWay, WayPlace};
 use crate::bottom::planning::WaypointKind;
 use crate::support::printable::xml;
 
@@ -18,7 +18,7 @@ pub(super) fn text(way: &PlannedWay<'_>) -> String {
     )
 }
 
-fn point(kind: &str, place: &Place) -> String {
+fn point(kind: &str, place: &WayPlace) -> String {
     let (lat, lon) = (place.at.lat_deg, place.at.lon_deg);
     let name = place.name();
     format!("<{kind} lat=\"{lat:.8}\" lon=\"{lon:.8}\"><name>{name}</name></{kind}>\n")

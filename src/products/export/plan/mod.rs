@@ -81,7 +81,7 @@ pub(crate) struct PlannedWay<'a> {
 }
 
 /// A place of the way on the Earth.
-struct Place {
+struct WayPlace {
     at: LonLat,
     station: WaypointKind,
 }
@@ -98,9 +98,9 @@ impl PlannedWay<'_> {
         write_bytes(path, text)
     }
 
-    fn places(&self) -> impl Iterator<Item = Place> {
+    fn places(&self) -> impl Iterator<Item = WayPlace> {
         let way = self.plan.way.iter();
-        way.map(|waypoint| Place {
+        way.map(|waypoint| WayPlace {
             at: self.lon_lat(waypoint.place),
             station: waypoint.station,
         })
@@ -123,7 +123,7 @@ impl PlannedWay<'_> {
     }
 }
 
-impl Place {
+impl WayPlace {
     /// `L3 start`, `L3 end`, `turn`; lines count from 1.
     fn name(&self) -> String {
         match self.station {

@@ -12,7 +12,7 @@ mod occupied;
 pub(crate) use key::{MapTileKey, SIDE};
 
 use super::transform::{GroundBounds, MapTransform};
-use crate::app::{Jobs, Outcome, Task};
+use crate::app::{Jobs, Task, TaskOutcome};
 use crate::imagery::waterfall::Lru;
 use crate::support::progress::Progress;
 use egui::{
@@ -160,12 +160,12 @@ impl TileLayer {
         let mut index = 0;
         while index < self.running.len() {
             let painted = match self.running[index].task.poll() {
-                Outcome::Pending => {
+                TaskOutcome::Pending => {
                     index += 1;
                     continue;
                 }
-                Outcome::Done(painted) => painted,
-                Outcome::Failed => None,
+                TaskOutcome::Done(painted) => painted,
+                TaskOutcome::Failed => None,
             };
             let done = self.running.swap_remove(index);
             self.keep(context, &done, painted);
