@@ -30,7 +30,7 @@ pub(crate) struct Comparing {
     pub by: ReferenceBy,
     /// Farthest point for [`ReferenceBy::Nearest`], metres.
     pub radius_m: f64,
-    opening: Option<Opening>,
+    opening: Option<ReferenceOpening>,
 }
 
 /// A reference, and how the survey agrees with it.
@@ -39,7 +39,7 @@ struct Opened {
     agreement: Agreement,
 }
 
-type Opening = Task<Result<Opened, AppError>>;
+type ReferenceOpening = Task<Result<Opened, AppError>>;
 
 impl Default for Comparing {
     fn default() -> Self {

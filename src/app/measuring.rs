@@ -3,7 +3,7 @@
 
 use super::drawn_figure::Figure;
 use super::reviewing::Tool;
-use super::step::Step;
+use super::step::UndoStep;
 use super::{App, OpenLog, ProfileLine};
 use crate::bottom::bathymetry::TransectStation;
 use crate::detection::MeasuredShadow;
@@ -306,7 +306,7 @@ impl App {
     /// Makes `figure` the one on the map, as an undo step.
     fn draw(&mut self, figure: Option<Figure>) {
         let before = self.step_now();
-        let after = Step {
+        let after = UndoStep {
             figure: figure.map(Arc::new),
             ..before.clone()
         };

@@ -465,7 +465,7 @@ impl App {
 impl OpenLog {
     /// What is decided about the log is kept in the project from now on, not next to the log.
     fn leave_sidecars(&mut self) {
-        self.bottom_file = super::bottom::BottomFile::default();
+        self.bottom_file = super::bottom::BottomSidecar::default();
         self.reviewing.keep_elsewhere();
     }
 }

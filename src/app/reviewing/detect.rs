@@ -46,7 +46,7 @@ struct Detecting {
 
 /// The detector of the window, and the search of one log after the other.
 #[derive(Default)]
-pub(in crate::app) struct Search {
+pub(in crate::app) struct ObjectSearch {
     /// The analyst's own model; `None` for the one that comes with the program.
     model_path: Option<PathBuf>,
     /// The model that was asked last, ready to be asked again.
@@ -63,7 +63,7 @@ pub(in crate::app) struct Search {
     tail: tail::TailSearch,
 }
 
-impl Search {
+impl ObjectSearch {
     /// Whether a log is being searched or waits for that.
     pub(crate) fn is_busy(&self) -> bool {
         self.running.is_some() || !self.ahead.is_empty()

@@ -15,7 +15,7 @@ use std::sync::Arc;
 const SUFFIX: &str = "review.json";
 
 /// A review being read.
-pub(super) struct Opening {
+pub(super) struct ReviewOpening {
     path: PathBuf,
     /// A sidecar file of the log: it was found, not opened.
     unasked: bool,
@@ -181,7 +181,7 @@ impl OpenLog {
         };
         let from = path.clone();
         let task = Task::start(jobs, move |_| Ok(Review::open_for(&from, &survey)?));
-        self.reviewing.opening = Some(Opening {
+        self.reviewing.opening = Some(ReviewOpening {
             path,
             unasked,
             task,
@@ -198,7 +198,7 @@ impl Reviewing {
             TaskOutcome::Done(read) => read,
             TaskOutcome::Failed => Err(AppError::Failed("reading the review")),
         };
-        let Opening { path, unasked, .. } = self.opening.take()?;
+        let ReviewOpening { path, unasked, .. } = self.opening.take()?;
         Some((read, path, unasked))
     }
 

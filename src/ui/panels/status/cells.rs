@@ -1,6 +1,6 @@
 //! What the status bar says of a place, and how much of it there is room for.
 
-use crate::app::{App, Mark};
+use crate::app::{App, LogPlace};
 use crate::survey::Side;
 use crate::ui::{place, text};
 
@@ -22,7 +22,7 @@ impl Cell {
 }
 
 /// Position, ping, range, altitude, depth, heading, speed and time of a place, in the order of the bar.
-pub(super) fn of(app: &App, mark: Mark) -> Vec<Cell> {
+pub(super) fn of(app: &App, mark: LogPlace) -> Vec<Cell> {
     let units = app.view.options.units;
     let survey = app.log.survey.as_ref();
     let Some(ping) = survey.and_then(|survey| survey.side_scan.get(mark.ping)) else {

@@ -2,7 +2,7 @@
 
 use super::columns::{Columns, resampled, span};
 use super::strips::Strips;
-use crate::app::{Command, Mark};
+use crate::app::{Command, LogPlace};
 use crate::support::presentation::ticks;
 use crate::ui::raster::{Raster, RasterTexture};
 use crate::ui::{ViewContext, text, theme};
@@ -234,9 +234,9 @@ impl TimelineLayout {
             .filter(|_| acts)
             .and_then(ping_at)
         {
-            context.push(Command::Reveal(Mark::ping(ping)));
+            context.push(Command::Reveal(LogPlace::ping(ping)));
         } else if let Some(ping) = response.hover_pos().and_then(ping_at) {
-            context.push(Command::Hover(Some(Mark::ping(ping))));
+            context.push(Command::Hover(Some(LogPlace::ping(ping))));
         }
     }
 }

@@ -16,7 +16,7 @@ mod section;
 mod shown;
 
 use super::empty;
-use crate::app::{App, CloudColour, Command, Enlarged, Mark, SideColours, ThemeChoice};
+use crate::app::{App, CloudColour, Command, Enlarged, LogPlace, SideColours, ThemeChoice};
 use crate::pipeline::Background;
 use crate::ui::render::{Direction, OrbitCamera, Uploader};
 use crate::ui::{ViewContext, ViewRequest, flat, place, theme};
@@ -344,7 +344,7 @@ fn margin(rect: Rect) -> f32 {
 }
 
 /// Moves the camera over a place that is out of the picture; one in the picture stays where it is.
-fn show_place(camera: &mut OrbitCamera, app: &App, mark: Mark, rect: Rect, scene: &CloudScene) {
+fn show_place(camera: &mut OrbitCamera, app: &App, mark: LogPlace, rect: Rect, scene: &CloudScene) {
     let Some([east_m, north_m]) = place::east_north(app, mark) else {
         return;
     };

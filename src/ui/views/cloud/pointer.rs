@@ -3,7 +3,7 @@
 use super::axes::Axes;
 use super::bottom::BottomScene;
 use super::scene::{CloudScene, SceneBox, ShownPoints};
-use crate::app::{App, Command, LogId, Mark};
+use crate::app::{App, Command, LogId, LogPlace};
 use crate::pipeline::Products;
 use crate::support::geo::LonLat;
 use crate::ui::render::OrbitCamera;
@@ -212,7 +212,7 @@ pub(super) fn paint_marks(
 
 fn paint_mark(
     painter: &Painter,
-    (log, mark): (LogId, &Mark),
+    (log, mark): (LogId, &LogPlace),
     products: &Products,
     scene: &CloudScene,
     axes: &Axes<'_>,

@@ -1,6 +1,6 @@
 //! The cloud, ready to draw and to pick; computed in a background thread.
 
-use crate::app::{CloudColour, LogId, Mark, ShownLog, ViewOptions};
+use crate::app::{CloudColour, LogId, LogPlace, ShownLog, ViewOptions};
 use crate::bottom::cloud::{
     ClassCounts, CloudPoint, Correction, PointClass, PointCloud, PointScales, PointSource,
     Reduction,
@@ -289,10 +289,10 @@ impl CloudScene {
     }
 
     /// The log and the mark of a point by its number.
-    pub(super) fn mark(&self, number: usize) -> Option<(LogId, Mark)> {
+    pub(super) fn mark(&self, number: usize) -> Option<(LogId, LogPlace)> {
         let (log, index) = self.of_number(number)?;
         let point = log.cloud.points.get(index)?;
-        let mark = Mark {
+        let mark = LogPlace {
             ping: point.ping as usize,
             side: side(point.source),
             sample: point.sample.is_finite().then_some(point.sample),

@@ -2,7 +2,7 @@
 
 use super::notes;
 use super::scene::Scene;
-use crate::app::{App, MapLayer, Mark};
+use crate::app::{App, LogPlace, MapLayer};
 use crate::ui::views::legend::{self, Scale};
 use crate::ui::{place, theme};
 use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, vec2};
@@ -131,11 +131,11 @@ fn mark_at(
     painter: &Painter,
     scene: &Scene<'_>,
     app: &App,
-    mark: Mark,
+    mark: LogPlace,
     stroke: Stroke,
 ) -> Option<Pos2> {
     let at = scene.at(place::east_north(app, mark)?);
-    if let Some(boat) = place::east_north(app, Mark::ping(mark.ping)) {
+    if let Some(boat) = place::east_north(app, LogPlace::ping(mark.ping)) {
         painter.line_segment([scene.at(boat), at], stroke);
     }
     Some(at)

@@ -3,7 +3,7 @@
 use super::scene::Scene;
 use super::transform::MapTransform;
 use super::{flat_spots, objects};
-use crate::app::{App, Command, ExclusionEdit, LogId, Mark, PassesFound, Tool, mark_of};
+use crate::app::{App, Command, ExclusionEdit, LogId, LogPlace, PassesFound, Tool, mark_of};
 use crate::sonar::calibration::{FlatSpot, PingRange};
 use crate::support::geo::{CoordinateFormat, LonLat};
 use crate::ui::views::legend;
@@ -77,7 +77,7 @@ impl Pointer {
             .filter(|_| !is_measuring);
         // Other views show the log under the selection: a ping of another one is nowhere in them.
         let here = near.filter(|(log, _)| *log == context.app.log.id);
-        let ping = here.map(|(_, ping)| Mark::ping(ping));
+        let ping = here.map(|(_, ping)| LogPlace::ping(ping));
         self.hover.tell(context, ping);
         if let Some(at) = at {
             self.show_under(ui, context, scene, at, near);
@@ -118,7 +118,7 @@ impl Pointer {
             return;
         }
         context.push(match near {
-            Some((log, ping)) => Command::RevealIn(log, Mark::ping(ping)),
+            Some((log, ping)) => Command::RevealIn(log, LogPlace::ping(ping)),
             None => Command::Select(None),
         });
     }
@@ -155,7 +155,7 @@ impl Pointer {
                 context.push(Command::Exclude { log, part, edit });
             }
             if ui.button("Show in the other views").clicked() {
-                context.push(Command::RevealIn(log, Mark::ping(ping)));
+                context.push(Command::RevealIn(log, LogPlace::ping(ping)));
                 ui.close();
             }
         });

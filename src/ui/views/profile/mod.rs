@@ -9,7 +9,7 @@ mod marks;
 mod plot;
 mod scale;
 
-use crate::app::{Command, Mark};
+use crate::app::{Command, LogPlace};
 use crate::bottom::cloud::Reduction;
 use crate::sonar::first_return::Pick;
 use crate::support::presentation::units::Units;
@@ -216,7 +216,7 @@ fn far_m(shown: &Shown<'_>) -> f64 {
     }
 }
 
-fn mark_at(shown: &Shown<'_>, across_m: f64) -> Mark {
+fn mark_at(shown: &Shown<'_>, across_m: f64) -> LogPlace {
     let side = place::side_at(across_m);
     let span = shown.recorded.side(side);
     let sample = span
@@ -226,10 +226,10 @@ fn mark_at(shown: &Shown<'_>, across_m: f64) -> Mark {
         })
         .filter(|(sample, count)| (0.0..*count).contains(sample))
         .map(|(sample, _)| sample as f32);
-    Mark {
+    LogPlace {
         side: sample.map(|_| side),
         sample,
-        ..Mark::ping(shown.ping)
+        ..LogPlace::ping(shown.ping)
     }
 }
 

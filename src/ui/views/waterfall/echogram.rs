@@ -8,7 +8,7 @@ use super::lines::{self, Pen};
 use super::picture::PictureCallback;
 use super::scales::{self, RangeLines};
 use super::{Gpu, gestures, marks, tone};
-use crate::app::{App, Command, EchogramChannel, Mark, Orientation};
+use crate::app::{App, Command, EchogramChannel, LogPlace, Orientation};
 use crate::bottom::cloud::Reduction;
 use crate::imagery::waterfall::{LineStep, RangeAxis};
 use crate::survey::{Side, Survey};
@@ -335,7 +335,7 @@ fn point(
     let ping = (place.ping >= 0.0).then_some(place.ping as usize)?;
     let recorded = survey.side_scan.get(ping)?;
     if ping < place::ping_count(context.app) {
-        let mark = Mark::ping(ping);
+        let mark = LogPlace::ping(ping);
         if context.app.view.hover != Some(mark) {
             context.push(Command::Hover(Some(mark)));
         }

@@ -1,7 +1,7 @@
 //! Cross-hairs on the picture, and what it cannot be trusted for.
 
 use super::lens::{Lens, Place};
-use crate::app::Mark;
+use crate::app::LogPlace;
 use crate::support::presentation::units::Units;
 use crate::survey::{SideScanState, Survey};
 use crate::ui::theme;
@@ -12,7 +12,7 @@ pub(super) fn cross_hair(
     painter: &Painter,
     lens: &Lens,
     survey: &Survey,
-    mark: &Mark,
+    mark: &LogPlace,
     colour: Color32,
 ) {
     let ping = mark.ping as f64 + 0.5;

@@ -30,7 +30,7 @@ mod tone;
 
 pub(crate) use boxes::outline;
 
-use crate::app::{App, ColourMap, Command, Enlarged, Mark, Orientation, Tool};
+use crate::app::{App, ColourMap, Command, Enlarged, LogPlace, Orientation, Tool};
 use crate::imagery::picture::PictureGeometry;
 use crate::imagery::waterfall::RangeAxis;
 use crate::support::presentation::colours;
@@ -57,7 +57,7 @@ pub(crate) struct WaterfallView {
     size: Option<Size>,
     requests: Vec<Request>,
     reveal_serial: u64,
-    was_over: Option<Mark>,
+    was_over: Option<LogPlace>,
     boxes: boxes::Boxes,
     pen: bottom::BottomPen,
     stretch: stretch_tool::StretchTool,

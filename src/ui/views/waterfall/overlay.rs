@@ -5,7 +5,7 @@ use super::labels::Labels;
 use super::lens::Lens;
 use super::scales::RangeLines;
 use super::{bottom, boxes, exclusions, flat_spots, lines, marks, scales};
-use crate::app::{App, Mark};
+use crate::app::{App, LogPlace};
 use crate::imagery::picture::PictureGeometry;
 use crate::survey::{Side, Survey};
 use crate::ui::{place, theme};
@@ -21,7 +21,7 @@ pub(super) struct Shown<'a> {
     pub drawing: Option<&'a Drawing>,
     /// Farthest slant range of the picture, metres.
     pub far_m: f64,
-    pub hover: Option<Mark>,
+    pub hover: Option<LogPlace>,
     /// The boxes in view.
     pub boxes: &'a [boxes::Shown<'a>],
     /// The missed objects in view.
