@@ -1,6 +1,6 @@
 //! The few parts that all panels are made of: rows, facts, and controls that change a setting.
 
-use super::find_setting::{self, Place};
+use super::find_setting::{self, ControlPlace};
 use crate::app::{Action, App, LogId, OpenLog};
 use crate::pipeline::settings::{
     Control, Number, SettingChoice, SettingKind, SettingRow, ShownNumber,
@@ -247,7 +247,7 @@ pub(crate) fn setting(ui: &mut Ui, context: &mut ViewContext<'_>, row: &'static 
 
 /// The controls of all settings that are numbers or names in the section with this title.
 pub(crate) fn settings_of(ui: &mut Ui, context: &mut ViewContext<'_>, title: &'static str) {
-    for row in find_setting::rows_in(Place::Section(title)) {
+    for row in find_setting::rows_in(ControlPlace::Section(title)) {
         if matches!(row.kind, SettingKind::Number(_) | SettingKind::Choice(_)) {
             setting(ui, context, row);
         }

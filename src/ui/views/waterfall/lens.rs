@@ -15,14 +15,14 @@ const LINE_POINTS: usize = 512;
 
 /// A place of the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Place {
+pub(super) struct LensPlace {
     /// Ping number with its fraction: ping 7 lies between 7 and 8.
     pub ping: f64,
     /// Slant range as recorded, metres, port negative: whatever is shown across.
     pub across_m: f64,
 }
 
-impl Place {
+impl LensPlace {
     /// At a slant range of a side.
     pub(super) fn of(ping: f64, side: Side, range_m: f64) -> Self {
         let across_m = across_m(side, range_m);
@@ -171,7 +171,7 @@ impl Lens {
     }
 
     /// Screen position of a place.
-    pub(super) fn screen_at(&self, place: Place) -> Pos2 {
+    pub(super) fn screen_at(&self, place: LensPlace) -> Pos2 {
         let side = place.side();
         let shown_m = self.distance_m(side, place.ping, place.across_m.abs());
         self.at(place.ping, self.signed_m(side, shown_m))
@@ -199,7 +199,7 @@ impl Lens {
     }
 
     /// Place at a screen position.
-    pub(super) fn place_at(&self, position: Pos2) -> Place {
+    pub(super) fn place_at(&self, position: Pos2) -> LensPlace {
         let offset = self.offset(position);
         let Camera { along, across, .. } = &self.camera;
         let ping = along.centre + offset.along * along.per_point;
@@ -215,7 +215,7 @@ impl Lens {
                 scale.recorded_at_m(geometry, shown_m.abs()).max(0.0)
             }
         };
-        Place::of(ping, side, range_m)
+        LensPlace::of(ping, side, range_m)
     }
 
     /// Points from the middle of the rectangle, as pings and metres run.
@@ -243,7 +243,7 @@ impl Lens {
         (0..=steps)
             .map(|step| {
                 let ping = ping(step);
-                self.screen_at(Place { ping, across_m })
+                self.screen_at(LensPlace { ping, across_m })
             })
             .collect()
     }
@@ -291,7 +291,7 @@ mod tests {
         for orientation in BOTH {
             let turned = geometries.map(|geometry| turned(orientation, geometry));
             for lens in [lens(orientation)].into_iter().chain(turned) {
-                let place = Place {
+                let place = LensPlace {
                     ping: 1204.5,
                     across_m: -7.25,
                 };
@@ -305,7 +305,7 @@ mod tests {
 
     #[test]
     fn starboard_and_later_are_to_the_right_and_down() {
-        let place = |ping, across_m| Place { ping, across_m };
+        let place = |ping, across_m| LensPlace { ping, across_m };
         for orientation in BOTH {
             let towards = |lens: Lens| {
                 let at = |ping, across_m| lens.screen_at(place(ping, across_m));

@@ -1,6 +1,6 @@
 //! Cross-hairs on the picture, and what it cannot be trusted for.
 
-use super::lens::{Lens, Place};
+use super::lens::{Lens, LensPlace};
 use crate::app::LogPlace;
 use crate::support::presentation::units::Units;
 use crate::survey::{SideScanState, Survey};
@@ -22,7 +22,7 @@ pub(super) fn cross_hair(
     };
     let recorded = survey.side_scan.get(mark.ping);
     if let Some(span) = recorded.and_then(|recorded| recorded.side(side)) {
-        let place = Place::of(ping, side, span.range_m(f64::from(sample)));
+        let place = LensPlace::of(ping, side, span.range_m(f64::from(sample)));
         let faint = colour.gamma_multiply(0.6);
         let along = lens.line_at_range(place.across_m);
         painter.line(along, Stroke::new(1.0, faint));

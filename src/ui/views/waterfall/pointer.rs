@@ -1,6 +1,6 @@
 //! What is under the pointer: the read-out, hover and selection, and the menu.
 
-use super::lens::{Lens, Place};
+use super::lens::{Lens, LensPlace};
 use super::{boxes, flat_spots, labels};
 use crate::app::{AboveStretch, App, Command, ExclusionEdit, LogPlace, Tool};
 use crate::survey::{Side, SidePing, Survey};
@@ -8,7 +8,7 @@ use crate::ui::{ViewContext, exclusion_text, place, text, theme};
 use egui::{Align2, Painter, Pos2, Rect, Response, Ui, pos2};
 
 /// The mark at a place; `None` before the first and after the last ping.
-pub(super) fn mark_at(survey: &Survey, place: Place) -> Option<LogPlace> {
+pub(super) fn mark_at(survey: &Survey, place: LensPlace) -> Option<LogPlace> {
     if place.ping < 0.0 {
         return None;
     }
@@ -32,7 +32,7 @@ pub(super) fn mark_at(survey: &Survey, place: Place) -> Option<LogPlace> {
 /// What [`follow`] found.
 pub(super) struct Followed {
     /// What the pointer is over.
-    pub place: Option<Place>,
+    pub place: Option<LensPlace>,
     /// Equal scales along and across were asked for at this ping.
     pub equal_scales_at: Option<usize>,
 }
@@ -259,7 +259,7 @@ fn doubts(app: &App, ping: &SidePing, number: usize, side: Side) -> String {
 }
 
 /// What is known of a place. Its range is that of the range lines and of the cloud; beside it stands the recorder's.
-pub(super) fn describe(app: &App, survey: &Survey, at: Place) -> Option<String> {
+pub(super) fn describe(app: &App, survey: &Survey, at: LensPlace) -> Option<String> {
     let mark = mark_at(survey, at)?;
     let ping = survey.side_scan.get(mark.ping)?;
     let side = at.side();
