@@ -120,7 +120,7 @@ pub(super) fn run(args: &DatasetArgs, seed: u64) -> Result<(), Failure> {
                 };
                 maker.part()
             })
-            .collect::<Result<Vec<Made>, Failure>>()
+            .collect::<Result<Vec<PartRecord>, Failure>>()
     })?;
     let manifest = Manifest::new(args, seed, &made);
     dataset.manifest(&manifest)?;
@@ -163,7 +163,7 @@ struct Maker<'a> {
 
 /// What a part holds and was made from, for the manifest.
 #[derive(Serialize)]
-struct Made {
+struct PartRecord {
     #[serde(flatten)]
     part: PartSummary,
     scenes: usize,
@@ -172,7 +172,7 @@ struct Made {
 }
 
 impl Maker<'_> {
-    fn part(&self) -> Result<Made, Failure> {
+    fn part(&self) -> Result<PartRecord, Failure> {
         if let Some(folder) = &self.surveys {
             make_folder(folder)?;
         }
@@ -182,7 +182,7 @@ impl Maker<'_> {
             .map(|scene| self.scene(scene))
             .collect::<Result<_, Failure>>()?;
         let boxes: Vec<PictureBoxes> = boxes.into_iter().flatten().collect();
-        Ok(Made {
+        Ok(PartRecord {
             part: self.dataset.finish(self.part, &boxes)?,
             scenes,
             scene_seeds: (0..scenes).map(|scene| self.seed_of(scene)).collect(),
@@ -292,11 +292,11 @@ struct Manifest<'a> {
     pixel_m: f64,
     tile_px: usize,
     classes: [&'static str; ObjectKind::ALL.len()],
-    parts: &'a [Made],
+    parts: &'a [PartRecord],
 }
 
 impl<'a> Manifest<'a> {
-    fn new(args: &DatasetArgs, seed: u64, parts: &'a [Made]) -> Self {
+    fn new(args: &DatasetArgs, seed: u64, parts: &'a [PartRecord]) -> Self {
         Self {
             program: "bathyscope simulate --dataset",
             version: env!("CARGO_PKG_VERSION"),

@@ -277,7 +277,7 @@ fn runs(
     "excluded.stretches are not applied: they belong to {}, a log of {} bytes and {} pings",
     .0.file, .0.byte_count, .0.pings
 )]
-struct OtherLog<'a>(&'a Identity);
+struct StretchesOfOtherLog<'a>(&'a Identity);
 
 /// The stretches that the settings name, as spans of time.
 ///
@@ -287,10 +287,10 @@ fn named<'a>(
     survey: &Survey,
     settings: &'a ExclusionSettings,
     ping_times: &[f64],
-) -> Result<Vec<TimeSpan>, OtherLog<'a>> {
+) -> Result<Vec<TimeSpan>, StretchesOfOtherLog<'a>> {
     let own = Identity::of(survey);
     if let Some(log) = settings.log.as_ref().filter(|log| !own.is_same_log(log)) {
-        return Err(OtherLog(log));
+        return Err(StretchesOfOtherLog(log));
     }
     let span = |stretch: &Stretch| {
         let time_s = match stretch.pings {
