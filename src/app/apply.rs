@@ -4,10 +4,10 @@ mod handlers;
 
 use super::error::AppError;
 use super::external::Instrument;
-use super::loader::Place;
+use super::loader::OpenMode;
 use super::mounting::with_sides;
 use super::project::is_project;
-use super::{Action, App, Command, LogId, Mark, Origin, Reveal};
+use super::{Action, App, Command, LogId, LogOrigin, LogPlace, Reveal};
 use crate::pipeline::{LogSettings, Preset, Settings};
 use std::borrow::Cow;
 use std::path::PathBuf;
@@ -26,8 +26,8 @@ impl App {
                 self.open_paths(paths);
             }
             Command::Add(paths) => {
-                let place = Place::Added { shown: true };
-                self.load(paths.into_iter().map(Origin::Path), place);
+                let place = OpenMode::Added { shown: true };
+                self.load(paths.into_iter().map(LogOrigin::Path), place);
             }
             Command::ShowLog(id) => self.show_log(id),
             Command::CloseLog(id) => self.close_log(id),
@@ -37,7 +37,7 @@ impl App {
             Command::ShowPlace(at) => self.show_place(at),
             Command::RevealIn(id, mark) => self.reveal_in(id, mark),
             Command::GoToStep(count) => self.go_to_step(count),
-            Command::OpenDemo => self.start_loading(Origin::Demo),
+            Command::OpenDemo => self.start_loading(LogOrigin::Demo),
             Command::Change {
                 settings,
                 label,
@@ -117,7 +117,7 @@ impl App {
     fn open_paths(&mut self, paths: Vec<PathBuf>) {
         match paths.iter().find(|path| is_project(path)) {
             Some(project) => self.open_project(project.clone()),
-            None => self.load(paths.into_iter().map(Origin::Path), Place::Instead),
+            None => self.load(paths.into_iter().map(LogOrigin::Path), OpenMode::Instead),
         }
     }
 
@@ -242,7 +242,7 @@ impl App {
         self.change(settings, "preset", false);
     }
 
-    pub(super) fn reveal(&mut self, mark: Mark) {
+    pub(super) fn reveal(&mut self, mark: LogPlace) {
         let serial = self.view.reveal.map_or(0, |reveal| reveal.serial) + 1;
         self.view.selection = Some(mark);
         self.view.reveal = Some(Reveal {
@@ -298,7 +298,7 @@ impl App {
             None if pings == isize::MAX => last,
             None => 0,
         };
-        self.reveal(Mark::ping(ping));
+        self.reveal(LogPlace::ping(ping));
     }
 
     fn nudge_threshold(&mut self, by: f32) {

@@ -1,7 +1,7 @@
 //! The analyst's own picture under the map: opened in a background thread, kept from survey to survey.
 
 use super::error::AppError;
-use super::{App, MapLayer, Outcome, Task};
+use super::{App, MapLayer, Task, TaskOutcome};
 use crate::formats::base_map::{self, BaseMap};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -65,9 +65,9 @@ impl App {
         };
         let is_of_last_time = opening.is_of_last_time;
         let opened = match opening.task.poll() {
-            Outcome::Pending => return,
-            Outcome::Done(opened) => opened,
-            Outcome::Failed => Err(AppError::Failed("opening the base map")),
+            TaskOutcome::Pending => return,
+            TaskOutcome::Done(opened) => opened,
+            TaskOutcome::Failed => Err(AppError::Failed("opening the base map")),
         };
         self.files.opening_base_map = None;
         match opened {

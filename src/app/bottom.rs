@@ -3,7 +3,7 @@
 
 use super::error::AppError;
 use super::loader::ReadBottom;
-use super::{Action, App, LogId, Mark, OpenLog};
+use super::{Action, App, LogId, LogPlace, OpenLog};
 use crate::pipeline::Settings;
 use crate::products::export;
 use crate::project::BottomFileError;
@@ -48,7 +48,7 @@ struct Kept {
 
 /// Where the bottom drawn on the open log is kept, and what is there.
 #[derive(Default)]
-pub(super) struct BottomFile {
+pub(super) struct BottomSidecar {
     /// `None` where nothing may be written: the demo.
     path: Option<PathBuf>,
     /// What lies there cannot be used: it may be somebody's work, and goes under another name before anything is written.
@@ -160,7 +160,7 @@ impl App {
     }
 
     /// Where the bottom is now, metres: as drawn, as found, or as recorded.
-    fn bottom_at(&self, survey: &Survey, mark: Mark, side: Side) -> Option<f64> {
+    fn bottom_at(&self, survey: &Survey, mark: LogPlace, side: Side) -> Option<f64> {
         let line = self.log.settings.bottom.line_at(side, mark.ping);
         let drawn_m = line.and_then(|line| line.range_m(mark.ping));
         let span = survey.span(mark.ping, side)?;
@@ -224,10 +224,10 @@ impl OpenLog {
         let swapped = survey.is_some_and(|survey| survey.swapped_sides);
         let file = survey.and_then(|survey| survey.source.files.first());
         let file = file.filter(|_| is_file);
-        self.bottom_file = BottomFile {
+        self.bottom_file = BottomSidecar {
             path: file.map(|file| file.with_extension(BottomSettings::SIDECAR)),
             refused: matches!(read, Some(Err(_))),
-            ..BottomFile::default()
+            ..BottomSidecar::default()
         };
         let Some(kept) = read.transpose()? else {
             return Ok(None);
@@ -246,7 +246,7 @@ impl OpenLog {
     }
 }
 
-impl BottomFile {
+impl BottomSidecar {
     /// Writes the bottom, when it is not what the file holds. An empty drawing takes the file away. Gives where what could not be used is
     /// kept, where there was something, and why nothing is written any more.
     fn keep(&mut self, bottom: &BottomSettings) -> (Option<PathBuf>, Result<(), AppError>) {

@@ -1,6 +1,6 @@
 //! What bare keys change is never silent: it is said, with undo. A slip of the hand, or a text typed into no field, is seen at once.
 
-use super::step::{LogStep, Step};
+use super::step::{LogStep, UndoStep};
 use super::{Action, App, Command, KeyFocus, LogBox, MapLayer, View};
 use crate::detection::review::BoxId;
 use crate::pipeline::{SettingValues, setting_values};
@@ -10,7 +10,7 @@ use std::sync::Arc;
 const PICTURE: &str = "picture.";
 
 /// What a bare key may change, as it is before the key acts.
-pub(crate) struct BeforeKey(Step);
+pub(crate) struct BeforeKey(UndoStep);
 
 impl App {
     /// Notes what a bare key may change.
@@ -98,7 +98,7 @@ impl App {
 }
 
 /// Whether depths, places or decisions differ between two steps.
-fn changes_results(before: &Step, after: &Step) -> bool {
+fn changes_results(before: &UndoStep, after: &UndoStep) -> bool {
     let shared = !Arc::ptr_eq(&before.shared, &after.shared)
         && results_of(&setting_values(&before.shared))
             != results_of(&setting_values(&after.shared));

@@ -15,14 +15,14 @@ const MODE: &str = "calibration.mode";
 const PINGS_ASIDE: usize = 50;
 
 /// What a trial is made of; equal keys give the same.
-type Key = (Same<Survey>, Same<Settings>, PingRange);
+type TrialKey = (Same<Survey>, Same<Settings>, PingRange);
 
 /// What is under way about the scale of a log.
 #[derive(Default)]
 pub(super) struct Calibrating {
     /// The stretch that waits for the analyst.
     proposal: Option<PingRange>,
-    trial: Background<Key, Arc<ScaleTrial>>,
+    trial: Background<TrialKey, Arc<ScaleTrial>>,
     change: Option<ScaleChange>,
     /// The flatter stretch that was offered while the log is followed.
     pub(super) offered: Option<PingRange>,

@@ -2,8 +2,8 @@
 
 use super::planning::PlanRequest;
 use super::{
-    Action, BottomStroke, ExclusionEdit, KeyFocus, Keys, LogBox, LogId, Mark, Measure, MistakeSort,
-    Nudge, ReferenceBy, View, ViewOptions,
+    Action, BottomStroke, ExclusionEdit, KeyFocus, Keys, LogBox, LogId, LogPlace, Measure,
+    MistakeSort, Nudge, ReferenceBy, View, ViewOptions,
 };
 use crate::detection::review::{BoxId, Edit, Queue};
 use crate::detection::truth::Mistake;
@@ -48,7 +48,7 @@ pub(crate) enum Command {
     /// Let a log take part in maps, clouds and products, or leave it out.
     SetLogVisible(LogId, bool),
     /// Show a log, and a place of it in all views.
-    RevealIn(LogId, Mark),
+    RevealIn(LogId, LogPlace),
     /// Go to the state after so many steps of the history, of those taken back as well.
     GoToStep(usize),
     /// Open the bundled demo survey.
@@ -69,11 +69,11 @@ pub(crate) enum Command {
     /// Change how things are shown.
     Show(Box<ViewOptions>),
     /// What the pointer is over; `None` when it left.
-    Hover(Option<Mark>),
+    Hover(Option<LogPlace>),
     /// Select, without moving any view.
-    Select(Option<Mark>),
+    Select(Option<LogPlace>),
     /// Select, and bring the place into all other views.
-    Reveal(Mark),
+    Reveal(LogPlace),
     /// Look for the passes that saw a position, for the menu of the map.
     FindPasses(LonLat),
     /// Show a place in the first pass that saw it.
@@ -107,7 +107,7 @@ pub(crate) enum Command {
         live: bool,
     },
     /// Mark a point where a sample lies.
-    MarkTarget(Mark),
+    MarkTarget(LogPlace),
     /// Decide about a box of any log, or write about it.
     EditIn(LogId, Edit),
     /// The classes that boxes are given became these.

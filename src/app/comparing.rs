@@ -2,7 +2,7 @@
 
 use super::error::AppError;
 use super::reference_comparison::{Of, ReferenceComparison};
-use super::{App, MapLayer, Outcome, Task};
+use super::{App, MapLayer, Task, TaskOutcome};
 use crate::bottom::bathymetry::compare::Matching;
 use crate::pipeline::{Agreement, AgreementError, ProcessedLog, Reference, Settings};
 use crate::support::progress::Progress;
@@ -30,7 +30,7 @@ pub(crate) struct Comparing {
     pub by: ReferenceBy,
     /// Farthest point for [`ReferenceBy::Nearest`], metres.
     pub radius_m: f64,
-    opening: Option<Opening>,
+    opening: Option<ReferenceOpening>,
 }
 
 /// A reference, and how the survey agrees with it.
@@ -39,7 +39,7 @@ struct Opened {
     agreement: Agreement,
 }
 
-type Opening = Task<Result<Opened, AppError>>;
+type ReferenceOpening = Task<Result<Opened, AppError>>;
 
 impl Default for Comparing {
     fn default() -> Self {
@@ -142,9 +142,9 @@ impl App {
     /// Collects a reference that was opened.
     pub(super) fn poll_comparing(&mut self) {
         let opened = match self.map.comparing.opening.as_ref().map(Task::poll) {
-            None | Some(Outcome::Pending) => return,
-            Some(Outcome::Done(opened)) => opened,
-            Some(Outcome::Failed) => Err(AppError::Failed("opening the reference")),
+            None | Some(TaskOutcome::Pending) => return,
+            Some(TaskOutcome::Done(opened)) => opened,
+            Some(TaskOutcome::Failed) => Err(AppError::Failed("opening the reference")),
         };
         self.map.comparing.opening = None;
         match opened {

@@ -4,7 +4,7 @@
 use super::{App, LogId, MapLayer};
 use crate::bottom::bathymetry::isobaths::{IsobathSettings, NoIsobaths, evenly_apart_m};
 use crate::bottom::cloud::PointScales;
-use crate::imagery::picture::{Histogram, LogPicture, Tone};
+use crate::imagery::picture::{LevelHistogram, LogPicture, Tone};
 use crate::pipeline::{
     Background, Bottom, BottomKey, DepthMap, DepthMapKey, Derived, IsobathKey, Isobaths, Mosaic,
     MosaicKey, MosaicPlane, PictureKey, ProcessedLog, Same, colour_range_m,
@@ -47,7 +47,7 @@ pub(super) struct Deriving {
 struct CountedLevels {
     of: (Same<LogPicture>, Tone),
     log: LogId,
-    histogram: Arc<Histogram>,
+    histogram: Arc<LevelHistogram>,
 }
 
 impl Deriving {
@@ -126,7 +126,7 @@ impl App {
         let holds = self.log.whole.is_some()
             && counted.is_some_and(|counted| counted.of.1 == of.1 && counted.log == self.log.id);
         if !holds && counted.is_none_or(|counted| counted.of != of) {
-            let histogram = Arc::new(Histogram::of(&of.0.0, &of.1));
+            let histogram = Arc::new(LevelHistogram::of(&of.0.0, &of.1));
             let log = self.log.id;
             self.pipeline.deriving.histogram = Some(CountedLevels { of, log, histogram });
         }
@@ -140,7 +140,7 @@ impl App {
     }
 
     /// The levels of the shown log's picture, with the gain that is set.
-    pub(crate) fn histogram(&self) -> Option<&Arc<Histogram>> {
+    pub(crate) fn histogram(&self) -> Option<&Arc<LevelHistogram>> {
         let picture = self.picture()?;
         let counted = self.pipeline.deriving.histogram.as_ref();
         let of_shown = counted.filter(|counted| {

@@ -44,7 +44,7 @@ pub(crate) struct FoundExclusions {
 
 /// How much is excluded.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Extent {
+pub(crate) struct ExcludedExtent {
     /// Stretches.
     pub stretches: usize,
     /// Side-scan pings.
@@ -81,27 +81,29 @@ impl FoundExclusions {
     }
 
     /// How much is excluded, for one reason or for all.
-    pub(crate) fn extent(&self, reason: Option<ExclusionReason>) -> Extent {
+    pub(crate) fn extent(&self, reason: Option<ExclusionReason>) -> ExcludedExtent {
         let counted = |(stretch, _): &(&ExcludedStretch, f64)| {
             reason.is_none_or(|reason| stretch.reason == reason)
         };
         let all = self.stretches().filter(counted);
-        all.fold(Extent::default(), |sum, (stretch, length_m)| Extent {
-            stretches: sum.stretches + 1,
-            pings: sum.pings + stretch.pings.map_or(0, |[first, last]| last + 1 - first),
-            length_m: sum.length_m + length_m,
-            duration_s: sum.duration_s + stretch.time_s[1] - stretch.time_s[0],
+        all.fold(ExcludedExtent::default(), |sum, (stretch, length_m)| {
+            ExcludedExtent {
+                stretches: sum.stretches + 1,
+                pings: sum.pings + stretch.pings.map_or(0, |[first, last]| last + 1 - first),
+                length_m: sum.length_m + length_m,
+                duration_s: sum.duration_s + stretch.time_s[1] - stretch.time_s[0],
+            }
         })
     }
 }
 
 /// What it is found of; equal keys give the same.
-type Key = (Same<Survey>, Same<Navigation>, ExclusionSettings);
+type ExclusionKey = (Same<Survey>, Same<Navigation>, ExclusionSettings);
 
 /// What the settings in force exclude: there before the results that go without it.
 #[derive(Default)]
 pub(super) struct ExclusionSearch {
-    found: Background<Key, Arc<FoundExclusions>>,
+    found: Background<ExclusionKey, Arc<FoundExclusions>>,
 }
 
 impl ExclusionSearch {
@@ -184,10 +186,10 @@ impl App {
     }
 
     /// How much a part of a log is.
-    pub(crate) fn extent_of(&self, log: LogId, part: LogPart) -> Option<Extent> {
+    pub(crate) fn extent_of(&self, log: LogId, part: LogPart) -> Option<ExcludedExtent> {
         let log = self.open_log(log)?;
         let survey = log.survey.as_ref()?;
-        Some(Extent {
+        Some(ExcludedExtent {
             stretches: 1,
             pings: match part {
                 LogPart::Pings([first, last]) => last.saturating_sub(first) + 1,

@@ -1,7 +1,7 @@
 //! Products and reviewed boxes on their way into a folder.
 
 use super::error::AppError;
-use super::{Action, App, Jobs, LogId, Outcome, Task};
+use super::{Action, App, Jobs, LogId, Task, TaskOutcome};
 use crate::products::outputs::{self, Amounts, EarlierRun, Order, OutputFile, Product};
 use crate::support::progress::Progress;
 use std::error::Error;
@@ -133,9 +133,9 @@ impl App {
             return;
         };
         let written = match exporting.task.poll() {
-            Outcome::Pending => return,
-            Outcome::Done(written) => written,
-            Outcome::Failed => Err(AppError::Failed("the export")),
+            TaskOutcome::Pending => return,
+            TaskOutcome::Done(written) => written,
+            TaskOutcome::Failed => Err(AppError::Failed("the export")),
         };
         let (run, into) = (exporting.run.clone(), exporting.into.clone());
         self.files.exporting = None;

@@ -5,7 +5,7 @@
 
 use super::error::AppError;
 use super::outdated::LogsChange;
-use super::{App, LogId, OpenLog, Outcome, Task};
+use super::{App, LogId, OpenLog, Task, TaskOutcome};
 use crate::bottom::cloud::Correction;
 use crate::bottom::cloud::correction::WaterLevelSettings;
 use crate::formats::{TrackError, TrackFile, read_gauge};
@@ -33,7 +33,7 @@ pub(super) enum Instrument {
     Receiver,
 }
 
-enum Read {
+enum ExternalContent {
     Levels(Gauge),
     Track(TrackFile),
     /// Neither: points to compare with.
@@ -49,7 +49,7 @@ pub(crate) struct External {
     pub apart: Arc<TracksApart>,
     /// The tracks read for the open survey: undo goes back to them.
     tracks: Vec<Arc<TrackFile>>,
-    reading: Option<Task<Result<Read, AppError>>>,
+    reading: Option<Task<Result<ExternalContent, AppError>>>,
 }
 
 impl External {
@@ -82,11 +82,11 @@ impl External {
     }
 
     /// A file that was read, once.
-    fn collect(&mut self) -> Option<Result<Read, AppError>> {
+    fn collect(&mut self) -> Option<Result<ExternalContent, AppError>> {
         let read = match self.reading.as_ref()?.poll() {
-            Outcome::Pending => return None,
-            Outcome::Done(read) => read,
-            Outcome::Failed => Err(AppError::Failed("reading the table")),
+            TaskOutcome::Pending => return None,
+            TaskOutcome::Done(read) => read,
+            TaskOutcome::Failed => Err(AppError::Failed("reading the table")),
         };
         self.reading = None;
         Some(read)
@@ -107,9 +107,9 @@ impl App {
         instrument: Option<Instrument>,
     ) {
         let work = move |_: &Progress| match instrument.or_else(|| instrument_of(&path)) {
-            Some(Instrument::Gauge) => Ok(Read::Levels(read_gauge(&path)?)),
-            Some(Instrument::Receiver) => Ok(Read::Track(TrackFile::read(&path)?)),
-            None => Ok(Read::Points(path)),
+            Some(Instrument::Gauge) => Ok(ExternalContent::Levels(read_gauge(&path)?)),
+            Some(Instrument::Receiver) => Ok(ExternalContent::Track(TrackFile::read(&path)?)),
+            None => Ok(ExternalContent::Points(path)),
         };
         let jobs = self.jobs.clone();
         match self.log_mut(id).filter(|log| log.survey.is_some()) {
@@ -125,9 +125,9 @@ impl App {
     pub(super) fn poll_external(&mut self, id: LogId) {
         let read = self.log_mut(id).and_then(|log| log.external.collect());
         match read {
-            Some(Ok(Read::Levels(gauge))) => self.take_levels(id, gauge),
-            Some(Ok(Read::Track(track))) => self.take_track(id, track),
-            Some(Ok(Read::Points(path))) => self.compare_with(path),
+            Some(Ok(ExternalContent::Levels(gauge))) => self.take_levels(id, gauge),
+            Some(Ok(ExternalContent::Track(track))) => self.take_track(id, track),
+            Some(Ok(ExternalContent::Points(path))) => self.compare_with(path),
             Some(Err(error)) => self.notify(error.to_string(), true),
             None => {}
         }

@@ -1,9 +1,9 @@
 //! The history of what an analyst changes: what each step is called, and going to any of them.
 
 use super::project::{keep_figure, kept_figure};
-use super::step::{LogStep, Step};
+use super::step::{LogStep, UndoStep};
 use super::{Action, App, LogId};
-use crate::pipeline::settings::{Kind, Number, row};
+use crate::pipeline::settings::{Number, SettingKind, row};
 use crate::pipeline::{Settings, setting_values};
 use crate::project::{self, History, PastStep, Project, ProjectLog, UNDONE};
 use crate::support::presentation::units::Units;
@@ -14,8 +14,8 @@ use toml::Value;
 
 impl App {
     /// What undo would come back to.
-    pub(super) fn step_now(&self) -> Step {
-        Step {
+    pub(super) fn step_now(&self) -> UndoStep {
+        UndoStep {
             shared: self.document.shared.clone(),
             logs: self.logs().map(LogStep::of).collect(),
             closed: self.closed_logs().collect(),
@@ -29,8 +29,8 @@ impl App {
     /// 0.41`, `bottom of pond`.
     pub(super) fn record_step(
         &mut self,
-        before: &Step,
-        after: &Step,
+        before: &UndoStep,
+        after: &UndoStep,
         label: impl Into<Cow<'static, str>>,
         live: bool,
     ) {
@@ -52,7 +52,7 @@ impl App {
     }
 
     /// Notes a change whose name says all.
-    pub(super) fn record_named(&mut self, before: &Step, after: &Step, title: String) {
+    pub(super) fn record_named(&mut self, before: &UndoStep, after: &UndoStep, title: String) {
         self.withdraw(Action::Undo);
         self.document
             .history
@@ -61,7 +61,7 @@ impl App {
     }
 
     /// Steps in the order in which they were done, and after them those that were taken back.
-    pub(crate) fn history(&self) -> impl Iterator<Item = project::Step<'_>> {
+    pub(crate) fn history(&self) -> impl Iterator<Item = project::HistoryStep<'_>> {
         self.document.history.steps()
     }
 
@@ -151,7 +151,7 @@ impl App {
     }
 
     /// The version of a project that a step is, the reverse of [`App::step_of`]. `None` where other logs were open.
-    fn project_of(&self, step: &Step, project: &Project) -> Option<Project> {
+    fn project_of(&self, step: &UndoStep, project: &Project) -> Option<Project> {
         if step.logs.len() != project.logs().len() {
             return None;
         }
@@ -173,7 +173,7 @@ impl App {
 
     /// The step that a version of the open project is; what it has in common with the one `after` it is the same in memory. `None` where
     /// it holds other logs.
-    fn step_of(&self, project: &Project, after: &Step) -> Option<Step> {
+    fn step_of(&self, project: &Project, after: &UndoStep) -> Option<UndoStep> {
         let mut step = after.clone();
         if project.settings != *after.shared {
             let mut shared = project.settings.clone();
@@ -209,7 +209,7 @@ impl App {
         Some(step)
     }
 
-    fn title(&self, label: &str, before: &Step, after: &Step) -> String {
+    fn title(&self, label: &str, before: &UndoStep, after: &UndoStep) -> String {
         let mut title = label.to_owned();
         if let Some(value) = value_of_change(before, after, self.view.options.units) {
             title += &format!(" {value}");
@@ -229,8 +229,8 @@ impl App {
 }
 
 fn changed_logs<'a>(
-    before: &'a Step,
-    after: &'a Step,
+    before: &'a UndoStep,
+    after: &'a UndoStep,
 ) -> impl Iterator<Item = (&'a LogStep, &'a LogStep)> {
     let pairs = after.logs.iter().filter_map(|log| {
         let was = before.logs.iter().find(|was| was.id == log.id)?;
@@ -250,7 +250,7 @@ fn in_metres(number: &Number, value: f64, units: Units) -> String {
 }
 
 /// What the one setting became that differs, as its control writes it; `None` where none or several do.
-fn value_of_change(before: &Step, after: &Step, units: Units) -> Option<String> {
+fn value_of_change(before: &UndoStep, after: &UndoStep, units: Units) -> Option<String> {
     let (was, is) = match Arc::ptr_eq(&before.shared, &after.shared) {
         false => (
             setting_values(&before.shared),
@@ -273,14 +273,14 @@ fn value_of_change(before: &Step, after: &Step, units: Units) -> Option<String> 
         return None;
     }
     match (&row(key)?.kind, is.get(key)) {
-        (Kind::Number(number), Some(value)) => {
+        (SettingKind::Number(number), Some(value)) => {
             let value = value
                 .as_float()
                 .or(value.as_integer().map(|whole| whole as f64))?;
             Some(in_metres(number, value, units))
         }
-        (Kind::Number(number), None) => number.none_word().map(str::to_owned),
-        (Kind::Choice(choice), Some(Value::String(chosen))) => {
+        (SettingKind::Number(number), None) => number.none_word().map(str::to_owned),
+        (SettingKind::Choice(choice), Some(Value::String(chosen))) => {
             let named = choice.names.iter().find(|name| name.value == chosen);
             Some(named.map_or(chosen.as_str(), |name| name.label).to_owned())
         }

@@ -1,7 +1,7 @@
 //! The area that isobaths end at: its file is read in a background thread, and becomes part of the settings once it is known to be one.
 
 use super::error::AppError;
-use super::{App, Outcome, Task};
+use super::{App, Task, TaskOutcome};
 use crate::formats::read_area;
 use crate::pipeline::Settings;
 use crate::survey::WaterArea;
@@ -39,9 +39,9 @@ impl App {
     /// Collects an area that was read, and takes it into the settings.
     pub(super) fn poll_isobath_area(&mut self) {
         let read = match self.files.reading_area.0.as_ref().map(Task::poll) {
-            None | Some(Outcome::Pending) => return,
-            Some(Outcome::Done(read)) => read,
-            Some(Outcome::Failed) => Err(AppError::Failed("reading the area")),
+            None | Some(TaskOutcome::Pending) => return,
+            Some(TaskOutcome::Done(read)) => read,
+            Some(TaskOutcome::Failed) => Err(AppError::Failed("reading the area")),
         };
         self.files.reading_area.stop();
         match read {

@@ -2,7 +2,7 @@
 
 use super::Jobs;
 use super::error::AppError;
-use super::{Outcome, Task};
+use super::{Task, TaskOutcome};
 use crate::formats;
 use crate::project::{BottomFileError, LogFile, read_bottom};
 use crate::sonar::first_return::BottomSettings;
@@ -16,30 +16,30 @@ const DEMO: &[u8] = include_bytes!("../../assets/demo.sl2");
 
 /// What is opened.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Origin {
+pub(crate) enum LogOrigin {
     /// A file or folder.
     Path(PathBuf),
     /// The bundled demo survey.
     Demo,
 }
 
-impl Origin {
+impl LogOrigin {
     /// What to call it.
     pub(crate) fn name(&self) -> String {
         match self {
-            Origin::Path(path) => path.file_name().map_or_else(
+            LogOrigin::Path(path) => path.file_name().map_or_else(
                 || path.display().to_string(),
                 |name| name.to_string_lossy().into_owned(),
             ),
-            Origin::Demo => "demo survey".to_owned(),
+            LogOrigin::Demo => "demo survey".to_owned(),
         }
     }
 
     /// Opens it.
     pub(crate) fn open(&self, progress: &Progress) -> Result<Survey, formats::OpenError> {
         match self {
-            Origin::Path(path) => formats::open(path, progress),
-            Origin::Demo => formats::open_bytes("demo.sl2", DEMO.to_vec(), progress),
+            LogOrigin::Path(path) => formats::open(path, progress),
+            LogOrigin::Demo => formats::open_bytes("demo.sl2", DEMO.to_vec(), progress),
         }
     }
 }
@@ -55,7 +55,7 @@ pub(crate) struct LoadStatus {
 
 /// What becomes of the logs that are open when another one has been read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Place {
+pub(super) enum OpenMode {
     /// They are closed.
     Instead,
     /// They stay, and the log joins them.
@@ -67,16 +67,16 @@ pub(super) enum Place {
 
 /// A log to be opened.
 #[derive(Clone, Debug)]
-pub(super) struct Request {
-    pub origin: Origin,
-    pub place: Place,
+pub(super) struct OpenRequest {
+    pub origin: LogOrigin,
+    pub place: OpenMode,
 }
 
 /// The bottom edits of a sidecar file, or why they cannot be used.
 pub(super) type ReadBottom = Result<BottomSettings, BottomFileError>;
 
 /// What a path turned out to be.
-pub(super) enum Opened {
+pub(super) enum OpenedPath {
     /// A log, what was drawn on it when it was last open, and its file where it is to be kept in a project.
     Log(Box<Survey>, Option<ReadBottom>, Option<LogFile>),
     /// A folder of several logs.
@@ -87,49 +87,49 @@ pub(super) enum Opened {
 
 /// A log being opened. Dropping it cancels it.
 pub(super) struct Loading {
-    pub request: Request,
-    task: Task<Result<Opened, AppError>>,
+    pub request: OpenRequest,
+    task: Task<Result<OpenedPath, AppError>>,
 }
 
 impl Loading {
     /// Starts opening a log beside those that are `open`.
     pub(super) fn start(
-        request: Request,
+        request: OpenRequest,
         open: Vec<Arc<Survey>>,
         in_project: bool,
         jobs: &Jobs,
     ) -> Self {
         let requested = request.origin.clone();
         let task = Task::start(jobs, move |progress| {
-            if let Origin::Path(path) = &requested {
+            if let LogOrigin::Path(path) = &requested {
                 let logs = formats::logs_in(path);
                 if logs.len() > 1 {
-                    return Ok(Opened::Folder(logs));
+                    return Ok(OpenedPath::Folder(logs));
                 }
             }
             let mut survey = requested.open(progress)?;
             if let Some(known) = open.iter().find(|known| is_same_recording(known, &survey)) {
-                return Ok(Opened::Known(known.name()));
+                return Ok(OpenedPath::Known(known.name()));
             }
             formats::load_removable_into_memory(&mut survey, progress)?;
             let log = survey.source.files.first();
             let drawn = match &requested {
-                Origin::Path(_) => log.and_then(|log| read_bottom(log, &survey)),
-                Origin::Demo => None,
+                LogOrigin::Path(_) => log.and_then(|log| read_bottom(log, &survey)),
+                LogOrigin::Demo => None,
             };
-            let is_file = matches!(requested, Origin::Path(_));
+            let is_file = matches!(requested, LogOrigin::Path(_));
             let file = (in_project && is_file).then(|| LogFile::of(&survey, progress));
-            Ok(Opened::Log(Box::new(survey), drawn, file.transpose()?))
+            Ok(OpenedPath::Log(Box::new(survey), drawn, file.transpose()?))
         });
         Self { request, task }
     }
 
     /// The outcome, once.
-    pub(super) fn poll(&self) -> Option<Result<Opened, AppError>> {
+    pub(super) fn poll(&self) -> Option<Result<OpenedPath, AppError>> {
         match self.task.poll() {
-            Outcome::Done(opened) => Some(opened),
-            Outcome::Pending => None,
-            Outcome::Failed => Some(Err(AppError::OpeningFailed(self.request.origin.name()))),
+            TaskOutcome::Done(opened) => Some(opened),
+            TaskOutcome::Pending => None,
+            TaskOutcome::Failed => Some(Err(AppError::OpeningFailed(self.request.origin.name()))),
         }
     }
 

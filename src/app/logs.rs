@@ -6,7 +6,7 @@
 use super::open_log::log_colour;
 use super::outdated::LogsChange;
 use super::reviewing::Parked;
-use super::{App, LogId, Mark, OpenLog};
+use super::{App, LogId, LogPlace, OpenLog};
 #[cfg(any(test, feature = "bench"))]
 use crate::pipeline::Products;
 use crate::pipeline::{EngineStatus, ProcessedLog, Settings};
@@ -35,7 +35,7 @@ pub(crate) struct ShownLog {
 
 /// The logs that are open beside the one that is shown.
 #[derive(Default)]
-pub(super) struct Logs {
+pub(super) struct OpenLogs {
     pub others: Vec<OpenLog>,
     /// All of them, in the order of the list.
     pub order: Vec<LogId>,
@@ -48,7 +48,7 @@ pub(super) struct Logs {
     pub parked: Vec<Parked>,
 }
 
-impl Logs {
+impl OpenLogs {
     fn next_id(&mut self) -> LogId {
         self.last += 1;
         LogId(self.last)
@@ -432,7 +432,7 @@ impl App {
     }
 
     /// Shows the log of a place, if it is another one, and the place in all views.
-    pub(super) fn reveal_in(&mut self, id: LogId, mark: Mark) {
+    pub(super) fn reveal_in(&mut self, id: LogId, mark: LogPlace) {
         self.show_log(id);
         self.reveal(mark);
     }

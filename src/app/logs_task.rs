@@ -1,6 +1,6 @@
 //! Work on several logs in the background, and what it found last.
 
-use super::{Jobs, Outcome, Task};
+use super::{Jobs, Task, TaskOutcome};
 use crate::support::progress::Progress;
 
 /// The work and its result.
@@ -52,13 +52,13 @@ impl<T: Send + 'static> LogsTask<T> {
     /// Takes over what was found.
     pub(super) fn poll(&mut self) -> Stands {
         let stands = match self.task.as_ref().map(Task::poll) {
-            None | Some(Outcome::Pending) => return Stands::Still,
-            Some(Outcome::Done(Some(found))) => {
+            None | Some(TaskOutcome::Pending) => return Stands::Still,
+            Some(TaskOutcome::Done(Some(found))) => {
                 self.found = Some(found);
                 Stands::Found
             }
-            Some(Outcome::Done(None)) => Stands::Still,
-            Some(Outcome::Failed) => Stands::Failed,
+            Some(TaskOutcome::Done(None)) => Stands::Still,
+            Some(TaskOutcome::Failed) => Stands::Failed,
         };
         self.task = None;
         stands

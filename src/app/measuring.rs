@@ -3,9 +3,9 @@
 
 use super::drawn_figure::Figure;
 use super::reviewing::Tool;
-use super::step::Step;
+use super::step::UndoStep;
 use super::{App, OpenLog, ProfileLine};
-use crate::bottom::bathymetry::Station;
+use crate::bottom::bathymetry::TransectStation;
 use crate::detection::MeasuredShadow;
 use crate::detection::review::{BoxId, Edit, Reviewed};
 use crate::detection::targets::{ShadowError, ShadowHeight};
@@ -59,7 +59,7 @@ impl Measuring {
     }
 
     /// Depths along the figure; none where it is not the line of a profile.
-    pub(crate) fn stations(&self) -> &[Station] {
+    pub(crate) fn stations(&self) -> &[TransectStation] {
         self.set.as_ref().map_or(&[], |set| &set.stations)
     }
 
@@ -306,7 +306,7 @@ impl App {
     /// Makes `figure` the one on the map, as an undo step.
     fn draw(&mut self, figure: Option<Figure>) {
         let before = self.step_now();
-        let after = Step {
+        let after = UndoStep {
             figure: figure.map(Arc::new),
             ..before.clone()
         };

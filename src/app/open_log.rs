@@ -1,6 +1,6 @@
 //! A log that is open: what belongs to it alone, beside what all logs of the window share.
 
-use super::bottom::BottomFile;
+use super::bottom::BottomSidecar;
 use super::calibrating::Calibrating;
 use super::exclusions::ExclusionSearch;
 use super::external::External;
@@ -70,7 +70,7 @@ pub(crate) struct OpenLog {
     /// The boxes and what is decided about them.
     pub reviewing: Reviewing,
     pub(super) counting: Option<Task<Option<Figures>>>,
-    pub(super) bottom_file: BottomFile,
+    pub(super) bottom_file: BottomSidecar,
     pub(super) exclusion_search: ExclusionSearch,
     pub(super) calibrating: Calibrating,
 }
@@ -98,7 +98,7 @@ impl Default for OpenLog {
             external: External::default(),
             reviewing: Reviewing::default(),
             counting: None,
-            bottom_file: BottomFile::default(),
+            bottom_file: BottomSidecar::default(),
             exclusion_search: ExclusionSearch::default(),
             calibrating: Calibrating::default(),
         }

@@ -1,7 +1,7 @@
 //! How things are shown: saved between runs, never part of a result.
 
 use super::{ClipBox, LayerStack, MapLayer, ObjectTable, PrintOptions, Swipe};
-use crate::imagery::picture::Geometry;
+use crate::imagery::picture::PictureGeometry;
 use crate::pipeline::BottomColour;
 use crate::products::outputs::Product;
 use crate::support::geo::CoordinateFormat;
@@ -196,11 +196,11 @@ pub(crate) struct WaterfallOptions {
 
 impl WaterfallOptions {
     /// What is measured across the track.
-    pub(crate) fn geometry(&self) -> Geometry {
+    pub(crate) fn geometry(&self) -> PictureGeometry {
         match (self.ground_range, self.water_column) {
-            (true, _) => Geometry::Ground,
-            (false, true) => Geometry::Slant,
-            (false, false) => Geometry::SlantBeyondWater,
+            (true, _) => PictureGeometry::Ground,
+            (false, true) => PictureGeometry::Slant,
+            (false, false) => PictureGeometry::SlantBeyondWater,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Which passes saw a place: for the menu of the map, and from a selected place to the next look at it. Logs are laid out for it, in
 //! a background thread; a search that nobody waits for any more is dropped.
 
-use super::{App, LogId, Mark, Outcome, ShownLog, Task};
+use super::{App, LogId, LogPlace, ShownLog, Task, TaskOutcome};
 use crate::pipeline::{Derived, Pass, passes_over, place_of};
 use crate::support::geo::LonLat;
 use crate::support::progress::{Cancelled, Progress};
@@ -43,7 +43,7 @@ struct Listed {
 /// The way to a place in a pass.
 struct Next {
     /// What was selected as it was asked for.
-    from: Option<(LogId, Mark)>,
+    from: Option<(LogId, LogPlace)>,
     /// Where it leads.
     to: Goal,
     /// `None` when it was cancelled; the inner one where the selected sample shows no ground.
@@ -54,7 +54,7 @@ struct Next {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Goal {
     /// That after the one of this place of a log.
-    After(LogId, Mark),
+    After(LogId, LogPlace),
     /// The first one over a place, of the log that is shown where that saw it.
     FirstOver(LonLat),
 }
@@ -82,12 +82,12 @@ impl Passes {
 }
 
 /// The place of a pass that the other views show.
-pub(crate) fn mark_of(pass: &Pass) -> Mark {
+pub(crate) fn mark_of(pass: &Pass) -> LogPlace {
     let (ping, sample) = pass.middle;
-    Mark {
+    LogPlace {
         side: Some(pass.side),
         sample: Some(sample as f32),
-        ..Mark::ping(ping)
+        ..LogPlace::ping(ping)
     }
 }
 
@@ -165,7 +165,7 @@ impl App {
         });
     }
 
-    fn selected(&self) -> Option<(LogId, Mark)> {
+    fn selected(&self) -> Option<(LogId, LogPlace)> {
         self.view.selection.map(|mark| (self.log.id, mark))
     }
 
@@ -179,8 +179,8 @@ impl App {
             .as_ref()
             .map(|next| next.task.poll())
         {
-            None | Some(Outcome::Pending) => {}
-            Some(Outcome::Done(found)) => {
+            None | Some(TaskOutcome::Pending) => {}
+            Some(TaskOutcome::Done(found)) => {
                 let here = self.selected();
                 // Whoever selected something else meanwhile does not want to be led away from it.
                 let next = self
@@ -198,7 +198,7 @@ impl App {
                     None => {}
                 }
             }
-            Some(Outcome::Failed) => {
+            Some(TaskOutcome::Failed) => {
                 self.findings.passes.next = None;
                 self.notify("looking for passes failed unexpectedly".to_owned(), true);
             }
@@ -210,9 +210,9 @@ impl App {
             return;
         };
         match listed.task.as_ref().map(Task::poll) {
-            None | Some(Outcome::Pending) => {}
-            Some(Outcome::Done(found)) => (listed.found, listed.task) = (found, None),
-            Some(Outcome::Failed) => listed.task = None,
+            None | Some(TaskOutcome::Pending) => {}
+            Some(TaskOutcome::Done(found)) => (listed.found, listed.task) = (found, None),
+            Some(TaskOutcome::Failed) => listed.task = None,
         }
     }
 
@@ -224,7 +224,7 @@ impl App {
         }
     }
 
-    fn go_to_next(&mut self, passes: &[LogPass], id: LogId, mark: Mark) {
+    fn go_to_next(&mut self, passes: &[LogPass], id: LogId, mark: LogPlace) {
         let is_here = |(log, pass): &LogPass| {
             let [first, last] = pass.pings;
             let is_in = (first.saturating_sub(1)..=last + 1).contains(&mark.ping);
@@ -267,7 +267,7 @@ fn found(
 /// Where a sample of one of some logs lies; `None` where it shows no ground.
 fn ground_of(
     shown: &[ShownLog],
-    (id, mark): (LogId, Mark),
+    (id, mark): (LogId, LogPlace),
     results: &Derived,
     progress: &Progress,
 ) -> Result<Option<LonLat>, Cancelled> {

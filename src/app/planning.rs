@@ -1,7 +1,7 @@
 //! Lines to sail next: planned in a background thread, changed by hand, written for plotters and autopilots.
 
 use super::error::AppError;
-use super::{App, Outcome, Task};
+use super::{App, Task, TaskOutcome};
 use crate::bottom::planning::{Leg, Plan, PlanError, PlanSettings, plan};
 use crate::pipeline::list_objects;
 use crate::pipeline::survey_coverage;
@@ -124,10 +124,10 @@ impl App {
     /// Collects the lines.
     pub(super) fn poll_planning(&mut self) {
         match self.map.planning.task.as_ref().map(Task::poll) {
-            None | Some(Outcome::Pending) => return,
-            Some(Outcome::Done(Ok(lines))) => self.set_lines(Some(lines), "planned lines"),
-            Some(Outcome::Done(Err(error))) => self.notify(error.to_string(), true),
-            Some(Outcome::Failed) => {
+            None | Some(TaskOutcome::Pending) => return,
+            Some(TaskOutcome::Done(Ok(lines))) => self.set_lines(Some(lines), "planned lines"),
+            Some(TaskOutcome::Done(Err(error))) => self.notify(error.to_string(), true),
+            Some(TaskOutcome::Failed) => {
                 self.notify("planning lines failed unexpectedly".to_owned(), true);
             }
         }

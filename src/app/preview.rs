@@ -4,7 +4,7 @@
 //! on screen. One job runs at a time and the newest request waits for it: cancelling each time would show nothing at all
 //! during a long drag.
 
-use super::{Jobs, Outcome, Task};
+use super::{Jobs, Task, TaskOutcome};
 use crate::pipeline::Settings;
 use crate::sonar::first_return::{
     BottomSettings, FirstReturnSettings, FirstReturns, ImageSettings, Method, Normalisation,
@@ -16,7 +16,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 /// What is asked for.
-pub(super) struct Request {
+pub(super) struct PreviewRequest {
     pub survey: Arc<Survey>,
     pub image: ImageSettings,
     pub first_return: FirstReturnSettings,
@@ -28,9 +28,9 @@ pub(super) struct Request {
     pub base: Arc<FirstReturns>,
 }
 
-impl Request {
-    fn key(&self) -> Key {
-        Key {
+impl PreviewRequest {
+    fn key(&self) -> PreviewKey {
+        PreviewKey {
             method: self.first_return.method,
             samples: self.image.samples,
             dead_zone_m: self.first_return.dead_zone_m,
@@ -46,7 +46,7 @@ enum Measured {
 }
 
 impl Measured {
-    fn measure(request: &Request, progress: &Progress) -> Result<Self, Cancelled> {
+    fn measure(request: &PreviewRequest, progress: &Progress) -> Result<Self, Cancelled> {
         let (survey, image) = (&request.survey, &request.image);
         let dead_zone_m = request.first_return.dead_zone_m;
         match request.first_return.method {
@@ -62,7 +62,7 @@ impl Measured {
 
 /// What [`Measured`] depends on besides the survey.
 #[derive(Clone, Copy, PartialEq)]
-struct Key {
+struct PreviewKey {
     method: Method,
     samples: SampleMode,
     dead_zone_m: f64,
@@ -83,7 +83,7 @@ impl Preview {
 }
 
 struct Answer {
-    key: Key,
+    key: PreviewKey,
     measured: Arc<Measured>,
     preview: Option<Preview>,
 }
@@ -93,9 +93,9 @@ type Running = Task<Result<Answer, Cancelled>>;
 /// Answers requests one after the other, leaving out those that a newer one replaced.
 #[derive(Default)]
 pub(super) struct Previewer {
-    measured: Option<(Key, Arc<Measured>)>,
+    measured: Option<(PreviewKey, Arc<Measured>)>,
     running: Option<Running>,
-    queued: Option<Request>,
+    queued: Option<PreviewRequest>,
 }
 
 impl Previewer {
@@ -110,7 +110,7 @@ impl Previewer {
     }
 
     /// Measures what `request` would need, so that the first drag finds it.
-    pub(super) fn warm_up(&mut self, request: Request, jobs: &Jobs) {
+    pub(super) fn warm_up(&mut self, request: PreviewRequest, jobs: &Jobs) {
         let known = self.measured.as_ref().map(|(key, _)| *key);
         if known != Some(request.key()) && !self.is_busy() {
             self.start(request, jobs, false);
@@ -118,7 +118,7 @@ impl Previewer {
     }
 
     /// Asks for first returns; an older request that has not begun is dropped.
-    pub(super) fn want(&mut self, request: Request, jobs: &Jobs) {
+    pub(super) fn want(&mut self, request: PreviewRequest, jobs: &Jobs) {
         if self.running.is_some() {
             self.queued = Some(request);
         } else {
@@ -126,7 +126,7 @@ impl Previewer {
         }
     }
 
-    fn start(&mut self, request: Request, jobs: &Jobs, requested: bool) {
+    fn start(&mut self, request: PreviewRequest, jobs: &Jobs, requested: bool) {
         let key = request.key();
         let known = self.measured.as_ref().filter(|(known, _)| *known == key);
         let known = known.map(|(_, measured)| measured.clone());
@@ -139,9 +139,9 @@ impl Previewer {
     pub(super) fn poll(&mut self, jobs: &Jobs) -> Option<Preview> {
         let outcome = self.running.as_ref()?.poll();
         let answer = match outcome {
-            Outcome::Pending => return None,
-            Outcome::Done(answer) => answer.ok(),
-            Outcome::Failed => None,
+            TaskOutcome::Pending => return None,
+            TaskOutcome::Done(answer) => answer.ok(),
+            TaskOutcome::Failed => None,
         };
         self.running = None;
         let preview = answer.and_then(|answer| {
@@ -156,7 +156,7 @@ impl Previewer {
 }
 
 fn answer(
-    request: Request,
+    request: PreviewRequest,
     known: Option<Arc<Measured>>,
     requested: bool,
     progress: &Progress,
@@ -185,7 +185,7 @@ fn answer(
 }
 
 fn search(
-    request: &Request,
+    request: &PreviewRequest,
     measured: &Measured,
     progress: &Progress,
 ) -> Result<FirstReturns, Cancelled> {

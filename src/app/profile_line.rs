@@ -1,7 +1,7 @@
 //! The depths along the line of a depth profile, taken from the depth map.
 
 use super::App;
-use crate::bottom::bathymetry::{Corner, Station, transect};
+use crate::bottom::bathymetry::{Corner, TransectStation, transect};
 use crate::pipeline::DepthMap;
 use crate::project::{Measurement, MeasurementKind};
 use crate::support::geo::LonLat;
@@ -16,7 +16,7 @@ pub(crate) struct ProfileLine {
     line: Measurement,
     map: Option<Arc<DepthMap>>,
     /// Places along the line with their depths.
-    pub stations: Vec<Station>,
+    pub stations: Vec<TransectStation>,
     /// Metres from the start of the line to each corner.
     pub corners_m: Vec<f64>,
 }

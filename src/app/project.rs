@@ -4,14 +4,14 @@
 use super::drawn_figure::Figure;
 use super::error::AppError;
 use super::loader::hold_log;
-use super::{App, LogId, OpenLog, Outcome, Task, ViewOptions};
+use super::{App, LogId, OpenLog, Task, TaskOutcome, ViewOptions};
 use crate::detection::objects::ObjectNumbers;
 use crate::detection::review::{Queue, Sort};
 use crate::pipeline::Settings;
 use crate::products::export::is_same_file;
 use crate::project::{
-    ENDING, Found, LogFile, Opened, Project, ProjectLog, REVIEW_VIEW, Store, StoreError, Written,
-    find,
+    ENDING, LogFile, LogLocation, OpenedProject, Project, ProjectLog, REVIEW_VIEW, SavingOutcome,
+    Store, StoreError, find,
 };
 use crate::support::geo::LocalFrame;
 use crate::support::printable::quoted;
@@ -43,7 +43,7 @@ pub(super) struct ProjectSaving {
     /// It is being written for the first time, with this in it.
     creating: Option<(Project, Task<Result<Store, StoreError>>)>,
     /// It is being written into its file.
-    saving: Option<Task<Written>>,
+    saving: Option<Task<SavingOutcome>>,
     /// It is to be saved again after that.
     saves_again: bool,
     /// It cannot be written; it was said.
@@ -87,7 +87,7 @@ impl ProjectSaving {
 
 /// A project that was read, with those of its logs that were found.
 struct OpenedLogs {
-    opened: Opened,
+    opened: OpenedProject,
     logs: Vec<(Arc<ProjectLog>, Survey, Settings)>,
     /// What to tell about logs that are not there or lie elsewhere.
     notes: Vec<String>,
@@ -178,9 +178,9 @@ impl App {
     /// Collects a project that was saved.
     fn poll_saving(&mut self) {
         let written = match self.files.project_saving.saving.as_ref().map(Task::poll) {
-            Some(Outcome::Done(written)) => Some(written),
-            Some(Outcome::Failed) => None,
-            Some(Outcome::Pending) | None => return,
+            Some(TaskOutcome::Done(written)) => Some(written),
+            Some(TaskOutcome::Failed) => None,
+            Some(TaskOutcome::Pending) | None => return,
         };
         self.files.project_saving.saving = None;
         match (written, &mut self.files.project_saving.store) {
@@ -300,18 +300,18 @@ impl App {
         self.poll_saving();
         self.poll_creating();
         match self.files.project_saving.opening.as_ref().map(Task::poll) {
-            Some(Outcome::Done(read)) => {
+            Some(TaskOutcome::Done(read)) => {
                 self.files.project_saving.opening = None;
                 match read {
                     Ok(read) => self.take_project(read),
                     Err(error) => self.notify(error.to_string(), true),
                 }
             }
-            Some(Outcome::Failed) => {
+            Some(TaskOutcome::Failed) => {
                 self.files.project_saving.opening = None;
                 self.notify("opening the project failed unexpectedly".to_owned(), true);
             }
-            Some(Outcome::Pending) | None => {}
+            Some(TaskOutcome::Pending) | None => {}
         }
         let named = match self
             .files
@@ -320,9 +320,9 @@ impl App {
             .as_ref()
             .map(|(_, task)| task.poll())
         {
-            Some(Outcome::Done(files)) => files,
-            Some(Outcome::Failed) => None,
-            Some(Outcome::Pending) | None => return,
+            Some(TaskOutcome::Done(files)) => files,
+            Some(TaskOutcome::Failed) => None,
+            Some(TaskOutcome::Pending) | None => return,
         };
         if let (Some((path, _)), Some(files)) = (self.files.project_saving.naming.take(), named) {
             self.name_project(&path, files);
@@ -358,9 +358,9 @@ impl App {
             .as_ref()
             .map(|(_, task)| task.poll())
         {
-            Some(Outcome::Done(created)) => Some(created),
-            Some(Outcome::Failed) => None,
-            Some(Outcome::Pending) | None => return,
+            Some(TaskOutcome::Done(created)) => Some(created),
+            Some(TaskOutcome::Failed) => None,
+            Some(TaskOutcome::Pending) | None => return,
         };
         let Some((project, _)) = self.files.project_saving.creating.take() else {
             return;
@@ -388,7 +388,7 @@ impl App {
             logs,
             notes,
         } = read;
-        let Opened {
+        let OpenedProject {
             store,
             project,
             notes: told,
@@ -465,7 +465,7 @@ impl App {
 impl OpenLog {
     /// What is decided about the log is kept in the project from now on, not next to the log.
     fn leave_sidecars(&mut self) {
-        self.bottom_file = super::bottom::BottomFile::default();
+        self.bottom_file = super::bottom::BottomSidecar::default();
         self.reviewing.keep_elsewhere();
     }
 }
@@ -531,16 +531,16 @@ fn read(path: &Path, progress: &Progress) -> Result<OpenedLogs, AppError> {
     }
     for (log, (_, found)) in opened.project.logs().iter().zip(places) {
         let log = match found {
-            Found::Here => log.clone(),
-            Found::Changed => {
+            LogLocation::Here => log.clone(),
+            LogLocation::Changed => {
                 notes.push(log.is_changed());
                 log.clone()
             }
-            Found::Moved(path) => {
+            LogLocation::Moved(path) => {
                 notes.push(format!("Found {} at {}", quoted(&log.name), path.display()));
                 Arc::new(log.at(&path))
             }
-            Found::Missing | Found::Replaced => {
+            LogLocation::Missing | LogLocation::Replaced => {
                 notes.push(format!(
                     "the log {} is missing; put it back, or below the folder of the project, and open the project again: {}",
                     quoted(&log.name),

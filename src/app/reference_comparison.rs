@@ -1,7 +1,7 @@
 //! How points agree with a reference: computed on demand, for it takes a triangulation of all soundings.
 
 use super::error::AppError;
-use super::{App, Outcome, Task};
+use super::{App, Task, TaskOutcome};
 use crate::bottom::bathymetry::SurfaceSettings;
 use crate::bottom::bathymetry::compare::Matching;
 use crate::bottom::cloud::PointClass;
@@ -154,9 +154,9 @@ impl App {
     pub(super) fn poll_tables(&mut self) {
         let made = &mut self.findings.reference_comparison;
         let found = match made.task.as_ref().map(Task::poll) {
-            Some(Outcome::Done(found)) => found,
-            Some(Outcome::Failed) => Err(AppError::Failed("comparing")),
-            Some(Outcome::Pending) | None => return,
+            Some(TaskOutcome::Done(found)) => found,
+            Some(TaskOutcome::Failed) => Err(AppError::Failed("comparing")),
+            Some(TaskOutcome::Pending) | None => return,
         };
         made.task = None;
         (made.agreement, made.problem) = match found {

@@ -7,8 +7,8 @@ use super::exporting::{Exported, Exporting};
 use super::following::Following;
 use super::heights::Heights;
 use super::isobath_area::ReadingArea;
-use super::loader::{Loading, Request};
-use super::logs::Logs;
+use super::loader::{Loading, OpenRequest};
+use super::logs::OpenLogs;
 use super::measuring::Measuring;
 use super::mounting::Mountings;
 use super::notices::{Notice, NoticeHistory};
@@ -19,9 +19,9 @@ use super::positions::Positions;
 use super::preview::Previewer;
 use super::project::ProjectSaving;
 use super::reference_comparison::ReferenceComparison;
-use super::reviewing::Search;
-use super::step::Step;
-use super::{GivenSettings, Jobs, LoadStatus, LogId, Mark, OpenLog, Reveal, ViewOptions};
+use super::reviewing::ObjectSearch;
+use super::step::UndoStep;
+use super::{GivenSettings, Jobs, LoadStatus, LogId, LogPlace, OpenLog, Reveal, ViewOptions};
 use crate::formats::base_map::BaseMap;
 use crate::pipeline::{Engine, EngineStatus, Settings, Stage};
 use crate::project::{History, LogKey};
@@ -48,7 +48,7 @@ pub(super) struct Document {
     /// How recorders are mounted as a rule, by [`crate::survey::Source::recorder`].
     pub mountings: Arc<Mountings>,
     /// What undo goes back to.
-    pub history: History<Step>,
+    pub history: History<UndoStep>,
 }
 
 impl Default for Document {
@@ -99,7 +99,7 @@ impl PipelineWork {
 #[derive(Default)]
 pub(super) struct FileWork {
     pub loading: Option<Loading>,
-    pub to_load: VecDeque<Request>,
+    pub to_load: VecDeque<OpenRequest>,
     pub opening_base_map: Option<OpeningBaseMap>,
     pub reading_area: ReadingArea,
     pub exporting: Option<Exporting>,
@@ -126,7 +126,7 @@ pub(super) struct Findings {
     pub positions: Positions,
     pub passes: Passes,
     pub objects: Objects,
-    pub search: Search,
+    pub search: ObjectSearch,
     pub reference_comparison: ReferenceComparison,
 }
 
@@ -150,9 +150,9 @@ pub(crate) struct ViewState {
     /// Grows when the plane of the survey moves: with each survey opened, and with each track applied to it.
     pub plane_serial: u64,
     /// What is selected.
-    pub selection: Option<Mark>,
+    pub selection: Option<LogPlace>,
     /// What the pointer is over.
-    pub hover: Option<Mark>,
+    pub hover: Option<LogPlace>,
     /// The last request to show a place.
     pub reveal: Option<Reveal>,
     /// Pings in the waterfall.
@@ -180,7 +180,7 @@ pub(crate) struct MapWork {
 pub(crate) struct App {
     /// The log that waterfall, profile and panels show: the one under the selection.
     pub log: OpenLog,
-    pub(super) logs: Logs,
+    pub(super) logs: OpenLogs,
     pub(super) document: Document,
     pub(super) pipeline: PipelineWork,
     pub(super) files: FileWork,
@@ -205,7 +205,7 @@ impl App {
     pub(crate) fn new(jobs: Jobs) -> Self {
         Self {
             log: OpenLog::default(),
-            logs: Logs::default(),
+            logs: OpenLogs::default(),
             document: Document::default(),
             pipeline: PipelineWork::new(jobs.clone()),
             files: FileWork::default(),

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 /// What undo goes back to: everything that an analyst changes.
 #[derive(Clone, PartialEq)]
-pub(super) struct Step {
+pub(super) struct UndoStep {
     pub shared: Arc<Settings>,
     /// The logs in the order of the list.
     pub logs: Vec<LogStep>,

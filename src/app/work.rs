@@ -1,9 +1,9 @@
 //! What runs in a background thread: started here, collected here.
 
 use super::figures::Figures;
-use super::loader::{Loading, Opened, Place, ReadBottom, Request};
-use super::preview::Request as PreviewRequest;
-use super::{Action, App, Jobs, LogId, OpenLog, Origin, Outcome, Task};
+use super::loader::{Loading, OpenMode, OpenRequest, OpenedPath, ReadBottom};
+use super::preview::PreviewRequest;
+use super::{Action, App, Jobs, LogId, LogOrigin, OpenLog, Task, TaskOutcome};
 use crate::pipeline::Products;
 use crate::products::export::is_same_file;
 use crate::project::LogFile;
@@ -92,18 +92,18 @@ impl App {
         let Some(loading) = self.files.loading.take() else {
             return;
         };
-        let Request { origin, place } = loading.request;
+        let OpenRequest { origin, place } = loading.request;
         match opened {
-            Ok(Opened::Log(survey, drawn, file)) => {
+            Ok(OpenedPath::Log(survey, drawn, file)) => {
                 self.take_survey(*survey, origin, place, (drawn, file));
             }
-            Ok(Opened::Folder(logs)) => {
-                let logs = logs.into_iter().map(Origin::Path);
+            Ok(OpenedPath::Folder(logs)) => {
+                let logs = logs.into_iter().map(LogOrigin::Path);
                 for request in requests(logs, place).into_iter().rev() {
                     self.files.to_load.push_front(request);
                 }
             }
-            Ok(Opened::Known(name)) => {
+            Ok(OpenedPath::Known(name)) => {
                 let (name, origin) = (quoted(&name), quoted(&origin.name()));
                 let text = format!("This recording is open already, as {name}: {origin}");
                 self.notify(text, false);
@@ -116,17 +116,17 @@ impl App {
     fn take_survey(
         &mut self,
         survey: Survey,
-        origin: Origin,
-        place: Place,
+        origin: LogOrigin,
+        place: OpenMode,
         (drawn, file): (Option<ReadBottom>, Option<LogFile>),
     ) {
-        let is_file = matches!(origin, Origin::Path(_));
-        if let Origin::Path(path) = origin {
+        let is_file = matches!(origin, LogOrigin::Path(_));
+        if let LogOrigin::Path(path) = origin {
             self.remember(path);
         }
         self.withdraw(Action::TakeUpUnsaved);
         let id = match place {
-            Place::Instead => {
+            OpenMode::Instead => {
                 if self.log.survey.is_some() {
                     self.view.options = self.view.options.for_new_survey();
                 }
@@ -134,7 +134,7 @@ impl App {
                 self.logs.arrived.clear();
                 self.log.id
             }
-            Place::Added { shown } => {
+            OpenMode::Added { shown } => {
                 let id = self.add_log(survey);
                 if shown {
                     self.show_log(id);
@@ -253,12 +253,12 @@ impl App {
     }
 
     /// Opens a log in the place of those that are open; one that is still being opened is dropped.
-    pub(super) fn start_loading(&mut self, origin: Origin) {
-        self.load([origin].into_iter(), Place::Instead);
+    pub(super) fn start_loading(&mut self, origin: LogOrigin) {
+        self.load([origin].into_iter(), OpenMode::Instead);
     }
 
     /// Opens logs, one after the other; those that are still being opened are dropped.
-    pub(super) fn load(&mut self, origins: impl Iterator<Item = Origin>, place: Place) {
+    pub(super) fn load(&mut self, origins: impl Iterator<Item = LogOrigin>, place: OpenMode) {
         self.files.loading = None;
         self.files.to_load = requests(origins, place);
         self.load_next();
@@ -270,8 +270,10 @@ impl App {
         {
             let open = match request.place {
                 // The same log opened again is read again.
-                Place::Instead => Vec::new(),
-                Place::Added { .. } => self.logs().filter_map(|log| log.survey.clone()).collect(),
+                OpenMode::Instead => Vec::new(),
+                OpenMode::Added { .. } => {
+                    self.logs().filter_map(|log| log.survey.clone()).collect()
+                }
             };
             let in_project = self.project_path().is_some();
             self.files.loading = Some(Loading::start(request, open, in_project, &self.jobs));
@@ -286,12 +288,12 @@ impl OpenLog {
     /// Collects what was counted.
     fn poll_figures(&mut self) {
         match self.counting.as_ref().map(Task::poll) {
-            Some(Outcome::Done(figures)) => {
+            Some(TaskOutcome::Done(figures)) => {
                 self.figures = figures;
                 self.counting = None;
             }
-            Some(Outcome::Failed) => self.counting = None,
-            Some(Outcome::Pending) | None => {}
+            Some(TaskOutcome::Failed) => self.counting = None,
+            Some(TaskOutcome::Pending) | None => {}
         }
     }
 
@@ -316,9 +318,9 @@ impl OpenLog {
 }
 
 /// A sentence in which a relative path is seen as one.
-fn with_name_quoted(text: String, origin: &Origin) -> String {
+fn with_name_quoted(text: String, origin: &LogOrigin) -> String {
     match origin {
-        Origin::Path(path) if path.is_relative() => {
+        LogOrigin::Path(path) if path.is_relative() => {
             let path = path.display().to_string();
             text.replace(&path, &quoted(&path))
         }
@@ -327,12 +329,12 @@ fn with_name_quoted(text: String, origin: &Origin) -> String {
 }
 
 /// What is asked for by several logs: of those that are opened in place of others, the first one takes that place, and the others join it.
-fn requests(origins: impl Iterator<Item = Origin>, place: Place) -> VecDeque<Request> {
-    let each = origins.enumerate().map(|(index, origin)| Request {
+fn requests(origins: impl Iterator<Item = LogOrigin>, place: OpenMode) -> VecDeque<OpenRequest> {
+    let each = origins.enumerate().map(|(index, origin)| OpenRequest {
         origin,
         place: match index {
             0 => place,
-            _ => Place::Added { shown: false },
+            _ => OpenMode::Added { shown: false },
         },
     });
     each.collect()

@@ -2,10 +2,10 @@
 
 use super::status_line::StatusLine;
 use super::{Failure, output, simulated_files};
-use crate::detection::dataset::{Boxes, Chip, Known, Slice};
+use crate::detection::dataset::{Chip, KnownObject, PictureBoxes, Slice};
 use crate::detection::{Mark, Raster, TILE_PX};
 use crate::formats;
-use crate::products::export::{DatasetFolder, Part, PartSummary, make_folder};
+use crate::products::export::{DatasetFolder, DatasetPart, PartSummary, make_folder};
 use crate::simulation::{
     self, ObjectKind, ObjectPass, Simulated, TrainingPlace, TrainingScene, training_scene,
     training_seed,
@@ -106,7 +106,7 @@ pub(super) fn run(args: &DatasetArgs, seed: u64) -> Result<(), Failure> {
     let per_scene = usize::from(args.per_scene);
     let surveys = folder.join("surveys");
     let made = pool.install(|| {
-        let parts = Part::ALL.into_iter().zip(images);
+        let parts = DatasetPart::ALL.into_iter().zip(images);
         parts
             .map(|(part, images)| {
                 let maker = Maker {
@@ -120,7 +120,7 @@ pub(super) fn run(args: &DatasetArgs, seed: u64) -> Result<(), Failure> {
                 };
                 maker.part()
             })
-            .collect::<Result<Vec<Made>, Failure>>()
+            .collect::<Result<Vec<PartRecord>, Failure>>()
     })?;
     let manifest = Manifest::new(args, seed, &made);
     dataset.manifest(&manifest)?;
@@ -152,7 +152,7 @@ fn refuse_in_use(folder: &Path) -> Result<(), Failure> {
 /// Makes one part of the dataset.
 struct Maker<'a> {
     dataset: &'a DatasetFolder,
-    part: Part,
+    part: DatasetPart,
     seed: u64,
     per_scene: usize,
     images: usize,
@@ -163,7 +163,7 @@ struct Maker<'a> {
 
 /// What a part holds and was made from, for the manifest.
 #[derive(Serialize)]
-struct Made {
+struct PartRecord {
     #[serde(flatten)]
     part: PartSummary,
     scenes: usize,
@@ -172,17 +172,17 @@ struct Made {
 }
 
 impl Maker<'_> {
-    fn part(&self) -> Result<Made, Failure> {
+    fn part(&self) -> Result<PartRecord, Failure> {
         if let Some(folder) = &self.surveys {
             make_folder(folder)?;
         }
         let scenes = self.images.div_ceil(self.per_scene);
-        let boxes: Vec<Vec<Boxes>> = (0..scenes)
+        let boxes: Vec<Vec<PictureBoxes>> = (0..scenes)
             .into_par_iter()
             .map(|scene| self.scene(scene))
             .collect::<Result<_, Failure>>()?;
-        let boxes: Vec<Boxes> = boxes.into_iter().flatten().collect();
-        Ok(Made {
+        let boxes: Vec<PictureBoxes> = boxes.into_iter().flatten().collect();
+        Ok(PartRecord {
             part: self.dataset.finish(self.part, &boxes)?,
             scenes,
             scene_seeds: (0..scenes).map(|scene| self.seed_of(scene)).collect(),
@@ -194,7 +194,7 @@ impl Maker<'_> {
     }
 
     /// Simulates one scene and writes its pictures and their YOLO labels.
-    fn scene(&self, index: usize) -> Result<Vec<Boxes>, Failure> {
+    fn scene(&self, index: usize) -> Result<Vec<PictureBoxes>, Failure> {
         self.progress.check()?;
         let seed = self.seed_of(index);
         let training = training_scene(seed, self.per_scene, TILE_PX as f64 * PIXEL_M);
@@ -238,7 +238,7 @@ fn chips(
         .collect())
 }
 
-fn chip(survey: &Survey, raster: &Raster, look: &TrainingPlace, known: &[Known]) -> Chip {
+fn chip(survey: &Survey, raster: &Raster, look: &TrainingPlace, known: &[KnownObject]) -> Chip {
     let start = |share: f64, room: usize| (share * room as f64) as usize;
     let row = start(look.along, raster.rows().saturating_sub(TILE_PX));
     let column = start(look.outward, raster.columns().saturating_sub(LEAST_COLUMNS));
@@ -246,7 +246,7 @@ fn chip(survey: &Survey, raster: &Raster, look: &TrainingPlace, known: &[Known])
 }
 
 /// The truth about all objects of a simulated survey, as boxes in it.
-pub fn known_objects(simulated: &Simulated) -> Vec<Known> {
+pub fn known_objects(simulated: &Simulated) -> Vec<KnownObject> {
     let count = simulated.pings.len();
     let mut known = Vec::new();
     for object in &simulated.objects {
@@ -258,10 +258,10 @@ pub fn known_objects(simulated: &Simulated) -> Vec<Known> {
     known
 }
 
-fn of_sighting(class: usize, sighting: &ObjectPass, count: usize) -> Known {
+fn of_sighting(class: usize, sighting: &ObjectPass, count: usize) -> KnownObject {
     let [near_m, far_m] = sighting.echo_and_shadow_m();
     let slices = sighting.shown.iter().flat_map(|shown| &shown.slices);
-    Known {
+    KnownObject {
         class,
         whole: Mark {
             side: sighting.side,
@@ -292,11 +292,11 @@ struct Manifest<'a> {
     pixel_m: f64,
     tile_px: usize,
     classes: [&'static str; ObjectKind::ALL.len()],
-    parts: &'a [Made],
+    parts: &'a [PartRecord],
 }
 
 impl<'a> Manifest<'a> {
-    fn new(args: &DatasetArgs, seed: u64, parts: &'a [Made]) -> Self {
+    fn new(args: &DatasetArgs, seed: u64, parts: &'a [PartRecord]) -> Self {
         Self {
             program: "bathyscope simulate --dataset",
             version: env!("CARGO_PKG_VERSION"),

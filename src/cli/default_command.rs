@@ -5,7 +5,7 @@ use super::folders::Folders;
 use super::process::How;
 use super::survey_logs::OpenedLog;
 use super::{Failure, output, quiet_driver, snapshot, window};
-use crate::app::Origin;
+use crate::app::LogOrigin;
 use crate::pipeline::Settings;
 use crate::products::outputs::Product;
 use crate::support::progress::Progress;
@@ -39,8 +39,8 @@ pub(super) fn run(
         "no display: processing into {OUTPUT} instead of opening Bathyscope"
     ))?;
     let mut folders = Folders::in_folder(Path::new(OUTPUT));
-    let paths = surveys.into_iter().map(Origin::Path);
-    for origin in demo.then_some(Origin::Demo).into_iter().chain(paths) {
+    let paths = surveys.into_iter().map(LogOrigin::Path);
+    for origin in demo.then_some(LogOrigin::Demo).into_iter().chain(paths) {
         without_display(&origin, &mut folders)?;
     }
     output::results(
@@ -48,7 +48,7 @@ pub(super) fn run(
     )
 }
 
-fn without_display(origin: &Origin, folders: &mut Folders) -> Result<(), Failure> {
+fn without_display(origin: &LogOrigin, folders: &mut Folders) -> Result<(), Failure> {
     let survey = origin.open(&Progress::new())?;
     let folder = folders.next(&survey.name());
     let how = How {

@@ -1,7 +1,7 @@
 //! `bathyscope detect`: the objects on the bottom, found by a YOLO model, in logs or in pictures of other programs.
 
 use super::folders::Folders;
-use super::settings::{Logs, SettingsArgs};
+use super::settings::{LogOpener, SettingsArgs};
 use super::status_line::StatusLine;
 use super::{Failure, detection_summary, many, output};
 use crate::detection::model::shipped;
@@ -58,7 +58,7 @@ pub(super) fn run(args: DetectArgs) -> Result<(), Failure> {
     detector.iou = args.iou.or(detector.iou);
     let model = load(detector.model.as_deref())?;
     output::notify(format_args!("model: {}", model.description()));
-    let logs = Logs::new(settings)?;
+    let logs = LogOpener::new(settings)?;
     let inputs = many::logs(&args.inputs);
     let [input] = inputs.as_slice() else {
         return each(&inputs, &model, &logs, &args.output);
@@ -74,7 +74,7 @@ pub(super) fn load(path: Option<&Path>) -> Result<Model, ModelError> {
     }
 }
 
-fn each(inputs: &[PathBuf], model: &Model, logs: &Logs, output: &Path) -> Result<(), Failure> {
+fn each(inputs: &[PathBuf], model: &Model, logs: &LogOpener, output: &Path) -> Result<(), Failure> {
     let mut folders = Folders::in_folder(output);
     let mut failed = 0;
     for input in inputs {
@@ -95,7 +95,12 @@ fn each(inputs: &[PathBuf], model: &Model, logs: &Logs, output: &Path) -> Result
     .into())
 }
 
-fn detect_into(input: &Path, model: &Model, logs: &Logs, folder: &Path) -> Result<(), Failure> {
+fn detect_into(
+    input: &Path,
+    model: &Model,
+    logs: &LogOpener,
+    folder: &Path,
+) -> Result<(), Failure> {
     // Before the work: a folder that cannot be written into should not cost minutes first.
     let run = RunFolder::begin(folder)?;
     let (found, replaced) = if is_picture(input) {
@@ -119,7 +124,7 @@ fn is_picture(path: &Path) -> bool {
 fn search_survey(
     input: &Path,
     model: &Model,
-    logs: &Logs,
+    logs: &LogOpener,
     run: RunFolder,
 ) -> Result<(String, Replaced), Failure> {
     let progress = Progress::new();

@@ -1,7 +1,7 @@
 //! `bathyscope snapshot` of a program that was built without a window.
 
 use super::Failure;
-use crate::app::Origin;
+use crate::app::LogOrigin;
 use std::ffi::OsString;
 use std::path::Path;
 
@@ -22,6 +22,6 @@ pub(crate) fn run(_: SnapshotArgs) -> Result<(), Failure> {
 }
 
 /// Says the same.
-pub(crate) fn draw_into(_: &Origin, _: &Path) -> Result<(Vec<&'static str>, String), Failure> {
+pub(crate) fn draw_into(_: &LogOrigin, _: &Path) -> Result<(Vec<&'static str>, String), Failure> {
     Err(NO_WINDOW.into())
 }

@@ -5,7 +5,7 @@ use super::settings::SettingsArgs;
 use super::status_line::StatusLine;
 use super::survey_logs::{OpenedLog, all_or, inputs, open, survey_review, take_reviews};
 use super::{Failure, output};
-use crate::bottom::planning::{Plan, PlanError, PlanSettings, State, plan};
+use crate::bottom::planning::{Plan, PlanError, PlanSettings, WaterState, plan};
 use crate::formats::read_area;
 use crate::pipeline::list_objects;
 use crate::pipeline::survey_coverage;
@@ -217,7 +217,7 @@ impl Printed {
             heading_deg: leg.heading_rad().to_degrees().rem_euclid(360.0),
             length_m: leg.length_m(),
         });
-        let state = |state: &State| PrintedState {
+        let state = |state: &WaterState| PrintedState {
             mean_sigma_m: state.mean_sigma_m,
             not_insonified_m2: state.looked_m2[0],
             insonified_once_m2: state.looked_m2[1],

@@ -6,7 +6,7 @@ use super::status_line::StatusLine;
 use super::survey_logs::{OpenedLog, all_or, inputs, open, survey_review, take_reviews};
 use super::{Failure, output};
 use crate::detection::review::{Review, ReviewError};
-use crate::products::export::Part;
+use crate::products::export::DatasetPart;
 use crate::products::outputs;
 use crate::support::progress::Progress;
 use std::path::PathBuf;
@@ -26,13 +26,15 @@ pub(super) struct ReviewArgs {
     output: PathBuf,
     /// Part of a training set that these logs belong to: train, val or test
     #[arg(long, default_value = "train", value_parser = parse_part)]
-    part: Part,
+    part: DatasetPart,
     #[command(flatten)]
     settings: SettingsArgs,
 }
 
-fn parse_part(text: &str) -> Result<Part, &'static str> {
-    let part = Part::ALL.into_iter().find(|part| part.name() == text);
+fn parse_part(text: &str) -> Result<DatasetPart, &'static str> {
+    let part = DatasetPart::ALL
+        .into_iter()
+        .find(|part| part.name() == text);
     part.ok_or("it is train, val or test")
 }
 

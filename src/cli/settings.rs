@@ -54,13 +54,13 @@ impl SettingsArgs {
 }
 
 /// How logs are opened: the settings, and the track of another receiver if they name one, read once for all.
-pub(super) struct Logs {
+pub(super) struct LogOpener {
     /// All settings.
     pub settings: Settings,
     track: Option<TrackFile>,
 }
 
-impl Logs {
+impl LogOpener {
     /// Reads the track that the settings name.
     ///
     /// # Errors

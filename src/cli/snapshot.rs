@@ -6,7 +6,8 @@ use super::waterfall_options::{
 };
 use super::{Failure, output, quiet_driver};
 use crate::app::{
-    Action, App, CloudColour, Command, Jobs, MapLayer, Mark, Origin, ThemeChoice, View, ViewOptions,
+    Action, App, CloudColour, Command, Jobs, LogOrigin, LogPlace, MapLayer, ThemeChoice, View,
+    ViewOptions,
 };
 use crate::pipeline::BottomColour;
 use crate::sonar::calibration::PingRange;
@@ -158,7 +159,10 @@ pub(super) fn run(args: SnapshotArgs) -> Result<(), Failure> {
     app.use_settings(&settings);
     show_as(&mut app.view.options, &args);
     args.geometry.apply(&mut app);
-    open(&mut app, &args.survey.map_or(Origin::Demo, Origin::Path))?;
+    open(
+        &mut app,
+        &args.survey.map_or(LogOrigin::Demo, LogOrigin::Path),
+    )?;
     take_over(&mut app, settings)?;
     select(&mut app, args.pings)?;
     if let Some(truth) = args.truth {
@@ -226,7 +230,7 @@ fn show_as(options: &mut ViewOptions, args: &SnapshotArgs) {
 
 /// Draws the window and each view of a survey into `folder`; the files' names and the adapter that drew them.
 pub(super) fn draw_into(
-    origin: &Origin,
+    origin: &LogOrigin,
     folder: &Path,
 ) -> Result<(Vec<&'static str>, String), Failure> {
     const PICTURES: [(&str, Picture, [u32; 2]); 4] = [
@@ -269,7 +273,7 @@ fn select(app: &mut App, pings: Option<PingRange>) -> Result<(), Failure> {
     let pings = within(&survey, pings)?;
     if !survey.side_scan.is_empty() {
         let middle = (pings.start + pings.end) / 2;
-        app.apply(Command::Select(Some(Mark::ping(middle))));
+        app.apply(Command::Select(Some(LogPlace::ping(middle))));
     }
     Ok(())
 }

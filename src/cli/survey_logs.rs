@@ -1,6 +1,6 @@
 //! The logs of one survey on the command line: named one by one, as folders, or by a project, and opened in one frame.
 
-use super::settings::{Logs, SettingsArgs};
+use super::settings::{LogOpener, SettingsArgs};
 use super::{Failure, many, output};
 use crate::app::is_project;
 use crate::detection::objects::{KeptReview, SurveyReview};
@@ -21,7 +21,7 @@ pub(super) struct LogInput {
     /// Its file or folder.
     pub path: PathBuf,
     /// How it is opened and processed.
-    pub logs: Arc<Logs>,
+    pub logs: Arc<LogOpener>,
     /// What its project knows of its boxes.
     pub review: Option<KeptReview>,
     /// The frame that its project has it in.
@@ -80,7 +80,7 @@ pub(super) fn inputs(
             if track.is_some() {
                 settings.track.file = track;
             }
-            let logs = Arc::new(Logs::new(settings)?);
+            let logs = Arc::new(LogOpener::new(settings)?);
             for path in paths.iter().flat_map(|path| formats::unusable_in(path)) {
                 output::notify(format_args!(
                     "warning: passed over, for it is no log that can be read: {}",
@@ -101,14 +101,14 @@ pub(super) fn inputs(
 
 fn of_project(path: &Path) -> Result<Vec<LogInput>, Failure> {
     let inputs = project::inputs(path, &Progress::new())?;
-    let input = |input: project::Input| {
+    let input = |input: project::ProjectInput| {
         if let Some(warning) = &input.warning {
             output::notify(format_args!("warning: {warning}"));
         }
         let has_boxes = input.log.review.boxes().len() > 0;
         Ok(LogInput {
             path: input.log.file.path.clone(),
-            logs: Arc::new(Logs::new(input.settings)?),
+            logs: Arc::new(LogOpener::new(input.settings)?),
             review: has_boxes.then(|| KeptReview {
                 review: input.log.review.clone(),
                 object_numbers: input.log.object_numbers.clone(),
@@ -262,7 +262,7 @@ pub(super) fn open_reference(
                 source: SourceSettings::default(),
                 ..first.settings.clone()
             };
-            let logs = Arc::new(Logs::new(as_read)?);
+            let logs = Arc::new(LogOpener::new(as_read)?);
             let input = |path| LogInput {
                 path,
                 logs: logs.clone(),

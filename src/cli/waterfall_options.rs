@@ -2,7 +2,7 @@
 
 use super::Failure;
 use super::settings::{SettingsArgs, check_against};
-use crate::app::{App, Command, Jobs, Origin};
+use crate::app::{App, Command, Jobs, LogOrigin};
 use crate::imagery::waterfall::RangeAxis;
 use crate::pipeline::{self, Settings};
 use crate::sonar::calibration::{PingRange, PingRangeError};
@@ -74,7 +74,10 @@ impl WaterfallArgs {
         waterfall.first_return = self.first_return;
         waterfall.flat_stretches = false;
         waterfall.boxes = false;
-        open(&mut app, &self.survey.map_or(Origin::Demo, Origin::Path))?;
+        open(
+            &mut app,
+            &self.survey.map_or(LogOrigin::Demo, LogOrigin::Path),
+        )?;
         take_over(&mut app, settings)?;
         let survey = app.log.survey.clone().unwrap_or_default();
         let axis = RangeAxis::of(&survey).filter(|_| survey.has_side_scan());
@@ -138,10 +141,10 @@ pub(super) fn parse_size(text: &str) -> Result<[u32; 2], SizeError> {
 ///
 /// # Errors
 /// When it cannot be used.
-pub(super) fn open(app: &mut App, origin: &Origin) -> Result<(), Failure> {
+pub(super) fn open(app: &mut App, origin: &LogOrigin) -> Result<(), Failure> {
     app.apply(match origin {
-        Origin::Path(path) => Command::Open(path.clone()),
-        Origin::Demo => Command::OpenDemo,
+        LogOrigin::Path(path) => Command::Open(path.clone()),
+        LogOrigin::Demo => Command::OpenDemo,
     });
     wait(app)
 }

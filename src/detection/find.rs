@@ -60,7 +60,7 @@ pub fn find(
         .into_iter()
         .filter(|&side| recorded(survey, side))
         .collect();
-    let grid = Grid::new([raster.columns(), raster.rows()], [TILE_PX; 2]);
+    let grid = TileGrid::new([raster.columns(), raster.rows()], [TILE_PX; 2]);
     let draw = |side: usize, [column, row]: [usize; 2]| {
         let pixels = match raster.is_recorded(survey, sides[side], row, column) {
             true => raster.tile(survey, sides[side], row, column).pixels,
@@ -119,7 +119,7 @@ pub(crate) fn find_in_picture(
     let size = [picture.width, picture.height];
     let input = model.input_size();
     let fits = (0..2).all(|axis| size[axis] as f32 <= WHOLE * input[axis] as f32);
-    let grid = Grid::new(size, if fits { size } else { input });
+    let grid = TileGrid::new(size, if fits { size } else { input });
     let draw = |_: usize, [x, y]: [usize; 2]| picture.piece(x, y, grid.tile[0], grid.tile[1]);
     let found = search(&grid, 1, draw, model, settings, progress, |_, _, _| ())?;
     Ok(found.into_iter().next().unwrap_or_default())
@@ -135,7 +135,7 @@ fn recorded(survey: &Survey, side: Side) -> bool {
 /// Draws and searches every tile of some pictures of one size, in parallel and from the first row of tiles to the last, and
 /// merges what they saw: the objects of each picture. `on_found` receives the objects, the tiles and the rows of pixels so far.
 fn search(
-    grid: &Grid,
+    grid: &TileGrid,
     pictures: usize,
     draw: impl Fn(usize, [usize; 2]) -> Picture + Sync,
     model: &Model,
@@ -196,7 +196,7 @@ fn search(
 
 /// What the tiles have seen, until all of them have been searched.
 struct Gathered<'a> {
-    grid: &'a Grid,
+    grid: &'a TileGrid,
     /// What each tile of each picture has seen.
     seen: Vec<Vec<Vec<TileDetection>>>,
     /// Tiles that are missing in each row, of all pictures.
@@ -207,7 +207,7 @@ struct Gathered<'a> {
 }
 
 impl<'a> Gathered<'a> {
-    fn new(grid: &'a Grid, pictures: usize) -> Self {
+    fn new(grid: &'a TileGrid, pictures: usize) -> Self {
         let [across, rows] = grid.counts;
         Self {
             grid,
@@ -269,7 +269,7 @@ fn inside(found: Scored, [width, height]: [f32; 2]) -> Option<Scored> {
 }
 
 /// Tiles over a picture, overlapping.
-struct Grid {
+struct TileGrid {
     /// Pixels across and down of the picture.
     size: [usize; 2],
     /// Pixels across and down of a tile.
@@ -278,7 +278,7 @@ struct Grid {
     counts: [usize; 2],
 }
 
-impl Grid {
+impl TileGrid {
     fn new(size: [usize; 2], tile: [usize; 2]) -> Self {
         let counts = [0, 1].map(|axis| {
             let beyond = size[axis].saturating_sub(tile[axis]);
@@ -351,7 +351,7 @@ mod tests {
     #[test]
     fn rows_of_tiles_are_reported_once_all_before_them_are_done() {
         // Three rows of two tiles, in two pictures.
-        let grid = Grid::new([500, 1000], [416, 416]);
+        let grid = TileGrid::new([500, 1000], [416, 416]);
         assert_eq!(grid.counts, [2, 3]);
         let mut gathered = Gathered::new(&grid, 2);
         let seen = |place: InPicture, [y0, y1]: [f32; 2]| {
@@ -384,10 +384,10 @@ mod tests {
 
     #[test]
     fn tiles_cover_the_picture_and_overlap() {
-        let grid = Grid::new([1000, 300], [416, 416]);
+        let grid = TileGrid::new([1000, 300], [416, 416]);
         let places: Vec<[usize; 2]> = (0..grid.count()).map(|index| grid.place(index).0).collect();
         assert_eq!(places, [[0, 0], [312, 0], [584, 0]]);
-        assert_eq!(Grid::new([416, 417], [416, 416]).count(), 2);
-        assert_eq!(Grid::new([0, 100], [416, 416]).count(), 0);
+        assert_eq!(TileGrid::new([416, 417], [416, 416]).count(), 2);
+        assert_eq!(TileGrid::new([0, 100], [416, 416]).count(), 0);
     }
 }

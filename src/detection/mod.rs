@@ -46,7 +46,7 @@ pub(crate) use level::level;
 pub use mark::{Detection, Mark};
 pub use model::Model;
 pub(crate) use model::{DetectError, ModelError};
-pub(crate) use nms::{Nms, Overlap, suppress};
+pub(crate) use nms::{Nms, OverlapMeasure, suppress};
 pub(crate) use picture::Picture;
 pub(crate) use raster::{Raster, RasterTile, TILE_PX};
 pub(crate) use rect::{Labelled, Rect, Scored};

@@ -4,7 +4,7 @@ use super::{Rect, Scored};
 
 /// How much of each other two boxes hide.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Overlap {
+pub enum OverlapMeasure {
     /// Intersection over union.
     #[default]
     Plain,
@@ -17,7 +17,7 @@ pub enum Overlap {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Nms {
     /// The measure that is compared with the threshold.
-    pub overlap: Overlap,
+    pub overlap: OverlapMeasure,
     /// Whether a box also hides boxes of other classes.
     pub across_classes: bool,
 }
@@ -25,25 +25,25 @@ pub struct Nms {
 impl Nms {
     /// Plain IoU within each class.
     pub const PLAIN: Nms = Nms {
-        overlap: Overlap::Plain,
+        overlap: OverlapMeasure::Plain,
         across_classes: false,
     };
     /// Darknet's rule within each class.
     pub const DARKNET: Nms = Nms {
-        overlap: Overlap::Darknet,
+        overlap: OverlapMeasure::Darknet,
         across_classes: false,
     };
 }
 
-impl Overlap {
+impl OverlapMeasure {
     /// The measure of two boxes; at most their IoU.
     pub fn of(self, a: &Rect, b: &Rect) -> f32 {
         let iou = a.iou(b);
         match self {
-            Overlap::Plain => iou,
+            OverlapMeasure::Plain => iou,
             // What does not overlap never passes a threshold; the power is the dear part.
-            Overlap::Darknet if iou > 0.0 => iou - apart(a, b).powf(0.6),
-            Overlap::Darknet => iou,
+            OverlapMeasure::Darknet if iou > 0.0 => iou - apart(a, b).powf(0.6),
+            OverlapMeasure::Darknet => iou,
         }
     }
 }
@@ -131,9 +131,9 @@ mod tests {
     fn darknet_takes_the_distance_of_the_centres_off() {
         let a = Rect::new([0.0, 0.0], [4.0, 2.0]);
         // d^2 = 4, c^2 = 6^2 + 2^2 = 40: 1/3 - 0.1^0.6 = 0.333333 - 0.251189.
-        let measure = Overlap::Darknet.of(&a, &a.shifted(2.0, 0.0));
+        let measure = OverlapMeasure::Darknet.of(&a, &a.shifted(2.0, 0.0));
         assert!((measure - 0.082_144).abs() < 1e-6, "{measure}");
-        assert_eq!(Overlap::Darknet.of(&a, &a), 1.0);
+        assert_eq!(OverlapMeasure::Darknet.of(&a, &a), 1.0);
     }
 
     #[test]
@@ -196,7 +196,7 @@ mod tests {
             darknet: bool,
             across_classes: bool,
         ) {
-            let overlap = if darknet { Overlap::Darknet } else { Overlap::Plain };
+            let overlap = if darknet { OverlapMeasure::Darknet } else { OverlapMeasure::Plain };
             let how = Nms { overlap, across_classes };
             let mut kept = boxes.clone();
             suppress(&mut kept, how, iou);

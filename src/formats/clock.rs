@@ -19,7 +19,7 @@ pub(super) struct Clock<T> {
 
 /// What the clock says about a record.
 #[derive(Debug, PartialEq)]
-pub(super) enum Verdict<T> {
+pub(super) enum ClockVerdict<T> {
     /// Its time fits.
     Sound {
         /// The record.
@@ -43,17 +43,17 @@ impl<T> Default for Clock<T> {
 
 impl<T> Clock<T> {
     /// Takes the next record in file order; gives the verdict on the one two before it.
-    pub(super) fn push(&mut self, time_s: f64, record: T) -> Option<Verdict<T>> {
+    pub(super) fn push(&mut self, time_s: f64, record: T) -> Option<ClockVerdict<T>> {
         self.waiting.push_back((time_s, record));
         (self.waiting.len() > 2).then(|| self.next()).flatten()
     }
 
     /// The verdict on the oldest record that still waits; call it until there is none.
-    pub(super) fn next(&mut self) -> Option<Verdict<T>> {
+    pub(super) fn next(&mut self) -> Option<ClockVerdict<T>> {
         let (time_s, record) = self.waiting.pop_front()?;
         let ahead = |index: usize| self.waiting.get(index).map(|(time_s, _)| *time_s);
         if !fits(self.before_s, time_s, ahead(0), ahead(1)) {
-            return Some(Verdict::Damaged(record));
+            return Some(ClockVerdict::Damaged(record));
         }
         if let Some(before_s) = self.before_s
             && is_set_back(before_s, time_s)
@@ -61,7 +61,7 @@ impl<T> Clock<T> {
             self.set_back_s += before_s - time_s;
         }
         self.before_s = Some(time_s);
-        Some(Verdict::Sound {
+        Some(ClockVerdict::Sound {
             record,
             time_s: time_s + self.set_back_s,
         })
@@ -109,7 +109,7 @@ mod tests {
     /// Times that were believed, and indices of the damaged records.
     fn judge(times_s: &[f64]) -> (Vec<f64>, Vec<usize>) {
         let mut clock = Clock::default();
-        let mut verdicts: Vec<Verdict<usize>> = Vec::new();
+        let mut verdicts: Vec<ClockVerdict<usize>> = Vec::new();
         for (index, &time_s) in times_s.iter().enumerate() {
             verdicts.extend(clock.push(time_s, index));
         }
@@ -117,8 +117,8 @@ mod tests {
         let (mut sound_s, mut damaged) = (Vec::new(), Vec::new());
         for verdict in verdicts {
             match verdict {
-                Verdict::Sound { time_s, .. } => sound_s.push(time_s),
-                Verdict::Damaged(index) => damaged.push(index),
+                ClockVerdict::Sound { time_s, .. } => sound_s.push(time_s),
+                ClockVerdict::Damaged(index) => damaged.push(index),
             }
         }
         assert_eq!(sound_s.len() + damaged.len(), times_s.len());

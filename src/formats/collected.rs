@@ -1,7 +1,7 @@
 //! What a reader hands over before it becomes a [`Survey`](crate::survey::Survey): channels apart, in file order.
 
 use super::reading::Reading;
-use super::report::Report;
+use super::report::WarningReport;
 use crate::support::geo::LonLat;
 use crate::survey::{
     Bytes, Channel, ChannelKind, Echogram, EchogramPing, Fix, ProjectedTrack, RangeSource,
@@ -67,7 +67,7 @@ pub(super) struct Collected {
     /// Where the slant ranges come from.
     pub(super) range_source: RangeSource,
     /// What was wrong.
-    pub(super) report: Report,
+    pub(super) report: WarningReport,
     /// Records that end here or before, one entry a file, were counted when the log was shorter.
     pub(super) counted_to: Vec<u64>,
 }
@@ -88,7 +88,7 @@ impl Collected {
             fixes: Vec::new(),
             projected: None,
             range_source: RangeSource::default(),
-            report: Report::default(),
+            report: WarningReport::default(),
             counted_to: reading.counted_to(),
         }
     }

@@ -1,6 +1,6 @@
 //! Which of the recorded depths are the soundings, and which of them each side-scan ping has.
 
-use super::report::Report;
+use super::report::WarningReport;
 use crate::survey::{ChannelKind, Sounding, mark_bottom_lock};
 
 /// The depths of one channel, in time order: the traditional sonar's, unless another knows four times as many; of the tail of a log those
@@ -34,7 +34,7 @@ pub(super) fn choose(
 }
 
 /// Says where the recorder's depth cannot be believed.
-pub(super) fn warn_of_lost_bottom(soundings: &[Sounding], report: &Report) {
+pub(super) fn warn_of_lost_bottom(soundings: &[Sounding], report: &WarningReport) {
     let lost = || soundings.iter().filter(|sounding| !sounding.locked);
     let (Some(first), Some(last)) = (lost().next(), lost().next_back()) else {
         return;

@@ -70,13 +70,13 @@ fn interval_s(halves: &[HalfPing]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::survey::{Encoding, Order, SideSpan};
+    use crate::survey::{Encoding, SampleOrder, SideSpan};
 
     fn halves(times_s: &[f64]) -> Vec<HalfPing> {
         let span = SideSpan {
             file: 0,
             encoding: Encoding::U8,
-            order: Order::NearToFar,
+            order: SampleOrder::NearToFar,
             offset: 0,
             count: 1,
             near_m: 0.0,

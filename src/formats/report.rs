@@ -9,7 +9,7 @@ const KEPT_OF_A_KIND: usize = 20;
 
 /// Kinds of warnings: what is counted together once there are many.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum WarningKind {
     /// Bytes between frames that belong to none.
     Gap,
     /// A frame that lies about itself.
@@ -20,13 +20,13 @@ pub(super) enum Kind {
     Log,
 }
 
-impl Kind {
+impl WarningKind {
     fn plural(self) -> &'static str {
         match self {
-            Kind::Gap => "gaps between frames",
-            Kind::Frame => "damaged frames",
-            Kind::Value => "impossible values",
-            Kind::Log => "remarks",
+            WarningKind::Gap => "gaps between frames",
+            WarningKind::Frame => "damaged frames",
+            WarningKind::Value => "impossible values",
+            WarningKind::Log => "remarks",
         }
     }
 }
@@ -34,25 +34,31 @@ impl Kind {
 /// The warnings of one log. Clones write into the same report, so that the walk over the bytes and the decoding of what
 /// it finds can both complain.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Report {
+pub(super) struct WarningReport {
     shared: Rc<RefCell<Collection>>,
 }
 
 #[derive(Debug, Default)]
 struct Collection {
     warnings: Vec<Warning>,
-    counts: Vec<(Kind, usize)>,
+    counts: Vec<(WarningKind, usize)>,
 }
 
-impl Report {
+impl WarningReport {
     /// Adds a warning about a place: index of the file and byte offset.
-    pub(super) fn at(&self, kind: Kind, file: usize, offset: usize, text: impl Into<String>) {
+    pub(super) fn at(
+        &self,
+        kind: WarningKind,
+        file: usize,
+        offset: usize,
+        text: impl Into<String>,
+    ) {
         self.add(kind, Some((file, offset as u64)), text.into());
     }
 
     /// Adds a warning about the whole log.
     pub(super) fn log(&self, text: impl Into<String>) {
-        self.add(Kind::Log, None, text.into());
+        self.add(WarningKind::Log, None, text.into());
     }
 
     /// Says that the recorder's clock was set back by so many seconds, if it was.
@@ -64,7 +70,7 @@ impl Report {
         }
     }
 
-    fn add(&self, kind: Kind, place: Option<(usize, u64)>, text: String) {
+    fn add(&self, kind: WarningKind, place: Option<(usize, u64)>, text: String) {
         let Collection { warnings, counts } = &mut *self.shared.borrow_mut();
         let seen = match counts.iter_mut().find(|(known, _)| *known == kind) {
             Some((_, seen)) => {
@@ -108,9 +114,9 @@ mod tests {
 
     #[test]
     fn many_of_a_kind_are_counted() {
-        let report = Report::default();
+        let report = WarningReport::default();
         for offset in 0..1000 {
-            report.at(Kind::Gap, 0, offset, "gap");
+            report.at(WarningKind::Gap, 0, offset, "gap");
         }
         report.log("once");
         let warnings = report.finish();

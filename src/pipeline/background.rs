@@ -1,6 +1,6 @@
 //! Work in a background thread for what is on the screen: the newest request wins, the last result stays.
 
-use super::{Jobs, Outcome, Task};
+use super::{Jobs, Task, TaskOutcome};
 use crate::support::progress::Progress;
 
 /// One kind of work. `K` says what a result was made of; the same key is not worked on twice.
@@ -52,9 +52,9 @@ impl<K: PartialEq, T: Send + 'static> Background<K, T> {
             return;
         };
         match task.poll() {
-            Outcome::Pending => return,
-            Outcome::Done(Some(result)) => self.result = Some(result),
-            Outcome::Done(None) | Outcome::Failed => {}
+            TaskOutcome::Pending => return,
+            TaskOutcome::Done(Some(result)) => self.result = Some(result),
+            TaskOutcome::Done(None) | TaskOutcome::Failed => {}
         }
         self.running = None;
     }

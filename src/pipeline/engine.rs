@@ -1,6 +1,6 @@
 //! The stages of one log behind the window: one worker, the newest request wins, the last result stays on screen.
 
-use super::{Jobs, Outcome, Products, Settings, Stage, Task, run};
+use super::{Jobs, Products, Settings, Stage, Task, TaskOutcome, run};
 use crate::survey::Survey;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -72,9 +72,9 @@ impl Engine {
     /// The result of the last request, once, when it is there. `Err` when its worker died.
     pub(crate) fn poll(&mut self) -> Option<Result<Products, StageFailed>> {
         let outcome = match self.running.as_ref()?.task.poll() {
-            Outcome::Pending => return None,
-            Outcome::Done(products) => products.map(Ok),
-            Outcome::Failed => Some(Err(StageFailed)),
+            TaskOutcome::Pending => return None,
+            TaskOutcome::Done(products) => products.map(Ok),
+            TaskOutcome::Failed => Some(Err(StageFailed)),
         };
         self.running = None;
         outcome

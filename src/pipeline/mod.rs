@@ -44,8 +44,8 @@ pub(crate) use agreement::{
 pub(crate) use background::{Background, Same};
 pub(crate) use clip_area::clip_area;
 pub(crate) use depth::{
-    Choice, CommonUncertainty, Contours, Crosslines, NamedComparison, Plane, choices, comparisons,
-    crosslines, depth_points, joint_depth_points, joint_depth_surface, log_echoes,
+    CloudPlane, CommonUncertainty, Contours, Crosslines, GeometryChoice, NamedComparison, choices,
+    comparisons, crosslines, depth_points, joint_depth_points, joint_depth_surface, log_echoes,
 };
 pub(crate) use derived::{
     Bottom, BottomColour, BottomKey, CornerGround, DepthMapKey, FINEST, IsobathKey, Isobaths,
@@ -75,7 +75,7 @@ pub use settings::{Preset, Settings};
 pub(crate) use source::{SourceError, SourceKey, as_mounted, as_set};
 pub use stage::Stage;
 pub(crate) use survey_coverage::survey_coverage;
-pub(crate) use task::{Jobs, Outcome, Task};
+pub(crate) use task::{Jobs, Task, TaskOutcome};
 
 use crate::support::geo::{CrsError, MapPlane};
 use crate::survey::Survey;

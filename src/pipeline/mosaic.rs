@@ -1,12 +1,12 @@
 //! Where the echoes of a survey lie on the ground.
 
 use super::Products;
-use crate::imagery::mosaic::Layout;
+use crate::imagery::mosaic::MosaicLayout;
 use crate::support::geo::MapPlane;
 use crate::survey::Survey;
 
 /// Where the echoes of a result fall in the plane of a map.
-pub(crate) fn mosaic_layout(survey: &Survey, products: &Products, map: &MapPlane) -> Layout {
+pub(crate) fn mosaic_layout(survey: &Survey, products: &Products, map: &MapPlane) -> MosaicLayout {
     let navigation = &products.navigation;
     mosaic_layout_by(survey, products, |[east_m, north_m]| {
         map.place(navigation.to_lon_lat(&survey.track, east_m, north_m))
@@ -18,8 +18,8 @@ pub(crate) fn mosaic_layout_by(
     survey: &Survey,
     products: &Products,
     place: impl Fn([f64; 2]) -> [f64; 2],
-) -> Layout {
-    Layout::new(
+) -> MosaicLayout {
+    MosaicLayout::new(
         survey,
         &products.navigation,
         &products.bottom_line,

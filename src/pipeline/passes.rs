@@ -1,7 +1,7 @@
 //! Which passes of a log saw a place: pings in a row that have it on one side.
 
 use super::{Derived, ProcessedLog};
-use crate::imagery::mosaic::{Layout, Ray};
+use crate::imagery::mosaic::{MosaicLayout, MosaicRay};
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::Side;
 
@@ -22,7 +22,10 @@ pub(crate) struct Pass {
 }
 
 /// The strips that show a place, in the order of the log: ping, side, and the ray that it lies beside, so many metres out.
-fn strips_at(layout: &Layout, [x, y]: [f64; 2]) -> impl Iterator<Item = (usize, Side, Ray, f64)> {
+fn strips_at(
+    layout: &MosaicLayout,
+    [x, y]: [f64; 2],
+) -> impl Iterator<Item = (usize, Side, MosaicRay, f64)> {
     layout
         .strips_in([x, y, x, y])
         .filter_map(move |(index, side)| {
@@ -50,10 +53,11 @@ pub(crate) fn passes_over(
         return Ok(Vec::new());
     }
     let layout = results.layout(log, progress)?;
-    let mut seen: Vec<(usize, Side, Ray, f64)> = strips_at(&layout, place).collect();
+    let mut seen: Vec<(usize, Side, MosaicRay, f64)> = strips_at(&layout, place).collect();
     seen.sort_by_key(|(ping, side, ..)| (*side, *ping));
-    let is_next =
-        |a: &(usize, Side, Ray, f64), b: &(usize, Side, Ray, f64)| a.1 == b.1 && b.0 - a.0 <= 1;
+    let is_next = |a: &(usize, Side, MosaicRay, f64), b: &(usize, Side, MosaicRay, f64)| {
+        a.1 == b.1 && b.0 - a.0 <= 1
+    };
     let passes = seen.chunk_by(is_next).filter_map(|pass| {
         let [first, last] = [pass.first()?.0, pass.last()?.0];
         let (ping, side, ray, out_m) = pass.get(pass.len() / 2)?;
@@ -85,7 +89,12 @@ fn is_near(log: &ProcessedLog, [x, y]: [f64; 2]) -> bool {
 }
 
 /// Where a sample of a ping lies in the plane of its log; `None` where the ping shows no ground there.
-pub(crate) fn place_of(layout: &Layout, ping: usize, side: Side, sample: f64) -> Option<[f64; 2]> {
+pub(crate) fn place_of(
+    layout: &MosaicLayout,
+    ping: usize,
+    side: Side,
+    sample: f64,
+) -> Option<[f64; 2]> {
     let ray = layout.ray(ping, side)?;
     let out_m = ray.across.ground_m(ray.under_m, ray.range_m(sample));
     out_m.is_finite().then(|| ray.place(out_m))

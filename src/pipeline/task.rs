@@ -27,7 +27,7 @@ impl Jobs {
 }
 
 /// What became of a task.
-pub(crate) enum Outcome<T> {
+pub(crate) enum TaskOutcome<T> {
     /// It still runs, or its result was taken.
     Pending,
     /// Its result, once.
@@ -78,11 +78,11 @@ impl<T: Send + 'static> Task<T> {
     }
 
     /// The result, if it is there.
-    pub(crate) fn poll(&self) -> Outcome<T> {
+    pub(crate) fn poll(&self) -> TaskOutcome<T> {
         match self.result.try_recv() {
-            Ok(result) => Outcome::Done(result),
-            Err(mpsc::TryRecvError::Empty) => Outcome::Pending,
-            Err(mpsc::TryRecvError::Disconnected) => Outcome::Failed,
+            Ok(result) => TaskOutcome::Done(result),
+            Err(mpsc::TryRecvError::Empty) => TaskOutcome::Pending,
+            Err(mpsc::TryRecvError::Disconnected) => TaskOutcome::Failed,
         }
     }
 
@@ -116,9 +116,9 @@ mod tests {
         let dies = || -> u8 { panic!("for the test") };
         let task = Task::start(&jobs, move |_| dies());
         woken.recv().expect("it is woken");
-        assert!(matches!(task.poll(), Outcome::Failed));
+        assert!(matches!(task.poll(), TaskOutcome::Failed));
         let task = Task::start(&jobs, |_| 7);
         woken.recv().expect("it is woken");
-        assert!(matches!(task.poll(), Outcome::Done(7)));
+        assert!(matches!(task.poll(), TaskOutcome::Done(7)));
     }
 }

@@ -18,7 +18,7 @@ const MOST_FILES: usize = 50_000;
 
 /// Where a log lies.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Found {
+pub(crate) enum LogLocation {
     /// At its place.
     Here,
     /// Elsewhere: [`super::ProjectLog::at`] takes it from there.
@@ -37,17 +37,17 @@ pub(crate) fn find(
     project: &Project,
     folder: &Path,
     progress: &Progress,
-) -> Result<Vec<(LogKey, Found)>, Cancelled> {
+) -> Result<Vec<(LogKey, LogLocation)>, Cancelled> {
     let mut below: Option<Vec<PathBuf>> = None;
     let mut found = Vec::new();
     for log in project.logs() {
         progress.check()?;
         let place = match at_its_place(&log.file, progress)? {
-            Found::Here => Found::Here,
+            LogLocation::Here => LogLocation::Here,
             otherwise => {
                 let files = below.get_or_insert_with(|| files_below(folder));
                 let elsewhere = search(&log.file, files, progress)?;
-                elsewhere.map_or(otherwise, Found::Moved)
+                elsewhere.map_or(otherwise, LogLocation::Moved)
             }
         };
         found.push((log.key.clone(), place));
@@ -76,13 +76,13 @@ fn search(
 }
 
 /// What lies at the log's own place. It may have grown since.
-fn at_its_place(log: &LogFile, progress: &Progress) -> Result<Found, Cancelled> {
+fn at_its_place(log: &LogFile, progress: &Progress) -> Result<LogLocation, Cancelled> {
     let path = &log.path;
     if is_log(log, path, progress)? || has_grown(log, path, progress)? {
-        return Ok(Found::Here);
+        return Ok(LogLocation::Here);
     }
     if is_as_long(log, path) {
-        return Ok(Found::Changed);
+        return Ok(LogLocation::Changed);
     }
     let there = match starts_recording(log, path) {
         true => opened(path, progress)?,
@@ -90,10 +90,10 @@ fn at_its_place(log: &LogFile, progress: &Progress) -> Result<Found, Cancelled> 
     };
     let there = there.filter(|survey| survey.is_or_was(&log.identity()));
     Ok(match there {
-        Some(survey) if survey.source.byte_count > log.byte_count => Found::Here,
-        Some(_) => Found::Changed,
-        None if path.exists() => Found::Replaced,
-        None => Found::Missing,
+        Some(survey) if survey.source.byte_count > log.byte_count => LogLocation::Here,
+        Some(_) => LogLocation::Changed,
+        None if path.exists() => LogLocation::Replaced,
+        None => LogLocation::Missing,
     })
 }
 
@@ -188,7 +188,7 @@ mod tests {
         formats::open(path, &Progress::new()).expect("a log")
     }
 
-    fn places(project: &Project, folder: &Path) -> Vec<Found> {
+    fn places(project: &Project, folder: &Path) -> Vec<LogLocation> {
         let found = find(project, folder, &Progress::new()).expect("places");
         found.into_iter().map(|(_, found)| found).collect()
     }
@@ -207,7 +207,7 @@ mod tests {
         let project = Project::default()
             .with_log(ProjectLog::new(file))
             .expect("a log");
-        assert_eq!(places(&project, &folder), [Found::Here]);
+        assert_eq!(places(&project, &folder), [LogLocation::Here]);
 
         // Elsewhere with the same name lies another recording of the same size.
         let [day, other] = ["day 1", "day 2"].map(|name| folder.join(name));
@@ -217,17 +217,23 @@ mod tests {
         spoilt[bytes.len() / 2] ^= 1;
         fs::write(day.join("pond.sl2"), &spoilt).expect("a log");
         fs::remove_file(&log).expect("a log");
-        assert_eq!(places(&project, &folder), [Found::Missing]);
+        assert_eq!(places(&project, &folder), [LogLocation::Missing]);
         let moved = other.join("renamed.sl2");
         fs::write(&moved, &bytes).expect("a log");
-        assert_eq!(places(&project, &folder), [Found::Moved(moved.clone())]);
+        assert_eq!(
+            places(&project, &folder),
+            [LogLocation::Moved(moved.clone())]
+        );
         let named = other.join("pond.sl2");
         fs::write(&named, &bytes).expect("a log");
-        assert_eq!(places(&project, &folder), [Found::Moved(named)]);
+        assert_eq!(places(&project, &folder), [LogLocation::Moved(named)]);
 
         // Other bytes at its place, as many.
         fs::write(&log, &spoilt).expect("a log");
-        assert!(matches!(places(&project, &folder)[0], Found::Moved(_)));
+        assert!(matches!(
+            places(&project, &folder)[0],
+            LogLocation::Moved(_)
+        ));
         for moved in [&moved, &other.join("pond.sl2")] {
             fs::rename(moved, moved.with_extension("kept")).expect("a log");
         }
@@ -235,15 +241,18 @@ mod tests {
         for kept in ["renamed.kept", "pond.kept"] {
             fs::write(other.join(kept), b"").expect("a file");
         }
-        assert_eq!(places(&project, &folder), [Found::Changed]);
+        assert_eq!(places(&project, &folder), [LogLocation::Changed]);
         fs::create_dir(&day).expect("a folder");
         fs::write(&moved, &bytes).expect("a log");
 
         // Another recording at its place.
         fs::write(&log, &bytes[..bytes.len() - 1000]).expect("a log");
-        assert!(matches!(places(&project, &folder)[0], Found::Moved(_)));
+        assert!(matches!(
+            places(&project, &folder)[0],
+            LogLocation::Moved(_)
+        ));
         fs::remove_dir_all(&other).expect("a folder");
-        assert_eq!(places(&project, &folder), [Found::Replaced]);
+        assert_eq!(places(&project, &folder), [LogLocation::Replaced]);
 
         // As Windows wrote it.
         fs::remove_file(&log).expect("a log");
@@ -254,7 +263,7 @@ mod tests {
         let foreign = Project::from_text(&text, &folder).expect("a project");
         assert_eq!(
             places(&foreign, &folder),
-            [Found::Moved(day.join("pond.sl2"))]
+            [LogLocation::Moved(day.join("pond.sl2"))]
         );
         assert!(find(&project, &folder, &Progress::new()).is_ok());
     }

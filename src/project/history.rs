@@ -5,20 +5,20 @@ use std::borrow::Cow;
 use std::collections::VecDeque;
 
 /// What a change is called in menus and in the list of the history.
-type Label = Cow<'static, str>;
+type ChangeLabel = Cow<'static, str>;
 
 /// A history of states; a drag is one step however many states it passes.
 #[derive(Clone, Debug)]
 pub(crate) struct History<T> {
-    undo: VecDeque<(T, Label)>,
-    redo: Vec<(T, Label)>,
+    undo: VecDeque<(T, ChangeLabel)>,
+    redo: Vec<(T, ChangeLabel)>,
     /// The state before the drag under way, and its name.
-    open: Option<(T, Label)>,
+    open: Option<(T, ChangeLabel)>,
 }
 
 /// A step in the list of the history.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Step<'a> {
+pub(crate) struct HistoryStep<'a> {
     /// What was done.
     pub label: &'a str,
     /// It was taken back, and can be done again.
@@ -40,7 +40,7 @@ impl<T> Default for History<T> {
 
 impl<T: Clone + PartialEq> History<T> {
     /// The history of changes that were made before: each state with the name of the change that led away from it, the oldest first.
-    pub(crate) fn of_past(past: impl IntoIterator<Item = (T, Label)>) -> Self {
+    pub(crate) fn of_past(past: impl IntoIterator<Item = (T, ChangeLabel)>) -> Self {
         Self {
             undo: past.into_iter().collect(),
             ..Self::default()
@@ -53,7 +53,13 @@ impl<T: Clone + PartialEq> History<T> {
     }
 
     /// Notes that `before` became `after`. `live` changes belong to the step that the next change of the same name ends.
-    pub(crate) fn record(&mut self, before: &T, after: &T, label: impl Into<Label>, live: bool) {
+    pub(crate) fn record(
+        &mut self,
+        before: &T,
+        after: &T,
+        label: impl Into<ChangeLabel>,
+        live: bool,
+    ) {
         let label = label.into();
         if self.open.as_ref().is_some_and(|(_, open)| *open != label) {
             self.close(before);
@@ -73,7 +79,7 @@ impl<T: Clone + PartialEq> History<T> {
     }
 
     /// Gives the last step its full name: `threshold 0.41`, where its drag was a `threshold`.
-    pub(crate) fn name_last(&mut self, label: impl Into<Label>) {
+    pub(crate) fn name_last(&mut self, label: impl Into<ChangeLabel>) {
         if let Some((_, last)) = self.undo.back_mut() {
             *last = label.into();
         }
@@ -87,7 +93,7 @@ impl<T: Clone + PartialEq> History<T> {
         }
     }
 
-    fn push(&mut self, state: T, label: Label) {
+    fn push(&mut self, state: T, label: ChangeLabel) {
         self.undo.push_back((state, label));
         self.redo.clear();
         if self.undo.len() > DEPTH {
@@ -124,12 +130,16 @@ impl<T: Clone + PartialEq> History<T> {
     }
 
     /// All steps in the order in which they were done, and after them those that were taken back.
-    pub(crate) fn steps(&self) -> impl Iterator<Item = Step<'_>> {
-        let done = self.undo.iter().chain(&self.open).map(|(_, label)| Step {
-            label,
-            is_undone: false,
-        });
-        done.chain(self.redo.iter().rev().map(|(_, label)| Step {
+    pub(crate) fn steps(&self) -> impl Iterator<Item = HistoryStep<'_>> {
+        let done = self
+            .undo
+            .iter()
+            .chain(&self.open)
+            .map(|(_, label)| HistoryStep {
+                label,
+                is_undone: false,
+            });
+        done.chain(self.redo.iter().rev().map(|(_, label)| HistoryStep {
             label,
             is_undone: true,
         }))
@@ -200,7 +210,7 @@ mod tests {
         }
         let read = |history: &History<usize>| -> Vec<String> {
             let steps = history.steps();
-            let shown = |step: super::Step| match step.is_undone {
+            let shown = |step: super::HistoryStep| match step.is_undone {
                 true => format!("({})", step.label),
                 false => step.label.to_owned(),
             };

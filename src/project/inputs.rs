@@ -1,6 +1,6 @@
 //! A project as input for work without a window: its logs where they lie now, each with its settings.
 
-use super::find::{Found, find};
+use super::find::{LogLocation, find};
 use super::log::ProjectLog;
 use super::store::{StoreError, read};
 use crate::pipeline::{Settings, SettingsError};
@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// A log of a project, to be opened and processed.
 #[derive(Clone, Debug)]
-pub(crate) struct Input {
+pub(crate) struct ProjectInput {
     /// The log, its file where it lies now.
     pub log: Arc<ProjectLog>,
     /// The settings that it is processed with; the water levels and the area that they name are read.
@@ -27,7 +27,7 @@ pub(crate) struct Input {
 
 /// Why a project gives no logs to process, in one sentence that ends with the file.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum InputError {
+pub(crate) enum ProjectInputError {
     /// The project cannot be read.
     #[error(transparent)]
     Store(#[from] StoreError),
@@ -64,7 +64,10 @@ pub(crate) enum LogsFault {
 ///
 /// # Errors
 /// When the project cannot be read, holds no visible log, or a log or a file that its settings name is not there.
-pub(crate) fn inputs(path: &Path, progress: &Progress) -> Result<Vec<Input>, InputError> {
+pub(crate) fn inputs(
+    path: &Path,
+    progress: &Progress,
+) -> Result<Vec<ProjectInput>, ProjectInputError> {
     let mut project = read(path)?;
     // Once for all logs.
     project.settings.load_area()?;
@@ -76,17 +79,17 @@ pub(crate) fn inputs(path: &Path, progress: &Progress) -> Result<Vec<Input>, Inp
             continue;
         }
         let fail = FileError::at(&log.file.path);
-        let warning = (found == Found::Changed).then(|| log.is_changed());
+        let warning = (found == LogLocation::Changed).then(|| log.is_changed());
         let log = match found {
-            Found::Here | Found::Changed => log.clone(),
-            Found::Moved(path) => Arc::new(log.at(&path)),
-            Found::Replaced => return Err(fail(LogsFault::Replaced(log.name.clone())).into()),
-            Found::Missing => return Err(fail(LogsFault::Missing(log.name.clone())).into()),
+            LogLocation::Here | LogLocation::Changed => log.clone(),
+            LogLocation::Moved(path) => Arc::new(log.at(&path)),
+            LogLocation::Replaced => return Err(fail(LogsFault::Replaced(log.name.clone())).into()),
+            LogLocation::Missing => return Err(fail(LogsFault::Missing(log.name.clone())).into()),
         };
         let mut settings = project.settings_of(&log)?;
         settings.load_files()?;
         let frame = project.origin.map(LocalFrame::new);
-        inputs.push(Input {
+        inputs.push(ProjectInput {
             log,
             settings,
             least_confidence: project.least_confidence(),

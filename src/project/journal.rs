@@ -148,7 +148,7 @@ impl From<io::Error> for NoJournal {
 
 /// The journal of an open project, which nobody else writes into.
 #[derive(Debug)]
-pub(super) struct Journal {
+pub(super) struct ProjectJournal {
     path: PathBuf,
     file: File,
     length: u64,
@@ -191,7 +191,7 @@ impl Syncing {
     }
 }
 
-impl Journal {
+impl ProjectJournal {
     /// Opens the journal at a path for this window alone, with what lies in it.
     ///
     /// # Errors
@@ -280,7 +280,7 @@ impl Journal {
     }
 }
 
-impl Drop for Journal {
+impl Drop for ProjectJournal {
     fn drop(&mut self) {
         if let Some(Keeper { wake, thread }) = self.keeper.take() {
             drop(wake);
@@ -306,7 +306,7 @@ mod tests {
     fn a_journal_that_was_cut_anywhere_loses_its_last_line_at_most() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("a.bathyscope-journal");
-        let (mut journal, _) = Journal::open(&path).expect("a journal");
+        let (mut journal, _) = ProjectJournal::open(&path).expect("a journal");
         journal.restart("00", 1).expect("a journal");
         let labels = ["one", "two", "thr\u{e9}e"];
         for label in labels {
@@ -316,7 +316,7 @@ mod tests {
         let whole = fs::read(&path).expect("a journal");
         for cut in 0..=whole.len() {
             fs::write(&path, &whole[..cut]).expect("a file");
-            let (mut journal, read) = Journal::open(&path).expect("a journal");
+            let (mut journal, read) = ProjectJournal::open(&path).expect("a journal");
             let ends = whole[..cut].iter().filter(|byte| **byte == b'\n').count();
             assert_eq!((read.entries.len(), read.damaged), (ends, 0), "{cut}");
             journal.append(&gesture("more")).expect("a line");
@@ -334,14 +334,14 @@ mod tests {
     fn a_second_window_is_told_who_has_the_journal() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("a.bathyscope-journal");
-        let (mut journal, _) = Journal::open(&path).expect("a journal");
+        let (mut journal, _) = ProjectJournal::open(&path).expect("a journal");
         journal.restart("00", 1).expect("a journal");
-        match Journal::open(&path) {
+        match ProjectJournal::open(&path) {
             Err(NoJournal::Taken(owner)) => assert_eq!(owner.pid, std::process::id()),
             other => panic!("{other:?}"),
         }
         journal.remove();
         assert!(!path.exists());
-        Journal::open(&path).expect("a journal of our own");
+        ProjectJournal::open(&path).expect("a journal of our own");
     }
 }

@@ -175,7 +175,7 @@ impl ProjectLog {
         }
     }
 
-    /// What to say where a file as long as it, with other bytes, lies at its place ([`super::Found::Changed`]).
+    /// What to say where a file as long as it, with other bytes, lies at its place ([`super::LogLocation::Changed`]).
     pub(crate) fn is_changed(&self) -> String {
         format!(
             "the log {} is not the file that the project was made of: it is as long, but its bytes differ, so that edits and boxes may not fit; put the file back, or remove the log and add it again: {}",

@@ -90,16 +90,16 @@ mod sidecar;
 mod store;
 mod text;
 
-pub(crate) use find::Found;
+pub(crate) use find::LogLocation;
 pub(crate) use find::find;
-pub(crate) use history::{History, Step};
-pub(crate) use inputs::{Input, inputs};
+pub(crate) use history::{History, HistoryStep};
+pub(crate) use inputs::{ProjectInput, inputs};
 pub(crate) use log::{LogFile, LogKey, ProjectLog};
 pub(crate) use measurement::{Measurement, MeasurementKind, Pick};
 pub(crate) use past::{PastStep, UNDONE};
 pub(crate) use row::Key;
 pub(crate) use sidecar::{BottomFileError, read_bottom};
-pub(crate) use store::{ENDING, Opened, Store, StoreError, Written};
+pub(crate) use store::{ENDING, OpenedProject, SavingOutcome, Store, StoreError};
 #[cfg(test)]
 pub(crate) use store::{StoreFault, read};
 #[cfg(test)]

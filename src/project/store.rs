@@ -6,7 +6,7 @@
 //! - One window has a project open at a time. Where that cannot be known, a file that another program changed meanwhile is not written
 //!   over.
 
-use super::journal::{Entry, Journal, NoJournal, Read, Syncing};
+use super::journal::{Entry, NoJournal, ProjectJournal, Read, Syncing};
 use super::migrate::{VERSION, migrate};
 use super::past::{Past, PastStep};
 use super::row::Rows;
@@ -60,7 +60,7 @@ pub(crate) enum StoreFault {
 
 /// A project that was opened.
 #[derive(Debug)]
-pub(crate) struct Opened {
+pub(crate) struct OpenedProject {
     /// Where it is kept from now on.
     pub store: Store,
     /// What is in it, with the gestures that were not saved.
@@ -76,7 +76,7 @@ pub(crate) struct Opened {
 pub(crate) struct Store {
     path: PathBuf,
     /// Gone only while it is being dropped.
-    journal: Option<Journal>,
+    journal: Option<ProjectJournal>,
     /// Hash of the file as this window read or wrote it.
     sha256: String,
     /// The project that the file and the journal together hold.
@@ -102,7 +102,7 @@ impl Store {
     ///
     /// # Errors
     /// When it cannot be read, makes no sense, is open elsewhere, or lies where nothing can be written.
-    pub(crate) fn open(path: &Path) -> Result<Opened, StoreError> {
+    pub(crate) fn open(path: &Path) -> Result<OpenedProject, StoreError> {
         // The file itself is renamed into place, whatever link leads to it, and has one journal.
         let path = fs::canonicalize(path)
             .map_err(|error| StoreError::new(StoreFault::Read(error), path))?;
@@ -157,7 +157,7 @@ impl Store {
             past: past.clone(),
             path,
         };
-        Ok(Opened {
+        Ok(OpenedProject {
             store,
             project,
             notes,
@@ -278,8 +278,8 @@ impl Store {
     ///
     /// # Errors
     /// Why it was not.
-    pub(crate) fn end_save(&mut self, written: Written) -> Result<(), StoreError> {
-        let Written {
+    pub(crate) fn end_save(&mut self, written: SavingOutcome) -> Result<(), StoreError> {
+        let SavingOutcome {
             result,
             sha256,
             project,
@@ -350,7 +350,7 @@ pub(crate) struct Saving {
 
 /// What became of a [`Saving`].
 #[derive(Debug)]
-pub(crate) struct Written {
+pub(crate) struct SavingOutcome {
     result: Result<(), StoreError>,
     sha256: String,
     project: Project,
@@ -358,8 +358,8 @@ pub(crate) struct Written {
 
 impl Saving {
     /// Writes it: aside, kept by the disk, renamed.
-    pub(crate) fn write(self) -> Written {
-        Written {
+    pub(crate) fn write(self) -> SavingOutcome {
+        SavingOutcome {
             result: self.try_write(),
             sha256: self.sha256,
             project: self.project,
@@ -470,7 +470,7 @@ fn taken_in(entries: &[Entry], damaged: usize) -> Vec<String> {
 }
 
 /// Puts a journal that cannot be used under another name, and says so.
-fn aside(path: &Path, journal: Journal, why: &str) -> Result<String, StoreError> {
+fn aside(path: &Path, journal: ProjectJournal, why: &str) -> Result<String, StoreError> {
     drop(journal);
     let kept = export::rename_older(&journal_of(path))
         .map_err(|error| not_writable(path)(error.source))?;
@@ -480,12 +480,12 @@ fn aside(path: &Path, journal: Journal, why: &str) -> Result<String, StoreError>
     ))
 }
 
-fn lock(path: &Path) -> Result<(Journal, Read), StoreError> {
+fn lock(path: &Path) -> Result<(ProjectJournal, Read), StoreError> {
     let what = |error| match error {
         NoJournal::Taken(owner) => StoreFault::Taken(owner),
         NoJournal::Io(error) => StoreFault::NotWritable(error),
     };
-    let opened = Journal::open(&journal_of(path));
+    let opened = ProjectJournal::open(&journal_of(path));
     opened.map_err(|error| StoreError::new(what(error), path))
 }
 

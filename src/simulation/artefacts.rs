@@ -1,9 +1,9 @@
 //! What goes wrong, planned for the whole survey: which pings it meets, and how much.
 
 use super::arithmetic::{exp, from_db, sin};
-use super::noise::Field;
+use super::noise::NoiseField;
 use super::path::Path;
-use super::random::{Purpose, Random};
+use super::random::{Random, RandomPurpose};
 use super::scene::Scene;
 use crate::survey::Side;
 use std::f64::consts::{LN_10, PI};
@@ -62,12 +62,12 @@ impl Fish {
 }
 
 /// The plan for a survey.
-pub(super) struct Plan<'a> {
+pub(super) struct ArtefactPlan<'a> {
     scene: &'a Scene,
     seed: u64,
-    wander: Field,
-    swing: Field,
-    drift: Field,
+    wander: NoiseField,
+    swing: NoiseField,
+    drift: NoiseField,
     /// Metres along the way at which the gain drop starts.
     gain_drop_m: f64,
     /// Shares of the way between which the range is changed.
@@ -75,18 +75,18 @@ pub(super) struct Plan<'a> {
     length_m: f64,
 }
 
-impl<'a> Plan<'a> {
+impl<'a> ArtefactPlan<'a> {
     /// Draws where along the way things go wrong.
     pub(super) fn new(scene: &'a Scene, path: &Path, seed: u64) -> Self {
-        let mut random = Random::new(seed, Purpose::Plan, 0);
+        let mut random = Random::new(seed, RandomPurpose::Plan, 0);
         let length_m = path.length_m();
         let change = random.between(0.5, 0.75);
         Self {
             scene,
             seed,
-            wander: Field::new(seed, Purpose::Wander, 12.0),
-            swing: Field::new(seed, Purpose::Roll, 6.0),
-            drift: Field::new(seed, Purpose::Position, DRIFT_S),
+            wander: NoiseField::new(seed, RandomPurpose::Wander, 12.0),
+            swing: NoiseField::new(seed, RandomPurpose::Roll, 6.0),
+            drift: NoiseField::new(seed, RandomPurpose::Position, DRIFT_S),
             gain_drop_m: random.between(0.1, 0.9) * length_m,
             range_change: [change, change + 0.2],
             length_m,
@@ -113,9 +113,14 @@ impl<'a> Plan<'a> {
             gain: self.gain(travelled_m),
             roll_rad: self.roll_rad(time_s),
             missing: self
-                .row(ping, artefacts.dropouts, LONGEST_DROPOUT, Purpose::Dropouts)
+                .row(
+                    ping,
+                    artefacts.dropouts,
+                    LONGEST_DROPOUT,
+                    RandomPurpose::Dropouts,
+                )
                 .is_some(),
-            interference: Random::new(self.seed, Purpose::Interference, ping)
+            interference: Random::new(self.seed, RandomPurpose::Interference, ping)
                 .chance(artefacts.interference),
             fish: self.fish(ping),
             range_m: if changed {
@@ -146,8 +151,12 @@ impl<'a> Plan<'a> {
 
     fn fish(&self, ping: u64) -> Option<Fish> {
         let share = self.scene.artefacts.fish;
-        let first_ping = self.row(ping, share, LONGEST_FISH, Purpose::Fish)?;
-        let mut random = Random::new(self.seed, Purpose::Fish, first_ping.wrapping_add(1 << 40));
+        let first_ping = self.row(ping, share, LONGEST_FISH, RandomPurpose::Fish)?;
+        let mut random = Random::new(
+            self.seed,
+            RandomPurpose::Fish,
+            first_ping.wrapping_add(1 << 40),
+        );
         let side = if random.chance(0.5) {
             Side::Port
         } else {
@@ -170,7 +179,7 @@ impl<'a> Plan<'a> {
 
     /// The start of the row of troubled pings that holds this ping. Rows are 1 to `longest` pings long and together take a
     /// share of all pings.
-    fn row(&self, ping: u64, share: f64, longest: u64, purpose: Purpose) -> Option<u64> {
+    fn row(&self, ping: u64, share: f64, longest: u64, purpose: RandomPurpose) -> Option<u64> {
         let mean_length = 0.5 * (1.0 + longest as f64);
         (0..longest).find_map(|back| {
             let start = ping.checked_sub(back)?;
@@ -200,7 +209,7 @@ mod tests {
         let mut scene = Scene::gentle();
         scene.artefacts.dropouts = 0.02;
         let path = Path::new(&scene.track);
-        let plan = Plan::new(&scene, &path, 11);
+        let plan = ArtefactPlan::new(&scene, &path, 11);
         let count = 60_000_u64;
         let troubles: Vec<Trouble> = (0..count)
             .map(|ping| plan.at(ping, 0.05 * ping as f64, 0.0))

@@ -1,8 +1,8 @@
 //! The ground as a depth at every place.
 
 use super::arithmetic::{cos, sin};
-use super::noise::{Field, smooth};
-use super::random::{Purpose, Random};
+use super::noise::{NoiseField, smooth};
+use super::random::{Random, RandomPurpose};
 use super::ripples::Ripples;
 use super::scene::{Bank, BedKind, BedSettings, Mound, Pit, Terrace};
 use super::stones::Stones;
@@ -61,18 +61,18 @@ struct Swell {
 }
 
 /// The ground without its objects. Places are metres from the scene's centre.
-pub(super) struct Bed {
+pub(super) struct SceneBed {
     mean_depth_m: f64,
     swells: Vec<Swell>,
-    roughness: Vec<(Field, f64)>,
+    roughness: Vec<(NoiseField, f64)>,
     stones: Option<Stones>,
     ripples: Option<Ripples>,
     pits: Vec<Pit>,
     mounds: Vec<Mound>,
-    texture: Field,
+    texture: NoiseField,
     /// Spread of the texture's natural logarithm.
     texture_spread: f64,
-    patches: Field,
+    patches: NoiseField,
     /// Spread of the patches' natural logarithm.
     patch_spread: f64,
     /// Power of the cosine that the ground scatters by.
@@ -91,11 +91,11 @@ const TEXTURE_M: f64 = 0.4;
 /// Size of the patches of finer and coarser sediment, metres, and their spread, as a natural logarithm (about 2 dB).
 const PATCHES: (f64, f64) = (7.0, 0.45);
 
-impl Bed {
+impl SceneBed {
     /// The ground of a scene; the seed places its swells and bumps.
     pub(super) fn new(settings: &BedSettings, seed: u64) -> Self {
         let character = settings.kind.character();
-        let mut random = Random::new(seed, Purpose::Swells, 0);
+        let mut random = Random::new(seed, RandomPurpose::Swells, 0);
         let slope = tangent(character.slope_deg);
         let shares = SLOPE_SHARES.into_iter().zip(character.wavelengths_m);
         let swells = shares
@@ -117,7 +117,10 @@ impl Bed {
                 .filter(|(_, (_, height_m))| *height_m > 0.0)
                 .map(|(octave, (spacing_m, height_m))| {
                     let seed = seed.wrapping_add(octave as u64);
-                    (Field::new(seed, Purpose::Roughness, *spacing_m), *height_m)
+                    (
+                        NoiseField::new(seed, RandomPurpose::Roughness, *spacing_m),
+                        *height_m,
+                    )
                 })
                 .collect(),
             stones: character.stones.then(|| Stones::new(seed)),
@@ -127,10 +130,10 @@ impl Bed {
                 .map(|ripples| Ripples::new(ripples, seed)),
             pits: settings.pits.clone(),
             mounds: settings.mounds.clone(),
-            texture: Field::new(seed, Purpose::Texture, TEXTURE_M),
+            texture: NoiseField::new(seed, RandomPurpose::Texture, TEXTURE_M),
             // A log-normal texture with the variance 1 / shape of the gamma distribution of mean 1.
             texture_spread: super::arithmetic::ln(1.0 + 1.0 / character.texture_shape).sqrt(),
-            patches: Field::new(seed, Purpose::Patches, PATCHES.0),
+            patches: NoiseField::new(seed, RandomPurpose::Patches, PATCHES.0),
             patch_spread: settings.patch_factor * PATCHES.1,
             scatter_power: settings.scatter_power,
             terrace: settings.terrace.clone(),
@@ -231,7 +234,7 @@ mod tests {
     use super::*;
     use crate::simulation::Scene;
 
-    fn steepest_deg(bed: &Bed) -> f64 {
+    fn steepest_deg(bed: &SceneBed) -> f64 {
         let mut steepest = 0.0_f64;
         for i in -200..200 {
             for j in -200..200 {
@@ -250,7 +253,7 @@ mod tests {
         let mut settings = Scene::steep().bed;
         settings.terrace = None;
         for seed in 0..5 {
-            let steepest = steepest_deg(&Bed::new(&settings, seed));
+            let steepest = steepest_deg(&SceneBed::new(&settings, seed));
             assert!((15.0..22.0).contains(&steepest), "{seed}: {steepest}");
         }
     }
@@ -268,7 +271,7 @@ mod tests {
             mounds: vec![mound(5.0, 0.4), mound(-20.0, -0.3)],
             ..plain.clone()
         };
-        let [flat, with] = [&plain, &settings].map(|bed| Bed::new(bed, 3));
+        let [flat, with] = [&plain, &settings].map(|bed| SceneBed::new(bed, 3));
         let rise = |east: f64, north: f64| flat.depth_m(east, north) - with.depth_m(east, north);
         // The height itself, exp(-1/2) of it a radius away, and nothing far off.
         for (east_m, north_m, expected_m) in [
@@ -286,7 +289,7 @@ mod tests {
     fn terrace_is_level() {
         let settings = Scene::steep().bed;
         let terrace = settings.terrace.clone().expect("a terrace");
-        let bed = Bed::new(&settings, 4);
+        let bed = SceneBed::new(&settings, 4);
         for step in -10..=10 {
             let depth = bed.depth_m(terrace.east_m + 0.49 * f64::from(step), terrace.north_m);
             assert!((depth - terrace.depth_m).abs() < 0.02, "{depth}");

@@ -9,7 +9,7 @@ use super::arithmetic::{atan, from_db};
 use super::beam::Beam;
 use super::ground::Ground;
 use super::listener::Listener;
-use super::weed::Weed;
+use super::weed::WeedBed;
 use super::world::backscatter;
 
 /// Echoes that one side of one ping received, before losses, gain and noise.
@@ -207,7 +207,7 @@ impl Listener<'_> {
     }
 
     /// Adds the echo of a bed of weed; returns the slant range of its nearest leaves, metres, infinite where none is met.
-    fn weed_echo_m(&self, weed: &Weed, depth_m: &[f64], reach_m: f64, power: &mut [f64]) -> f64 {
+    fn weed_echo_m(&self, weed: &WeedBed, depth_m: &[f64], reach_m: f64, power: &mut [f64]) -> f64 {
         let mut canopy_m = f64::INFINITY;
         if !weed.is_near(self.pose.east_m, self.pose.north_m, reach_m) {
             return canopy_m;
@@ -238,8 +238,8 @@ impl Listener<'_> {
 mod tests {
     use super::*;
     use crate::simulation::Scene;
-    use crate::simulation::bed::Bed;
-    use crate::simulation::path::Pose;
+    use crate::simulation::bed::SceneBed;
+    use crate::simulation::path::BoatPose;
     use crate::simulation::world::World;
     use crate::survey::Side;
 
@@ -249,12 +249,12 @@ mod tests {
         scene.bed.mean_depth_m = 3.0;
         scene.bed.terrace = None;
         let world = World {
-            bed: Bed::level(&scene.bed),
+            bed: SceneBed::level(&scene.bed),
             objects: Vec::new(),
             weed: Vec::new(),
         };
         let beam = Beam::new(&scene.recorder, 12.0);
-        let pose = Pose {
+        let pose = BoatPose {
             east_m: 0.0,
             north_m: 0.0,
             heading_rad: 0.0,

@@ -1,7 +1,7 @@
 //! One side of the sonar at one place.
 
 use super::beam::Beam;
-use super::path::Pose;
+use super::path::BoatPose;
 use super::world::World;
 use crate::survey::Side;
 
@@ -9,7 +9,7 @@ use crate::survey::Side;
 pub(super) struct Listener<'a> {
     pub world: &'a World,
     pub beam: &'a Beam,
-    pub pose: Pose,
+    pub pose: BoatPose,
     /// The pose's unit vector (east, north) forward.
     pub forward: [f64; 2],
     pub side: Side,

@@ -1,7 +1,7 @@
 //! What the recorder writes down: fixes, recorded depths, and all channels' frames in the order of time.
 
-use super::random::{Purpose, Random};
-use super::simulate::{ReceivedPing, Run, mercator};
+use super::random::{Random, RandomPurpose};
+use super::simulate::{ReceivedPing, SimulationRun, mercator};
 use super::sl2::{self, Sl2Frame, WrittenFix};
 use super::sonar::echogram;
 use crate::survey::ChannelKind;
@@ -14,7 +14,7 @@ const COMPASS_NOISE_DEG: f64 = 2.0;
 /// Noise of the recorded speed.
 const SPEED_NOISE_MPS: f64 = 0.05;
 
-impl Run<'_> {
+impl SimulationRun<'_> {
     /// The fix that is valid at a time, and its number.
     fn fix(&self, time_s: f64) -> (u64, WrittenFix) {
         let rate = self.scene.track.fix_rate_hz;
@@ -25,7 +25,7 @@ impl Run<'_> {
         let [off_east_m, off_north_m] = self.plan.position_error_m(number / rate);
         pose.east_m += off_east_m;
         pose.north_m += off_north_m;
-        let mut random = Random::new(self.seed, Purpose::Fix, number as u64);
+        let mut random = Random::new(self.seed, RandomPurpose::Fix, number as u64);
         let [course_noise, compass_noise] = random.normal_pair();
         let speed_noise = random.normal();
         let mounted_deg = self.scene.mounting.heading_offset_deg;
@@ -77,7 +77,7 @@ impl Run<'_> {
 
     /// What the down-scan's bottom lock says at a ping.
     fn recorded_depth_m(&self, ping: u64) -> f64 {
-        let noise = Random::new(self.seed, Purpose::Sounding, ping).normal();
+        let noise = Random::new(self.seed, RandomPurpose::Sounding, ping).normal();
         let artefacts = &self.scene.artefacts;
         let measured_m = self.true_depth_m(ping) + artefacts.depth_noise_m * noise;
         (artefacts.depth_scale * measured_m + artefacts.depth_offset_m).max(0.0)

@@ -1,9 +1,9 @@
 //! Smooth random fields over the ground: the same place has the same value from whichever line it is surveyed.
 
-use super::random::{Purpose, mix};
+use super::random::{RandomPurpose, mix};
 
 /// Value noise: random numbers on a square lattice, smoothly interpolated between its points.
-pub(super) struct Field {
+pub(super) struct NoiseField {
     key: u64,
     per_metre: f64,
 }
@@ -12,9 +12,9 @@ pub(super) struct Field {
 /// less between them (mean over a cell of the squared weights is 0.5515).
 const SPREAD: f64 = 0.4288;
 
-impl Field {
+impl NoiseField {
     /// A field with lattice points `spacing_m` apart.
-    pub(super) fn new(seed: u64, purpose: Purpose, spacing_m: f64) -> Self {
+    pub(super) fn new(seed: u64, purpose: RandomPurpose, spacing_m: f64) -> Self {
         Self {
             key: mix(seed ^ mix(purpose as u64)),
             per_metre: 1.0 / spacing_m,
@@ -56,7 +56,7 @@ mod tests {
 
     #[test]
     fn field_has_unit_spread_and_is_continuous() {
-        let field = Field::new(3, Purpose::Texture, 0.7);
+        let field = NoiseField::new(3, RandomPurpose::Texture, 0.7);
         let places = 200;
         let (mut sum, mut squares, mut step) = (0.0, 0.0, 0.0_f64);
         for i in 0..places {

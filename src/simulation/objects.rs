@@ -3,7 +3,7 @@
 use super::arithmetic::{cos, from_db, sin};
 use super::object_kind::ObjectKind;
 use super::path::Path;
-use super::random::{Purpose, Random};
+use super::random::{Random, RandomPurpose};
 use super::scene::{ObjectSettings, Scene};
 use super::shape::{SIDE_M, Shape};
 use std::f64::consts::PI;
@@ -53,7 +53,7 @@ impl PlacedObject {
 
 /// All objects of the scene: those it names, then those scattered beside the lines.
 pub(super) fn place(scene: &Scene, path: &Path, seed: u64) -> Vec<PlacedObject> {
-    let mut random = Random::new(seed, Purpose::Objects, 0);
+    let mut random = Random::new(seed, RandomPurpose::Objects, 0);
     let scattered = (0..scene.scattered_objects).map(|_| scatter(path, &mut random));
     let all: Vec<ObjectSettings> = scene.objects.iter().cloned().chain(scattered).collect();
     all.into_iter()

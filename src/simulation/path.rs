@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 /// Where the boat is, and where it heads.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Pose {
+pub(super) struct BoatPose {
     /// Metres east of the scene's centre.
     pub east_m: f64,
     /// Metres north of the scene's centre.
@@ -16,7 +16,7 @@ pub(super) struct Pose {
     pub heading_rad: f64,
 }
 
-impl Pose {
+impl BoatPose {
     /// Unit vector (east, north) forward.
     pub(super) fn forward(&self) -> [f64; 2] {
         [sin(self.heading_rad), cos(self.heading_rad)]
@@ -35,8 +35,8 @@ impl Pose {
 }
 
 /// A piece of the way with a constant rate of turn.
-struct Leg {
-    start: Pose,
+struct PathPiece {
+    start: BoatPose,
     length_m: f64,
     /// Radians clockwise per metre; 0 on a straight line.
     turn_per_m: f64,
@@ -44,7 +44,7 @@ struct Leg {
 
 /// The whole way.
 pub(super) struct Path {
-    legs: Vec<Leg>,
+    legs: Vec<PathPiece>,
     length_m: f64,
 }
 
@@ -104,13 +104,13 @@ impl Path {
     }
 
     fn push(&mut self, at: [f64; 2], heading_rad: f64, length_m: f64, turn_per_m: f64) {
-        let start = Pose {
+        let start = BoatPose {
             east_m: at[0],
             north_m: at[1],
             heading_rad,
         };
         self.length_m += length_m;
-        self.legs.push(Leg {
+        self.legs.push(PathPiece {
             start,
             length_m,
             turn_per_m,
@@ -123,7 +123,7 @@ impl Path {
     }
 
     /// Where the boat is after `travelled_m` metres (held at both ends).
-    pub(super) fn at(&self, travelled_m: f64) -> Pose {
+    pub(super) fn at(&self, travelled_m: f64) -> BoatPose {
         let mut rest = travelled_m.clamp(0.0, self.length_m);
         for leg in &self.legs {
             if rest <= leg.length_m {
@@ -136,8 +136,8 @@ impl Path {
     }
 }
 
-impl Leg {
-    fn at(&self, travelled_m: f64) -> Pose {
+impl PathPiece {
+    fn at(&self, travelled_m: f64) -> BoatPose {
         let turn = self.turn_per_m * travelled_m;
         // The chord of an arc points half the turn away and is shorter by sin(x) / x.
         let half = 0.5 * turn;
@@ -148,7 +148,7 @@ impl Leg {
         };
         let start = [self.start.east_m, self.start.north_m];
         let place = ahead(start, self.start.heading_rad + half, chord);
-        Pose {
+        BoatPose {
             east_m: place[0],
             north_m: place[1],
             heading_rad: (self.start.heading_rad + turn).rem_euclid(2.0 * PI),

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 /// What a stream of random numbers is for; part of its seed, so that no two purposes share numbers.
 #[derive(Clone, Copy)]
-pub(super) enum Purpose {
+pub(super) enum RandomPurpose {
     Bumps = 1,
     Canopy,
     Dropouts,
@@ -39,7 +39,7 @@ pub(super) struct Random(u64);
 
 impl Random {
     /// The stream of one purpose; `index` distinguishes pings (or whatever else there are many of).
-    pub(super) fn new(seed: u64, purpose: Purpose, index: u64) -> Self {
+    pub(super) fn new(seed: u64, purpose: RandomPurpose, index: u64) -> Self {
         Self(mix(mix(seed ^ mix(purpose as u64)).wrapping_add(index)))
     }
 
@@ -103,7 +103,7 @@ mod tests {
 
     #[test]
     fn moments_are_those_of_the_distributions() {
-        let mut random = Random::new(7, Purpose::Speckle, 3);
+        let mut random = Random::new(7, RandomPurpose::Speckle, 3);
         let n = 100_000;
         let normal: Vec<f64> = (0..n).flat_map(|_| random.normal_pair()).collect();
         let mean = normal.iter().sum::<f64>() / normal.len() as f64;
@@ -117,7 +117,13 @@ mod tests {
     #[test]
     fn streams_differ_by_purpose_and_index() {
         let first = |purpose, index| Random::new(1, purpose, index).bits();
-        assert_ne!(first(Purpose::Speckle, 0), first(Purpose::Speckle, 1));
-        assert_ne!(first(Purpose::Speckle, 0), first(Purpose::Fish, 0));
+        assert_ne!(
+            first(RandomPurpose::Speckle, 0),
+            first(RandomPurpose::Speckle, 1)
+        );
+        assert_ne!(
+            first(RandomPurpose::Speckle, 0),
+            first(RandomPurpose::Fish, 0)
+        );
     }
 }

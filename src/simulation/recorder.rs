@@ -3,11 +3,11 @@
 use super::arithmetic::{exp, from_db, ln, to_db};
 use super::artefacts::{Trouble, absorption, ring_down};
 use super::beam::Beam;
-use super::bed::Bed;
+use super::bed::SceneBed;
 use super::echo::Echo;
 use super::listener::Listener;
-use super::path::Pose;
-use super::random::{Purpose, Random};
+use super::path::BoatPose;
+use super::random::{Random, RandomPurpose};
 use super::scene::{BedSettings, Curve, RecorderSettings, Scene};
 use super::visibility::Trace;
 use super::world::World;
@@ -101,11 +101,11 @@ impl<'a> Receiver<'a> {
             ..self.scene.bed.clone()
         };
         let world = World {
-            bed: Bed::level(&settings),
+            bed: SceneBed::level(&settings),
             objects: Vec::new(),
             weed: Vec::new(),
         };
-        let pose = Pose {
+        let pose = BoatPose {
             east_m: 0.0,
             north_m: 0.0,
             heading_rad: 0.0,
@@ -117,7 +117,7 @@ impl<'a> Receiver<'a> {
     }
 
     /// What one side receives at a place.
-    pub(super) fn listen(&self, world: &World, pose: Pose, side: Side, roll_rad: f64) -> Echo {
+    pub(super) fn listen(&self, world: &World, pose: BoatPose, side: Side, roll_rad: f64) -> Echo {
         let listener = Listener {
             world,
             beam: &self.beam,
@@ -356,7 +356,7 @@ fn pulse(deviation_samples: f64) -> Vec<f64> {
 
 /// The stream of a side's speckle in one ping.
 pub(super) fn speckle_stream(seed: u64, ping: u64, side: Side) -> Random {
-    Random::new(seed, Purpose::Speckle, 2 * ping + side as u64)
+    Random::new(seed, RandomPurpose::Speckle, 2 * ping + side as u64)
 }
 
 #[cfg(test)]

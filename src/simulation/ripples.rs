@@ -1,8 +1,8 @@
 //! What water makes of sand: ripples in patches, pits scoured out of it, and mounds and hollows.
 
 use super::arithmetic::{cos, exp, sin};
-use super::noise::{Field, smooth};
-use super::random::Purpose;
+use super::noise::{NoiseField, smooth};
+use super::random::RandomPurpose;
 use super::scene::{Mound, Pit, RippleSettings};
 use std::f64::consts::PI;
 
@@ -16,8 +16,8 @@ pub(super) struct Ripples {
     amplitude_m: f64,
     /// Radians per metre east and north.
     wave: [f64; 2],
-    patches: Field,
-    bends: Field,
+    patches: NoiseField,
+    bends: NoiseField,
 }
 
 impl Ripples {
@@ -28,8 +28,8 @@ impl Ripples {
         Self {
             amplitude_m: 0.5 * settings.height_m,
             wave: [number * sin(direction), number * cos(direction)],
-            patches: Field::new(seed, Purpose::Ripples, PATCH_M.0),
-            bends: Field::new(seed.wrapping_add(1), Purpose::Ripples, PATCH_M.1),
+            patches: NoiseField::new(seed, RandomPurpose::Ripples, PATCH_M.0),
+            bends: NoiseField::new(seed.wrapping_add(1), RandomPurpose::Ripples, PATCH_M.1),
         }
     }
 

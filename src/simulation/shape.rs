@@ -2,15 +2,15 @@
 
 use super::hull::Hull;
 use super::limbs::Limbs;
-use super::noise::Field;
+use super::noise::NoiseField;
 use super::object_kind::ObjectKind;
-use super::random::{Purpose, Random};
+use super::random::{Random, RandomPurpose};
 use super::scene::ObjectSettings;
 
 /// The shape of one object, with what its seed has drawn.
 pub(super) enum Shape {
     /// A rounded boulder with bumps.
-    Rock(Field),
+    Rock(NoiseField),
     /// Steep sides, flat top.
     Block,
     /// A round section along the length.
@@ -30,11 +30,13 @@ impl Shape {
     /// The shape of an object; the seed draws its bumps, branches or pose.
     pub(super) fn new(object: &ObjectSettings, seed: u64) -> Self {
         let (length, width, height) = (object.length_m, object.width_m, object.height_m);
-        let mut random = Random::new(seed, Purpose::Shape, 0);
+        let mut random = Random::new(seed, RandomPurpose::Shape, 0);
         match object.kind {
-            ObjectKind::Rock => {
-                Shape::Rock(Field::new(seed, Purpose::Bumps, 0.3 * length.min(width)))
-            }
+            ObjectKind::Rock => Shape::Rock(NoiseField::new(
+                seed,
+                RandomPurpose::Bumps,
+                0.3 * length.min(width),
+            )),
             ObjectKind::Block => Shape::Block,
             ObjectKind::Cylinder => Shape::Cylinder,
             ObjectKind::Tyre => Shape::Tyre,

@@ -2,8 +2,8 @@
 
 use super::arithmetic::{exp, to_db};
 use super::beam::Beam;
-use super::path::Pose;
-use super::random::{Purpose, Random};
+use super::path::BoatPose;
+use super::random::{Random, RandomPurpose};
 use super::scene::Shoal;
 use crate::survey::Side;
 
@@ -16,7 +16,7 @@ pub(super) struct Fishes(Vec<([f64; 3], f64)>);
 impl Fishes {
     /// Places the fish of a shoal: dense in the middle, twice as wide as high.
     pub(super) fn new(shoal: &Shoal, seed: u64) -> Self {
-        let mut random = Random::new(seed, Purpose::Shoal, 0);
+        let mut random = Random::new(seed, RandomPurpose::Shoal, 0);
         let fish = (0..shoal.count).map(|_| {
             let [east, north] = random.normal_pair();
             let [down, spread] = random.normal_pair();
@@ -33,7 +33,7 @@ impl Fishes {
     /// Slant ranges (metres) and strengths (dB) of the fish that one side insonifies.
     pub(super) fn echoes(
         &self,
-        pose: Pose,
+        pose: BoatPose,
         side: Side,
         beam: &Beam,
         depth_m: f64,

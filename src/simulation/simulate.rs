@@ -1,18 +1,18 @@
 //! Runs a scene.
 
-use super::artefacts::{Plan, Trouble};
-use super::bed::Bed;
+use super::artefacts::{ArtefactPlan, Trouble};
+use super::bed::SceneBed;
 use super::echo::{Echo, ObjectEcho};
 use super::objects;
-use super::path::{Path, Pose};
-use super::random::{Purpose, Random};
+use super::path::{BoatPose, Path};
+use super::random::{Random, RandomPurpose};
 use super::recorder::{GRAIN, Receiver, speckle_stream};
 use super::scene::Scene;
 use super::shoal::Fishes;
 use super::sl2::{self, Sl2Frame};
 use super::truth::{self, ObjectPass, ObjectTruth, PingTruth, SideTruth};
 use super::visibility::{Trace, visible_part};
-use super::weed::Weed;
+use super::weed::WeedBed;
 use super::world::World;
 use crate::support::geo::{LocalFrame, LonLat, lowrance_mercator, lowrance_mercator_inverse};
 use crate::support::progress::{Cancelled, Progress};
@@ -46,7 +46,7 @@ pub(crate) fn simulate(
     seed: u64,
     progress: &Progress,
 ) -> Result<Simulated, Cancelled> {
-    let run = Run::new(scene, seed);
+    let run = SimulationRun::new(scene, seed);
     let count = run.ping_count();
     progress.start(count);
     let mut received = Vec::new();
@@ -113,11 +113,11 @@ impl Simulated {
 }
 
 /// Everything that pings share.
-pub(super) struct Run<'a> {
+pub(super) struct SimulationRun<'a> {
     pub scene: &'a Scene,
     pub seed: u64,
     path: Path,
-    pub plan: Plan<'a>,
+    pub plan: ArtefactPlan<'a>,
     pub world: World,
     shoals: Vec<Fishes>,
     pub scene_frame: LocalFrame,
@@ -138,7 +138,7 @@ pub(super) struct ReceivedPing {
     pub range_m: f64,
 }
 
-impl<'a> Run<'a> {
+impl<'a> SimulationRun<'a> {
     fn new(scene: &'a Scene, seed: u64) -> Self {
         let path = Path::new(&scene.track);
         let scene_frame = LocalFrame::new(LonLat::new(scene.longitude_deg, scene.latitude_deg));
@@ -148,9 +148,9 @@ impl<'a> Run<'a> {
         Self {
             scene,
             seed,
-            plan: Plan::new(scene, &path, seed),
+            plan: ArtefactPlan::new(scene, &path, seed),
             world: World {
-                bed: Bed::new(&scene.bed, scene.bed.seed.unwrap_or(seed)),
+                bed: SceneBed::new(&scene.bed, scene.bed.seed.unwrap_or(seed)),
                 objects: objects::place(scene, &path, seed),
                 weed: weed(scene, &path, seed),
             },
@@ -182,7 +182,7 @@ impl<'a> Run<'a> {
         (ping as f64 * 1000.0 / self.scene.track.ping_rate_hz).round() as i32
     }
 
-    pub(super) fn pose_at(&self, time_s: f64) -> Pose {
+    pub(super) fn pose_at(&self, time_s: f64) -> BoatPose {
         self.path.at(time_s * self.scene.track.speed_mps)
     }
 
@@ -242,7 +242,7 @@ impl<'a> Run<'a> {
     fn side(
         &self,
         ping: u64,
-        pose: Pose,
+        pose: BoatPose,
         side: Side,
         trouble: &Trouble,
         receiver: &Receiver,
@@ -271,7 +271,7 @@ impl<'a> Run<'a> {
     /// The water surface over a towed transducer: slant range (metres) and strength (dB).
     fn surface(&self, ping: u64) -> Option<[f64; 2]> {
         let surface_m = self.scene.artefacts.surface_m;
-        let mut random = Random::new(self.seed, Purpose::Wander, ping);
+        let mut random = Random::new(self.seed, RandomPurpose::Wander, ping);
         let [wave, strength] = random.normal_pair();
         (surface_m > 0.0).then_some([
             surface_m + SURFACE_WAVES_M * wave,
@@ -353,11 +353,11 @@ const SURFACE_DB: f64 = -8.0;
 const WEED_MARGIN_M: f64 = 0.1;
 
 /// The bed of weed on the track, and the clumps that the scene names.
-fn weed(scene: &Scene, path: &Path, seed: u64) -> Vec<Weed> {
+fn weed(scene: &Scene, path: &Path, seed: u64) -> Vec<WeedBed> {
     let clumps = scene.weed_clumps.iter().zip(seed.wrapping_add(1)..);
-    let clumps =
-        clumps.map(|(clump, seed)| Weed::at([clump.east_m, clump.north_m], clump.diameter_m, seed));
-    Weed::new(scene.artefacts.weed_m, path, seed)
+    let clumps = clumps
+        .map(|(clump, seed)| WeedBed::at([clump.east_m, clump.north_m], clump.diameter_m, seed));
+    WeedBed::new(scene.artefacts.weed_m, path, seed)
         .into_iter()
         .chain(clumps)
         .collect()
@@ -399,7 +399,7 @@ fn side_truth(echo: &Echo) -> SideTruth {
 }
 
 /// Whole Lowrance Mercator metres of a place in the scene's frame.
-pub(super) fn mercator(frame: &LocalFrame, pose: Pose) -> [i32; 2] {
+pub(super) fn mercator(frame: &LocalFrame, pose: BoatPose) -> [i32; 2] {
     lowrance_mercator(frame.to_lon_lat(pose.east_m, pose.north_m))
         .map(|metres| metres.round() as i32)
 }

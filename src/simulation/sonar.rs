@@ -1,7 +1,7 @@
 //! Echograms of the primary and the down-scan channel: plausible, not physical. Their depth is what matters.
 
 use super::arithmetic::exp;
-use super::random::{Purpose, Random};
+use super::random::{Random, RandomPurpose};
 use crate::survey::ChannelKind;
 
 /// The bytes of one echogram column, nearest first, over `range_m` metres with the bottom at `depth_m`.
@@ -18,7 +18,7 @@ pub(super) fn echogram(
         ChannelKind::DownScan => (2 * ping, 0.02, 0.35, 175.0),
         _ => (2 * ping + 1, 0.06, 0.8, 215.0),
     };
-    let mut random = Random::new(seed, Purpose::Echogram, stream);
+    let mut random = Random::new(seed, RandomPurpose::Echogram, stream);
     let bottom = |range: f64, depth: f64| {
         let behind = range - depth;
         let rise = 1.0 / (1.0 + exp(-behind / onset_m));

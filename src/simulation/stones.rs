@@ -1,6 +1,6 @@
 //! Stones strewn over rough ground, at most one in each cell of a grid.
 
-use super::random::{Purpose, mix};
+use super::random::{RandomPurpose, mix};
 
 /// Side of a cell, metres.
 const CELL_M: f64 = 1.6;
@@ -19,7 +19,7 @@ impl Stones {
     /// Stones whose places and sizes come from the seed.
     pub(super) fn new(seed: u64) -> Self {
         Self {
-            key: mix(seed ^ mix(Purpose::Stones as u64)),
+            key: mix(seed ^ mix(RandomPurpose::Stones as u64)),
         }
     }
 

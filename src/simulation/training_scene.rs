@@ -4,7 +4,7 @@ mod settings;
 mod strewn;
 
 use super::arithmetic::{exp, ln};
-use super::random::{Purpose, Random, mix};
+use super::random::{Random, RandomPurpose, mix};
 use super::scene::Scene;
 use crate::survey::Side;
 use settings::{artefacts, bed, recorder, track};
@@ -43,7 +43,7 @@ pub(crate) fn training_seed(dataset_seed: u64, part: u64, index: u64) -> u64 {
 /// track: depth 1.2 to 6 m, range 8 to 30 m, any bed, up to thirteen objects of all kinds and what is mistaken for them. The
 /// same seed gives the same scene.
 pub(crate) fn training_scene(seed: u64, looks: usize, look_m: f64) -> TrainingScene {
-    let mut random = Random::new(seed, Purpose::Training, 0);
+    let mut random = Random::new(seed, RandomPurpose::Training, 0);
     let rows = looks.div_ceil(2).max(1);
     let length_m = rows as f64 * look_m + SPARE_M;
     let depth_m = log_between(&mut random, 1.2, 6.0);

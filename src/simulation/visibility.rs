@@ -35,12 +35,12 @@ pub struct VisiblePart {
     /// Farthest slant range that shows its echo or its shadow, metres.
     pub far_m: f64,
     /// What each ping shows of it, in their order; pings that show nothing are left out.
-    pub slices: Vec<Slice>,
+    pub slices: Vec<VisibleSlice>,
 }
 
 /// What one ping shows of an object.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Slice {
+pub struct VisibleSlice {
     /// The ping.
     pub ping: usize,
     /// Nearest slant range that shows it, metres.
@@ -85,7 +85,7 @@ pub(super) fn visible_part(
         .clone()
         .map(|(_, trace)| trace.first_sample + trace.stands_out.len())
         .max()?;
-    let mut picture = Picture::new(last.0 + 1 - first.0, end - start);
+    let mut picture = VisibilityPicture::new(last.0 + 1 - first.0, end - start);
     for (ping, trace) in rows {
         picture.put(
             ping - first.0,
@@ -98,14 +98,14 @@ pub(super) fn visible_part(
     let range_m = |sample: usize| (start + sample) as f64 * metres_per_sample;
     let slice = |row: usize| {
         let columns = picture.slice(row, &samples)?;
-        Some(Slice {
+        Some(VisibleSlice {
             ping: first.0 + row,
             near_m: range_m(columns.start),
             far_m: range_m(columns.end),
             visibility: picture.energy(row, &samples) / (grain * SEEN_RATIO * SEEN_RATIO),
         })
     };
-    let slices: Vec<Slice> = pings.clone().filter_map(slice).collect();
+    let slices: Vec<VisibleSlice> = pings.clone().filter_map(slice).collect();
     let visibility: f32 = slices.iter().map(|slice| slice.visibility).sum();
     (visibility >= 1.0).then(|| VisiblePart {
         first_ping: first.0 + pings.start,
@@ -117,15 +117,15 @@ pub(super) fn visible_part(
 }
 
 /// What stands out, a row for each ping.
-struct Picture {
+struct VisibilityPicture {
     rows: usize,
     columns: usize,
     levels: Vec<f32>,
-    /// Whether each stands out, once [`Picture::extent`] has looked.
+    /// Whether each stands out, once [`VisibilityPicture::extent`] has looked.
     stands_out: Vec<bool>,
 }
 
-impl Picture {
+impl VisibilityPicture {
     fn new(rows: usize, columns: usize) -> Self {
         Self {
             rows,

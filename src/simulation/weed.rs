@@ -1,17 +1,17 @@
 //! A bed of water weed on the track: a canopy whose echo comes before that of the ground.
 
-use super::noise::{Field, smooth};
+use super::noise::{NoiseField, smooth};
 use super::path::Path;
-use super::random::{Purpose, Random};
+use super::random::{Random, RandomPurpose};
 
 /// A round bed of weed.
-pub(super) struct Weed {
+pub(super) struct WeedBed {
     east_m: f64,
     north_m: f64,
     radius_m: f64,
-    outline: Field,
-    height: Field,
-    stems: Field,
+    outline: NoiseField,
+    height: NoiseField,
+    stems: NoiseField,
 }
 
 /// Lowest and highest canopy above the ground, metres.
@@ -21,13 +21,13 @@ const RAGGED: f64 = 0.25;
 /// Width of the rim over which the canopy comes down, metres.
 const RIM_M: f64 = 1.0;
 
-impl Weed {
+impl WeedBed {
     /// A bed of a diameter (0 for none) somewhere on the way, away from its ends.
     pub(super) fn new(diameter_m: f64, path: &Path, seed: u64) -> Option<Self> {
         if diameter_m <= 0.0 {
             return None;
         }
-        let mut random = Random::new(seed, Purpose::Weed, 0);
+        let mut random = Random::new(seed, RandomPurpose::Weed, 0);
         let pose = path.at(random.between(0.1, 0.9) * path.length_m());
         Some(Self::at([pose.east_m, pose.north_m], diameter_m, seed))
     }
@@ -38,9 +38,9 @@ impl Weed {
             east_m,
             north_m,
             radius_m: 0.5 * diameter_m,
-            outline: Field::new(seed, Purpose::Outline, 0.2 * diameter_m),
-            height: Field::new(seed, Purpose::Canopy, 0.8),
-            stems: Field::new(seed, Purpose::Stems, 0.25),
+            outline: NoiseField::new(seed, RandomPurpose::Outline, 0.2 * diameter_m),
+            height: NoiseField::new(seed, RandomPurpose::Canopy, 0.8),
+            stems: NoiseField::new(seed, RandomPurpose::Stems, 0.25),
         }
     }
 

@@ -1,16 +1,16 @@
 //! The ground with all that lies and grows on it.
 
 use super::arithmetic::{exp, ln};
-use super::bed::Bed;
+use super::bed::SceneBed;
 use super::objects::PlacedObject;
-use super::path::Pose;
-use super::weed::Weed;
+use super::path::BoatPose;
+use super::weed::WeedBed;
 
 /// Everything that echoes. Places are metres from the scene's centre.
 pub(super) struct World {
-    pub bed: Bed,
+    pub bed: SceneBed,
     pub objects: Vec<PlacedObject>,
-    pub weed: Vec<Weed>,
+    pub weed: Vec<WeedBed>,
 }
 
 /// What is left of the echo of the ground under weed (6 dB lost, both ways).
@@ -28,7 +28,7 @@ impl World {
 
     /// What weed over a place leaves of the echo of the ground.
     pub(super) fn weed_loss(&self, east_m: f64, north_m: f64) -> f64 {
-        let grown = |weed: &Weed| weed.height_m(east_m, north_m) > 0.0;
+        let grown = |weed: &WeedBed| weed.height_m(east_m, north_m) > 0.0;
         if self.weed.iter().any(grown) {
             WEED_LOSS
         } else {
@@ -37,7 +37,12 @@ impl World {
     }
 
     /// Objects in a band across the boat's heading, `half_width_m` to both ends and `reach_m` to both sides.
-    pub(super) fn objects_across(&self, pose: Pose, half_width_m: f64, reach_m: f64) -> Vec<usize> {
+    pub(super) fn objects_across(
+        &self,
+        pose: BoatPose,
+        half_width_m: f64,
+        reach_m: f64,
+    ) -> Vec<usize> {
         let [east, north] = pose.forward();
         let objects = self.objects.iter().enumerate();
         let met = objects.filter(|(_, object)| {

@@ -225,10 +225,10 @@ impl Exclusions {
 }
 
 /// From and to, seconds, and why it is excluded; `None` where it counts.
-type Span = ([f64; 2], Option<ExclusionReason>);
+type TimeSpan = ([f64; 2], Option<ExclusionReason>);
 
 /// Turns and stops.
-fn automatic(times_s: &[f64], places: &[PingNav], settings: &ExclusionSettings) -> Vec<Span> {
+fn automatic(times_s: &[f64], places: &[PingNav], settings: &ExclusionSettings) -> Vec<TimeSpan> {
     let min_s = settings.min_duration_s;
     let mut spans = Vec::new();
     if let Some(max_deg_s) = settings.max_turn_deg_s {
@@ -254,7 +254,7 @@ fn runs(
     is_out: impl Fn(usize) -> bool,
     reason: ExclusionReason,
     min_s: f64,
-) -> Vec<Span> {
+) -> Vec<TimeSpan> {
     let mut joined: Vec<[f64; 2]> = Vec::new();
     for (index, &time_s) in times_s.iter().enumerate() {
         if !is_out(index) {
@@ -277,7 +277,7 @@ fn runs(
     "excluded.stretches are not applied: they belong to {}, a log of {} bytes and {} pings",
     .0.file, .0.byte_count, .0.pings
 )]
-struct OtherLog<'a>(&'a Identity);
+struct StretchesOfOtherLog<'a>(&'a Identity);
 
 /// The stretches that the settings name, as spans of time.
 ///
@@ -287,10 +287,10 @@ fn named<'a>(
     survey: &Survey,
     settings: &'a ExclusionSettings,
     ping_times: &[f64],
-) -> Result<Vec<Span>, OtherLog<'a>> {
+) -> Result<Vec<TimeSpan>, StretchesOfOtherLog<'a>> {
     let own = Identity::of(survey);
     if let Some(log) = settings.log.as_ref().filter(|log| !own.is_same_log(log)) {
-        return Err(OtherLog(log));
+        return Err(StretchesOfOtherLog(log));
     }
     let span = |stretch: &Stretch| {
         let time_s = match stretch.pings {
@@ -306,7 +306,7 @@ fn named<'a>(
 }
 
 /// The reason at every time; empty where there is none at all.
-fn flags(times_s: &[f64], spans: &[Span]) -> Vec<Option<ExclusionReason>> {
+fn flags(times_s: &[f64], spans: &[TimeSpan]) -> Vec<Option<ExclusionReason>> {
     let mut flags = vec![None; times_s.len()];
     for ([from_s, to_s], reason) in spans {
         let first = times_s.partition_point(|time_s| time_s < from_s);

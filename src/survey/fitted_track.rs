@@ -4,7 +4,7 @@
 //! points to one of eight directions, or nowhere. A line fitted over a few seconds is good to about a degree.
 
 use super::Track;
-use super::local_fit::{LocalFit, Place};
+use super::local_fit::{LocalFit, TimedPosition};
 use std::ops::Range;
 
 /// Fixes farther apart than this are not joined by a fit, seconds (or three fix intervals, where those are longer).
@@ -56,7 +56,7 @@ impl Motion {
 /// The distinct fixes of a track, ready for local fits.
 #[derive(Debug)]
 pub(super) struct FittedTrack {
-    places: Vec<Place>,
+    places: Vec<TimedPosition>,
     /// Stretches of `places` without a gap.
     segments: Vec<Range<usize>>,
     half_window_s: f64,
@@ -116,7 +116,7 @@ impl FittedTrack {
     }
 
     /// The places within the window around a time, none across a gap; empty in a gap.
-    fn window(&self, time_s: f64, half_window_s: f64) -> &[Place] {
+    fn window(&self, time_s: f64, half_window_s: f64) -> &[TimedPosition] {
         let index = self
             .segments
             .partition_point(|segment| self.places[segment.end - 1].time_s + self.reach_s < time_s);
@@ -229,13 +229,13 @@ fn fix_interval_s(stays: &[Stay]) -> f64 {
 
 /// Each stay becomes a measurement at its middle: there the rounding error is as likely ahead as behind. The recorder
 /// shows the latest fix, which is half a fix interval old on average.
-fn places(stays: &[Stay], interval_s: f64) -> Vec<Place> {
+fn places(stays: &[Stay], interval_s: f64) -> Vec<TimedPosition> {
     let mut places = Vec::with_capacity(stays.len());
     for stay in stays {
         let length_s = stay.last_s - stay.first_s;
         let parts = (length_s / LONG_STAY_S).ceil().clamp(1.0, MOST_PARTS);
         for part in 0..parts as usize {
-            places.push(Place {
+            places.push(TimedPosition {
                 time_s: stay.first_s + (part as f64 + 0.5) / parts * length_s - interval_s / 2.0,
                 east_m: stay.east_m,
                 north_m: stay.north_m,
@@ -246,7 +246,7 @@ fn places(stays: &[Stay], interval_s: f64) -> Vec<Place> {
     places
 }
 
-fn segments(places: &[Place], max_gap_s: f64) -> Vec<Range<usize>> {
+fn segments(places: &[TimedPosition], max_gap_s: f64) -> Vec<Range<usize>> {
     let mut segments = Vec::new();
     let mut start = 0;
     for index in 1..=places.len() {

@@ -2,7 +2,7 @@
 
 /// One position with the time at which it was true.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(super) struct TimedPosition {
     pub(super) time_s: f64,
     pub(super) east_m: f64,
     pub(super) north_m: f64,
@@ -31,7 +31,7 @@ struct Moments {
 }
 
 impl Moments {
-    fn over(places: &[Place], time_s: f64, half_window_s: f64) -> Self {
+    fn over(places: &[TimedPosition], time_s: f64, half_window_s: f64) -> Self {
         let mut moments = Self::default();
         for place in places {
             let t = (place.time_s - time_s) / half_window_s;
@@ -88,7 +88,7 @@ fn determinant([[a, b, c], [d, e, f], [g, h, i]]: [[f64; 3]; 3]) -> f64 {
 
 impl LocalFit {
     /// `None` when the places do not span any time.
-    pub(super) fn over(places: &[Place], time_s: f64, half_window_s: f64) -> Option<Self> {
+    pub(super) fn over(places: &[TimedPosition], time_s: f64, half_window_s: f64) -> Option<Self> {
         let moments = Moments::over(places, time_s, half_window_s);
         let [east, north] = [moments.line(0)?, moments.line(1)?];
         let curved = places.len() >= 5 && moments.balanced();
@@ -102,7 +102,12 @@ impl LocalFit {
     }
 }
 
-fn misfit_m(places: &[Place], time_s: f64, half_window_s: f64, curves: [[f64; 3]; 2]) -> f64 {
+fn misfit_m(
+    places: &[TimedPosition],
+    time_s: f64,
+    half_window_s: f64,
+    curves: [[f64; 3]; 2],
+) -> f64 {
     let (mut square, mut weight) = (0.0, 0.0);
     for place in places {
         let t = (place.time_s - time_s) / half_window_s;

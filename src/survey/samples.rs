@@ -25,7 +25,7 @@ impl std::ops::Deref for Bytes {
 
 /// Which end of the stored samples is nearest to the boat.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Order {
+pub enum SampleOrder {
     /// The first stored sample is at the transducer.
     NearToFar,
     /// The last stored sample is at the transducer (the port half of a composite frame).
@@ -52,7 +52,7 @@ pub struct SideSpan {
     /// How a sample is stored.
     pub encoding: Encoding,
     /// Which end is nearest.
-    pub order: Order,
+    pub order: SampleOrder,
     /// Byte offset of the first stored sample.
     pub offset: u64,
     /// Number of samples.
@@ -70,7 +70,7 @@ impl SideSpan {
         Self {
             file: 0,
             encoding: Encoding::U8,
-            order: Order::NearToFar,
+            order: SampleOrder::NearToFar,
             offset: 0,
             count,
             near_m,
@@ -99,7 +99,7 @@ impl SideSpan {
 pub struct Samples<'a> {
     stored: &'a [u8],
     encoding: Encoding,
-    order: Order,
+    order: SampleOrder,
 }
 
 impl<'a> Samples<'a> {
@@ -135,8 +135,8 @@ impl<'a> Samples<'a> {
     /// The sample `index` steps outward from the boat. Panics beyond the last, as a slice does.
     pub fn get(&self, index: usize) -> u8 {
         let stored = match self.order {
-            Order::NearToFar => index,
-            Order::FarToNear => self.len() - 1 - index,
+            SampleOrder::NearToFar => index,
+            SampleOrder::FarToNear => self.len() - 1 - index,
         };
         match self.encoding {
             Encoding::U8 => self.stored[stored],
@@ -149,7 +149,7 @@ impl<'a> Samples<'a> {
     }
 
     /// The stored bytes when they are one byte a sample, with their order; the fast way for whole-survey passes.
-    pub fn stored_u8(&self) -> Option<(&'a [u8], Order)> {
+    pub fn stored_u8(&self) -> Option<(&'a [u8], SampleOrder)> {
         (self.encoding == Encoding::U8).then_some((self.stored, self.order))
     }
 
@@ -164,8 +164,8 @@ impl<'a> Samples<'a> {
         let start = part.start.min(end);
         out.clear();
         match self.stored_u8() {
-            Some((bytes, Order::NearToFar)) => out.extend_from_slice(&bytes[start..end]),
-            Some((bytes, Order::FarToNear)) => {
+            Some((bytes, SampleOrder::NearToFar)) => out.extend_from_slice(&bytes[start..end]),
+            Some((bytes, SampleOrder::FarToNear)) => {
                 let count = bytes.len();
                 out.extend(bytes[count - end..count - start].iter().rev());
             }

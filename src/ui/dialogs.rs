@@ -1,7 +1,7 @@
 //! Choosing a log, a review or a folder: the system's dialog on a worker, and a path field where there is none.
 
 use super::ViewContext;
-use crate::app::{Command, Jobs, Outcome, Task};
+use crate::app::{Command, Jobs, Task, TaskOutcome};
 use egui::text::{CCursor, CCursorRange};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -12,7 +12,7 @@ const TOO_FAST: Duration = Duration::from_millis(600);
 
 /// What a path is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Purpose {
+pub(super) enum PathPurpose {
     /// Logs to be opened in the place of those that are open.
     OpenLogs,
     /// Logs to join those that are open.
@@ -53,7 +53,7 @@ pub(super) enum Purpose {
     SavePlan,
 }
 
-impl Purpose {
+impl PathPurpose {
     /// Title of the dialog that names a file to be written.
     fn title_of_saved(self) -> Option<&'static str> {
         match self {
@@ -130,7 +130,7 @@ struct Chosen {
 }
 
 struct Waiting {
-    purpose: Purpose,
+    purpose: PathPurpose,
     task: Task<Chosen>,
 }
 
@@ -147,7 +147,7 @@ pub(super) struct Dialogs {
 
 /// The path field: what for, what was typed, and whether it stands in for the system's dialog.
 struct Field {
-    purpose: Purpose,
+    purpose: PathPurpose,
     path: String,
     instead: bool,
     /// It has been given the keyboard.
@@ -157,7 +157,7 @@ struct Field {
 }
 
 impl Field {
-    fn new(purpose: Purpose, instead: bool, proposed: Option<&PathBuf>) -> Option<Self> {
+    fn new(purpose: PathPurpose, instead: bool, proposed: Option<&PathBuf>) -> Option<Self> {
         let is_named = purpose.title_of_saved().is_some();
         let proposed = proposed.filter(|_| is_named);
         Some(Self {
@@ -223,14 +223,14 @@ enum Answer {
 
 impl Dialogs {
     /// Asks for a file to be written, which gets this name unless another is chosen.
-    pub(super) fn name(&mut self, purpose: Purpose, proposed: PathBuf, jobs: &Jobs) {
+    pub(super) fn name(&mut self, purpose: PathPurpose, proposed: PathBuf, jobs: &Jobs) {
         self.proposed = Some(proposed);
         self.ask(purpose, jobs);
     }
 
     /// Shows the path field.
     pub(super) fn ask_for_path(&mut self) {
-        self.field = Field::new(Purpose::OpenLogs, false, None);
+        self.field = Field::new(PathPurpose::OpenLogs, false, None);
     }
 
     /// Whether the path field is shown.
@@ -252,7 +252,7 @@ impl Dialogs {
     }
 
     /// Asks for a file or a folder that is there; one dialog at a time.
-    pub(super) fn ask(&mut self, purpose: Purpose, jobs: &Jobs) {
+    pub(super) fn ask(&mut self, purpose: PathPurpose, jobs: &Jobs) {
         if self.waiting.is_some() {
             return;
         }
@@ -282,9 +282,9 @@ impl Dialogs {
         };
         let purpose = waiting.purpose;
         let chosen = match waiting.task.poll() {
-            Outcome::Pending => return,
-            Outcome::Done(chosen) => Some(chosen),
-            Outcome::Failed => None,
+            TaskOutcome::Pending => return,
+            TaskOutcome::Done(chosen) => Some(chosen),
+            TaskOutcome::Failed => None,
         };
         self.waiting = None;
         match chosen {
@@ -323,35 +323,35 @@ impl Dialogs {
 }
 
 /// What is asked for with these paths; all but logs take the first.
-fn command(purpose: Purpose, paths: Vec<PathBuf>) -> Option<Command> {
+fn command(purpose: PathPurpose, paths: Vec<PathBuf>) -> Option<Command> {
     let path = paths.first()?.clone();
     Some(match purpose {
-        Purpose::OpenLogs | Purpose::OpenFolder => Command::OpenAll(paths),
-        Purpose::AddLogs => Command::Add(paths),
-        Purpose::ExportInto => Command::ChooseExportFolder(path),
-        Purpose::OpenReview => Command::OpenReview(path),
-        Purpose::OpenTruth => Command::OpenTruth(path),
-        Purpose::SaveProject => Command::SaveProjectAs(path),
-        Purpose::SaveReview => Command::SaveReview(path),
-        Purpose::ExportBoxesInto => Command::ExportBoxes(path),
-        Purpose::OpenModel => Command::UseModel(path),
-        Purpose::SaveProfile => Command::SaveProfile(path),
-        Purpose::OpenBaseMap => Command::OpenBaseMap(path),
-        Purpose::OpenReference => Command::CompareWith(path),
-        Purpose::OpenIsobathArea => Command::OpenIsobathArea(path),
-        Purpose::OpenWaterLevels => Command::OpenWaterLevels(path),
-        Purpose::OpenTrack => Command::OpenTrack(path),
-        Purpose::SaveFigure => Command::SaveFigure(path),
-        Purpose::SavePlan => Command::SavePlan(path),
-        Purpose::PrintInto => Command::PrintInto(path),
+        PathPurpose::OpenLogs | PathPurpose::OpenFolder => Command::OpenAll(paths),
+        PathPurpose::AddLogs => Command::Add(paths),
+        PathPurpose::ExportInto => Command::ChooseExportFolder(path),
+        PathPurpose::OpenReview => Command::OpenReview(path),
+        PathPurpose::OpenTruth => Command::OpenTruth(path),
+        PathPurpose::SaveProject => Command::SaveProjectAs(path),
+        PathPurpose::SaveReview => Command::SaveReview(path),
+        PathPurpose::ExportBoxesInto => Command::ExportBoxes(path),
+        PathPurpose::OpenModel => Command::UseModel(path),
+        PathPurpose::SaveProfile => Command::SaveProfile(path),
+        PathPurpose::OpenBaseMap => Command::OpenBaseMap(path),
+        PathPurpose::OpenReference => Command::CompareWith(path),
+        PathPurpose::OpenIsobathArea => Command::OpenIsobathArea(path),
+        PathPurpose::OpenWaterLevels => Command::OpenWaterLevels(path),
+        PathPurpose::OpenTrack => Command::OpenTrack(path),
+        PathPurpose::SaveFigure => Command::SaveFigure(path),
+        PathPurpose::SavePlan => Command::SavePlan(path),
+        PathPurpose::PrintInto => Command::PrintInto(path),
     })
 }
 
 /// Waits for the system's dialog; empty when it was cancelled or there is none.
-fn system_dialog(purpose: Purpose, proposed: Option<PathBuf>) -> Vec<PathBuf> {
+fn system_dialog(purpose: PathPurpose, proposed: Option<PathBuf>) -> Vec<PathBuf> {
     let path = match purpose {
-        Purpose::OpenLogs => return choose_logs("Open sonar logs"),
-        Purpose::AddLogs => return choose_logs("Add sonar logs to those that are open"),
+        PathPurpose::OpenLogs => return choose_logs("Open sonar logs"),
+        PathPurpose::AddLogs => return choose_logs("Add sonar logs to those that are open"),
         _ => choose_path(purpose, proposed),
     };
     path.into_iter().collect()
@@ -381,57 +381,57 @@ fn choose_logs(title: &str) -> Vec<PathBuf> {
 }
 
 /// One file or folder, to be read or written.
-fn choose_path(purpose: Purpose, proposed: Option<PathBuf>) -> Option<PathBuf> {
+fn choose_path(purpose: PathPurpose, proposed: Option<PathBuf>) -> Option<PathBuf> {
     match purpose {
-        Purpose::OpenLogs | Purpose::AddLogs => None,
-        Purpose::OpenFolder => rfd::FileDialog::new()
+        PathPurpose::OpenLogs | PathPurpose::AddLogs => None,
+        PathPurpose::OpenFolder => rfd::FileDialog::new()
             .set_title("Open a folder of sonar logs")
             .pick_folder(),
-        Purpose::ExportInto => rfd::FileDialog::new()
+        PathPurpose::ExportInto => rfd::FileDialog::new()
             .set_title("Write the products into")
             .pick_folder(),
-        Purpose::ExportBoxesInto => rfd::FileDialog::new()
+        PathPurpose::ExportBoxesInto => rfd::FileDialog::new()
             .set_title("Write the boxes into")
             .pick_folder(),
-        Purpose::OpenModel => rfd::FileDialog::new()
+        PathPurpose::OpenModel => rfd::FileDialog::new()
             .set_title("Choose a detector")
             .add_filter("ONNX models", &["onnx"])
             .pick_file(),
-        Purpose::OpenBaseMap => rfd::FileDialog::new()
+        PathPurpose::OpenBaseMap => rfd::FileDialog::new()
             .set_title("Open a base map")
             .add_filter("GeoTIFF", &["tif", "TIF", "tiff", "TIFF"])
             .pick_file(),
-        Purpose::OpenReference => rfd::FileDialog::new()
+        PathPurpose::OpenReference => rfd::FileDialog::new()
             .set_title("Compare with points, a GeoTIFF or another log")
             .add_filter("All files", &["*"])
             .pick_file(),
-        Purpose::OpenIsobathArea => rfd::FileDialog::new()
+        PathPurpose::OpenIsobathArea => rfd::FileDialog::new()
             .set_title("Open the area that isobaths end at")
             .add_filter("Polygons", &["geojson", "json", "kml", "gpx"])
             .add_filter("All files", &["*"])
             .pick_file(),
-        Purpose::OpenWaterLevels => rfd::FileDialog::new()
+        PathPurpose::OpenWaterLevels => rfd::FileDialog::new()
             .set_title("Open readings of the water's height")
             .add_filter("Tables", &["csv", "CSV", "txt", "TXT"])
             .pick_file(),
-        Purpose::OpenTrack => rfd::FileDialog::new()
+        PathPurpose::OpenTrack => rfd::FileDialog::new()
             .set_title("Open the track of another receiver")
             .add_filter("Tracks", &["csv", "CSV", "gpx", "GPX", "txt", "TXT"])
             .pick_file(),
-        Purpose::OpenReview => rfd::FileDialog::new()
+        PathPurpose::OpenReview => rfd::FileDialog::new()
             .set_title("Open a review of boxes")
             .add_filter("Reviews", &["json"])
             .pick_file(),
-        Purpose::OpenTruth => rfd::FileDialog::new()
+        PathPurpose::OpenTruth => rfd::FileDialog::new()
             .set_title("Open the objects that are known to lie in the log")
             .add_filter("Objects and reviews", &["csv", "json"])
             .pick_file(),
-        Purpose::SaveProject
-        | Purpose::SaveReview
-        | Purpose::SaveProfile
-        | Purpose::SaveFigure
-        | Purpose::SavePlan
-        | Purpose::PrintInto => {
+        PathPurpose::SaveProject
+        | PathPurpose::SaveReview
+        | PathPurpose::SaveProfile
+        | PathPurpose::SaveFigure
+        | PathPurpose::SavePlan
+        | PathPurpose::PrintInto => {
             let title = purpose.title_of_saved().unwrap_or_default();
             let mut dialog = rfd::FileDialog::new().set_title(title);
             if let Some(path) = &proposed {

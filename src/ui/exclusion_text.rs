@@ -1,12 +1,12 @@
 //! Texts about excluded stretches, the same in all views and panels.
 
-use crate::app::{Action, App, ExclusionEdit, Extent, LogId};
+use crate::app::{Action, App, ExcludedExtent, ExclusionEdit, LogId};
 use crate::support::presentation::units::Units;
 use crate::survey::ExcludedStretch;
 use crate::ui::text;
 
 /// `412 pings · 512 m · 1:02`.
-pub(super) fn extent(extent: &Extent, units: Units) -> String {
+pub(super) fn extent(extent: &ExcludedExtent, units: Units) -> String {
     let way = units.way(extent.length_m);
     let lasts = text::duration(extent.duration_s);
     match extent.pings {
@@ -16,7 +16,7 @@ pub(super) fn extent(extent: &Extent, units: Units) -> String {
 }
 
 /// What a drag with the tool will do.
-pub(super) fn of_drag(edit: ExclusionEdit, covered: &Extent, units: Units) -> String {
+pub(super) fn of_drag(edit: ExclusionEdit, covered: &ExcludedExtent, units: Units) -> String {
     let what = match edit {
         ExclusionEdit::Exclude => "exclude",
         ExclusionEdit::Include => "include again",

@@ -35,12 +35,12 @@ pub(super) fn filled(ctx: &Context, rect: Rect, colour: Color32, state: &RenderS
 struct Fills(HashMap<Color32, Drawing>);
 
 /// A texture that the window's pass shows texel by pixel.
-pub(super) struct Picture {
+pub(super) struct FlatPicture {
     binding: wgpu::BindGroup,
     drawing: Option<(Color32, Drawing)>,
 }
 
-impl Picture {
+impl FlatPicture {
     /// Shows what is drawn into a texture.
     pub(super) fn new(state: &RenderState, texture: &wgpu::TextureView) -> Self {
         let mut renderer = state.renderer.write();

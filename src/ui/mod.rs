@@ -24,7 +24,7 @@ mod window;
 pub(crate) use shell::{Alone, Shell};
 pub(crate) use window::open_window;
 
-use crate::app::{Action, App, Command, Mark, ThemeChoice, View, ViewOptions};
+use crate::app::{Action, App, Command, LogPlace, ThemeChoice, View, ViewOptions};
 use crate::pipeline::Settings;
 use crate::support::presentation::text;
 use crate::support::presentation::units::Units;
@@ -132,7 +132,7 @@ pub(crate) struct OwnHover(bool);
 
 impl OwnHover {
     /// Tells what the pointer is over now.
-    pub(crate) fn tell(&mut self, context: &mut ViewContext<'_>, hover: Option<Mark>) {
+    pub(crate) fn tell(&mut self, context: &mut ViewContext<'_>, hover: Option<LogPlace>) {
         let ours = hover.is_some() || self.0;
         if ours && context.app.view.hover != hover {
             context.push(Command::Hover(hover));

@@ -1,6 +1,6 @@
 //! Where a mark lies on the ground.
 
-use crate::app::{App, Mark};
+use crate::app::{App, LogPlace};
 use crate::bottom::cloud::Reduction;
 use crate::detection;
 use crate::pipeline::Products;
@@ -43,7 +43,7 @@ pub(super) fn side_at(across_m: f64) -> Side {
 }
 
 /// Slant range of a mark, metres.
-pub(super) fn range_m(app: &App, mark: Mark) -> Option<f64> {
+pub(super) fn range_m(app: &App, mark: LogPlace) -> Option<f64> {
     let survey = app.log.survey.as_ref()?;
     let range_m = reduction(app).range_at_m(survey, mark.ping, mark.side?, mark.sample?);
     range_m.is_finite().then_some(range_m)
@@ -196,7 +196,7 @@ pub(super) fn written(app: &App, at: LonLat) -> String {
 }
 
 /// WGS84 position of a mark.
-pub(super) fn lon_lat(app: &App, mark: Mark) -> Option<LonLat> {
+pub(super) fn lon_lat(app: &App, mark: LogPlace) -> Option<LonLat> {
     let track = &app.log.survey.as_ref()?.track;
     let navigation = &app.log.products.as_ref()?.navigation;
     let [east_m, north_m] = east_north(app, mark)?;
@@ -204,7 +204,7 @@ pub(super) fn lon_lat(app: &App, mark: Mark) -> Option<LonLat> {
 }
 
 /// Metres east and north of a mark: of the point, of the place across the track on the bottom, or of the boat.
-pub(super) fn east_north(app: &App, mark: Mark) -> Option<[f64; 2]> {
+pub(super) fn east_north(app: &App, mark: LogPlace) -> Option<[f64; 2]> {
     let products = app.log.products.as_ref()?;
     let points = &products.cloud.points;
     if let Some(point) = mark.point.and_then(|point| points.get(point)) {
@@ -231,7 +231,7 @@ pub(super) fn east_north(app: &App, mark: Mark) -> Option<[f64; 2]> {
 
 /// Distance of a mark from the track on the bottom, metres. Under the boat that lies where the sounding says, or else the first return of
 /// the side. `None` where neither is known.
-pub(super) fn ground_m(app: &App, mark: Mark) -> Option<f64> {
+pub(super) fn ground_m(app: &App, mark: LogPlace) -> Option<f64> {
     let (slant_m, side) = (range_m(app, mark)?, mark.side?);
     let survey = app.log.survey.as_ref()?;
     let across = app.log.products.as_ref()?.relief.across(side, mark.ping);

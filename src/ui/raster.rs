@@ -6,13 +6,13 @@ use egui::{
 };
 
 /// An area of the window, painted column by column.
-pub(super) struct Raster {
+pub(super) struct PaintedArea {
     area: Rect,
     pixels_per_point: f32,
     image: ColorImage,
 }
 
-impl Raster {
+impl PaintedArea {
     /// An area filled with one colour.
     pub(super) fn new(painter: &Painter, area: Rect, ground: Color32) -> Self {
         let pixels_per_point = painter.pixels_per_point();
@@ -96,7 +96,7 @@ impl Raster {
     }
 }
 
-/// A [`Raster`] on the GPU.
+/// A [`PaintedArea`] on the GPU.
 pub(super) struct RasterTexture {
     image: ColorImage,
     texture: TextureHandle,
@@ -125,14 +125,14 @@ mod tests {
     use super::*;
     use egui::vec2;
 
-    fn raster() -> Raster {
+    fn raster() -> PaintedArea {
         let context = egui::Context::default();
         let painter = Painter::new(context, egui::LayerId::background(), Rect::EVERYTHING);
         let area = Rect::from_min_size(pos2(10.0, 20.0), vec2(4.0, 8.0));
-        Raster::new(&painter, area, Color32::BLACK)
+        PaintedArea::new(&painter, area, Color32::BLACK)
     }
 
-    fn column(raster: &Raster, x: usize) -> Vec<u8> {
+    fn column(raster: &PaintedArea, x: usize) -> Vec<u8> {
         let rows = raster.image.pixels.chunks(raster.width());
         rows.map(|row| row[x].r()).collect()
     }

@@ -2,7 +2,7 @@
 
 use crate::ui::render::{
     BOTTOM_TILE, BottomBuffers, BottomDraw, BottomPart, BottomRenderer, BottomVertex, OrbitCamera,
-    Part, Target, Uploader, towards_light,
+    RenderTarget, ScenePart, Uploader, towards_light,
 };
 use eframe::egui_wgpu::{RenderState, RendererOptions};
 use egui_kittest::wgpu::{create_render_state, default_wgpu_setup};
@@ -22,7 +22,7 @@ pub(super) fn run() {
     println!("adapter: {}", state.adapter.get_info().name);
     let scenes = SIDES.map(|side| (side, upload(&state, side)));
     let renderer = BottomRenderer::new(&state.device);
-    let target = Target::new(&state.device, SIZE_PX);
+    let target = RenderTarget::new(&state.device, SIZE_PX);
     let mut times = SIDES.map(|_| [Vec::new(), Vec::new()]);
     // Turn by turn, so that a busy machine slows all alike.
     for frame in 0..FRAMES {
@@ -101,7 +101,7 @@ fn camera(side: usize, frame: usize, share: f32) -> OrbitCamera {
 fn draw(
     state: &RenderState,
     renderer: &BottomRenderer,
-    target: &Target,
+    target: &RenderTarget,
     buffers: &BottomBuffers,
     camera: OrbitCamera,
 ) -> Duration {
@@ -113,7 +113,7 @@ fn draw(
         isobaths_m: Some([1.0, 0.0]),
         line_px: 1.2,
         darkest: 0.25,
-        part: Part::WHOLE,
+        part: ScenePart::WHOLE,
     };
     let began = Instant::now();
     let mut encoder = state.device.create_command_encoder(&Default::default());

@@ -1,8 +1,8 @@
 //! A frame of the waterfall must cost the window's thread the same for a short log and for a very long one.
 
-use crate::app::{App, Jobs, Mark, View};
+use crate::app::{App, Jobs, LogPlace, View};
 use crate::sonar::first_return::{FirstReturns, Pick};
-use crate::survey::{Bytes, Encoding, Order, SidePing, SideScanState, SideSpan, Survey};
+use crate::survey::{Bytes, Encoding, SampleOrder, SidePing, SideScanState, SideSpan, Survey};
 use crate::ui::views::WaterfallView;
 use crate::ui::{ViewContext, ViewRequest};
 use egui_kittest::Harness;
@@ -80,7 +80,7 @@ fn window(pings: usize) -> Harness<'static, Window> {
     let mut app = App::new(Jobs::Inline);
     app.show_survey(Arc::new(survey(pings)), None);
     app.log.preview = Some(Arc::new(returns(pings)));
-    app.view.selection = Some(Mark::ping(pings / 2));
+    app.view.selection = Some(LogPlace::ping(pings / 2));
     let state = Window {
         app,
         view: WaterfallView::default(),
@@ -131,8 +131,8 @@ fn survey(pings: usize) -> Survey {
         time_s: ping as f64 * 0.05,
         depth_m: 5.0,
         depth_locked: true,
-        port: Some(span(ping, Order::FarToNear)),
-        starboard: Some(span(ping, Order::NearToFar)),
+        port: Some(span(ping, SampleOrder::FarToNear)),
+        starboard: Some(span(ping, SampleOrder::NearToFar)),
     });
     Survey {
         side_scan: std::sync::Arc::new(side_scan.collect()),

@@ -10,7 +10,7 @@ use crate::suite::window::{Window, app, demo_window, drawn_window, press, settle
 use crate::support::progress::Progress;
 use crate::ui::render::{
     BOTTOM_TILE, BottomBuffers, BottomDraw, BottomPart, BottomRenderer, BottomVertex, Cut,
-    OrbitCamera, Part, Target, Uploader, towards_light,
+    OrbitCamera, RenderTarget, ScenePart, Uploader, towards_light,
 };
 use eframe::egui_wgpu::RendererOptions;
 use egui::accesskit::Role;
@@ -53,7 +53,7 @@ fn drawn(
     tiles: Vec<Vec<BottomVertex>>,
     camera: OrbitCamera,
     isobaths_m: Option<[f32; 2]>,
-    part: Part,
+    part: ScenePart,
 ) -> image::RgbaImage {
     drawn_in(tiles, camera, isobaths_m, part, towards_light(0.0, 90.0))
 }
@@ -63,14 +63,14 @@ fn drawn_in(
     tiles: Vec<Vec<BottomVertex>>,
     camera: OrbitCamera,
     isobaths_m: Option<[f32; 2]>,
-    part: Part,
+    part: ScenePart,
     light: Vec3,
 ) -> image::RgbaImage {
     let state = create_render_state(default_wgpu_setup(), RendererOptions::PREDICTABLE);
     let (device, queue) = (&state.device, &state.queue);
     let uploader = Uploader::new(device, queue);
     let buffers = BottomBuffers::new(&uploader, 1.0, tiles.len(), tiles.into_iter());
-    let target = Target::new(device, [SIDE_PX; 2]);
+    let target = RenderTarget::new(device, [SIDE_PX; 2]);
     let draw = BottomDraw {
         projection: camera.projection(1.0),
         light,
@@ -89,7 +89,11 @@ fn drawn_in(
     read_back(device, queue, &target)
 }
 
-fn read_back(device: &wgpu::Device, queue: &wgpu::Queue, target: &Target) -> image::RgbaImage {
+fn read_back(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    target: &RenderTarget,
+) -> image::RgbaImage {
     let bytes = u64::from(4 * SIDE_PX * SIDE_PX);
     let buffer = device.create_buffer(&wgpu::BufferDescriptor {
         label: None,
@@ -146,7 +150,7 @@ fn tiles_lie_where_their_places_are_in_their_colours_and_holes_stay_open() {
     // From near, with the finest squares, and from so far that a pixel is some squares.
     for distance_m in [180.0, 900.0] {
         let camera = overhead(distance_m);
-        let picture = drawn(tiles(), camera, None, Part::WHOLE);
+        let picture = drawn(tiles(), camera, None, ScenePart::WHOLE);
         let at = |east_m: f32, south_m: f32, up_m: f32| {
             let [x, y] = pixel(camera, Vec3::new(east_m, -south_m, up_m));
             picture.get_pixel(x, y).0
@@ -169,7 +173,7 @@ fn what_is_nearer_hides_what_is_behind() {
         elevation_rad: 0.3,
         exaggeration: 1.0,
     };
-    let picture = drawn(tiles(), camera, None, Part::WHOLE);
+    let picture = drawn(tiles(), camera, None, ScenePart::WHOLE);
     let at = |east_m: f32| {
         let [x, y] = pixel(camera, Vec3::new(east_m, -32.0, -6.0));
         picture.get_pixel(x, y).0[..3].to_vec()
@@ -191,7 +195,7 @@ fn isobaths_are_drawn_at_their_depths_and_nowhere_else() {
         target: Vec3::new(32.0, -32.0, -3.0),
         ..overhead(100.0)
     };
-    let picture = drawn(vec![slope], camera, Some([2.0, 1.0]), Part::WHOLE);
+    let picture = drawn(vec![slope], camera, Some([2.0, 1.0]), ScenePart::WHOLE);
     let red_at = |east_m: f32| {
         let [x, y] = pixel(camera, Vec3::new(east_m, -32.0, -0.1 * east_m));
         // A line may lie between two pixels.
@@ -229,7 +233,7 @@ fn what_is_plain_has_its_own_colour_and_no_isobaths_whatever_the_light() {
         falling.collect(),
         camera,
         isobaths_m,
-        Part::WHOLE,
+        ScenePart::WHOLE,
         towards_light(270.0, 5.0),
     );
     let at = |east_m: f32, south_m: f32| {
@@ -261,7 +265,7 @@ fn from_far_away_the_bottom_has_the_mean_colours_of_its_ground() {
     };
     let ends = |distance_m: f32| {
         let camera = overhead(distance_m);
-        let picture = drawn(chequered(), camera, None, Part::WHOLE);
+        let picture = drawn(chequered(), camera, None, ScenePart::WHOLE);
         let levels = (0..40).map(|step| {
             let [x, y] = pixel(camera, Vec3::new(12.0 + step as f32, -30.0, -2.0));
             picture.get_pixel(x, y).0[0]
@@ -279,7 +283,7 @@ fn from_far_away_the_bottom_has_the_mean_colours_of_its_ground() {
 fn only_what_lies_in_the_clip_box_is_drawn() {
     let camera = overhead(180.0);
     // East of 10 m and down to 4 m: a part of the red tile, and nothing of the deeper blue one.
-    let part = Part {
+    let part = ScenePart {
         corners: [Vec3::new(10.0, f32::MIN, -4.0), Vec3::MAX],
         cut: None,
     };
@@ -300,12 +304,12 @@ fn nothing_is_drawn_in_front_of_a_cross_section() {
     let camera = overhead(180.0);
     // An upright plane through (40, -60) towards north-east: what lies south-east of it is left out.
     let outward = Vec2::new(1.0, -1.0).normalize();
-    let part = Part {
+    let part = ScenePart {
         cut: Some(Cut {
             outward,
             at_m: outward.dot(Vec2::new(40.0, -60.0)),
         }),
-        ..Part::WHOLE
+        ..ScenePart::WHOLE
     };
     let picture = drawn(tiles(), camera, None, part);
     let alpha_at = |east_m: f32, north_m: f32| {

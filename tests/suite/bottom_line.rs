@@ -1,7 +1,7 @@
 //! The bottom line at the recorded depth: the picture follows it, the measurements do not, and what was drawn stays.
 
 use crate::app::Command;
-use crate::imagery::mosaic::Layout;
+use crate::imagery::mosaic::MosaicLayout;
 use crate::pipeline::{self, Products, Settings, mosaic_layout_by};
 use crate::sonar::first_return::{BottomEdit, BottomLine, BottomSettings};
 use crate::suite::river::processed;
@@ -105,7 +105,7 @@ fn it_lies_at_the_recorded_depth_and_moves_neither_points_nor_scales() {
 }
 
 /// Echoes of the log on the ground.
-fn layout(survey: &Survey, products: &Products) -> Layout {
+fn layout(survey: &Survey, products: &Products) -> MosaicLayout {
     mosaic_layout_by(survey, products, |place| place)
 }
 

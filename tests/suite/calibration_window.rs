@@ -1,6 +1,6 @@
 //! The guided step of the calibration in the window: a stretch is proposed, what it would change is shown, and only then it is taken.
 
-use crate::app::{Action, Command, Mark, Tool};
+use crate::app::{Action, Command, LogPlace, Tool};
 use crate::bottom::cloud::PointClass;
 use crate::sonar::calibration::{PingRange, ScaleMode};
 use crate::suite::support::real_data;
@@ -302,7 +302,7 @@ fn a_stretch_is_accepted_as_bottom_with_one_action() {
 #[test]
 fn the_key_proposes_at_the_selected_ping() {
     let mut window = demo_window();
-    apply(&mut window, Command::Reveal(Mark::ping(700)));
+    apply(&mut window, Command::Reveal(LogPlace::ping(700)));
     press(&mut window, Modifiers::NONE, Key::C);
     let proposed = app(&window).log.proposed_stretch().expect("a proposal");
     assert!(
@@ -355,7 +355,7 @@ fn pictures_of_the_step() {
             end: lost + 60,
         };
         apply(&mut window, Command::ProposeStretch(stretch));
-        apply(&mut window, Command::Reveal(Mark::ping(lost)));
+        apply(&mut window, Command::Reveal(LogPlace::ping(lost)));
         save(&mut window, "calibration_4_lost");
     }
     act(&mut window, Action::DropProposal);
@@ -376,9 +376,9 @@ fn pictures_of_the_step() {
     let stretch = stretch.expect("figures");
     apply(
         &mut window,
-        Command::Reveal(Mark {
+        Command::Reveal(LogPlace {
             side: Some(stretch.side),
-            ..Mark::ping(usize::midpoint(stretch.pings[0], stretch.pings[1]))
+            ..LogPlace::ping(usize::midpoint(stretch.pings[0], stretch.pings[1]))
         }),
     );
     apply(

@@ -1,6 +1,6 @@
 //! Keys that users of other programs expect: full screen, the palette's second key, steps of playing, boxes and lines out of the way.
 
-use crate::app::{Command, MapLayer, Mark};
+use crate::app::{Command, LogPlace, MapLayer};
 use crate::suite::review::{detections, propose};
 use crate::suite::window::{Window, app, demo_window, press};
 use egui::{Event, Key, Modifiers, ViewportCommand, ViewportId};
@@ -80,7 +80,10 @@ fn played_s(window: &mut Window) -> f64 {
         let survey = app(window).log.survey.as_ref().expect("a survey");
         survey.side_scan[mark.ping].time_s
     };
-    window.state_mut().app.apply(Command::Reveal(Mark::ping(0)));
+    window
+        .state_mut()
+        .app
+        .apply(Command::Reveal(LogPlace::ping(0)));
     window.run();
     let before_s = time_s(window);
     window.key_press(Key::Space);

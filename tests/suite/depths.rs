@@ -1,6 +1,6 @@
 //! One truth for depths and ranges: what map, cloud, status bar, selection, time line and report say of the same water.
 
-use crate::app::{Command, Mark};
+use crate::app::{Command, LogPlace};
 use crate::bottom::bathymetry::depth_range;
 use crate::bottom::cloud::{ClassCounts, PointSource};
 use crate::pipeline::Products;
@@ -58,7 +58,7 @@ fn draft_and_sound_speed_reach_map_status_bar_selection_and_time_line_alike() {
         let products = app(&window).log.products.clone().expect("a result");
         let depths = soundings(&products);
         let (ping, depth_m) = depths[depths.len() / 3];
-        let mark = Mark::ping(ping);
+        let mark = LogPlace::ping(ping);
         window.state_mut().app.apply(Command::Select(Some(mark)));
         window.run();
         // Status bar and selection: the sounding of the cloud, to the centimetre that is written.
@@ -108,10 +108,10 @@ fn the_speed_of_sound_scales_the_range_of_a_sample_as_it_does_the_cloud() {
         .filter(|point| point.source == PointSource::Port)
         .nth(200)
         .expect("a point");
-    let mark = Mark {
+    let mark = LogPlace {
         side: Some(crate::survey::Side::Port),
         sample: Some(point.sample),
-        ..Mark::ping(point.ping as usize)
+        ..LogPlace::ping(point.ping as usize)
     };
     window.state_mut().app.apply(Command::Select(Some(mark)));
     window.run();

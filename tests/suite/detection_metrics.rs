@@ -2,7 +2,7 @@
 //! `detection_fixtures/make_metrics.py` made.
 
 use crate::detection::metrics::{
-    ApMethod, Cause, Evaluation, Image, MetricSettings, Truth, evaluate,
+    ApMethod, Cause, Evaluation, Image, MetricSettings, TrueBox, evaluate,
 };
 use crate::detection::{Rect, Scored};
 use serde::Deserialize;
@@ -59,7 +59,7 @@ fn images(case: &Case) -> Vec<Image> {
         truth: boxes
             .truth
             .iter()
-            .map(|&(class, x0, y0, x1, y1, ignored)| Truth {
+            .map(|&(class, x0, y0, x1, y1, ignored)| TrueBox {
                 class,
                 rect: Rect { x0, y0, x1, y1 },
                 ignored: ignored == 1,
@@ -204,7 +204,7 @@ fn boxed(class: usize, score: f32, [x0, y0, x1, y1]: [f32; 4]) -> Scored {
 
 /// Two pictures: a stone found loosely, and seen twice; a tyre taken for a stone; a stone missed; a ghost.
 fn worked_example() -> Vec<Image> {
-    let truth = |class, [x0, y0, x1, y1]: [f32; 4]| Truth {
+    let truth = |class, [x0, y0, x1, y1]: [f32; 4]| TrueBox {
         class,
         rect: Rect { x0, y0, x1, y1 },
         ignored: false,

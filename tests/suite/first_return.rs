@@ -7,7 +7,9 @@ use crate::sonar::first_return::{
     FirstReturnSettings, ImageSettings, Method, Pick, SampleMode, ThresholdIndex, detect,
 };
 use crate::support::progress::Progress;
-use crate::survey::{Bytes, Encoding, Order, Side, SidePing, SideScanState, SideSpan, Survey};
+use crate::survey::{
+    Bytes, Encoding, SampleOrder, Side, SidePing, SideScanState, SideSpan, Survey,
+};
 
 /// A survey of composite rows (port far to near, then starboard near to far) over `far_m` of range on each side.
 fn composite(rows: &[Vec<u8>], far_m: f32, depth_m: f32) -> Survey {
@@ -16,9 +18,9 @@ fn composite(rows: &[Vec<u8>], far_m: f32, depth_m: f32) -> Survey {
         file: 0,
         encoding: Encoding::U8,
         order: if side == Side::Port {
-            Order::FarToNear
+            SampleOrder::FarToNear
         } else {
-            Order::NearToFar
+            SampleOrder::NearToFar
         },
         offset: (row * 2 * half + if side == Side::Port { 0 } else { half }) as u64,
         count: half as u32,

@@ -1,7 +1,7 @@
 //! Bare keys, those that could be part of a text: they act only where the keyboard is and on what is shown as selected, and what they
 //! change of depths and decisions is said, with undo.
 
-use crate::app::{Action, App, Command, Jobs, KeyFocus, Mark, View, is_bare};
+use crate::app::{Action, App, Command, Jobs, KeyFocus, LogPlace, View, is_bare};
 use crate::detection::review::{Reviewed, State};
 use crate::pipeline::{SettingValues, setting_values};
 use crate::suite::keyboard_window::log_with_boxes;
@@ -258,7 +258,7 @@ fn the_threshold_moves_by_key_in_the_waterfall_alone_and_says_so() {
     window
         .state_mut()
         .app
-        .apply(Command::Reveal(Mark::ping(200)));
+        .apply(Command::Reveal(LogPlace::ping(200)));
     press(&mut window, Modifiers::NONE, Key::Num2);
     press(&mut window, Modifiers::NONE, Key::CloseBracket);
     assert_eq!(threshold(&window), start, "the map has the keyboard");
@@ -364,7 +364,7 @@ fn keys_that_change_every_depth_ask_first() {
     window
         .state_mut()
         .app
-        .apply(Command::Reveal(Mark::ping(200)));
+        .apply(Command::Reveal(LogPlace::ping(200)));
     window.run();
     let before = setting_values(&app(&window).log.settings);
     let offered = |window: &Window, action: Action| {

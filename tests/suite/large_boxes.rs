@@ -7,7 +7,7 @@ use crate::sonar::calibration::{Calibration, CalibrationSettings, calibrate};
 use crate::sonar::first_return::{FirstReturns, Pick};
 use crate::support::progress::Progress;
 use crate::survey::{
-    Bytes, Encoding, Navigation, Order, PingNav, Projection, Side, SidePing, SideSpan, Survey,
+    Bytes, Encoding, Navigation, PingNav, Projection, SampleOrder, Side, SidePing, SideSpan, Survey,
 };
 use std::sync::Arc;
 
@@ -39,7 +39,7 @@ fn survey(level: impl Fn(usize, f64) -> Option<u8>) -> (Survey, Navigation) {
     let span = |ping: usize| SideSpan {
         file: 0,
         encoding: Encoding::U8,
-        order: Order::NearToFar,
+        order: SampleOrder::NearToFar,
         offset: (ping * SAMPLES) as u64,
         count: SAMPLES as u32,
         near_m: 0.0,

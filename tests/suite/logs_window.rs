@@ -1,6 +1,6 @@
 //! Several logs in one window: one map, one cloud, one history.
 
-use crate::app::{App, CloudColour, Command, LogId, Mark};
+use crate::app::{App, CloudColour, Command, LogId, LogPlace};
 use crate::pipeline::Settings;
 use crate::suite::many_logs::{HIGHER_M, bed_depth_m, rms, write_logs};
 use crate::suite::window::{
@@ -115,7 +115,7 @@ fn another_log_is_shown_by_its_row_by_key_and_by_a_place_of_it() {
     press(&mut window, Modifiers::COMMAND, Key::PageDown);
     assert_eq!(app(&window).log.name(), "lake-0", "around the end");
     let second = ids(&window)[1];
-    let place = Command::RevealIn(second, Mark::ping(40));
+    let place = Command::RevealIn(second, LogPlace::ping(40));
     window.state_mut().app.apply(place);
     settle(&mut window);
     assert_eq!(app(&window).log.id, second);

@@ -1,6 +1,6 @@
 //! The tools of the map, driven by keys and mouse.
 
-use crate::app::{Action, Command, MapLayer, Mark, Measure, View};
+use crate::app::{Action, Command, LogPlace, MapLayer, Measure, View};
 use crate::suite::base_map;
 use crate::suite::printing::name_file;
 use crate::suite::window::{Window, app, demo_window, drawn_window, drop_file, press, settle};
@@ -30,7 +30,7 @@ fn map_window() -> Window {
 #[test]
 fn every_panel_writes_a_position_in_the_form_that_was_chosen() {
     let mut window = demo_window();
-    let select = Command::Reveal(Mark::ping(400));
+    let select = Command::Reveal(LogPlace::ping(400));
     window.state_mut().app.apply(select);
     window.run();
     assert!(window.query_all_by_label_contains("° W").next().is_some());

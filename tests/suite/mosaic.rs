@@ -3,8 +3,8 @@
 use crate::bottom::bathymetry::Grid;
 use crate::formats;
 use crate::imagery::mosaic::{
-    Gain, GainTable, Layout, MosaicSettings, Overlap, TILE_CELLS, TileIndex, gain_table, tile,
-    window,
+    Gain, GainTable, MosaicLayout, MosaicSettings, Overlap, TILE_CELLS, TileIndex, gain_table,
+    tile, window,
 };
 use crate::pipeline::{self, Products, Settings};
 use crate::simulation::{ObjectKind, ObjectPass, ObjectSettings, Scene, Simulated, simulate};
@@ -53,7 +53,7 @@ impl Drawn {
             ..
         } = &sailed.products;
         let survey = &sailed.survey;
-        let layout = Layout::new(survey, navigation, returns, calibration, settings, plane);
+        let layout = MosaicLayout::new(survey, navigation, returns, calibration, settings, plane);
         let grid = layout.grid(settings.cell_m).expect("something is shown");
         let gain = gain_table(survey, &layout, &Progress::new()).expect("nobody cancels");
         Self::on(sailed, settings, &layout, grid, &gain)
@@ -62,7 +62,7 @@ impl Drawn {
     fn on(
         sailed: &Sailed,
         settings: &MosaicSettings,
-        layout: &Layout,
+        layout: &MosaicLayout,
         grid: Grid,
         gain: &GainTable,
     ) -> Self {
@@ -211,7 +211,7 @@ fn echoes_of_a_bank_lie_where_it_is_and_not_where_a_level_bottom_has_them() {
     } = &sailed.products;
     let (survey, settings) = (&sailed.survey, MosaicSettings::default());
     let place = |place| place;
-    let level = Layout::new(survey, navigation, returns, calibration, &settings, place);
+    let level = MosaicLayout::new(survey, navigation, returns, calibration, &settings, place);
     let measured = level.clone().with_relief(relief);
     let [by_relief, by_level] = [measured, level].map(|layout| {
         let mut off_m = Vec::new();
@@ -271,7 +271,7 @@ fn tiles_meet_without_a_seam() {
         calibration,
         ..
     } = &sailed.products;
-    let layout = Layout::new(
+    let layout = MosaicLayout::new(
         &sailed.survey,
         navigation,
         returns,
@@ -306,7 +306,7 @@ fn tiles_meet_without_a_seam() {
 fn seen_through_window(sailed: &Sailed, grid: &Grid, apart_m: f64) -> Vec<u8> {
     let settings = MosaicSettings::default();
     let products = &sailed.products;
-    let layout = Layout::new(
+    let layout = MosaicLayout::new(
         &sailed.survey,
         &products.navigation,
         &products.returns,
@@ -460,7 +460,7 @@ fn a_turned_plane_turns_the_mosaic() {
 fn ranges_follow_the_speed_of_sound() {
     let sailed = sail(&quiet_line(), 4);
     let products = &sailed.products;
-    let layout = Layout::new(
+    let layout = MosaicLayout::new(
         &sailed.survey,
         &products.navigation,
         &products.returns,
@@ -483,7 +483,7 @@ fn ranges_follow_the_speed_of_sound() {
         assert_eq!(after.at, before.at);
     }
     assert!(seen > 50);
-    let width = |layout: &Layout| {
+    let width = |layout: &MosaicLayout| {
         let [west, south, east, north] = layout.bounds().expect("ground");
         (east - west).min(north - south)
     };

@@ -1,12 +1,12 @@
 //! How even the gain makes a mosaic: no step under the boat, no bands along the track, no bars across it, relief kept.
 
 use crate::formats;
-use crate::imagery::mosaic::{Gain, Layout, MosaicSettings, gain_table, window};
+use crate::imagery::mosaic::{Gain, MosaicLayout, MosaicSettings, gain_table, window};
 use crate::pipeline::{self, Products, Settings};
 use crate::simulation::{Artefacts, Scene, simulate};
 use crate::suite::{river, support};
 use crate::support::progress::Progress;
-use crate::survey::{Bytes, Order, Side, Survey};
+use crate::survey::{Bytes, SampleOrder, Side, Survey};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -36,7 +36,7 @@ impl Swaths {
             ..MosaicSettings::default()
         };
         let progress = Progress::new();
-        let layout = Layout::new(
+        let layout = MosaicLayout::new(
             survey,
             &products.navigation,
             &products.returns,
@@ -216,7 +216,7 @@ fn weak_to_starboard_and_misread() -> (Survey, Products) {
         let Some(span) = survey.span(ping, Side::Starboard) else {
             continue;
         };
-        assert_eq!(span.order, Order::NearToFar);
+        assert_eq!(span.order, SampleOrder::NearToFar);
         let first = span.offset as usize;
         for level in &mut bytes[first..first + span.count as usize] {
             *level = (f64::from(*level) * 0.6) as u8;

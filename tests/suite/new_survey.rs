@@ -2,7 +2,7 @@
 
 use crate::app::{Action, App, Command, Jobs, ViewOptions};
 use crate::pipeline::settings::rows::ROWS;
-use crate::pipeline::settings::{Kind, Row};
+use crate::pipeline::settings::{SettingKind, SettingRow};
 use crate::pipeline::{Settings, setting_values};
 use crate::simulation::{Scene, TrackSettings, simulate};
 use crate::suite::many_logs::write_logs;
@@ -42,10 +42,10 @@ fn logs(folder: &Path) -> [PathBuf; 2] {
 }
 
 /// Another value of one setting; `None` where there is none that a table knows.
-fn other(row: &Row, settings: &Settings) -> Option<Settings> {
+fn other(row: &SettingRow, settings: &Settings) -> Option<Settings> {
     let mut changed = settings.clone();
     match &row.kind {
-        Kind::Number(number) => {
+        SettingKind::Number(number) => {
             let [least, most] = number.range;
             let now = (number.get)(settings).unwrap_or(0.5 * (least + most));
             let steps = [number.step, -number.step].map(|step| now + step);
@@ -54,12 +54,12 @@ fn other(row: &Row, settings: &Settings) -> Option<Settings> {
                 .find(|value| (least..=most).contains(value));
             (number.set)(&mut changed, value);
         }
-        Kind::Choice(choice) => {
+        SettingKind::Choice(choice) => {
             let now = (choice.get)(settings);
             let name = choice.names.iter().find(|name| name.value != now)?;
             (choice.set)(&mut changed, name.value);
         }
-        Kind::Numbers { .. } | Kind::Text(_) => return None,
+        SettingKind::Numbers { .. } | SettingKind::Text(_) => return None,
     }
     (changed.check().is_ok() && changed != *settings).then_some(changed)
 }

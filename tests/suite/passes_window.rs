@@ -1,6 +1,6 @@
 //! The passes that saw a place: as the map's menu lists them, and one after the other from a selected place.
 
-use crate::app::{Action, Command, LogPass, Mark, PassesFound, mark_of};
+use crate::app::{Action, Command, LogPass, LogPlace, PassesFound, mark_of};
 use crate::pipeline::{Derived, Pass, ProcessedLog, place_of};
 use crate::suite::support::Moments;
 use crate::suite::window::{Window, app, demo_window, press, settle};
@@ -137,9 +137,9 @@ fn an_answer_that_nobody_waits_for_any_more_is_dropped() {
     app.apply(there);
     app.apply(Command::Do(Action::NextPass));
     assert!(!app.is_idle());
-    app.apply(Command::Select(Some(Mark::ping(7))));
+    app.apply(Command::Select(Some(LogPlace::ping(7))));
     app.poll();
-    assert_eq!(app.view.selection, Some(Mark::ping(7)));
+    assert_eq!(app.view.selection, Some(LogPlace::ping(7)));
     assert!(app.is_idle());
     // A place alone is shown in the first pass that saw it; one that none saw leaves the selection.
     app.apply(Command::ShowPlace(places[1]));

@@ -1,6 +1,6 @@
 //! Map and 3D cloud: gestures, names and pictures on a pond made here, and the depth map of the real river.
 
-use crate::app::{Action, App, CloudColour, Command, Jobs, Mark, ThemeChoice, View};
+use crate::app::{Action, App, CloudColour, Command, Jobs, LogPlace, ThemeChoice, View};
 use crate::bottom::bathymetry::{SurfaceSettings, depth_points, depth_range, surface};
 use crate::bottom::cloud::{
     CloudPoint, Correction, PointClass, PointCloud, PointSource, SoundingIndex, ping_depths,
@@ -354,7 +354,7 @@ fn the_views_name_what_they_show_and_look_as_they_did() {
     room.app.view.options.theme = ThemeChoice::Light;
     room.app.view.options.cloud.colour = CloudColour::Depth;
     room.app.view.options.cloud.outlier_preview = true;
-    room.app.view.selection = Some(Mark::ping(200));
+    room.app.view.selection = Some(LogPlace::ping(200));
     let mut light = open(room);
     light.snapshot("cloud_light_by_depth");
 
@@ -370,9 +370,12 @@ fn the_pointer_on_the_map_finds_the_nearest_ping() {
     click(&mut window, at);
     // The map is fitted to the pond.
     let ping = nearest_ping(20.0, 24.0);
-    assert_eq!(window.state().app.view.hover, Some(Mark::ping(ping)));
-    assert_eq!(window.state().app.view.selection, Some(Mark::ping(ping)));
-    let reveals = |command: &Command| matches!(command, Command::RevealIn(_, mark) if *mark == Mark::ping(ping));
+    assert_eq!(window.state().app.view.hover, Some(LogPlace::ping(ping)));
+    assert_eq!(
+        window.state().app.view.selection,
+        Some(LogPlace::ping(ping))
+    );
+    let reveals = |command: &Command| matches!(command, Command::RevealIn(_, mark) if *mark == LogPlace::ping(ping));
     assert!(window.state().pushed.iter().any(reveals));
     window.remove_cursor();
     window.run();
@@ -490,11 +493,14 @@ fn wheel_and_drag_move_the_map_and_a_reveal_brings_a_ping_back() {
     }
     assert_ne!(window.render().unwrap(), before);
     // The first ping is out of sight now; a reveal from another view brings it to the middle.
-    window.state_mut().app.apply(Command::Reveal(Mark::ping(0)));
+    window
+        .state_mut()
+        .app
+        .apply(Command::Reveal(LogPlace::ping(0)));
     window.run();
     window.hover_at(at);
     window.run();
-    assert_eq!(window.state().app.view.hover, Some(Mark::ping(0)));
+    assert_eq!(window.state().app.view.hover, Some(LogPlace::ping(0)));
     window.remove_cursor();
     window.state_mut().app.apply(Command::Select(None));
     window.state_mut().map.request(ViewRequest::Fit);

@@ -1,6 +1,6 @@
 //! The status bar has everything that is known of a place, and cuts nothing off.
 
-use crate::app::{Command, Mark};
+use crate::app::{Command, LogPlace};
 use crate::suite::calm_window::window_of;
 use crate::suite::window::{Window, app, demo_window};
 use crate::support::geo::CoordinateFormat;
@@ -58,10 +58,10 @@ fn the_status_bar_names_the_place_and_lets_the_least_important_parts_go() {
     ] {
         let mut window = window_of(pixels, scale, false);
         window.run();
-        let mark = Mark {
+        let mark = LogPlace {
             side: Some(Side::Starboard),
             sample: Some(700.0),
-            ..Mark::ping(1204)
+            ..LogPlace::ping(1204)
         };
         for format in CoordinateFormat::ALL {
             let state = window.state_mut();
@@ -102,7 +102,7 @@ fn a_heading_of_the_compass_is_called_so() {
     window
         .state_mut()
         .app
-        .apply(Command::Select(Some(Mark::ping(1204))));
+        .apply(Command::Select(Some(LogPlace::ping(1204))));
     let mut settings = app(&window).log.settings.as_ref().clone();
     settings.heading.source = HeadingSource::Compass;
     let change = Command::Change {

@@ -1,7 +1,7 @@
 //! The units of the window: nothing that it writes or says is left in metres, steps are round in the unit that is shown, and controls
 //! take what is typed in it.
 
-use crate::app::{Action, Command, MapLayer, Mark};
+use crate::app::{Action, Command, LogPlace, MapLayer};
 use crate::pipeline::settings::rows::ROWS;
 use crate::suite::bottom::draw;
 use crate::suite::map_tools::click;
@@ -110,7 +110,7 @@ fn feet_window() -> Window {
             layers.toggle(layer);
         }
     }
-    let select = Command::Reveal(Mark::ping(400));
+    let select = Command::Reveal(LogPlace::ping(400));
     window.state_mut().app.apply(select);
     settle(&mut window);
     window
@@ -330,7 +330,7 @@ fn the_window_in_feet_looks_as_it_did() {
         options.map.layers.toggle(MapLayer::Isobaths);
     }
     window.run();
-    let select = Command::Reveal(Mark::ping(400));
+    let select = Command::Reveal(LogPlace::ping(400));
     window.state_mut().app.apply(select);
     settle(&mut window);
     window.snapshot("window_feet");

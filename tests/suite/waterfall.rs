@@ -6,7 +6,7 @@ mod read_out;
 mod synthetic;
 mod tone;
 
-use crate::app::{Action, App, Command, Jobs, Mark, Orientation, View};
+use crate::app::{Action, App, Command, Jobs, LogPlace, Orientation, View};
 use crate::suite::support;
 use crate::support::progress::Progress;
 use crate::survey::{Side, SideScanState, Survey};
@@ -320,14 +320,14 @@ fn a_revealed_ping_comes_into_view() {
     window
         .state_mut()
         .app
-        .apply(Command::Reveal(Mark::ping(4000)));
+        .apply(Command::Reveal(LogPlace::ping(4000)));
     settle(&mut window);
     assert!(visible(&window).contains(&4000));
     let before = visible(&window);
     window
         .state_mut()
         .app
-        .apply(Command::Reveal(Mark::ping(3950)));
+        .apply(Command::Reveal(LogPlace::ping(3950)));
     settle(&mut window);
     assert_eq!(visible(&window), before, "what is in view does not jump");
 }
@@ -400,10 +400,10 @@ fn the_line_follows_new_picks_in_the_next_frame() {
 #[test]
 fn looks_as_it_did_along_the_screen() {
     let mut app = pond_app();
-    app.view.selection = Some(Mark {
+    app.view.selection = Some(LogPlace {
         side: Some(Side::Starboard),
         sample: Some(186.0),
-        ..Mark::ping(202)
+        ..LogPlace::ping(202)
     });
     let mut window = window(app, [400.0, 240.0]);
     settle(&mut window);

@@ -1,6 +1,6 @@
 //! The window, driven through its accessibility tree as a screen reader or an analyst would, without a display.
 
-use crate::app::{Action, App, Command, Jobs, Mark, ThemeChoice};
+use crate::app::{Action, App, Command, Jobs, LogPlace, ThemeChoice};
 use crate::pipeline::Preset;
 use crate::pipeline::Settings;
 use crate::products::outputs::Product;
@@ -245,7 +245,7 @@ fn playing_runs_along_the_survey_and_stops() {
     window
         .state_mut()
         .app
-        .apply(Command::Select(Some(Mark::ping(900))));
+        .apply(Command::Select(Some(LogPlace::ping(900))));
     window.run_steps(3);
     let ping = app(&window).view.selection.expect("a selection").ping;
     assert!(
@@ -384,7 +384,7 @@ fn options_and_arrangement_come_back_but_no_setting_of_a_survey() {
     let mut window = demo_window();
     press(&mut window, Modifiers::NONE, Key::L);
     let app = &mut window.state_mut().app;
-    app.apply(Command::Select(Some(Mark::ping(400))));
+    app.apply(Command::Select(Some(LogPlace::ping(400))));
     app.apply(Command::Do(Action::Calibrate));
     app.apply(Command::Do(Action::UseScale));
     press(&mut window, Modifiers::NONE, Key::CloseBracket);
@@ -484,7 +484,7 @@ fn the_whole_window_looks_as_it_did() {
     window
         .state_mut()
         .app
-        .apply(Command::Reveal(Mark::ping(400)));
+        .apply(Command::Reveal(LogPlace::ping(400)));
     settle(&mut window);
     window.snapshot("window");
 }

@@ -1,6 +1,6 @@
 //! What carries out each command without arguments.
 
-use crate::app::{Action, App, MapLayer, Orientation, Origin, SideColours, ThemeChoice, Tool};
+use crate::app::{Action, App, LogOrigin, MapLayer, Orientation, SideColours, ThemeChoice, Tool};
 use crate::detection::review::Edit;
 use crate::pipeline::Preset;
 use crate::project::MeasurementKind;
@@ -19,7 +19,7 @@ pub(super) fn handler(action: Action) -> Option<Handler> {
 
 /// Commands that act on logs, results, decisions and tools.
 const SURVEY: &[(Action, Handler)] = &[
-    (Action::OpenDemo, |app| app.start_loading(Origin::Demo)),
+    (Action::OpenDemo, |app| app.start_loading(LogOrigin::Demo)),
     (Action::FollowRecording, App::toggle_following),
     (Action::Undo, App::undo),
     (Action::Redo, App::redo),

@@ -12,7 +12,7 @@ mod scale;
 mod step;
 mod whole;
 
-use super::{App, LogId, OpenLog, Outcome, Task};
+use super::{App, LogId, OpenLog, Task, TaskOutcome};
 use crate::pipeline::EngineStatus;
 use crate::sonar::calibration::PingRange;
 use crate::support::presentation::text::count;
@@ -245,9 +245,9 @@ impl App {
 
     fn collect_start(&mut self, active: &mut Active) {
         let started = match active.starting.as_ref().map(Task::poll) {
-            Some(Outcome::Done(started)) => started,
-            Some(Outcome::Failed) => Err(StepError::Failed),
-            Some(Outcome::Pending) | None => return,
+            Some(TaskOutcome::Done(started)) => started,
+            Some(TaskOutcome::Failed) => Err(StepError::Failed),
+            Some(TaskOutcome::Pending) | None => return,
         };
         active.starting = None;
         match started {
@@ -271,10 +271,11 @@ impl App {
 
     fn collect_step(&mut self, active: &mut Active) {
         let outcome = active.stepping.as_ref().map(|step| step.task.poll());
-        if matches!(outcome, None | Some(Outcome::Pending)) {
+        if matches!(outcome, None | Some(TaskOutcome::Pending)) {
             return;
         }
-        let (Some(step), Some(Outcome::Done((tools, grown)))) = (active.stepping.take(), outcome)
+        let (Some(step), Some(TaskOutcome::Done((tools, grown)))) =
+            (active.stepping.take(), outcome)
         else {
             return self.fail_following(active, "reading it failed unexpectedly");
         };
@@ -313,9 +314,9 @@ impl App {
 
     fn collect_whole(&mut self, active: &mut Active) {
         let made = match active.whole.as_ref().map(Task::poll) {
-            Some(Outcome::Done(made)) => made,
-            Some(Outcome::Failed) => Err(StepError::Failed),
-            Some(Outcome::Pending) | None => return,
+            Some(TaskOutcome::Done(made)) => made,
+            Some(TaskOutcome::Failed) => Err(StepError::Failed),
+            Some(TaskOutcome::Pending) | None => return,
         };
         active.whole = None;
         active.whole_at = Instant::now();

@@ -11,7 +11,7 @@ pub(crate) struct Span {
 
 /// A block of a page.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Block {
+pub(crate) enum PageBlock {
     /// A heading, with its level from 1.
     Heading(usize, String),
     /// Text.
@@ -24,13 +24,13 @@ pub(crate) enum Block {
     Table(Vec<Vec<Vec<Span>>>),
 }
 
-impl Block {
+impl PageBlock {
     /// Its text without marks.
     pub(crate) fn plain(&self) -> String {
         match self {
-            Block::Heading(_, text) | Block::Code(text) => text.clone(),
-            Block::Paragraph(spans) | Block::Item(spans) => plain(spans),
-            Block::Table(rows) => {
+            PageBlock::Heading(_, text) | PageBlock::Code(text) => text.clone(),
+            PageBlock::Paragraph(spans) | PageBlock::Item(spans) => plain(spans),
+            PageBlock::Table(rows) => {
                 let cells = rows.iter().flatten().map(|cell| plain(cell));
                 cells.collect::<Vec<_>>().join(" ")
             }
@@ -44,7 +44,7 @@ pub(crate) fn plain(spans: &[Span]) -> String {
 }
 
 /// The blocks of a page.
-pub(crate) fn blocks(text: &str) -> Vec<Block> {
+pub(crate) fn blocks(text: &str) -> Vec<PageBlock> {
     let mut found = Vec::new();
     let mut lines = text.lines().peekable();
     while let Some(line) = lines.next() {
@@ -56,10 +56,13 @@ pub(crate) fn blocks(text: &str) -> Vec<Block> {
                 .by_ref()
                 .take_while(|line| !line.starts_with("```"))
                 .collect();
-            found.push(Block::Code(code.join("\n")));
+            found.push(PageBlock::Code(code.join("\n")));
         } else if line.starts_with('#') {
             let level = line.chars().take_while(|sign| *sign == '#').count();
-            found.push(Block::Heading(level, line[level..].trim().replace('`', "")));
+            found.push(PageBlock::Heading(
+                level,
+                line[level..].trim().replace('`', ""),
+            ));
         } else if line.starts_with('|') {
             let mut rows = vec![cells(line)];
             while let Some(next) = lines.next_if(|next| next.starts_with('|')) {
@@ -67,7 +70,7 @@ pub(crate) fn blocks(text: &str) -> Vec<Block> {
                     rows.push(cells(next));
                 }
             }
-            found.push(Block::Table(rows));
+            found.push(PageBlock::Table(rows));
         } else {
             let item = line.strip_prefix("- ");
             let mut joined = item.unwrap_or(line).trim().to_owned();
@@ -77,8 +80,8 @@ pub(crate) fn blocks(text: &str) -> Vec<Block> {
             }
             let spans = spans(&joined);
             found.push(match item {
-                Some(_) => Block::Item(spans),
-                None => Block::Paragraph(spans),
+                Some(_) => PageBlock::Item(spans),
+                None => PageBlock::Paragraph(spans),
             });
         }
     }
@@ -86,8 +89,8 @@ pub(crate) fn blocks(text: &str) -> Vec<Block> {
 }
 
 /// Blocks under one heading, the heading first.
-pub(crate) fn sections(blocks: &[Block]) -> Vec<&[Block]> {
-    let starts = |block: &Block| matches!(block, Block::Heading(..));
+pub(crate) fn sections(blocks: &[PageBlock]) -> Vec<&[PageBlock]> {
+    let starts = |block: &PageBlock| matches!(block, PageBlock::Heading(..));
     let mut cuts: Vec<usize> = (0..blocks.len())
         .filter(|at| starts(&blocks[*at]))
         .collect();
@@ -155,12 +158,12 @@ mod tests {
         assert_eq!(
             found,
             [
-                Block::Heading(1, "Title".to_owned()),
-                Block::Paragraph(vec![text("One line and "), code("code"), text(".")]),
-                Block::Item(vec![text("an entry goes on")]),
-                Block::Item(vec![text("another")]),
-                Block::Code("a  b".to_owned()),
-                Block::Table(vec![
+                PageBlock::Heading(1, "Title".to_owned()),
+                PageBlock::Paragraph(vec![text("One line and "), code("code"), text(".")]),
+                PageBlock::Item(vec![text("an entry goes on")]),
+                PageBlock::Item(vec![text("another")]),
+                PageBlock::Code("a  b".to_owned()),
+                PageBlock::Table(vec![
                     vec![vec![text("x")], vec![code("y")]],
                     vec![vec![text("1")], vec![text("2|3")]],
                 ]),

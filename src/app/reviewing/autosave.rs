@@ -3,7 +3,7 @@
 
 use super::{Parked, Reviewing, is_touched};
 use crate::app::error::AppError;
-use crate::app::{Action, App, Jobs, LogId, Outcome, Task};
+use crate::app::{Action, App, Jobs, LogId, Task, TaskOutcome};
 use crate::detection::review::{Review, Reviewed};
 use crate::products::export::{self, ExportError};
 use crate::support::progress::Progress;
@@ -159,12 +159,12 @@ impl Reviewing {
             return Ok(());
         };
         match writing.task.poll() {
-            Outcome::Pending => self.autosave.writing = Some(writing),
-            Outcome::Done(written) => {
+            TaskOutcome::Pending => self.autosave.writing = Some(writing),
+            TaskOutcome::Done(written) => {
                 written?;
                 self.autosave.written = Some(writing.review);
             }
-            Outcome::Failed => return Err(AppError::Failed("the writing")),
+            TaskOutcome::Failed => return Err(AppError::Failed("the writing")),
         }
         Ok(())
     }
@@ -190,9 +190,9 @@ impl Reviewing {
         }
         let autosave = &mut self.autosave;
         let left = match autosave.looking.as_ref().map(Task::poll) {
-            Some(Outcome::Done(left)) => left,
-            Some(Outcome::Failed) => Err(AppError::Failed("reading them")),
-            Some(Outcome::Pending) | None => return Ok(None),
+            Some(TaskOutcome::Done(left)) => left,
+            Some(TaskOutcome::Failed) => Err(AppError::Failed("reading them")),
+            Some(TaskOutcome::Pending) | None => return Ok(None),
         };
         autosave.looking = None;
         match left {

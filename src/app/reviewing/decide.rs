@@ -1,7 +1,7 @@
 //! Decisions and corrections of single boxes, and the steps that undo goes back to.
 
 use super::{BoxEdge, Reviewing, Tool, border_m, middle};
-use crate::app::step::{LogStep, Step};
+use crate::app::step::{LogStep, UndoStep};
 use crate::app::{App, LogBox, LogId, Orientation};
 use crate::detection::review::{BoxId, Edit, Review};
 use crate::detection::{Mark, ObjectExtent};
@@ -34,7 +34,7 @@ impl Reviewing {
 
 impl App {
     /// Goes back or forward to a step, and to the box that it is about. The label is what the project's journal has for it.
-    pub(in crate::app) fn take_step(&mut self, step: Step, label: &str) {
+    pub(in crate::app) fn take_step(&mut self, step: UndoStep, label: &str) {
         self.map.measuring.figure = step.figure;
         self.take_planned(step.planned);
         self.document.mountings = step.mountings;

@@ -3,7 +3,7 @@
 mod tail;
 
 use crate::app::error::AppError;
-use crate::app::{App, LogId, OpenLog, Outcome, Task};
+use crate::app::{App, LogId, OpenLog, Task, TaskOutcome};
 use crate::detection::model::shipped;
 use crate::detection::review::{Queue, Review};
 use crate::detection::{Detection, DetectorSettings, Model, ModelError, SoFar, find};
@@ -46,7 +46,7 @@ struct Detecting {
 
 /// The detector of the window, and the search of one log after the other.
 #[derive(Default)]
-pub(in crate::app) struct Search {
+pub(in crate::app) struct ObjectSearch {
     /// The analyst's own model; `None` for the one that comes with the program.
     model_path: Option<PathBuf>,
     /// The model that was asked last, ready to be asked again.
@@ -63,7 +63,7 @@ pub(in crate::app) struct Search {
     tail: tail::TailSearch,
 }
 
-impl Search {
+impl ObjectSearch {
     /// Whether a log is being searched or waits for that.
     pub(crate) fn is_busy(&self) -> bool {
         self.running.is_some() || !self.ahead.is_empty()
@@ -286,7 +286,7 @@ impl App {
         let outcome = running.task.poll();
         let last = self.receive_messages(&running);
         let found = match outcome {
-            Outcome::Pending => {
+            TaskOutcome::Pending => {
                 if let Some(so_far) = last {
                     running.pings = so_far.pings;
                     self.adopt(id, &so_far.boxes, so_far.pings, true);
@@ -294,8 +294,8 @@ impl App {
                 self.findings.search.running = Some(running);
                 return;
             }
-            Outcome::Done(found) => found,
-            Outcome::Failed => Err(AppError::Failed("the search for objects")),
+            TaskOutcome::Done(found) => found,
+            TaskOutcome::Failed => Err(AppError::Failed("the search for objects")),
         };
         match found {
             Ok(found) => self.take_found(id, &found, running.all),

@@ -1,7 +1,7 @@
 //! Single edges of a box by keys: those of its echo, the border to its shadow, and the end of the shadow. And points, which have none.
 
 use super::{PIXEL_M, Reviewing, Tool};
-use crate::app::{App, Mark};
+use crate::app::{App, LogPlace};
 use crate::detection::ObjectExtent;
 use crate::detection::review::{Edit, Reviewed};
 use crate::survey::Side;
@@ -129,7 +129,7 @@ impl App {
     }
 
     /// Marks a point where a sample lies.
-    pub(in crate::app) fn mark_target(&mut self, mark: Mark) {
+    pub(in crate::app) fn mark_target(&mut self, mark: LogPlace) {
         let Some((side, sample)) = mark.side.zip(mark.sample) else {
             let text = "nothing was recorded there; mark the target in the picture";
             return self.notify(text.to_owned(), true);

@@ -2,7 +2,7 @@
 
 use super::Reviewing;
 use crate::app::error::AppError;
-use crate::app::{App, Jobs, LogId, OpenLog, Outcome, Task};
+use crate::app::{App, Jobs, LogId, OpenLog, Task, TaskOutcome};
 use crate::detection::review::Review;
 use crate::products::export::{self, ExportError};
 use crate::products::outputs::write_boxes;
@@ -15,7 +15,7 @@ use std::sync::Arc;
 const SUFFIX: &str = "review.json";
 
 /// A review being read.
-pub(super) struct Opening {
+pub(super) struct ReviewOpening {
     path: PathBuf,
     /// A sidecar file of the log: it was found, not opened.
     unasked: bool,
@@ -96,7 +96,13 @@ impl App {
             return;
         }
         self.write(move |progress| {
-            let written = write_boxes(&logs, &review, export::Part::Train, &folder, progress);
+            let written = write_boxes(
+                &logs,
+                &review,
+                export::DatasetPart::Train,
+                &folder,
+                progress,
+            );
             written.map(|written| written.summary(&folder))
         });
     }
@@ -175,7 +181,7 @@ impl OpenLog {
         };
         let from = path.clone();
         let task = Task::start(jobs, move |_| Ok(Review::open_for(&from, &survey)?));
-        self.reviewing.opening = Some(Opening {
+        self.reviewing.opening = Some(ReviewOpening {
             path,
             unasked,
             task,
@@ -188,11 +194,11 @@ impl Reviewing {
     /// A review that was read, once, with its file and whether it was found there unasked.
     fn take_read(&mut self) -> Option<(Result<Review, AppError>, PathBuf, bool)> {
         let read = match self.opening.as_ref()?.task.poll() {
-            Outcome::Pending => return None,
-            Outcome::Done(read) => read,
-            Outcome::Failed => Err(AppError::Failed("reading the review")),
+            TaskOutcome::Pending => return None,
+            TaskOutcome::Done(read) => read,
+            TaskOutcome::Failed => Err(AppError::Failed("reading the review")),
         };
-        let Opening { path, unasked, .. } = self.opening.take()?;
+        let ReviewOpening { path, unasked, .. } = self.opening.take()?;
         Some((read, path, unasked))
     }
 

@@ -3,8 +3,8 @@
 
 use super::{Reviewing, middle};
 use crate::app::error::AppError;
-use crate::app::{App, Jobs, LogId, OpenLog, Outcome, Task};
-use crate::detection::truth::{self, Mistake, RasterTruth, Standing, Truth, TruthComparison};
+use crate::app::{App, Jobs, LogId, OpenLog, Task, TaskOutcome};
+use crate::detection::truth::{self, Mistake, RasterTruth, Standing, SurveyTruth, TruthComparison};
 use crate::survey::Identity;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -41,24 +41,24 @@ impl MistakeSort {
 
 /// Where truth comes from.
 #[derive(Clone, Debug, PartialEq)]
-enum Source {
+enum TruthSource {
     File(PathBuf),
     Demo,
 }
 
 /// A truth being read.
-struct Opening {
-    source: Source,
+struct TruthOpening {
+    source: TruthSource,
     /// A sidecar file of the log: it was found, not opened.
     unasked: bool,
-    task: Task<Result<Truth, AppError>>,
+    task: Task<Result<SurveyTruth, AppError>>,
 }
 
 /// The truth, and how the boxes stand to it.
 #[derive(Default)]
 pub(crate) struct Judging {
-    truth: Option<(Source, Arc<Truth>)>,
-    opening: Option<Opening>,
+    truth: Option<(TruthSource, Arc<SurveyTruth>)>,
+    opening: Option<TruthOpening>,
     /// Asked for while the log was still being opened.
     requested: Option<PathBuf>,
     comparison: Option<TruthComparison>,
@@ -76,12 +76,12 @@ impl Judging {
     pub(crate) fn source(&self) -> Option<String> {
         let (source, _) = self.truth.as_ref()?;
         Some(match source {
-            Source::File(path) => path
+            TruthSource::File(path) => path
                 .file_name()
                 .unwrap_or(path.as_os_str())
                 .to_string_lossy()
                 .into_owned(),
-            Source::Demo => "the demo's scene".to_owned(),
+            TruthSource::Demo => "the demo's scene".to_owned(),
         })
     }
 
@@ -137,9 +137,9 @@ impl Judging {
     /// Takes a truth that was read; gives what to say of it.
     fn take_truth(&mut self) -> Result<Option<String>, AppError> {
         let read = match self.opening.as_ref().map(|opening| opening.task.poll()) {
-            Some(Outcome::Done(read)) => read,
-            Some(Outcome::Failed) => Err(AppError::Failed("reading the known objects")),
-            Some(Outcome::Pending) | None => return Ok(None),
+            Some(TaskOutcome::Done(read)) => read,
+            Some(TaskOutcome::Failed) => Err(AppError::Failed("reading the known objects")),
+            Some(TaskOutcome::Pending) | None => return Ok(None),
         };
         let opening = self.opening.take();
         let (truth, Some(opening)) = (read?, opening) else {
@@ -150,12 +150,12 @@ impl Judging {
         self.truth = Some((opening.source.clone(), Arc::new(truth)));
         self.outdated = true;
         Ok(match opening.source {
-            Source::File(path) if !opening.unasked => {
+            TruthSource::File(path) if !opening.unasked => {
                 let path = path.display();
                 Some(format!("Opened {objects} known objects: {path}"))
             }
             // A sidecar file is named where it is used.
-            Source::File(_) | Source::Demo => None,
+            TruthSource::File(_) | TruthSource::Demo => None,
         })
     }
 
@@ -176,13 +176,13 @@ impl Reviewing {
         }
         let judging = &mut self.judging;
         match judging.running.as_ref().map(Task::poll) {
-            Some(Outcome::Done(comparison)) => {
+            Some(TaskOutcome::Done(comparison)) => {
                 judging.running = None;
                 judging.comparison = Some(comparison);
                 self.count_mistakes();
             }
-            Some(Outcome::Failed) => judging.running = None,
-            Some(Outcome::Pending) | None => {}
+            Some(TaskOutcome::Failed) => judging.running = None,
+            Some(TaskOutcome::Pending) | None => {}
         }
     }
 
@@ -244,29 +244,31 @@ impl Reviewing {
 
 impl OpenLog {
     /// Where its truth is, and whether nobody asked for that.
-    fn known_truth(&mut self, is_file: bool) -> Option<(Source, bool)> {
+    fn known_truth(&mut self, is_file: bool) -> Option<(TruthSource, bool)> {
         if let Some(path) = self.reviewing.judging.requested.take() {
-            return Some((Source::File(path), false));
+            return Some((TruthSource::File(path), false));
         }
         if !is_file {
-            return Some((Source::Demo, true));
+            return Some((TruthSource::Demo, true));
         }
         let log = self.survey.as_ref()?.source.files.first()?;
         let sidecar = log.with_extension(truth::SIDECAR);
-        sidecar.is_file().then_some((Source::File(sidecar), true))
+        sidecar
+            .is_file()
+            .then_some((TruthSource::File(sidecar), true))
     }
 
     /// Starts reading its truth. Gives back whether there is a log.
-    fn read_truth(&mut self, source: Source, unasked: bool, jobs: &Jobs) -> bool {
+    fn read_truth(&mut self, source: TruthSource, unasked: bool, jobs: &Jobs) -> bool {
         let Some(survey) = &self.survey else {
             return false;
         };
         let (identity, from) = (Identity::of(survey), source.clone());
         let task = Task::start(jobs, move |_| match &from {
-            Source::Demo => Ok(Truth::parse(DEMO_TRUTH, &identity)?),
-            Source::File(path) => Ok(Truth::read(path, &identity)?),
+            TruthSource::Demo => Ok(SurveyTruth::parse(DEMO_TRUTH, &identity)?),
+            TruthSource::File(path) => Ok(SurveyTruth::read(path, &identity)?),
         });
-        self.reviewing.judging.opening = Some(Opening {
+        self.reviewing.judging.opening = Some(TruthOpening {
             source,
             unasked,
             task,
@@ -282,7 +284,7 @@ impl App {
             self.log.reviewing.judging.requested = Some(path);
         } else {
             let jobs = self.jobs.clone();
-            if !self.log.read_truth(Source::File(path), false, &jobs) {
+            if !self.log.read_truth(TruthSource::File(path), false, &jobs) {
                 let text = "open the log first, then its known objects";
                 self.notify(text.to_owned(), true);
             }

@@ -23,17 +23,17 @@ pub(crate) use edges::{BoxEdge, border_m};
 pub(crate) use judging::{Judging, MistakeSort};
 pub(crate) use places::LocatedObject;
 
-pub(super) use detect::Search;
+pub(super) use detect::ObjectSearch;
 pub(super) use places::Entries;
 
-use super::Mark;
+use super::LogPlace;
 use crate::detection::NAMELESS_CLASS;
 use crate::detection::review::{BoxId, DecisionCounts, Queue, Review, Reviewed};
 use crate::detection::{self, Raster};
 use crate::survey::{Identity, Navigation, Survey};
 use autosave::Autosave;
-use files::Opening;
-use places::Places;
+use files::ReviewOpening;
+use places::BoxPlaces;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -96,11 +96,11 @@ pub(crate) struct Reviewing {
     raster: Option<(Arc<Navigation>, Arc<Raster>)>,
     /// The version in the file, or the empty one.
     saved: Arc<Review>,
-    opening: Option<Opening>,
+    opening: Option<ReviewOpening>,
     /// A sidecar file that cannot be used: it may be somebody's work.
     refused: Option<PathBuf>,
     autosave: Autosave,
-    places: Places,
+    places: BoxPlaces,
     /// How the boxes stand to the truth.
     pub judging: Judging,
 }
@@ -127,7 +127,7 @@ impl Default for Reviewing {
             opening: None,
             refused: None,
             autosave: Autosave::default(),
-            places: Places::default(),
+            places: BoxPlaces::default(),
             judging: Judging::default(),
         }
     }
@@ -364,14 +364,14 @@ fn size_m(raster: Option<&Raster>, mark: &detection::Mark) -> [f64; 2] {
 }
 
 /// The middle of a box as a place in the survey.
-pub(super) fn middle(survey: &Survey, mark: &detection::Mark) -> Mark {
+pub(super) fn middle(survey: &Survey, mark: &detection::Mark) -> LogPlace {
     let ping = usize::midpoint(mark.pings.start, mark.pings.end.saturating_sub(1));
     let span = survey.span(ping, mark.side);
     let sample = span
         .map(|span| (span, span.sample_at(0.5 * (mark.near_m + mark.far_m))))
         .filter(|(span, sample)| (0.0..f64::from(span.count)).contains(sample))
         .map(|(_, sample)| sample as f32);
-    Mark {
+    LogPlace {
         ping,
         side: sample.map(|_| mark.side),
         sample,

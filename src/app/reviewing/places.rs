@@ -2,7 +2,7 @@
 //! when the track, the first returns or the scale are others.
 
 use super::Reviewing;
-use crate::app::{Jobs, OpenLog, Outcome, Task};
+use crate::app::{Jobs, OpenLog, Task, TaskOutcome};
 use crate::detection::review::{BoxId, Reviewed};
 use crate::detection::targets::Target;
 use crate::detection::{Mark, MeasuredShadow, ObjectExtent};
@@ -22,9 +22,9 @@ pub(crate) struct LocatedObject {
 
 /// What places are worked out from.
 #[derive(Clone)]
-struct Ground(Products);
+struct PlaceInputs(Products);
 
-impl Ground {
+impl PlaceInputs {
     fn is_same(&self, other: &Self) -> bool {
         let (one, other) = (&self.0, &other.0);
         Arc::ptr_eq(&one.navigation, &other.navigation)
@@ -37,24 +37,24 @@ impl Ground {
 }
 
 /// What of a box says where it lies.
-type Drawn = (Mark, ObjectExtent, Option<MeasuredShadow>);
+type BoxExtent = (Mark, ObjectExtent, Option<MeasuredShadow>);
 
 /// A box as it was placed; `None` where it has no place.
-pub(in crate::app) type Entry = (Drawn, Option<Arc<LocatedObject>>);
+pub(in crate::app) type LocatedBox = (BoxExtent, Option<Arc<LocatedObject>>);
 
 /// The places of a log's boxes; another allocation when one of them is another.
-pub(in crate::app) type Entries = Arc<HashMap<BoxId, Entry>>;
+pub(in crate::app) type Entries = Arc<HashMap<BoxId, LocatedBox>>;
 
 struct Running {
-    ground: Ground,
-    task: Task<Vec<(BoxId, Entry)>>,
+    ground: PlaceInputs,
+    task: Task<Vec<(BoxId, LocatedBox)>>,
 }
 
 /// The places known.
 #[derive(Default)]
-pub(super) struct Places {
+pub(super) struct BoxPlaces {
     known: Entries,
-    ground: Option<Ground>,
+    ground: Option<PlaceInputs>,
     running: Option<Running>,
     /// Boxes or ground have changed since it was last looked whether all places are known.
     outdated: bool,
@@ -72,7 +72,7 @@ impl Reviewing {
     }
 }
 
-impl Places {
+impl BoxPlaces {
     /// Notes that boxes were added or moved.
     pub(super) fn outdate(&mut self) {
         self.outdated = true;
@@ -89,8 +89,8 @@ impl OpenLog {
     pub(in crate::app) fn poll_places(&mut self, jobs: &Jobs) {
         let places = &mut self.reviewing.places;
         match places.running.as_ref().map(|running| running.task.poll()) {
-            Some(Outcome::Pending) => return,
-            Some(Outcome::Done(entries)) => {
+            Some(TaskOutcome::Pending) => return,
+            Some(TaskOutcome::Done(entries)) => {
                 if let Some(running) = places.running.take() {
                     // Those of another ground stay on screen until the new ones are there.
                     let is_same = places
@@ -105,7 +105,7 @@ impl OpenLog {
                     places.ground = Some(running.ground);
                 }
             }
-            Some(Outcome::Failed) => places.running = None,
+            Some(TaskOutcome::Failed) => places.running = None,
             None => {}
         }
         if places.outdated {
@@ -119,7 +119,7 @@ impl OpenLog {
         };
         let reviewing = &mut self.reviewing;
         reviewing.places.outdated = false;
-        let ground = Ground(products.clone());
+        let ground = PlaceInputs(products.clone());
         let places = &mut reviewing.places;
         let is_same = places
             .ground
@@ -127,12 +127,12 @@ impl OpenLog {
             .is_some_and(|known| known.is_same(&ground));
         let is_known = |one: &Reviewed| {
             let known = places.known.get(&one.id);
-            let is_as_placed = |(mark, extent, shadow): &Drawn| {
+            let is_as_placed = |(mark, extent, shadow): &BoxExtent| {
                 *mark == one.mark && *extent == one.extent && *shadow == one.shadow
             };
             is_same && known.is_some_and(|(known, _)| is_as_placed(known))
         };
-        let missing: Vec<(BoxId, Drawn)> = (reviewing.review.boxes())
+        let missing: Vec<(BoxId, BoxExtent)> = (reviewing.review.boxes())
             .filter(|one| !is_known(one))
             .map(|one| (one.id, (one.mark.clone(), one.extent, one.shadow)))
             .collect();
@@ -142,7 +142,7 @@ impl OpenLog {
         let (survey, from) = (survey.clone(), ground.clone());
         let task = Task::start(jobs, move |progress| {
             let locator = ObjectLocator::new(&survey, &from.0);
-            let entry = |(id, (mark, extent, shadow)): (BoxId, Drawn)| {
+            let entry = |(id, (mark, extent, shadow)): (BoxId, BoxExtent)| {
                 let placed = locator.place_as(&mark, extent, shadow).map(|target| {
                     let corners = target.corners();
                     Arc::new(LocatedObject { target, corners })

@@ -31,7 +31,7 @@ impl TrackDepth {
 
 /// One of the two passes over a crossing.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Pass {
+pub(crate) struct CrosslinePass {
     /// Which track.
     pub track: usize,
     /// When, seconds.
@@ -49,7 +49,7 @@ pub(crate) struct Crossing {
     /// East and north, metres.
     pub place: [f64; 2],
     /// The earlier pass, or that of the earlier track, first.
-    pub passes: [Pass; 2],
+    pub passes: [CrosslinePass; 2],
     /// Angle between the two courses, degrees, at most 90.
     pub angle_deg: f64,
     /// What the depth grows by a metre to the east and to the north, metres, from the depths along both passes; NaN where they are too few.
@@ -316,7 +316,7 @@ impl TrackCrossing<'_> {
         before.chain(depths[middle..].iter().take_while(near))
     }
 
-    fn pass(&self, piece: &Piece, share: f64, depths: &[TrackDepth]) -> Pass {
+    fn pass(&self, piece: &Piece, share: f64, depths: &[TrackDepth]) -> CrosslinePass {
         let ends = piece.ends.map(|end| &depths[end]);
         let between = |value: fn(&TrackDepth) -> f64| {
             let [from, to] = ends.map(value);
@@ -328,7 +328,7 @@ impl TrackCrossing<'_> {
         if values.is_empty() {
             values.push(between(|depth| depth.depth_m));
         }
-        Pass {
+        CrosslinePass {
             track: piece.track,
             time_s: between(|depth| depth.time_s),
             depth_m: median(&mut values),

@@ -2,7 +2,7 @@
 
 use super::cell_source::{measured_cells, settle};
 use super::nodes::merge_repeated_with;
-use super::surface::{Field, Surface, SurfaceMethod};
+use super::surface::{DepthField, Surface, SurfaceMethod};
 use super::tin::largest_radius_m;
 use super::{DepthPoint, Grid};
 use crate::support::progress::{Cancelled, Progress};
@@ -34,7 +34,7 @@ pub(crate) fn local_surface(
 ) -> Result<Surface, Cancelled> {
     let nodes = merge_repeated_with(points, grid.cell_m, ALONE_M);
     progress.check()?;
-    let mut made = match Field::local(nodes.clone(), max_gap_m) {
+    let mut made = match DepthField::local(nodes.clone(), max_gap_m) {
         Some(field) => field.fill(grid, progress)?,
         // On one line no triangle has an area; what was measured is known.
         None => {

@@ -49,4 +49,4 @@ pub(crate) use spot_soundings::{spot_radius_m, spot_soundings};
 pub(crate) use surface::{Spread, SurfaceMethod, surface_of_depths};
 pub use surface::{Surface, SurfaceSettings, surface};
 pub(crate) use tin::{Between, Tin, TinSampler};
-pub(crate) use transect::{Corner, Station, transect};
+pub(crate) use transect::{Corner, TransectStation, transect};

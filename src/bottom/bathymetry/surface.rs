@@ -348,7 +348,7 @@ fn filled(
     let measured = measured_cells(&points, &grid);
     drop(points);
     progress.check()?;
-    let Some(field) = Field::new(nodes, settings) else {
+    let Some(field) = DepthField::new(nodes, settings) else {
         return Ok(None);
     };
     let mut made = field.fill(grid, progress)?;
@@ -383,7 +383,7 @@ impl Cell {
 }
 
 /// The nodes, ready to be asked.
-pub(super) struct Field {
+pub(super) struct DepthField {
     method: SurfaceMethod,
     gap_m: f64,
     tin: Tin,
@@ -396,14 +396,14 @@ struct Near {
     index: ImmutableKdTree<f64, 2>,
 }
 
-/// Asks a [`Field`] from one thread.
+/// Asks a [`DepthField`] from one thread.
 struct Sampler<'a> {
-    field: &'a Field,
+    field: &'a DepthField,
     tin: TinSampler<'a>,
     weights: Vec<(usize, f64)>,
 }
 
-impl Field {
+impl DepthField {
     fn new(nodes: Vec<Node>, settings: &SurfaceSettings) -> Option<Self> {
         let gap_m = settings.max_gap_m;
         let tin = Tin::new(nodes)?.with_max_gap(gap_m);

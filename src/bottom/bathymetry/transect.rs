@@ -13,7 +13,7 @@ pub(crate) struct Corner {
 
 /// A place on a line, and the depth there.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Station {
+pub(crate) struct TransectStation {
     /// Metres on the ground from the start of the line.
     pub distance_m: f64,
     /// East and north in the plane of the survey, metres.
@@ -29,13 +29,13 @@ pub(crate) fn transect(
     step_m: f64,
     most: usize,
     depth_at: impl Fn([f64; 2]) -> Option<f32>,
-) -> Vec<Station> {
+) -> Vec<TransectStation> {
     let length_m = corners.last().map_or(0.0, |last| last.distance_m);
     let step_m = step_m.max(length_m / most.max(1) as f64);
     if !(step_m > 0.0 && length_m.is_finite()) {
         return Vec::new();
     }
-    let station = |distance_m, place| Station {
+    let station = |distance_m, place| TransectStation {
         distance_m,
         place,
         depth_m: depth_at(place),

@@ -39,7 +39,7 @@ impl Limits {
 
 /// A line that could be sailed.
 #[derive(Clone, Debug)]
-pub(super) struct Candidate {
+pub(super) struct CandidateLine {
     from: [f64; 2],
     /// Unit vector.
     course: [f64; 2],
@@ -52,7 +52,7 @@ pub(super) struct Candidate {
     rate: f64,
 }
 
-impl Candidate {
+impl CandidateLine {
     /// The line.
     pub(super) fn leg(&self) -> Leg {
         let length_m = self.step_m * self.gains.len() as f64;
@@ -94,21 +94,21 @@ pub(super) fn candidates(
     ends: &[[f64; 2]],
     limits: &Limits,
     progress: &Progress,
-) -> Result<Vec<Candidate>, Cancelled> {
+) -> Result<Vec<CandidateLine>, Cancelled> {
     let of_heading = |index: usize| {
         progress.check()?;
         let heading_rad = PI * index as f64 / HEADINGS as f64;
-        Ok(Sheet::new(ground, heading_rad).best(ground, ends, limits))
+        Ok(ParallelLines::new(ground, heading_rad).best(ground, ends, limits))
     };
-    let found: Result<Vec<Vec<Candidate>>, Cancelled> =
+    let found: Result<Vec<Vec<CandidateLine>>, Cancelled> =
         (0..HEADINGS).into_par_iter().map(of_heading).collect();
-    let mut found: Vec<Candidate> = found?.into_iter().flatten().collect();
+    let mut found: Vec<CandidateLine> = found?.into_iter().flatten().collect();
     found.sort_by(|a, b| b.rate.total_cmp(&a.rate));
     Ok(found)
 }
 
 /// Parallel lines over the water: what each of their steps would mend.
-struct Sheet {
+struct ParallelLines {
     /// Unit vectors along the lines and across them.
     along: [f64; 2],
     across: [f64; 2],
@@ -122,7 +122,7 @@ struct Sheet {
     gains: Vec<f32>,
 }
 
-impl Sheet {
+impl ParallelLines {
     fn new(ground: &PlanningGrid, heading_rad: f64) -> Self {
         let (sin, cos) = heading_rad.sin_cos();
         let (along, across) = ([sin, cos], [cos, -sin]);
@@ -212,12 +212,17 @@ impl Sheet {
     }
 
     /// The best stretches of its lines.
-    fn best(&self, ground: &PlanningGrid, ends: &[[f64; 2]], limits: &Limits) -> Vec<Candidate> {
+    fn best(
+        &self,
+        ground: &PlanningGrid,
+        ends: &[[f64; 2]],
+        limits: &Limits,
+    ) -> Vec<CandidateLine> {
         let step_s = self.step_m / limits.speed_mps;
         let turn_s = PI * limits.radius_m / limits.speed_mps;
         let least = (limits.least_m() / self.step_m).ceil() as usize;
         let most = (limits.most_m / self.step_m) as usize;
-        let mut found: Vec<Candidate> = Vec::new();
+        let mut found: Vec<CandidateLine> = Vec::new();
         for line in 0..self.lines {
             for run in self.runs(ground, line, limits.radius_m) {
                 let first = line * self.steps;
@@ -236,7 +241,7 @@ impl Sheet {
                     away_m / limits.speed_mps
                 };
                 let seconds = stretch.len() as f64 * step_s + turn_s + away_s;
-                found.push(Candidate {
+                found.push(CandidateLine {
                     from,
                     course: self.along,
                     step_m: self.step_m,

@@ -20,7 +20,7 @@ const LOOK_WORTH: [f32; 2] = [0.05, 0.025];
 
 /// A cell of the water.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Cell {
+pub(super) struct WaterCell {
     /// Its centre.
     pub place: [f64; 2],
     /// To the nearest sounding, metres.
@@ -37,7 +37,7 @@ pub(super) struct PlanningGrid {
     /// The water.
     pub water: Water,
     /// Its cells, in the order of [`Water::cells`].
-    pub cells: Vec<Cell>,
+    pub cells: Vec<WaterCell>,
     /// The objects in it or near it.
     pub objects: Vec<SeenObject>,
     /// What distance leaves in doubt.
@@ -66,7 +66,7 @@ impl PlanningGrid {
             let doubt_m = near
                 .map(|doubt| 0.5 * doubt.difference_m.abs())
                 .fold(0.0, f64::max);
-            Cell {
+            WaterCell {
                 place,
                 distance_m: distance_m.unwrap_or(f64::INFINITY) as f32,
                 doubt_m: doubt_m as f32,
@@ -88,7 +88,7 @@ impl PlanningGrid {
     }
 
     /// Standard deviation of the depth of a cell, metres.
-    pub(super) fn sigma_m(&self, cell: &Cell) -> f32 {
+    pub(super) fn sigma_m(&self, cell: &WaterCell) -> f32 {
         self.sigma_at(cell.distance_m, cell.doubt_m)
     }
 
@@ -101,7 +101,7 @@ impl PlanningGrid {
     }
 
     /// By how much a pass at a distance mends a cell, metres of standard deviation.
-    pub(super) fn mended_by(&self, cell: &Cell, sigma_m: f32, pass_m: f32) -> f32 {
+    pub(super) fn mended_by(&self, cell: &WaterCell, sigma_m: f32, pass_m: f32) -> f32 {
         let doubt_m = match pass_m < DOUBT_M as f32 {
             true => THIRD_PASS * cell.doubt_m,
             false => cell.doubt_m,
@@ -118,7 +118,7 @@ impl PlanningGrid {
     }
 
     /// The farthest that a pass can be to mend a cell at all, metres.
-    pub(super) fn reach_m(&self, cell: &Cell) -> f64 {
+    pub(super) fn reach_m(&self, cell: &WaterCell) -> f64 {
         let depth_m = f64::from(cell.distance_m).min(self.sigma.reach_m());
         let doubt_m = if cell.doubt_m > 0.0 { DOUBT_M } else { 0.0 };
         let look_m = match usize::from(cell.looks) < LOOK_WORTH.len() {

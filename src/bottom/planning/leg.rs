@@ -1,6 +1,6 @@
 //! A straight line to sail.
 
-use super::turns::Pose;
+use super::turns::TurnPose;
 
 /// A straight line, from its start to its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,18 +33,18 @@ impl Leg {
     }
 
     /// Place and course at its start.
-    pub(super) fn start(&self) -> Pose {
+    pub(super) fn start(&self) -> TurnPose {
         self.pose(self.from)
     }
 
     /// Place and course at its end.
-    pub(super) fn end(&self) -> Pose {
+    pub(super) fn end(&self) -> TurnPose {
         self.pose(self.to)
     }
 
-    fn pose(&self, place: [f64; 2]) -> Pose {
+    fn pose(&self, place: [f64; 2]) -> TurnPose {
         let [east, north] = self.way();
-        Pose {
+        TurnPose {
             place,
             course_rad: north.atan2(east),
         }

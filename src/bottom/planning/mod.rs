@@ -21,10 +21,10 @@ mod window;
 
 pub(crate) use known::{Doubt, InsonifiedSide, SeenObject, SigmaLaw, SurveyCoverage};
 pub(crate) use leg::Leg;
-pub(crate) use plan::{Plan, PlanSettings, State, Station};
+pub(crate) use plan::{Plan, PlanSettings, WaterState, WaypointKind};
 
 use crate::support::progress::{Cancelled, Progress};
-use candidates::{Candidate, Limits, candidates};
+use candidates::{CandidateLine, Limits, candidates};
 use ground::PlanningGrid;
 use route::{Insertion, Route};
 use water::Water;
@@ -197,7 +197,7 @@ fn sailed(
 
 /// Why no line was found in ground that none was planned in yet.
 fn why_none(ground: &PlanningGrid, limits: &Limits) -> PlanError {
-    let is_mendable = |cell: &ground::Cell| {
+    let is_mendable = |cell: &ground::WaterCell| {
         let sigma_m = ground.sigma_m(cell);
         ground.mended_by(cell, sigma_m, 0.0) > 0.0
     };
@@ -211,7 +211,7 @@ fn why_none(ground: &PlanningGrid, limits: &Limits) -> PlanError {
 /// The candidate that reduces the uncertainty most for its time, counted with the turns to it, that fits into the rest of the way, shortened where it must be;
 /// with what it mends a metre.
 fn best(
-    found: &[Candidate],
+    found: &[CandidateLine],
     route: &mut Route<'_>,
     rest_m: f64,
     limits: &Limits,
@@ -233,11 +233,11 @@ fn best(
 const SHORTENED: usize = 4;
 
 fn fitted(
-    candidate: &Candidate,
+    candidate: &CandidateLine,
     route: &mut Route<'_>,
     rest_m: f64,
     limits: &Limits,
-) -> Option<(f64, Insertion, Candidate)> {
+) -> Option<(f64, Insertion, CandidateLine)> {
     let mut candidate = candidate.clone();
     for _ in 0..SHORTENED {
         let (growth_m, insertion) = route.growth(candidate.leg())?;

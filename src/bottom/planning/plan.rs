@@ -74,7 +74,7 @@ impl PlanSettings {
 
 /// What a place of the way is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Station {
+pub(crate) enum WaypointKind {
     /// The start of a line, counted from 0.
     Start(usize),
     /// The end of a line.
@@ -89,12 +89,12 @@ pub(crate) struct Waypoint {
     /// Metres east and north.
     pub place: [f64; 2],
     /// What it is.
-    pub station: Station,
+    pub station: WaypointKind,
 }
 
 /// How well the water is known.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct State {
+pub(crate) struct WaterState {
     /// Predicted standard deviation of the depth by cell, metres; NaN outside of the water.
     pub sigma_m: Vec<f32>,
     /// Mean of it over the water, metres.
@@ -126,9 +126,9 @@ pub(crate) struct Plan {
     /// Square metres of the water.
     pub area_m2: f64,
     /// As the survey left it.
-    pub before: State,
+    pub before: WaterState,
     /// As the plan will leave it.
-    pub after: State,
+    pub after: WaterState,
 }
 
 impl Plan {
@@ -138,7 +138,7 @@ impl Plan {
         settings: &PlanSettings,
         speed_mps: f64,
     ) -> Self {
-        let before = State::of(&ground);
+        let before = WaterState::of(&ground);
         let plan = Self {
             area_m2: ground.cell_m2() * ground.cells.len() as f64,
             after: before.clone(),
@@ -171,20 +171,20 @@ impl Plan {
                 if let Some(turn) = inside.or_else(shortest) {
                     turns_m += turn.length_m();
                     let corners = turn.places(STRAIGHT_M).into_iter();
-                    way.extend(corners.map(|place| waypoint(place, Station::Turn)));
+                    way.extend(corners.map(|place| waypoint(place, WaypointKind::Turn)));
                 }
             }
-            way.push(waypoint(leg.from, Station::Start(number)));
-            way.push(waypoint(leg.to, Station::End(number)));
+            way.push(waypoint(leg.from, WaypointKind::Start(number)));
+            way.push(waypoint(leg.to, WaypointKind::End(number)));
         }
         let mut ground = self.ground.clone();
         for pair in way.windows(2) {
-            let is_line = matches!(pair[0].station, Station::Start(_));
+            let is_line = matches!(pair[0].station, WaypointKind::Start(_));
             ground.sail(pair[0].place, pair[1].place, is_line);
         }
         let lines_m = lines.iter().map(Leg::length_m).sum();
         Self {
-            after: State::of(&ground),
+            after: WaterState::of(&ground),
             lines_m,
             length_m: lines_m + turns_m,
             turns_outside,
@@ -199,7 +199,7 @@ impl Plan {
         self.length_m / self.speed_mps / 60.0
     }
 
-    /// The cells of [`State::sigma_m`].
+    /// The cells of [`WaterState::sigma_m`].
     #[cfg(any(test, feature = "bench"))]
     pub(crate) fn grid(&self) -> &Grid {
         &self.ground.water.grid
@@ -212,7 +212,7 @@ impl Plan {
     }
 }
 
-impl State {
+impl WaterState {
     fn of(ground: &PlanningGrid) -> Self {
         let mut sigma_m = vec![f32::NAN; ground.water.grid.len()];
         let mut looked_m2 = [0.0; 2];

@@ -1,7 +1,7 @@
 //! In which order lines are sailed, and which way along each.
 
 use super::leg::{Leg, apart_m};
-use super::turns::{Pose, Turn, turns};
+use super::turns::{Turn, TurnPose, turns};
 use super::water::Water;
 use std::collections::HashMap;
 
@@ -13,7 +13,7 @@ const LEAST_M: f64 = 1e-6;
 const NEAREST: usize = 12;
 
 /// The shortest turn between two poses that stays in the water; `None` where none does.
-pub(super) fn link(water: &Water, from: Pose, to: Pose, radius_m: f64) -> Option<Turn> {
+pub(super) fn link(water: &Water, from: TurnPose, to: TurnPose, radius_m: f64) -> Option<Turn> {
     let step_m = 0.5 * water.grid.cell_m;
     let stays = |turn: &Turn| water.holds_all(&turn.places(step_m));
     turns(from, to, radius_m).into_iter().find(stays)
@@ -283,7 +283,7 @@ mod tests {
     fn a_turn_that_leaves_the_water_is_none() {
         let ring = vec![[-20.0, -20.0], [20.0, -20.0], [20.0, 20.0], [-20.0, 20.0]];
         let water = Water::within(&[ring]).unwrap();
-        let pose = |east: f64, north: f64, course_rad: f64| Pose {
+        let pose = |east: f64, north: f64, course_rad: f64| TurnPose {
             place: [east, north],
             course_rad,
         };

@@ -10,7 +10,7 @@ const STEP_RAD: f64 = 20.0 * PI / 180.0;
 
 /// A place and the direction that the boat moves in.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Pose {
+pub(super) struct TurnPose {
     /// Metres east and north.
     pub place: [f64; 2],
     /// Radians counter-clockwise from east.
@@ -30,14 +30,14 @@ use Piece::{Left, Right, Straight};
 /// One way between two poses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Turn {
-    from: Pose,
+    from: TurnPose,
     radius_m: f64,
     /// Arcs in radians, the straight piece in radii.
     pieces: [Piece; 3],
 }
 
 /// All ways between two poses that are two arcs and a straight piece, or three arcs, the shortest first.
-pub(super) fn turns(from: Pose, to: Pose, radius_m: f64) -> Vec<Turn> {
+pub(super) fn turns(from: TurnPose, to: TurnPose, radius_m: f64) -> Vec<Turn> {
     let [east, north] = [0, 1].map(|axis| to.place[axis] - from.place[axis]);
     let direction = north.atan2(east);
     let (a, b) = (from.course_rad - direction, to.course_rad - direction);
@@ -149,8 +149,8 @@ impl Turn {
     }
 
     /// The pose after a part of a piece.
-    fn after(&self, from: Pose, piece: Piece, part: f64) -> Pose {
-        let Pose {
+    fn after(&self, from: TurnPose, piece: Piece, part: f64) -> TurnPose {
+        let TurnPose {
             place: [east, north],
             course_rad,
         } = from;
@@ -159,7 +159,7 @@ impl Turn {
             Straight(_) => {
                 let (sin, cos) = course_rad.sin_cos();
                 let way_m = radius_m * part;
-                return Pose {
+                return TurnPose {
                     place: [east + way_m * cos, north + way_m * sin],
                     course_rad,
                 };
@@ -168,7 +168,7 @@ impl Turn {
             Right(_) => -1.0,
         };
         let after = course_rad + sign * part;
-        Pose {
+        TurnPose {
             place: [
                 east + sign * radius_m * (after.sin() - course_rad.sin()),
                 north - sign * radius_m * (after.cos() - course_rad.cos()),
@@ -179,7 +179,7 @@ impl Turn {
 
     /// The pose at its end.
     #[cfg(test)]
-    fn end(&self) -> Pose {
+    fn end(&self) -> TurnPose {
         self.pieces.into_iter().fold(self.from, |pose, piece| {
             let (Left(part) | Straight(part) | Right(part)) = piece;
             self.after(pose, piece, part)
@@ -191,8 +191,8 @@ impl Turn {
 mod tests {
     use super::*;
 
-    fn pose(east: f64, north: f64, course_rad: f64) -> Pose {
-        Pose {
+    fn pose(east: f64, north: f64, course_rad: f64) -> TurnPose {
+        TurnPose {
             place: [east, north],
             course_rad,
         }

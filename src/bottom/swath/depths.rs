@@ -1,12 +1,12 @@
 //! The rounds: the curves learnt on a sample of tiles, and the depths of all tiles with them.
 
-use super::layout::{Chunk, LaidOutLog};
+use super::layout::{LaidOutLog, PingChunk};
 use super::looks::SideChunk;
-use super::model::{Curves, FitPlace, Incidence};
+use super::model::{FitPlace, Incidence, LawCurves};
 use super::nodes::{Blend, Nodes};
-use super::solve::{Given, Prior, TileSolution, learn};
+use super::solve::{Prior, TileInput, TileSolution, learn};
 use super::tiling::{Resolution, Tiling};
-use super::weed::Weed;
+use super::weed::WeedPlaces;
 use crate::bottom::bathymetry::{DepthPoint, Node, merge_repeated};
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::Side;
@@ -25,7 +25,7 @@ const FIT_LEAST: f64 = 100.0;
 const LEAST_BINS: usize = 40;
 
 /// All that depths are found from.
-pub(super) struct Input<'a> {
+pub(super) struct SwathInput<'a> {
     /// Looks of all logs.
     pub looks: Vec<SideChunk>,
     /// The recorder and the range setting of each set of curves.
@@ -34,11 +34,11 @@ pub(super) struct Input<'a> {
     pub measured: Vec<Node>,
     /// The logs.
     pub logs: &'a [LaidOutLog<'a>],
-    weed: Weed,
+    weed: WeedPlaces,
 }
 
 /// Depths that were found at the nodes, and what is known of them.
-pub(super) struct Found {
+pub(super) struct NodeDepths {
     /// Where the nodes are.
     pub nodes: Nodes,
     /// Depth at each, metres.
@@ -51,7 +51,7 @@ pub(super) struct Found {
     pub seen: Vec<f64>,
 }
 
-impl<'a> Input<'a> {
+impl<'a> SwathInput<'a> {
     /// Of the logs whose law is known; `recorders` says of each log which curves it shares.
     ///
     /// # Errors
@@ -78,14 +78,14 @@ impl<'a> Input<'a> {
                 continue;
             };
             let table = law.table();
-            let of_chunk = |chunk: &Chunk| {
+            let of_chunk = |chunk: &PingChunk| {
                 let set = (*recorder, chunk.range_setting);
                 let curves = sets.partition_point(|one| *one < set);
                 Side::BOTH.map(|side| {
                     SideChunk::new(log, number, chunk, curves, side, &table, resolution.range_m)
                 })
             };
-            let chunks = Chunk::joined(&log.chunks, resolution.chunks);
+            let chunks = PingChunk::joined(&log.chunks, resolution.chunks);
             let found: Vec<[Option<SideChunk>; 2]> = chunks.par_iter().map(of_chunk).collect();
             looks.extend(found.into_iter().flatten().flatten());
         }
@@ -93,7 +93,7 @@ impl<'a> Input<'a> {
             looks,
             sets,
             measured: merged(measured),
-            weed: Weed::of(logs.iter().map(|log| (&log.echoes, &log.is_weed[..]))),
+            weed: WeedPlaces::of(logs.iter().map(|log| (&log.echoes, &log.is_weed[..]))),
             logs,
         })
     }
@@ -123,10 +123,10 @@ impl<'a> Input<'a> {
     pub(super) fn find(
         &self,
         tiling: &Tiling,
-        curves: &[Option<Curves>],
+        curves: &[Option<LawCurves>],
         prior: Prior,
         progress: &Progress,
-    ) -> Result<Option<Found>, Cancelled> {
+    ) -> Result<Option<NodeDepths>, Cancelled> {
         let is_bed = |place: [f64; 2]| self.weed.is_far_from(place);
         progress.start(tiling.tiles.len() as u64);
         let of_tile = |tile: usize| {
@@ -139,7 +139,7 @@ impl<'a> Input<'a> {
             };
             let mut last = None;
             for round in 0..tiling.resolution.rounds {
-                let given = Given {
+                let given = TileInput {
                     looks: &self.looks,
                     curves,
                     level_cell_m: tiling.resolution.level_cell_m,
@@ -174,7 +174,7 @@ impl<'a> Input<'a> {
             sd_m.add(&nodes, tile, &bed.sd_m);
             seen.add(&nodes, tile, &is_seen);
         }
-        Ok(is_any.then(|| Found {
+        Ok(is_any.then(|| NodeDepths {
             nodes,
             depth_m: depth_m.values(),
             ln_brightness: brightness.values(),
@@ -194,7 +194,7 @@ pub(super) struct Sample {
     /// The tiles.
     pub states: Vec<TileSolution>,
     /// The curves of each set, where they are known.
-    pub curves: Vec<Option<Curves>>,
+    pub curves: Vec<Option<LawCurves>>,
     resolution: Resolution,
     is_learnt: bool,
 }
@@ -202,11 +202,11 @@ pub(super) struct Sample {
 impl Sample {
     /// Of some tiles, with some curves, or those that fit the levels on triangles between the measured depths.
     pub(super) fn new(
-        input: &Input<'_>,
+        input: &SwathInput<'_>,
         tiling: &Tiling,
         tiles: &[usize],
         measured: &[Node],
-        curves: Option<Vec<Option<Curves>>>,
+        curves: Option<Vec<Option<LawCurves>>>,
     ) -> Self {
         let state = |tile: &usize| {
             TileSolution::new(*tile, &tiling.tiles[*tile].nodes, measured, &input.looks)
@@ -226,14 +226,14 @@ impl Sample {
     /// When the work was cancelled.
     pub(super) fn learn(
         &mut self,
-        input: &Input<'_>,
+        input: &SwathInput<'_>,
         prior: Prior,
         progress: &Progress,
     ) -> Result<bool, Cancelled> {
         let recorders: Vec<u32> = input.sets.iter().map(|(recorder, _)| *recorder).collect();
         for _ in 0..LEARNING_ROUNDS[usize::from(self.is_learnt)] {
             let is_bed = |place: [f64; 2]| input.weed.is_far_from(place);
-            let given = Given {
+            let given = TileInput {
                 looks: &input.looks,
                 curves: &self.curves,
                 level_cell_m: self.resolution.level_cell_m,
@@ -265,10 +265,10 @@ impl Sample {
 
 /// The curves that fit the levels on the beds of some tiles; `None` of a set with too few.
 fn first_curves(
-    input: &Input<'_>,
+    input: &SwathInput<'_>,
     states: &[TileSolution],
     resolution: Resolution,
-) -> Vec<Option<Curves>> {
+) -> Vec<Option<LawCurves>> {
     let mut bins: Vec<BTreeMap<(i32, i32, bool), [f64; 5]>> =
         vec![BTreeMap::new(); input.sets.len()];
     for bed in states.iter().map(|state| &state.bed) {
@@ -313,7 +313,7 @@ fn first_curves(
                 },
             )
             .collect();
-        (places.len() >= LEAST_BINS).then(|| Curves::fit(&places))?
+        (places.len() >= LEAST_BINS).then(|| LawCurves::fit(&places))?
     };
     bins.into_par_iter().map(fit).collect()
 }

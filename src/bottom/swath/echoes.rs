@@ -3,12 +3,12 @@
 use crate::survey::{Side, Survey};
 
 /// Where the samples of a log are read from, a ping at a time.
-pub(crate) trait Levels: Sync {
+pub(crate) trait SampleSource: Sync {
     /// Replaces `out` with the samples of a side of a ping, nearest first; none where there are none.
     fn read(&self, ping: usize, side: Side, out: &mut Vec<u8>);
 }
 
-impl Levels for Survey {
+impl SampleSource for Survey {
     fn read(&self, ping: usize, side: Side, out: &mut Vec<u8>) {
         out.clear();
         if let Some(samples) = self.samples(ping, side) {
@@ -21,7 +21,7 @@ impl Levels for Survey {
 #[derive(Clone)]
 pub(crate) struct LogEchoes<'a> {
     /// The recording.
-    pub levels: &'a dyn Levels,
+    pub levels: &'a dyn SampleSource,
     /// One entry a side-scan ping.
     pub pings: Vec<PingPlace>,
 }

@@ -1,8 +1,8 @@
 //! Whether levels tell depths: stretches of the soundings are left out and predicted with levels and without.
 
-use super::depths::{Input, LEARNING_ROUNDS, Sample, merged};
-use super::looks::Sides;
-use super::model::Curves;
+use super::depths::{LEARNING_ROUNDS, Sample, SwathInput, merged};
+use super::looks::SeenOctants;
+use super::model::LawCurves;
 use super::observations::Bed;
 use super::solve::{Brightness, Prior, TileSolution};
 use super::tiling::Tiling;
@@ -38,11 +38,15 @@ pub(super) struct LeftOut {
 }
 
 /// Whether enough of the ground in some tiles is seen from two sides: one alone cannot tell a slope from what the bed is made of.
-pub(super) fn is_seen_from_two_sides(input: &Input<'_>, tiling: &Tiling, tiles: &[usize]) -> bool {
+pub(super) fn is_seen_from_two_sides(
+    input: &SwathInput<'_>,
+    tiling: &Tiling,
+    tiles: &[usize],
+) -> bool {
     let (mut seen, mut twice) = (0, 0);
     for tile in tiles {
         let nodes = tiling.tiles[*tile].core_nodes();
-        let mut from = vec![Sides::default(); nodes.len()];
+        let mut from = vec![SeenOctants::default(); nodes.len()];
         for look in &input.looks {
             let Some([near_m, far_m]) = look.within(&nodes) else {
                 continue;
@@ -67,7 +71,7 @@ struct Split {
 
 impl Split {
     /// By the way of the boat up to the ping next to each depth.
-    fn of(input: &Input<'_>, measured: &[DepthPoint]) -> Option<Self> {
+    fn of(input: &SwathInput<'_>, measured: &[DepthPoint]) -> Option<Self> {
         let (mut places, mut ways_m) = (Vec::new(), Vec::new());
         for log in input.logs {
             let mut way_m = 0.0;
@@ -106,23 +110,23 @@ const RELIEF_SHARE: f64 = 1.1;
 const RELIEF_M: [f64; 2] = [0.15, 0.4];
 
 /// What was found best.
-pub(super) struct Choice {
+pub(super) struct PriorChoice {
     /// What is known of the bed beforehand, as it predicts left-out soundings best.
     pub prior: Prior,
     /// How it does.
     pub left_out: LeftOut,
     /// The curves that it predicts them by.
-    pub curves: Vec<Option<Curves>>,
+    pub curves: Vec<Option<LawCurves>>,
 }
 
 /// The best of what is tried; `None` where too few soundings can be left out.
 pub(super) fn choose(
-    input: &Input<'_>,
+    input: &SwathInput<'_>,
     measured: &[DepthPoint],
     tiling: &Tiling,
     tiles: &[usize],
     progress: &Progress,
-) -> Result<Option<Choice>, Cancelled> {
+) -> Result<Option<PriorChoice>, Cancelled> {
     let Some(split) = Split::of(input, measured) else {
         return Ok(None);
     };
@@ -153,7 +157,7 @@ pub(super) fn choose(
     let [first, further] = LEARNING_ROUNDS;
     let rounds = first + (TRIED.len() - 1) * further;
     progress.start((rounds * tiles.len()) as u64);
-    let mut best: Option<Choice> = None;
+    let mut best: Option<PriorChoice> = None;
     for brightness in TRIED {
         let prior = Prior {
             brightness,
@@ -177,7 +181,7 @@ pub(super) fn choose(
         };
         let before = best.as_ref().map(|best| best.left_out.with_m);
         if before.is_none_or(|before| with_m < before) {
-            best = Some(Choice {
+            best = Some(PriorChoice {
                 prior,
                 left_out,
                 curves: sample.curves.clone(),

@@ -110,7 +110,7 @@ fn mean_ln(from: f64, to: f64) -> f64 {
 }
 
 /// A window: its levels less their mean, and the mean.
-struct Window {
+struct LevelWindow {
     mean: f64,
     about: Vec<f64>,
 }
@@ -148,7 +148,7 @@ pub(super) fn law_of(log: &LogEchoes<'_>, progress: &Progress) -> Result<Option<
         }
     }
     let alike = lags.alike_samples();
-    Ok(Spread::of(windows)
+    Ok(LevelSpread::of(windows)
         .and_then(|spread| spread.kind(alike))
         .map(|(kind, smoothed)| Law {
             kind,
@@ -175,7 +175,7 @@ fn most_level(log: &LogEchoes<'_>) -> u8 {
     most
 }
 
-fn window(rows: &[&[u8]; PINGS], most_level: u8) -> Option<Window> {
+fn window(rows: &[&[u8]; PINGS], most_level: u8) -> Option<LevelWindow> {
     let values = || rows.iter().flat_map(|row| row.iter().copied());
     let count = (PINGS * SAMPLES) as f64;
     let clipped = values().filter(|level| *level == 0 || *level >= most_level);
@@ -183,22 +183,22 @@ fn window(rows: &[&[u8]; PINGS], most_level: u8) -> Option<Window> {
         return None;
     }
     let mean = values().map(f64::from).sum::<f64>() / count;
-    (mean > 0.0).then(|| Window {
+    (mean > 0.0).then(|| LevelWindow {
         mean,
         about: values().map(|level| f64::from(level) - mean).collect(),
     })
 }
 
 /// How levels spread in windows.
-struct Spread {
+struct LevelSpread {
     /// Slope of the logarithm of the spread over that of the mean.
     slope: f64,
     /// Levels at 10, 50 and 90 % in the brighter half of the windows, less their mean, and the mean: there noise counts for less.
     bright: Vec<[f64; 4]>,
 }
 
-impl Spread {
-    fn of(mut windows: Vec<Window>) -> Option<Self> {
+impl LevelSpread {
+    fn of(mut windows: Vec<LevelWindow>) -> Option<Self> {
         if windows.len() < LEAST_WINDOWS {
             return None;
         }
@@ -351,7 +351,7 @@ mod tests {
     use super::*;
 
     /// Windows of a recorder over a bed that grows brighter from one to the next; `level` is what it writes of a power.
-    fn windows(smoothed: usize, level: impl Fn(f64) -> f64) -> Vec<Window> {
+    fn windows(smoothed: usize, level: impl Fn(f64) -> f64) -> Vec<LevelWindow> {
         let mut normal = Normal::new(5);
         let window = |index: usize| {
             let brightness = (index as f64 / 200.0).exp();
@@ -365,7 +365,7 @@ mod tests {
             };
             let levels: Vec<f64> = (0..PINGS).flat_map(|_| row()).collect();
             let mean = levels.iter().sum::<f64>() / levels.len() as f64;
-            Window {
+            LevelWindow {
                 mean,
                 about: levels.into_iter().map(|level| level - mean).collect(),
             }
@@ -373,8 +373,8 @@ mod tests {
         (0..600).map(window).collect()
     }
 
-    fn kind(windows: Vec<Window>, alike: f64) -> (LawKind, usize) {
-        Spread::of(windows).unwrap().kind(alike).unwrap()
+    fn kind(windows: Vec<LevelWindow>, alike: f64) -> (LawKind, usize) {
+        LevelSpread::of(windows).unwrap().kind(alike).unwrap()
     }
 
     #[test]
@@ -425,7 +425,7 @@ mod tests {
         let decibels = |power: f64| 60.0 + 15.0 * power.ln();
         let (_, over) = kind(windows(1, decibels), 4.0);
         assert_eq!(over, 1);
-        assert!(Spread::of(windows(1, decibels).split_off(500)).is_none());
+        assert!(LevelSpread::of(windows(1, decibels).split_off(500)).is_none());
     }
 
     #[test]

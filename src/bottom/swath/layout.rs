@@ -30,7 +30,7 @@ const INTERFERENCE: (f64, f32) = (0.02, 3.0);
 
 /// Pings in a row that are averaged.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Chunk {
+pub(crate) struct PingChunk {
     /// Which chunk of its log.
     pub number: u32,
     /// Its pings, all of which can be used.
@@ -43,7 +43,7 @@ pub(crate) struct Chunk {
     pub gain: f64,
 }
 
-impl Chunk {
+impl PingChunk {
     /// Chunks with as many as `together` joined to one where they follow each other.
     pub(crate) fn joined(chunks: &[Self], together: usize) -> Vec<Self> {
         let mut joined: Vec<Self> = Vec::with_capacity(chunks.len() / together + 1);
@@ -69,7 +69,7 @@ pub(crate) struct LaidOutLog<'a> {
     /// Its echoes.
     pub echoes: LogEchoes<'a>,
     /// Its chunks, in order.
-    pub chunks: Vec<Chunk>,
+    pub chunks: Vec<PingChunk>,
     /// What its levels mean; `None` where too few tell.
     pub law: Option<Law>,
     /// Whether each ping is in a stretch of weed.
@@ -108,7 +108,7 @@ struct Gains {
 }
 
 /// How often each level occurs at each range of a setting.
-type Usual = BTreeMap<i32, Vec<f32>>;
+type UsualLevels = BTreeMap<i32, Vec<f32>>;
 
 impl Gains {
     fn of(log: &LogEchoes<'_>, law: &Law, progress: &Progress) -> Result<Self, Cancelled> {
@@ -186,7 +186,7 @@ fn usual_levels(
     log: &LogEchoes<'_>,
     ln_power: &[f32; 256],
     progress: &Progress,
-) -> Result<Usual, Cancelled> {
+) -> Result<UsualLevels, Cancelled> {
     let mut counts: BTreeMap<i32, Vec<[u32; 256]>> = BTreeMap::new();
     let mut levels = Vec::new();
     for (ping, place) in log.pings.iter().enumerate() {
@@ -256,8 +256,8 @@ fn compared(log: &LogEchoes<'_>, ping: usize, ln_power: &[f32; 256], usual: &[f3
     (f64::from(gain), high as f64 > share * over.len() as f64)
 }
 
-fn chunks(pings: &[PingPlace], gains: &Gains, is_weed: &[bool]) -> Vec<Chunk> {
-    let mut found: Vec<Chunk> = Vec::new();
+fn chunks(pings: &[PingPlace], gains: &Gains, is_weed: &[bool]) -> Vec<PingChunk> {
+    let mut found: Vec<PingChunk> = Vec::new();
     let mut number = 0;
     for (ping, place) in pings.iter().enumerate() {
         if !(gains.is_usable[ping] && place.is_placed() && !is_weed[ping]) {
@@ -266,7 +266,7 @@ fn chunks(pings: &[PingPlace], gains: &Gains, is_weed: &[bool]) -> Vec<Chunk> {
         let setting = range_setting(place);
         // Neither ever falls, so the sum tells both; a step of the gain leaves a number out.
         let stretch = 2 * gains.segment[ping] + (ping / STRETCH_PINGS) as u32;
-        let goes_on = |chunk: &Chunk| {
+        let goes_on = |chunk: &PingChunk| {
             chunk.pings.end == ping
                 && chunk.pings.len() < CHUNK_PINGS
                 && (chunk.range_setting, chunk.stretch) == (setting, stretch)
@@ -277,7 +277,7 @@ fn chunks(pings: &[PingPlace], gains: &Gains, is_weed: &[bool]) -> Vec<Chunk> {
             _ => {
                 // Pings that cannot be used part chunks that are then not next to each other.
                 number = (ping / CHUNK_PINGS).max(number + 1);
-                found.push(Chunk {
+                found.push(PingChunk {
                     number: number as u32,
                     pings: ping..ping + 1,
                     range_setting: setting,

@@ -1,7 +1,7 @@
 //! The levels of a chunk of pings on one side, averaged in ranges so short that the bed under each is even: what is read of a log once, and placed
 //! on the bed again as that becomes known.
 
-use super::layout::{Chunk, LaidOutLog};
+use super::layout::{LaidOutLog, PingChunk};
 use crate::survey::Side;
 
 /// Share of clipped samples from which on a range says nothing.
@@ -36,9 +36,9 @@ pub(super) struct SideChunk {
 
 /// From which eighths of the circle a place is seen, a bit each.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Sides(u8);
+pub(super) struct SeenOctants(u8);
 
-impl Sides {
+impl SeenOctants {
     /// Adds a look along a unit vector, east and north.
     pub(super) fn add(&mut self, [east, north]: [f64; 2]) {
         let eighth = (east.atan2(north) / std::f64::consts::FRAC_PI_4).round() as i32;
@@ -63,7 +63,7 @@ impl SideChunk {
     pub(super) fn new(
         log: &LaidOutLog<'_>,
         number: usize,
-        chunk: &Chunk,
+        chunk: &PingChunk,
         curves: usize,
         side: Side,
         ln_power: &[f32; 256],

@@ -26,8 +26,8 @@ mod solve;
 mod tiling;
 mod weed;
 
-pub(crate) use echoes::{Levels, LogEchoes, PingPlace, SideEchoes};
-pub(crate) use layout::{Chunk, LaidOutLog};
+pub(crate) use echoes::{LogEchoes, PingPlace, SampleSource, SideEchoes};
+pub(crate) use layout::{LaidOutLog, PingChunk};
 pub(crate) use tiling::{PART_DEPTHS_M, PART_PINGS_M, PART_STEP_M};
 
 use crate::bottom::bathymetry::{
@@ -35,8 +35,8 @@ use crate::bottom::bathymetry::{
 };
 use crate::support::progress::{Cancelled, Progress};
 use crate::support::statistics::median;
-use depths::{Found, Input, Sample};
-use model::Curves;
+use depths::{NodeDepths, Sample, SwathInput};
+use model::LawCurves;
 use serde::{Deserialize, Serialize};
 use solve::{Brightness, Prior};
 use tiling::{Resolution, Tiling};
@@ -100,7 +100,7 @@ fn found(
     measured: &[DepthPoint],
     progress: &Progress,
     mode: SwathDepth,
-) -> Result<Refusable<(Found, Option<gate::LeftOut>)>, Cancelled> {
+) -> Result<Refusable<(NodeDepths, Option<gate::LeftOut>)>, Cancelled> {
     if !logs
         .iter()
         .any(|log| log.echoes.pings.iter().any(PingPlace::is_placed))
@@ -115,7 +115,7 @@ fn found(
     };
     let learning = Tiling::at(&surface.grid, tiling.resolution.of_learning());
     let recorders = law::recorders(logs.iter().map(|log| log.law));
-    let input = Input::new(logs, &recorders, measured, learning.resolution, progress)?;
+    let input = SwathInput::new(logs, &recorders, measured, learning.resolution, progress)?;
     let tiles = input.busiest(&learning, MOST_LEARNT);
     if tiles.is_empty() || input.measured.is_empty() {
         return Ok(Err(LevelsRefused::TooFewEchoes));
@@ -178,14 +178,14 @@ impl LearntLevels {
         };
         let logs = std::slice::from_ref(log);
         let tiling = Tiling::at(&grid, Resolution::COARSE);
-        let input = Input::new(logs, &[0], measured, tiling.resolution, progress)?;
+        let input = SwathInput::new(logs, &[0], measured, tiling.resolution, progress)?;
         let tiles = input.busiest(&tiling, MOST_LEARNT);
         let mut sample = Sample::new(&input, &tiling, &tiles, &input.measured, None);
         if !sample.learn(&input, UNTESTED, progress)? {
             return Ok(None);
         }
         let of_set =
-            |(set, curves): (&(u32, i32), Option<Curves>)| Some((set.1, curves?.0.to_vec()));
+            |(set, curves): (&(u32, i32), Option<LawCurves>)| Some((set.1, curves?.0.to_vec()));
         let curves: Vec<_> = input
             .sets
             .iter()
@@ -200,9 +200,9 @@ impl LearntLevels {
         self.law
     }
 
-    fn of_setting(&self, setting: i32) -> Option<Curves> {
+    fn of_setting(&self, setting: i32) -> Option<LawCurves> {
         let (_, curves) = self.curves.iter().find(|(of, _)| *of == setting)?;
-        Some(Curves(curves.as_slice().try_into().ok()?))
+        Some(LawCurves(curves.as_slice().try_into().ok()?))
     }
 }
 
@@ -223,9 +223,9 @@ pub(crate) fn correct_part(
 ) -> Result<(), Cancelled> {
     let tiling = Tiling::of_part(edges_m);
     let each: Vec<u32> = (0..logs.len() as u32).collect();
-    let input = Input::new(logs, &each, measured, tiling.resolution, progress)?;
+    let input = SwathInput::new(logs, &each, measured, tiling.resolution, progress)?;
     let of_set = |(log, setting): &(u32, i32)| learnt.get(*log as usize)?.of_setting(*setting);
-    let curves: Vec<Option<Curves>> = input.sets.iter().map(of_set).collect();
+    let curves: Vec<Option<LawCurves>> = input.sets.iter().map(of_set).collect();
     around.levels = match input.find(&tiling, &curves, UNTESTED, progress)? {
         Some(found) => {
             add(&found, UNTESTED_SDS, around);
@@ -249,7 +249,7 @@ fn rise(value: f64, [from, to]: [f64; 2]) -> f64 {
 
 /// Takes the depths that were found over into a surface, whose own count the more the smaller their error is; `error_sds` is how many standard
 /// deviations the depths that were found miss by.
-fn add(found: &Found, error_sds: f64, surface: &mut Surface) {
+fn add(found: &NodeDepths, error_sds: f64, surface: &mut Surface) {
     let nodes = &found.nodes;
     let both = found.sd_m.iter().zip(&found.seen);
     let seen = both.filter(|(_, seen)| **seen > 0.5);
@@ -285,7 +285,7 @@ fn add(found: &Found, error_sds: f64, surface: &mut Surface) {
 
 /// The brightness of the bed in the cells with a depth that echoes say something of, decibels over their median; `None` where that
 /// is none.
-fn hardness_db(found: &Found, surface: &Surface) -> Option<Vec<f32>> {
+fn hardness_db(found: &NodeDepths, surface: &Surface) -> Option<Vec<f32>> {
     let nodes = &found.nodes;
     let of_cell = |(cell, depth_m): (usize, &f32)| {
         let centre = surface.grid.centre_of(cell);
@@ -362,7 +362,7 @@ mod tests {
     fn the_smaller_error_counts_more() {
         let nodes = nodes::Nodes::over(&grid(), 1.0);
         let all = |value: f64| vec![value; nodes.len()];
-        let found = Found {
+        let found = NodeDepths {
             nodes,
             depth_m: all(3.0),
             ln_brightness: all(0.0),

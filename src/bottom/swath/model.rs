@@ -65,7 +65,7 @@ pub(super) struct Expected {
 
 /// The curves of one log at one range setting.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Curves(pub [f64; PARAMETERS]);
+pub(super) struct LawCurves(pub [f64; PARAMETERS]);
 
 /// `f(t)`.
 fn lambert(angle_rad: f64) -> f64 {
@@ -92,7 +92,7 @@ fn tilt(incidence: &Incidence) -> f64 {
     incidence.side * (incidence.phi_rad.to_degrees() - TILT_DEG[0]) / TILT_DEG[1]
 }
 
-impl Curves {
+impl LawCurves {
     /// What a sample should show over a bed that is brighter by `brightness`.
     pub(super) fn expected(&self, at: &Incidence, brightness: f64) -> Expected {
         let Self(c) = self;
@@ -311,10 +311,10 @@ pub(super) fn solve_dense(normal: &Mat<f64>, right: &[f64]) -> Option<Vec<f64>> 
 mod tests {
     use super::*;
 
-    fn curves() -> Curves {
+    fn curves() -> LawCurves {
         let beam = |knot: usize| 1.0 - 0.02 * (knot as f64 - 6.0).powi(2);
         let others = [0.2, -3.0, 3.0, 0.3, 0.1, -0.05];
-        Curves(std::array::from_fn(|at| match at.checked_sub(KNOTS) {
+        LawCurves(std::array::from_fn(|at| match at.checked_sub(KNOTS) {
             None => beam(at),
             Some(other) => others[other],
         }))
@@ -350,7 +350,7 @@ mod tests {
                 "{per_depth} {here:?}"
             );
             let mut derivatives = [0.0; PARAMETERS];
-            Curves::add_derivatives(&at(depth_m, range_m, slope), here.share, &mut derivatives);
+            LawCurves::add_derivatives(&at(depth_m, range_m, slope), here.share, &mut derivatives);
             for (parameter, expected) in derivatives.into_iter().enumerate() {
                 let mut step_on = [0.0; PARAMETERS];
                 step_on[parameter] = step;
@@ -383,7 +383,7 @@ mod tests {
                 }
             })
             .collect();
-        let found = Curves::fit(&places).unwrap();
+        let found = LawCurves::fit(&places).unwrap();
         for place in &places {
             let level = found.expected(&place.at, 0.0).ln_power;
             assert!((level - place.ln_power).abs() < 0.1, "{level} {place:?}");

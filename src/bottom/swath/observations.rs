@@ -2,7 +2,7 @@
 //! brightness and curves.
 
 use super::looks::SideChunk;
-use super::model::{Curves, Incidence};
+use super::model::{Incidence, LawCurves};
 use super::nodes::Nodes;
 use crate::bottom::bathymetry::{Between, Node, Tin};
 use crate::support::nearest::Nearest;
@@ -201,7 +201,7 @@ impl SideChunk {
         &self,
         bed: &Bed,
         within: &Nodes,
-        curves: Option<&Curves>,
+        curves: Option<&LawCurves>,
         level_cell_m: f64,
         mut found: impl FnMut(SlopeObservation),
     ) {
@@ -290,7 +290,7 @@ impl Sums {
         at: &Incidence,
         ground_m: f64,
         ln_power: f64,
-        curves: Option<&Curves>,
+        curves: Option<&LawCurves>,
         brightness: f64,
     ) {
         self.count += 1.0;

@@ -7,7 +7,7 @@
 
 use super::elimination;
 use super::looks::SideChunk;
-use super::model::{Curves, PARAMETERS, solve_dense};
+use super::model::{LawCurves, PARAMETERS, solve_dense};
 use super::nodes::{Nodes, Shares};
 use super::observations::{Bed, SlopeObservation};
 use crate::bottom::bathymetry::Node;
@@ -63,11 +63,11 @@ const SLOW_M: f64 = 0.5;
 
 /// What a tile is solved from.
 #[derive(Clone, Copy)]
-pub(super) struct Given<'a> {
+pub(super) struct TileInput<'a> {
     /// All looks.
     pub looks: &'a [SideChunk],
     /// The curves of each, `None` where they are unknown.
-    pub curves: &'a [Option<Curves>],
+    pub curves: &'a [Option<LawCurves>],
     /// Ground range of a level cell, metres.
     pub level_cell_m: f64,
     /// Whether echoes of a place are those of the bed.
@@ -128,7 +128,7 @@ impl TileSolution {
     }
 
     /// The next round; `None` where no observation lies in the tile, or where the equations have no solution.
-    pub(super) fn solve(&mut self, given: &Given<'_>, learns: bool) -> Option<Solved> {
+    pub(super) fn solve(&mut self, given: &TileInput<'_>, learns: bool) -> Option<Solved> {
         let nodes = self.bed.nodes;
         let mut system = System::new(&nodes);
         for look in self.looks.iter().map(|look| &given.looks[*look]) {
@@ -332,7 +332,7 @@ impl<'a> System<'a> {
         let mut occurring: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
         for (equation, (look, observation)) in self.observations.iter().enumerate() {
             let mut by = [0.0; PARAMETERS];
-            Curves::add_derivatives(&observation.at, observation.share, &mut by);
+            LawCurves::add_derivatives(&observation.at, observation.share, &mut by);
             let weight = self.equations.weight(equation).powi(2);
             let first = PARAMETERS * look.curves;
             // What the solution without a step of the curves leaves.
@@ -369,7 +369,7 @@ impl<'a> System<'a> {
 /// The step of the parameters of all sets of curves that the tiles of a sample say together; the curves a step on are put in their place.
 /// `recorders` are those of the curves.
 pub(super) fn learn(
-    curves: &mut [Option<Curves>],
+    curves: &mut [Option<LawCurves>],
     recorders: &[u32],
     borders: &[&Border],
 ) -> Option<Vec<f64>> {
@@ -384,14 +384,14 @@ pub(super) fn learn(
             .for_each(|(sum, value)| *sum += value);
     }
     let known = (0..curves.len()).filter_map(|set| Some((set, curves[set].as_ref()?)));
-    let known: Vec<(usize, &Curves)> = known.collect();
+    let known: Vec<(usize, &LawCurves)> = known.collect();
     for (set, curves) in &known {
         curves.add_prior(&mut normal, &mut right, PARAMETERS * set, 1.0);
     }
     let ends = known.iter().zip(known.iter().skip(1));
     for ((one, before), (other, after)) in ends.filter(|(a, b)| recorders[a.0] == recorders[b.0]) {
         let (one, other) = ((*before, PARAMETERS * one), (*after, PARAMETERS * other));
-        Curves::add_tie(one, other, &mut normal, &mut right);
+        LawCurves::add_tie(one, other, &mut normal, &mut right);
     }
     for at in 0..count {
         normal[(at, at)] += CURVE_DAMPING;

@@ -12,9 +12,9 @@ const SHARE: f64 = 0.5;
 const REACH_M: f64 = 3.5;
 
 /// Places of pings in stretches of weed.
-pub(super) struct Weed(Option<Nearest>);
+pub(super) struct WeedPlaces(Option<Nearest>);
 
-impl Weed {
+impl WeedPlaces {
     /// Of some logs, each with whether each of its pings is in a stretch of weed.
     pub(super) fn of<'a>(logs: impl Iterator<Item = (&'a LogEchoes<'a>, &'a [bool])>) -> Self {
         let in_weed = |(log, is_weed): (&LogEchoes<'_>, &[bool])| -> Vec<[f64; 2]> {

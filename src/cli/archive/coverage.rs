@@ -24,7 +24,7 @@ pub(crate) struct CoverageArgs {
         required_unless_present = "area",
         conflicts_with = "area"
     )]
-    place: Option<Place>,
+    place: Option<SearchPlace>,
     /// Polygon instead of a place: GeoJSON, KML or GPX
     #[arg(long, value_name = "FILE")]
     area: Option<PathBuf>,
@@ -35,12 +35,12 @@ pub(crate) struct CoverageArgs {
 
 /// A place and how far around it.
 #[derive(Clone, Copy, Debug)]
-struct Place {
+struct SearchPlace {
     at: LonLat,
     radius_m: f64,
 }
 
-impl FromStr for Place {
+impl FromStr for SearchPlace {
     type Err = &'static str;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
@@ -71,7 +71,7 @@ pub(crate) fn run(args: &CoverageArgs) -> Result<(), Failure> {
     let area = args.area.as_deref().map(read_area).transpose()?;
     let asked = match (&area, args.place) {
         (Some(area), _) => CoverageQuery::Within(&area.rings),
-        (None, Some(Place { at, radius_m })) => CoverageQuery::Around(at, radius_m),
+        (None, Some(SearchPlace { at, radius_m })) => CoverageQuery::Around(at, radius_m),
         (None, None) => return Err("give a place or an area".into()),
     };
     let progress = Progress::new();

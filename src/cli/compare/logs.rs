@@ -6,7 +6,7 @@ use crate::cli::settings::SettingsArgs;
 use crate::cli::status_line::StatusLine;
 use crate::cli::survey_logs::{OpenedLog, all_or, inputs, open, open_reference};
 use crate::cli::{Failure, output};
-use crate::formats::points::{Elevations, Plane};
+use crate::formats::points::{Elevations, PointPlane};
 use crate::pipeline::{self, Agreement};
 use crate::products::outputs::{ComparisonRecord, write_differences};
 use crate::support::progress::Progress;
@@ -61,7 +61,7 @@ pub(super) fn elevations(argument: &OsStr, settings: &SettingsArgs) -> Result<El
     Ok(Elevations {
         path: argument.into(),
         points: points.collect(),
-        plane: Plane::Degrees,
+        plane: PointPlane::Degrees,
         blank: 0,
         note: None,
     })

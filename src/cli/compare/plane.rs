@@ -1,7 +1,7 @@
 //! Two files of points in one plane.
 
 use crate::cli::Failure;
-use crate::formats::points::{Elevations, Plane};
+use crate::formats::points::{Elevations, PointPlane};
 use crate::support::geo::{Crs, LocalFrame, LonLat};
 
 /// Puts both files into one plane: metres that say nothing else of themselves are taken as those of the other file; degrees, and metres
@@ -11,15 +11,15 @@ pub(super) fn into_one_plane(
     reference: &mut Elevations,
 ) -> Result<(), Failure> {
     match (measured.plane, reference.plane) {
-        (Plane::Degrees, Plane::Metres) | (Plane::Metres, Plane::Degrees) => {
+        (PointPlane::Degrees, PointPlane::Metres) | (PointPlane::Metres, PointPlane::Degrees) => {
             return Err(format!(
                 "one file is in degrees and the other in metres, so they do not fit onto each other; name columns of one kind: {} and {}",
                 measured.path.display(),
                 reference.path.display()
             ).into());
         }
-        (Plane::Metres, _) | (_, Plane::Metres) => return Ok(()),
-        (Plane::Degrees, Plane::Degrees) => {}
+        (PointPlane::Metres, _) | (_, PointPlane::Metres) => return Ok(()),
+        (PointPlane::Degrees, PointPlane::Degrees) => {}
         (one, other) if one == other => return Ok(()),
         _ => {}
     }
@@ -40,9 +40,9 @@ pub(super) fn into_one_plane(
 /// `None` for degrees.
 fn system(file: &Elevations) -> Result<Option<Crs>, Failure> {
     let epsg = match file.plane {
-        Plane::Utm(zone) => zone.epsg() as u16,
-        Plane::Epsg(epsg) => epsg,
-        Plane::Metres | Plane::Degrees => return Ok(None),
+        PointPlane::Utm(zone) => zone.epsg() as u16,
+        PointPlane::Epsg(epsg) => epsg,
+        PointPlane::Metres | PointPlane::Degrees => return Ok(None),
     };
     let crs = Crs::from_epsg(epsg).map_err(|error| format!("{error}: {}", file.path.display()))?;
     Ok(Some(crs))

@@ -3,7 +3,7 @@
 use super::{Outcome, table};
 use crate::detection::Rect;
 use crate::detection::metrics::CurvePoint;
-use crate::support::presentation::plot::{Axis, Curve, Plot};
+use crate::support::presentation::plot::{Axis, Plot, PlotCurve};
 use crate::support::printable::xml;
 
 /// Area of the curves, pixels.
@@ -30,7 +30,7 @@ pub(super) fn of(outcome: &Outcome) -> String {
 fn curves(outcome: &Outcome) -> String {
     let all = &outcome.darknet;
     let at_score = format!("confidence {}", outcome.score);
-    let precision_recall = |name: String, points: &[CurvePoint]| Curve {
+    let precision_recall = |name: String, points: &[CurvePoint]| PlotCurve {
         name,
         points: (points.iter())
             .map(|point| [point.recall, point.precision])
@@ -55,7 +55,7 @@ fn curves(outcome: &Outcome) -> String {
         outcome.iou,
         plot.svg(PLOT_PX)
     );
-    let over_confidence = |name: &str, of: fn(&CurvePoint) -> f64| Curve {
+    let over_confidence = |name: &str, of: fn(&CurvePoint) -> f64| PlotCurve {
         name: name.to_owned(),
         points: steps(&all.curve, of),
     };
@@ -124,7 +124,7 @@ fn figures(outcome: &Outcome) -> String {
 }
 
 /// A line of the list.
-struct Mistake<'a> {
+struct MistakeLine<'a> {
     what: &'static str,
     picture: usize,
     class: usize,
@@ -133,11 +133,11 @@ struct Mistake<'a> {
 }
 
 /// False alarms by falling score, then misses by falling size.
-fn list<'a>(outcome: &'a Outcome) -> Vec<Mistake<'a>> {
+fn list<'a>(outcome: &'a Outcome) -> Vec<MistakeLine<'a>> {
     let (paired, evaluation) = (&outcome.paired, &outcome.darknet);
     let alarms = evaluation.false_alarms.iter().map(|one| {
         let predicted = &paired.images[one.image].predicted[one.predicted];
-        Mistake {
+        MistakeLine {
             what: one.cause.name(),
             picture: one.image,
             class: predicted.class,
@@ -147,7 +147,7 @@ fn list<'a>(outcome: &'a Outcome) -> Vec<Mistake<'a>> {
     });
     let misses = evaluation.misses.iter().map(|one| {
         let truth = &paired.images[one.image].truth[one.truth];
-        Mistake {
+        MistakeLine {
             what: "missed",
             picture: one.image,
             class: truth.class,
@@ -155,7 +155,7 @@ fn list<'a>(outcome: &'a Outcome) -> Vec<Mistake<'a>> {
             rect: &truth.rect,
         }
     });
-    let mut misses: Vec<Mistake<'a>> = misses.collect();
+    let mut misses: Vec<MistakeLine<'a>> = misses.collect();
     misses.sort_by(|a, b| b.rect.area().total_cmp(&a.rect.area()));
     alarms.chain(misses).collect()
 }

@@ -1,6 +1,6 @@
 //! The figures as JSON. What has nothing to divide by is null.
 
-use super::{Outcome, Source};
+use super::{BoxSource, Outcome};
 use crate::detection::Rect;
 use crate::detection::metrics::{CurvePoint, MatchCounts};
 use serde_json::{Value, json};
@@ -41,7 +41,7 @@ pub(super) fn of(outcome: &Outcome) -> Value {
     })
 }
 
-fn source(source: &Source) -> Value {
+fn source(source: &BoxSource) -> Value {
     json!({
         "path": source.path,
         "format": source.format,

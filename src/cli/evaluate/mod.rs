@@ -55,7 +55,7 @@ fn parse_share(text: &str) -> Result<f64, &'static str> {
 }
 
 /// Where one of the two sets of boxes comes from.
-struct Source {
+struct BoxSource {
     /// What was read, in words.
     format: String,
     pictures: usize,
@@ -63,7 +63,7 @@ struct Source {
     path: String,
 }
 
-impl Source {
+impl BoxSource {
     fn of_labels(set: &LabelSet) -> Self {
         Self {
             format: set.format.name().to_owned(),
@@ -76,8 +76,8 @@ impl Source {
 
 /// Boxes ready to be measured.
 struct Boxes {
-    truth: Source,
-    predicted: Source,
+    truth: BoxSource,
+    predicted: BoxSource,
     paired: Paired,
     /// The same pictures with the boxes that average precision and curves are made of, where these are others.
     ranked: Option<Vec<Image>>,
@@ -86,8 +86,8 @@ struct Boxes {
 
 /// What was read and what came of it.
 struct Outcome {
-    truth: Source,
-    predicted: Source,
+    truth: BoxSource,
+    predicted: BoxSource,
     paired: Paired,
     iou: f64,
     score: f64,
@@ -164,8 +164,8 @@ fn of_labels(truth: &Path, predicted: &Path, score: Option<f64>) -> Result<Boxes
     let predicted = labels::read_predicted(predicted, &truth)?;
     Ok(Boxes {
         paired: labels::pair(&truth, &predicted)?,
-        truth: Source::of_labels(&truth),
-        predicted: Source::of_labels(&predicted),
+        truth: BoxSource::of_labels(&truth),
+        predicted: BoxSource::of_labels(&predicted),
         ranked: None,
         score: score.unwrap_or(LABEL_SCORE),
     })

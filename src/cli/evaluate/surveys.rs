@@ -1,12 +1,12 @@
 //! Logs whose objects are known: searched as `bathyscope detect` does, and compared with them.
 
-use super::{Boxes, Source};
+use super::{BoxSource, Boxes};
 use crate::cli::Failure;
 use crate::cli::detect::load;
 use crate::cli::status_line::StatusLine;
 use crate::detection::labels::Paired;
 use crate::detection::metrics::Image;
-use crate::detection::truth::{self, RasterTruth, Truth};
+use crate::detection::truth::{self, RasterTruth, SurveyTruth};
 use crate::detection::{DetectError, DetectorSettings, Model, Nms, Raster, Scored, find};
 use crate::formats;
 use crate::pipeline::Settings;
@@ -73,7 +73,7 @@ impl Known {
                 log.display()
             ).into());
         }
-        let truth = Truth::read(path, &Identity::of(&survey))?;
+        let truth = SurveyTruth::read(path, &Identity::of(&survey))?;
         let settings = Settings::default();
         let navigation = navigate(&survey, &settings.heading, settings.projection, &progress)?;
         let raster = Raster::new(&survey, &navigation, pixel_m);
@@ -156,7 +156,7 @@ impl Found {
             [first, rest @ ..] => format!("{} and {} more", first.display(), rest.len()),
             [] => String::new(),
         };
-        let source = |format: &str, boxes: usize| Source {
+        let source = |format: &str, boxes: usize| BoxSource {
             format: format.to_owned(),
             pictures: self.names.len(),
             boxes,

@@ -1,6 +1,6 @@
 //! The figures as text.
 
-use super::{Outcome, Source};
+use super::{BoxSource, Outcome};
 use crate::detection::metrics::{Cause, MatchCounts};
 
 /// Everything, table by table.
@@ -35,7 +35,7 @@ fn width(outcome: &Outcome) -> usize {
 fn read(outcome: &Outcome) -> String {
     let mut text = String::new();
     for (what, source) in [("truth", &outcome.truth), ("predicted", &outcome.predicted)] {
-        let Source {
+        let BoxSource {
             format,
             pictures,
             boxes,

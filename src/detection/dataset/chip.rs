@@ -1,6 +1,6 @@
 //! A tile with the boxes in it.
 
-use super::Known;
+use super::KnownObject;
 use crate::detection::{Labelled, Raster, RasterTile, TILE_PX, level};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder as _};
@@ -11,12 +11,12 @@ pub(crate) struct Chip {
     /// [`TILE_PX`] rows of [`TILE_PX`] grey levels.
     pub pixels: Vec<u8>,
     /// What is in it.
-    pub boxes: Boxes,
+    pub boxes: PictureBoxes,
 }
 
 /// The boxes of a picture, in its pixels.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Boxes {
+pub struct PictureBoxes {
     /// Boxes (echo and shadow) that a detector should find.
     pub labels: Vec<Labelled>,
     /// The outline of each label as a polygon of columns and rows; empty where only its box is known.
@@ -26,10 +26,10 @@ pub struct Boxes {
 }
 
 impl Chip {
-    /// Labels a tile, then levels it. An object whose part in the tile can be asked for ([`super::part::Part::is_plain`]) has a
+    /// Labels a tile, then levels it. An object whose part in the tile can be asked for ([`super::part::ObjectPart::is_plain`]) has a
     /// label; others that reach into the tile have an ignored box.
-    pub(crate) fn new(mut tile: RasterTile, raster: &Raster, known: &[Known]) -> Self {
-        let mut boxes = Boxes::default();
+    pub(crate) fn new(mut tile: RasterTile, raster: &Raster, known: &[KnownObject]) -> Self {
+        let mut boxes = PictureBoxes::default();
         for object in known.iter().filter(|object| object.whole.side == tile.side) {
             let Some(part) = object.part_in(&tile, raster) else {
                 continue;

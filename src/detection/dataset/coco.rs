@@ -1,6 +1,6 @@
 //! Labels as COCO tools read them: one JSON file for many pictures.
 
-use super::Boxes;
+use super::PictureBoxes;
 use crate::detection::{Labelled, TILE_PX};
 use serde::Serialize;
 
@@ -8,13 +8,13 @@ use serde::Serialize;
 /// `iscrowd` 1, which COCO's rule neither rewards nor punishes.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Coco {
-    images: Vec<Image>,
+    images: Vec<CocoImage>,
     annotations: Vec<Annotation>,
     categories: Vec<Category>,
 }
 
 #[derive(Clone, Debug, Serialize)]
-struct Image {
+struct CocoImage {
     id: usize,
     file_name: String,
     width: usize,
@@ -58,9 +58,9 @@ impl Coco {
     }
 
     /// Adds a picture (its name relative to the folder of pictures) and its boxes.
-    pub(crate) fn add(&mut self, file_name: String, boxes: &Boxes) {
+    pub(crate) fn add(&mut self, file_name: String, boxes: &PictureBoxes) {
         let id = self.images.len() + 1;
-        self.images.push(Image {
+        self.images.push(CocoImage {
             id,
             file_name,
             width: TILE_PX,

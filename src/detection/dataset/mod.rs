@@ -12,9 +12,9 @@ mod part;
 mod voc;
 mod yolo;
 
-pub(crate) use chip::{Boxes, Chip};
+pub(crate) use chip::{Chip, PictureBoxes};
 pub(crate) use coco::Coco;
-pub(crate) use part::{Known, Slice};
+pub(crate) use part::{KnownObject, Slice};
 pub(crate) use voc::voc_xml;
 pub(crate) use yolo::yolo_lines;
 

@@ -8,7 +8,7 @@ use crate::survey::Side;
 
 /// An object whose place is known.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Known {
+pub struct KnownObject {
     /// Index into the class names.
     pub class: usize,
     /// Around what is shown of its echo and its shadow.
@@ -40,7 +40,7 @@ impl Slice {
 
 /// The part of an object in a tile.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Part {
+pub struct ObjectPart {
     /// The box around it, in the tile.
     pub rect: Rect,
     /// Its outline as a polygon of columns and rows; empty where only the object's box is known.
@@ -56,7 +56,7 @@ const LEAST_SHARE: f32 = 0.4;
 /// Least width and height of a box, pixels.
 const LEAST_PX: f32 = 6.0;
 
-impl Part {
+impl ObjectPart {
     /// Whether a detector may be asked for it: something of it is shown, it is at least 6 pixels wide and high, and at least
     /// 40 % of the object; of an object known ping by ping, what lies in the tile must be visible by itself.
     pub fn is_plain(&self) -> bool {
@@ -65,15 +65,15 @@ impl Part {
     }
 }
 
-impl Known {
-    /// Whether the whole of it may be asked for, as [`Part::is_plain`] says.
+impl KnownObject {
+    /// Whether the whole of it may be asked for, as [`ObjectPart::is_plain`] says.
     pub fn is_plain(&self, raster: &Raster) -> bool {
         let rect = raster.rect_of(&self.whole);
         self.part(rect, 1.0).is_plain()
     }
 
     /// What of it lies in a tile of its side; `None` where that is nothing.
-    pub fn part_in(&self, tile: &RasterTile, raster: &Raster) -> Option<Part> {
+    pub fn part_in(&self, tile: &RasterTile, raster: &Raster) -> Option<ObjectPart> {
         let place = |mark: &Mark| {
             let rect = raster.rect_of(mark);
             rect.shifted(-(tile.column as f32), -(tile.row as f32))
@@ -95,20 +95,20 @@ impl Known {
     }
 
     /// The part that some rows, and what remains of their visibility, are; `None` where there are none, as in a gap.
-    fn part_of_rows(&self, rows: &[(Rect, f32)]) -> Option<Part> {
+    fn part_of_rows(&self, rows: &[(Rect, f32)]) -> Option<ObjectPart> {
         let (first, others) = rows.split_first()?;
         let around = others.iter().fold(first.0, |sum, (row, _)| sum.hull(row));
         let visibility: f32 = rows.iter().map(|(_, visibility)| visibility).sum();
         let all: f32 = self.slices.iter().map(|slice| slice.visibility).sum();
-        Some(Part {
+        Some(ObjectPart {
             outline: outline(rows),
             shown: self.shown && visibility >= 1.0,
             ..self.part(around, visibility / all)
         })
     }
 
-    fn part(&self, rect: Rect, share: f32) -> Part {
-        Part {
+    fn part(&self, rect: Rect, share: f32) -> ObjectPart {
+        ObjectPart {
             rect,
             outline: Vec::new(),
             share,

@@ -1,4 +1,4 @@
-use super::part::Part;
+use super::part::ObjectPart;
 use super::*;
 use crate::detection::testing::survey;
 use crate::detection::{Labelled, Mark, Raster, Rect, TILE_PX};
@@ -9,9 +9,9 @@ fn rect(x0: f32, y0: f32, x1: f32, y1: f32) -> Rect {
 }
 
 /// A pipe that leaves the boat: 20 pings from 100 on show it, each 0.2 m farther out and 0.4 m wide, each with 0.16 of the visibility.
-fn pipe(shown: bool, slices: bool) -> Known {
+fn pipe(shown: bool, slices: bool) -> KnownObject {
     let near_m = |ping: usize| 1.0 + 0.2 * (ping - 100) as f64;
-    Known {
+    KnownObject {
         class: 2,
         whole: Mark::new(Side::Port, 100..120, [near_m(100), near_m(119) + 0.4]),
         shown,
@@ -28,7 +28,7 @@ fn pipe(shown: bool, slices: bool) -> Known {
 }
 
 /// The part of an object in the tile that starts `pings` before the first ping that shows it, or so many after.
-fn part(known: &Known, pings: isize) -> Option<Part> {
+fn part(known: &KnownObject, pings: isize) -> Option<ObjectPart> {
     let (survey, navigation) = survey(300, |_, _| 0);
     let raster = Raster::new(&survey, &navigation, 0.04);
     let row = raster.row_of((100 - pings) as f64) as usize;
@@ -76,7 +76,7 @@ fn what_is_too_little_or_drowns_in_the_speckle_is_not_asked_for() {
 #[test]
 fn yolo_and_coco_tell_the_same_boxes() {
     let label = |class, rect| Labelled { class, rect };
-    let boxes = Boxes {
+    let boxes = PictureBoxes {
         labels: vec![
             label(2, rect(104.0, 0.0, 312.0, 208.0)),
             label(0, rect(10.5, 20.25, 30.0, 416.0)),
@@ -90,7 +90,7 @@ fn yolo_and_coco_tell_the_same_boxes() {
         "{yolo}"
     );
     let mut coco = Coco::new(["rock", "block", "tyre"]);
-    coco.add("000000.png".into(), &Boxes::default());
+    coco.add("000000.png".into(), &PictureBoxes::default());
     coco.add("000001.png".into(), &boxes);
     let json = serde_json::to_value(&coco).unwrap();
     let annotations = json["annotations"].as_array().unwrap();

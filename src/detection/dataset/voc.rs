@@ -1,11 +1,11 @@
 //! Labels as Pascal VOC tools read them: one XML file a picture.
 
-use super::Boxes;
+use super::PictureBoxes;
 use crate::detection::{Labelled, TILE_PX};
 use std::fmt::Write as _;
 
 /// The labels of a picture: pixels counted from 1, edges included, as in VOC; ignored boxes are `difficult`.
-pub(crate) fn voc_xml(file_name: &str, class_names: &[String], boxes: &Boxes) -> String {
+pub(crate) fn voc_xml(file_name: &str, class_names: &[String], boxes: &PictureBoxes) -> String {
     let mut text = format!(
         "<annotation>\n<filename>{}</filename>\n<size><width>{TILE_PX}</width><height>{TILE_PX}</height><depth>1</depth></size>\n<segmented>0</segmented>\n",
         escaped(file_name)
@@ -51,7 +51,7 @@ mod tests {
             class: 0,
             rect: Rect::new([x0, 10.0], [x1, 30.0]),
         };
-        let boxes = Boxes {
+        let boxes = PictureBoxes {
             labels: vec![label(20.0, 50.0)],
             outlines: Vec::new(),
             ignored: vec![label(400.0, 416.0)],

@@ -50,7 +50,7 @@ pub(crate) enum LabelFault {
         line: usize,
         /// What is wrong with it.
         #[source]
-        what: LineFault,
+        what: YoloLineFault,
     },
     /// An annotation or a result of COCO's is no box.
     #[error("cannot use the box {number} of the file: {what}")]
@@ -70,7 +70,7 @@ pub(crate) enum LabelFault {
 
 /// What is wrong with a line of YOLO's.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum LineFault {
+pub(crate) enum YoloLineFault {
     /// It has one number too few.
     #[error("a predicted box needs a score: class cx cy w h score")]
     NoScore,

@@ -12,7 +12,7 @@ mod pairing;
 mod tests;
 mod yolo;
 
-pub(crate) use error::{AnnotationFault, LabelError, LabelFault, LineFault};
+pub(crate) use error::{AnnotationFault, LabelError, LabelFault, YoloLineFault};
 pub(crate) use pairing::{Paired, pair};
 
 use super::Rect;

@@ -1,7 +1,7 @@
 //! True and predicted boxes of the same pictures.
 
 use super::{Label, LabelError, LabelFault, LabelFormat, LabelSet, PictureLabels};
-use crate::detection::metrics::{Image, Truth};
+use crate::detection::metrics::{Image, TrueBox};
 use crate::detection::{Rect, Scored, TILE_PX};
 
 /// Pictures ready to be measured.
@@ -77,7 +77,7 @@ fn image(
     Image {
         truth: true_ones
             .into_iter()
-            .map(|label| Truth {
+            .map(|label| TrueBox {
                 class: label.class,
                 rect: pixels(label.rect, truth.format, size_px),
                 ignored: label.ignored,

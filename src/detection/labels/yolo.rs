@@ -1,8 +1,8 @@
 //! Folders of YOLO labels.
 
 use super::{
-    Label, LabelError, LabelFault, LabelFormat, LabelSet, LineFault, MOST_CLASSES, PictureLabels,
-    text,
+    Label, LabelError, LabelFault, LabelFormat, LabelSet, MOST_CLASSES, PictureLabels,
+    YoloLineFault, text,
 };
 use crate::detection::Rect;
 use std::path::{Path, PathBuf};
@@ -96,29 +96,29 @@ fn picture_size(folder: &Path, file: &Path) -> Option<[u32; 2]> {
 }
 
 /// A line `class cx cy w h`, and `score` behind it where predicted.
-fn parse(line: &str, predicted: bool) -> Result<Label, LineFault> {
+fn parse(line: &str, predicted: bool) -> Result<Label, YoloLineFault> {
     let fields: Vec<&str> = line.split_whitespace().collect();
     match (fields.len(), predicted) {
         (5, false) | (6, true) => {}
-        (5, true) => return Err(LineFault::NoScore),
-        (6, false) => return Err(LineFault::ExtraNumber),
+        (5, true) => return Err(YoloLineFault::NoScore),
+        (6, false) => return Err(YoloLineFault::ExtraNumber),
         (count, _) => {
             let shape = if predicted {
                 "class cx cy w h score"
             } else {
                 "class cx cy w h"
             };
-            return Err(LineFault::Numbers { count, shape });
+            return Err(YoloLineFault::Numbers { count, shape });
         }
     }
     let class: usize = fields[0]
         .parse()
         .ok()
         .filter(|&class| class < MOST_CLASSES)
-        .ok_or_else(|| LineFault::NoClass(fields[0].to_owned()))?;
+        .ok_or_else(|| YoloLineFault::NoClass(fields[0].to_owned()))?;
     let number = |field: &str| {
         let value = field.parse().ok().filter(|value: &f64| value.is_finite());
-        value.ok_or_else(|| LineFault::NotANumber(field.to_owned()))
+        value.ok_or_else(|| YoloLineFault::NotANumber(field.to_owned()))
     };
     let [cx, cy, w, h] = [
         number(fields[1])?,
@@ -133,14 +133,14 @@ fn parse(line: &str, predicted: bool) -> Result<Label, LineFault> {
         || w < 0.0
         || h < 0.0
     {
-        return Err(LineFault::Beyond);
+        return Err(YoloLineFault::Beyond);
     }
     let score = match fields.get(5) {
         Some(field) => Some(number(field)?).filter(|score| (0.0..=1.0).contains(score)),
         None => None,
     };
     if predicted && score.is_none() {
-        return Err(LineFault::BadScore(fields[5].to_owned()));
+        return Err(YoloLineFault::BadScore(fields[5].to_owned()));
     }
     Ok(Label {
         class,

@@ -1,7 +1,7 @@
 //! What was taken for what.
 
 use super::mistakes::ShownImages;
-use super::{Image, MetricSettings, Truth, iou};
+use super::{Image, MetricSettings, TrueBox, iou};
 use crate::detection::Scored;
 
 /// Boxes by their true class (rows) and the class that was proposed (columns), at the score and IoU of the settings. The
@@ -51,7 +51,7 @@ pub(super) fn confusion(
 ) -> Confusion {
     let mut confusion = Confusion::new(classes);
     for (boxes, shown) in images.iter().zip(&shown.images) {
-        let mut free: Vec<&Truth> = Vec::new();
+        let mut free: Vec<&TrueBox> = Vec::new();
         for (truth, &found) in boxes.truth.iter().zip(&shown.found) {
             if found {
                 confusion.count(truth.class, truth.class);
@@ -73,7 +73,7 @@ pub(super) fn confusion(
 }
 
 /// The truth of another class that a prediction overlaps most, if by enough.
-fn mistaken(predicted: &Scored, free: &[&Truth], settings: &MetricSettings) -> Option<usize> {
+fn mistaken(predicted: &Scored, free: &[&TrueBox], settings: &MetricSettings) -> Option<usize> {
     let others = free
         .iter()
         .enumerate()

@@ -5,7 +5,7 @@ use super::matched::{AtScore, Matched, rank, total};
 use super::mistakes::{FalseAlarm, Miss};
 use super::precision::{CurvePoint, MatchCounts, average_precision, curve};
 use super::ranking::{ANY_SIZE, Sizes};
-use super::{Image, Matching, MetricSettings};
+use super::{BoxMatching, Image, MetricSettings};
 
 /// One class.
 #[derive(Clone, Debug, PartialEq)]
@@ -152,9 +152,9 @@ fn mean(precisions: impl Iterator<Item = f64>, settings: &MetricSettings) -> f64
     let known = all.iter().filter(|ap| !ap.is_nan());
     let sum: f64 = known.clone().sum();
     let count = match settings.matching {
-        Matching::Coco => known.count(),
-        Matching::DarknetVoc if known.count() == 0 => 0,
-        Matching::DarknetVoc => all.len(),
+        BoxMatching::Coco => known.count(),
+        BoxMatching::DarknetVoc if known.count() == 0 => 0,
+        BoxMatching::DarknetVoc => all.len(),
     };
     sum / count as f64
 }

@@ -1,11 +1,11 @@
 //! The boxes of one class in one picture, paired.
 
-use super::{Matching, iou};
+use super::{BoxMatching, iou};
 use crate::detection::Rect;
 
 /// A true box as one run sees it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Candidate {
+pub(super) struct TruthCandidate {
     /// Index into the picture's truths.
     pub truth: usize,
     pub rect: Rect,
@@ -17,7 +17,7 @@ pub(super) struct Candidate {
 
 /// What became of a prediction.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Outcome {
+pub(crate) enum MatchOutcome {
     /// It found this truth (index into the picture's).
     Hit { truth: usize, iou: f64 },
     /// It found nothing.
@@ -29,31 +29,31 @@ pub(crate) enum Outcome {
 /// Pairs predictions, which come by falling score, with the candidates of their class; one outcome a prediction.
 pub(super) fn pair(
     predicted: &[Rect],
-    candidates: &[Candidate],
-    rule: Matching,
+    candidates: &[TruthCandidate],
+    rule: BoxMatching,
     threshold: f64,
-) -> Vec<Outcome> {
+) -> Vec<MatchOutcome> {
     let mut taken = vec![false; candidates.len()];
     // COCO looks at the ignored ones last.
     let mut order: Vec<usize> = (0..candidates.len()).collect();
     order.sort_by_key(|&index| candidates[index].ignored);
     let outcome = |predicted: &Rect| {
         let found = match rule {
-            Matching::DarknetVoc => most_overlapped(predicted, candidates, threshold),
-            Matching::Coco => best_free(predicted, candidates, &order, &taken, threshold),
+            BoxMatching::DarknetVoc => most_overlapped(predicted, candidates, threshold),
+            BoxMatching::Coco => best_free(predicted, candidates, &order, &taken, threshold),
         };
         let Some((index, iou)) = found else {
-            return Outcome::FalseAlarm;
+            return MatchOutcome::FalseAlarm;
         };
         let candidate = &candidates[index];
         if candidate.ignored {
             taken[index] = true;
-            Outcome::Ignored
+            MatchOutcome::Ignored
         } else if taken[index] {
-            Outcome::FalseAlarm
+            MatchOutcome::FalseAlarm
         } else {
             taken[index] = true;
-            Outcome::Hit {
+            MatchOutcome::Hit {
                 truth: candidate.truth,
                 iou,
             }
@@ -65,7 +65,7 @@ pub(super) fn pair(
 /// The candidate that a box overlaps most, by more than the threshold, taken or not.
 fn most_overlapped(
     predicted: &Rect,
-    candidates: &[Candidate],
+    candidates: &[TruthCandidate],
     threshold: f64,
 ) -> Option<(usize, f64)> {
     let overlaps = candidates
@@ -73,7 +73,7 @@ fn most_overlapped(
         .map(|candidate| iou(predicted, &candidate.rect, false));
     overlaps
         .enumerate()
-        .filter(|&(_, overlap)| Matching::DarknetVoc.passes(overlap, threshold))
+        .filter(|&(_, overlap)| BoxMatching::DarknetVoc.passes(overlap, threshold))
         .max_by(|(_, a), (_, b)| a.total_cmp(b))
 }
 
@@ -81,7 +81,7 @@ fn most_overlapped(
 /// `pycocotools`.
 fn best_free(
     predicted: &Rect,
-    candidates: &[Candidate],
+    candidates: &[TruthCandidate],
     order: &[usize],
     taken: &[bool],
     threshold: f64,
@@ -97,7 +97,7 @@ fn best_free(
         }
         let overlap = iou(predicted, &candidate.rect, candidate.crowd);
         let least = best.map_or(0.0, |(_, overlap)| overlap);
-        if overlap >= least && Matching::Coco.passes(overlap, threshold) {
+        if overlap >= least && BoxMatching::Coco.passes(overlap, threshold) {
             best = Some((index, overlap));
         }
     }

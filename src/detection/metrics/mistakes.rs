@@ -1,6 +1,6 @@
 //! What to look at: every false alarm and every miss.
 
-use super::matching::Outcome;
+use super::matching::MatchOutcome;
 use super::ranking::Ranked;
 use super::{Image, MetricSettings, iou};
 use crate::detection::Rect;
@@ -76,7 +76,7 @@ impl ShownImages {
         for one in shown {
             let image = &mut sorted[one.image];
             match one.outcome {
-                Outcome::Hit { truth, .. } => image.found[truth] = true,
+                MatchOutcome::Hit { truth, .. } => image.found[truth] = true,
                 _ => image.false_alarms.push(one.predicted),
             }
         }

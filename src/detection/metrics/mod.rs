@@ -28,7 +28,7 @@ use super::{Rect, Scored};
 
 /// A true box.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Truth {
+pub(crate) struct TrueBox {
     /// Index into the class names.
     pub class: usize,
     /// Where, pixels.
@@ -42,7 +42,7 @@ pub(crate) struct Truth {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Image {
     /// What is there.
-    pub truth: Vec<Truth>,
+    pub truth: Vec<TrueBox>,
     /// What was proposed, in any order; of equal scores the first counts first.
     pub predicted: Vec<Scored>,
 }
@@ -53,7 +53,7 @@ impl Image {
     pub(crate) fn name_by_truth(&mut self, nameless: usize) {
         let without = |one: &&mut Scored| one.class == nameless;
         for one in self.predicted.iter_mut().filter(without) {
-            let overlap = |truth: &Truth| one.rect.iou(&truth.rect);
+            let overlap = |truth: &TrueBox| one.rect.iou(&truth.rect);
             let met = self.truth.iter().filter(|truth| overlap(truth) > 0.0);
             if let Some(truth) = met.max_by(|a, b| overlap(a).total_cmp(&overlap(b))) {
                 one.class = truth.class;
@@ -64,7 +64,7 @@ impl Image {
 
 /// Which prediction belongs to which true box of its class. Predictions choose by falling score.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Matching {
+pub(crate) enum BoxMatching {
     /// Darknet and VOC: a prediction takes the truth that it overlaps most, by more than the threshold; when that one is
     /// taken it is a false alarm, even where another would do. A class without truths counts as 0 in the mean.
     DarknetVoc,
@@ -73,13 +73,13 @@ pub(crate) enum Matching {
     Coco,
 }
 
-impl Matching {
+impl BoxMatching {
     /// Whether an overlap makes a match.
     fn passes(self, iou: f64, threshold: f64) -> bool {
         match self {
-            Matching::DarknetVoc => iou > threshold,
+            BoxMatching::DarknetVoc => iou > threshold,
             // An IoU of 1 passes a threshold of 1 despite rounding.
-            Matching::Coco => iou >= threshold.min(1.0 - 1e-10),
+            BoxMatching::Coco => iou >= threshold.min(1.0 - 1e-10),
         }
     }
 }
@@ -88,7 +88,7 @@ impl Matching {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct MetricSettings {
     /// Which prediction belongs to which truth.
-    pub matching: Matching,
+    pub matching: BoxMatching,
     /// How a precision-recall curve becomes a number.
     pub ap: ApMethod,
     /// Intersection over union that makes a match, 0 to 1.
@@ -105,7 +105,7 @@ impl MetricSettings {
     /// As `detector map -points 0` of Darknet measures: all points, more than IoU 0.5, score 0.25.
     pub(crate) fn darknet() -> Self {
         Self {
-            matching: Matching::DarknetVoc,
+            matching: BoxMatching::DarknetVoc,
             ap: ApMethod::AllPoint,
             iou: 0.5,
             score: 0.25,
@@ -117,7 +117,7 @@ impl MetricSettings {
     /// As COCO measures: 101 points, IoU 0.5 and above, 100 boxes of a class in a picture.
     pub(crate) fn coco() -> Self {
         Self {
-            matching: Matching::Coco,
+            matching: BoxMatching::Coco,
             ap: ApMethod::Coco101,
             max_detections: Some(100),
             ..Self::darknet()

@@ -1,6 +1,6 @@
 //! Counts, precision and recall, and the curves that they draw over the score.
 
-use super::matching::Outcome;
+use super::matching::MatchOutcome;
 use super::ranking::Ranked;
 
 /// How a precision-recall curve becomes one number.
@@ -36,7 +36,7 @@ impl MatchCounts {
         };
         for one in shown {
             match one.outcome {
-                Outcome::Hit { iou, .. } => {
+                MatchOutcome::Hit { iou, .. } => {
                     counts.found += 1;
                     counts.iou_sum += iou;
                 }

@@ -1,6 +1,6 @@
 //! All predictions of one class, by falling score, with what became of them.
 
-use super::matching::{Candidate, Outcome, pair};
+use super::matching::{MatchOutcome, TruthCandidate, pair};
 use super::{Image, MetricSettings, area};
 use crate::detection::Rect;
 use std::ops::RangeInclusive;
@@ -12,7 +12,7 @@ pub(crate) struct Ranked {
     /// Index into the picture's predictions.
     pub predicted: usize,
     pub score: f32,
-    pub outcome: Outcome,
+    pub outcome: MatchOutcome,
 }
 
 /// One class over all pictures.
@@ -56,9 +56,9 @@ impl Ranking {
             for (predicted, outcome) in order.into_iter().zip(outcomes) {
                 let one = &boxes.predicted[predicted];
                 let counts = match outcome {
-                    Outcome::Hit { .. } => true,
-                    Outcome::FalseAlarm => sizes.contains(&area(&one.rect)),
-                    Outcome::Ignored => false,
+                    MatchOutcome::Hit { .. } => true,
+                    MatchOutcome::FalseAlarm => sizes.contains(&area(&one.rect)),
+                    MatchOutcome::Ignored => false,
                 };
                 if counts {
                     ranking.ranked.push(Ranked {
@@ -81,11 +81,11 @@ impl Ranking {
     }
 }
 
-fn candidates(boxes: &Image, class: usize, sizes: &Sizes) -> Vec<Candidate> {
+fn candidates(boxes: &Image, class: usize, sizes: &Sizes) -> Vec<TruthCandidate> {
     let of_class = boxes.truth.iter().enumerate();
     of_class
         .filter(|(_, truth)| truth.class == class)
-        .map(|(index, truth)| Candidate {
+        .map(|(index, truth)| TruthCandidate {
             truth: index,
             rect: truth.rect,
             crowd: truth.ignored,

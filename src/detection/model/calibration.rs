@@ -5,12 +5,12 @@
 
 /// A rising map of confidences, 0 to 1 on both sides. Without points it leaves them as they are.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Calibration {
+pub(super) struct ConfidenceCalibration {
     /// The network's confidence and what it comes to, both rising, from `[0, 0]` on.
     points: Vec<[f32; 2]>,
 }
 
-impl Calibration {
+impl ConfidenceCalibration {
     /// `None` unless both numbers rise from point to point between 0 and 1, the first being 1 at the end: only then has each
     /// confidence one counterpart.
     pub(super) fn new(points: &[[f32; 2]]) -> Option<Self> {
@@ -56,8 +56,8 @@ impl Calibration {
 mod tests {
     use super::*;
 
-    fn bent() -> Calibration {
-        Calibration::new(&[[0.2, 0.1], [0.6, 0.8], [1.0, 0.95]]).expect("a rising map")
+    fn bent() -> ConfidenceCalibration {
+        ConfidenceCalibration::new(&[[0.2, 0.1], [0.6, 0.8], [1.0, 0.95]]).expect("a rising map")
     }
 
     #[test]
@@ -81,7 +81,7 @@ mod tests {
     #[test]
     fn without_points_confidences_stay() {
         for value in [0.0, 0.3, 1.0] {
-            let map = Calibration::default();
+            let map = ConfidenceCalibration::default();
             assert_eq!([map.calibrated(value), map.confidence(value)], [value; 2]);
         }
     }
@@ -97,8 +97,8 @@ mod tests {
             &[[0.5, f32::NAN], [1.0, 1.0]],
         ];
         for points in refused {
-            assert_eq!(Calibration::new(points), None, "{points:?}");
+            assert_eq!(ConfidenceCalibration::new(points), None, "{points:?}");
         }
-        assert!(Calibration::new(&[[0.0, 0.0], [1.0, 1.0]]).is_some());
+        assert!(ConfidenceCalibration::new(&[[0.0, 0.0], [1.0, 1.0]]).is_some());
     }
 }

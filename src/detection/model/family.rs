@@ -16,7 +16,7 @@ pub(super) type Shaped<'a> = (&'a str, &'a [usize]);
 
 /// A detector whose outputs can be read.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Family {
+pub(super) struct DetectorFamily {
     /// Classes that it distinguishes.
     pub classes: usize,
     kind: Kind,
@@ -101,7 +101,7 @@ pub(super) fn bind(
     input: [usize; 2],
     sidecar: &Sidecar,
     known_names: Option<usize>,
-) -> Result<Family, Unusable> {
+) -> Result<DetectorFamily, Unusable> {
     let misfit = |why: String| Unusable::Misfit {
         family: name.words().to_owned(),
         why,
@@ -156,10 +156,10 @@ pub(super) fn bind(
             (more(width, 5)?, Kind::Yolox(strides))
         }
     };
-    Ok(Family { classes, kind })
+    Ok(DetectorFamily { classes, kind })
 }
 
-impl Family {
+impl DetectorFamily {
     /// Boxes of at least that score, in pixels of the input.
     pub(super) fn decode(&self, outputs: &[Output], input: [usize; 2], least: f32) -> Vec<Scored> {
         let values = |index: usize| outputs.get(index).map_or(&[][..], |output| &output.values);

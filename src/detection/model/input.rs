@@ -31,7 +31,7 @@ pub(super) struct InputSpec {
 
 /// Where a picture lies in the network's input: `input = picture * scale + offset`, across and down.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Fit {
+pub(super) struct InputFit {
     scale: [f32; 2],
     offset: [f32; 2],
     /// Pixels of the input that the picture covers, across and down.
@@ -39,7 +39,7 @@ pub(super) struct Fit {
     picture: [f32; 2],
 }
 
-impl Fit {
+impl InputFit {
     /// Lays a picture of `picture` pixels (across, down) into an input of `input` pixels.
     pub(super) fn new(picture: [usize; 2], input: [usize; 2], resize: Resize) -> Self {
         let size = picture.map(|pixels| pixels.max(1) as f32);
@@ -84,8 +84,8 @@ impl InputSpec {
     }
 
     /// Where a picture lies in the input.
-    pub(super) fn fit(&self, picture: &Picture) -> Fit {
-        Fit::new(
+    pub(super) fn fit(&self, picture: &Picture) -> InputFit {
+        InputFit::new(
             [picture.width, picture.height],
             [self.width, self.height],
             self.resize,
@@ -93,7 +93,7 @@ impl InputSpec {
     }
 
     /// The input that a picture becomes; between pixels it is interpolated linearly.
-    pub(super) fn numbers(&self, picture: &Picture, fit: &Fit) -> Vec<f32> {
+    pub(super) fn numbers(&self, picture: &Picture, fit: &InputFit) -> Vec<f32> {
         let mut numbers = vec![0.0; self.count()];
         for channel in 0..self.channels {
             let bar = self.number(BAR, channel);
@@ -125,7 +125,7 @@ impl InputSpec {
     }
 
     /// A channel's level between four pixels.
-    fn between(&self, picture: &Picture, x: Place, y: Place, channel: usize) -> f32 {
+    fn between(&self, picture: &Picture, x: PixelPlace, y: PixelPlace, channel: usize) -> f32 {
         let level = |x, y| self.level(picture, x, y, channel);
         let row = |y| mix(level(x.low, y), || level(x.low + 1, y), x.share);
         mix(row(y.low), || row(y.low + 1), y.share)
@@ -152,16 +152,16 @@ fn mix(low: f32, high: impl FnOnce() -> f32, share: f32) -> f32 {
 
 /// A place between two pixels of the picture.
 #[derive(Clone, Copy)]
-struct Place {
+struct PixelPlace {
     low: usize,
     share: f32,
 }
 
 /// For each pixel of the input along one axis, the place in the picture that its middle lies at.
-struct Line(Vec<Option<Place>>);
+struct Line(Vec<Option<PixelPlace>>);
 
 impl Line {
-    fn new(count: usize, fit: &Fit, axis: usize) -> Self {
+    fn new(count: usize, fit: &InputFit, axis: usize) -> Self {
         let first = fit.offset[axis] as usize;
         let inside = first..first + fit.covered[axis];
         Self(
@@ -170,7 +170,7 @@ impl Line {
                     let middle = index as f32 + 0.5 - fit.offset[axis];
                     let place =
                         (middle / fit.scale[axis] - 0.5).clamp(0.0, fit.picture[axis] - 1.0);
-                    inside.contains(&index).then_some(Place {
+                    inside.contains(&index).then_some(PixelPlace {
                         low: place as usize,
                         share: place.fract(),
                     })
@@ -179,7 +179,7 @@ impl Line {
         )
     }
 
-    fn at(&self, index: usize) -> Option<Place> {
+    fn at(&self, index: usize) -> Option<PixelPlace> {
         self.0.get(index).copied().flatten()
     }
 }

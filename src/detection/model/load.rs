@@ -1,6 +1,6 @@
 //! From a file to a model that has run once.
 
-use super::family::{self, Family, Shaped};
+use super::family::{self, DetectorFamily, Shaped};
 use super::guard::guarded;
 use super::input::InputSpec;
 use super::metadata::Metadata;
@@ -192,7 +192,7 @@ fn understand(
     input: &InputSpec,
     sidecar: &Sidecar,
     metadata: &Metadata,
-) -> Result<(Family, FamilyName, bool), Unusable> {
+) -> Result<(DetectorFamily, FamilyName, bool), Unusable> {
     let shapes: Vec<Shaped<'_>> = outputs
         .iter()
         .map(|output| (output.name.as_str(), output.shape.as_slice()))
@@ -243,7 +243,7 @@ fn prepare_as_trained(
 fn class_names(
     sidecar: &Sidecar,
     metadata: &Metadata,
-    family: &Family,
+    family: &DetectorFamily,
 ) -> Result<Vec<String>, Unusable> {
     let known = sidecar.names.clone().or_else(|| metadata.names());
     match known {
@@ -264,7 +264,7 @@ fn class_names(
 
 fn assemble(
     backend: Box<dyn Inference>,
-    family: Family,
+    family: DetectorFamily,
     input: InputSpec,
     names: Vec<String>,
     sidecar: &Sidecar,

@@ -31,8 +31,8 @@ pub(crate) use error::{DetectError, ModelError, Unusable};
 pub(crate) use shipped::shipped;
 
 use super::{Nms, Picture, Scored, level, suppress, test_time_augmentation, vote};
-use calibration::Calibration;
-use family::Family;
+use calibration::ConfidenceCalibration;
+use family::DetectorFamily;
 use input::InputSpec;
 use std::path::Path;
 
@@ -48,7 +48,7 @@ const LEAST_SCORE: f32 = 0.001;
 /// A detector that is ready to run, from several threads at once.
 pub struct Model {
     backend: Box<dyn Inference>,
-    family: Family,
+    family: DetectorFamily,
     input: InputSpec,
     /// The network's class names, then that of a box without one unless the network has it.
     names: Vec<String>,
@@ -67,7 +67,7 @@ pub struct Model {
     /// Whether a picture that seems to show something is evaluated once more, mirrored.
     augments: bool,
     /// What the network's confidences come to.
-    calibration: Calibration,
+    calibration: ConfidenceCalibration,
     description: String,
 }
 

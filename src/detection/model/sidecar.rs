@@ -2,8 +2,8 @@
 //! named here (how a model was trained) are left alone.
 
 use super::Unusable;
-use super::calibration::Calibration;
-use crate::detection::Overlap;
+use super::calibration::ConfidenceCalibration;
+use crate::detection::OverlapMeasure;
 use serde::Deserialize;
 
 /// What the file may say.
@@ -180,11 +180,11 @@ pub enum NmsEntry {
     Darknet,
 }
 
-impl From<NmsEntry> for Overlap {
+impl From<NmsEntry> for OverlapMeasure {
     fn from(entry: NmsEntry) -> Self {
         match entry {
-            NmsEntry::Plain => Overlap::Plain,
-            NmsEntry::Darknet => Overlap::Darknet,
+            NmsEntry::Plain => OverlapMeasure::Plain,
+            NmsEntry::Darknet => OverlapMeasure::Darknet,
         }
     }
 }
@@ -202,8 +202,8 @@ impl Sidecar {
     }
 
     /// What the network's confidences come to; `None` where the file does not say, or what it says is no rising map.
-    pub(super) fn calibration(&self) -> Option<Calibration> {
-        Calibration::new(self.calibration.as_deref()?)
+    pub(super) fn calibration(&self) -> Option<ConfidenceCalibration> {
+        ConfidenceCalibration::new(self.calibration.as_deref()?)
     }
 
     fn check(&self) -> Result<(), Unusable> {

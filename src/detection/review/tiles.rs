@@ -1,7 +1,7 @@
 //! Which pictures teach a detector what the analyst decided: tiles around the decided boxes, and what is true in each.
 
 use super::{Review, Reviewed, State};
-use crate::detection::dataset::Boxes;
+use crate::detection::dataset::PictureBoxes;
 use crate::detection::{Labelled, NAMELESS_CLASS, ObjectExtent, Raster, Rect, TILE_PX};
 use crate::survey::Side;
 
@@ -24,7 +24,7 @@ pub struct ReviewedTile {
     pub column: usize,
     /// Accepted and added boxes are labels; there are none where all was rejected, which makes a hard negative. Ignored are
     /// boxes that nobody has decided about, and objects that the edge cuts off.
-    pub boxes: Boxes,
+    pub boxes: PictureBoxes,
     /// Boxes rejected in it.
     pub rejected: usize,
 }
@@ -99,7 +99,7 @@ fn around(rect: &Rect, side: Side, raster: &Raster, boxes: &[(Rect, &Reviewed)])
         side,
         row,
         column,
-        boxes: Boxes::default(),
+        boxes: PictureBoxes::default(),
         rejected: 0,
     };
     let frame = frame(&tile);

@@ -1,6 +1,6 @@
 //! The echo and the shadow inside a box.
 
-use super::profile::{Background, Grid};
+use super::profile::{BackgroundLevels, RangeSteps};
 use super::runs::{self, Runs, runs};
 use crate::detection::Mark;
 use crate::support::statistics::median;
@@ -139,8 +139,8 @@ pub(crate) fn parts(survey: &Survey, mark: &Mark) -> Option<Parts> {
 /// A box, ready to be looked at in some of its pings.
 struct Look<'a> {
     survey: &'a Survey,
-    grid: Grid,
-    background: Background,
+    grid: RangeSteps,
+    background: BackgroundLevels,
     /// Mean level of the background.
     level: f64,
     /// Shortest dark run that is a shadow, and the end of what was recorded, metres.
@@ -163,7 +163,7 @@ impl<'a> Look<'a> {
         if steps < 3.0 {
             return None;
         }
-        let grid = Grid {
+        let grid = RangeSteps {
             side: mark.side,
             from_m,
             step_m: (to_m - from_m) / steps.min(STEPS as f64),
@@ -173,7 +173,7 @@ impl<'a> Look<'a> {
             Some(background) => background,
             None => {
                 let mut levels = grid.profile(survey, core(&mark.pings))?;
-                Background {
+                BackgroundLevels {
                     levels: vec![median(&mut levels); grid.steps],
                     speckle: f64::NAN,
                 }

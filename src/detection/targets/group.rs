@@ -3,7 +3,7 @@
 use super::Target;
 use super::pairs::{pairs, same_pass, size_m};
 use super::sighting::{GroupSettings, Sighting};
-use super::spread::Spread;
+use super::spread::PositionCovariance;
 use crate::detection::ObjectExtent;
 
 /// One object with all that was seen of it.
@@ -132,23 +132,24 @@ fn joins(
     both().all(|&index| {
         let target = sightings[index].target;
         let either = size_m * size_m + log_sigma_m * log_sigma_m;
-        let spread = spread(target, settings).plus(Spread::round(either));
+        let spread = spread(target, settings).plus(PositionCovariance::round(either));
         let off_m = [target.east_m - place[0], target.north_m - place[1]];
         spread.squared_sigmas(off_m) < settings.sigmas * settings.sigmas
     })
 }
 
 /// Uncertainty of a sighting against those of other lines.
-fn spread(target: &Target, settings: &GroupSettings) -> Spread {
-    Spread::of(target).plus(Spread::round(settings.receiver_sigma_m.powi(2)))
+fn spread(target: &Target, settings: &GroupSettings) -> PositionCovariance {
+    PositionCovariance::of(target)
+        .plus(PositionCovariance::round(settings.receiver_sigma_m.powi(2)))
 }
 
 /// Mean place, weighted by the inverse of the covariances, and its covariance.
 fn common<'a>(
     targets: impl Iterator<Item = &'a Target>,
     settings: &GroupSettings,
-) -> ([f64; 2], Spread) {
-    let (mut information, mut sum) = (Spread::round(0.0), [0.0; 2]);
+) -> ([f64; 2], PositionCovariance) {
+    let (mut information, mut sum) = (PositionCovariance::round(0.0), [0.0; 2]);
     for target in targets {
         let weight = spread(target, settings).inverse();
         let [east, north] = weight.times([target.east_m, target.north_m]);

@@ -2,7 +2,7 @@
 
 use super::Target;
 use super::sighting::{GroupSettings, Sighting};
-use super::spread::Spread;
+use super::spread::PositionCovariance;
 
 /// Two sightings of one side that lie along the track by less than this, metres sailed, with less change of heading than this,
 /// radians, are of one pass: a boat that goes straight on passes a thing once.
@@ -45,7 +45,11 @@ pub(super) fn size_m(target: &Target) -> f64 {
 }
 
 /// Squared distance of two sightings in standard deviations, with their joint covariance; another class adds to it.
-fn apart(a: &Sighting<'_>, b: &Sighting<'_>, settings: &GroupSettings) -> (f64, Spread) {
+fn apart(
+    a: &Sighting<'_>,
+    b: &Sighting<'_>,
+    settings: &GroupSettings,
+) -> (f64, PositionCovariance) {
     let size_m = size_m(a.target).max(size_m(b.target));
     let of_logs = if a.log == b.log {
         0.0
@@ -53,9 +57,9 @@ fn apart(a: &Sighting<'_>, b: &Sighting<'_>, settings: &GroupSettings) -> (f64, 
         2.0 * settings.log_sigma_m.powi(2)
     };
     let either = 2.0 * settings.receiver_sigma_m.powi(2) + of_logs + size_m * size_m;
-    let spread = Spread::of(a.target)
-        .plus(Spread::of(b.target))
-        .plus(Spread::round(either));
+    let spread = PositionCovariance::of(a.target)
+        .plus(PositionCovariance::of(b.target))
+        .plus(PositionCovariance::round(either));
     let off_m = [
         a.target.east_m - b.target.east_m,
         a.target.north_m - b.target.north_m,

@@ -6,14 +6,14 @@ use std::ops::Range;
 
 /// One pass of the boat along a place, within the range of its side-scan. Under the boat both sides see the place: that is one pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Pass {
+pub(crate) struct TargetPass {
     /// The ping that is abeam of the place.
     pub ping: usize,
     /// The first ping that may be, as well as the heading is known. In a turn about the place many are.
     pub first_ping: usize,
     /// The last ping that may be.
     pub last_ping: usize,
-    /// The side that the place lies on at [`Pass::ping`], where the boat is nearest to abeam.
+    /// The side that the place lies on at [`TargetPass::ping`], where the boat is nearest to abeam.
     pub side: Side,
     /// Distance from the track to the place, metres.
     pub ground_m: f64,
@@ -125,15 +125,19 @@ fn moment((log, pings): &LogPings, logs: &[PassLog<'_>]) -> Option<Moment> {
 }
 
 /// Every pass in which the side-scan could insonify a place (metres in the survey's plane): it is abeam, recorded, and within the range.
-pub(crate) fn passes_over(survey: &Survey, navigation: &Navigation, place: [f64; 2]) -> Vec<Pass> {
-    let mut passes: Vec<Pass> = Vec::new();
+pub(crate) fn passes_over(
+    survey: &Survey,
+    navigation: &Navigation,
+    place: [f64; 2],
+) -> Vec<TargetPass> {
+    let mut passes: Vec<TargetPass> = Vec::new();
     // Least distance ahead or astern of the pass that is going on.
     let mut least_m = f64::INFINITY;
     for ping in 0..navigation.pings.len() {
         let Some((side, ground_m, along_m)) = abeam(survey, navigation, ping, place) else {
             continue;
         };
-        let here = Pass {
+        let here = TargetPass {
             ping,
             first_ping: ping,
             last_ping: ping,

@@ -10,14 +10,14 @@ const NEIGHBOUR_PINGS: usize = 24;
 const APART: usize = 2;
 
 /// Equal steps of slant range on one side.
-pub(super) struct Grid {
+pub(super) struct RangeSteps {
     pub(super) side: Side,
     pub(super) from_m: f64,
     pub(super) step_m: f64,
     pub(super) steps: usize,
 }
 
-impl Grid {
+impl RangeSteps {
     /// Mean level of some pings at each step; `None` where none of them was recorded.
     pub(super) fn profile(&self, survey: &Survey, pings: Range<usize>) -> Option<Vec<f64>> {
         let mut sums = vec![0.0; self.steps];
@@ -56,7 +56,7 @@ impl Grid {
     }
 
     /// What the pings before and behind the box receive; `None` where there are none.
-    pub(super) fn background(&self, survey: &Survey, mark: &Mark) -> Option<Background> {
+    pub(super) fn background(&self, survey: &Survey, mark: &Mark) -> Option<BackgroundLevels> {
         let pings = Self::beside(survey, mark);
         let both: Vec<Vec<f64>> = pings
             .iter()
@@ -82,7 +82,7 @@ impl Grid {
             .flatten()
             .filter_map(|ping| self.swing(survey, ping, &levels))
             .collect();
-        Some(Background {
+        Some(BackgroundLevels {
             speckle: median(&mut swings),
             levels,
         })
@@ -106,7 +106,7 @@ impl Grid {
 }
 
 /// What the pings next to a box receive.
-pub(super) struct Background {
+pub(super) struct BackgroundLevels {
     /// Mean level at each step, smoothed over range.
     pub(super) levels: Vec<f64>,
     /// Standard deviation of single samples about it; NaN where it is not known.

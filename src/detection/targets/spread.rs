@@ -4,13 +4,13 @@ use super::Target;
 
 /// Covariance of a place, square metres: of east, of both, of north.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Spread {
+pub(super) struct PositionCovariance {
     east: f64,
     both: f64,
     north: f64,
 }
 
-impl Spread {
+impl PositionCovariance {
     /// The same in every direction.
     pub(super) const fn round(variance_m2: f64) -> Self {
         Self {

@@ -121,7 +121,7 @@ impl TruthComparison {
     }
 
     /// The truth that boxes are compared with.
-    pub(crate) fn truth(&self) -> &super::Truth {
+    pub(crate) fn truth(&self) -> &super::SurveyTruth {
         self.on_raster.truth()
     }
 

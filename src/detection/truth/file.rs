@@ -1,7 +1,7 @@
 //! Truth from files. What is read may come from anywhere: every number is checked before it is believed.
 
-use super::Truth;
-use crate::detection::dataset::Known;
+use super::SurveyTruth;
+use crate::detection::dataset::KnownObject;
 use crate::detection::review::{Review, ReviewError, read_text};
 use crate::detection::{Mark, ObjectExtent, class_index};
 use crate::support::file_error::FileError;
@@ -80,11 +80,11 @@ pub(crate) enum SightingFault {
     Shown(String),
 }
 
-impl Truth {
+impl SurveyTruth {
     /// Reads the truth about the log `of` from a file.
     ///
     /// # Errors
-    /// When the file cannot be read, or as [`Truth::parse`].
+    /// When the file cannot be read, or as [`SurveyTruth::parse`].
     pub(crate) fn read(path: &Path, of: &Identity) -> Result<Self, TruthFileError> {
         let text = read_text(path, "truth")?;
         Ok(Self::parse(&text, of).map_err(FileError::at(path))?)
@@ -110,7 +110,7 @@ impl Truth {
         Self {
             classes: review.classes().to_vec(),
             objects: objects
-                .map(|one| Known {
+                .map(|one| KnownObject {
                     class: one.class,
                     whole: one.mark.clone(),
                     shown: true,
@@ -151,10 +151,10 @@ impl Columns {
     }
 }
 
-fn from_table(text: &str, pings: usize) -> Result<Truth, TruthError> {
+fn from_table(text: &str, pings: usize) -> Result<SurveyTruth, TruthError> {
     let mut table = csv::Reader::from_reader(text.as_bytes());
     let columns = Columns::of(table.headers()?)?;
-    let mut truth = Truth {
+    let mut truth = SurveyTruth {
         classes: Vec::new(),
         objects: Vec::new(),
         was_seen: false,
@@ -182,7 +182,7 @@ fn known(
     columns: &Columns,
     pings: usize,
     classes: &mut Vec<String>,
-) -> Result<Known, SightingFault> {
+) -> Result<KnownObject, SightingFault> {
     let field = |column: usize| record.get(column).unwrap_or_default().trim();
     let no = |column: usize, needed: &'static str| SightingFault::Field {
         text: field(column).to_owned(),
@@ -216,7 +216,7 @@ fn known(
         "1" => true,
         other => return Err(SightingFault::Shown(other.to_owned())),
     };
-    Ok(Known {
+    Ok(KnownObject {
         class: class_index(classes, field(columns.kind)),
         whole: Mark::new(side, first..last + 1, [near_m, far_m]),
         shown,

@@ -16,24 +16,24 @@ pub(crate) use compare::{Mistake, Standing, TruthComparison};
 pub(crate) use file::{TruthError, TruthFileError};
 pub(crate) use raster_truth::RasterTruth;
 
-use super::dataset::Known;
+use super::dataset::KnownObject;
 
 /// End of the name of the table of objects that `bathyscope simulate` writes next to a log, in place of the log's own.
 pub(crate) const SIDECAR: &str = "objects.csv";
 
 /// Objects whose place in a survey is known.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Truth {
-    /// Class names that [`Known::class`] means.
+pub(crate) struct SurveyTruth {
+    /// Class names that [`KnownObject::class`] means.
     pub classes: Vec<String>,
     /// The objects, one entry for each pass that insonified one.
-    pub objects: Vec<Known>,
+    pub objects: Vec<KnownObject>,
     /// Somebody drew the boxes because they saw something there: all of them count. Otherwise they follow from geometry, and
     /// what does not stand out in the picture is neither to be found nor to be missed.
     pub was_seen: bool,
 }
 
-impl Truth {
+impl SurveyTruth {
     /// Name of a class; empty for an index that has none.
     pub(crate) fn class_name(&self, class: usize) -> &str {
         self.classes.get(class).map_or("", String::as_str)

@@ -1,7 +1,7 @@
 //! The truth in the survey's raster.
 
-use super::Truth;
-use crate::detection::dataset::Known;
+use super::SurveyTruth;
+use crate::detection::dataset::KnownObject;
 use crate::detection::{Mark, Raster, class_index, metrics};
 use crate::survey::Side;
 use std::sync::Arc;
@@ -9,21 +9,21 @@ use std::sync::Arc;
 /// The objects of a truth as boxes in the pixels of a raster.
 #[derive(Clone, Debug)]
 pub(crate) struct RasterTruth {
-    pub(super) truth: Arc<Truth>,
+    pub(super) truth: Arc<SurveyTruth>,
     /// Boxes to the two sides, and which object each is.
-    pub(super) sides: [Vec<(metrics::Truth, usize)>; 2],
+    pub(super) sides: [Vec<(metrics::TrueBox, usize)>; 2],
 }
 
 impl RasterTruth {
     /// Lays the objects out. Those that nobody could be asked for, by the rule by which a detector is taught
-    /// ([`Known::is_plain`]), are marked to be ignored unless somebody saw them.
-    pub(crate) fn new(raster: &Raster, truth: Arc<Truth>) -> Self {
-        let rasterise = |known: &Known| metrics::Truth {
+    /// ([`KnownObject::is_plain`]), are marked to be ignored unless somebody saw them.
+    pub(crate) fn new(raster: &Raster, truth: Arc<SurveyTruth>) -> Self {
+        let rasterise = |known: &KnownObject| metrics::TrueBox {
             class: known.class,
             rect: raster.rect_of(&known.whole),
             ignored: !truth.was_seen && !known.is_plain(raster),
         };
-        let on_raster: Vec<metrics::Truth> = truth.objects.iter().map(rasterise).collect();
+        let on_raster: Vec<metrics::TrueBox> = truth.objects.iter().map(rasterise).collect();
         let on = |side: Side| {
             let all = on_raster.iter().zip(&truth.objects).enumerate();
             all.filter(|(_, (_, known))| known.whole.side == side)
@@ -57,7 +57,7 @@ impl RasterTruth {
             let of_side = self.sides[side].iter();
             metrics::Image {
                 truth: of_side
-                    .map(|(one, _)| metrics::Truth {
+                    .map(|(one, _)| metrics::TrueBox {
                         class: class_of.get(one.class).copied().unwrap_or(usize::MAX),
                         ..*one
                     })
@@ -68,7 +68,7 @@ impl RasterTruth {
     }
 
     /// The truth.
-    pub(crate) fn truth(&self) -> &Arc<Truth> {
+    pub(crate) fn truth(&self) -> &Arc<SurveyTruth> {
         &self.truth
     }
 }

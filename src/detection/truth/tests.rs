@@ -21,8 +21,8 @@ fn mark(start: usize, near_m: f64) -> Mark {
     Mark::new(Side::Port, start..start + 10, [near_m, near_m + 2.0])
 }
 
-fn read(lines: &str) -> Result<Truth, TruthError> {
-    Truth::parse(&format!("{HEADER}{lines}"), &identity(200))
+fn read(lines: &str) -> Result<SurveyTruth, TruthError> {
+    SurveyTruth::parse(&format!("{HEADER}{lines}"), &identity(200))
 }
 
 #[test]
@@ -60,10 +60,10 @@ fn what_is_no_truth_of_this_log_is_refused_in_a_sentence() {
         let sentence = read(line).expect_err(line).to_string();
         assert!(sentence.contains(part), "{line}: {sentence}");
     }
-    let other = Truth::parse("id,class\n1,rock\n", &identity(9)).expect_err("another table");
+    let other = SurveyTruth::parse("id,class\n1,rock\n", &identity(9)).expect_err("another table");
     assert!(other.to_string().contains("no column `kind`"), "{other}");
     let review = Review::new(identity(100), vec!["rock".into()]).to_json();
-    let other = Truth::parse(&review, &identity(200)).expect_err("another log's review");
+    let other = SurveyTruth::parse(&review, &identity(200)).expect_err("another log's review");
     assert!(other.to_string().contains("another log"), "{other}");
 }
 
@@ -86,7 +86,7 @@ fn a_review_is_truth_by_what_was_accepted_and_added() {
         class: 0,
     };
     let review = review.apply(&drawn).expect("added");
-    let truth = Truth::parse(&review.to_json(), &identity(200)).expect("a review");
+    let truth = SurveyTruth::parse(&review.to_json(), &identity(200)).expect("a review");
     let marks: Vec<&Mark> = truth.objects.iter().map(|known| &known.whole).collect();
     assert_eq!(marks, [&mark(20, 3.0), &mark(100, 4.0)]);
     assert!(truth.was_seen);
@@ -98,7 +98,7 @@ fn objects_that_nothing_shows_or_that_are_slivers_count_only_when_somebody_saw_t
     let raster = Raster::new(&survey, &navigation, 0.04);
     let lines = "0,tyre,port,40,49,3,5,1\n0,tyre,port,100,109,3,5,0\n0,tyre,port,140,149,3,3.1,1\n";
     let mut truth = read(lines).expect("a table");
-    let rasterise = |truth: &Truth| {
+    let rasterise = |truth: &SurveyTruth| {
         let [port, starboard] = RasterTruth::new(&raster, Arc::new(truth.clone())).sides;
         assert!(starboard.is_empty());
         port.iter().map(|(one, _)| one.ignored).collect::<Vec<_>>()
@@ -117,10 +117,10 @@ fn compared() -> TruthComparison {
 fn compared_with(at_60: &str) -> TruthComparison {
     let (survey, navigation) = survey(200, |_, _| 0);
     let raster = Raster::new(&survey, &navigation, 0.04);
-    let truth = Truth {
+    let truth = SurveyTruth {
         classes: vec!["log".into(), "tyre".into()],
         objects: [(1, 20), (0, 60), (1, 140)]
-            .map(|(class, start)| Known {
+            .map(|(class, start)| KnownObject {
                 class,
                 whole: mark(start, 3.0),
                 shown: true,

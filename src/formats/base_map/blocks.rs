@@ -1,24 +1,24 @@
 //! The blocks of a base map that were read last.
 
-use super::Colour;
+use super::RgbaPixel;
 use std::sync::Arc;
 
 /// Bytes of colours that are kept.
 const BUDGET: usize = 96 << 20;
 
 /// A directory of the file, and a block of it.
-type Key = (usize, u32);
+type BlockKey = (usize, u32);
 
 /// Blocks, the one that was used last at the end.
 #[derive(Default)]
-pub(super) struct Blocks {
-    kept: Vec<(Key, Arc<Vec<Colour>>)>,
+pub(super) struct BlockCache {
+    kept: Vec<(BlockKey, Arc<Vec<RgbaPixel>>)>,
     bytes: usize,
 }
 
-impl Blocks {
+impl BlockCache {
     /// A block that is still there.
-    pub(super) fn get(&mut self, key: Key) -> Option<Arc<Vec<Colour>>> {
+    pub(super) fn get(&mut self, key: BlockKey) -> Option<Arc<Vec<RgbaPixel>>> {
         let index = self.kept.iter().rposition(|(other, _)| *other == key)?;
         let found = self.kept.remove(index);
         let block = found.1.clone();
@@ -27,7 +27,7 @@ impl Blocks {
     }
 
     /// Keeps a block in place of those that were not used for longest.
-    pub(super) fn keep(&mut self, key: Key, block: Vec<Colour>) -> Arc<Vec<Colour>> {
+    pub(super) fn keep(&mut self, key: BlockKey, block: Vec<RgbaPixel>) -> Arc<Vec<RgbaPixel>> {
         let block = Arc::new(block);
         self.bytes += size_of_val(&block[..]);
         self.kept.push((key, block.clone()));

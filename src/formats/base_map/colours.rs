@@ -7,7 +7,7 @@ use tiff::decoder::Decoder;
 use tiff::tags::Tag;
 
 /// Red, green, blue and opacity; transparent is all zero.
-pub(crate) type Colour = [u8; 4];
+pub(crate) type RgbaPixel = [u8; 4];
 
 /// How the bytes of a pixel make its colour.
 #[derive(Clone, Debug)]
@@ -27,7 +27,7 @@ enum Kind {
     Rgba,
     /// As JPEG holds it, ITU-R BT.601 over the full range.
     YCbCr,
-    Palette(Vec<Colour>),
+    Palette(Vec<RgbaPixel>),
     /// Bands that the file gives no meaning: the first three are taken for a colour, or the first for a grey.
     Bands,
 }
@@ -72,14 +72,14 @@ impl Coding {
     }
 
     /// The colours of a block.
-    pub(super) fn colours(&self, bytes: &[u8]) -> Vec<Colour> {
+    pub(super) fn colours(&self, bytes: &[u8]) -> Vec<RgbaPixel> {
         bytes
             .chunks_exact(self.bytes)
             .map(|pixel| self.colour(pixel))
             .collect()
     }
 
-    fn colour(&self, pixel: &[u8]) -> Colour {
+    fn colour(&self, pixel: &[u8]) -> RgbaPixel {
         let colour = match (&self.kind, pixel) {
             (Kind::Palette(palette), &[index]) => {
                 palette.get(usize::from(index)).copied().unwrap_or_default()
@@ -90,7 +90,7 @@ impl Coding {
             (Kind::YCbCr, &[y, cb, cr]) => rgb(y, cb, cr),
             (_, &[r, g, b]) => [r, g, b, 255],
             (_, &[r, g, b, a]) => [r, g, b, a],
-            _ => Colour::default(),
+            _ => RgbaPixel::default(),
         };
         let colours = match self.kind {
             Kind::GreyAlpha => &pixel[..1],
@@ -102,13 +102,13 @@ impl Coding {
             .nodata
             .is_some_and(|nodata| colours.iter().all(|value| *value == nodata));
         match is_nodata || colour[3] == 0 {
-            true => Colour::default(),
+            true => RgbaPixel::default(),
             false => colour,
         }
     }
 }
 
-fn rgb(y: u8, cb: u8, cr: u8) -> Colour {
+fn rgb(y: u8, cb: u8, cr: u8) -> RgbaPixel {
     let [y, cb, cr] = [f32::from(y), f32::from(cb) - 128.0, f32::from(cr) - 128.0];
     let byte = |value: f32| value.round().clamp(0.0, 255.0) as u8;
     [
@@ -126,7 +126,7 @@ fn has_palette<R: Read + Seek>(decoder: &mut Decoder<R>) -> bool {
 }
 
 /// All reds, then all greens, then all blues, in 16 bits.
-fn palette<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Vec<Colour>, BaseMapFault> {
+fn palette<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Vec<RgbaPixel>, BaseMapFault> {
     let map = decoder.get_tag_u16_vec(Tag::ColorMap)?;
     let count = map.len() / 3;
     let byte = |at: usize| (map[at] >> 8) as u8;

@@ -1,6 +1,6 @@
 //! The masks that GDAL keeps in a GeoTIFF: a picture of one bit a pixel beside that of the colours, set where these are seen.
 
-use super::{Colour, Tiff};
+use super::{RgbaPixel, Tiff};
 use tiff::ColorType;
 
 /// Kinds of directory (TIFF's `NewSubfileType`): the mask of the full picture, and that of an overview.
@@ -17,7 +17,7 @@ pub(super) fn masked_size(tiff: &mut Tiff, kind: Option<u32>) -> Option<([u32; 2
 }
 
 /// Makes the pixels of a block transparent that its mask does not show; both lie row by row, `wide` pixels in each.
-pub(super) fn hide(colours: &mut [Colour], mask: &[u8], wide: usize) {
+pub(super) fn hide(colours: &mut [RgbaPixel], mask: &[u8], wide: usize) {
     if wide == 0 || colours.is_empty() {
         return;
     }
@@ -29,7 +29,7 @@ pub(super) fn hide(colours: &mut [Colour], mask: &[u8], wide: usize) {
             // The first pixel is the highest bit.
             let is_seen = byte.is_some_and(|byte| byte >> (7 - column % 8) & 1 == 1);
             if !is_seen {
-                *colour = Colour::default();
+                *colour = RgbaPixel::default();
             }
         }
     }

@@ -10,20 +10,20 @@
 mod blocks;
 mod colours;
 mod error;
+mod georeference;
 mod masks;
 mod palettes;
-mod place;
 
-pub(crate) use colours::Colour;
+pub(crate) use colours::RgbaPixel;
 pub(crate) use error::{BaseMapError, BaseMapFault};
-pub(crate) use place::Place;
+pub(crate) use georeference::Georeference;
 
 use crate::support::catch_panic::catch_panic;
 use crate::support::file_error::FileError;
 use crate::support::geo::LonLat;
 use crate::support::progress::{Cancelled, Progress};
 use crate::support::regular_file;
-use blocks::Blocks;
+use blocks::BlockCache;
 use colours::Coding;
 use palettes::AsGrey;
 use std::path::{Path, PathBuf};
@@ -50,16 +50,16 @@ pub(crate) struct BaseMap {
     /// The file.
     pub path: PathBuf,
     /// Where its pixels lie.
-    pub place: Place,
+    pub place: Georeference,
     /// Columns and rows.
     pub size: [u32; 2],
-    levels: Vec<Level>,
+    levels: Vec<PictureLevel>,
     coding: Coding,
     reader: Mutex<Reader>,
 }
 
 /// The picture at full size, or an overview of it.
-struct Level {
+struct PictureLevel {
     size: [u32; 2],
     /// Columns and rows of a block.
     block: [u32; 2],
@@ -73,14 +73,14 @@ enum Kept {
     /// In a directory of the file.
     Directory(usize),
     /// In memory.
-    Memory(Vec<Colour>),
+    Memory(Vec<RgbaPixel>),
 }
 
 struct Reader {
     tiff: Tiff,
     /// The directory that the decoder is at, once it is known.
     directory: Option<usize>,
-    blocks: Blocks,
+    blocks: BlockCache,
 }
 
 /// Part of a level.
@@ -92,12 +92,12 @@ pub(crate) struct Window {
     /// Columns and rows.
     pub size: [u32; 2],
     /// Row by row.
-    pub pixels: Vec<Colour>,
+    pub pixels: Vec<RgbaPixel>,
 }
 
 impl Window {
     /// The colour at a column and row of the full picture; transparent outside.
-    pub(crate) fn at(&self, full: [f64; 2]) -> Colour {
+    pub(crate) fn at(&self, full: [f64; 2]) -> RgbaPixel {
         let cell = |axis: usize| {
             let here = (full[axis] / self.scale[axis]).floor() - f64::from(self.first[axis]);
             (here >= 0.0 && here < f64::from(self.size[axis])).then_some(here as usize)
@@ -150,7 +150,7 @@ fn open_file(path: &Path, progress: &Progress) -> Result<BaseMap, Fault> {
     // Places and lengths of a million blocks.
     limits.ifd_value_size = 16 << 20;
     let mut tiff = Decoder::new(AsGrey::new(file)?)?.with_limits(limits);
-    let place = Place::read(&mut tiff)?;
+    let place = Georeference::read(&mut tiff)?;
     let coding = Coding::read(&mut tiff)?;
     let levels = levels(&mut tiff, &coding)?;
     let full = &levels[0];
@@ -162,7 +162,7 @@ fn open_file(path: &Path, progress: &Progress) -> Result<BaseMap, Fault> {
         reader: Mutex::new(Reader {
             directory: None,
             tiff,
-            blocks: Blocks::default(),
+            blocks: BlockCache::default(),
         }),
         levels,
     };
@@ -171,8 +171,8 @@ fn open_file(path: &Path, progress: &Progress) -> Result<BaseMap, Fault> {
 }
 
 /// The full picture and its overviews, finest first.
-fn levels(tiff: &mut Tiff, coding: &Coding) -> Result<Vec<Level>, BaseMapFault> {
-    let mut found: Vec<Level> = Vec::new();
+fn levels(tiff: &mut Tiff, coding: &Coding) -> Result<Vec<PictureLevel>, BaseMapFault> {
+    let mut found: Vec<PictureLevel> = Vec::new();
     for directory in 0..MOST_LEVELS {
         // Masks and pages of another kind are no overviews.
         let subfile = tiff
@@ -188,7 +188,7 @@ fn levels(tiff: &mut Tiff, coding: &Coding) -> Result<Vec<Level>, BaseMapFault> 
             }
         }
         if let Some(of) = masks::masked_size(tiff, subfile) {
-            let is_like = |level: &&mut Level| (level.size, level.block) == of;
+            let is_like = |level: &&mut PictureLevel| (level.size, level.block) == of;
             if let Some(level) = found.iter_mut().find(is_like) {
                 level.mask = Some(directory);
             }
@@ -200,7 +200,7 @@ fn levels(tiff: &mut Tiff, coding: &Coding) -> Result<Vec<Level>, BaseMapFault> 
     Ok(found)
 }
 
-fn level(tiff: &mut Tiff, coding: &Coding, directory: usize) -> Result<Level, BaseMapFault> {
+fn level(tiff: &mut Tiff, coding: &Coding, directory: usize) -> Result<PictureLevel, BaseMapFault> {
     let (columns, rows) = tiff.dimensions()?;
     let (across, down) = tiff.chunk_dimensions();
     let bytes = u64::from(across) * u64::from(down.min(rows)) * coding.bytes as u64;
@@ -210,7 +210,7 @@ fn level(tiff: &mut Tiff, coding: &Coding, directory: usize) -> Result<Level, Ba
     if bytes > MOST_BLOCK_BYTES {
         return Err(BaseMapFault::LargeBlocks(bytes));
     }
-    Ok(Level {
+    Ok(PictureLevel {
         size: [columns, rows],
         block: [across, down.min(rows)],
         kept: Kept::Directory(directory),
@@ -242,10 +242,10 @@ impl BaseMap {
         pixels: f64,
         progress: &Progress,
     ) -> Option<Window> {
-        let scale = |level: &Level| {
+        let scale = |level: &PictureLevel| {
             [0, 1].map(|axis| f64::from(self.size[axis]) / f64::from(level.size[axis]))
         };
-        let span = |level: &Level| {
+        let span = |level: &PictureLevel| {
             let scale = scale(level);
             [0, 1].map(|axis| {
                 let cells = f64::from(level.size[axis]);
@@ -255,13 +255,13 @@ impl BaseMap {
                 [first as u32, end as u32]
             })
         };
-        let count = |level: &Level| {
+        let count = |level: &PictureLevel| {
             let [across, down] =
                 span(level).map(|[first, end]| u64::from(end.saturating_sub(first)));
             across * down
         };
-        let fine_enough = |level: &&Level| scale(level)[0] <= pixels.max(1.0) * 1.001;
-        let small_enough = |level: &&Level| count(level) <= MOST_PIXELS;
+        let fine_enough = |level: &&PictureLevel| scale(level)[0] <= pixels.max(1.0) * 1.001;
+        let small_enough = |level: &&PictureLevel| count(level) <= MOST_PIXELS;
         let (index, level) = {
             let coarse_first = || self.levels.iter().enumerate().rev();
             let requested =
@@ -282,7 +282,10 @@ impl BaseMap {
             scale: scale(level),
             first: [left, top],
             size: [right - left, bottom - top],
-            pixels: vec![Colour::default(); ((right - left) as usize) * ((bottom - top) as usize)],
+            pixels: vec![
+                RgbaPixel::default();
+                ((right - left) as usize) * ((bottom - top) as usize)
+            ],
         };
         self.fill(index, &mut window, progress)?;
         Some(window)
@@ -310,7 +313,11 @@ impl BaseMap {
     }
 
     /// The colours of a block.
-    fn block(&self, index: usize, [column, row]: [u32; 2]) -> Option<std::sync::Arc<Vec<Colour>>> {
+    fn block(
+        &self,
+        index: usize,
+        [column, row]: [u32; 2],
+    ) -> Option<std::sync::Arc<Vec<RgbaPixel>>> {
         let level = &self.levels[index];
         let Kept::Directory(directory) = level.kept else {
             return None;
@@ -376,7 +383,7 @@ impl BaseMap {
             mean(sum, wide(x, columns) * wide(y, rows))
         });
         let pixels = means.collect();
-        self.levels.push(Level {
+        self.levels.push(PictureLevel {
             size,
             block: size,
             kept: Kept::Memory(pixels),
@@ -387,16 +394,16 @@ impl BaseMap {
 }
 
 /// Colours count as much as they are opaque.
-fn weighted([r, g, b, a]: Colour) -> [u32; 4] {
+fn weighted([r, g, b, a]: RgbaPixel) -> [u32; 4] {
     let share = |value: u8| u32::from(value) * u32::from(a) / 255;
     [share(r), share(g), share(b), u32::from(a)]
 }
 
-fn mean([r, g, b, a]: [u32; 4], cells: u64) -> Colour {
+fn mean([r, g, b, a]: [u32; 4], cells: u64) -> RgbaPixel {
     let opaque = a.max(1);
     let colour = |sum: u32| (u64::from(sum) * 255 / u64::from(opaque)).min(255) as u8;
     match a {
-        0 => Colour::default(),
+        0 => RgbaPixel::default(),
         _ => [
             colour(r),
             colour(g),
@@ -407,7 +414,7 @@ fn mean([r, g, b, a]: [u32; 4], cells: u64) -> Colour {
 }
 
 /// Copies what a block and a window have in common.
-fn copy(first: [u32; 2], size: [u32; 2], pixels: &[Colour], window: &mut Window) {
+fn copy(first: [u32; 2], size: [u32; 2], pixels: &[RgbaPixel], window: &mut Window) {
     let low = [0, 1].map(|axis| first[axis].max(window.first[axis]));
     let high =
         [0, 1].map(|axis| (first[axis] + size[axis]).min(window.first[axis] + window.size[axis]));

@@ -2,10 +2,10 @@
 
 use super::metadata::gdal_metadata;
 use super::statistics::Statistics;
-use super::{Cells, NODATA, RASTER_TILE, RasterSpec};
+use super::{CellFormat, NODATA, RASTER_TILE, RasterSpec};
 
 /// The values of a tag.
-enum Values {
+enum TagValues {
     /// ASCII, its zero added.
     Text(String),
     /// 16 bit.
@@ -17,9 +17,9 @@ enum Values {
 }
 
 /// Number and values.
-struct Tag(u16, Values);
+struct Tag(u16, TagValues);
 
-impl Values {
+impl TagValues {
     /// The format's number of the type, how many values, their bytes.
     fn stored(&self) -> (u16, u32, Vec<u8>) {
         fn numbers<T: Copy, const N: usize>(
@@ -31,10 +31,10 @@ impl Values {
             (kind, values.len() as u32, stored.collect())
         }
         match self {
-            Values::Text(text) => numbers(2, &[text.as_bytes(), &[0]].concat(), |byte| [byte]),
-            Values::Short(values) => numbers(3, values, u16::to_le_bytes),
-            Values::Long(values) => numbers(4, values, u32::to_le_bytes),
-            Values::Double(values) => numbers(12, values, f64::to_le_bytes),
+            TagValues::Text(text) => numbers(2, &[text.as_bytes(), &[0]].concat(), |byte| [byte]),
+            TagValues::Short(values) => numbers(3, values, u16::to_le_bytes),
+            TagValues::Long(values) => numbers(4, values, u32::to_le_bytes),
+            TagValues::Double(values) => numbers(12, values, f64::to_le_bytes),
         }
     }
 }
@@ -95,13 +95,13 @@ fn tags(spec: &RasterSpec, statistics: &Statistics, page: &Page) -> Vec<Tag> {
     let cells = (!page.is_mask).then_some(spec.cells);
     // Samples, bits of each, what they are (1 grey, 2 colours, 4 a mask).
     let (samples, bits, colours) = match cells {
-        Some(Cells::Rgba) => (4, 8, 2),
-        Some(Cells::Level | Cells::Class) => (1, 8, 1),
-        Some(Cells::Metres) => (1, 32, 1),
+        Some(CellFormat::Rgba) => (4, 8, 2),
+        Some(CellFormat::Level | CellFormat::Class) => (1, 8, 1),
+        Some(CellFormat::Metres) => (1, 32, 1),
         None => (1, 1, 4),
     };
-    let short = |value: u16| Values::Short(vec![value]);
-    let long = |value: usize| Values::Long(vec![value as u32]);
+    let short = |value: u16| TagValues::Short(vec![value]);
+    let long = |value: usize| TagValues::Long(vec![value as u32]);
     let mut tags = vec![
         Tag(
             254,
@@ -109,51 +109,58 @@ fn tags(spec: &RasterSpec, statistics: &Statistics, page: &Page) -> Vec<Tag> {
         ),
         Tag(256, long(page.columns)),
         Tag(257, long(page.rows)),
-        Tag(258, Values::Short(vec![bits; samples])),
+        Tag(258, TagValues::Short(vec![bits; samples])),
         // Deflate, as Adobe numbers it.
         Tag(259, short(8)),
         Tag(262, short(colours)),
     ];
     if is_full {
         let ascii = |c: char| !c.is_ascii() || c == '\0';
-        tags.push(Tag(270, Values::Text(spec.description.replace(ascii, "?"))));
+        tags.push(Tag(
+            270,
+            TagValues::Text(spec.description.replace(ascii, "?")),
+        ));
     }
     tags.extend([Tag(277, short(samples as u16)), Tag(284, short(1))]);
     if is_full {
         let program = concat!("Bathyscope ", env!("CARGO_PKG_VERSION"));
-        tags.push(Tag(305, Values::Text(program.to_owned())));
+        tags.push(Tag(305, TagValues::Text(program.to_owned())));
     }
     // Differences of bytes to the cell before, or none.
-    let is_differences = cells == Some(Cells::Rgba);
+    let is_differences = cells == Some(CellFormat::Rgba);
     tags.extend([
         Tag(317, short(if is_differences { 2 } else { 1 })),
         Tag(322, long(RASTER_TILE)),
         Tag(323, long(RASTER_TILE)),
         Tag(
             324,
-            Values::Long(page.places.iter().map(|place| place[0]).collect()),
+            TagValues::Long(page.places.iter().map(|place| place[0]).collect()),
         ),
         Tag(
             325,
-            Values::Long(page.places.iter().map(|place| place[1]).collect()),
+            TagValues::Long(page.places.iter().map(|place| place[1]).collect()),
         ),
     ]);
-    if cells == Some(Cells::Rgba) {
+    if cells == Some(CellFormat::Rgba) {
         // The fourth sample is opacity, the colours not multiplied by it.
         tags.push(Tag(338, short(2)));
     }
     // Unsigned, or floating point.
-    let format = if cells == Some(Cells::Metres) { 3 } else { 1 };
-    tags.push(Tag(339, Values::Short(vec![format; samples])));
+    let format = if cells == Some(CellFormat::Metres) {
+        3
+    } else {
+        1
+    };
+    tags.push(Tag(339, TagValues::Short(vec![format; samples])));
     if is_full {
         tags.extend(georeference(spec));
     }
     if let Some(band) = spec.band.filter(|_| is_full) {
         let text = gdal_metadata(spec, &band, statistics);
-        tags.push(Tag(42_112, Values::Text(text)));
+        tags.push(Tag(42_112, TagValues::Text(text)));
     }
-    if cells == Some(Cells::Metres) {
-        tags.push(Tag(42_113, Values::Text(format!("{NODATA}"))));
+    if cells == Some(CellFormat::Metres) {
+        tags.push(Tag(42_113, TagValues::Text(format!("{NODATA}"))));
     }
     tags
 }
@@ -173,11 +180,11 @@ fn georeference(spec: &RasterSpec) -> [Tag; 3] {
     ];
     let [width, height] = spec.cell;
     [
-        Tag(33_550, Values::Double(vec![width, height, 0.0])),
+        Tag(33_550, TagValues::Double(vec![width, height, 0.0])),
         Tag(
             33_922,
-            Values::Double(vec![0.0, 0.0, 0.0, spec.west, spec.north, 0.0]),
+            TagValues::Double(vec![0.0, 0.0, 0.0, spec.west, spec.north, 0.0]),
         ),
-        Tag(34_735, Values::Short(keys.concat())),
+        Tag(34_735, TagValues::Short(keys.concat())),
     ]
 }

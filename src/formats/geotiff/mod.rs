@@ -35,7 +35,7 @@ use crate::support::progress::Progress;
 use scratch::Scratch;
 use std::fs::File;
 use std::io;
-use writer::Writer;
+use writer::RasterWriter;
 
 /// Rows and columns of a tile.
 pub(crate) const RASTER_TILE: usize = 256;
@@ -44,7 +44,7 @@ pub(crate) const NODATA: f32 = -9999.0;
 
 /// What a cell holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Cells {
+pub(crate) enum CellFormat {
     /// Red, green, blue, opacity; one byte each.
     Rgba,
     /// A level of one byte, 0 where nothing is known; a mask in the file says so too.
@@ -55,7 +55,7 @@ pub(crate) enum Cells {
     Metres,
 }
 
-impl Cells {
+impl CellFormat {
     /// Bytes of a cell.
     fn bytes(self) -> usize {
         self.empty().len()
@@ -65,9 +65,9 @@ impl Cells {
     fn empty(self) -> &'static [u8] {
         const METRES: [u8; 4] = NODATA.to_le_bytes();
         match self {
-            Cells::Rgba => &[0; 4],
-            Cells::Level | Cells::Class => &[0],
-            Cells::Metres => &METRES,
+            CellFormat::Rgba => &[0; 4],
+            CellFormat::Level | CellFormat::Class => &[0],
+            CellFormat::Metres => &METRES,
         }
     }
 
@@ -113,7 +113,7 @@ pub(crate) struct RasterSpec {
     /// The coordinate system.
     pub crs: Crs,
     /// What a cell holds.
-    pub cells: Cells,
+    pub cells: CellFormat,
     /// What the values are; `None` for a picture in colours.
     pub band: Option<Band>,
     /// What the raster shows, for people.
@@ -136,7 +136,7 @@ pub(crate) fn write(
 ) -> io::Result<()> {
     // Each overview has a quarter of the tiles of the level before it.
     progress.start((tiles.len() + tiles.len() / 3).max(1) as u64);
-    let mut raster = Writer::new(spec, Scratch::new(scratch));
+    let mut raster = RasterWriter::new(spec, Scratch::new(scratch));
     raster.base(tiles, draw, progress)?;
     while raster.overview(progress)? {}
     raster.write(file, progress)

@@ -1,15 +1,15 @@
 //! Tiles at half the resolution.
 
-use super::{Cells, NODATA, RASTER_TILE};
+use super::{CellFormat, NODATA, RASTER_TILE};
 
 /// Draws a tile of the finer level into a quarter (row and column, 0 or 1) of a coarser one: each cell the mean of those of its
 /// four that hold something, of classes the greatest. Both hold [`RASTER_TILE`] rows of as many cells.
-pub(super) fn halve_into(cells: Cells, finer: &[u8], quarter: [usize; 2], coarser: &mut [u8]) {
+pub(super) fn halve_into(cells: CellFormat, finer: &[u8], quarter: [usize; 2], coarser: &mut [u8]) {
     match cells {
-        Cells::Rgba => halve(finer, quarter, coarser, mean_colour),
-        Cells::Level => halve(finer, quarter, coarser, mean_level),
-        Cells::Class => halve(finer, quarter, coarser, greatest),
-        Cells::Metres => halve(finer, quarter, coarser, mean_metres),
+        CellFormat::Rgba => halve(finer, quarter, coarser, mean_colour),
+        CellFormat::Level => halve(finer, quarter, coarser, mean_level),
+        CellFormat::Class => halve(finer, quarter, coarser, greatest),
+        CellFormat::Metres => halve(finer, quarter, coarser, mean_metres),
     }
 }
 

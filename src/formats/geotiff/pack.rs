@@ -1,6 +1,6 @@
 //! Tiles as they are stored: compressed, a mask of their own beside those of levels.
 
-use super::{Cells, RASTER_TILE};
+use super::{CellFormat, RASTER_TILE};
 use flate2::Compression;
 use flate2::read::ZlibDecoder;
 use flate2::write::ZlibEncoder;
@@ -16,12 +16,12 @@ pub(super) struct Packed {
 }
 
 /// Compresses a tile; bytes of colour as differences to the cell before (predictor 2).
-pub(super) fn pack(cells: Cells, mut bytes: Vec<u8>) -> io::Result<Packed> {
+pub(super) fn pack(cells: CellFormat, mut bytes: Vec<u8>) -> io::Result<Packed> {
     let mask = match cells {
-        Cells::Level | Cells::Class => Some(deflate(&mask(&bytes))?),
-        Cells::Rgba | Cells::Metres => None,
+        CellFormat::Level | CellFormat::Class => Some(deflate(&mask(&bytes))?),
+        CellFormat::Rgba | CellFormat::Metres => None,
     };
-    if cells == Cells::Rgba {
+    if cells == CellFormat::Rgba {
         for row in bytes.chunks_exact_mut(RASTER_TILE * cells.bytes()) {
             for at in (cells.bytes()..row.len()).rev() {
                 row[at] = row[at].wrapping_sub(row[at - cells.bytes()]);
@@ -33,10 +33,10 @@ pub(super) fn pack(cells: Cells, mut bytes: Vec<u8>) -> io::Result<Packed> {
 }
 
 /// Inverse of [`pack`].
-pub(super) fn unpack(cells: Cells, packed: &[u8]) -> io::Result<Vec<u8>> {
+pub(super) fn unpack(cells: CellFormat, packed: &[u8]) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::with_capacity(RASTER_TILE * RASTER_TILE * cells.bytes());
     ZlibDecoder::new(packed).read_to_end(&mut bytes)?;
-    if cells == Cells::Rgba {
+    if cells == CellFormat::Rgba {
         for row in bytes.chunks_exact_mut(RASTER_TILE * cells.bytes()) {
             for at in cells.bytes()..row.len() {
                 row[at] = row[at].wrapping_add(row[at - cells.bytes()]);
@@ -68,12 +68,12 @@ mod tests {
 
     #[test]
     fn packing_can_be_undone() {
-        for cells in [Cells::Rgba, Cells::Level, Cells::Metres] {
+        for cells in [CellFormat::Rgba, CellFormat::Level, CellFormat::Metres] {
             let count = cells.bytes() * RASTER_TILE * RASTER_TILE;
             let bytes: Vec<u8> = (0..count).map(|index| (index * index / 7) as u8).collect();
             let packed = pack(cells, bytes.clone()).unwrap();
             assert_eq!(unpack(cells, &packed.image).unwrap(), bytes);
-            assert_eq!(packed.mask.is_some(), cells == Cells::Level);
+            assert_eq!(packed.mask.is_some(), cells == CellFormat::Level);
         }
     }
 

@@ -6,7 +6,7 @@ use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
 
 /// Where some bytes lie in the scratch file.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Block {
+pub(super) struct ScratchBlock {
     at: u64,
     /// How many they are.
     pub length: u32,
@@ -14,9 +14,9 @@ pub(super) struct Block {
 
 /// A tile in the scratch file, and its mask where it has one.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Blocks {
-    pub image: Block,
-    pub mask: Option<Block>,
+pub(super) struct ScratchTile {
+    pub image: ScratchBlock,
+    pub mask: Option<ScratchBlock>,
 }
 
 /// Packed tiles in the order in which they were made.
@@ -32,20 +32,20 @@ impl Scratch {
     }
 
     /// Adds a tile.
-    pub(super) fn keep(&mut self, packed: &Packed) -> io::Result<Blocks> {
+    pub(super) fn keep(&mut self, packed: &Packed) -> io::Result<ScratchTile> {
         let image = self.append(&packed.image)?;
         let mask = match &packed.mask {
             Some(mask) => Some(self.append(mask)?),
             None => None,
         };
-        Ok(Blocks { image, mask })
+        Ok(ScratchTile { image, mask })
     }
 
-    fn append(&mut self, bytes: &[u8]) -> io::Result<Block> {
+    fn append(&mut self, bytes: &[u8]) -> io::Result<ScratchBlock> {
         let length = u32::try_from(bytes.len()).map_err(io::Error::other)?;
         self.file.seek(SeekFrom::Start(self.end))?;
         self.file.write_all(bytes)?;
-        let block = Block {
+        let block = ScratchBlock {
             at: self.end,
             length,
         };
@@ -54,7 +54,7 @@ impl Scratch {
     }
 
     /// Replaces `out` with the bytes of a block.
-    pub(super) fn read(&mut self, block: Block, out: &mut Vec<u8>) -> io::Result<()> {
+    pub(super) fn read(&mut self, block: ScratchBlock, out: &mut Vec<u8>) -> io::Result<()> {
         out.resize(block.length as usize, 0);
         self.file.seek(SeekFrom::Start(block.at))?;
         self.file.read_exact(out)

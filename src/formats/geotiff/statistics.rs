@@ -1,6 +1,6 @@
 //! What GDAL calls the statistics of a band.
 
-use super::{Cells, NODATA};
+use super::{CellFormat, NODATA};
 
 /// Count, ends, mean and spread of the values that are known.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,11 +30,11 @@ impl Default for Statistics {
 
 impl Statistics {
     /// Of the cells of a tile; colours have none.
-    pub(super) fn of(cells: Cells, bytes: &[u8]) -> Self {
+    pub(super) fn of(cells: CellFormat, bytes: &[u8]) -> Self {
         match cells {
-            Cells::Rgba => Self::default(),
-            Cells::Level | Cells::Class => Self::of_levels(bytes),
-            Cells::Metres => {
+            CellFormat::Rgba => Self::default(),
+            CellFormat::Level | CellFormat::Class => Self::of_levels(bytes),
+            CellFormat::Metres => {
                 let values = bytes.as_chunks().0.iter();
                 let values = values.map(|&four| f32::from_le_bytes(four));
                 Self::of_values(values.filter(|&metres| metres != NODATA).map(f64::from))
@@ -123,13 +123,13 @@ mod tests {
             &[NODATA],
             &[4.0, 4.0, 5.0, 5.0, 7.0, 9.0],
         ] {
-            joined.join(&Statistics::of(Cells::Metres, &bytes(part)));
+            joined.join(&Statistics::of(CellFormat::Metres, &bytes(part)));
         }
         // The well-known example: mean 5, standard deviation 2.
         assert_eq!((joined.count, joined.least, joined.most), (8, 2.0, 9.0));
         assert!((joined.mean().unwrap() - 5.0).abs() < 1e-12);
         assert!((joined.deviation().unwrap() - 2.0).abs() < 1e-12);
-        let levels = Statistics::of(Cells::Level, &[2, 4, 4, 0, 4, 5, 5, 0, 7, 9]);
+        let levels = Statistics::of(CellFormat::Level, &[2, 4, 4, 0, 4, 5, 5, 0, 7, 9]);
         assert_eq!((levels.count, levels.least, levels.most), (8, 2.0, 9.0));
         assert!((levels.deviation().unwrap() - 2.0).abs() < 1e-12);
         assert_eq!(Statistics::default().mean(), None);

@@ -14,7 +14,7 @@ fn geotiff(
     write(file, scratch, spec, tiles, draw, &Progress::new()).unwrap();
 }
 
-fn spec(columns: usize, rows: usize, cells: Cells) -> RasterSpec {
+fn spec(columns: usize, rows: usize, cells: CellFormat) -> RasterSpec {
     RasterSpec {
         columns,
         rows,
@@ -23,7 +23,7 @@ fn spec(columns: usize, rows: usize, cells: Cells) -> RasterSpec {
         cell: [0.5, 0.5],
         crs: Crs::from_epsg(32_612).unwrap(),
         cells,
-        band: (cells == Cells::Metres).then_some(Band {
+        band: (cells == CellFormat::Metres).then_some(Band {
             name: "depth",
             unit: "metre",
             positive_down: true,
@@ -125,7 +125,7 @@ fn assert_cloud_optimized(bytes: &[u8], found: &[Directory]) {
 fn directories_come_first_and_coarse_tiles_before_fine_ones() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.tif");
-    let spec = spec(1000, 300, Cells::Metres);
+    let spec = spec(1000, 300, CellFormat::Metres);
     let draw = |[row, column]: [usize; 2]| {
         let metres = (10 * row + column) as f32;
         metres.to_le_bytes().repeat(RASTER_TILE * RASTER_TILE)
@@ -143,11 +143,11 @@ fn directories_come_first_and_coarse_tiles_before_fine_ones() {
 fn a_band_has_a_name_a_unit_and_figures() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.tif");
-    let mut tile = Cells::Metres.empty_tile();
+    let mut tile = CellFormat::Metres.empty_tile();
     for (cell, metres) in [(0, 2.0_f32), (5, 3.0), (300, 7.0)] {
         tile[4 * cell..4 * cell + 4].copy_from_slice(&metres.to_le_bytes());
     }
-    let spec = spec(100, 60, Cells::Metres);
+    let spec = spec(100, 60, CellFormat::Metres);
     geotiff(&path, &spec, &[[0, 0]], |_| tile.clone());
     let found = directories(&std::fs::read(&path).unwrap());
     let text = found[0].text(42_112);
@@ -170,14 +170,14 @@ fn a_band_has_a_name_a_unit_and_figures() {
 fn the_tag_and_not_the_sentence_says_which_way_depths_count() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.tif");
-    let mut tile = Cells::Metres.empty_tile();
+    let mut tile = CellFormat::Metres.empty_tile();
     tile[..4].copy_from_slice(&2.5_f32.to_le_bytes());
     for (positive_down, sentence) in [
         (true, "Surface"),
         (false, "Surface"),
         (false, "Depth in metres, positive down"),
     ] {
-        let mut spec = spec(100, 60, Cells::Metres);
+        let mut spec = spec(100, 60, CellFormat::Metres);
         spec.description = sentence.to_owned();
         spec.band = spec.band.map(|band| Band {
             positive_down,
@@ -194,7 +194,7 @@ fn the_tag_and_not_the_sentence_says_which_way_depths_count() {
 fn levels_have_one_band_and_a_mask_at_every_resolution() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.tif");
-    let mut spec = spec(700, 700, Cells::Level);
+    let mut spec = spec(700, 700, CellFormat::Level);
     spec.band = Some(Band {
         name: "echo level",
         unit: "",
@@ -225,14 +225,14 @@ fn levels_have_one_band_and_a_mask_at_every_resolution() {
     let index = 4;
     let place = mask.get(324)[index] as usize;
     let packed = &bytes[place..place + mask.get(325)[index] as usize];
-    let mask = pack::unpack(Cells::Level, packed).unwrap();
+    let mask = pack::unpack(CellFormat::Level, packed).unwrap();
     assert_eq!(mask.len(), RASTER_TILE * RASTER_TILE / 8);
     assert_eq!(mask[..2], [0b0111_1110, 0b1111_1101]);
 }
 
 #[test]
 fn halves_are_means_of_what_is_known() {
-    let mut finer = Cells::Metres.empty_tile();
+    let mut finer = CellFormat::Metres.empty_tile();
     let mut set = |row: usize, column: usize, metres: f32| {
         let at = 4 * (row * RASTER_TILE + column);
         finer[at..at + 4].copy_from_slice(&metres.to_le_bytes());
@@ -240,8 +240,8 @@ fn halves_are_means_of_what_is_known() {
     set(0, 0, 1.0);
     set(0, 1, 2.0);
     set(3, 2, 7.0);
-    let mut coarser = Cells::Metres.empty_tile();
-    overview::halve_into(Cells::Metres, &finer, [1, 0], &mut coarser);
+    let mut coarser = CellFormat::Metres.empty_tile();
+    overview::halve_into(CellFormat::Metres, &finer, [1, 0], &mut coarser);
     let at = |row: usize, column: usize| {
         let at = 4 * (row * RASTER_TILE + column);
         f32::from_le_bytes(coarser[at..at + 4].try_into().unwrap())
@@ -268,7 +268,7 @@ fn tiles_come_back_as_they_were_drawn() {
             .collect()
     };
     let drawn = [[0, 1], [1, 2]];
-    geotiff(&path, &spec(700, 300, Cells::Level), &drawn, draw);
+    geotiff(&path, &spec(700, 300, CellFormat::Level), &drawn, draw);
     let raster = RasterTiles::open(&path).unwrap();
     assert_eq!(raster.size(), [700, 300]);
     assert_eq!(raster.tiles().collect::<Vec<_>>(), drawn);

@@ -2,7 +2,7 @@
 
 use super::directory::{self, Page};
 use super::pack::{pack, unpack};
-use super::scratch::{Block, Blocks, Scratch};
+use super::scratch::{Scratch, ScratchBlock, ScratchTile};
 use super::statistics::Statistics;
 use super::{RASTER_TILE, RasterSpec, overview};
 use crate::support::progress::Progress;
@@ -15,14 +15,14 @@ use std::io::{self, BufWriter, Write as _};
 const BATCH: usize = 32;
 
 /// One resolution of the raster.
-struct Level {
+struct RasterLevel {
     columns: usize,
     rows: usize,
     /// By row and column of the tile; those that are not here hold nothing.
-    tiles: BTreeMap<[usize; 2], Blocks>,
+    tiles: BTreeMap<[usize; 2], ScratchTile>,
 }
 
-impl Level {
+impl RasterLevel {
     /// Rows and columns of tiles.
     fn across(&self) -> [usize; 2] {
         [self.rows, self.columns].map(|cells| cells.div_ceil(RASTER_TILE))
@@ -30,15 +30,15 @@ impl Level {
 }
 
 /// A raster on its way into a file.
-pub(super) struct Writer<'a> {
+pub(super) struct RasterWriter<'a> {
     spec: &'a RasterSpec,
     scratch: Scratch,
     /// The full resolution first.
-    levels: Vec<Level>,
+    levels: Vec<RasterLevel>,
     statistics: Statistics,
 }
 
-impl<'a> Writer<'a> {
+impl<'a> RasterWriter<'a> {
     /// Without any tile yet.
     pub(super) fn new(spec: &'a RasterSpec, scratch: Scratch) -> Self {
         Self {
@@ -57,7 +57,7 @@ impl<'a> Writer<'a> {
         progress: &Progress,
     ) -> io::Result<()> {
         let cells = self.spec.cells;
-        self.levels.push(Level {
+        self.levels.push(RasterLevel {
             columns: self.spec.columns,
             rows: self.spec.rows,
             tiles: BTreeMap::new(),
@@ -79,7 +79,7 @@ impl<'a> Writer<'a> {
         Ok(())
     }
 
-    fn keep(&mut self, tile: [usize; 2], blocks: Blocks, progress: &Progress) {
+    fn keep(&mut self, tile: [usize; 2], blocks: ScratchTile, progress: &Progress) {
         if let Some(level) = self.levels.last_mut() {
             level.tiles.insert(tile, blocks);
         }
@@ -100,7 +100,7 @@ impl<'a> Writer<'a> {
         tiles.sort_unstable();
         tiles.dedup();
         let finer = self.levels.len() - 1;
-        self.levels.push(Level {
+        self.levels.push(RasterLevel {
             columns,
             rows,
             tiles: BTreeMap::new(),
@@ -165,8 +165,8 @@ impl<'a> Writer<'a> {
     }
 
     /// The directories in their order, each mask behind what it masks, none knowing yet where its tiles will lie.
-    fn pages(&self, levels: &[Level], nothing: Blocks) -> Vec<Page> {
-        let of_level = |(index, level): (usize, &Level)| {
+    fn pages(&self, levels: &[RasterLevel], nothing: ScratchTile) -> Vec<Page> {
+        let of_level = |(index, level): (usize, &RasterLevel)| {
             let kinds: &[bool] = match nothing.mask {
                 Some(_) => &[false, true],
                 None => &[false],
@@ -188,14 +188,14 @@ impl<'a> Writer<'a> {
 /// Finds the place in the file of every tile, from `start` on, and which blocks are to be copied there in turn. What holds nothing is
 /// stored once a level.
 fn place(
-    levels: &[Level],
+    levels: &[RasterLevel],
     pages: &mut [Page],
-    nothing: Blocks,
+    nothing: ScratchTile,
     start: u64,
-) -> io::Result<Vec<Block>> {
+) -> io::Result<Vec<ScratchBlock>> {
     let mut at = start;
     let mut copied = Vec::new();
-    let mut copy = |block: Block| -> io::Result<[u32; 2]> {
+    let mut copy = |block: ScratchBlock| -> io::Result<[u32; 2]> {
         let place = u32::try_from(at).ok();
         at += u64::from(block.length);
         let (Some(place), Ok(_)) = (place, u32::try_from(at)) else {
@@ -210,7 +210,7 @@ fn place(
     for (level, pages) in levels.iter().zip(pages.chunks_mut(masks)).rev() {
         let [_, across] = level.across();
         let mut empty: Option<[[u32; 2]; 2]> = None;
-        let mut both = |blocks: Blocks| -> io::Result<[[u32; 2]; 2]> {
+        let mut both = |blocks: ScratchTile| -> io::Result<[[u32; 2]; 2]> {
             let image = copy(blocks.image)?;
             Ok([image, blocks.mask.map_or(Ok([0; 2]), &mut copy)?])
         };

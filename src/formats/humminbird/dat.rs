@@ -10,7 +10,7 @@ const LONGEST_ONIX: usize = 1 << 16;
 
 /// The three kinds of DAT files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Family {
+pub(crate) enum DatFamily {
     /// 700 to 1100 series and Helix: 64 bytes, big-endian.
     Classic,
     /// Solix: 96 or 100 bytes, little-endian.
@@ -23,7 +23,7 @@ pub(crate) enum Family {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Dat {
     /// Which kind.
-    pub family: Family,
+    pub family: DatFamily,
     /// Byte 1: the kind of water that the user set the unit to.
     pub water_code: u8,
     /// Offset 4: the recorder's number for its sonar; `None` where it is 0 or not stated.
@@ -38,7 +38,7 @@ pub(crate) struct Dat {
 
 /// Kinds of water that a unit can be set to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Water {
+pub(crate) enum WaterKind {
     /// Lakes and rivers.
     Fresh,
     /// Salt, shallow.
@@ -52,8 +52,8 @@ impl Dat {
     /// Onix the text.
     pub(crate) fn parse(bytes: &[u8]) -> Option<Self> {
         let (family, order) = match bytes.len() {
-            64 => (Family::Classic, ByteOrder::Big),
-            96 | 100 => (Family::Solix, ByteOrder::Little),
+            64 => (DatFamily::Classic, ByteOrder::Big),
+            96 | 100 => (DatFamily::Solix, ByteOrder::Little),
             _ => return Self::parse_onix(bytes),
         };
         let name: [u8; 10] = take(bytes, 32)?;
@@ -77,7 +77,7 @@ impl Dat {
             after.split_once('>')?.0.trim().parse().ok()
         };
         Some(Self {
-            family: Family::Onix,
+            family: DatFamily::Onix,
             water_code: *bytes.get(1)?,
             sonar: None,
             start_unix_s: None,
@@ -87,11 +87,15 @@ impl Dat {
     }
 
     /// The kind of water; the families number it differently.
-    pub(crate) fn water(&self) -> Option<Water> {
+    pub(crate) fn water(&self) -> Option<WaterKind> {
         match (self.family, self.water_code) {
-            (Family::Classic | Family::Onix, 0) | (Family::Solix, 1) => Some(Water::Fresh),
-            (_, 2) => Some(Water::ShallowSalt),
-            (Family::Classic | Family::Onix, 1) | (Family::Solix, 3) => Some(Water::DeepSalt),
+            (DatFamily::Classic | DatFamily::Onix, 0) | (DatFamily::Solix, 1) => {
+                Some(WaterKind::Fresh)
+            }
+            (_, 2) => Some(WaterKind::ShallowSalt),
+            (DatFamily::Classic | DatFamily::Onix, 1) | (DatFamily::Solix, 3) => {
+                Some(WaterKind::DeepSalt)
+            }
             _ => None,
         }
     }
@@ -112,7 +116,7 @@ mod tests {
         assert_eq!(dat.start_unix_s, Some(1_382_657_324));
         assert_eq!(dat.record_count, 2 * 3453 + 1726 + 1727);
         assert_eq!(dat.length_ms, 150_617);
-        assert_eq!(dat.water(), Some(Water::Fresh));
+        assert_eq!(dat.water(), Some(WaterKind::Fresh));
     }
 
     #[test]
@@ -127,7 +131,7 @@ mod tests {
             (dat.start_unix_s, dat.record_count),
             (Some(1_600_000_000), 77)
         );
-        assert_eq!(dat.water(), Some(Water::DeepSalt));
+        assert_eq!(dat.water(), Some(WaterKind::DeepSalt));
     }
 
     #[test]
@@ -139,7 +143,7 @@ mod tests {
         let dat = Dat::parse(&onix).unwrap();
         assert_eq!(
             (dat.family, dat.record_count, dat.length_ms),
-            (Family::Onix, 11_712, 143_092)
+            (DatFamily::Onix, 11_712, 143_092)
         );
     }
 

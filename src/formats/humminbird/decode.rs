@@ -1,12 +1,12 @@
 //! From pings to sides, depths and fixes in SI units.
 
-use super::dat::{Dat, Water};
+use super::dat::{Dat, WaterKind};
 use super::ping::PingHeader;
-use crate::formats::clock::{Clock, Verdict};
+use crate::formats::clock::{Clock, ClockVerdict};
 use crate::formats::collected::{Collected, Counted, HalfPing, is_sound};
-use crate::formats::report::Kind;
+use crate::formats::report::WarningKind;
 use crate::support::geo::{LonLat, humminbird_mercator_inverse};
-use crate::survey::{ChannelKind, Encoding, Fix, Order, SideSpan};
+use crate::survey::{ChannelKind, Encoding, Fix, SampleOrder, SideSpan};
 use std::f64::consts::PI;
 
 /// Length of the side-scan transducer, metres, and the frequency at which the peers' formula holds, Hz.
@@ -27,7 +27,7 @@ impl Reader {
         Self {
             file,
             name,
-            sample_m: sample_m(dat.and_then(|dat| dat.water()).unwrap_or(Water::Fresh)),
+            sample_m: sample_m(dat.and_then(|dat| dat.water()).unwrap_or(WaterKind::Fresh)),
             clock: Clock::default(),
         }
     }
@@ -47,18 +47,18 @@ impl Reader {
         log.report.set_back(self.clock.set_back_s());
     }
 
-    fn settle(&self, log: &mut Collected, verdict: Verdict<(usize, PingHeader)>) {
+    fn settle(&self, log: &mut Collected, verdict: ClockVerdict<(usize, PingHeader)>) {
         match verdict {
-            Verdict::Sound {
+            ClockVerdict::Sound {
                 record: (offset, ping),
                 time_s,
             } => self.keep(log, offset, &ping, time_s),
-            Verdict::Damaged((offset, ping)) => {
+            ClockVerdict::Damaged((offset, ping)) => {
                 let text = format!(
                     "a ping's time ({:.1} s) fits neither neighbour; its header is damaged and it was dropped",
                     time_s(&ping)
                 );
-                log.report.at(Kind::Frame, self.file, offset, text);
+                log.report.at(WarningKind::Frame, self.file, offset, text);
             }
         }
     }
@@ -114,7 +114,7 @@ impl Reader {
         SideSpan {
             file: self.file as u8,
             encoding: Encoding::U8,
-            order: Order::NearToFar,
+            order: SampleOrder::NearToFar,
             offset: (offset + ping.header_len) as u64,
             count: ping.sample_count,
             near_m: 0.0,
@@ -126,11 +126,11 @@ impl Reader {
 /// Metres of slant range that one sample covers. Not stored: as the peers (PyHum, PING-Mapper) take it, from the
 /// transducer's beam width at 455 kHz and the speed of sound at 10 degrees Celsius (Medwin's simplified formula),
 /// `2/pi asin(c / (L f))`; 0.01877 m in fresh water.
-fn sample_m(water: Water) -> f64 {
+fn sample_m(water: WaterKind) -> f64 {
     let salinity = match water {
-        Water::Fresh => 1.0,
-        Water::ShallowSalt => 30.0,
-        Water::DeepSalt => 35.0,
+        WaterKind::Fresh => 1.0,
+        WaterKind::ShallowSalt => 30.0,
+        WaterKind::DeepSalt => 35.0,
     };
     let t = 1.0_f64;
     let sound_mps = 1449.05 + 45.7 * t - 5.21 * t.powi(2)
@@ -172,7 +172,7 @@ mod tests {
 
     #[test]
     fn scale_and_position_match_the_peers() {
-        assert!((sample_m(Water::Fresh) - 0.01877).abs() < 1e-5);
+        assert!((sample_m(WaterKind::Fresh) - 0.01877).abs() < 1e-5);
         // The survey's own note: 36.877 N, 111.516 W.
         let start = lon_lat(-12_414_199, 4_396_652);
         assert!((start.lat_deg - 36.877).abs() < 0.003, "{start:?}");

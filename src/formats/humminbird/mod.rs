@@ -15,7 +15,7 @@ use super::reading::Reading;
 use super::{OpenError, Opened, assemble, collected::Collected};
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::{Source, Survey};
-use dat::{Dat, Family};
+use dat::{Dat, DatFamily};
 
 /// Reads a recording.
 pub(super) fn read(
@@ -95,7 +95,7 @@ fn read_son(
         .to_string_lossy();
     let mut reader = decode::Reader::new(file, name.into_owned(), dat);
     let report = log.report.clone();
-    let walk = son::Walk {
+    let walk = son::SonWalk {
         bytes: &opened.bytes,
         file,
         order,
@@ -149,8 +149,8 @@ fn device_name(dat: Option<Dat>) -> String {
 
 fn format_name(dat: Option<Dat>) -> &'static str {
     match dat.map(|dat| dat.family) {
-        Some(Family::Solix) => "Humminbird Solix",
-        Some(Family::Onix) => "Humminbird Onix",
+        Some(DatFamily::Solix) => "Humminbird Solix",
+        Some(DatFamily::Onix) => "Humminbird Onix",
         _ => "Humminbird",
     }
 }

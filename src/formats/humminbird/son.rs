@@ -2,7 +2,7 @@
 
 use super::ping::{MAGIC, PingHeader};
 use crate::formats::ByteOrder;
-use crate::formats::report::{Kind, Report};
+use crate::formats::report::{WarningKind, WarningReport};
 use crate::support::progress::{Cancelled, Progress};
 
 /// Pings between two looks at the progress.
@@ -32,7 +32,7 @@ pub(super) fn byte_order(bytes: &[u8]) -> Option<ByteOrder> {
 }
 
 /// One SON file to walk over.
-pub(super) struct Walk<'a> {
+pub(super) struct SonWalk<'a> {
     /// The whole file.
     pub(super) bytes: &'a [u8],
     /// Its index in the survey.
@@ -40,14 +40,14 @@ pub(super) struct Walk<'a> {
     /// Its numbers' byte order.
     pub(super) order: ByteOrder,
     /// Where to say what is wrong.
-    pub(super) report: &'a Report,
+    pub(super) report: &'a WarningReport,
     /// What is cut at its end is still being written.
     pub(super) is_growing: bool,
     /// Where to say how far it is.
     pub(super) progress: &'a Progress,
 }
 
-impl Walk<'_> {
+impl SonWalk<'_> {
     /// Calls `take` with offset and header of every whole ping; `from` an offset on only where there is one.
     pub(super) fn run(
         &self,
@@ -90,7 +90,7 @@ impl Walk<'_> {
                 ping.sample_count,
                 found - at - ping.header_len
             );
-            self.report.at(Kind::Frame, self.file, at, text);
+            self.report.at(WarningKind::Frame, self.file, at, text);
             return found;
         }
         if next > len && self.is_growing {
@@ -101,7 +101,7 @@ impl Walk<'_> {
                 "the recording was cut inside its last ping ({} bytes of it are there); it was dropped",
                 len - at
             );
-            self.report.at(Kind::Frame, self.file, at, text);
+            self.report.at(WarningKind::Frame, self.file, at, text);
             return len;
         }
         take(at, ping);
@@ -115,7 +115,7 @@ impl Walk<'_> {
             return to;
         }
         let text = format!("{} bytes belong to no ping and were skipped", to - at);
-        self.report.at(Kind::Gap, self.file, at, text);
+        self.report.at(WarningKind::Gap, self.file, at, text);
         to
     }
 }

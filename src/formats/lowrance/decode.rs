@@ -2,9 +2,9 @@
 
 use super::frame::{LowranceFrame, metres};
 use super::sides;
-use crate::formats::clock::{Clock, Verdict};
+use crate::formats::clock::{Clock, ClockVerdict};
 use crate::formats::collected::{Collected, Counted};
-use crate::formats::report::Kind;
+use crate::formats::report::WarningKind;
 use crate::support::geo::{self, LonLat, MPS_PER_KNOT};
 use crate::survey::{ChannelKind, Fix};
 
@@ -42,15 +42,15 @@ impl Reader {
         }
     }
 
-    fn settle(&mut self, log: &mut Collected, verdict: Verdict<LowranceFrame>) {
+    fn settle(&mut self, log: &mut Collected, verdict: ClockVerdict<LowranceFrame>) {
         match verdict {
-            Verdict::Sound { record, time_s } => self.keep(log, &record, time_s),
-            Verdict::Damaged(frame) => {
+            ClockVerdict::Sound { record, time_s } => self.keep(log, &record, time_s),
+            ClockVerdict::Damaged(frame) => {
                 let text = format!(
                     "a frame's time ({:.1} s) fits neither neighbour; its header is damaged and it was dropped",
                     time_s(&frame)
                 );
-                log.report.at(Kind::Frame, 0, frame.offset, text);
+                log.report.at(WarningKind::Frame, 0, frame.offset, text);
             }
         }
     }

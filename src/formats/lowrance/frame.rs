@@ -6,7 +6,7 @@ use crate::support::geo::METRES_PER_FOOT;
 
 /// The two frame layouts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Layout {
+pub(crate) enum FrameLayout {
     /// 144-byte headers.
     Sl2,
     /// 128-, 168- or 180-byte headers.
@@ -59,7 +59,7 @@ pub(crate) struct LowranceFrame {
 
 /// What stands at a place where a frame should begin.
 #[derive(Debug)]
-pub(crate) enum Found {
+pub(crate) enum FrameCheck {
     /// A whole frame.
     Whole(LowranceFrame),
     /// A frame header whose data goes on behind the end of the file.
@@ -68,38 +68,38 @@ pub(crate) enum Found {
     Nothing,
 }
 
-impl Layout {
+impl FrameLayout {
     /// The shortest header of the layout.
     pub(crate) fn shortest_header(self) -> usize {
         match self {
-            Layout::Sl2 => size_of::<sl2::Header>(),
-            Layout::Sl3 => size_of::<sl3::Header>(),
+            FrameLayout::Sl2 => size_of::<sl2::Header>(),
+            FrameLayout::Sl3 => size_of::<sl3::Header>(),
         }
     }
 
     /// Looks for a frame at `offset`. `lost` is the number of bytes lost from the file before it: the frame states
     /// where it was before they were.
-    pub(crate) fn look(self, bytes: &[u8], offset: usize, lost: i64) -> Found {
+    pub(crate) fn look(self, bytes: &[u8], offset: usize, lost: i64) -> FrameCheck {
         if lost_before(bytes, offset) != Some(lost) {
-            return Found::Nothing;
+            return FrameCheck::Nothing;
         }
         let header = offset
             .checked_add(self.shortest_header())
             .and_then(|end| bytes.get(offset..end));
         let Some(header) = header else {
-            return Found::Cut;
+            return FrameCheck::Cut;
         };
         let frame = match self {
-            Layout::Sl2 => from_sl2(offset, &bytemuck::pod_read_unaligned(header)),
-            Layout::Sl3 => from_sl3(offset, &bytemuck::pod_read_unaligned(header)),
+            FrameLayout::Sl2 => from_sl2(offset, &bytemuck::pod_read_unaligned(header)),
+            FrameLayout::Sl3 => from_sl3(offset, &bytemuck::pod_read_unaligned(header)),
         };
         if frame.size < self.shortest_header() || frame.channel > LAST_CHANNEL {
-            return Found::Nothing;
+            return FrameCheck::Nothing;
         }
         if offset + frame.size > bytes.len() {
-            return Found::Cut;
+            return FrameCheck::Cut;
         }
-        Found::Whole(frame)
+        FrameCheck::Whole(frame)
     }
 }
 

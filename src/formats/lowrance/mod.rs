@@ -14,7 +14,7 @@ use super::reading::Reading;
 use super::{OpenError, Opened, assemble, collected::Collected, scalar};
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::Survey;
-use frame::{Found, Layout};
+use frame::{FrameCheck, FrameLayout};
 
 /// The file header's length; the first frame follows.
 pub(crate) const FILE_HEADER: usize = 8;
@@ -23,13 +23,13 @@ const SEARCHED_FOR_FRAMES: usize = 1 << 20;
 
 /// What the file header, or the frames themselves, say that the file is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum LowranceKind {
     /// SLG: no side-scan in it.
     Slg,
     /// Frames of a known layout.
     Frames {
         /// Which.
-        layout: Layout,
+        layout: FrameLayout,
         /// The file header's version word; `None` when the header is damaged.
         version: Option<u16>,
     },
@@ -37,23 +37,23 @@ pub(super) enum Kind {
 
 /// Recognises a file by its header (u16 format, u16 version, u16 block size, u16 reserved) and first frame; by its
 /// frames alone when the header is damaged.
-pub(super) fn sniff(bytes: &[u8]) -> Option<Kind> {
+pub(super) fn sniff(bytes: &[u8]) -> Option<LowranceKind> {
     sniff_header(bytes).or_else(|| sniff_frames(bytes))
 }
 
-fn sniff_header(bytes: &[u8]) -> Option<Kind> {
+fn sniff_header(bytes: &[u8]) -> Option<LowranceKind> {
     let format = scalar::u16_le(bytes, 0)?;
     let version = scalar::u16_le(bytes, 2)?;
     let block = scalar::u16_le(bytes, 4)?;
     let usual = matches!(block, 1970 | 3200) && version <= 16;
     let first_frame = scalar::u32_le(bytes, FILE_HEADER) == Some(FILE_HEADER as u32);
     match format {
-        1 if usual => Some(Kind::Slg),
-        2 | 3 if usual || first_frame => Some(Kind::Frames {
+        1 if usual => Some(LowranceKind::Slg),
+        2 | 3 if usual || first_frame => Some(LowranceKind::Frames {
             layout: if format == 2 {
-                Layout::Sl2
+                FrameLayout::Sl2
             } else {
-                Layout::Sl3
+                FrameLayout::Sl3
             },
             version: Some(version),
         }),
@@ -62,28 +62,30 @@ fn sniff_header(bytes: &[u8]) -> Option<Kind> {
 }
 
 /// Two frames in a row, found by their own offsets, are proof enough.
-fn sniff_frames(bytes: &[u8]) -> Option<Kind> {
-    [Layout::Sl2, Layout::Sl3].into_iter().find_map(|layout| {
-        let first = walk::first_frame(bytes, layout, FILE_HEADER..SEARCHED_FOR_FRAMES, 0)?;
-        let Found::Whole(frame) = layout.look(bytes, first.at, first.lost) else {
-            return None;
-        };
-        let next = layout.look(bytes, first.at + frame.size, first.lost);
-        matches!(next, Found::Whole(_)).then_some(Kind::Frames {
-            layout,
-            version: None,
+fn sniff_frames(bytes: &[u8]) -> Option<LowranceKind> {
+    [FrameLayout::Sl2, FrameLayout::Sl3]
+        .into_iter()
+        .find_map(|layout| {
+            let first = walk::first_frame(bytes, layout, FILE_HEADER..SEARCHED_FOR_FRAMES, 0)?;
+            let FrameCheck::Whole(frame) = layout.look(bytes, first.at, first.lost) else {
+                return None;
+            };
+            let next = layout.look(bytes, first.at + frame.size, first.lost);
+            matches!(next, FrameCheck::Whole(_)).then_some(LowranceKind::Frames {
+                layout,
+                version: None,
+            })
         })
-    })
 }
 
 /// Reads a file that [`sniff`] recognised.
 pub(super) fn read(
     opened: Opened,
-    kind: Kind,
+    kind: LowranceKind,
     reading: &Reading<'_>,
     progress: &Progress,
 ) -> Result<Survey, OpenError> {
-    let Kind::Frames { layout, version } = kind else {
+    let LowranceKind::Frames { layout, version } = kind else {
         return Err(OpenError::Unsupported {
             path: opened.path,
             what: "no side-scan in a Lowrance SLG log; set the unit to record sl2 or sl3".into(),
@@ -112,7 +114,7 @@ pub(super) fn read(
 
 fn read_frames(
     bytes: &[u8],
-    layout: Layout,
+    layout: FrameLayout,
     log: &mut Collected,
     reading: &Reading<'_>,
     progress: &Progress,
@@ -120,18 +122,18 @@ fn read_frames(
     progress.start(bytes.len() as u64);
     let start = match reading.from(0) {
         Some(from) => walk::first_frame(bytes, layout, from..bytes.len(), 0),
-        None => Some(walk::Place {
+        None => Some(walk::FrameStart {
             at: FILE_HEADER.min(bytes.len()),
             lost: 0,
         }),
     };
-    let start = start.unwrap_or(walk::Place {
+    let start = start.unwrap_or(walk::FrameStart {
         at: bytes.len(),
         lost: 0,
     });
     progress.advance(start.at as u64);
     let mut reader = decode::Reader::default();
-    let walk = walk::Walk {
+    let walk = walk::FrameWalk {
         bytes,
         layout,
         report: &log.report.clone(),
@@ -143,10 +145,10 @@ fn read_frames(
     Ok(())
 }
 
-fn format_name(layout: Layout, version: Option<u16>) -> String {
+fn format_name(layout: FrameLayout, version: Option<u16>) -> String {
     let name = match layout {
-        Layout::Sl2 => "Lowrance SL2",
-        Layout::Sl3 => "Lowrance SL3",
+        FrameLayout::Sl2 => "Lowrance SL2",
+        FrameLayout::Sl3 => "Lowrance SL3",
     };
     version.map_or_else(
         || name.to_owned(),

@@ -2,8 +2,8 @@
 
 use super::frame::{LowranceFrame, metres};
 use crate::formats::collected::{Collected, HalfPing, is_range, is_sound};
-use crate::formats::report::Kind;
-use crate::survey::{ChannelKind, Encoding, Order, SidePing, SideSpan};
+use crate::formats::report::WarningKind;
+use crate::survey::{ChannelKind, Encoding, SampleOrder, SidePing, SideSpan};
 use std::ops::Range;
 
 /// Keeps the sides of a frame that can hold a picture, and what looks down; says so where there is none.
@@ -24,7 +24,7 @@ pub(super) fn keep(log: &mut Collected, kind: ChannelKind, frame: &LowranceFrame
                 "a side-scan frame has {} samples over {} to {} ft, which is no picture; it was dropped",
                 frame.data_len, frame.min_range_ft, frame.max_range_ft
             );
-            log.report.at(Kind::Value, 0, frame.offset, text);
+            log.report.at(WarningKind::Value, 0, frame.offset, text);
         }
         (ChannelKind::Composite, [port, starboard]) => log.composite.push(SidePing {
             time_s,
@@ -69,9 +69,9 @@ fn composite(frame: &LowranceFrame) -> [Option<SideSpan>; 2] {
     let port_m = if min_m < 0.0 { -min_m } else { starboard_m };
     let share = (port_m / (port_m + starboard_m)).clamp(0.0, 1.0);
     let middle = (frame.data_len as f32 * share) as usize;
-    let port = span(frame, 0..middle, Order::FarToNear, (0.0, port_m));
+    let port = span(frame, 0..middle, SampleOrder::FarToNear, (0.0, port_m));
     let rest = middle..frame.data_len;
-    let starboard = span(frame, rest, Order::NearToFar, (0.0, starboard_m));
+    let starboard = span(frame, rest, SampleOrder::NearToFar, (0.0, starboard_m));
     [Some(port), Some(starboard)]
 }
 
@@ -80,14 +80,19 @@ fn alone(frame: &LowranceFrame) -> SideSpan {
     let a_m = metres(frame.min_range_ft).abs();
     let b_m = metres(frame.max_range_ft).abs();
     let all = 0..frame.data_len;
-    span(frame, all, Order::NearToFar, (a_m.min(b_m), a_m.max(b_m)))
+    span(
+        frame,
+        all,
+        SampleOrder::NearToFar,
+        (a_m.min(b_m), a_m.max(b_m)),
+    )
 }
 
 /// Some of a frame's samples, with their near and far limit in metres.
 fn span(
     frame: &LowranceFrame,
     samples: Range<usize>,
-    order: Order,
+    order: SampleOrder,
     range_m: (f32, f32),
 ) -> SideSpan {
     SideSpan {

@@ -1,7 +1,7 @@
 //! From frame to frame through a log, over whatever is damaged in it.
 
-use super::frame::{self, Found, Layout, LowranceFrame};
-use crate::formats::report::{Kind, Report};
+use super::frame::{self, FrameCheck, FrameLayout, LowranceFrame};
+use crate::formats::report::{WarningKind, WarningReport};
 use crate::support::progress::{Cancelled, Progress};
 use std::ops::Range;
 
@@ -13,24 +13,24 @@ const BYTES_A_CHECK: usize = 1 << 20;
 const MOST_LOST: u64 = 1 << 20;
 
 /// A walk over the frames of a log.
-pub(super) struct Walk<'a> {
+pub(super) struct FrameWalk<'a> {
     /// The whole file.
     pub(super) bytes: &'a [u8],
     /// Its frames' layout.
-    pub(super) layout: Layout,
+    pub(super) layout: FrameLayout,
     /// Where to say what is wrong.
-    pub(super) report: &'a Report,
+    pub(super) report: &'a WarningReport,
     /// What is cut at its end is still being written.
     pub(super) is_growing: bool,
     /// Where to say how far it is.
     pub(super) progress: &'a Progress,
 }
 
-impl Walk<'_> {
+impl FrameWalk<'_> {
     /// Calls `take` for every whole frame from `start` on.
     pub(super) fn run(
         &self,
-        start: Place,
+        start: FrameStart,
         mut take: impl FnMut(LowranceFrame),
     ) -> Result<(), Cancelled> {
         let mut here = start;
@@ -44,9 +44,9 @@ impl Walk<'_> {
             }
             frames += 1;
             here = match self.layout.look(self.bytes, here.at, here.lost) {
-                Found::Whole(frame) => self.step(here, frame, &mut take)?,
-                Found::Cut => self.over_cut(here)?,
-                Found::Nothing => self.over_gap(here)?,
+                FrameCheck::Whole(frame) => self.step(here, frame, &mut take)?,
+                FrameCheck::Cut => self.over_cut(here)?,
+                FrameCheck::Nothing => self.over_gap(here)?,
             };
         }
         self.progress.advance((self.bytes.len() - reported) as u64);
@@ -56,10 +56,10 @@ impl Walk<'_> {
     /// Takes a frame if the chain goes on behind it; where it does not, the frame's size may be what is damaged.
     fn step(
         &self,
-        here: Place,
+        here: FrameStart,
         frame: LowranceFrame,
         take: &mut impl FnMut(LowranceFrame),
-    ) -> Result<Place, Cancelled> {
+    ) -> Result<FrameStart, Cancelled> {
         let next = here.at + frame.size;
         let goes_on =
             next == self.bytes.len() || frame::lost_before(self.bytes, next) == Some(here.lost);
@@ -71,19 +71,19 @@ impl Walk<'_> {
                     frame.size,
                     found.at - here.at
                 );
-                self.report.at(Kind::Frame, 0, here.at, text);
+                self.report.at(WarningKind::Frame, 0, here.at, text);
                 return Ok(found);
             }
         }
         take(frame);
-        Ok(Place { at: next, ..here })
+        Ok(FrameStart { at: next, ..here })
     }
 
-    fn over_cut(&self, here: Place) -> Result<Place, Cancelled> {
+    fn over_cut(&self, here: FrameStart) -> Result<FrameStart, Cancelled> {
         let len = self.bytes.len();
         let found = self.find(here.at + 4, len, here.lost)?;
         if found.is_none() && self.is_growing {
-            return Ok(Place { at: len, ..here });
+            return Ok(FrameStart { at: len, ..here });
         }
         let text = match found {
             Some(_) => "a frame header is damaged; the frame was dropped".to_owned(),
@@ -92,14 +92,14 @@ impl Walk<'_> {
                 len - here.at
             ),
         };
-        self.report.at(Kind::Frame, 0, here.at, text);
-        Ok(found.unwrap_or(Place { at: len, ..here }))
+        self.report.at(WarningKind::Frame, 0, here.at, text);
+        Ok(found.unwrap_or(FrameStart { at: len, ..here }))
     }
 
-    fn over_gap(&self, here: Place) -> Result<Place, Cancelled> {
+    fn over_gap(&self, here: FrameStart) -> Result<FrameStart, Cancelled> {
         let len = self.bytes.len();
         let found = self.find(here.at + 1, len, here.lost)?;
-        let to = found.unwrap_or(Place { at: len, ..here });
+        let to = found.unwrap_or(FrameStart { at: len, ..here });
         if found.is_none() && self.is_growing {
             return Ok(to);
         }
@@ -116,12 +116,12 @@ impl Walk<'_> {
                 format!("the last {bytes} bytes of the file belong to no frame and were skipped")
             }
         };
-        self.report.at(Kind::Gap, 0, here.at, text);
+        self.report.at(WarningKind::Gap, 0, here.at, text);
         Ok(to)
     }
 
     /// The first whole frame that begins in `from..to`.
-    fn find(&self, from: usize, to: usize, lost: i64) -> Result<Option<Place>, Cancelled> {
+    fn find(&self, from: usize, to: usize, lost: i64) -> Result<Option<FrameStart>, Cancelled> {
         let mut at = from;
         while at < to.min(self.bytes.len()) {
             self.progress.check()?;
@@ -137,7 +137,7 @@ impl Walk<'_> {
 
 /// Where a frame begins, and how many bytes were lost from the file before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Place {
+pub(super) struct FrameStart {
     /// Offset in the file.
     pub(super) at: usize,
     /// Lost bytes; negative where bytes came in.
@@ -148,26 +148,26 @@ pub(super) struct Place {
 /// its offset is enough; where more were lost in between, the next frame has to agree about how many.
 pub(super) fn first_frame(
     bytes: &[u8],
-    layout: Layout,
+    layout: FrameLayout,
     range: Range<usize>,
     lost: i64,
-) -> Option<Place> {
+) -> Option<FrameStart> {
     let searched = bytes.get(range.start..bytes.len().min(range.end.saturating_add(3)))?;
     let stated = searched
         .windows(4)
         .map(|four| u32::from_le_bytes([four[0], four[1], four[2], four[3]]));
     (range.start..)
         .zip(stated)
-        .map(|(at, stated)| Place {
+        .map(|(at, stated)| FrameStart {
             at,
             lost: i64::from(stated.wrapping_sub(at as u32).cast_signed()),
         })
         .filter(|place| place.lost.abs_diff(lost) <= MOST_LOST)
         .find(|place| {
-            let Found::Whole(frame) = layout.look(bytes, place.at, place.lost) else {
+            let FrameCheck::Whole(frame) = layout.look(bytes, place.at, place.lost) else {
                 return false;
             };
             let next = layout.look(bytes, place.at + frame.size, place.lost);
-            place.lost == lost || matches!(next, Found::Whole(_))
+            place.lost == lost || matches!(next, FrameCheck::Whole(_))
         })
 }

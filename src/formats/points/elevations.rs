@@ -19,7 +19,7 @@ const GEOGRAPHIC_NAMES: [[&str; 3]; 4] = [
 
 /// What the first two coordinates of a point are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Plane {
+pub(crate) enum PointPlane {
     /// Metres (or the file's own units) east and north.
     Metres,
     /// Degrees of longitude and latitude.
@@ -30,16 +30,16 @@ pub(crate) enum Plane {
     Epsg(u16),
 }
 
-impl Plane {
+impl PointPlane {
     /// What a file means that names a system by its number, and what it is where it does not.
     fn of_epsg(epsg: Option<u32>, otherwise: Self) -> Self {
         // From here on numbers are private: what they mean stands elsewhere in the file.
         const PRIVATE: u16 = 32_767;
         const WGS84: u16 = 4326;
         match epsg.map(|number| (UtmZone::from_epsg(number), u16::try_from(number))) {
-            Some((Some(zone), _)) => Plane::Utm(zone),
-            Some((None, Ok(WGS84))) => Plane::Degrees,
-            Some((None, Ok(number @ 1..PRIVATE))) => Plane::Epsg(number),
+            Some((Some(zone), _)) => PointPlane::Utm(zone),
+            Some((None, Ok(WGS84))) => PointPlane::Degrees,
+            Some((None, Ok(number @ 1..PRIVATE))) => PointPlane::Epsg(number),
             _ => otherwise,
         }
     }
@@ -53,7 +53,7 @@ pub(crate) struct Elevations {
     /// x, y, and z positive up.
     pub points: Vec<[f64; 3]>,
     /// What x and y are.
-    pub plane: Plane,
+    pub plane: PointPlane,
     /// Lines or features left out because a coordinate is missing.
     pub blank: usize,
     /// What had to be guessed about the file, in one sentence.
@@ -120,8 +120,8 @@ fn read(argument: &OsStr) -> Result<Elevations, PointFileError> {
         path,
         points: turned(file.points, downwards || depths),
         plane: match degrees {
-            true => Plane::Degrees,
-            false => Plane::of_epsg(file.epsg, Plane::Metres),
+            true => PointPlane::Degrees,
+            false => PointPlane::of_epsg(file.epsg, PointPlane::Metres),
         },
         blank: file.blank,
         note: (!notes.is_empty()).then(|| notes.join("; ")),
@@ -174,8 +174,8 @@ fn of_raster(
         path: path.to_owned(),
         points: turned(raster.points, downwards || depths),
         plane: match raster.is_degrees {
-            true => Plane::Degrees,
-            false => Plane::of_epsg(raster.projected.map(u32::from), Plane::Metres),
+            true => PointPlane::Degrees,
+            false => PointPlane::of_epsg(raster.projected.map(u32::from), PointPlane::Metres),
         },
         blank: 0,
         note,
@@ -191,7 +191,7 @@ fn of_geojson(
     Ok(Elevations {
         path: path.to_owned(),
         points: turned(found.points, downwards),
-        plane: Plane::Degrees,
+        plane: PointPlane::Degrees,
         blank: found.left_out,
         note: None,
     })
@@ -231,7 +231,7 @@ mod tests {
         let found = read("east_m,north_m,lon,lat,z_m\n1,2,-82.1,29.4,-3\n", "");
         assert_eq!(
             (found.plane, found.points[0]),
-            (Plane::Degrees, [-82.1, 29.4, -3.0])
+            (PointPlane::Degrees, [-82.1, 29.4, -3.0])
         );
         let found = read(
             "east_m,north_m,lon,lat,z_m\n1,2,-82.1,29.4,-3\n",
@@ -239,7 +239,7 @@ mod tests {
         );
         assert_eq!(
             (found.plane, found.points[0]),
-            (Plane::Metres, [1.0, 2.0, -3.0])
+            (PointPlane::Metres, [1.0, 2.0, -3.0])
         );
     }
 

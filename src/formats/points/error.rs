@@ -78,13 +78,13 @@ pub enum TextFault {
         line: usize,
         /// What is wrong with it.
         #[source]
-        what: LineFault,
+        what: PointLineFault,
     },
 }
 
 /// What is wrong with a line of a text file.
 #[derive(Debug, thiserror::Error)]
-pub enum LineFault {
+pub enum PointLineFault {
     /// It has so many fields, and no header says what they are.
     #[error(
         "there are {}, and a point is x, y and z; put commas, semicolons or spaces between them, and name the columns in the first line where they are not the first three",

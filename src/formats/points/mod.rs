@@ -17,8 +17,8 @@ mod ply_file;
 mod text_file;
 
 pub(crate) use copc::write_copc;
-pub(crate) use elevations::{Elevations, Plane, read_elevations};
-pub(crate) use error::{LasFault, LineFault, PlyFault, PointFault, PointFileError, TextFault};
+pub(crate) use elevations::{Elevations, PointPlane, read_elevations};
+pub(crate) use error::{LasFault, PlyFault, PointFault, PointFileError, PointLineFault, TextFault};
 pub(crate) use las_writer::{LasWriter, transforms};
 
 use copc::is_named_copc;
@@ -45,12 +45,12 @@ pub(crate) struct PointFile {
     pub set_aside: Vec<bool>,
     /// EPSG number of the system that the file names, where it does.
     pub epsg: Option<u32>,
-    rows: Rows,
+    rows: FormatFile,
 }
 
 /// What else the file says about its points.
 #[derive(Debug)]
-enum Rows {
+enum FormatFile {
     Text(TextFile),
     Ply(PlyFile),
     Las(Box<LasFile>),
@@ -173,19 +173,19 @@ fn read_format(
                 names: file.names.clone(),
                 blank: file.blank,
                 set_aside: file.set_aside.clone(),
-                ..bare(Rows::Text(file), points)
+                ..bare(FormatFile::Text(file), points)
             }
         }
         PointFormat::Ply => {
             let (file, points) = ply_file::read(path)?;
-            bare(Rows::Ply(file), points)
+            bare(FormatFile::Ply(file), points)
         }
         PointFormat::Las | PointFormat::Laz | PointFormat::Copc => {
             let (file, points) = las_file::read(path)?;
             PointFile {
                 epsg: file.epsg(),
                 set_aside: file.withheld(),
-                ..bare(Rows::Las(Box::new(file)), points)
+                ..bare(FormatFile::Las(Box::new(file)), points)
             }
         }
     })
@@ -208,9 +208,11 @@ impl PointFile {
             points.filter(|(_, kept)| **kept).map(|(point, _)| point)
         };
         match (&self.rows, format) {
-            (Rows::Text(rows), PointFormat::Csv | PointFormat::Xyz) => rows.write_kept(out, kept),
-            (Rows::Ply(rows), PointFormat::Ply) => rows.write_kept(out, kept),
-            (Rows::Las(rows), PointFormat::Las | PointFormat::Laz | PointFormat::Copc) => {
+            (FormatFile::Text(rows), PointFormat::Csv | PointFormat::Xyz) => {
+                rows.write_kept(out, kept)
+            }
+            (FormatFile::Ply(rows), PointFormat::Ply) => rows.write_kept(out, kept),
+            (FormatFile::Las(rows), PointFormat::Las | PointFormat::Laz | PointFormat::Copc) => {
                 rows.write_kept(out, kept, format)
             }
             (_, PointFormat::Csv | PointFormat::Xyz) => {

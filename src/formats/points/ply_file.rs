@@ -20,7 +20,7 @@ pub(super) struct PlyFile {
 
 /// How numbers are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Encoding {
+enum PlyEncoding {
     Text,
     Little,
     Big,
@@ -56,12 +56,12 @@ impl Scalar {
     }
 
     /// The value of `size` bytes.
-    fn value(self, stored: &[u8], encoding: Encoding) -> f64 {
+    fn value(self, stored: &[u8], encoding: PlyEncoding) -> f64 {
         let mut little = [0_u8; 8];
         for (to, &from) in little.iter_mut().zip(stored) {
             *to = from;
         }
-        if encoding == Encoding::Big {
+        if encoding == PlyEncoding::Big {
             little[..self.size()].reverse();
         }
         let bits = u64::from_le_bytes(little);
@@ -76,8 +76,8 @@ impl Scalar {
 }
 
 /// What the header says.
-struct Layout {
-    encoding: Encoding,
+struct PlyLayout {
+    encoding: PlyEncoding,
     count: usize,
     properties: Vec<(String, Scalar)>,
     kept_lines: Vec<String>,
@@ -89,14 +89,14 @@ struct Layout {
 /// Reads the vertices; they must be the first element and hold only scalars.
 pub(super) fn read(path: &Path) -> Result<(PlyFile, Vec<[f64; 3]>), PointFault> {
     let bytes = regular_file::read(path, u64::MAX)?;
-    let layout = Layout::parse(&bytes)?;
+    let layout = PlyLayout::parse(&bytes)?;
     let axes =
         ["x", "y", "z"].map(|axis| layout.properties.iter().position(|(name, _)| name == axis));
     let [Some(x), Some(y), Some(z)] = axes else {
         return Err(PlyFault::Header("names no vertex properties x, y and z").into());
     };
     let (vertices, points) = match layout.encoding {
-        Encoding::Text => read_text(&bytes, &layout, [x, y, z])?,
+        PlyEncoding::Text => read_text(&bytes, &layout, [x, y, z])?,
         _ => read_binary(&bytes, &layout, [x, y, z])?,
     };
     let header = layout.kept_lines;
@@ -112,7 +112,7 @@ pub(super) fn read(path: &Path) -> Result<(PlyFile, Vec<[f64; 3]>), PointFault> 
 
 type Vertices = (Vec<Range<usize>>, Vec<[f64; 3]>);
 
-fn read_binary(bytes: &[u8], layout: &Layout, axes: [usize; 3]) -> Result<Vertices, PlyFault> {
+fn read_binary(bytes: &[u8], layout: &PlyLayout, axes: [usize; 3]) -> Result<Vertices, PlyFault> {
     let size: usize = layout
         .properties
         .iter()
@@ -144,7 +144,7 @@ fn read_binary(bytes: &[u8], layout: &Layout, axes: [usize; 3]) -> Result<Vertic
     Ok((vertices, points))
 }
 
-fn read_text(bytes: &[u8], layout: &Layout, axes: [usize; 3]) -> Result<Vertices, PlyFault> {
+fn read_text(bytes: &[u8], layout: &PlyLayout, axes: [usize; 3]) -> Result<Vertices, PlyFault> {
     let (mut vertices, mut points) = (Vec::new(), Vec::new());
     let mut at = layout.data;
     for (index, line) in bytes[layout.data..]
@@ -171,10 +171,10 @@ fn read_text(bytes: &[u8], layout: &Layout, axes: [usize; 3]) -> Result<Vertices
     Ok((vertices, points))
 }
 
-impl Layout {
+impl PlyLayout {
     fn parse(bytes: &[u8]) -> Result<Self, PlyFault> {
         let mut layout = Self {
-            encoding: Encoding::Text,
+            encoding: PlyEncoding::Text,
             count: 0,
             properties: Vec::new(),
             kept_lines: Vec::new(),
@@ -218,9 +218,9 @@ impl Layout {
         match words.as_slice() {
             ["format", encoding, ..] => {
                 self.encoding = match *encoding {
-                    "ascii" => Encoding::Text,
-                    "binary_little_endian" => Encoding::Little,
-                    "binary_big_endian" => Encoding::Big,
+                    "ascii" => PlyEncoding::Text,
+                    "binary_little_endian" => PlyEncoding::Little,
+                    "binary_big_endian" => PlyEncoding::Big,
                     _ => return Err("unknown PLY format"),
                 };
             }

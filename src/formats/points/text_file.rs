@@ -1,6 +1,6 @@
 //! Points in lines of text: xyz, csv, txt.
 
-use super::{LineFault, PointFault, TextFault};
+use super::{PointFault, PointLineFault, TextFault};
 use crate::support::printable::one_line;
 use crate::support::regular_file;
 use std::fs::File;
@@ -59,7 +59,7 @@ pub(super) fn read(
         set_aside: Vec::new(),
     };
     let mut points = Vec::new();
-    let mut layout: Option<Layout> = None;
+    let mut layout: Option<ColumnLayout> = None;
     for (index, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {
         if is_comment(line) {
             if points.is_empty() {
@@ -70,7 +70,7 @@ pub(super) fn read(
         let layout = match &layout {
             Some(layout) => layout,
             None => {
-                let (found, is_header) = Layout::of(line, requested)?;
+                let (found, is_header) = ColumnLayout::of(line, requested)?;
                 let found = layout.insert(found);
                 if is_header {
                     file.guessed = found.guessed.clone();
@@ -126,7 +126,7 @@ impl TextFile {
 }
 
 /// Which columns hold the coordinates.
-struct Layout {
+struct ColumnLayout {
     /// `None` for runs of spaces and tabs.
     separator: Option<char>,
     columns: [usize; 3],
@@ -137,7 +137,7 @@ struct Layout {
     guessed: Option<[String; 3]>,
 }
 
-impl Layout {
+impl ColumnLayout {
     /// From the first line, which is a header unless all it holds is numbers.
     fn of(line: &str, requested: ColumnRequest<'_>) -> Result<(Self, bool), TextFault> {
         let names = requested.named;
@@ -222,17 +222,17 @@ impl Layout {
     }
 
     /// What is wrong with a line of so many fields that has no such column.
-    fn too_short(&self, name: &str, fields: usize) -> LineFault {
+    fn too_short(&self, name: &str, fields: usize) -> PointLineFault {
         match self.names == ["1", "2", "3"] {
-            true => LineFault::TooFewFields(fields),
-            false => LineFault::TooShort {
+            true => PointLineFault::TooFewFields(fields),
+            false => PointLineFault::TooShort {
                 column: name.to_owned(),
                 fields,
             },
         }
     }
 
-    fn point(&self, line: &str) -> Result<[f64; 3], LineFault> {
+    fn point(&self, line: &str) -> Result<[f64; 3], PointLineFault> {
         let fields = fields(line, self.separator);
         let mut point = [0.0; 3];
         for (axis, value) in point.iter_mut().enumerate() {
@@ -240,7 +240,7 @@ impl Layout {
             let field = fields
                 .get(self.columns[axis])
                 .ok_or_else(|| self.too_short(name, fields.len()))?;
-            *value = field.parse().map_err(|_| LineFault::NotANumber {
+            *value = field.parse().map_err(|_| PointLineFault::NotANumber {
                 field: (*field).to_owned(),
                 column: name.clone(),
             })?;

@@ -1,7 +1,7 @@
 //! What the channels of an XTF file are, and how their samples are stored.
 
 use super::raw::{ChannelInfo, FileHeader, record};
-use crate::survey::{ChannelKind, Encoding, Order, Samples, SideSpan};
+use crate::survey::{ChannelKind, Encoding, SampleOrder, Samples, SideSpan};
 
 /// A channel that pings can refer to by its index.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,11 +78,11 @@ pub(super) fn encoding(width: usize) -> Option<Encoding> {
 }
 
 /// Port is stored from far to near in XTF, starboard from near to far.
-pub(super) fn order(kind: ChannelKind) -> Order {
+pub(super) fn order(kind: ChannelKind) -> SampleOrder {
     if kind == ChannelKind::Port {
-        Order::FarToNear
+        SampleOrder::FarToNear
     } else {
-        Order::NearToFar
+        SampleOrder::NearToFar
     }
 }
 
@@ -98,7 +98,7 @@ pub(super) fn shift_to_fit(bytes: &[u8], spans: &[&SideSpan]) -> u8 {
         let wide = SideSpan {
             count: span.count * 2,
             encoding: Encoding::U8,
-            order: Order::NearToFar,
+            order: SampleOrder::NearToFar,
             ..**span
         };
         let Some((stored, _)) = Samples::new(bytes, &wide).and_then(|samples| samples.stored_u8())

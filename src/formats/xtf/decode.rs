@@ -3,12 +3,12 @@
 use super::channels::{self, XtfChannel};
 use super::date;
 use super::packets::Packets;
-use super::place::Places;
+use super::place::PositionConverter;
 use super::raw::{FileHeader, PacketHeader, PingChannel, PingHeader, record};
-use super::sides::{Recorded, Sides};
-use crate::formats::clock::{Clock, Verdict};
+use super::sides::{Recorded, SideChannels};
+use crate::formats::clock::{Clock, ClockVerdict};
 use crate::formats::collected::{Collected, Counted};
-use crate::formats::report::Kind;
+use crate::formats::report::WarningKind;
 use crate::survey::{ChannelKind, ProjectedTrack, RangeSource};
 use std::borrow::Cow;
 
@@ -19,8 +19,8 @@ const PING: u8 = 0;
 pub(super) struct Reader<'a> {
     bytes: &'a [u8],
     channels: Vec<XtfChannel>,
-    places: Places,
-    sides: Sides,
+    places: PositionConverter,
+    sides: SideChannels,
     clock: Clock<(usize, PingHeader)>,
     /// Time of the first sound ping: the log's time zero.
     zero_cs: Option<i64>,
@@ -33,8 +33,8 @@ impl<'a> Reader<'a> {
         Self {
             bytes,
             channels: channels::list(bytes, header),
-            places: Places::new(header.map(|header| header.nav_units)),
-            sides: Sides::default(),
+            places: PositionConverter::new(header.map(|header| header.nav_units)),
+            sides: SideChannels::default(),
             clock: Clock::default(),
             zero_cs: None,
             others: Packets::default(),
@@ -101,15 +101,15 @@ impl<'a> Reader<'a> {
         &self.others
     }
 
-    fn settle(&mut self, log: &mut Collected, verdict: Verdict<(usize, PingHeader)>) {
+    fn settle(&mut self, log: &mut Collected, verdict: ClockVerdict<(usize, PingHeader)>) {
         match verdict {
-            Verdict::Sound {
+            ClockVerdict::Sound {
                 record: (offset, ping),
                 time_s,
             } => self.keep(log, offset, &ping, time_s),
-            Verdict::Damaged((offset, _)) => {
+            ClockVerdict::Damaged((offset, _)) => {
                 let text = "a ping's time fits neither neighbour; its header is damaged and it was dropped";
-                log.report.at(Kind::Frame, 0, offset, text);
+                log.report.at(WarningKind::Frame, 0, offset, text);
             }
         }
     }
@@ -137,7 +137,7 @@ impl<'a> Reader<'a> {
                     { header.channel },
                     { header.samples }
                 );
-                log.report.at(Kind::Frame, 0, at, text);
+                log.report.at(WarningKind::Frame, 0, at, text);
                 break;
             }
             let recorded = Recorded {

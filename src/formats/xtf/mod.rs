@@ -28,13 +28,13 @@ const FORMAT: &str = "XTF";
 
 /// What was recognised.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Found {
+pub(super) struct XtfStart {
     header: Option<FileHeader>,
     first_packet: usize,
 }
 
 /// Recognises a file by its header, or by its packets when the header is damaged.
-pub(super) fn sniff(bytes: &[u8]) -> Option<Found> {
+pub(super) fn sniff(bytes: &[u8]) -> Option<XtfStart> {
     let header: Option<FileHeader> = record(bytes, 0).filter(is_header);
     let header_len = header.map_or(0, |header| {
         let channels = usize::from(header.sonar_channels) + usize::from(header.bathymetry_channels);
@@ -46,7 +46,7 @@ pub(super) fn sniff(bytes: &[u8]) -> Option<Found> {
     } else {
         walk::next_packet(bytes, searched.start, searched.end)
     };
-    (header.is_some() || first_packet.is_some()).then(|| Found {
+    (header.is_some() || first_packet.is_some()).then(|| XtfStart {
         header,
         first_packet: first_packet.unwrap_or(header_len.min(bytes.len())),
     })
@@ -73,7 +73,7 @@ fn device_name(header: FileHeader) -> String {
 /// Reads a file that [`sniff`] recognised.
 pub(super) fn read(
     opened: Opened,
-    found: Found,
+    found: XtfStart,
     reading: &Reading<'_>,
     progress: &Progress,
 ) -> Result<Survey, OpenError> {
@@ -98,7 +98,7 @@ pub(super) fn read(
         ),
     };
     progress.start(bytes.len().saturating_sub(start) as u64);
-    walk::Walk {
+    walk::PacketWalk {
         bytes: &bytes,
         report: &report,
         is_growing: reading.is_growing,
@@ -134,7 +134,7 @@ pub(super) fn read(
 /// shown. Looks at no more than what lies before `from`.
 fn knowing_head<'a>(
     bytes: &'a [u8],
-    found: &Found,
+    found: &XtfStart,
     from: usize,
     progress: &Progress,
 ) -> Result<decode::Reader<'a>, Cancelled> {
@@ -143,7 +143,7 @@ fn knowing_head<'a>(
         let end = from.min(found.first_packet.saturating_add(head));
         let mut reader = decode::Reader::new(&bytes[..end], found.header);
         let mut log = Collected::new(Source::default(), Vec::new(), &Reading::default());
-        walk::Walk {
+        walk::PacketWalk {
             bytes: &bytes[..end],
             report: &log.report.clone(),
             is_growing: true,

@@ -9,13 +9,13 @@ const DEGREES: u16 = 3;
 
 /// Turns the positions of a file into degrees.
 #[derive(Debug)]
-pub(super) struct Places {
+pub(super) struct PositionConverter {
     units: Option<u16>,
     /// First projected position, where positions are in metres.
     origin: Option<[f64; 2]>,
 }
 
-impl Places {
+impl PositionConverter {
     /// `units` as the file header has them; `None` when the header is damaged.
     pub(super) fn new(units: Option<u16>) -> Self {
         Self {

@@ -3,7 +3,7 @@
 use super::channels;
 use super::raw::PingChannel;
 use crate::formats::collected::{Collected, HalfPing, is_sound};
-use crate::formats::report::Kind;
+use crate::formats::report::WarningKind;
 use crate::survey::{ChannelKind, Encoding, SideSpan};
 
 /// Speed of sound where the file gives a time instead of a range, metres a second.
@@ -37,14 +37,14 @@ impl Recorded {
 
 /// Chooses the first port and the first starboard channel; programs that record two frequencies have two of each.
 #[derive(Debug, Default)]
-pub(super) struct Sides {
+pub(super) struct SideChannels {
     port: Option<u16>,
     starboard: Option<u16>,
     hidden: usize,
     unread: usize,
 }
 
-impl Sides {
+impl SideChannels {
     /// Keeps a channel of a ping if it is one that is shown.
     pub(super) fn keep(&mut self, log: &mut Collected, recorded: &Recorded) {
         let (shown, halves) = match recorded.kind {
@@ -77,7 +77,7 @@ impl Sides {
                 "a side of a ping has {} samples over {} m, which is no picture; it was dropped",
                 span.count, span.far_m
             );
-            log.report.at(Kind::Value, 0, recorded.first, text);
+            log.report.at(WarningKind::Value, 0, recorded.first, text);
         }
     }
 

@@ -1,7 +1,7 @@
 //! From packet to packet through an XTF file.
 
 use super::raw::{PacketHeader, record};
-use crate::formats::report::{Kind, Report};
+use crate::formats::report::{WarningKind, WarningReport};
 use crate::support::progress::{Cancelled, Progress};
 
 /// The number that every packet begins with.
@@ -12,18 +12,18 @@ const LONGEST_PACKET: usize = 1 << 24;
 const PACKETS_A_CHECK: usize = 1024;
 
 /// A walk over the packets of a file.
-pub(super) struct Walk<'a> {
+pub(super) struct PacketWalk<'a> {
     /// The whole file.
     pub(super) bytes: &'a [u8],
     /// Where to say what is wrong.
-    pub(super) report: &'a Report,
+    pub(super) report: &'a WarningReport,
     /// What is cut at its end is still being written.
     pub(super) is_growing: bool,
     /// Where to say how far it is.
     pub(super) progress: &'a Progress,
 }
 
-impl Walk<'_> {
+impl PacketWalk<'_> {
     /// Calls `take` with offset, size and header of every whole packet from `start` on.
     pub(super) fn run(
         &self,
@@ -66,7 +66,7 @@ impl Walk<'_> {
                 next - at,
                 found - at
             );
-            self.report.at(Kind::Frame, 0, at, text);
+            self.report.at(WarningKind::Frame, 0, at, text);
             return found;
         }
         if next > len && self.is_growing {
@@ -77,7 +77,7 @@ impl Walk<'_> {
                 "the file was cut inside its last packet ({} bytes of it are there); it was dropped",
                 len - at
             );
-            self.report.at(Kind::Frame, 0, at, text);
+            self.report.at(WarningKind::Frame, 0, at, text);
             return len;
         }
         take(at, packet);
@@ -92,7 +92,7 @@ impl Walk<'_> {
             return to;
         }
         let text = format!("{} bytes belong to no packet and were skipped", to - at);
-        self.report.at(Kind::Gap, 0, at, text);
+        self.report.at(WarningKind::Gap, 0, at, text);
         to
     }
 }

@@ -1,6 +1,6 @@
 //! The cells of a window while strips are painted over each other.
 
-use super::layout::Ray;
+use super::layout::MosaicRay;
 use super::line::MosaicLine;
 use super::overlap::CellSum;
 use super::scan::spans;
@@ -38,7 +38,7 @@ impl Canvas {
 
     /// Least and greatest distance on the ground, along a ray of a strip, at which a cell of the window may lie; `from` is where the
     /// ray starts, which moves by `moved_m` within the strip.
-    pub(super) fn distances_m(&self, ray: &Ray, moved_m: f64) -> [f64; 2] {
+    pub(super) fn distances_m(&self, ray: &MosaicRay, moved_m: f64) -> [f64; 2] {
         let window = &self.window;
         let [x, y] = [ray.at[0] - window.west_m, window.north_m - ray.at[1]];
         let [wide_m, high_m] =
@@ -58,7 +58,7 @@ impl Canvas {
     pub(super) fn paint(
         &mut self,
         corners: &[[f64; 2]; 4],
-        strip: &[Ray; 2],
+        strip: &[MosaicRay; 2],
         lines: [&MosaicLine; 2],
     ) {
         let window = self.window;
@@ -69,7 +69,7 @@ impl Canvas {
                 (window.north_m - y) / window.cell_m - 0.5,
             ]
         });
-        let between = Between::new(strip);
+        let between = GroundBetween::new(strip);
         let altitudes_m = strip.map(|ray| ray.altitude_m);
         let reach_m = strip[0].reach_m(self.water_column).max(0.1);
         for (row, columns) in spans(&corners, window.columns, window.rows) {
@@ -112,9 +112,9 @@ impl Canvas {
 /// The ray at share `u` starts at `p + u dp` and runs along `s + u ds`. The place `q` (from `p`) lies on it where
 /// `f(u) = (q - u dp) x (s + u ds) = 0`. `f` is quadratic in `u`, with `f(0) = q x s` and `f(1) = (q - dp) x (s + ds)`: on which side
 /// of each of both rays the place lies. Where the signs differ it lies between them.
-struct Between {
-    here: Ray,
-    next: Ray,
+struct GroundBetween {
+    here: MosaicRay,
+    next: MosaicRay,
     dp: [f64; 2],
     ds: [f64; 2],
     /// Of the square in `f`.
@@ -129,8 +129,8 @@ fn minus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     [a[0] - b[0], a[1] - b[1]]
 }
 
-impl Between {
-    fn new(&[here, next]: &[Ray; 2]) -> Self {
+impl GroundBetween {
+    fn new(&[here, next]: &[MosaicRay; 2]) -> Self {
         let (dp, ds) = (minus(next.at, here.at), minus(next.out, here.out));
         Self {
             here,
@@ -169,7 +169,7 @@ mod tests {
 
     #[test]
     fn a_place_between_two_turned_rays_is_found_where_it_was_put() {
-        let ray = |at: [f64; 2], heading_deg: f64| Ray {
+        let ray = |at: [f64; 2], heading_deg: f64| MosaicRay {
             at,
             out: [
                 heading_deg.to_radians().cos(),
@@ -183,7 +183,7 @@ mod tests {
             count: 1400,
         };
         let strip = [ray([10.0, 20.0], 30.0), ray([10.0, 20.2], 33.0)];
-        let between = Between::new(&strip);
+        let between = GroundBetween::new(&strip);
         for share in [0.001, 0.25, 0.5, 0.9] {
             for ground_m in [0.01, 1.0, 7.0, 27.0] {
                 let lerp = |a: f64, b: f64| a + (b - a) * share;

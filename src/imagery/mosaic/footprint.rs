@@ -1,6 +1,6 @@
 //! The outline of the insonified ground.
 
-use super::Layout;
+use super::MosaicLayout;
 use super::layout::{bounds_of, grid_over};
 use super::scan::spans;
 use crate::bottom::bathymetry::isobaths::{Polygon, depth_areas};
@@ -16,7 +16,7 @@ const MOST_SQUARES: f64 = 2000.0;
 /// # Errors
 /// When the work was cancelled.
 pub(crate) fn footprint(
-    layouts: &[Layout],
+    layouts: &[MosaicLayout],
     progress: &Progress,
 ) -> Result<Vec<Polygon>, Cancelled> {
     let Some(bounds) = bounds_of(layouts.iter()) else {

@@ -10,8 +10,8 @@
 //! Each side has its own curves, since transducers differ, and both are brought to one level: ground looks the same to port and to
 //! starboard. What is bright in the whole survey is then brought to a fixed level, so that a quiet recorder's mosaic is not black.
 
-use super::Layout;
-use super::layout::Ray;
+use super::MosaicLayout;
+use super::layout::MosaicRay;
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::{Side, Survey};
 use rayon::prelude::*;
@@ -78,7 +78,7 @@ impl Sums {
     }
 
     /// Adds the samples of a ping that lie on the ground: a run within one bin at a time.
-    fn add(&mut self, far_m: f64, ray: &Ray, levels: &[u8]) {
+    fn add(&mut self, far_m: f64, ray: &MosaicRay, levels: &[u8]) {
         let mut from = first_beyond(ray, ray.altitude_m).min(levels.len());
         while from < levels.len() {
             let range_m = ray.range_m(from as f64 + 0.5);
@@ -110,7 +110,7 @@ impl Sums {
 }
 
 /// The first sample whose middle lies beyond a range.
-fn first_beyond(ray: &Ray, range_m: f64) -> usize {
+fn first_beyond(ray: &MosaicRay, range_m: f64) -> usize {
     (ray.sample_at(range_m) - 0.5).ceil().max(0.0) as usize
 }
 
@@ -125,7 +125,7 @@ fn obliqueness(range_m: f64, altitude_m: f64) -> f64 {
 /// When the work was cancelled.
 pub(crate) fn gain_table(
     survey: &Survey,
-    layout: &Layout,
+    layout: &MosaicLayout,
     progress: &Progress,
 ) -> Result<GainTable, Cancelled> {
     let far_m = layout.far_m();
@@ -162,10 +162,10 @@ pub(crate) fn gain_table(
 /// Calls `take` with each ray of a side and its levels.
 fn each_ray(
     survey: &Survey,
-    layout: &Layout,
+    layout: &MosaicLayout,
     side: Side,
     pings: &[usize],
-    mut take: impl FnMut(&Ray, &[u8]),
+    mut take: impl FnMut(&MosaicRay, &[u8]),
 ) {
     let mut levels = Vec::new();
     for &ping in pings {
@@ -252,7 +252,7 @@ impl GainTable {
     }
 
     /// The factor that brings what is bright among some pings to one level.
-    fn stretch(&self, survey: &Survey, layout: &Layout, pings: &[usize]) -> f32 {
+    fn stretch(&self, survey: &Survey, layout: &MosaicLayout, pings: &[usize]) -> f32 {
         let mut counts = vec![0_u64; 1024];
         let mut factors = Vec::new();
         for side in Side::BOTH {
@@ -275,7 +275,13 @@ impl GainTable {
     }
 
     /// Replaces `out` with the factors on some samples of a ray. Those of the water column have the factor of straight down.
-    pub(super) fn factors(&self, side: Side, ray: &Ray, samples: Range<usize>, out: &mut Vec<f32>) {
+    pub(super) fn factors(
+        &self,
+        side: Side,
+        ray: &MosaicRay,
+        samples: Range<usize>,
+        out: &mut Vec<f32>,
+    ) {
         out.clear();
         out.extend(samples.map(|sample| {
             let range_m = ray.range_m(sample as f64 + 0.5);

@@ -27,7 +27,7 @@ const PROBE_M: f64 = 20.0;
 
 /// One side of one ping in the plane of the map.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ray {
+pub struct MosaicRay {
     /// The boat.
     pub at: [f64; 2],
     /// What a metre on the ground, outward, is in the plane.
@@ -46,13 +46,13 @@ pub struct Ray {
     pub count: usize,
 }
 
-impl Ray {
+impl MosaicRay {
     /// Slant range at a distance of `sample` samples, metres.
     pub fn range_m(&self, sample: f64) -> f64 {
         self.start_m + self.step_m * sample
     }
 
-    /// Inverse of [`Ray::range_m`].
+    /// Inverse of [`MosaicRay::range_m`].
     pub fn sample_at(&self, range_m: f64) -> f64 {
         (range_m - self.start_m) / self.step_m
     }
@@ -109,7 +109,7 @@ pub(crate) type Bounds = [f64; 4];
 
 /// Pings in the plane of the map: all of a survey, or as many as a coarse picture shows.
 #[derive(Clone, Debug)]
-pub struct Layout {
+pub struct MosaicLayout {
     /// Which pings of the survey these are.
     pings: Vec<u32>,
     /// Which pings of the survey each of these stands for: first, and one after the last.
@@ -128,7 +128,7 @@ pub struct Layout {
     boxes: Vec<Bounds>,
 }
 
-impl Layout {
+impl MosaicLayout {
     /// Lays a survey out. `plane` takes metres east and north of the survey's origin to the plane of the map (metres too: the
     /// survey's own plane, or a projection such as UTM).
     pub fn new(
@@ -332,7 +332,7 @@ impl Layout {
     }
 
     /// One side of a ping; `None` where it was not recorded, has no place, heading or altitude, or lies in a turn.
-    pub fn ray(&self, ping: usize, side: Side) -> Option<Ray> {
+    pub fn ray(&self, ping: usize, side: Side) -> Option<MosaicRay> {
         let placed = (*self.placed.get(ping)?)?;
         let ranges = (*self.ranges[side as usize].get(ping)?)?;
         let altitude_m = f64::from(*self.altitudes_m[side as usize].get(ping)?);
@@ -344,7 +344,7 @@ impl Layout {
             ),
             None => (AcrossTrack::LEVEL, altitude_m),
         };
-        (altitude_m > 0.0).then(|| Ray {
+        (altitude_m > 0.0).then(|| MosaicRay {
             under_m,
             across,
             at: placed.at,
@@ -357,7 +357,7 @@ impl Layout {
     }
 
     /// The strip between a ping and the next on one side, where it is shown.
-    pub fn strip(&self, ping: usize, side: Side) -> Option<[Ray; 2]> {
+    pub fn strip(&self, ping: usize, side: Side) -> Option<[MosaicRay; 2]> {
         if !*self.joined.get(ping)? {
             return None;
         }
@@ -365,7 +365,7 @@ impl Layout {
     }
 
     /// Corners of a strip, around it.
-    pub fn corners(&self, strip: &[Ray; 2]) -> [[f64; 2]; 4] {
+    pub fn corners(&self, strip: &[MosaicRay; 2]) -> [[f64; 2]; 4] {
         let reach_m = strip
             .iter()
             .map(|ray| ray.reach_m(self.water_column))
@@ -375,7 +375,7 @@ impl Layout {
     }
 
     /// All strips: the ping they begin at, and the side, in the order they were recorded.
-    pub(super) fn strips(&self) -> impl Iterator<Item = (usize, Side, [Ray; 2])> {
+    pub(super) fn strips(&self) -> impl Iterator<Item = (usize, Side, [MosaicRay; 2])> {
         let pings = 0..self.placed.len().saturating_sub(1);
         pings.flat_map(move |ping| {
             Side::BOTH
@@ -430,7 +430,11 @@ impl Layout {
 
 /// Whether a strip may lie on some ground that its bounds touch: long, thin strips that run askew pass most of it by. They do
 /// where all of the ground lies on one side of the strip, seen along its rays.
-fn lies_on(strip: &[Ray; 2], corners: &[[f64; 2]; 4], [west, south, east, north]: &Bounds) -> bool {
+fn lies_on(
+    strip: &[MosaicRay; 2],
+    corners: &[[f64; 2]; 4],
+    [west, south, east, north]: &Bounds,
+) -> bool {
     let ground = [
         [*west, *south],
         [*west, *north],
@@ -485,8 +489,8 @@ pub(crate) fn joined_way_m(survey: &Survey, navigation: &Navigation, ping: usize
 }
 
 /// What all of some layouts cover; `None` when nothing is shown.
-pub(super) fn bounds_of<'a>(layouts: impl Iterator<Item = &'a Layout>) -> Option<Bounds> {
-    layouts.filter_map(Layout::bounds).reduce(box_around)
+pub(super) fn bounds_of<'a>(layouts: impl Iterator<Item = &'a MosaicLayout>) -> Option<Bounds> {
+    layouts.filter_map(MosaicLayout::bounds).reduce(box_around)
 }
 
 /// The grid over some ground, its edges at whole cells.

@@ -1,7 +1,7 @@
 //! The levels along one side of a ping, at even steps on the ground.
 
-use super::layout::Ray;
-use super::{Gain, GainTable, Layout, MosaicSettings};
+use super::layout::MosaicRay;
+use super::{Gain, GainTable, MosaicLayout, MosaicSettings};
 use crate::support::statistics::ends;
 use crate::survey::{Side, SideSpan, Survey};
 use std::ops::Range;
@@ -13,9 +13,9 @@ const MOST_AVERAGED: usize = 16;
 
 /// What all lines of a picture have in common.
 #[derive(Clone, Copy)]
-pub(super) struct Lines<'a> {
+pub(super) struct LineContext<'a> {
     survey: &'a Survey,
-    layout: &'a Layout,
+    layout: &'a MosaicLayout,
     /// Where levels are normalised.
     gain: Option<&'a GainTable>,
     water_column: bool,
@@ -23,11 +23,11 @@ pub(super) struct Lines<'a> {
     steps_per_m: f64,
 }
 
-impl<'a> Lines<'a> {
+impl<'a> LineContext<'a> {
     /// For cells of a size.
     pub(super) fn new(
         survey: &'a Survey,
-        layout: &'a Layout,
+        layout: &'a MosaicLayout,
         gain: &'a GainTable,
         settings: &MosaicSettings,
         cell_m: f64,
@@ -92,9 +92,9 @@ impl MosaicLine {
     /// sides saves reading it again for a little more. False when there is nothing to read.
     pub(super) fn read(
         &mut self,
-        lines: &Lines<'_>,
+        lines: &LineContext<'_>,
         place: usize,
-        ray: &Ray,
+        ray: &MosaicRay,
         ground_m: [f64; 2],
         margin_m: f64,
     ) -> bool {
@@ -139,9 +139,9 @@ impl MosaicLine {
     /// Normalises and sums some samples outward: `sums[n]` is the sum of the first n. False when there are none.
     fn sum_up(
         &mut self,
-        lines: &Lines<'_>,
+        lines: &LineContext<'_>,
         place: usize,
-        ray: &Ray,
+        ray: &MosaicRay,
         samples: Range<usize>,
     ) -> bool {
         let count = match lines.layout.ping(place) {
@@ -176,7 +176,7 @@ impl MosaicLine {
     /// Adds up some samples of a ping and of those `around` it that were recorded over the same range; how many pings that were.
     fn add_up(
         &mut self,
-        lines: &Lines<'_>,
+        lines: &LineContext<'_>,
         ping: usize,
         around: Range<usize>,
         part: &Range<usize>,

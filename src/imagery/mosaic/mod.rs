@@ -5,9 +5,9 @@
 //!
 //! ```text
 //! FirstReturns --altitude--> height over the ground of every ping and side
-//! Navigation --layout--> Layout: rays in the plane of the map, which tiles they cross
+//! Navigation --layout--> MosaicLayout: rays in the plane of the map, which tiles they cross
 //! Survey --gain--> GainTable: what level the ground has by range and angle
-//! Layout + GainTable --line--> levels of each ping at even steps on the ground
+//! MosaicLayout + GainTable --line--> levels of each ping at even steps on the ground
 //! lines --paint, canvas, overlap--> Tile of 256 x 256 cells
 //!                            '--part--> what one log shows of a tile, to be joined with those of others later
 //! ```
@@ -36,7 +36,7 @@ pub(crate) use gain::{GainTable, gain_table};
 pub(crate) use joint::{
     LEVEL_CELL_M, joint_bounds, joint_grid, level_differences, level_factor, match_levels,
 };
-pub(crate) use layout::{Bounds, Layout, Ray, TILE_CELLS, TileIndex, joined_way_m};
+pub(crate) use layout::{Bounds, MosaicLayout, MosaicRay, TILE_CELLS, TileIndex, joined_way_m};
 pub(crate) use overlap::Overlap;
 #[cfg(any(test, feature = "bench"))]
 pub(crate) use paint::tile;

@@ -1,8 +1,8 @@
 //! Draws tiles and other windows: each cell takes the mean of the samples that it covers on the ray through its middle.
 
 use super::canvas::Canvas;
-use super::layout::{Layout, Ray, TILE_CELLS, TileIndex};
-use super::line::{Lines, MosaicLine};
+use super::layout::{MosaicLayout, MosaicRay, TILE_CELLS, TileIndex};
+use super::line::{LineContext, MosaicLine};
 use super::{GainTable, MosaicSettings};
 use crate::bottom::bathymetry::Grid;
 use crate::support::progress::{Cancelled, Progress};
@@ -25,7 +25,7 @@ pub struct MosaicLog {
     /// The recording.
     pub survey: Arc<Survey>,
     /// Where its echoes lie, in the plane that all logs share.
-    pub layout: Arc<Layout>,
+    pub layout: Arc<MosaicLayout>,
     /// What its levels are normalised by.
     pub gain: GainTable,
 }
@@ -34,7 +34,7 @@ pub struct MosaicLog {
 #[derive(Clone, Copy)]
 struct Part<'a> {
     survey: &'a Survey,
-    layout: &'a Layout,
+    layout: &'a MosaicLayout,
     gain: &'a GainTable,
     index: &'a TileIndex,
 }
@@ -54,7 +54,7 @@ impl<'a> Part<'a> {
 #[cfg(any(test, feature = "bench"))]
 pub(crate) fn tile(
     survey: &Survey,
-    layout: &Layout,
+    layout: &MosaicLayout,
     grid: &Grid,
     index: &TileIndex,
     gain: &GainTable,
@@ -123,7 +123,7 @@ fn painted<'a>(
     let go_on = || Ok::<(), Infallible>(());
     for part in parts {
         let strips = part.index.strips(row, column);
-        let lines = Lines::new(part.survey, part.layout, part.gain, settings, grid.cell_m);
+        let lines = LineContext::new(part.survey, part.layout, part.gain, settings, grid.cell_m);
         let Ok(()) = draw(&mut canvas, part.layout, &lines, strips, go_on);
     }
     canvas
@@ -136,7 +136,7 @@ fn painted<'a>(
 /// When the work was cancelled.
 pub(crate) fn window(
     survey: &Survey,
-    layout: &Layout,
+    layout: &MosaicLayout,
     grid: &Grid,
     gain: &GainTable,
     settings: &MosaicSettings,
@@ -155,7 +155,7 @@ pub(crate) fn window(
 /// # Errors
 /// When the work was cancelled.
 pub(crate) fn joint_window<'a>(
-    logs: impl Iterator<Item = (&'a Survey, &'a Layout, &'a GainTable)>,
+    logs: impl Iterator<Item = (&'a Survey, &'a MosaicLayout, &'a GainTable)>,
     grid: &Grid,
     settings: &MosaicSettings,
     progress: &Progress,
@@ -164,7 +164,7 @@ pub(crate) fn joint_window<'a>(
     let ground = grid.bounds_m();
     for (survey, layout, gain) in logs {
         let strips = layout.strips_in(ground);
-        let lines = Lines::new(survey, layout, gain, settings, grid.cell_m);
+        let lines = LineContext::new(survey, layout, gain, settings, grid.cell_m);
         draw(&mut canvas, layout, &lines, strips, || progress.check())?;
     }
     Ok(canvas.finish())
@@ -173,8 +173,8 @@ pub(crate) fn joint_window<'a>(
 /// Lays strips over each other. `check` is asked before each whether to go on.
 fn draw<E>(
     canvas: &mut Canvas,
-    layout: &Layout,
-    lines: &Lines<'_>,
+    layout: &MosaicLayout,
+    lines: &LineContext<'_>,
     strips: impl Iterator<Item = (usize, Side)>,
     check: impl Fn() -> Result<(), E>,
 ) -> Result<(), E> {
@@ -202,6 +202,6 @@ fn draw<E>(
 }
 
 /// How far the boat goes along a strip, in the plane of the map.
-fn moved_m([here, next]: &[Ray; 2]) -> f64 {
+fn moved_m([here, next]: &[MosaicRay; 2]) -> f64 {
     f64::hypot(next.at[0] - here.at[0], next.at[1] - here.at[1])
 }

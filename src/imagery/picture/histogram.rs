@@ -16,7 +16,7 @@ const LEAST_REACH: f32 = 64.0;
 
 /// The levels of a log's echoes after gain, stripe filter and balance.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Histogram {
+pub(crate) struct LevelHistogram {
     /// Echoes in each of [`HISTOGRAM_BARS`] steps from 0 to `reach`.
     pub bars: Vec<u32>,
     /// The level where the last bar ends; 255 is the largest byte.
@@ -25,7 +25,7 @@ pub(crate) struct Histogram {
     pub automatic: Levels,
 }
 
-impl Histogram {
+impl LevelHistogram {
     /// Of the echoes of a log, shown with some tone.
     pub(crate) fn of(picture: &LogPicture, tone: &Tone) -> Self {
         let levels: Vec<f32> = picture.levels(tone).collect();
@@ -80,7 +80,7 @@ mod tests {
         let mut sorted = levels.clone();
         let reach = reach(&mut sorted);
         assert!((reach - 1.3 * 199.8).abs() < 0.1, "{reach}");
-        let histogram = Histogram::with_bins(&levels, BINS, reach, true);
+        let histogram = LevelHistogram::with_bins(&levels, BINS, reach, true);
         let Levels { black, white } = histogram.automatic;
         assert!((black * 255.0 - 2.0).abs() < 0.3, "{}", black * 255.0);
         assert!(
@@ -90,7 +90,7 @@ mod tests {
         );
         assert_eq!(histogram.bars.len(), HISTOGRAM_BARS);
         assert_eq!(histogram.bars.iter().sum::<u32>(), 10_000);
-        let noise = Histogram::with_bins(&levels, BINS, reach, false);
+        let noise = LevelHistogram::with_bins(&levels, BINS, reach, false);
         assert_eq!(noise.automatic, Levels::RECORDED);
     }
 }

@@ -12,7 +12,7 @@ const MOST_ECHOES: usize = 1 << 17;
 
 /// An echo with all that its level depends on.
 #[derive(Clone, Copy, Debug)]
-struct Echo {
+struct PictureEcho {
     level: f32,
     side: Side,
     /// Slant range that gain is taken at, metres.
@@ -36,7 +36,7 @@ pub struct LogPicture {
     pub gain: Option<Arc<GainTable>>,
     /// Calibrated slant range where time-varied gain is 0 dB, metres: half of the farthest.
     pub middle_m: f32,
-    echoes: Vec<Echo>,
+    echoes: Vec<PictureEcho>,
     has_bottom: bool,
 }
 
@@ -96,7 +96,7 @@ fn echoes(
     gain: Option<&GainTable>,
     factors: Option<&[Vec<f32>; 2]>,
     progress: &Progress,
-) -> Result<Vec<Echo>, Cancelled> {
+) -> Result<Vec<PictureEcho>, Cancelled> {
     let pings = survey.side_scan.len();
     let step = pings.div_ceil(MOST_SAMPLED_PINGS).max(1);
     let spans = (0..pings)
@@ -123,7 +123,7 @@ fn echoes(
             echoes.extend(sampled.map(|(sample, &level)| {
                 let range_m = scale.slant_m(span.range_m(sample as f64 + 0.5));
                 let range_m = (range_m as f32).max(scale.altitude_m);
-                Echo {
+                PictureEcho {
                     level: f32::from(level),
                     side,
                     range_m,

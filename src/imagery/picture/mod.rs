@@ -7,7 +7,7 @@
 //! FirstReturns + Calibration --PingScales--> altitude and scale of every ping and side
 //! Survey --stripe_factors--> a factor for every ping and side
 //! PingScales + GainTable + factors --LogPicture--> PingTable for the GPU, and sampled echoes
-//! echoes + PictureSettings --Histogram--> Levels
+//! echoes + PictureSettings --LevelHistogram--> Levels
 //! ```
 //!
 //! Nothing here is computed per texel of a tile: a change of gain costs a few numbers, not new tiles.
@@ -19,9 +19,9 @@ mod settings;
 mod stripes;
 mod table;
 
-pub(crate) use histogram::Histogram;
+pub(crate) use histogram::LevelHistogram;
 pub(crate) use log_picture::LogPicture;
-pub(crate) use scales::{Extremes, Geometry, PingScale, PingScales};
+pub(crate) use scales::{Extremes, PictureGeometry, PingScale, PingScales};
 #[cfg(any(test, feature = "bench"))]
 pub(crate) use settings::LEAST_RANGE_M;
 pub(crate) use settings::{PictureSettings, Tone};

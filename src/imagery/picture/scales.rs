@@ -7,7 +7,7 @@ use crate::survey::{Side, Survey};
 
 /// What is measured across the track.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Geometry {
+pub enum PictureGeometry {
     /// Slant range as recorded, the water column among it.
     #[default]
     Slant,
@@ -51,12 +51,12 @@ impl PingScale {
     }
 
     /// Where a recorded range lies across the track, metres from the middle; what lies before the ground lies in the middle.
-    pub fn across_m(&self, geometry: Geometry, recorded_m: f64) -> f64 {
+    pub fn across_m(&self, geometry: PictureGeometry, recorded_m: f64) -> f64 {
         let altitude_m = f64::from(self.altitude_m);
         match geometry {
-            Geometry::Slant => recorded_m,
-            Geometry::SlantBeyondWater => (self.slant_m(recorded_m) - altitude_m).max(0.0),
-            Geometry::Ground => {
+            PictureGeometry::Slant => recorded_m,
+            PictureGeometry::SlantBeyondWater => (self.slant_m(recorded_m) - altitude_m).max(0.0),
+            PictureGeometry::Ground => {
                 let slant_m = self.slant_m(recorded_m).max(0.0);
                 (slant_m * slant_m - altitude_m * altitude_m)
                     .max(0.0)
@@ -66,12 +66,12 @@ impl PingScale {
     }
 
     /// Inverse of [`PingScale::across_m`] on the ground: the recorded range that is shown at a distance from the middle.
-    pub fn recorded_at_m(&self, geometry: Geometry, across_m: f64) -> f64 {
+    pub fn recorded_at_m(&self, geometry: PictureGeometry, across_m: f64) -> f64 {
         let altitude_m = f64::from(self.altitude_m);
         match geometry {
-            Geometry::Slant => across_m,
-            Geometry::SlantBeyondWater => self.recorded_m(across_m + altitude_m),
-            Geometry::Ground => self.recorded_m(across_m.hypot(altitude_m)),
+            PictureGeometry::Slant => across_m,
+            PictureGeometry::SlantBeyondWater => self.recorded_m(across_m + altitude_m),
+            PictureGeometry::Ground => self.recorded_m(across_m.hypot(altitude_m)),
         }
     }
 }
@@ -98,7 +98,7 @@ impl Extremes {
     }
 
     /// Where recorded ranges from `near_m` to `far_m` can lie across the track, at whichever ping: nearest and farthest.
-    pub fn across_m(&self, geometry: Geometry, [near_m, far_m]: [f64; 2]) -> [f64; 2] {
+    pub fn across_m(&self, geometry: PictureGeometry, [near_m, far_m]: [f64; 2]) -> [f64; 2] {
         let nearest = self.corners().map(|one| one.across_m(geometry, near_m));
         let farthest = self.corners().map(|one| one.across_m(geometry, far_m));
         [
@@ -108,7 +108,7 @@ impl Extremes {
     }
 
     /// Which recorded ranges can be shown between two distances from the middle, at whichever ping: nearest and farthest.
-    pub fn recorded_m(&self, geometry: Geometry, [near_m, far_m]: [f64; 2]) -> [f64; 2] {
+    pub fn recorded_m(&self, geometry: PictureGeometry, [near_m, far_m]: [f64; 2]) -> [f64; 2] {
         let nearest = self
             .corners()
             .map(|one| one.recorded_at_m(geometry, near_m));
@@ -247,16 +247,16 @@ mod tests {
             altitude_m: 3.0,
             ..PingScale::default()
         };
-        assert!((scale.across_m(Geometry::Ground, 5.0) - 4.0).abs() < 1e-9);
-        assert_eq!(scale.across_m(Geometry::Ground, 2.0), 0.0);
-        assert_eq!(scale.across_m(Geometry::SlantBeyondWater, 5.0), 2.0);
-        assert_eq!(scale.across_m(Geometry::Slant, 5.0), 5.0);
+        assert!((scale.across_m(PictureGeometry::Ground, 5.0) - 4.0).abs() < 1e-9);
+        assert_eq!(scale.across_m(PictureGeometry::Ground, 2.0), 0.0);
+        assert_eq!(scale.across_m(PictureGeometry::SlantBeyondWater, 5.0), 2.0);
+        assert_eq!(scale.across_m(PictureGeometry::Slant, 5.0), 5.0);
     }
 
     proptest! {
         #[test]
         fn what_is_shown_comes_back(scale in any_scale(), across_m in 0.01..100.0_f64) {
-            for geometry in [Geometry::Slant, Geometry::SlantBeyondWater, Geometry::Ground] {
+            for geometry in [PictureGeometry::Slant, PictureGeometry::SlantBeyondWater, PictureGeometry::Ground] {
                 let recorded_m = scale.recorded_at_m(geometry, across_m);
                 let back_m = scale.across_m(geometry, recorded_m);
                 prop_assert!((back_m - across_m).abs() < 1e-3, "{geometry:?} {back_m}");
@@ -272,7 +272,7 @@ mod tests {
             let far_m = near_m + wide_m;
             let all = PingScales { sides: [scales.clone(), Vec::new()] };
             let extremes = all.extremes();
-            for geometry in [Geometry::Slant, Geometry::SlantBeyondWater, Geometry::Ground] {
+            for geometry in [PictureGeometry::Slant, PictureGeometry::SlantBeyondWater, PictureGeometry::Ground] {
                 let [nearest, farthest] = extremes.across_m(geometry, [near_m, far_m]);
                 let [least, most] = extremes.recorded_m(geometry, [near_m, far_m]);
                 for one in &scales {

@@ -5,13 +5,13 @@ use std::hash::Hash;
 
 /// Keeps what was used last, up to a number of bytes; what the current frame used is never dropped.
 pub(crate) struct Lru<K, V> {
-    entries: HashMap<K, Entry<V>>,
+    entries: HashMap<K, CacheEntry<V>>,
     bytes: usize,
     budget: usize,
     frame: u64,
 }
 
-struct Entry<V> {
+struct CacheEntry<V> {
     value: V,
     bytes: usize,
     used: u64,
@@ -52,7 +52,7 @@ impl<K: Copy + Eq + Hash, V> Lru<K, V> {
 
     /// Adds or replaces a value that takes `bytes`.
     pub(crate) fn insert(&mut self, key: K, value: V, bytes: usize) {
-        let entry = Entry {
+        let entry = CacheEntry {
             value,
             bytes,
             used: self.frame,

@@ -150,7 +150,7 @@ struct Work {
 }
 
 /// What to do next.
-enum Task {
+enum WorkerTask {
     Grow(Arc<Survey>),
     Picks(Arc<FirstReturns>),
     WaterfallTile(WaterfallTileKey),
@@ -161,13 +161,13 @@ impl Work {
     fn run(mut self, shared: &Shared, out: &Out<impl Fn()>) {
         while let Some(task) = self.next_task(shared) {
             match task {
-                Task::Grow(survey) => self.grow(survey, out),
-                Task::Picks(returns) => {
+                WorkerTask::Grow(survey) => self.grow(survey, out),
+                WorkerTask::Picks(returns) => {
                     let lines = PickLines::new(&self.survey, returns);
                     out.send(Made::Picks(Arc::new(lines)));
                 }
-                Task::WaterfallTile(key) => out.send(Made::WaterfallTile(self.tile(key))),
-                Task::Store => {
+                WorkerTask::WaterfallTile(key) => out.send(Made::WaterfallTile(self.tile(key))),
+                WorkerTask::Store => {
                     self.coarse.build_next(&self.survey, &self.axis);
                 }
             }
@@ -194,7 +194,7 @@ impl Work {
     }
 
     /// Waits until there is something to do; `None` when the worker is to stop.
-    fn next_task(&self, shared: &Shared) -> Option<Task> {
+    fn next_task(&self, shared: &Shared) -> Option<WorkerTask> {
         let mut orders = shared.lock();
         orders.making = None;
         loop {
@@ -204,18 +204,18 @@ impl Work {
             if let Some(survey) = orders.grown.take() {
                 // Asked for again by who knows the new extent.
                 orders.tiles.clear();
-                return Some(Task::Grow(survey));
+                return Some(WorkerTask::Grow(survey));
             }
             if let Some(returns) = orders.picks.take() {
-                return Some(Task::Picks(returns));
+                return Some(WorkerTask::Picks(returns));
             }
             if let Some(place) = orders.tiles.iter().position(|want| self.can_improve(want)) {
                 let key = orders.tiles.remove(place).key;
                 orders.making = Some(key);
-                return Some(Task::WaterfallTile(key));
+                return Some(WorkerTask::WaterfallTile(key));
             }
             if !self.coarse.is_complete() {
-                return Some(Task::Store);
+                return Some(WorkerTask::Store);
             }
             orders = shared
                 .changed

@@ -124,7 +124,7 @@ impl Agreement {
         matching: Matching,
         progress: &Progress,
     ) -> Result<Option<Self>, Cancelled> {
-        let reference = compare::Reference::new(reference, matching);
+        let reference = compare::ReferencePoints::new(reference, matching);
         progress.check()?;
         let at = |one: &Chosen| point(logs, *one).place();
         let differences = reference.matches(chosen, at, progress)?;

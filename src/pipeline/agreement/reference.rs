@@ -2,7 +2,7 @@
 
 use super::{AgreementError, ReferenceFault};
 use crate::bottom::cloud::Correction;
-use crate::formats::points::{Elevations, Plane};
+use crate::formats::points::{Elevations, PointPlane};
 use crate::formats::{ReferenceFile, open_reference};
 use crate::pipeline::fingerprint::{Input, InputError, hash_file, hash_inputs};
 use crate::pipeline::{ProcessedLog, Products, Settings, as_mounted, run};
@@ -249,10 +249,10 @@ impl System {
     ) -> Result<(Self, Option<String>), ReferenceFault> {
         let named = |epsg: u16| Ok((Self::Crs(Crs::from_epsg(epsg)?), None));
         match file.plane {
-            Plane::Degrees => named(4326),
-            Plane::Utm(zone) => named(zone.epsg() as u16),
-            Plane::Epsg(epsg) => named(epsg),
-            Plane::Metres => Self::guessed(file, survey, settings),
+            PointPlane::Degrees => named(4326),
+            PointPlane::Utm(zone) => named(zone.epsg() as u16),
+            PointPlane::Epsg(epsg) => named(epsg),
+            PointPlane::Metres => Self::guessed(file, survey, settings),
         }
     }
 

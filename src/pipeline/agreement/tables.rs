@@ -1,6 +1,6 @@
 //! What differences hang on, and how they spread.
 
-use crate::bottom::bathymetry::compare::{Bin, Histogram, Match, binned, suited_width};
+use crate::bottom::bathymetry::compare::{Bin, DifferenceHistogram, Match, binned, suited_width};
 use crate::bottom::cloud::CloudPoint;
 use crate::pipeline::Products;
 use crate::survey::PingNav;
@@ -16,7 +16,7 @@ pub(crate) struct ResidualTables {
     /// By the heading, degrees clockwise from north.
     pub by_heading_deg: Vec<Bin>,
     /// How often each size occurs.
-    pub histogram: Option<Histogram>,
+    pub histogram: Option<DifferenceHistogram>,
 }
 
 /// Headings that are taken together, degrees.
@@ -50,7 +50,7 @@ pub(super) fn tables<'a>(
         by_depth_m: by(&|one| -one.reference_z_m, None),
         by_across_m: by(&of_point(across_m), None),
         by_heading_deg: by(&of_point(heading_deg), Some(SECTOR_DEG)),
-        histogram: Histogram::of(&all),
+        histogram: DifferenceHistogram::of(&all),
     }
 }
 

@@ -1,7 +1,7 @@
 //! What each choice of geometry and calibration costs: the same picks, compared with the same soundings.
 
 use super::residuals::kept_of;
-use crate::bottom::bathymetry::compare::{Matching, Reference};
+use crate::bottom::bathymetry::compare::{Matching, ReferencePoints};
 use crate::bottom::cloud::{Geometry, PointSource, Residuals};
 use crate::pipeline::{Products, Settings, run};
 use crate::sonar::calibration::{OffsetMode, PpdReach, ScaleMode};
@@ -11,7 +11,7 @@ use serde::Serialize;
 
 /// Side-scan against soundings with one geometry and one calibration.
 #[derive(Serialize)]
-pub(crate) struct Choice {
+pub(crate) struct GeometryChoice {
     geometry: Geometry,
     calibration: &'static str,
     /// Whether these are the settings of the products.
@@ -62,10 +62,10 @@ pub(crate) fn choices(
     survey: &Survey,
     products: &Products,
     progress: &Progress,
-) -> Result<Vec<Choice>, Cancelled> {
+) -> Result<Vec<GeometryChoice>, Cancelled> {
     let soundings = kept_of(products, &[PointSource::DownScan]);
     let max_gap_m = products.settings.surface.max_gap_m;
-    let reference = Reference::new(
+    let reference = ReferencePoints::new(
         soundings.iter().map(|point| point.place()),
         Matching::Surface { max_gap_m },
     );
@@ -88,13 +88,15 @@ pub(crate) fn choices(
             let points = kept_of(&made, &[PointSource::Port, PointSource::Starboard]);
             let matches = reference.matches(&points, |point| point.place(), progress)?;
             let mut differences: Vec<f64> = matches.iter().map(|one| one.difference_m).collect();
-            found.extend(Residuals::of(&mut differences).map(|residuals| Choice {
-                geometry,
-                calibration,
-                in_force: settings == *products.settings,
-                unmatched: points.len() - matches.len(),
-                residuals,
-            }));
+            found.extend(
+                Residuals::of(&mut differences).map(|residuals| GeometryChoice {
+                    geometry,
+                    calibration,
+                    in_force: settings == *products.settings,
+                    unmatched: points.len() - matches.len(),
+                    residuals,
+                }),
+            );
         }
     }
     Ok(found)

@@ -14,10 +14,10 @@ mod surface;
 mod swath;
 mod uncertainty;
 
-pub(crate) use choices::{Choice, choices};
+pub(crate) use choices::{GeometryChoice, choices};
 pub(crate) use contours::Contours;
 pub(crate) use crosslines::{Crosslines, crosslines};
-pub(crate) use plane::Plane;
+pub(crate) use plane::CloudPlane;
 pub(crate) use points::depth_points;
 pub(crate) use residuals::{NamedComparison, comparisons};
 pub(crate) use surface::{joint_depth_points, joint_depth_surface};

@@ -9,7 +9,7 @@ use crate::support::geo::{Crs, CrsError, LonLat, MapPlane};
 use crate::survey::{Navigation, Survey, Track};
 
 /// The cloud and the plane that its maps are drawn in.
-pub(crate) struct Plane<'a> {
+pub(crate) struct CloudPlane<'a> {
     /// The plane.
     pub map: MapPlane,
     /// The log.
@@ -18,7 +18,7 @@ pub(crate) struct Plane<'a> {
     navigation: &'a Navigation,
 }
 
-impl<'a> Plane<'a> {
+impl<'a> CloudPlane<'a> {
     /// The plane of the system that `crs` names.
     ///
     /// # Errors

@@ -1,6 +1,6 @@
 //! Side-scan points against the soundings of the same survey.
 
-use super::plane::Plane;
+use super::plane::CloudPlane;
 use crate::bottom::bathymetry::compare::{Comparison, Matching, match_points};
 use crate::bottom::cloud::{CloudPoint, PointSource};
 use crate::pipeline::{ProcessedLog, Products};
@@ -42,7 +42,7 @@ pub(crate) fn comparisons(
     };
     let points = |chosen: &dyn Fn(&Survey, &CloudPoint) -> bool| {
         let of_log = |log: &ProcessedLog| {
-            let plane = Plane::new(&log.survey, &log.products, map.clone());
+            let plane = CloudPlane::new(&log.survey, &log.products, map.clone());
             plane.points(&log.products, |point| chosen(&log.survey, point))
         };
         logs.iter().flat_map(of_log).collect::<Vec<_>>()

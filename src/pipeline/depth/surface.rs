@@ -1,6 +1,6 @@
 //! The surface of the depths of a survey.
 
-use super::plane::Plane;
+use super::plane::CloudPlane;
 use super::swath::log_echoes;
 use crate::bottom::bathymetry::{DepthPoint, Surface, SwathDepth, surface};
 use crate::bottom::swath::{LogEchoes, correct};
@@ -48,7 +48,7 @@ pub(crate) fn joint_depth_points(
     let mut points = Vec::new();
     for log in logs {
         progress.check()?;
-        let plane = Plane::new(&log.survey, &log.products, map.clone());
+        let plane = CloudPlane::new(&log.survey, &log.products, map.clone());
         points.append(&mut plane.depth_points(&log.products));
     }
     Ok(points)

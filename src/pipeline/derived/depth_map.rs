@@ -4,8 +4,8 @@ use crate::bottom::bathymetry::isobaths::{ClipArea, IsobathSettings, NoIsobaths,
 use crate::bottom::bathymetry::{self, DepthPoint, Light, Surface, SurfaceSettings, hill_shade};
 use crate::bottom::cloud::{PointClass, PointCloud};
 use crate::pipeline::{
-    CommonUncertainty, Plane, ProcessedLog, Same, clip_area, colour_range_m, joint_depth_points,
-    joint_depth_surface,
+    CloudPlane, CommonUncertainty, ProcessedLog, Same, clip_area, colour_range_m,
+    joint_depth_points, joint_depth_surface,
 };
 use crate::support::geo::{CrsChoice, MapPlane, bounds_deg};
 use crate::support::outline::bounds;
@@ -15,10 +15,10 @@ use std::sync::{Arc, OnceLock};
 
 /// What a depth map is made of; equal keys give equal maps.
 #[derive(Clone, PartialEq)]
-pub(crate) struct DepthMapKey(Vec<LogKey>);
+pub(crate) struct DepthMapKey(Vec<DepthMapLogKey>);
 
 #[derive(Clone, PartialEq)]
-struct LogKey {
+struct DepthMapLogKey {
     survey: Same<Survey>,
     navigation: Same<Navigation>,
     cloud: Same<PointCloud>,
@@ -30,7 +30,7 @@ struct LogKey {
 impl DepthMapKey {
     /// Of the results of some logs.
     pub(crate) fn of(logs: &[ProcessedLog]) -> Self {
-        let key = |ProcessedLog { survey, products }: &ProcessedLog| LogKey {
+        let key = |ProcessedLog { survey, products }: &ProcessedLog| DepthMapLogKey {
             survey: Same(survey.clone()),
             navigation: Same(products.navigation.clone()),
             cloud: Same(products.cloud.clone()),
@@ -73,7 +73,7 @@ impl DepthMap {
         let Some(ProcessedLog { survey, products }) = logs.first() else {
             return Ok(None);
         };
-        let map = Plane::or_utm(survey, products).map;
+        let map = CloudPlane::or_utm(survey, products).map;
         let Some(mut surface) = joint_depth_surface(logs, &map, progress)? else {
             return Ok(None);
         };

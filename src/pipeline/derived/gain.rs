@@ -1,6 +1,6 @@
 //! The gain normalisation of one log, which the mosaic and the waterfall share.
 
-use crate::imagery::mosaic::{GainTable, Layout, gain_table};
+use crate::imagery::mosaic::{GainTable, MosaicLayout, gain_table};
 use crate::pipeline::{ProcessedLog, Same, mosaic_layout_by};
 use crate::sonar::calibration::Calibration;
 use crate::sonar::first_return::FirstReturns;
@@ -55,15 +55,16 @@ pub(super) fn made(
     progress: &Progress,
 ) -> Result<Option<GainTable>, Cancelled> {
     let ProcessedLog { survey, products } = log;
-    let table = |layout: &Layout| match layout.has_rays() {
+    let table = |layout: &MosaicLayout| match layout.has_rays() {
         true => gain_table(survey, layout, progress).map(Some),
         false => Ok(None),
     };
     match table(&mosaic_layout_by(survey, products, |place| place))? {
         Some(made) => Ok(Some(made)),
         None => {
-            let placeless = Layout::placeless(survey, &products.bottom_line, &products.calibration)
-                .with_range_factor(products.correction.range_factor());
+            let placeless =
+                MosaicLayout::placeless(survey, &products.bottom_line, &products.calibration)
+                    .with_range_factor(products.correction.range_factor());
             table(&placeless.without(&products.exclusions))
         }
     }

@@ -8,7 +8,7 @@
 //!                     |                                     '--colours--> Bottom
 //!                     --layout--> GainTable of each log --> Mosaic
 //!                     |                                 '--> LogPicture
-//!                     '--layout--> Layout of each log, for the Mosaic on the screen and for passes
+//!                     '--layout--> MosaicLayout of each log, for the Mosaic on the screen and for passes
 //! ```
 //!
 //! [`Derived`] has one node for each: of the same results and settings it makes nothing twice, whoever asks, the map on the screen, the
@@ -32,13 +32,13 @@ pub use mosaic::{Mosaic, MosaicPlane};
 pub(crate) use picture::PictureKey;
 
 use crate::bottom::bathymetry::isobaths::{IsobathSettings, NoIsobaths};
-use crate::imagery::mosaic::{GainTable, Layout};
+use crate::imagery::mosaic::{GainTable, MosaicLayout};
 use crate::imagery::picture::LogPicture;
 use crate::pipeline::{ProcessedLog, mosaic_layout_by};
 use crate::support::progress::{Cancelled, Progress};
 use gain::GainKey;
 use layout::LayoutKey;
-use node::Node;
+use node::DerivedNode;
 use std::sync::Arc;
 
 /// Gain tables of so many logs are kept; each is small.
@@ -48,26 +48,26 @@ const LAID_OUT_PINGS: usize = 1_000_000;
 
 /// Depth map, isobaths, mosaic and what logs are shown with, each made when it is first asked for.
 pub struct Derived {
-    depth_map: Node<DepthMapKey, Option<Arc<DepthMap>>>,
-    isobaths: Node<IsobathKey, Result<Arc<Isobaths>, NoIsobaths>>,
-    gain: Node<GainKey, Option<Arc<GainTable>>>,
-    layout: Node<LayoutKey, Arc<Layout>>,
-    mosaic: Node<MosaicKey, Option<Arc<Mosaic>>>,
-    picture: Node<PictureKey, Arc<LogPicture>>,
-    bottom: Node<BottomKey, Arc<Bottom>>,
+    depth_map: DerivedNode<DepthMapKey, Option<Arc<DepthMap>>>,
+    isobaths: DerivedNode<IsobathKey, Result<Arc<Isobaths>, NoIsobaths>>,
+    gain: DerivedNode<GainKey, Option<Arc<GainTable>>>,
+    layout: DerivedNode<LayoutKey, Arc<MosaicLayout>>,
+    mosaic: DerivedNode<MosaicKey, Option<Arc<Mosaic>>>,
+    picture: DerivedNode<PictureKey, Arc<LogPicture>>,
+    bottom: DerivedNode<BottomKey, Arc<Bottom>>,
 }
 
 impl Default for Derived {
     fn default() -> Self {
         Self {
-            depth_map: Node::keeping(1),
-            isobaths: Node::keeping(1),
-            gain: Node::keeping(GAIN_TABLES),
-            layout: Node::weighing(LAID_OUT_PINGS, |layout| layout.len()),
-            picture: Node::keeping(2),
-            bottom: Node::keeping(1),
+            depth_map: DerivedNode::keeping(1),
+            isobaths: DerivedNode::keeping(1),
+            gain: DerivedNode::keeping(GAIN_TABLES),
+            layout: DerivedNode::weighing(LAID_OUT_PINGS, |layout| layout.len()),
+            picture: DerivedNode::keeping(2),
+            bottom: DerivedNode::keeping(1),
             // In the plane of the survey on the screen, in that of the map in files.
-            mosaic: Node::keeping(2),
+            mosaic: DerivedNode::keeping(2),
         }
     }
 }
@@ -149,7 +149,7 @@ impl Derived {
         &self,
         log: &ProcessedLog,
         progress: &Progress,
-    ) -> Result<Arc<Layout>, Cancelled> {
+    ) -> Result<Arc<MosaicLayout>, Cancelled> {
         let make = || {
             progress.check()?;
             Ok(Arc::new(mosaic_layout_by(

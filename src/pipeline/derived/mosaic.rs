@@ -4,7 +4,8 @@ use super::Derived;
 use super::gain::SideScanKey;
 use crate::bottom::bathymetry::Grid;
 use crate::imagery::mosaic::{
-    Bounds, GainTable, Layout, MosaicLog, MosaicSettings, joint_bounds, joint_window, match_levels,
+    Bounds, GainTable, MosaicLayout, MosaicLog, MosaicSettings, joint_bounds, joint_window,
+    match_levels,
 };
 use crate::pipeline::{ProcessedLog, Same, mosaic_layout};
 use crate::support::geo::MapPlane;
@@ -32,11 +33,11 @@ pub enum MosaicPlane {
 #[derive(Clone, PartialEq)]
 pub(crate) struct MosaicKey {
     plane: MosaicPlane,
-    logs: Vec<LogKey>,
+    logs: Vec<MosaicLogKey>,
 }
 
 #[derive(Clone, PartialEq)]
-struct LogKey {
+struct MosaicLogKey {
     side_scan: SideScanKey,
     relief: Same<Relief>,
     settings: MosaicSettings,
@@ -48,7 +49,7 @@ impl MosaicKey {
         let MosaicSettings {
             cell_m, colours, ..
         } = MosaicSettings::default();
-        let key = |log: &ProcessedLog| LogKey {
+        let key = |log: &ProcessedLog| MosaicLogKey {
             side_scan: SideScanKey::of(log),
             relief: Same(log.products.relief.clone()),
             settings: MosaicSettings {
@@ -73,7 +74,7 @@ pub struct Mosaic {
     /// West, south, east and north of what is shown, metres.
     pub bounds: Bounds,
     /// For each log the layouts with as many pings as a level shows, made when the level is first drawn.
-    thinned: Vec<[OnceLock<Layout>; LEVELS]>,
+    thinned: Vec<[OnceLock<MosaicLayout>; LEVELS]>,
 }
 
 impl Mosaic {
@@ -144,9 +145,9 @@ impl Mosaic {
 /// The layout that shows all that cells of a size can show.
 fn thinned_layout<'a>(
     log: &'a MosaicLog,
-    thinned: &'a [OnceLock<Layout>; LEVELS],
+    thinned: &'a [OnceLock<MosaicLayout>; LEVELS],
     cell_m: f64,
-) -> &'a Layout {
+) -> &'a MosaicLayout {
     let level = cell_m.log2().floor() - f64::from(FINEST);
     // Also where a cell has no size.
     if level.is_nan() || level < 0.0 {

@@ -9,14 +9,14 @@ const WAIT: Duration = Duration::from_millis(5);
 
 /// The last results of one kind, each with its key: equal keys give equal results, so none is made twice. Two who ask for the same at
 /// once get the work of one.
-pub(super) struct Node<K, T> {
+pub(super) struct DerivedNode<K, T> {
     kept: Mutex<Vec<(K, T)>>,
     /// Most that all results together may weigh.
     most: usize,
     weight: fn(&T) -> usize,
 }
 
-impl<K: PartialEq, T: Clone> Node<K, T> {
+impl<K: PartialEq, T: Clone> DerivedNode<K, T> {
     /// Keeps at most so many results; the oldest goes.
     pub(super) fn keeping(most: usize) -> Self {
         Self::weighing(most, |_| 1)
@@ -78,7 +78,7 @@ mod tests {
 
     #[test]
     fn a_result_is_made_once_and_the_oldest_goes() {
-        let (node, progress) = (Node::keeping(2), Progress::new());
+        let (node, progress) = (DerivedNode::keeping(2), Progress::new());
         let made = AtomicUsize::new(0);
         let ask = |key: u8| {
             let make = || {
@@ -95,7 +95,7 @@ mod tests {
 
     #[test]
     fn results_go_by_their_weight_and_the_last_one_stays() {
-        let node = Node::weighing(10, |made: &usize| *made);
+        let node = DerivedNode::weighing(10, |made: &usize| *made);
         let kept = |asked: usize| {
             let made = node.get(asked, &Progress::new(), || Ok(asked));
             assert_eq!(made, Ok(asked));
@@ -110,7 +110,7 @@ mod tests {
 
     #[test]
     fn two_who_ask_at_once_get_the_work_of_one() {
-        let (node, made) = (Node::keeping(1), AtomicUsize::new(0));
+        let (node, made) = (DerivedNode::keeping(1), AtomicUsize::new(0));
         std::thread::scope(|scope| {
             for _ in 0..4 {
                 scope.spawn(|| {
@@ -126,7 +126,7 @@ mod tests {
 
     #[test]
     fn who_gives_up_does_not_wait_and_leaves_nothing() {
-        let node = Node::keeping(1);
+        let node = DerivedNode::keeping(1);
         let given_up = Progress::new();
         given_up.cancel();
         let inner = || {

@@ -1,6 +1,6 @@
 //! Logs of one survey compared with each other by their points.
 
-use crate::bottom::bathymetry::compare::{Comparison, Matching, Reference};
+use crate::bottom::bathymetry::compare::{Comparison, Matching, ReferencePoints};
 use crate::bottom::cloud::CloudPoint;
 use crate::pipeline::ProcessedLog;
 use crate::support::progress::{Cancelled, Progress};
@@ -20,7 +20,7 @@ pub(crate) fn compare_logs(
     let max_gap_m = settings.map_or(0.0, |surface| surface.max_gap_m);
     let matching = Matching::Surface { max_gap_m };
     let reference: Vec<[f64; 3]> = reference.iter().flat_map(|log| places(log)).collect();
-    let reference = Reference::new(reference.iter().copied(), matching);
+    let reference = ReferencePoints::new(reference.iter().copied(), matching);
     let places: Vec<[f64; 3]> = measured.iter().flat_map(|log| places(log)).collect();
     let matches = reference.matches(&places, |place| *place, progress)?;
     let level_m = measured

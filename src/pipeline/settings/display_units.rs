@@ -1,7 +1,7 @@
 //! A number of the settings in the unit that the window shows: what its control spans, and what comes back from it. The setting itself
 //! stays in metres.
 
-use super::{Kind, Number, Row, Settings};
+use super::{Number, SettingKind, SettingRow, Settings};
 use crate::support::presentation::units::Units;
 
 /// The slowest speed that is one of sound, metres a second: no boat reaches it.
@@ -83,20 +83,20 @@ impl ShownNumber<'_> {
     }
 }
 
-impl Row {
+impl SettingRow {
     /// Its value as its control writes it, in the units that are shown; empty where a file or a list is none.
     pub(crate) fn value_in_words(&self, settings: &Settings, units: Units) -> String {
         match &self.kind {
-            Kind::Number(number) => match (number.get)(settings) {
+            SettingKind::Number(number) => match (number.get)(settings) {
                 Some(value) => number.shown_in(units).said(value),
                 None => number.none_word().unwrap_or_default().to_owned(),
             },
-            Kind::Choice(choice) => {
+            SettingKind::Choice(choice) => {
                 let value = (choice.get)(settings);
                 let named = choice.names.iter().find(|name| name.value == value);
                 named.map_or(value, |name| name.label.to_owned())
             }
-            Kind::Numbers { .. } | Kind::Text(_) => String::new(),
+            SettingKind::Numbers { .. } | SettingKind::Text(_) => String::new(),
         }
     }
 }
@@ -108,9 +108,9 @@ mod tests {
     use crate::pipeline::settings::rows::ROWS;
     use crate::support::presentation::units::{LengthUnit, SpeedUnit};
 
-    fn number(row: &'static crate::pipeline::settings::Row) -> &'static Number {
+    fn number(row: &'static crate::pipeline::settings::SettingRow) -> &'static Number {
         match &row.kind {
-            Kind::Number(number) => number,
+            SettingKind::Number(number) => number,
             _ => panic!("{} is no number", row.key),
         }
     }
@@ -158,7 +158,7 @@ mod tests {
         for length in LengthUnit::ALL {
             for speed in SpeedUnit::ALL {
                 for row in ROWS {
-                    let Kind::Number(number) = &row.kind else {
+                    let SettingKind::Number(number) = &row.kind else {
                         continue;
                     };
                     let shown = number.shown_in(Units { length, speed });

@@ -1,12 +1,12 @@
 //! What is made of all rows of the table of settings: the row of a key, the help and the manual's page.
 
 use super::rows::ROWS;
-use super::table::{Kind, Row};
+use super::table::{SettingKind, SettingRow};
 use super::{Preset, Settings};
 use std::fmt::Write as _;
 
 /// The row of a key.
-pub(crate) fn row(key: &str) -> Option<&'static Row> {
+pub(crate) fn row(key: &str) -> Option<&'static SettingRow> {
     ROWS.iter().copied().find(|row| row.key == key)
 }
 
@@ -26,7 +26,7 @@ pub(crate) fn help() -> String {
         // Writing to a string cannot fail.
         write!(text, "\n{} = {}, {default}\n", row.key, row.values()).ok();
         write_wrapped(&mut text, "    ", &row.meaning());
-        if let Kind::Choice(choice) = &row.kind {
+        if let SettingKind::Choice(choice) = &row.kind {
             for name in choice.names {
                 let meaning = format!("{}: {}", name.value, name.meaning);
                 write_wrapped(&mut text, "      ", &meaning);
@@ -72,7 +72,7 @@ pub(crate) fn markdown() -> String {
         let [recommended, published] = [Preset::Recommended, Preset::Published]
             .map(|preset| value_in(row, preset).unwrap_or_else(|| "–".to_owned()));
         let mut meaning = row.meaning();
-        if let Kind::Choice(choice) = &row.kind {
+        if let SettingKind::Choice(choice) = &row.kind {
             for name in choice.names {
                 write!(meaning, " `{}`: {}", name.value, name.meaning).ok();
             }
@@ -91,12 +91,12 @@ pub(crate) fn markdown() -> String {
 }
 
 /// The value of a setting in a preset, where it has one.
-fn value_in(row: &Row, preset: Preset) -> Option<String> {
+fn value_in(row: &SettingRow, preset: Preset) -> Option<String> {
     let settings = Settings::preset(preset);
     match &row.kind {
-        Kind::Number(number) => (number.get)(&settings).map(|value| value.to_string()),
-        Kind::Choice(choice) => Some((choice.get)(&settings)),
-        Kind::Numbers { .. } | Kind::Text(_) => text_value(&settings, row.key),
+        SettingKind::Number(number) => (number.get)(&settings).map(|value| value.to_string()),
+        SettingKind::Choice(choice) => Some((choice.get)(&settings)),
+        SettingKind::Numbers { .. } | SettingKind::Text(_) => text_value(&settings, row.key),
     }
 }
 

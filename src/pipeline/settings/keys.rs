@@ -2,7 +2,7 @@
 
 use super::help::row;
 use super::rows::ROWS;
-use super::{Kind, Row, Settings, SettingsError};
+use super::{SettingKind, SettingRow, Settings, SettingsError};
 use toml::{Table, Value};
 
 /// Key of the bottom edits, which are made of strokes and have no row.
@@ -101,7 +101,7 @@ fn misfit_in(over: &Table) -> Option<String> {
 }
 
 /// That a setting cannot have a value, and what it may be; `reason` is what its own type said.
-fn misfit(row: &Row, value: &Value, reason: &str) -> String {
+fn misfit(row: &SettingRow, value: &Value, reason: &str) -> String {
     let value = value
         .as_str()
         .map_or_else(|| value.to_string(), str::to_owned);
@@ -110,7 +110,7 @@ fn misfit(row: &Row, value: &Value, reason: &str) -> String {
         .iter()
         .any(|start| reason.starts_with(start));
     let hint = match row.kind {
-        Kind::Number(_) => decimal_comma(&value).unwrap_or_default(),
+        SettingKind::Number(_) => decimal_comma(&value).unwrap_or_default(),
         _ => String::new(),
     };
     let needed = match is_serdes {

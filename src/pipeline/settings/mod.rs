@@ -18,7 +18,7 @@ pub(crate) use display_units::ShownNumber;
 pub(crate) use help::{help, markdown, row};
 pub(crate) use keys::slips;
 pub(crate) use keys::{in_one_line, renamed};
-pub(crate) use table::{Choice, Control, Kind, Number, Row};
+pub(crate) use table::{Control, Number, SettingChoice, SettingKind, SettingRow};
 
 use crate::bottom::bathymetry::SurfaceSettings;
 use crate::bottom::bathymetry::isobaths::IsobathSettings;

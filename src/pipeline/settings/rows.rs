@@ -3,7 +3,9 @@
 //! Where a range is not that of the quantity's own nature, the reason stands beside it.
 
 use super::table::Control::{Drag, LogSlider, Slider};
-use super::table::{Choice, Kind, Named, Number, Numeric, Row, choose, name_of};
+use super::table::{
+    Named, Number, Numeric, SettingChoice, SettingKind, SettingRow, choose, name_of,
+};
 use crate::survey::WATER_LEVELS_M;
 
 /// A number in the settings, with all that a row says of it.
@@ -12,7 +14,7 @@ macro_rules! number {
         number!($($field).+, $unit, [$least, $most], $step, $decimals, $control, None)
     };
     ($($field:ident).+, $unit:literal, [$least:expr, $most:expr], $step:literal, $decimals:literal, $control:ident, $without:expr) => {
-        Kind::Number(Number {
+        SettingKind::Number(Number {
             unit: $unit,
             range: [$least, $most],
             step: $step,
@@ -31,7 +33,7 @@ macro_rules! choice {
         choice!($($field).+, [$($value, $label, $meaning;)+], "")
     };
     ($($field:ident).+, [$($value:literal, $label:literal, $meaning:literal;)+], $others:literal) => {
-        Kind::Choice(Choice {
+        SettingKind::Choice(SettingChoice {
             others: $others,
             names: &[$(Named { value: $value, label: $label, meaning: $meaning }),+],
             get: |settings| name_of(&settings.$($field).+),
@@ -45,10 +47,10 @@ macro_rules! rows {
     ($($id:ident: $key:literal, $label:literal, $name:literal, $hint:literal, $kind:expr;)+) => {
         $(
             #[doc = concat!("`", $key, "`: ", $hint)]
-            pub(crate) static $id: Row = Row { key: $key, label: $label, name: $name, hint: $hint, kind: $kind };
+            pub(crate) static $id: SettingRow = SettingRow { key: $key, label: $label, name: $name, hint: $hint, kind: $kind };
         )+
         /// All settings, in the order of the manual. The bottom edits are none: they are made of strokes.
-        pub(crate) static ROWS: &[&Row] = &[$(&$id),+];
+        pub(crate) static ROWS: &[&SettingRow] = &[$(&$id),+];
     };
 }
 
@@ -73,7 +75,7 @@ rows! {
         number!(water_level_m, "m", [*WATER_LEVELS_M.start(), *WATER_LEVELS_M.end()], 0.01, 2, Drag);
     WATER_LEVEL_FILE: "water_level.file", "Readings", "readings of the water level",
         "Water heights over time; the setting above is the height of their zero.",
-        Kind::Text("a file");
+        SettingKind::Text("a file");
     HEIGHT_OFFSET: "height_offset_m", "Height offset", "height offset",
         "Added to every elevation of the log, so that it agrees with other logs where they cross.",
         number!(height_offset_m, "m", [-100.0, 100.0], 0.01, 2, Drag);
@@ -131,7 +133,7 @@ rows! {
         ]);
     FLAT_SPOT: "calibration.pings", "Flat stretch", "flat stretch",
         "Side-scan pings of the flat stretch, from A to the ping before B. Without them, the best-ranked flat stretch.",
-        Kind::Text("A..B");
+        SettingKind::Text("A..B");
     PPD_REACH: "calibration.ppd", "Other ranges", "scale at other ranges",
         "How the scale of the flat stretch applies to pings with another range setting.",
         choice!(calibration.ppd, [
@@ -173,7 +175,7 @@ rows! {
         number!(heading.window_s, "s", [0.2, 120.0], 0.1, 1, LogSlider);
     TRACK_FILE: "track.file", "Track", "track",
         "Positions of another receiver (RTK, autopilot) in place of those of the recorder.",
-        Kind::Text("a file, CSV or GPX");
+        SettingKind::Text("a file, CSV or GPX");
     // A clock may be hours off by its time zone and years by its date.
     TRACK_OFFSET: "track.offset_s", "Time offset", "time offset",
         "Added to the times of the track; positive where its clock is behind the recorder's.",
@@ -211,7 +213,7 @@ rows! {
         number!(position_shift.north_m, "m", [-20.0, 20.0], 0.01, 2, Drag);
     SOURCE_CRS: "source.crs", "Metres of", "system of the log's metres",
         "Coordinate system of positions in metres, where the log does not name it, as XTF logs may not. Without it, positions are drawn at longitude 0, latitude 0.",
-        Kind::Text("EPSG:NUMBER");
+        SettingKind::Text("EPSG:NUMBER");
     MAX_TURN: "excluded.max_turn_deg_s", "Turns from", "turns to exclude",
         "Stretches in which the boat turns faster than this are excluded from every result.",
         number!(excluded.max_turn_deg_s, "°/s", [0.1, 360.0], 0.1, 1, LogSlider, Some("no turn is excluded"));
@@ -223,10 +225,10 @@ rows! {
         number!(excluded.min_duration_s, "s", [0.0, 3600.0], 0.1, 1, LogSlider);
     EXCLUDED_LOG: "excluded.log", "Log", "log of the stretches",
         "The log that the stretches belong to; they are not applied to another log.",
-        Kind::Text("size and hash of a log");
+        SettingKind::Text("size and hash of a log");
     STRETCHES: "excluded.stretches", "Stretches", "excluded stretches",
         "Stretches of one log that are excluded from every result, or kept although a turn or a stop is there.",
-        Kind::Text("[{ pings = [A, B], reason = \"turn | stop | bad | drawn | kept\" }, ...], or time_s in place of pings");
+        SettingKind::Text("[{ pings = [A, B], reason = \"turn | stop | bad | drawn | kept\" }, ...], or time_s in place of pings");
     // Between the spacing of the densest points and the width of the largest swath.
     RADIUS: "outliers.radius_m", "Radius", "outlier radius",
         "Radius of the sphere around a point; 3.011 m in the paper (Pulido et al.).",
@@ -236,7 +238,7 @@ rows! {
         number!(outliers.min_neighbors, "", [1.0, 10_000.0], 1.0, 0, LogSlider);
     DETECTOR_MODEL: "detector.model", "Model", "detector's model",
         "The network that searches for objects. Without one, the network of the program.",
-        Kind::Text("a file, ONNX");
+        SettingKind::Text("a file, ONNX");
     DETECTOR_SCORE: "detector.score", "Score", "detector's score",
         "Minimum confidence of a box.",
         number!(detector.score, "", [0.0, 1.0], 0.01, 2, Slider, Some("the model's own"));
@@ -248,7 +250,7 @@ rows! {
         number!(detector.name_score, "", [0.0, 1.0], 0.01, 2, Slider, Some("the model's own"));
     OBJECT_CLASSES: "review.classes", "Classes", "classes of objects",
         "Classes of boxes, in the order of the keys 1 to 9 and of the class numbers in training labels.",
-        Kind::Text("a list of names");
+        SettingKind::Text("a list of names");
     PICTURE_GAIN: "picture.gain", "Gain", "gain of the waterfall", "Whether levels of the waterfall are normalised across the track.",
         choice!(picture.gain, [
             "empirical", "gain-normalised", "Divided by the mean of the log at the same range and angle, as in the mosaic; shadows stay dark.";
@@ -384,7 +386,7 @@ rows! {
         number!(isobaths.interval_m, "m", [0.001, 1000.0], 0.01, 2, LogSlider, Some("a round interval that gives about ten isobaths"));
     LEVELS: "isobaths.depths_m", "Depths", "depths of the isobaths",
         "Depths of the isobaths, in place of the interval.",
-        Kind::Numbers { unit: "m", range: [-10_000.0, 12_000.0], get: |settings| &settings.isobaths.depths_m };
+        SettingKind::Numbers { unit: "m", range: [-10_000.0, 12_000.0], get: |settings| &settings.isobaths.depths_m };
     ISOBATH_UNIT: "isobaths.unit", "Unit", "unit of the isobaths",
         "Unit of isobath depths, of their labels and of spot soundings.",
         choice!(isobaths.unit, [
@@ -406,7 +408,7 @@ rows! {
         number!(isobaths.spot_radius_m, "m", [0.1, 100_000.0], 1.0, 1, LogSlider, Some("a round distance, about 1/40 of the diagonal of the map"));
     CLIP: "isobaths.clip", "Area", "area of the isobaths",
         "Shoreline with islands (GeoJSON, KML or GPX) at which isobaths, depth areas and spot soundings end.",
-        Kind::Text("a file");
+        SettingKind::Text("a file");
     POINTS_LAS: "points.las", "Plain LAS", "plain LAS",
         "Whether the points are also written as LAS, for programs that cannot read LAZ.",
         choice!(points.las, [

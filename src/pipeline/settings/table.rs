@@ -6,7 +6,7 @@ use serde::de::DeserializeOwned;
 
 /// A setting: its key, its words, and what it may be.
 #[derive(Debug)]
-pub(crate) struct Row {
+pub(crate) struct SettingRow {
     /// The key of files and of `--set`, `surface.max_gap_m`.
     pub key: &'static str,
     /// In front of its control.
@@ -16,16 +16,16 @@ pub(crate) struct Row {
     /// What it does, with the paper's symbol where it has one.
     pub hint: &'static str,
     /// What it may be.
-    pub kind: Kind,
+    pub kind: SettingKind,
 }
 
 /// What a setting may be.
 #[derive(Debug)]
-pub(crate) enum Kind {
+pub(crate) enum SettingKind {
     /// A number.
     Number(Number),
     /// One of several names.
-    Choice(Choice),
+    Choice(SettingChoice),
     /// Numbers, as many as requested.
     Numbers {
         /// Unit of all.
@@ -113,7 +113,7 @@ impl Number {
 
 /// A setting that is one of several names.
 #[derive(Debug)]
-pub(crate) struct Choice {
+pub(crate) struct SettingChoice {
     /// Those to choose from.
     pub names: &'static [Named],
     /// What else it may be in a file, `EPSG:NUMBER`; empty where there is nothing else.
@@ -200,13 +200,15 @@ pub(super) fn choose<T: DeserializeOwned>(chosen: &mut T, name: &str) {
     }
 }
 
-impl Row {
+impl SettingRow {
     /// Refuses a value that no stage can work with.
     pub(super) fn check(&self, settings: &Settings) -> Result<(), SettingsError> {
         let ([least, most], values) = match &self.kind {
-            Kind::Number(number) => (number.range, (number.get)(settings).into_iter().collect()),
-            Kind::Numbers { range, get, .. } => (*range, get(settings).to_vec()),
-            Kind::Choice(_) | Kind::Text(_) => return Ok(()),
+            SettingKind::Number(number) => {
+                (number.range, (number.get)(settings).into_iter().collect())
+            }
+            SettingKind::Numbers { range, get, .. } => (*range, get(settings).to_vec()),
+            SettingKind::Choice(_) | SettingKind::Text(_) => return Ok(()),
         };
         let fits = |value: &f64| (least..=most).contains(value);
         match values.iter().all(fits) {
@@ -221,29 +223,29 @@ impl Row {
     /// What it may be, in words: `0.1 to 1000 m`, `threshold | tracker`.
     pub(crate) fn values(&self) -> String {
         match &self.kind {
-            Kind::Number(number) => {
+            SettingKind::Number(number) => {
                 let [least, most] = number.range;
                 format!("{least} to {most}{}", number.suffix())
             }
-            Kind::Numbers { unit, range, .. } => {
+            SettingKind::Numbers { unit, range, .. } => {
                 format!("[A, B, ...], each {} to {} {unit}", range[0], range[1])
             }
-            Kind::Choice(choice) => {
+            SettingKind::Choice(choice) => {
                 let names = choice.names.iter().map(|name| name.value);
                 let others = Some(choice.others).filter(|others| !others.is_empty());
                 names.chain(others).collect::<Vec<_>>().join(" | ")
             }
-            Kind::Text(what) => (*what).to_owned(),
+            SettingKind::Text(what) => (*what).to_owned(),
         }
     }
 
     /// What it may be, with what kind of value that is: `a number, 0.1 to 1000 m`.
     pub(super) fn in_words(&self) -> String {
         let kind = match &self.kind {
-            Kind::Number(number) if number.is_whole() => "a whole number, ",
-            Kind::Number(_) => "a number, ",
-            Kind::Numbers { .. } => "a list of numbers, ",
-            Kind::Choice(_) | Kind::Text(_) => "",
+            SettingKind::Number(number) if number.is_whole() => "a whole number, ",
+            SettingKind::Number(_) => "a number, ",
+            SettingKind::Numbers { .. } => "a list of numbers, ",
+            SettingKind::Choice(_) | SettingKind::Text(_) => "",
         };
         format!("{kind}{}", self.values())
     }
@@ -251,7 +253,7 @@ impl Row {
     /// What it does, and what happens without a value where it may have none.
     pub(crate) fn meaning(&self) -> String {
         match &self.kind {
-            Kind::Number(Number {
+            SettingKind::Number(Number {
                 without: Some(without),
                 ..
             }) => format!("{} Without one: {without}.", self.hint),

@@ -1,7 +1,7 @@
 //! The table against the settings: serde's own lists of fields and variants are the oracle.
 
 use super::rows::{self, ROWS};
-use super::{Kind, Preset, Settings, help, markdown, row};
+use super::{Preset, SettingKind, Settings, help, markdown, row};
 use crate::support::presentation::units::Units;
 use std::collections::BTreeSet;
 
@@ -49,7 +49,7 @@ fn every_preset_lies_within_the_table() {
 #[test]
 fn a_number_is_checked_at_both_ends_of_its_range() {
     for row in ROWS {
-        let Kind::Number(number) = &row.kind else {
+        let SettingKind::Number(number) = &row.kind else {
             continue;
         };
         let [least, most] = number.range;
@@ -88,7 +88,7 @@ fn a_number_is_checked_at_both_ends_of_its_range() {
 #[test]
 fn a_choice_has_all_names_that_its_type_has() {
     for row in ROWS {
-        let Kind::Choice(choice) = &row.kind else {
+        let SettingKind::Choice(choice) = &row.kind else {
             continue;
         };
         let names: BTreeSet<String> =

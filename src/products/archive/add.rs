@@ -9,7 +9,7 @@ use super::log_rows::{LogRows, track};
 use super::ping_rows::{self, PingsByTile};
 use super::point_rows;
 use super::record::Archive;
-use super::spread::{self, Row, RowsByTile};
+use super::spread::{self, RowsByTile, TileRow};
 use super::tile::TileId;
 use crate::bottom::bathymetry::SwathDepth;
 use crate::formats::parquet_table::{Column, Values, geo_key, write_parquet};
@@ -77,7 +77,7 @@ pub(crate) fn add(
 }
 
 /// All that a log gives to tiles, before any of it is written.
-struct Spread<'a> {
+struct LogTiles<'a> {
     log: &'a LogRows<'a>,
     points: RowsByTile,
     pings: PingsByTile,
@@ -113,7 +113,7 @@ fn write_rows(
         SwathDepth::Off | SwathDepth::Auto => None,
         SwathDepth::Always => Some(EchoesByTile::new(&rows, archive.record.halo_m, progress)?),
     };
-    let spread = Spread {
+    let spread = LogTiles {
         log: &rows,
         points,
         echoes,
@@ -139,7 +139,7 @@ fn write_rows(
     Ok(record)
 }
 
-impl Spread<'_> {
+impl LogTiles<'_> {
     /// Writes what the log gives to a tile; how many soundings of it count for maps, too.
     fn write(
         &self,
@@ -180,7 +180,7 @@ impl Spread<'_> {
         let around = grounds.reduce(|[w, s, e, n], [west, south, east, north]| {
             [w.min(west), s.min(south), e.max(east), n.max(north)]
         });
-        let is_core = |row: &&Row| row.is_core;
+        let is_core = |row: &&TileRow| row.is_core;
         let rows = TileRows {
             tile,
             points: of_tile.map_or(0, Vec::len),

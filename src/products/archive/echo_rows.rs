@@ -6,10 +6,10 @@ use super::log_record::LogRecord;
 use super::log_rows::LogRows;
 use super::offsets::Offsets;
 use super::positions::moved;
-use super::spread::{self, Row, RowsByTile};
+use super::spread::{self, RowsByTile, TileRow};
 use super::tile::TileId;
 use crate::bottom::swath::{
-    Chunk, LaidOutLog, LearntLevels, Levels, LogEchoes, PingPlace, SideEchoes,
+    LaidOutLog, LearntLevels, LogEchoes, PingChunk, PingPlace, SampleSource, SideEchoes,
 };
 use crate::formats::parquet_table::{Column, ParquetError, ParquetFault, Values, read_parquet};
 use crate::pipeline::{depth_points, log_echoes};
@@ -49,13 +49,15 @@ impl<'a> EchoesByTile<'a> {
             }
             for (rank, zone) in UtmZone::near(at, halo_m).into_iter().enumerate() {
                 let place = zone.to_metres(at);
-                rows.entry(TileId::at(zone, place)).or_default().push(Row {
-                    index,
-                    at,
-                    zone,
-                    place,
-                    is_core: rank == 0,
-                });
+                rows.entry(TileId::at(zone, place))
+                    .or_default()
+                    .push(TileRow {
+                        index,
+                        at,
+                        zone,
+                        place,
+                        is_core: rank == 0,
+                    });
             }
         }
         let mut chunks = vec![None; laid_out.echoes.pings.len()];
@@ -78,19 +80,19 @@ impl<'a> EchoesByTile<'a> {
     }
 
     /// Columns of rows in a tile.
-    pub(super) fn columns(&self, log: &LogRows<'_>, rows: &[Row]) -> Vec<Column> {
+    pub(super) fn columns(&self, log: &LogRows<'_>, rows: &[TileRow]) -> Vec<Column> {
         let pings: Vec<&PingPlace> = rows
             .iter()
             .map(|row| &self.log.echoes.pings[row.index])
             .collect();
-        let of_rows = |name: &'static str, value: &dyn Fn(&Row) -> f64| {
+        let of_rows = |name: &'static str, value: &dyn Fn(&TileRow) -> f64| {
             Column::doubles(name, rows.iter().map(value))
         };
         let of_pings = |name: &'static str, value: fn(&PingPlace) -> f64| {
             Column::doubles(name, pings.iter().map(move |ping| value(ping)))
         };
-        let chunk = |row: &Row| Some(&self.log.chunks[self.chunks[row.index]?]);
-        let of_chunks = |name: &'static str, value: fn(&Chunk) -> i32| {
+        let chunk = |row: &TileRow| Some(&self.log.chunks[self.chunks[row.index]?]);
+        let of_chunks = |name: &'static str, value: fn(&PingChunk) -> i32| {
             Column::wholes(name, rows.iter().map(move |row| chunk(row).map(value)))
         };
         let starboard: Vec<[f64; 2]> = rows.iter().map(|row| self.starboard(log, row)).collect();
@@ -102,7 +104,7 @@ impl<'a> EchoesByTile<'a> {
         };
         let levels = |side: Side| {
             let mut levels = Vec::new();
-            let read = |row: &Row| {
+            let read = |row: &TileRow| {
                 self.log.echoes.read(row.index, side, &mut levels);
                 levels.clone()
             };
@@ -140,7 +142,7 @@ impl<'a> EchoesByTile<'a> {
     }
 
     /// Unit vector to starboard of a ping in a zone.
-    fn starboard(&self, log: &LogRows<'_>, row: &Row) -> [f64; 2] {
+    fn starboard(&self, log: &LogRows<'_>, row: &TileRow) -> [f64; 2] {
         let PingPlace {
             place_m, starboard, ..
         } = self.log.echoes.pings[row.index];
@@ -156,7 +158,7 @@ impl<'a> EchoesByTile<'a> {
 struct EchoRow {
     ping: i32,
     /// The chunk that it is in, if any, without its pings.
-    chunk: Option<Chunk>,
+    chunk: Option<PingChunk>,
     is_weed: bool,
     velocity_mps: [f64; 2],
     place: PingPlace,
@@ -171,7 +173,7 @@ pub(super) struct StoredEchoes {
     learnt: Option<LearntLevels>,
 }
 
-impl Levels for StoredEchoes {
+impl SampleSource for StoredEchoes {
     fn read(&self, ping: usize, side: Side, out: &mut Vec<u8>) {
         out.clear();
         if let Some(row) = self.rows.get(ping) {
@@ -216,12 +218,12 @@ impl StoredEchoes {
     /// What depths are found from, and what was learnt of its levels; `None` where they cannot be used.
     pub(super) fn laid_out(&self) -> Option<(LaidOutLog<'_>, &LearntLevels)> {
         let learnt = self.learnt.as_ref()?;
-        let mut chunks: Vec<Chunk> = Vec::new();
+        let mut chunks: Vec<PingChunk> = Vec::new();
         for (ping, row) in self.rows.iter().enumerate() {
             let Some(of_row) = &row.chunk else { continue };
             match chunks.last_mut() {
                 Some(chunk) if chunk.number == of_row.number => chunk.pings.end = ping + 1,
-                _ => chunks.push(Chunk {
+                _ => chunks.push(PingChunk {
                     pings: ping..ping + 1,
                     ..of_row.clone()
                 }),
@@ -313,7 +315,7 @@ fn read(path: &Path) -> Result<Vec<EchoRow>, ArchiveError> {
             above_bottom: false,
         };
         let chunk = match (chunks[index], settings[index], segments[index]) {
-            (Some(number), Some(range_setting), Some(segment)) => Some(Chunk {
+            (Some(number), Some(range_setting), Some(segment)) => Some(PingChunk {
                 number: u32::try_from(number).ok()?,
                 pings: 0..0,
                 range_setting,

@@ -51,10 +51,10 @@ pub(crate) fn write_index(
     let mut names = Vec::new();
     let mosaic_m = archive.record.settings()?.mosaic.cell_m;
     let layers = [
-        Layer::of_metres(DEPTH, "depth", archive.record.cell_m),
-        Layer::of_metres(UNCERTAINTY, "uncertainty", archive.record.cell_m),
-        Layer::of_levels(SOURCE, "source", archive.record.cell_m),
-        Layer::of_levels(MOSAIC_FILE, "mosaic", mosaic_m),
+        IndexLayer::of_metres(DEPTH, "depth", archive.record.cell_m),
+        IndexLayer::of_metres(UNCERTAINTY, "uncertainty", archive.record.cell_m),
+        IndexLayer::of_levels(SOURCE, "source", archive.record.cell_m),
+        IndexLayer::of_levels(MOSAIC_FILE, "mosaic", mosaic_m),
     ];
     for (zone, tiles) in &by_zone {
         for layer in &layers {
@@ -104,7 +104,7 @@ pub(crate) fn write_index(
 /// Writes the colours of a layer for QGIS, of depths those of the whole archive; false where it has none.
 fn write_style(
     path: &Path,
-    layer: &Layer,
+    layer: &IndexLayer,
     maps: &BTreeMap<TileId, TileRecord>,
 ) -> Result<bool, ArchiveError> {
     match layer.file {
@@ -143,7 +143,7 @@ fn around(tiles: &[TileId]) -> [f64; 4] {
 }
 
 /// Files of one kind, a file a tile.
-struct Layer {
+struct IndexLayer {
     file: &'static str,
     /// What its VRT is called, with the zone.
     stem: &'static str,
@@ -153,7 +153,7 @@ struct Layer {
     nodata: f32,
 }
 
-impl Layer {
+impl IndexLayer {
     fn of_metres(file: &'static str, stem: &'static str, cell_m: f64) -> Self {
         Self {
             file,
@@ -174,8 +174,8 @@ impl Layer {
     }
 }
 
-fn vrt(zone: UtmZone, tiles: &[TileId], layer: &Layer) -> String {
-    let Layer {
+fn vrt(zone: UtmZone, tiles: &[TileId], layer: &IndexLayer) -> String {
+    let IndexLayer {
         file,
         cell_m,
         data_type,

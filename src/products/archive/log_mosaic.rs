@@ -7,7 +7,7 @@ use super::record::Archive;
 use super::tile::TileId;
 use crate::bottom::bathymetry::Grid;
 use crate::formats::geotiff::{
-    Band, Cells, CellsError, NODATA, RASTER_TILE, RasterSpec, RasterTiles,
+    Band, CellFormat, CellsError, NODATA, RASTER_TILE, RasterSpec, RasterTiles,
 };
 use crate::imagery::mosaic::{
     GainTable, MosaicLog, MosaicPart, MosaicSettings, TILE_CELLS, TileIndex, part,
@@ -196,7 +196,7 @@ impl TilePart<'_> {
             Ok(stored.flat_map(f32::to_le_bytes).collect())
         };
         let spec = RasterSpec {
-            cells: Cells::Metres,
+            cells: CellFormat::Metres,
             band: Some(WEIGHT),
             ..levels_spec(
                 self.tile,
@@ -232,7 +232,7 @@ pub(super) fn in_words(error: &CellsError, path: &Path) -> String {
 /// A raster of levels over the grid of a tile's mosaic.
 pub(super) fn levels_spec(tile: TileId, grid: &Grid, description: String) -> RasterSpec {
     RasterSpec {
-        cells: Cells::Level,
+        cells: CellFormat::Level,
         band: Some(Band::ECHO_LEVEL),
         description,
         ..tile.raster(grid)

@@ -23,7 +23,7 @@ pub(super) fn log_overlaps(
     progress: &Progress,
 ) -> Result<Vec<LogOverlap>, ArchiveError> {
     let shifts = shifts.iter().map(|found| found.shift).collect();
-    let search = Search::new(archive, logs, shifts, false, progress);
+    let search = OverlapSearch::new(archive, logs, shifts, false, progress);
     let relabelled = |found: Vec<LogOverlap>, inside: &[usize]| -> Vec<LogOverlap> {
         let logs = |one: LogOverlap| LogOverlap {
             logs: one.logs.map(|track| inside[track]),
@@ -65,7 +65,7 @@ pub(super) fn log_overlaps(
 }
 
 /// A search through the tiles that logs have rows in.
-pub(super) struct Search<'a> {
+pub(super) struct OverlapSearch<'a> {
     archive: &'a Archive,
     logs: &'a [LogRecord],
     /// How the positions of the logs are corrected before they are compared.
@@ -75,7 +75,7 @@ pub(super) struct Search<'a> {
     progress: &'a Progress,
 }
 
-impl<'a> Search<'a> {
+impl<'a> OverlapSearch<'a> {
     /// Through the tiles of several logs, or of one alone too: it may cross itself.
     pub(super) fn new(
         archive: &'a Archive,

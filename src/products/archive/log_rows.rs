@@ -1,6 +1,6 @@
 //! A log while its rows are made.
 
-use super::spread::Row;
+use super::spread::TileRow;
 use crate::bottom::bathymetry::crosslines::{TrackDepth, velocity_mps};
 use crate::bottom::cloud::{CloudPoint, PointClass};
 use crate::formats::parquet_table::{Column, Values};
@@ -81,8 +81,8 @@ impl LogRows<'_> {
     /// Unix seconds of the first and the last of some rows of points and pings; empty where the recorder did not know the time.
     pub(super) fn span_unix_s(
         &self,
-        points: Option<&Vec<Row>>,
-        pings: Option<&Vec<Row>>,
+        points: Option<&Vec<TileRow>>,
+        pings: Option<&Vec<TileRow>>,
     ) -> Vec<f64> {
         let Some(start_unix_s) = self.survey.start_unix_s else {
             return Vec::new();
@@ -109,7 +109,7 @@ impl LogRows<'_> {
 
     /// What the rows of points and of pings end with: whether they lie in the halo, when they were recorded (`times_s`, seconds after the
     /// log's time zero), and of which log they are.
-    pub(super) fn common_columns(&self, rows: &[Row], times_s: Vec<f64>) -> [Column; 5] {
+    pub(super) fn common_columns(&self, rows: &[TileRow], times_s: Vec<f64>) -> [Column; 5] {
         let unix_us = times_s.iter().map(|time_s| self.unix_us(*time_s)).collect();
         [
             Column::flags("halo", rows.iter().map(|row| !row.is_core)),

@@ -8,7 +8,7 @@ use crate::bottom::bathymetry::isobaths::{Isobath, IsobathSettings};
 use crate::formats::parquet_table::{Column, Values, read_parquet, write_parquet};
 use crate::pipeline::{Fingerprint, in_hexadecimal};
 use crate::products::export::{make_folder, write_atomically};
-use crate::products::map_tiles::{Known, MapPart, Pixels, TileStyle, WebTile};
+use crate::products::map_tiles::{KnownTile, MapPart, Pixels, TileStyle, WebTile};
 use flate2::Compression;
 use flate2::read::ZlibDecoder;
 use flate2::write::ZlibEncoder;
@@ -191,7 +191,7 @@ fn read(path: &Path) -> Option<MapPart> {
             }
         }
     }
-    let known = pixels.map(|pixels| Known { pixels, lines });
+    let known = pixels.map(|pixels| KnownTile { pixels, lines });
     Some(MapPart { known, pictures })
 }
 
@@ -270,7 +270,7 @@ mod tests {
         };
         let pictures = TileStyle::ALL.map(|picture| (picture, TILE, vec![picture as u8; 9]));
         MapPart {
-            known: pixels.map(|pixels| Known {
+            known: pixels.map(|pixels| KnownTile {
                 pixels,
                 lines: vec![line],
             }),

@@ -16,7 +16,7 @@ use crate::pipeline::Fingerprint;
 use crate::products::export::tile_sets::{TileSet, TileStore, map_page, mbtiles, pmtiles};
 use crate::products::export::{make_folder, write_json};
 use crate::products::map_tiles::{
-    LitSurface, MapPart, MapScales, Pixels, TileSource, TileStyle, WebTile, ZoomRange,
+    LitSurface, MapPart, MapScales, Pixels, PyramidSource, TileStyle, WebTile, ZoomRange,
 };
 use crate::support::geo::{LonLat, UtmZone, boxes_meet};
 use crate::support::presentation::ticks::round_up;
@@ -314,7 +314,7 @@ fn light(contents: &TileContents, tiles: &[TileId]) -> Result<Light, ArchiveErro
         .ok_or_else(|| ArchiveError::Refused("no tile of the archive has a map".to_owned()))
 }
 
-impl TileSource for ArchiveTiles {
+impl PyramidSource for ArchiveTiles {
     fn scales(&self) -> &MapScales {
         &self.scales
     }

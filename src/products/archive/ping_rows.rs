@@ -4,7 +4,7 @@
 use super::error::ArchiveError;
 use super::footprint::{Footprint, SideRange};
 use super::log_rows::LogRows;
-use super::spread::{self, Row, RowsByTile};
+use super::spread::{self, RowsByTile, TileRow};
 use super::tile::TileId;
 use crate::formats::parquet_table::{Column, ParquetError, ParquetFault, Values, read_parquet};
 use crate::imagery::mosaic::joined_way_m;
@@ -89,7 +89,7 @@ impl PingsByTile {
             };
             let own = (rank == 0).then(|| TileId::at(zone, footprint.place));
             for tile in TileId::touched(zone, bounds) {
-                self.rows.entry(tile).or_default().push(Row {
+                self.rows.entry(tile).or_default().push(TileRow {
                     index: ping.index,
                     at: ping.at,
                     zone,
@@ -165,7 +165,11 @@ fn halves_m(log: &LogRows<'_>) -> Vec<[f64; 2]> {
 }
 
 /// Columns of the rows of pings in a tile.
-pub(super) fn columns(log: &LogRows<'_>, rows: &[Row], footprints: &[Footprint]) -> Vec<Column> {
+pub(super) fn columns(
+    log: &LogRows<'_>,
+    rows: &[TileRow],
+    footprints: &[Footprint],
+) -> Vec<Column> {
     let of = |name: &'static str, value: fn(&Footprint) -> f64| {
         Column::doubles(name, footprints.iter().map(value))
     };

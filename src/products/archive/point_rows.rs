@@ -2,14 +2,14 @@
 
 use super::error::ArchiveError;
 use super::log_rows::LogRows;
-use super::spread::{self, Row};
+use super::spread::{self, TileRow};
 use crate::bottom::bathymetry::DepthPoint;
 use crate::bottom::cloud::{CloudPoint, PointClass, PointSource};
 use crate::formats::parquet_table::{Column, ParquetError, ParquetFault, Values, read_parquet};
 use std::path::Path;
 
 /// Columns of the rows of points in a tile.
-pub(super) fn columns(log: &LogRows<'_>, rows: &[Row]) -> Vec<Column> {
+pub(super) fn columns(log: &LogRows<'_>, rows: &[TileRow]) -> Vec<Column> {
     let points: Vec<(&CloudPoint, PointClass)> =
         rows.iter().map(|row| log.point(row.index)).collect();
     let times_s: Vec<f64> = points.iter().map(|(point, _)| log.time_of(point)).collect();

@@ -1,7 +1,7 @@
 //! How far the positions of the logs of an archive are off and how late they are, from where tracks cross within tiles.
 
 use super::error::ArchiveError;
-use super::log_overlaps::Search;
+use super::log_overlaps::OverlapSearch;
 use super::log_record::LogRecord;
 use super::offsets::{Offsets, as_written};
 use super::record::{Archive, MOST_MOVED_M};
@@ -53,7 +53,7 @@ pub(super) fn shifts(
     let placed: Vec<CorrectedLog> = placed.collect();
     let found = settled_offsets(&placed, wanted, |placed| {
         let shifts = placed.iter().map(|placed| placed.shift).collect();
-        let search = Search::new(archive, logs, shifts, wanted.latencies, progress);
+        let search = OverlapSearch::new(archive, logs, shifts, wanted.latencies, progress);
         let mut found = search.in_tiles(
             |_| true,
             |tracks, inside| {

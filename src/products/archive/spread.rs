@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 /// A row of a tile: what it is of, and where that lies.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Row {
+pub(super) struct TileRow {
     /// Which point or ping of the log.
     pub index: usize,
     /// Its place.
@@ -21,13 +21,13 @@ pub(super) struct Row {
 }
 
 /// The places of rows as a column.
-pub(super) fn geometry(rows: &[Row]) -> Column {
+pub(super) fn geometry(rows: &[TileRow]) -> Column {
     let places = rows.iter().map(|row| row.at).collect();
     Column::new("geometry", Values::Points(places))
 }
 
 /// Rows by tile, those of a tile in the order of the log.
-pub(super) type RowsByTile = BTreeMap<TileId, Vec<Row>>;
+pub(super) type RowsByTile = BTreeMap<TileId, Vec<TileRow>>;
 
 /// Points, each in the tile that holds it and in those whose halo does, in the neighbouring zone too.
 pub(super) fn by_tile(points: impl Iterator<Item = (usize, LonLat)>, halo_m: f64) -> RowsByTile {
@@ -43,7 +43,7 @@ pub(super) fn by_tile(points: impl Iterator<Item = (usize, LonLat)>, halo_m: f64
             let own = (rank == 0).then(|| TileId::at(zone, place));
             let around = [x - halo_m, y - halo_m, x + halo_m, y + halo_m];
             for tile in TileId::touched(zone, around).filter(|tile| tile.holds(place, halo_m)) {
-                tiles.entry(tile).or_default().push(Row {
+                tiles.entry(tile).or_default().push(TileRow {
                     index,
                     at,
                     zone,
@@ -67,7 +67,7 @@ mod tests {
             lat_deg: 47.5,
         };
         let tiles = by_tile([(7, at)].into_iter(), 64.0);
-        let rows: Vec<(TileId, Row)> = tiles
+        let rows: Vec<(TileId, TileRow)> = tiles
             .into_iter()
             .map(|(tile, rows)| (tile, rows[0]))
             .collect();

@@ -1,7 +1,7 @@
 //! The squares that an archive is cut into.
 
 use crate::bottom::bathymetry::Grid;
-use crate::formats::geotiff::{Cells, RasterSpec};
+use crate::formats::geotiff::{CellFormat, RasterSpec};
 use crate::support::geo::{Crs, LonLat, UtmZone, bounds_deg};
 use std::fmt;
 use std::str::FromStr;
@@ -83,7 +83,7 @@ impl TileId {
             north: grid.north_m,
             cell: [grid.cell_m; 2],
             crs: Crs::of_zone(self.zone),
-            cells: Cells::Metres,
+            cells: CellFormat::Metres,
             band: None,
             description: String::new(),
         }

@@ -1,6 +1,6 @@
 //! `bottom.copc.laz`: the cells of the depth map as points, for programs that know point clouds and no rasters.
 
-use super::extra_bytes::{Dimension, Kind};
+use super::extra_bytes::{Dimension, DimensionType};
 use super::las::{LasPacking, LasSpec, write_las};
 use super::{ExportError, Summary};
 use crate::bottom::cloud::PointClass;
@@ -14,16 +14,21 @@ const NO_SIGMA: f32 = -1.0;
 
 /// What a point carries, in the order of [`extra_bytes_of`].
 const DIMENSIONS: [Dimension; 3] = [
-    Dimension::new("source", Kind::U8, None, "numbers of depth/source.tif"),
+    Dimension::new(
+        "source",
+        DimensionType::U8,
+        None,
+        "numbers of depth/source.tif",
+    ),
     Dimension::new(
         "sigma_m",
-        Kind::F32,
+        DimensionType::F32,
         Some(NO_SIGMA as f64),
         "standard deviation, metres",
     ),
     Dimension::new(
         "distance_m",
-        Kind::F32,
+        DimensionType::F32,
         None,
         "to the nearest depth, metres",
     ),

@@ -1,6 +1,6 @@
 //! `cloud.copc.laz` and `cloud.las`: all points with their classes in a map's coordinates, for survey programs.
 
-use super::extra_bytes::{Dimension, Kind};
+use super::extra_bytes::{Dimension, DimensionType};
 use super::gps_time::adjusted_standard_s;
 use super::las::{LasPacking, LasSpec, write_las};
 use super::{ExportError, LogPoints, Summary, colour};
@@ -15,16 +15,26 @@ use std::path::Path;
 const NO_CONFIDENCE: f32 = -1.0;
 /// What a point carries, in the order of [`extra_bytes_of`].
 const DIMENSIONS: [Dimension; 5] = [
-    Dimension::new("source", Kind::U8, None, "0 recorded depth, 1 side-scan"),
-    Dimension::new("ping", Kind::U32, None, "side-scan ping, from 0"),
-    Dimension::new("side", Kind::U8, None, "0 below, 1 port, 2 starboard"),
+    Dimension::new(
+        "source",
+        DimensionType::U8,
+        None,
+        "0 recorded depth, 1 side-scan",
+    ),
+    Dimension::new("ping", DimensionType::U32, None, "side-scan ping, from 0"),
+    Dimension::new(
+        "side",
+        DimensionType::U8,
+        None,
+        "0 below, 1 port, 2 starboard",
+    ),
     Dimension::new(
         "confidence",
-        Kind::F32,
+        DimensionType::F32,
         Some(NO_CONFIDENCE as f64),
         "of the first return, 0 to 1",
     ),
-    Dimension::new("range_m", Kind::F32, None, "slant range, metres"),
+    Dimension::new("range_m", DimensionType::F32, None, "slant range, metres"),
 ];
 
 /// Writes all points as COPC or LAS 1.4 in a system (its WKT in the header), whatever the plane of the cloud; `place` gives where

@@ -1,7 +1,7 @@
 //! The folder of pictures and labels that a detector is trained on (`assets/detector/training/data.py` reads it).
 
 use super::{ExportError, write_bytes};
-use crate::detection::dataset::{Boxes, Chip, Coco, voc_xml, yolo_lines};
+use crate::detection::dataset::{Chip, Coco, PictureBoxes, voc_xml, yolo_lines};
 use serde::Serialize;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 /// A part of a dataset. No recording, real or simulated, is in two of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub(crate) enum Part {
+pub(crate) enum DatasetPart {
     /// What is learnt from.
     Train,
     /// What settings are chosen on.
@@ -18,16 +18,17 @@ pub(crate) enum Part {
     Test,
 }
 
-impl Part {
+impl DatasetPart {
     /// All parts, in the order of a split.
-    pub(crate) const ALL: [Part; 3] = [Part::Train, Part::Val, Part::Test];
+    pub(crate) const ALL: [DatasetPart; 3] =
+        [DatasetPart::Train, DatasetPart::Val, DatasetPart::Test];
 
     /// `train`, `val` or `test`.
     pub(crate) fn name(self) -> &'static str {
         match self {
-            Part::Train => "train",
-            Part::Val => "val",
-            Part::Test => "test",
+            DatasetPart::Train => "train",
+            DatasetPart::Val => "val",
+            DatasetPart::Test => "test",
         }
     }
 }
@@ -63,7 +64,7 @@ impl DatasetFolder {
             classes: classes.to_vec(),
         };
         for kind in ["images", "labels"] {
-            for part in Part::ALL {
+            for part in DatasetPart::ALL {
                 make(&root.join(kind).join(part.name()))?;
             }
         }
@@ -72,7 +73,12 @@ impl DatasetFolder {
     }
 
     /// Writes a picture and its YOLO labels.
-    pub(crate) fn chip(&self, part: Part, number: usize, chip: &Chip) -> Result<(), ExportError> {
+    pub(crate) fn chip(
+        &self,
+        part: DatasetPart,
+        number: usize,
+        chip: &Chip,
+    ) -> Result<(), ExportError> {
         let png = format!("images/{}/{}", part.name(), picture(number));
         self.bytes(&png, &chip.png())?;
         let labels = format!("labels/{}/{number:06}.txt", part.name());
@@ -80,7 +86,12 @@ impl DatasetFolder {
     }
 
     /// Writes a picture's labels as Pascal VOC, in `voc/PART`.
-    pub(crate) fn voc(&self, part: Part, number: usize, boxes: &Boxes) -> Result<(), ExportError> {
+    pub(crate) fn voc(
+        &self,
+        part: DatasetPart,
+        number: usize,
+        boxes: &PictureBoxes,
+    ) -> Result<(), ExportError> {
         make(&self.root.join("voc").join(part.name()))?;
         let text = voc_xml(&picture(number), &self.classes, boxes);
         self.text(&format!("voc/{}/{number:06}.xml", part.name()), &text)
@@ -89,8 +100,8 @@ impl DatasetFolder {
     /// Writes the COCO file of a part, its pictures numbered from 0.
     pub(crate) fn finish(
         &self,
-        part: Part,
-        pictures: &[Boxes],
+        part: DatasetPart,
+        pictures: &[PictureBoxes],
     ) -> Result<PartSummary, ExportError> {
         let mut coco = Coco::new(self.classes.iter().map(String::as_str));
         for (number, boxes) in pictures.iter().enumerate() {
@@ -104,7 +115,7 @@ impl DatasetFolder {
                 *labels.entry(name.clone()).or_default() += 1;
             }
         }
-        let is_empty = |boxes: &&Boxes| boxes.labels.is_empty();
+        let is_empty = |boxes: &&PictureBoxes| boxes.labels.is_empty();
         Ok(PartSummary {
             name: part.name(),
             images: pictures.len(),

@@ -9,7 +9,7 @@ const DESCRIPTION: usize = 192;
 #[derive(Clone, Copy)]
 pub(super) struct Dimension {
     name: &'static str,
-    kind: Kind,
+    kind: DimensionType,
     no_data: Option<f64>,
     what: &'static str,
 }
@@ -21,7 +21,7 @@ impl Dimension {
     /// A dimension of a name, a type, a value for "no data" and a description of what it is.
     pub(super) const fn new(
         name: &'static str,
-        kind: Kind,
+        kind: DimensionType,
         no_data: Option<f64>,
         what: &'static str,
     ) -> Self {
@@ -38,13 +38,13 @@ impl Dimension {
 /// Type of a dimension, by the standard's number.
 #[derive(Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
-pub(super) enum Kind {
+pub(super) enum DimensionType {
     U8 = 1,
     U32 = 5,
     F32 = 9,
 }
 
-impl Kind {
+impl DimensionType {
     fn bytes(self) -> u16 {
         match self {
             Self::U8 => 1,

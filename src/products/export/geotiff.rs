@@ -39,7 +39,7 @@ pub(crate) fn geotiff(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formats::geotiff::{Cells, RASTER_TILE};
+    use crate::formats::geotiff::{CellFormat, RASTER_TILE};
     use crate::support::geo::Crs;
 
     #[test]
@@ -53,7 +53,7 @@ mod tests {
             north: 4_000_000.0,
             cell: [0.5, 0.5],
             crs: Crs::from_epsg(32_612).unwrap(),
-            cells: Cells::Level,
+            cells: CellFormat::Level,
             band: None,
             description: "echoes".into(),
         };

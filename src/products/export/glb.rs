@@ -38,13 +38,13 @@ pub(crate) struct TexturedMesh {
 
 /// The bytes behind the header, and what they are.
 #[derive(Default)]
-struct Parts {
+struct GlbParts {
     bytes: Vec<u8>,
     views: Vec<Value>,
     accessors: Vec<Value>,
 }
 
-impl Parts {
+impl GlbParts {
     /// Adds some bytes; the number of their view.
     fn view(&mut self, bytes: &[u8], target: Option<u32>) -> usize {
         let mut view =
@@ -118,7 +118,7 @@ fn document(mesh: &TexturedMesh) -> (Value, Vec<u8>) {
         let turn = |[east, north, up]: &[f32; 3]| [*east, *up, -*north];
         vectors.iter().map(turn).collect()
     };
-    let mut parts = Parts::default();
+    let mut parts = GlbParts::default();
     let attributes = json!({
         "POSITION": parts.floats(&turned(&mesh.places_m), "VEC3"),
         "NORMAL": parts.floats(&turned(&mesh.normals), "VEC3"),

@@ -2,7 +2,7 @@
 
 use super::{RasterError, geotiff};
 use crate::bottom::bathymetry::{CellSource, Grid, Surface};
-use crate::formats::geotiff::{Band, Cells, NODATA, RASTER_TILE, RasterSpec};
+use crate::formats::geotiff::{Band, CellFormat, NODATA, RASTER_TILE, RasterSpec};
 use crate::support::progress::Progress;
 use std::path::Path;
 
@@ -62,7 +62,7 @@ pub(crate) fn source_raster(
 ) -> Result<(), RasterError> {
     let names = CellSource::KNOWN.map(|source| format!("{} {}", source as u8, source.name()));
     let spec = RasterSpec {
-        cells: Cells::Class,
+        cells: CellFormat::Class,
         band: Some(Band {
             name: "source of the depth",
             unit: "",

@@ -59,7 +59,7 @@ pub(crate) use cloud_csv::cloud_csv;
 pub(crate) use cloud_las::cloud_las;
 pub(crate) use cloud_ply::cloud_ply;
 pub(crate) use cloud_xyz::cloud_xyz;
-pub(crate) use dataset::{DatasetFolder, Part, PartSummary};
+pub(crate) use dataset::{DatasetFolder, DatasetPart, PartSummary};
 pub(crate) use depth_xyz::depth_xyz;
 pub(crate) use differences_csv::differences_csv;
 pub(crate) use figure::{MeasuredFigure, figure_csv, figure_geojson};

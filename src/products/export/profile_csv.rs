@@ -1,7 +1,7 @@
 //! The depth profile along a drawn line as a table.
 
 use super::{ExportError, write_bytes};
-use crate::bottom::bathymetry::Station;
+use crate::bottom::bathymetry::TransectStation;
 use crate::survey::{Navigation, Survey};
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use std::path::Path;
 pub(crate) fn profile_csv(
     survey: &Survey,
     navigation: &Navigation,
-    stations: &[Station],
+    stations: &[TransectStation],
 ) -> String {
     let mut text = "distance_m,lon,lat,east_m,north_m,depth_m\n".to_owned();
     for station in stations {

@@ -39,7 +39,7 @@ pub(super) fn isobath_style() -> String {
         edged_line_symbol("0", DEPTH_INK, THICK_MM),
         edged_line_symbol("1", DEPTH_INK, FINE_MM),
     );
-    let label = Label {
+    let label = FeatureLabel {
         expression: "CASE WHEN \"is_index\" THEN \"label\" END",
         size_pt: 8.0,
         colour: DEPTH_INK,
@@ -51,7 +51,7 @@ pub(super) fn isobath_style() -> String {
 
 /// Spot soundings: their figures alone, upright, in the place of the depth; of two that would overlap the shallower stands.
 pub(super) fn spot_sounding_style() -> String {
-    let label = Label {
+    let label = FeatureLabel {
         expression: "label",
         size_pt: 7.0,
         colour: FIGURE_INK,
@@ -93,7 +93,7 @@ pub(super) fn footprint_style() -> String {
 
 /// Objects: a mark, and what they are called, once for all sightings of one.
 pub(super) fn target_style() -> String {
-    let label = Label {
+    let label = FeatureLabel {
         expression: "CASE WHEN \"object\" IS NULL OR $id = minimum($id, group_by:=\"object\") THEN coalesce(nullif(\"name\", ''), \"class\" || coalesce(' ' || \"object\", '')) END",
         size_pt: 8.0,
         colour: DARK_RED,
@@ -120,7 +120,7 @@ enum Placement {
 }
 
 /// What is written at a feature.
-struct Label {
+struct FeatureLabel {
     expression: &'static str,
     size_pt: f64,
     colour: Rgb,
@@ -130,7 +130,7 @@ struct Label {
 }
 
 /// A style with its renderer, labels, and how much it covers, 0 to 1.
-fn document(renderer: &str, label: Option<&Label>, opacity: f64) -> String {
+fn document(renderer: &str, label: Option<&FeatureLabel>, opacity: f64) -> String {
     let (enabled, labels) = match label {
         Some(label) => (1, labelling(label)),
         None => (0, String::new()),
@@ -140,8 +140,8 @@ fn document(renderer: &str, label: Option<&Label>, opacity: f64) -> String {
     )
 }
 
-fn labelling(label: &Label) -> String {
-    let Label {
+fn labelling(label: &FeatureLabel) -> String {
+    let FeatureLabel {
         expression,
         size_pt,
         colour,

@@ -5,7 +5,7 @@ use crate::bottom::bathymetry::isobaths::{Polygon, polygons};
 use std::collections::{BTreeMap, HashMap};
 
 /// A corner, counted in steps of the lattice that corners are rounded to.
-type Corner = [i64; 2];
+type LatticeCorner = [i64; 2];
 
 /// Polygons with their corners rounded to so many steps a unit, each an outline and its holes; `place` gives where a corner lies.
 pub(super) fn rounded(
@@ -14,7 +14,7 @@ pub(super) fn rounded(
     place: impl Fn([f64; 2]) -> [f64; 2],
 ) -> Vec<Vec<Vec<[f64; 2]>>> {
     let corner = |at| place(at).map(|value| (value * steps).round() as i64);
-    let back = |ring: Vec<Corner>| {
+    let back = |ring: Vec<LatticeCorner>| {
         let corners = ring.into_iter();
         corners
             .map(|at| at.map(|value| value as f64 / steps))
@@ -31,18 +31,22 @@ pub(super) fn rounded(
 ///
 /// The sides that are left are walked with the area on the left, turning left as sharply as possible where several meet, so that
 /// a ring bounds one connected area; what a ring closes on its way at a corner it has been at is a ring of its own.
-fn on_lattice(shapes: &[Polygon], corner: impl Fn([f64; 2]) -> Corner) -> Vec<Vec<Vec<Corner>>> {
+fn on_lattice(
+    shapes: &[Polygon],
+    corner: impl Fn([f64; 2]) -> LatticeCorner,
+) -> Vec<Vec<Vec<LatticeCorner>>> {
     let mut sides = Sides::default();
     for shape in shapes {
         for ring in std::iter::once(&shape.outline).chain(&shape.holes) {
-            let corners: Vec<Corner> = ring.iter().map(|place| corner(*place)).collect();
+            let corners: Vec<LatticeCorner> = ring.iter().map(|place| corner(*place)).collect();
             corners
                 .windows(2)
                 .for_each(|side| sides.add(side[0], side[1]));
         }
     }
     let rings = sides.walk();
-    let as_places = |ring: Vec<Corner>| ring.into_iter().map(|at| at.map(|steps| steps as f64));
+    let as_places =
+        |ring: Vec<LatticeCorner>| ring.into_iter().map(|at| at.map(|steps| steps as f64));
     let rings = rings.into_iter().map(|ring| as_places(ring).collect());
     let back = |ring: Vec<[f64; 2]>| ring.into_iter().map(|at| at.map(|steps| steps as i64));
     let sorted = polygons(rings.collect()).into_iter();
@@ -58,11 +62,11 @@ fn on_lattice(shapes: &[Polygon], corner: impl Fn([f64; 2]) -> Corner) -> Vec<Ve
 #[derive(Default)]
 struct Sides {
     /// How often each is there, those that run both ways taken off each other.
-    counts: BTreeMap<(Corner, Corner), usize>,
+    counts: BTreeMap<(LatticeCorner, LatticeCorner), usize>,
 }
 
 impl Sides {
-    fn add(&mut self, from: Corner, to: Corner) {
+    fn add(&mut self, from: LatticeCorner, to: LatticeCorner) {
         if from == to {
             return;
         }
@@ -76,8 +80,8 @@ impl Sides {
     }
 
     /// Closed rings without a corner twice.
-    fn walk(mut self) -> Vec<Vec<Corner>> {
-        let mut leaving: HashMap<Corner, Vec<Corner>> = HashMap::new();
+    fn walk(mut self) -> Vec<Vec<LatticeCorner>> {
+        let mut leaving: HashMap<LatticeCorner, Vec<LatticeCorner>> = HashMap::new();
         for &(from, to) in self.counts.keys() {
             leaving.entry(from).or_default().push(to);
         }
@@ -91,10 +95,10 @@ impl Sides {
     /// Walks from a side until the next one has been walked.
     fn walk_from(
         &mut self,
-        from: Corner,
-        to: Corner,
-        leaving: &HashMap<Corner, Vec<Corner>>,
-        rings: &mut Vec<Vec<Corner>>,
+        from: LatticeCorner,
+        to: LatticeCorner,
+        leaving: &HashMap<LatticeCorner, Vec<LatticeCorner>>,
+        rings: &mut Vec<Vec<LatticeCorner>>,
     ) {
         let mut path = vec![from];
         let mut place_on_path = HashMap::from([(from, 0)]);
@@ -122,7 +126,7 @@ impl Sides {
     }
 
     /// Takes a side; false where it is gone.
-    fn take(&mut self, from: Corner, to: Corner) -> bool {
+    fn take(&mut self, from: LatticeCorner, to: LatticeCorner) -> bool {
         match self.counts.get_mut(&(from, to)) {
             Some(1) => self.counts.remove(&(from, to)).is_some(),
             Some(count) => {
@@ -135,8 +139,8 @@ impl Sides {
 }
 
 /// Clockwise angle from the way back to the way on: the smaller, the sharper the turn to the left.
-fn turn(last: Corner, at: Corner, next: Corner) -> f64 {
-    let angle = |to: Corner| ((to[1] - at[1]) as f64).atan2((to[0] - at[0]) as f64);
+fn turn(last: LatticeCorner, at: LatticeCorner, next: LatticeCorner) -> f64 {
+    let angle = |to: LatticeCorner| ((to[1] - at[1]) as f64).atan2((to[0] - at[0]) as f64);
     (angle(last) - angle(next)).rem_euclid(std::f64::consts::TAU)
 }
 
@@ -150,7 +154,7 @@ mod tests {
         ring
     }
 
-    fn made(outline: &[[f64; 2]], holes: &[&[[f64; 2]]]) -> Vec<Vec<Vec<Corner>>> {
+    fn made(outline: &[[f64; 2]], holes: &[&[[f64; 2]]]) -> Vec<Vec<Vec<LatticeCorner>>> {
         let shape = Polygon {
             outline: ring(outline),
             holes: holes.iter().map(|hole| ring(hole)).collect(),

@@ -9,7 +9,7 @@ use std::path::Path;
 
 /// What a database says of itself in its header.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Kind {
+pub(super) struct DatabaseKind {
     /// Which program's file it is: four letters as a number.
     pub application: u32,
     /// Which version of that.
@@ -29,7 +29,7 @@ pub(super) fn text(text: &str) -> Value {
 /// Writes a database that `fill` fills under a passing name, and renames it. The same rows give the same bytes.
 pub(super) fn database<T>(
     path: &Path,
-    kind: Kind,
+    kind: DatabaseKind,
     fill: impl FnOnce(&Connection) -> io::Result<T>,
 ) -> Result<T, ExportError> {
     write_atomically_at(path, |passing| {

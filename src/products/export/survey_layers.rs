@@ -1,6 +1,6 @@
 //! The layers of `survey.gpkg`: where the boat went, what was insonified, and what is drawn of the depth map.
 
-use super::geopackage::{Geometry, Layer, Ring};
+use super::geopackage::{FeatureGeometry, Layer, Ring};
 use super::isobaths::DrawnLines;
 use super::millimetres;
 use super::qgis_vector::{
@@ -87,7 +87,7 @@ pub(crate) fn footprint_layer(
     let polygons = placed.polygons(shapes);
     let is_some = !polygons.is_empty();
     let values = vec![text(name), Value::Real((area_m2 * 10.0).round() / 10.0)];
-    let feature = is_some.then_some((Geometry::Polygons(polygons), values));
+    let feature = is_some.then_some((FeatureGeometry::Polygons(polygons), values));
     Layer {
         name: "footprint",
         title: "Footprint",
@@ -140,7 +140,7 @@ pub(crate) fn depth_area_layer(
     let feature = |area: &DepthArea| {
         let numbers = [area.from_m, area.to_m, ground * area.area_m2()];
         let values = numbers.map(|number| Value::Real(millimetres(number)));
-        let polygons = Geometry::Polygons(placed.polygons(&area.polygons));
+        let polygons = FeatureGeometry::Polygons(placed.polygons(&area.polygons));
         (polygons, values.into())
     };
     let ends = areas.first().zip(areas.last());
@@ -172,7 +172,7 @@ pub(crate) fn spot_sounding_layer(
     settings: &IsobathSettings,
 ) -> Layer {
     let feature = |point: &DepthPoint| {
-        let at = Geometry::Point(placed.place([point.east_m, point.north_m]));
+        let at = FeatureGeometry::Point(placed.place([point.east_m, point.north_m]));
         let values = vec![
             Value::Real(millimetres(point.depth_m)),
             text(settings.unit.symbol()),
@@ -193,8 +193,8 @@ pub(crate) fn spot_sounding_layer(
 }
 
 /// A line through places; `None` where they are one, to the millimetre.
-fn line_through(places: impl Iterator<Item = [f64; 2]>) -> Option<Geometry> {
+fn line_through(places: impl Iterator<Item = [f64; 2]>) -> Option<FeatureGeometry> {
     let mut places: Vec<[f64; 2]> = places.collect();
     places.dedup();
-    (places.len() > 1).then_some(Geometry::Line(places))
+    (places.len() > 1).then_some(FeatureGeometry::Line(places))
 }

@@ -2,7 +2,7 @@
 
 use super::ReportData;
 use crate::bottom::bathymetry::isobaths::{Storage, storage};
-use crate::support::presentation::plot::{Axis, Curve, Plot};
+use crate::support::presentation::plot::{Axis, Plot, PlotCurve};
 use crate::support::presentation::text::typeset_count as count;
 
 /// Levels that the curves go through.
@@ -62,7 +62,7 @@ fn curves(rows: &[Storage]) -> String {
             title: format!("{name} deeper than each level"),
             across,
             up: Axis::new("depth, m", [last.depth_m, first.depth_m]),
-            curves: vec![Curve {
+            curves: vec![PlotCurve {
                 name: name.to_owned(),
                 points: rows.iter().map(|row| [amount(row), row.depth_m]).collect(),
             }],

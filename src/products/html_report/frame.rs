@@ -2,7 +2,7 @@
 
 use crate::bottom::bathymetry::Grid;
 use crate::support::geo::{CoordinateFormat, MapPlane};
-use crate::support::presentation::graticule::{Family, Net};
+use crate::support::presentation::graticule::{LineFamily, Net};
 use crate::support::presentation::ticks;
 use crate::support::printable::xml;
 
@@ -176,7 +176,10 @@ impl PageTransform {
         let across_deg = (east - west) * BETWEEN_PX / self.width_px;
         let up_deg = (north - south) * BETWEEN_PX / self.height_px;
         let mut drawn = String::new();
-        for (family, least_deg) in [(Family::Upright, across_deg), (Family::Level, up_deg)] {
+        for (family, least_deg) in [
+            (LineFamily::Upright, across_deg),
+            (LineFamily::Level, up_deg),
+        ] {
             for line in net.lines(family, bounds, least_deg) {
                 // All but straight within a survey.
                 let places = net.places(family, line.value, bounds, 2);
@@ -193,13 +196,13 @@ impl PageTransform {
         &self,
         drawn: &mut String,
         clip: &str,
-        family: Family,
+        family: LineFamily,
         text: &str,
         [[x1, y1], [x2, y2]]: [[f64; 2]; 2],
     ) {
         let label = match family {
             // Where the line meets the lower edge, and the left one.
-            Family::Upright => {
+            LineFamily::Upright => {
                 let bottom = ABOVE_PX + self.height_px;
                 let x = x1 + (bottom - y1) / (y2 - y1) * (x2 - x1);
                 let inside = (LEFT_PX + 20.0..LEFT_PX + self.width_px - 20.0).contains(&x);
@@ -210,7 +213,7 @@ impl PageTransform {
                     )
                 })
             }
-            Family::Level => {
+            LineFamily::Level => {
                 let y = y1 + (LEFT_PX - x1) / (x2 - x1) * (y2 - y1);
                 let inside = (ABOVE_PX + 6.0..ABOVE_PX + self.height_px - 6.0).contains(&y);
                 inside.then(|| {

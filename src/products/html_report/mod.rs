@@ -67,7 +67,7 @@ pub(crate) struct ReportData<'a> {
     /// How late the positions of each log are; empty where no track crosses another, `None` of a log whose crossings do not tell.
     pub latencies: &'a [Option<LogLatency>],
     /// Boxes with their places, and the raster that they were found in; `None` where nobody searched.
-    pub objects: Option<Objects<'a>>,
+    pub objects: Option<ReportObjects<'a>>,
     /// Files of the same run, and what they are in a few words.
     pub files: &'a [FileLine],
 }
@@ -76,7 +76,7 @@ pub(crate) struct ReportData<'a> {
 pub(crate) type FileLine = (&'static str, &'static str);
 
 /// What lies there.
-pub(crate) struct Objects<'a> {
+pub(crate) struct ReportObjects<'a> {
     /// All boxes and objects.
     pub list: &'a ObjectList,
     /// A line for each box of a target.

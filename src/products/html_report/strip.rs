@@ -22,7 +22,7 @@ pub(super) fn strip(log: &ProcessedLog, progress: &Progress) -> Result<Option<St
         return Ok(None);
     };
     let columns = COLUMNS.min(axis.pings);
-    let strip = Strip {
+    let strip = ReportStrip {
         log,
         far_m: axis.far_m,
         columns,
@@ -45,13 +45,13 @@ pub(super) fn strip(log: &ProcessedLog, progress: &Progress) -> Result<Option<St
     Ok(Some(strip.svg(&raster::grey(&pixels, columns, rows))))
 }
 
-struct Strip<'a> {
+struct ReportStrip<'a> {
     log: &'a ProcessedLog,
     far_m: f64,
     columns: usize,
 }
 
-impl Strip<'_> {
+impl ReportStrip<'_> {
     /// The pings of a column.
     fn pings(&self, column: usize) -> std::ops::Range<usize> {
         let pings = self.log.survey.side_scan.len();

@@ -2,26 +2,26 @@
 
 use super::TILE_PIXELS;
 use super::label;
-use super::stroke::{Pen, stroke};
+use super::stroke::{TilePen, stroke};
 use crate::bottom::bathymetry::isobaths::{Isobath, IsobathSettings};
 
 /// Under a line and a number, so that they show on dark ground.
-const HALO: Pen = Pen {
+const HALO: TilePen = TilePen {
     width: 2.8,
     rgb: [255, 255, 255],
     opacity: 0.35,
 };
-const LINE: Pen = Pen {
+const LINE: TilePen = TilePen {
     width: 1.1,
     rgb: [16, 32, 64],
     opacity: 0.85,
 };
-const NUMBER_HALO: Pen = Pen {
+const NUMBER_HALO: TilePen = TilePen {
     width: 4.6,
     opacity: 0.85,
     ..HALO
 };
-const NUMBER: Pen = Pen {
+const NUMBER: TilePen = TilePen {
     width: 1.3,
     opacity: 1.0,
     ..LINE

@@ -21,5 +21,5 @@ mod web_tile;
 
 pub(crate) use lit_surface::LitSurface;
 pub(crate) use pixels::{Pixel, Pixels};
-pub(crate) use pyramid::{Known, MapPart, MapScales, TileSource, TileStyle, pyramid};
+pub(crate) use pyramid::{KnownTile, MapPart, MapScales, PyramidSource, TileStyle, pyramid};
 pub(crate) use web_tile::{TILE_PIXELS, WebTile, ZoomRange, web_pixel};

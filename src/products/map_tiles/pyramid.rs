@@ -47,7 +47,7 @@ impl MapScales {
 }
 
 /// What tiles are made of.
-pub(crate) trait TileSource: Sync {
+pub(crate) trait PyramidSource: Sync {
     /// Where the map lies, and how it is drawn.
     fn scales(&self) -> &MapScales;
     /// Whether anything may be known in a tile of any zoom.
@@ -77,7 +77,7 @@ pub(crate) trait TileSource: Sync {
 
 /// What is known of a tile: what the next coarser one is made of.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Known {
+pub(crate) struct KnownTile {
     /// Its pixels.
     pub pixels: Pixels,
     /// The isobaths in it, in pixels of the finest zoom from the north-west of the whole earth.
@@ -88,7 +88,7 @@ pub(crate) struct Known {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct MapPart {
     /// What is known of the tile, `None` where that is nothing.
-    pub known: Option<Known>,
+    pub known: Option<KnownTile>,
     /// Its pictures and those of the finer tiles, PNG, in order.
     pub pictures: Vec<(TileStyle, WebTile, Vec<u8>)>,
 }
@@ -118,7 +118,7 @@ const LEAST_LENGTH: f64 = 4.0;
 /// # Errors
 /// What the source or the taker says, or that the work was cancelled.
 pub(crate) fn pyramid(
-    source: &impl TileSource,
+    source: &impl PyramidSource,
     progress: &Progress,
     keep: &(impl Fn(TileStyle, WebTile, Vec<u8>) -> io::Result<()> + Sync),
 ) -> io::Result<()> {
@@ -146,9 +146,9 @@ struct Pyramid<'a, S> {
     keep: Keep<'a>,
 }
 
-impl<S: TileSource> Pyramid<'_, S> {
+impl<S: PyramidSource> Pyramid<'_, S> {
     /// A tile and all finer ones in it, of parts of the map where it is coarser than they.
-    fn tile(&self, tile: WebTile) -> io::Result<Option<Known>> {
+    fn tile(&self, tile: WebTile) -> io::Result<Option<KnownTile>> {
         self.progress.check().map_err(io::Error::other)?;
         let part_zoom = self.zooms.finest.saturating_sub(PART_ZOOMS);
         match self.source.reaches(tile) {
@@ -159,7 +159,7 @@ impl<S: TileSource> Pyramid<'_, S> {
     }
 
     /// A part of the map as it was kept, or else drawn and kept.
-    fn part(&self, tile: WebTile) -> io::Result<Option<Known>> {
+    fn part(&self, tile: WebTile) -> io::Result<Option<KnownTile>> {
         let part = match self.source.kept(tile) {
             Some(part) => {
                 self.progress.advance(part.count(self.zooms.finest));
@@ -197,7 +197,7 @@ impl<S: TileSource> Pyramid<'_, S> {
         Ok(MapPart { known, pictures })
     }
 
-    fn drawn(&self, tile: WebTile) -> io::Result<Option<Known>> {
+    fn drawn(&self, tile: WebTile) -> io::Result<Option<KnownTile>> {
         let known = match tile.zoom == self.zooms.finest {
             true => self.finest(tile)?,
             false => self.coarser(tile)?,
@@ -208,19 +208,19 @@ impl<S: TileSource> Pyramid<'_, S> {
         Ok(known)
     }
 
-    fn finest(&self, tile: WebTile) -> io::Result<Option<Known>> {
+    fn finest(&self, tile: WebTile) -> io::Result<Option<KnownTile>> {
         self.progress.advance(1);
         let Some(pixels) = self.source.pixels(tile)? else {
             return Ok(None);
         };
         let lines = self.source.isobaths(tile)?;
-        Ok(Some(Known { pixels, lines }))
+        Ok(Some(KnownTile { pixels, lines }))
     }
 
-    fn coarser(&self, tile: WebTile) -> io::Result<Option<Known>> {
+    fn coarser(&self, tile: WebTile) -> io::Result<Option<KnownTile>> {
         let children = tile.children();
         let known = children.par_iter().map(|child| self.tile(*child));
-        let known: Vec<Option<Known>> = known.collect::<io::Result<_>>()?;
+        let known: Vec<Option<KnownTile>> = known.collect::<io::Result<_>>()?;
         let pixels = [0, 1, 2, 3].map(|child| known[child].as_ref().map(|one| &one.pixels));
         let Some(pixels) = Pixels::of_children(pixels) else {
             return Ok(None);
@@ -239,7 +239,7 @@ impl<S: TileSource> Pyramid<'_, S> {
         let lines = thinned
             .filter(|line| line.length_m() >= LEAST_LENGTH * pixel)
             .collect();
-        Ok(Some(Known { pixels, lines }))
+        Ok(Some(KnownTile { pixels, lines }))
     }
 
     /// Whether an isobath is still drawn at a coarser zoom: multiples of so many intervals; all where they are not evenly apart.
@@ -249,7 +249,7 @@ impl<S: TileSource> Pyramid<'_, S> {
             .is_none_or(|interval_m| (depth_m / interval_m).round() as i64 % every == 0)
     }
 
-    fn pictures(&self, tile: WebTile, known: &Known) -> io::Result<()> {
+    fn pictures(&self, tile: WebTile, known: &KnownTile) -> io::Result<()> {
         let mut picture = known.pixels.colours(self.source.scales().range_m);
         (self.keep)(TileStyle::Colours, tile, png(&picture)?)?;
         let ([west, north], side) = tile.corner_at(self.zooms.finest);
@@ -321,7 +321,7 @@ mod tests {
         (2.0 + (at.lon_deg - BOX[0]) / (BOX[2] - BOX[0])) as f32
     }
 
-    impl TileSource for Slope {
+    impl PyramidSource for Slope {
         fn scales(&self) -> &MapScales {
             &self.scales
         }

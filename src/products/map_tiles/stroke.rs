@@ -4,7 +4,7 @@ use super::TILE_PIXELS;
 
 /// How lines are drawn.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pen {
+pub(super) struct TilePen {
     /// Pixels.
     pub width: f64,
     /// Red, green, blue.
@@ -17,7 +17,7 @@ pub(super) struct Pen {
 pub(super) fn stroke<'a>(
     picture: &mut [u8],
     lines: impl Iterator<Item = &'a [[f64; 2]]>,
-    pen: Pen,
+    pen: TilePen,
 ) {
     let mut covered = vec![0.0_f64; TILE_PIXELS * TILE_PIXELS];
     for line in lines {
@@ -81,7 +81,7 @@ mod tests {
     #[test]
     fn a_line_covers_its_pixels_once_and_shows_on_a_clear_picture() {
         let mut picture = vec![0; 4 * TILE_PIXELS * TILE_PIXELS];
-        let pen = Pen {
+        let pen = TilePen {
             width: 2.0,
             rgb: [200, 100, 0],
             opacity: 0.5,

@@ -8,7 +8,7 @@ use crate::detection::objects::{LogReview, ObjectList, SurveyObject, SurveyRevie
 use crate::detection::review::{PIXEL_M, Review, ReviewedTile};
 use crate::pipeline::ProcessedLog;
 use crate::pipeline::list_objects;
-use crate::products::export::{self, ObjectLog, Part, make_folder};
+use crate::products::export::{self, DatasetPart, ObjectLog, make_folder};
 use crate::products::outputs::OutputError;
 use crate::support::progress::Progress;
 use std::path::Path;
@@ -65,7 +65,7 @@ struct LogBoxes<'a> {
 pub(crate) fn write_boxes(
     logs: &[ProcessedLog],
     review: &SurveyReview,
-    part: Part,
+    part: DatasetPart,
     folder: &Path,
     progress: &Progress,
 ) -> Result<BoxesWritten, OutputError> {

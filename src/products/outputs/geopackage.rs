@@ -1,7 +1,7 @@
 //! All lines, areas and objects of a survey in one file.
 
 use super::content::{FileContent, FileResult};
-use super::depth::contours::Drawn;
+use super::depth::contours::DrawnContours;
 use super::need::Need;
 use super::objects::target_rows;
 use super::results::Results;
@@ -18,7 +18,7 @@ pub(super) fn write(results: &Results<'_>, path: &Path) -> FileResult {
     let has = |need| Ok::<bool, OutputError>(results.missing(need)?.is_none());
     let mut layers = Vec::new();
     if has(Need::Surface)? && has(Need::Levels)? {
-        let drawn = Drawn::of(results)?;
+        let drawn = DrawnContours::of(results)?;
         let contours = drawn.contours;
         layers.push(export::depth_area_layer(
             &placed,

@@ -23,12 +23,12 @@ struct Manifest<'a> {
     preset: &'static str,
     settings: &'a Settings,
     statement: &'a str,
-    files: Vec<Entry<'a>>,
+    files: Vec<ManifestEntry<'a>>,
 }
 
 /// A file of a run: its name, size and hash, and what it holds. What is not known of it is absent.
 #[derive(Serialize)]
-struct Entry<'a> {
+struct ManifestEntry<'a> {
     #[serde(flatten)]
     file: &'a Fingerprint,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -84,8 +84,8 @@ fn entry<'a>(
     file: &'a Fingerprint,
     made: &[(&'static OutputFile, FileContent)],
     more_inputs: &'a [Input],
-) -> Entry<'a> {
-    let bare = |what, belongs_to| Entry {
+) -> ManifestEntry<'a> {
+    let bare = |what, belongs_to| ManifestEntry {
         file,
         what,
         belongs_to,
@@ -102,7 +102,7 @@ fn entry<'a>(
         return bare(Some(row.brief.to_owned()), None);
     };
     let of_reference = row.needs.contains(&Need::Reference);
-    Entry {
+    ManifestEntry {
         what: Some(format!("{}{}", described.what, content.detail)),
         content: Some(ContentEntry {
             more_inputs: if of_reference { more_inputs } else { &[] },

@@ -4,7 +4,7 @@ use super::content::{FileContent, FileResult};
 use super::mosaic_grid::mosaic_grid;
 use super::results::Results;
 use crate::bottom::bathymetry::Grid;
-use crate::formats::geotiff::{Band, Cells, RASTER_TILE, RasterSpec};
+use crate::formats::geotiff::{Band, CellFormat, RASTER_TILE, RasterSpec};
 use crate::imagery::mosaic::{Colours, MosaicLog, TILE_CELLS, TileIndex, joint_tile};
 use crate::products::export::{Summary, geotiff};
 use crate::products::outputs::raster;
@@ -55,8 +55,8 @@ const _: () = assert!(TILE_CELLS == RASTER_TILE, "a tile is drawn as it is store
 fn spec(grid: &Grid, map: &MapPlane, name: &str, colours: Colours) -> RasterSpec {
     // Levels are one band, which a map program can stretch; colours are a picture.
     let (cells, band) = match colours {
-        Colours::Grey => (Cells::Level, Some(Band::ECHO_LEVEL)),
-        Colours::Copper => (Cells::Rgba, None),
+        Colours::Grey => (CellFormat::Level, Some(Band::ECHO_LEVEL)),
+        Colours::Copper => (CellFormat::Rgba, None),
     };
     RasterSpec {
         cells,

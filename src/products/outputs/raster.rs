@@ -1,7 +1,7 @@
 //! Where a raster lies.
 
 use crate::bottom::bathymetry::Grid;
-use crate::formats::geotiff::{Cells, RasterSpec};
+use crate::formats::geotiff::{CellFormat, RasterSpec};
 use crate::support::geo::MapPlane;
 
 /// A raster over the cells of a grid in the plane of a map; of nothing yet, which whoever writes it says.
@@ -13,7 +13,7 @@ pub(super) fn over(grid: &Grid, map: &MapPlane) -> RasterSpec {
         north: map.in_crs([0.0, grid.north_m])[1],
         cell: map.in_crs([grid.cell_m; 2]),
         crs: map.crs.clone(),
-        cells: Cells::Metres,
+        cells: CellFormat::Metres,
         band: None,
         description: String::new(),
     }

@@ -35,7 +35,7 @@ pub struct OutputFile {
     /// What the manifest says of it; `None` of a page, of records and of pictures.
     pub described: Option<Described>,
     /// What writes it.
-    pub(super) writer: Writer,
+    pub(super) writer: FileWriter,
 }
 
 /// What the manifest says of a file, whatever it holds.
@@ -54,7 +54,7 @@ pub(super) type WriteFile = fn(&Results<'_>, &Path) -> FileResult;
 
 /// What writes a file.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Writer {
+pub(super) enum FileWriter {
     /// From the results of the survey.
     Results(WriteFile),
     /// From the run, when all other files are there.

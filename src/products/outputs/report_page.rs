@@ -3,24 +3,24 @@
 use super::objects::{Shapes, target_rows};
 use super::order::When;
 use super::results::Results;
-use super::run::Run;
+use super::run::OutputRun;
 use crate::detection::Raster;
 use crate::detection::objects::{ObjectList, SurveyObject};
 use crate::detection::review::{PIXEL_M, Review, State};
 use crate::detection::targets::{PassCount, PassLog};
 use crate::pipeline::{Crosslines, ProcessedLog};
 use crate::products::export::write_bytes;
-use crate::products::html_report::{self, FileLine, Objects, ReportData};
+use crate::products::html_report::{self, FileLine, ReportData, ReportObjects};
 use crate::products::outputs::OutputError;
 use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Writes the page.
-pub(super) fn write(run: &Run<'_>, path: &Path) -> Result<(), OutputError> {
+pub(super) fn write(run: &OutputRun<'_>, path: &Path) -> Result<(), OutputError> {
     let results = &run.results;
     let (products, order) = (results.products, results.order);
     let boxes = Boxes::of(results)?;
-    let objects = boxes.as_ref().map(|boxes| Objects {
+    let objects = boxes.as_ref().map(|boxes| ReportObjects {
         list: boxes.list,
         rows: target_rows(boxes.list, boxes.shapes, order.logs),
         rasters: &boxes.rasters,

@@ -3,7 +3,7 @@
 use super::content::{FileContent, FileResult};
 use super::results::Results;
 use crate::pipeline::{
-    Agreement, Choice, Crosslines, NamedComparison, ProcessedLog, ResidualTables, Settings,
+    Agreement, Crosslines, GeometryChoice, NamedComparison, ProcessedLog, ResidualTables, Settings,
     choices, comparisons, crosslines,
 };
 use crate::products::export::write_json;
@@ -21,22 +21,22 @@ struct Record<'a> {
     side_scan: Option<ResidualTables>,
     /// Of one log.
     #[serde(skip_serializing_if = "Option::is_none")]
-    choices: Option<Vec<Choice>>,
+    choices: Option<Vec<GeometryChoice>>,
     crossline_analysis: Option<&'a Crosslines>,
     /// Each of several logs by itself.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    logs: Vec<LogRecord>,
+    logs: Vec<LogResiduals>,
     settings: &'a Settings,
 }
 
 /// A log compared with its own soundings and its own track.
 #[derive(Serialize)]
-struct LogRecord {
+struct LogResiduals {
     log: String,
     statement: String,
     comparisons: Vec<NamedComparison>,
     side_scan: Option<ResidualTables>,
-    choices: Vec<Choice>,
+    choices: Vec<GeometryChoice>,
     crossline_analysis: Option<Crosslines>,
 }
 
@@ -84,10 +84,10 @@ fn log_record(
     results: &Results<'_>,
     log: &ProcessedLog,
     name: &str,
-) -> Result<LogRecord, OutputError> {
+) -> Result<LogResiduals, OutputError> {
     let (alone, map, progress) = (slice::from_ref(log), &results.plane.map, results.progress);
     let side_scan = Agreement::with_soundings(alone, progress)?;
-    Ok(LogRecord {
+    Ok(LogResiduals {
         log: name.to_owned(),
         statement: log.products.correction.statement(),
         comparisons: comparisons(alone, map, progress)?,

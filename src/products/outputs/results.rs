@@ -14,11 +14,11 @@ use crate::bottom::bathymetry::{DepthPoint, FromLevels, Surface, spot_radius_m, 
 use crate::detection::objects::{LogId, LogReview, ObjectList, SurveyReview};
 use crate::detection::review::Review;
 use crate::detection::{Detection, find};
-use crate::imagery::mosaic::{Layout, footprint};
+use crate::imagery::mosaic::{MosaicLayout, footprint};
 use crate::pipeline::list_objects;
 use crate::pipeline::{
-    Agreement, Bottom, BottomColour, Contours, Crosslines, DepthMap, Input, Isobaths, Mosaic,
-    MosaicPlane, NamedComparison, Plane, ProcessedLog, Products, comparisons, crosslines,
+    Agreement, Bottom, BottomColour, CloudPlane, Contours, Crosslines, DepthMap, Input, Isobaths,
+    Mosaic, MosaicPlane, NamedComparison, ProcessedLog, Products, comparisons, crosslines,
     mosaic_layout,
 };
 use crate::products::export::{self, LogPoints, ObjectLog, TrackPiece};
@@ -34,7 +34,7 @@ pub(super) struct Results<'a> {
     pub order: &'a Order<'a>,
     pub survey: &'a Survey,
     pub products: &'a Products,
-    pub plane: Plane<'a>,
+    pub plane: CloudPlane<'a>,
     /// What each log is called.
     pub names: Vec<String>,
     pub progress: &'a Progress,
@@ -92,7 +92,7 @@ impl<'a> Results<'a> {
             order,
             survey,
             products,
-            plane: Plane::of(survey, products)?,
+            plane: CloudPlane::of(survey, products)?,
             names: log_names(order.logs),
             progress,
             of_group: OfGroup::default(),
@@ -235,7 +235,7 @@ impl<'a> Results<'a> {
     pub(super) fn ground(&self) -> Result<&SideScanCoverage, OutputError> {
         once(&self.of_group.ground, || {
             let map = &self.plane.map;
-            let layouts: Vec<Layout> = self
+            let layouts: Vec<MosaicLayout> = self
                 .logs()
                 .map(|(survey, products)| mosaic_layout(survey, products, map))
                 .collect();

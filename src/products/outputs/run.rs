@@ -2,13 +2,13 @@
 
 use super::content::FileContent;
 use super::order::When;
-use super::registry::{OUTPUT_FILES, OutputFile, Writer};
+use super::registry::{FileWriter, OUTPUT_FILES, OutputFile};
 use super::results::Results;
 use super::run_folder::RunFolder;
 use crate::pipeline::{Fingerprint, Report};
 
 /// A run whose files are being written.
-pub(super) struct Run<'a> {
+pub(super) struct OutputRun<'a> {
     pub results: Results<'a>,
     pub report: Report,
     /// Made of the results so far.
@@ -18,11 +18,12 @@ pub(super) struct Run<'a> {
     pub folder: &'a RunFolder,
 }
 
-impl Run<'_> {
+impl OutputRun<'_> {
     /// What is in the folder in the end beside the page, as the page lists it: folders last.
     pub(super) fn listed(&self) -> impl Iterator<Item = &'static OutputFile> {
-        let of_run =
-            |row: &&OutputFile| row.when == When::Always && matches!(row.writer, Writer::Run(_));
+        let of_run = |row: &&OutputFile| {
+            row.when == When::Always && matches!(row.writer, FileWriter::Run(_))
+        };
         let (folders, files): (Vec<_>, Vec<_>) =
             (self.made.iter().map(|(row, _)| *row)).partition(|row| !row.file_name().contains('.'));
         let of_run = OUTPUT_FILES.iter().filter(of_run);

@@ -1,9 +1,9 @@
 //! What was decided about boxes as pictures with labels, for training.
 
-use crate::detection::dataset::{Boxes, Chip};
+use crate::detection::dataset::{Chip, PictureBoxes};
 use crate::detection::review::{Review, ReviewedTile};
 use crate::detection::{Labelled, Raster, TILE_PX, level};
-use crate::products::export::{DatasetFolder, Part, PartSummary};
+use crate::products::export::{DatasetFolder, DatasetPart, PartSummary};
 use crate::products::outputs::OutputError;
 use crate::support::progress::Progress;
 use crate::survey::{Identity, Survey};
@@ -23,7 +23,7 @@ pub(super) struct TrainingTiles<'a> {
     pub raster: &'a Raster,
     pub tiles: &'a [ReviewedTile],
     /// The part that all of the log belongs to.
-    pub part: Part,
+    pub part: DatasetPart,
 }
 
 /// How the pictures were made.
@@ -67,11 +67,11 @@ impl TrainingTiles<'_> {
             all.push(chip.boxes);
             progress.advance(1);
         }
-        let of_part = |part: Part| match part == self.part {
+        let of_part = |part: DatasetPart| match part == self.part {
             true => folder.finish(part, &all),
             false => folder.finish(part, &[]),
         };
-        let [train, val, test] = Part::ALL.map(of_part);
+        let [train, val, test] = DatasetPart::ALL.map(of_part);
         let manifest = Manifest {
             program: PROGRAM,
             version: env!("CARGO_PKG_VERSION"),
@@ -105,7 +105,7 @@ impl TrainingTiles<'_> {
         };
         Chip {
             pixels,
-            boxes: Boxes {
+            boxes: PictureBoxes {
                 labels: renumbered(&tile.boxes.labels),
                 ignored: renumbered(&tile.boxes.ignored),
                 outlines: Vec::new(),
@@ -130,7 +130,7 @@ impl TrainingTiles<'_> {
             .into());
         }
         for (kind, ending) in [("images", "png"), ("labels", "txt"), ("voc", "xml")] {
-            for part in Part::ALL {
+            for part in DatasetPart::ALL {
                 let entries = fs::read_dir(root.join(kind).join(part.name()));
                 for entry in entries.into_iter().flatten().flatten() {
                     let path = entry.path();

@@ -7,10 +7,10 @@ use super::need::{Missing, Need};
 use super::order::{Order, When};
 use super::overwrite::refuse_overwrite;
 use super::product::Product;
-use super::registry::{OUTPUT_FILES, OutputFile, RunFile, Writer};
+use super::registry::{FileWriter, OUTPUT_FILES, OutputFile, RunFile};
 use super::report_page;
 use super::results::Results;
-use super::run::Run;
+use super::run::OutputRun;
 use super::run_folder::{Replaced, RunFolder};
 use crate::pipeline::Report;
 use crate::pipeline::joint::joint_report;
@@ -67,7 +67,7 @@ pub fn write(
     let results = Results::new(order, progress)?;
     refuse_overwrite(order, folder.destination())?;
     let path = folder.path();
-    let mut run = Run {
+    let mut run = OutputRun {
         report: report(&results)?,
         results,
         made: Vec::new(),
@@ -90,7 +90,7 @@ pub fn write(
     }
     let mut files: Vec<&OutputFile> = run.made.iter().map(|(row, _)| *row).collect();
     for row in OUTPUT_FILES.iter().filter(|row| asked(row.when)) {
-        if let Writer::Run(file) = row.writer
+        if let FileWriter::Run(file) = row.writer
             && first_missing(row, &run.results)?.is_none()
         {
             let path = place(&path, row)?;
@@ -153,7 +153,7 @@ pub(super) fn write_rows(
     };
     let mut group = None;
     for row in OUTPUT_FILES.iter().filter(|row| asked(row.when)) {
-        let Writer::Results(write) = row.writer else {
+        let FileWriter::Results(write) = row.writer else {
             continue;
         };
         results.progress.check()?;
@@ -222,7 +222,7 @@ fn place(folder: &Path, row: &OutputFile) -> Result<PathBuf, OutputError> {
 }
 
 /// Writes `manifest.json`, which names every other file of the run.
-fn manifest(run: &Run<'_>, path: &Path) -> Result<(), OutputError> {
+fn manifest(run: &OutputRun<'_>, path: &Path) -> Result<(), OutputError> {
     let files = (run.folder).files(&run.hashed, run.results.progress)?;
     let compared = run
         .made

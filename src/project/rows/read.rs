@@ -32,7 +32,7 @@ const SHA256_DIGITS: usize = 64;
 type Line = (Vec<String>, Row);
 
 /// What is read so far.
-struct Reading<'a> {
+struct RowReading<'a> {
     folder: &'a Path,
     unknown: Unknown,
 }
@@ -55,7 +55,7 @@ struct LogLines {
 /// # Errors
 /// A sentence with the line that makes no sense.
 pub(crate) fn read(rows: Rows, folder: &Path) -> Result<Project, ProjectError> {
-    let mut reading = Reading {
+    let mut reading = RowReading {
         folder,
         unknown: Unknown::default(),
     };
@@ -171,7 +171,7 @@ impl LogLines {
     }
 }
 
-impl Reading<'_> {
+impl RowReading<'_> {
     /// Reads the fields of a line that this version knows, and keeps the others.
     fn fields<T: DeserializeOwned>(
         &mut self,

@@ -9,7 +9,7 @@ use std::ops::Range;
 const WRONG: f64 = 0.2;
 
 /// First returns against recorded depths, with running sums so that any stretch costs the same.
-pub(super) struct Agreement {
+pub(super) struct DepthAgreement {
     /// Sums over the picks of all pings before each index.
     sums: Vec<Sums>,
     /// The sides that have any pick in the log.
@@ -27,7 +27,7 @@ struct Sums {
     squares: f64,
 }
 
-impl Agreement {
+impl DepthAgreement {
     /// Of picks in ping order, over a log of `pings` pings.
     pub(super) fn new(picks: &[Usable], pings: usize) -> Self {
         let ratio = |pick: &Usable| pick.range_m / pick.depth_m;

@@ -1,7 +1,7 @@
 //! Where the bottom is flat along the track, and both sides detect it.
 
 use super::FlatSpot;
-use super::agreement::Agreement;
+use super::agreement::DepthAgreement;
 use super::profile::Profile;
 use super::scale::{Usable, header_factor, inside, pixels_per_metre, usable_picks};
 use crate::sonar::first_return::FirstReturns;
@@ -18,7 +18,7 @@ const MIN_PINGS: usize = 20;
 /// Ranks the stretches of the track that suit a calibration, best first, at most `count`, not overlapping.
 ///
 /// A stretch suits when the recorded depth varies little over it, and when nearly every ping has a first return that may
-/// calibrate on both sides, all of them in one proportion to the depth ([`Agreement`]). With a quarter of the weight the same
+/// calibrate on both sides, all of them in one proportion to the depth ([`DepthAgreement`]). With a quarter of the weight the same
 /// is asked of three times its length: many stretches tie where the recorder rounds depths to 0.1 m, and the middle of a
 /// plain is the safest.
 ///
@@ -33,7 +33,7 @@ pub(crate) fn flat_spots(
 ) -> Result<Vec<FlatSpot>, Cancelled> {
     let profile = Profile::new(survey, navigation);
     let picks = usable_picks(survey, returns);
-    let agreement = Agreement::new(&picks, profile.len());
+    let agreement = DepthAgreement::new(&picks, profile.len());
     let starts: Vec<usize> = (0..profile.len()).step_by(MIN_PINGS / 4).collect();
     progress.start(starts.len() as u64);
     let length_m = LENGTH_M.min(profile.length_m() / 6.0);

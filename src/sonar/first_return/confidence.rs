@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 /// A place that a method found, and what the method itself says for it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Found {
+pub(super) struct MethodPick {
     /// Samples outward from the middle; NaN where nothing was found.
     pub sample: f32,
     /// The tracker: mean score of the line around the ping, and how much less the best line would gather that passes nearer,
@@ -22,9 +22,9 @@ pub(super) struct Found {
     pub signs: [f32; 3],
 }
 
-impl Found {
+impl MethodPick {
     /// Nothing found.
-    pub(super) const NONE: Found = Found {
+    pub(super) const NONE: MethodPick = MethodPick {
         sample: f32::NAN,
         signs: [0.0; 3],
     };
@@ -75,7 +75,7 @@ pub(super) struct Gathering<'a> {
     /// The ping of the first pick.
     pub first: usize,
     /// Port and starboard.
-    pub found: &'a [Vec<Found>; 2],
+    pub found: &'a [Vec<MethodPick>; 2],
     /// A depth a ping, NaN where there is none to believe.
     pub depths_m: &'a [f32],
     /// A pick nearer than the depth by more than this lies above the bottom, metres.

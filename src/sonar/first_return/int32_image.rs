@@ -4,7 +4,7 @@
 //! that order. Seen outward from the middle, the most significant byte of word `k` is therefore sample `4 k + 3` on
 //! starboard and sample `4 k` on port. A word is negative when that byte is 128 or more.
 
-use crate::survey::{Order, Samples, Side};
+use crate::survey::{SampleOrder, Samples, Side};
 
 /// Samples in a word.
 pub(super) const WORD: usize = 4;
@@ -27,10 +27,10 @@ fn word(samples: &Samples, side: Side, index: usize) -> i32 {
 }
 
 /// The stored bytes that lie more than `dead` samples outward, in stored order.
-pub(super) fn beyond(stored: &[u8], order: Order, dead: usize) -> &[u8] {
+pub(super) fn beyond(stored: &[u8], order: SampleOrder, dead: usize) -> &[u8] {
     let dead = dead.min(stored.len());
     match order {
-        Order::NearToFar => &stored[dead..],
-        Order::FarToNear => &stored[..stored.len() - dead],
+        SampleOrder::NearToFar => &stored[dead..],
+        SampleOrder::FarToNear => &stored[..stored.len() - dead],
     }
 }

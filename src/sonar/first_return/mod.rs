@@ -27,7 +27,7 @@ pub(crate) use threshold::ThresholdIndex;
 
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::{Exclusions, Side, Survey};
-use confidence::Found;
+use confidence::MethodPick;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -280,7 +280,7 @@ pub(crate) fn evidence(
 
 /// What a method found, with a depth a ping, NaN where there is none to believe.
 struct Settled {
-    found: [Vec<Found>; 2],
+    found: [Vec<MethodPick>; 2],
     depths_m: Vec<f32>,
 }
 

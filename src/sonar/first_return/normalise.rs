@@ -44,12 +44,12 @@ impl Normalisation {
                 progress.check()?;
                 let range = block * BLOCK..pings.min((block + 1) * BLOCK);
                 progress.advance(range.len() as u64);
-                Ok(range.fold(Extremes::NONE, |all, ping| {
+                Ok(range.fold(ValueExtremes::NONE, |all, ping| {
                     all.and(ping_extremes(survey, ping, image.samples, dead_zone_m))
                 }))
             })
-            .try_reduce(|| Extremes::NONE, |a, b| Ok(a.and(b)))?;
-        let Extremes { lowest, highest } = extremes;
+            .try_reduce(|| ValueExtremes::NONE, |a, b| Ok(a.and(b)))?;
+        let ValueExtremes { lowest, highest } = extremes;
         // A picture without a single value is black.
         let (lowest, highest) = if lowest > highest {
             (0, 0)
@@ -141,12 +141,12 @@ pub(super) fn dead_samples(span: &SideSpan, dead_zone_m: f64) -> usize {
 }
 
 #[derive(Clone, Copy)]
-struct Extremes {
+struct ValueExtremes {
     lowest: i32,
     highest: i32,
 }
 
-impl Extremes {
+impl ValueExtremes {
     const NONE: Self = Self {
         lowest: i32::MAX,
         highest: i32::MIN,
@@ -167,10 +167,15 @@ impl Extremes {
     }
 }
 
-fn ping_extremes(survey: &Survey, ping: usize, mode: SampleMode, dead_zone_m: f64) -> Extremes {
+fn ping_extremes(
+    survey: &Survey,
+    ping: usize,
+    mode: SampleMode,
+    dead_zone_m: f64,
+) -> ValueExtremes {
     Side::BOTH
         .into_iter()
-        .fold(Extremes::NONE, |extremes, side| {
+        .fold(ValueExtremes::NONE, |extremes, side| {
             let (Some(samples), Some(span)) = (survey.samples(ping, side), survey.span(ping, side))
             else {
                 return extremes;
@@ -186,20 +191,20 @@ fn ping_extremes(survey: &Survey, ping: usize, mode: SampleMode, dead_zone_m: f6
                         .fold(masked, |all, at| all.with(i32::from(samples.get(at)))),
                 },
                 SampleMode::Words => {
-                    int32_image::outward(samples, side, dead).fold(masked, Extremes::with)
+                    int32_image::outward(samples, side, dead).fold(masked, ValueExtremes::with)
                 }
             }
         })
 }
 
-fn byte_extremes(bytes: &[u8]) -> Extremes {
+fn byte_extremes(bytes: &[u8]) -> ValueExtremes {
     if bytes.is_empty() {
-        return Extremes::NONE;
+        return ValueExtremes::NONE;
     }
     let (lowest, highest) = bytes.iter().fold((u8::MAX, u8::MIN), |(low, high), &byte| {
         (low.min(byte), high.max(byte))
     });
-    Extremes {
+    ValueExtremes {
         lowest: i32::from(lowest),
         highest: i32::from(highest),
     }

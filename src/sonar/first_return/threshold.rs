@@ -3,7 +3,7 @@
 //! The first sample that reaches a level is always one that exceeds all samples before it. Those running maxima are few
 //! (six to ten of 1400 samples), so they are kept once per side of a ping, and any level is a search among them.
 
-use super::confidence::{Found, Gathering};
+use super::confidence::{Gathering, MethodPick};
 use super::normalise::{BLOCK, dead_samples};
 use super::{FirstReturns, ImageSettings, Method, Normalisation, SampleMode, Settled, int32_image};
 use crate::support::progress::{Cancelled, Progress};
@@ -79,7 +79,7 @@ impl ThresholdIndex {
 
     /// The first sample of every side of every ping, outward, whose normalised intensity reaches `level`.
     pub(super) fn found(&self, level: f32) -> Settled {
-        let levels = Levels::new(&self.normalisation, level);
+        let levels = ThresholdLevels::new(&self.normalisation, level);
         let side = |side: usize| {
             let pings = (0..self.depths_m.len()).into_par_iter();
             let found = pings.with_min_len(BLOCK).map(|ping| {
@@ -125,13 +125,13 @@ impl ThresholdIndex {
 }
 
 /// A threshold as a value of the picture, with a tenth less and more, for the confidence.
-struct Levels {
+struct ThresholdLevels {
     level: i64,
     below: i64,
     above: i64,
 }
 
-impl Levels {
+impl ThresholdLevels {
     fn new(normalisation: &Normalisation, level: f32) -> Self {
         Self {
             level: normalisation.raw_level(level),
@@ -140,11 +140,11 @@ impl Levels {
         }
     }
 
-    fn find<V: Copy + Into<i64>>(&self, (at, values): (&[u16], &[V])) -> Found {
+    fn find<V: Copy + Into<i64>>(&self, (at, values): (&[u16], &[V])) -> MethodPick {
         let first = |level: i64| values.partition_point(|&value| value.into() < level);
         let step = first(self.level);
         let Some(&sample) = at.get(step) else {
-            return Found::NONE;
+            return MethodPick::NONE;
         };
         let sample = f32::from(sample);
         let near = f32::from(at[first(self.below).min(step)]);
@@ -153,7 +153,7 @@ impl Levels {
             .get(first(self.above))
             .map_or(2.0 * sample, |&at| f32::from(at));
         let share = |samples: f32| (samples / sample.max(1.0)).min(1.0);
-        Found {
+        MethodPick {
             sample,
             signs: [share(sample - near), share(far - sample), 0.0],
         }

@@ -51,7 +51,7 @@ impl Axis {
 
 /// A curve.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Curve {
+pub(crate) struct PlotCurve {
     /// What it is, for the key.
     pub name: String,
     /// Across and up; points that are not numbers are left out.
@@ -68,14 +68,14 @@ pub(crate) struct Plot {
     /// What grows upwards.
     pub up: Axis,
     /// The curves; the first is drawn strongest. A single one needs no key.
-    pub curves: Vec<Curve>,
+    pub curves: Vec<PlotCurve>,
     /// A place of interest, with its name.
     pub mark: Option<([f64; 2], String)>,
     /// An upright line, with its name.
     pub limit: Option<(f64, String)>,
 }
 
-type Written = Result<(), std::fmt::Error>;
+type WriteResult = Result<(), std::fmt::Error>;
 
 impl Plot {
     /// The plot as an `svg` element whose curves lie in an area of so many pixels.
@@ -112,7 +112,7 @@ impl Drawing<'_> {
         ABOVE + (1.0 - self.plot.up.share(value)) * self.area[1]
     }
 
-    fn axes(&self, out: &mut String) -> Written {
+    fn axes(&self, out: &mut String) -> WriteResult {
         let (right, bottom) = (LEFT + self.area[0], ABOVE + self.area[1]);
         for (value, label) in &self.plot.across.ticks {
             let at = self.x(*value);
@@ -143,7 +143,7 @@ impl Drawing<'_> {
     }
 
     /// The curve, and its line in the key.
-    fn curve(&self, curve: &Curve, index: usize, out: &mut String) -> Written {
+    fn curve(&self, curve: &PlotCurve, index: usize, out: &mut String) -> WriteResult {
         let colour = COLOURS[index % COLOURS.len()];
         let width = if index == 0 { 2.5 } else { 1.25 };
         let dash = match index / COLOURS.len() {
@@ -172,7 +172,7 @@ impl Drawing<'_> {
         )
     }
 
-    fn marks(&self, out: &mut String) -> Written {
+    fn marks(&self, out: &mut String) -> WriteResult {
         if let Some(([across, up], name)) = &self.plot.mark
             && across.is_finite()
             && up.is_finite()
@@ -224,7 +224,7 @@ impl Drawing<'_> {
 mod tests {
     use super::*;
 
-    fn plot(up: [f64; 2], curves: Vec<Curve>) -> Plot {
+    fn plot(up: [f64; 2], curves: Vec<PlotCurve>) -> Plot {
         Plot {
             title: "a plot".to_owned(),
             across: Axis::new("recall", [0.0, 1.0]),
@@ -235,8 +235,8 @@ mod tests {
         }
     }
 
-    fn curve(name: &str, points: &[[f64; 2]]) -> Curve {
-        Curve {
+    fn curve(name: &str, points: &[[f64; 2]]) -> PlotCurve {
+        PlotCurve {
             name: name.to_owned(),
             points: points.to_vec(),
         }

@@ -9,12 +9,12 @@ const MOST_AREAS: usize = 24;
 
 /// An area of whole pixels; its ends are excluded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Area {
+pub(super) struct PixelArea {
     pub min: [i32; 2],
     pub max: [i32; 2],
 }
 
-impl Area {
+impl PixelArea {
     /// The pixels that a rectangle touches.
     fn around(rect: Rect, pixels_per_point: f32) -> Self {
         let low = |at: f32| (at * pixels_per_point).floor() as i32;
@@ -56,7 +56,7 @@ impl Area {
 }
 
 /// Pixels that a shape can cover, soft edges included; `None` where it covers none.
-pub(super) fn covered(shape: &ClippedShape, pixels_per_point: f32) -> Option<Area> {
+pub(super) fn covered(shape: &ClippedShape, pixels_per_point: f32) -> Option<PixelArea> {
     let sharp_corners = match &shape.shape {
         Shape::Path(path) => path.stroke.width,
         _ => 0.0,
@@ -66,7 +66,7 @@ pub(super) fn covered(shape: &ClippedShape, pixels_per_point: f32) -> Option<Are
     let rect = reach.intersect(shape.clip_rect);
     bounds
         .is_finite()
-        .then(|| Area::around(rect, pixels_per_point))
+        .then(|| PixelArea::around(rect, pixels_per_point))
         .filter(|area| area.min[0] < area.max[0] && area.min[1] < area.max[1])
 }
 
@@ -76,7 +76,7 @@ pub(super) fn changed(
     now: &[ClippedShape],
     textures: &HashSet<TextureId>,
     pixels_per_point: f32,
-) -> Vec<Area> {
+) -> Vec<PixelArea> {
     let mut areas = Areas::default();
     let mut add = |shape: &ClippedShape| areas.add(covered(shape, pixels_per_point));
     let [runs_before, runs_now] = [before, now].map(runs);
@@ -152,11 +152,11 @@ fn reads(shape: &Shape, textures: &HashSet<TextureId>) -> bool {
 /// Areas none of which lies over another.
 #[derive(Default)]
 struct Areas {
-    apart: Vec<Area>,
+    apart: Vec<PixelArea>,
 }
 
 impl Areas {
-    fn add(&mut self, area: Option<Area>) {
+    fn add(&mut self, area: Option<PixelArea>) {
         let Some(mut area) = area else {
             return;
         };
@@ -258,12 +258,12 @@ mod tests {
             corners in vec((0..1200, 0..700, 1..90, 1..90), 1..400),
         ) {
             let mut areas = Areas::default();
-            let all: Vec<Area> = (corners.into_iter())
-                .map(|(x, y, width, height)| Area { min: [x, y], max: [x + width, y + height] })
+            let all: Vec<PixelArea> = (corners.into_iter())
+                .map(|(x, y, width, height)| PixelArea { min: [x, y], max: [x + width, y + height] })
                 .collect();
             all.iter().for_each(|area| areas.add(Some(*area)));
             prop_assert!(areas.apart.len() <= MOST_AREAS);
-            let is_held = |area: &Area| areas.apart.iter().any(|one| one.union(area) == *one);
+            let is_held = |area: &PixelArea| areas.apart.iter().any(|one| one.union(area) == *one);
             prop_assert!(all.iter().all(is_held));
             for (index, area) in areas.apart.iter().enumerate() {
                 prop_assert!(!areas.apart[..index].iter().any(|one| one.overlaps(area)));

@@ -7,7 +7,7 @@
 
 mod changes;
 
-use super::flat::{self, Picture};
+use super::flat::{self, FlatPicture};
 use super::into_texture;
 use super::render::extent;
 use changes::{changed, covered};
@@ -25,14 +25,14 @@ pub(super) struct IncrementalPainter {
 /// The last frame.
 struct Kept {
     texture: wgpu::Texture,
-    picture: Picture,
-    ground: Ground,
+    picture: FlatPicture,
+    ground: FrameTarget,
     shapes: Vec<ClippedShape>,
 }
 
 /// What a frame is drawn on. Another one needs a new picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Ground {
+struct FrameTarget {
     size: [u32; 2],
     pixels_per_point: f32,
     colour: Color32,
@@ -45,7 +45,7 @@ impl IncrementalPainter {
     }
 
     /// Draws what differs from the last frame into the kept picture.
-    fn draw(&mut self, ctx: &egui::Context, ground: Ground, output: &mut FullOutput) {
+    fn draw(&mut self, ctx: &egui::Context, ground: FrameTarget, output: &mut FullOutput) {
         let textures: HashSet<TextureId> = replaced(output);
         into_texture::upload(&self.gpu, &mut output.textures_delta);
         // Glyphs have moved within it.
@@ -80,7 +80,7 @@ impl egui::Plugin for IncrementalPainter {
     fn output_hook(&mut self, ctx: &egui::Context, output: &mut FullOutput) {
         let pixels_per_point = output.pixels_per_point;
         let size = ctx.viewport_rect().size() * pixels_per_point;
-        let ground = Ground {
+        let ground = FrameTarget {
             size: [size.x.round() as u32, size.y.round() as u32],
             pixels_per_point,
             colour: ctx.global_style().visuals.panel_fill,
@@ -92,7 +92,7 @@ impl egui::Plugin for IncrementalPainter {
     }
 }
 
-impl Ground {
+impl FrameTarget {
     /// The whole window, points.
     fn rect(&self) -> Rect {
         let size = self.size.map(|side| side as f32 / self.pixels_per_point);
@@ -101,7 +101,7 @@ impl Ground {
 }
 
 impl Kept {
-    fn new(gpu: &RenderState, ground: Ground) -> Self {
+    fn new(gpu: &RenderState, ground: FrameTarget) -> Self {
         let as_stored = gpu.target_format.remove_srgb_suffix();
         let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: Some("window"),
@@ -118,7 +118,7 @@ impl Kept {
             format: Some(as_stored),
             ..Default::default()
         });
-        let picture = Picture::new(gpu, &stored);
+        let picture = FlatPicture::new(gpu, &stored);
         Self {
             texture,
             picture,
@@ -135,7 +135,7 @@ impl Kept {
         now: &[ClippedShape],
         textures: &HashSet<TextureId>,
     ) -> Vec<ClippedShape> {
-        let Ground {
+        let FrameTarget {
             pixels_per_point,
             colour,
             ..

@@ -11,14 +11,14 @@ const RIGHT: f32 = 20.0;
 const ABOVE: f32 = 6.0;
 
 /// Two axes on the screen.
-pub(crate) struct Axes {
+pub(crate) struct PlotAxes {
     /// Where the curves lie.
     pub area: Rect,
     across: Axis,
     up: Axis,
 }
 
-impl Axes {
+impl PlotAxes {
     /// With room on the left for numbers and name: a number that is cut loses its sign first.
     pub(crate) fn new(painter: &Painter, rect: Rect, across: Axis, up: Axis) -> Self {
         let width = |(_, label): &(f64, String)| {

@@ -2,7 +2,7 @@
 
 use super::parts::{remark, setting, warning};
 use super::section::{Section, section};
-use crate::app::{Action, Command, ExclusionEdit, FoundExclusions, Mark, OpenLog, Tool};
+use crate::app::{Action, Command, ExclusionEdit, FoundExclusions, LogPlace, OpenLog, Tool};
 use crate::pipeline::Stage;
 use crate::pipeline::settings::rows;
 use crate::survey::{ExcludedStretch, ExclusionReason, LogPart, Stretch, Survey};
@@ -157,7 +157,7 @@ fn row(
                     && let LogPart::Pings([first, last]) = part
                 {
                     let middle = usize::midpoint(first, last);
-                    context.push(Command::Reveal(Mark::ping(middle)));
+                    context.push(Command::Reveal(LogPlace::ping(middle)));
                 }
                 label
             });
@@ -168,7 +168,7 @@ fn row(
     row.inner
 }
 
-fn holds(part: LogPart, mark: Mark) -> bool {
+fn holds(part: LogPart, mark: LogPlace) -> bool {
     matches!(part, LogPart::Pings([first, last]) if (first..=last).contains(&mark.ping))
 }
 

@@ -1,32 +1,32 @@
 //! Where the window has the control of a setting, and going there: the palette finds settings by their names.
 
-use crate::pipeline::settings::{Row, rows};
+use crate::pipeline::settings::{SettingRow, rows};
 use crate::ui::{ViewContext, theme};
 use egui::{Context, Id, Response, Stroke, StrokeKind, Ui};
 
 /// Where the controls of some settings are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Place {
+pub(crate) enum ControlPlace {
     /// In a section of the panel of steps.
     Section(&'static str),
     /// In the list Levels of the waterfall.
     Levels,
 }
 
-impl Place {
+impl ControlPlace {
     /// Before the name of a setting in the palette.
     pub(crate) fn name(self) -> &'static str {
         match self {
-            Place::Section(title) => title,
-            Place::Levels => "Waterfall levels",
+            ControlPlace::Section(title) => title,
+            ControlPlace::Levels => "Waterfall levels",
         }
     }
 }
 
 /// All settings that have a control in the window, by the place where it is.
-pub(crate) static CONTROLS: &[(Place, &[&Row])] = &[
+pub(crate) static CONTROLS: &[(ControlPlace, &[&SettingRow])] = &[
     (
-        Place::Section("First return"),
+        ControlPlace::Section("First return"),
         &[
             &rows::METHOD,
             &rows::SAMPLES,
@@ -38,11 +38,11 @@ pub(crate) static CONTROLS: &[(Place, &[&Row])] = &[
         ],
     ),
     (
-        Place::Section("Calibration"),
+        ControlPlace::Section("Calibration"),
         &[&rows::SCALE, &rows::PPD_REACH, &rows::OFFSET],
     ),
     (
-        Place::Section("Cloud"),
+        ControlPlace::Section("Cloud"),
         &[
             &rows::GEOMETRY,
             &rows::ALPHA2,
@@ -52,11 +52,11 @@ pub(crate) static CONTROLS: &[(Place, &[&Row])] = &[
         ],
     ),
     (
-        Place::Section("Outliers"),
+        ControlPlace::Section("Outliers"),
         &[&rows::RADIUS, &rows::MIN_NEIGHBOURS],
     ),
     (
-        Place::Section("Depth map"),
+        ControlPlace::Section("Depth map"),
         &[
             &rows::SURFACE_METHOD,
             &rows::SWATH,
@@ -66,7 +66,7 @@ pub(crate) static CONTROLS: &[(Place, &[&Row])] = &[
         ],
     ),
     (
-        Place::Section("Isobaths"),
+        ControlPlace::Section("Isobaths"),
         &[
             &rows::INTERVAL,
             &rows::ISOBATH_UNIT,
@@ -77,7 +77,7 @@ pub(crate) static CONTROLS: &[(Place, &[&Row])] = &[
         ],
     ),
     (
-        Place::Section("Mosaic"),
+        ControlPlace::Section("Mosaic"),
         &[
             &rows::RELIEF,
             &rows::OVERLAP,
@@ -90,11 +90,11 @@ pub(crate) static CONTROLS: &[(Place, &[&Row])] = &[
         ],
     ),
     (
-        Place::Section("Products"),
+        ControlPlace::Section("Products"),
         &[&rows::CRS, &rows::POINTS_LAS, &rows::REPORT_PROPOSALS],
     ),
     (
-        Place::Section("Depth correction"),
+        ControlPlace::Section("Depth correction"),
         &[
             &rows::DRAFT,
             &rows::WATER_LEVEL,
@@ -105,7 +105,7 @@ pub(crate) static CONTROLS: &[(Place, &[&Row])] = &[
         ],
     ),
     (
-        Place::Section("Position"),
+        ControlPlace::Section("Position"),
         &[
             &rows::TRACK_FILE,
             &rows::TRACK_OFFSET,
@@ -114,7 +114,7 @@ pub(crate) static CONTROLS: &[(Place, &[&Row])] = &[
         ],
     ),
     (
-        Place::Section("Mounting"),
+        ControlPlace::Section("Mounting"),
         &[
             &rows::SWAP_SIDES,
             &rows::ANTENNA_FORWARD,
@@ -126,11 +126,11 @@ pub(crate) static CONTROLS: &[(Place, &[&Row])] = &[
         ],
     ),
     (
-        Place::Section("Excluded"),
+        ControlPlace::Section("Excluded"),
         &[&rows::MAX_TURN, &rows::MIN_SPEED, &rows::MIN_DURATION],
     ),
     (
-        Place::Levels,
+        ControlPlace::Levels,
         &[
             &rows::PICTURE_GAIN,
             &rows::PICTURE_SPREADING,
@@ -148,14 +148,14 @@ pub(crate) static CONTROLS: &[(Place, &[&Row])] = &[
 ];
 
 /// The settings that have their controls in a place.
-pub(crate) fn rows_in(place: Place) -> impl Iterator<Item = &'static Row> {
+pub(crate) fn rows_in(place: ControlPlace) -> impl Iterator<Item = &'static SettingRow> {
     let here = CONTROLS.iter().filter(move |(other, _)| *other == place);
     here.flat_map(|(_, rows)| rows.iter().copied())
 }
 
 /// Where the control of a setting is.
-pub(crate) fn place_of(key: &str) -> Option<Place> {
-    let holds = |(_, rows): &&(Place, &[&Row])| rows.iter().any(|row| row.key == key);
+pub(crate) fn place_of(key: &str) -> Option<ControlPlace> {
+    let holds = |(_, rows): &&(ControlPlace, &[&SettingRow])| rows.iter().any(|row| row.key == key);
     CONTROLS.iter().find(holds).map(|(place, _)| *place)
 }
 

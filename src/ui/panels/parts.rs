@@ -1,8 +1,10 @@
 //! The few parts that all panels are made of: rows, facts, and controls that change a setting.
 
-use super::find_setting::{self, Place};
+use super::find_setting::{self, ControlPlace};
 use crate::app::{Action, App, LogId, OpenLog};
-use crate::pipeline::settings::{Choice, Control, Kind, Number, Row, ShownNumber};
+use crate::pipeline::settings::{
+    Control, Number, SettingChoice, SettingKind, SettingRow, ShownNumber,
+};
 use crate::ui::drop_down::DropDown;
 use crate::ui::list_keys::ListKeys;
 use crate::ui::{ViewContext, theme};
@@ -96,7 +98,7 @@ pub(crate) fn fact(ui: &mut Ui, name: &str, hint: &str, value: impl Into<WidgetT
 pub(crate) fn file(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,
-    setting: &Row,
+    setting: &SettingRow,
     path: Option<&std::path::Path>,
     [open, remove]: [Action; 2],
 ) {
@@ -229,15 +231,15 @@ pub(crate) fn within(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
 }
 
 /// The control of a setting, as its row of the table has it; a whole drag is one undo step.
-pub(crate) fn setting(ui: &mut Ui, context: &mut ViewContext<'_>, row: &'static Row) {
+pub(crate) fn setting(ui: &mut Ui, context: &mut ViewContext<'_>, row: &'static SettingRow) {
     // A figure above that comes or goes with the results must not end a drag.
     let own = egui::UiBuilder::new().scope_id(egui::Id::unique(("setting", row.key)));
     ui.scope_builder(own, |ui| {
         let control = match &row.kind {
-            Kind::Number(setting) => number(ui, context, row, setting),
-            Kind::Choice(setting) => choice(ui, context, row, setting),
+            SettingKind::Number(setting) => number(ui, context, row, setting),
+            SettingKind::Choice(setting) => choice(ui, context, row, setting),
             // Files have [`file`]; what else is not a number or a name is chosen in a view.
-            Kind::Numbers { .. } | Kind::Text(_) => return,
+            SettingKind::Numbers { .. } | SettingKind::Text(_) => return,
         };
         find_setting::answer(ui, context, row.key, &control);
     });
@@ -245,8 +247,8 @@ pub(crate) fn setting(ui: &mut Ui, context: &mut ViewContext<'_>, row: &'static 
 
 /// The controls of all settings that are numbers or names in the section with this title.
 pub(crate) fn settings_of(ui: &mut Ui, context: &mut ViewContext<'_>, title: &'static str) {
-    for row in find_setting::rows_in(Place::Section(title)) {
-        if matches!(row.kind, Kind::Number(_) | Kind::Choice(_)) {
+    for row in find_setting::rows_in(ControlPlace::Section(title)) {
+        if matches!(row.kind, SettingKind::Number(_) | SettingKind::Choice(_)) {
             setting(ui, context, row);
         }
     }
@@ -255,7 +257,7 @@ pub(crate) fn settings_of(ui: &mut Ui, context: &mut ViewContext<'_>, title: &'s
 fn number(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,
-    setting: &'static Row,
+    setting: &'static SettingRow,
     number: &'static Number,
 ) -> Response {
     let units = context.units();
@@ -328,8 +330,8 @@ fn number(
 fn choice(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,
-    setting: &'static Row,
-    choice: &'static Choice,
+    setting: &'static SettingRow,
+    choice: &'static SettingChoice,
 ) -> Response {
     let current = (choice.get)(&context.app.log.settings);
     let shown = choice.names.iter().find(|name| name.value == current);

@@ -2,7 +2,7 @@
 
 use super::parts::{fact, remark};
 use super::section::{Section, section};
-use crate::app::{Command, Mark};
+use crate::app::{Command, LogPlace};
 use crate::bottom::cloud::{PointClass, PointSource};
 use crate::survey::{Side, arm_in_words};
 use crate::ui::{ViewContext, place, text, theme};
@@ -24,7 +24,7 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     );
 }
 
-fn selected(ui: &mut Ui, context: &mut ViewContext<'_>, mark: Mark) {
+fn selected(ui: &mut Ui, context: &mut ViewContext<'_>, mark: LogPlace) {
     let units = context.units();
     let Some(survey) = context.app.log.survey.clone() else {
         return;
@@ -75,10 +75,10 @@ fn first_return(ui: &mut Ui, context: &ViewContext<'_>, ping: usize, side: Side)
     let value = match pick {
         None => "no return".to_owned(),
         Some(pick) => {
-            let mark = Mark {
+            let mark = LogPlace {
                 side: Some(side),
                 sample: Some(pick.sample),
-                ..Mark::ping(ping)
+                ..LogPlace::ping(ping)
             };
             let range = place::range_m(context.app, mark).unwrap_or(f64::NAN);
             let above_bottom = if pick.above_bottom {
@@ -133,7 +133,7 @@ fn mounting(ui: &mut Ui, context: &ViewContext<'_>, ping: usize) {
     }
 }
 
-fn point(ui: &mut Ui, context: &ViewContext<'_>, mark: Mark) {
+fn point(ui: &mut Ui, context: &ViewContext<'_>, mark: LogPlace) {
     let Some(products) = &context.app.log.products else {
         return;
     };

@@ -1,10 +1,10 @@
-//! Draws the bottom into a [`Target`]'s pass: tiles of a grid, each as finely as the screen shows it.
+//! Draws the bottom into a [`RenderTarget`]'s pass: tiles of a grid, each as finely as the screen shows it.
 
 use super::camera::corners;
-use super::part::Part;
+use super::part::ScenePart;
 use super::pipeline::PipelineParts;
-use super::target::{OffscreenPipeline, Target, Uniform};
-use super::{Projection, Uploader};
+use super::target::{OffscreenPipeline, RenderTarget, Uniform};
+use super::{CameraProjection, Uploader};
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec2, Vec3, Vec4};
 use std::ops::Range;
@@ -209,7 +209,7 @@ impl BottomBuffers {
 }
 
 /// How far in front of the camera the nearest corner of a box lies, 0 where the camera is within; `None` where none of it is in the picture.
-fn nearest(projection: &Projection, [low, high]: [Vec3; 2]) -> Option<f32> {
+fn nearest(projection: &CameraProjection, [low, high]: [Vec3; 2]) -> Option<f32> {
     let clip = corners(low, high).map(|place| projection.clip_from_world * place.extend(1.0));
     let all = |is_out: fn(&Vec4) -> bool| clip.iter().all(is_out);
     let is_out = all(|c| c.x < -c.w)
@@ -224,7 +224,7 @@ fn nearest(projection: &Projection, [low, high]: [Vec3; 2]) -> Option<f32> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct BottomDraw {
     /// From world metres to the picture.
-    pub projection: Projection,
+    pub projection: CameraProjection,
     /// Towards the light, of length 1: east, north, up.
     pub light: Vec3,
     /// Factor on elevations that the projection holds.
@@ -236,7 +236,7 @@ pub(crate) struct BottomDraw {
     /// Brightness of a bottom that is turned away from the light, where that of level ground is 1.
     pub darkest: f32,
     /// The part that is drawn.
-    pub part: Part,
+    pub part: ScenePart,
 }
 
 impl BottomDraw {
@@ -306,7 +306,7 @@ impl BottomRenderer {
     pub(crate) fn draw(
         &self,
         queue: &wgpu::Queue,
-        target: &Target,
+        target: &RenderTarget,
         pass: &mut wgpu::RenderPass<'_>,
         bottom: &BottomBuffers,
         draw: &BottomDraw,
@@ -414,7 +414,7 @@ mod tests {
                 isobaths_m: None,
                 line_px: 1.0,
                 darkest: 0.25,
-                part: Part::WHOLE,
+                part: ScenePart::WHOLE,
             };
             // Along the picture's own right, a metre is a metre of the world whatever the exaggeration.
             let (sin, cos) = camera.azimuth_rad.sin_cos();

@@ -132,7 +132,7 @@ impl OrbitCamera {
     }
 
     /// The projection for a picture of this width over height.
-    pub(crate) fn projection(&self, aspect: f32) -> Projection {
+    pub(crate) fn projection(&self, aspect: f32) -> CameraProjection {
         let [right, up, back] = self.axes();
         let view_from_world = Mat4::from_mat3(Mat3::from_cols(right, up, back).transpose());
         let clip_from_view =
@@ -142,7 +142,7 @@ impl OrbitCamera {
             * view_from_world
             * Mat4::from_scale(Vec3::new(1.0, 1.0, self.exaggeration))
             * Mat4::from_translation(-self.target);
-        Projection {
+        CameraProjection {
             clip_from_world,
             eye: self.target + self.shrink(back * self.distance_m),
         }
@@ -186,14 +186,14 @@ pub(super) fn corners(low: Vec3, high: Vec3) -> [Vec3; 8] {
 
 /// From the world to the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Projection {
+pub(crate) struct CameraProjection {
     /// Clip space from world metres.
     pub clip_from_world: Mat4,
     /// Where the camera is, in world metres.
     pub eye: Vec3,
 }
 
-impl Projection {
+impl CameraProjection {
     /// A place in normalised device coordinates (x right, y up, -1 to 1) and its nearness (reverse-Z: larger is nearer);
     /// `None` behind the camera.
     pub(crate) fn project(&self, place: Vec3) -> Option<Vec3> {

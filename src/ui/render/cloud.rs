@@ -1,9 +1,9 @@
-//! Draws points in a pass of a [`Target`].
+//! Draws points in a pass of a [`RenderTarget`].
 
 use super::Uploader;
-use super::part::Part;
+use super::part::ScenePart;
 use super::pipeline::PipelineParts;
-use super::target::{OffscreenPipeline, Target, Uniform};
+use super::target::{OffscreenPipeline, RenderTarget, Uniform};
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec4};
 
@@ -69,7 +69,7 @@ pub(crate) struct CloudDraw {
     /// By this share of their distance the points count as nearer than they are: beside a bottom that runs through them they are seen.
     pub nearer: f32,
     /// The part that is drawn.
-    pub part: Part,
+    pub part: ScenePart,
 }
 
 /// The pipeline for points, with the uniforms of one view.
@@ -105,7 +105,7 @@ impl CloudRenderer {
     pub(crate) fn draw(
         &self,
         queue: &wgpu::Queue,
-        target: &Target,
+        target: &RenderTarget,
         pass: &mut wgpu::RenderPass<'_>,
         points: &CloudBuffers,
         draw: &CloudDraw,

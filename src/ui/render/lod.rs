@@ -22,7 +22,7 @@ impl Vertex {
 }
 
 /// A box: low x, low y, high x, high y.
-pub(super) type Bounds = [f32; 4];
+pub(super) type LayerBounds = [f32; 4];
 
 /// Segments of a chunk.
 const CHUNK: usize = 512;
@@ -47,12 +47,12 @@ pub(crate) struct LineLevel {
     /// How many straight pieces join one vertex to the next, breaks included.
     pub segments: u32,
     /// The box of each chunk of segments, in order.
-    pub chunks: Vec<Bounds>,
+    pub chunks: Vec<LayerBounds>,
 }
 
 impl LineLevel {
     /// The runs of segments whose chunks touch the view; neighbours are joined.
-    pub(crate) fn visible(&self, view: Bounds) -> Vec<Range<u32>> {
+    pub(crate) fn visible(&self, view: LayerBounds) -> Vec<Range<u32>> {
         let mut runs: Vec<Range<u32>> = Vec::new();
         for (index, chunk) in self.chunks.iter().enumerate() {
             if !touches(*chunk, view) {
@@ -132,7 +132,7 @@ impl LinePyramid {
     pub(crate) fn choose(
         &self,
         metres_per_px: f32,
-        view: Bounds,
+        view: LayerBounds,
         most: u32,
     ) -> (usize, Vec<Range<u32>>) {
         let fine_enough = self
@@ -273,7 +273,7 @@ fn distance(a: &Vertex, b: &Vertex) -> f32 {
     (b.place[0] - a.place[0]).hypot(b.place[1] - a.place[1])
 }
 
-fn bounds(vertices: &[Vertex]) -> Bounds {
+fn bounds(vertices: &[Vertex]) -> LayerBounds {
     let places = vertices.iter().filter(|vertex| is_place(vertex));
     places.fold(
         [f32::MAX, f32::MAX, f32::MIN, f32::MIN],
@@ -281,7 +281,7 @@ fn bounds(vertices: &[Vertex]) -> Bounds {
     )
 }
 
-fn touches(a: Bounds, b: Bounds) -> bool {
+fn touches(a: LayerBounds, b: LayerBounds) -> bool {
     a[0] <= b[2] && b[0] <= a[2] && a[1] <= b[3] && b[1] <= a[3]
 }
 
@@ -289,7 +289,7 @@ fn touches(a: Bounds, b: Bounds) -> bool {
 mod tests {
     use super::*;
 
-    const ALL: Bounds = [-1e9, -1e9, 1e9, 1e9];
+    const ALL: LayerBounds = [-1e9, -1e9, 1e9, 1e9];
 
     /// A weaving boat on lines of 1000 vertices, 5 m apart.
     fn track(count: usize) -> Vec<Vertex> {

@@ -1,9 +1,9 @@
-//! Draws a track with levels of detail into a [`Target`].
+//! Draws a track with levels of detail into a [`RenderTarget`].
 
 use super::Uploader;
 use super::lod::Vertex;
 use super::pipeline::PipelineParts;
-use super::target::{OffscreenPipeline, Target, Uniform};
+use super::target::{OffscreenPipeline, RenderTarget, Uniform};
 use bytemuck::{Pod, Zeroable};
 use std::ops::Range;
 
@@ -93,7 +93,7 @@ impl LineRenderer {
         &mut self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        target: &Target,
+        target: &RenderTarget,
         lines: &[(&TrackBuffers, &LineDraw)],
     ) {
         while self.strokes.len() < 2 * lines.len() {

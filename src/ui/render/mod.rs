@@ -21,11 +21,11 @@ pub(crate) mod waterfall;
 pub(crate) use bottom::{
     BOTTOM_TILE, BottomBuffers, BottomDraw, BottomPart, BottomRenderer, BottomVertex, towards_light,
 };
-pub(crate) use camera::{Direction, OrbitCamera, Projection};
+pub(crate) use camera::{CameraProjection, Direction, OrbitCamera};
 pub(crate) use cloud::{CloudBuffers, CloudDraw, CloudRenderer, PointVertex};
 pub(crate) use flat::{FlatRenderer, Rgba};
 pub(crate) use lod::{LinePyramid, Specks, Vertex};
 pub(crate) use map::{LineDraw, LineRenderer, LineUniform, TrackBuffers};
-pub(crate) use part::{Cut, Part};
-pub(crate) use target::{Target, extent};
+pub(crate) use part::{Cut, ScenePart};
+pub(crate) use target::{RenderTarget, extent};
 pub(crate) use upload::Uploader;

@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3, Vec4};
 
 /// What lies in a box, and on one side of an upright plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Part {
+pub(crate) struct ScenePart {
     /// Corners of the box outside of which nothing is drawn, metres.
     pub corners: [Vec3; 2],
     /// The plane beyond which nothing is drawn.
@@ -20,14 +20,14 @@ pub(crate) struct Cut {
     pub at_m: f32,
 }
 
-impl Default for Part {
+impl Default for ScenePart {
     /// Everything.
     fn default() -> Self {
         Self::WHOLE
     }
 }
 
-impl Part {
+impl ScenePart {
     /// Everything.
     pub(crate) const WHOLE: Self = Self {
         corners: [Vec3::MIN, Vec3::MAX],
@@ -57,7 +57,7 @@ mod tests {
 
     #[test]
     fn a_part_ends_at_its_box_and_at_its_plane() {
-        let part = Part {
+        let part = ScenePart {
             corners: [Vec3::splat(-2.0), Vec3::splat(2.0)],
             cut: Some(Cut {
                 outward: Vec2::Y,
@@ -68,6 +68,6 @@ mod tests {
         assert!(holds(2.0, 1.0, -2.0));
         assert!(!holds(0.0, 1.1, 0.0), "beyond the plane");
         assert!(!holds(2.1, 0.0, 0.0), "beside the box");
-        assert!(Part::WHOLE.holds(Vec3::splat(1e9)));
+        assert!(ScenePart::WHOLE.holds(Vec3::splat(1e9)));
     }
 }

@@ -12,13 +12,13 @@ const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// A colour picture, transparent where nothing is drawn, and its depth buffer. The window's own render pass has no depth
 /// buffer that can be relied on, so 3D is drawn here and then shown as an image.
-pub(crate) struct Target {
+pub(crate) struct RenderTarget {
     size_px: [u32; 2],
     colour: wgpu::TextureView,
     depth: wgpu::TextureView,
 }
 
-impl Target {
+impl RenderTarget {
     /// A target of at least 1 x 1 and at most the device's largest texture.
     pub(crate) fn new(device: &wgpu::Device, size_px: [u32; 2]) -> Self {
         let size_px = Self::possible(device, size_px);
@@ -111,7 +111,7 @@ pub(crate) fn extent([width, height]: [u32; 2]) -> wgpu::Extent3d {
     }
 }
 
-/// A pipeline that draws into a [`Target`], with one uniform block at group 0, binding 0.
+/// A pipeline that draws into a [`RenderTarget`], with one uniform block at group 0, binding 0.
 pub(super) struct OffscreenPipeline {
     pub pipeline: wgpu::RenderPipeline,
     layout: wgpu::BindGroupLayout,

@@ -76,7 +76,7 @@ pub(crate) struct Quad {
 }
 
 /// Gain curves of both sides, each by range (48 bins) and by angle (45 bins).
-pub(crate) type Curves<'a> = [&'a [f32]; 4];
+pub(crate) type GainCurves<'a> = [&'a [f32]; 4];
 
 /// What tiles are brought to one level by, on the GPU. Clones share it.
 #[derive(Clone, Debug)]
@@ -156,7 +156,7 @@ impl WaterfallPicture {
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         pings: &[[f32; 4]],
-        curves: Curves<'_>,
+        curves: GainCurves<'_>,
     ) -> (Tables, bool) {
         let most = device.limits().max_texture_dimension_2d.min(8192);
         let width = PING_TEXELS.min(most);

@@ -5,8 +5,8 @@ use super::sides::SidePanel;
 use super::{Shell, ViewRequest};
 use crate::app::{Action, Command, Jobs, KeyFocus, Keys, LayoutPreset, View};
 use crate::pipeline::settings;
-use crate::ui::dialogs::Purpose;
-use crate::ui::panels::{self, find_setting, find_setting::Place};
+use crate::ui::dialogs::PathPurpose;
+use crate::ui::panels::{self, find_setting, find_setting::ControlPlace};
 use std::path::PathBuf;
 
 /// Said when there is nothing to save or write.
@@ -61,21 +61,21 @@ impl Shell {
     }
 
     /// What an action needs a path for, if that is all it does and something is open that the path belongs to.
-    fn path_for(&self, action: Action) -> Option<Purpose> {
+    fn path_for(&self, action: Action) -> Option<PathPurpose> {
         let has_survey = self.app.log.survey.is_some();
         let has_products = self.app.log.products.is_some();
         match action {
-            Action::Open => Some(Purpose::OpenLogs),
-            Action::AddLog => Some(Purpose::AddLogs),
-            Action::OpenFolder => Some(Purpose::OpenFolder),
-            Action::OpenReview => has_survey.then_some(Purpose::OpenReview),
-            Action::OpenTruth => has_survey.then_some(Purpose::OpenTruth),
-            Action::CompareWith => has_products.then_some(Purpose::OpenReference),
-            Action::ChooseModel => Some(Purpose::OpenModel),
-            Action::OpenBaseMap => Some(Purpose::OpenBaseMap),
-            Action::OpenIsobathArea => Some(Purpose::OpenIsobathArea),
-            Action::OpenWaterLevels => Some(Purpose::OpenWaterLevels),
-            Action::OpenTrack => Some(Purpose::OpenTrack),
+            Action::Open => Some(PathPurpose::OpenLogs),
+            Action::AddLog => Some(PathPurpose::AddLogs),
+            Action::OpenFolder => Some(PathPurpose::OpenFolder),
+            Action::OpenReview => has_survey.then_some(PathPurpose::OpenReview),
+            Action::OpenTruth => has_survey.then_some(PathPurpose::OpenTruth),
+            Action::CompareWith => has_products.then_some(PathPurpose::OpenReference),
+            Action::ChooseModel => Some(PathPurpose::OpenModel),
+            Action::OpenBaseMap => Some(PathPurpose::OpenBaseMap),
+            Action::OpenIsobathArea => Some(PathPurpose::OpenIsobathArea),
+            Action::OpenWaterLevels => Some(PathPurpose::OpenWaterLevels),
+            Action::OpenTrack => Some(PathPurpose::OpenTrack),
             _ => None,
         }
     }
@@ -207,7 +207,7 @@ impl Shell {
     }
 
     /// Asks where a file is to be written, which is proposed beside the log.
-    pub(super) fn ask_beside_log(&mut self, purpose: Purpose, ending: &str) {
+    pub(super) fn ask_beside_log(&mut self, purpose: PathPurpose, ending: &str) {
         let proposed = self.sidecar_path(ending);
         self.dialogs.name(purpose, proposed, self.app.jobs());
     }
@@ -237,11 +237,11 @@ impl Shell {
     /// Opens where the control of a setting is, and moves the keyboard to it.
     fn show_setting(&mut self, ctx: &egui::Context, key: &'static str) {
         match find_setting::place_of(key) {
-            Some(Place::Section(title)) => {
+            Some(ControlPlace::Section(title)) => {
                 self.show_panel(SidePanel::Steps, true, ctx);
                 panels::unfold_section(ctx, title);
             }
-            Some(Place::Levels) => self.layout.focus(View::Waterfall),
+            Some(ControlPlace::Levels) => self.layout.focus(View::Waterfall),
             None => return,
         }
         find_setting::seek(ctx, key);
@@ -261,7 +261,7 @@ impl Shell {
         find_setting::give_up(ctx);
         let name = settings::row(key).map_or(key, |row| row.name);
         let text = match find_setting::place_of(key) {
-            Some(Place::Section(title)) => {
+            Some(ControlPlace::Section(title)) => {
                 panels::focus_section(ctx, title);
                 ctx.request_repaint();
                 format!("{name} has no control now: other settings of {title} decide about it")
@@ -289,7 +289,7 @@ impl Shell {
         let known = self.app.project_path().map(std::path::Path::to_owned);
         let proposed = known.unwrap_or_else(|| self.sidecar_path("bathyscope"));
         self.dialogs
-            .name(Purpose::SaveProject, proposed, self.app.jobs());
+            .name(PathPurpose::SaveProject, proposed, self.app.jobs());
     }
 
     /// Writes the review where it is kept, or asks where that is to be; those of several logs without asking.
@@ -304,7 +304,7 @@ impl Shell {
             }
             (Some(path), None) if self.app.log.reviewing.has_boxes() => {
                 self.dialogs
-                    .name(Purpose::SaveReview, path, self.app.jobs());
+                    .name(PathPurpose::SaveReview, path, self.app.jobs());
             }
             _ => self.say(NO_BOXES),
         }
@@ -319,7 +319,7 @@ impl Shell {
 
     fn save_figure(&mut self) {
         if self.app.measured().is_some() {
-            self.ask_beside_log(Purpose::SaveFigure, "measured.geojson");
+            self.ask_beside_log(PathPurpose::SaveFigure, "measured.geojson");
         } else {
             self.say("nothing is measured yet; draw a line or an area on the map first");
         }
@@ -327,7 +327,7 @@ impl Shell {
 
     fn save_plan(&mut self) {
         if self.app.map.planning.lines.is_some() {
-            self.ask_beside_log(Purpose::SavePlan, "lines.gpx");
+            self.ask_beside_log(PathPurpose::SavePlan, "lines.gpx");
         } else {
             self.say("no lines are planned yet; use Plan lines first");
         }
@@ -335,7 +335,7 @@ impl Shell {
 
     fn save_profile(&mut self) {
         match self.app.profile_csv() {
-            Some(_) => self.ask_beside_log(Purpose::SaveProfile, "profile.csv"),
+            Some(_) => self.ask_beside_log(PathPurpose::SaveProfile, "profile.csv"),
             None => self.say(NO_PROFILE),
         }
     }
@@ -347,7 +347,8 @@ impl Shell {
         } else if is_writing {
             self.say(BUSY);
         } else {
-            self.dialogs.ask(Purpose::ExportBoxesInto, self.app.jobs());
+            self.dialogs
+                .ask(PathPurpose::ExportBoxesInto, self.app.jobs());
         }
     }
 }

@@ -5,7 +5,7 @@ use crate::products::outputs::{
     Amounts, MANIFEST, OUTPUT_FILES, Product, When, about_bytes, files_in_words,
 };
 use crate::support::presentation::text::bytes;
-use crate::ui::dialogs::Purpose;
+use crate::ui::dialogs::PathPurpose;
 use crate::ui::{ViewContext, theme};
 use egui::text::{CCursor, CCursorRange};
 use egui::{Id, Key, Modal, RichText, TextEdit, Ui};
@@ -73,7 +73,7 @@ impl ExportDialog {
         &mut self,
         ctx: &egui::Context,
         context: &mut ViewContext<'_>,
-    ) -> Option<Purpose> {
+    ) -> Option<PathPurpose> {
         let asked = self.open.as_mut()?;
         let modal = Modal::new(Id::unique("export")).show(ctx, |ui| {
             ui.set_width(WIDTH);
@@ -94,7 +94,7 @@ impl ExportDialog {
                 context.push(Command::Export(folder));
                 self.open = None;
             }
-            Pressed::Choose => return Some(Purpose::ExportInto),
+            Pressed::Choose => return Some(PathPurpose::ExportInto),
             Pressed::Cancel => self.open = None,
             Pressed::Nothing if closes => self.open = None,
             Pressed::Nothing => {}

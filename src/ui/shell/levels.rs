@@ -1,8 +1,8 @@
 //! Gain, filters and levels of the waterfall, with the histogram that black and white are dragged in.
 
 use crate::app::Action;
-use crate::imagery::picture::Histogram;
-use crate::pipeline::settings::{Kind, Row, rows};
+use crate::imagery::picture::LevelHistogram;
+use crate::pipeline::settings::{SettingKind, SettingRow, rows};
 use crate::ui::panels::{find_setting, parts};
 use crate::ui::{ViewContext, theme, toggle};
 use egui::{Color32, CursorIcon, Painter, Pos2, Rect, Response, Sense, Stroke, Ui, pos2, vec2};
@@ -44,8 +44,8 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 /// A setting of few names, side by side: a list of its own would close the panel with it.
-fn names(ui: &mut Ui, context: &mut ViewContext<'_>, setting: &'static Row) {
-    let Kind::Choice(choice) = &setting.kind else {
+fn names(ui: &mut Ui, context: &mut ViewContext<'_>, setting: &'static SettingRow) {
+    let SettingKind::Choice(choice) = &setting.kind else {
         return;
     };
     let current = (choice.get)(&context.app.log.settings);
@@ -67,7 +67,7 @@ fn names(ui: &mut Ui, context: &mut ViewContext<'_>, setting: &'static Row) {
 }
 
 /// Black and white as they are shown, levels.
-fn shown(context: &ViewContext<'_>, counted: &Histogram) -> [f64; 2] {
+fn shown(context: &ViewContext<'_>, counted: &LevelHistogram) -> [f64; 2] {
     let picture = &context.app.log.settings.picture;
     [
         picture
@@ -181,7 +181,7 @@ fn follow(
     set(context, Some(levels), label, live);
 }
 
-fn bars(painter: &Painter, area: Rect, counted: &Histogram, reach: f64, ink: Color32) {
+fn bars(painter: &Painter, area: Rect, counted: &LevelHistogram, reach: f64, ink: Color32) {
     painter.rect_filled(area, 0.0, ink.gamma_multiply(0.08));
     let most = counted.bars.iter().copied().max().unwrap_or(1).max(1);
     let width = area.width() * counted.reach / (reach as f32 * counted.bars.len() as f32);

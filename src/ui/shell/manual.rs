@@ -1,7 +1,7 @@
 //! The manual in the window: a list of pages, the page, and a search over all of them.
 
 use crate::app::manual::Topic;
-use crate::app::manual::markdown::{Block, Span, blocks, sections};
+use crate::app::manual::markdown::{PageBlock, Span, blocks, sections};
 use crate::ui::theme;
 use egui::text::LayoutJob;
 use egui::{
@@ -23,7 +23,7 @@ pub(super) struct Manual {
     topic: Topic,
     query: String,
     /// The pages, read when the manual is first opened.
-    pages: Vec<(Topic, Vec<Block>)>,
+    pages: Vec<(Topic, Vec<PageBlock>)>,
 }
 
 impl Default for Manual {
@@ -109,7 +109,9 @@ impl Manual {
                         ui.label(title);
                         section.iter().for_each(|one| match one {
                             // Of a long table only the rows that are sought.
-                            Block::Table(rows) => table(ui, &matching_rows(rows, &words), &words),
+                            PageBlock::Table(rows) => {
+                                table(ui, &matching_rows(rows, &words), &words)
+                            }
                             one => block(ui, one, &words),
                         });
                         ui.separator();
@@ -129,8 +131,8 @@ fn words_of(query: &str) -> Vec<String> {
 }
 
 /// Whether every word occurs in a section.
-fn matches(section: &[Block], words: &[String]) -> bool {
-    let text: Vec<String> = section.iter().map(Block::plain).collect();
+fn matches(section: &[PageBlock], words: &[String]) -> bool {
+    let text: Vec<String> = section.iter().map(PageBlock::plain).collect();
     let text = text.join(" ").to_lowercase();
     words.iter().all(|word| text.contains(word))
 }
@@ -138,7 +140,7 @@ fn matches(section: &[Block], words: &[String]) -> bool {
 /// The head of a table and the rows that hold every word; all rows where none does.
 fn matching_rows(rows: &[Vec<Vec<Span>>], words: &[String]) -> Vec<Vec<Vec<Span>>> {
     let holds = |row: &&Vec<Vec<Span>>| {
-        let row = Block::Table(vec![(*row).clone()]);
+        let row = PageBlock::Table(vec![(*row).clone()]);
         matches(std::slice::from_ref(&row), words)
     };
     let found: Vec<_> = rows.iter().skip(1).filter(holds).cloned().collect();
@@ -148,24 +150,24 @@ fn matching_rows(rows: &[Vec<Vec<Span>>], words: &[String]) -> Vec<Vec<Vec<Span>
     }
 }
 
-fn block(ui: &mut Ui, block: &Block, words: &[String]) {
+fn block(ui: &mut Ui, block: &PageBlock, words: &[String]) {
     match block {
-        Block::Heading(level, text) => {
+        PageBlock::Heading(level, text) => {
             ui.add_space(if *level == 1 { 0.0 } else { 6.0 });
             let size = if *level == 1 { 19.0 } else { 15.0 };
             ui.label(RichText::new(text).size(size).strong());
         }
-        Block::Paragraph(spans) => {
+        PageBlock::Paragraph(spans) => {
             ui.add(Label::new(job(ui, spans, words)).wrap());
             ui.add_space(4.0);
         }
-        Block::Item(spans) => {
+        PageBlock::Item(spans) => {
             ui.horizontal_top(|ui| {
                 ui.label("•");
                 ui.add(Label::new(job(ui, spans, words)).wrap());
             });
         }
-        Block::Code(text) => {
+        PageBlock::Code(text) => {
             egui::Frame::new()
                 .fill(ui.visuals().extreme_bg_color)
                 .inner_margin(egui::Margin::symmetric(6, 4))
@@ -175,7 +177,7 @@ fn block(ui: &mut Ui, block: &Block, words: &[String]) {
                 });
             ui.add_space(4.0);
         }
-        Block::Table(rows) => table(ui, rows, words),
+        PageBlock::Table(rows) => table(ui, rows, words),
     }
 }
 
@@ -301,7 +303,7 @@ mod tests {
     #[test]
     fn of_a_table_the_rows_that_match_are_left() {
         let page = blocks("| key | does |\n|---|---|\n| `A` | accepts |\n| `R` | rejects |\n");
-        let [Block::Table(rows)] = page.as_slice() else {
+        let [PageBlock::Table(rows)] = page.as_slice() else {
             panic!("a table");
         };
         assert_eq!(matching_rows(rows, &words_of("reject")).len(), 2);

@@ -23,7 +23,7 @@ mod sides;
 mod swipe;
 mod toolbar;
 
-use super::dialogs::{Dialogs, Purpose};
+use super::dialogs::{Dialogs, PathPurpose};
 use super::panels::{self, Section, review::ReviewPanel, timeline::TimeLine};
 use super::views::{CloudView, MapView, ObjectsView, ProfileView, WaterfallView};
 use super::{ViewContext, ViewRequest, flat, theme};
@@ -35,7 +35,7 @@ use history::HistoryList;
 use layout::Layout;
 use manual::Manual;
 use notice_list::NoticeList;
-use palette::Palette;
+use palette::CommandPalette;
 use play::Play;
 use printing::Printing;
 use sides::{SidePanel, scrolled, time_line_height};
@@ -129,7 +129,7 @@ pub(crate) struct Shell {
     layout: Layout,
     timeline: TimeLine,
     review: ReviewPanel,
-    palette: Palette,
+    palette: CommandPalette,
     dialogs: Dialogs,
     play: Play,
     printing: Printing,
@@ -164,7 +164,7 @@ impl Shell {
             layout: Layout::default(),
             timeline: TimeLine::default(),
             review: ReviewPanel::default(),
-            palette: Palette::default(),
+            palette: CommandPalette::default(),
             dialogs: Dialogs::default(),
             play: Play::default(),
             printing: Printing::default(),
@@ -256,7 +256,7 @@ impl Shell {
         self.play.advance(ui, &self.app, &mut commands);
         let asked = self.draw(ui, render_state, &mut commands);
         match asked {
-            Some(Purpose::PrintInto) => self.name_print(),
+            Some(PathPurpose::PrintInto) => self.name_print(),
             Some(purpose) => self.dialogs.ask(purpose, self.app.jobs()),
             None => {}
         }
@@ -359,7 +359,7 @@ impl Shell {
         ui: &mut Ui,
         render_state: Option<&RenderState>,
         commands: &mut Vec<Command>,
-    ) -> Option<Purpose> {
+    ) -> Option<PathPurpose> {
         let mut context = ViewContext {
             app: &self.app,
             render_state,
@@ -417,7 +417,7 @@ impl Shell {
         drop::overlay(ui);
         let names_print = self.printing.ui(ui.ctx(), &mut context, &self.views);
         let asked = self.export.ui(ui.ctx(), &mut context);
-        asked.or(names_print.then_some(Purpose::PrintInto))
+        asked.or(names_print.then_some(PathPurpose::PrintInto))
     }
 }
 

@@ -1,15 +1,15 @@
 //! The command palette: a few letters of a name find any command, any setting of the panels, or a recent log.
 
 use crate::app::{Action, Command};
-use crate::pipeline::settings::Row;
-use crate::ui::panels::find_setting::{self, Place};
+use crate::pipeline::settings::SettingRow;
+use crate::ui::panels::find_setting::{self, ControlPlace};
 use crate::ui::{ViewContext, take_typed};
 use egui::text::{CCursor, CCursorRange};
 use egui::{Key, Modal, RichText, ScrollArea, TextEdit, Ui};
 
 /// The palette; closed at the start.
 #[derive(Default)]
-pub(super) struct Palette {
+pub(super) struct CommandPalette {
     open: bool,
     query: String,
     chosen: usize,
@@ -28,7 +28,7 @@ struct Item {
     command: Command,
 }
 
-impl Palette {
+impl CommandPalette {
     /// Shows the palette with an empty field.
     pub(super) fn open(&mut self) {
         *self = Self {
@@ -153,7 +153,7 @@ fn settings(context: &ViewContext<'_>) -> Vec<Item> {
         return Vec::new();
     }
     let units = app.view.options.units;
-    let item = |place: Place, row: &'static Row| Item {
+    let item = |place: ControlPlace, row: &'static SettingRow| Item {
         label: format!("{}: {}", place.name(), row.name),
         alias: row.label,
         aside: row.value_in_words(&app.log.settings, units),

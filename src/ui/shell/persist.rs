@@ -27,7 +27,7 @@ struct Saved {
 }
 
 #[derive(Serialize)]
-struct Saving<'a> {
+struct SavedWindow<'a> {
     options: &'a ViewOptions,
     layout: &'a Layout,
     recent: &'a [PathBuf],
@@ -39,7 +39,7 @@ struct Saving<'a> {
 /// Writes the window's state into the store.
 pub(super) fn save(shell: &Shell, storage: &mut dyn eframe::Storage) {
     let base_map = shell.app.map.base_map.as_ref();
-    let saving = Saving {
+    let saving = SavedWindow {
         options: &shell.app.view.options,
         layout: &shell.layout,
         recent: &shell.app.recent,

@@ -1,6 +1,6 @@
 //! Running along the survey by itself.
 
-use crate::app::{Action, App, Command, Mark};
+use crate::app::{Action, App, Command, LogPlace};
 use crate::ui::ViewContext;
 use egui::Ui;
 use std::time::Duration;
@@ -82,7 +82,7 @@ impl Play {
         let ping = next.saturating_sub(1);
         self.ping = ping;
         if app.view.selection.map(|mark| mark.ping) != Some(ping) {
-            commands.push(Command::Reveal(Mark::ping(ping)));
+            commands.push(Command::Reveal(LogPlace::ping(ping)));
         }
         ui.ctx().request_repaint_after(Duration::from_millis(16));
     }

@@ -3,7 +3,7 @@
 use super::{Shell, Views};
 use crate::app::{App, Paper, PrintOptions, PrintText, Sheet, View};
 use crate::ui::ViewContext;
-use crate::ui::dialogs::Purpose;
+use crate::ui::dialogs::PathPurpose;
 use crate::ui::drop_down::DropDown;
 use crate::ui::theme;
 use egui::{DragValue, Id, Label, Modal, Panel, RichText, Ui};
@@ -170,6 +170,6 @@ impl Shell {
             View::Map => "map.png",
             View::Cloud | View::Objects => "cloud.png",
         };
-        self.ask_beside_log(Purpose::PrintInto, ending);
+        self.ask_beside_log(PathPurpose::PrintInto, ending);
     }
 }

@@ -72,7 +72,7 @@ fn waterfall(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptio
     let title = egui::RichText::new("Levels").small();
     let (button, _) = menu(title).ui(ui, |ui| levels::ui(ui, context));
     let sought = find_setting::sought(ui.ctx()).and_then(find_setting::place_of);
-    if sought == Some(find_setting::Place::Levels) {
+    if sought == Some(find_setting::ControlPlace::Levels) {
         Popup::open_id(ui.ctx(), Popup::default_response_id(&button));
     }
     channels(ui, context, &mut options.waterfall);

@@ -20,7 +20,7 @@ const LONGEST: f32 = 2.6;
 
 /// What a picture was made of.
 #[derive(Clone, PartialEq)]
-pub(crate) struct Key {
+pub(crate) struct ChipKey {
     pub survey: Same<Survey>,
     pub navigation: Same<Navigation>,
     pub mark: Mark,
@@ -32,7 +32,7 @@ pub(crate) struct Key {
     pub starboard_first: bool,
 }
 
-impl Key {
+impl ChipKey {
     /// Of a box of a log; `None` while the log has no results.
     pub(crate) fn of(log: &OpenLog, mark: &Mark, shown: &WaterfallOptions) -> Option<Self> {
         Some(Self {
@@ -102,14 +102,14 @@ impl Turned {
 }
 
 /// Columns and rows of the raster that a picture shows.
-struct Window {
+struct ChipWindow {
     column: usize,
     row: usize,
     columns: usize,
     rows: usize,
 }
 
-impl Window {
+impl ChipWindow {
     /// The box and its surroundings, in no shape too long to be looked at.
     fn around(rect: &BoxRect) -> [f32; 2] {
         let [width, height] = [rect.x1 - rect.x0, rect.y1 - rect.y0];
@@ -134,7 +134,7 @@ impl Window {
 
 /// A picture of a box with what lies around it. Copies share the texture.
 #[derive(Clone)]
-pub(crate) struct Chip {
+pub(crate) struct BoxChip {
     texture: TextureHandle,
     /// Width and height, pixels.
     size: Vec2,
@@ -145,18 +145,18 @@ pub(crate) struct Chip {
     size_m: [f64; 2],
 }
 
-impl Chip {
+impl BoxChip {
     /// Draws it; a box too large for a tile in coarser pixels, so that a hull is shown as a whole.
-    pub(crate) fn new(of: &Key, ctx: &egui::Context) -> Option<Self> {
+    pub(crate) fn new(of: &ChipKey, ctx: &egui::Context) -> Option<Self> {
         let (survey, navigation, mark) = (&of.survey.0, &of.navigation.0, &of.mark);
         let fine = Raster::new(survey, navigation, PIXEL_M);
-        let [width, height] = Window::around(&fine.rect_of(mark));
+        let [width, height] = ChipWindow::around(&fine.rect_of(mark));
         let coarser = f64::from(width.max(height) / TILE_PX as f32);
         let raster = match coarser > 1.0 {
             true => fine.coarser(coarser),
             false => fine,
         };
-        let window = Window::new(&raster, mark);
+        let window = ChipWindow::new(&raster, mark);
         if window.rows == 0 || window.columns == 0 {
             return None;
         }
@@ -222,7 +222,7 @@ impl Chip {
 }
 
 /// The pixels of a window in colour, turned as the waterfall is.
-fn image(pixels: &[u8], window: &Window, of: &Key) -> ColorImage {
+fn image(pixels: &[u8], window: &ChipWindow, of: &ChipKey) -> ColorImage {
     let colours = palette(of.map);
     let size = Turned::size([window.columns, window.rows], of.orientation);
     let [width, height] = size;
@@ -285,9 +285,9 @@ mod tests {
             x1: 100.0 + width,
             y1: 200.0 + height,
         };
-        let [width, height] = Window::around(&rect(150.0, 750.0));
+        let [width, height] = ChipWindow::around(&rect(150.0, 750.0));
         assert!(height > 1000.0 && width > 400.0 && height / width <= LONGEST + 1e-3);
-        let [width, height] = Window::around(&rect(10.0, 8.0));
+        let [width, height] = ChipWindow::around(&rect(10.0, 8.0));
         assert_eq!([width, height], [LEAST_PX, LEAST_PX]);
     }
 }

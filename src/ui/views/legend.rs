@@ -84,7 +84,7 @@ pub(super) fn framed(
 }
 
 /// Colours and what they stand for.
-pub(super) struct Scale {
+pub(super) struct LegendScale {
     title: String,
     /// Values at the top and at the bottom, in the unit of the title.
     ends: [f64; 2],
@@ -94,7 +94,7 @@ pub(super) struct Scale {
     signed: bool,
 }
 
-impl Scale {
+impl LegendScale {
     /// Depths, shallow on top.
     pub(super) fn of_depth(range_m: [f32; 2], reference: DepthReference, units: Units) -> Self {
         Self {

@@ -1,7 +1,7 @@
 //! An offscreen picture shown in the window.
 
-use crate::ui::flat::Picture;
-use crate::ui::render::Target;
+use crate::ui::flat::FlatPicture;
+use crate::ui::render::RenderTarget;
 use eframe::egui_wgpu::RenderState;
 use egui::{Color32, Painter, Rect, emath::GuiRounding as _};
 
@@ -12,8 +12,8 @@ pub(super) struct ViewTexture {
 }
 
 struct Shown {
-    target: Target,
-    picture: Picture,
+    target: RenderTarget,
+    picture: FlatPicture,
 }
 
 impl ViewTexture {
@@ -26,21 +26,21 @@ impl ViewTexture {
     ) -> bool {
         let size = rect.round_to_pixels(pixels_per_point).size() * pixels_per_point;
         let requested = [size.x.round() as u32, size.y.round() as u32];
-        let requested = Target::possible(&state.device, requested);
+        let requested = RenderTarget::possible(&state.device, requested);
         let now = self.shown.as_ref().map(|shown| shown.target.size_px());
         if now == Some(requested) {
             return false;
         }
-        let target = Target::new(&state.device, requested);
+        let target = RenderTarget::new(&state.device, requested);
         self.shown = Some(Shown {
-            picture: Picture::new(state, target.colour()),
+            picture: FlatPicture::new(state, target.colour()),
             target,
         });
         true
     }
 
     /// What to draw into.
-    pub(super) fn target(&mut self) -> Option<&Target> {
+    pub(super) fn target(&mut self) -> Option<&RenderTarget> {
         let shown = self.shown.as_mut()?;
         shown.picture.has_changed();
         Some(&shown.target)

@@ -1,7 +1,8 @@
 //! The window beside a recorder: a writer adds records at 20 times real speed while the program looks on.
 
 use crate::app::{
-    Action, App, BottomStroke, Command, ExclusionEdit, FollowStatus, Ink, Jobs, Mark, is_project,
+    Action, App, BottomStroke, Command, ExclusionEdit, FollowStatus, Ink, Jobs, LogPlace,
+    is_project,
 };
 use crate::detection::review::{Edit, State};
 use crate::formats::open_bytes;
@@ -216,7 +217,7 @@ fn what_the_analyst_decides_while_a_log_grows_stays_and_can_be_undone() {
     let decide = |app: &mut App| {
         watch(app, |app| app.log.whole.is_some());
         let before = pings(app);
-        app.apply(Command::Select(Some(Mark::ping(40))));
+        app.apply(Command::Select(Some(LogPlace::ping(40))));
         app.apply(Command::DrawBottom(BottomStroke {
             side: Side::Port,
             path: vec![[30.0, 3.0], [60.0, 3.2]],

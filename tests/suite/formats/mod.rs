@@ -11,7 +11,7 @@ use crate::formats::{self, OpenError};
 use crate::suite::handmade::{self, Frame};
 use crate::suite::support;
 use crate::support::progress::Progress;
-use crate::survey::{ChannelKind, Order, Side, SideScanState, Survey};
+use crate::survey::{ChannelKind, SampleOrder, Side, SideScanState, Survey};
 use std::path::{Path, PathBuf};
 
 fn open(file: &str) -> Option<Survey> {

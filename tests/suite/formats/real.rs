@@ -234,7 +234,7 @@ fn xtf() {
     let start = survey.track.fixes[0].position;
     assert!((start.lat_deg - 42.732_586).abs() < 1e-5 && (start.lon_deg + 73.694_206).abs() < 1e-5);
     let span = survey.side_scan[0].port.unwrap();
-    assert_eq!((span.order, span.count), (Order::FarToNear, 512));
+    assert_eq!((span.order, span.count), (SampleOrder::FarToNear, 512));
     assert!((span.far_m - 36.7425).abs() < 0.001);
 }
 

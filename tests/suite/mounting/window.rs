@@ -1,7 +1,7 @@
 //! The mounting in the window: by panel and by key, taken back, kept in a project, and as the default of a recorder.
 
 use super::{off_m, scene};
-use crate::app::{Action, BottomStroke, Command, Ink, Mark, Mountings};
+use crate::app::{Action, BottomStroke, Command, Ink, LogPlace, Mountings};
 use crate::detection;
 use crate::detection::review::{Edit, Review};
 use crate::suite::cli::run;
@@ -74,7 +74,7 @@ fn an_arm_is_typed_shown_and_taken_back() {
     let said = "The transducer is 2.50 m forward and 1.50 m to port of the antenna.";
     assert!(window.query_by_label(said).is_some());
 
-    let reveal = Command::Reveal(Mark::ping(300));
+    let reveal = Command::Reveal(LogPlace::ping(300));
     window.state_mut().app.apply(reveal);
     settle(&mut window);
     let fact = "2.50 m forward and 1.50 m to port of the antenna";
@@ -151,10 +151,10 @@ fn boxes_and_strokes_stay_on_their_echoes_when_sides_are_exchanged() {
     };
     let [port, starboard] = picks(&window);
     assert_eq!(sides(&window), [Side::Port; 3]);
-    let selected = Mark {
+    let selected = LogPlace {
         side: Some(Side::Port),
         sample: Some(500.0),
-        ..Mark::ping(110)
+        ..LogPlace::ping(110)
     };
     window
         .state_mut()

@@ -3,7 +3,7 @@
 mod ponds;
 
 use crate::bottom::planning::{
-    Leg, PlanError, PlanSettings, SeenObject, SigmaLaw, Station, SurveyCoverage, plan,
+    Leg, PlanError, PlanSettings, SeenObject, SigmaLaw, SurveyCoverage, WaypointKind, plan,
 };
 use crate::suite::cli::{refusal, run};
 use crate::suite::support::demo_log;
@@ -110,7 +110,7 @@ fn lines_and_turns_stay_in_the_polygon_and_off_the_island_and_turn_no_sharper_th
         let starts = made
             .way
             .iter()
-            .filter(|one| matches!(one.station, Station::Start(_)));
+            .filter(|one| matches!(one.station, WaypointKind::Start(_)));
         assert_eq!(starts.count(), made.lines.len());
         assert!(made.after.mean_sigma_m < 0.75 * made.before.mean_sigma_m);
     }

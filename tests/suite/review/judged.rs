@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::app::MistakeSort;
-use crate::detection::truth::{Mistake, Truth};
+use crate::detection::truth::{Mistake, SurveyTruth};
 use egui_kittest::kittest::NodeT as _;
 
 /// The demo, whose truth is known, with what a detector would find that misses two objects and sees two where nothing is.
@@ -243,7 +243,7 @@ fn the_table_of_the_demo_is_what_its_scene_gives() {
         byte_count: 0,
         pings: simulated.pings.len(),
     };
-    let read = Truth::parse(bundled, &of).expect("our own table");
+    let read = SurveyTruth::parse(bundled, &of).expect("our own table");
     let mut sightings = simulated.objects.iter().flat_map(|object| {
         let name = object.kind.name();
         object

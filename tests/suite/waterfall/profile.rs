@@ -2,7 +2,7 @@
 
 use super::synthetic::{bed_m, even_bottom, pond};
 use super::{app_with, name, pond_app, window};
-use crate::app::{Command, Mark};
+use crate::app::{Command, LogPlace};
 use crate::sonar::first_return::{
     FirstReturnSettings, ImageSettings, Method, Normalisation, SampleMode, detect,
 };
@@ -14,7 +14,7 @@ use std::time::Duration;
 #[test]
 fn the_profile_says_its_values() {
     let mut app = pond_app();
-    app.view.selection = Some(Mark::ping(100));
+    app.view.selection = Some(LogPlace::ping(100));
     let mut window = window(app, [300.0, 180.0]);
     window.state_mut().shows_profile = true;
     window.run_steps(2);
@@ -29,7 +29,7 @@ fn the_profile_says_its_values() {
     window
         .state_mut()
         .app
-        .apply(Command::Hover(Some(Mark::ping(270))));
+        .apply(Command::Hover(Some(LogPlace::ping(270))));
     window.run_steps(2);
     assert!(
         name(&window).contains("ping 270: port first return none"),
@@ -72,7 +72,7 @@ fn the_profile_is_the_intensity_that_the_search_sees() {
 #[test]
 fn the_threshold_line_can_be_dragged() {
     let mut app = app_with(even_bottom(10));
-    app.view.selection = Some(Mark::ping(5));
+    app.view.selection = Some(LogPlace::ping(5));
     let mut window = window(app, [300.0, 180.0]);
     window.state_mut().shows_profile = true;
     window.run_steps(2);
@@ -105,7 +105,7 @@ fn the_threshold_line_can_be_dragged() {
 #[test]
 fn the_profile_looks_as_it_did() {
     let mut app = pond_app();
-    app.view.selection = Some(Mark::ping(100));
+    app.view.selection = Some(LogPlace::ping(100));
     let mut window = window(app, [300.0, 180.0]);
     window.state_mut().shows_profile = true;
     // The scale of the whole picture is measured on a worker.

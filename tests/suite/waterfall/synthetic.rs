@@ -1,7 +1,9 @@
 //! Surveys made up for the waterfall: an even bottom, and a pond with a target and a change of range.
 
 use crate::sonar::first_return::{FirstReturns, Pick};
-use crate::survey::{Bytes, Encoding, Order, Side, SidePing, SideScanState, SideSpan, Survey};
+use crate::survey::{
+    Bytes, Encoding, SampleOrder, Side, SidePing, SideScanState, SideSpan, Survey,
+};
 use std::sync::Arc;
 
 pub(super) fn survey_of(
@@ -27,7 +29,7 @@ pub(super) fn span(offset: usize, count: u32, far_m: f32) -> SideSpan {
     SideSpan {
         file: 0,
         encoding: Encoding::U8,
-        order: Order::NearToFar,
+        order: SampleOrder::NearToFar,
         offset: offset as u64,
         count,
         near_m: 0.0,

@@ -4,7 +4,7 @@ use super::synthetic::{span, survey_of};
 use super::{Window, settle, window};
 use crate::app::{Action, App, ColourMap, Command, Jobs, Tool};
 use crate::imagery::mosaic::Gain;
-use crate::imagery::picture::Geometry;
+use crate::imagery::picture::PictureGeometry;
 use crate::pipeline::{self, Settings};
 use crate::support::progress::Progress;
 use crate::survey::{Side, Survey};
@@ -107,7 +107,7 @@ fn the_shader_shows_what_the_numbers_say_in_every_geometry() {
         let picture = app.picture().expect("a picture");
         let gain = picture.gain.as_ref().expect("a gain table");
         let tone = app.log.settings.picture.tone();
-        let least_m = if geometry == Geometry::Slant {
+        let least_m = if geometry == PictureGeometry::Slant {
             4.6
         } else {
             1.0

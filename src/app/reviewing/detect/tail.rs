@@ -5,7 +5,7 @@
 
 use super::{LABEL, LEAST_SCORE};
 use crate::app::error::AppError;
-use crate::app::{App, LogId, Outcome, Task};
+use crate::app::{App, LogId, Task, TaskOutcome};
 use crate::detection::{Detection, DetectorSettings, find};
 use crate::survey::Navigation;
 use std::sync::Arc;
@@ -42,7 +42,7 @@ impl TailSearch {
     }
 }
 
-impl super::Search {
+impl super::ObjectSearch {
     /// Whether the end of a followed log is being searched.
     pub(crate) fn is_busy_with_tail(&self) -> bool {
         self.tail.running.is_some()
@@ -116,9 +116,9 @@ impl App {
             .as_ref()
             .map(|running| running.task.poll())
         {
-            Some(Outcome::Done(found)) => found,
-            Some(Outcome::Failed) => Err(AppError::Failed("the search for objects")),
-            Some(Outcome::Pending) | None => return,
+            Some(TaskOutcome::Done(found)) => found,
+            Some(TaskOutcome::Failed) => Err(AppError::Failed("the search for objects")),
+            Some(TaskOutcome::Pending) | None => return,
         };
         let Some(running) = self.findings.search.tail.running.take() else {
             return;

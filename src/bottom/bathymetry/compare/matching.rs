@@ -52,11 +52,15 @@ pub(crate) fn match_points(
     matching: Matching,
     progress: &Progress,
 ) -> Result<Vec<Match>, Cancelled> {
-    Reference::new(reference.iter().copied(), matching).matches(measured, |point| *point, progress)
+    ReferencePoints::new(reference.iter().copied(), matching).matches(
+        measured,
+        |point| *point,
+        progress,
+    )
 }
 
 /// A reference that several measurements are compared with.
-pub(crate) struct Reference(Prepared);
+pub(crate) struct ReferencePoints(Prepared);
 
 enum Prepared {
     Nearest(NearPoints),
@@ -65,7 +69,7 @@ enum Prepared {
     Nothing,
 }
 
-impl Reference {
+impl ReferencePoints {
     /// Of points as east, north, elevation, metres; those that are not finite are left out.
     pub(crate) fn new(points: impl Iterator<Item = [f64; 3]> + Clone, matching: Matching) -> Self {
         let points = points.filter(|point| point.iter().all(|value| value.is_finite()));

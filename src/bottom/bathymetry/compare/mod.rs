@@ -11,9 +11,9 @@ mod matching;
 mod orders;
 mod tables;
 
-pub(crate) use matching::{Match, Matching, Reference, match_points};
-pub(crate) use orders::{ORDERS, Order};
-pub(crate) use tables::{Bin, Histogram, binned, suited_width};
+pub(crate) use matching::{Match, Matching, ReferencePoints, match_points};
+pub(crate) use orders::{ORDERS, SurveyOrder};
+pub(crate) use tables::{Bin, DifferenceHistogram, binned, suited_width};
 
 use crate::bottom::cloud::Residuals;
 use serde::Serialize;
@@ -37,7 +37,7 @@ pub struct Comparison {
 pub struct OrderShare {
     /// The order.
     #[serde(flatten)]
-    pub order: Order,
+    pub order: SurveyOrder,
     /// Share of the points within its limit at their own depth, 0 to 1. The order asks for 0.95.
     pub share: f64,
 }
@@ -46,7 +46,7 @@ impl Comparison {
     /// Of `measured` points those in `matches` have a reference; the water's surface is at `water_level_m` in their elevations.
     pub fn new(measured: usize, matches: &[Match], water_level_m: f64) -> Self {
         let mut differences: Vec<f64> = matches.iter().map(|one| one.difference_m).collect();
-        let within = |order: Order| {
+        let within = |order: SurveyOrder| {
             let holds = |one: &&Match| {
                 let depth_m = (water_level_m - one.reference_z_m).max(0.0);
                 one.difference_m.abs() <= order.limit_m(depth_m)

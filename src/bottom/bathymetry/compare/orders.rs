@@ -4,7 +4,7 @@ use serde::Serialize;
 
 /// An order of survey, by the vertical uncertainty that it allows at 95 %.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Order {
+pub struct SurveyOrder {
     /// `exclusive`, `special`, `1a/1b`, `2`.
     pub order: &'static str,
     /// The part that does not depend on the depth, metres.
@@ -14,18 +14,18 @@ pub struct Order {
 }
 
 /// The orders of IHO Standards for Hydrographic Surveys, S-44, edition 6, table 1; the strictest first.
-pub(crate) const ORDERS: [Order; 4] = [
+pub(crate) const ORDERS: [SurveyOrder; 4] = [
     order("exclusive", 0.15, 0.0075),
     order("special", 0.25, 0.0075),
     order("1a/1b", 0.5, 0.013),
     order("2", 1.0, 0.023),
 ];
 
-const fn order(order: &'static str, a_m: f64, b: f64) -> Order {
-    Order { order, a_m, b }
+const fn order(order: &'static str, a_m: f64, b: f64) -> SurveyOrder {
+    SurveyOrder { order, a_m, b }
 }
 
-impl Order {
+impl SurveyOrder {
     /// Total vertical uncertainty allowed at a depth, `sqrt(a^2 + (b d)^2)`, metres.
     pub fn limit_m(self, depth_m: f64) -> f64 {
         self.a_m.hypot(self.b * depth_m)

@@ -52,7 +52,7 @@ pub(crate) fn suited_width(values: &mut [f64]) -> Option<f64> {
 
 /// How often differences of each size occur.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub(crate) struct Histogram {
+pub(crate) struct DifferenceHistogram {
     /// Begin of the first column, metres.
     pub from_m: f64,
     /// Width of a column, metres.
@@ -68,7 +68,7 @@ pub(crate) struct Histogram {
 /// Columns of a histogram to either side of its middle, at most.
 const COLUMNS: i64 = 100;
 
-impl Histogram {
+impl DifferenceHistogram {
     /// Of differences in metres; the ends hold 99 % of them or more. `None` without any.
     pub(crate) fn of(differences: &[f64]) -> Option<Self> {
         let mut sorted: Vec<f64> = differences
@@ -136,7 +136,7 @@ mod tests {
         let mut differences: Vec<f64> =
             (-200..=200).map(|index| 0.001 * f64::from(index)).collect();
         differences.extend([-50.0, 80.0, 90.0, f64::NAN]);
-        let made = Histogram::of(&differences).unwrap();
+        let made = DifferenceHistogram::of(&differences).unwrap();
         assert_eq!((made.below, made.above), (1, 2));
         assert_eq!(made.counts.iter().sum::<usize>(), 401);
         for (index, count) in made.counts.iter().enumerate() {
@@ -146,6 +146,6 @@ mod tests {
                 .filter(|d| **d >= from_m - 1e-12 && **d < from_m + made.width_m - 1e-12);
             assert!(inside.count().abs_diff(*count) <= 1, "{from_m}");
         }
-        assert_eq!(Histogram::of(&[]), None);
+        assert_eq!(DifferenceHistogram::of(&[]), None);
     }
 }

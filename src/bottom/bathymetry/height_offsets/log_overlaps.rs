@@ -1,7 +1,7 @@
 //! Places that two logs measured.
 
 use super::{LogOverlap, OverlapKind};
-use crate::bottom::bathymetry::crosslines::{Pass, TrackDepth, crossings, velocity_mps};
+use crate::bottom::bathymetry::crosslines::{CrosslinePass, TrackDepth, crossings, velocity_mps};
 use crate::support::progress::{Cancelled, Progress};
 use crate::support::statistics::{ends, median};
 use std::collections::{BTreeMap, HashMap};
@@ -50,7 +50,7 @@ pub(crate) fn crossing_overlaps(
         .iter()
         .filter(|one| one.passes[0].track != one.passes[1].track);
     let lines: Vec<Vec<f64>> = tracks.iter().map(|track| line_starts_s(track)).collect();
-    let line = |pass: Pass| {
+    let line = |pass: CrosslinePass| {
         let before = tracks[pass.track].partition_point(|depth| depth.time_s <= pass.time_s);
         lines[pass.track][before.saturating_sub(1)].floor() as i64
     };

@@ -64,7 +64,7 @@ pub(crate) fn adjust(count: usize, log_overlaps: &[LogOverlap], datum: Datum) ->
     }
     let mut pairs = Vec::new();
     for (members, inside) in members.iter().zip(&inside) {
-        let Some(solved) = Network::new(members, inside, datum).solve() else {
+        let Some(solved) = LogNetwork::new(members, inside, datum).solve() else {
             continue;
         };
         for (index, &log) in members.iter().enumerate() {
@@ -123,7 +123,7 @@ pub(crate) fn groups(count: usize, log_overlaps: impl Iterator<Item = [usize; 2]
 }
 
 /// Connected logs and their overlaps.
-struct Network<'a> {
+struct LogNetwork<'a> {
     log_overlaps: &'a [LogOverlap],
     /// The two logs of each overlap as places in the group.
     ends: Vec<[usize; 2]>,
@@ -146,12 +146,12 @@ struct Weighted {
     factor: Factor,
 }
 
-struct Solved {
+struct SolvedNetwork {
     heights_m: Vec<f64>,
     errors_m: Vec<f64>,
 }
 
-impl<'a> Network<'a> {
+impl<'a> LogNetwork<'a> {
     fn new(members: &[usize], log_overlaps: &'a [LogOverlap], datum: Datum) -> Self {
         let place = |log: usize| members.partition_point(|member| *member < log);
         let fixed = match datum {
@@ -172,7 +172,7 @@ impl<'a> Network<'a> {
     }
 
     /// `None` for a log alone.
-    fn solve(&self) -> Option<Solved> {
+    fn solve(&self) -> Option<SolvedNetwork> {
         if self.size < 2 {
             return None;
         }
@@ -199,7 +199,7 @@ impl<'a> Network<'a> {
         let of_unknowns = at.factor.variances(self.unknowns());
         let own = self.variances(&at.factor, &of_unknowns).into_iter();
         let variance = self.variance(&at, &of_unknowns);
-        Some(Solved {
+        Some(SolvedNetwork {
             errors_m: own.map(|own| (variance * own).sqrt()).collect(),
             heights_m: at.heights_m,
         })

@@ -2,7 +2,7 @@
 
 mod rings;
 
-use super::march::{Edge, Square, crossing, square};
+use super::march::{CellEdge, Square, crossing, square};
 use crate::bottom::bathymetry::Surface;
 use crate::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
@@ -41,7 +41,7 @@ pub(crate) fn depth_areas(
     levels_m
         .par_windows(2)
         .map(|between| {
-            let band = Band {
+            let band = DepthBand {
                 surface,
                 levels_m: [between[0], between[1]],
             };
@@ -64,9 +64,9 @@ enum Stop {
     /// The centre of a cell at the edge of the surface.
     Corner(usize),
     /// Where the shallower level crosses an edge.
-    Shallow(Edge),
+    Shallow(CellEdge),
     /// Where the deeper level crosses an edge.
-    Deep(Edge),
+    Deep(CellEdge),
 }
 
 /// A step of the border in one square, the area on its left.
@@ -78,12 +78,12 @@ struct Piece {
     square: usize,
 }
 
-struct Band<'a> {
+struct DepthBand<'a> {
     surface: &'a Surface,
     levels_m: [f64; 2],
 }
 
-impl Band<'_> {
+impl DepthBand<'_> {
     fn pieces(&self, progress: &Progress) -> Result<Vec<Piece>, Cancelled> {
         let grid = &self.surface.grid;
         let mut pieces = Vec::new();
@@ -107,8 +107,8 @@ impl Band<'_> {
             to,
             square: square.cell,
         };
-        let along = |[from, to]: [Edge; 2]| piece(Stop::Shallow(from), Stop::Shallow(to));
-        let against = |[from, to]: [Edge; 2]| piece(Stop::Deep(to), Stop::Deep(from));
+        let along = |[from, to]: [CellEdge; 2]| piece(Stop::Shallow(from), Stop::Shallow(to));
+        let against = |[from, to]: [CellEdge; 2]| piece(Stop::Deep(to), Stop::Deep(from));
         pieces.extend(shallow.into_iter().flatten().map(along));
         pieces.extend(deep.into_iter().flatten().map(against));
     }
@@ -145,7 +145,7 @@ impl Band<'_> {
     }
 
     /// The part of an edge within the band: depths are linear along it, so it is one at most.
-    fn stops(&self, edge: Edge, cells: [usize; 2], depths_m: [f64; 2]) -> Option<[Stop; 2]> {
+    fn stops(&self, edge: CellEdge, cells: [usize; 2], depths_m: [f64; 2]) -> Option<[Stop; 2]> {
         let [shallow_m, deep_m] = self.levels_m;
         let beyond = depths_m.map(|depth| (depth < shallow_m, depth >= deep_m));
         match beyond {

@@ -1,6 +1,6 @@
 //! Isobaths: the cuts of one level, joined.
 
-use super::march::{Edge, crossing, square};
+use super::march::{CellEdge, crossing, square};
 use crate::bottom::bathymetry::Surface;
 use crate::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
@@ -55,7 +55,11 @@ pub(crate) fn isobaths(
     Ok(drawn.into_iter().flatten().collect())
 }
 
-fn cuts(surface: &Surface, level_m: f64, progress: &Progress) -> Result<Vec<[Edge; 2]>, Cancelled> {
+fn cuts(
+    surface: &Surface,
+    level_m: f64,
+    progress: &Progress,
+) -> Result<Vec<[CellEdge; 2]>, Cancelled> {
     let mut cuts = Vec::new();
     for row in 0..surface.grid.rows {
         progress.check()?;
@@ -90,7 +94,7 @@ pub(super) fn join<E: Copy + Eq + Hash>(cuts: &[[E; 2]]) -> Vec<Vec<E>> {
 }
 
 /// `None` where all of a ring is one place: a summit that just touches the level.
-fn place(surface: &Surface, level_m: f64, edges: &[Edge]) -> Option<Isobath> {
+fn place(surface: &Surface, level_m: f64, edges: &[CellEdge]) -> Option<Isobath> {
     let mut points: Vec<[f64; 2]> = edges
         .iter()
         .map(|edge| crossing(surface, *edge, level_m))

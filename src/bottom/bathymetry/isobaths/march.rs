@@ -4,7 +4,7 @@ use crate::bottom::bathymetry::Surface;
 
 /// An edge between the centres of two neighbouring cells: twice the index of its western or northern cell, and one more where
 /// it runs south.
-pub(super) type Edge = usize;
+pub(super) type CellEdge = usize;
 
 /// A square of four centres, all of known depth.
 #[derive(Clone, Copy)]
@@ -17,7 +17,7 @@ pub(super) struct Square {
 }
 
 /// Cuts of one square: at most two, each from edge to edge with the deeper side on the left.
-pub(super) type Cuts = [Option<[Edge; 2]>; 2];
+pub(super) type Cuts = [Option<[CellEdge; 2]>; 2];
 
 // Sides of a square.
 const N: usize = 0;
@@ -44,7 +44,7 @@ pub(super) fn square(surface: &Surface, row: usize, column: usize) -> Option<Squ
 
 impl Square {
     /// Edges to the north, east, south and west.
-    pub(super) fn edges(&self) -> [Edge; 4] {
+    pub(super) fn edges(&self) -> [CellEdge; 4] {
         let [north, south] = [self.cell, self.cell + self.columns].map(|cell| 2 * cell);
         [north, north + 3, south, north + 1]
     }
@@ -85,7 +85,7 @@ impl Square {
 }
 
 /// East and north of the place on an edge where the depth is `level_m`, linear between its ends.
-pub(super) fn crossing(surface: &Surface, edge: Edge, level_m: f64) -> [f64; 2] {
+pub(super) fn crossing(surface: &Surface, edge: CellEdge, level_m: f64) -> [f64; 2] {
     let grid = &surface.grid;
     let (cell, runs_south) = (edge / 2, edge % 2 == 1);
     let next = cell + if runs_south { grid.columns } else { 1 };

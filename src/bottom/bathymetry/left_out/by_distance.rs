@@ -1,6 +1,6 @@
 //! How the error of a depth grows with the distance to the nearest sounding.
 
-use super::Miss;
+use super::LeftOutMiss;
 use crate::support::statistics::quantile;
 
 /// Bins by distance of what a stated error is read from, of large squares; small ones are one bin.
@@ -16,7 +16,7 @@ pub(crate) struct SigmaByDistance {
 impl SigmaByDistance {
     /// A sounding that is left out is missed by the error of the prediction and by its own. Its neighbours predict it about as well as it
     /// was measured, so that half of the square of the least miss is the noise of a depth.
-    pub(super) fn of(near: &[Miss], far: &[Miss]) -> Self {
+    pub(super) fn of(near: &[LeftOutMiss], far: &[LeftOutMiss]) -> Self {
         let mut steps = [bins(near, 1), bins(far, BINS)].concat();
         steps.sort_by(|a, b| a[0].total_cmp(&b[0]));
         let mut steps = rising(steps);
@@ -43,7 +43,7 @@ impl SigmaByDistance {
 }
 
 /// Middle distance and spread of the misses of as many bins of equal counts.
-fn bins(misses: &[Miss], count: usize) -> Vec<[f64; 2]> {
+fn bins(misses: &[LeftOutMiss], count: usize) -> Vec<[f64; 2]> {
     let mut misses = misses.to_vec();
     misses.sort_by(|a, b| a.away_m.total_cmp(&b.away_m));
     let bins = misses.chunks(misses.len().div_ceil(count).max(1));

@@ -34,7 +34,7 @@ const MOST_CELLS_TRIED: usize = 10_000;
 
 /// A sounding that was left out: the predicted depth less its own, and its distance to the nearest sounding that was there, metres.
 #[derive(Clone, Copy, Debug)]
-struct Miss {
+struct LeftOutMiss {
     place: [f64; 2],
     error_m: f64,
     away_m: f64,
@@ -160,7 +160,7 @@ fn misses(
     square_m: f64,
     between: Between,
     progress: &Progress,
-) -> Result<Vec<Miss>, Cancelled> {
+) -> Result<Vec<LeftOutMiss>, Cancelled> {
     let of_fold = |fold: usize| {
         progress.check()?;
         let is_out = |node: &&Node| {
@@ -174,7 +174,7 @@ fn misses(
     Ok(folds?.concat())
 }
 
-fn predicted(out: &[Node], used: Vec<Node>, between: Between) -> Vec<Miss> {
+fn predicted(out: &[Node], used: Vec<Node>, between: Between) -> Vec<LeftOutMiss> {
     let places: Vec<[f64; 2]> = used.iter().map(Node::place).collect();
     let (Some(near), Some(tin)) = (Nearest::of(&places), Tin::new(used)) else {
         return Vec::new();
@@ -182,7 +182,7 @@ fn predicted(out: &[Node], used: Vec<Node>, between: Between) -> Vec<Miss> {
     let mut sampler = tin.sampler(between);
     let miss = |node: &Node| {
         let place = node.place();
-        Some(Miss {
+        Some(LeftOutMiss {
             place,
             error_m: sampler.depth_at(place)? - node.depth_m,
             away_m: near.distance_m(place),

@@ -1,6 +1,6 @@
 //! Where left-out soundings are missed by more than elsewhere at the same distance, and where by less.
 
-use super::{Miss, SigmaByDistance};
+use super::{LeftOutMiss, SigmaByDistance};
 use std::collections::HashMap;
 
 /// A single miss counts as so many times its usual square at most: it is one wrong depth, not rough ground.
@@ -17,7 +17,7 @@ pub(super) struct Roughness {
 }
 
 impl Roughness {
-    pub(super) fn of(misses: &[Miss], usual: &SigmaByDistance, square_m: f64) -> Self {
+    pub(super) fn of(misses: &[LeftOutMiss], usual: &SigmaByDistance, square_m: f64) -> Self {
         let mut squares: HashMap<[i64; 2], (f64, f64)> = HashMap::new();
         let noise = usual.at(0.0).powi(2);
         for miss in misses {

@@ -2,7 +2,7 @@
 
 /// Cells along one axis. Long empty stretches can be left out, so that a far outlier costs one cell, not a grid.
 #[derive(Debug)]
-pub(super) struct Axis {
+pub(super) struct CellAxis {
     /// Where each occupied stretch begins, ascending, with its first cell number.
     stretches: Vec<(f64, u32)>,
     cells_per_m: f64,
@@ -10,7 +10,7 @@ pub(super) struct Axis {
     pub(super) len: u64,
 }
 
-impl Axis {
+impl CellAxis {
     /// More cells than this along an axis make their numbers inexact: empty stretches must be left out.
     const MAX_DIRECT: f64 = 1e9;
 
@@ -36,7 +36,7 @@ impl Axis {
         })
     }
 
-    /// As [`Axis::even`], but a gap of more than a cell between two values starts a new stretch, which is numbered on
+    /// As [`CellAxis::even`], but a gap of more than a cell between two values starts a new stretch, which is numbered on
     /// with one empty cell between. Values on the two sides of a gap are no neighbours.
     pub(super) fn compact(values: impl Iterator<Item = f64>, cell_m: f64) -> Self {
         let mut sorted: Vec<f64> = values.collect();

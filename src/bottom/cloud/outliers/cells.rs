@@ -1,6 +1,6 @@
 //! Points sorted by cell: rows of cells along x, ascending within the row.
 
-use super::{Axis, Place};
+use super::{CellAxis, PointPlace};
 use crate::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -14,7 +14,7 @@ const FLATNESS_COLUMNS: usize = 256;
 
 /// A row of cells that holds points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Row {
+pub(super) struct CellRow {
     /// `z cell * row stride + y cell`.
     pub(super) key: u64,
     /// First of its points in sorted order.
@@ -22,7 +22,7 @@ pub(super) struct Row {
 }
 
 /// Points sorted by row, then by cell along x.
-pub(super) struct Cells {
+pub(super) struct CellPoints {
     /// Index of each sorted point among the points given.
     pub(super) order: Vec<u32>,
     /// The points in sorted order.
@@ -30,7 +30,7 @@ pub(super) struct Cells {
     /// Cell along x of each sorted point.
     pub(super) x_cells: Vec<u32>,
     /// The rows that hold points, ascending by key, and a last one past the end.
-    pub(super) rows: Vec<Row>,
+    pub(super) rows: Vec<CellRow>,
     /// Rows in a layer, with room for a neighbour beyond either end.
     pub(super) stride: u64,
     /// Whether there is one layer only (columns).
@@ -39,31 +39,35 @@ pub(super) struct Cells {
 
 /// The three axes of the grid.
 struct Axes {
-    x: Axis,
-    y: Axis,
-    z: Axis,
+    x: CellAxis,
+    y: CellAxis,
+    z: CellAxis,
 }
 
 impl Axes {
     /// The smallest grid that the points `order` allow; its cells are at least `cell_m` wide.
-    fn new(place: &impl Place, order: &[u32], cell_m: f64) -> Self {
+    fn new(place: &impl PointPlace, order: &[u32], cell_m: f64) -> Self {
         let along = |axis: usize| order.iter().map(move |&index| place(index)[axis]);
-        let even = |axis: usize| Axis::even(along(axis), cell_m);
+        let even = |axis: usize| CellAxis::even(along(axis), cell_m);
         let few = |axes: &Axes| {
             axes.cell_count()
                 .is_some_and(|count| is_dense(count, order.len()))
         };
         if let (Some(x), Some(y)) = (even(0), even(1)) {
             let flat = is_flat(place, order, &x, &y, cell_m);
-            let z = if flat { Some(Axis::single()) } else { even(2) };
+            let z = if flat {
+                Some(CellAxis::single())
+            } else {
+                even(2)
+            };
             if let Some(axes) = z.map(|z| Self { x, y, z }).filter(few) {
                 return axes;
             }
         }
-        let compact = |axis: usize| Axis::compact(along(axis), cell_m);
+        let compact = |axis: usize| CellAxis::compact(along(axis), cell_m);
         let (x, y) = (compact(0), compact(1));
         let flat = is_flat(place, order, &x, &y, cell_m);
-        let z = if flat { Axis::single() } else { compact(2) };
+        let z = if flat { CellAxis::single() } else { compact(2) };
         Self { x, y, z }
     }
 
@@ -89,7 +93,13 @@ fn is_dense(cell_count: u64, points: usize) -> bool {
 
 /// Whether most of the points in a column of cells are within a cell of each other in height: then columns cost fewer
 /// tests than cells. Judged on a sample.
-fn is_flat(place: &impl Place, order: &[u32], x: &Axis, y: &Axis, cell_m: f64) -> bool {
+fn is_flat(
+    place: &impl PointPlace,
+    order: &[u32],
+    x: &CellAxis,
+    y: &CellAxis,
+    cell_m: f64,
+) -> bool {
     let column = |point: &[f64; 3]| (x.cell(point[0]), y.cell(point[1]));
     let step = (order.len() / FLATNESS_COLUMNS).max(1);
     let probes = order.iter().step_by(step).map(|&index| place(index));
@@ -107,10 +117,10 @@ fn is_flat(place: &impl Place, order: &[u32], x: &Axis, y: &Axis, cell_m: f64) -
     2 * near > all
 }
 
-impl Cells {
+impl CellPoints {
     /// Sorts the points `order`, which lie at `place`, into cells `cell_m` wide.
     pub(super) fn sorted(
-        place: &impl Place,
+        place: &impl PointPlace,
         order: Vec<u32>,
         cell_m: f64,
         progress: &Progress,
@@ -142,7 +152,7 @@ impl Cells {
 }
 
 /// Counting sort: stable, so that points of a cell keep their order.
-fn by_counting(place: &impl Place, order: &[u32], axes: &Axes, cell_count: usize) -> Vec<u32> {
+fn by_counting(place: &impl PointPlace, order: &[u32], axes: &Axes, cell_count: usize) -> Vec<u32> {
     let cell = |index: &u32| {
         let point = &place(*index);
         (axes.row(point) * axes.x.len + u64::from(axes.x.cell(point[0]))) as u32
@@ -164,7 +174,7 @@ fn by_counting(place: &impl Place, order: &[u32], axes: &Axes, cell_count: usize
     sorted
 }
 
-fn by_comparing(place: &impl Place, mut order: Vec<u32>, axes: &Axes) -> Vec<u32> {
+fn by_comparing(place: &impl PointPlace, mut order: Vec<u32>, axes: &Axes) -> Vec<u32> {
     order.par_sort_by_cached_key(|&index| {
         let point = &place(index);
         (axes.row(point), axes.x.cell(point[0]))
@@ -172,18 +182,18 @@ fn by_comparing(place: &impl Place, mut order: Vec<u32>, axes: &Axes) -> Vec<u32
     order
 }
 
-fn rows(sorted: &[[f64; 3]], axes: &Axes) -> Vec<Row> {
+fn rows(sorted: &[[f64; 3]], axes: &Axes) -> Vec<CellRow> {
     let keys: Vec<u64> = sorted.par_iter().map(|point| axes.row(point)).collect();
-    let mut rows: Vec<Row> = Vec::new();
+    let mut rows: Vec<CellRow> = Vec::new();
     for (start, &key) in keys.iter().enumerate() {
         if rows.last().is_none_or(|row| row.key != key) {
-            rows.push(Row {
+            rows.push(CellRow {
                 key,
                 start: start as u32,
             });
         }
     }
-    rows.push(Row {
+    rows.push(CellRow {
         key: u64::MAX,
         start: sorted.len() as u32,
     });

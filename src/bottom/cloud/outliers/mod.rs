@@ -15,8 +15,8 @@ mod sweep;
 mod tree;
 
 use crate::support::progress::{Cancelled, Progress};
-use axis::Axis;
-use cells::Cells;
+use axis::CellAxis;
+use cells::CellPoints;
 
 /// Cells are this much wider than the radius, so that rounding never puts neighbours two cells apart.
 const CELL_MARGIN: f64 = 1.0 + 1e-6;
@@ -36,9 +36,9 @@ pub(crate) fn keep(
 }
 
 /// Where the point of an index is, metres.
-trait Place: Fn(u32) -> [f64; 3] + Sync {}
+trait PointPlace: Fn(u32) -> [f64; 3] + Sync {}
 
-impl<P: Fn(u32) -> [f64; 3] + Sync> Place for P {}
+impl<P: Fn(u32) -> [f64; 3] + Sync> PointPlace for P {}
 
 /// As [`keep`], over points that need not lie side by side in memory.
 pub(super) fn keep_places(
@@ -57,7 +57,7 @@ pub(super) fn keep_places(
     if order.is_empty() || radius_m.is_nan() || radius_m <= 0.0 {
         return Ok(kept);
     }
-    let cells = Cells::sorted(place, order, radius_m * CELL_MARGIN, progress)?;
+    let cells = CellPoints::sorted(place, order, radius_m * CELL_MARGIN, progress)?;
     for (&index, flag) in
         cells
             .order

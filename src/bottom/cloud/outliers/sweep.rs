@@ -1,6 +1,6 @@
 //! Counts neighbours, row by row.
 
-use super::cells::Cells;
+use super::cells::CellPoints;
 use super::tree::{Tree, distance_square};
 use crate::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
@@ -16,7 +16,7 @@ const MOST_TESTS: usize = 2048;
 
 /// For each sorted point, whether more than `min_neighbors` points lie strictly within the radius, itself included.
 pub(super) fn flags(
-    cells: &Cells,
+    cells: &CellPoints,
     radius_m: f64,
     min_neighbors: usize,
     progress: &Progress,
@@ -48,13 +48,13 @@ pub(super) fn flags(
 
 /// The part of a row that lies within a cell of the cell at hand; it slides along as the cell does.
 #[derive(Clone, Copy, Default)]
-struct Slice {
+struct RowSlice {
     start: usize,
     end: usize,
     row_end: usize,
 }
 
-impl Slice {
+impl RowSlice {
     fn slide_to(&mut self, cell: u32, x_cells: &[u32]) {
         while self.start < self.row_end && x_cells[self.start] + 1 < cell {
             self.start += 1;
@@ -67,7 +67,7 @@ impl Slice {
 }
 
 /// Appends the flags of a row's points.
-fn sweep_row(cells: &Cells, row: usize, counter: &Counter, flags: &mut Vec<bool>) {
+fn sweep_row(cells: &CellPoints, row: usize, counter: &Counter, flags: &mut Vec<bool>) {
     let (mut around, count) = neighbour_rows(cells, row);
     let around = &mut around[..count];
     let mut own = slice_of(cells, row);
@@ -92,9 +92,9 @@ fn sweep_row(cells: &Cells, row: usize, counter: &Counter, flags: &mut Vec<bool>
     }
 }
 
-fn slice_of(cells: &Cells, row: usize) -> Slice {
+fn slice_of(cells: &CellPoints, row: usize) -> RowSlice {
     let start = cells.rows[row].start as usize;
-    Slice {
+    RowSlice {
         start,
         end: start,
         row_end: cells.rows[row + 1].start as usize,
@@ -102,10 +102,10 @@ fn slice_of(cells: &Cells, row: usize) -> Slice {
 }
 
 /// The occupied rows around a row, itself left out: two beside it, and three in the layers below and above.
-fn neighbour_rows(cells: &Cells, row: usize) -> ([Slice; 8], usize) {
+fn neighbour_rows(cells: &CellPoints, row: usize) -> ([RowSlice; 8], usize) {
     let rows = &cells.rows[..cells.rows.len() - 1];
     let key = rows[row].key;
-    let mut around = [Slice::default(); 8];
+    let mut around = [RowSlice::default(); 8];
     let mut count = 0;
     let mut add = |first: usize, keys: Range<u64>| {
         let within = rows[first..].iter().take_while(|row| row.key < keys.end);

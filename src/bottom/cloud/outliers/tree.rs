@@ -15,17 +15,17 @@ pub(super) struct Tree {
     /// The points, those of a box side by side.
     points: Vec<[f64; 3]>,
     /// The box around all points, then both halves of each box: box `n` has the halves `2 n + 1` and `2 n + 2`.
-    boxes: Vec<Bounds>,
+    boxes: Vec<PointBounds>,
 }
 
 /// The smallest and largest coordinates of some points.
 #[derive(Clone, Copy, Debug)]
-struct Bounds {
+struct PointBounds {
     low: [f64; 3],
     high: [f64; 3],
 }
 
-impl Bounds {
+impl PointBounds {
     const NONE: Self = Self {
         low: [f64::INFINITY; 3],
         high: [f64::NEG_INFINITY; 3],
@@ -110,11 +110,11 @@ fn halves(range: &Range<usize>) -> Option<[Range<usize>; 2]> {
     (range.len() > LEAF).then_some([range.start..middle, middle..range.end])
 }
 
-fn halve(points: &mut [[f64; 3]], index: usize, boxes: &mut Vec<Bounds>) {
+fn halve(points: &mut [[f64; 3]], index: usize, boxes: &mut Vec<PointBounds>) {
     if boxes.len() <= index {
-        boxes.resize(index + 1, Bounds::NONE);
+        boxes.resize(index + 1, PointBounds::NONE);
     }
-    boxes[index] = Bounds::of(points);
+    boxes[index] = PointBounds::of(points);
     let Some([left, _]) = halves(&(0..points.len())) else {
         return;
     };

@@ -3,7 +3,7 @@
 use crate::bottom::bathymetry::CellSource;
 use crate::cli::Failure;
 use crate::formats::geotiff::{
-    Cells, CellsError, RasterSpec, RasterTiles, RasterValues, read_values,
+    CellFormat, CellsError, RasterSpec, RasterTiles, RasterValues, read_values,
 };
 use crate::support::geo::{Crs, MapPlane, bounds_deg, boxes_meet};
 use std::fs;
@@ -273,7 +273,7 @@ impl DepthPart {
             north,
             cell: [transform.per_column[0], -transform.per_row[1]],
             crs: self.crs.clone(),
-            cells: Cells::Metres,
+            cells: CellFormat::Metres,
             band: None,
             description: String::new(),
         }

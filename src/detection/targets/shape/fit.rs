@@ -8,13 +8,13 @@
 use super::initial_guess::{InitialGuess, beginnings};
 use super::levels::BoxLevels;
 use super::predict::PosedSolid;
-use super::problem::{Numbers, OF_OBJECT, Problem, State};
+use super::problem::{FitState, Numbers, OF_OBJECT, Problem};
 use super::search::{follow, search};
 use super::solid::ShapeKind;
 
 /// A kind as it fits best.
 #[derive(Clone, Debug)]
-pub(super) struct Fit {
+pub(super) struct ShapeFit {
     pub(super) kind: ShapeKind,
     /// The numbers of the object.
     of_object: Numbers,
@@ -38,8 +38,8 @@ const FINE: (usize, usize, usize) = (4, 5, 2);
 
 /// Fits all kinds to looks, of which each has its start, and gives back those that explain enough to be told apart, the best first. Each kind
 /// is fitted to each of the first two looks, which are to show the object best, and from there to all.
-pub(super) fn fits(looks: &[BoxLevels], starts: &[InitialGuess]) -> Vec<Fit> {
-    let mut best: Vec<Fit> = Vec::new();
+pub(super) fn fits(looks: &[BoxLevels], starts: &[InitialGuess]) -> Vec<ShapeFit> {
+    let mut best: Vec<ShapeFit> = Vec::new();
     for first in 0..looks.len().min(2) {
         for (kind, beginnings) in coarse_fits(&looks[first], &starts[first]) {
             let fitted = fit(kind, looks, starts, first, beginnings);
@@ -61,7 +61,7 @@ fn fit(
     starts: &[InitialGuess],
     first: usize,
     beginnings: Vec<Numbers>,
-) -> Fit {
+) -> ShapeFit {
     let alone = fit_alone(kind, &looks[first..=first], beginnings);
     let (of_object, of_look) = alone.numbers.split_at(OF_OBJECT);
     let mut numbers = of_object.to_vec();
@@ -72,11 +72,11 @@ fn fit(
         }
     }
     let problem = Problem::new(kind, looks);
-    let mut best = State::new(&problem, numbers);
+    let mut best = FitState::new(&problem, numbers);
     if looks.len() > 1 {
         search(&problem, &mut best, ROUNDS);
     }
-    Fit {
+    ShapeFit {
         kind,
         posed: (0..looks.len())
             .map(|look| problem.posed(&best.numbers, look).with_heading_in_range())
@@ -86,12 +86,12 @@ fn fit(
     }
 }
 
-impl Fit {
+impl ShapeFit {
     /// The solid as a look places it that it was not fitted to.
     pub(super) fn placed_in(&self, look: &BoxLevels, start: &InitialGuess) -> PosedSolid {
         let problem = Problem::of_known(self.kind, std::slice::from_ref(look));
         let numbers = [&self.of_object[..], &start.of_look()].concat();
-        let mut state = State::new(&problem, numbers);
+        let mut state = FitState::new(&problem, numbers);
         search(&problem, &mut state, ROUNDS);
         problem.posed(&state.numbers, 0).with_heading_in_range()
     }
@@ -101,11 +101,12 @@ impl Fit {
 /// is right in part, and a trial costs less.
 fn coarse_fits(look: &BoxLevels, start: &InitialGuess) -> Vec<(ShapeKind, Vec<Numbers>)> {
     let coarse = [look.coarser(COARSE)];
-    let mut of_kinds: Vec<(ShapeKind, Vec<State>)> = (ShapeKind::ALL.into_iter())
+    let mut of_kinds: Vec<(ShapeKind, Vec<FitState>)> = (ShapeKind::ALL.into_iter())
         .map(|kind| {
             let problem = Problem::new(kind, &coarse);
             let states = beginnings(kind, start).into_iter();
-            let mut states: Vec<State> = states.map(|one| State::new(&problem, one)).collect();
+            let mut states: Vec<FitState> =
+                states.map(|one| FitState::new(&problem, one)).collect();
             for (most, rounds) in FOLLOWED {
                 follow(&problem, &mut states, most, rounds);
             }
@@ -117,7 +118,7 @@ fn coarse_fits(look: &BoxLevels, start: &InitialGuess) -> Vec<(ShapeKind, Vec<Nu
     let gains = of_kinds.iter().map(|(_, states)| bare - states[0].cost);
     let most = gains.fold(0.0, f64::max);
     of_kinds.retain(|(_, states)| bare - states[0].cost >= WORTH_FITTING * most);
-    let numbers = |states: Vec<State>| states.into_iter().map(|state| state.numbers).collect();
+    let numbers = |states: Vec<FitState>| states.into_iter().map(|state| state.numbers).collect();
     of_kinds
         .into_iter()
         .map(|(kind, states)| (kind, numbers(states)))
@@ -125,10 +126,10 @@ fn coarse_fits(look: &BoxLevels, start: &InitialGuess) -> Vec<(ShapeKind, Vec<Nu
 }
 
 /// Fits one kind to one look from several beginnings.
-fn fit_alone(kind: ShapeKind, look: &[BoxLevels], beginnings: Vec<Numbers>) -> State {
+fn fit_alone(kind: ShapeKind, look: &[BoxLevels], beginnings: Vec<Numbers>) -> FitState {
     let problem = Problem::new(kind, look);
     let states = beginnings.into_iter();
-    let mut states: Vec<State> = states.map(|one| State::new(&problem, one)).collect();
+    let mut states: Vec<FitState> = states.map(|one| FitState::new(&problem, one)).collect();
     for (most, rounds) in [(FINE.0, FINE.1), (FINE.2, ROUNDS)] {
         follow(&problem, &mut states, most, rounds);
     }

@@ -1,7 +1,7 @@
 //! What one pass recorded around a box.
 
 use super::super::Placer;
-use super::super::profile::{Background, Grid};
+use super::super::profile::{BackgroundLevels, RangeSteps};
 use crate::detection::Mark;
 use crate::support::statistics::median;
 use std::ops::Range;
@@ -153,7 +153,7 @@ impl Placer<'_> {
             return None;
         }
         let bins = bins.min(BINS);
-        let grid = Grid {
+        let grid = RangeSteps {
             side: mark.side,
             from_m,
             step_m: (to_m - from_m) / bins as f64,
@@ -192,8 +192,8 @@ impl Placer<'_> {
     /// Some pings together; `None` where they have no place or no samples.
     fn look_ping(
         &self,
-        grid: &Grid,
-        background: &Background,
+        grid: &RangeSteps,
+        background: &BackgroundLevels,
         pings: Range<usize>,
         moved_m: f64,
     ) -> Option<PingLevels> {
@@ -220,13 +220,13 @@ impl Placer<'_> {
     /// are no noise, and would have any shape explain all of a picture.
     fn noise(
         &self,
-        grid: &Grid,
-        background: &Background,
+        grid: &RangeSteps,
+        background: &BackgroundLevels,
         mark: &Mark,
         together: usize,
     ) -> Option<f64> {
         let mut squares = Vec::new();
-        for pings in Grid::beside(self.survey(), mark) {
+        for pings in RangeSteps::beside(self.survey(), mark) {
             for first in pings.clone().step_by(together) {
                 let some = first..(first + together).min(pings.end);
                 let levels = grid.profile(self.survey(), some);
@@ -243,7 +243,7 @@ impl Placer<'_> {
     }
 }
 
-impl Background {
+impl BackgroundLevels {
     /// Levels above it in standard deviations of its speckle; `None` where that is not known.
     fn levels_above(&self, levels: &[f64]) -> Option<Vec<f32>> {
         // NaN is none either.

@@ -23,7 +23,7 @@ pub(crate) use solid::ShapeKind;
 pub(crate) use solid::Solid;
 
 use super::Target;
-use fit::{Fit, fits};
+use fit::{ShapeFit, fits};
 use initial_guess::InitialGuess;
 
 /// A solid that explains what was recorded of an object.
@@ -97,7 +97,7 @@ pub(crate) fn fit_shape(
     let fits = fits(&looks, &starts);
     let bare: f64 = looks.iter().map(BoxLevels::squares).sum();
     let speckle: f64 = looks.iter().map(BoxLevels::speckle_squares).sum();
-    let gained = |fit: &Fit| bare - fit.cost;
+    let gained = |fit: &ShapeFit| bare - fit.cost;
     let Some(fitted) = fits.first() else {
         return Err(ShapeError::Faint);
     };
@@ -108,7 +108,7 @@ pub(crate) fn fit_shape(
             explained: explained.max(0.0),
         });
     }
-    let is_rival = |other: &&Fit| gained(other) > (1.0 - RIVAL) * gained(fitted);
+    let is_rival = |other: &&ShapeFit| gained(other) > (1.0 - RIVAL) * gained(fitted);
     let rivals = fits.iter().skip(1).take_while(is_rival);
     let on_pings = |(index, (target, look)): (usize, &(&Target, Option<BoxLevels>))| {
         let Some(look) = look else {

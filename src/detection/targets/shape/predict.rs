@@ -6,7 +6,7 @@
 //! Everything is power over that of the bare bottom at the same range, so that gain, spreading and the beam across the track cancel.
 
 use super::levels::{BoxLevels, PingLevels};
-use super::ray::{Bins, Ray, slant_m};
+use super::ray::{EchoBins, ShapeRay, slant_m};
 use super::solid::{ShapeKind, Solid};
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
@@ -129,11 +129,11 @@ const RAYS: [(f64, f64); 3] = [(-1.732, 1.0 / 6.0), (0.0, 2.0 / 3.0), (1.732, 1.
 /// Writes what the look would be of a solid.
 pub(super) fn predict(look: &BoxLevels, posed: &PosedSolid, into: &mut Predicted) {
     into.clear(look);
-    let mut ray = Ray::default();
+    let mut ray = ShapeRay::default();
     let bottom = into.bottom.chunks_exact_mut(look.bins);
     let both = bottom.zip(into.object.chunks_exact_mut(look.bins));
     for ((ping, (bottom, object)), changed) in look.pings.iter().zip(both).zip(&mut into.changed) {
-        let mut bins = Bins::new(look, bottom, object);
+        let mut bins = EchoBins::new(look, bottom, object);
         one_ping(look, ping, posed, &mut ray, &mut bins);
         let Some(written) = bins.written() else {
             continue;
@@ -159,8 +159,8 @@ fn one_ping(
     look: &BoxLevels,
     ping: &PingLevels,
     posed: &PosedSolid,
-    ray: &mut Ray,
-    bins: &mut Bins<'_>,
+    ray: &mut ShapeRay,
+    bins: &mut EchoBins<'_>,
 ) {
     let [x, y] = ping.outward;
     let [ahead_x, ahead_y] = [-y, x];

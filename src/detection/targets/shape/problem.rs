@@ -37,11 +37,11 @@ pub(super) struct Problem<'a> {
 }
 
 /// Numbers with what they predict.
-pub(super) struct State {
+pub(super) struct FitState {
     pub(super) numbers: Numbers,
     /// How far each is changed next.
     pub(super) steps: Vec<f64>,
-    /// By how much, in ln length and ln width, each of [`Edge::ALL`] is moved next.
+    /// By how much, in ln length and ln width, each of [`OutlineEdge::ALL`] is moved next.
     pub(super) edge_steps: [f64; 4],
     predicted: Vec<Predicted>,
     /// Sum of squares of each look.
@@ -49,7 +49,7 @@ pub(super) struct State {
     pub(super) cost: f64,
 }
 
-impl Clone for State {
+impl Clone for FitState {
     fn clone(&self) -> Self {
         Self {
             numbers: self.numbers.clone(),
@@ -76,7 +76,7 @@ impl Clone for State {
     }
 }
 
-impl State {
+impl FitState {
     pub(super) fn new(problem: &Problem<'_>, numbers: Numbers) -> Self {
         let first_step = |number: usize| match number.checked_sub(OF_OBJECT) {
             None => FIRST_STEPS[number],
@@ -89,7 +89,7 @@ impl State {
                     false => first_step(number),
                 })
                 .collect(),
-            edge_steps: Edge::ALL.map(|edge| match problem.moves(edge) {
+            edge_steps: OutlineEdge::ALL.map(|edge| match problem.moves(edge) {
                 true => EDGE_STEP,
                 false => 0.0,
             }),
@@ -151,7 +151,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Predicts all looks.
-    pub(super) fn all(&self, state: &mut State) {
+    pub(super) fn all(&self, state: &mut FitState) {
         for look in 0..self.looks.len() {
             self.place(state, look);
         }
@@ -159,14 +159,14 @@ impl<'a> Problem<'a> {
     }
 
     /// Predicts one look.
-    fn place(&self, state: &mut State, look: usize) {
+    fn place(&self, state: &mut FitState, look: usize) {
         let posed = self.posed(&state.numbers, look);
         predict(&self.looks[look], &posed, &mut state.predicted[look]);
         self.weigh(state, look);
     }
 
     /// Compares one look with what is predicted.
-    fn weigh(&self, state: &mut State, look: usize) {
+    fn weigh(&self, state: &mut FitState, look: usize) {
         let of_look = &state.numbers[OF_OBJECT + look * OF_LOOK..];
         let strength = of_look[2].exp() as f32;
         let darkest = [of_look[3], of_look[4]];
@@ -175,7 +175,7 @@ impl<'a> Problem<'a> {
         state.costs[look] = all * recorded.together as f64;
     }
 
-    fn sum(&self, state: &mut State) {
+    fn sum(&self, state: &mut FitState) {
         state.cost = state.costs.iter().sum::<f64>() + self.unusual(&state.numbers);
     }
 
@@ -214,7 +214,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Changes one number and predicts what depends on it.
-    pub(super) fn change(&self, state: &mut State, number: usize, by: f64) {
+    pub(super) fn change(&self, state: &mut FitState, number: usize, by: f64) {
         state.numbers[number] += by;
         match number.checked_sub(OF_OBJECT) {
             None => self.all(state),
@@ -233,29 +233,34 @@ impl<'a> Problem<'a> {
 /// A side of the outline that is moved while the opposite one stays: where one end of a boat is found and the other not, neither its length
 /// nor its place alone can be changed for the better.
 #[derive(Clone, Copy)]
-pub(super) enum Edge {
+pub(super) enum OutlineEdge {
     Bow,
     Stern,
     Starboard,
     Port,
 }
 
-impl Edge {
-    pub(super) const ALL: [Edge; 4] = [Edge::Bow, Edge::Stern, Edge::Starboard, Edge::Port];
+impl OutlineEdge {
+    pub(super) const ALL: [OutlineEdge; 4] = [
+        OutlineEdge::Bow,
+        OutlineEdge::Stern,
+        OutlineEdge::Starboard,
+        OutlineEdge::Port,
+    ];
 
     fn is_end(self) -> bool {
-        matches!(self, Edge::Bow | Edge::Stern)
+        matches!(self, OutlineEdge::Bow | OutlineEdge::Stern)
     }
 }
 
 impl Problem<'_> {
     /// Whether an edge of the kind can be moved alone.
-    fn moves(&self, edge: Edge) -> bool {
+    fn moves(&self, edge: OutlineEdge) -> bool {
         !self.is_fixed(2) && (edge.is_end() || !self.is_fixed(3))
     }
 
     /// Moves an edge so that length or width grow by a factor, given as its logarithm, and predicts all.
-    pub(super) fn move_edge(&self, state: &mut State, edge: Edge, by: f64) {
+    pub(super) fn move_edge(&self, state: &mut FitState, edge: OutlineEdge, by: f64) {
         let numbers = &mut state.numbers;
         let (sin, cos) = numbers[0].sin_cos();
         let (length_m, width_m) = (numbers[1].exp(), (numbers[1] - numbers[2]).exp());
@@ -274,10 +279,10 @@ impl Problem<'_> {
         };
         let half_m = 0.5 * size_m * (by.exp() - 1.0);
         let [east, north] = match edge {
-            Edge::Bow => [sin, cos],
-            Edge::Stern => [-sin, -cos],
-            Edge::Starboard => [cos, -sin],
-            Edge::Port => [-cos, sin],
+            OutlineEdge::Bow => [sin, cos],
+            OutlineEdge::Stern => [-sin, -cos],
+            OutlineEdge::Starboard => [cos, -sin],
+            OutlineEdge::Port => [-cos, sin],
         };
         for of_look in numbers[OF_OBJECT..].chunks_exact_mut(OF_LOOK) {
             of_look[0] += half_m * east;

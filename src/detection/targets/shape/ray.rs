@@ -12,24 +12,24 @@ const LEAST_BELOW_M: f64 = 0.05;
 /// Most places of a ray: its steps, one before and one behind, and what rounding adds.
 const MOST_PLACES: usize = STEPS + 4;
 
-type Row = [f64; MOST_PLACES];
+type PlaceRow = [f64; MOST_PLACES];
 
 /// Places on a ray, from before the solid to behind it, each with the step that ends there. They lie in rows, so that several are computed
 /// at once: fitting shapes is most of a search for objects.
-pub(super) struct Ray {
+pub(super) struct ShapeRay {
     count: usize,
     altitude_m: f64,
     /// How far out from under the boat and how far below the transducer.
-    out_m: Row,
-    below_m: Row,
+    out_m: PlaceRow,
+    below_m: PlaceRow,
     /// Tangent of the direction, from the vertical.
-    tangent: Row,
-    slant_m: Row,
+    tangent: PlaceRow,
+    slant_m: PlaceRow,
     /// Echo of the step over that of the bare bottom, for each metre of range that the step extends over.
-    echo_m: Row,
+    echo_m: PlaceRow,
 }
 
-impl Default for Ray {
+impl Default for ShapeRay {
     /// A ray without places.
     fn default() -> Self {
         let row = [0.0; MOST_PLACES];
@@ -45,7 +45,7 @@ impl Default for Ray {
     }
 }
 
-impl Ray {
+impl ShapeRay {
     /// Follows the ray that begins under the boat at `start_m` along and across the solid and goes in the direction `outward`; the circle
     /// around the solid covers twice `half_m` of it. Whether the ray meets the solid.
     pub(super) fn follow(
@@ -93,7 +93,7 @@ impl Ray {
     fn weigh(&mut self, step_m: f64) {
         let altitude_m2 = self.altitude_m * self.altitude_m;
         for index in 1..self.count {
-            let middle = |row: &Row| 0.5 * (row[index - 1] + row[index]);
+            let middle = |row: &PlaceRow| 0.5 * (row[index - 1] + row[index]);
             let (out_m, below_m) = (middle(&self.out_m), middle(&self.below_m));
             let down_m = self.below_m[index] - self.below_m[index - 1];
             // Lambert's law on a step that is longer for its slope: facing^2 / range^2 * length. The cosine times the length is meant here.
@@ -116,14 +116,14 @@ pub(super) fn slant_m(out_m: f64, below_m: f64) -> f64 {
 }
 
 /// The bins of a ping, and what rays add to them.
-pub(super) struct Bins<'a> {
+pub(super) struct EchoBins<'a> {
     look: &'a BoxLevels,
     bottom: &'a mut [f32],
     object: &'a mut [f32],
     written: Range<usize>,
 }
 
-impl<'a> Bins<'a> {
+impl<'a> EchoBins<'a> {
     /// Bins of a ping without a solid: shares of the bottom that are seen, and echoes of the solid.
     pub(super) fn new(look: &'a BoxLevels, bottom: &'a mut [f32], object: &'a mut [f32]) -> Self {
         Self {
@@ -140,7 +140,7 @@ impl<'a> Bins<'a> {
     }
 
     /// Adds a ray of some weight.
-    pub(super) fn add(&mut self, ray: &Ray, weight: f64) {
+    pub(super) fn add(&mut self, ray: &ShapeRay, weight: f64) {
         let altitude_m = ray.altitude_m;
         // Tangent of the farthest direction seen so far; where the solid begins and ends.
         let mut horizon = ray.tangent[0];
@@ -174,7 +174,7 @@ impl<'a> Bins<'a> {
     }
 
     /// Adds the echo of a step.
-    fn add_echo(&mut self, ray: &Ray, index: usize, weight: f64, of_solid: bool) {
+    fn add_echo(&mut self, ray: &ShapeRay, index: usize, weight: f64, of_solid: bool) {
         let [from_m, to_m] = [ray.slant_m[index - 1], ray.slant_m[index]];
         let (near_m, width_m) = (from_m.min(to_m), (to_m - from_m).abs().max(1e-6));
         let echo = weight * ray.echo_m[index] / width_m;
@@ -193,7 +193,7 @@ impl<'a> Bins<'a> {
     }
 
     /// The bins between two slant ranges, which count as written.
-    fn overlap(&mut self, ranges_m: [f64; 2]) -> Overlap {
+    fn overlap(&mut self, ranges_m: [f64; 2]) -> RangeOverlap {
         let per_m = self.look.step_m.recip();
         let [from, to] = ranges_m.map(|range_m| (range_m - self.look.from_m) * per_m);
         let (from, to) = (from.max(0.0), to.min(self.look.bins as f64));
@@ -205,18 +205,18 @@ impl<'a> Bins<'a> {
             self.written.start = self.written.start.min(bins.start);
             self.written.end = self.written.end.max(bins.end);
         }
-        Overlap { from, to, bins }
+        RangeOverlap { from, to, bins }
     }
 }
 
 /// A stretch of ranges that begins and ends within bins.
-struct Overlap {
+struct RangeOverlap {
     from: f64,
     to: f64,
     bins: Range<usize>,
 }
 
-impl Overlap {
+impl RangeOverlap {
     /// Calls for each bin with the share of it that the stretch overlaps.
     fn each(self, mut add: impl FnMut(usize, f64)) {
         for bin in self.bins {

@@ -1,10 +1,10 @@
 //! The search for the least cost.
 
-use super::problem::{Edge, Problem, State};
+use super::problem::{FitState, OutlineEdge, Problem};
 
 /// Changes one number after the other, farther where that helped and less far where it did not, and goes on in the direction in which a
 /// round has gone (Hooke and Jeeves): predictions have kinks, so nothing is differentiated.
-pub(super) fn search(problem: &Problem<'_>, state: &mut State, rounds: usize) {
+pub(super) fn search(problem: &Problem<'_>, state: &mut FitState, rounds: usize) {
     let mut trial = state.clone();
     for _ in 0..rounds {
         let before = state.numbers.clone();
@@ -15,9 +15,9 @@ pub(super) fn search(problem: &Problem<'_>, state: &mut State, rounds: usize) {
             });
             state.steps[number] = step * if better { 1.3 } else { 0.5 };
         }
-        for (index, edge) in Edge::ALL.into_iter().enumerate() {
+        for (index, edge) in OutlineEdge::ALL.into_iter().enumerate() {
             let step = state.edge_steps[index];
-            let move_edge = |trial: &mut State, by: f64| problem.move_edge(trial, edge, by);
+            let move_edge = |trial: &mut FitState, by: f64| problem.move_edge(trial, edge, by);
             let better = step > 0.0 && try_both_ways(state, &mut trial, step, move_edge);
             state.edge_steps[index] = step * if better { 1.3 } else { 0.5 };
         }
@@ -37,10 +37,10 @@ pub(super) fn search(problem: &Problem<'_>, state: &mut State, rounds: usize) {
 
 /// Changes a state by a step, or else by as much the other way, where that costs less; whether it did.
 fn try_both_ways(
-    state: &mut State,
-    trial: &mut State,
+    state: &mut FitState,
+    trial: &mut FitState,
     step: f64,
-    change: impl Fn(&mut State, f64),
+    change: impl Fn(&mut FitState, f64),
 ) -> bool {
     let better = [step, -step].into_iter().any(|by| {
         trial.clone_from(state);
@@ -54,8 +54,13 @@ fn try_both_ways(
 }
 
 /// Searches on from those that explain most over some rounds, and leaves them in order, the best first.
-pub(super) fn follow(problem: &Problem<'_>, states: &mut Vec<State>, most: usize, rounds: usize) {
-    let by_cost = |a: &State, b: &State| a.cost.total_cmp(&b.cost);
+pub(super) fn follow(
+    problem: &Problem<'_>,
+    states: &mut Vec<FitState>,
+    most: usize,
+    rounds: usize,
+) {
+    let by_cost = |a: &FitState, b: &FitState| a.cost.total_cmp(&b.cost);
     states.sort_by(by_cost);
     states.truncate(most);
     for state in &mut *states {

@@ -20,7 +20,7 @@ pub(crate) enum ShapeKind {
 }
 
 /// What is usual of a kind: length and width in metres, length over width, height over width.
-pub(super) struct Usual {
+pub(super) struct UsualSize {
     pub(super) length_m: [f64; 2],
     pub(super) width_m: [f64; 2],
     pub(super) slenderness: [f64; 2],
@@ -49,8 +49,8 @@ impl ShapeKind {
 
     /// Sizes that such objects have: crates, drums, tyres of cars and tractors, boulders that a boat's beam resolves, boats. Beyond
     /// them one kind would take the place of another (a boulder four times as long as it is wide is a boat).
-    pub(super) fn usual(self) -> Usual {
-        let usual = |length_m, width_m, slenderness, steepness, typical_slenderness| Usual {
+    pub(super) fn usual(self) -> UsualSize {
+        let usual = |length_m, width_m, slenderness, steepness, typical_slenderness| UsualSize {
             length_m,
             width_m,
             slenderness,

@@ -12,7 +12,7 @@ use las::{Bounds, Builder, Header, PointData, Vector, Vlr, raw};
 use laz::laszip::{ChunkTable, ChunkTableEntry};
 use laz::record::{LayeredPointRecordCompressor, RecordCompressor};
 use laz::{LazVlr, LazVlrBuilder};
-use octree::Node;
+use octree::OctreeNode;
 use rayon::prelude::*;
 use std::fs::File;
 use std::io::{self, BufWriter, Seek as _, SeekFrom, Write};
@@ -153,7 +153,7 @@ fn write_header(out: &mut impl Write, header: &Header, evlrs: Option<u64>) -> io
 fn write_chunks(
     out: &mut BufWriter<File>,
     packing: &LazVlr,
-    nodes: &[Node],
+    nodes: &[OctreeNode],
     points: &PointData,
 ) -> io::Result<Vec<ChunkTableEntry>> {
     let start = out.stream_position()?;
@@ -181,7 +181,7 @@ fn write_chunks(
 }
 
 /// The chunk of a node; nothing of one without points.
-fn packed(packing: &LazVlr, node: &Node, points: &PointData) -> io::Result<Vec<u8>> {
+fn packed(packing: &LazVlr, node: &OctreeNode, points: &PointData) -> io::Result<Vec<u8>> {
     if node.points.is_empty() {
         return Ok(Vec::new());
     }
@@ -198,7 +198,11 @@ fn packed(packing: &LazVlr, node: &Node, points: &PointData) -> io::Result<Vec<u
 }
 
 /// The table of the nodes: level, cell, where its chunk begins, how long it is and how many points it holds.
-fn hierarchy(header: &Header, nodes: &[Node], chunks: &[ChunkTableEntry]) -> io::Result<Vec<u8>> {
+fn hierarchy(
+    header: &Header,
+    nodes: &[OctreeNode],
+    chunks: &[ChunkTableEntry],
+) -> io::Result<Vec<u8>> {
     let too_large = |_| io::Error::other("a node of the octree is too large for COPC");
     let raw = header.clone().into_raw().map_err(io::Error::other)?;
     let mut at = u64::from(raw.offset_to_point_data) + ChunkTable::OFFSET_SIZE as u64;

@@ -15,7 +15,7 @@ const DEEPEST: u32 = BITS - GRID_BITS;
 
 /// A node with the points that it holds.
 #[derive(Debug, PartialEq)]
-pub(super) struct Node {
+pub(super) struct OctreeNode {
     /// Level, 0 for the root.
     pub level: u32,
     /// Which node of the level: east, north and up, from 0.
@@ -32,10 +32,10 @@ pub(super) fn on_lattice(share: f64) -> u32 {
 
 /// The nodes over points on the lattice, each level after the one above it. Every point is in one node, and every node but the root of
 /// no points holds some.
-pub(super) fn nodes(places: &[[u32; 3]]) -> Vec<Node> {
+pub(super) fn nodes(places: &[[u32; 3]]) -> Vec<OctreeNode> {
     let mut nodes = Vec::new();
     let mut taken = vec![0_u64; 1 << (3 * GRID_BITS - 6)];
-    let mut waiting = VecDeque::from([Node {
+    let mut waiting = VecDeque::from([OctreeNode {
         level: 0,
         cell: [0; 3],
         points: (0..places.len()).collect(),
@@ -53,10 +53,14 @@ pub(super) fn nodes(places: &[[u32; 3]]) -> Vec<Node> {
 }
 
 /// A node with the first point of each cell of its grid, and its eight children with the others.
-fn split(node: Node, places: &[[u32; 3]], taken: &mut [u64]) -> (Node, [Node; 8]) {
+fn split(
+    node: OctreeNode,
+    places: &[[u32; 3]],
+    taken: &mut [u64],
+) -> (OctreeNode, [OctreeNode; 8]) {
     taken.fill(0);
     let mut kept = Vec::new();
-    let mut below = [0, 1, 2, 3, 4, 5, 6, 7].map(|octant: u32| Node {
+    let mut below = [0, 1, 2, 3, 4, 5, 6, 7].map(|octant: u32| OctreeNode {
         level: node.level + 1,
         cell: [0, 1, 2].map(|axis| 2 * node.cell[axis] + (octant >> axis & 1)),
         points: Vec::new(),
@@ -75,7 +79,7 @@ fn split(node: Node, places: &[[u32; 3]], taken: &mut [u64]) -> (Node, [Node; 8]
             below[octant as usize].points.push(point);
         }
     }
-    let node = Node {
+    let node = OctreeNode {
         points: kept,
         ..node
     };

@@ -1,8 +1,8 @@
 //! A layout of as many pings as a coarse picture shows.
 
-use super::Layout;
+use super::MosaicLayout;
 
-impl Layout {
+impl MosaicLayout {
     /// These pings without those that a picture with cells of `apart_m` has no use for: between two that stay, neither the boat
     /// nor the far ends of its swath move farther than that. The ends of every stretch stay. Each that stays stands for those
     /// that lie nearer to it than to the next.

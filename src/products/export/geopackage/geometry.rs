@@ -12,7 +12,7 @@ pub(crate) type Ring = Vec<[f64; 2]>;
 
 /// Where a feature is, in the system of its file: east or longitude first.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Geometry {
+pub(crate) enum FeatureGeometry {
     /// A place.
     Point([f64; 2]),
     /// A line.
@@ -23,13 +23,13 @@ pub(crate) enum Geometry {
     Polygons(Vec<Vec<Ring>>),
 }
 
-impl Geometry {
+impl FeatureGeometry {
     fn places(&self) -> impl Iterator<Item = [f64; 2]> {
         let (one, line, rings, polygons) = match self {
-            Geometry::Point(place) => (Some(*place), &[][..], &[][..], &[][..]),
-            Geometry::Line(line) => (None, &line[..], &[][..], &[][..]),
-            Geometry::Polygon(rings) => (None, &[][..], &rings[..], &[][..]),
-            Geometry::Polygons(polygons) => (None, &[][..], &[][..], &polygons[..]),
+            FeatureGeometry::Point(place) => (Some(*place), &[][..], &[][..], &[][..]),
+            FeatureGeometry::Line(line) => (None, &line[..], &[][..], &[][..]),
+            FeatureGeometry::Polygon(rings) => (None, &[][..], &rings[..], &[][..]),
+            FeatureGeometry::Polygons(polygons) => (None, &[][..], &[][..], &polygons[..]),
         };
         let rings = polygons.iter().flatten().chain(rings);
         let corners = rings.flatten().copied();
@@ -44,7 +44,7 @@ impl Geometry {
 
     /// The bytes in a system by its number.
     pub(crate) fn bytes(&self, system: i32) -> Vec<u8> {
-        let is_point = matches!(self, Geometry::Point(_));
+        let is_point = matches!(self, FeatureGeometry::Point(_));
         // Lowest byte first; an envelope of two dimensions where it is no point.
         let flags = if is_point { 0b001 } else { 0b011 };
         let mut bytes = vec![b'G', b'P', 0, flags];
@@ -56,16 +56,16 @@ impl Geometry {
             }
         }
         match self {
-            Geometry::Point(place) => {
+            FeatureGeometry::Point(place) => {
                 begin(&mut bytes, POINT);
                 put_places(&mut bytes, &[*place]);
             }
-            Geometry::Line(line) => {
+            FeatureGeometry::Line(line) => {
                 begin(&mut bytes, LINE);
                 put_line(&mut bytes, line);
             }
-            Geometry::Polygon(rings) => put_polygon(&mut bytes, rings),
-            Geometry::Polygons(polygons) => {
+            FeatureGeometry::Polygon(rings) => put_polygon(&mut bytes, rings),
+            FeatureGeometry::Polygons(polygons) => {
                 begin(&mut bytes, POLYGONS);
                 put_count(&mut bytes, polygons.len());
                 for rings in polygons {
@@ -119,22 +119,22 @@ mod tests {
 
     #[test]
     fn a_shape_is_well_known_binary_behind_a_header() {
-        let point = Geometry::Point([1.5, -2.0]).bytes(4326);
+        let point = FeatureGeometry::Point([1.5, -2.0]).bytes(4326);
         assert_eq!(point[..8], [b'G', b'P', 0, 1, 0xe6, 0x10, 0, 0]);
         assert_eq!(point[8..13], [1, 1, 0, 0, 0]);
         assert_eq!(point[13..21], 1.5_f64.to_le_bytes());
         assert_eq!(point.len(), 29);
         let ring = vec![[0.0, 0.0], [2.0, 0.0], [1.0, 3.0], [0.0, 0.0]];
-        let polygon = Geometry::Polygon(vec![ring.clone()]).bytes(4326);
+        let polygon = FeatureGeometry::Polygon(vec![ring.clone()]).bytes(4326);
         assert_eq!(polygon[3], 3);
         // West, east, south, north.
         assert_eq!(polygon[16..24], 2.0_f64.to_le_bytes());
         assert_eq!(polygon[32..40], 3.0_f64.to_le_bytes());
         assert_eq!(polygon[40..49], [1, 3, 0, 0, 0, 1, 0, 0, 0]);
         assert_eq!(polygon.len(), 8 + 32 + 5 + 8 + 4 * 16);
-        let line = Geometry::Line(ring.clone()).bytes(4326);
+        let line = FeatureGeometry::Line(ring.clone()).bytes(4326);
         assert_eq!(line[40..49], [1, 2, 0, 0, 0, 4, 0, 0, 0]);
-        let several = Geometry::Polygons(vec![vec![ring.clone()], vec![ring]]).bytes(4326);
+        let several = FeatureGeometry::Polygons(vec![vec![ring.clone()], vec![ring]]).bytes(4326);
         assert_eq!(several[40..49], [1, 6, 0, 0, 0, 2, 0, 0, 0]);
         assert_eq!(several[49..], [&polygon[40..], &polygon[40..]].concat());
     }
@@ -142,12 +142,12 @@ mod tests {
     #[test]
     fn nothing_has_no_bounds() {
         assert!(
-            Geometry::Line(Vec::new())
+            FeatureGeometry::Line(Vec::new())
                 .bounds()
                 .iter()
                 .all(|end| end.is_nan())
         );
-        let line = Geometry::Line(vec![[3.0, 1.0], [-2.0, 5.0]]);
+        let line = FeatureGeometry::Line(vec![[3.0, 1.0], [-2.0, 5.0]]);
         assert_eq!(line.bounds(), [-2.0, 1.0, 3.0, 5.0]);
     }
 }

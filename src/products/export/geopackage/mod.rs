@@ -6,9 +6,9 @@
 mod geometry;
 mod spatial_index;
 
-pub(crate) use geometry::{Geometry, Ring};
+pub(crate) use geometry::{FeatureGeometry, Ring};
 
-use super::sqlite::{Kind, Value, database, insert, run, text};
+use super::sqlite::{DatabaseKind, Value, database, insert, run, text};
 use super::{ExportError, Summary};
 use crate::support::calendar;
 use crate::support::geo::Crs;
@@ -18,7 +18,7 @@ use std::io;
 use std::path::Path;
 
 /// `GPKG`, and version 1.3.0.
-const KIND: Kind = Kind {
+const KIND: DatabaseKind = DatabaseKind {
     application: 0x4750_4b47,
     version: 10_300,
 };
@@ -47,7 +47,7 @@ pub(crate) struct Layer {
     /// Its columns behind the geometry, as SQL declares them: `depth_m DOUBLE, label TEXT`.
     pub columns: &'static str,
     /// Its features, each with a value a column.
-    pub features: Vec<(Geometry, Vec<Value>)>,
+    pub features: Vec<(FeatureGeometry, Vec<Value>)>,
     /// How QGIS draws it (QML).
     pub style: String,
 }
@@ -207,7 +207,7 @@ mod tests {
             geometry: "POINT",
             columns: "label TEXT",
             features: (places.iter())
-                .map(|place| (Geometry::Point(*place), vec![text("2 & 3")]))
+                .map(|place| (FeatureGeometry::Point(*place), vec![text("2 & 3")]))
                 .collect(),
             style: format!("<qgis>{name}</qgis>"),
         };

@@ -3,7 +3,7 @@
 use super::{ObjectLog, ObjectRow, log_name};
 use crate::detection::targets::Target;
 use crate::products::export::ExportError;
-use crate::products::export::geopackage::{Geometry, Layer, geopackage};
+use crate::products::export::geopackage::{FeatureGeometry, Layer, geopackage};
 use crate::products::export::qgis_vector::{target_outline_style, target_style};
 use crate::products::export::sqlite::{Value, count, text};
 use crate::support::geo::{Crs, LonLat};
@@ -40,13 +40,13 @@ pub(crate) fn object_layers(
     let placed = || (rows.iter()).filter_map(|row| Some((row, row.of.target.as_ref()?)));
     let values = |row, target| attributes(row, target, log_name(logs, row));
     let points = placed().map(|(row, target)| {
-        let at = Geometry::Point(place(target.position));
+        let at = FeatureGeometry::Point(place(target.position));
         (at, values(row, target))
     });
     let outlines = placed().filter_map(|(row, target)| {
         let corners = row.outline?;
         let around = corners.into_iter().chain([corners[0]]);
-        let ring = Geometry::Polygon(vec![around.map(&place).collect()]);
+        let ring = FeatureGeometry::Polygon(vec![around.map(&place).collect()]);
         Some((ring, values(row, target)))
     });
     let outlines = Layer {

@@ -1,11 +1,13 @@
 //! `.gpx` (GPX 1.1).
 
-use super::{Place, PlannedWay};
-use crate::bottom::planning::Station;
+use super::{PlannedWay, WayPlace};
+use crate::bottom::planning::WaypointKind;
 use crate::support::printable::xml;
 
 pub(super) fn text(way: &PlannedWay<'_>) -> String {
-    let ends = way.places().filter(|place| place.station != Station::Turn);
+    let ends = way
+        .places()
+        .filter(|place| place.station != WaypointKind::Turn);
     let waypoints: String = ends.map(|place| point("wpt", &place)).collect();
     let route: String = way.places().map(|place| point("rtept", &place)).collect();
     let (name, description) = (xml(way.name), xml(&way.description()));
@@ -16,7 +18,7 @@ pub(super) fn text(way: &PlannedWay<'_>) -> String {
     )
 }
 
-fn point(kind: &str, place: &Place) -> String {
+fn point(kind: &str, place: &WayPlace) -> String {
     let (lat, lon) = (place.at.lat_deg, place.at.lon_deg);
     let name = place.name();
     format!("<{kind} lat=\"{lat:.8}\" lon=\"{lon:.8}\"><name>{name}</name></{kind}>\n")

@@ -11,7 +11,7 @@ mod mission_planner;
 mod qgroundcontrol;
 
 use super::{ExportError, write_bytes};
-use crate::bottom::planning::{Plan, Station};
+use crate::bottom::planning::{Plan, WaypointKind};
 use crate::support::geo::{LocalFrame, LonLat};
 use std::path::{Path, PathBuf};
 
@@ -81,9 +81,9 @@ pub(crate) struct PlannedWay<'a> {
 }
 
 /// A place of the way on the Earth.
-struct Place {
+struct WayPlace {
     at: LonLat,
-    station: Station,
+    station: WaypointKind,
 }
 
 impl PlannedWay<'_> {
@@ -98,9 +98,9 @@ impl PlannedWay<'_> {
         write_bytes(path, text)
     }
 
-    fn places(&self) -> impl Iterator<Item = Place> {
+    fn places(&self) -> impl Iterator<Item = WayPlace> {
         let way = self.plan.way.iter();
-        way.map(|waypoint| Place {
+        way.map(|waypoint| WayPlace {
             at: self.lon_lat(waypoint.place),
             station: waypoint.station,
         })
@@ -123,13 +123,13 @@ impl PlannedWay<'_> {
     }
 }
 
-impl Place {
+impl WayPlace {
     /// `L3 start`, `L3 end`, `turn`; lines count from 1.
     fn name(&self) -> String {
         match self.station {
-            Station::Start(line) => format!("L{} start", line + 1),
-            Station::End(line) => format!("L{} end", line + 1),
-            Station::Turn => "turn".to_owned(),
+            WaypointKind::Start(line) => format!("L{} start", line + 1),
+            WaypointKind::End(line) => format!("L{} end", line + 1),
+            WaypointKind::Turn => "turn".to_owned(),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! `.plan` of QGroundControl, version 1, as its developer guide has it ("Plan File Format").
 
-use super::{Place, PlannedWay};
+use super::{PlannedWay, WayPlace};
 use serde_json::{Value, json};
 
 /// `MAV_CMD_NAV_WAYPOINT` of MAVLink.
@@ -35,7 +35,7 @@ pub(super) fn text(way: &PlannedWay<'_>) -> String {
     format!("{plan:#}\n")
 }
 
-fn item((number, place): (u32, Place)) -> Value {
+fn item((number, place): (u32, WayPlace)) -> Value {
     let (lat_deg, lon_deg) = (degrees(place.at.lat_deg), degrees(place.at.lon_deg));
     json!({
         "AMSLAltAboveTerrain": null,

@@ -3,12 +3,12 @@
 
 use super::{TileSet, TileStore};
 use crate::products::export::ExportError;
-use crate::products::export::sqlite::{Kind, Value, database, insert, run, text};
+use crate::products::export::sqlite::{DatabaseKind, Value, database, insert, run, text};
 use crate::products::map_tiles::{TileStyle, WebTile};
 use std::path::Path;
 
 /// `MPBX`.
-const KIND: Kind = Kind {
+const KIND: DatabaseKind = DatabaseKind {
     application: 0x4d50_4258,
     version: 0,
 };

@@ -47,7 +47,7 @@ pub(crate) fn pmtiles(
 }
 
 /// An entry of a directory: the number of a tile, where its bytes begin and how many they are; or of a directory, which has no run of tiles.
-struct Entry {
+struct DirectoryEntry {
     id: u64,
     run: u64,
     at: u64,
@@ -58,7 +58,7 @@ struct Entry {
 fn directories(tiles: &[(u64, Stored)]) -> io::Result<[Vec<u8>; 2]> {
     let mut at = 0;
     let entries = tiles.iter().map(|(id, stored)| {
-        let entry = Entry {
+        let entry = DirectoryEntry {
             id: *id,
             run: 1,
             at,
@@ -67,7 +67,7 @@ fn directories(tiles: &[(u64, Stored)]) -> io::Result<[Vec<u8>; 2]> {
         at += entry.length;
         entry
     });
-    let entries: Vec<Entry> = entries.collect();
+    let entries: Vec<DirectoryEntry> = entries.collect();
     let root = directory(&entries)?;
     if HEADER + root.len() <= FIRST_READ {
         return Ok([root, Vec::new()]);
@@ -77,7 +77,7 @@ fn directories(tiles: &[(u64, Stored)]) -> io::Result<[Vec<u8>; 2]> {
         let (mut leaves, mut lead) = (Vec::new(), Vec::new());
         for part in entries.chunks(size) {
             let leaf = directory(part)?;
-            lead.push(Entry {
+            lead.push(DirectoryEntry {
                 id: part.first().map_or(0, |first| first.id),
                 run: 0,
                 at: leaves.len() as u64,
@@ -93,7 +93,7 @@ fn directories(tiles: &[(u64, Stored)]) -> io::Result<[Vec<u8>; 2]> {
     }
 }
 
-fn directory(entries: &[Entry]) -> io::Result<Vec<u8>> {
+fn directory(entries: &[DirectoryEntry]) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     put(&mut bytes, entries.len() as u64);
     let before = std::iter::once(0).chain(entries.iter().map(|entry| entry.id));

@@ -1,7 +1,7 @@
 //! Pictures of tiles, from when they are drawn until they are written in the order that a file wants.
 
 use crate::products::export::{ExportError, RasterError};
-use crate::products::map_tiles::{TileSource, TileStyle, WebTile, pyramid};
+use crate::products::map_tiles::{PyramidSource, TileStyle, WebTile, pyramid};
 use crate::support::progress::Progress;
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -52,7 +52,7 @@ impl TileStore {
     /// When the folder cannot be written into, the source cannot be read, or the work was cancelled.
     pub(crate) fn draw(
         folder: &Path,
-        source: &impl TileSource,
+        source: &impl PyramidSource,
         progress: &Progress,
     ) -> Result<Self, RasterError> {
         let fail = ExportError::at(folder);

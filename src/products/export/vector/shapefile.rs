@@ -67,14 +67,16 @@ fn table(file: File, names: &[&'static str], lines: &[LabelledLine]) -> io::Resu
     }
     let mut writer = fields.build_with_dest(BufWriter::new(file));
     for line in lines.iter().filter(|line| line.points.len() > 1) {
-        writer.write_record(&Row(line)).map_err(io::Error::other)?;
+        writer
+            .write_record(&ShapefileRow(line))
+            .map_err(io::Error::other)?;
     }
     writer.finalize().map_err(io::Error::other)
 }
 
-struct Row<'a>(&'a LabelledLine);
+struct ShapefileRow<'a>(&'a LabelledLine);
 
-impl WritableRecord for Row<'_> {
+impl WritableRecord for ShapefileRow<'_> {
     fn write_using<W: Write>(&self, writer: &mut FieldWriter<'_, W>) -> Result<(), FieldError> {
         writer.write_next_field_value(&self.0.label)?;
         for number in &self.0.numbers {

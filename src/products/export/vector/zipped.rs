@@ -24,7 +24,7 @@ pub(super) fn one_file<T>(
     // Check sum and sizes are filled in once they are known.
     out.write_all(&local_header(name, [0; 3]))?;
     let start = out.stream_position()?;
-    let mut counted = Counted {
+    let mut counted = ByteCounter {
         inner: CrcWriter::new(DeflateEncoder::new(out, Compression::default())),
         bytes: 0,
     };
@@ -48,12 +48,12 @@ pub(super) fn one_file<T>(
     Ok(made)
 }
 
-struct Counted<W> {
+struct ByteCounter<W> {
     inner: W,
     bytes: u64,
 }
 
-impl<W: Write> Write for Counted<W> {
+impl<W: Write> Write for ByteCounter<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let written = self.inner.write(bytes)?;
         self.bytes += written as u64;

@@ -12,7 +12,7 @@ use std::path::Path;
 const COLOURS: [[f64; 3]; 2] = [[120.0, 200.0, 255.0], [8.0, 48.0, 160.0]];
 
 /// What is drawn, and how.
-pub(in crate::products::outputs) struct Drawn<'a> {
+pub(in crate::products::outputs) struct DrawnContours<'a> {
     /// The lines and the areas between them.
     pub contours: &'a Contours,
     settings: &'a IsobathSettings,
@@ -21,7 +21,7 @@ pub(in crate::products::outputs) struct Drawn<'a> {
     pub ground: f64,
 }
 
-impl<'a> Drawn<'a> {
+impl<'a> DrawnContours<'a> {
     /// Of a survey that has a depth map.
     pub(crate) fn of(results: &'a Results<'_>) -> Result<Self, OutputError> {
         let grid = &results.surface()?.ok_or(super::NO_SURFACE)?.grid;
@@ -48,7 +48,7 @@ impl<'a> Drawn<'a> {
 
 /// Writes `isobaths.geojson`.
 pub(crate) fn isobaths_geojson(results: &Results<'_>, path: &Path) -> FileResult {
-    let drawn = Drawn::of(results)?;
+    let drawn = DrawnContours::of(results)?;
     let place = |at| results.to_lon_lat(at);
     let lines = export::isobaths_geojson(path, &drawn.lines(), place)?;
     Ok(FileContent::in_degrees(lines))
@@ -56,14 +56,14 @@ pub(crate) fn isobaths_geojson(results: &Results<'_>, path: &Path) -> FileResult
 
 /// Writes `isobaths.kmz`.
 pub(crate) fn isobaths_kmz(results: &Results<'_>, path: &Path) -> FileResult {
-    let lines = named_lines(&Drawn::of(results)?, results);
+    let lines = named_lines(&DrawnContours::of(results)?, results);
     let lines = export::lines_kmz(path, &results.survey.name(), &lines)?;
     Ok(FileContent::in_degrees(lines))
 }
 
 /// Writes `isobaths.shp` with what belongs to it, in the system of the map.
 pub(crate) fn isobaths_shapefile(results: &Results<'_>, path: &Path) -> FileResult {
-    let lines = named_lines(&Drawn::of(results)?, results);
+    let lines = named_lines(&DrawnContours::of(results)?, results);
     let crs = &results.plane.map.crs;
     let lines = export::lines_shapefile(path, crs, &["depth_m", "length_m"], &lines)?;
     Ok(FileContent::in_system(crs, lines))
@@ -71,7 +71,7 @@ pub(crate) fn isobaths_shapefile(results: &Results<'_>, path: &Path) -> FileResu
 
 /// Writes `depth_areas.geojson`.
 pub(crate) fn depth_areas(results: &Results<'_>, path: &Path) -> FileResult {
-    let drawn = Drawn::of(results)?;
+    let drawn = DrawnContours::of(results)?;
     let place = |at| results.to_lon_lat(at);
     let areas = export::depth_areas_geojson(path, &drawn.contours.areas, drawn.ground, place)?;
     Ok(FileContent::in_degrees(areas))
@@ -88,13 +88,13 @@ pub(crate) fn spot_soundings(results: &Results<'_>, path: &Path) -> FileResult {
 
 /// Writes `storage.csv`.
 pub(crate) fn storage(results: &Results<'_>, path: &Path) -> FileResult {
-    let drawn = Drawn::of(results)?;
+    let drawn = DrawnContours::of(results)?;
     let levels = export::storage_csv(path, &drawn.contours.table, drawn.ground)?;
     Ok(FileContent::of_table(levels))
 }
 
 /// The lines with their depth beside them, the deeper the darker.
-fn named_lines(drawn: &Drawn<'_>, results: &Results<'_>) -> Vec<LabelledLine> {
+fn named_lines(drawn: &DrawnContours<'_>, results: &Results<'_>) -> Vec<LabelledLine> {
     let (lines, ground) = (&drawn.contours.isobaths.lines, drawn.ground.sqrt());
     let depths = lines.iter().map(|line| line.depth_m);
     let [least_m, most_m] = depths.fold([f64::MAX, f64::MIN], |[least, most], depth| {

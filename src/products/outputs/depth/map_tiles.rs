@@ -5,7 +5,7 @@ use crate::bottom::bathymetry::isobaths::{Isobath, IsobathSettings, clipped};
 use crate::pipeline::{DepthMap, Isobaths, Products};
 use crate::products::export::tile_sets::{TileSet, TileStore};
 use crate::products::map_tiles::{
-    LitSurface, MapScales, Pixels, TileSource, WebTile, ZoomRange, web_pixel,
+    LitSurface, MapScales, Pixels, PyramidSource, WebTile, ZoomRange, web_pixel,
 };
 use crate::products::outputs::OutputError;
 use crate::support::geo::{MapPlane, boxes_meet};
@@ -91,7 +91,7 @@ impl<'a> RunTiles<'a> {
     }
 }
 
-impl TileSource for RunTiles<'_> {
+impl PyramidSource for RunTiles<'_> {
     fn scales(&self) -> &MapScales {
         &self.scales
     }

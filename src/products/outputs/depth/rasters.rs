@@ -4,8 +4,8 @@
 use super::applied;
 use crate::bottom::bathymetry::isobaths::shoalest_m;
 use crate::bottom::bathymetry::{CellSource, Grid, Spread, Surface};
-use crate::formats::geotiff::{Band, Cells, RasterSpec};
-use crate::pipeline::Plane;
+use crate::formats::geotiff::{Band, CellFormat, RasterSpec};
+use crate::pipeline::CloudPlane;
 use crate::products::export::{Summary, metres_raster, qgis_classes, qgis_style, source_raster};
 use crate::products::outputs::content::{FileContent, FileResult};
 use crate::products::outputs::raster;
@@ -16,7 +16,7 @@ use crate::support::presentation::colours::{
 use std::path::Path;
 
 /// A raster to write.
-struct Layer {
+struct RasterLayer {
     band: Band,
     what: &'static str,
     colour: fn(f32) -> [u8; 3],
@@ -35,7 +35,7 @@ const STEPS: usize = 10;
 
 /// Writes `depth.tif`.
 pub(crate) fn depth(results: &Results<'_>, path: &Path) -> FileResult {
-    let layer = Layer {
+    let layer = RasterLayer {
         band: band("depth", true),
         what: "Depth in metres, positive down",
         colour: depth_colour,
@@ -52,7 +52,7 @@ pub(crate) fn uncertainty(results: &Results<'_>, path: &Path) -> FileResult {
         }
         Spread::OfSoundings => "Standard deviation in metres of the depths that carry a cell",
     };
-    let layer = Layer {
+    let layer = RasterLayer {
         band: band("standard deviation of depth", false),
         what,
         colour: uncertainty_colour,
@@ -62,7 +62,7 @@ pub(crate) fn uncertainty(results: &Results<'_>, path: &Path) -> FileResult {
 
 /// Writes `distance.tif`.
 pub(crate) fn distance(results: &Results<'_>, path: &Path) -> FileResult {
-    let layer = Layer {
+    let layer = RasterLayer {
         band: band("distance to the nearest depth", false),
         what: "Distance in metres from a cell to the nearest depth",
         colour: distance_colour,
@@ -74,7 +74,7 @@ pub(crate) fn distance(results: &Results<'_>, path: &Path) -> FileResult {
 pub(crate) fn shoalest(results: &Results<'_>, path: &Path) -> FileResult {
     let depth_map = results.depth_map()?.ok_or(super::NO_SURFACE)?;
     let points = depth_map.depth_points(results.progress)?;
-    let layer = Layer {
+    let layer = RasterLayer {
         band: band("shoalest depth", true),
         what: "Shoalest depth in metres that was measured in a cell, positive down",
         colour: depth_colour,
@@ -85,7 +85,7 @@ pub(crate) fn shoalest(results: &Results<'_>, path: &Path) -> FileResult {
 
 /// Writes `hardness.tif`.
 pub(crate) fn hardness(results: &Results<'_>, path: &Path) -> FileResult {
-    let layer = Layer {
+    let layer = RasterLayer {
         band: Band {
             unit: "decibel",
             ..band("brightness of the bed over the median", false)
@@ -123,7 +123,7 @@ pub(crate) fn source(results: &Results<'_>, path: &Path) -> FileResult {
 }
 
 fn write(
-    layer: &Layer,
+    layer: &RasterLayer,
     values: impl Fn(&Surface) -> &[f32],
     results: &Results<'_>,
     path: &Path,
@@ -132,12 +132,17 @@ fn write(
     write_values(layer, values(surface), results, path)
 }
 
-fn write_values(layer: &Layer, values: &[f32], results: &Results<'_>, path: &Path) -> FileResult {
+fn write_values(
+    layer: &RasterLayer,
+    values: &[f32],
+    results: &Results<'_>,
+    path: &Path,
+) -> FileResult {
     let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
     let (grid, plane) = (&surface.grid, &results.plane);
     let applied = applied(results.products, surface);
     let spec = RasterSpec {
-        cells: Cells::Metres,
+        cells: CellFormat::Metres,
         band: Some(layer.band),
         description: format!("{}; {}. {applied}", layer.what, plane.survey.name()),
         ..raster::over(grid, &plane.map)
@@ -150,7 +155,7 @@ fn write_values(layer: &Layer, values: &[f32], results: &Results<'_>, path: &Pat
 }
 
 /// The cells that are known, and the whole raster around them.
-fn summary(plane: &Plane<'_>, grid: &Grid, values: &[f32]) -> Summary {
+fn summary(plane: &CloudPlane<'_>, grid: &Grid, values: &[f32]) -> Summary {
     let mut summary = Summary::default();
     let known = values.iter().filter(|value| !value.is_nan());
     known.for_each(|value| summary.add([f64::NAN; 2], f64::from(*value)));

@@ -1,6 +1,6 @@
 //! Rows of files of a kind: the columns that they share.
 
-use super::{Described, OutputFile, RunFile, WriteFile, Writer};
+use super::{Described, FileWriter, OutputFile, RunFile, WriteFile};
 use crate::products::outputs::need::Need;
 use crate::products::outputs::order::When;
 use crate::products::outputs::product::Product;
@@ -47,18 +47,18 @@ const BOXES: &str = "Boxes that the detector proposes, not reviewed";
 
 /// A row with the columns that most rows share.
 pub(super) const fn row(name: Text, when: When, write: WriteFile) -> OutputFile {
-    row_written_by(name, when, Writer::Results(write))
+    row_written_by(name, when, FileWriter::Results(write))
 }
 
 /// A file that tells of all others.
 pub(super) const fn run_file(name: Text, when: When, brief: Text, file: RunFile) -> OutputFile {
     OutputFile {
         brief,
-        ..row_written_by(name, when, Writer::Run(file))
+        ..row_written_by(name, when, FileWriter::Run(file))
     }
 }
 
-const fn row_written_by(name: Text, when: When, writer: Writer) -> OutputFile {
+const fn row_written_by(name: Text, when: When, writer: FileWriter) -> OutputFile {
     OutputFile {
         name,
         companions: &[],

@@ -1,7 +1,7 @@
 //! What the recorded depth says about where the line can lie.
 
 use super::TUNING;
-use super::runs::Chunk;
+use super::runs::TrackerChunk;
 use super::score::Scores;
 use crate::survey::Survey;
 
@@ -15,7 +15,7 @@ pub(super) struct Depths {
 
 impl Depths {
     /// The depths of a chunk's pings.
-    pub(super) fn of(survey: &Survey, chunk: &Chunk, cell_m: f64) -> Self {
+    pub(super) fn of(survey: &Survey, chunk: &TrackerChunk, cell_m: f64) -> Self {
         let depths = chunk.pings.iter().map(|&ping| {
             let depth_m = f64::from(survey.locked_depth_m(ping as usize));
             if depth_m > 0.0 {

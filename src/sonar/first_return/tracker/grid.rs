@@ -2,12 +2,12 @@
 
 /// Rows of equal width.
 #[derive(Default)]
-pub(super) struct Grid {
+pub(super) struct TrackerGrid {
     cells: Vec<f32>,
     width: usize,
 }
 
-impl Grid {
+impl TrackerGrid {
     /// Makes it `rows` by `width`, every cell `fill`; memory is kept.
     pub(super) fn reset(&mut self, rows: usize, width: usize, fill: f32) {
         self.width = width;

@@ -1,6 +1,6 @@
 //! Which rows of the line are picks, and what speaks for them.
 
-use super::grid::Grid;
+use super::grid::TrackerGrid;
 use super::score::Scores;
 
 /// A line whose mean score along these rows to both sides is lower is no bottom.
@@ -13,7 +13,7 @@ const ALONG: usize = 4;
 pub(super) const RIVAL_M: f64 = 0.25;
 
 /// The mean score of the line around each row; `None` where it is no pick.
-pub(super) fn evidence(scores: &Grid, line: &[usize]) -> Vec<Option<f32>> {
+pub(super) fn evidence(scores: &TrackerGrid, line: &[usize]) -> Vec<Option<f32>> {
     let own: Vec<f32> = (0..line.len())
         .map(|row| scores.row(row)[line[row]])
         .collect();

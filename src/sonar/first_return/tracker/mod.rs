@@ -20,12 +20,12 @@ mod score;
 mod straight;
 mod viterbi;
 
-use super::confidence::Found;
+use super::confidence::MethodPick;
 use super::{FirstReturnSettings, Normalisation};
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::{Side, Survey};
 use rayon::prelude::*;
-use runs::Chunk;
+use runs::TrackerChunk;
 use std::ops::Range;
 
 /// What the tracker is set to; chosen on simulated ponds and looked at on real recordings.
@@ -90,7 +90,7 @@ pub(super) fn track(
     settings: &FirstReturnSettings,
     pings: Range<usize>,
     progress: &Progress,
-) -> Result<[Vec<Found>; 2], Cancelled> {
+) -> Result<[Vec<MethodPick>; 2], Cancelled> {
     let mut sides = [Vec::new(), Vec::new()];
     let chunks = Side::BOTH.map(|side| runs::chunks(survey, side, &pings));
     progress.start(
@@ -110,7 +110,7 @@ pub(super) fn track(
                 Ok(picks)
             })
             .collect::<Result<Vec<_>, Cancelled>>()?;
-        picks.resize(pings.len(), Found::NONE);
+        picks.resize(pings.len(), MethodPick::NONE);
         for (chunk, tracked) in chunks.iter().zip(tracked) {
             for (&ping, pick) in chunk.kept_pings().iter().zip(tracked) {
                 if pings.contains(&(ping as usize)) {
@@ -125,7 +125,7 @@ pub(super) fn track(
 /// Buffers that a worker uses for one chunk after another.
 #[derive(Default)]
 struct Workspace {
-    rows: rows::Rows,
+    rows: rows::SampleRows,
     scores: score::Scores,
     paths: viterbi::Paths,
     refiner: refine::Refiner,
@@ -138,8 +138,8 @@ impl Workspace {
         normalisation: &Normalisation,
         settings: &FirstReturnSettings,
         side: Side,
-        chunk: &Chunk,
-    ) -> Vec<Found> {
+        chunk: &TrackerChunk,
+    ) -> Vec<MethodPick> {
         let cell_m = chunk.metres_per_sample * rows::cell(normalisation.samples) as f64;
         self.rows.load(survey, normalisation, side, chunk);
         self.scores.measure(
@@ -148,7 +148,7 @@ impl Workspace {
         );
         let depths = depth::Depths::of(survey, chunk, cell_m);
         depths.weigh(&mut self.scores);
-        let motion = viterbi::Motion::at(cell_m);
+        let motion = viterbi::MotionCost::at(cell_m);
         let mut line = self.paths.line(self.scores.grid(), &motion);
         if depths.forbid_beyond(&line, &mut self.scores) {
             line = self.paths.line(self.scores.grid(), &motion);
@@ -160,8 +160,8 @@ impl Workspace {
         let samples_per_cell = rows::cell(normalisation.samples) as f32;
         let kept = chunk.kept.clone();
         kept.map(|row| match evidence[row] {
-            None => Found::NONE,
-            Some(evidence) => Found {
+            None => MethodPick::NONE,
+            Some(evidence) => MethodPick {
                 sample: places[row] * samples_per_cell,
                 signs: [evidence, margins[row][0], margins[row][1]],
             },

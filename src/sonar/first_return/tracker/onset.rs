@@ -4,8 +4,8 @@
 //! weaker than that of the ground behind it, but it is the first return. So each row is read once more, hardly averaged:
 //! where does what lies unbroken before the edge rise out of the water?
 
-use super::grid::Grid;
-use super::rows::Rows;
+use super::grid::TrackerGrid;
+use super::rows::SampleRows;
 use super::straight::{extract, gaussian, smooth_along};
 use crate::support::statistics::upper_median;
 use std::ops::Range;
@@ -27,15 +27,15 @@ const NOISE_M: f64 = 0.003;
 /// Looks for onsets in a chunk.
 #[derive(Default)]
 pub(super) struct Onsets {
-    band: Grid,
-    averaged: Grid,
+    band: TrackerGrid,
+    averaged: TrackerGrid,
     /// The picture along the edge, one row a ping; the edge is in the middle.
-    picture: Grid,
-    levels: Vec<Levels>,
+    picture: TrackerGrid,
+    levels: Vec<EdgeLevels>,
 }
 
 /// Brightness of a row on both sides of the edge.
-struct Levels {
+struct EdgeLevels {
     water: f32,
     deviation: f32,
     bottom: f32,
@@ -48,7 +48,7 @@ impl Onsets {
     /// stone.
     pub(super) fn advance(
         &mut self,
-        rows: &Rows,
+        rows: &SampleRows,
         stretches: &[Range<usize>],
         places: &mut [f32],
         cell_m: f64,
@@ -62,7 +62,7 @@ impl Onsets {
         self.levels.clear();
         for row in 0..places.len() {
             self.levels
-                .push(Levels::of(self.picture.row(row), &water, &bottom));
+                .push(EdgeLevels::of(self.picture.row(row), &water, &bottom));
         }
         let rise = RISE * self.median(|row| row.bottom - row.water);
         if rise < QUIET * self.median(|row| row.deviation) {
@@ -94,7 +94,7 @@ impl Onsets {
     /// Fills the picture with the rows along the edge, averaged a little both ways.
     fn lay_straight(
         &mut self,
-        rows: &Rows,
+        rows: &SampleRows,
         stretches: &[Range<usize>],
         places: &[f32],
         middle: usize,
@@ -117,13 +117,13 @@ impl Onsets {
         }
     }
 
-    fn median(&self, of: impl Fn(&Levels) -> f32) -> f32 {
+    fn median(&self, of: impl Fn(&EdgeLevels) -> f32) -> f32 {
         let mut values: Vec<f32> = self.levels.iter().map(of).collect();
         upper_median(&mut values, f32::total_cmp).unwrap_or(0.0)
     }
 }
 
-impl Levels {
+impl EdgeLevels {
     fn of(picture: &[f32], water: &Range<usize>, bottom: &Range<usize>) -> Self {
         let mean = |values: &[f32]| values.iter().sum::<f32>() / values.len().max(1) as f32;
         let before = &picture[water.clone()];

@@ -5,12 +5,12 @@
 //! below the bottom's plateau. The recorders' picture is logarithmic, so the toe of a strong echo shows earlier than that of
 //! a weak one; a fixed drop in bytes is a fixed drop in decibels, at which both edges lie equally far from the true range.
 
-use super::grid::{Grid, peak_offset};
+use super::grid::{TrackerGrid, peak_offset};
 use super::onset::Onsets;
-use super::rows::Rows;
+use super::rows::SampleRows;
 use super::score::{FLOOR, MOST};
 use super::straight::{extract, gaussian, smooth, smooth_along, stretches};
-use super::viterbi::{Motion, Paths};
+use super::viterbi::{MotionCost, Paths};
 use crate::support::statistics::upper_median;
 use std::ops::Range;
 
@@ -37,10 +37,10 @@ const LEAST_RISE: f32 = 0.15;
 /// Works the line of a chunk over.
 #[derive(Default)]
 pub(super) struct Refiner {
-    band: Grid,
-    smoothed: Grid,
-    scores: Grid,
-    profiles: Grid,
+    band: TrackerGrid,
+    smoothed: TrackerGrid,
+    scores: TrackerGrid,
+    profiles: TrackerGrid,
     paths: Paths,
     onsets: Onsets,
 }
@@ -49,7 +49,7 @@ impl Refiner {
     /// The place of the edge on every row, in cells. `limit` is how far the line moves from row to row without a leap.
     pub(super) fn refine(
         &mut self,
-        rows: &Rows,
+        rows: &SampleRows,
         line: &[usize],
         limit: usize,
         cell_m: f64,
@@ -71,10 +71,10 @@ impl Refiner {
             }
             places.extend(found);
         }
-        let profiles: Vec<Profile> = (0..line.len())
-            .map(|row| Profile::of(self.profiles.row(row), cell_m))
+        let profiles: Vec<LineProfile> = (0..line.len())
+            .map(|row| LineProfile::of(self.profiles.row(row), cell_m))
             .collect();
-        let mut contrasts: Vec<f32> = profiles.iter().map(Profile::contrast).collect();
+        let mut contrasts: Vec<f32> = profiles.iter().map(LineProfile::contrast).collect();
         let drop = DROP * upper_median(&mut contrasts, f32::total_cmp).unwrap_or(0.0);
         for (place, profile) in places.iter_mut().zip(&profiles) {
             *place += profile.edge(drop);
@@ -86,7 +86,7 @@ impl Refiner {
     /// The steps close to `line`, searched again on the straightened picture.
     fn search(
         &mut self,
-        rows: &Rows,
+        rows: &SampleRows,
         stretch: &Range<usize>,
         line: &[f32],
         cell_m: f64,
@@ -99,7 +99,7 @@ impl Refiner {
         for row in 0..stretch.len() {
             short_steps(self.smoothed.row(row), window, self.scores.row_mut(row));
         }
-        let motion = Motion {
+        let motion = MotionCost {
             limit: MOVE.0,
             cost: MOVE.1,
             leap: f32::INFINITY,
@@ -142,7 +142,7 @@ fn moments(values: &[f32]) -> (f32, f32) {
 }
 
 /// The picture averaged along the line; the line goes through the middle cell.
-struct Profile<'a> {
+struct LineProfile<'a> {
     values: &'a [f32],
     /// Where the search for the edge begins.
     plateau_end: usize,
@@ -150,7 +150,7 @@ struct Profile<'a> {
     water: f32,
 }
 
-impl<'a> Profile<'a> {
+impl<'a> LineProfile<'a> {
     fn of(values: &'a [f32], cell_m: f64) -> Self {
         let middle = values.len() / 2;
         let mean = |range: Range<usize>| moments(&values[range]).0;

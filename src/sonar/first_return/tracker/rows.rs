@@ -1,7 +1,7 @@
 //! The picture of a chunk: one row of bytes a ping, nearest cell first, whatever the samples are.
 
 use super::super::{Normalisation, SampleMode, int32_image};
-use super::runs::Chunk;
+use super::runs::TrackerChunk;
 use crate::survey::{Side, Survey};
 
 /// Samples in a cell of the picture.
@@ -17,7 +17,7 @@ const MOST_CELLS: usize = 16_384;
 
 /// Rows of equal width; cells that were not recorded are zero.
 #[derive(Default)]
-pub(super) struct Rows {
+pub(super) struct SampleRows {
     cells: Vec<u8>,
     /// Cells in a row.
     pub width: usize,
@@ -26,14 +26,14 @@ pub(super) struct Rows {
     scratch: Vec<u8>,
 }
 
-impl Rows {
+impl SampleRows {
     /// Replaces the picture by that of `chunk`.
     pub(super) fn load(
         &mut self,
         survey: &Survey,
         normalisation: &Normalisation,
         side: Side,
-        chunk: &Chunk,
+        chunk: &TrackerChunk,
     ) {
         let mode = normalisation.samples;
         let lengths = chunk.pings.iter().map(|&ping| {

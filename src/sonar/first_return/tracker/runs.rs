@@ -13,7 +13,7 @@ const OVERLAP: usize = 96;
 const LONGEST_GAP_S: f64 = 1.5;
 
 /// Pings of one side that are tracked together.
-pub(super) struct Chunk {
+pub(super) struct TrackerChunk {
     /// All pings, overlap included.
     pub pings: Vec<u32>,
     /// Which of them this chunk answers for.
@@ -24,7 +24,7 @@ pub(super) struct Chunk {
     pub near_m: f64,
 }
 
-impl Chunk {
+impl TrackerChunk {
     /// The pings that this chunk answers for.
     pub(super) fn kept_pings(&self) -> &[u32] {
         &self.pings[self.kept.clone()]
@@ -32,7 +32,7 @@ impl Chunk {
 }
 
 /// The chunks of one side that answer for at least one ping of `requested`.
-pub(super) fn chunks(survey: &Survey, side: Side, requested: &Range<usize>) -> Vec<Chunk> {
+pub(super) fn chunks(survey: &Survey, side: Side, requested: &Range<usize>) -> Vec<TrackerChunk> {
     let mut chunks = Vec::new();
     for run in runs(survey, side) {
         let Some(span) = run
@@ -49,7 +49,7 @@ pub(super) fn chunks(survey: &Survey, side: Side, requested: &Range<usize>) -> V
                 continue;
             }
             let with_overlap = start.saturating_sub(OVERLAP)..run.len().min(kept.end + OVERLAP);
-            chunks.push(Chunk {
+            chunks.push(TrackerChunk {
                 kept: kept.start - with_overlap.start..kept.end - with_overlap.start,
                 pings: run[with_overlap].to_vec(),
                 metres_per_sample: span.metres_per_sample(),
@@ -127,7 +127,11 @@ mod tests {
     fn every_ping_is_answered_for_once_and_chunks_do_not_depend_on_the_request() {
         let survey = survey((0..2000).map(|ping| (0.05 * f64::from(ping), 12.0)));
         let all = chunks(&survey, Side::Port, &(0..2000));
-        let kept: Vec<u32> = all.iter().flat_map(Chunk::kept_pings).copied().collect();
+        let kept: Vec<u32> = all
+            .iter()
+            .flat_map(TrackerChunk::kept_pings)
+            .copied()
+            .collect();
         assert!(kept.into_iter().eq(0..2000));
         let some = chunks(&survey, Side::Port, &(700..701));
         assert_eq!(some.len(), 1);

@@ -2,9 +2,9 @@
 
 use super::super::{FirstReturnSettings, Normalisation, SampleMode};
 use super::TUNING;
-use super::grid::Grid;
-use super::rows::Rows;
-use super::runs::Chunk;
+use super::grid::TrackerGrid;
+use super::rows::SampleRows;
+use super::runs::TrackerChunk;
 use std::ops::{Bound, RangeBounds};
 
 /// Weights of the smoothing along the track: a gaussian of 1.2 pings that sums to 64.
@@ -42,7 +42,7 @@ impl Kernel {
     pub(super) fn new(
         normalisation: &Normalisation,
         settings: &FirstReturnSettings,
-        chunk: &Chunk,
+        chunk: &TrackerChunk,
         cell_m: f64,
     ) -> Self {
         let level = match normalisation.samples {
@@ -64,7 +64,7 @@ impl Kernel {
 /// Scores of all cells of a chunk; cells that cannot be a return have [`Scores::CLOSED`].
 #[derive(Default)]
 pub(super) struct Scores {
-    grid: Grid,
+    grid: TrackerGrid,
     fine: Vec<i16>,
     loudest: Vec<u8>,
     spare: Vec<u8>,
@@ -79,7 +79,7 @@ impl Scores {
     pub(super) const CLOSED: f32 = -1.0;
 
     /// Replaces the scores by those of the rows.
-    pub(super) fn measure(&mut self, rows: &Rows, kernel: &Kernel) {
+    pub(super) fn measure(&mut self, rows: &SampleRows, kernel: &Kernel) {
         self.grid.reset(rows.len(), rows.width, Self::CLOSED);
         for row in 0..rows.len() {
             self.smooth(rows, row);
@@ -89,7 +89,7 @@ impl Scores {
             quiet_water(&mut self.quiet, &self.sums, kernel);
             let out = self.grid.row_mut(row);
             let sums = (&self.sums[..], &self.squares[..]);
-            let water = Water {
+            let water = WaterBrightness {
                 before: &self.before,
                 quiet: &self.quiet,
             };
@@ -99,7 +99,7 @@ impl Scores {
     }
 
     /// Scores of all rows.
-    pub(super) fn grid(&self) -> &Grid {
+    pub(super) fn grid(&self) -> &TrackerGrid {
         &self.grid
     }
 
@@ -119,7 +119,7 @@ impl Scores {
         }
     }
 
-    fn smooth(&mut self, rows: &Rows, row: usize) {
+    fn smooth(&mut self, rows: &SampleRows, row: usize) {
         let at = |offset: isize| rows.row(row as isize + offset);
         self.fine.clear();
         self.fine.extend(
@@ -140,7 +140,7 @@ impl Scores {
     }
 
     /// For every cell, the loudest one in the window that begins there, over this ping and its neighbours.
-    fn find_loudest(&mut self, rows: &Rows, row: usize, window: usize) {
+    fn find_loudest(&mut self, rows: &SampleRows, row: usize, window: usize) {
         self.loudest.clear();
         self.loudest.extend_from_slice(rows.row(row as isize));
         for offset in (-LOUD_ALONG..=LOUD_ALONG).filter(|&offset| offset != 0) {
@@ -210,7 +210,7 @@ fn quiet_water(out: &mut Vec<f32>, sums: &[u32], kernel: &Kernel) {
 }
 
 /// How bright it is before every cell.
-struct Water<'a> {
+struct WaterBrightness<'a> {
     /// See [`brightness_before`].
     before: &'a [f32],
     /// See [`quiet_water`].
@@ -222,7 +222,7 @@ struct Water<'a> {
 fn step_scores(
     out: &mut [f32],
     (sums, squares): (&[u32], &[u32]),
-    water: &Water<'_>,
+    water: &WaterBrightness<'_>,
     kernel: &Kernel,
     recorded: usize,
 ) {

@@ -1,8 +1,8 @@
 //! The picture along the line: bands of cells around it, so that what follows the line lies level and can be averaged
 //! along the track without smearing a sloping edge.
 
-use super::grid::Grid;
-use super::rows::Rows;
+use super::grid::TrackerGrid;
+use super::rows::SampleRows;
 use std::ops::Range;
 
 /// Stretches of rows over which the line moves no more than `limit` cells a row.
@@ -49,11 +49,11 @@ fn neighbours(count: usize, at: usize, weights: &[f32]) -> impl Iterator<Item = 
 /// Fills `band` with the cells from `half` before to `half` beyond the line on each row of a stretch, interpolated.
 /// `line` holds the places of the stretch's rows; beyond the recorded cells, the last one is repeated.
 pub(super) fn extract(
-    rows: &Rows,
+    rows: &SampleRows,
     stretch: &Range<usize>,
     line: &[f32],
     half: usize,
-    band: &mut Grid,
+    band: &mut TrackerGrid,
 ) {
     band.reset(stretch.len(), 2 * half + 1, 0.0);
     for (index, (row, &at)) in stretch.clone().zip(line).enumerate() {
@@ -73,7 +73,7 @@ pub(super) fn extract(
 }
 
 /// Averages the band along the track.
-pub(super) fn smooth_along(band: &Grid, weights: &[f32], out: &mut Grid) {
+pub(super) fn smooth_along(band: &TrackerGrid, weights: &[f32], out: &mut TrackerGrid) {
     out.reset(band.len(), band.width(), 0.0);
     for row in 0..band.len() {
         let target = out.row_mut(row);

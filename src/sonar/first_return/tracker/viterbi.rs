@@ -1,10 +1,10 @@
 //! The best path through the scores: for every cell, the most that a path through it can gather.
 
 use super::TUNING;
-use super::grid::{Grid, highest};
+use super::grid::{TrackerGrid, highest};
 
 /// What moving the line from one ping to the next costs.
-pub(super) struct Motion {
+pub(super) struct MotionCost {
     /// Cells that it may move without a leap.
     pub limit: usize,
     /// Cost of each.
@@ -13,7 +13,7 @@ pub(super) struct Motion {
     pub leap: f32,
 }
 
-impl Motion {
+impl MotionCost {
     /// The motion on a grid of cells of this length.
     pub(super) fn at(cell_m: f64) -> Self {
         Self {
@@ -27,7 +27,7 @@ impl Motion {
 /// For every cell, the score of the best path through it.
 #[derive(Default)]
 pub(super) struct Paths {
-    through: Grid,
+    through: TrackerGrid,
     reach: Reach,
 }
 
@@ -36,7 +36,7 @@ impl Paths {
     ///
     /// Solved forward, then backward: the best path through a cell gathers `forward + backward - score`, and the highest
     /// of a row lies on the best path of all.
-    pub(super) fn line(&mut self, scores: &Grid, motion: &Motion) -> Vec<usize> {
+    pub(super) fn line(&mut self, scores: &TrackerGrid, motion: &MotionCost) -> Vec<usize> {
         let (width, rows) = (scores.width(), scores.len());
         self.through.reset(rows, width, 0.0);
         for row in 0..rows {
@@ -96,7 +96,7 @@ struct Reach {
 }
 
 impl Reach {
-    fn of(&mut self, values: &[f32], motion: &Motion) -> &[f32] {
+    fn of(&mut self, values: &[f32], motion: &MotionCost) -> &[f32] {
         self.right.clear();
         self.right.extend_from_slice(values);
         self.left.clear();
@@ -165,7 +165,7 @@ mod tests {
     use super::*;
 
     /// What a path gathers.
-    fn gathered(scores: &Grid, path: &[usize], motion: &Motion) -> f32 {
+    fn gathered(scores: &TrackerGrid, path: &[usize], motion: &MotionCost) -> f32 {
         let cost = |from: usize, to: usize| {
             let cells = from.abs_diff(to);
             let walk = motion.cost * cells as f32;
@@ -188,7 +188,7 @@ mod tests {
         let (rows, width) = (5, 7);
         let mut seed = 1_u32;
         for round in 0..40 {
-            let mut scores = Grid::default();
+            let mut scores = TrackerGrid::default();
             scores.reset(rows, width, 0.0);
             for row in 0..rows {
                 for score in scores.row_mut(row) {
@@ -196,7 +196,7 @@ mod tests {
                     *score = (seed >> 20) as f32 / 512.0;
                 }
             }
-            let motion = Motion {
+            let motion = MotionCost {
                 limit: 1 + round % 4,
                 cost: 0.7,
                 leap: if round % 3 == 0 { f32::INFINITY } else { 2.5 },

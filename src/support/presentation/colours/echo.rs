@@ -3,7 +3,7 @@
 use super::{Rgb, ramp};
 
 /// Colours of the echo strengths 0 to 255.
-pub(crate) type Palette = [Rgb; 256];
+pub(crate) type EchoPalette = [Rgb; 256];
 
 /// Black over brown to pale yellow, as side-scan towfish programs show it.
 const GOLD: &[Rgb] = &[
@@ -58,7 +58,7 @@ fn share(level: u8) -> f32 {
 }
 
 /// The colours of all levels.
-pub(crate) fn palette(colour: fn(u8) -> Rgb) -> Palette {
+pub(crate) fn palette(colour: fn(u8) -> Rgb) -> EchoPalette {
     std::array::from_fn(|level| colour(level as u8))
 }
 

@@ -10,7 +10,7 @@ mod echo;
 pub(crate) use depth::{depth_colour, depth_share, lit_depth_colour};
 pub(crate) use difference::{difference_colour, difference_reach_m};
 use echo::VIRIDIS;
-pub(crate) use echo::{Palette, copper, gold, grey, inverse_grey, palette, viridis};
+pub(crate) use echo::{EchoPalette, copper, gold, grey, inverse_grey, palette, viridis};
 
 /// Red, green and blue, sRGB.
 pub(crate) type Rgb = [u8; 3];

@@ -9,7 +9,7 @@ const SECOND: i64 = MINUTE / 60;
 
 /// A latitude or a longitude.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Axis {
+pub(super) enum DegreeAxis {
     /// Named north or south.
     Latitude,
     /// Named east or west.
@@ -45,19 +45,21 @@ impl Graticule {
     }
 
     /// The name of a line: `36.8775° N`, `36° 52.65' N`, `36° 52' 38" N`.
-    pub(super) fn label(self, degrees: f64, axis: Axis) -> String {
+    pub(super) fn label(self, degrees: f64, axis: DegreeAxis) -> String {
         let turned = match axis {
-            Axis::Longitude if degrees.abs() > 180.0 => degrees - 360.0 * (degrees / 360.0).round(),
+            DegreeAxis::Longitude if degrees.abs() > 180.0 => {
+                degrees - 360.0 * (degrees / 360.0).round()
+            }
             _ => degrees,
         };
         let units = (turned.abs() * DEGREE as f64 / self.step as f64).round() as i64 * self.step;
         let letter = match (axis, turned < 0.0 && units != 0) {
-            (Axis::Latitude, false) => " N",
-            (Axis::Latitude, true) => " S",
+            (DegreeAxis::Latitude, false) => " N",
+            (DegreeAxis::Latitude, true) => " S",
             // Both sides of the date line, and Greenwich, are neither.
-            (Axis::Longitude, _) if units == 180 * DEGREE || units == 0 => "",
-            (Axis::Longitude, false) => " E",
-            (Axis::Longitude, true) => " W",
+            (DegreeAxis::Longitude, _) if units == 180 * DEGREE || units == 0 => "",
+            (DegreeAxis::Longitude, false) => " E",
+            (DegreeAxis::Longitude, true) => " W",
         };
         format!("{}{letter}", self.angle(units))
     }
@@ -137,7 +139,7 @@ mod tests {
         least_deg: f64,
         low: f64,
         high: f64,
-        axis: Axis,
+        axis: DegreeAxis,
     ) -> Vec<String> {
         let graticule = Graticule::new(format, least_deg);
         graticule
@@ -148,28 +150,37 @@ mod tests {
 
     #[test]
     fn lines_are_round_in_what_the_format_counts_in() {
-        let found = labels(Degrees, 4e-4, 36.8769, 36.8782, Axis::Latitude);
+        let found = labels(Degrees, 4e-4, 36.8769, 36.8782, DegreeAxis::Latitude);
         assert_eq!(found, ["36.8770° N", "36.8775° N", "36.8780° N"]);
         let found = labels(
             Minutes,
             0.7 / 60.0,
             0.0 - 1.5 / 60.0,
             1.5 / 60.0,
-            Axis::Longitude,
+            DegreeAxis::Longitude,
         );
         assert_eq!(found, ["0° 01' W", "0° 00'", "0° 01' E"]);
-        let found = labels(Minutes, 0.03 / 60.0, -36.8352, -36.8334, Axis::Latitude);
+        let found = labels(
+            Minutes,
+            0.03 / 60.0,
+            -36.8352,
+            -36.8334,
+            DegreeAxis::Latitude,
+        );
         assert_eq!(found, ["36° 50.10' S", "36° 50.05' S"]);
-        let found = labels(Seconds, 11.0 / 3600.0, 7.995, 8.005, Axis::Longitude);
+        let found = labels(Seconds, 11.0 / 3600.0, 7.995, 8.005, DegreeAxis::Longitude);
         assert_eq!(found, ["7° 59' 45\" E", "8° 00' 00\" E", "8° 00' 15\" E"]);
-        let found = labels(Seconds, 0.15 / 3600.0, 7.0, 7.0001, Axis::Latitude);
+        let found = labels(Seconds, 0.15 / 3600.0, 7.0, 7.0001, DegreeAxis::Latitude);
         assert_eq!(found, ["7° 00' 00.0\" N", "7° 00' 00.2\" N"]);
-        assert_eq!(labels(Seconds, 0.4, 7.9, 9.1, Axis::Latitude).len(), 3);
+        assert_eq!(
+            labels(Seconds, 0.4, 7.9, 9.1, DegreeAxis::Latitude).len(),
+            3
+        );
     }
 
     #[test]
     fn the_date_line_has_no_side() {
-        let found = labels(Degrees, 1.0, 178.5, 181.5, Axis::Longitude);
+        let found = labels(Degrees, 1.0, 178.5, 181.5, DegreeAxis::Longitude);
         assert_eq!(found, ["179° E", "180°", "179° W"]);
     }
 

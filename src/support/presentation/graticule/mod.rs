@@ -7,7 +7,7 @@ mod degrees;
 
 use super::ticks;
 use crate::support::geo::{CoordinateFormat, LonLat, UtmZone};
-use degrees::{Axis, Graticule};
+use degrees::{DegreeAxis, Graticule};
 
 /// What the lines of a map are lines of.
 #[derive(Clone, Copy, Debug)]
@@ -24,11 +24,11 @@ pub(crate) enum Net {
 }
 
 /// West, south, east and north of a map, in degrees or metres of its net.
-pub(crate) type Bounds = [f64; 4];
+pub(crate) type NetBounds = [f64; 4];
 
 /// A family of lines: meridians or lines of easting, parallels or lines of northing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Family {
+pub(crate) enum LineFamily {
     /// From south to north, each at an easting or a longitude.
     Upright,
     /// From west to east.
@@ -75,7 +75,7 @@ impl Net {
     }
 
     /// The bounds of a map from places along its edge; `None` where one is no place.
-    pub(crate) fn bounds(&self, edge: impl IntoIterator<Item = LonLat>) -> Option<Bounds> {
+    pub(crate) fn bounds(&self, edge: impl IntoIterator<Item = LonLat>) -> Option<NetBounds> {
         let nowhere = [
             f64::INFINITY,
             f64::INFINITY,
@@ -90,11 +90,16 @@ impl Net {
     }
 
     /// The lines of a family within bounds, at least `least` degrees or metres apart.
-    pub(crate) fn lines(&self, family: Family, bounds: Bounds, least: f64) -> Vec<GraticuleLine> {
+    pub(crate) fn lines(
+        &self,
+        family: LineFamily,
+        bounds: NetBounds,
+        least: f64,
+    ) -> Vec<GraticuleLine> {
         let [west, south, east, north] = bounds;
         let [low, high] = match family {
-            Family::Upright => [west, east],
-            Family::Level => [south, north],
+            LineFamily::Upright => [west, east],
+            LineFamily::Level => [south, north],
         };
         match self {
             Self::Degrees { format, .. } => {
@@ -108,8 +113,8 @@ impl Net {
             Self::Utm(_) => {
                 let step = ticks::round_step(least, 1.0);
                 let letter = match family {
-                    Family::Upright => 'E',
-                    Family::Level => 'N',
+                    LineFamily::Upright => 'E',
+                    LineFamily::Level => 'N',
                 };
                 let line = |value| GraticuleLine {
                     value,
@@ -121,10 +126,10 @@ impl Net {
     }
 
     /// A name as long as those of upright lines so far apart: it tells how much room they take.
-    pub(crate) fn typical_label(&self, [west, _, east, _]: Bounds, least: f64) -> String {
+    pub(crate) fn typical_label(&self, [west, _, east, _]: NetBounds, least: f64) -> String {
         match self {
             Self::Degrees { format, .. } => {
-                Graticule::new(*format, least).label(0.5 * (west + east), Axis::Longitude)
+                Graticule::new(*format, least).label(0.5 * (west + east), DegreeAxis::Longitude)
             }
             Self::Utm(_) => "500000.0 E".to_owned(),
         }
@@ -133,9 +138,9 @@ impl Net {
     /// Places along a line from one bound to the other, `count` of them and two at least.
     pub(crate) fn places(
         self,
-        family: Family,
+        family: LineFamily,
         value: f64,
-        bounds: Bounds,
+        bounds: NetBounds,
         count: usize,
     ) -> impl Iterator<Item = LonLat> {
         let [west, south, east, north] = bounds;
@@ -143,18 +148,18 @@ impl Net {
         (0..=last).map(move |index| {
             let share = index as f64 / last as f64;
             self.to_position(match family {
-                Family::Upright => [value, south + (north - south) * share],
-                Family::Level => [west + (east - west) * share, value],
+                LineFamily::Upright => [value, south + (north - south) * share],
+                LineFamily::Level => [west + (east - west) * share, value],
             })
         })
     }
 }
 
-impl Family {
-    fn axis(self) -> Axis {
+impl LineFamily {
+    fn axis(self) -> DegreeAxis {
         match self {
-            Self::Upright => Axis::Longitude,
-            Self::Level => Axis::Latitude,
+            Self::Upright => DegreeAxis::Longitude,
+            Self::Level => DegreeAxis::Latitude,
         }
     }
 }
@@ -177,8 +182,8 @@ mod tests {
             let lines = net.lines(family, bounds, 0.7).into_iter();
             lines.map(|line| line.label).collect()
         };
-        assert_eq!(names(Family::Upright), ["179° E", "180°", "179° W"]);
-        assert_eq!(names(Family::Level), ["17° S"]);
+        assert_eq!(names(LineFamily::Upright), ["179° E", "180°", "179° W"]);
+        assert_eq!(names(LineFamily::Level), ["17° S"]);
     }
 
     #[test]
@@ -187,12 +192,12 @@ mod tests {
         let net = Net::new(CoordinateFormat::Utm, UtmZone::of(middle), middle);
         let edge = [at(-111.492, 36.929), at(-111.488, 36.931)];
         let bounds = net.bounds(edge).unwrap();
-        let lines = net.lines(Family::Upright, bounds, 60.0);
+        let lines = net.lines(LineFamily::Upright, bounds, 60.0);
         assert!(!lines.is_empty());
         for line in lines {
             assert_eq!(line.value % 100.0, 0.0);
             assert_eq!(line.label, format!("{} E", line.value));
-            for place in net.places(Family::Upright, line.value, bounds, 3) {
+            for place in net.places(LineFamily::Upright, line.value, bounds, 3) {
                 let [easting_m, _] = net.of_position(place);
                 assert!((easting_m - line.value).abs() < 1e-3);
             }

@@ -1,6 +1,6 @@
 //! The ranked flat stretches as a table: a click proposes one, and what speaks against it stands below.
 
-use crate::app::{Command, Mark, Tool};
+use crate::app::{Command, LogPlace, Tool};
 use crate::pipeline::Products;
 use crate::sonar::calibration::{FlatSpot, PingRange};
 use crate::survey::Survey;
@@ -115,7 +115,7 @@ fn candidate(
 fn propose(context: &mut ViewContext<'_>, range: PingRange) {
     context.push(Command::ProposeStretch(range));
     let middle = usize::midpoint(range.start, range.end);
-    context.push(Command::Reveal(Mark::ping(middle)));
+    context.push(Command::Reveal(LogPlace::ping(middle)));
 }
 
 /// A row of the table that is a button.

@@ -4,7 +4,7 @@ use crate::app::ViewOptions;
 use crate::pipeline::{Products, ScaleTrial};
 use crate::sonar::calibration::{Calibration, RangeAtDepth, ScaleMode};
 use crate::support::presentation::plot::Axis;
-use crate::ui::panels::axes::Axes;
+use crate::ui::panels::axes::PlotAxes;
 use crate::ui::theme;
 use egui::{Color32, Painter, Rect, Role, Sense, Stroke, Ui, WidgetInfo, vec2};
 
@@ -80,7 +80,7 @@ impl<'a> Points<'a> {
             &format!("range, {}", units.symbol()),
             ends.map(|depth| depth / factor.min(1.0)),
         );
-        let axes = Axes::new(painter, rect, across, up);
+        let axes = PlotAxes::new(painter, rect, across, up);
         axes.draw(painter, theme::plot_ink(options));
         let at = |point: &RangeAtDepth| {
             axes.at(units.in_unit(point.depth_m), units.in_unit(point.range_m))
@@ -120,7 +120,7 @@ impl<'a> Points<'a> {
                 .map(|metres| (metres, units.small_difference(metres)))
                 .to_vec(),
         };
-        let axes = Axes::new(painter, rect, across, up);
+        let axes = PlotAxes::new(painter, rect, across, up);
         axes.draw(painter, theme::plot_ink(options));
         let at = |point: &RangeAtDepth| axes.at(units.in_unit(point.depth_m), left_m(point));
         let inner = painter.with_clip_rect(axes.area);

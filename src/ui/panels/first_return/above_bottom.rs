@@ -1,7 +1,7 @@
 //! The first returns above the recorded depth: how many, why they may be there, what counts, and a list of the stretches to accept.
 
 use super::super::parts::remark;
-use crate::app::{AboveBottom, AboveStretch, Action, Command, Mark, Tool};
+use crate::app::{AboveBottom, AboveStretch, Action, Command, LogPlace, Tool};
 use crate::survey::Side;
 use crate::ui::{ViewContext, text, toggle};
 use egui::{Align, Button, Layout, ScrollArea, Ui};
@@ -124,9 +124,9 @@ fn row(ui: &mut Ui, context: &mut ViewContext<'_>, stretch: &AboveStretch) {
                     text::count(uncounted)
                 );
                 if label.on_hover_text(hint).clicked() {
-                    context.push(Command::Reveal(Mark {
+                    context.push(Command::Reveal(LogPlace {
                         side: Some(side),
-                        ..Mark::ping(usize::midpoint(first, last))
+                        ..LogPlace::ping(usize::midpoint(first, last))
                     }));
                 }
             });

@@ -1,10 +1,10 @@
 //! The pictures of differences: how often each size occurs, and what they hang on.
 
 use crate::app::ViewOptions;
-use crate::bottom::bathymetry::compare::{Bin, Histogram};
+use crate::bottom::bathymetry::compare::{Bin, DifferenceHistogram};
 use crate::pipeline::ResidualTables;
 use crate::support::presentation::plot::Axis;
-use crate::ui::panels::axes::Axes;
+use crate::ui::panels::axes::PlotAxes;
 use crate::ui::theme;
 use egui::{Painter, Rect, Role, Sense, Stroke, Ui, WidgetInfo, vec2};
 
@@ -88,8 +88,8 @@ fn short(value: f64) -> String {
     format!("{}", (100.0 * value).round() / 100.0 + 0.0)
 }
 
-fn columns(painter: &Painter, rect: Rect, histogram: &Histogram, options: &ViewOptions) {
-    let Histogram {
+fn columns(painter: &Painter, rect: Rect, histogram: &DifferenceHistogram, options: &ViewOptions) {
+    let DifferenceHistogram {
         from_m,
         width_m,
         counts,
@@ -104,7 +104,7 @@ fn columns(painter: &Painter, rect: Rect, histogram: &Histogram, options: &ViewO
         format!("{} {}", short(units.in_unit(value)), units.symbol())
     });
     let up = axis([0.0, most], [0.0, most], |count| format!("{count:.0}"));
-    let axes = Axes::new(painter, rect, across, up);
+    let axes = PlotAxes::new(painter, rect, across, up);
     axes.draw(painter, theme::plot_ink(options));
     let accent = theme::accent_colour(options.theme);
     for (column, count) in counts.iter().enumerate() {
@@ -135,7 +135,7 @@ fn medians(
     let up = axis([-reach_m, reach_m], [-reach_m, 0.0, reach_m], |metres| {
         options.units.small_difference(metres)
     });
-    let axes = Axes::new(painter, rect, across, up);
+    let axes = PlotAxes::new(painter, rect, across, up);
     axes.draw(painter, theme::plot_ink(options));
     let accent = theme::accent_colour(options.theme);
     for bin in bins.iter().filter(counts) {
@@ -164,7 +164,7 @@ mod tests {
                 ends: [-1.0, 1.0],
                 ticks: numbers.map(|number| (0.0, number.to_owned())).to_vec(),
             };
-            let axes = Axes::new(&painter, rect, Axis::new("", [0.0, 1.0]), up);
+            let axes = PlotAxes::new(&painter, rect, Axis::new("", [0.0, 1.0]), up);
             for number in numbers {
                 let font = FontId::proportional(10.0);
                 let galley = painter.layout_no_wrap(number.to_owned(), font, Color32::WHITE);

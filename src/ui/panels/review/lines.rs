@@ -62,13 +62,13 @@ impl Line {
 
 /// The texts that are being written about one box.
 #[derive(Default)]
-pub(super) struct Lines {
+pub(super) struct BoxTexts {
     written: Option<(LogBox, [String; 3])>,
     /// The name is to get the keyboard.
     pub wants_name: bool,
 }
 
-impl Lines {
+impl BoxTexts {
     /// Draws the lines of the selected box.
     pub(super) fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
         self.keep(context, context.app.selected_log_box());

@@ -16,7 +16,7 @@ use super::section::{Section, section};
 use crate::app::Action;
 use crate::pipeline::Background;
 use crate::support::presentation::units::Units;
-use crate::ui::views::chip::{self, Chip};
+use crate::ui::views::chip::{self, BoxChip};
 use crate::ui::{ViewContext, text};
 use egui::{LayerId, Rect, Response, RichText, Ui};
 use object::ObjectPictures;
@@ -24,8 +24,8 @@ use object::ObjectPictures;
 /// State of the panel: the picture of the selected box, and what is being written about it.
 #[derive(Default)]
 pub(crate) struct ReviewPanel {
-    chip: Background<chip::Key, Chip>,
-    lines: lines::Lines,
+    chip: Background<chip::ChipKey, BoxChip>,
+    lines: lines::BoxTexts,
     classes: classes::Classes,
     object: ObjectPictures,
     /// Where it was drawn last, and in which layer; `None` while there are no boxes.

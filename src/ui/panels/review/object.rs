@@ -4,7 +4,7 @@ use super::super::parts::{fact, remark};
 use super::{button, size};
 use crate::app::{Action, App, Command, LogBox, SurveyObject};
 use crate::pipeline::Background;
-use crate::ui::views::chip::{self, Chip};
+use crate::ui::views::chip::{self, BoxChip};
 use crate::ui::{ViewContext, place, text, theme};
 use egui::{Color32, RichText, Role, ScrollArea, Sense, Ui, WidgetInfo, vec2};
 
@@ -16,12 +16,12 @@ const PICTURE_HEIGHT: f32 = 110.0;
 const MOST_PICTURES: usize = 24;
 
 /// What the pictures of an object are made of: the box of each.
-type Boxes = Vec<(LogBox, chip::Key)>;
+type Boxes = Vec<(LogBox, chip::ChipKey)>;
 
 /// The pictures of the boxes that show the selected object.
 #[derive(Default)]
 pub(super) struct ObjectPictures {
-    chips: Background<Boxes, Vec<(LogBox, Chip)>>,
+    chips: Background<Boxes, Vec<(LogBox, BoxChip)>>,
 }
 
 impl ObjectPictures {
@@ -57,7 +57,10 @@ impl ObjectPictures {
         let options = &app.view.options.waterfall;
         let picture = |id: &LogBox| {
             let mark = &app.log_box(*id)?.mark;
-            Some((*id, chip::Key::of(app.open_log(id.log)?, mark, options)?))
+            Some((
+                *id,
+                chip::ChipKey::of(app.open_log(id.log)?, mark, options)?,
+            ))
         };
         let shown = object.boxes.iter().take(MOST_PICTURES);
         let boxes: Boxes = shown.filter_map(picture).collect();
@@ -66,7 +69,7 @@ impl ObjectPictures {
             let mut chips = Vec::with_capacity(of.len());
             for (id, key) in &of {
                 progress.check().ok()?;
-                chips.extend(Chip::new(key, &ctx).map(|chip| (*id, chip)));
+                chips.extend(BoxChip::new(key, &ctx).map(|chip| (*id, chip)));
             }
             Some(chips)
         });
@@ -89,7 +92,7 @@ impl ObjectPictures {
 }
 
 /// One picture over the name of its log; a click shows the box in its log.
-fn sighting(ui: &mut Ui, app: &App, id: LogBox, chip: &Chip) -> Option<Command> {
+fn sighting(ui: &mut Ui, app: &App, id: LogBox, chip: &BoxChip) -> Option<Command> {
     let (log, one) = (app.open_log(id.log)?, app.log_box(id)?);
     let is_selected = app.selected_log_box() == Some(id);
     let response = ui

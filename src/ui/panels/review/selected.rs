@@ -7,7 +7,7 @@ use crate::detection::ObjectExtent;
 use crate::detection::review::{BoxId, Reviewed};
 use crate::detection::targets::{ObjectHeight, Target};
 use crate::support::presentation::units::Units;
-use crate::ui::views::chip::{self, Chip};
+use crate::ui::views::chip::{self, BoxChip};
 use crate::ui::{ViewContext, place, theme};
 use egui::{RichText, Ui};
 
@@ -42,12 +42,12 @@ impl ReviewPanel {
     fn picture(&mut self, ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed) {
         let app = context.app;
         let shown = &app.view.options.waterfall;
-        let Some(key) = chip::Key::of(&app.log, &one.mark, shown) else {
+        let Some(key) = chip::ChipKey::of(&app.log, &one.mark, shown) else {
             return;
         };
         let (of, ctx) = (key.clone(), ui.ctx().clone());
         self.chip
-            .ask(key, app.jobs(), move |_| Chip::new(&of, &ctx));
+            .ask(key, app.jobs(), move |_| BoxChip::new(&of, &ctx));
         if let Some(picture) = self.chip.result() {
             picture.ui(ui, one, &app.log.reviewing.review, app.view.options.units);
         }

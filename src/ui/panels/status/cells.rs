@@ -1,11 +1,11 @@
 //! What the status bar says of a place, and how much of it there is room for.
 
-use crate::app::{App, Mark};
+use crate::app::{App, LogPlace};
 use crate::survey::Side;
 use crate::ui::{place, text};
 
 /// One fact of a place.
-pub(super) struct Cell {
+pub(super) struct StatusCell {
     /// In full.
     pub text: String,
     /// The same where room is scarce.
@@ -14,7 +14,7 @@ pub(super) struct Cell {
     rank: u8,
 }
 
-impl Cell {
+impl StatusCell {
     fn new(rank: u8, text: String) -> Self {
         let short = None;
         Self { text, short, rank }
@@ -22,20 +22,20 @@ impl Cell {
 }
 
 /// Position, ping, range, altitude, depth, heading, speed and time of a place, in the order of the bar.
-pub(super) fn of(app: &App, mark: Mark) -> Vec<Cell> {
+pub(super) fn of(app: &App, mark: LogPlace) -> Vec<StatusCell> {
     let units = app.view.options.units;
     let survey = app.log.survey.as_ref();
     let Some(ping) = survey.and_then(|survey| survey.side_scan.get(mark.ping)) else {
         return Vec::new();
     };
-    let position = place::lon_lat(app, mark).map(|at| Cell::new(0, place::written(app, at)));
+    let position = place::lon_lat(app, mark).map(|at| StatusCell::new(0, place::written(app, at)));
     let range = place::range_m(app, mark).map(|range_m| {
         let side = match mark.side {
             Some(Side::Port) => " port",
             Some(Side::Starboard) => " stbd",
             None => "",
         };
-        Cell::new(2, format!("range {}{side}", units.measure(range_m, 2)))
+        StatusCell::new(2, format!("range {}{side}", units.measure(range_m, 2)))
     });
     let products = app.log.products.as_ref();
     let here = products.and_then(|products| products.navigation.pings.get(mark.ping));
@@ -43,30 +43,30 @@ pub(super) fn of(app: &App, mark: Mark) -> Vec<Cell> {
     let start_unix_s = survey.and_then(|survey| survey.start_unix_s);
     let bottom = place::bottom(app, mark.ping);
     let metres = |of: fn(place::BottomBelow) -> f64| units.measure(bottom.map_or(f64::NAN, of), 2);
-    let depth = Cell {
+    let depth = StatusCell {
         text: format!("depth {}", place::depth(app, mark.ping)),
         short: Some(format!("depth {}", metres(|bottom| bottom.depth_m))),
         rank: 1,
     };
     let cells = [
         position,
-        Some(Cell::new(4, format!("ping {}", mark.ping))),
+        Some(StatusCell::new(4, format!("ping {}", mark.ping))),
         range,
-        Some(Cell::new(
+        Some(StatusCell::new(
             3,
             format!("altitude {}", metres(|bottom| bottom.altitude_m)),
         )),
         Some(depth),
-        Some(Cell::new(6, place::labelled_heading(app, mark.ping))),
-        Some(Cell::new(7, units.speed(speed, 1))),
-        Some(Cell::new(5, text::clock(start_unix_s, ping.time_s))),
+        Some(StatusCell::new(6, place::labelled_heading(app, mark.ping))),
+        Some(StatusCell::new(7, units.speed(speed, 1))),
+        Some(StatusCell::new(5, text::clock(start_unix_s, ping.time_s))),
     ];
     cells.into_iter().flatten().collect()
 }
 
 /// The cells that fit into `room`, in their order: all in full, or all in short, or in short without the least important ones.
 /// `width` is what a text takes with the gap behind it.
-pub(super) fn fitting(cells: &[Cell], room: f32, width: impl Fn(&str) -> f32) -> Vec<&str> {
+pub(super) fn fitting(cells: &[StatusCell], room: f32, width: impl Fn(&str) -> f32) -> Vec<&str> {
     let total = |texts: &[&str]| texts.iter().map(|text| width(text)).sum::<f32>();
     let full: Vec<&str> = cells.iter().map(|cell| cell.text.as_str()).collect();
     if total(&full) <= room {
@@ -91,14 +91,14 @@ mod tests {
     #[test]
     fn what_matters_least_gives_way_first() {
         let cells = [
-            Cell::new(0, "position".to_owned()),
-            Cell::new(2, "ping".to_owned()),
-            Cell {
+            StatusCell::new(0, "position".to_owned()),
+            StatusCell::new(2, "ping".to_owned()),
+            StatusCell {
                 text: "depth below transducer".to_owned(),
                 short: Some("depth".to_owned()),
                 rank: 1,
             },
-            Cell::new(3, "speed".to_owned()),
+            StatusCell::new(3, "speed".to_owned()),
         ];
         let shown = |room: f32| fitting(&cells, room, |text| text.len() as f32).join(" ");
         assert_eq!(shown(39.0), "position ping depth below transducer speed");

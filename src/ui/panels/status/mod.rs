@@ -5,7 +5,7 @@
 
 mod cells;
 
-use crate::app::{Action, FollowStatus, Mark};
+use crate::app::{Action, FollowStatus, LogPlace};
 use crate::pipeline::EngineStatus;
 use crate::support::presentation::text::count;
 use crate::ui::panels::parts::progress_bar;
@@ -61,7 +61,7 @@ fn said(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 /// As much of the place as there is room for; all of it when the pointer rests on it.
-fn place_under_pointer(ui: &mut Ui, context: &ViewContext<'_>, mark: Mark, room: f32) {
+fn place_under_pointer(ui: &mut Ui, context: &ViewContext<'_>, mark: LogPlace, room: f32) {
     let cells = cells::of(context.app, mark);
     let font = egui::TextStyle::Monospace.resolve(ui.style());
     let colour = ui.visuals().text_color();

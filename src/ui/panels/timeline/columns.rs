@@ -1,7 +1,7 @@
 //! A long series as few columns: the lowest and highest value in each, so that no spike is lost.
 
 /// Lowest and highest value of each column; `None` where nothing was measured.
-pub(super) type Columns = Vec<Option<[f32; 2]>>;
+pub(super) type ColumnExtremes = Vec<Option<[f32; 2]>>;
 
 /// Sorts `values`, pairs of time and value, into `count` columns over `from_s..=to_s`. Values that are no numbers are
 /// left out.
@@ -10,8 +10,8 @@ pub(super) fn columns(
     from_s: f64,
     to_s: f64,
     count: usize,
-) -> Columns {
-    let mut columns: Columns = vec![None; count];
+) -> ColumnExtremes {
+    let mut columns: ColumnExtremes = vec![None; count];
     let width_s = (to_s - from_s).max(f64::MIN_POSITIVE);
     for (time_s, value) in values {
         if !value.is_finite() || !(from_s..=to_s).contains(&time_s) {
@@ -28,14 +28,14 @@ pub(super) fn columns(
 }
 
 /// Lowest and highest value of all columns.
-pub(super) fn span(columns: &Columns) -> Option<[f32; 2]> {
+pub(super) fn span(columns: &ColumnExtremes) -> Option<[f32; 2]> {
     let known = columns.iter().flatten().copied();
     known.reduce(|[low, high], [l, h]| [low.min(l), high.max(h)])
 }
 
 /// The same series as `count` columns, more or fewer: extremes are kept, wide columns are repeated.
 pub(super) fn resampled(
-    columns: &Columns,
+    columns: &ColumnExtremes,
     count: usize,
 ) -> impl Iterator<Item = Option<[f32; 2]>> + '_ {
     (0..count).map(move |index| {

@@ -1,10 +1,10 @@
 //! How the time line is drawn, and what the pointer does in it.
 
-use super::columns::{Columns, resampled, span};
+use super::columns::{ColumnExtremes, resampled, span};
 use super::strips::Strips;
-use crate::app::{Command, Mark};
+use crate::app::{Command, LogPlace};
 use crate::support::presentation::ticks;
-use crate::ui::raster::{Raster, RasterTexture};
+use crate::ui::raster::{PaintedArea, RasterTexture};
 use crate::ui::{ViewContext, text, theme};
 use egui::{Color32, Pos2, Rect, Response, Stroke, Ui};
 
@@ -48,19 +48,19 @@ impl TimelineLayout {
         let look = context.theme();
         let well = ui.visuals().extreme_bg_color;
         let [mut above, mut below] =
-            [self.depth, self.speed].map(|rect| Raster::new(ui.painter(), rect, well));
-        let high = |columns: &Columns| span(columns).map(|[_, high]| high);
+            [self.depth, self.speed].map(|rect| PaintedArea::new(ui.painter(), rect, well));
+        let high = |columns: &ColumnExtremes| span(columns).map(|[_, high]| high);
         let known = [high(&strips.depth), high(&strips.side_scan)];
         let deepest = known.into_iter().flatten().reduce(f32::max);
         let deepest = deepest.or_else(|| high(&strips.lost));
         let fastest = high(&strips.speed);
         // Depth hangs from the surface, speed stands on its base line.
-        let depth = Band {
+        let depth = SeriesBand {
             rect: self.depth,
             reach: deepest.unwrap_or(0.0) * 1.08,
             hanging: true,
         };
-        let speed = Band {
+        let speed = SeriesBand {
             rect: self.speed,
             reach: fastest.unwrap_or(0.0) * 1.1,
             hanging: false,
@@ -234,21 +234,21 @@ impl TimelineLayout {
             .filter(|_| acts)
             .and_then(ping_at)
         {
-            context.push(Command::Reveal(Mark::ping(ping)));
+            context.push(Command::Reveal(LogPlace::ping(ping)));
         } else if let Some(ping) = response.hover_pos().and_then(ping_at) {
-            context.push(Command::Hover(Some(Mark::ping(ping))));
+            context.push(Command::Hover(Some(LogPlace::ping(ping))));
         }
     }
 }
 
 /// Where a series is drawn, and its scale: from nothing to `reach`, hanging from the top or standing on the bottom.
-struct Band {
+struct SeriesBand {
     rect: Rect,
     reach: f32,
     hanging: bool,
 }
 
-impl Band {
+impl SeriesBand {
     fn y(&self, value: f32) -> f32 {
         let share = (value / self.reach).clamp(0.0, 1.0);
         if self.hanging {
@@ -259,7 +259,13 @@ impl Band {
     }
 
     /// Paints a body up to the series and its low-to-high band on the edge.
-    fn paint(&self, raster: &mut Raster, columns: &Columns, body: Color32, edge: Color32) {
+    fn paint(
+        &self,
+        raster: &mut PaintedArea,
+        columns: &ColumnExtremes,
+        body: Color32,
+        edge: Color32,
+    ) {
         if self.reach <= 0.0 {
             return;
         }

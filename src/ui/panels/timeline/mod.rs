@@ -23,16 +23,16 @@ use strips::Strips;
 pub(crate) const HEIGHT: f32 = 104.0;
 
 /// The results that the strips are of.
-type Results = (Same<Navigation>, Same<Vec<PingDepth>>, Same<Correction>);
+type StripResults = (Same<Navigation>, Same<Vec<PingDepth>>, Same<Correction>);
 
 /// The survey and the results that the strips are of.
 #[derive(PartialEq)]
-struct Key {
+struct StripsKey {
     survey: Same<Survey>,
-    results: Option<Results>,
+    results: Option<StripResults>,
 }
 
-impl Key {
+impl StripsKey {
     fn of(survey: &Arc<Survey>, products: Option<&Products>) -> Self {
         let results = |products: &Products| {
             let correction = Same(products.correction.clone());
@@ -50,7 +50,7 @@ impl Key {
 #[derive(Default)]
 pub(crate) struct TimeLine {
     /// `None` inside where the log has no times.
-    strips: Background<Key, Option<Strips>>,
+    strips: Background<StripsKey, Option<Strips>>,
     /// Depth and speed as they are on screen.
     pictures: [Option<RasterTexture>; 2],
     seen_survey: u64,
@@ -75,7 +75,7 @@ impl TimeLine {
             self.seen_survey = app.view.survey_serial;
             self.strips = Background::default();
         }
-        let key = Key::of(survey, app.log.products.as_ref());
+        let key = StripsKey::of(survey, app.log.products.as_ref());
         let (survey, products) = (survey.clone(), app.log.products.clone());
         let work = move |_: &_| Some(Strips::of(&survey, products.as_ref()));
         self.strips.ask(key, app.jobs(), work);

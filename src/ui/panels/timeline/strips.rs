@@ -1,6 +1,6 @@
 //! What the time line shows, reduced on a worker to a few columns.
 
-use super::columns::{Columns, columns, span};
+use super::columns::{ColumnExtremes, columns, span};
 use crate::bottom::cloud::{DepthReference, DepthSource};
 use crate::pipeline::Products;
 use crate::support::presentation::units::Units;
@@ -17,13 +17,13 @@ pub(super) struct Strips {
     /// See `from_s`.
     pub to_s: f64,
     /// Depths of the recorder's bottom lock as the map has them, metres.
-    pub depth: Columns,
+    pub depth: ColumnExtremes,
     /// Depths by side-scan where it had lost the bottom or gives none, metres.
-    pub side_scan: Columns,
+    pub side_scan: ColumnExtremes,
     /// Depths that it gave after it had lost the bottom, metres.
-    pub lost: Columns,
+    pub lost: ColumnExtremes,
     /// Speeds over ground, metres a second.
-    pub speed: Columns,
+    pub speed: ColumnExtremes,
     /// What the depths count from.
     pub reference: DepthReference,
     /// Times at which the log's warnings point.

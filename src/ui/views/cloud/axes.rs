@@ -2,7 +2,7 @@
 
 use super::scene::ShownPoints;
 use crate::app::ViewOptions;
-use crate::ui::render::{Part, Projection};
+use crate::ui::render::{CameraProjection, ScenePart};
 use crate::ui::theme;
 use crate::ui::views::{legend, ticks};
 use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, Vec2, vec2};
@@ -12,16 +12,16 @@ use glam::Vec3;
 const LABEL_SPACING: [f32; 2] = [44.0, 16.0];
 
 /// What the box is drawn with.
-pub(super) struct Axes<'a> {
+pub(super) struct BoxAxes<'a> {
     pub rect: Rect,
-    pub projection: Projection,
+    pub projection: CameraProjection,
     /// Corners, metres from the origin.
     pub corners: [Vec3; 2],
     /// Metres of the survey at the scene's zero.
     pub origin_m: [f64; 3],
     pub options: &'a ViewOptions,
     /// What is drawn.
-    pub part: Part,
+    pub part: ScenePart,
 }
 
 /// A side of the box: the axis it is square to, and whether it is the higher one.
@@ -74,7 +74,7 @@ fn others(axis: usize) -> [usize; 2] {
     [(axis + 1) % 3, (axis + 2) % 3]
 }
 
-impl Axes<'_> {
+impl BoxAxes<'_> {
     /// The points that are drawn.
     pub(super) fn shown(&self) -> ShownPoints {
         ShownPoints {

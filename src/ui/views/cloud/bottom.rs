@@ -3,8 +3,8 @@
 use crate::app::{App, CloudOptions};
 use crate::pipeline::{Background, Bottom, BottomColour, CornerGround, Same};
 use crate::ui::render::{
-    BOTTOM_TILE, BottomBuffers, BottomDraw, BottomPart, BottomVertex, Part, Projection, Uploader,
-    towards_light,
+    BOTTOM_TILE, BottomBuffers, BottomDraw, BottomPart, BottomVertex, CameraProjection, ScenePart,
+    Uploader, towards_light,
 };
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
@@ -31,7 +31,7 @@ pub(super) struct BottomScene {
 
 impl BottomScene {
     /// The place on the bottom that is seen at a place of the picture; `None` where there is none.
-    pub(super) fn under(&self, projection: &Projection, ndc: Vec2) -> Option<Vec3> {
+    pub(super) fn under(&self, projection: &CameraProjection, ndc: Vec2) -> Option<Vec3> {
         let [east_m, north_m, up_m] = self.origin_m;
         let [least_m, most_m] = self.bottom.range_m;
         let towards = projection.towards(ndc)?;
@@ -62,11 +62,11 @@ impl BottomScene {
 }
 
 /// What is asked for: a bottom about an origin, metres.
-type Key = (Same<Bottom>, [f64; 3]);
+type BottomSceneKey = (Same<Bottom>, [f64; 3]);
 
 /// The bottom of the view, as it was uploaded last.
 #[derive(Default)]
-pub(super) struct ShownBottom(Background<Key, Arc<BottomScene>>);
+pub(super) struct ShownBottom(Background<BottomSceneKey, Arc<BottomScene>>);
 
 impl ShownBottom {
     /// Whether one is being uploaded.
@@ -133,9 +133,9 @@ fn upload(
 pub(super) fn draw(
     app: &App,
     bottom: &Bottom,
-    projection: Projection,
+    projection: CameraProjection,
     pixels_per_point: f32,
-    part: Part,
+    part: ScenePart,
 ) -> BottomDraw {
     let options: &CloudOptions = &app.view.options.cloud;
     let [azimuth_deg, altitude_deg] = options.light_deg;

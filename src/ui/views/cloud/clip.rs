@@ -1,6 +1,6 @@
 //! The clip box: only what lies in it is drawn. Each of its faces has a handle, and its ends stand beside the cloud as numbers.
 
-use super::axes::Axes;
+use super::axes::BoxAxes;
 use super::scene::SceneBox;
 use crate::app::{ClipBox, ViewOptions};
 use crate::support::presentation::units::Units;
@@ -66,7 +66,7 @@ pub(super) fn show(
     ui: &mut Ui,
     context: &ViewContext<'_>,
     scene: SceneBox,
-    axes: &Axes<'_>,
+    axes: &BoxAxes<'_>,
 ) -> Option<ClipBox> {
     let clip = context.options().cloud.clip?;
     let dragged = handles(ui, scene, axes, clip);
@@ -77,7 +77,7 @@ pub(super) fn show(
     (changed != clip).then_some(changed)
 }
 
-fn handles(ui: &Ui, scene: SceneBox, axes: &Axes<'_>, clip: ClipBox) -> ClipBox {
+fn handles(ui: &Ui, scene: SceneBox, axes: &BoxAxes<'_>, clip: ClipBox) -> ClipBox {
     let [low, high] = axes.corners;
     let (middle, size) = (0.5 * (low + high), scene.corners[1] - scene.corners[0]);
     let mut changed = clip;
@@ -131,7 +131,7 @@ fn numbers(
     ui: &mut Ui,
     context: &ViewContext<'_>,
     scene: SceneBox,
-    axes: &Axes<'_>,
+    axes: &BoxAxes<'_>,
     mut clip: ClipBox,
 ) -> ClipBox {
     let options = context.options();

@@ -10,7 +10,7 @@ use crate::support::presentation::colours::{SOURCES, share_colour};
 use crate::support::presentation::units::Units;
 use crate::survey::{Side, SideScanState, Survey};
 use crate::ui::text::count;
-use crate::ui::views::legend::{self, Scale};
+use crate::ui::views::legend::{self, LegendScale};
 use crate::ui::{ViewContext, ViewRequest, place, theme};
 use egui::{Align2, Color32, Painter, Rect, Slider, Ui, pos2, vec2};
 
@@ -187,25 +187,31 @@ pub(super) fn paint_legend(
 }
 
 /// The scale of what the colour of the bottom says, where that is a number.
-fn bottom_scale(bottom: &Bottom, reference: DepthReference, units: Units) -> Option<Scale> {
+fn bottom_scale(bottom: &Bottom, reference: DepthReference, units: Units) -> Option<LegendScale> {
     let ends = bottom.ends?;
     Some(match bottom.colour {
         BottomColour::Mosaic | BottomColour::Source => return None,
-        BottomColour::Depth => Scale::of_depth(ends, reference, units),
-        BottomColour::Uncertainty => Scale::of_uncertainty(ends, units),
-        BottomColour::Distance => Scale::of_distance(ends, units),
-        BottomColour::Hardness => Scale::of_hardness(ends),
+        BottomColour::Depth => LegendScale::of_depth(ends, reference, units),
+        BottomColour::Uncertainty => LegendScale::of_uncertainty(ends, units),
+        BottomColour::Distance => LegendScale::of_distance(ends, units),
+        BottomColour::Hardness => LegendScale::of_hardness(ends),
     })
 }
 
 /// The scale of what the colour of a point says, where that is a number.
-fn scale(options: &ViewOptions, scene: &CloudScene, reference: DepthReference) -> Option<Scale> {
+fn scale(
+    options: &ViewOptions,
+    scene: &CloudScene,
+    reference: DepthReference,
+) -> Option<LegendScale> {
     let (ends, units) = (&scene.ends, options.units);
     match options.cloud.colour {
         CloudColour::Source | CloudColour::Log => None,
-        CloudColour::Depth => (ends.depth_m).map(|ends| Scale::of_depth(ends, reference, units)),
-        CloudColour::Level => ends.scales.level.map(Scale::of_levels),
-        CloudColour::Range => (ends.scales.range_m).map(|ends| Scale::of_ranges(ends, units)),
+        CloudColour::Depth => {
+            (ends.depth_m).map(|ends| LegendScale::of_depth(ends, reference, units))
+        }
+        CloudColour::Level => ends.scales.level.map(LegendScale::of_levels),
+        CloudColour::Range => (ends.scales.range_m).map(|ends| LegendScale::of_ranges(ends, units)),
     }
 }
 

@@ -16,25 +16,25 @@ mod section;
 mod shown;
 
 use super::empty;
-use crate::app::{App, CloudColour, Command, Enlarged, Mark, SideColours, ThemeChoice};
+use crate::app::{App, CloudColour, Command, Enlarged, LogPlace, SideColours, ThemeChoice};
 use crate::pipeline::Background;
 use crate::ui::render::{Direction, OrbitCamera, Uploader};
 use crate::ui::{ViewContext, ViewRequest, flat, place, theme};
-use axes::Axes;
+use axes::BoxAxes;
 use bottom::ShownBottom;
 use eframe::egui_wgpu::RenderState;
 use egui::{Painter, Rect, Response, Role, Sense, Ui, Vec2, WidgetInfo};
 use picture::CloudPicture;
 use pointer::PickScene;
-use scene::{CloudScene, ColourEnds, LogPoints, SceneBox, ShownPoints};
-use shown::Shown;
+use scene::{CloudScene, ColourEnds, SceneBox, SceneLogPoints, ShownPoints};
+use shown::ShownCloud;
 use std::sync::Arc;
 
 /// Points of the screen that the numbers around the box need, both sides together.
 const LABEL_ROOM: f32 = 90.0;
 
-type Key = (
-    Vec<LogPoints>,
+type CloudKey = (
+    Vec<SceneLogPoints>,
     ColourEnds,
     (CloudColour, ThemeChoice, SideColours),
 );
@@ -46,10 +46,10 @@ pub(crate) struct CloudView {
     /// The camera that showed everything, and the frame it did so in: untouched, it is fitted anew to another frame.
     fitted: Option<(OrbitCamera, Vec2)>,
     request: Option<ViewRequest>,
-    scene: Background<Key, Arc<CloudScene>>,
+    scene: Background<CloudKey, Arc<CloudScene>>,
     bottom: ShownBottom,
     picture: CloudPicture,
-    pointer: pointer::Pointer,
+    pointer: pointer::CloudPointer,
     /// Width over height of the last frame.
     aspect: Option<f32>,
     /// That of the frame whose sight the first frame is to hold.
@@ -137,7 +137,7 @@ impl CloudView {
             .bottom
             .of(context.app, scene.origin_m, &uploader)
             .cloned();
-        let shown = Shown::new(&survey, &products, &scene, bottom.as_ref());
+        let shown = ShownCloud::new(&survey, &products, &scene, bottom.as_ref());
         let camera = self.navigate(ui, context, rect, response, shown.pick_scene());
         let axes = shown.axes(context.app, rect, camera.projection(aspect(rect)));
         let painter = ui.painter_at(rect);
@@ -154,8 +154,8 @@ impl CloudView {
         painter: &Painter,
         state: &RenderState,
         app: &App,
-        shown: &Shown<'_>,
-        axes: &Axes<'_>,
+        shown: &ShownCloud<'_>,
+        axes: &BoxAxes<'_>,
     ) {
         let (rect, scene) = (axes.rect, shown.scene);
         axes.walls(painter);
@@ -185,7 +185,7 @@ impl CloudView {
         ui: &mut Ui,
         context: &mut ViewContext<'_>,
         all: SceneBox,
-        axes: &Axes<'_>,
+        axes: &BoxAxes<'_>,
     ) {
         if context.app.view.is_picture {
             let painter = ui.painter_at(axes.rect);
@@ -204,7 +204,12 @@ impl CloudView {
     fn ask_for_scene(&mut self, context: &ViewContext<'_>) {
         let options = context.options().clone();
         let colours = (options.cloud.colour, options.theme, options.side_colours);
-        let logs: Vec<LogPoints> = context.app.shown_logs().iter().map(LogPoints::of).collect();
+        let logs: Vec<SceneLogPoints> = context
+            .app
+            .shown_logs()
+            .iter()
+            .map(SceneLogPoints::of)
+            .collect();
         let uploader = context.uploader();
         let ends = ColourEnds {
             depth_m: context.app.depth_range_m(),
@@ -344,7 +349,7 @@ fn margin(rect: Rect) -> f32 {
 }
 
 /// Moves the camera over a place that is out of the picture; one in the picture stays where it is.
-fn show_place(camera: &mut OrbitCamera, app: &App, mark: Mark, rect: Rect, scene: &CloudScene) {
+fn show_place(camera: &mut OrbitCamera, app: &App, mark: LogPlace, rect: Rect, scene: &CloudScene) {
     let Some([east_m, north_m]) = place::east_north(app, mark) else {
         return;
     };

@@ -1,6 +1,6 @@
 //! Objects in the cloud: the footprint of each box on the bottom.
 
-use super::axes::Axes;
+use super::axes::BoxAxes;
 use super::scene::CloudScene;
 use crate::app::{App, Reviewing};
 use crate::detection::review::{BoxId, State};
@@ -16,7 +16,7 @@ const LEAST: f32 = 3.0;
 const LEAST_WIDTH: f32 = 1.5;
 
 /// Draws the footprints of the boxes of all visible logs that are in the queue; those that were rejected only while they are selected.
-pub(super) fn paint(painter: &Painter, app: &App, scene: &CloudScene, axes: &Axes<'_>) {
+pub(super) fn paint(painter: &Painter, app: &App, scene: &CloudScene, axes: &BoxAxes<'_>) {
     if !app.view.options.cloud.boxes {
         return;
     }
@@ -28,7 +28,7 @@ pub(super) fn paint(painter: &Painter, app: &App, scene: &CloudScene, axes: &Axe
 }
 
 /// Draws the shape of the selected object: its outline on the bottom, and profiles along it and across it.
-fn shape(painter: &Painter, app: &App, scene: &CloudScene, axes: &Axes<'_>) {
+fn shape(painter: &Painter, app: &App, scene: &CloudScene, axes: &BoxAxes<'_>) {
     let Some(Ok(fitted)) = app.selected_object_shape() else {
         return;
     };
@@ -81,7 +81,7 @@ fn boxes(
     reviewing: &Reviewing,
     selected: Option<BoxId>,
     scene: &CloudScene,
-    axes: &Axes<'_>,
+    axes: &BoxAxes<'_>,
 ) {
     for one in reviewing.in_line() {
         let is_selected = Some(one.id) == selected;

@@ -2,7 +2,7 @@
 
 use super::bottom::BottomScene;
 use super::scene::CloudScene;
-use crate::ui::render::{BottomDraw, BottomRenderer, CloudDraw, CloudRenderer, Target};
+use crate::ui::render::{BottomDraw, BottomRenderer, CloudDraw, CloudRenderer, RenderTarget};
 use crate::ui::views::picture::ViewTexture;
 use eframe::egui_wgpu::RenderState;
 use egui::{Painter, Rect};
@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 /// What is drawn, and how.
 #[derive(Clone, Default)]
-pub(super) struct Drawing {
+pub(super) struct CloudDrawing {
     /// The bottom, where it is shown.
     pub bottom: Option<(Arc<BottomScene>, BottomDraw)>,
     /// The points, where they are shown.
@@ -18,7 +18,7 @@ pub(super) struct Drawing {
 }
 
 /// Two are the same when they draw the same data alike, not equal ones.
-impl PartialEq for Drawing {
+impl PartialEq for CloudDrawing {
     fn eq(&self, other: &Self) -> bool {
         fn same<S, D: PartialEq>(a: &Option<(Arc<S>, D)>, b: &Option<(Arc<S>, D)>) -> bool {
             match (a, b) {
@@ -42,7 +42,7 @@ struct Renderers {
 pub(super) struct CloudPicture {
     picture: ViewTexture,
     renderers: Option<Renderers>,
-    drawn: Option<Drawing>,
+    drawn: Option<CloudDrawing>,
 }
 
 impl CloudPicture {
@@ -52,7 +52,7 @@ impl CloudPicture {
         painter: &Painter,
         rect: Rect,
         state: &RenderState,
-        drawing: Drawing,
+        drawing: CloudDrawing,
     ) {
         let is_new = self.picture.resize(state, rect, painter.pixels_per_point());
         if (is_new || self.drawn.as_ref() != Some(&drawing))
@@ -70,7 +70,7 @@ impl CloudPicture {
 }
 
 impl Renderers {
-    fn draw(&self, state: &RenderState, target: &Target, drawing: &Drawing) {
+    fn draw(&self, state: &RenderState, target: &RenderTarget, drawing: &CloudDrawing) {
         let mut encoder = state.device.create_command_encoder(&Default::default());
         {
             let mut pass = target.begin(&mut encoder);

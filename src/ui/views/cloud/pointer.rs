@@ -1,9 +1,9 @@
 //! What the pointer does on the cloud: turn, move, zoom, pick.
 
-use super::axes::Axes;
+use super::axes::BoxAxes;
 use super::bottom::BottomScene;
 use super::scene::{CloudScene, SceneBox, ShownPoints};
-use crate::app::{App, Command, LogId, Mark};
+use crate::app::{App, Command, LogId, LogPlace};
 use crate::pipeline::Products;
 use crate::support::geo::LonLat;
 use crate::ui::render::OrbitCamera;
@@ -20,7 +20,7 @@ const MOST_ON_HOVER: usize = 2_000_000;
 
 /// What the pointer was found over.
 #[derive(Default)]
-pub(super) struct Pointer {
+pub(super) struct CloudPointer {
     hover: OwnHover,
     looked: Option<(Pos2, OrbitCamera, Option<usize>)>,
 }
@@ -121,14 +121,14 @@ pub(super) fn move_camera(
     }
 }
 
-impl Pointer {
+impl CloudPointer {
     /// Hover and click.
     pub(super) fn handle(
         &mut self,
         context: &mut ViewContext<'_>,
         response: &Response,
         PickScene { scene, bottom, .. }: PickScene<'_>,
-        (axes, camera): (&Axes<'_>, OrbitCamera),
+        (axes, camera): (&BoxAxes<'_>, OrbitCamera),
     ) {
         let shown = axes.shown();
         let at = match response.clicked() {
@@ -161,7 +161,7 @@ impl Pointer {
 }
 
 /// The position on the bottom at a place of the screen.
-fn position_on(bottom: &BottomScene, app: &App, axes: &Axes<'_>, at: Pos2) -> Option<LonLat> {
+fn position_on(bottom: &BottomScene, app: &App, axes: &BoxAxes<'_>, at: Pos2) -> Option<LonLat> {
     let place = bottom.under(&axes.projection, ndc(axes.rect, at))?;
     if !axes.part.holds(place) {
         return None;
@@ -172,7 +172,7 @@ fn position_on(bottom: &BottomScene, app: &App, axes: &Axes<'_>, at: Pos2) -> Op
     Some((products.navigation).to_lon_lat(&survey.track, east_m, north_m))
 }
 
-fn pick(app: &App, scene: &CloudScene, axes: &Axes<'_>, at: Pos2) -> Option<usize> {
+fn pick(app: &App, scene: &CloudScene, axes: &BoxAxes<'_>, at: Pos2) -> Option<usize> {
     let size = axes.rect.size();
     let off = at - axes.rect.min;
     let cover = (0.5 * app.view.options.cloud.point_size).max(1.0);
@@ -190,7 +190,7 @@ pub(super) fn paint_marks(
     app: &App,
     products: &Products,
     seen: PickScene<'_>,
-    axes: &Axes<'_>,
+    axes: &BoxAxes<'_>,
 ) {
     let marks = [
         (app.view.selection, theme::SELECTION_COLOUR, 2.0),
@@ -212,10 +212,10 @@ pub(super) fn paint_marks(
 
 fn paint_mark(
     painter: &Painter,
-    (log, mark): (LogId, &Mark),
+    (log, mark): (LogId, &LogPlace),
     products: &Products,
     scene: &CloudScene,
-    axes: &Axes<'_>,
+    axes: &BoxAxes<'_>,
     stroke: Stroke,
 ) {
     let of_ping = scene.of_ping(log, mark.ping);
@@ -251,7 +251,7 @@ mod tests {
     use crate::app::ViewOptions;
     use crate::bottom::cloud::{CloudPoint, PointClass, PointCloud, PointSource};
     use crate::support::progress::Progress;
-    use crate::ui::views::cloud::scene::{ColourEnds, LogPoints};
+    use crate::ui::views::cloud::scene::{ColourEnds, SceneLogPoints};
     use std::sync::Arc;
 
     /// Two lines of points 40 m apart, and nothing between.
@@ -274,7 +274,7 @@ mod tests {
             points: (0..120).map(point).collect(),
             zero_heading: 0,
         };
-        let log = LogPoints {
+        let log = SceneLogPoints {
             id: LogId(1),
             name: String::new(),
             cloud: Arc::new(cloud),

@@ -1,6 +1,6 @@
 //! The cloud, ready to draw and to pick; computed in a background thread.
 
-use crate::app::{CloudColour, LogId, Mark, ShownLog, ViewOptions};
+use crate::app::{CloudColour, LogId, LogPlace, ShownLog, ViewOptions};
 use crate::bottom::cloud::{
     ClassCounts, CloudPoint, Correction, PointClass, PointCloud, PointScales, PointSource,
     Reduction,
@@ -9,7 +9,7 @@ use crate::sonar::calibration::Calibration;
 use crate::support::presentation::colours::{depth_colour, depth_share, value_colour};
 use crate::support::progress::Progress;
 use crate::survey::{Side, Survey};
-use crate::ui::render::{CloudBuffers, Part, PointVertex, Uploader};
+use crate::ui::render::{CloudBuffers, PointVertex, ScenePart, Uploader};
 use crate::ui::theme;
 use glam::Vec3;
 use std::sync::Arc;
@@ -62,7 +62,7 @@ pub(super) struct Ranging {
 
 /// The points of one log.
 #[derive(Clone)]
-pub(super) struct LogPoints {
+pub(super) struct SceneLogPoints {
     /// Which log.
     pub id: LogId,
     /// Its name.
@@ -77,7 +77,7 @@ pub(super) struct LogPoints {
     pub colour: [u8; 3],
 }
 
-impl LogPoints {
+impl SceneLogPoints {
     /// Of a log with its results.
     pub(super) fn of(shown: &ShownLog) -> Self {
         let products = &shown.log.products;
@@ -114,7 +114,7 @@ impl LogPoints {
 }
 
 /// Two are the same when they hold the same results, not equal ones.
-impl PartialEq for LogPoints {
+impl PartialEq for SceneLogPoints {
     fn eq(&self, other: &Self) -> bool {
         self.id == other.id
             && Arc::ptr_eq(&self.cloud, &other.cloud)
@@ -129,13 +129,13 @@ pub(super) struct ShownPoints {
     /// Those that do not count for the map as well.
     pub outliers: bool,
     /// Those in this part alone, in the places of the scene.
-    pub part: Part,
+    pub part: ScenePart,
 }
 
 /// The clouds of all logs on the GPU with what belongs to them. The places of points are worked out from the clouds when they are
 /// asked for: a second copy of them all would be the largest thing in memory.
 pub(super) struct CloudScene {
-    logs: Vec<LogPoints>,
+    logs: Vec<SceneLogPoints>,
     /// Number of the first point of each log: points are counted through all of them.
     starts: Vec<usize>,
     /// What the vertices are relative to, metres east, north and up.
@@ -185,7 +185,7 @@ pub(super) struct ColourEnds {
 impl CloudScene {
     /// In colours between these values; `None` when there is no point, or cancelled.
     pub(super) fn new(
-        logs: Vec<LogPoints>,
+        logs: Vec<SceneLogPoints>,
         ends: ColourEnds,
         options: &ViewOptions,
         uploader: Option<&Uploader>,
@@ -247,7 +247,10 @@ impl CloudScene {
     }
 
     /// Points of all logs that are kept, or are not: their numbers, and the log of each.
-    fn points(&self, requested: bool) -> impl Iterator<Item = (usize, &LogPoints, &CloudPoint)> {
+    fn points(
+        &self,
+        requested: bool,
+    ) -> impl Iterator<Item = (usize, &SceneLogPoints, &CloudPoint)> {
         let logs = self.logs.iter().zip(&self.starts);
         logs.flat_map(move |(log, start)| {
             let points = log.points(requested);
@@ -256,7 +259,7 @@ impl CloudScene {
     }
 
     /// The log of a point by its number, and its index there.
-    fn of_number(&self, number: usize) -> Option<(&LogPoints, usize)> {
+    fn of_number(&self, number: usize) -> Option<(&SceneLogPoints, usize)> {
         let after = self.starts.partition_point(|start| *start <= number);
         let log = after.checked_sub(1)?;
         Some((self.logs.get(log)?, number - self.starts[log]))
@@ -289,10 +292,10 @@ impl CloudScene {
     }
 
     /// The log and the mark of a point by its number.
-    pub(super) fn mark(&self, number: usize) -> Option<(LogId, Mark)> {
+    pub(super) fn mark(&self, number: usize) -> Option<(LogId, LogPlace)> {
         let (log, index) = self.of_number(number)?;
         let point = log.cloud.points.get(index)?;
-        let mark = Mark {
+        let mark = LogPlace {
             ping: point.ping as usize,
             side: side(point.source),
             sample: point.sample.is_finite().then_some(point.sample),
@@ -301,7 +304,12 @@ impl CloudScene {
         Some((log.id, mark))
     }
 
-    fn colour(&self, log: &LogPoints, point: &CloudPoint, options: &ViewOptions) -> egui::Color32 {
+    fn colour(
+        &self,
+        log: &SceneLogPoints,
+        point: &CloudPoint,
+        options: &ViewOptions,
+    ) -> egui::Color32 {
         let [r, g, b] = match options.cloud.colour {
             CloudColour::Source => {
                 return match side(point.source) {
@@ -377,7 +385,7 @@ fn is_placed(point: &CloudPoint) -> bool {
     place.iter().all(|metres| metres.is_finite())
 }
 
-fn counts(logs: &[LogPoints]) -> PointCounts {
+fn counts(logs: &[SceneLogPoints]) -> PointCounts {
     let mut counts = PointCounts::default();
     for requested in [true, false] {
         let points = logs.iter().flat_map(|log| log.points(requested));
@@ -415,8 +423,13 @@ mod tests {
         }
     }
 
-    fn log(id: u64, points: &[CloudPoint], classes: &[PointClass], colour: [u8; 3]) -> LogPoints {
-        LogPoints {
+    fn log(
+        id: u64,
+        points: &[CloudPoint],
+        classes: &[PointClass],
+        colour: [u8; 3],
+    ) -> SceneLogPoints {
+        SceneLogPoints {
             id: LogId(id),
             name: String::new(),
             cloud: Arc::new(PointCloud {
@@ -430,7 +443,7 @@ mod tests {
     }
 
     /// A log of four points: one is noise, and one has no depth.
-    fn first_log() -> LogPoints {
+    fn first_log() -> SceneLogPoints {
         use PointClass::{Bottom, LowNoise};
         let points = [
             point(PointSource::DownScan, 0, -2.0),
@@ -441,7 +454,7 @@ mod tests {
         log(4, &points, &[Bottom, LowNoise, Bottom, Bottom], [1, 2, 3])
     }
 
-    fn second_log() -> LogPoints {
+    fn second_log() -> SceneLogPoints {
         let points = [point(PointSource::Port, 4, -1.0)];
         log(2, &points, &[PointClass::Bottom], [7, 8, 9])
     }

@@ -1,12 +1,12 @@
 //! The cross-section: the bottom along the line of the depth profile, with what stands in front of it left out; and the water's surface
 //! with the boat's track.
 
-use super::axes::Axes;
+use super::axes::BoxAxes;
 use super::clip;
 use super::scene::CloudScene;
 use crate::app::{App, ViewOptions};
-use crate::bottom::bathymetry::Station;
-use crate::ui::render::{Cut, Part, Projection};
+use crate::bottom::bathymetry::TransectStation;
+use crate::ui::render::{CameraProjection, Cut, ScenePart};
 use crate::ui::theme;
 use egui::{Color32, Painter, Pos2, Shape, Stroke};
 use glam::{Vec3, Vec4};
@@ -19,21 +19,21 @@ const WATER_ALPHA: u8 = 36;
 const NEAREST_M: f32 = 0.01;
 
 /// What is drawn, seen from `eye`: what lies in the clip box, and behind the cross-section.
-pub(super) fn part(app: &App, scene: &CloudScene, eye: Vec3) -> Part {
+pub(super) fn part(app: &App, scene: &CloudScene, eye: Vec3) -> ScenePart {
     let options = &app.view.options.cloud;
     let corners = options.clip.map(|one| clip::limits(scene.origin_m, one));
     let cut = options
         .cut
         .then(|| cut(app.map.measuring.stations(), scene, eye));
-    Part {
-        corners: corners.unwrap_or(Part::WHOLE.corners),
+    ScenePart {
+        corners: corners.unwrap_or(ScenePart::WHOLE.corners),
         cut: cut.flatten(),
     }
 }
 
 /// The upright plane from the first to the last place of a profile; what is left out is the side that the camera is on, so that the section
 /// is seen from wherever one looks.
-fn cut(stations: &[Station], scene: &CloudScene, eye: Vec3) -> Option<Cut> {
+fn cut(stations: &[TransectStation], scene: &CloudScene, eye: Vec3) -> Option<Cut> {
     let ends = [stations.first()?, stations.last()?];
     let [first, last] = ends.map(|end| scene.local(end.place[0], end.place[1], 0.0).truncate());
     let right = (last - first).try_normalize()?.perp();
@@ -46,17 +46,17 @@ fn cut(stations: &[Station], scene: &CloudScene, eye: Vec3) -> Option<Cut> {
 }
 
 /// Draws the bottom along the profile, and the plane from there up to where depths count from.
-pub(super) fn paint(painter: &Painter, app: &App, scene: &CloudScene, axes: &Axes<'_>) {
+pub(super) fn paint(painter: &Painter, app: &App, scene: &CloudScene, axes: &BoxAxes<'_>) {
     let stations = app.map.measuring.stations();
     if axes.part.cut.is_none() {
         return;
     }
     let colour = theme::MEASURE_COLOUR;
-    let at = |one: &Station, depth_m: f64| {
+    let at = |one: &TransectStation, depth_m: f64| {
         let [east_m, north_m] = one.place;
         in_box(axes, scene.local(east_m, north_m, -depth_m))
     };
-    let bottom = |one: &Station| at(one, f64::from(one.depth_m?));
+    let bottom = |one: &TransectStation| at(one, f64::from(one.depth_m?));
     let bottom: Vec<Option<Pos2>> = stations.iter().map(bottom).collect();
     let surface: Vec<Option<Pos2>> = stations.iter().map(|one| at(one, 0.0)).collect();
     let thin = Stroke::new(1.0, colour);
@@ -71,7 +71,7 @@ pub(super) fn paint(painter: &Painter, app: &App, scene: &CloudScene, axes: &Axe
 }
 
 /// Where a place is on the screen, if it lies above, in or below the box that is drawn.
-fn in_box(axes: &Axes<'_>, place: Vec3) -> Option<Pos2> {
+fn in_box(axes: &BoxAxes<'_>, place: Vec3) -> Option<Pos2> {
     let [low, high] = axes.corners.map(Vec3::truncate);
     let beside = place.truncate();
     let is_in = beside.cmpge(low).all() && beside.cmple(high).all();
@@ -79,7 +79,7 @@ fn in_box(axes: &Axes<'_>, place: Vec3) -> Option<Pos2> {
 }
 
 /// Draws where the water's surface is, or what else depths count from, and over it the tracks of all visible logs.
-pub(super) fn paint_water(painter: &Painter, app: &App, scene: &CloudScene, axes: &Axes<'_>) {
+pub(super) fn paint_water(painter: &Painter, app: &App, scene: &CloudScene, axes: &BoxAxes<'_>) {
     if !app.view.options.cloud.water {
         return;
     }
@@ -122,7 +122,7 @@ fn water_colours(options: &ViewOptions) -> [Color32; 2] {
 }
 
 /// The part of a polygon that lies in front of the camera.
-fn in_front(projection: &Projection, corners: &[Vec3]) -> Vec<Vec3> {
+fn in_front(projection: &CameraProjection, corners: &[Vec3]) -> Vec<Vec3> {
     let away_m = |place: Vec3| {
         let clip: Vec4 = projection.clip_from_world * place.extend(1.0);
         clip.w - NEAREST_M

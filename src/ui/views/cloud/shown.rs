@@ -1,15 +1,15 @@
 //! What a frame of the cloud view shows: the open log, and what was made for the view.
 
-use super::axes::Axes;
+use super::axes::BoxAxes;
 use super::bottom::{self, BottomScene};
-use super::picture::Drawing;
+use super::picture::CloudDrawing;
 use super::pointer::PickScene;
 use super::scene::{CloudScene, SceneBox};
 use super::{clip, section};
 use crate::app::App;
 use crate::pipeline::Products;
 use crate::survey::Survey;
-use crate::ui::render::{CloudDraw, Projection};
+use crate::ui::render::{CameraProjection, CloudDraw};
 use crate::ui::text;
 use egui::Rect;
 use std::sync::Arc;
@@ -18,7 +18,7 @@ use std::sync::Arc;
 const NEARER: f32 = 0.004;
 
 /// What a frame of the view shows.
-pub(super) struct Shown<'a> {
+pub(super) struct ShownCloud<'a> {
     pub survey: &'a Survey,
     pub products: &'a Products,
     pub scene: &'a Arc<CloudScene>,
@@ -27,7 +27,7 @@ pub(super) struct Shown<'a> {
     pub all: SceneBox,
 }
 
-impl<'a> Shown<'a> {
+impl<'a> ShownCloud<'a> {
     pub(super) fn new(
         survey: &'a Survey,
         products: &'a Products,
@@ -57,9 +57,14 @@ impl<'a> Shown<'a> {
     }
 
     /// The box that is drawn around it.
-    pub(super) fn axes<'b>(&self, app: &'b App, rect: Rect, projection: Projection) -> Axes<'b> {
+    pub(super) fn axes<'b>(
+        &self,
+        app: &'b App,
+        rect: Rect,
+        projection: CameraProjection,
+    ) -> BoxAxes<'b> {
         let options = &app.view.options;
-        Axes {
+        BoxAxes {
             rect,
             projection,
             part: section::part(app, self.scene, projection.eye),
@@ -70,7 +75,12 @@ impl<'a> Shown<'a> {
     }
 
     /// What the GPU draws.
-    pub(super) fn drawing(&self, app: &App, axes: &Axes<'_>, pixels_per_point: f32) -> Drawing {
+    pub(super) fn drawing(
+        &self,
+        app: &App,
+        axes: &BoxAxes<'_>,
+        pixels_per_point: f32,
+    ) -> CloudDrawing {
         let options = &axes.options.cloud;
         let points = CloudDraw {
             clip_from_world: axes.projection.clip_from_world,
@@ -84,7 +94,7 @@ impl<'a> Shown<'a> {
             let draw = bottom::draw(app, of, axes.projection, pixels_per_point, part);
             (scene.clone(), draw)
         });
-        Drawing {
+        CloudDrawing {
             points: options.points.then(|| (self.scene.clone(), points)),
             bottom,
         }

@@ -1,6 +1,6 @@
 //! The analyst's own picture, painted in tiles under the other layers.
 
-use super::tiles::{MapTileKey, SIDE, TileSource};
+use super::tiles::{MapTileKey, SIDE, TilePainter};
 use super::transform::{GroundBounds, NOWHERE, joined};
 use super::warp::Warp;
 use crate::formats::base_map::BaseMap;
@@ -40,7 +40,7 @@ impl BaseMapKey {
     }
 
     /// What paints the tiles.
-    pub(super) fn source(self) -> Arc<dyn TileSource> {
+    pub(super) fn source(self) -> Arc<dyn TilePainter> {
         let bounds = bounds(&self);
         let pixel_m = self.map.0.pixel_m();
         Arc::new(BaseTiles {
@@ -91,7 +91,7 @@ struct BaseTiles {
     pixel_m: f64,
 }
 
-impl TileSource for BaseTiles {
+impl TilePainter for BaseTiles {
     fn bounds(&self) -> GroundBounds {
         self.bounds
     }

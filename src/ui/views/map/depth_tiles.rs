@@ -1,6 +1,6 @@
 //! The tiles of the depth map and of its hill-shade.
 
-use super::tiles::{MapTileKey, SIDE, TileSource};
+use super::tiles::{MapTileKey, SIDE, TilePainter};
 use super::transform::GroundBounds;
 use super::warp::Warp;
 use crate::bottom::bathymetry::Grid;
@@ -107,7 +107,7 @@ fn finest(depth_map: &DepthMap) -> i8 {
     finest_m.log2().floor().clamp(-128.0, 127.0) as i8
 }
 
-impl TileSource for DepthTiles {
+impl TilePainter for DepthTiles {
     fn bounds(&self) -> GroundBounds {
         self.0.bounds_m()
     }
@@ -135,7 +135,7 @@ impl TileSource for DepthTiles {
     }
 }
 
-impl TileSource for ShadeTiles {
+impl TilePainter for ShadeTiles {
     fn bounds(&self) -> GroundBounds {
         self.0.bounds_m()
     }

@@ -1,6 +1,6 @@
 //! Tiles of coloured dots, and which of them is nearest to a place.
 
-use super::tiles::{MapTileKey, SIDE, TileSource};
+use super::tiles::{MapTileKey, SIDE, TilePainter};
 use super::transform::{GroundBounds, around, away_m};
 use crate::support::progress::Progress;
 use egui::Color32;
@@ -79,7 +79,7 @@ fn bounds(dots: &[Dot]) -> GroundBounds {
     around(dots.iter().map(|dot| [dot.east_m, dot.north_m]))
 }
 
-impl TileSource for Dots {
+impl TilePainter for Dots {
     fn bounds(&self) -> GroundBounds {
         let [west, south, east, north] = self.bounds;
         // A single dot has an extent too.

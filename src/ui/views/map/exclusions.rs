@@ -1,6 +1,6 @@
 //! The excluded stretches of the tracks.
 
-use super::scene::Scene;
+use super::scene::MapScene;
 use crate::app::{App, MapLayer, OpenLog};
 use crate::survey::PingNav;
 use crate::ui::theme;
@@ -16,7 +16,7 @@ const WIDTH: f32 = 1.8;
 const DASH: f32 = 3.0;
 
 /// Draws the excluded stretches of all visible logs as fine grey dashes over their tracks.
-pub(super) fn paint(painter: &Painter, scene: &Scene<'_>, app: &App) {
+pub(super) fn paint(painter: &Painter, scene: &MapScene<'_>, app: &App) {
     if !scene.shows(MapLayer::Track) {
         return;
     }
@@ -46,7 +46,7 @@ pub(super) fn ping_count(app: &App) -> usize {
 }
 
 /// Where the boat's places lie on the screen.
-pub(super) fn places(scene: &Scene<'_>, pings: &[PingNav]) -> Vec<Pos2> {
+pub(super) fn places(scene: &MapScene<'_>, pings: &[PingNav]) -> Vec<Pos2> {
     let step = pings.len().div_ceil(MOST_PLACES).max(1);
     let last = pings.last();
     let shown = pings.iter().step_by(step).chain(last);

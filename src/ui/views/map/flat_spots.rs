@@ -1,6 +1,6 @@
 //! The ranked flat stretches, numbered, the one that the calibration was measured on, and the one that is proposed.
 
-use super::scene::Scene;
+use super::scene::MapScene;
 use crate::sonar::calibration::{FlatSpot, ScaleMode};
 use crate::support::presentation::units::Units;
 use crate::ui::theme;
@@ -24,7 +24,7 @@ const SIDES: [(Vec2, Align2); 4] = [
 ];
 
 /// Draws the stretches.
-pub(super) fn paint(painter: &Painter, scene: &Scene<'_>) {
+pub(super) fn paint(painter: &Painter, scene: &MapScene<'_>) {
     if scene.options.map.flat_spots {
         let colour = theme::flat_spot_colour(scene.options);
         for (rank, spot) in scene.products.flat_spots.iter().enumerate() {
@@ -44,7 +44,7 @@ pub(super) fn paint(painter: &Painter, scene: &Scene<'_>) {
 
 /// Names the stretch that the calibration was measured on, beside it where nothing else stands; in a tile without such a
 /// place the colour has to do.
-pub(super) fn name_calibrated(painter: &Painter, scene: &Scene<'_>, covered: &[Rect]) {
+pub(super) fn name_calibrated(painter: &Painter, scene: &MapScene<'_>, covered: &[Rect]) {
     let calibration = &scene.products.calibration;
     let Some(spot) = &calibration.flat_spot else {
         return;
@@ -69,7 +69,7 @@ pub(super) fn name_calibrated(painter: &Painter, scene: &Scene<'_>, covered: &[R
     }
 }
 
-fn badges_under(scene: &Scene<'_>, plate: Rect) -> usize {
+fn badges_under(scene: &MapScene<'_>, plate: Rect) -> usize {
     if !scene.options.map.flat_spots {
         return 0;
     }
@@ -81,7 +81,7 @@ fn badges_under(scene: &Scene<'_>, plate: Rect) -> usize {
 }
 
 /// The ranked stretch whose number is under the pointer.
-pub(super) fn under(scene: &Scene<'_>, pointer: Pos2) -> Option<usize> {
+pub(super) fn under(scene: &MapScene<'_>, pointer: Pos2) -> Option<usize> {
     if !scene.options.map.flat_spots {
         return None;
     }
@@ -98,7 +98,7 @@ pub(super) fn describe(rank: usize, spot: &FlatSpot, units: Units) -> String {
     format!("flat stretch {number}: {spot}")
 }
 
-fn places(scene: &Scene<'_>, pings: &Range<usize>) -> Vec<Pos2> {
+fn places(scene: &MapScene<'_>, pings: &Range<usize>) -> Vec<Pos2> {
     let navigation = &scene.products.navigation.pings;
     let end = pings.end.min(navigation.len());
     let start = pings.start.min(end);
@@ -119,7 +119,7 @@ fn places(scene: &Scene<'_>, pings: &Range<usize>) -> Vec<Pos2> {
     line
 }
 
-fn stretch(painter: &Painter, scene: &Scene<'_>, pings: &Range<usize>, colour: Color32) {
+fn stretch(painter: &Painter, scene: &MapScene<'_>, pings: &Range<usize>, colour: Color32) {
     let line = places(scene, pings);
     // Wide and faint, so that the track's own colour stays readable under it.
     let [halo, core] = [9.0, 1.2];
@@ -128,17 +128,17 @@ fn stretch(painter: &Painter, scene: &Scene<'_>, pings: &Range<usize>, colour: C
     painter.add(Shape::line(line, Stroke::new(core, colour)));
 }
 
-fn middle(scene: &Scene<'_>, pings: &Range<usize>) -> Option<Pos2> {
+fn middle(scene: &MapScene<'_>, pings: &Range<usize>) -> Option<Pos2> {
     let line = places(scene, pings);
     line.get(line.len() / 2).copied()
 }
 
 /// A number stands beside the middle of its stretch, not on it.
-fn badge_at(scene: &Scene<'_>, pings: &Range<usize>) -> Option<Pos2> {
+fn badge_at(scene: &MapScene<'_>, pings: &Range<usize>) -> Option<Pos2> {
     Some(middle(scene, pings)? + vec2(0.0, -BADGE - 7.0))
 }
 
-fn badge(painter: &Painter, scene: &Scene<'_>, spot: &FlatSpot, number: &str) {
+fn badge(painter: &Painter, scene: &MapScene<'_>, spot: &FlatSpot, number: &str) {
     let Some(at) = badge_at(scene, &spot.pings) else {
         return;
     };

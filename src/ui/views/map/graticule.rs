@@ -1,8 +1,8 @@
 //! The graticule: lines at round degrees, or metres of the UTM zone, named along the lower and the left edge.
 
-use super::scene::Scene;
+use super::scene::MapScene;
 use crate::support::geo::{LonLat, UtmZone};
-use crate::support::presentation::graticule::{Bounds, Family, Net};
+use crate::support::presentation::graticule::{LineFamily, Net, NetBounds};
 use crate::ui::theme;
 use crate::ui::views::legend;
 use egui::{Align2, Painter, Pos2, Rect, Shape, Stroke, pos2, vec2};
@@ -16,7 +16,7 @@ const BETWEEN: f32 = 64.0;
 const MARGIN: f32 = 20.0;
 
 /// Draws the lines and their names.
-pub(super) fn paint(painter: &Painter, scene: &Scene<'_>) {
+pub(super) fn paint(painter: &Painter, scene: &MapScene<'_>) {
     let [west, south, east, north] = scene.transform.visible(scene.rect);
     if (east - west).hypot(north - south) > FARTHEST_M {
         return;
@@ -34,7 +34,7 @@ pub(super) fn paint(painter: &Painter, scene: &Scene<'_>) {
         Rect::from_min_max(foot - vec2(0.0, 46.0), foot + vec2(160.0, -18.0)),
     ];
     let [across, up] = distances(painter, scene, &net, bounds);
-    for (family, least) in [(Family::Upright, across), (Family::Level, up)] {
+    for (family, least) in [(LineFamily::Upright, across), (LineFamily::Level, up)] {
         for line in net.lines(family, bounds, least) {
             let places = net.places(family, line.value, bounds, BENDS);
             let bent: Vec<Pos2> = places.map(|at| on_screen(scene, at)).collect();
@@ -46,14 +46,14 @@ pub(super) fn paint(painter: &Painter, scene: &Scene<'_>) {
     }
 }
 
-fn net(scene: &Scene<'_>) -> Net {
+fn net(scene: &MapScene<'_>) -> Net {
     let zone = UtmZone::of(scene.survey.track.frame.origin());
     let middle = scene.position(scene.rect.center());
     Net::new(scene.options.coordinates, zone, middle)
 }
 
 /// Places along the edge of the view.
-fn edge(scene: &Scene<'_>) -> impl Iterator<Item = LonLat> {
+fn edge(scene: &MapScene<'_>) -> impl Iterator<Item = LonLat> {
     let rect = scene.rect;
     let shares = (0..BENDS).map(|bend| bend as f32 / (BENDS - 1) as f32);
     let around = shares.flat_map(move |share| {
@@ -70,7 +70,7 @@ fn edge(scene: &Scene<'_>) -> impl Iterator<Item = LonLat> {
 }
 
 /// Least distances between upright and between level lines, in degrees or metres of the net.
-fn distances(painter: &Painter, scene: &Scene<'_>, net: &Net, bounds: Bounds) -> [f64; 2] {
+fn distances(painter: &Painter, scene: &MapScene<'_>, net: &Net, bounds: NetBounds) -> [f64; 2] {
     let [west, south, east, north] = bounds;
     // How much of the axis a point of the screen covers.
     let across = (east - west) / f64::from(scene.rect.width().max(1.0));
@@ -82,21 +82,21 @@ fn distances(painter: &Painter, scene: &Scene<'_>, net: &Net, bounds: Bounds) ->
     [across * f64::from(room), up * f64::from(BETWEEN)]
 }
 
-fn on_screen(scene: &Scene<'_>, at: LonLat) -> Pos2 {
+fn on_screen(scene: &MapScene<'_>, at: LonLat) -> Pos2 {
     let navigation = &scene.products.navigation;
     scene.at(navigation.to_plane(&scene.survey.track, at))
 }
 
 /// Where the name of a line stands: upright lines have theirs on the lower edge, level ones on the left, which the lower edge
 /// takes first.
-fn name_at(scene: &Scene<'_>, family: Family, line: &[Pos2]) -> Option<Pos2> {
+fn name_at(scene: &MapScene<'_>, family: LineFamily, line: &[Pos2]) -> Option<Pos2> {
     let rect = scene.rect;
     match family {
-        Family::Upright => {
+        LineFamily::Upright => {
             let foot = crossing(line, |at| at.y - rect.bottom())?;
             Some(pos2(foot.x + 3.0, rect.bottom() - 1.0))
         }
-        Family::Level => {
+        LineFamily::Level => {
             let start = crossing(line, |at| at.x - rect.left())?;
             let stands = rect.bottom() - start.y > 16.0;
             stands.then(|| pos2(rect.left() + 3.0, start.y - 1.0))
@@ -105,7 +105,7 @@ fn name_at(scene: &Scene<'_>, family: Family, line: &[Pos2]) -> Option<Pos2> {
 }
 
 /// Writes a name unless another one stands there, or it would be cut off.
-fn name(painter: &Painter, scene: &Scene<'_>, covered: &mut Vec<Rect>, at: Pos2, text: &str) {
+fn name(painter: &Painter, scene: &MapScene<'_>, covered: &mut Vec<Rect>, at: Pos2, text: &str) {
     let colour = scene.text_colour().gamma_multiply(0.75);
     let words = painter.layout_no_wrap(text.to_owned(), legend::font(), colour);
     let rect = Align2::LEFT_BOTTOM.anchor_size(at, words.size());

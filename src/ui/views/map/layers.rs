@@ -21,13 +21,13 @@ const DASH_M: [f64; 2] = [5.0, 2.5];
 /// What the tracks of some logs are made of; equal keys give equal tracks.
 #[derive(PartialEq)]
 pub(super) struct TrackKey {
-    logs: Vec<LogKey>,
+    logs: Vec<LayerLogKey>,
     range_m: Option<[f32; 2]>,
     by_log: bool,
 }
 
 #[derive(PartialEq)]
-struct LogKey {
+struct LayerLogKey {
     id: LogId,
     colour: [u8; 3],
     survey: Same<Survey>,
@@ -39,7 +39,7 @@ struct LogKey {
 impl TrackKey {
     /// Of these logs in colours between two depths, metres; `by_log` colours by log instead of depth.
     pub(super) fn of(logs: &[ShownLog], range_m: Option<[f32; 2]>, by_log: bool) -> Self {
-        let key = |shown: &ShownLog| LogKey {
+        let key = |shown: &ShownLog| LayerLogKey {
             id: shown.id,
             colour: shown.colour,
             survey: Same(shown.log.survey.clone()),

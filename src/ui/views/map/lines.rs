@@ -43,7 +43,7 @@ impl MapLine {
 
 /// How a line is drawn: two strokes, the first below.
 #[derive(Clone, Copy)]
-pub(super) struct Pen {
+pub(super) struct MapPen {
     /// Widths of the strokes, points.
     pub widths: [f32; 2],
     /// Colours of the strokes; `None` draws the line's own.
@@ -77,7 +77,7 @@ impl<T> LinePicture<T> {
         state: &RenderState,
         (rect, transform): (Rect, &MapTransform),
         of: &Arc<T>,
-        lines: [(&MapLine, Pen); N],
+        lines: [(&MapLine, MapPen); N],
     ) {
         let pixels_per_point = painter.pixels_per_point();
         let is_new = self.picture.resize(state, rect, pixels_per_point);
@@ -111,7 +111,7 @@ fn line_draw(
     pixels_per_point: f32,
     (rect, transform): (Rect, &MapTransform),
     line: &MapLine,
-    pen: Pen,
+    pen: MapPen,
 ) -> LineDraw {
     let [east_m, north_m] = line.origin_m;
     let widest = pen.widths[0].max(pen.widths[1]);

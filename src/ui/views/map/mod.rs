@@ -43,7 +43,7 @@ use crate::survey::Survey;
 use crate::ui::{ViewContext, ViewRequest, flat, place, text, theme};
 use egui::{Rect, Response, Role, Sense, Ui, WidgetInfo, vec2};
 use layers::{TrackKey, TrackLayer};
-use plan::Taken;
+use plan::PointerUse;
 use stack::Layers;
 use std::sync::Arc;
 use transform::{GroundBounds, MapTransform};
@@ -63,7 +63,7 @@ pub(crate) struct MapView {
     aim: Option<GroundBounds>,
     track: Background<TrackKey, Arc<TrackLayer>>,
     layers: Layers,
-    pointer: pointer::Pointer,
+    pointer: pointer::MapPointer,
     measure: measure::MeasureTool,
     stretch: stretch_tool::StretchTool,
     plan: plan::PlanTool,
@@ -148,7 +148,7 @@ impl MapView {
             self.transform = None;
             self.track = Background::default();
             self.layers.forget();
-            self.pointer = pointer::Pointer::default();
+            self.pointer = pointer::MapPointer::default();
             self.measure = measure::MeasureTool::default();
             self.stretch = stretch_tool::StretchTool::default();
             self.plan = plan::PlanTool::default();
@@ -187,17 +187,19 @@ impl MapView {
             let view = (rect, transform);
             self.stretch.follow(ui, response, view, &track, context)
         });
-        let taken = self.transform.map_or_else(Taken::default, |transform| {
-            let place = plan::Place {
-                rect,
-                transform,
-                survey: &survey,
-                products: &products,
-            };
-            self.plan.follow(ui, response, &place, context)
-        });
+        let taken = self
+            .transform
+            .map_or_else(PointerUse::default, |transform| {
+                let place = plan::MapPlace {
+                    rect,
+                    transform,
+                    survey: &survey,
+                    products: &products,
+                };
+                self.plan.follow(ui, response, &place, context)
+            });
         let transform = self.navigate(ui, context, response, &track, !draws && !taken.drag);
-        let scene = scene::Scene {
+        let scene = scene::MapScene {
             rect,
             transform,
             survey: &survey,
@@ -322,7 +324,7 @@ impl MapView {
     }
 }
 
-fn paint(ui: &Ui, context: &ViewContext<'_>, scene: &scene::Scene<'_>, layers: &mut Layers) {
+fn paint(ui: &Ui, context: &ViewContext<'_>, scene: &scene::MapScene<'_>, layers: &mut Layers) {
     let painter = ui.painter_at(scene.rect);
     for shown in scene.options.map.layers.bottom_up() {
         if scene.options.map.layers.is_visible(shown.layer) {

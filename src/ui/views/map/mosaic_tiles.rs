@@ -1,6 +1,6 @@
 //! The tiles of the side-scan mosaic.
 
-use super::tiles::{MapTileKey, SIDE, TileSource};
+use super::tiles::{MapTileKey, SIDE, TilePainter};
 use super::transform::GroundBounds;
 use crate::bottom::bathymetry::Grid;
 use crate::imagery::mosaic::{MosaicSettings, Overlap};
@@ -40,7 +40,7 @@ impl MosaicTiles {
     }
 }
 
-impl TileSource for MosaicTiles {
+impl TilePainter for MosaicTiles {
     fn bounds(&self) -> GroundBounds {
         self.mosaic.bounds
     }

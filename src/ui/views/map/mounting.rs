@@ -1,6 +1,6 @@
 //! Where antenna and transducer were at the selected ping, while they are apart.
 
-use super::scene::Scene;
+use super::scene::MapScene;
 use crate::app::App;
 use crate::ui::theme;
 use crate::ui::views::legend;
@@ -12,7 +12,7 @@ const HALF: f32 = 5.0;
 const NAMED: f32 = 34.0;
 
 /// Places of antenna and transducer at the selected ping, metres east and north; `None` while they are at one place.
-fn places(scene: &Scene<'_>, app: &App) -> Option<[[f64; 2]; 2]> {
+fn places(scene: &MapScene<'_>, app: &App) -> Option<[[f64; 2]; 2]> {
     let ping = app.view.selection?.ping;
     let navigation = &scene.products.navigation;
     let antenna = *navigation.antenna.get(ping)?;
@@ -23,7 +23,7 @@ fn places(scene: &Scene<'_>, app: &App) -> Option<[[f64; 2]; 2]> {
 }
 
 /// Draws the antenna as a triangle and the transducer as a disc, joined by a line.
-pub(super) fn paint(painter: &Painter, scene: &Scene<'_>, app: &App) {
+pub(super) fn paint(painter: &Painter, scene: &MapScene<'_>, app: &App) {
     let Some([antenna, transducer]) =
         places(scene, app).map(|places| places.map(|at| scene.at(at)))
     else {

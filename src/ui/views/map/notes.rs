@@ -1,6 +1,6 @@
 //! What the colour scale does not say by itself: a few short lines for each layer that is drawn.
 
-use super::scene::Scene;
+use super::scene::MapScene;
 use super::{mosaic_tiles, points};
 use crate::app::MapLayer;
 use crate::support::presentation::text::count;
@@ -8,7 +8,7 @@ use crate::ui::views::legend;
 use egui::Painter;
 
 /// The lines that fit into a height, those that matter most first.
-pub(super) fn fitting(painter: &Painter, scene: &Scene<'_>, height: f32) -> Option<String> {
+pub(super) fn fitting(painter: &Painter, scene: &MapScene<'_>, height: f32) -> Option<String> {
     let mut notes = notes(scene);
     while !notes.is_empty() {
         let text = notes.join("\n");
@@ -20,7 +20,7 @@ pub(super) fn fitting(painter: &Painter, scene: &Scene<'_>, height: f32) -> Opti
     None
 }
 
-fn notes(scene: &Scene<'_>) -> Vec<String> {
+fn notes(scene: &MapScene<'_>) -> Vec<String> {
     let explained = legend::has_room(scene.rect);
     let shows = |layer| scene.shows(layer) && explained;
     let mut notes: Vec<String> = grey_track(scene).map(str::to_owned).into_iter().collect();
@@ -72,7 +72,7 @@ fn notes(scene: &Scene<'_>) -> Vec<String> {
 }
 
 /// Why some of the track is grey.
-fn grey_track(scene: &Scene<'_>) -> Option<&'static str> {
+fn grey_track(scene: &MapScene<'_>) -> Option<&'static str> {
     match scene.track.range_m {
         // Its colours say which log it is.
         _ if !scene.shows(MapLayer::Track) || !scene.track.logs.is_empty() => None,

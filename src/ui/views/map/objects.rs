@@ -1,6 +1,6 @@
 //! Objects on the map: a mark by state for each box, and its footprint where that can be seen.
 
-use super::scene::Scene;
+use super::scene::MapScene;
 use crate::app::{App, LocatedObject, LogBox, MapLayer, OpenLog};
 use crate::detection::review::{Reviewed, State};
 use crate::ui::theme;
@@ -16,7 +16,7 @@ const REACH: f32 = 8.0;
 const FOOTPRINT: f32 = 12.0;
 
 /// Boxes of all visible logs that are in the queue, with their place; those of the log that the panels show last, the selected one at the end.
-fn placed<'a>(scene: &Scene<'_>, app: &'a App) -> impl Iterator<Item = Seen<'a>> {
+fn placed<'a>(scene: &MapScene<'_>, app: &'a App) -> impl Iterator<Item = Seen<'a>> {
     let (rect, transform) = (scene.rect.expand(2.0 * HALF), scene.transform);
     let frame = scene.rect;
     let own = app.visible_logs().filter(|log| log.id == app.log.id);
@@ -59,7 +59,7 @@ impl Seen<'_> {
 }
 
 /// Draws them, and lines from the place of the selected object to the boxes that show it.
-pub(super) fn paint(painter: &Painter, scene: &Scene<'_>, app: &App) {
+pub(super) fn paint(painter: &Painter, scene: &MapScene<'_>, app: &App) {
     sightings(painter, scene, app);
     for seen in placed(scene, app) {
         let Seen {
@@ -101,7 +101,7 @@ pub(super) fn paint(painter: &Painter, scene: &Scene<'_>, app: &App) {
 }
 
 /// Joins the place of the selected object with the places of its boxes, where there are several.
-fn sightings(painter: &Painter, scene: &Scene<'_>, app: &App) {
+fn sightings(painter: &Painter, scene: &MapScene<'_>, app: &App) {
     let Some(object) = app
         .selected_object()
         .filter(|object| object.boxes.len() > 1)
@@ -147,7 +147,7 @@ fn mark(painter: &Painter, at: Pos2, state: State, colour: egui::Color32) {
 }
 
 /// The box whose mark is under the pointer, and its log.
-pub(super) fn under(scene: &Scene<'_>, app: &App, at: Pos2) -> Option<LogBox> {
+pub(super) fn under(scene: &MapScene<'_>, app: &App, at: Pos2) -> Option<LogBox> {
     if !scene.shows(MapLayer::Boxes) {
         return None;
     }

@@ -1,9 +1,9 @@
 //! What lies on and under the track: depth map, scale bar, north arrow, legend, marks.
 
 use super::notes;
-use super::scene::Scene;
-use crate::app::{App, MapLayer, Mark};
-use crate::ui::views::legend::{self, Scale};
+use super::scene::MapScene;
+use crate::app::{App, LogPlace, MapLayer};
+use crate::ui::views::legend::{self, LegendScale};
 use crate::ui::{place, theme};
 use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, vec2};
 
@@ -11,7 +11,7 @@ use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, vec2};
 const BELOW_ARROW: f32 = 66.0;
 
 /// Scale bar, north arrow and legend; returns what they cover.
-pub(super) fn furniture(painter: &Painter, scene: &Scene<'_>) -> Vec<Rect> {
+pub(super) fn furniture(painter: &Painter, scene: &MapScene<'_>) -> Vec<Rect> {
     north_arrow(painter, scene);
     let mut covered = vec![scale_bar(painter, scene)];
     let mut corner = scene.rect.right_bottom() - vec2(8.0, 18.0);
@@ -33,7 +33,7 @@ pub(super) fn furniture(painter: &Painter, scene: &Scene<'_>) -> Vec<Rect> {
 const MOST_LOGS: usize = 12;
 
 /// The names of the logs beside their colours, where the tracks are coloured by log; what they cover.
-fn log_names(painter: &Painter, scene: &Scene<'_>) -> Vec<Rect> {
+fn log_names(painter: &Painter, scene: &MapScene<'_>) -> Vec<Rect> {
     if !scene.shows(MapLayer::Track) {
         return Vec::new();
     }
@@ -50,7 +50,7 @@ fn log_names(painter: &Painter, scene: &Scene<'_>) -> Vec<Rect> {
 }
 
 /// The scales of depths and of residuals, side by side from the right; what they cover.
-fn scales(painter: &Painter, scene: &Scene<'_>, mut corner: Pos2) -> Vec<Rect> {
+fn scales(painter: &Painter, scene: &MapScene<'_>, mut corner: Pos2) -> Vec<Rect> {
     // Below the north arrow, with the title and the edge of its plate.
     let below_arrow = scene.rect.height() - BELOW_ARROW - 58.0;
     let height = (scene.rect.height() * 0.4).clamp(50.0, 160.0);
@@ -58,9 +58,11 @@ fn scales(painter: &Painter, scene: &Scene<'_>, mut corner: Pos2) -> Vec<Rect> {
     let coloured = scene.shows(MapLayer::DepthMap) || scene.shows(MapLayer::Track);
     let reference = scene.products.reduction().reference();
     let depths = scene.range_m().filter(|_| coloured);
-    let depths = depths.map(|range_m| Scale::of_depth(range_m, reference, scene.options.units));
+    let depths =
+        depths.map(|range_m| LegendScale::of_depth(range_m, reference, scene.options.units));
     let residuals = scene.residuals.as_deref();
-    let residuals = residuals.map(|layer| Scale::of_residuals(layer.reach_m, scene.options.units));
+    let residuals =
+        residuals.map(|layer| LegendScale::of_residuals(layer.reach_m, scene.options.units));
     let mut covered = Vec::new();
     for scale in depths.into_iter().chain(residuals) {
         let plate = scale.show(painter, scene.options, corner, height);
@@ -71,12 +73,12 @@ fn scales(painter: &Painter, scene: &Scene<'_>, mut corner: Pos2) -> Vec<Rect> {
 }
 
 /// What the map is still being made of.
-pub(super) fn under_way(painter: &Painter, scene: &Scene<'_>, text: &str) {
+pub(super) fn under_way(painter: &Painter, scene: &MapScene<'_>, text: &str) {
     let at = scene.rect.center_bottom() - vec2(0.0, 20.0);
     legend::words(painter, scene.options, at, Align2::CENTER_BOTTOM, text);
 }
 
-fn north_arrow(painter: &Painter, scene: &Scene<'_>) {
+fn north_arrow(painter: &Painter, scene: &MapScene<'_>) {
     let tip = scene.rect.right_top() + vec2(-20.0, 40.0);
     let colour = scene.text_colour();
     let left = vec![tip, tip + vec2(-6.0, 20.0), tip + vec2(0.0, 15.0)];
@@ -87,7 +89,7 @@ fn north_arrow(painter: &Painter, scene: &Scene<'_>) {
     painter.text(at, Align2::CENTER_BOTTOM, "N", legend::font(), colour);
 }
 
-fn scale_bar(painter: &Painter, scene: &Scene<'_>) -> Rect {
+fn scale_bar(painter: &Painter, scene: &MapScene<'_>) -> Rect {
     let least_m = 48.0 * scene.transform.metres_per_point;
     let (length_m, text) = scene.options.units.scale_bar(least_m);
     let length = (length_m / scene.transform.metres_per_point) as f32;
@@ -108,7 +110,7 @@ fn scale_bar(painter: &Painter, scene: &Scene<'_>) -> Rect {
 
 /// The selected place as a ring with the boat's heading, the hovered one as a cross-hair; an across-track place is joined
 /// to its boat.
-pub(super) fn marks(painter: &Painter, scene: &Scene<'_>, app: &App) {
+pub(super) fn marks(painter: &Painter, scene: &MapScene<'_>, app: &App) {
     if let Some(mark) = app.view.selection {
         let stroke = Stroke::new(2.0, theme::SELECTION_COLOUR);
         if let Some(at) = mark_at(painter, scene, app, mark, stroke) {
@@ -129,19 +131,19 @@ pub(super) fn marks(painter: &Painter, scene: &Scene<'_>, app: &App) {
 /// Where a mark is on the screen, after drawing the line to it from its boat.
 fn mark_at(
     painter: &Painter,
-    scene: &Scene<'_>,
+    scene: &MapScene<'_>,
     app: &App,
-    mark: Mark,
+    mark: LogPlace,
     stroke: Stroke,
 ) -> Option<Pos2> {
     let at = scene.at(place::east_north(app, mark)?);
-    if let Some(boat) = place::east_north(app, Mark::ping(mark.ping)) {
+    if let Some(boat) = place::east_north(app, LogPlace::ping(mark.ping)) {
         painter.line_segment([scene.at(boat), at], stroke);
     }
     Some(at)
 }
 
-fn heading_tick(painter: &Painter, scene: &Scene<'_>, ping: usize, stroke: Stroke) {
+fn heading_tick(painter: &Painter, scene: &MapScene<'_>, ping: usize, stroke: Stroke) {
     let boat = scene.products.navigation.pings.get(ping);
     if let Some(boat) = boat.filter(|boat| (boat.heading_rad + boat.east_m).is_finite()) {
         let at = scene.at([boat.east_m, boat.north_m]);

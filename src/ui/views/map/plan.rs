@@ -1,6 +1,6 @@
 //! Planned lines on the map: drawn with the way through them, selected by a click, their ends dragged.
 
-use super::scene::Scene;
+use super::scene::MapScene;
 use super::transform::MapTransform;
 use crate::app::{Action, App, Command, PlanRequest, PlannedLines};
 use crate::bottom::planning::Leg;
@@ -34,7 +34,7 @@ struct Drag {
 
 /// What the pointer did about the lines in this frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Taken {
+pub(super) struct PointerUse {
     /// A drag that must not move the map.
     pub drag: bool,
     /// A click that is not for anything else.
@@ -42,7 +42,7 @@ pub(super) struct Taken {
 }
 
 /// Where the map lies on the screen, and the log whose plane it is in.
-pub(super) struct Place<'a> {
+pub(super) struct MapPlace<'a> {
     /// Part of the screen.
     pub rect: Rect,
     /// Ground to screen.
@@ -53,7 +53,7 @@ pub(super) struct Place<'a> {
     pub products: &'a Products,
 }
 
-impl Place<'_> {
+impl MapPlace<'_> {
     /// Both ends of every line on the screen.
     fn lines(&self, planned: &PlannedLines) -> Vec<[Pos2; 2]> {
         let ends = |leg: &Leg| [leg.from, leg.to].map(|place| self.at(planned, place));
@@ -74,15 +74,15 @@ impl PlanTool {
         &mut self,
         ui: &Ui,
         response: &Response,
-        place: &Place<'_>,
+        place: &MapPlace<'_>,
         context: &mut ViewContext<'_>,
-    ) -> Taken {
+    ) -> PointerUse {
         let app = context.app;
         let has_other_tool =
             app.map.measuring.tool.is_some() || super::stretch_tool::is_in_hand(app);
         let Some(planned) = app.map.planning.lines.clone().filter(|_| !has_other_tool) else {
             self.drag = None;
-            return Taken::default();
+            return PointerUse::default();
         };
         let lines = place.lines(&planned);
         if response
@@ -110,7 +110,7 @@ impl PlanTool {
                 let to = navigation.to_lon_lat(&place.survey.track, east_m, north_m);
                 context.push(Command::Plan(PlanRequest::Move { line, end, to }));
             }
-            return Taken {
+            return PointerUse {
                 drag: true,
                 click: false,
             };
@@ -120,18 +120,18 @@ impl PlanTool {
         if under.is_some() || response.clicked() && app.map.planning.selected.is_some() {
             context.push(Command::Plan(PlanRequest::Select(under)));
         }
-        Taken {
+        PointerUse {
             drag: false,
             click: under.is_some(),
         }
     }
 
     /// Draws the lines, and says what they are good for.
-    pub(super) fn ui(&self, ui: &mut Ui, context: &mut ViewContext<'_>, scene: &Scene<'_>) {
+    pub(super) fn ui(&self, ui: &mut Ui, context: &mut ViewContext<'_>, scene: &MapScene<'_>) {
         let Some(planned) = context.app.map.planning.lines.clone() else {
             return;
         };
-        let place = Place {
+        let place = MapPlace {
             rect: scene.rect,
             transform: scene.transform,
             survey: scene.survey,
@@ -176,7 +176,7 @@ fn line_under(lines: &[[Pos2; 2]], at: Pos2) -> Option<usize> {
 /// The way as a thin line, the lines over it with an arrow and their number.
 fn paint(
     painter: &Painter,
-    scene: &Scene<'_>,
+    scene: &MapScene<'_>,
     way: &[Pos2],
     lines: &[[Pos2; 2]],
     selected: Option<usize>,

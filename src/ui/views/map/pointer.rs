@@ -1,9 +1,9 @@
 //! What the pointer does on the map: move, read, select, propose a stretch for the scale.
 
-use super::scene::Scene;
+use super::scene::MapScene;
 use super::transform::MapTransform;
 use super::{flat_spots, objects};
-use crate::app::{App, Command, ExclusionEdit, LogId, Mark, PassesFound, Tool, mark_of};
+use crate::app::{App, Command, ExclusionEdit, LogId, LogPlace, PassesFound, Tool, mark_of};
 use crate::sonar::calibration::{FlatSpot, PingRange};
 use crate::support::geo::{CoordinateFormat, LonLat};
 use crate::ui::views::legend;
@@ -23,7 +23,7 @@ const ONE_LINE: f32 = 720.0;
 
 /// What the pointer is about.
 #[derive(Default)]
-pub(super) struct Pointer {
+pub(super) struct MapPointer {
     /// Room that the banner of a tool takes below the buttons, points.
     pub banner_height: f32,
     hover: OwnHover,
@@ -60,13 +60,13 @@ pub(super) fn move_view(
     }
 }
 
-impl Pointer {
+impl MapPointer {
     /// Hover, click and menu.
     pub(super) fn handle(
         &mut self,
         ui: &mut Ui,
         context: &mut ViewContext<'_>,
-        scene: &Scene<'_>,
+        scene: &MapScene<'_>,
         response: &Response,
     ) {
         let at = response.hover_pos();
@@ -77,7 +77,7 @@ impl Pointer {
             .filter(|_| !is_measuring);
         // Other views show the log under the selection: a ping of another one is nowhere in them.
         let here = near.filter(|(log, _)| *log == context.app.log.id);
-        let ping = here.map(|(_, ping)| Mark::ping(ping));
+        let ping = here.map(|(_, ping)| LogPlace::ping(ping));
         self.hover.tell(context, ping);
         if let Some(at) = at {
             self.show_under(ui, context, scene, at, near);
@@ -103,7 +103,7 @@ impl Pointer {
     }
 
     /// A numbered stretch is proposed for the scale; with the tool in hand, any place of the track is.
-    fn click(&self, context: &mut ViewContext<'_>, scene: &Scene<'_>, at: Pos2) {
+    fn click(&self, context: &mut ViewContext<'_>, scene: &MapScene<'_>, at: Pos2) {
         let near = nearest(scene, context.app, at);
         let spot = flat_spots::under(scene, at);
         let is_calibrating = context.app.log.reviewing.tool == Tool::Calibrate;
@@ -118,7 +118,7 @@ impl Pointer {
             return;
         }
         context.push(match near {
-            Some((log, ping)) => Command::RevealIn(log, Mark::ping(ping)),
+            Some((log, ping)) => Command::RevealIn(log, LogPlace::ping(ping)),
             None => Command::Select(None),
         });
     }
@@ -155,7 +155,7 @@ impl Pointer {
                 context.push(Command::Exclude { log, part, edit });
             }
             if ui.button("Show in the other views").clicked() {
-                context.push(Command::RevealIn(log, Mark::ping(ping)));
+                context.push(Command::RevealIn(log, LogPlace::ping(ping)));
                 ui.close();
             }
         });
@@ -166,7 +166,7 @@ impl Pointer {
         &self,
         ui: &Ui,
         context: &ViewContext<'_>,
-        scene: &Scene<'_>,
+        scene: &MapScene<'_>,
         at: Pos2,
         near: Option<(LogId, usize)>,
     ) {
@@ -228,7 +228,7 @@ fn passes_menu(ui: &mut Ui, context: &mut ViewContext<'_>, at: LonLat) {
 }
 
 /// The nearest ping and its log.
-fn nearest(scene: &Scene<'_>, app: &App, at: Pos2) -> Option<(LogId, usize)> {
+fn nearest(scene: &MapScene<'_>, app: &App, at: Pos2) -> Option<(LogId, usize)> {
     let place = scene.transform.to_ground(scene.rect, at);
     let reach_m = f64::from(REACH) * scene.transform.metres_per_point;
     scene.track.nearest_ping(place, reach_m, app.log.id)
@@ -248,11 +248,11 @@ fn named_ping(app: &App, (log, ping): (LogId, usize)) -> String {
     }
 }
 
-fn range_of(scene: &Scene<'_>, rank: usize) -> Option<PingRange> {
+fn range_of(scene: &MapScene<'_>, rank: usize) -> Option<PingRange> {
     scene.products.flat_spots.get(rank).map(FlatSpot::range)
 }
 
-fn read_out(app: &App, scene: &Scene<'_>, at: Pos2, near: Option<(LogId, usize)>) -> String {
+fn read_out(app: &App, scene: &MapScene<'_>, at: Pos2, near: Option<(LogId, usize)>) -> String {
     let [east_m, north_m] = scene.transform.to_ground(scene.rect, at);
     // In one line a narrow map would run under the north arrow, or out of its tile.
     let gap = |needed: f32| match scene.rect.width() < needed {

@@ -1,7 +1,7 @@
 //! The points of the cloud from above: where on the ground depths were measured.
 
 use super::dots::{Dot, Dots};
-use super::tiles::TileSource;
+use super::tiles::TilePainter;
 use crate::app::{ShownLog, SideColours, ThemeChoice, ViewOptions};
 use crate::bottom::cloud::{CloudPoint, PointClass, PointCloud, PointSource};
 use crate::pipeline::Same;
@@ -49,7 +49,7 @@ pub(super) fn source(
     logs: &[ShownLog],
     options: &ViewOptions,
     progress: &Progress,
-) -> Option<Option<Arc<dyn TileSource>>> {
+) -> Option<Option<Arc<dyn TilePainter>>> {
     let kept = logs.iter().flat_map(|shown| shown.log.kept_points());
     let mut dots = Vec::new();
     for (index, point) in kept.enumerate() {
@@ -68,7 +68,7 @@ pub(super) fn source(
         theme::side_colour(options, Side::Starboard),
     ];
     let dots = Dots::new(dots, colours);
-    Some(dots.map(|dots| Arc::new(dots) as Arc<dyn TileSource>))
+    Some(dots.map(|dots| Arc::new(dots) as Arc<dyn TilePainter>))
 }
 
 /// Index of a point's colour.

@@ -1,6 +1,6 @@
 //! The recorder's own track under another receiver's: thin, and joined to it where both were at the same times.
 
-use super::scene::Scene;
+use super::scene::MapScene;
 use crate::app::{App, MapLayer};
 use crate::ui::theme;
 use egui::{Painter, Pos2, Shape, Stroke};
@@ -9,7 +9,7 @@ use egui::{Painter, Pos2, Shape, Stroke};
 const APART: f32 = 18.0;
 
 /// Draws it while another track lies over it.
-pub(super) fn paint(painter: &Painter, scene: &Scene<'_>, app: &App) {
+pub(super) fn paint(painter: &Painter, scene: &MapScene<'_>, app: &App) {
     if app.log.external.recorded.is_none() || !scene.shows(MapLayer::Track) {
         return;
     }

@@ -1,7 +1,7 @@
 //! The map of residuals: every compared point, coloured by how it differs from its reference.
 
 use super::dots::{Dot, Dots};
-use super::tiles::TileSource;
+use super::tiles::TilePainter;
 use crate::pipeline::Agreement;
 use crate::support::presentation::colours::{difference_colour, difference_reach_m};
 use crate::support::progress::Progress;
@@ -61,7 +61,7 @@ impl ResidualLayer {
     }
 
     /// What paints it.
-    pub(super) fn tiles(&self) -> Arc<dyn TileSource> {
+    pub(super) fn tiles(&self) -> Arc<dyn TilePainter> {
         self.dots.clone()
     }
 

@@ -14,7 +14,7 @@ use egui::{Color32, Pos2, Rect};
 use std::sync::Arc;
 
 /// What a frame of the map is made of.
-pub(super) struct Scene<'a> {
+pub(super) struct MapScene<'a> {
     pub rect: Rect,
     pub transform: MapTransform,
     pub survey: &'a Survey,
@@ -37,7 +37,7 @@ pub(super) struct Scene<'a> {
     pub options: &'a ViewOptions,
 }
 
-impl Scene<'_> {
+impl MapScene<'_> {
     /// Where a place is on the screen.
     pub(super) fn at(&self, place: [f64; 2]) -> Pos2 {
         self.transform.to_screen(self.rect, place)

@@ -2,14 +2,14 @@
 
 use super::base_map::BaseMapKey;
 use super::depth_tiles::{DepthTiles, ShadeTiles};
-use super::isobaths::{self, IsobathLayer, Labels};
+use super::isobaths::{self, IsobathLabels, IsobathLayer};
 use super::layers::TrackLayer;
 use super::lines::LinePicture;
 use super::mosaic_tiles::MosaicTiles;
 use super::points::{self, PointKey};
 use super::residuals::ResidualLayer;
-use super::scene::Scene;
-use super::tiles::{TileLayer, TileSource};
+use super::scene::MapScene;
+use super::tiles::{TileLayer, TilePainter};
 use super::transform::{GroundBounds, joined};
 use super::{objects, track_picture};
 use crate::app::{DrawnIsobaths, LayerStack, MapLayer, ShownLog};
@@ -26,18 +26,18 @@ use std::sync::Arc;
 const PATIENCE_S: f64 = 0.5;
 
 /// What the tiles of a layer are painted by,
-type PaintedBy = Arc<dyn TileSource>;
+type PaintedBy = Arc<dyn TilePainter>;
 /// and `None` where there is nothing to paint.
-type Source = Option<PaintedBy>;
+type LayerSource = Option<PaintedBy>;
 
 /// What the layers of one map are drawn from.
 pub(super) struct Layers {
-    base_map: Background<BaseMapKey, Arc<dyn TileSource>>,
+    base_map: Background<BaseMapKey, Arc<dyn TilePainter>>,
     /// Tiles of depths and of hill-shade, with the depth map that they are painted from.
     depths: Option<(Arc<DepthMap>, [PaintedBy; 2])>,
     /// Tiles of the mosaic, with what they are painted from.
     mosaic: Option<(Arc<Mosaic>, Colours, PaintedBy)>,
-    points: Background<PointKey, Source>,
+    points: Background<PointKey, LayerSource>,
     residuals: Background<Same<Agreement>, Option<Arc<ResidualLayer>>>,
     /// Whether residuals are shown and points are still being compared for them.
     comparing: bool,
@@ -45,7 +45,7 @@ pub(super) struct Layers {
     isobaths: Background<(Same<DrawnIsobaths>, Units), Arc<IsobathLayer>>,
     /// What is made of all logs, in words.
     deriving: Vec<&'static str>,
-    labels: Background<(Same<IsobathLayer>, i32), Labels>,
+    labels: Background<(Same<IsobathLayer>, i32), IsobathLabels>,
     isobath_picture: LinePicture<IsobathLayer>,
     track: LinePicture<TrackLayer>,
     /// When something began to be under way, in the window's seconds.
@@ -253,7 +253,7 @@ impl Layers {
         &mut self,
         painter: &Painter,
         context: &ViewContext<'_>,
-        scene: &Scene<'_>,
+        scene: &MapScene<'_>,
         layer: MapLayer,
     ) {
         match layer {
@@ -276,7 +276,12 @@ impl Layers {
         }
     }
 
-    fn show_isobaths(&mut self, painter: &Painter, context: &ViewContext<'_>, scene: &Scene<'_>) {
+    fn show_isobaths(
+        &mut self,
+        painter: &Painter,
+        context: &ViewContext<'_>,
+        scene: &MapScene<'_>,
+    ) {
         let Some(layer) = self.isobaths.result().cloned() else {
             return;
         };
@@ -284,7 +289,7 @@ impl Layers {
         let lines = layer.clone();
         let key = (Same(layer.clone()), octave);
         self.labels.ask(key, context.app.jobs(), move |progress| {
-            Labels::place(lines, octave, progress)
+            IsobathLabels::place(lines, octave, progress)
         });
         let (picture, labels) = (&mut self.isobath_picture, self.labels.result());
         let state = context.render_state;

@@ -3,7 +3,7 @@
 use super::exclusions::{CASING, places};
 use super::layers::TrackLayer;
 use super::pointer::REACH;
-use super::scene::Scene;
+use super::scene::MapScene;
 use super::transform::MapTransform;
 use crate::app::{App, Command, ExclusionEdit, LogId, Tool};
 use crate::survey::LogPart;
@@ -33,7 +33,7 @@ impl Drag {
 }
 
 /// Where the map lies on the screen.
-type View = (Rect, MapTransform);
+type MapPosition = (Rect, MapTransform);
 
 impl StretchTool {
     /// Follows a drag or a click with one of the tools in hand; returns whether a drag must not move the map. Beside the tracks, with the
@@ -42,7 +42,7 @@ impl StretchTool {
         &mut self,
         ui: &Ui,
         response: &Response,
-        (rect, transform): View,
+        (rect, transform): MapPosition,
         track: &TrackLayer,
         context: &mut ViewContext<'_>,
     ) -> bool {
@@ -99,7 +99,7 @@ impl StretchTool {
     }
 
     /// Draws the drag under way, with what it covers.
-    pub(super) fn draw(&self, painter: &Painter, scene: &Scene<'_>, app: &App) {
+    pub(super) fn draw(&self, painter: &Painter, scene: &MapScene<'_>, app: &App) {
         let Some((drag, log)) =
             (self.drag.as_ref()).and_then(|drag| Some((drag, app.open_log(drag.log)?)))
         else {

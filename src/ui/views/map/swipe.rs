@@ -1,6 +1,6 @@
 //! The divider between two stacks of layers: dragged, or moved by the arrow keys once it was clicked.
 
-use super::scene::Scene;
+use super::scene::MapScene;
 use crate::app::{MapLayer, Swipe, SwipeSide};
 use crate::ui::list_keys::keep_arrows;
 use crate::ui::views::legend;
@@ -14,7 +14,7 @@ const REACH: f32 = 5.0;
 const STEPS: [f32; 2] = [0.02, 0.1];
 
 /// The part of the map that a layer is drawn in.
-pub(super) fn part(scene: &Scene<'_>, layer: MapLayer) -> Rect {
+pub(super) fn part(scene: &MapScene<'_>, layer: MapLayer) -> Rect {
     let swipe = &scene.options.map.swipe;
     let (left, right) = scene
         .rect
@@ -32,7 +32,7 @@ fn divider_x(rect: Rect, swipe: &Swipe) -> f32 {
 }
 
 /// Draws the divider with the names of what lies on either side, and moves it.
-pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, scene: &Scene<'_>) {
+pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, scene: &MapScene<'_>) {
     let swipe = &scene.options.map.swipe;
     if !swipe.on {
         return;
@@ -75,7 +75,7 @@ fn moved(ui: &mut Ui, rect: Rect, response: &Response) -> Option<f32> {
     (by != 0.0).then_some(by)
 }
 
-fn paint(painter: &Painter, scene: &Scene<'_>, x: f32, response: &Response) {
+fn paint(painter: &Painter, scene: &MapScene<'_>, x: f32, response: &Response) {
     let held = response.hovered() || response.dragged() || response.has_focus();
     let ink = match held {
         true => theme::SELECTION_COLOUR,
@@ -100,7 +100,7 @@ fn paint(painter: &Painter, scene: &Scene<'_>, x: f32, response: &Response) {
 }
 
 /// The layers that are drawn on one side only, the topmost first.
-fn names(scene: &Scene<'_>, side: SwipeSide) -> String {
+fn names(scene: &MapScene<'_>, side: SwipeSide) -> String {
     let map = &scene.options.map;
     let own = map.layers.bottom_up().rev().map(|shown| shown.layer);
     let own = own.filter(|layer| map.layers.is_visible(*layer) && map.swipe.side(*layer) == side);

@@ -1,8 +1,8 @@
 //! The track: a line of its depths' colours over a dark one.
 
 use super::layers::TrackLayer;
-use super::lines::{LinePicture, Pen};
-use super::scene::Scene;
+use super::lines::{LinePicture, MapPen};
+use super::scene::MapScene;
 use crate::ui::theme;
 use crate::ui::views::{empty, legend};
 use eframe::egui_wgpu::RenderState;
@@ -20,7 +20,7 @@ pub(super) fn show(
     picture: &mut LinePicture<TrackLayer>,
     painter: &Painter,
     state: Option<&RenderState>,
-    scene: &Scene<'_>,
+    scene: &MapScene<'_>,
 ) {
     let Some(state) = state else {
         let (at, middle) = (scene.rect.center(), Align2::CENTER_CENTER);
@@ -30,7 +30,7 @@ pub(super) fn show(
     };
     // The line under the track sets it off from the depth map, whose colours it shares.
     let casing = theme::canvas_colour(scene.options).gamma_multiply(CASING_OPACITY);
-    let pen = Pen {
+    let pen = MapPen {
         widths: WIDTHS,
         colours: [Some(casing), None],
         most_segments: MOST_SEGMENTS,

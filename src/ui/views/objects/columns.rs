@@ -12,11 +12,11 @@ pub(super) const PICTURE_WIDTH: f32 = 72.0;
 pub(super) const ROOM: f32 = 6.0;
 
 /// The columns behind the picture, each with its width.
-pub(super) struct Columns {
+pub(super) struct ColumnWidths {
     widths: Vec<(ObjectColumn, f32)>,
 }
 
-impl Columns {
+impl ColumnWidths {
     /// Those of a table as wide as there is room: what is left goes to the columns of text. One log needs no column of logs.
     pub(super) fn fit(room: f32, app: &App) -> Self {
         let is_shown = |column: &ObjectColumn| *column != ObjectColumn::Logs || app.log_count() > 1;

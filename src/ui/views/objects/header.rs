@@ -1,11 +1,11 @@
 //! The headings: a click sorts by the column, another one the other way around.
 
-use super::columns::{Columns, heading, meaning};
+use super::columns::{ColumnWidths, heading, meaning};
 use super::filter::show;
 use crate::ui::{ViewContext, theme};
 use egui::{Button, Rect, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 
-pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, columns: &Columns) {
+pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, columns: &ColumnWidths) {
     let mut table = context.options().objects.clone();
     let units = context.units();
     let size = vec2(columns.width(), ui.spacing().interact_size.y);

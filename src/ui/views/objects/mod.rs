@@ -16,7 +16,7 @@ use super::empty;
 use crate::app::{Action, Command, LogBox, SurveyObject, View};
 use crate::ui::list_keys::{self, keep_arrows};
 use crate::ui::{ViewContext, theme};
-use columns::Columns;
+use columns::ColumnWidths;
 use egui::{
     Button, Frame, Id, Key, Margin, Modifiers, Rect, Response, RichText, Role, ScrollArea, Sense,
     Ui, WidgetInfo, pos2, vec2,
@@ -70,7 +70,7 @@ impl ObjectsView {
 
     fn table(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
         filter::ui(ui, context);
-        let columns = Columns::fit(ui.available_width(), context.app);
+        let columns = ColumnWidths::fit(ui.available_width(), context.app);
         ScrollArea::horizontal()
             .id_salt("wide table of objects")
             .auto_shrink([false, false])
@@ -82,7 +82,7 @@ impl ObjectsView {
             });
     }
 
-    fn rows(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>, columns: &Columns) {
+    fn rows(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>, columns: &ColumnWidths) {
         let app = context.app;
         let listed: Vec<&SurveyObject> = (app.listed_objects().iter())
             .filter_map(|number| app.object(*number))
@@ -113,7 +113,7 @@ impl ObjectsView {
                 self.page = (viewport.height() / ROW_HEIGHT) as usize;
                 in_sight = rows_in(viewport, listed.len());
                 for index in in_sight.clone() {
-                    let row = row::Row {
+                    let row = row::ObjectTableRow {
                         object: listed[index],
                         is_selected: selected == Some(index),
                         is_odd: index % 2 == 1,

@@ -1,6 +1,6 @@
 //! One row: picture, texts, and what a click on it asks for.
 
-use super::columns::{Columns, ROOM, cell_text, decisions, is_number};
+use super::columns::{ColumnWidths, ROOM, cell_text, decisions, is_number};
 use super::enlarged;
 use super::thumbnails::Thumbnails;
 use crate::app::{App, Command, ObjectColumn, SurveyObject};
@@ -11,20 +11,20 @@ use egui::{
 };
 
 /// A row to draw.
-pub(super) struct Row<'a> {
+pub(super) struct ObjectTableRow<'a> {
     pub object: &'a SurveyObject,
     pub is_selected: bool,
     pub is_odd: bool,
     pub place: Rect,
 }
 
-impl Row<'_> {
+impl ObjectTableRow<'_> {
     /// Draws it; a click selects the object and shows it in all views, a double-click enlarges it there.
     pub(super) fn ui(
         &self,
         ui: &mut Ui,
         app: &App,
-        columns: &Columns,
+        columns: &ColumnWidths,
         thumbnails: &Thumbnails,
     ) -> Vec<Command> {
         let id = Id::unique(("row of object", self.object.number));

@@ -1,6 +1,6 @@
 //! The pictures of rows: made in the background for the rows in sight, and kept while they are of use.
 
-use super::super::chip::{Chip, Key};
+use super::super::chip::{BoxChip, ChipKey};
 use crate::app::{App, LogBox, SurveyObject};
 use crate::pipeline::Background;
 use std::collections::HashMap;
@@ -9,12 +9,12 @@ use std::collections::HashMap;
 const MOST: usize = 600;
 
 /// A box to draw, and what its picture is made of.
-type Wanted = (LogBox, Key);
+type WantedThumbnail = (LogBox, ChipKey);
 
 #[derive(Default)]
 pub(super) struct Thumbnails {
-    known: HashMap<LogBox, (Key, Chip)>,
-    making: Background<Vec<Wanted>, Vec<(Wanted, Chip)>>,
+    known: HashMap<LogBox, (ChipKey, BoxChip)>,
+    making: Background<Vec<WantedThumbnail>, Vec<(WantedThumbnail, BoxChip)>>,
 }
 
 impl Thumbnails {
@@ -24,7 +24,7 @@ impl Thumbnails {
     }
 
     /// The picture of a box, as it was made last.
-    pub(super) fn of(&self, id: LogBox) -> Option<&Chip> {
+    pub(super) fn of(&self, id: LogBox) -> Option<&BoxChip> {
         self.known.get(&id).map(|(_, chip)| chip)
     }
 
@@ -35,19 +35,20 @@ impl Thumbnails {
         ctx: &egui::Context,
         in_sight: impl Iterator<Item = &'a SurveyObject>,
     ) {
-        let wanted = |object: &SurveyObject| -> Option<Wanted> {
+        let wanted = |object: &SurveyObject| -> Option<WantedThumbnail> {
             let id = app.best_box(object)?;
             let mark = &app.log_box(id)?.mark;
-            let key = Key::of(app.open_log(id.log)?, mark, &app.view.options.waterfall)?;
+            let key = ChipKey::of(app.open_log(id.log)?, mark, &app.view.options.waterfall)?;
             Some((id, key))
         };
-        let wanted: Vec<Wanted> = in_sight.filter_map(wanted).collect();
+        let wanted: Vec<WantedThumbnail> = in_sight.filter_map(wanted).collect();
         if self.known.len() > MOST {
             let is_wanted = |id: &LogBox| wanted.iter().any(|(other, _)| other == id);
             self.known.retain(|id, _| is_wanted(id));
         }
-        let is_missing = |(id, key): &Wanted| self.known.get(id).is_none_or(|(of, _)| of != key);
-        let missing: Vec<Wanted> = wanted.into_iter().filter(is_missing).collect();
+        let is_missing =
+            |(id, key): &WantedThumbnail| self.known.get(id).is_none_or(|(of, _)| of != key);
+        let missing: Vec<WantedThumbnail> = wanted.into_iter().filter(is_missing).collect();
         if missing.is_empty() {
             return;
         }
@@ -56,7 +57,7 @@ impl Thumbnails {
             let mut made = Vec::with_capacity(of.len());
             for wanted in of {
                 progress.check().ok()?;
-                made.extend(Chip::new(&wanted.1, &ctx).map(|chip| (wanted, chip)));
+                made.extend(BoxChip::new(&wanted.1, &ctx).map(|chip| (wanted, chip)));
             }
             Some(made)
         });

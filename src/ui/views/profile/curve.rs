@@ -1,12 +1,12 @@
 //! The curves: raw samples faint behind, normalised intensity in front.
 
 use super::Shown;
-use super::plot::Plot;
+use super::plot::ProfilePlot;
 use crate::app::ViewOptions;
 use crate::bottom::cloud::Reduction;
 use crate::sonar::first_return::Normalisation;
 use crate::survey::{Side, SideSpan};
-use crate::ui::raster::{Raster, RasterTexture};
+use crate::ui::raster::{PaintedArea, RasterTexture};
 use crate::ui::{place, theme};
 use egui::{Color32, Painter, Pos2, pos2};
 
@@ -16,14 +16,14 @@ const WIDTH: f32 = 1.0;
 /// Draws both curves on both sides.
 pub(super) fn draw(
     painter: &Painter,
-    plot: &Plot,
+    plot: &ProfilePlot,
     shown: &Shown<'_>,
     normalisation: &Normalisation,
     options: &ViewOptions,
     picture: &mut Option<RasterTexture>,
 ) {
     let ink = theme::plot_ink(options);
-    let mut raster = Raster::new(painter, plot.area.expand(1.0), Color32::TRANSPARENT);
+    let mut raster = PaintedArea::new(painter, plot.area.expand(1.0), Color32::TRANSPARENT);
     for side in Side::BOTH {
         let Some(span) = shown.recorded.side(side) else {
             continue;
@@ -45,7 +45,7 @@ pub(super) fn draw(
 
 /// One vertex a value, or the largest and smallest of a pixel column where values share one.
 fn points(
-    plot: &Plot,
+    plot: &ProfilePlot,
     reduction: Reduction<'_>,
     span: &SideSpan,
     side: Side,

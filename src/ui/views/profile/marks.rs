@@ -1,21 +1,31 @@
 //! What is marked on the profile: threshold, dead zone, picks and the bottom under the boat.
 
 use super::Shown;
-use super::plot::Plot;
+use super::plot::ProfilePlot;
 use crate::app::ViewOptions;
 use crate::survey::Side;
 use crate::ui::{place, theme};
 use egui::{Align2, FontId, Painter, Rect, Shape, Stroke, pos2, vec2};
 
 /// The stretch around the transducer that is ignored.
-pub(super) fn dead_zone(painter: &Painter, plot: &Plot, dead_zone_m: f64, options: &ViewOptions) {
+pub(super) fn dead_zone(
+    painter: &Painter,
+    plot: &ProfilePlot,
+    dead_zone_m: f64,
+    options: &ViewOptions,
+) {
     let x = plot.x(-dead_zone_m)..=plot.x(dead_zone_m);
     let zone = Rect::from_x_y_ranges(x, plot.area.y_range()).intersect(plot.area);
     painter.rect_filled(zone, 0.0, theme::plot_ink(options).gamma_multiply(0.15));
 }
 
 /// Depth, threshold and picks, the picks on top.
-pub(super) fn draw(painter: &Painter, plot: &Plot, shown: &Shown<'_>, options: &ViewOptions) {
+pub(super) fn draw(
+    painter: &Painter,
+    plot: &ProfilePlot,
+    shown: &Shown<'_>,
+    options: &ViewOptions,
+) {
     let altitude_m = shown.bottom.map_or(f64::NAN, |bottom| bottom.altitude_m);
     for across_m in [-altitude_m, altitude_m] {
         let stroke = Stroke::new(1.0, theme::DEPTH_LINE_COLOUR);
@@ -33,7 +43,7 @@ pub(super) fn draw(painter: &Painter, plot: &Plot, shown: &Shown<'_>, options: &
     }
 }
 
-fn threshold(painter: &Painter, plot: &Plot, level: f32, options: &ViewOptions) {
+fn threshold(painter: &Painter, plot: &ProfilePlot, level: f32, options: &ViewOptions) {
     let y = plot.y(level);
     let colour = theme::accent_colour(options.theme);
     let ends = [pos2(plot.area.left(), y), pos2(plot.area.right(), y)];
@@ -54,7 +64,13 @@ fn threshold(painter: &Painter, plot: &Plot, level: f32, options: &ViewOptions) 
     painter.galley(text.min, galley, colour);
 }
 
-fn pick(painter: &Painter, plot: &Plot, shown: &Shown<'_>, side: Side, options: &ViewOptions) {
+fn pick(
+    painter: &Painter,
+    plot: &ProfilePlot,
+    shown: &Shown<'_>,
+    side: Side,
+    options: &ViewOptions,
+) {
     let Some(found) = shown.picks[side as usize] else {
         return;
     };
@@ -83,7 +99,7 @@ fn pick(painter: &Painter, plot: &Plot, shown: &Shown<'_>, side: Side, options: 
 }
 
 /// A line at a range, if it is in view.
-fn vertical(painter: &Painter, plot: &Plot, across_m: f64, stroke: Stroke) -> bool {
+fn vertical(painter: &Painter, plot: &ProfilePlot, across_m: f64, stroke: Stroke) -> bool {
     let x = plot.x(across_m);
     let in_view = plot.area.x_range().contains(x);
     if in_view {

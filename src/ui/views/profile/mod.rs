@@ -9,7 +9,7 @@ mod marks;
 mod plot;
 mod scale;
 
-use crate::app::{Command, Mark};
+use crate::app::{Command, LogPlace};
 use crate::bottom::cloud::Reduction;
 use crate::sonar::first_return::Pick;
 use crate::support::presentation::units::Units;
@@ -17,7 +17,7 @@ use crate::survey::{Side, SidePing, Survey};
 use crate::ui::raster::RasterTexture;
 use crate::ui::{ViewContext, exclusion_text, flat, place, theme};
 use egui::{Rect, Response, Sense, vec2};
-use plot::Plot;
+use plot::ProfilePlot;
 use scale::ScaleJob;
 
 /// Least height that is still readable, points.
@@ -98,7 +98,7 @@ impl ProfileView {
         };
         let normalisation = self.scale.of(context, &survey);
         self.zoom_at(ui, &response);
-        let plot = Plot::new(rect, far_m(&shown) / f64::from(self.zoom));
+        let plot = ProfilePlot::new(rect, far_m(&shown) / f64::from(self.zoom));
         let (options, curves) = (context.options(), &mut self.curves);
         plot::axes(&painter, &plot, options);
         marks::dead_zone(&painter, &plot, shown.dead_zone_m, options);
@@ -127,7 +127,7 @@ impl ProfileView {
         &mut self,
         ui: &egui::Ui,
         response: &Response,
-        plot: &Plot,
+        plot: &ProfilePlot,
         context: &mut ViewContext<'_>,
     ) {
         let line = plot.y(context.app.log.settings.first_return.threshold);
@@ -157,7 +157,7 @@ impl ProfileView {
     fn hover(
         &mut self,
         response: &Response,
-        plot: &Plot,
+        plot: &ProfilePlot,
         shown: &Shown<'_>,
         context: &mut ViewContext<'_>,
     ) {
@@ -216,7 +216,7 @@ fn far_m(shown: &Shown<'_>) -> f64 {
     }
 }
 
-fn mark_at(shown: &Shown<'_>, across_m: f64) -> Mark {
+fn mark_at(shown: &Shown<'_>, across_m: f64) -> LogPlace {
     let side = place::side_at(across_m);
     let span = shown.recorded.side(side);
     let sample = span
@@ -226,10 +226,10 @@ fn mark_at(shown: &Shown<'_>, across_m: f64) -> Mark {
         })
         .filter(|(sample, count)| (0.0..*count).contains(sample))
         .map(|(sample, _)| sample as f32);
-    Mark {
+    LogPlace {
         side: sample.map(|_| side),
         sample,
-        ..Mark::ping(shown.ping)
+        ..LogPlace::ping(shown.ping)
     }
 }
 

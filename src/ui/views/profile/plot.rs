@@ -13,13 +13,13 @@ const BELOW: f32 = 16.0;
 const ABOVE: f32 = 16.0;
 
 /// Between values and the screen.
-pub(super) struct Plot {
+pub(super) struct ProfilePlot {
     /// Where the curves lie.
     pub area: Rect,
     far_m: f64,
 }
 
-impl Plot {
+impl ProfilePlot {
     /// A plot of both sides up to `far_m`.
     pub(super) fn new(rect: Rect, far_m: f64) -> Self {
         let min = rect.min + vec2(SIDE, ABOVE);
@@ -35,7 +35,7 @@ impl Plot {
         self.area.center().x + (across_m / self.far_m) as f32 * self.area.width() / 2.0
     }
 
-    /// Inverse of [`Plot::x`].
+    /// Inverse of [`ProfilePlot::x`].
     pub(super) fn across_m(&self, x: f32) -> f64 {
         f64::from((x - self.area.center().x) / (self.area.width() / 2.0)) * self.far_m
     }
@@ -45,7 +45,7 @@ impl Plot {
         self.area.bottom() - level * self.area.height()
     }
 
-    /// Inverse of [`Plot::y`], kept within 0 to 1.
+    /// Inverse of [`ProfilePlot::y`], kept within 0 to 1.
     pub(super) fn level(&self, y: f32) -> f32 {
         ((self.area.bottom() - y) / self.area.height()).clamp(0.0, 1.0)
     }
@@ -58,7 +58,7 @@ impl Plot {
 }
 
 /// Axes with numbers: normalised left, raw right, slant range below.
-pub(super) fn axes(painter: &Painter, plot: &Plot, options: &ViewOptions) {
+pub(super) fn axes(painter: &Painter, plot: &ProfilePlot, options: &ViewOptions) {
     let ink = theme::plot_ink(options);
     let faint = Stroke::new(1.0, ink.gamma_multiply(0.25));
     let font = FontId::proportional(10.0);

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 /// What a measurement is valid for.
 #[derive(Clone, PartialEq)]
-struct Key {
+struct ScaleKey {
     survey_serial: u64,
     image: ImageSettings,
     dead_zone_m: f64,
@@ -16,13 +16,13 @@ struct Key {
 
 /// Measures again when survey, image or dead zone change; the newest request wins.
 #[derive(Default)]
-pub(super) struct ScaleJob(Background<Key, (Key, Normalisation)>);
+pub(super) struct ScaleJob(Background<ScaleKey, (ScaleKey, Normalisation)>);
 
 impl ScaleJob {
     /// The normalisation for the present settings; while it is measured, the last one, or the full scale of a sample.
     pub(super) fn of(&mut self, context: &ViewContext<'_>, survey: &Arc<Survey>) -> Normalisation {
         let settings = &context.app.log.settings;
-        let key = Key {
+        let key = ScaleKey {
             survey_serial: context.app.view.survey_serial,
             image: settings.image.clone(),
             dead_zone_m: settings.first_return.dead_zone_m,
@@ -54,7 +54,7 @@ impl ScaleJob {
     }
 }
 
-fn full_scale(key: &Key) -> Normalisation {
+fn full_scale(key: &ScaleKey) -> Normalisation {
     Normalisation {
         samples: key.image.samples,
         dead_zone_m: key.dead_zone_m,

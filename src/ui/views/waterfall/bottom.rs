@@ -1,7 +1,7 @@
 //! The pen for bottom edits, and the edits.
 
-use super::lens::{Lens, Place};
-use super::lines::Pen;
+use super::lens::{Lens, LensPlace};
+use super::lines::WaterfallPen;
 use crate::app::{App, BottomStroke, Command, Ink, Tool};
 use crate::sonar::first_return::BottomEdit;
 use crate::survey::Side;
@@ -99,7 +99,7 @@ fn begun(lens: &Lens, at: Pos2, modifiers: Modifiers) -> BottomStroke {
 }
 
 /// A stroke stays on its side: beyond the nadir it lies on it.
-fn extend(stroke: &mut BottomStroke, to: Place) {
+fn extend(stroke: &mut BottomStroke, to: LensPlace) {
     let point = [to.ping, to.outward_m(stroke.side).max(0.0)];
     if stroke.path.last() != Some(&point) {
         stroke.path.push(point);
@@ -107,13 +107,13 @@ fn extend(stroke: &mut BottomStroke, to: Place) {
 }
 
 fn at(lens: &Lens, side: Side, ping: f64, range_m: f64) -> Pos2 {
-    lens.screen_at(Place::of(ping, side, range_m))
+    lens.screen_at(LensPlace::of(ping, side, range_m))
 }
 
 /// The bottom edits in view, over the first returns: they are there before the results are.
 pub(super) fn drawn(painter: &Painter, lens: &Lens, app: &App) {
     let seen = lens.pings();
-    let pen = Pen::new(theme::HAND_COLOUR, WIDTH);
+    let pen = WaterfallPen::new(theme::HAND_COLOUR, WIDTH);
     for line in &app.log.settings.bottom.lines {
         let [first, last] = line.pings.map(|ping| ping as f64);
         if last + 1.0 < seen.start || first > seen.end {

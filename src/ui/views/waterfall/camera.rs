@@ -11,7 +11,7 @@ const READABLE_PINGS: f64 = 4.0;
 
 /// What there is to look at.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Extent {
+pub(super) struct PictureExtent {
     /// Pings of the survey.
     pub pings: f64,
     /// What lies nearest to the upper or left edge, metres from the middle: on the other side, or the middle itself.
@@ -26,14 +26,14 @@ pub(super) struct Extent {
 
 /// One axis: what is in its middle and how much a screen point covers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Axis {
+pub(super) struct CameraAxis {
     pub centre: f64,
     pub per_point: f64,
     /// Follows the size of the window.
     fitted: bool,
 }
 
-impl Axis {
+impl CameraAxis {
     fn fit(&mut self, from: f64, to: f64, points: f64) {
         self.centre = (from + to) / 2.0;
         self.per_point = (to - from) / points;
@@ -92,8 +92,8 @@ const FITS: f64 = 2.0;
 /// Where the view looks. Along: ping numbers. Across: metres, port negative.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Camera {
-    pub along: Axis,
-    pub across: Axis,
+    pub along: CameraAxis,
+    pub across: CameraAxis,
     /// A metre along is as long as a metre across.
     pub is_one_to_one: bool,
     /// Metres from one ping to the next that this goes by, instead of the usual ones.
@@ -103,17 +103,17 @@ pub(super) struct Camera {
 impl Camera {
     /// The whole range across, and one to one from the first ping on; where the boat's speed is not known all pings, or as many from
     /// the first as can be distinguished.
-    pub(super) fn start(extent: &Extent, size: Size) -> Self {
+    pub(super) fn start(extent: &PictureExtent, size: Size) -> Self {
         let mut camera = Self::default();
         camera.fit(extent, size);
         if let Some(ping_m) = extent.ping_m {
             camera.is_one_to_one = true;
-            camera.along = Axis {
+            camera.along = CameraAxis {
                 centre: 0.5 * size.along * camera.across.per_point / ping_m,
-                ..Axis::default()
+                ..CameraAxis::default()
             };
         } else if camera.along.per_point > READABLE_PINGS {
-            camera.along = Axis {
+            camera.along = CameraAxis {
                 centre: size.along,
                 per_point: READABLE_PINGS / 2.0,
                 fitted: false,
@@ -123,7 +123,7 @@ impl Camera {
     }
 
     /// Everything, stretched as the view is.
-    pub(super) fn fit(&mut self, extent: &Extent, size: Size) {
+    pub(super) fn fit(&mut self, extent: &PictureExtent, size: Size) {
         self.is_one_to_one = false;
         self.along.fit(0.0, extent.pings, size.along);
         self.across.fit(extent.near_m, extent.far_m, size.across);
@@ -131,7 +131,7 @@ impl Camera {
 
     /// What is in view: first and last ping, and ends across, metres.
     pub(super) fn seen(&self, size: Size) -> [f64; 4] {
-        let ends = |axis: &Axis, points: f64| {
+        let ends = |axis: &CameraAxis, points: f64| {
             let half = 0.5 * axis.per_point * points;
             [axis.centre - half, axis.centre + half]
         };
@@ -174,7 +174,7 @@ impl Camera {
     }
 
     /// Sees along the track what another part of the view sees, which this one leads where the other has not looked anywhere yet.
-    pub(super) fn share_along(&mut self, other: &mut Self, extent: &Extent, size: Size) {
+    pub(super) fn share_along(&mut self, other: &mut Self, extent: &PictureExtent, size: Size) {
         if other.along.per_point <= 0.0 {
             self.settle(extent, size);
             other.along = self.along;
@@ -193,7 +193,7 @@ impl Camera {
     }
 
     /// Keeps the range across on the picture, whatever is seen along the track.
-    pub(super) fn settle_across(&mut self, extent: &Extent, size: Size) {
+    pub(super) fn settle_across(&mut self, extent: &PictureExtent, size: Size) {
         let finest_m = extent.bin_m / LARGEST_TEXEL;
         self.across
             .settle(extent.near_m, extent.far_m, size.across, finest_m);
@@ -228,7 +228,7 @@ impl Camera {
 
     /// Brings these pings and ranges into the middle at a scale: pings and metres for each point.
     fn centre_on(&mut self, pings: [f64; 2], across_m: [f64; 2], per_point: [f64; 2]) {
-        let axis = |[from, to]: [f64; 2], per_point: f64| Axis {
+        let axis = |[from, to]: [f64; 2], per_point: f64| CameraAxis {
             centre: 0.5 * (from + to),
             per_point,
             fitted: false,
@@ -244,7 +244,7 @@ impl Camera {
         &mut self,
         (pings, across_m): ([f64; 2], [f64; 2]),
         metres_per_ping: Option<f64>,
-        extent: &Extent,
+        extent: &PictureExtent,
         size: Size,
     ) {
         let [ping_count, range_m] = [pings, across_m].map(|[from, to]| to - from);
@@ -267,7 +267,7 @@ impl Camera {
     }
 
     /// One to one by the usual speed, with what is in the middle staying there; from there everything along the track.
-    pub(super) fn toggle_one_to_one(&mut self, extent: &Extent, size: Size) {
+    pub(super) fn toggle_one_to_one(&mut self, extent: &PictureExtent, size: Size) {
         self.ping_m = None;
         match self.is_one_to_one {
             true => {
@@ -279,7 +279,7 @@ impl Camera {
     }
 
     /// How many times longer a metre along is drawn than one across, where the boat's speed is known.
-    pub(super) fn stretch(&self, extent: &Extent) -> Option<f64> {
+    pub(super) fn stretch(&self, extent: &PictureExtent) -> Option<f64> {
         let ping_m = self.ping_m.or(extent.ping_m)?;
         Some(self.across.per_point / (self.along.per_point * ping_m))
     }
@@ -310,7 +310,7 @@ impl Camera {
     }
 
     /// Keeps the camera on the picture; fits again what follows the window's size.
-    pub(super) fn settle(&mut self, extent: &Extent, size: Size) {
+    pub(super) fn settle(&mut self, extent: &PictureExtent, size: Size) {
         self.settle_across(extent, size);
         let ping_m = self.ping_m.or(extent.ping_m);
         match ping_m.filter(|_| self.is_one_to_one) {
@@ -354,7 +354,7 @@ impl Size {
 }
 
 #[cfg(test)]
-pub(super) const EXTENT: Extent = Extent {
+pub(super) const EXTENT: PictureExtent = PictureExtent {
     pings: 3453.0,
     near_m: -30.0,
     far_m: 30.0,
@@ -428,7 +428,7 @@ mod tests {
 
     #[test]
     fn a_long_log_starts_readable_at_its_first_ping() {
-        let extent = Extent {
+        let extent = PictureExtent {
             pings: 1e6,
             ..EXTENT
         };
@@ -451,7 +451,7 @@ mod tests {
     #[test]
     fn a_picture_begins_one_to_one_until_it_is_stretched() {
         let size = size(Orientation::Horizontal);
-        let extent = Extent {
+        let extent = PictureExtent {
             ping_m: Some(0.25),
             ..EXTENT
         };

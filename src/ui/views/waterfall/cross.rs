@@ -1,6 +1,6 @@
 //! The cross that the arrow keys move over the waterfall with a tool in hand.
 
-use super::lens::{Lens, Place};
+use super::lens::{Lens, LensPlace};
 use crate::app::View;
 use crate::ui::ViewContext;
 use crate::ui::views::measured;
@@ -9,7 +9,7 @@ use egui::{Painter, Response, Ui, Vec2, vec2};
 /// Where it stands; nowhere before a key has moved it, and after the pointer has.
 #[derive(Default)]
 pub(super) struct Cross {
-    place: Option<Place>,
+    place: Option<LensPlace>,
 }
 
 impl Cross {
@@ -41,13 +41,13 @@ impl Cross {
     }
 
     /// Where it stands, or else the pointer.
-    pub(super) fn or_pointer(&self, response: &Response, lens: &Lens) -> Option<Place> {
+    pub(super) fn or_pointer(&self, response: &Response, lens: &Lens) -> Option<LensPlace> {
         let under = response.hover_pos().map(|at| lens.place_at(at));
         self.place.or(under)
     }
 
     /// Where it stands.
-    pub(super) fn place(&self) -> Option<Place> {
+    pub(super) fn place(&self) -> Option<LensPlace> {
         self.place
     }
 

@@ -1,7 +1,7 @@
 //! What is drawn of one survey: the worker that makes it, what has arrived, what still has to go to the GPU.
 
 use super::lens::Lens;
-use super::tiles::TileSet;
+use super::tiles::ResidentTiles;
 use crate::imagery::picture::LogPicture;
 use crate::imagery::waterfall::{
     Levels, Made, PickLines, RangeAxis, RangeLine, Tiler, WaterfallTile,
@@ -16,13 +16,13 @@ use std::sync::Arc;
 const UPLOADS: usize = 4;
 
 /// The picture of one survey.
-pub(super) struct Drawing {
+pub(super) struct WaterfallDrawing {
     pub survey_serial: u64,
     /// Whether port and starboard are exchanged in it.
     pub swapped_sides: bool,
     survey: Arc<Survey>,
     tiler: Tiler,
-    tiles: TileSet,
+    tiles: ResidentTiles,
     arrived: VecDeque<WaterfallTile>,
     /// Outer `None`: not known yet. Inner `None`: there is nothing to draw.
     axis: Option<Option<RangeAxis>>,
@@ -36,7 +36,7 @@ pub(super) struct Drawing {
     pub levels: Levels,
 }
 
-impl Drawing {
+impl WaterfallDrawing {
     /// Starts the worker, which wakes the window when something arrives.
     pub(super) fn start(survey: Arc<Survey>, survey_serial: u64, ctx: &egui::Context) -> Self {
         let ctx = ctx.clone();
@@ -46,7 +46,7 @@ impl Drawing {
             swapped_sides: survey.swapped_sides,
             tiler: Tiler::start(survey.clone(), waker),
             survey,
-            tiles: TileSet::new(),
+            tiles: ResidentTiles::new(),
             arrived: VecDeque::new(),
             axis: None,
             requested_returns: None,

@@ -1,14 +1,14 @@
 //! A channel that looks down, beside the side-scan or in its place: the same pings, with the bottom that was recorded and found.
 
-use super::camera::{Camera, Extent, Size};
-use super::drawing::Drawing;
-use super::labels::{INK, Labels};
+use super::camera::{Camera, PictureExtent, Size};
+use super::drawing::WaterfallDrawing;
+use super::labels::{INK, WaterfallLabels};
 use super::lens::{Arrangement, Lens};
-use super::lines::{self, Pen};
+use super::lines::{self, WaterfallPen};
 use super::picture::PictureCallback;
 use super::scales::{self, RangeLines};
 use super::{Gpu, gestures, marks, tone};
-use crate::app::{App, Command, EchogramChannel, Mark, Orientation};
+use crate::app::{App, Command, EchogramChannel, LogPlace, Orientation};
 use crate::bottom::cloud::Reduction;
 use crate::imagery::waterfall::{LineStep, RangeAxis};
 use crate::survey::{Side, Survey};
@@ -34,7 +34,7 @@ struct Shown {
     of: Arc<Survey>,
     /// The log as that channel saw it; `None` where it has no such channel.
     survey: Option<Arc<Survey>>,
-    drawing: Option<Drawing>,
+    drawing: Option<WaterfallDrawing>,
     camera: Option<Camera>,
 }
 
@@ -96,7 +96,7 @@ impl EchogramPart {
             survey_serial: app.view.survey_serial,
             of: survey.clone(),
             drawing: (seen.clone())
-                .map(|survey| Drawing::start(survey, app.view.survey_serial, ctx)),
+                .map(|survey| WaterfallDrawing::start(survey, app.view.survey_serial, ctx)),
             survey: seen,
             camera: None,
         });
@@ -109,7 +109,7 @@ impl EchogramPart {
         ui: &mut Ui,
         rect: Rect,
         along: &mut Camera,
-        side_scan: Option<&Drawing>,
+        side_scan: Option<&WaterfallDrawing>,
         context: &mut ViewContext<'_>,
     ) -> bool {
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
@@ -140,7 +140,7 @@ impl EchogramPart {
             }
             None => true,
         };
-        let over = Over {
+        let over = EchogramOverlay {
             survey,
             drawing,
             side_scan,
@@ -186,7 +186,7 @@ fn aim(
         flip: app.log.settings.picture.flip,
         ..Arrangement::default()
     };
-    let extent = Extent {
+    let extent = PictureExtent {
         pings: axis.pings as f64,
         near_m: 0.0,
         far_m: axis.far_m,
@@ -227,7 +227,7 @@ fn describe(
 fn draw_picture(
     gpu: &mut Gpu,
     state: &RenderState,
-    drawing: &mut Drawing,
+    drawing: &mut WaterfallDrawing,
     painter: &Painter,
     lens: &Lens,
     app: &App,
@@ -250,15 +250,15 @@ fn draw_picture(
 }
 
 /// What is drawn over the echoes.
-struct Over<'a> {
+struct EchogramOverlay<'a> {
     survey: &'a Survey,
-    drawing: &'a Drawing,
-    side_scan: Option<&'a Drawing>,
+    drawing: &'a WaterfallDrawing,
+    side_scan: Option<&'a WaterfallDrawing>,
     far_m: f64,
     name: &'static str,
 }
 
-impl Over<'_> {
+impl EchogramOverlay<'_> {
     fn draw(&self, painter: &Painter, lens: &Lens, app: &App) {
         let options = &app.view.options;
         let ink = theme::picture_ink(options);
@@ -285,7 +285,7 @@ impl Over<'_> {
             Orientation::Vertical => [lens.rect.left_top(), lens.rect.left_bottom()],
         };
         painter.line_segment(edge, Stroke::new(1.0, ink));
-        let mut labels = Labels::new(painter);
+        let mut labels = WaterfallLabels::new(painter);
         let log = app.log.survey.as_ref();
         if let Some(text) = log.and_then(|log| marks::warning(log, options.units)) {
             labels.keep_clear(marks::banner(painter, lens.rect, &text));
@@ -300,7 +300,7 @@ impl Over<'_> {
 
     /// The bottom as recorded, and as the side-scan found it on both sides.
     fn bottom(&self, painter: &Painter, lens: &Lens, app: &App) {
-        let pen = |colour| Pen::new(colour, 1.0);
+        let pen = |colour| WaterfallPen::new(colour, 1.0);
         let depth = pen(theme::DEPTH_LINE_COLOUR);
         let as_recorded = Reduction::default();
         lines::depth(painter, lens, self.survey, self.drawing, as_recorded, depth);
@@ -335,7 +335,7 @@ fn point(
     let ping = (place.ping >= 0.0).then_some(place.ping as usize)?;
     let recorded = survey.side_scan.get(ping)?;
     if ping < place::ping_count(context.app) {
-        let mark = Mark::ping(ping);
+        let mark = LogPlace::ping(ping);
         if context.app.view.hover != Some(mark) {
             context.push(Command::Hover(Some(mark)));
         }

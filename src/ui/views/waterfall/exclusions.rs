@@ -1,6 +1,6 @@
 //! The pings that are excluded, under a veil.
 
-use super::labels::{self, Labels};
+use super::labels::{self, WaterfallLabels};
 use super::lens::Lens;
 use crate::app::App;
 use crate::survey::ExclusionReason;
@@ -45,7 +45,7 @@ impl Veiled {
     }
 
     /// Writes why at its end.
-    pub(super) fn label(&self, labels: &mut Labels<'_>) {
+    pub(super) fn label(&self, labels: &mut WaterfallLabels<'_>) {
         let reason = self.reason.name();
         let text = match self.area.width() < WORDY {
             true => reason.to_owned(),

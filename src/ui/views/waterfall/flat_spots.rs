@@ -1,8 +1,8 @@
 //! The ranked flat stretches along the nadir, numbered as on the map, the one that the calibration was measured on, and the one that is
 //! proposed.
 
-use super::labels::Labels;
-use super::lens::{Lens, Place};
+use super::labels::WaterfallLabels;
+use super::lens::{Lens, LensPlace};
 use crate::app::{App, Tool};
 use crate::sonar::calibration::{FlatSpot, PingRange, ScaleMode};
 use crate::survey::Side;
@@ -16,7 +16,7 @@ const BAR: f32 = 2.0;
 const REACH: f32 = 10.0;
 
 /// A stretch in view.
-pub(super) struct Stretch {
+pub(super) struct ShownStretch {
     /// Over the whole picture's range.
     area: Rect,
     edges: [[egui::Pos2; 2]; 2],
@@ -34,7 +34,7 @@ enum Kind {
 }
 
 /// The stretches that a lens sees: of the calibration, the proposed one, and the ranked ones if they are shown or one is to be chosen.
-pub(super) fn in_view(lens: &Lens, app: &App) -> Vec<Stretch> {
+pub(super) fn in_view(lens: &Lens, app: &App) -> Vec<ShownStretch> {
     let products = app.log.products.as_ref();
     let Some(products) = products.filter(|_| place::has_side_scan(app)) else {
         return Vec::new();
@@ -78,13 +78,13 @@ pub(super) fn under(lens: &Lens, app: &App, at: Pos2) -> Option<PingRange> {
     spots.find(is_here).map(FlatSpot::range)
 }
 
-fn stretch(lens: &Lens, pings: &Range<usize>, kind: Kind, name: String) -> Option<Stretch> {
+fn stretch(lens: &Lens, pings: &Range<usize>, kind: Kind, name: String) -> Option<ShownStretch> {
     let ends = [pings.start as f64, pings.end as f64];
     let edges = ends.map(|ping| lens.line_at_ping(ping));
     let area = Rect::from_two_pos(edges[0][0], edges[1][1]).intersect(lens.rect);
-    let [start, end] = ends.map(|ping| lens.screen_at(Place::of(ping, Side::Starboard, 0.0)));
+    let [start, end] = ends.map(|ping| lens.screen_at(LensPlace::of(ping, Side::Starboard, 0.0)));
     let nadir = Rect::from_two_pos(start, end).expand(BAR / 2.0);
-    area.is_positive().then_some(Stretch {
+    area.is_positive().then_some(ShownStretch {
         area,
         edges,
         nadir: nadir.intersect(lens.rect.expand(BAR)),
@@ -93,7 +93,7 @@ fn stretch(lens: &Lens, pings: &Range<usize>, kind: Kind, name: String) -> Optio
     })
 }
 
-impl Stretch {
+impl ShownStretch {
     /// Draws it: two lines across the picture for that of the calibration and the proposed one, a bar along the nadir for the others. The
     /// echoes between stay as they are.
     pub(super) fn draw(&self, painter: &Painter) {
@@ -118,7 +118,7 @@ impl Stretch {
     }
 
     /// Writes its name at its beginning or, for a bar, on its middle.
-    pub(super) fn label(&self, labels: &mut Labels<'_>) {
+    pub(super) fn label(&self, labels: &mut WaterfallLabels<'_>) {
         let (at, anchor) = match self.kind {
             Kind::Ranked => (self.nadir.center(), Align2::CENTER_CENTER),
             Kind::InUse => (self.area.left_top() + vec2(5.0, 4.0), Align2::LEFT_TOP),

@@ -1,6 +1,6 @@
 //! Keeping the newest ping of a followed log in view, until the analyst looks elsewhere.
 
-use super::camera::{Camera, Extent, Size};
+use super::camera::{Camera, PictureExtent, Size};
 use crate::app::App;
 
 /// Share of the view by which the newest ping may lie beyond its edge and still count as in view.
@@ -16,7 +16,13 @@ pub(super) struct NewestPing {
 
 impl NewestPing {
     /// Moves along by what was added where the newest ping was in view; goes to it when a log begins to be followed.
-    pub(super) fn keep(&mut self, camera: &mut Camera, extent: &Extent, size: Size, app: &App) {
+    pub(super) fn keep(
+        &mut self,
+        camera: &mut Camera,
+        extent: &PictureExtent,
+        size: Size,
+        app: &App,
+    ) {
         let begins =
             std::mem::replace(&mut self.serial, app.follow_serial()) != app.follow_serial();
         if !app.is_following() {
@@ -28,7 +34,7 @@ impl NewestPing {
     }
 
     /// Notes whether the newest ping is in view now.
-    pub(super) fn note(&mut self, camera: &Camera, extent: &Extent, size: Size) {
+    pub(super) fn note(&mut self, camera: &Camera, extent: &PictureExtent, size: Size) {
         let [from, to, ..] = camera.seen(size);
         let is_seen = to >= extent.pings - NEAR * (to - from);
         self.seen = is_seen.then_some(extent.pings);

@@ -1,6 +1,6 @@
 //! What wheel, drag and keys do to the camera.
 
-use super::camera::{Camera, Extent, Size};
+use super::camera::{Camera, PictureExtent, Size};
 use super::lens::{Arrangement, Lens};
 use crate::ui::ViewRequest;
 use egui::{Key, PointerButton};
@@ -11,7 +11,12 @@ const KEY_STEP: f64 = 1.25;
 const WHEEL_POINTS: f64 = 200.0;
 
 /// A request from menu, key or palette.
-pub(super) fn carry_out(camera: &mut Camera, request: ViewRequest, extent: &Extent, size: Size) {
+pub(super) fn carry_out(
+    camera: &mut Camera,
+    request: ViewRequest,
+    extent: &PictureExtent,
+    size: Size,
+) {
     let middle = Size::both(0.0);
     match request {
         ViewRequest::Fit => camera.fit(extent, size),
@@ -30,7 +35,7 @@ pub(super) fn apply(
     ui: &egui::Ui,
     response: &egui::Response,
     arrangement: &Arrangement,
-    extent: &Extent,
+    extent: &PictureExtent,
     drag_moves: bool,
     fits: bool,
 ) {

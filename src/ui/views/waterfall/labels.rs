@@ -13,12 +13,12 @@ pub(super) const INK: Color32 = Color32::from_gray(235);
 
 /// Short words that keep clear of each other and of the edges: what is asked for first is written, what would cover it or
 /// stick out is left out.
-pub(super) struct Labels<'a> {
+pub(super) struct WaterfallLabels<'a> {
     painter: &'a Painter,
     taken: Vec<Rect>,
 }
 
-impl<'a> Labels<'a> {
+impl<'a> WaterfallLabels<'a> {
     /// Nothing written yet.
     pub(super) fn new(painter: &'a Painter) -> Self {
         Self {
@@ -81,7 +81,7 @@ mod tests {
     fn labels_neither_cover_each_other_nor_stick_out() {
         let frame = egui::Context::default().run_ui(Default::default(), |ui| {
             let painter = ui.painter_at(Rect::from_min_size(pos2(0.0, 0.0), vec2(200.0, 100.0)));
-            let mut labels = Labels::new(&painter);
+            let mut labels = WaterfallLabels::new(&painter);
             let mut written = |x: f32, y: f32| {
                 labels.write(pos2(x, y), Align2::LEFT_TOP, "10 m", INK);
                 labels.taken.len()

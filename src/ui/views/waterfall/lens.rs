@@ -3,7 +3,7 @@
 
 use super::camera::{Camera, Size};
 use crate::app::Orientation;
-use crate::imagery::picture::{Geometry, PingScale, PingScales};
+use crate::imagery::picture::{PictureGeometry, PingScale, PingScales};
 use crate::survey::Side;
 use crate::ui::place::{across_m, side_at};
 use egui::{Pos2, Rect, pos2};
@@ -15,14 +15,14 @@ const LINE_POINTS: usize = 512;
 
 /// A place of the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Place {
+pub(super) struct LensPlace {
     /// Ping number with its fraction: ping 7 lies between 7 and 8.
     pub ping: f64,
     /// Slant range as recorded, metres, port negative: whatever is shown across.
     pub across_m: f64,
 }
 
-impl Place {
+impl LensPlace {
     /// At a slant range of a side.
     pub(super) fn of(ping: f64, side: Side, range_m: f64) -> Self {
         let across_m = across_m(side, range_m);
@@ -46,7 +46,7 @@ pub(super) struct Arrangement {
     /// Which way time runs.
     pub orientation: Orientation,
     /// What lies across.
-    pub geometry: Geometry,
+    pub geometry: PictureGeometry,
     /// Later pings to the left, or above.
     pub flip: bool,
     /// Starboard first.
@@ -99,10 +99,10 @@ impl Lens {
     }
 
     /// What lies across.
-    pub(super) fn geometry(&self) -> Geometry {
+    pub(super) fn geometry(&self) -> PictureGeometry {
         match self.arrangement.scales {
             Some(_) => self.arrangement.geometry,
-            None => Geometry::Slant,
+            None => PictureGeometry::Slant,
         }
     }
 
@@ -165,13 +165,13 @@ impl Lens {
     /// How far from the middle a recorded range of a side is shown at a ping, metres.
     pub(super) fn distance_m(&self, side: Side, ping: f64, range_m: f64) -> f64 {
         match self.geometry() {
-            Geometry::Slant => range_m,
+            PictureGeometry::Slant => range_m,
             geometry => self.scale(side, ping).across_m(geometry, range_m),
         }
     }
 
     /// Screen position of a place.
-    pub(super) fn screen_at(&self, place: Place) -> Pos2 {
+    pub(super) fn screen_at(&self, place: LensPlace) -> Pos2 {
         let side = place.side();
         let shown_m = self.distance_m(side, place.ping, place.across_m.abs());
         self.at(place.ping, self.signed_m(side, shown_m))
@@ -199,7 +199,7 @@ impl Lens {
     }
 
     /// Place at a screen position.
-    pub(super) fn place_at(&self, position: Pos2) -> Place {
+    pub(super) fn place_at(&self, position: Pos2) -> LensPlace {
         let offset = self.offset(position);
         let Camera { along, across, .. } = &self.camera;
         let ping = along.centre + offset.along * along.per_point;
@@ -209,13 +209,13 @@ impl Lens {
             false => Side::Starboard,
         };
         let range_m = match self.geometry() {
-            Geometry::Slant => shown_m.abs(),
+            PictureGeometry::Slant => shown_m.abs(),
             geometry => {
                 let scale = self.scale(side, ping);
                 scale.recorded_at_m(geometry, shown_m.abs()).max(0.0)
             }
         };
-        Place::of(ping, side, range_m)
+        LensPlace::of(ping, side, range_m)
     }
 
     /// Points from the middle of the rectangle, as pings and metres run.
@@ -233,7 +233,7 @@ impl Lens {
     pub(super) fn line_at_range(&self, across_m: f64) -> Vec<Pos2> {
         let pings = self.pings();
         let steps = match self.geometry() {
-            Geometry::Slant => 1,
+            PictureGeometry::Slant => 1,
             _ => LINE_POINTS,
         };
         let ping = |step: usize| {
@@ -243,7 +243,7 @@ impl Lens {
         (0..=steps)
             .map(|step| {
                 let ping = ping(step);
-                self.screen_at(Place { ping, across_m })
+                self.screen_at(LensPlace { ping, across_m })
             })
             .collect()
     }
@@ -269,7 +269,7 @@ mod tests {
     }
 
     /// The same with everything that can be turned, over ground 4 m down.
-    fn turned(orientation: Orientation, geometry: Geometry) -> Lens {
+    fn turned(orientation: Orientation, geometry: PictureGeometry) -> Lens {
         let plain = lens(orientation);
         let arrangement = Arrangement {
             orientation,
@@ -284,14 +284,14 @@ mod tests {
     #[test]
     fn a_place_comes_back_from_the_screen() {
         let geometries = [
-            Geometry::Slant,
-            Geometry::SlantBeyondWater,
-            Geometry::Ground,
+            PictureGeometry::Slant,
+            PictureGeometry::SlantBeyondWater,
+            PictureGeometry::Ground,
         ];
         for orientation in BOTH {
             let turned = geometries.map(|geometry| turned(orientation, geometry));
             for lens in [lens(orientation)].into_iter().chain(turned) {
-                let place = Place {
+                let place = LensPlace {
                     ping: 1204.5,
                     across_m: -7.25,
                 };
@@ -305,7 +305,7 @@ mod tests {
 
     #[test]
     fn starboard_and_later_are_to_the_right_and_down() {
-        let place = |ping, across_m| Place { ping, across_m };
+        let place = |ping, across_m| LensPlace { ping, across_m };
         for orientation in BOTH {
             let towards = |lens: Lens| {
                 let at = |ping, across_m| lens.screen_at(place(ping, across_m));
@@ -318,14 +318,14 @@ mod tests {
             };
             let (time, range) = towards(lens(orientation));
             assert!(time > 0.0 && range > 0.0, "{orientation:?}");
-            let (time, range) = towards(turned(orientation, Geometry::Slant));
+            let (time, range) = towards(turned(orientation, PictureGeometry::Slant));
             assert!(time < 0.0 && range < 0.0, "{orientation:?}");
         }
     }
 
     #[test]
     fn ground_range_is_the_side_of_the_triangle() {
-        let lens = turned(Orientation::Horizontal, Geometry::Ground);
+        let lens = turned(Orientation::Horizontal, PictureGeometry::Ground);
         // 5 m of slant range over 4 m of water are 3 m on the ground.
         assert!((lens.distance_m(Side::Port, 7.0, 5.0) - 3.0).abs() < 1e-6);
         assert_eq!(lens.distance_m(Side::Port, 7.0, 2.0), 0.0);

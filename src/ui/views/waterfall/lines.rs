@@ -1,7 +1,7 @@
 //! First return and recorded depth over the picture.
 
-use super::drawing::Drawing;
-use super::lens::{Lens, Place};
+use super::drawing::WaterfallDrawing;
+use super::lens::{Lens, LensPlace};
 use crate::app::Orientation;
 use crate::bottom::cloud::Reduction;
 use crate::imagery::waterfall::{LineSpan, LineStep};
@@ -17,7 +17,7 @@ const RIM_POINTS: f32 = 1.25;
 
 /// How a line looks.
 #[derive(Clone, Copy)]
-pub(super) struct Pen {
+pub(super) struct WaterfallPen {
     colour: Color32,
     /// Points.
     width: f32,
@@ -25,7 +25,7 @@ pub(super) struct Pen {
     rim: f32,
 }
 
-impl Pen {
+impl WaterfallPen {
     pub(super) fn new(colour: Color32, width: f32) -> Self {
         Self {
             colour,
@@ -65,10 +65,10 @@ pub(super) fn first_return(
     painter: &Painter,
     lens: &Lens,
     survey: &Survey,
-    drawing: &Drawing,
+    drawing: &WaterfallDrawing,
     returns: &FirstReturns,
     side: Side,
-    pen: Pen,
+    pen: WaterfallPen,
 ) {
     let step = LineStep::Picks {
         returns,
@@ -85,7 +85,7 @@ pub(super) fn first_return_below(
     survey: &Survey,
     step: LineStep<'_>,
     side: Side,
-    pen: Pen,
+    pen: WaterfallPen,
 ) {
     let columns = Columns {
         // What looks down is shown where starboard is.
@@ -101,9 +101,9 @@ pub(super) fn depth(
     painter: &Painter,
     lens: &Lens,
     survey: &Survey,
-    drawing: &Drawing,
+    drawing: &WaterfallDrawing,
     reduction: Reduction<'_>,
-    pen: Pen,
+    pen: WaterfallPen,
 ) {
     let step = LineStep::Depth(drawing.depth.as_ref());
     for side in Side::BOTH {
@@ -122,7 +122,7 @@ pub(super) fn depth(
     }
 }
 
-fn draw(painter: &Painter, columns: &Columns, lens: &Lens, pen: Pen) {
+fn draw(painter: &Painter, columns: &Columns, lens: &Lens, pen: WaterfallPen) {
     let pens = [pen.rim(), pen];
     if columns.halvings > 0 {
         painter.extend(pens.map(|pen| ribbon(columns, lens, pen).into()));
@@ -147,9 +147,9 @@ struct Columns {
 }
 
 impl Columns {
-    fn place(&self, index: usize, range_m: f32) -> Place {
+    fn place(&self, index: usize, range_m: f32) -> LensPlace {
         let ping = ((self.first + index) as f64 + 0.5) * f64::from(1_u32 << self.halvings);
-        Place::of(ping, self.side, f64::from(range_m))
+        LensPlace::of(ping, self.side, f64::from(range_m))
     }
 }
 
@@ -170,7 +170,7 @@ fn columns(lens: &Lens, survey: &Survey, step: LineStep<'_>, side: Side) -> Colu
 }
 
 /// Bars from extreme to extreme that touch their neighbours: quick to draw however ragged the line is.
-fn ribbon(columns: &Columns, lens: &Lens, pen: Pen) -> Mesh {
+fn ribbon(columns: &Columns, lens: &Lens, pen: WaterfallPen) -> Mesh {
     let mut mesh = Mesh::default();
     let half = f64::from(1_u32 << columns.halvings) / lens.pings_per_point() / 2.0;
     let mut before = LineSpan::GAP;
@@ -223,7 +223,7 @@ fn runs(columns: &Columns, lens: &Lens) -> Vec<Run> {
 }
 
 /// A line drawn by hand; of a single ping a dot.
-pub(super) fn hand(painter: &Painter, lens: &Lens, points: Vec<Pos2>, pen: Pen) {
+pub(super) fn hand(painter: &Painter, lens: &Lens, points: Vec<Pos2>, pen: WaterfallPen) {
     let run = Run {
         doubtful: false,
         points,
@@ -235,7 +235,7 @@ pub(super) fn hand(painter: &Painter, lens: &Lens, points: Vec<Pos2>, pen: Pen) 
     }
 }
 
-fn draw_run(painter: &Painter, run: &Run, lens: &Lens, pen: Pen) {
+fn draw_run(painter: &Painter, run: &Run, lens: &Lens, pen: WaterfallPen) {
     let colour = pen.of(run.doubtful);
     let stroke = Stroke::new(pen.stroke_width(), colour);
     match (run.points.as_slice(), run.doubtful) {

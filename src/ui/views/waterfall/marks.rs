@@ -1,7 +1,7 @@
 //! Cross-hairs on the picture, and what it cannot be trusted for.
 
-use super::lens::{Lens, Place};
-use crate::app::Mark;
+use super::lens::{Lens, LensPlace};
+use crate::app::LogPlace;
 use crate::support::presentation::units::Units;
 use crate::survey::{SideScanState, Survey};
 use crate::ui::theme;
@@ -12,7 +12,7 @@ pub(super) fn cross_hair(
     painter: &Painter,
     lens: &Lens,
     survey: &Survey,
-    mark: &Mark,
+    mark: &LogPlace,
     colour: Color32,
 ) {
     let ping = mark.ping as f64 + 0.5;
@@ -22,7 +22,7 @@ pub(super) fn cross_hair(
     };
     let recorded = survey.side_scan.get(mark.ping);
     if let Some(span) = recorded.and_then(|recorded| recorded.side(side)) {
-        let place = Place::of(ping, side, span.range_m(f64::from(sample)));
+        let place = LensPlace::of(ping, side, span.range_m(f64::from(sample)));
         let faint = colour.gamma_multiply(0.6);
         let along = lens.line_at_range(place.across_m);
         painter.line(along, Stroke::new(1.0, faint));

@@ -2,7 +2,7 @@
 
 use super::cross::Cross;
 use super::labels;
-use super::lens::{Lens, Place};
+use super::lens::{Lens, LensPlace};
 use crate::app::{Action, App, Command, Measure};
 use crate::project::{Measurement, MeasurementKind, Pick};
 use crate::survey::{Identity, Survey};
@@ -51,7 +51,7 @@ impl MeasureTool {
         }
         self.cross.follow(ui, response, lens, context);
         let place = self.cross.or_pointer(response, lens);
-        let pick = |place: Place| Some(context.app.on_one_ping(pick_at(survey, place)?));
+        let pick = |place: LensPlace| Some(context.app.on_one_ping(pick_at(survey, place)?));
         self.next = place.and_then(pick);
         let set = |at: Option<Pos2>| pick(lens.place_at(at?));
         let mut picked = None;
@@ -130,7 +130,7 @@ impl MeasureTool {
 }
 
 /// The pick at a place of the picture; `None` where nothing was recorded.
-fn pick_at(survey: &Survey, place: Place) -> Option<Pick> {
+fn pick_at(survey: &Survey, place: LensPlace) -> Option<Pick> {
     if place.ping < 0.0 {
         return None;
     }
@@ -153,7 +153,8 @@ fn on_screen<'a>(lens: &'a Lens, app: &App, figure: &'a Measurement) -> Vec<(usi
     let shown = Identity::of(survey);
     let picks = figure.picks.iter();
     let own = picks.filter(|(_, pick)| pick.log.is_same_log(&shown));
-    let at = |pick: &Pick| Place::of(pick.ping as f64 + 0.5, pick.side_in(survey), pick.slant_m);
+    let at =
+        |pick: &Pick| LensPlace::of(pick.ping as f64 + 0.5, pick.side_in(survey), pick.slant_m);
     own.map(|(corner, pick)| (*corner, lens.screen_at(at(pick))))
         .collect()
 }

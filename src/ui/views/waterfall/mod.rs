@@ -30,17 +30,17 @@ mod tone;
 
 pub(crate) use boxes::outline;
 
-use crate::app::{App, ColourMap, Command, Enlarged, Mark, Orientation, Tool};
-use crate::imagery::picture::Geometry;
+use crate::app::{App, ColourMap, Command, Enlarged, LogPlace, Orientation, Tool};
+use crate::imagery::picture::PictureGeometry;
 use crate::imagery::waterfall::RangeAxis;
 use crate::support::presentation::colours;
 use crate::ui::render::waterfall::WaterfallPicture;
 use crate::ui::{ViewContext, ViewRequest, flat, theme};
-use camera::{Camera, Extent, Size};
-use drawing::Drawing;
+use camera::{Camera, PictureExtent, Size};
+use drawing::WaterfallDrawing;
 use eframe::egui_wgpu::RenderState;
 use egui::{Sense, emath::GuiRounding as _};
-use lens::{Arrangement, Lens, Place};
+use lens::{Arrangement, Lens, LensPlace};
 use picture::PictureCallback;
 use std::ops::Range;
 use std::sync::Arc;
@@ -48,7 +48,7 @@ use std::sync::Arc;
 /// State of the waterfall view: where it looks, and what is drawn of the open survey.
 #[derive(Default)]
 pub(crate) struct WaterfallView {
-    drawing: Option<Drawing>,
+    drawing: Option<WaterfallDrawing>,
     gpu: Option<Gpu>,
     camera: Option<Camera>,
     /// Where the first frame is to look: from and to along the track and across it.
@@ -57,8 +57,8 @@ pub(crate) struct WaterfallView {
     size: Option<Size>,
     requests: Vec<Request>,
     reveal_serial: u64,
-    was_over: Option<Mark>,
-    boxes: boxes::Boxes,
+    was_over: Option<LogPlace>,
+    boxes: boxes::BoxGrab,
     pen: bottom::BottomPen,
     stretch: stretch_tool::StretchTool,
     measure: measure::MeasureTool,
@@ -118,7 +118,7 @@ impl WaterfallView {
 
     /// Looks at the beginning of the side-scan although that is not shown yet.
     fn begin(&mut self, rect: egui::Rect) {
-        let axis = self.drawing.as_ref().and_then(Drawing::axis);
+        let axis = self.drawing.as_ref().and_then(WaterfallDrawing::axis);
         if let (None, Some(axis)) = (self.camera, axis) {
             let size = Size::of(rect.size(), Orientation::Horizontal);
             self.camera = Some(Camera::start(&extent(&axis), size));
@@ -171,8 +171,8 @@ impl WaterfallView {
         if is_other || turned {
             self.settled = false;
             let survey = app.log.survey.as_ref();
-            self.drawing =
-                survey.map(|survey| Drawing::start(survey.clone(), app.view.survey_serial, ctx));
+            self.drawing = survey
+                .map(|survey| WaterfallDrawing::start(survey.clone(), app.view.survey_serial, ctx));
         }
         if let (Some(drawing), Some(survey)) = (&mut self.drawing, &app.log.survey) {
             drawing.follow(survey);
@@ -196,7 +196,7 @@ impl WaterfallView {
         Arrangement {
             orientation: options.orientation,
             geometry: match app.log.reviewing.tool {
-                Tool::Bottom => Geometry::Slant,
+                Tool::Bottom => PictureGeometry::Slant,
                 _ => options.geometry(),
             },
             flip: picture.flip,
@@ -210,7 +210,7 @@ impl WaterfallView {
         &mut self,
         ui: &egui::Ui,
         response: &egui::Response,
-        extent: &Extent,
+        extent: &PictureExtent,
         arrangement: &Arrangement,
         context: &ViewContext<'_>,
         drag_moves: bool,
@@ -309,8 +309,8 @@ impl WaterfallView {
 }
 
 /// Both sides of all pings.
-fn extent(axis: &RangeAxis) -> Extent {
-    Extent {
+fn extent(axis: &RangeAxis) -> PictureExtent {
+    PictureExtent {
         pings: axis.pings as f64,
         near_m: -axis.far_m,
         far_m: axis.far_m,
@@ -341,14 +341,14 @@ impl Gpu {
 fn shown_m(lens: &Lens, pings: &[f64; 2], across_m: [f64; 2]) -> [f64; 2] {
     let ping = 0.5 * (pings[0] + pings[1]);
     let [a, b] = across_m.map(|across_m| {
-        let side = Place { ping, across_m }.side();
+        let side = LensPlace { ping, across_m }.side();
         lens.signed_m(side, lens.distance_m(side, ping, across_m.abs()))
     });
     [a.min(b), a.max(b)]
 }
 
 /// The colours of echo strength.
-pub(in crate::ui) fn palette(map: ColourMap) -> colours::Palette {
+pub(in crate::ui) fn palette(map: ColourMap) -> colours::EchoPalette {
     match map {
         ColourMap::Copper => colours::palette(colours::copper),
         ColourMap::Grey => colours::palette(colours::grey),

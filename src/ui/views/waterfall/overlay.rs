@@ -1,12 +1,12 @@
 //! Everything on top of the picture, in the order in which it is drawn.
 
-use super::drawing::Drawing;
-use super::labels::Labels;
+use super::drawing::WaterfallDrawing;
+use super::labels::WaterfallLabels;
 use super::lens::Lens;
 use super::scales::RangeLines;
 use super::{bottom, boxes, exclusions, flat_spots, lines, marks, scales};
-use crate::app::{App, Mark};
-use crate::imagery::picture::Geometry;
+use crate::app::{App, LogPlace};
+use crate::imagery::picture::PictureGeometry;
 use crate::survey::{Side, Survey};
 use crate::ui::{place, theme};
 use egui::Painter;
@@ -15,15 +15,15 @@ use egui::Painter;
 const FIRST_RETURN_WIDTH: f32 = 1.5;
 
 /// What is drawn over the picture.
-pub(super) struct Shown<'a> {
+pub(super) struct ShownOverlay<'a> {
     pub app: &'a App,
     pub survey: &'a Survey,
-    pub drawing: Option<&'a Drawing>,
+    pub drawing: Option<&'a WaterfallDrawing>,
     /// Farthest slant range of the picture, metres.
     pub far_m: f64,
-    pub hover: Option<Mark>,
+    pub hover: Option<LogPlace>,
     /// The boxes in view.
-    pub boxes: &'a [boxes::Shown<'a>],
+    pub boxes: &'a [boxes::ShownBox<'a>],
     /// The missed objects in view.
     pub missed: &'a [boxes::Missed<'a>],
     pub has_gpu: bool,
@@ -34,7 +34,7 @@ pub(super) struct Shown<'a> {
 }
 
 /// Draws it.
-pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
+pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &ShownOverlay<'_>) {
     let options = &shown.app.view.options;
     let ink = theme::picture_ink(options);
     let wants_range_lines = options.waterfall.range_lines;
@@ -50,7 +50,7 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
         stretch.draw(painter);
     }
     // Without the water column, the bottom lies in the middle.
-    let shows_water = lens.geometry() == Geometry::Slant;
+    let shows_water = lens.geometry() == PictureGeometry::Slant;
     if let Some(drawing) = shown.drawing.filter(|_| shows_water) {
         draw_lines(painter, lens, shown, drawing);
     }
@@ -76,7 +76,7 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
     if shown.app.view.options.waterfall.boxes {
         boxes::shape::draw(painter, lens, shown.app);
     }
-    let mut labels = Labels::new(painter);
+    let mut labels = WaterfallLabels::new(painter);
     let mut below = lens.rect;
     if let Some(banner) = shown.banner {
         labels.keep_clear(banner);
@@ -111,16 +111,21 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
 }
 
 /// What keeps the picture from being one, if anything does.
-fn warning(shown: &Shown<'_>) -> Option<String> {
+fn warning(shown: &ShownOverlay<'_>) -> Option<String> {
     let no_gpu = || "no picture: there is no graphics adapter that can draw it".to_owned();
     marks::warning(shown.survey, shown.app.view.options.units)
         .or_else(|| (!shown.has_gpu).then(no_gpu))
 }
 
-fn draw_lines(painter: &Painter, lens: &Lens, shown: &Shown<'_>, drawing: &Drawing) {
+fn draw_lines(
+    painter: &Painter,
+    lens: &Lens,
+    shown: &ShownOverlay<'_>,
+    drawing: &WaterfallDrawing,
+) {
     let options = &shown.app.view.options;
     if options.waterfall.depth_line {
-        let pen = lines::Pen::new(theme::DEPTH_LINE_COLOUR, 1.0);
+        let pen = lines::WaterfallPen::new(theme::DEPTH_LINE_COLOUR, 1.0);
         let reduction = place::reduction(shown.app);
         lines::depth(painter, lens, shown.survey, drawing, reduction, pen);
     }
@@ -129,7 +134,7 @@ fn draw_lines(painter: &Painter, lens: &Lens, shown: &Shown<'_>, drawing: &Drawi
         return;
     };
     for side in Side::BOTH {
-        let pen = lines::Pen::new(theme::side_colour(options, side), FIRST_RETURN_WIDTH);
+        let pen = lines::WaterfallPen::new(theme::side_colour(options, side), FIRST_RETURN_WIDTH);
         lines::first_return(painter, lens, shown.survey, drawing, returns, side, pen);
     }
     bottom::drawn(painter, lens, shown.app);

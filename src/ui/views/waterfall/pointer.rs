@@ -1,14 +1,14 @@
 //! What is under the pointer: the read-out, hover and selection, and the menu.
 
-use super::lens::{Lens, Place};
+use super::lens::{Lens, LensPlace};
 use super::{boxes, flat_spots, labels};
-use crate::app::{AboveStretch, App, Command, ExclusionEdit, Mark, Tool};
+use crate::app::{AboveStretch, App, Command, ExclusionEdit, LogPlace, Tool};
 use crate::survey::{Side, SidePing, Survey};
 use crate::ui::{ViewContext, exclusion_text, place, text, theme};
 use egui::{Align2, Painter, Pos2, Rect, Response, Ui, pos2};
 
 /// The mark at a place; `None` before the first and after the last ping.
-pub(super) fn mark_at(survey: &Survey, place: Place) -> Option<Mark> {
+pub(super) fn mark_at(survey: &Survey, place: LensPlace) -> Option<LogPlace> {
     if place.ping < 0.0 {
         return None;
     }
@@ -21,7 +21,7 @@ pub(super) fn mark_at(survey: &Survey, place: Place) -> Option<Mark> {
         .map(|span| (span.sample_at(range_m), f64::from(span.count)))
         .filter(|(sample, count)| (0.0..*count).contains(sample))
         .map(|(sample, _)| sample as f32);
-    Some(Mark {
+    Some(LogPlace {
         ping,
         side: sample.map(|_| side),
         sample,
@@ -32,7 +32,7 @@ pub(super) fn mark_at(survey: &Survey, place: Place) -> Option<Mark> {
 /// What [`follow`] found.
 pub(super) struct Followed {
     /// What the pointer is over.
-    pub place: Option<Place>,
+    pub place: Option<LensPlace>,
     /// Equal scales along and across were asked for at this ping.
     pub equal_scales_at: Option<usize>,
 }
@@ -42,7 +42,7 @@ pub(super) fn follow(
     response: &Response,
     lens: &Lens,
     survey: &Survey,
-    was_over: &mut Option<Mark>,
+    was_over: &mut Option<LogPlace>,
     context: &mut ViewContext<'_>,
 ) -> Followed {
     let pointer = response.hover_pos().filter(|at| lens.rect.contains(*at));
@@ -146,7 +146,7 @@ fn propose(context: &mut ViewContext<'_>, lens: &Lens, at: Pos2) {
 }
 
 /// An entry that accepts the first returns above the recorded depth about a place as bottom, where there are any.
-fn accept(ui: &mut Ui, context: &mut ViewContext<'_>, mark: Mark) {
+fn accept(ui: &mut Ui, context: &mut ViewContext<'_>, mark: LogPlace) {
     let figures = context.app.log.figures.as_ref();
     let stretch = (mark.side.zip(figures))
         .and_then(|(side, figures)| figures.above_bottom.stretch_at(side, mark.ping));
@@ -259,7 +259,7 @@ fn doubts(app: &App, ping: &SidePing, number: usize, side: Side) -> String {
 }
 
 /// What is known of a place. Its range is that of the range lines and of the cloud; beside it stands the recorder's.
-pub(super) fn describe(app: &App, survey: &Survey, at: Place) -> Option<String> {
+pub(super) fn describe(app: &App, survey: &Survey, at: LensPlace) -> Option<String> {
     let mark = mark_at(survey, at)?;
     let ping = survey.side_scan.get(mark.ping)?;
     let side = at.side();

@@ -1,10 +1,10 @@
 //! Range lines across the picture, ticks of ping and time along it, and the names of its sides.
 
-use super::labels::{INK, Labels};
-use super::lens::{Lens, Place};
+use super::labels::{INK, WaterfallLabels};
+use super::lens::{Lens, LensPlace};
 use crate::app::{Orientation, ViewOptions};
 use crate::bottom::cloud::Reduction;
-use crate::imagery::picture::Geometry;
+use crate::imagery::picture::PictureGeometry;
 use crate::support::presentation::ticks;
 use crate::support::presentation::units::Units;
 use crate::survey::{Side, SideSpan, Survey};
@@ -28,11 +28,11 @@ const MOST_LINES: u32 = 1000;
 pub(super) struct RangeLines {
     step_m: f64,
     units: Units,
-    lines: Vec<RangeLine>,
+    lines: Vec<ShownRangeLine>,
 }
 
 /// A line of equal range on one side.
-struct RangeLine {
+struct ShownRangeLine {
     range_m: f64,
     points: Vec<Pos2>,
 }
@@ -48,8 +48,8 @@ impl RangeLines {
     ) -> Self {
         let step_m = units.round_up_m(lens.metres_per_point() * LINE_POINTS);
         let lines = match lens.geometry() {
-            Geometry::Ground => on_ground(lens, step_m, far_m),
-            Geometry::Slant | Geometry::SlantBeyondWater => {
+            PictureGeometry::Ground => on_ground(lens, step_m, far_m),
+            PictureGeometry::Slant | PictureGeometry::SlantBeyondWater => {
                 in_slant_range(lens, survey, reduction, step_m, far_m)
             }
         };
@@ -73,7 +73,7 @@ impl RangeLines {
     }
 
     /// Writes their ranges where the picture begins.
-    pub(super) fn label(&self, labels: &mut Labels<'_>, lens: &Lens) {
+    pub(super) fn label(&self, labels: &mut WaterfallLabels<'_>, lens: &Lens) {
         let (anchor, shift) = match lens.orientation {
             Orientation::Horizontal => (Align2::LEFT_CENTER, vec2(6.0, 0.0)),
             Orientation::Vertical => (Align2::CENTER_TOP, vec2(0.0, 4.0)),
@@ -90,7 +90,7 @@ impl RangeLines {
 }
 
 /// Lines of equal distance on the ground.
-fn on_ground(lens: &Lens, step_m: f64, far_m: f64) -> Vec<RangeLine> {
+fn on_ground(lens: &Lens, step_m: f64, far_m: f64) -> Vec<ShownRangeLine> {
     let mut lines = Vec::new();
     for side in Side::BOTH {
         let seen = lens.seen_of(side);
@@ -101,7 +101,7 @@ fn on_ground(lens: &Lens, step_m: f64, far_m: f64) -> Vec<RangeLine> {
             }
             if seen.contains(&range_m) {
                 let points = lens.line_at_distance(side, range_m).to_vec();
-                lines.push(RangeLine { range_m, points });
+                lines.push(ShownRangeLine { range_m, points });
             }
         }
     }
@@ -121,7 +121,7 @@ fn in_slant_range(
     reduction: Reduction<'_>,
     step_m: f64,
     far_m: f64,
-) -> Vec<RangeLine> {
+) -> Vec<ShownRangeLine> {
     let visible = lens.visible(survey.side_scan.len());
     let step = visible.len().div_ceil(LOOKED_UP).max(1);
     let mut lines = Vec::new();
@@ -154,7 +154,7 @@ fn in_slant_range(
             let in_view = |place: &LinePlace| place.shown_m > 0.0 && seen.contains(&place.shown_m);
             if places.iter().any(in_view) {
                 let points = points(lens, side, &places);
-                lines.push(RangeLine { range_m, points });
+                lines.push(ShownRangeLine { range_m, points });
             }
         }
     }
@@ -169,17 +169,21 @@ fn points(lens: &Lens, side: Side, places: &[LinePlace]) -> Vec<Pos2> {
         return lens.line_at_distance(side, first_m).to_vec();
     }
     let at = |place: &LinePlace| {
-        lens.screen_at(Place::of(place.ping as f64 + 0.5, side, place.recorded_m))
+        lens.screen_at(LensPlace::of(
+            place.ping as f64 + 0.5,
+            side,
+            place.recorded_m,
+        ))
     };
     places.iter().map(at).collect()
 }
 
 /// What lies across, and how long a metre along is drawn, where the picture begins.
-pub(super) fn geometry(labels: &mut Labels<'_>, lens: &Lens, stretch: Option<f64>) {
+pub(super) fn geometry(labels: &mut WaterfallLabels<'_>, lens: &Lens, stretch: Option<f64>) {
     let across = match lens.geometry() {
-        Geometry::Slant => "slant range",
-        Geometry::SlantBeyondWater => "slant range, no water column",
-        Geometry::Ground => "ground range",
+        PictureGeometry::Slant => "slant range",
+        PictureGeometry::SlantBeyondWater => "slant range, no water column",
+        PictureGeometry::Ground => "ground range",
     };
     let along = match stretch {
         Some(stretch) if (stretch - 1.0).abs() < 0.005 => ", 1:1".to_owned(),
@@ -198,7 +202,7 @@ pub(super) fn geometry(labels: &mut Labels<'_>, lens: &Lens, stretch: Option<f64
 }
 
 /// What is done to the recorded ranges, below the name of the side where the picture ends.
-pub(super) fn range_change(labels: &mut Labels<'_>, lens: &Lens, change: &str) {
+pub(super) fn range_change(labels: &mut WaterfallLabels<'_>, lens: &Lens, change: &str) {
     let rect = lens.rect.shrink(6.0);
     let (at, anchor) = match lens.orientation {
         Orientation::Horizontal => (rect.right_top() + vec2(0.0, BELOW_SIDE), Align2::RIGHT_TOP),
@@ -213,7 +217,7 @@ pub(super) fn range_change(labels: &mut Labels<'_>, lens: &Lens, change: &str) {
 /// Ping numbers and times at the far edge of starboard (below) or port (left).
 pub(super) fn ticks(
     painter: &Painter,
-    labels: &mut Labels<'_>,
+    labels: &mut WaterfallLabels<'_>,
     lens: &Lens,
     survey: &Survey,
     ink: Color32,
@@ -238,7 +242,7 @@ pub(super) fn ticks(
 }
 
 /// The names of the sides in view, in the colours of their first returns, where the picture ends.
-pub(super) fn sides(labels: &mut Labels<'_>, lens: &Lens, options: &ViewOptions) {
+pub(super) fn sides(labels: &mut WaterfallLabels<'_>, lens: &Lens, options: &ViewOptions) {
     for side in Side::BOTH {
         if lens.seen_of(side).is_empty() {
             continue;
@@ -262,7 +266,7 @@ mod tests {
     use crate::sonar::calibration::{Calibration, PpdReach, ScaleMode};
     use crate::survey::SidePing;
     use crate::ui::views::waterfall::camera::EXTENT;
-    use crate::ui::views::waterfall::camera::{Camera, Extent, Size};
+    use crate::ui::views::waterfall::camera::{Camera, PictureExtent, Size};
     use egui::{Rect, pos2, vec2};
     use std::sync::Arc;
 
@@ -294,7 +298,7 @@ mod tests {
         let correction = Correction::default();
         let reduction = Reduction::new(&calibration, &correction);
         let rect = Rect::from_min_size(pos2(0.0, 0.0), vec2(500.0, 400.0));
-        let extent = Extent {
+        let extent = PictureExtent {
             pings: 50.0,
             near_m: -20.0,
             far_m: 20.0,

@@ -1,7 +1,7 @@
 //! A frame of the side-scan: the tools in hand, the picture, and what lies over it.
 
-use super::lens::{Lens, Place};
-use super::{Drawing, WaterfallView, accessibility, boxes, extent, overlay, pointer};
+use super::lens::{Lens, LensPlace};
+use super::{WaterfallDrawing, WaterfallView, accessibility, boxes, extent, overlay, pointer};
 use crate::app::{App, Command, Tool, View};
 use crate::survey::Survey;
 use crate::ui::ViewContext;
@@ -23,9 +23,12 @@ impl WaterfallView {
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
         let painter = ui.painter_at(rect);
         let survey = context.app.log.survey.clone();
-        let axis = self.drawing.as_ref().and_then(Drawing::axis);
+        let axis = self.drawing.as_ref().and_then(WaterfallDrawing::axis);
         let Some((survey, axis)) = survey.zip(axis) else {
-            self.settled = self.drawing.as_ref().is_none_or(Drawing::is_settled);
+            self.settled = self
+                .drawing
+                .as_ref()
+                .is_none_or(WaterfallDrawing::is_settled);
             accessibility::without_picture(ui, context, rect, &response, !self.settled);
             return;
         };
@@ -41,7 +44,7 @@ impl WaterfallView {
         self.draw_picture(&painter, &lens, context);
         let place = self.follow_pointer(&response, &lens, &survey, context);
         let banner = tool_banner::in_view(ui, context.app, View::Waterfall, rect);
-        let shown = overlay::Shown {
+        let shown = overlay::ShownOverlay {
             app: context.app,
             survey: &survey,
             drawing: self.drawing.as_ref(),
@@ -131,7 +134,7 @@ impl WaterfallView {
         lens: &Lens,
         survey: &Survey,
         context: &mut ViewContext<'_>,
-    ) -> Option<Place> {
+    ) -> Option<LensPlace> {
         let followed = pointer::follow(response, lens, survey, &mut self.was_over, context);
         if let Some(ping) = followed.equal_scales_at
             && let Some(metres) = pointer::metres_per_ping(context.app, survey, ping)
@@ -157,7 +160,7 @@ impl WaterfallView {
         painter: &Painter,
         response: &Response,
         lens: &Lens,
-        shown: &overlay::Shown<'_>,
+        shown: &overlay::ShownOverlay<'_>,
         text: &str,
     ) {
         let Some(at) = response.hover_pos() else {

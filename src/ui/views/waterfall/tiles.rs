@@ -2,7 +2,7 @@
 
 use super::lens::Lens;
 use crate::app::Orientation;
-use crate::imagery::picture::{Geometry, LogPicture};
+use crate::imagery::picture::{LogPicture, PictureGeometry};
 use crate::imagery::waterfall::{
     Level, Lru, RangeAxis, TILE, Want, WaterfallTile, WaterfallTileKey,
 };
@@ -22,17 +22,17 @@ pub(super) struct Resident {
 }
 
 /// The tiles of one survey that were drawn lately.
-pub(super) struct TileSet {
+pub(super) struct ResidentTiles {
     cache: Lru<WaterfallTileKey, Resident>,
 }
 
 /// One frame: what to draw, and what to ask the worker for.
-pub(super) struct Plan {
+pub(super) struct FramePlan {
     pub draw: Vec<(Quad, TileTexture)>,
     pub want: Vec<Want>,
 }
 
-impl TileSet {
+impl ResidentTiles {
     pub(super) fn new() -> Self {
         Self {
             cache: Lru::new(BUDGET),
@@ -67,10 +67,10 @@ impl TileSet {
         lens: &Lens,
         picture: Option<&LogPicture>,
         pixels_per_point: f32,
-    ) -> Plan {
+    ) -> FramePlan {
         self.cache.begin_frame();
-        let scale = Scale::new(axis, lens, picture, pixels_per_point);
-        let mut plan = Plan {
+        let scale = LensScale::new(axis, lens, picture, pixels_per_point);
+        let mut plan = FramePlan {
             draw: Vec::new(),
             want: Vec::new(),
         };
@@ -92,7 +92,7 @@ impl TileSet {
         plan
     }
 
-    fn plan_tile(&mut self, scale: &Scale<'_>, key: WaterfallTileKey, plan: &mut Plan) {
+    fn plan_tile(&mut self, scale: &LensScale<'_>, key: WaterfallTileKey, plan: &mut FramePlan) {
         self.want(key, plan);
         let Some(area) = scale.area(&key, &scale.whole(key.side)) else {
             return;
@@ -111,7 +111,7 @@ impl TileSet {
         }
     }
 
-    fn want(&self, key: WaterfallTileKey, plan: &mut Plan) {
+    fn want(&self, key: WaterfallTileKey, plan: &mut FramePlan) {
         let have = self.cache.peek(&key).map(|resident| resident.completeness);
         if have != Some(WaterfallTile::COMPLETE) && plan.want.iter().all(|want| want.key != key) {
             plan.want.push(Want { key, have });
@@ -119,7 +119,7 @@ impl TileSet {
     }
 
     /// The tile itself, or else the finest coarser one that covers it.
-    fn nearest(&self, scale: &Scale<'_>, key: WaterfallTileKey) -> Option<WaterfallTileKey> {
+    fn nearest(&self, scale: &LensScale<'_>, key: WaterfallTileKey) -> Option<WaterfallTileKey> {
         let coarsest = scale.axis.coarsest();
         let most = Level {
             along: coarsest.along.saturating_sub(key.level.along),
@@ -142,12 +142,12 @@ impl TileSet {
 }
 
 /// Pings and bins that a quad covers.
-struct Area {
+struct QuadArea {
     pings: Range<f64>,
     bins: Range<f64>,
 }
 
-impl Area {
+impl QuadArea {
     /// Without the pings from one on: a tile of a log that grew since does not have them.
     fn until(&self, ping: usize) -> Self {
         Self {
@@ -158,7 +158,7 @@ impl Area {
 }
 
 /// The lens in pings and bins instead of points and metres.
-struct Scale<'a> {
+struct LensScale<'a> {
     axis: &'a RangeAxis,
     lens: &'a Lens,
     picture: Option<&'a LogPicture>,
@@ -167,7 +167,7 @@ struct Scale<'a> {
     level: Level,
 }
 
-impl<'a> Scale<'a> {
+impl<'a> LensScale<'a> {
     fn new(
         axis: &'a RangeAxis,
         lens: &'a Lens,
@@ -194,11 +194,11 @@ impl<'a> Scale<'a> {
     }
 
     /// What the lens sees of a side, within the survey.
-    fn whole(&self, side: Side) -> Area {
+    fn whole(&self, side: Side) -> QuadArea {
         let shown = self.lens.seen_of(side);
         let [near_m, far_m] = self.recorded_m([shown.start, shown.end]);
         let seen = self.lens.pings();
-        Area {
+        QuadArea {
             pings: seen.start.max(0.0)..seen.end.min(self.axis.pings as f64),
             bins: match shown.is_empty() {
                 true => 0.0..0.0,
@@ -213,7 +213,7 @@ impl<'a> Scale<'a> {
     /// Recorded ranges that can be shown between two distances from the middle, metres.
     fn recorded_m(&self, shown_m: [f64; 2]) -> [f64; 2] {
         match (self.lens.geometry(), self.picture) {
-            (Geometry::Slant, _) | (_, None) => shown_m,
+            (PictureGeometry::Slant, _) | (_, None) => shown_m,
             (geometry, Some(picture)) => picture.extremes.recorded_m(geometry, shown_m),
         }
     }
@@ -221,7 +221,7 @@ impl<'a> Scale<'a> {
     /// Distances from the middle between which recorded ranges of a side are shown, as far as they are seen, metres.
     fn shown_m(&self, side: Side, recorded_m: [f64; 2]) -> [f64; 2] {
         match (self.lens.geometry(), self.picture) {
-            (Geometry::Slant, _) | (_, None) => recorded_m,
+            (PictureGeometry::Slant, _) | (_, None) => recorded_m,
             (geometry, Some(picture)) => {
                 let [near_m, far_m] = picture.extremes.across_m(geometry, recorded_m);
                 let seen = self.lens.seen_of(side);
@@ -260,19 +260,19 @@ impl<'a> Scale<'a> {
     }
 
     /// The part of `within` that a tile covers.
-    fn area(&self, key: &WaterfallTileKey, within: &Area) -> Option<Area> {
+    fn area(&self, key: &WaterfallTileKey, within: &QuadArea) -> Option<QuadArea> {
         let clip = |first: usize, step: usize, within: &Range<f64>| {
             let (first, last) = (first as f64, (first + TILE * step) as f64);
             let clipped = first.max(within.start)..last.min(within.end);
             (clipped.start < clipped.end).then_some(clipped)
         };
-        Some(Area {
+        Some(QuadArea {
             pings: clip(key.first_ping(), key.level.pings(), &within.pings)?,
             bins: clip(key.first_bin(), key.level.bins(), &within.bins)?,
         })
     }
 
-    fn quad(&self, key: &WaterfallTileKey, area: &Area) -> Quad {
+    fn quad(&self, key: &WaterfallTileKey, area: &QuadArea) -> Quad {
         let seen = self.lens.pings();
         let metres = self.lens.metres();
         let share = |value: f64, seen: &Range<f64>| (value - seen.start) / (seen.end - seen.start);

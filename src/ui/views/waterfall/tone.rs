@@ -2,7 +2,7 @@
 
 use super::lens::Lens;
 use crate::app::{App, Orientation};
-use crate::imagery::picture::{Geometry, LogPicture};
+use crate::imagery::picture::{LogPicture, PictureGeometry};
 use crate::imagery::waterfall::Levels;
 use crate::survey::Side;
 use crate::ui::render::waterfall::{EchoStyle, Tables, WaterfallPicture};
@@ -79,9 +79,9 @@ pub(super) fn look(
     let [port, starboard] = tone.sides;
     EchoStyle {
         geometry: match lens.geometry() {
-            Geometry::Slant => 0,
-            Geometry::SlantBeyondWater => 1,
-            Geometry::Ground => 2,
+            PictureGeometry::Slant => 0,
+            PictureGeometry::SlantBeyondWater => 1,
+            PictureGeometry::Ground => 2,
         },
         filters: filter(tone.is_normalised && gain.is_some(), GAIN)
             + filter(tone.is_even && known, STRIPES)

@@ -5,7 +5,7 @@ use crate::app::{Command, ViewOptions};
 use crate::detection::metrics::{CurvePoint, MatchCounts};
 use crate::detection::truth::{Standing, TruthComparison};
 use crate::support::presentation::plot::Axis;
-use crate::ui::panels::axes::Axes;
+use crate::ui::panels::axes::PlotAxes;
 use crate::ui::{ViewContext, text, theme};
 use egui::{
     CursorIcon, Painter, Pos2, Rect, RichText, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2,
@@ -95,7 +95,7 @@ fn figures(ui: &mut Ui, counts: &MatchCounts) {
 }
 
 /// Recall across, precision up.
-fn shares(painter: &Painter, rect: Rect) -> Axes {
+fn shares(painter: &Painter, rect: Rect) -> PlotAxes {
     let axis = |name: &str| Axis {
         name: name.to_owned(),
         ends: [0.0, 1.0],
@@ -103,11 +103,11 @@ fn shares(painter: &Painter, rect: Rect) -> Axes {
             .map(|share| (share, share.to_string()))
             .to_vec(),
     };
-    Axes::new(painter, rect, axis("recall"), axis("precision"))
+    PlotAxes::new(painter, rect, axis("recall"), axis("precision"))
 }
 
 /// The point of the curve nearest to a place.
-fn nearest<'a>(axes: &Axes, curve: &'a [CurvePoint], at: Pos2) -> Option<&'a CurvePoint> {
+fn nearest<'a>(axes: &PlotAxes, curve: &'a [CurvePoint], at: Pos2) -> Option<&'a CurvePoint> {
     let distance = |point: &CurvePoint| axes.at(point.recall, point.precision).distance_sq(at);
     let drawn = curve.iter().filter(|point| point.recall.is_finite());
     drawn.min_by(|a, b| distance(a).total_cmp(&distance(b)))
@@ -115,7 +115,7 @@ fn nearest<'a>(axes: &Axes, curve: &'a [CurvePoint], at: Pos2) -> Option<&'a Cur
 
 fn draw(
     painter: &Painter,
-    plot: &Axes,
+    plot: &PlotAxes,
     comparison: &TruthComparison,
     standing: &Standing,
     options: &ViewOptions,

@@ -18,14 +18,14 @@ const AXIS: f32 = 14.0;
 const BACKGROUND: &str = "background";
 
 /// The rows and columns that have something in them.
-struct Grid<'a> {
+struct MatrixGrid<'a> {
     confusion: &'a Confusion,
     names: &'a [String],
     /// Classes in use, the background last.
     shown: Vec<usize>,
 }
 
-impl<'a> Grid<'a> {
+impl<'a> MatrixGrid<'a> {
     fn new(comparison: &'a TruthComparison, standing: &'a Standing) -> Self {
         let confusion = &standing.confusion;
         let background = confusion.classes();
@@ -85,7 +85,7 @@ pub(super) fn ui(
     comparison: &TruthComparison,
     standing: &Standing,
 ) {
-    let grid = Grid::new(comparison, standing);
+    let grid = MatrixGrid::new(comparison, standing);
     let count = grid.shown.len() as f32;
     let width = ui.available_width();
     let cell = ((width - NAMES - AXIS) / count).clamp(8.0, CELL);
@@ -107,7 +107,13 @@ pub(super) fn ui(
     response.on_hover_text(text);
 }
 
-fn draw(painter: &Painter, grid: &Grid<'_>, origin: Pos2, cell: f32, context: &ViewContext<'_>) {
+fn draw(
+    painter: &Painter,
+    grid: &MatrixGrid<'_>,
+    origin: Pos2,
+    cell: f32,
+    context: &ViewContext<'_>,
+) {
     let options = context.options();
     let ink = theme::plot_ink(options);
     let small = FontId::proportional(10.0);

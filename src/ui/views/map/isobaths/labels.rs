@@ -26,7 +26,7 @@ const ROOM: f32 = std::f32::consts::SQRT_2;
 
 /// A depth on a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Label {
+pub(crate) struct IsobathLabel {
     /// Its middle, east and north of the layer's origin, metres.
     pub place: [f32; 2],
     /// Clockwise on the screen from level, -quarter to quarter of a turn.
@@ -36,11 +36,11 @@ pub(crate) struct Label {
 }
 
 /// The labels for an octave of zoom.
-pub(crate) struct Labels {
+pub(crate) struct IsobathLabels {
     /// The lines that they stand on.
     pub layer: Arc<IsobathLayer>,
     /// The labels.
-    pub labels: Vec<Label>,
+    pub labels: Vec<IsobathLabel>,
 }
 
 /// The octave that a zoom lies in the middle of.
@@ -48,7 +48,7 @@ pub(crate) fn octave(metres_per_point: f64) -> i32 {
     metres_per_point.log2().round().clamp(-64.0, 64.0) as i32
 }
 
-impl Labels {
+impl IsobathLabels {
     /// Places the labels of all lines, those of thick and of long lines first; `None` when cancelled.
     pub(crate) fn place(
         layer: Arc<IsobathLayer>,
@@ -60,7 +60,11 @@ impl Labels {
     }
 }
 
-fn place(lines: &[GroundLine], metres_per_point: f32, progress: &Progress) -> Option<Vec<Label>> {
+fn place(
+    lines: &[GroundLine],
+    metres_per_point: f32,
+    progress: &Progress,
+) -> Option<Vec<IsobathLabel>> {
     let mut ways: Vec<(usize, Way<'_>)> = lines.iter().map(Way::new).enumerate().collect();
     ways.sort_by(|(a, way_a), (b, way_b)| {
         let thick = |line: usize| lines[line].is_index;
@@ -68,7 +72,7 @@ fn place(lines: &[GroundLine], metres_per_point: f32, progress: &Progress) -> Op
         thick(*b).cmp(&thick(*a)).then(longer)
     });
     let widest = lines.iter().map(width).fold(HEIGHT, f32::max);
-    let mut taken = Taken::new(ROOM * widest * metres_per_point);
+    let mut taken = TakenGround::new(ROOM * widest * metres_per_point);
     let mut labels = Vec::new();
     for (line, way) in ways {
         progress.check().ok()?;
@@ -87,7 +91,7 @@ fn place(lines: &[GroundLine], metres_per_point: f32, progress: &Progress) -> Op
                 .filter_map(|at_m| way.straight(at_m, size_m[0]))
                 .find(|(place, along)| taken.take(*place, *along, size_m));
             if let Some((place, along)) = stands {
-                labels.push(Label {
+                labels.push(IsobathLabel {
                     place,
                     angle_rad: upright(along),
                     line,
@@ -168,12 +172,12 @@ impl<'a> Way<'a> {
 }
 
 /// Ground that labels stand on already: boxes around them, in squares.
-struct Taken {
+struct TakenGround {
     square_m: f32,
     squares: HashMap<[i32; 2], Vec<[f32; 4]>>,
 }
 
-impl Taken {
+impl TakenGround {
     fn new(square_m: f32) -> Self {
         Self {
             square_m: square_m.max(f32::MIN_POSITIVE),
@@ -220,7 +224,7 @@ mod tests {
     }
 
     /// A box around a label, metres, at the middle of its octave.
-    fn spans(label: &Label, metres_per_point: f32) -> [f32; 4] {
+    fn spans(label: &IsobathLabel, metres_per_point: f32) -> [f32; 4] {
         let (sin, cos) = label.angle_rad.sin_cos();
         let [w, h] = [27.0 * metres_per_point, HEIGHT * metres_per_point];
         let half = [

@@ -6,11 +6,11 @@
 mod labels;
 pub(super) mod layer;
 
-pub(crate) use labels::{Labels, octave};
+pub(crate) use labels::{IsobathLabels, octave};
 pub(crate) use layer::IsobathLayer;
 
-use super::lines::{LinePicture, Pen};
-use super::scene::Scene;
+use super::lines::{LinePicture, MapPen};
+use super::scene::MapScene;
 use crate::app::ThemeChoice;
 use crate::ui::views::legend;
 use eframe::egui_wgpu::RenderState;
@@ -22,14 +22,14 @@ use std::sync::Arc;
 const MOST_SEGMENTS: [u32; 2] = [5_000, 2_500];
 
 /// Light lines in dark casings show on every colour of depth; in the light theme it is the other way round.
-fn pen(theme: ThemeChoice, is_index: bool) -> Pen {
+fn pen(theme: ThemeChoice, is_index: bool) -> MapPen {
     let (line, casing) = match theme {
         ThemeChoice::Dark => (Color32::from_gray(244), Color32::from_black_alpha(120)),
         ThemeChoice::Light => (Color32::from_gray(24), Color32::from_white_alpha(110)),
     };
     let width = if is_index { 1.7 } else { 0.9 };
     let strength = if is_index { 0.95 } else { 0.7 };
-    Pen {
+    MapPen {
         widths: [width + 1.3, width],
         colours: [Some(casing), Some(line.gamma_multiply(strength))],
         most_segments: MOST_SEGMENTS[usize::from(is_index)],
@@ -41,9 +41,9 @@ pub(super) fn show(
     picture: &mut LinePicture<IsobathLayer>,
     painter: &Painter,
     state: Option<&RenderState>,
-    scene: &Scene<'_>,
+    scene: &MapScene<'_>,
     layer: &Arc<IsobathLayer>,
-    labels: Option<&Labels>,
+    labels: Option<&IsobathLabels>,
 ) {
     let Some(state) = state else {
         // The track says that there is no GPU.
@@ -56,7 +56,7 @@ pub(super) fn show(
     ];
     let view = (scene.rect, &scene.transform);
     picture.show(painter, state, view, layer, lines);
-    let of_these = |labels: &&Labels| Arc::ptr_eq(&labels.layer, layer);
+    let of_these = |labels: &&IsobathLabels| Arc::ptr_eq(&labels.layer, layer);
     // A small tile keeps the lines and drops the words.
     if let Some(labels) = labels.filter(of_these)
         && legend::has_room(scene.rect)
@@ -65,7 +65,7 @@ pub(super) fn show(
     }
 }
 
-fn write(painter: &Painter, scene: &Scene<'_>, layer: &IsobathLayer, labels: &Labels) {
+fn write(painter: &Painter, scene: &MapScene<'_>, layer: &IsobathLayer, labels: &IsobathLabels) {
     let frame = scene.rect.expand(30.0);
     let plate = crate::ui::theme::plate_colour(scene.options).gamma_multiply(0.8);
     let ink = crate::ui::theme::canvas_text_colour(scene.options);

@@ -1,15 +1,15 @@
 //! What is drawn to measure on the map.
 
 use crate::app::App;
-use crate::bottom::bathymetry::Station;
+use crate::bottom::bathymetry::TransectStation;
 use crate::project::{Measurement, MeasurementKind};
 use crate::ui::theme;
-use crate::ui::views::map::scene::Scene;
+use crate::ui::views::map::scene::MapScene;
 use crate::ui::views::{legend, measured};
 use egui::{Align2, Painter, Pos2, Shape, Stroke, vec2};
 
 /// Line, corners, and the numbers beside the last one.
-pub(super) fn paint(painter: &Painter, scene: &Scene<'_>, app: &App, figure: &Measurement) {
+pub(super) fn paint(painter: &Painter, scene: &MapScene<'_>, app: &App, figure: &Measurement) {
     let navigation = &scene.products.navigation;
     let place =
         |at: &crate::support::geo::LonLat| scene.at(navigation.to_plane(&scene.survey.track, *at));
@@ -36,12 +36,12 @@ pub(super) fn paint(painter: &Painter, scene: &Scene<'_>, app: &App, figure: &Me
 }
 
 /// The cross that the arrow keys move.
-pub(super) fn cross(painter: &Painter, scene: &Scene<'_>, place: [f64; 2]) {
+pub(super) fn cross(painter: &Painter, scene: &MapScene<'_>, place: [f64; 2]) {
     measured::cross(painter, scene.at(place));
 }
 
 /// The place that the pointer is at in the plot.
-pub(super) fn station(painter: &Painter, scene: &Scene<'_>, station: &Station) {
+pub(super) fn station(painter: &Painter, scene: &MapScene<'_>, station: &TransectStation) {
     let at = scene.at(station.place);
     let around = Stroke::new(4.0, theme::canvas_colour(scene.options));
     painter.circle_stroke(at, 6.0, around);

@@ -1,7 +1,7 @@
 //! The axes of the depth profile: distance to the right, depth down.
 
 use crate::app::ViewOptions;
-use crate::bottom::bathymetry::Station;
+use crate::bottom::bathymetry::TransectStation;
 use crate::ui::theme;
 use crate::ui::views::{legend, ticks};
 use egui::{Align2, Painter, Pos2, Rect, Stroke, pos2, vec2};
@@ -20,7 +20,7 @@ pub(super) struct ProfileTransform {
 
 impl ProfileTransform {
     /// Holds all of a line, with room above and below its depths; `None` while there is no depth on it, or no place for it.
-    pub(super) fn new(rect: Rect, stations: &[Station]) -> Option<Self> {
+    pub(super) fn new(rect: Rect, stations: &[TransectStation]) -> Option<Self> {
         let length_m = stations.last()?.distance_m;
         let depths = || {
             let depths = stations.iter().filter_map(|station| station.depth_m);
@@ -55,7 +55,7 @@ impl ProfileTransform {
     }
 
     /// Where a station lies.
-    pub(super) fn at(&self, station: &Station) -> Option<Pos2> {
+    pub(super) fn at(&self, station: &TransectStation) -> Option<Pos2> {
         Some(pos2(
             self.x(station.distance_m),
             self.y(f64::from(station.depth_m?)),

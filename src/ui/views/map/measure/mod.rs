@@ -9,9 +9,9 @@ mod figure;
 mod frame;
 mod profile;
 
-use super::scene::Scene;
+use super::scene::MapScene;
 use crate::app::{Action, App, Command, Measure, View};
-use crate::bottom::bathymetry::Station;
+use crate::bottom::bathymetry::TransectStation;
 use crate::project::{Measurement, MeasurementKind};
 use crate::support::geo::LonLat;
 use crate::ui::ViewContext;
@@ -44,7 +44,7 @@ impl MeasureTool {
         &mut self,
         ui: &mut Ui,
         context: &mut ViewContext<'_>,
-        scene: &Scene<'_>,
+        scene: &MapScene<'_>,
         response: &Response,
     ) {
         let next = self.next_place(ui, context, scene, response);
@@ -87,7 +87,7 @@ impl MeasureTool {
         &mut self,
         ui: &mut Ui,
         context: &ViewContext<'_>,
-        scene: &Scene<'_>,
+        scene: &MapScene<'_>,
         response: &Response,
     ) -> Option<[f64; 2]> {
         let tool = context.app.map.measuring.tool;
@@ -115,7 +115,7 @@ impl MeasureTool {
     fn act(
         &mut self,
         context: &mut ViewContext<'_>,
-        scene: &Scene<'_>,
+        scene: &MapScene<'_>,
         response: &Response,
         next: Option<[f64; 2]>,
     ) {
@@ -153,12 +153,12 @@ impl MeasureTool {
     }
 
     /// The pointer on the line marks its place in the plot.
-    fn follow_on_map(&mut self, ui: &Ui, app: &App, scene: &Scene<'_>, response: &Response) {
+    fn follow_on_map(&mut self, ui: &Ui, app: &App, scene: &MapScene<'_>, response: &Response) {
         const REACH: f32 = 12.0;
         let Some(at) = response.hover_pos() else {
             return;
         };
-        let off = |station: &Station| scene.at(station.place).distance(at);
+        let off = |station: &TransectStation| scene.at(station.place).distance(at);
         let nearest = stations(app)
             .iter()
             .min_by(|a, b| off(a).total_cmp(&off(b)));
@@ -183,7 +183,7 @@ fn shown(app: &App, next: Option<LonLat>) -> Option<Measurement> {
 }
 
 /// The depths along the line of the profile.
-fn stations(app: &App) -> &[Station] {
+fn stations(app: &App) -> &[TransectStation] {
     let profile = app.map.measuring.profile();
     profile.map_or(&[], |line| &line.stations)
 }

@@ -2,7 +2,7 @@
 
 use super::frame::ProfileTransform;
 use crate::app::{Action, App, ProfileLine};
-use crate::bottom::bathymetry::Station;
+use crate::bottom::bathymetry::TransectStation;
 use crate::support::presentation::units::Units;
 use crate::ui::views::legend;
 use crate::ui::{ViewContext, place, theme};
@@ -28,7 +28,7 @@ pub(crate) fn split(whole: Rect, app: &App) -> (Rect, Option<Rect>) {
 }
 
 /// The station nearest to a distance.
-pub(super) fn nearest(stations: &[Station], at_m: f64) -> Option<&Station> {
+pub(super) fn nearest(stations: &[TransectStation], at_m: f64) -> Option<&TransectStation> {
     let after = stations.partition_point(|station| station.distance_m < at_m);
     let about = [after.checked_sub(1), Some(after)];
     let about = about.into_iter().flatten();
@@ -130,7 +130,7 @@ fn lack(line: Option<&ProfileLine>) -> &'static str {
 }
 
 /// Length, depths, and how much of the line has none.
-fn figures(stations: &[Station], units: Units) -> String {
+fn figures(stations: &[TransectStation], units: Units) -> String {
     let length_m = stations.last().map_or(0.0, |last| last.distance_m);
     let depths = || stations.iter().filter_map(|station| station.depth_m);
     let mut text = units.ground_length(length_m);
@@ -149,14 +149,14 @@ fn figures(stations: &[Station], units: Units) -> String {
     text
 }
 
-fn name(stations: &[Station], pointed: Option<&Station>, units: Units) -> String {
+fn name(stations: &[TransectStation], pointed: Option<&TransectStation>, units: Units) -> String {
     let at = pointed.map_or_else(String::new, |station| {
         format!("; {}", words(station, units))
     });
     format!("Depth profile, {}{at}", figures(stations, units))
 }
 
-fn words(station: &Station, units: Units) -> String {
+fn words(station: &TransectStation, units: Units) -> String {
     let depth = station.depth_m.map_or_else(
         || "no depth".to_owned(),
         |depth_m| format!("{} deep", units.measure(f64::from(depth_m), 2)),
@@ -168,7 +168,7 @@ fn words(station: &Station, units: Units) -> String {
 fn curve(
     painter: &Painter,
     frame: &ProfileTransform,
-    stations: &[Station],
+    stations: &[TransectStation],
     context: &ViewContext<'_>,
 ) {
     let colour = theme::MEASURE_COLOUR;
@@ -209,7 +209,12 @@ fn ground(line: &[Pos2], bottom: f32, colour: Color32) -> Shape {
 }
 
 /// The station under the pointer.
-fn mark(painter: &Painter, frame: &ProfileTransform, station: &Station, context: &ViewContext<'_>) {
+fn mark(
+    painter: &Painter,
+    frame: &ProfileTransform,
+    station: &TransectStation,
+    context: &ViewContext<'_>,
+) {
     let options = context.options();
     let x = frame.x(station.distance_m);
     let stroke = Stroke::new(1.0, theme::HOVER_COLOUR);

@@ -12,7 +12,7 @@ mod occupied;
 pub(crate) use key::{MapTileKey, SIDE};
 
 use super::transform::{GroundBounds, MapTransform};
-use crate::app::{Jobs, Outcome, Task};
+use crate::app::{Jobs, Task, TaskOutcome};
 use crate::imagery::waterfall::Lru;
 use crate::support::progress::Progress;
 use egui::{
@@ -29,7 +29,7 @@ const WORKERS: usize = 2;
 const EMPTY: usize = 64;
 
 /// What paints the tiles of a layer.
-pub(super) trait TileSource: Send + Sync {
+pub(super) trait TilePainter: Send + Sync {
     /// West, south, east and north of all that there is, metres.
     fn bounds(&self) -> GroundBounds;
 
@@ -42,7 +42,7 @@ pub(super) trait TileSource: Send + Sync {
 }
 
 /// A tile as it was last painted; without a texture where there is nothing.
-struct Resident {
+struct PaintedTile {
     texture: Option<(TextureHandle, Occupied)>,
     generation: u64,
 }
@@ -56,10 +56,10 @@ struct Running {
 /// The tiles of a layer, and the work under way.
 pub(super) struct TileLayer {
     name: &'static str,
-    source: Option<Arc<dyn TileSource>>,
+    source: Option<Arc<dyn TilePainter>>,
     /// Grows with every new source.
     generation: u64,
-    cache: Lru<MapTileKey, Resident>,
+    cache: Lru<MapTileKey, PaintedTile>,
     running: Vec<Running>,
     /// Tiles in view that are as they are to be, and all of them.
     ready: [usize; 2],
@@ -79,7 +79,7 @@ impl TileLayer {
     }
 
     /// Paints by `source` from now on; the tiles of another stay on the screen until theirs are there. `None` empties the layer.
-    pub(super) fn set_source(&mut self, source: Option<Arc<dyn TileSource>>) {
+    pub(super) fn set_source(&mut self, source: Option<Arc<dyn TilePainter>>) {
         let same = match (&self.source, &source) {
             (Some(old), Some(new)) => std::ptr::addr_eq(Arc::as_ptr(old), Arc::as_ptr(new)),
             (None, None) => true,
@@ -160,12 +160,12 @@ impl TileLayer {
         let mut index = 0;
         while index < self.running.len() {
             let painted = match self.running[index].task.poll() {
-                Outcome::Pending => {
+                TaskOutcome::Pending => {
                     index += 1;
                     continue;
                 }
-                Outcome::Done(painted) => painted,
-                Outcome::Failed => None,
+                TaskOutcome::Done(painted) => painted,
+                TaskOutcome::Failed => None,
             };
             let done = self.running.swap_remove(index);
             self.keep(context, &done, painted);
@@ -186,7 +186,7 @@ impl TileLayer {
             Some(_) => SIDE * SIDE * size_of::<Color32>(),
             None => EMPTY,
         };
-        let resident = Resident {
+        let resident = PaintedTile {
             texture,
             generation: done.generation,
         };
@@ -196,7 +196,7 @@ impl TileLayer {
     /// Has the first of the requested tiles painted; gives up those that are not requested any more.
     fn order(
         &mut self,
-        source: &Arc<dyn TileSource>,
+        source: &Arc<dyn TilePainter>,
         requested: Vec<MapTileKey>,
         context: &egui::Context,
         jobs: &Jobs,
@@ -295,7 +295,7 @@ mod tests {
         }
     }
 
-    impl TileSource for Plain {
+    impl TilePainter for Plain {
         fn bounds(&self) -> GroundBounds {
             [0.0, 0.0, 100.0, 100.0]
         }

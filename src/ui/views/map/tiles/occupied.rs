@@ -6,7 +6,7 @@ use egui::ColorImage;
 const BLOCKS: usize = 8;
 
 /// A part of a picture: left, top, right and bottom as shares.
-pub(super) type Part = [f32; 4];
+pub(super) type PicturePart = [f32; 4];
 
 /// The blocks with something in them, a bit each, row by row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,7 +34,7 @@ impl Occupied {
     }
 
     /// What to draw of a part of the picture: a rectangle for each run of blocks in a row.
-    pub(super) fn within(self, [left, top, right, bottom]: Part) -> Vec<Part> {
+    pub(super) fn within(self, [left, top, right, bottom]: PicturePart) -> Vec<PicturePart> {
         let mut parts = Vec::new();
         if self.0 == u64::MAX {
             parts.push([left, top, right, bottom]);
@@ -78,7 +78,7 @@ mod tests {
     #[test]
     fn nothing_is_drawn_of_an_empty_picture_and_all_of_a_full_one_at_once() {
         let whole = [0.0, 0.0, 1.0, 1.0];
-        assert_eq!(with(&[]).within(whole), Vec::<Part>::new());
+        assert_eq!(with(&[]).within(whole), Vec::<PicturePart>::new());
         let full = Occupied::of(&ColorImage::filled([80, 80], Color32::WHITE));
         assert_eq!(full.within(whole), [whole]);
     }

@@ -6,7 +6,7 @@ use crate::app::{App, Command, Tool, border_m};
 use crate::detection::review::{BoxId, Edit, Reviewed};
 use crate::detection::{Mark, ObjectExtent};
 use crate::ui::views::drag;
-use crate::ui::views::waterfall::lens::Place;
+use crate::ui::views::waterfall::lens::LensPlace;
 use crate::ui::{ViewContext, theme};
 use egui::{CursorIcon, Painter, Pos2, Rect, Response, Stroke, StrokeKind, Ui, Vec2};
 
@@ -24,7 +24,7 @@ enum Held {
         id: BoxId,
         edges: Edges,
         origin: Mark,
-        from: Place,
+        from: LensPlace,
     },
     /// The border between echo and shadow of a box, since a place.
     Border {
@@ -33,7 +33,7 @@ enum Held {
         /// As it was, set or not.
         extent: ObjectExtent,
         border_m: f64,
-        from: Place,
+        from: LensPlace,
     },
     /// The first corner of a new box.
     Corner(Pos2),
@@ -41,11 +41,11 @@ enum Held {
 
 /// The pointer on the boxes.
 #[derive(Default)]
-pub(in crate::ui::views::waterfall) struct Boxes {
+pub(in crate::ui::views::waterfall) struct BoxGrab {
     held: Option<Held>,
 }
 
-impl Boxes {
+impl BoxGrab {
     /// Follows a drag with a tool in hand; returns whether the drag is about boxes and must not move the picture. The middle
     /// button and Space move the picture in any tool.
     pub(crate) fn follow(
@@ -166,7 +166,7 @@ impl Boxes {
 }
 
 /// The edges of a box under the pointer; a point has none and moves as a whole.
-fn edges_under(lens: &Lens, one: &Reviewed, at: Place) -> Option<Edges> {
+fn edges_under(lens: &Lens, one: &Reviewed, at: LensPlace) -> Option<Edges> {
     let edges = Edges::under(lens, &one.mark, at)?;
     Some(match one.extent {
         ObjectExtent::Point => Edges::ALL,
@@ -175,14 +175,14 @@ fn edges_under(lens: &Lens, one: &Reviewed, at: Place) -> Option<Edges> {
 }
 
 /// The border between echo and shadow, metres of slant range, if it is under the pointer.
-fn border_under(app: &App, lens: &Lens, one: &Reviewed, at: Place) -> Option<f64> {
+fn border_under(app: &App, lens: &Lens, one: &Reviewed, at: LensPlace) -> Option<f64> {
     let border_m = border_m(&app.log.reviewing, one);
     let is_under =
         one.extent != ObjectExtent::Point && Edges::is_border(lens, &one.mark, border_m, at);
     is_under.then_some(border_m)
 }
 
-fn cursor(app: &App, lens: &Lens, one: &Reviewed, at: Place) -> Option<CursorIcon> {
+fn cursor(app: &App, lens: &Lens, one: &Reviewed, at: LensPlace) -> Option<CursorIcon> {
     match border_under(app, lens, one, at) {
         Some(_) => Some(CursorIcon::Crosshair),
         None => edges_under(lens, one, at).map(|edges| edges.cursor()),

@@ -2,7 +2,7 @@
 
 use super::Lens;
 use crate::detection::Mark;
-use crate::ui::views::waterfall::lens::Place;
+use crate::ui::views::waterfall::lens::LensPlace;
 use egui::CursorIcon;
 
 /// How near an edge the pointer must come, points.
@@ -29,7 +29,7 @@ impl Edges {
     };
 
     /// The edges under the pointer, all of them inside the box, `None` outside.
-    pub(super) fn under(lens: &Lens, mark: &Mark, at: Place) -> Option<Self> {
+    pub(super) fn under(lens: &Lens, mark: &Mark, at: LensPlace) -> Option<Self> {
         let range_m = at.outward_m(mark.side);
         let points = |from: f64, to: f64, per_point: f64| (to - from) / per_point;
         let (along, across) = (lens.pings_per_point(), lens.metres_per_point());
@@ -56,7 +56,7 @@ impl Edges {
 
     /// Whether the border between echo and shadow is under the pointer, nearer than an edge along it. It leaves most of echo and shadow
     /// to drag the whole box by.
-    pub(super) fn is_border(lens: &Lens, mark: &Mark, border_m: f64, at: Place) -> bool {
+    pub(super) fn is_border(lens: &Lens, mark: &Mark, border_m: f64, at: LensPlace) -> bool {
         let range_m = at.outward_m(mark.side);
         let points = |from_m: f64, to_m: f64| (to_m - from_m).abs() / lens.metres_per_point();
         let (echo, shadow) = (points(mark.near_m, border_m), points(border_m, mark.far_m));
@@ -91,7 +91,7 @@ impl Edges {
     }
 
     /// The mark after a drag from one place to another. A box keeps a ping and a centimetre, and its side.
-    pub(super) fn dragged(&self, mark: &Mark, from: Place, to: Place) -> Mark {
+    pub(super) fn dragged(&self, mark: &Mark, from: LensPlace, to: LensPlace) -> Mark {
         let pings = (to.ping - from.ping).round() as isize;
         let outward = to.outward_m(mark.side) - from.outward_m(mark.side);
         let mut after = mark.clone();
@@ -125,7 +125,7 @@ impl Edges {
 const LEAST_M: f64 = 0.01;
 
 /// The box between two places, on the side of the first.
-pub(super) fn drawn(from: Place, to: Place) -> Mark {
+pub(super) fn drawn(from: LensPlace, to: LensPlace) -> Mark {
     let side = from.side();
     let ranges = [from, to].map(|at| at.outward_m(side).max(0.0));
     let pings = [from, to].map(|at| at.ping.max(0.0));
@@ -152,8 +152,8 @@ mod tests {
         }
     }
 
-    fn place(ping: f64, across_m: f64) -> Place {
-        Place { ping, across_m }
+    fn place(ping: f64, across_m: f64) -> LensPlace {
+        LensPlace { ping, across_m }
     }
 
     #[test]

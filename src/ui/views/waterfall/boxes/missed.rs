@@ -4,7 +4,7 @@ use super::{Lens, on_screen, outline};
 use crate::app::App;
 use crate::detection::truth::Mistake;
 use crate::ui::theme;
-use crate::ui::views::waterfall::labels::Labels;
+use crate::ui::views::waterfall::labels::WaterfallLabels;
 use egui::{Align2, Painter, Rect, vec2};
 
 /// A missed object in view.
@@ -46,7 +46,7 @@ impl<'a> Missed<'a> {
     }
 
     /// Writes `missed rock` below it, where the words of boxes are not.
-    pub(crate) fn label(&self, labels: &mut Labels<'_>) {
+    pub(crate) fn label(&self, labels: &mut WaterfallLabels<'_>) {
         let at = self.rect.left_bottom() + vec2(0.0, 2.0);
         let words = format!("missed {}", self.class);
         labels.write(at, Align2::LEFT_TOP, &words, theme::MISSED_COLOUR);

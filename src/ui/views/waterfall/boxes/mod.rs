@@ -9,11 +9,11 @@ mod missed;
 pub(crate) mod outline;
 pub(super) mod shape;
 
-pub(super) use grab::{Boxes, under};
+pub(super) use grab::{BoxGrab, under};
 pub(super) use missed::Missed;
 
-use super::labels::Labels;
-use super::lens::{Lens, Place};
+use super::labels::WaterfallLabels;
+use super::lens::{Lens, LensPlace};
 use crate::app::{App, BoxEdge, Reviewing, Tool, border_m};
 use crate::detection::review::{Review, Reviewed};
 use crate::detection::{Mark, ObjectExtent};
@@ -25,26 +25,26 @@ use outline::Style;
 const LABELLED: f32 = 24.0;
 
 /// A box in view.
-pub(super) struct Shown<'a> {
+pub(super) struct ShownBox<'a> {
     one: &'a Reviewed,
     rect: Rect,
     is_selected: bool,
 }
 
 /// The boxes that a lens sees, the selected one last. Costs what is in view, not what there is.
-pub(super) fn in_view<'a>(lens: &Lens, app: &'a App) -> Vec<Shown<'a>> {
+pub(super) fn in_view<'a>(lens: &Lens, app: &'a App) -> Vec<ShownBox<'a>> {
     let reviewing = &app.log.reviewing;
     let pings = match &app.log.survey {
         Some(survey) if app.view.options.waterfall.boxes => lens.visible(survey.side_scan.len()),
         _ => return Vec::new(),
     };
-    let shown = |one: &'a Reviewed| Shown {
+    let shown = |one: &'a Reviewed| ShownBox {
         one,
         rect: on_screen(lens, &one.mark),
         is_selected: Some(one.id) == reviewing.selected,
     };
     let others = reviewing.between(pings).map(shown);
-    let mut seen: Vec<Shown<'_>> = others
+    let mut seen: Vec<ShownBox<'_>> = others
         .filter(|shown| !shown.is_selected && shown.rect.intersects(lens.rect))
         .collect();
     // In sight whatever the filter says: keys act on it.
@@ -54,14 +54,14 @@ pub(super) fn in_view<'a>(lens: &Lens, app: &'a App) -> Vec<Shown<'a>> {
 
 /// Where a mark is on the screen: around its corners, which over uneven ground lie in no rectangle.
 fn on_screen(lens: &Lens, mark: &Mark) -> Rect {
-    let at = |ping: usize, range_m: f64| Place::of(ping as f64, mark.side, range_m);
+    let at = |ping: usize, range_m: f64| LensPlace::of(ping as f64, mark.side, range_m);
     let corner = |ping: usize, range_m: f64| lens.screen_at(at(ping, range_m));
     let pings = [mark.pings.start, mark.pings.end];
     let corners = pings.map(|ping| [mark.near_m, mark.far_m].map(|range_m| corner(ping, range_m)));
     Rect::from_points(corners.as_flattened())
 }
 
-impl Shown<'_> {
+impl ShownBox<'_> {
     /// What it covers of the screen while keys and drags are about it.
     pub(super) fn edited(&self) -> Option<Rect> {
         self.is_selected.then_some(self.rect)
@@ -97,7 +97,8 @@ impl Shown<'_> {
 
     fn line_at(&self, lens: &Lens, range_m: f64) -> [Pos2; 2] {
         let Mark { side, pings, .. } = &self.one.mark;
-        [pings.start, pings.end].map(|ping| lens.screen_at(Place::of(ping as f64, *side, range_m)))
+        [pings.start, pings.end]
+            .map(|ping| lens.screen_at(LensPlace::of(ping as f64, *side, range_m)))
     }
 
     /// The edge that the arrow keys move; `None` where they move all of it.
@@ -109,7 +110,8 @@ impl Shown<'_> {
             far_m,
         } = &self.one.mark;
         let at_ping = |ping: usize| {
-            [*near_m, *far_m].map(|range_m| lens.screen_at(Place::of(ping as f64, *side, range_m)))
+            [*near_m, *far_m]
+                .map(|range_m| lens.screen_at(LensPlace::of(ping as f64, *side, range_m)))
         };
         match reviewing.edge {
             BoxEdge::Whole => None,
@@ -122,7 +124,7 @@ impl Shown<'_> {
     }
 
     /// Writes its class and score above it where there is room.
-    pub(super) fn label(&self, labels: &mut Labels<'_>, review: &Review) {
+    pub(super) fn label(&self, labels: &mut WaterfallLabels<'_>, review: &Review) {
         if self.rect.size().min_elem() >= LABELLED || self.is_selected {
             let at = self.rect.left_top() - vec2(0.0, 2.0);
             let (caption, style) = (caption(self.one, review), Style::of(self.one.state));
@@ -145,7 +147,7 @@ fn caption(one: &Reviewed, review: &Review) -> String {
 }
 
 /// What the view says about its boxes to screen readers and tests.
-pub(super) fn words(seen: &[Shown<'_>], missed: &[Missed<'_>], app: &App) -> String {
+pub(super) fn words(seen: &[ShownBox<'_>], missed: &[Missed<'_>], app: &App) -> String {
     if !app.log.reviewing.has_boxes() {
         return tool_in_hand(app).to_owned();
     }

@@ -1,6 +1,6 @@
 //! The shape of the selected object over the picture: where its echo and its shadow would lie.
 
-use super::super::lens::{Lens, Place};
+use super::super::lens::{Lens, LensPlace};
 use super::outline;
 use crate::app::App;
 use crate::detection::Mark;
@@ -52,7 +52,7 @@ fn around(
 ) -> Vec<Pos2> {
     let at = |one: &ShapeOnPing, edge: usize| {
         let range_m = between_m(one)[edge];
-        lens.screen_at(Place::of(one.ping as f64 + 0.5, mark.side, range_m))
+        lens.screen_at(LensPlace::of(one.ping as f64 + 0.5, mark.side, range_m))
     };
     let there = on_pings.iter().map(|one| at(one, 0));
     let back = on_pings.iter().rev().map(|one| at(one, 1));

@@ -12,7 +12,7 @@ const DEGREES: [u16; 3] = [WGS84, 4258, 4269];
 
 /// Where the pixels of a picture lie, north up.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Place {
+pub(crate) struct Georeference {
     /// The system that the numbers are in.
     pub crs: Crs,
     /// x and y of the upper left corner of the upper left pixel.
@@ -21,7 +21,7 @@ pub(crate) struct Place {
     pub pixel: [f64; 2],
 }
 
-impl Place {
+impl Georeference {
     /// Column and row of a position, counted from the upper left corner of the picture, fractions within a pixel.
     pub(crate) fn to_pixels(&self, at: LonLat) -> [f64; 2] {
         let [x, y] = self.crs.place(at);
@@ -31,7 +31,7 @@ impl Place {
         ]
     }
 
-    /// Inverse of [`Place::to_pixels`].
+    /// Inverse of [`Georeference::to_pixels`].
     pub(crate) fn to_position(&self, [column, row]: [f64; 2]) -> LonLat {
         let x = self.corner[0] + column * self.pixel[0];
         let y = self.corner[1] - row * self.pixel[1];

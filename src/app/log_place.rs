@@ -4,7 +4,7 @@ use crate::survey::Side;
 
 /// A place in the survey, the same in all views.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Mark {
+pub(crate) struct LogPlace {
     /// Side-scan ping.
     pub ping: usize,
     /// Side, when the place is off the track.
@@ -15,7 +15,7 @@ pub(crate) struct Mark {
     pub point: Option<usize>,
 }
 
-impl Mark {
+impl LogPlace {
     /// A place on the track.
     pub(crate) fn ping(ping: usize) -> Self {
         Self {
@@ -31,7 +31,7 @@ impl Mark {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Reveal {
     /// The place.
-    pub mark: Mark,
+    pub mark: LogPlace,
     /// Grows with each request.
     pub serial: u64,
     /// What the views enlarge; without it they only bring the place into view.
