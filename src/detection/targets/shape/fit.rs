@@ -30,11 +30,11 @@ const ROUNDS: usize = 40;
 const COARSE: [usize; 2] = [12, 24];
 /// How many beginnings, those that explain most, are followed over how many rounds in the coarse picture. A boat that lies askew to the track
 /// is found from few of them.
-const FOLLOWED: [(usize, usize); 3] = [(64, 3), (16, 6), (4, 10)];
+const FOLLOWED: [(usize, usize); 3] = [(64, 3), (16, 6), (6, 10)];
 /// A kind that gains less than this share of what the best gains in the coarse picture is no rival in the whole one.
 const WORTH_FITTING: f64 = 0.4;
 /// How many are followed over how many rounds in the whole picture, and how many to the end.
-const FINE: (usize, usize, usize) = (4, 5, 2);
+const FINE: (usize, usize, usize) = (6, 5, 3);
 
 /// Fits all kinds to looks, of which each has its start, and gives back those that explain enough to be told apart, the best first. Each kind
 /// is fitted to each of the first two looks, which are to show the object best, and from there to all.

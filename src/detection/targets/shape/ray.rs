@@ -9,8 +9,11 @@ const STEPS: usize = 48;
 const LEAST_STEP_M: f64 = 0.015;
 /// A solid ends so far under the transducer at least, and rays begin so far out, metres.
 const LEAST_BELOW_M: f64 = 0.05;
-/// Most places of a ray: its steps, one before and one behind, and what rounding adds.
-const MOST_PLACES: usize = STEPS + 4;
+/// Sides of the rectangle around a solid stand between places so far before and behind them, metres: upright, and thinner than the side of
+/// a boat.
+const AT_SIDE_M: f64 = 0.005;
+/// Most places of a ray: those between its steps, and one before and one behind the solid.
+const MOST_PLACES: usize = STEPS + 3;
 
 type PlaceRow = [f64; MOST_PLACES];
 
@@ -58,31 +61,36 @@ impl ShapeRay {
         let Some([near_m, far_m]) = solid.met_m(start_m, outward) else {
             return false;
         };
-        let step_m = (2.0 * half_m / STEPS as f64).max(LEAST_STEP_M);
-        // The near side lies within a step, as the far side does.
-        let from_m = (near_m - 0.5 * step_m).max(LEAST_BELOW_M);
-        if far_m <= from_m {
+        let first_m = (near_m + AT_SIDE_M).max(LEAST_BELOW_M);
+        let last_m = far_m - AT_SIDE_M;
+        if last_m <= first_m {
             return false;
         }
-        let steps = ((far_m - from_m) / step_m).ceil() as usize;
-        self.count = (2 + steps).min(MOST_PLACES);
+        let least_m = (2.0 * half_m / STEPS as f64).max(LEAST_STEP_M);
+        let steps = (((last_m - first_m) / least_m).ceil() as usize).clamp(1, STEPS);
+        let step_m = (last_m - first_m) / steps as f64;
+        self.count = steps + 3;
         self.altitude_m = altitude_m;
-        let first_m = [0, 1].map(|axis| start_m[axis] + outward[axis] * from_m);
+        let start_m = [0, 1].map(|axis| start_m[axis] + outward[axis] * first_m);
         let heights_m = &mut self.below_m[..self.count];
-        solid.heights_m(first_m, outward.map(|share| share * step_m), heights_m);
-        // The solid begins behind the first place.
-        heights_m[0] = 0.0;
-        self.place(from_m, step_m);
-        self.weigh(step_m);
+        heights_m.fill(0.0);
+        let within_m = &mut heights_m[1..steps + 2];
+        solid.heights_m(start_m, outward.map(|share| share * step_m), within_m);
+        for index in 0..=steps {
+            self.out_m[index + 1] = first_m + index as f64 * step_m;
+        }
+        self.out_m[0] = first_m - 2.0 * AT_SIDE_M;
+        self.out_m[steps + 2] = last_m + 2.0 * AT_SIDE_M;
+        self.place();
+        self.weigh();
         true
     }
 
     /// Computes the places from the heights above the bottom, which stand in the row of `below_m`.
-    fn place(&mut self, from_m: f64, step_m: f64) {
+    fn place(&mut self) {
         for index in 0..self.count {
-            let out_m = from_m + index as f64 * step_m;
+            let out_m = self.out_m[index];
             let below_m = (self.altitude_m - self.below_m[index]).max(LEAST_BELOW_M);
-            self.out_m[index] = out_m;
             self.below_m[index] = below_m;
             self.tangent[index] = out_m / below_m;
             self.slant_m[index] = slant_m(out_m, below_m);
@@ -90,11 +98,12 @@ impl ShapeRay {
     }
 
     /// Computes the echo of each step.
-    fn weigh(&mut self, step_m: f64) {
+    fn weigh(&mut self) {
         let altitude_m2 = self.altitude_m * self.altitude_m;
         for index in 1..self.count {
             let middle = |row: &PlaceRow| 0.5 * (row[index - 1] + row[index]);
             let (out_m, below_m) = (middle(&self.out_m), middle(&self.below_m));
+            let step_m = self.out_m[index] - self.out_m[index - 1];
             let down_m = self.below_m[index] - self.below_m[index - 1];
             // Lambert's law on a step that is longer for its slope: facing^2 / range^2 * length. The cosine times the length is meant here.
             let facing_m2 = (below_m * step_m - out_m * down_m).max(0.0);
