@@ -7,7 +7,7 @@ use tract_onnx::tract_core::internal::*;
 use tract_onnx::tract_core::ops::cnn::{Conv, KernelFormat, PaddingSpec};
 use tract_onnx::tract_core::ops::nn::DataFormat;
 
-/// Numbers that all of them keep at most, 128 MiB: they are four times the weights. Layers behind stay as they are.
+/// Numbers that all of them keep at most, 128 MiB: they are four times the weights. Layers over that stay as they are.
 const MOST_WEIGHTS: usize = 1 << 25;
 
 /// Replaces layers in the order of the network.
@@ -25,7 +25,7 @@ pub(super) fn replace_convolutions(model: &mut TypedModel) -> TractResult<()> {
     Ok(())
 }
 
-/// The layer of a node by another way; `None` where it is no convolution of the kind, or keeps more than so many numbers.
+/// The fast layer for a node; `None` where the node is no convolution of the kind, or the layer would keep more than `most` numbers.
 fn fast(model: &TypedModel, node: &TypedNode, most: usize) -> TractResult<Option<FastConvolution>> {
     let Some(conv) = node.op_as::<Conv>().filter(|conv| is_of_the_kind(conv)) else {
         return Ok(None);

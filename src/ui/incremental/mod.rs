@@ -48,7 +48,7 @@ impl IncrementalPainter {
     fn draw(&mut self, ctx: &egui::Context, ground: FrameTarget, output: &mut FullOutput) {
         let textures: HashSet<TextureId> = replaced(output);
         into_texture::upload(&self.gpu, &mut output.textures_delta);
-        // Glyphs have moved within it.
+        // Glyphs that shapes show already may have moved within it.
         let is_font_new = textures.contains(&TextureId::default());
         let kept = self.kept.take();
         let kept = kept.filter(|kept| kept.ground == ground && !is_font_new);
@@ -162,7 +162,7 @@ impl Kept {
     }
 }
 
-/// Textures that are new or have another size.
+/// Textures with new content in places that a shape may already show.
 fn replaced(output: &FullOutput) -> HashSet<TextureId> {
     let set = output.textures_delta.set.iter();
     // A part of the font's texture is a glyph that no shape has shown so far.
