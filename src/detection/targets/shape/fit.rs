@@ -26,22 +26,48 @@ pub(super) struct ShapeFit {
 
 /// Rounds of the search at most.
 const ROUNDS: usize = 40;
-/// Pings and bins of the coarse picture.
-const COARSE: [usize; 2] = [12, 24];
-/// How many beginnings, those that explain most, are followed over how many rounds in the coarse picture. A boat that lies askew to the track
-/// is found from few of them.
-const FOLLOWED: [(usize, usize); 3] = [(64, 3), (16, 6), (6, 10)];
-/// A kind that gains less than this share of what the best gains in the coarse picture is no rival in the whole one.
-const WORTH_FITTING: f64 = 0.4;
-/// How many are followed over how many rounds in the whole picture, and how many to the end.
-const FINE: (usize, usize, usize) = (6, 5, 3);
+
+/// A search in a picture that is coarser than the look: there a solid that lies a little off is right in part, and a trial costs less.
+struct CoarseSearch {
+    /// Pings and bins of the picture, about.
+    size: [usize; 2],
+    /// How many states, those that explain most, are followed over how many rounds.
+    followed: &'static [(usize, usize)],
+    /// How many of them are kept.
+    kept: usize,
+    /// A kind that gains less than this share of what the best gains here is no rival in a finer picture.
+    worth_fitting: f64,
+}
+
+/// From coarse to fine. A boat that lies askew to the track is found from few of the beginnings.
+const COARSE: [CoarseSearch; 2] = [
+    CoarseSearch {
+        size: [12, 24],
+        followed: &[(80, 1), (20, 3), (6, 5)],
+        kept: 4,
+        worth_fitting: 0.6,
+    },
+    CoarseSearch {
+        size: [24, 48],
+        followed: &[(4, 4), (2, 8)],
+        kept: 2,
+        worth_fitting: 0.8,
+    },
+];
+/// How far numbers are changed at first in the whole picture, as a share of the first steps: they are nearly right.
+const FINE_STEPS: f64 = 0.5;
 
 /// Fits all kinds to looks, of which each has its start, and gives back those that explain enough to be told apart, the best first. Each kind
 /// is fitted to each of the first two looks, which are to show the object best, and from there to all.
 pub(super) fn fits(looks: &[BoxLevels], starts: &[InitialGuess]) -> Vec<ShapeFit> {
     let mut best: Vec<ShapeFit> = Vec::new();
     for first in 0..looks.len().min(2) {
-        for (kind, beginnings) in coarse_fits(&looks[first], &starts[first]) {
+        let kinds = ShapeKind::ALL.into_iter();
+        let all = kinds.map(|kind| (kind, beginnings(kind, &starts[first])));
+        let fitted = COARSE.iter().fold(all.collect(), |kinds, search| {
+            search.fits(&looks[first], kinds)
+        });
+        for (kind, beginnings) in fitted {
             let fitted = fit(kind, looks, starts, first, beginnings);
             match best.iter_mut().find(|other| other.kind == kind) {
                 Some(other) if fitted.cost < other.cost => *other = fitted,
@@ -97,42 +123,48 @@ impl ShapeFit {
     }
 }
 
-/// The kinds that may explain a look, each with numbers to begin with, found in a coarse picture of it: there a solid that lies a little off
-/// is right in part, and a trial costs less.
-fn coarse_fits(look: &BoxLevels, start: &InitialGuess) -> Vec<(ShapeKind, Vec<Numbers>)> {
-    let coarse = [look.coarser(COARSE)];
-    let mut of_kinds: Vec<(ShapeKind, Vec<FitState>)> = (ShapeKind::ALL.into_iter())
-        .map(|kind| {
-            let problem = Problem::new(kind, &coarse);
-            let states = beginnings(kind, start).into_iter();
-            let mut states: Vec<FitState> =
-                states.map(|one| FitState::new(&problem, one)).collect();
-            for (most, rounds) in FOLLOWED {
-                follow(&problem, &mut states, most, rounds);
-            }
-            states.truncate(FINE.0);
-            (kind, states)
-        })
-        .collect();
-    let bare = coarse[0].squares() * coarse[0].together as f64;
-    let gains = of_kinds.iter().map(|(_, states)| bare - states[0].cost);
-    let most = gains.fold(0.0, f64::max);
-    of_kinds.retain(|(_, states)| bare - states[0].cost >= WORTH_FITTING * most);
-    let numbers = |states: Vec<FitState>| states.into_iter().map(|state| state.numbers).collect();
-    of_kinds
-        .into_iter()
-        .map(|(kind, states)| (kind, numbers(states)))
-        .collect()
+/// Kinds, each with numbers to begin with.
+type Beginnings = Vec<(ShapeKind, Vec<Numbers>)>;
+
+impl CoarseSearch {
+    /// The kinds that may explain a look, each with what explains most.
+    fn fits(&self, look: &BoxLevels, kinds: Beginnings) -> Beginnings {
+        let coarse = [look.coarser(self.size)];
+        let mut of_kinds: Vec<(ShapeKind, Vec<FitState>)> = (kinds.into_iter())
+            .map(|(kind, beginnings)| {
+                let problem = Problem::new(kind, &coarse);
+                let states = beginnings.into_iter();
+                let mut states: Vec<FitState> =
+                    states.map(|one| FitState::new(&problem, one)).collect();
+                for (most, rounds) in self.followed {
+                    follow(&problem, &mut states, *most, *rounds);
+                }
+                states.truncate(self.kept);
+                (kind, states)
+            })
+            .collect();
+        let bare = coarse[0].squares() * coarse[0].together as f64;
+        let gains = of_kinds.iter().map(|(_, states)| bare - states[0].cost);
+        let least = self.worth_fitting * gains.fold(0.0, f64::max);
+        of_kinds.retain(|(_, states)| bare - states[0].cost >= least);
+        let numbers =
+            |states: Vec<FitState>| states.into_iter().map(|state| state.numbers).collect();
+        of_kinds
+            .into_iter()
+            .map(|(kind, states)| (kind, numbers(states)))
+            .collect()
+    }
 }
 
-/// Fits one kind to one look from several beginnings.
+/// Fits one kind to one look from several beginnings, which are nearly right.
 fn fit_alone(kind: ShapeKind, look: &[BoxLevels], beginnings: Vec<Numbers>) -> FitState {
     let problem = Problem::new(kind, look);
     let states = beginnings.into_iter();
-    let mut states: Vec<FitState> = states.map(|one| FitState::new(&problem, one)).collect();
-    for (most, rounds) in [(FINE.0, FINE.1), (FINE.2, ROUNDS)] {
-        follow(&problem, &mut states, most, rounds);
-    }
+    let mut states: Vec<FitState> = states
+        .map(|one| FitState::new(&problem, one).with_steps_times(FINE_STEPS))
+        .collect();
+    let all = states.len();
+    follow(&problem, &mut states, all, ROUNDS);
     states.swap_remove(0)
 }
 

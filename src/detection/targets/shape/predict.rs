@@ -124,17 +124,21 @@ impl Predicted {
 /// Standard deviation of the two-way beam along the track, radians, of a beam a little under a degree wide: the usual 455 kHz.
 const BEAM_SIGMA_RAD: f64 = 0.0157 / 2.355;
 /// Rays that stand for its width, in standard deviations, and their weights (Gauss-Hermite).
-const RAYS: [(f64, f64); 3] = [(-1.732, 1.0 / 6.0), (0.0, 2.0 / 3.0), (1.732, 1.0 / 6.0)];
+const RAYS: [(f64, f32); 3] = [(-1.732, 1.0 / 6.0), (0.0, 2.0 / 3.0), (1.732, 1.0 / 6.0)];
+
+/// Steps of a ray in a coarse picture are no shorter than this share of a bin.
+const COARSE_STEP: f64 = 0.25;
 
 /// Writes what the look would be of a solid.
 pub(super) fn predict(look: &BoxLevels, posed: &PosedSolid, into: &mut Predicted) {
     into.clear(look);
     let mut ray = ShapeRay::default();
+    let turned = (posed.solid.reach_m(), posed.heading_rad.sin_cos().into());
     let bottom = into.bottom.chunks_exact_mut(look.bins);
     let both = bottom.zip(into.object.chunks_exact_mut(look.bins));
     for ((ping, (bottom, object)), changed) in look.pings.iter().zip(both).zip(&mut into.changed) {
         let mut bins = EchoBins::new(look, bottom, object);
-        one_ping(look, ping, posed, &mut ray, &mut bins);
+        one_ping(look, ping, posed, turned, &mut ray, &mut bins);
         let Some(written) = bins.written() else {
             continue;
         };
@@ -154,11 +158,12 @@ fn blur(bins: &mut [f32]) {
     }
 }
 
-/// Writes what a ping would be.
+/// Writes what a ping would be of a solid that reaches so far from its middle, and the sine and cosine of whose heading are known.
 fn one_ping(
     look: &BoxLevels,
     ping: &PingLevels,
     posed: &PosedSolid,
+    (reach_m, [sin, cos]): (f64, [f64; 2]),
     ray: &mut ShapeRay,
     bins: &mut EchoBins<'_>,
 ) {
@@ -170,8 +175,6 @@ fn one_ping(
     ];
     let out_m = east_m * x + north_m * y;
     let ahead_m = east_m * ahead_x + north_m * ahead_y;
-    let reach_m = posed.solid.reach_m();
-    let (sin, cos) = posed.heading_rad.sin_cos();
     // Pings that were summed see more of the way: evenly over a width its standard deviation is that over the root of 12.
     let beam_m = BEAM_SIGMA_RAD * slant_m(out_m, look.altitude_m);
     let sigma_m = slant_m(beam_m, look.ping_m / 12f64.sqrt());
@@ -179,6 +182,10 @@ fn one_ping(
     let rays = match look.together {
         1 => &RAYS[..],
         _ => &[(0.0, 1.0)][..],
+    };
+    let least_step_m = match look.together {
+        1 => 0.0,
+        _ => COARSE_STEP * look.step_m,
     };
     // Along and across the solid, of a step outward.
     let outward = [x * sin + y * cos, x * cos - y * sin];
@@ -193,7 +200,8 @@ fn one_ping(
             at * sigma_m * ahead_y - north_m,
         ];
         let start_m = [east_m * sin + north_m * cos, east_m * cos - north_m * sin];
-        if ray.follow(look.altitude_m, &posed.solid, half_m, (start_m, outward)) {
+        let from = (start_m, outward);
+        if ray.follow(look.altitude_m, &posed.solid, half_m, from, least_step_m) {
             bins.add(ray, weight);
         }
     }

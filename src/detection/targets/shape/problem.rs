@@ -102,6 +102,13 @@ impl FitState {
         state
     }
 
+    /// The same, its numbers and edges changed by a share of their steps at first.
+    pub(super) fn with_steps_times(mut self, share: f64) -> Self {
+        let steps = self.steps.iter_mut().chain(&mut self.edge_steps);
+        steps.for_each(|step| *step *= share);
+        self
+    }
+
     /// Whether places and length change by so little that another round is not worth it.
     pub(super) fn is_settled(&self) -> bool {
         let looks = self.steps[OF_OBJECT..].chunks_exact(OF_LOOK);

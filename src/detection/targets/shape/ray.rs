@@ -1,27 +1,29 @@
 //! A ray outward over a solid, and the echo and shadow that it adds to a ping.
 
 use super::levels::BoxLevels;
-use super::solid::Solid;
+use super::solid::{LANES, Solid};
+use std::array::from_fn;
 use std::ops::Range;
 
 /// Steps that a solid is followed in at most, and how short they are at least, metres.
 const STEPS: usize = 48;
 const LEAST_STEP_M: f64 = 0.015;
 /// A solid ends so far under the transducer at least, and rays begin so far out, metres.
-const LEAST_BELOW_M: f64 = 0.05;
+const LEAST_BELOW_M: f32 = 0.05;
 /// Sides of the rectangle around a solid stand between places so far before and behind them, metres: upright, and thinner than the side of
 /// a boat.
 const AT_SIDE_M: f64 = 0.005;
-/// Most places of a ray: those between its steps, and one before and one behind the solid.
-const MOST_PLACES: usize = STEPS + 3;
+/// Most places of a ray: those between its steps, and one before and one behind the solid; rounded up so that places are computed
+/// together to the last.
+const MOST_PLACES: usize = (STEPS + 3).next_multiple_of(LANES) + LANES;
 
-type PlaceRow = [f64; MOST_PLACES];
+type PlaceRow = [f32; MOST_PLACES];
 
 /// Places on a ray, from before the solid to behind it, each with the step that ends there. They lie in rows, so that several are computed
 /// at once: fitting shapes is most of a search for objects.
 pub(super) struct ShapeRay {
     count: usize,
-    altitude_m: f64,
+    altitude_m: f32,
     /// How far out from under the boat and how far below the transducer.
     out_m: PlaceRow,
     below_m: PlaceRow,
@@ -50,37 +52,42 @@ impl Default for ShapeRay {
 
 impl ShapeRay {
     /// Follows the ray that begins under the boat at `start_m` along and across the solid and goes in the direction `outward`; the circle
-    /// around the solid covers twice `half_m` of it. Whether the ray meets the solid.
+    /// around the solid covers twice `half_m` of it. Steps are no shorter than `least_step_m`. Whether the ray meets the solid.
     pub(super) fn follow(
         &mut self,
         altitude_m: f64,
         solid: &Solid,
         half_m: f64,
         (start_m, outward): ([f64; 2], [f64; 2]),
+        least_step_m: f64,
     ) -> bool {
         let Some([near_m, far_m]) = solid.met_m(start_m, outward) else {
             return false;
         };
-        let first_m = (near_m + AT_SIDE_M).max(LEAST_BELOW_M);
+        let first_m = (near_m + AT_SIDE_M).max(f64::from(LEAST_BELOW_M));
         let last_m = far_m - AT_SIDE_M;
         if last_m <= first_m {
             return false;
         }
-        let least_m = (2.0 * half_m / STEPS as f64).max(LEAST_STEP_M);
-        let steps = (((last_m - first_m) / least_m).ceil() as usize).clamp(1, STEPS);
+        let least_m = (2.0 * half_m / STEPS as f64)
+            .max(LEAST_STEP_M)
+            .max(least_step_m);
+        let steps = (((last_m - first_m) / least_m) as usize + 1).clamp(1, STEPS);
         let step_m = (last_m - first_m) / steps as f64;
         self.count = steps + 3;
-        self.altitude_m = altitude_m;
+        self.altitude_m = altitude_m as f32;
         let start_m = [0, 1].map(|axis| start_m[axis] + outward[axis] * first_m);
-        let heights_m = &mut self.below_m[..self.count];
-        heights_m.fill(0.0);
-        let within_m = &mut heights_m[1..steps + 2];
-        solid.heights_m(start_m, outward.map(|share| share * step_m), within_m);
-        for index in 0..=steps {
-            self.out_m[index + 1] = first_m + index as f64 * step_m;
+        let lanes = (steps + 1).next_multiple_of(LANES);
+        let heights_m = &mut self.below_m[1..=lanes];
+        solid.heights_m(start_m, outward.map(|share| share * step_m), heights_m);
+        self.below_m[0] = 0.0;
+        self.below_m[steps + 2] = 0.0;
+        let (first, step) = (first_m as f32, step_m as f32);
+        for (index, out_m) in self.out_m[1..=lanes].iter_mut().enumerate() {
+            *out_m = first + index as f32 * step;
         }
-        self.out_m[0] = first_m - 2.0 * AT_SIDE_M;
-        self.out_m[steps + 2] = last_m + 2.0 * AT_SIDE_M;
+        self.out_m[0] = (first_m - 2.0 * AT_SIDE_M) as f32;
+        self.out_m[steps + 2] = (last_m + 2.0 * AT_SIDE_M) as f32;
         self.place();
         self.weigh();
         true
@@ -88,33 +95,51 @@ impl ShapeRay {
 
     /// Computes the places from the heights above the bottom, which stand in the row of `below_m`.
     fn place(&mut self) {
-        for index in 0..self.count {
-            let out_m = self.out_m[index];
-            let below_m = (self.altitude_m - self.below_m[index]).max(LEAST_BELOW_M);
-            self.below_m[index] = below_m;
-            self.tangent[index] = out_m / below_m;
-            self.slant_m[index] = slant_m(out_m, below_m);
+        let count = self.count.div_ceil(LANES);
+        let out_m = &self.out_m.as_chunks::<LANES>().0[..count];
+        let below_m = &mut self.below_m.as_chunks_mut::<LANES>().0[..count];
+        let tangent = &mut self.tangent.as_chunks_mut::<LANES>().0[..count];
+        let slant_m = &mut self.slant_m.as_chunks_mut::<LANES>().0[..count];
+        for (((out_m, below_m), tangent), slant_m) in
+            out_m.iter().zip(below_m).zip(tangent).zip(slant_m)
+        {
+            let below: [f32; LANES] =
+                from_fn(|lane| (self.altitude_m - below_m[lane]).max(LEAST_BELOW_M));
+            *tangent = from_fn(|lane| out_m[lane] / below[lane]);
+            *slant_m =
+                from_fn(|lane| (out_m[lane] * out_m[lane] + below[lane] * below[lane]).sqrt());
+            *below_m = below;
         }
     }
 
     /// Computes the echo of each step.
     fn weigh(&mut self) {
         let altitude_m2 = self.altitude_m * self.altitude_m;
-        for index in 1..self.count {
-            let middle = |row: &PlaceRow| 0.5 * (row[index - 1] + row[index]);
-            let (out_m, below_m) = (middle(&self.out_m), middle(&self.below_m));
-            let step_m = self.out_m[index] - self.out_m[index - 1];
-            let down_m = self.below_m[index] - self.below_m[index - 1];
-            // Lambert's law on a step that is longer for its slope: facing^2 / range^2 * length. The cosine times the length is meant here.
-            let facing_m2 = (below_m * step_m - out_m * down_m).max(0.0);
-            let length_m = slant_m(step_m, down_m);
-            let range_m2 = out_m * out_m + below_m * below_m;
-            // Of the bare bottom: cos^2 dy/dr = (H/r)^2 r/y a metre of range. At its nearest point that grows without end.
-            let range_m = middle(&self.slant_m);
-            let least_m2 = 0.01 * range_m * range_m;
-            let level_m = (range_m * range_m - altitude_m2).max(least_m2).sqrt();
-            self.echo_m[index] =
-                facing_m2 * facing_m2 * range_m * level_m / (range_m2 * length_m * altitude_m2);
+        let pairs = |row: &PlaceRow, at: usize| -> [[f32; LANES]; 2] {
+            [at - 1, at].map(|at| row[at..].as_chunks().0[0])
+        };
+        for at in (1..self.count).step_by(LANES) {
+            let [out0, out1] = pairs(&self.out_m, at);
+            let [below0, below1] = pairs(&self.below_m, at);
+            let [slant0, slant1] = pairs(&self.slant_m, at);
+            let echo: &mut [f32; LANES] = &mut self.echo_m[at..].as_chunks_mut().0[0];
+            *echo = from_fn(|lane| {
+                let (out_m, below_m) = (
+                    0.5 * (out0[lane] + out1[lane]),
+                    0.5 * (below0[lane] + below1[lane]),
+                );
+                let step_m = out1[lane] - out0[lane];
+                let down_m = below1[lane] - below0[lane];
+                // Lambert's law on a step that is longer for its slope: facing^2 / range^2 * length. The cosine times the length is meant here.
+                let facing_m2 = (below_m * step_m - out_m * down_m).max(0.0);
+                let length_m = (step_m * step_m + down_m * down_m).sqrt();
+                let range_m2 = out_m * out_m + below_m * below_m;
+                // Of the bare bottom: cos^2 dy/dr = (H/r)^2 r/y a metre of range. At its nearest point that grows without end.
+                let range_m = 0.5 * (slant0[lane] + slant1[lane]);
+                let least_m2 = 0.01 * range_m * range_m;
+                let level_m = (range_m * range_m - altitude_m2).max(least_m2).sqrt();
+                facing_m2 * facing_m2 * range_m * level_m / (range_m2 * length_m * altitude_m2)
+            });
         }
     }
 }
@@ -126,7 +151,8 @@ pub(super) fn slant_m(out_m: f64, below_m: f64) -> f64 {
 
 /// The bins of a ping, and what rays add to them.
 pub(super) struct EchoBins<'a> {
-    look: &'a BoxLevels,
+    from_m: f32,
+    per_m: f32,
     bottom: &'a mut [f32],
     object: &'a mut [f32],
     written: Range<usize>,
@@ -136,7 +162,8 @@ impl<'a> EchoBins<'a> {
     /// Bins of a ping without a solid: shares of the bottom that are seen, and echoes of the solid.
     pub(super) fn new(look: &'a BoxLevels, bottom: &'a mut [f32], object: &'a mut [f32]) -> Self {
         Self {
-            look,
+            from_m: look.from_m as f32,
+            per_m: look.step_m.recip() as f32,
             bottom,
             object,
             written: look.bins..0,
@@ -149,16 +176,22 @@ impl<'a> EchoBins<'a> {
     }
 
     /// Adds a ray of some weight.
-    pub(super) fn add(&mut self, ray: &ShapeRay, weight: f64) {
+    pub(super) fn add(&mut self, ray: &ShapeRay, weight: f32) {
         let altitude_m = ray.altitude_m;
+        // Places of the steps, counted in bins.
+        let mut places = [0.0_f32; MOST_PLACES];
+        let chunks = ray.count.div_ceil(LANES);
+        let slant = &ray.slant_m.as_chunks::<LANES>().0[..chunks];
+        for (places, slant) in places.as_chunks_mut::<LANES>().0.iter_mut().zip(slant) {
+            *places = from_fn(|lane| (slant[lane] - self.from_m) * self.per_m);
+        }
         // Tangent of the farthest direction seen so far; where the solid begins and ends.
         let mut horizon = ray.tangent[0];
-        let mut solid_m: Option<[f64; 2]> = None;
+        let mut solid: Option<[usize; 2]> = None;
         for index in 1..ray.count {
             let of_solid = ray.below_m[index - 1] < altitude_m || ray.below_m[index] < altitude_m;
             if of_solid {
-                let begins_m = solid_m.map_or(ray.out_m[index - 1], |[first_m, _]| first_m);
-                solid_m = Some([begins_m, ray.out_m[index]]);
+                solid = Some([solid.map_or(index - 1, |[first, _]| first), index]);
             }
             let [before, here] = [ray.tangent[index - 1], ray.tangent[index]];
             if here > horizon {
@@ -167,70 +200,69 @@ impl<'a> EchoBins<'a> {
                     false => (here - horizon) / (here - before),
                 };
                 horizon = here;
-                if solid_m.is_some() {
-                    self.add_echo(ray, index, weight * visible, of_solid);
+                if solid.is_some() {
+                    let echo = weight * visible * ray.echo_m[index];
+                    self.add_echo([places[index - 1], places[index]], echo, of_solid);
                 }
             }
         }
-        if let Some([first_m, last_m]) = solid_m {
-            let end_m = last_m.max(horizon * altitude_m);
+        if let Some([first, last]) = solid {
+            let end_m = ray.out_m[last].max(horizon * altitude_m);
             // What is seen within was added; from where the last step of the bottom was seen on nothing is.
+            let ranges_m = [ray.out_m[first], end_m]
+                .map(|out_m| (out_m * out_m + altitude_m * altitude_m).sqrt());
             self.hide(
-                [first_m, end_m].map(|out_m| slant_m(out_m, altitude_m)),
+                ranges_m.map(|range_m| (range_m - self.from_m) * self.per_m),
                 weight,
             );
         }
     }
 
-    /// Adds the echo of a step.
-    fn add_echo(&mut self, ray: &ShapeRay, index: usize, weight: f64, of_solid: bool) {
-        let [from_m, to_m] = [ray.slant_m[index - 1], ray.slant_m[index]];
-        let (near_m, width_m) = (from_m.min(to_m), (to_m - from_m).abs().max(1e-6));
-        let echo = weight * ray.echo_m[index] / width_m;
-        let overlap = self.overlap([near_m, near_m + width_m]);
+    /// Adds the echo of a step between two places, counted in bins.
+    fn add_echo(&mut self, [one, other]: [f32; 2], echo: f32, of_solid: bool) {
+        let (from, to) = (one.min(other), one.max(other));
+        let Some([first, last]) = self.write([from, to]) else {
+            return;
+        };
         let into = match of_solid {
             true => &mut *self.object,
             false => &mut *self.bottom,
         };
-        overlap.each(|bin, share| into[bin] += (echo * share) as f32);
-    }
-
-    /// Takes the bottom away between two slant ranges.
-    fn hide(&mut self, ranges_m: [f64; 2], weight: f64) {
-        let overlap = self.overlap(ranges_m);
-        overlap.each(|bin, share| self.bottom[bin] -= (weight * share) as f32);
-    }
-
-    /// The bins between two slant ranges, which count as written.
-    fn overlap(&mut self, ranges_m: [f64; 2]) -> RangeOverlap {
-        let per_m = self.look.step_m.recip();
-        let [from, to] = ranges_m.map(|range_m| (range_m - self.look.from_m) * per_m);
-        let (from, to) = (from.max(0.0), to.min(self.look.bins as f64));
-        let bins = match from < to {
-            true => from as usize..(to as usize + 1).min(self.look.bins),
-            false => 0..0,
-        };
-        if !bins.is_empty() {
-            self.written.start = self.written.start.min(bins.start);
-            self.written.end = self.written.end.max(bins.end);
+        let per_bin = echo * self.per_m;
+        let is_in_one = first == last && from >= 0.0 && to <= (last + 1) as f32;
+        match is_in_one {
+            true => into[first] += per_bin,
+            false => {
+                let each = per_bin / (to - from).max(1e-6 * self.per_m);
+                add_shares(into, [first, last], [from, to], each);
+            }
         }
-        RangeOverlap { from, to, bins }
+    }
+
+    /// Takes the bottom away between two places, counted in bins.
+    fn hide(&mut self, [from, to]: [f32; 2], weight: f32) {
+        if let (true, Some(span)) = (from < to, self.write([from, to])) {
+            add_shares(self.bottom, span, [from, to], -weight);
+        }
+    }
+
+    /// The first and the last bin between two places, which count as written; `None` where there are none.
+    fn write(&mut self, [from, to]: [f32; 2]) -> Option<[usize; 2]> {
+        let count = self.bottom.len();
+        let is_within = to > 0.0 && from < count as f32;
+        is_within.then(|| {
+            let (first, last) = (from.max(0.0) as usize, (to as usize).min(count - 1));
+            self.written.start = self.written.start.min(first);
+            self.written.end = self.written.end.max(last + 1);
+            [first, last]
+        })
     }
 }
 
-/// A stretch of ranges that begins and ends within bins.
-struct RangeOverlap {
-    from: f64,
-    to: f64,
-    bins: Range<usize>,
-}
-
-impl RangeOverlap {
-    /// Calls for each bin with the share of it that the stretch overlaps.
-    fn each(self, mut add: impl FnMut(usize, f64)) {
-        for bin in self.bins {
-            let share = self.to.min(bin as f64 + 1.0) - self.from.max(bin as f64);
-            add(bin, share.max(0.0));
-        }
+/// Adds a value to some bins, to each the share of it that lies between two places.
+fn add_shares(bins: &mut [f32], [first, last]: [usize; 2], [from, to]: [f32; 2], value: f32) {
+    for (bin, into) in bins[first..=last].iter_mut().enumerate() {
+        let bin = (first + bin) as f32;
+        *into += value * (to.min(bin + 1.0) - from.max(bin)).max(0.0);
     }
 }

@@ -1,6 +1,10 @@
 //! Solids that objects are like, as heights above the bottom.
 
 use crate::support::named::named;
+use std::array::from_fn;
+
+/// Places that are computed together.
+pub(super) const LANES: usize = 8;
 
 /// What an object is like by its shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -86,10 +90,10 @@ pub(crate) struct Solid {
 }
 
 /// Middle of a tyre's ring and half of its thickness, in outer radii: a car's tyre is 0.6 m wide around a rim of 0.4 m at most.
-const RING: [f64; 2] = [0.68, 0.32];
+const RING: [f32; 2] = [0.68, 0.32];
 /// Thickness of a boat's side with what is fastened to it, metres, and the height of its floor, with the mud on it, as a share of the side's.
-const SIDE_M: f64 = 0.1;
-const FLOOR: f64 = 0.3;
+const SIDE_M: f32 = 0.1;
+const FLOOR: f32 = 0.3;
 
 impl Solid {
     /// Radius of the circle that holds it, metres.
@@ -100,13 +104,13 @@ impl Solid {
     /// Height above the bottom, metres, at a place so far along its length (a boat's bow ahead) and across it (to starboard) from its middle;
     /// 0 beside it.
     pub(crate) fn height_at_m(&self, along_m: f64, across_m: f64) -> f64 {
-        let mut height_m = [0.0];
+        let mut height_m = [0.0_f32];
         self.heights_m([along_m, across_m], [0.0; 2], &mut height_m);
-        height_m[0]
+        f64::from(height_m[0])
     }
 
     /// Writes the same of places in a row, each a step along and across from the one before.
-    pub(super) fn heights_m(&self, first_m: [f64; 2], step_m: [f64; 2], into: &mut [f64]) {
+    pub(super) fn heights_m(&self, first_m: [f64; 2], step_m: [f64; 2], into: &mut [f32]) {
         // One loop a kind: a choice at every place would keep several from being computed at once.
         match self.kind {
             ShapeKind::Block => self.fill(first_m, step_m, into, |_, _| 1.0),
@@ -129,18 +133,27 @@ impl Solid {
         &self,
         first_m: [f64; 2],
         step_m: [f64; 2],
-        into: &mut [f64],
-        upright: impl Fn(f64, f64) -> f64,
+        into: &mut [f32],
+        upright: impl Fn(f32, f32) -> f32,
     ) {
         let half_m = self.half_m();
-        let [u0, v0] = [0, 1].map(|axis| first_m[axis] / half_m[axis]);
-        let [du, dv] = [0, 1].map(|axis| step_m[axis] / half_m[axis]);
-        let middle_m = self.height_m / (1.0 + self.list.abs());
-        for (step, height_m) in into.iter_mut().enumerate() {
-            let (u, v) = (u0 + du * step as f64, v0 + dv * step as f64);
-            let over_m = middle_m * upright(u, v) * (1.0 + self.list * v);
+        let [u0, v0] = [0, 1].map(|axis| (first_m[axis] / half_m[axis]) as f32);
+        let [du, dv] = [0, 1].map(|axis| (step_m[axis] / half_m[axis]) as f32);
+        let list = self.list as f32;
+        let middle_m = self.height_m as f32 / (1.0 + list.abs());
+        let at = |step: usize| {
+            let (u, v) = (u0 + du * step as f32, v0 + dv * step as f32);
+            let over_m = middle_m * upright(u, v) * (1.0 + list * v);
             let is_over = u.abs() <= 1.0 && v.abs() <= 1.0;
-            *height_m = if is_over { over_m } else { 0.0 };
+            if is_over { over_m } else { 0.0 }
+        };
+        let (together, rest) = into.as_chunks_mut::<LANES>();
+        let first_of_rest = LANES * together.len();
+        for (index, heights_m) in together.iter_mut().enumerate() {
+            *heights_m = from_fn(|lane| at(LANES * index + lane));
+        }
+        for (lane, height_m) in rest.iter_mut().enumerate() {
+            *height_m = at(first_of_rest + lane);
         }
     }
 
@@ -163,9 +176,9 @@ impl Solid {
         [0.5 * self.length_m, 0.5 * self.width_m]
     }
 
-    fn open_hull(&self, u: f64, v: f64) -> f64 {
-        let across_m = 0.5 * self.width_m * (boat_outline(u) - v.abs());
-        let along_m = 0.5 * self.length_m * (1.0 - u.abs());
+    fn open_hull(&self, u: f32, v: f32) -> f32 {
+        let across_m = 0.5 * self.width_m as f32 * (boat_outline(u) - v.abs());
+        let along_m = 0.5 * self.length_m as f32 * (1.0 - u.abs());
         match across_m.min(along_m) {
             inside_m if inside_m < 0.0 => 0.0,
             inside_m if inside_m < SIDE_M => 1.0,
@@ -190,7 +203,7 @@ impl Solid {
         let round = (0..=POINTS).map(|point| {
             let (sin, cos) = (std::f64::consts::TAU * point as f64 / POINTS as f64).sin_cos();
             let half = match self.kind.is_boat() {
-                true => boat_outline(cos).copysign(sin),
+                true => f64::from(boat_outline(cos as f32)).copysign(sin),
                 false => sin,
             };
             [cos * length_m, half * width_m]
@@ -201,7 +214,7 @@ impl Solid {
 
 /// Half of a boat's width at a place along it in half lengths, the bow at 1, as a share of the greatest: a transom, and a bow that is not
 /// quite pointed.
-fn boat_outline(u: f64) -> f64 {
+fn boat_outline(u: f32) -> f32 {
     match u < 0.0 {
         true => 1.0 - 0.25 * u * u,
         false => (1.0 - u * u * (0.3 + 0.7 * u)).max(1e-6),
@@ -209,7 +222,7 @@ fn boat_outline(u: f64) -> f64 {
 }
 
 /// Upper half of a round section that lies on the bottom: 1 in the middle, one half at its sides, 0 beyond.
-fn lying_round(offset: f64) -> f64 {
+fn lying_round(offset: f32) -> f32 {
     match offset.abs() < 1.0 {
         true => 0.5 + 0.5 * (1.0 - offset * offset).sqrt(),
         false => 0.0,
@@ -256,14 +269,17 @@ mod tests {
     #[test]
     fn a_tyre_has_a_hole_and_an_open_boat_a_floor() {
         assert_eq!(solid(ShapeKind::Tyre).height_at_m(0.0, 0.0), 0.0);
-        assert_eq!(solid(ShapeKind::Hull).height_at_m(0.0, 0.0), FLOOR);
+        assert_eq!(
+            solid(ShapeKind::Hull).height_at_m(0.0, 0.0),
+            f64::from(FLOOR)
+        );
         assert_eq!(solid(ShapeKind::UpturnedHull).height_at_m(0.0, 0.0), 1.0);
         let listing = Solid {
             list: 0.2,
             ..solid(ShapeKind::Hull)
         };
         let sides = [0.95, -0.95].map(|across_m| listing.height_at_m(0.0, across_m));
-        assert!((sides[0] / sides[1] - 1.19 / 0.81).abs() < 1e-9);
+        assert!((sides[0] / sides[1] - 1.19 / 0.81).abs() < 1e-6);
         // The bow is ahead, and narrower than the stern.
         let hull = solid(ShapeKind::Hull);
         assert_eq!(hull.height_at_m(1.8, 0.6), 0.0);
