@@ -4,7 +4,8 @@
 //! It uses `support`.
 //!
 //! `screen` refuses what could harm before anything is computed, `constants` what would grow while it is compiled, `cost` what would take
-//! too much to run. `tract` compiles and runs (behind `backend`, so that another may come), convolutions of 3 x 3 by `winograd`. `guard`
+//! too much to run. `tract` compiles and runs (behind `backend`, so that another may come), convolutions of 3 x 3 by `winograd` and maxima
+//! by `max_pool`. `guard`
 //! keeps failures and endless work to themselves. `family` infers from the outputs' shapes how boxes are written; `sidecar` (the JSON file
 //! next to the model) and `metadata` (inside it) state the rest. `input` makes the numbers that the network takes. `calibration` turns a
 //! network's confidence into the share of such boxes that are right. `shipped` is the model that comes with the program.
@@ -15,10 +16,11 @@ mod constants;
 mod cost;
 mod error;
 mod family;
-mod fast_convolutions;
+mod fast_layers;
 mod guard;
 mod input;
 mod load;
+mod max_pool;
 mod metadata;
 mod screen;
 mod shipped;

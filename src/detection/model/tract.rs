@@ -1,9 +1,9 @@
 //! Networks run by tract, in pure Rust. Beside it only `screen`, `constants` and `cost` name it, which look at the
-//! same graph before it is compiled or run, and `fast_convolutions`, which replaces layers of it.
+//! same graph before it is compiled or run, and `fast_layers`, which replaces layers of it.
 
 use super::constants::check_constants;
 use super::cost::check_cost;
-use super::fast_convolutions::replace_convolutions;
+use super::fast_layers::replace_layers;
 use super::screen::Declared;
 use super::{Inference, Output, Unusable};
 use crate::support::catch_panic::catch_panic;
@@ -76,7 +76,7 @@ fn parsed(
 
 fn runnable(model: TypedModel) -> TractResult<Arc<TypedRunnableModel>> {
     let mut model = model.into_decluttered()?;
-    replace_convolutions(&mut model)?;
+    replace_layers(&mut model)?;
     model.into_optimized()?.into_runnable()
 }
 

@@ -77,6 +77,11 @@ impl Convolution {
         POINTS * inputs * outputs
     }
 
+    /// Numbers that it keeps.
+    pub(super) fn weights(&self) -> usize {
+        self.weights.len()
+    }
+
     /// Channels, rows and columns of the output.
     pub(super) fn output_shape(&self) -> [usize; 3] {
         [self.channels[1], self.size[0], self.size[1]]
@@ -84,6 +89,15 @@ impl Convolution {
 
     /// Runs it over a picture, channel by channel and row by row.
     pub(super) fn run(&self, input: &[f32]) -> Vec<f32> {
+        pulp::Arch::new().dispatch(Run {
+            convolution: self,
+            input,
+        })
+    }
+
+    /// The same; inlined with all that it calls where the compiler may use what the processor has.
+    #[inline(always)]
+    fn run_inlined(&self, input: &[f32]) -> Vec<f32> {
         let padded = self.padded(input);
         let [height, width] = self.size;
         let [inputs, outputs] = self.channels;
@@ -113,6 +127,7 @@ impl Convolution {
     }
 
     /// The picture with its border, pixel by pixel, the channels of a pixel together.
+    #[inline(always)]
     fn padded(&self, input: &[f32]) -> Vec<Lane> {
         let [height, width] = self.size;
         let lanes = self.channels[0] / LANES;
@@ -132,6 +147,7 @@ impl Convolution {
     }
 
     /// Writes the points of one tile, the `tile`th of at most `most`.
+    #[inline(always)]
     fn transform_input(
         &self,
         padded: &[Lane],
@@ -144,9 +160,13 @@ impl Convolution {
         for lane in 0..lanes {
             let at =
                 |i, j| &padded[((OUTPUT * row + i) * across + OUTPUT * column + j) * lanes + lane];
-            let columns: [[Lane; INPUT]; INPUT] = from_fn(|j| six_points(from_fn(|i| at(i, j))));
+            let mut columns = [[[0.0; LANES]; INPUT]; INPUT];
+            for (j, column) in columns.iter_mut().enumerate() {
+                *column = six_points([at(0, j), at(1, j), at(2, j), at(3, j), at(4, j), at(5, j)]);
+            }
+            let [c0, c1, c2, c3, c4, c5] = &columns;
             for i in 0..INPUT {
-                let row_points = six_points(from_fn(|j| &columns[j][i]));
+                let row_points = six_points([&c0[i], &c1[i], &c2[i], &c3[i], &c4[i], &c5[i]]);
                 for (j, point) in row_points.into_iter().enumerate() {
                     points[((i * INPUT + j) * most + tile) * lanes + lane] = point;
                 }
@@ -173,6 +193,7 @@ impl Convolution {
     }
 
     /// Writes the output of one tile.
+    #[inline(always)]
     fn write_output(
         &self,
         points: &[Lane],
@@ -184,9 +205,15 @@ impl Convolution {
         let [height, width] = self.size;
         for lane in 0..lanes {
             let at = |i, j| &points[((i * INPUT + j) * most + tile) * lanes + lane];
-            let columns: [[Lane; OUTPUT]; INPUT] = from_fn(|j| four_values(from_fn(|i| at(i, j))));
-            let rows: [[Lane; OUTPUT]; OUTPUT] =
-                from_fn(|i| four_values(from_fn(|j| &columns[j][i])));
+            let mut columns = [[[0.0; LANES]; OUTPUT]; INPUT];
+            for (j, column) in columns.iter_mut().enumerate() {
+                *column = four_values([at(0, j), at(1, j), at(2, j), at(3, j), at(4, j), at(5, j)]);
+            }
+            let [c0, c1, c2, c3, c4, c5] = &columns;
+            let mut rows = [[[0.0; LANES]; OUTPUT]; OUTPUT];
+            for (i, row) in rows.iter_mut().enumerate() {
+                *row = four_values([&c0[i], &c1[i], &c2[i], &c3[i], &c4[i], &c5[i]]);
+            }
             let (y, x) = (OUTPUT * row, OUTPUT * column);
             for (i, values) in rows.iter().enumerate().take(height - y) {
                 for (j, value) in values.iter().enumerate().take(width - x) {
@@ -197,6 +224,21 @@ impl Convolution {
                 }
             }
         }
+    }
+}
+
+/// A run of a convolution, which is compiled for each kind of processor.
+struct Run<'a> {
+    convolution: &'a Convolution,
+    input: &'a [f32],
+}
+
+impl pulp::WithSimd for Run<'_> {
+    type Output = Vec<f32>;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Vec<f32> {
+        self.convolution.run_inlined(self.input)
     }
 }
 
@@ -248,7 +290,16 @@ fn four_values([m0, m1, m2, m3, m4, m5]: [&Lane; INPUT]) -> [Lane; OUTPUT] {
 /// Computes each channel by itself.
 #[inline(always)]
 fn each<const N: usize>(from: [&Lane; N], compute: impl Fn([f32; N]) -> f32) -> Lane {
-    from_fn(|c| compute(from.map(|lane| lane[c])))
+    // Loops and no closures, which the compiler may leave out of line, where it may not use what the processor has.
+    let mut into = [0.0; LANES];
+    for (c, into) in into.iter_mut().enumerate() {
+        let mut values = [0.0; N];
+        for (value, lane) in values.iter_mut().zip(&from) {
+            *value = lane[c];
+        }
+        *into = compute(values);
+    }
+    into
 }
 
 #[cfg(test)]

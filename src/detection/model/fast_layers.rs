@@ -1,0 +1,213 @@
+//! Puts layers of our own in the place of those of a network that tract computes slowly: convolutions of 3 x 3 ([`Convolution`]) and
+//! maxima over windows ([`max_pool`]).
+
+use super::max_pool::{PoolAxis, max_pool};
+use super::winograd::Convolution;
+use std::fmt;
+use std::sync::Arc;
+use tract_onnx::tract_core::internal::*;
+use tract_onnx::tract_core::ops::cnn::{Conv, KernelFormat, MaxPool, PoolSpec};
+use tract_onnx::tract_core::ops::nn::DataFormat;
+
+/// Numbers that all of them keep at most, 128 MiB: they are four times the weights. Layers over that stay as they are.
+const MOST_WEIGHTS: usize = 1 << 25;
+
+/// Replaces layers in the order of the network.
+pub(super) fn replace_layers(model: &mut TypedModel) -> TractResult<()> {
+    let mut left = MOST_WEIGHTS;
+    for node in model.eval_order()? {
+        let node = model.node(node);
+        let layer = match convolution(model, node, left)? {
+            Some(layer) => Some(layer),
+            None => pool(model, node)?,
+        };
+        let Some(layer) = layer else {
+            continue;
+        };
+        left -= layer.weights();
+        let input = &node.inputs[..1];
+        TypedModelPatch::replace_single_op(model, node, input, layer)?.apply(model)?;
+    }
+    Ok(())
+}
+
+/// The fast layer for a node; `None` where the node is no convolution of the kind, or the layer would keep more than `most` numbers.
+fn convolution(
+    model: &TypedModel,
+    node: &TypedNode,
+    most: usize,
+) -> TractResult<Option<FastLayer>> {
+    let Some(conv) = node.op_as::<Conv>().filter(|conv| is_of_the_kind(conv)) else {
+        return Ok(None);
+    };
+    let [input, weights, bias] = &model.node_input_facts(node.id)?[..] else {
+        return Ok(None);
+    };
+    let (Some([_, height, width]), Some(weights), Some(bias)) =
+        (picture(&conv.pool_spec, input), &weights.konst, &bias.konst)
+    else {
+        return Ok(None);
+    };
+    if !pads_by_one(&conv.pool_spec, [height, width]) {
+        return Ok(None);
+    }
+    let channels = [
+        conv.pool_spec.input_channels,
+        conv.pool_spec.output_channels,
+    ];
+    let are_f32 = [weights, bias]
+        .iter()
+        .all(|constant| constant.datum_type() == f32::datum_type());
+    if !are_f32 || Convolution::weights_of(channels) > most {
+        return Ok(None);
+    }
+    let bias = bias.try_as_plain_ram()?.as_slice::<f32>()?;
+    let bias = match bias {
+        [one] => vec![*one; channels[1]],
+        each => each.to_vec(),
+    };
+    let weights = weights.try_as_plain_ram()?.as_slice::<f32>()?;
+    let convolution = Convolution::new(weights, &bias, channels, [height, width]);
+    let with_batch = conv.pool_spec.data_format.has_n();
+    Ok(convolution.map(|convolution| FastLayer {
+        shape: shape(with_batch, convolution.output_shape()),
+        computation: Arc::new(Computation::Convolution(convolution)),
+    }))
+}
+
+/// The same for maxima over windows.
+fn pool(model: &TypedModel, node: &TypedNode) -> TractResult<Option<FastLayer>> {
+    let Some(pool) = node.op_as::<MaxPool>() else {
+        return Ok(None);
+    };
+    let spec = &pool.pool_spec;
+    let input = model.node_input_facts(node.id)?[0];
+    let is_of_the_kind = pool.with_index_outputs.is_none()
+        && spec.kernel_shape.len() == 2
+        && spec.dilations().iter().all(|step| *step == 1);
+    let (Some([channels, height, width]), true) = (picture(spec, input), is_of_the_kind) else {
+        return Ok(None);
+    };
+    let padding = spec.computed_padding(&[height, width]);
+    let axes = [0, 1].map(|axis| PoolAxis {
+        from: padding[axis].deconvoluted,
+        into: padding[axis].convoluted,
+        window: spec.kernel_shape[axis],
+        step: spec.stride(axis),
+        before: padding[axis].pad_before,
+    });
+    let with_batch = spec.data_format.has_n();
+    Ok(Some(FastLayer {
+        shape: shape(with_batch, [channels, axes[0].into, axes[1].into]),
+        computation: Arc::new(Computation::MaxPool(channels, axes)),
+    }))
+}
+
+/// Channels, rows and columns of a picture of f32, channel by channel; `None` of anything else.
+fn picture(spec: &PoolSpec, input: &TypedFact) -> Option<[usize; 3]> {
+    if input.datum_type != f32::datum_type() {
+        return None;
+    }
+    match (spec.data_format, input.shape.as_concrete()?) {
+        (DataFormat::NCHW, &[1, channels, height, width])
+        | (DataFormat::CHW, &[channels, height, width]) => Some([channels, height, width]),
+        _ => None,
+    }
+}
+
+fn shape(with_batch: bool, shape: [usize; 3]) -> TVec<usize> {
+    let batch = with_batch.then_some(1);
+    batch.into_iter().chain(shape).collect()
+}
+
+/// Whether a layer is 3 x 3 with steps of one.
+fn is_of_the_kind(conv: &Conv) -> bool {
+    let spec = &conv.pool_spec;
+    conv.group == 1
+        && conv.q_params.is_none()
+        && conv.kernel_fmt == KernelFormat::OIHW
+        && spec.kernel_shape[..] == [3, 3]
+        && spec.strides().iter().all(|step| *step == 1)
+        && spec.dilations().iter().all(|step| *step == 1)
+}
+
+/// Whether a picture has a border of one zero.
+fn pads_by_one(spec: &PoolSpec, size: [usize; 2]) -> bool {
+    let padding = spec.computed_padding(&size);
+    padding
+        .iter()
+        .all(|side| (side.pad_before, side.pad_after) == (1, 1))
+}
+
+enum Computation {
+    Convolution(Convolution),
+    MaxPool(usize, [PoolAxis; 2]),
+}
+
+/// The layer in tract's graph.
+#[derive(Clone)]
+struct FastLayer {
+    computation: Arc<Computation>,
+    shape: TVec<usize>,
+}
+
+impl FastLayer {
+    /// Numbers that it keeps.
+    fn weights(&self) -> usize {
+        match &*self.computation {
+            Computation::Convolution(convolution) => convolution.weights(),
+            Computation::MaxPool(..) => 0,
+        }
+    }
+}
+
+impl fmt::Debug for FastLayer {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter
+            .debug_tuple("FastLayer")
+            .field(&self.shape)
+            .finish()
+    }
+}
+
+impl PartialEq for FastLayer {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.computation, &other.computation)
+    }
+}
+
+impl Eq for FastLayer {}
+
+impl Op for FastLayer {
+    fn name(&self) -> StaticName {
+        match &*self.computation {
+            Computation::Convolution(_) => "FastConvolution".into(),
+            Computation::MaxPool(..) => "FastMaxPool".into(),
+        }
+    }
+
+    op_as_typed_op!();
+}
+
+impl EvalOp for FastLayer {
+    op_out_of_plan!();
+
+    fn eval(&self, _ctx: &EvalContext, inputs: TVec<TValue>) -> TractResult<TVec<TValue>> {
+        let input = args_1!(inputs);
+        let input = input.try_as_plain_ram()?.as_slice::<f32>()?;
+        let output = match &*self.computation {
+            Computation::Convolution(convolution) => convolution.run(input),
+            Computation::MaxPool(channels, axes) => max_pool(input, *channels, *axes),
+        };
+        let output = tract_ndarray::ArrayD::from_shape_vec(&self.shape[..], output)?;
+        Ok(tvec!(output.into_tensor().into()))
+    }
+}
+
+impl TypedOp for FastLayer {
+    as_op!();
+
+    fn output_facts(&self, inputs: &[&TypedFact]) -> TractResult<TVec<TypedFact>> {
+        Ok(tvec!(inputs[0].datum_type.fact(&self.shape)))
+    }
+}
