@@ -60,6 +60,33 @@ impl AcrossTrack {
         length(ground_m, altitude_m + deeper_m)
     }
 
+    /// Slant ranges of the bottom at growing distances, metres, from a transducer so high above the bottom under it.
+    pub(crate) fn ranges_m(
+        &self,
+        altitude_m: f64,
+        grounds_m: impl Iterator<Item = f64>,
+    ) -> impl Iterator<Item = f64> {
+        let piece = |node: usize| {
+            let [from_m, to_m] = [node, node + 1].map(|node| self.ground_of(node));
+            let [from, to] = [node, node + 1].map(|node| self.deeper_at(node));
+            ([from_m, to_m], [from, to - from])
+        };
+        let is_level = self.is_level();
+        let (mut node, mut here) = (0, piece(0));
+        grounds_m.map(move |ground_m| {
+            if is_level {
+                return length(ground_m, altitude_m);
+            }
+            while ground_m >= here.0[1] && node + 1 < NODES {
+                node += 1;
+                here = piece(node);
+            }
+            let ([from_m, to_m], [deeper_m, more_m]) = here;
+            let share = ((ground_m - from_m) / (to_m - from_m)).clamp(0.0, 1.0);
+            length(ground_m, altitude_m + (deeper_m + more_m * share))
+        })
+    }
+
     /// Whether it is: most pings of a single pass are, and a mosaic asks for millions of places.
     fn is_level(&self) -> bool {
         self.deeper_m == [0.0; NODES]

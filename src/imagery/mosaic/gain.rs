@@ -283,24 +283,41 @@ impl GainTable {
         out: &mut Vec<f32>,
     ) {
         out.clear();
-        out.extend(samples.map(|sample| {
-            let range_m = ray.range_m(sample as f64 + 0.5);
-            self.at(side, range_m, ray.altitude_m)
-        }));
+        let curves = &self.sides[side as usize];
+        let bins_per_m = self.bins_per_m();
+        let mut from = samples.start;
+        // As long as both curves stay in one piece, nothing has to be looked up.
+        while from < samples.end {
+            let range_m = ray.range_m(from as f64 + 0.5).max(ray.altitude_m);
+            let by_range = CurvePiece::of(&curves.by_range, range_m * bins_per_m - 0.5);
+            let by_angle = CurvePiece::of(&curves.by_angle, angle_place(range_m, ray.altitude_m));
+            let most = (by_angle.end + 0.5) / ANGLE_BINS as f64;
+            let angle_end_m = ray.altitude_m / (1.0 - most * most).max(0.0);
+            let end_m = angle_end_m.min((by_range.end + 0.5) / bins_per_m);
+            let end = first_beyond(ray, end_m).clamp(from + 1, samples.end);
+            out.extend((from..end).map(|sample| {
+                let range_m = ray.range_m(sample as f64 + 0.5).max(ray.altitude_m);
+                let angle = angle_place(range_m, ray.altitude_m);
+                let factor = by_range.at(range_m * bins_per_m - 0.5) * by_angle.at(angle);
+                self.stretch * factor.clamp(FACTORS[0], FACTORS[1])
+            }));
+            from = end;
+        }
+    }
+
+    /// Bins of the curve by range in a metre.
+    fn bins_per_m(&self) -> f64 {
+        RANGE_BINS as f64 / self.far_m
     }
 
     /// The factor at a slant range over ground that lies at an altitude, metres. The water column has that of straight down.
     pub fn factor(&self, side: Side, range_m: f32, altitude_m: f32) -> f32 {
-        self.at(side, f64::from(range_m), f64::from(altitude_m))
-    }
-
-    fn at(&self, side: Side, range_m: f64, altitude_m: f64) -> f32 {
+        let (range_m, altitude_m) = (f64::from(range_m), f64::from(altitude_m));
         let curves = &self.sides[side as usize];
         let range_m = range_m.max(altitude_m);
-        let angle = obliqueness(range_m, altitude_m) * ANGLE_BINS as f64;
-        let bins_per_m = RANGE_BINS as f64 / self.far_m;
-        let factor = between(&curves.by_range, range_m * bins_per_m - 0.5)
-            * between(&curves.by_angle, angle - 0.5);
+        let at = |curve: &[f32], place: f64| CurvePiece::of(curve, place).at(place);
+        let factor = at(&curves.by_range, range_m * self.bins_per_m() - 0.5)
+            * at(&curves.by_angle, angle_place(range_m, altitude_m));
         self.stretch * factor.clamp(FACTORS[0], FACTORS[1])
     }
 
@@ -329,12 +346,49 @@ impl GainTable {
     pub const ANGLES: usize = ANGLE_BINS;
 }
 
-/// The value of a curve at a place counted in bins from the middle of the first; linear between, constant beyond the ends.
-fn between(curve: &[f32], place: f64) -> f32 {
-    let place = place.clamp(0.0, (curve.len() - 1) as f64);
-    let low = (place as usize).min(curve.len() - 2);
-    let share = (place - low as f64) as f32;
-    curve[low] + (curve[low + 1] - curve[low]) * share
+/// Place on the curve by angle, in bins from the middle of the first.
+fn angle_place(range_m: f64, altitude_m: f64) -> f64 {
+    obliqueness(range_m, altitude_m) * ANGLE_BINS as f64 - 0.5
+}
+
+/// A curve between the middles of two bins, where it is linear, or beyond its ends, where it is constant.
+struct CurvePiece {
+    /// Places are counted in bins from the middle of the first.
+    start: f64,
+    end: f64,
+    value: f32,
+    slope: f32,
+}
+
+impl CurvePiece {
+    /// The one that a place lies on.
+    fn of(curve: &[f32], place: f64) -> Self {
+        let last = curve.len() - 1;
+        let constant = |value: f32, end: f64| Self {
+            start: 0.0,
+            end,
+            value,
+            slope: 0.0,
+        };
+        match place {
+            place if place >= last as f64 => constant(curve[last], f64::INFINITY),
+            place if place >= 0.0 => {
+                let low = (place as usize).min(last - 1);
+                Self {
+                    start: low as f64,
+                    end: (low + 1) as f64,
+                    value: curve[low],
+                    slope: curve[low + 1] - curve[low],
+                }
+            }
+            // Of a number that is none, too.
+            _ => constant(curve[0], 0.0),
+        }
+    }
+
+    fn at(&self, place: f64) -> f32 {
+        self.value + self.slope * (place - self.start) as f32
+    }
 }
 
 #[cfg(test)]

@@ -72,12 +72,32 @@ impl MosaicRay {
             return self.sample_at(ground_m);
         }
         let range_m = self.across.range_m(self.under_m, ground_m);
-        // Where the bottom rises from under the boat, its foot is broad and the water above it dark.
-        let least_m = match self.under_m > self.altitude_m {
+        self.sample_at(range_m.max(self.least_m()))
+    }
+
+    /// Replaces `out` with the same of growing distances.
+    pub(super) fn samples_of(
+        &self,
+        grounds_m: impl Iterator<Item = f64>,
+        water_column: bool,
+        out: &mut Vec<f64>,
+    ) {
+        out.clear();
+        if water_column {
+            out.extend(grounds_m.map(|ground_m| self.sample_at(ground_m)));
+            return;
+        }
+        let least_m = self.least_m();
+        let ranges_m = self.across.ranges_m(self.under_m, grounds_m);
+        out.extend(ranges_m.map(|range_m| self.sample_at(range_m.max(least_m))));
+    }
+
+    /// Least slant range that is shown: where the bottom rises from under the boat, its foot is broad and the water above it dark.
+    fn least_m(&self) -> f64 {
+        match self.under_m > self.altitude_m {
             true => self.altitude_m + RISE_M,
             false => 0.0,
-        };
-        self.sample_at(range_m.max(least_m))
+        }
     }
 
     /// The place at a distance on the ground.

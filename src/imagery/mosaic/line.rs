@@ -59,6 +59,7 @@ pub(super) struct MosaicLine {
     factors: Vec<f32>,
     sums: Vec<f32>,
     edges: Vec<f64>,
+    sums_at: Vec<f32>,
 }
 
 impl MosaicLine {
@@ -75,6 +76,7 @@ impl MosaicLine {
             factors: Vec::new(),
             sums: Vec::new(),
             edges: Vec::new(),
+            sums_at: Vec::new(),
         }
     }
 
@@ -112,13 +114,9 @@ impl MosaicLine {
         let first = (step(from - margin_m) as usize).min(reach);
         self.steps = first..(step(to + margin_m).ceil() as usize + 2).min(reach);
         // Places on the ray, counted in samples, of the edges of all cells that are taken the mean of.
-        let edge = |index: usize| {
-            let ground_m = (index as f64 - STEPS as f64 / 2.0).max(0.0) / lines.steps_per_m;
-            ray.sample_of(ground_m, lines.water_column)
-        };
-        self.edges.clear();
-        self.edges
-            .extend((self.steps.start..self.steps.end + STEPS).map(edge));
+        let edges_m = (self.steps.start..self.steps.end + STEPS)
+            .map(|index| (index as f64 - STEPS as f64 / 2.0).max(0.0) / lines.steps_per_m);
+        ray.samples_of(edges_m, lines.water_column, &mut self.edges);
         // Where the bottom rises from under the boat, what is nearest is not the first.
         let [low, high] = ends(self.edges.iter().copied());
         let samples =
@@ -126,14 +124,36 @@ impl MosaicLine {
         if samples.is_empty() || !self.sum_up(lines, place, ray, samples.clone()) {
             return false;
         }
-        let pairs = self.edges.iter().zip(&self.edges[STEPS..]);
-        self.levels.clear();
-        self.levels.extend(pairs.map(|(from, to)| {
-            let offset = samples.start as f64;
-            mean(&self.sums, from - offset, to - offset)
-        }));
+        self.take_means(samples.start as f64);
         self.of = Some(place);
         true
+    }
+
+    /// Takes the mean of each cell between its edges; `first` is the sample that the sums begin with.
+    fn take_means(&mut self, first: f64) {
+        let last = (self.sums.len() - 1) as f64;
+        for edge in &mut self.edges {
+            *edge -= first;
+        }
+        // Each edge is that of two cells.
+        self.sums_at.clear();
+        let held = self.edges.iter().map(|edge| edge.clamp(0.0, last));
+        self.sums_at
+            .extend(held.map(|edge| sum_at(&self.sums, edge)));
+        let edges = self.edges.iter().zip(&self.edges[STEPS..]);
+        let sums_at = self.sums_at.iter().zip(&self.sums_at[STEPS..]);
+        self.levels.clear();
+        self.levels.extend(
+            edges
+                .zip(sums_at)
+                .map(|((&from, &to), (sum_from, sum_to))| {
+                    let middle = 0.5 * (from + to);
+                    match to - from >= 1.0 && middle >= 0.0 && middle <= last {
+                        true => (sum_to - sum_from) / (to.min(last) - from.max(0.0)) as f32,
+                        false => mean(&self.sums, from, to),
+                    }
+                }),
+        );
     }
 
     /// Normalises and sums some samples outward: `sums[n]` is the sum of the first n. False when there are none.
@@ -219,9 +239,11 @@ fn mean(sums: &[f32], from: f64, to: f64) -> f32 {
         return f32::NAN;
     }
     let (from, to) = ((middle - half).max(0.0), (middle + half).min(last));
-    let at = |place: f64| {
-        let low = (place as usize).min(sums.len() - 2);
-        sums[low] + (sums[low + 1] - sums[low]) * (place - low as f64) as f32
-    };
-    (at(to) - at(from)) / (to - from) as f32
+    (sum_at(sums, to) - sum_at(sums, from)) / (to - from) as f32
+}
+
+/// Sum up to a place counted in samples, by the running sums.
+fn sum_at(sums: &[f32], place: f64) -> f32 {
+    let low = (place as usize).min(sums.len() - 2);
+    sums[low] + (sums[low + 1] - sums[low]) * (place - low as f64) as f32
 }
