@@ -8,7 +8,7 @@
 //! 2. Implement [`log_format::LogFormat`] there: `recognise` by content, and read into a `Collected`; the folder of `xtf` is an example.
 //! 3. Add its row to [`table::FORMATS`], at its place in the order of recognition. Nothing else names a format.
 //! 4. Write its test in `tests/suite/formats` with a small writer of the format in `tests/suite/handmade.rs`: whole, cut, damaged.
-//! 5. Run the tests: the one of README.md prints the new table, which goes between its two markers; remove its row in `unsupported`.
+//! 5. Run the tests: they print the table for README.md and the line for the flow of archives. Take its row out of `unsupported`, if it has one.
 //!
 //! `lowrance`, `humminbird` and `xtf` walk over the records of their format, mend what is damaged and give it meaning in SI
 //! units; all three fill one `collected` log, with `clock` to recognise damaged times and `report` to say what was wrong.

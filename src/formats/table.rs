@@ -108,7 +108,9 @@ pub(crate) const FORMATS: &[FormatEntry] = &[
             Carried::Positions,
             Carried::Heading,
         ],
-        tried_on: Some("recordings of both kinds"),
+        tried_on: Some(
+            "recordings of both kinds; those with side-scan hold only noise in it, or were converted",
+        ),
         notes: "side-scan combined or separate port and starboard; `.slg` has no side-scan and cannot be used",
         file_type: Some(FileType {
             mime: "application/x-lowrance-sonar",
@@ -128,7 +130,7 @@ pub(crate) const FORMATS: &[FormatEntry] = &[
             Carried::Positions,
             Carried::Heading,
         ],
-        tried_on: Some("recordings of survey recorders"),
+        tried_on: Some("recordings of side-scan surveys"),
         notes: "8 and 16 bit; Garmin and Raymarine recordings have to be exported first",
         file_type: Some(FileType {
             mime: "application/x-xtf",

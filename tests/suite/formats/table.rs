@@ -1,12 +1,18 @@
-//! The table of formats is what README.md, the commands and the messages say.
+//! The table of formats is what README.md, the flow for archives, the commands and the messages say.
 
 use super::*;
-use crate::formats::{FORMATS, FormatEntry};
+use crate::formats::{FORMATS, FileRole, FormatEntry};
 use crate::suite::cli::run;
 use serde_json::Value;
 
 const BEGIN: &str = "<!-- The table of formats: src/formats/table.rs. A test compares them. -->\n";
 const END: &str = "<!-- The end of the table of formats. -->\n";
+
+/// A file of the project.
+fn text(path: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
+    std::fs::read_to_string(path).expect("a file of the project")
+}
 
 /// A row of the table in README.md.
 fn row(format: &FormatEntry) -> String {
@@ -22,14 +28,26 @@ fn row(format: &FormatEntry) -> String {
 
 #[test]
 fn the_table_in_the_readme_is_that_of_the_program() {
-    let readme = Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md");
-    let readme = std::fs::read_to_string(readme).expect("a README");
+    let readme = text("README.md");
     let (_, after) = readme.split_once(BEGIN).expect("the first marker");
     let (shown, _) = after.split_once(END).expect("the last marker");
     let head = "| recorder | open | carries | tried on | notes |\n|---|---|---|---|---|\n";
     let made = FORMATS.iter().map(row);
     let made = head.to_owned() + &made.collect::<String>();
     assert_eq!(shown, made, "write this between the markers:\n{made}");
+}
+
+#[test]
+fn the_flow_for_archives_opens_the_files_of_every_format() {
+    let endings = FORMATS.iter().flat_map(|format| format.endings);
+    // The parts of a recording are found beside its description.
+    let opened = endings.filter(|(_, role)| *role != FileRole::Part);
+    let names: Vec<String> = opened
+        .map(|(ending, _)| format!("\".{}\"", ending.to_ascii_lowercase()))
+        .collect();
+    let line = format!("\nENDINGS = {{{}}}\n", names.join(", "));
+    let flow = text("assets/archive/Snakefile");
+    assert!(flow.contains(&line), "write this into the Snakefile:{line}");
 }
 
 #[test]
