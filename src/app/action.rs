@@ -1,5 +1,8 @@
 //! The command table: one place for names, hints and keys; menus, palette, key handling and F1 read it.
 
+use crate::formats::formats_to_open;
+use std::sync::LazyLock;
+
 /// A key combination, as text that the window turns into its own key type: `Ctrl+Shift+Z`, `[`, `F11`.
 pub(crate) type Keys = &'static str;
 
@@ -25,8 +28,8 @@ macro_rules! actions {
                 match self { $(Action::$variant => $keys,)* }
             }
 
-            /// What it does, in a sentence.
-            pub(crate) fn hint(self) -> &'static str {
+            /// What it does, without what is known only at run time.
+            fn plain_hint(self) -> &'static str {
                 match self { $(Action::$variant => $hint,)* }
             }
         }
@@ -34,7 +37,7 @@ macro_rules! actions {
 }
 
 actions! {
-    Open, "Open survey…", Some("Ctrl+O"), "Opens one log, or several logs as one survey: SL2, SL3, Humminbird DAT or SON, XTF.";
+    Open, "Open survey…", Some("Ctrl+O"), "Opens one log, or several logs as one survey.";
     AddLog, "Add survey…", Some("Ctrl+Shift+O"), "Adds a log to those that are open: one map, one cloud, one set of products.";
     CloseLog, "Close this log", Some("Ctrl+W"), "Closes the log in the waterfall; the other logs stay open, and undo opens it again.";
     NextLog, "Next log", Some("Ctrl+PageDown"), "Shows the next log of the list in waterfall, profile and panels.";
@@ -216,6 +219,18 @@ actions! {
 }
 
 impl Action {
+    /// What it does, in a sentence.
+    pub(crate) fn hint(self) -> &'static str {
+        static OPEN: LazyLock<String> = LazyLock::new(|| {
+            let plain = Action::Open.plain_hint().trim_end_matches('.');
+            format!("{plain}: {}.", formats_to_open())
+        });
+        match self {
+            Action::Open => &OPEN,
+            _ => self.plain_hint(),
+        }
+    }
+
     /// A second key for it, where other programs have another one for the same, or the key is another one on many keyboards.
     pub(crate) fn second_key(self) -> Option<Keys> {
         match self {

@@ -1,6 +1,6 @@
 //! `bathyscope info`: what is in a log.
 
-use super::{Failure, output};
+use super::{Failure, formats_list, output};
 use crate::formats;
 use crate::sonar::calibration::header_scale;
 use crate::support::calendar;
@@ -9,26 +9,33 @@ use crate::survey::{Channel, SideScanState, Survey};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-/// `bathyscope info SURVEY [--json]`.
+/// `bathyscope info SURVEY [--json]`, `bathyscope info --formats [--json]`.
 #[derive(Debug, clap::Args)]
 pub(super) struct InfoArgs {
     /// The log to look into, or a folder of logs to list
-    survey: PathBuf,
+    #[arg(required_unless_present = "formats")]
+    survey: Option<PathBuf>,
+    /// List the formats of logs that can be read
+    #[arg(long, conflicts_with = "survey")]
+    formats: bool,
     /// Print JSON for scripts
     #[arg(long)]
     json: bool,
 }
 
-/// Prints the summary of a log, or a line for each log of a folder.
+/// Prints the summary of a log, a line for each log of a folder, or the formats.
 pub(super) fn run(args: InfoArgs) -> Result<(), Failure> {
-    let logs = formats::logs_in(&args.survey);
+    let Some(survey) = &args.survey else {
+        return formats_list::print(args.json);
+    };
+    let logs = formats::logs_in(survey);
     if logs.len() > 1 {
         return match args.json {
             true => output::results(format_args!("{:#}", list_to_json(&logs))),
-            false => output::results(list_to_text(&args.survey, &logs)),
+            false => output::results(list_to_text(survey, &logs)),
         };
     }
-    let survey = formats::open(&args.survey, &Progress::new())?;
+    let survey = formats::open(survey, &Progress::new())?;
     if args.json {
         output::json(&to_json(&survey))
     } else {

@@ -19,6 +19,7 @@ mod failure;
 mod film;
 mod filter;
 mod folders;
+mod formats_list;
 mod info;
 mod manual;
 mod many;
@@ -48,6 +49,7 @@ pub use dataset::known_objects;
 
 pub use crate::support::catch_panic::is_to_be_printed;
 
+use crate::formats::formats_to_open;
 use crate::pipeline::settings::slips;
 use crate::support::catch_panic::panic_as_error;
 use clap::error::ErrorKind;
@@ -63,7 +65,7 @@ const LONGEST_TEXT: u64 = 1 << 20;
 #[derive(Debug, Parser)]
 #[command(name = "bathyscope", version, args_conflicts_with_subcommands = true)]
 struct Cli {
-    /// Logs to open in Bathyscope: SL2, SL3, Humminbird DAT, folder or SON, XTF
+    #[arg(help = format!("Logs to open in Bathyscope, files or folders: {}", formats_to_open()))]
     surveys: Vec<PathBuf>,
 
     /// Open the bundled demo survey; without a display, process it into bathyscope-out

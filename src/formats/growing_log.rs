@@ -5,6 +5,7 @@
 //! log itself is only ever read.
 
 use super::map;
+use super::table::{FileRole, role_by_name};
 use crate::support::progress::{Cancelled, Progress};
 use crate::support::regular_file;
 use crate::survey::{Bytes, Survey};
@@ -18,7 +19,7 @@ use std::time::SystemTime;
 const COMPARED: u64 = 4096;
 /// Bytes copied between two looks at whether the work was cancelled.
 const CHUNK: u64 = 1 << 20;
-/// The description of a recording (Humminbird DAT) is small and written anew.
+/// The description of a recording of several files is small and written anew.
 const LONGEST_DESCRIPTION: u64 = 1 << 17;
 
 /// Why a log cannot be followed any further. What was read of it stays.
@@ -126,11 +127,11 @@ impl GrowingLog {
         progress: &Progress,
     ) -> Result<Self, GrowingError> {
         let mut paths: Vec<PathBuf> = known.iter().map(|(path, _)| path.clone()).collect();
-        for (path, _) in known.iter().filter(|(path, _)| has_ending(path, "son")) {
+        for (path, _) in known.iter().filter(|(path, _)| is_part(path)) {
             let siblings = std::fs::read_dir(path.parent().unwrap_or(Path::new(".")));
             let siblings = siblings.into_iter().flatten().flatten();
             let siblings = siblings.map(|entry| entry.path());
-            let new = siblings.filter(|path| has_ending(path, "son") && !paths.contains(path));
+            let new = siblings.filter(|new| has_ending_of(new, path) && !paths.contains(new));
             let mut new: Vec<PathBuf> = new.collect();
             new.sort();
             paths.extend(new);
@@ -176,7 +177,7 @@ impl GrowingLog {
 
 impl GrowingFile {
     fn new(path: &Path) -> Result<Self, GrowingError> {
-        let copied = match has_ending(path, "dat") {
+        let copied = match role_by_name(path) == Some(FileRole::Description) {
             true => Copied::Whole(Arc::default()),
             false => Copied::Log {
                 copy: tempfile::tempfile().map_err(|source| GrowingError::NoRoom { source })?,
@@ -308,9 +309,14 @@ fn part(file: &mut (impl Read + io::Seek), from: u64, length: u64) -> io::Result
     Ok(bytes)
 }
 
-fn has_ending(path: &Path, ending: &str) -> bool {
-    path.extension()
-        .is_some_and(|found| found.eq_ignore_ascii_case(ending))
+/// Whether other files of the recording may come beside it.
+fn is_part(path: &Path) -> bool {
+    role_by_name(path) == Some(FileRole::Part)
+}
+
+fn has_ending_of(path: &Path, other: &Path) -> bool {
+    let endings = path.extension().zip(other.extension());
+    endings.is_some_and(|(one, other)| one.eq_ignore_ascii_case(other))
 }
 
 #[cfg(test)]

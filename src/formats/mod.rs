@@ -3,10 +3,17 @@
 //! In: files of recorders, instruments and other programs. Out: surveys, tracks, water levels, areas, points and rasters; and the bytes of the formats that are also written.
 //! It uses `survey` and `support`.
 //!
+//! To add a format of recorders' logs:
+//! 1. Make a folder of its own here, whose `mod.rs` names in its comment where the facts come from; add its `mod` line below.
+//! 2. Implement [`log_format::LogFormat`] there: `recognise` by content, and read into a `Collected`; the folder of `xtf` is an example.
+//! 3. Add its row to [`table::FORMATS`], at its place in the order of recognition. Nothing else names a format.
+//! 4. Write its test in `tests/suite/formats` with a small writer of the format in `tests/suite/handmade.rs`: whole, cut, damaged.
+//! 5. Run the tests: they print the table for README.md and the line for the flow of archives. Take its row out of `unsupported`, if it has one.
+//!
 //! `lowrance`, `humminbird` and `xtf` walk over the records of their format, mend what is damaged and give it meaning in SI
 //! units; all three fill one `collected` log, with `clock` to recognise damaged times and `report` to say what was wrong.
 //! `reading` says which part of a log is read: the tail of one that is being written is read as a log of its own. `assemble` turns what was read into the survey: `join` pairs the sides, `depths` chooses the soundings, `stray` leaves out positions that cannot be. `file_source` and `map` bring
-//! the bytes, `removable` loads a log on a card into memory, `growing_log` copies one that is being written as it comes, `unsupported` recognises formats that are not read. `track_file` reads
+//! the bytes, `removable` loads a log on a card into memory, `growing_log` copies one that is being written as it comes, `unsupported` recognises formats that are not read, `table` lists those that are. `track_file` reads
 //! the track of another receiver, `gauge_file` the height of the water, `area_file` a polygon of water, `reference` whatever a survey is compared with, `points` and `geotiff` what other programs say of depths; both also lay out what is written so, as `parquet_table` does tables of columns.
 
 mod area_file;
@@ -22,6 +29,7 @@ mod gpx;
 mod growing_log;
 pub(crate) mod humminbird;
 mod join;
+mod log_format;
 pub(crate) mod lowrance;
 mod map;
 pub(crate) mod parquet_table;
@@ -32,6 +40,7 @@ mod removable;
 mod report;
 mod scalar;
 mod stray;
+mod table;
 mod track_file;
 mod unsupported;
 mod xml;
@@ -43,19 +52,20 @@ pub(crate) use growing_log::{GrowingError, GrowingLog};
 pub(crate) use reference::{ReferenceError, ReferenceFile, open_reference};
 pub(crate) use removable::load_removable_into_memory;
 pub(crate) use scalar::ByteOrder;
+pub(crate) use table::{
+    FORMATS, FileRole, FormatEntry, endings_to_show, formats_to_open, role_by_name,
+};
 pub(crate) use track_file::{TrackError, TrackFile};
 
 use crate::support::progress::Progress;
 use crate::survey::{Bytes, Seam, Source, Survey};
 use file_source::FileSource;
+use log_format::ReadRecording;
 use reading::Reading;
 use std::path::{Path, PathBuf};
 
 #[cfg(target_endian = "big")]
 compile_error!("the raw records of the readers are laid over little-endian bytes");
-
-/// The formats that are tried, in words.
-const LOOKED_FOR: &str = "looked for Lowrance SL2 and SL3, Humminbird DAT and SON, XTF";
 
 /// Why a log cannot be opened. Each sentence says what is wrong, where, and what to do.
 #[derive(Debug, thiserror::Error)]
@@ -125,7 +135,8 @@ impl Opened {
     }
 }
 
-/// Opens a log: an SL2 or SL3 file, a Humminbird DAT, folder or SON, an XTF file. The file is only ever read.
+/// Opens a log of any format that is read, a file or the folder of a recording of several files: README.md lists them. The files are only
+/// ever read.
 ///
 /// # Errors
 /// When the files cannot be read or are no log; the error names the file.
@@ -244,14 +255,12 @@ fn open_folder(
     reading: &Reading<'_>,
     progress: &Progress,
 ) -> Result<Survey, OpenError> {
-    if let Some(recording) = humminbird::find_in_folder(files, folder) {
-        return humminbird::read(recording, reading, progress);
+    let mut formats = FORMATS.iter();
+    if let Some(read) = formats.find_map(|format| format.reader.recognise_folder(files, folder)) {
+        return read(reading, progress);
     }
     match logs_on(files, folder).as_slice() {
-        [] => Err(not_recognised(
-            folder,
-            "a folder without a log; looked for Lowrance SL2 and SL3, Humminbird DAT and SON, XTF",
-        )),
+        [] => Err(not_recognised(folder, table::looked_for_in_folder())),
         [log] => open_on(files, log, reading, progress),
         logs => {
             let name = |log: &PathBuf| {
@@ -282,18 +291,15 @@ pub(crate) fn unusable_in(folder: &Path) -> Vec<PathBuf> {
     if !folder.is_dir() || logs == [folder] {
         return Vec::new();
     }
-    let is_named_so = |path: &PathBuf| {
-        let ending = path.extension().unwrap_or_default();
-        let mut endings = ["sl2", "sl3", "xtf"].into_iter();
-        path.is_file() && endings.any(|one| ending.eq_ignore_ascii_case(one))
-    };
+    let is_named_so = |path: &PathBuf| path.is_file() && role_by_name(path) == Some(FileRole::Log);
     let mut unusable = FileSource::Disk.children(folder);
     unusable.retain(|path| is_named_so(path) && !logs.contains(path));
     unusable
 }
 
 fn logs_on(files: &FileSource, folder: &Path) -> Vec<PathBuf> {
-    if humminbird::is_recording(files, folder) {
+    let mut formats = FORMATS.iter();
+    if formats.any(|format| format.reader.is_recording(files, folder)) {
         return vec![folder.to_owned()];
     }
     let is_log = |path: &PathBuf| {
@@ -304,13 +310,18 @@ fn logs_on(files: &FileSource, folder: &Path) -> Vec<PathBuf> {
             .filter(|bytes| !bytes.is_empty())
             .is_some_and(|bytes| {
                 let path = path.clone();
-                let is_known = lowrance::sniff(&bytes).is_some() || xtf::sniff(&bytes).is_some();
-                is_known || humminbird::sniff(files, &Opened { path, bytes }).is_some()
+                recognised(files, &Opened { path, bytes }).is_some()
             })
     };
     let mut logs = files.children(folder);
     logs.retain(|path| !files.is_folder(path) && is_log(path));
     logs
+}
+
+/// What reads a file, by the first format that knows its content.
+fn recognised(files: &FileSource, opened: &Opened) -> Option<ReadRecording> {
+    let mut formats = FORMATS.iter();
+    formats.find_map(|format| format.reader.recognise(files, opened))
 }
 
 /// Most names that a message lists.
@@ -332,14 +343,8 @@ fn read_by_content(
     if opened.bytes.is_empty() {
         return Err(not_recognised(&opened.path, "the file is empty"));
     }
-    if let Some(kind) = lowrance::sniff(&opened.bytes) {
-        return lowrance::read(opened, kind, reading, progress);
-    }
-    if let Some(found) = xtf::sniff(&opened.bytes) {
-        return xtf::read(opened, found, reading, progress);
-    }
-    if let Some(recording) = humminbird::sniff(files, &opened) {
-        return humminbird::read(recording, reading, progress);
+    if let Some(read) = recognised(files, &opened) {
+        return read(reading, progress);
     }
     if let Some(advice) = unsupported::advice(&opened.bytes) {
         return Err(OpenError::Unsupported {
@@ -347,7 +352,7 @@ fn read_by_content(
             what: advice.to_owned(),
         });
     }
-    Err(not_recognised(&opened.path, LOOKED_FOR))
+    Err(not_recognised(&opened.path, table::looked_for()))
 }
 
 fn not_recognised(path: &Path, looked_for: &'static str) -> OpenError {

@@ -2,7 +2,7 @@
 
 use super::log::{LogFile, LogKey};
 use super::{Project, paths};
-use crate::formats;
+use crate::formats::{self, FileRole};
 use crate::pipeline::sha256_of;
 use crate::support::progress::{Cancelled, Progress};
 use crate::support::regular_file;
@@ -134,7 +134,8 @@ fn is_as_long(log: &LogFile, path: &Path) -> bool {
 /// Whether a file may be the first of a recording in several: it is shorter than the whole, and ends as the log's does.
 fn starts_recording(log: &LogFile, path: &Path) -> bool {
     let ending = |path: &Path| path.extension().map(|ending| ending.to_ascii_lowercase());
-    let is_several = ending(&log.path).is_some_and(|ending| ending == "dat" || ending == "son");
+    let role = formats::role_by_name(&log.path);
+    let is_several = matches!(role, Some(FileRole::Description | FileRole::Part));
     let there = fs::metadata(path);
     is_several
         && ending(path) == ending(&log.path)

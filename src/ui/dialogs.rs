@@ -2,6 +2,7 @@
 
 use super::ViewContext;
 use crate::app::{Command, Jobs, Task, TaskOutcome};
+use crate::formats;
 use egui::text::{CCursor, CCursorRange};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -358,24 +359,11 @@ fn system_dialog(purpose: PathPurpose, proposed: Option<PathBuf>) -> Vec<PathBuf
 }
 
 fn choose_logs(title: &str) -> Vec<PathBuf> {
+    let mut endings = formats::endings_to_show();
+    endings.push("bathyscope".to_owned());
     let dialog = rfd::FileDialog::new()
         .set_title(title)
-        .add_filter(
-            "Sonar logs and projects",
-            &[
-                "sl2",
-                "SL2",
-                "sl3",
-                "SL3",
-                "dat",
-                "DAT",
-                "son",
-                "SON",
-                "xtf",
-                "XTF",
-                "bathyscope",
-            ],
-        )
+        .add_filter("Sonar logs and projects", &endings)
         .add_filter("All files", &["*"]);
     dialog.pick_files().unwrap_or_default()
 }

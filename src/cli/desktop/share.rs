@@ -1,5 +1,6 @@
 //! The files that a desktop, `man` and the shells look for in a `share` folder, a user's or that of a package.
 
+use crate::formats::FORMATS;
 use clap_complete::{Shell, generate};
 use clap_mangen::Man;
 
@@ -8,6 +9,11 @@ const TYPES: &str = include_str!("../../../assets/desktop/bathyscope.xml");
 const ICON: &str = include_str!("../../../assets/desktop/bathyscope.svg");
 /// The line of the entry that names the program, which lies anywhere when it was not installed by a package.
 const PROGRAM: &str = "Exec=bathyscope ";
+/// The lines of the entry that end with what the formats of logs add to them: words to search for, and file types.
+const KEYWORDS: &str = "Keywords=sonar;side-scan;bathymetry;";
+const OPENED: &str = "MimeType=application/x-bathyscope;";
+/// What the file types of the formats of logs come before.
+const END_OF_TYPES: &str = "</mime-info>";
 /// What the program is called in a shell.
 const NAME: &str = "bathyscope";
 /// Where each shell looks for completions.
@@ -39,12 +45,12 @@ impl ShareFile {
 /// Desktop entry, file types, icon, manual pages and completions of a command; the entry starts the program at a path, or by its name.
 pub(super) fn files(program: Option<&str>, command: clap::Command) -> Vec<ShareFile> {
     let entry = match program {
-        Some(path) => ENTRY.replace(PROGRAM, &format!("Exec={} ", quoted(path))),
-        None => ENTRY.to_owned(),
+        Some(path) => entry().replace(PROGRAM, &format!("Exec={} ", quoted(path))),
+        None => entry(),
     };
     let mut files = vec![
         ShareFile::new(format!("{APPLICATIONS}/bathyscope.desktop"), entry),
-        ShareFile::new(format!("{MIME}/packages/bathyscope.xml"), TYPES),
+        ShareFile::new(format!("{MIME}/packages/bathyscope.xml"), types()),
         ShareFile::new("icons/hicolor/scalable/apps/bathyscope.svg", ICON),
     ];
     files.extend(COMPLETIONS.map(|(shell, path)| {
@@ -54,6 +60,38 @@ pub(super) fn files(program: Option<&str>, command: clap::Command) -> Vec<ShareF
     }));
     files.extend(manual_pages(command));
     files
+}
+
+/// The desktop entry with the formats of logs in it.
+fn entry() -> String {
+    let (mut words, mut opened) = (KEYWORDS.to_owned(), OPENED.to_owned());
+    for format in FORMATS {
+        let keywords = format.keywords.iter().map(|word| (*word).to_owned());
+        for word in format.log_endings().chain(keywords) {
+            words += &format!("{word};");
+        }
+        if let Some(kind) = format.file_type {
+            opened += &format!("{};", kind.mime);
+        }
+    }
+    ENTRY.replace(KEYWORDS, &words).replace(OPENED, &opened)
+}
+
+/// The file types, of projects and of those formats of logs whose endings no other files have.
+fn types() -> String {
+    let mut types = String::new();
+    for format in FORMATS {
+        let Some(kind) = format.file_type else {
+            continue;
+        };
+        types += &format!("  <mime-type type=\"{}\">\n", kind.mime);
+        types += &format!("    <comment>{}</comment>\n", kind.comment);
+        for ending in format.log_endings() {
+            types += &format!("    <glob pattern=\"*.{ending}\"/>\n");
+        }
+        types += "  </mime-type>\n";
+    }
+    TYPES.replace(END_OF_TYPES, &(types + END_OF_TYPES))
 }
 
 /// A page of the program, and one of each of its commands: `bathyscope-process.1`.
@@ -100,6 +138,35 @@ mod tests {
         assert_eq!(quoted("/a$b`c\"d"), "\"/a\\\\$b\\\\`c\\\\\"d\"");
         assert_eq!(quoted("/50%\\x"), "\"/50%%\\\\\\\\x\"");
         assert!(ENTRY.contains(PROGRAM));
+    }
+
+    #[test]
+    fn each_format_is_found_and_opened_by_the_desktop() {
+        let (entry, types) = (entry(), types());
+        let line = |start: &str| {
+            let mut lines = entry.lines();
+            lines
+                .find(|line| line.starts_with(start))
+                .unwrap()
+                .to_owned()
+        };
+        let keywords = line(KEYWORDS);
+        for word in ["sl2", "sl3", "xtf", "lowrance", "humminbird"] {
+            assert!(keywords.contains(&format!(";{word};")), "{keywords}");
+        }
+        assert!(line(OPENED).contains(";application/x-lowrance-sonar;application/x-xtf;"));
+        let xtf = "  <mime-type type=\"application/x-xtf\">
+    <comment>XTF sonar log</comment>
+    <glob pattern=\"*.xtf\"/>
+  </mime-type>
+";
+        assert!(
+            types.contains(xtf) && types.ends_with("</mime-info>\n"),
+            "{types}"
+        );
+        assert!(types.contains("<glob pattern=\"*.sl2\"/>\n    <glob pattern=\"*.sl3\"/>"));
+        // Files of other programs have these endings.
+        assert!(!types.to_lowercase().contains("*.dat"));
     }
 
     #[test]

@@ -9,16 +9,39 @@ pub(crate) mod ping;
 mod recording;
 mod son;
 
-pub(super) use recording::{Recording, find_in_folder, is_recording, sniff};
-
+use super::file_source::FileSource;
+use super::log_format::{LogFormat, ReadRecording};
 use super::reading::Reading;
 use super::{OpenError, Opened, assemble, collected::Collected};
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::{Source, Survey};
 use dat::{Dat, DatFamily};
+use recording::Recording;
+use std::path::Path;
+
+/// The reader of the format.
+pub(super) struct Humminbird;
+
+impl LogFormat for Humminbird {
+    fn recognise(&self, files: &FileSource, opened: &Opened) -> Option<ReadRecording> {
+        recording::sniff(files, opened).map(reader)
+    }
+
+    fn recognise_folder(&self, files: &FileSource, folder: &Path) -> Option<ReadRecording> {
+        recording::find_in_folder(files, folder).map(reader)
+    }
+
+    fn is_recording(&self, files: &FileSource, folder: &Path) -> bool {
+        recording::is_recording(files, folder)
+    }
+}
+
+fn reader(recording: Recording) -> ReadRecording {
+    Box::new(move |reading, progress| read(recording, reading, progress))
+}
 
 /// Reads a recording.
-pub(super) fn read(
+fn read(
     recording: Recording,
     reading: &Reading<'_>,
     progress: &Progress,

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 /// The files of a recording.
 #[derive(Debug)]
-pub(in crate::formats) struct Recording {
+pub(super) struct Recording {
     /// What the user opened.
     pub(super) opened: PathBuf,
     /// The DAT file and, where it is one, its content.
@@ -19,7 +19,7 @@ pub(in crate::formats) struct Recording {
 }
 
 /// Recognises a DAT or a SON file by its content; a damaged DAT by the SON files that belong to it.
-pub(in crate::formats) fn sniff(files: &FileSource, opened: &Opened) -> Option<Recording> {
+pub(super) fn sniff(files: &FileSource, opened: &Opened) -> Option<Recording> {
     if son::byte_order(&opened.bytes).is_some() {
         Some(around_son(files, opened))
     } else {
@@ -67,7 +67,7 @@ fn around_dat(files: &FileSource, opened: &Opened) -> Option<Recording> {
 }
 
 /// The recording in a folder: its own SON files, or those of the first DAT in it.
-pub(in crate::formats) fn find_in_folder(files: &FileSource, folder: &Path) -> Option<Recording> {
+pub(super) fn find_in_folder(files: &FileSource, folder: &Path) -> Option<Recording> {
     gather(files, folder, folder, dat_of(files, folder)).or_else(|| {
         let mut dats = files.children(folder);
         dats.retain(|child| has_extension(child, "dat"));
@@ -80,7 +80,7 @@ pub(in crate::formats) fn find_in_folder(files: &FileSource, folder: &Path) -> O
 }
 
 /// Whether a folder holds the SON files of one recording.
-pub(in crate::formats) fn is_recording(files: &FileSource, folder: &Path) -> bool {
+pub(super) fn is_recording(files: &FileSource, folder: &Path) -> bool {
     gather(files, folder, folder, None).is_some()
 }
 

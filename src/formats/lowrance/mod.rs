@@ -10,6 +10,8 @@ pub(crate) mod sl2;
 pub(crate) mod sl3;
 mod walk;
 
+use super::file_source::FileSource;
+use super::log_format::{LogFormat, ReadRecording};
 use super::reading::Reading;
 use super::{OpenError, Opened, assemble, collected::Collected, scalar};
 use crate::support::progress::{Cancelled, Progress};
@@ -21,9 +23,22 @@ pub(crate) const FILE_HEADER: usize = 8;
 /// Bytes searched for frames when the file header does not say what the file is.
 const SEARCHED_FOR_FRAMES: usize = 1 << 20;
 
+/// The reader of the format.
+pub(super) struct Lowrance;
+
+impl LogFormat for Lowrance {
+    fn recognise(&self, _files: &FileSource, opened: &Opened) -> Option<ReadRecording> {
+        let found = sniff(&opened.bytes)?;
+        let opened = opened.clone();
+        Some(Box::new(move |reading, progress| {
+            read(opened, found, reading, progress)
+        }))
+    }
+}
+
 /// What the file header, or the frames themselves, say that the file is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum LowranceKind {
+enum LowranceKind {
     /// SLG: no side-scan in it.
     Slg,
     /// Frames of a known layout.
@@ -37,7 +52,7 @@ pub(super) enum LowranceKind {
 
 /// Recognises a file by its header (u16 format, u16 version, u16 block size, u16 reserved) and first frame; by its
 /// frames alone when the header is damaged.
-pub(super) fn sniff(bytes: &[u8]) -> Option<LowranceKind> {
+fn sniff(bytes: &[u8]) -> Option<LowranceKind> {
     sniff_header(bytes).or_else(|| sniff_frames(bytes))
 }
 
@@ -79,7 +94,7 @@ fn sniff_frames(bytes: &[u8]) -> Option<LowranceKind> {
 }
 
 /// Reads a file that [`sniff`] recognised.
-pub(super) fn read(
+fn read(
     opened: Opened,
     kind: LowranceKind,
     reading: &Reading<'_>,

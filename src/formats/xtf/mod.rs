@@ -12,6 +12,8 @@ pub(crate) mod raw;
 mod sides;
 mod walk;
 
+use super::file_source::FileSource;
+use super::log_format::{LogFormat, ReadRecording};
 use super::reading::Reading;
 use super::{OpenError, Opened, assemble, collected::Collected};
 use crate::support::progress::{Cancelled, Progress};
@@ -26,15 +28,28 @@ const SEARCHED_FOR_PACKETS: usize = 1 << 20;
 const HEAD: usize = 1 << 18;
 const FORMAT: &str = "XTF";
 
+/// The reader of the format.
+pub(super) struct Xtf;
+
+impl LogFormat for Xtf {
+    fn recognise(&self, _files: &FileSource, opened: &Opened) -> Option<ReadRecording> {
+        let found = sniff(&opened.bytes)?;
+        let opened = opened.clone();
+        Some(Box::new(move |reading, progress| {
+            read(opened, found, reading, progress)
+        }))
+    }
+}
+
 /// What was recognised.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct XtfStart {
+struct XtfStart {
     header: Option<FileHeader>,
     first_packet: usize,
 }
 
 /// Recognises a file by its header, or by its packets when the header is damaged.
-pub(super) fn sniff(bytes: &[u8]) -> Option<XtfStart> {
+fn sniff(bytes: &[u8]) -> Option<XtfStart> {
     let header: Option<FileHeader> = record(bytes, 0).filter(is_header);
     let header_len = header.map_or(0, |header| {
         let channels = usize::from(header.sonar_channels) + usize::from(header.bathymetry_channels);
@@ -71,7 +86,7 @@ fn device_name(header: FileHeader) -> String {
 }
 
 /// Reads a file that [`sniff`] recognised.
-pub(super) fn read(
+fn read(
     opened: Opened,
     found: XtfStart,
     reading: &Reading<'_>,

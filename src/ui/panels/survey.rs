@@ -3,6 +3,7 @@
 use super::parts::{fact, remark, warning};
 use super::section::{Section, section};
 use crate::app::{Action, Command};
+use crate::formats::formats_to_open;
 use crate::pipeline::Preset;
 use crate::support::calendar;
 use crate::support::presentation::units::Units;
@@ -35,7 +36,10 @@ fn nothing_open(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.label("Nothing is open.");
     remark(
         ui,
-        "Drop a log on the window, or open one: Lowrance SL2 or SL3, Humminbird DAT or SON, XTF.",
+        format!(
+            "Drop a log on the window, or open one: {}.",
+            formats_to_open()
+        ),
     );
     ui.add_space(4.0);
     for action in [Action::Open, Action::OpenDemo] {

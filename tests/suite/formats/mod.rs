@@ -5,6 +5,7 @@ mod humminbird;
 mod lowrance;
 mod real;
 mod refused;
+mod table;
 mod xtf;
 
 use crate::formats::{self, OpenError};

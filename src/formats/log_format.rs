@@ -1,0 +1,29 @@
+//! What the reader of each format offers: it recognises a recording by content, and reads it.
+
+use super::file_source::FileSource;
+use super::reading::Reading;
+use super::{OpenError, Opened};
+use crate::support::progress::Progress;
+use crate::survey::Survey;
+use std::path::Path;
+
+/// Reads the recording that was recognised.
+pub(super) type ReadRecording =
+    Box<dyn FnOnce(&Reading<'_>, &Progress) -> Result<Survey, OpenError>>;
+
+/// A format of recorders' logs. Its row in [`super::table::FORMATS`] names it.
+pub(super) trait LogFormat: Sync {
+    /// Recognises a file by its content, never by its name alone. A format of several files looks for the others beside it in `files`.
+    /// `None` when the file is of another format: this says nothing of damage.
+    fn recognise(&self, files: &FileSource, opened: &Opened) -> Option<ReadRecording>;
+
+    /// Recognises the recording in a folder, or the first of several; of use only to formats of several files.
+    fn recognise_folder(&self, _files: &FileSource, _folder: &Path) -> Option<ReadRecording> {
+        None
+    }
+
+    /// Whether all files in a folder are parts of one recording, so that the folder is opened in their place.
+    fn is_recording(&self, _files: &FileSource, _folder: &Path) -> bool {
+        false
+    }
+}

@@ -1,0 +1,297 @@
+//! The table of the formats of recorders' logs, and what other modules derive from it.
+//!
+//! The messages, the dialogs for files, the desktop entry with its file types, `bathyscope info --formats` and the table in README.md are
+//! all made from [`FORMATS`].
+
+use super::humminbird::Humminbird;
+use super::log_format::LogFormat;
+use super::lowrance::Lowrance;
+use super::xtf::Xtf;
+use std::path::Path;
+use std::sync::LazyLock;
+
+/// What a file is to its recording.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum FileRole {
+    /// The whole recording. Files of other programs have other endings.
+    Log,
+    /// The description of a recording of several files. It is small, and the recorder writes it anew. Files of other programs may have
+    /// the same ending.
+    Description,
+    /// One of the files that hold the pings of a recording. The recorder adds to it.
+    Part,
+}
+
+impl FileRole {
+    /// A word for scripts.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            FileRole::Log => "log",
+            FileRole::Description => "description",
+            FileRole::Part => "part",
+        }
+    }
+}
+
+/// What is read of a log, where the recorder wrote it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Carried {
+    /// Echoes of port and starboard.
+    SideScan,
+    /// Echoes of the sonar that looks down.
+    DownScan,
+    /// Depths as the recorder found them.
+    Soundings,
+    /// Positions.
+    Positions,
+    /// Heading of a compass.
+    Heading,
+}
+
+impl Carried {
+    /// A word for lists.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Carried::SideScan => "side-scan",
+            Carried::DownScan => "down-scan",
+            Carried::Soundings => "soundings",
+            Carried::Positions => "positions",
+            Carried::Heading => "heading",
+        }
+    }
+}
+
+/// A file type of the desktop; files of the role [`FileRole::Log`] are of it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FileType {
+    /// `application/x-xtf`.
+    pub(crate) mime: &'static str,
+    /// What the desktop calls such a file.
+    pub(crate) comment: &'static str,
+}
+
+/// One format.
+pub(crate) struct FormatEntry {
+    /// The name in lists, with `and` between several kinds: `Lowrance SL2 and SL3`.
+    pub(crate) name: &'static str,
+    /// The recorders that write it, in words.
+    pub(crate) recorders: &'static str,
+    /// The endings of its files as recorders write them, without the dot, and what each file is. Letters of either case are the same.
+    pub(crate) endings: &'static [(&'static str, FileRole)],
+    /// The bytes that it is recognised by, in words.
+    pub(crate) magic: &'static str,
+    /// What is read of it.
+    pub(crate) carries: &'static [Carried],
+    /// The real recordings that it was tried on, in words; `None` where it is written from the specification and was tried on none.
+    pub(crate) tried_on: Option<&'static str>,
+    /// What users have to know of it.
+    pub(crate) notes: &'static str,
+    /// The desktop's file type; `None` where files of other programs have the same endings.
+    pub(crate) file_type: Option<FileType>,
+    /// Words that the desktop's search finds the program by, beside the endings of the role [`FileRole::Log`].
+    pub(crate) keywords: &'static [&'static str],
+    /// What recognises and reads it.
+    pub(super) reader: &'static dyn LogFormat,
+}
+
+/// Every format that is read, in the order of recognition: first those that are sure by their first bytes, last those that list folders.
+pub(crate) const FORMATS: &[FormatEntry] = &[
+    FormatEntry {
+        name: "Lowrance SL2 and SL3",
+        recorders: "Lowrance, Simrad",
+        endings: &[("sl2", FileRole::Log), ("sl3", FileRole::Log)],
+        magic: "number 2 or 3 at byte 0 and a first frame that holds its own offset, 8; else two such frames in a row",
+        carries: &[
+            Carried::SideScan,
+            Carried::DownScan,
+            Carried::Soundings,
+            Carried::Positions,
+            Carried::Heading,
+        ],
+        tried_on: Some(
+            "recordings of both kinds; those with side-scan hold only noise in it, or were converted",
+        ),
+        notes: "side-scan combined or separate port and starboard; `.slg` has no side-scan and cannot be used",
+        file_type: Some(FileType {
+            mime: "application/x-lowrance-sonar",
+            comment: "Lowrance sonar log",
+        }),
+        keywords: &["lowrance", "simrad"],
+        reader: &Lowrance,
+    },
+    FormatEntry {
+        name: "XTF",
+        recorders: "any that exports XTF",
+        endings: &[("xtf", FileRole::Log)],
+        magic: "7B at byte 0 and a header of channels; else packets that begin with CE FA",
+        carries: &[
+            Carried::SideScan,
+            Carried::Soundings,
+            Carried::Positions,
+            Carried::Heading,
+        ],
+        tried_on: Some("recordings of side-scan surveys"),
+        notes: "8 and 16 bit; Garmin and Raymarine recordings have to be exported first",
+        file_type: Some(FileType {
+            mime: "application/x-xtf",
+            comment: "XTF sonar log",
+        }),
+        keywords: &[],
+        reader: &Xtf,
+    },
+    FormatEntry {
+        name: "Humminbird DAT and SON",
+        recorders: "Humminbird",
+        endings: &[("DAT", FileRole::Description), ("SON", FileRole::Part)],
+        magic: "pings that begin with C0 DE AB 21 in a SON; in a DAT the name of a SON at byte 32, or the text of an Onix",
+        carries: &[
+            Carried::SideScan,
+            Carried::DownScan,
+            Carried::Soundings,
+            Carried::Positions,
+        ],
+        tried_on: Some("recordings of a 998; Solix and Onix from the specification"),
+        notes: "900, 1100 and Helix series, Solix; keep the folder of `.SON` files beside the `.DAT`",
+        file_type: None,
+        keywords: &["humminbird"],
+        reader: &Humminbird,
+    },
+];
+
+impl FormatEntry {
+    /// What to open, each name as `mark` writes it: `.sl2, .sl3`; `the .DAT, the folder or one .SON`.
+    pub(crate) fn opened_as(&self, mark: impl Fn(&str) -> String) -> String {
+        let of = |role: FileRole, before: &str| {
+            let endings = self.endings.iter().filter(|(_, its)| *its == role);
+            let names =
+                endings.map(|(ending, _)| format!("{before}{}", mark(&format!(".{ending}"))));
+            names.collect::<Vec<_>>()
+        };
+        let mut names = of(FileRole::Log, "");
+        names.extend(of(FileRole::Description, "the "));
+        let parts = of(FileRole::Part, "one ").join(" or ");
+        match parts.is_empty() {
+            true => names.join(", "),
+            false => format!("{}, the folder or {parts}", names.join(", ")),
+        }
+    }
+
+    /// What is read of it, in words: `side-scan, positions`.
+    pub(crate) fn carried(&self) -> String {
+        let names: Vec<&str> = self.carries.iter().map(|one| one.name()).collect();
+        names.join(", ")
+    }
+
+    /// What it was tried on, in words.
+    pub(crate) fn tried(&self) -> &'static str {
+        let untried = "from the specification, not tried on a real recording";
+        self.tried_on.unwrap_or(untried)
+    }
+
+    /// The endings of files that are a log by themselves, in small letters.
+    pub(crate) fn log_endings(&self) -> impl Iterator<Item = String> {
+        let logs = self.endings.iter();
+        let logs = logs.filter(|(_, role)| *role == FileRole::Log);
+        logs.map(|(ending, _)| ending.to_ascii_lowercase())
+    }
+}
+
+fn names() -> String {
+    let names: Vec<&str> = FORMATS.iter().map(|format| format.name).collect();
+    names.join(", ")
+}
+
+/// What a message says was looked for.
+pub(super) fn looked_for() -> &'static str {
+    static TEXT: LazyLock<String> = LazyLock::new(|| format!("looked for {}", names()));
+    &TEXT
+}
+
+/// What a message says of a folder without a log.
+pub(super) fn looked_for_in_folder() -> &'static str {
+    static TEXT: LazyLock<String> =
+        LazyLock::new(|| format!("a folder without a log; {}", looked_for()));
+    &TEXT
+}
+
+/// The formats to choose from, in words: `Lowrance SL2 or SL3, XTF, Humminbird DAT or SON`.
+pub(crate) fn formats_to_open() -> &'static str {
+    static TEXT: LazyLock<String> = LazyLock::new(|| names().replace(" and ", " or "));
+    &TEXT
+}
+
+/// The endings of all files that a dialog shows, in small and in capital letters: a dialog may tell them apart.
+pub(crate) fn endings_to_show() -> Vec<String> {
+    let endings = FORMATS.iter().flat_map(|format| format.endings);
+    let both =
+        endings.flat_map(|(ending, _)| [ending.to_ascii_lowercase(), ending.to_ascii_uppercase()]);
+    both.collect()
+}
+
+/// What a file is by its name; `None` where no format has its ending.
+pub(crate) fn role_by_name(path: &Path) -> Option<FileRole> {
+    let found = path.extension()?;
+    let mut endings = FORMATS.iter().flat_map(|format| format.endings);
+    let (_, role) = endings.find(|(ending, _)| found.eq_ignore_ascii_case(ending))?;
+    Some(*role)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_row_says_what_it_is_and_no_two_share_an_ending() {
+        let mut endings = BTreeSet::new();
+        let mut types = BTreeSet::new();
+        for format in FORMATS {
+            let said = [format.name, format.recorders, format.magic, format.notes];
+            assert!(said.iter().all(|text| !text.is_empty()), "{}", format.name);
+            // A table of Markdown has its bars between the columns.
+            let bars = said
+                .iter()
+                .chain(&format.tried_on)
+                .any(|text| text.contains('|'));
+            assert!(!bars, "{}", format.name);
+            assert!(!format.carries.is_empty(), "{}", format.name);
+            for (ending, _) in format.endings {
+                assert!(endings.insert(ending.to_ascii_lowercase()), "{ending}");
+            }
+            let mime = format.file_type.map(|kind| kind.mime);
+            assert!(mime.is_none_or(|mime| types.insert(mime)), "{mime:?}");
+            let is_log = format.log_endings().next().is_some();
+            assert_eq!(is_log, mime.is_some(), "{}", format.name);
+        }
+    }
+
+    #[test]
+    fn a_role_is_told_by_the_ending_in_letters_of_either_case() {
+        let role = |name: &str| role_by_name(Path::new(name));
+        assert_eq!(role("a/pond.SL2"), Some(FileRole::Log));
+        assert_eq!(role("Rec00001.dat"), Some(FileRole::Description));
+        assert_eq!(role("B002.SON"), Some(FileRole::Part));
+        assert_eq!(role("pond.csv"), None);
+        assert_eq!(role("sl2"), None);
+    }
+
+    #[test]
+    fn lists_are_in_words() {
+        let marked = |name: &str| format!("`{name}`");
+        let opened = |at: usize| FORMATS[at].opened_as(marked);
+        assert_eq!(opened(0), "`.sl2`, `.sl3`");
+        let folder = FORMATS
+            .iter()
+            .find(|format| format.name.starts_with("Humminbird"));
+        let folder = folder.map(|format| format.opened_as(str::to_owned));
+        assert_eq!(folder.as_deref(), Some("the .DAT, the folder or one .SON"));
+        assert!(looked_for().starts_with("looked for Lowrance SL2 and SL3, "));
+        assert!(formats_to_open().starts_with("Lowrance SL2 or SL3, "));
+        let shown = endings_to_show();
+        assert!(
+            ["sl2", "SL2", "dat", "DAT", "son", "XTF"]
+                .iter()
+                .all(|one| shown.iter().any(|shown| shown == one))
+        );
+    }
+}

@@ -1,0 +1,85 @@
+//! The table of formats is what README.md, the flow for archives, the commands and the messages say.
+
+use super::*;
+use crate::formats::{FORMATS, FileRole, FormatEntry};
+use crate::suite::cli::run;
+use serde_json::Value;
+
+const BEGIN: &str = "<!-- The table of formats: src/formats/table.rs. A test compares them. -->\n";
+const END: &str = "<!-- The end of the table of formats. -->\n";
+
+/// A file of the project.
+fn text(path: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
+    std::fs::read_to_string(path).expect("a file of the project")
+}
+
+/// A row of the table in README.md.
+fn row(format: &FormatEntry) -> String {
+    let opened = format.opened_as(|name| format!("`{name}`"));
+    format!(
+        "| {} | {opened} | {} | {} | {} |\n",
+        format.recorders,
+        format.carried(),
+        format.tried(),
+        format.notes
+    )
+}
+
+#[test]
+fn the_table_in_the_readme_is_that_of_the_program() {
+    let readme = text("README.md");
+    let (_, after) = readme.split_once(BEGIN).expect("the first marker");
+    let (shown, _) = after.split_once(END).expect("the last marker");
+    let head = "| recorder | open | carries | tried on | notes |\n|---|---|---|---|---|\n";
+    let made = FORMATS.iter().map(row);
+    let made = head.to_owned() + &made.collect::<String>();
+    assert_eq!(shown, made, "write this between the markers:\n{made}");
+}
+
+#[test]
+fn the_flow_for_archives_opens_the_files_of_every_format() {
+    let endings = FORMATS.iter().flat_map(|format| format.endings);
+    // The parts of a recording are found beside its description.
+    let opened = endings.filter(|(_, role)| *role != FileRole::Part);
+    let names: Vec<String> = opened
+        .map(|(ending, _)| format!("\".{}\"", ending.to_ascii_lowercase()))
+        .collect();
+    let line = format!("\nENDINGS = {{{}}}\n", names.join(", "));
+    let flow = text("assets/archive/Snakefile");
+    assert!(flow.contains(&line), "write this into the Snakefile:{line}");
+}
+
+#[test]
+fn the_program_lists_its_formats() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = run(folder.path(), &["info", "--formats"]);
+    let json = run(folder.path(), &["info", "--formats", "--json"]);
+    let json: Value = serde_json::from_str(&json).expect("JSON");
+    let rows = json.as_array().expect("a list");
+    assert_eq!(rows.len(), FORMATS.len());
+    for (format, row) in FORMATS.iter().zip(rows) {
+        assert!(
+            text.contains(&format!("{}\n  recorders      ", format.name)),
+            "{text}"
+        );
+        assert!(text.contains(format.tried()), "{text}");
+        assert_eq!(row["name"].as_str(), Some(format.name));
+        assert_eq!(row["tried_on"].as_str(), format.tried_on);
+        let endings = row["endings"].as_array().expect("endings");
+        assert_eq!(endings.len(), format.endings.len());
+        assert_eq!(endings[0]["ending"].as_str(), Some(format.endings[0].0));
+    }
+}
+
+#[test]
+fn a_message_names_every_format_that_was_looked_for() {
+    let bytes = b"no log at all".to_vec();
+    let error = formats::open_bytes("log.sl2", bytes, &Progress::new()).unwrap_err();
+    let folder = tempfile::tempdir().expect("a folder");
+    let of_folder = formats::open(folder.path(), &Progress::new()).unwrap_err();
+    for format in FORMATS {
+        assert!(error.to_string().contains(format.name), "{error}");
+        assert!(of_folder.to_string().contains(format.name), "{of_folder}");
+    }
+}
