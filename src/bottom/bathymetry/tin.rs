@@ -1,10 +1,10 @@
 //! A triangulated surface through the soundings.
 
 use super::{Node, insertion_order};
-use spade::handles::FixedVertexHandle;
+use spade::handles::{FixedFaceHandle, FixedVertexHandle, InnerTag};
 use spade::{
-    Barycentric, DelaunayTriangulation, FloatTriangulation as _, HasPosition,
-    LastUsedVertexHintGenerator, NaturalNeighbor, Point2, Triangulation as _,
+    DelaunayTriangulation, HasPosition, LastUsedVertexHintGenerator, NaturalNeighbor, Point2,
+    PositionInTriangulation, Triangulation as _,
 };
 
 impl HasPosition for Node {
@@ -46,7 +46,9 @@ pub(crate) enum Between {
 /// Samples a [`Tin`] for one thread. Near places in a row are found fastest.
 pub(crate) struct TinSampler<'a> {
     tin: &'a Tin,
-    planes: Barycentric<'a, Triangulation>,
+    /// The triangle that was met last, and a node near the place that was asked for last: spade's own hint is one for all threads.
+    last: Option<FixedFaceHandle<InnerTag>>,
+    hint: Option<FixedVertexHandle>,
     natural: Option<NaturalNeighbor<'a, Triangulation>>,
     weights: Vec<(FixedVertexHandle, f64)>,
 }
@@ -119,7 +121,8 @@ impl Tin {
     pub(crate) fn sampler(&self, between: Between) -> TinSampler<'_> {
         TinSampler {
             tin: self,
-            planes: self.triangles.barycentric(),
+            last: None,
+            hint: None,
             natural: (between == Between::NaturalNeighbour)
                 .then(|| self.triangles.natural_neighbor()),
             weights: Vec::with_capacity(16),
@@ -146,7 +149,7 @@ impl TinSampler<'_> {
         [east_m, north_m]: [f64; 2],
     ) -> Option<impl Iterator<Item = (Node, f64)> + Clone + '_> {
         let place = Point2::new(east_m, north_m);
-        self.planes.get_weights(place, &mut self.weights);
+        self.find_corners(place);
         if !self.is_known() {
             return None;
         }
@@ -159,7 +162,42 @@ impl TinSampler<'_> {
         Some(self.nodes())
     }
 
-    /// Weighs the corners anew in the order of their places: how a triangle is stored depends on all nodes that were ever inserted, and
+    /// Finds the nodes that carry a place: one that it lies on, the ends of an edge, the corners of a triangle. They are not weighed.
+    fn find_corners(&mut self, place: Point2<f64>) {
+        let triangles = &self.tin.triangles;
+        self.weights.clear();
+        let last = self.last.map(|face| triangles.face(face));
+        let same = last.filter(|face| is_well_inside(face.positions(), place));
+        if let Some(face) = same {
+            let corners = face.vertices().map(|corner| (corner.fix(), 0.0));
+            self.weights.extend(corners);
+            return;
+        }
+        let found = match self.hint {
+            Some(hint) => triangles.locate_with_hint(place, hint),
+            None => triangles.locate(place),
+        };
+        match found {
+            PositionInTriangulation::OnVertex(node) => self.weights.push((node, 1.0)),
+            PositionInTriangulation::OnEdge(edge) => {
+                let ends = triangles.directed_edge(edge).vertices();
+                self.weights.extend(ends.map(|end| (end.fix(), 0.0)));
+            }
+            PositionInTriangulation::OnFace(face) => {
+                self.last = Some(face);
+                let corners = triangles.face(face).vertices();
+                self.weights
+                    .extend(corners.map(|corner| (corner.fix(), 0.0)));
+            }
+            PositionInTriangulation::OutsideOfConvexHull(edge) => {
+                self.hint = Some(triangles.directed_edge(edge).from().fix());
+            }
+            PositionInTriangulation::NoTriangulation => {}
+        }
+        self.hint = self.weights.first().map(|(node, _)| *node).or(self.hint);
+    }
+
+    /// Weighs the corners in the order of their places: how a triangle is stored depends on all nodes that were ever inserted, and
     /// with it the last bit of a weight, which would differ between maps that share the triangle.
     fn weigh_in_order(&mut self, place: Point2<f64>) {
         let triangles = &self.tin.triangles;
@@ -239,6 +277,19 @@ impl TinSampler<'_> {
             _ => self.tin.is_known([place(0), place(1), place(2)]),
         }
     }
+}
+
+/// Share of a triangle that each corner carries at least where a place is inside whatever is rounded.
+const WELL_INSIDE: f64 = 1e-3;
+
+/// Whether a place lies in a triangle, and not so near to an edge that rounding decides.
+fn is_well_inside([a, b, c]: [Point2<f64>; 3], place: Point2<f64>) -> bool {
+    let twice_area = |a: Point2<f64>, b: Point2<f64>, c: Point2<f64>| {
+        (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y)
+    };
+    let all = twice_area(a, b, c);
+    let parts = [(a, b), (b, c), (c, a)].map(|(from, to)| twice_area(from, to, place) / all);
+    parts.iter().all(|share| *share > WELL_INSIDE)
 }
 
 #[cfg(test)]

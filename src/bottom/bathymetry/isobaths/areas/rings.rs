@@ -1,7 +1,8 @@
 //! Pieces of a border joined to rings, and rings sorted into outlines and holes.
 
 use super::{Piece, Stop};
-use crate::support::outline::{bounds, goes_around};
+use crate::support::outline::{bounds, is_crossed};
+use std::cell::OnceCell;
 
 /// An area with holes.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,15 +74,21 @@ pub(crate) fn polygons(rings: Vec<Vec<[f64; 2]>>) -> Vec<Polygon> {
     // The first outline that holds a hole is then the smallest.
     outlines.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut owned: Vec<Vec<Vec<[f64; 2]>>> = vec![Vec::new(); outlines.len()];
+    let edges: Vec<OnceCell<EdgesByRow<'_>>> = vec![OnceCell::new(); outlines.len()];
     for hole in holes {
         let box_of_hole = bounds(hole.iter().copied());
-        let holds = |(_, bounds, ring): &(f64, [f64; 4], Vec<[f64; 2]>)| {
-            within(box_of_hole, *bounds) && surrounds(ring, &hole)
-        };
-        if let Some(owner) = outlines.iter().position(holds) {
+        let owner = outlines
+            .iter()
+            .zip(&edges)
+            .position(|((_, bounds, ring), edges)| {
+                let edges = || edges.get_or_init(|| EdgesByRow::new(ring, *bounds));
+                within(box_of_hole, *bounds) && edges().surround(&hole)
+            });
+        if let Some(owner) = owner {
             owned[owner].push(hole);
         }
     }
+    drop(edges);
     let outlines = outlines.into_iter().map(|(_, _, outline)| outline);
     outlines
         .zip(owned)
@@ -104,12 +111,52 @@ fn within(inner: [f64; 4], outer: [f64; 4]) -> bool {
     inner[0] >= outer[0] && inner[1] >= outer[1] && inner[2] <= outer[2] && inner[3] <= outer[3]
 }
 
-/// Whether most corners of a ring lie inside another: rings do not cross, but may touch.
-fn surrounds(outline: &[[f64; 2]], ring: &[[f64; 2]]) -> bool {
-    let corners = &ring[..ring.len() - 1];
-    let inside = corners
-        .iter()
-        .filter(|corner| goes_around(outline, **corner))
-        .count();
-    2 * inside > corners.len()
+/// The edges of an outline, by the rows of it that they cross: a place is compared with those of its row alone.
+#[derive(Clone)]
+struct EdgesByRow<'a> {
+    outline: &'a [[f64; 2]],
+    south_m: f64,
+    rows_per_m: f64,
+    /// Of each row the edges, by their first corner.
+    rows: Vec<Vec<usize>>,
+}
+
+impl<'a> EdgesByRow<'a> {
+    /// Of an outline within bounds: west, south, east and north.
+    fn new(outline: &'a [[f64; 2]], [_, south_m, _, north_m]: [f64; 4]) -> Self {
+        // As many rows as each has edges, about.
+        let count = outline.len().isqrt().max(1);
+        let mut edges = Self {
+            outline,
+            south_m,
+            rows_per_m: count as f64 / (north_m - south_m),
+            rows: vec![Vec::new(); count],
+        };
+        for (first, ends) in outline.windows(2).enumerate() {
+            let [one, other] = [ends[0], ends[1]].map(|[_, y_m]| edges.row_of(y_m));
+            for row in &mut edges.rows[one.min(other)..=one.max(other)] {
+                row.push(first);
+            }
+        }
+        edges
+    }
+
+    fn row_of(&self, y_m: f64) -> usize {
+        let row = (y_m - self.south_m) * self.rows_per_m;
+        (row as usize).min(self.rows.len() - 1)
+    }
+
+    /// Whether most corners of a ring lie inside the outline: rings do not cross, but may touch.
+    fn surround(&self, ring: &[[f64; 2]]) -> bool {
+        let corners = &ring[..ring.len() - 1];
+        let inside = corners.iter().filter(|corner| self.go_around(**corner));
+        2 * inside.count() > corners.len()
+    }
+
+    /// Whether a ray from a place to the east crosses them an odd number of times.
+    fn go_around(&self, place: [f64; 2]) -> bool {
+        let row = self.rows[self.row_of(place[1])].iter();
+        let edges = row.map(|&first| [self.outline[first], self.outline[first + 1]]);
+        edges.filter(|edge| is_crossed(*edge, place)).count() % 2 == 1
+    }
 }
