@@ -3,7 +3,7 @@
 //! In: files of recorders, instruments and other programs. Out: surveys, tracks, water levels, areas, points and rasters; and the bytes of the formats that are also written.
 //! It uses `survey` and `support`.
 //!
-//! `lowrance`, `humminbird`, `xtf` and `edgetech` walk over the records of their format, mend what is damaged and give it meaning in SI
+//! `lowrance`, `humminbird`, `xtf`, `edgetech` and `cerulean` walk over the records of their format, mend what is damaged and give it meaning in SI
 //! units; all fill one `collected` log, with `clock` to recognise damaged times and `report` to say what was wrong.
 //! `reading` says which part of a log is read: the tail of one that is being written is read as a log of its own. `assemble` turns what was read into the survey: `join` pairs the sides, `depths` chooses the soundings, `stray` leaves out positions that cannot be. `file_source` and `map` bring
 //! the bytes, `messages` walks over logs of messages, `nmea` reads sentences in them, `removable` loads a log on a card into memory, `growing_log` copies one that is being written as it comes, `unsupported` recognises formats that are not read. `track_file` reads
@@ -12,6 +12,7 @@
 mod area_file;
 mod assemble;
 pub(crate) mod base_map;
+mod cerulean;
 mod clock;
 mod collected;
 mod depths;
@@ -59,7 +60,7 @@ compile_error!("the raw records of the readers are laid over little-endian bytes
 
 /// The formats that are tried, in words.
 const LOOKED_FOR: &str =
-    "looked for Lowrance SL2 and SL3, Humminbird DAT and SON, XTF, EdgeTech JSF";
+    "looked for Lowrance SL2 and SL3, Humminbird DAT and SON, XTF, EdgeTech JSF, Cerulean svlog";
 
 /// Why a log cannot be opened. Each sentence says what is wrong, where, and what to do.
 #[derive(Debug, thiserror::Error)]
@@ -129,7 +130,7 @@ impl Opened {
     }
 }
 
-/// Opens a log: an SL2 or SL3 file, a Humminbird DAT, folder or SON, an XTF or JSF file. The file is only ever read.
+/// Opens a log: an SL2 or SL3 file, a Humminbird DAT, folder or SON, an XTF, JSF or svlog file. The file is only ever read.
 ///
 /// # Errors
 /// When the files cannot be read or are no log; the error names the file.
@@ -254,7 +255,7 @@ fn open_folder(
     match logs_on(files, folder).as_slice() {
         [] => Err(not_recognised(
             folder,
-            "a folder without a log; looked for Lowrance SL2 and SL3, Humminbird DAT and SON, XTF, EdgeTech JSF",
+            "a folder without a log; looked for Lowrance SL2 and SL3, Humminbird DAT and SON, XTF, EdgeTech JSF, Cerulean svlog",
         )),
         [log] => open_on(files, log, reading, progress),
         logs => {
@@ -288,7 +289,7 @@ pub(crate) fn unusable_in(folder: &Path) -> Vec<PathBuf> {
     }
     let is_named_so = |path: &PathBuf| {
         let ending = path.extension().unwrap_or_default();
-        let mut endings = ["sl2", "sl3", "xtf", "jsf"].into_iter();
+        let mut endings = ["sl2", "sl3", "xtf", "jsf", "svlog"].into_iter();
         path.is_file() && endings.any(|one| ending.eq_ignore_ascii_case(one))
     };
     let mut unusable = FileSource::Disk.children(folder);
@@ -310,7 +311,8 @@ fn logs_on(files: &FileSource, folder: &Path) -> Vec<PathBuf> {
                 let path = path.clone();
                 let is_known = lowrance::sniff(&bytes).is_some()
                     || xtf::sniff(&bytes).is_some()
-                    || edgetech::sniff(&bytes).is_some();
+                    || edgetech::sniff(&bytes).is_some()
+                    || cerulean::sniff(&bytes).is_some();
                 is_known || humminbird::sniff(files, &Opened { path, bytes }).is_some()
             })
     };
@@ -346,6 +348,9 @@ fn read_by_content(
     }
     if let Some(first) = edgetech::sniff(&opened.bytes) {
         return edgetech::read(opened, first, reading, progress);
+    }
+    if cerulean::sniff(&opened.bytes).is_some() {
+        return cerulean::read(opened, reading, progress);
     }
     if let Some(recording) = humminbird::sniff(files, &opened) {
         return humminbird::read(recording, reading, progress);

@@ -8,6 +8,8 @@ use crate::support::geo::{LonLat, MPS_PER_KNOT};
 /// What one sentence tells; what it does not is NaN or `None`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Sentence {
+    /// Seconds since midnight, UTC.
+    pub(super) utc_s: Option<f64>,
     /// Where the receiver is.
     pub(super) position: Option<LonLat>,
     /// Course over ground, radians from north, clockwise.
@@ -51,7 +53,14 @@ pub(super) fn sentence(bytes: &[u8]) -> Option<Sentence> {
             lon_deg: angle_deg(number(first + 2)?, field(first + 3), "E", "W")?,
         })
     };
+    let utc_s = |index: usize| {
+        let value = number(index)?;
+        let [hours, minutes] = [value / 10_000.0, value / 100.0 % 100.0].map(f64::trunc);
+        let utc_s = hours * 3600.0 + minutes * 60.0 + value % 100.0;
+        (0.0..86_401.0).contains(&utc_s).then_some(utc_s)
+    };
     let empty = Sentence {
+        utc_s: None,
         position: None,
         cog_rad: f32::NAN,
         heading_rad: f32::NAN,
@@ -61,16 +70,19 @@ pub(super) fn sentence(bytes: &[u8]) -> Option<Sentence> {
     let told = match kind.get(kind.len().checked_sub(3)?..)? {
         // Quality 0 is no fix.
         "GGA" => Sentence {
+            utc_s: utc_s(1),
             position: place(2).filter(|_| number(6) != Some(0.0)),
             ..empty
         },
         "RMC" if field(2) == "A" => Sentence {
+            utc_s: utc_s(1),
             position: place(3),
             speed_mps: knots(7),
             cog_rad: degrees(8),
             ..empty
         },
         "GLL" if field(6) != "V" => Sentence {
+            utc_s: utc_s(5),
             position: place(1),
             ..empty
         },
@@ -134,6 +146,7 @@ mod tests {
         );
         let at = told.position.expect("a position");
         assert!(at.lat_deg < -48.0 && at.lon_deg < -11.0);
+        assert_eq!(told.utc_s, Some(45_319.0));
         assert!((told.speed_mps - 11.52).abs() < 0.01, "{}", told.speed_mps);
         assert!((told.cog_rad.to_degrees() - 84.4).abs() < 1e-3);
         let hdt = sentence(b"$HEHDT,271.5,T\0\0\xFF").expect("a heading");

@@ -42,16 +42,17 @@ impl<'a> Reader<'a> {
     /// A reader of this file; of its tail it knows what was found out of the log.
     pub(super) fn new(bytes: &'a [u8], reading: &Reading<'a>) -> Self {
         let known = reading.known().filter(|_| reading.from(0).is_some());
-        let zero_ms = known.and_then(|known| {
-            let zero_s = known.start_unix_s? - known.clock_offset_s;
-            Some((zero_s * 1000.0).round() as i64)
-        });
-        // Without a date the time zero is found again from the beginning.
-        let known = known.filter(|_| zero_ms.is_some());
         let mut pings = known
             .into_iter()
             .flat_map(|known| known.side_scan.iter().rev());
-        let span = pings.find_map(|ping| ping.port.or(ping.starboard));
+        let last = pings.find_map(|ping| Some((ping.time_s, ping.port.or(ping.starboard)?)));
+        let zero_ms = last.and_then(|(time_s, span)| {
+            let unix_ms = Trace::of_span(bytes, &span)?.unix_ms;
+            Some(unix_ms - (time_s * 1000.0).round() as i64)
+        });
+        // Where the last ping does not tell it, the time zero is found again from the beginning.
+        let known = known.filter(|_| zero_ms.is_some());
+        let span = last.filter(|_| zero_ms.is_some()).map(|(_, span)| span);
         let projected = known.and_then(|known| known.track.projected.as_ref());
         Self {
             bytes,
