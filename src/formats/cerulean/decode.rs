@@ -15,6 +15,9 @@ use std::collections::BTreeMap;
 /// Id of the description of a session.
 const SESSION: u16 = 10;
 
+/// Bytes of a file for each position at least; a hostile one is nothing but sentences.
+const BYTES_A_POSITION: usize = 128;
+
 /// A profile with its offset, and the positions that were told since the one before.
 type Record = (Profile, usize, Vec<Told>);
 
@@ -29,6 +32,7 @@ pub(super) struct Reader<'a> {
     navigation: Navigation,
     /// Positions that no profile has followed yet.
     waiting: Vec<Told>,
+    positions_left: usize,
     /// Unix seconds when recording began, until the first profile has come.
     began_unix_s: Option<f64>,
     start_unix_s: Option<f64>,
@@ -52,6 +56,7 @@ impl<'a> Reader<'a> {
             scale: Scale::of_log(bytes, pings),
             navigation: Navigation::default(),
             waiting: Vec::new(),
+            positions_left: bytes.len() / BYTES_A_POSITION,
             began_unix_s: None,
             start_unix_s: None,
             halves: Default::default(),
@@ -87,6 +92,8 @@ impl<'a> Reader<'a> {
         }
         *self.others.entry(packet.id).or_default() += 1;
         let told = self.navigation.take(packet.id, packet.payload);
+        let told = told.filter(|_| self.positions_left > 0);
+        self.positions_left -= usize::from(told.is_some());
         self.waiting.extend(told);
         if packet.id == SESSION && self.began_unix_s.is_none() && self.start_unix_s.is_none() {
             self.began_unix_s = began_unix_s(packet.payload);

@@ -134,6 +134,25 @@ fn positions_of_an_autopilot_are_read() {
 }
 
 #[test]
+fn after_a_restart_of_the_sonar_time_goes_on() {
+    let part = svlog(&SvlogOptions {
+        pings: 100,
+        ..SvlogOptions::default()
+    });
+    let survey = open([part.clone(), part].concat()).expect("a log");
+    assert!(says(&survey, "the recorder's clock was set back by 5.0 s"));
+    assert_eq!(survey.side_scan.len(), 200);
+    for ping in survey.side_scan.iter() {
+        assert!(ping.port.is_some() && ping.starboard.is_some());
+    }
+    let last_s = survey.side_scan[199].time_s;
+    assert!((last_s - 9.9).abs() < 1e-6, "{last_s}");
+    assert_eq!(survey.start_unix_s, Some(BEGAN_S));
+    let fix = survey.track.fixes[199];
+    assert!((fix.time_s - 9.9).abs() < 0.06, "{}", fix.time_s);
+}
+
+#[test]
 fn a_log_of_another_sonar_is_no_damage() {
     let bytes = [
         packet(10, 0, b"{}"),

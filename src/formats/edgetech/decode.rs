@@ -22,6 +22,9 @@ const YEARS: std::ops::RangeInclusive<i32> = 1980..=2100;
 /// Speed of sound where the file states none, metres a second.
 const SOUND_MPS: f64 = 1500.0;
 
+/// No sonar has more channels; those of damaged headers are not counted beyond.
+const MOST_CHANNELS: usize = 64;
+
 /// Decodes messages.
 pub(super) struct Reader<'a> {
     bytes: &'a [u8],
@@ -63,7 +66,7 @@ impl<'a> Reader<'a> {
                 origin_m: projected.map(|projected| projected.origin_m),
             },
             pairs: span.map_or_else(Pairs::default, |span| Pairs::like(bytes, &span)),
-            sensors: Sensors::new(span.and_then(|span| sound_of(bytes, &span))),
+            sensors: Sensors::new(span.and_then(|span| sound_of(bytes, &span)), bytes.len()),
             last_depth_s: None,
             assumed_sound: 0,
             unread: BTreeMap::new(),
@@ -173,7 +176,7 @@ impl<'a> Reader<'a> {
         let [near_m, far_m] = trace.range_m(sound_mps.unwrap_or(SOUND_MPS));
         let kind = trace.kind();
         let number = trace.number();
-        if !log.knows(number) {
+        if !log.knows(number) && log.channels.len() < MOST_CHANNELS {
             let name = format!("{}, channel {}", pair::name(trace.subsystem), trace.channel);
             log.introduce(number, kind, name, trace.frequency_khz);
         }

@@ -16,6 +16,9 @@ pub(super) const SOUNDS_MPS: std::ops::RangeInclusive<f64> = 1300.0..=1700.0;
 /// A sentence that is older or newer than all traces by more than this is of another clock, seconds.
 const NMEA_BESIDE_S: f64 = 60.0;
 
+/// Bytes of a file for each position at least; a hostile one is nothing but sentences.
+const BYTES_A_SENTENCE: usize = 128;
+
 /// Collects what the messages tell.
 #[derive(Debug)]
 pub(super) struct Sensors {
@@ -23,16 +26,19 @@ pub(super) struct Sensors {
     device: Option<String>,
     /// Sentences with their Unix seconds.
     sentences: Vec<(f64, Sentence)>,
+    most_sentences: usize,
     counts: BTreeMap<u16, usize>,
 }
 
 impl Sensors {
-    /// Nothing was told yet but, of the tail of a log, the speed of sound before it, metres a second.
-    pub(super) fn new(sound_mps: Option<f64>) -> Self {
+    /// Nothing was told yet but, of the tail of a log, the speed of sound before it, metres a second. Of a file of so many bytes no more
+    /// sentences are kept than a recorder writes between its traces.
+    pub(super) fn new(sound_mps: Option<f64>, byte_count: usize) -> Self {
         Self {
             sound_mps,
             device: None,
             sentences: Vec::new(),
+            most_sentences: byte_count / BYTES_A_SENTENCE,
             counts: BTreeMap::new(),
         }
     }
@@ -54,6 +60,9 @@ impl Sensors {
             NMEA => {
                 let unix_s = f64::from(fields.i32(0)) + f64::from(fields.i32(4)) / 1000.0;
                 let told = body.get(12..).and_then(nmea::sentence);
+                let told = told.filter(|told| {
+                    told.position.is_some() && self.sentences.len() < self.most_sentences
+                });
                 self.sentences.extend(told.map(|told| (unix_s, told)));
             }
             SYSTEM if self.device.is_none() => {
