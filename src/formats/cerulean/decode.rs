@@ -9,12 +9,15 @@ use crate::formats::collected::{Collected, Counted, HalfPing, is_sound};
 use crate::formats::reading::Reading;
 use crate::formats::report::WarningKind;
 use crate::support::calendar::unix_from_iso;
+use crate::support::statistics::upper_median;
 use crate::survey::{ChannelKind, Encoding, RangeSource, SampleOrder, Side, SideSpan};
 use std::collections::BTreeMap;
 
 /// Id of the description of a session.
 const SESSION: u16 = 10;
 
+/// Profiles that lie together in a file are no further apart in time, seconds: packets of one side wait for 3 s at most in real logs.
+const MOST_APART_S: f64 = 10.0;
 /// Bytes of a file for each position at least; a hostile one is nothing but sentences.
 const BYTES_A_POSITION: usize = 128;
 
@@ -35,6 +38,9 @@ pub(super) struct Reader<'a> {
     positions_left: usize,
     /// Unix seconds when recording began, until the first profile has come.
     began_unix_s: Option<f64>,
+    /// Clock of the last profile of each side, and by how much port was ahead of starboard then, seconds.
+    last_s: [Option<f64>; 2],
+    port_ahead_s: Vec<f64>,
     start_unix_s: Option<f64>,
     halves: [Vec<(HalfPing, [f32; 2])>; 2],
     others: BTreeMap<u16, usize>,
@@ -58,6 +64,8 @@ impl<'a> Reader<'a> {
             waiting: Vec::new(),
             positions_left: bytes.len() / BYTES_A_POSITION,
             began_unix_s: None,
+            last_s: [None; 2],
+            port_ahead_s: Vec::new(),
             start_unix_s: None,
             halves: Default::default(),
             others: BTreeMap::new(),
@@ -85,6 +93,10 @@ impl<'a> Reader<'a> {
         if let Some(profile) = Profile::of(&packet) {
             let record = (profile, at, std::mem::take(&mut self.waiting));
             let time_s = f64::from(profile.time_ms) / 1000.0;
+            self.last_s[profile.side() as usize] = Some(time_s);
+            if let [Some(port_s), Some(starboard_s)] = self.last_s {
+                self.port_ahead_s.push(port_s - starboard_s);
+            }
             if let Some(verdict) = self.clocks[profile.side() as usize].push(time_s, record) {
                 self.settle(log, verdict);
             }
@@ -110,6 +122,12 @@ impl<'a> Reader<'a> {
             set_back_s = set_back_s.max(self.clocks[side as usize].set_back_s());
         }
         log.report.set_back(set_back_s);
+        let ahead_s = upper_median(&mut self.port_ahead_s, f64::total_cmp);
+        if let Some(ahead_s) = ahead_s.filter(|ahead_s| ahead_s.abs() > MOST_APART_S) {
+            log.report.log(format!(
+                "the clock of the port transducer is {ahead_s:.1} s ahead of the starboard one's: they were switched on one after the other, and the sides do not belong together in time"
+            ));
+        }
         log.start_unix_s = self.start_unix_s;
         log.range_source = RangeSource::SurveyRecorder;
         for fix in std::mem::take(&mut self.navigation).fixes() {

@@ -134,6 +134,20 @@ fn positions_of_an_autopilot_are_read() {
 }
 
 #[test]
+fn transducers_that_were_switched_on_one_after_the_other_are_named() {
+    let options = |port_earlier_ms| SvlogOptions {
+        in_a_row: 20,
+        port_earlier_ms,
+        ..SvlogOptions::default()
+    };
+    assert!(says(
+        &read(&options(12_000)),
+        "ahead of the starboard one's"
+    ));
+    assert!(!says(&read(&options(0)), "ahead of the starboard one's"));
+}
+
+#[test]
 fn after_a_restart_of_the_sonar_time_goes_on() {
     let part = svlog(&SvlogOptions {
         pings: 100,

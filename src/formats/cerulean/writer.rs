@@ -19,6 +19,8 @@ pub(crate) struct SvlogOptions {
     pub(crate) powers_db: Vec<[f32; 2]>,
     /// Decibels from ping to ping.
     pub(crate) louder_db: f64,
+    /// Milliseconds that the port transducer was switched on earlier.
+    pub(crate) port_earlier_ms: u32,
 }
 
 impl Default for SvlogOptions {
@@ -32,6 +34,7 @@ impl Default for SvlogOptions {
             start_mm: 0,
             powers_db: vec![[-90.0, -40.0]],
             louder_db: 0.0,
+            port_earlier_ms: 0,
         }
     }
 }
@@ -125,12 +128,17 @@ fn position(options: &SvlogOptions, ping: usize) -> Vec<u8> {
 
 fn profile(options: &SvlogOptions, ping: usize, side: usize) -> Vec<u8> {
     let [least_db, most_db] = options.powers_db[ping % options.powers_db.len()];
+    let earlier_ms = if side == 0 {
+        options.port_earlier_ms
+    } else {
+        0
+    };
     let mut payload = Vec::new();
     for field in [
         ping as u32,
         options.start_mm,
         LENGTH_MM,
-        FIRST_MS + (ping * PING_MS) as u32,
+        FIRST_MS + earlier_ms + (ping * PING_MS) as u32,
         450_000,
     ] {
         payload.extend(field.to_le_bytes());
