@@ -3,10 +3,6 @@
 /// The first bytes of a format, its name, and what to do with it.
 const KNOWN: &[(&[u8], &str)] = &[
     (
-        b"\x01\x16",
-        "an EdgeTech JSF log is not read; export it as XTF",
-    ),
-    (
         b"\x86\xda\xe9\xb7",
         "a Garmin RSD log is not read; convert it to XTF or SL2 with your survey program",
     ),
@@ -35,14 +31,5 @@ const KNOWN: &[(&[u8], &str)] = &[
 /// What to do with a file of a format that is known by sight.
 pub(super) fn advice(bytes: &[u8]) -> Option<&'static str> {
     let known = KNOWN.iter().find(|(magic, _)| bytes.starts_with(magic));
-    let svlog = || {
-        // Blue Robotics ping packets: "BR", u16 length, u16 message number; one follows the other.
-        let len = super::scalar::u16_le(bytes, 2).filter(|_| bytes.starts_with(b"BR"))?;
-        let next = 8 + usize::from(len) + 2;
-        bytes
-            .get(next..)?
-            .starts_with(b"BR")
-            .then_some("a Blue Robotics svlog is not read; export it as XTF")
-    };
-    known.map(|(_, advice)| *advice).or_else(svlog)
+    known.map(|(_, advice)| *advice)
 }

@@ -198,7 +198,7 @@ impl Survey {
         let ends = |ping: &super::SidePing| {
             [ping.port, ping.starboard].map(|side| {
                 let span = side?;
-                let width = if span.encoding == Encoding::U8 { 1 } else { 2 };
+                let width = span.encoding.width() as u64;
                 Some(span.offset + width * u64::from(span.count))
             })
         };
@@ -262,16 +262,18 @@ impl Survey {
             .for_each(|fix| later(&mut fix.time_s));
     }
 
-    /// Shows the same bits of 16-bit samples as the log so far.
+    /// Shows the same bits of 16-bit samples as the log so far. Samples with a scale for each ping have the log's scale already: their
+    /// readers look it up.
     fn scale_like(&mut self, log: &Survey) {
         let spans = log.side_scan.iter().rev().take(ENDED_PINGS);
         let mut spans = spans.flat_map(|ping| [ping.port, ping.starboard]).flatten();
-        let Some(known) = spans.find(|span| span.encoding != Encoding::U8) else {
+        let is_shifted = |span: &SideSpan| matches!(span.encoding, Encoding::U16 { .. });
+        let Some(known) = spans.find(is_shifted) else {
             return;
         };
         for ping in Arc::make_mut(&mut self.side_scan) {
             for span in [&mut ping.port, &mut ping.starboard].into_iter().flatten() {
-                if span.encoding != Encoding::U8 {
+                if is_shifted(span) {
                     span.encoding = known.encoding;
                 }
             }

@@ -42,6 +42,33 @@ pub enum Encoding {
         /// Bits to drop.
         shift: u8,
     },
+    /// Two bytes, little-endian, on the scale of their own ping: `base + step * value` is the level in units of 2^-[`LEVEL_BITS`].
+    ScaledU16 {
+        /// Level of the value 0.
+        base: i32,
+        /// Levels from one value to the next.
+        step: u32,
+    },
+    /// Four bytes: real and imaginary part, little-endian i16. The level is their magnitude times `step`, in units of
+    /// 2^-[`LEVEL_BITS`].
+    ScaledComplex {
+        /// Levels from one magnitude to the next.
+        step: u32,
+    },
+}
+
+/// Bits after the point of the levels of an [`Encoding`].
+pub(crate) const LEVEL_BITS: u32 = 20;
+
+impl Encoding {
+    /// Bytes of a sample.
+    pub fn width(self) -> usize {
+        match self {
+            Encoding::U8 => 1,
+            Encoding::U16 { .. } | Encoding::ScaledU16 { .. } => 2,
+            Encoding::ScaledComplex { .. } => 4,
+        }
+    }
 }
 
 /// Where the samples of one side of a ping lie, and the slant range that they cover.
@@ -105,10 +132,7 @@ pub struct Samples<'a> {
 impl<'a> Samples<'a> {
     /// `None` when the span lies outside the bytes.
     pub fn new(bytes: &'a [u8], span: &SideSpan) -> Option<Self> {
-        let width = match span.encoding {
-            Encoding::U8 => 1,
-            Encoding::U16 { .. } => 2,
-        };
+        let width = span.encoding.width();
         let start = usize::try_from(span.offset).ok()?;
         let end = start.checked_add((span.count as usize).checked_mul(width)?)?;
         let stored = bytes.get(start..end)?;
@@ -121,10 +145,7 @@ impl<'a> Samples<'a> {
 
     /// Number of samples.
     pub fn len(&self) -> usize {
-        match self.encoding {
-            Encoding::U8 => self.stored.len(),
-            Encoding::U16 { .. } => self.stored.len() / 2,
-        }
+        self.stored.len() / self.encoding.width()
     }
 
     /// Whether there is no sample.
@@ -140,12 +161,24 @@ impl<'a> Samples<'a> {
         };
         match self.encoding {
             Encoding::U8 => self.stored[stored],
-            Encoding::U16 { shift } => {
-                let value =
-                    u16::from_le_bytes([self.stored[2 * stored], self.stored[2 * stored + 1]]);
-                (value >> shift).min(255) as u8
+            Encoding::U16 { shift } => (self.pair(2 * stored) >> shift).min(255) as u8,
+            Encoding::ScaledU16 { base, step } => {
+                let value = self.pair(2 * stored);
+                let level = i64::from(base) + i64::from(step) * i64::from(value);
+                (level >> LEVEL_BITS).clamp(0, 255) as u8
+            }
+            Encoding::ScaledComplex { step } => {
+                let part = |at| f32::from(self.pair(at).cast_signed());
+                let magnitude = part(4 * stored).hypot(part(4 * stored + 2));
+                // The conversion keeps to 0..=255.
+                (magnitude * step as f32 / (1 << LEVEL_BITS) as f32) as u8
             }
         }
+    }
+
+    /// Two stored bytes as a number.
+    fn pair(&self, at: usize) -> u16 {
+        u16::from_le_bytes([self.stored[at], self.stored[at + 1]])
     }
 
     /// The stored bytes when they are one byte a sample, with their order; the fast way for whole-survey passes.

@@ -1,0 +1,242 @@
+//! From packets to sides and fixes in SI units.
+
+use super::navigation::{Navigation, Told};
+use super::packet::Packet;
+use super::profile::Profile;
+use super::scale::Scale;
+use crate::formats::clock::{Clock, ClockVerdict};
+use crate::formats::collected::{Collected, Counted, HalfPing, is_sound};
+use crate::formats::reading::Reading;
+use crate::formats::report::WarningKind;
+use crate::support::calendar::unix_from_iso;
+use crate::support::statistics::upper_median;
+use crate::survey::{ChannelKind, Encoding, RangeSource, SampleOrder, Side, SideSpan};
+use std::collections::BTreeMap;
+
+/// Id of the description of a session.
+const SESSION: u16 = 10;
+
+/// Profiles that lie together in a file are no further apart in time, seconds: packets of one side wait for 3 s at most in real logs.
+const MOST_APART_S: f64 = 10.0;
+/// Bytes of a file for each position at least; a hostile one is nothing but sentences.
+const BYTES_A_POSITION: usize = 128;
+
+/// A profile with its offset, and the positions that were told since the one before.
+type Record = (Profile, usize, Vec<Told>);
+
+/// Decodes packets.
+pub(super) struct Reader<'a> {
+    bytes: &'a [u8],
+    /// One for each side: packets of one come in a row before those of the other.
+    clocks: [Clock<Record>; 2],
+    /// Milliseconds of the sonar's clock at the log's time zero.
+    zero_ms: Option<f64>,
+    scale: Option<Scale>,
+    navigation: Navigation,
+    /// Positions that no profile has followed yet.
+    waiting: Vec<Told>,
+    positions_left: usize,
+    /// Unix seconds when recording began, until the first profile has come.
+    began_unix_s: Option<f64>,
+    /// Clock of the last profile of each side, and by how much port was ahead of starboard then, seconds.
+    last_s: [Option<f64>; 2],
+    port_ahead_s: Vec<f64>,
+    start_unix_s: Option<f64>,
+    halves: [Vec<(HalfPing, [f32; 2])>; 2],
+    others: BTreeMap<u16, usize>,
+}
+
+impl<'a> Reader<'a> {
+    /// A reader of this file; of its tail it knows what was found out of the log.
+    pub(super) fn new(bytes: &'a [u8], reading: &Reading<'_>) -> Self {
+        let known = reading.known().filter(|_| reading.from(0).is_some());
+        let pings = known.map_or(&[][..], |known| &known.side_scan);
+        let zero_ms = pings.iter().rev().find_map(|ping| {
+            let profile = Profile::of_span(bytes, &ping.port.or(ping.starboard)?)?;
+            Some((f64::from(profile.time_ms) - ping.time_s * 1000.0).round())
+        });
+        Self {
+            bytes,
+            clocks: Default::default(),
+            zero_ms,
+            scale: Scale::of_log(bytes, pings),
+            navigation: Navigation::default(),
+            waiting: Vec::new(),
+            positions_left: bytes.len() / BYTES_A_POSITION,
+            began_unix_s: None,
+            last_s: [None; 2],
+            port_ahead_s: Vec::new(),
+            start_unix_s: None,
+            halves: Default::default(),
+            others: BTreeMap::new(),
+        }
+    }
+
+    /// Whether the log's time zero is known, so that its tail can be read alone.
+    pub(super) fn knows_zero(&self) -> bool {
+        self.zero_ms.is_some()
+    }
+
+    /// Takes the packet at an offset.
+    pub(super) fn take(&mut self, log: &mut Collected, at: usize) {
+        let Some(packet) = Packet::at(self.bytes, at) else {
+            return;
+        };
+        if !packet.is_sound() {
+            let text = format!(
+                "the sum of a packet's bytes is not what it says (id {}); it was dropped",
+                packet.id
+            );
+            log.report.at(WarningKind::Frame, 0, at, text);
+            return;
+        }
+        if let Some(profile) = Profile::of(&packet) {
+            let record = (profile, at, std::mem::take(&mut self.waiting));
+            let time_s = f64::from(profile.time_ms) / 1000.0;
+            self.last_s[profile.side() as usize] = Some(time_s);
+            if let [Some(port_s), Some(starboard_s)] = self.last_s {
+                self.port_ahead_s.push(port_s - starboard_s);
+            }
+            if let Some(verdict) = self.clocks[profile.side() as usize].push(time_s, record) {
+                self.settle(log, verdict);
+            }
+            return;
+        }
+        *self.others.entry(packet.id).or_default() += 1;
+        let told = self.navigation.take(packet.id, packet.payload);
+        let told = told.filter(|_| self.positions_left > 0);
+        self.positions_left -= usize::from(told.is_some());
+        self.waiting.extend(told);
+        if packet.id == SESSION && self.began_unix_s.is_none() && self.start_unix_s.is_none() {
+            self.began_unix_s = began_unix_s(packet.payload);
+        }
+    }
+
+    /// Takes the profiles that still wait for a verdict and puts all on one scale.
+    pub(super) fn finish(&mut self, log: &mut Collected) {
+        let mut set_back_s = 0.0_f64;
+        for side in Side::BOTH {
+            while let Some(verdict) = self.clocks[side as usize].next() {
+                self.settle(log, verdict);
+            }
+            set_back_s = set_back_s.max(self.clocks[side as usize].set_back_s());
+        }
+        log.report.set_back(set_back_s);
+        let ahead_s = upper_median(&mut self.port_ahead_s, f64::total_cmp);
+        if let Some(ahead_s) = ahead_s.filter(|ahead_s| ahead_s.abs() > MOST_APART_S) {
+            log.report.log(format!(
+                "the clock of the port transducer is {ahead_s:.1} s ahead of the starboard one's: they were switched on one after the other, and the sides do not belong together in time"
+            ));
+        }
+        log.start_unix_s = self.start_unix_s;
+        log.range_source = RangeSource::SurveyRecorder;
+        for fix in std::mem::take(&mut self.navigation).fixes() {
+            log.add_fix(fix);
+        }
+        let halves = std::mem::take(&mut self.halves);
+        let spans = halves.iter().flatten();
+        let spans: Vec<_> = spans
+            .map(|(half, power_db)| (half.span, *power_db))
+            .collect();
+        let scale = self.scale;
+        let scale = scale.unwrap_or_else(|| Scale::fitting(self.bytes, &spans));
+        let [port, starboard] = halves.map(|halves| {
+            let each = halves.into_iter().map(|(mut half, power_db)| {
+                half.span.encoding = scale.encoding(power_db);
+                half
+            });
+            each.collect::<Vec<HalfPing>>()
+        });
+        log.port = port;
+        log.starboard = starboard;
+        let others: usize = self.others.values().sum();
+        if others > 0 {
+            log.report
+                .log(format!("{others} packets that are no pings were skipped"));
+        }
+    }
+
+    /// The packets that are no profiles, by id.
+    pub(super) fn summary(&self) -> String {
+        let mut counts: Vec<(u16, usize)> = self.others.iter().map(|(&a, &b)| (a, b)).collect();
+        counts.sort_by_key(|&(_, count)| std::cmp::Reverse(count));
+        let each = counts
+            .iter()
+            .map(|(id, count)| format!("{count} packets with the id {id}"));
+        match counts.is_empty() {
+            true => "damaged packets".to_owned(),
+            false => each.collect::<Vec<String>>().join(", "),
+        }
+    }
+
+    fn settle(&mut self, log: &mut Collected, verdict: ClockVerdict<Record>) {
+        match verdict {
+            ClockVerdict::Sound {
+                record: (profile, at, told),
+                time_s,
+            } => {
+                let now_ms = (time_s * 1000.0).round();
+                let time_s = (now_ms - *self.zero_ms.get_or_insert(now_ms)) / 1000.0;
+                if let Some(began_unix_s) = self.began_unix_s.take() {
+                    self.start_unix_s = Some(began_unix_s - time_s);
+                }
+                for told in told {
+                    self.navigation.place(told, time_s, profile.vehicle_deg);
+                }
+                self.keep(log, &profile, at, time_s);
+            }
+            ClockVerdict::Damaged((_, at, _)) => {
+                let text = "a profile's time fits neither neighbour; its header is damaged and it was dropped";
+                log.report.at(WarningKind::Frame, 0, at, text);
+            }
+        }
+    }
+
+    fn keep(&mut self, log: &mut Collected, profile: &Profile, at: usize, time_s: f64) {
+        let side = profile.side();
+        let number = side as u16;
+        let [near_m, far_m] = profile.range_m;
+        if !log.knows(number) {
+            let kind = match side {
+                Side::Port => ChannelKind::Port,
+                Side::Starboard => ChannelKind::Starboard,
+            };
+            let name = format!("channel {} of device {}", profile.channel, profile.device);
+            log.introduce(number, kind, name, profile.frequency_khz);
+        }
+        let counted = Counted {
+            record: (0, profile.end),
+            time_s,
+            samples: profile.samples.into(),
+            range_m: Some((near_m, far_m)),
+        };
+        log.count(number, counted);
+        let span = SideSpan {
+            file: 0,
+            encoding: Encoding::ScaledU16 { base: 0, step: 0 },
+            order: SampleOrder::NearToFar,
+            offset: profile.samples_at as u64,
+            count: profile.samples.into(),
+            near_m,
+            far_m,
+        };
+        if !(profile.has_samples && profile.has_power() && is_sound(&span)) {
+            let [least_db, most_db] = profile.power_db;
+            let text = format!(
+                "a profile has {} samples from {near_m} m to {far_m} m between {least_db} and {most_db} dB, which is no picture; it was dropped",
+                profile.samples
+            );
+            log.report.at(WarningKind::Value, 0, at, text);
+            return;
+        }
+        let half = HalfPing { time_s, span };
+        self.halves[side as usize].push((half, profile.power_db));
+    }
+}
+
+/// Unix seconds when a session was described; `None` where the description does not say.
+fn began_unix_s(payload: &[u8]) -> Option<f64> {
+    let end = payload.iter().rposition(|byte| *byte != 0)?;
+    let session: serde_json::Value = serde_json::from_slice(&payload[..=end]).ok()?;
+    unix_from_iso(session.get("timestamp")?.as_str()?)
+}

@@ -1,0 +1,246 @@
+//! From messages to sides, altitudes and fixes in SI units.
+
+use super::message::{HEADER, MessageHeader};
+use super::pair::{self, Half, Pairs};
+use super::place::PositionConverter;
+use super::sensors::{SOUNDS_MPS, Sensors};
+use super::trace::Trace;
+use crate::formats::clock::{Clock, ClockVerdict};
+use crate::formats::collected::{Collected, Counted, HalfPing, is_sound};
+use crate::formats::reading::Reading;
+use crate::formats::report::WarningKind;
+use crate::support::calendar::moment;
+use crate::survey::{
+    ChannelKind, Fix, ProjectedTrack, RangeSource, SampleOrder, Side, SideSpan, Survey,
+};
+use chrono::Datelike as _;
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+/// Years in which a log can have been recorded.
+const YEARS: std::ops::RangeInclusive<i32> = 1980..=2100;
+/// Speed of sound where the file states none, metres a second.
+const SOUND_MPS: f64 = 1500.0;
+
+/// No sonar has more channels; those of damaged headers are not counted beyond.
+const MOST_CHANNELS: usize = 64;
+
+/// Decodes messages.
+pub(super) struct Reader<'a> {
+    bytes: &'a [u8],
+    known: Option<&'a Survey>,
+    clock: Clock<(Trace, usize)>,
+    /// Unix milliseconds of the log's time zero.
+    zero_ms: Option<i64>,
+    places: PositionConverter,
+    pairs: Pairs,
+    sensors: Sensors,
+    last_depth_s: Option<f64>,
+    assumed_sound: usize,
+    unread: BTreeMap<u16, usize>,
+    continued: usize,
+}
+
+impl<'a> Reader<'a> {
+    /// A reader of this file; of its tail it knows what was found out of the log.
+    pub(super) fn new(bytes: &'a [u8], reading: &Reading<'a>) -> Self {
+        let known = reading.known().filter(|_| reading.from(0).is_some());
+        let mut pings = known
+            .into_iter()
+            .flat_map(|known| known.side_scan.iter().rev());
+        let last = pings.find_map(|ping| Some((ping.time_s, ping.port.or(ping.starboard)?)));
+        let zero_ms = last.and_then(|(time_s, span)| {
+            let unix_ms = Trace::of_span(bytes, &span)?.unix_ms;
+            Some(unix_ms - (time_s * 1000.0).round() as i64)
+        });
+        // Where the last ping does not tell it, the time zero is found again from the beginning.
+        let known = known.filter(|_| zero_ms.is_some());
+        let span = last.filter(|_| zero_ms.is_some()).map(|(_, span)| span);
+        let projected = known.and_then(|known| known.track.projected.as_ref());
+        Self {
+            bytes,
+            known,
+            clock: Clock::default(),
+            zero_ms,
+            places: PositionConverter {
+                origin_m: projected.map(|projected| projected.origin_m),
+            },
+            pairs: span.map_or_else(Pairs::default, |span| Pairs::like(bytes, &span)),
+            sensors: Sensors::new(span.and_then(|span| sound_of(bytes, &span)), bytes.len()),
+            last_depth_s: None,
+            assumed_sound: 0,
+            unread: BTreeMap::new(),
+            continued: 0,
+        }
+    }
+
+    /// Whether the log's time zero is known, so that its tail can be read alone.
+    pub(super) fn knows_zero(&self) -> bool {
+        self.zero_ms.is_some()
+    }
+
+    /// Takes the next message of the file.
+    pub(super) fn take(&mut self, log: &mut Collected, message: Range<usize>) {
+        if let Some(trace) = Trace::of(self.bytes, message.clone()) {
+            let time_s = trace.unix_ms as f64 / 1000.0;
+            if let Some(verdict) = self.clock.push(time_s, (trace, message.start)) {
+                self.settle(log, verdict);
+            }
+            return;
+        }
+        let header = MessageHeader::at(self.bytes, message.start);
+        let body = self.bytes.get(message.start + HEADER..message.end);
+        if let (Some(header), Some(body)) = (header, body) {
+            self.sensors.take(header.kind, body);
+        }
+    }
+
+    /// Takes the traces that still wait for a verdict and says what was left out.
+    pub(super) fn finish(&mut self, log: &mut Collected) {
+        while let Some(verdict) = self.clock.next() {
+            self.settle(log, verdict);
+        }
+        std::mem::take(&mut self.pairs).finish(self.bytes, log);
+        let unix_s = self.zero_ms.map(|zero_ms| zero_ms as f64 / 1000.0);
+        log.start_unix_s = unix_s.filter(|unix_s| YEARS.contains(&moment(*unix_s).year()));
+        log.range_source = RangeSource::SurveyRecorder;
+        log.source.device = match self.known {
+            Some(known) => known.source.device.clone(),
+            None => self.sensors.device(),
+        };
+        if log.fixes.is_empty() {
+            let zero_s = unix_s.unwrap_or(0.0);
+            self.sensors.add_fixes(log, zero_s);
+        }
+        log.projected = self.places.origin_m.map(ProjectedTrack::new);
+        log.report.set_back(self.clock.set_back_s());
+        self.remark(log);
+    }
+
+    fn remark(&self, log: &Collected) {
+        if self.assumed_sound > 0 {
+            log.report.log(format!(
+                "{} pings state no speed of sound; their ranges are for {SOUND_MPS} m/s",
+                self.assumed_sound
+            ));
+        }
+        for (format, pings) in &self.unread {
+            log.report.log(format!(
+                "{pings} pings hold samples of format {format}, which is not read; record the envelope (0) or the analytic signal (1)"
+            ));
+        }
+        if self.continued > 0 {
+            log.report.log(format!(
+                "{} traces continue a ping beyond its first packet and were left out",
+                self.continued
+            ));
+        }
+        let others = self.sensors.total();
+        if others > 0 {
+            log.report
+                .log(format!("{others} messages that are no pings were skipped"));
+        }
+    }
+
+    /// The messages that are no traces.
+    pub(super) fn sensors(&self) -> &Sensors {
+        &self.sensors
+    }
+
+    fn settle(&mut self, log: &mut Collected, verdict: ClockVerdict<(Trace, usize)>) {
+        match verdict {
+            ClockVerdict::Sound {
+                record: (trace, at),
+                time_s,
+            } => self.keep(log, &trace, at, time_s),
+            ClockVerdict::Damaged((_, at)) => {
+                let text = "a trace's time fits neither neighbour; its header is damaged and it was dropped";
+                log.report.at(WarningKind::Frame, 0, at, text);
+            }
+        }
+    }
+
+    fn keep(&mut self, log: &mut Collected, trace: &Trace, at: usize, unix_s: f64) {
+        let now_ms = (unix_s * 1000.0).round() as i64;
+        let time_s = (now_ms - *self.zero_ms.get_or_insert(now_ms)) as f64 / 1000.0;
+        if self.last_depth_s != Some(time_s) && trace.altitude_m > 0.0 {
+            self.last_depth_s = Some(time_s);
+            log.add_depth(ChannelKind::Primary, time_s, trace.altitude_m);
+        }
+        self.keep_fix(log, trace, time_s);
+        if trace.packet > 1 {
+            self.continued += 1;
+            return;
+        }
+        let sound_mps = trace.sound_mps.or(self.sensors.sound_mps());
+        let [near_m, far_m] = trace.range_m(sound_mps.unwrap_or(SOUND_MPS));
+        let kind = trace.kind();
+        let number = trace.number();
+        if !log.knows(number) && log.channels.len() < MOST_CHANNELS {
+            let name = format!("{}, channel {}", pair::name(trace.subsystem), trace.channel);
+            log.introduce(number, kind, name, trace.frequency_khz);
+        }
+        let counted = Counted {
+            record: (0, trace.samples_at + trace.room),
+            time_s,
+            samples: trace.samples as usize,
+            range_m: Some((near_m, far_m)),
+        };
+        log.count(number, counted);
+        let side = match kind {
+            ChannelKind::Port => Side::Port,
+            ChannelKind::Starboard => Side::Starboard,
+            _ => return,
+        };
+        let Some(encoding) = trace.encoding() else {
+            *self.unread.entry(trace.data_format).or_default() += 1;
+            return;
+        };
+        let span = SideSpan {
+            file: 0,
+            encoding,
+            order: SampleOrder::NearToFar,
+            offset: trace.samples_at as u64,
+            count: trace.samples,
+            near_m,
+            far_m,
+        };
+        let needed = (trace.samples as usize).saturating_mul(encoding.width());
+        if needed > trace.room || !is_sound(&span) || !pair::is_weight(trace.weight) {
+            let text = format!(
+                "a trace has {} samples in {} bytes from {near_m} m to {far_m} m with the weight {}, which is no picture; it was dropped",
+                trace.samples, trace.room, trace.weight
+            );
+            log.report.at(WarningKind::Value, 0, at, text);
+            return;
+        }
+        self.assumed_sound += usize::from(sound_mps.is_none());
+        let half = Half {
+            side,
+            subsystem: trace.subsystem,
+            weight: trace.weight,
+            half: HalfPing { time_s, span },
+        };
+        self.pairs.keep(half, trace.frequency_khz);
+    }
+
+    fn keep_fix(&mut self, log: &mut Collected, trace: &Trace, time_s: f64) {
+        let position = trace.place.and_then(|place| self.places.position(place));
+        if let Some(position) = position {
+            log.add_fix(Fix {
+                time_s,
+                position,
+                cog_rad: trace.cog_rad,
+                compass_rad: trace.heading_rad,
+                speed_mps: trace.speed_mps,
+            });
+        }
+    }
+}
+
+/// The speed of sound that the range of a span was computed with.
+fn sound_of(bytes: &[u8], span: &SideSpan) -> Option<f64> {
+    let trace = Trace::of_span(bytes, span)?;
+    let sound_mps = 2.0 * span.metres_per_sample() / trace.interval_s;
+    SOUNDS_MPS.contains(&sound_mps).then_some(sound_mps)
+}

@@ -1,0 +1,237 @@
+//! The port and the starboard channel that are shown, of as many subsystems as the sonar has, and the scale of their samples.
+
+use super::trace::Trace;
+use crate::formats::collected::{Collected, HalfPing};
+use crate::survey::{Encoding, LEVEL_BITS, SampleOrder, Samples, Side, SideSpan};
+use std::collections::BTreeMap;
+
+/// A subsystem is only preferred to one of a higher frequency where that has less than this share of its pings.
+const ENOUGH_PINGS: f64 = 0.9;
+/// Pings looked at to find the scale.
+const PINGS_LOOKED_AT: usize = 200;
+/// Share of the samples that may be clipped at the highest level.
+const CLIPPED_SHARE: f64 = 0.001;
+/// Weights beyond this are damage: 2^-40 volts are no signal.
+const HEAVIEST: u16 = 40;
+
+/// One side of a ping.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Half {
+    /// Which side.
+    pub(super) side: Side,
+    /// The subsystem that it is of.
+    pub(super) subsystem: u8,
+    /// Its weighting factor.
+    pub(super) weight: i16,
+    /// Its samples, on a scale that is not set yet.
+    pub(super) half: HalfPing,
+}
+
+/// What is known of a subsystem.
+#[derive(Clone, Copy, Debug, Default)]
+struct Subsystem {
+    pings: usize,
+    frequency_khz: f32,
+}
+
+/// Collects the sides of all subsystems.
+#[derive(Debug, Default)]
+pub(super) struct Pairs {
+    halves: Vec<Half>,
+    subsystems: BTreeMap<u8, Subsystem>,
+    /// What was chosen for the log, where its tail is read.
+    known: Option<Chosen>,
+}
+
+/// The subsystem that is shown, and how many bits of a sample of weight 0 are dropped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Chosen {
+    subsystem: u8,
+    dropped_bits: Option<i32>,
+}
+
+impl Pairs {
+    /// Goes on with what was chosen for a log, of which `span` is a side of a ping.
+    pub(super) fn like(bytes: &[u8], span: &SideSpan) -> Self {
+        let known = Trace::of_span(bytes, span).map(|trace| Chosen {
+            subsystem: trace.subsystem,
+            dropped_bits: step(span.encoding)
+                .filter(|step| *step > 0)
+                .map(|step| LEVEL_BITS as i32 - step.ilog2() as i32 - i32::from(trace.weight)),
+        });
+        Self {
+            known,
+            ..Self::default()
+        }
+    }
+
+    /// Keeps one side of a ping.
+    pub(super) fn keep(&mut self, half: Half, frequency_khz: Option<f32>) {
+        let subsystem = self.subsystems.entry(half.subsystem).or_default();
+        subsystem.pings += 1;
+        subsystem.frequency_khz = frequency_khz.unwrap_or(subsystem.frequency_khz);
+        self.halves.push(half);
+    }
+
+    /// Hands over the sides of one subsystem on one scale, and says what is not shown.
+    pub(super) fn finish(self, bytes: &[u8], log: &mut Collected) {
+        let chosen = self.known.map(|known| known.subsystem);
+        let Some(chosen) = chosen.or_else(|| choose(&self.subsystems)) else {
+            return;
+        };
+        let others = self.subsystems.iter().filter(|(one, _)| **one != chosen);
+        let names: Vec<String> = others.clone().map(|(one, _)| name(*one)).collect();
+        if !names.is_empty() {
+            let pings: usize = others.map(|(_, subsystem)| subsystem.pings).sum();
+            log.report.log(format!(
+                "{} is shown; {pings} traces of {} are counted but not shown",
+                name(chosen),
+                names.join(", ")
+            ));
+        }
+        let mut halves = self.halves;
+        halves.retain(|half| half.subsystem == chosen);
+        let known = self.known.and_then(|known| known.dropped_bits);
+        let dropped_bits = known.unwrap_or_else(|| bits_to_drop(bytes, &halves));
+        for half in halves {
+            let shift = dropped_bits + i32::from(half.weight);
+            let mut ping = half.half;
+            set_step(&mut ping.span.encoding, step_of_shift(shift));
+            match half.side {
+                Side::Port => log.port.push(ping),
+                Side::Starboard => log.starboard.push(ping),
+            }
+        }
+    }
+}
+
+/// A subsystem in words.
+pub(super) fn name(subsystem: u8) -> String {
+    let what = match subsystem {
+        0 => "sub-bottom",
+        20 | 70 => "low frequency",
+        21 | 71 => "high frequency",
+        22 | 72 => "very high frequency",
+        40..=42 => "bathymetry",
+        _ => return format!("subsystem {subsystem}"),
+    };
+    format!("{what} (subsystem {subsystem})")
+}
+
+/// The subsystem of the highest frequency of those that have nearly as many pings as any.
+fn choose(subsystems: &BTreeMap<u8, Subsystem>) -> Option<u8> {
+    let most = subsystems.values().map(|one| one.pings).max()?;
+    let enough = |one: &Subsystem| one.pings as f64 >= ENOUGH_PINGS * most as f64;
+    let candidates = subsystems.iter().filter(|(_, one)| enough(one));
+    let (chosen, _) =
+        candidates.max_by(|(_, a), (_, b)| a.frequency_khz.total_cmp(&b.frequency_khz))?;
+    Some(*chosen)
+}
+
+/// Bits of a sample to drop, less its weight, so that nearly all samples of all pings fit a level on one scale. No low bit of the finest
+/// ping is made up.
+fn bits_to_drop(bytes: &[u8], halves: &[Half]) -> i32 {
+    let mut histogram: BTreeMap<i32, u64> = BTreeMap::new();
+    for half in halves.iter().step_by(halves.len() / PINGS_LOOKED_AT + 1) {
+        let bits = stored_bits(bytes, &half.half.span);
+        for (bits, count) in bits.into_iter().enumerate().skip(1) {
+            *histogram
+                .entry(bits as i32 - i32::from(half.weight))
+                .or_default() += count;
+        }
+    }
+    let total: u64 = histogram.values().sum();
+    let mut beyond = 0;
+    let highest = histogram.iter().rev().find(|(_, count)| {
+        beyond += **count;
+        beyond as f64 > CLIPPED_SHARE * total as f64
+    });
+    let finest = halves.iter().map(|half| i32::from(half.weight)).max();
+    let finest = finest.unwrap_or(0);
+    highest.map_or(-finest, |(highest, _)| (highest - 8).max(-finest))
+}
+
+/// How many samples of a span take so many bits.
+fn stored_bits(bytes: &[u8], span: &SideSpan) -> [u64; 18] {
+    let raw = SideSpan {
+        count: span.count.saturating_mul(span.encoding.width() as u32),
+        encoding: Encoding::U8,
+        order: SampleOrder::NearToFar,
+        ..*span
+    };
+    let stored = Samples::new(bytes, &raw).and_then(|samples| samples.stored_u8());
+    let mut counts = [0; 18];
+    for sample in stored
+        .map_or(&[][..], |(stored, _)| stored)
+        .chunks_exact(span.encoding.width())
+    {
+        let magnitude = match *sample {
+            [a, b] => u32::from(u16::from_le_bytes([a, b])),
+            [a, b, c, d] => {
+                let [re, im] = [[a, b], [c, d]].map(|part| f32::from(i16::from_le_bytes(part)));
+                re.hypot(im) as u32
+            }
+            _ => 0,
+        };
+        counts[(u32::BITS - magnitude.leading_zeros()) as usize] += 1;
+    }
+    counts
+}
+
+/// Whether a weight can be one.
+pub(super) fn is_weight(weight: i16) -> bool {
+    weight.unsigned_abs() <= HEAVIEST
+}
+
+/// Levels from value to value where so many low bits are dropped, or added where it is negative.
+fn step_of_shift(shift: i32) -> u32 {
+    let exponent = LEVEL_BITS as i32 - shift;
+    u32::try_from(exponent.min(31)).map_or(0, |exponent| 1 << exponent)
+}
+
+fn step(encoding: Encoding) -> Option<u32> {
+    match encoding {
+        Encoding::ScaledU16 { step, .. } | Encoding::ScaledComplex { step } => Some(step),
+        Encoding::U8 | Encoding::U16 { .. } => None,
+    }
+}
+
+fn set_step(encoding: &mut Encoding, to: u32) {
+    match encoding {
+        Encoding::ScaledU16 { step, .. } | Encoding::ScaledComplex { step } => *step = to,
+        Encoding::U8 | Encoding::U16 { .. } => {}
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(subsystems: &[(u8, usize, f32)]) -> Option<u8> {
+        let one = |&(number, pings, frequency_khz): &(u8, usize, f32)| {
+            let subsystem = Subsystem {
+                pings,
+                frequency_khz,
+            };
+            (number, subsystem)
+        };
+        choose(&subsystems.iter().map(one).collect())
+    }
+
+    #[test]
+    fn the_higher_frequency_is_shown_unless_it_has_fewer_pings() {
+        assert_eq!(of(&[]), None);
+        assert_eq!(of(&[(20, 100, 120.0), (21, 99, 410.0)]), Some(21));
+        assert_eq!(of(&[(20, 100, 120.0), (21, 50, 410.0)]), Some(20));
+        assert_eq!(of(&[(20, 100, 0.0), (21, 100, 0.0)]), Some(21));
+    }
+
+    #[test]
+    fn steps_are_powers_of_two() {
+        assert!(is_weight(-40) && !is_weight(i16::MIN));
+        assert_eq!(step_of_shift(0), 1 << LEVEL_BITS);
+        assert_eq!(step_of_shift(4), 1 << (LEVEL_BITS - 4));
+        assert_eq!(step_of_shift(-4), 1 << (LEVEL_BITS + 4));
+        assert_eq!([step_of_shift(21), step_of_shift(-99)], [0, 1 << 31]);
+    }
+}

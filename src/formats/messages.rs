@@ -1,0 +1,128 @@
+//! From message to message through a log that is nothing else: each begins with a marker and says how long it is.
+
+use super::report::{WarningKind, WarningReport};
+use crate::support::progress::{Cancelled, Progress};
+use std::ops::Range;
+
+/// Messages between two looks at the progress.
+const MESSAGES_A_CHECK: usize = 1024;
+
+/// How the messages of a format begin.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MessageFormat {
+    /// The two bytes that each begins with.
+    pub(super) marker: [u8; 2],
+    /// Bytes of the whole message at an offset, at least 2; `None` where no message can begin. The message may end past the bytes.
+    pub(super) length: fn(&[u8], usize) -> Option<usize>,
+}
+
+impl MessageFormat {
+    /// The message at an offset, which may end past the bytes; `None` where none can begin.
+    fn message(self, bytes: &[u8], at: usize) -> Option<Range<usize>> {
+        let length = (self.length)(bytes, at)?;
+        Some(at..at.checked_add(length)?)
+    }
+
+    /// Whether a message begins at an offset, or the bytes end there.
+    fn is_border(self, bytes: &[u8], at: usize) -> bool {
+        at == bytes.len() || self.message(bytes, at).is_some()
+    }
+
+    /// The first message that begins in `from..to` and is followed by another or by the end of the bytes: a marker alone would be found
+    /// by chance.
+    pub(super) fn next(self, bytes: &[u8], from: usize, to: usize) -> Option<usize> {
+        let searched = bytes.get(from..to.min(bytes.len()))?;
+        let marked = searched.windows(2).enumerate();
+        let marked = marked.filter(|(_, window)| **window == self.marker);
+        let mut starts = marked.map(|(index, _)| from + index);
+        starts.find(|&at| {
+            let message = self.message(bytes, at);
+            message.is_some_and(|message| self.is_border(bytes, message.end))
+        })
+    }
+}
+
+/// A walk over the messages of a file.
+pub(super) struct MessageWalk<'a> {
+    /// How they begin.
+    pub(super) format: MessageFormat,
+    /// The whole file.
+    pub(super) bytes: &'a [u8],
+    /// Where to say what is wrong.
+    pub(super) report: &'a WarningReport,
+    /// What is cut at its end is still being written.
+    pub(super) is_growing: bool,
+    /// Where to say how far it is.
+    pub(super) progress: &'a Progress,
+}
+
+impl MessageWalk<'_> {
+    /// Calls `take` with the place of every whole message from `start` on.
+    pub(super) fn run(
+        &self,
+        start: usize,
+        mut take: impl FnMut(Range<usize>),
+    ) -> Result<(), Cancelled> {
+        let (mut at, mut reported, mut messages) = (start, start, 0_usize);
+        while at < self.bytes.len() {
+            if messages.is_multiple_of(MESSAGES_A_CHECK) {
+                self.progress.check()?;
+                self.progress.advance((at - reported) as u64);
+                reported = at;
+            }
+            messages += 1;
+            at = match self.format.message(self.bytes, at) {
+                Some(message) => self.step(message, &mut take),
+                None => self.over_gap(at),
+            };
+        }
+        self.progress
+            .advance(self.bytes.len().saturating_sub(reported) as u64);
+        Ok(())
+    }
+
+    /// Takes a message, unless it is damaged or cut; returns where to go on.
+    fn step(&self, message: Range<usize>, take: &mut impl FnMut(Range<usize>)) -> usize {
+        let len = self.bytes.len();
+        let Range { start, end } = message;
+        if self.format.is_border(self.bytes, end) {
+            take(start..end);
+            return end;
+        }
+        // Something is damaged: the length of this message if another begins inside it, else what follows.
+        if let Some(found) = self.format.next(self.bytes, start + 2, end) {
+            let text = format!(
+                "a message says that it is {} bytes long, but the next begins after {}; it was dropped",
+                end - start,
+                found - start
+            );
+            self.report.at(WarningKind::Frame, 0, start, text);
+            return found;
+        }
+        if end > len && self.is_growing {
+            return len;
+        }
+        if end > len {
+            let text = format!(
+                "the file was cut inside its last message ({} bytes of it are there); it was dropped",
+                len - start
+            );
+            self.report.at(WarningKind::Frame, 0, start, text);
+            return len;
+        }
+        take(start..end);
+        end
+    }
+
+    fn over_gap(&self, at: usize) -> usize {
+        let len = self.bytes.len();
+        let found = self.format.next(self.bytes, at + 1, len);
+        let to = found.unwrap_or(len);
+        if found.is_none() && self.is_growing {
+            return to;
+        }
+        let text = format!("{} bytes belong to no message and were skipped", to - at);
+        self.report.at(WarningKind::Gap, 0, at, text);
+        to
+    }
+}
