@@ -3,8 +3,8 @@
 //! In: files of recorders, instruments and other programs. Out: surveys, tracks, water levels, areas, points and rasters; and the bytes of the formats that are also written.
 //! It uses `survey` and `support`.
 //!
-//! `lowrance`, `humminbird` and `xtf` walk over the records of their format, mend what is damaged and give it meaning in SI
-//! units; all three fill one `collected` log, with `clock` to recognise damaged times and `report` to say what was wrong.
+//! `lowrance`, `humminbird`, `garmin` and `xtf` walk over the records of their format, mend what is damaged and give it meaning in SI
+//! units; all fill one `collected` log, with `clock` to recognise damaged times and `report` to say what was wrong.
 //! `reading` says which part of a log is read: the tail of one that is being written is read as a log of its own. `assemble` turns what was read into the survey: `join` pairs the sides, `depths` chooses the soundings, `stray` leaves out positions that cannot be. `file_source` and `map` bring
 //! the bytes, `removable` loads a log on a card into memory, `growing_log` copies one that is being written as it comes, `unsupported` recognises formats that are not read. `track_file` reads
 //! the track of another receiver, `gauge_file` the height of the water, `area_file` a polygon of water, `reference` whatever a survey is compared with, `points` and `geotiff` what other programs say of depths; both also lay out what is written so, as `parquet_table` does tables of columns.
@@ -16,6 +16,7 @@ mod clock;
 mod collected;
 mod depths;
 mod file_source;
+mod garmin;
 mod gauge_file;
 pub(crate) mod geotiff;
 mod gpx;
@@ -55,7 +56,7 @@ use std::path::{Path, PathBuf};
 compile_error!("the raw records of the readers are laid over little-endian bytes");
 
 /// The formats that are tried, in words.
-const LOOKED_FOR: &str = "looked for Lowrance SL2 and SL3, Humminbird DAT and SON, XTF";
+const LOOKED_FOR: &str = "looked for Lowrance SL2 and SL3, Humminbird DAT and SON, Garmin RSD, XTF";
 
 /// Why a log cannot be opened. Each sentence says what is wrong, where, and what to do.
 #[derive(Debug, thiserror::Error)]
@@ -125,7 +126,7 @@ impl Opened {
     }
 }
 
-/// Opens a log: an SL2 or SL3 file, a Humminbird DAT, folder or SON, an XTF file. The file is only ever read.
+/// Opens a log: an SL2 or SL3 file, a Humminbird DAT, folder or SON, a Garmin RSD file, an XTF file. The file is only ever read.
 ///
 /// # Errors
 /// When the files cannot be read or are no log; the error names the file.
@@ -250,7 +251,7 @@ fn open_folder(
     match logs_on(files, folder).as_slice() {
         [] => Err(not_recognised(
             folder,
-            "a folder without a log; looked for Lowrance SL2 and SL3, Humminbird DAT and SON, XTF",
+            "a folder without a log; looked for Lowrance SL2 and SL3, Humminbird DAT and SON, Garmin RSD, XTF",
         )),
         [log] => open_on(files, log, reading, progress),
         logs => {
@@ -284,7 +285,7 @@ pub(crate) fn unusable_in(folder: &Path) -> Vec<PathBuf> {
     }
     let is_named_so = |path: &PathBuf| {
         let ending = path.extension().unwrap_or_default();
-        let mut endings = ["sl2", "sl3", "xtf"].into_iter();
+        let mut endings = ["sl2", "sl3", "rsd", "xtf"].into_iter();
         path.is_file() && endings.any(|one| ending.eq_ignore_ascii_case(one))
     };
     let mut unusable = FileSource::Disk.children(folder);
@@ -304,7 +305,9 @@ fn logs_on(files: &FileSource, folder: &Path) -> Vec<PathBuf> {
             .filter(|bytes| !bytes.is_empty())
             .is_some_and(|bytes| {
                 let path = path.clone();
-                let is_known = lowrance::sniff(&bytes).is_some() || xtf::sniff(&bytes).is_some();
+                let is_known = lowrance::sniff(&bytes).is_some()
+                    || garmin::sniff(&bytes).is_some()
+                    || xtf::sniff(&bytes).is_some();
                 is_known || humminbird::sniff(files, &Opened { path, bytes }).is_some()
             })
     };
@@ -334,6 +337,9 @@ fn read_by_content(
     }
     if let Some(kind) = lowrance::sniff(&opened.bytes) {
         return lowrance::read(opened, kind, reading, progress);
+    }
+    if let Some(found) = garmin::sniff(&opened.bytes) {
+        return garmin::read(opened, found, reading, progress);
     }
     if let Some(found) = xtf::sniff(&opened.bytes) {
         return xtf::read(opened, found, reading, progress);

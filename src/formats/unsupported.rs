@@ -7,10 +7,6 @@ const KNOWN: &[(&[u8], &str)] = &[
         "an EdgeTech JSF log is not read; export it as XTF",
     ),
     (
-        b"\x86\xda\xe9\xb7",
-        "a Garmin RSD log is not read; convert it to XTF or SL2 with your survey program",
-    ),
-    (
         b"PK\x03\x04",
         "a zip archive; unpack it and open the log in it",
     ),
