@@ -371,6 +371,8 @@ fn choose_logs(title: &str) -> Vec<PathBuf> {
                 "DAT",
                 "son",
                 "SON",
+                "rsd",
+                "RSD",
                 "xtf",
                 "XTF",
                 "bathyscope",

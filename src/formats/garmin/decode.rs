@@ -4,7 +4,7 @@ use super::channels::{self, SeenChannel, UNNUMBERED};
 use super::depth::DepthEncoding;
 use super::header::FileHeader;
 use super::pictures;
-use super::record::{RecordBody, RecordHeader};
+use super::record::{Ping, RecordBody, RecordHeader};
 use crate::formats::clock::{Clock, ClockVerdict};
 use crate::formats::collected::{Collected, Counted};
 use crate::formats::report::WarningKind;
@@ -15,21 +15,6 @@ use crate::survey::{Fix, Survey};
 const MOST_CHANNELS: usize = 64;
 /// Garmin's units of a position in a circle.
 const UNITS_A_CIRCLE: f64 = 4_294_967_296.0;
-
-/// A ping of any channel.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Ping {
-    /// Offset of its record.
-    pub(super) offset: usize,
-    /// Offset behind its body.
-    pub(super) end: usize,
-    /// Milliseconds since the start of the recording.
-    time_ms: i32,
-    /// Number of its channel.
-    pub(super) channel: u16,
-    /// What its record holds.
-    pub(super) body: RecordBody,
-}
 
 /// Collects pings, a little behind the walk so that a damaged time is seen. What a channel is, only all of its pings tell.
 pub(super) struct Reader<'a> {

@@ -62,7 +62,7 @@ mod tests {
     fn depths_of_both_kinds_become_metres() {
         let signed = |stored| DepthEncoding::Signed.metres(stored);
         assert_eq!([0, 1, 2, 16_000].map(signed), [0.0, -0.001, 0.001, 8.0]);
-        assert_eq!(signed(u32::MAX), -2_147_483.75);
+        assert_eq!(signed(u32::MAX), -2_147_483.8);
         assert_eq!(DepthEncoding::Unsigned.metres(16_001), 16.001);
     }
 }

@@ -4,8 +4,9 @@
 //! It uses `survey` and `support`.
 //!
 //! Read from the specification: no real recording was at hand. The facts are those of public readers of the format, which were made with
-//! real recordings: `garmin_class.py` of PINGVerter 2.1.7 (C. Bodine, MIT; the reader of PINGMapper) and `readers/rsd.py` of sidescantools. Troubles that their users have:
-//! PINGMapper issue 165 and PINGVerter issue 3 (channels without a side, positions that are missing).
+//! real recordings: `garmin_class.py` of PINGVerter 2.1.7 (C. Bodine, MIT; the reader of PINGMapper) and `readers/rsd.py` of
+//! sidescantools. Troubles that their users have, and that are tested here: PINGMapper issue 165 and PINGVerter issue 3 (channels without a side,
+//! positions that are missing).
 //!
 //! A file is a header that is padded to 20 480 bytes, and records. All is written as structures of numbered fields ([`varstruct`]);
 //! integers are little-endian.
@@ -14,12 +15,16 @@
 //! - Record: a header (field 0 the number 0xB7E9DA86, 1 the state with the channel, 2 the count of the ping, 4 the bytes of the body, 5 the
 //!   milliseconds since the recording began), its checksum, the body, and a trailer of twelve bytes (0xF98EACBC, the record's length, a checksum).
 //!   The first and the last records of a channel have no body.
-//! - Body: fields 0 the channel, 1 the depth of the bottom, 3 and 4 the range of the first and the last sample, all three in millimetres, 7 the
-//!   count of samples, 8 whether there is shade, 9 and 10 latitude and longitude in 2^32 to the circle, 11 the water's temperature, 12 the beam (1 traditional
-//!   sonar, 2 side-scan to port, 3 to starboard, 4 down-scan), 13 the element with the tilt to port (negative) or starboard. The
-//!   samples follow, nearest first on both sides, two bytes each, and one byte of shade each.
+//! - Body: fields 0 the channel, 1 the depth of the bottom, 3 and 4 the range of the first and the last sample, all three in millimetres
+//!   ([`depth`]), 7 the count of samples, 8 whether there is shade, 9 and 10 latitude and longitude in 2^32 to the circle, 11 the water's
+//!   temperature, 12 the beam (1 traditional sonar, 2 side-scan to port, 3 to starboard, 4 down-scan), 13 the element, whose field 5 has the
+//!   tilt to port (negative) or to starboard. The samples follow, nearest first on both sides, two bytes each.
 //!
-//! Not read: temperature (a log has no place for it), gain, shade. Course, heading and speed are not in the format.
+//! Stated by one source only: that one byte of shade a sample follows the samples (sidescantools), that depths may be unsigned
+//! (PINGVerter), and that old units record one byte a sample (notes of another public project).
+//!
+//! Not read: temperature (a log has no place for it), gain, shade, and checksums, which peers find wrong in sound records. Course,
+//! heading and speed are not in the format.
 
 mod channels;
 mod decode;

@@ -1,7 +1,7 @@
 //! The samples of the pings: sides of the side-scan, and channels that look down.
 
-use super::decode::Ping;
 use super::depth::DepthEncoding;
+use super::record::Ping;
 use crate::formats::collected::{Collected, HalfPing, is_range, is_sound};
 use crate::formats::report::WarningKind;
 use crate::formats::xtf::shift_to_fit;

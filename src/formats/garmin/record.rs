@@ -84,6 +84,21 @@ pub(super) struct RecordBody {
     pub(super) samples: Option<StoredSamples>,
 }
 
+/// A ping of any channel.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ping {
+    /// Offset of its record.
+    pub(super) offset: usize,
+    /// Offset behind its body.
+    pub(super) end: usize,
+    /// Milliseconds since the start of the recording.
+    pub(super) time_ms: i32,
+    /// Number of its channel.
+    pub(super) channel: u16,
+    /// What its record holds.
+    pub(super) body: RecordBody,
+}
+
 impl RecordBody {
     /// The body of a record whose bytes are all there; `None` where its fields are damaged.
     pub(super) fn read(bytes: &[u8], header: &RecordHeader) -> Option<Self> {

@@ -1,6 +1,6 @@
 //! Files that lie about themselves: they are read as far as they go, and nothing panics, hangs or takes memory by a stated size.
 
-use super::writer::{HEADER, Ping};
+use super::writer::{HEADER, Ping, record, structure};
 use super::{file, open, pings};
 
 /// A small generator of numbers that are always the same.
@@ -80,26 +80,25 @@ fn stated_sizes_of_four_gigabytes_are_not_believed() {
         has_trailer: false,
         ..pings(1).remove(0)
     };
-    // Sizes of bodies, fields and arrays, counts of fields and samples.
-    for (place, value) in [
-        (1, vec![(4, vec![0xFF; 4])]),
-        (
-            2,
-            vec![(4, vec![0xFF, 0xFF, 0xFF, 0x7F]), (1, vec![0xFF; 5])],
-        ),
+    let magic_field = (0, 0xB7E9_DA86_u32.to_le_bytes().to_vec());
+    // Sizes of bodies; a state whose count of fields is that long.
+    for fields in [
+        [(4, vec![0xFF; 4]), (5, vec![0; 4])],
+        [(4, vec![0xFF, 0xFF, 0xFF, 0x7F]), (1, vec![0xFF; 5])],
     ] {
-        let mut fields = vec![(0, super::writer::structure(&[])); 0];
-        fields.push((0, 0xB7E9_DA86_u32.to_le_bytes().to_vec()));
-        fields.extend(value);
-        bytes.extend(super::writer::structure(&fields));
-        bytes.extend(vec![place; 40]);
+        let mut all = vec![magic_field.clone()];
+        all.extend(fields);
+        bytes.extend(structure(&all));
+        bytes.extend([1; 40]);
     }
+    // Headers with a field, and with a count of fields, that long.
     bytes.extend([
         6, 4, 0x86, 0xDA, 0xE9, 0xB7, 0x0F, 0xFF, 0xFF, 0xFF, 0xFF, 0x0F,
     ]);
     bytes.extend([
         0xFF, 4, 0x86, 0xDA, 0xE9, 0xB7, 0xFF, 0xFF, 0xFF, 0xFF, 0x0F,
     ]);
+    // Samples, and fields of a body.
     let stated = Ping {
         stated_samples: Some(u32::MAX),
         ..long.clone()
@@ -107,7 +106,7 @@ fn stated_sizes_of_four_gigabytes_are_not_believed() {
     bytes.extend(stated.record());
     let mut body = long.body();
     body[0] = 0x7F;
-    bytes.extend(super::writer::record(&long, &body));
+    bytes.extend(record(&long, &body));
     bytes.extend(long.record());
     let survey = open(bytes.clone()).expect("the sound records");
     assert_eq!(survey.side_scan.len(), 3);
