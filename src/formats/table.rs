@@ -3,6 +3,9 @@
 //! The messages, the dialogs for files, the desktop entry with its file types, `bathyscope info --formats` and the table in README.md are
 //! all made from [`FORMATS`].
 
+use super::cerulean::Cerulean;
+use super::edgetech::EdgeTech;
+use super::garmin::Garmin;
 use super::humminbird::Humminbird;
 use super::log_format::LogFormat;
 use super::lowrance::Lowrance;
@@ -120,6 +123,26 @@ pub(crate) const FORMATS: &[FormatEntry] = &[
         reader: &Lowrance,
     },
     FormatEntry {
+        name: "Garmin RSD",
+        recorders: "Garmin",
+        endings: &[("RSD", FileRole::Log)],
+        magic: "7C 4B 26 D9 at byte 2; else records with 86 DA E9 B7 at their byte 2",
+        carries: &[
+            Carried::SideScan,
+            Carried::DownScan,
+            Carried::Soundings,
+            Carried::Positions,
+        ],
+        tried_on: None,
+        notes: "ECHOMAP, STRIKER and GPSMAP series; side-scan, down-scan and traditional channels, 8 and 16 bit; of channels of one kind that were recorded at once one is shown",
+        file_type: Some(FileType {
+            mime: "application/x-garmin-rsd",
+            comment: "Garmin sonar log",
+        }),
+        keywords: &["garmin"],
+        reader: &Garmin,
+    },
+    FormatEntry {
         name: "XTF",
         recorders: "any that exports XTF",
         endings: &[("xtf", FileRole::Log)],
@@ -131,13 +154,48 @@ pub(crate) const FORMATS: &[FormatEntry] = &[
             Carried::Heading,
         ],
         tried_on: Some("recordings of side-scan surveys"),
-        notes: "8 and 16 bit; Garmin and Raymarine recordings have to be exported first",
+        notes: "8 and 16 bit; Raymarine recordings have to be exported first",
         file_type: Some(FileType {
             mime: "application/x-xtf",
             comment: "XTF sonar log",
         }),
         keywords: &[],
         reader: &Xtf,
+    },
+    FormatEntry {
+        name: "EdgeTech JSF",
+        recorders: "EdgeTech side-scan sonars",
+        endings: &[("jsf", FileRole::Log)],
+        magic: "messages that begin with 01 16",
+        carries: &[
+            Carried::SideScan,
+            Carried::Soundings,
+            Carried::Positions,
+            Carried::Heading,
+        ],
+        tried_on: None,
+        notes: "envelope and analytic samples; of several subsystems one is shown",
+        file_type: Some(FileType {
+            mime: "application/x-edgetech-jsf",
+            comment: "EdgeTech sonar log",
+        }),
+        keywords: &["edgetech"],
+        reader: &EdgeTech,
+    },
+    FormatEntry {
+        name: "Cerulean svlog",
+        recorders: "Cerulean and Blue Robotics Omniscan 450",
+        endings: &[("svlog", FileRole::Log)],
+        magic: "packets that begin with BR and end with the right sum",
+        carries: &[Carried::SideScan, Carried::Positions, Carried::Heading],
+        tried_on: None,
+        notes: "profiles of the side-scan; the log has no depths",
+        file_type: Some(FileType {
+            mime: "application/x-cerulean-svlog",
+            comment: "Cerulean sonar log",
+        }),
+        keywords: &["cerulean"],
+        reader: &Cerulean,
     },
     FormatEntry {
         name: "Humminbird DAT and SON",

@@ -3,10 +3,6 @@
 /// The first bytes of a format, its name, and what to do with it.
 const KNOWN: &[(&[u8], &str)] = &[
     (
-        b"\x86\xda\xe9\xb7",
-        "a Garmin RSD log is not read; convert it to XTF or SL2 with your survey program",
-    ),
-    (
         b"PK\x03\x04",
         "a zip archive; unpack it and open the log in it",
     ),

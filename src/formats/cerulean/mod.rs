@@ -31,6 +31,8 @@ mod tests;
 #[cfg(test)]
 pub(crate) mod writer;
 
+use super::file_source::FileSource;
+use super::log_format::{LogFormat, ReadRecording};
 use super::messages::MessageWalk;
 use super::reading::Reading;
 use super::{OpenError, Opened, assemble, collected::Collected};
@@ -44,8 +46,21 @@ const SEARCHED_FOR_PACKETS: usize = 1 << 20;
 /// So many rows of bytes are taken for a packet at most before a file is none.
 const MOST_TRIES: usize = 16;
 
+/// The reader of the format.
+pub(super) struct Cerulean;
+
+impl LogFormat for Cerulean {
+    fn recognise(&self, _files: &FileSource, opened: &Opened) -> Option<ReadRecording> {
+        sniff(&opened.bytes)?;
+        let opened = opened.clone();
+        Some(Box::new(move |reading, progress| {
+            read(opened, reading, progress)
+        }))
+    }
+}
+
 /// Recognises a file by a packet whose sum is right and which another follows; returns where it begins.
-pub(super) fn sniff(bytes: &[u8]) -> Option<usize> {
+fn sniff(bytes: &[u8]) -> Option<usize> {
     let mut from = 0;
     for _ in 0..MOST_TRIES {
         let at = FORMAT.next(bytes, from, SEARCHED_FOR_PACKETS)?;
@@ -61,11 +76,7 @@ pub(super) fn sniff(bytes: &[u8]) -> Option<usize> {
 ///
 /// # Errors
 /// When there is no profile in it, or it was cancelled.
-pub(super) fn read(
-    opened: Opened,
-    reading: &Reading<'_>,
-    progress: &Progress,
-) -> Result<Survey, OpenError> {
+fn read(opened: Opened, reading: &Reading<'_>, progress: &Progress) -> Result<Survey, OpenError> {
     let path = opened.path.clone();
     let bytes = opened.bytes.clone();
     let mut source = opened.source(NAME.to_owned());

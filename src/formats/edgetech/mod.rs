@@ -31,6 +31,8 @@ mod trace;
 #[cfg(test)]
 pub(crate) mod writer;
 
+use super::file_source::FileSource;
+use super::log_format::{LogFormat, ReadRecording};
 use super::messages::MessageWalk;
 use super::reading::Reading;
 use super::{OpenError, Opened, assemble, collected::Collected};
@@ -44,8 +46,21 @@ const SEARCHED_FOR_MESSAGES: usize = 1 << 20;
 /// No protocol has a higher version: 0x12 is the newest that is described.
 const NEWEST_VERSION: u8 = 0x40;
 
+/// The reader of the format.
+pub(super) struct EdgeTech;
+
+impl LogFormat for EdgeTech {
+    fn recognise(&self, _files: &FileSource, opened: &Opened) -> Option<ReadRecording> {
+        let first = sniff(&opened.bytes)?;
+        let opened = opened.clone();
+        Some(Box::new(move |reading, progress| {
+            read(opened, first, reading, progress)
+        }))
+    }
+}
+
 /// Recognises a file by its first message, or by two in a row where the first is damaged; returns where the first whole one begins.
-pub(super) fn sniff(bytes: &[u8]) -> Option<usize> {
+fn sniff(bytes: &[u8]) -> Option<usize> {
     let first = MessageHeader::at(bytes, 0);
     if first.is_some_and(|header| header.version <= NEWEST_VERSION && header.kind != 0) {
         return Some(0);
@@ -57,7 +72,7 @@ pub(super) fn sniff(bytes: &[u8]) -> Option<usize> {
 ///
 /// # Errors
 /// When there is no side-scan in it, or it was cancelled.
-pub(super) fn read(
+fn read(
     opened: Opened,
     first: usize,
     reading: &Reading<'_>,

@@ -92,7 +92,7 @@ const PINGS_LOOKED_AT: usize = 200;
 const CLIPPED_SHARE: f64 = 0.001;
 
 /// How many low bits of 16-bit samples to drop so that nearly all fit a byte.
-pub(super) fn shift_to_fit(bytes: &[u8], spans: &[&SideSpan]) -> u8 {
+pub(in crate::formats) fn shift_to_fit(bytes: &[u8], spans: &[&SideSpan]) -> u8 {
     let mut histogram = [0_u64; 17];
     for span in spans.iter().step_by(spans.len() / PINGS_LOOKED_AT + 1) {
         let wide = SideSpan {

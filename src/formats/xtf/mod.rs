@@ -18,6 +18,7 @@ use super::reading::Reading;
 use super::{OpenError, Opened, assemble, collected::Collected};
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::{Source, Survey};
+pub(super) use channels::shift_to_fit;
 use raw::{FileHeader, record};
 
 /// The file header is a multiple of this long: 1024 bytes for up to six channels.

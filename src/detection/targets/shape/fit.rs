@@ -50,8 +50,8 @@ const COARSE: [CoarseSearch; 2] = [
     CoarseSearch {
         size: [24, 48],
         followed: &[(4, 4), (2, 8)],
-        kept: 2,
-        worth_fitting: 0.8,
+        kept: 3,
+        worth_fitting: 0.6,
     },
 ];
 /// How far numbers are changed at first in the whole picture, as a share of the first steps: they are nearly right.

@@ -1,0 +1,240 @@
+//! What the channels of an RSD file are: their numbers differ between units, so that the beam in the records tells.
+
+use super::header::FileHeader;
+use super::record::RecordBody;
+use crate::formats::report::WarningReport;
+use crate::survey::{ChannelKind, Survey};
+use std::collections::BTreeMap;
+
+/// Side-scan and down-scan use higher frequencies than the traditional sonar, kHz: peers split at the same.
+const LOWEST_SCAN_KHZ: f32 = 300.0;
+/// Channels that were recorded one after the other may overlap by so many seconds, and by half of the shorter one.
+const SLACK_S: f64 = 2.0;
+/// A channel with less than this share of the pings of another of its role comes after it, whatever its number.
+const FEW: usize = 8;
+/// Channels without a number have this one and that of their beam.
+pub(super) const UNNUMBERED: u16 = 65_000;
+
+/// What a channel looks at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Role {
+    Traditional,
+    Port,
+    Starboard,
+    Down,
+    Other,
+}
+
+impl Role {
+    /// Of the beam in a record: PINGVerter and sidescantools agree about it.
+    fn of_beam(beam: u32) -> Self {
+        match beam {
+            1 => Role::Traditional,
+            2 => Role::Port,
+            3 => Role::Starboard,
+            4 => Role::Down,
+            _ => Role::Other,
+        }
+    }
+
+    /// The kinds that channels of the role have, the first of those that are free.
+    fn kinds(self) -> &'static [ChannelKind] {
+        match self {
+            Role::Traditional => &[ChannelKind::Primary, ChannelKind::Secondary],
+            Role::Port => &[ChannelKind::Port],
+            Role::Starboard => &[ChannelKind::Starboard],
+            Role::Down => &[ChannelKind::DownScan],
+            Role::Other => &[],
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Role::Traditional => "traditional sonar",
+            Role::Port => "side-scan port",
+            Role::Starboard => "side-scan starboard",
+            Role::Down => "down-scan",
+            Role::Other => "another",
+        }
+    }
+}
+
+/// What the pings of a channel say of it.
+#[derive(Clone, Debug)]
+pub(super) struct SeenChannel {
+    /// Its number.
+    pub(super) number: u16,
+    pings: usize,
+    with_samples: usize,
+    span_s: (f64, f64),
+    /// Pings by beam; the first place is that of beams that are not known.
+    beams: [usize; 5],
+    /// Pings whose element looks to port, and to starboard.
+    tilts: [usize; 2],
+}
+
+impl SeenChannel {
+    /// A channel without a ping.
+    pub(super) fn new(number: u16) -> Self {
+        Self {
+            number,
+            pings: 0,
+            with_samples: 0,
+            span_s: (f64::INFINITY, f64::NEG_INFINITY),
+            beams: [0; 5],
+            tilts: [0; 2],
+        }
+    }
+
+    /// Counts a ping.
+    pub(super) fn add(&mut self, time_s: f64, body: &RecordBody) {
+        self.pings += 1;
+        self.with_samples += usize::from(body.samples.is_some());
+        self.span_s = (self.span_s.0.min(time_s), self.span_s.1.max(time_s));
+        if let Some(beam) = body.beam {
+            let place = usize::try_from(beam).unwrap_or(0);
+            self.beams[if place < self.beams.len() { place } else { 0 }] += 1;
+        }
+        let tilt = body.tilt.unwrap_or(0.0);
+        self.tilts[0] += usize::from(tilt < 0.0);
+        self.tilts[1] += usize::from(tilt > 0.0);
+    }
+
+    /// The recorder's name for the channel with a number.
+    pub(super) fn name(number: u16) -> String {
+        match number.checked_sub(UNNUMBERED) {
+            Some(beam) => format!("beam {beam}"),
+            None => number.to_string(),
+        }
+    }
+
+    /// What its pings state: the beam that most of them name, else the side that the element looks to.
+    fn stated(&self) -> Option<Role> {
+        if self.with_samples == 0 {
+            return Some(Role::Other);
+        }
+        let most = (0..self.beams.len()).max_by_key(|&beam| self.beams[beam])?;
+        if self.beams[most] > 0 {
+            return Some(Role::of_beam(most as u32));
+        }
+        match self.tilts {
+            [port, starboard] if port > starboard => Some(Role::Port),
+            [port, starboard] if starboard > port => Some(Role::Starboard),
+            _ => None,
+        }
+    }
+
+    /// Whether both were recorded at once for more than a moment.
+    fn overlaps(&self, other: &SeenChannel) -> bool {
+        let from_s = self.span_s.0.max(other.span_s.0);
+        let until_s = self.span_s.1.min(other.span_s.1);
+        let length_s = |one: &SeenChannel| one.span_s.1 - one.span_s.0;
+        let shorter_s = length_s(self).min(length_s(other));
+        until_s - from_s > SLACK_S.min(shorter_s / 2.0)
+    }
+}
+
+/// The kind of each channel; those of a log that is known stay. Says what had to be guessed and what is not shown.
+pub(super) fn kinds(
+    seen: &[SeenChannel],
+    header: &FileHeader,
+    known: Option<&Survey>,
+    report: &WarningReport,
+) -> BTreeMap<u16, ChannelKind> {
+    let known_kind = |channel: &SeenChannel| {
+        let name = SeenChannel::name(channel.number);
+        let mut listed = known?.channels.iter();
+        let found = listed.find(|one| one.recorder_name == name)?;
+        Some((channel.number, found.kind))
+    };
+    let mut kinds: BTreeMap<u16, ChannelKind> = seen.iter().filter_map(known_kind).collect();
+    let new: Vec<&SeenChannel> = (seen.iter())
+        .filter(|channel| !kinds.contains_key(&channel.number))
+        .collect();
+    for (channel, role) in ordered(&new, header, report) {
+        let is_free = |kind: &&ChannelKind| {
+            let mut others = seen.iter();
+            !others.any(|other| kinds.get(&other.number) == Some(*kind) && channel.overlaps(other))
+        };
+        let kind = role.kinds().iter().find(is_free).copied();
+        if kind.is_none() && role != Role::Other {
+            report.log(format!(
+                "channel {} ({}) was recorded at the same time as another of its kind; its pings are counted but not shown",
+                SeenChannel::name(channel.number),
+                role.name()
+            ));
+        }
+        let kind = kind.unwrap_or(ChannelKind::Other(channel.number));
+        kinds.insert(channel.number, kind);
+    }
+    kinds
+}
+
+/// The channels with their roles in the order in which they choose a kind: by number, those with few pings last.
+fn ordered<'a>(
+    channels: &[&'a SeenChannel],
+    header: &FileHeader,
+    report: &WarningReport,
+) -> Vec<(&'a SeenChannel, Role)> {
+    let unstated: Vec<&SeenChannel> = (channels.iter().copied())
+        .filter(|channel| channel.stated().is_none())
+        .collect();
+    let role = |channel: &'a SeenChannel| {
+        let role = channel.stated();
+        (
+            channel,
+            role.unwrap_or_else(|| guess(channel, &unstated, header, report)),
+        )
+    };
+    let mut roles: Vec<(&SeenChannel, Role)> = channels.iter().copied().map(role).collect();
+    let most = |role: Role| {
+        let same = roles.iter().filter(|(_, other)| *other == role);
+        same.map(|(channel, _)| channel.pings).max().unwrap_or(0)
+    };
+    let key = |&(channel, role): &(&SeenChannel, Role)| {
+        (
+            channel.pings.saturating_mul(FEW) < most(role),
+            channel.number,
+        )
+    };
+    let mut keys: Vec<(bool, u16)> = roles.iter().map(key).collect();
+    keys.sort_unstable();
+    roles.sort_by_key(|(channel, _)| {
+        let of_channel = |key: &(bool, u16)| key.1 == channel.number;
+        keys.iter().position(of_channel)
+    });
+    roles
+}
+
+/// The role of a channel whose pings state neither a beam nor a side: two of one high frequency are a pair, port first; one alone
+/// looks down.
+fn guess(
+    channel: &SeenChannel,
+    unstated: &[&SeenChannel],
+    header: &FileHeader,
+    report: &WarningReport,
+) -> Role {
+    let khz = header.frequency_khz(channel.number);
+    let is_scan = khz.is_some_and(|khz| khz >= LOWEST_SCAN_KHZ);
+    let alike = || {
+        unstated
+            .iter()
+            .filter(|one| header.frequency_khz(one.number) == khz)
+    };
+    let lower = alike().filter(|one| one.number < channel.number).count();
+    let role = match (is_scan, alike().count(), lower) {
+        (true, 2, 0) => Role::Port,
+        (true, 2, _) => Role::Starboard,
+        (true, ..) => Role::Down,
+        (false, ..) => Role::Traditional,
+    };
+    let frequency = khz.map_or("of no stated frequency".to_owned(), |khz| {
+        format!("of {khz} kHz")
+    });
+    report.log(format!(
+        "channel {}, {frequency}, states neither its beam nor its side; it was taken for {}",
+        SeenChannel::name(channel.number),
+        role.name()
+    ));
+    role
+}

@@ -1,0 +1,135 @@
+//! Garmin RSD, what the chartplotters of the ECHOMAP, STRIKER and GPSMAP series record.
+//!
+//! In: the bytes of a recording. Out: a collected log.
+//! It uses `survey` and `support`.
+//!
+//! Read from the specification: no real recording was at hand. The facts are those of public readers of the format, which were made with
+//! real recordings: `garmin_class.py` of PINGVerter 2.1.7 (C. Bodine, MIT; the reader of PINGMapper) and `readers/rsd.py` of
+//! sidescantools. Troubles that their users have, and that are tested here: PINGMapper issue 165 and PINGVerter issue 3 (channels without a side,
+//! positions that are missing).
+//!
+//! A file is a header that is padded to 20 480 bytes, and records. All is written as structures of numbered fields ([`varstruct`]);
+//! integers are little-endian.
+//! - File header: field 0 the number 0xD9264B7C, 5 the unit (its field 2 the model, 3 the seconds since 31 December 1989 UTC at which the
+//!   recording began), 6 the channels with their bands in hertz.
+//! - Record: a header (field 0 the number 0xB7E9DA86, 1 the state with the channel, 2 the count of the ping, 4 the bytes of the body, 5 the
+//!   milliseconds since the recording began), its checksum, the body, and a trailer of twelve bytes (0xF98EACBC, the record's length, a checksum).
+//!   The first and the last records of a channel have no body.
+//! - Body: fields 0 the channel, 1 the depth of the bottom, 3 and 4 the range of the first and the last sample, all three in millimetres
+//!   ([`depth`]), 7 the count of samples, 8 whether there is shade, 9 and 10 latitude and longitude in 2^32 to the circle, 11 the water's
+//!   temperature, 12 the beam (1 traditional sonar, 2 side-scan to port, 3 to starboard, 4 down-scan), 13 the element, whose field 5 has the
+//!   tilt to port (negative) or to starboard. The samples follow, nearest first on both sides, two bytes each.
+//!
+//! Stated by one source only: that one byte of shade a sample follows the samples (sidescantools), that depths may be unsigned
+//! (PINGVerter), and that old units record one byte a sample (notes of another public project).
+//!
+//! Not read: temperature (a log has no place for it), gain, shade, and checksums, which peers find wrong in sound records. Course,
+//! heading and speed are not in the format.
+
+mod channels;
+mod decode;
+mod depth;
+mod header;
+mod pictures;
+mod record;
+#[cfg(test)]
+mod tests;
+mod varstruct;
+mod walk;
+
+use super::file_source::FileSource;
+use super::log_format::{LogFormat, ReadRecording};
+use super::reading::Reading;
+use super::{OpenError, Opened, assemble, collected::Collected};
+use crate::support::progress::Progress;
+use crate::survey::Survey;
+use header::FileHeader;
+use record::RecordHeader;
+
+/// The file header is padded to this length.
+const HEADER: usize = 20_480;
+/// Bytes searched for records where none follows the header.
+const SEARCHED_FOR_RECORDS: usize = 1 << 20;
+const FORMAT: &str = "Garmin RSD";
+
+/// The reader of the format.
+pub(super) struct Garmin;
+
+impl LogFormat for Garmin {
+    fn recognise(&self, _files: &FileSource, opened: &Opened) -> Option<ReadRecording> {
+        let found = sniff(&opened.bytes)?;
+        let opened = opened.clone();
+        Some(Box::new(move |reading, progress| {
+            read(opened, found, reading, progress)
+        }))
+    }
+}
+
+/// What was recognised.
+#[derive(Clone, Debug)]
+struct RsdStart {
+    header: Option<FileHeader>,
+    first_record: usize,
+}
+
+/// Recognises a file by its header, or by its records where the header is damaged.
+fn sniff(bytes: &[u8]) -> Option<RsdStart> {
+    let header = FileHeader::read(bytes);
+    let first_record = match header.is_some() && RecordHeader::read(bytes, HEADER).is_some() {
+        true => Some(HEADER),
+        false => walk::next_record(bytes, 0, SEARCHED_FOR_RECORDS),
+    };
+    (header.is_some() || first_record.is_some()).then(|| RsdStart {
+        header,
+        first_record: first_record.unwrap_or(HEADER.min(bytes.len())),
+    })
+}
+
+/// Reads a file that [`sniff`] recognised.
+fn read(
+    opened: Opened,
+    found: RsdStart,
+    reading: &Reading<'_>,
+    progress: &Progress,
+) -> Result<Survey, OpenError> {
+    let path = opened.path.clone();
+    let bytes = opened.bytes.clone();
+    let mut source = opened.source(FORMAT.to_owned());
+    let product = found.header.as_ref().and_then(|header| header.product);
+    source.device = product.map_or_else(String::new, |product| format!("Garmin product {product}"));
+    let mut log = Collected::new(source, vec![opened.bytes], reading);
+    let report = log.report.clone();
+    if found.header.is_none() {
+        report.log(
+            "the file header is damaged; the date is not known, and the records were searched",
+        );
+    }
+    let start = match reading.from(0) {
+        Some(from) => walk::next_record(&bytes, from, bytes.len()).unwrap_or(bytes.len()),
+        None => found.first_record,
+    };
+    progress.start(bytes.len().saturating_sub(start) as u64);
+    let header = found.header.unwrap_or_default();
+    let mut reader = decode::Reader::new(&bytes, header, found.first_record);
+    walk::RecordWalk {
+        bytes: &bytes,
+        report: &report,
+        is_growing: reading.is_growing,
+        progress,
+    }
+    .run(start, |offset, record| {
+        reader.take(&mut log, offset, record)
+    })?;
+    reader.finish(&mut log, reading.known());
+    if log.channels.is_empty() {
+        return Err(OpenError::Broken {
+            path,
+            format: FORMAT.to_owned(),
+            what: format!(
+                "no ping in its {} bytes; copy the file from the unit's card again",
+                bytes.len()
+            ),
+        });
+    }
+    Ok(assemble::assemble(log, reading))
+}

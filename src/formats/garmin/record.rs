@@ -1,0 +1,175 @@
+//! One record: its header, the fields of its ping, and where the samples lie.
+
+use super::varstruct::{VarStruct, first_item, whole_varuint};
+use crate::formats::scalar::u32_le;
+
+/// The number in field 0 of every record header.
+pub(super) const MAGIC: [u8; 4] = 0xB7E9_DA86_u32.to_le_bytes();
+/// Bytes before that number: the count of the fields, and the key of field 0 with its length of 4.
+pub(super) const BEFORE_MAGIC: usize = 2;
+/// The checksum behind the fields of a record header, which is not checked: peers report that it does not fit in whole records.
+const CHECKSUM: usize = 4;
+/// Depths from here on stand for none.
+const NO_DEPTH: u32 = 0xFFFF_FF00;
+
+/// The header of a record.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct RecordHeader {
+    /// Channel of the record, where the header states it.
+    pub(super) channel: Option<u32>,
+    /// Milliseconds since the start of the recording.
+    pub(super) time_ms: i32,
+    /// Offset of the body.
+    pub(super) body: usize,
+    /// Bytes of the body; 0 where there is none.
+    pub(super) size: usize,
+}
+
+impl RecordHeader {
+    /// The record header at `at`; `None` where there is none or it is damaged.
+    pub(super) fn read(bytes: &[u8], at: usize) -> Option<Self> {
+        let magic = at.checked_add(BEFORE_MAGIC)?;
+        if bytes.get(at + 1) != Some(&4) || u32_le(bytes, magic) != Some(u32::from_le_bytes(MAGIC))
+        {
+            return None;
+        }
+        let fields = VarStruct::read(bytes, at)?;
+        let state = fields.structure(1);
+        let channel = state.and_then(|state| state.bytes(1));
+        // A ping may have been sent before the recording began.
+        let time_ms = fields.unsigned(5).unwrap_or(0).cast_signed();
+        Some(Self {
+            channel: channel.and_then(first_item).and_then(whole_varuint),
+            time_ms,
+            body: fields.end + CHECKSUM,
+            size: usize::try_from(fields.unsigned(4).unwrap_or(0)).ok()?,
+        })
+    }
+
+    /// Offset behind the body.
+    pub(super) fn end(&self) -> usize {
+        self.body.saturating_add(self.size)
+    }
+}
+
+/// Where the samples of a ping lie.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct StoredSamples {
+    /// Offset of the first one.
+    pub(super) offset: usize,
+    /// How many.
+    pub(super) count: u32,
+    /// Whether a sample has two bytes.
+    pub(super) is_wide: bool,
+}
+
+/// The ping in the body of a record. Depths are as they are stored ([`super::depth`]).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct RecordBody {
+    /// Channel, where the body states it.
+    pub(super) channel: Option<u32>,
+    /// Depth of the bottom.
+    pub(super) bottom: Option<u32>,
+    /// Depth, or slant range, of the first and the last sample.
+    pub(super) range: [Option<u32>; 2],
+    /// Latitude and longitude, 2^32 to the circle.
+    pub(super) place: Option<[i32; 2]>,
+    /// What the transducer element looks at: 1 down in a cone, 2 to port, 3 to starboard, 4 down in a fan.
+    pub(super) beam: Option<u32>,
+    /// Where a side-scan element looks, as peers understand it: negative to port, positive to starboard.
+    pub(super) tilt: Option<f32>,
+    /// Samples that the ping says it has.
+    pub(super) stated_samples: u32,
+    /// Its samples; `None` where it has none, or says that it has more than there is room for.
+    pub(super) samples: Option<StoredSamples>,
+}
+
+/// A ping of any channel.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ping {
+    /// Offset of its record.
+    pub(super) offset: usize,
+    /// Offset behind its body.
+    pub(super) end: usize,
+    /// Milliseconds since the start of the recording.
+    pub(super) time_ms: i32,
+    /// Number of its channel.
+    pub(super) channel: u16,
+    /// What its record holds.
+    pub(super) body: RecordBody,
+}
+
+impl RecordBody {
+    /// The body of a record whose bytes are all there; `None` where its fields are damaged.
+    pub(super) fn read(bytes: &[u8], header: &RecordHeader) -> Option<Self> {
+        let body = bytes.get(..header.end())?;
+        let fields = VarStruct::read(body, header.body)?;
+        let depth = |number| {
+            let stored = fields.varuint(number);
+            stored.filter(|stored| *stored < NO_DEPTH)
+        };
+        let beam = fields.structure(13);
+        let tilt = beam.and_then(|beam| beam.structure(5)?.float(0));
+        let stated_samples = fields.unsigned(7).unwrap_or(0);
+        let has_shade = fields.unsigned(8).is_some_and(|shade| shade != 0);
+        Some(Self {
+            channel: fields.varuint(0),
+            bottom: depth(1),
+            range: [depth(3), depth(4)],
+            place: fields
+                .signed(9)
+                .zip(fields.signed(10))
+                .map(<[i32; 2]>::from),
+            beam: fields.varuint(12),
+            tilt: tilt.filter(|tilt| tilt.is_finite()),
+            stated_samples,
+            samples: locate(fields.end, header.end(), stated_samples, has_shade),
+        })
+    }
+}
+
+/// The samples between the fields and the end of a body. They are its last bytes, behind what some units put between (a checksum); one
+/// byte of shade a sample follows them where the ping says so. Where there is room for one byte a sample only, they have eight bits.
+fn locate(from: usize, end: usize, count: u32, has_shade: bool) -> Option<StoredSamples> {
+    let room = end.checked_sub(from)?;
+    let samples = usize::try_from(count).ok().filter(|count| *count > 0)?;
+    let wide = samples.checked_mul(2)?;
+    let is_wide = room >= wide;
+    let stored = if is_wide { wide } else { samples };
+    let rest = room.checked_sub(stored)?;
+    let shade = if has_shade && is_wide && rest >= samples {
+        samples
+    } else {
+        0
+    };
+    Some(StoredSamples {
+        offset: end - shade - stored,
+        count,
+        is_wide,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_are_found_at_both_widths_with_what_may_lie_around_them() {
+        let found = |room: usize, count, has_shade| {
+            let found = locate(100, 100 + room, count, has_shade);
+            found.map(|found| (found.offset, found.is_wide))
+        };
+        assert_eq!(found(20, 10, false), Some((100, true)));
+        // A checksum before them, a byte of shade each behind them.
+        assert_eq!(found(24, 10, false), Some((104, true)));
+        assert_eq!(found(30, 10, true), Some((100, true)));
+        assert_eq!(found(34, 10, true), Some((104, true)));
+        // Shade was announced, and there is none.
+        assert_eq!(found(20, 10, true), Some((100, true)));
+        assert_eq!(found(10, 10, false), Some((100, false)));
+        assert_eq!(found(14, 10, false), Some((104, false)));
+        for (room, count) in [(9, 10), (20, 0), (20, u32::MAX), (0, 1)] {
+            assert_eq!(found(room, count, false), None, "{count} in {room}");
+        }
+    }
+}

@@ -1,0 +1,135 @@
+//! From record to record through an RSD file, over whatever is damaged in it.
+
+use super::record::{BEFORE_MAGIC, MAGIC, RecordHeader};
+use crate::formats::report::{WarningKind, WarningReport};
+use crate::formats::scalar::u32_le;
+use crate::support::progress::{Cancelled, Progress};
+
+/// The number that the trailer of a record begins with.
+const TRAILER_MAGIC: u32 = 0xF98E_ACBC;
+/// Bytes of the trailer: the number, the record's length, a checksum.
+const TRAILER: usize = 12;
+/// Records between two looks at the progress.
+const RECORDS_A_CHECK: usize = 1024;
+
+/// A walk over the records of a file.
+pub(super) struct RecordWalk<'a> {
+    /// The whole file.
+    pub(super) bytes: &'a [u8],
+    /// Where to say what is wrong.
+    pub(super) report: &'a WarningReport,
+    /// What is cut at its end is still being written.
+    pub(super) is_growing: bool,
+    /// Where to say how far it is.
+    pub(super) progress: &'a Progress,
+}
+
+impl RecordWalk<'_> {
+    /// Calls `take` with the offset and the header of every whole record from `start` on.
+    pub(super) fn run(
+        &self,
+        start: usize,
+        mut take: impl FnMut(usize, &RecordHeader),
+    ) -> Result<(), Cancelled> {
+        let (mut at, mut reported, mut records) = (start, start, 0_usize);
+        while at < self.bytes.len() {
+            if records.is_multiple_of(RECORDS_A_CHECK) {
+                self.progress.check()?;
+                self.progress.advance((at - reported) as u64);
+                reported = at;
+            }
+            records += 1;
+            at = match RecordHeader::read(self.bytes, at) {
+                Some(header) => self.step(at, &header, &mut take),
+                None => self.over_gap(at),
+            };
+        }
+        let rest = self.bytes.len().saturating_sub(reported);
+        self.progress.advance(rest as u64);
+        Ok(())
+    }
+
+    /// Takes a record if the chain goes on behind it; where it does not, its size may be what is damaged.
+    fn step(
+        &self,
+        at: usize,
+        header: &RecordHeader,
+        take: &mut impl FnMut(usize, &RecordHeader),
+    ) -> usize {
+        let (len, end) = (self.bytes.len(), header.end());
+        if let Some(next) = behind(self.bytes, end) {
+            take(at, header);
+            return next;
+        }
+        if let Some(found) = next_record(self.bytes, header.body, end) {
+            let text = format!(
+                "a record says that it is {} bytes long, but the next begins after {}; it was dropped",
+                end - at,
+                found - at
+            );
+            self.report.at(WarningKind::Frame, 0, at, text);
+            return found;
+        }
+        if end <= len {
+            take(at, header);
+            return end;
+        }
+        if !self.is_growing {
+            let text = format!(
+                "the recording was cut inside its last record ({} bytes of it are there); it was dropped",
+                len - at
+            );
+            self.report.at(WarningKind::Frame, 0, at, text);
+        }
+        len
+    }
+
+    fn over_gap(&self, at: usize) -> usize {
+        let len = self.bytes.len();
+        let found = next_record(self.bytes, at + 1, len);
+        let to = found.unwrap_or(len);
+        if found.is_none() && self.is_growing {
+            return to;
+        }
+        let text = format!("{} bytes belong to no record and were skipped", to - at);
+        self.report.at(WarningKind::Gap, 0, at, text);
+        to
+    }
+}
+
+/// Where the record behind one that ends at `end` begins, if the bytes there say that it ends so: with a trailer, of which some may not
+/// be written yet, without one, or at the end of the file.
+fn behind(bytes: &[u8], end: usize) -> Option<usize> {
+    let len = bytes.len();
+    let next = end.saturating_add(TRAILER);
+    let is_record = |at| RecordHeader::read(bytes, at).is_some();
+    let has_trailer = u32_le(bytes, end) == Some(TRAILER_MAGIC);
+    match has_trailer || next == len || is_record(next) {
+        true => Some(next.min(len)).filter(|_| end <= len),
+        false => (end == len || is_record(end)).then_some(end),
+    }
+}
+
+/// The first record header that begins in `from..to`: its four bytes of magic number and its fields are proof enough.
+pub(super) fn next_record(bytes: &[u8], from: usize, to: usize) -> Option<usize> {
+    let to = to.min(bytes.len());
+    let mut at = from;
+    while at < to {
+        let magic = at.checked_add(BEFORE_MAGIC)?;
+        let searched = bytes.get(magic..)?;
+        let found = at + find_magic(searched, to - at)?;
+        if RecordHeader::read(bytes, found).is_some() {
+            return Some(found);
+        }
+        at = found + 1;
+    }
+    None
+}
+
+/// Index of the first magic number that begins within the first `places` bytes.
+fn find_magic(searched: &[u8], places: usize) -> Option<usize> {
+    let windows = searched.windows(MAGIC.len()).take(places);
+    windows
+        .into_iter()
+        .position(|window| window == MAGIC.as_slice())
+}
