@@ -145,7 +145,9 @@ impl CoarseSearch {
             .collect();
         let bare = coarse[0].squares() * coarse[0].together as f64;
         let gains = of_kinds.iter().map(|(_, states)| bare - states[0].cost);
-        let least = self.worth_fitting * gains.fold(0.0, f64::max);
+        // Where none gains in so coarse a picture, the best goes on.
+        let most = gains.fold(f64::NEG_INFINITY, f64::max);
+        let least = most.min(self.worth_fitting * most);
         of_kinds.retain(|(_, states)| bare - states[0].cost >= least);
         let numbers =
             |states: Vec<FitState>| states.into_iter().map(|state| state.numbers).collect();
