@@ -151,10 +151,23 @@ mod tests {
                 .to_owned()
         };
         let keywords = line(KEYWORDS);
-        for word in ["sl2", "sl3", "xtf", "lowrance", "humminbird"] {
+        for word in [
+            "sl2",
+            "sl3",
+            "xtf",
+            "rsd",
+            "jsf",
+            "svlog",
+            "lowrance",
+            "humminbird",
+        ] {
             assert!(keywords.contains(&format!(";{word};")), "{keywords}");
         }
-        assert!(line(OPENED).contains(";application/x-lowrance-sonar;application/x-xtf;"));
+        let opened = line(OPENED);
+        for kind in ["lowrance-sonar", "garmin-rsd", "xtf", "edgetech-jsf"] {
+            let kind = format!(";application/x-{kind};");
+            assert!(opened.contains(&kind), "{opened}");
+        }
         let xtf = "  <mime-type type=\"application/x-xtf\">
     <comment>XTF sonar log</comment>
     <glob pattern=\"*.xtf\"/>
