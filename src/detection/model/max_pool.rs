@@ -25,13 +25,13 @@ impl PoolAxis {
         start.saturating_sub(self.before).min(self.from)..end.min(self.from)
     }
 
-    /// Whether windows are pairs, one beside the other.
+    /// Whether windows are pairs, one after the other, and all of them whole.
     fn is_in_pairs(&self) -> bool {
-        (self.window, self.step, self.before) == (2, 2, 0)
+        (self.window, self.step, self.before) == (2, 2, 0) && self.into == self.from / 2
     }
 }
 
-/// The greatest number in each window, channel by channel; minus infinity in a window that lies beside the picture.
+/// The greatest number in each window, channel by channel; minus infinity in a window that covers nothing of the picture.
 pub(super) fn max_pool(input: &[f32], channels: usize, [rows, columns]: [PoolAxis; 2]) -> Vec<f32> {
     let mut output = Vec::with_capacity(channels * rows.into * columns.into);
     let mut greatest = vec![0.0; columns.from];
@@ -65,20 +65,27 @@ mod tests {
 
     #[test]
     fn windows_hold_their_greatest_number_whatever_their_size_step_and_border() {
-        let axis = |from: usize, window: usize, step: usize, before: usize| PoolAxis {
+        // The last window of an odd side may be cut: rounded up, as some networks ask for.
+        let axis = |from: usize, window: usize, step: usize, before: usize, cut: bool| PoolAxis {
             from,
-            into: (from + 2 * before - window) / step + 1,
+            into: (from + 2 * before - window + usize::from(cut) * (step - 1)) / step + 1,
             window,
             step,
             before,
         };
         let number = |at: usize| ((at * 7919) % 1009) as f32 - 500.0;
-        for (window, step, before) in [(2, 2, 0), (5, 1, 2), (3, 2, 1), (1, 1, 0)] {
+        for (window, step, before, cut) in [
+            (2, 2, 0, false),
+            (2, 2, 0, true),
+            (5, 1, 2, false),
+            (3, 2, 1, false),
+            (1, 1, 0, false),
+        ] {
             let (rows, columns) = (
-                axis(9, window, step, before),
-                axis(14, window, step, before),
+                axis(9, window, step, before, cut),
+                axis(15, window, step, before, cut),
             );
-            let input: Vec<f32> = (0..2 * 9 * 14).map(number).collect();
+            let input: Vec<f32> = (0..2 * 9 * 15).map(number).collect();
             let output = max_pool(&input, 2, [rows, columns]);
             assert_eq!(output.len(), 2 * rows.into * columns.into);
             for (at, found) in output.iter().enumerate() {
@@ -90,8 +97,8 @@ mod tests {
                 let mut expected = f32::NEG_INFINITY;
                 for (dy, dx) in (0..window).flat_map(|dy| (0..window).map(move |dx| (dy, dx))) {
                     let [y, x] = [row * step + dy, column * step + dx];
-                    if (before..before + 9).contains(&y) && (before..before + 14).contains(&x) {
-                        let at = (channel * 9 + y - before) * 14 + x - before;
+                    if (before..before + 9).contains(&y) && (before..before + 15).contains(&x) {
+                        let at = (channel * 9 + y - before) * 15 + x - before;
                         expected = expected.max(input[at]);
                     }
                 }
