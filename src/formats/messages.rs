@@ -10,6 +10,8 @@ const MESSAGES_A_CHECK: usize = 1024;
 /// How the messages of a format begin.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MessageFormat {
+    /// What the format calls one.
+    pub(super) noun: &'static str,
     /// The two bytes that each begins with.
     pub(super) marker: [u8; 2],
     /// Bytes of the whole message at an offset, at least 2; `None` where no message can begin. The message may end past the bytes.
@@ -83,7 +85,7 @@ impl MessageWalk<'_> {
 
     /// Takes a message, unless it is damaged or cut; returns where to go on.
     fn step(&self, message: Range<usize>, take: &mut impl FnMut(Range<usize>)) -> usize {
-        let len = self.bytes.len();
+        let (len, noun) = (self.bytes.len(), self.format.noun);
         let Range { start, end } = message;
         if self.format.is_border(self.bytes, end) {
             take(start..end);
@@ -92,7 +94,7 @@ impl MessageWalk<'_> {
         // Something is damaged: the length of this message if another begins inside it, else what follows.
         if let Some(found) = self.format.next(self.bytes, start + 2, end) {
             let text = format!(
-                "a message says that it is {} bytes long, but the next begins after {}; it was dropped",
+                "a {noun} says that it is {} bytes long, but the next begins after {}; it was dropped",
                 end - start,
                 found - start
             );
@@ -104,7 +106,7 @@ impl MessageWalk<'_> {
         }
         if end > len {
             let text = format!(
-                "the file was cut inside its last message ({} bytes of it are there); it was dropped",
+                "the file was cut inside its last {noun} ({} bytes of it are there); it was dropped",
                 len - start
             );
             self.report.at(WarningKind::Frame, 0, start, text);
@@ -121,7 +123,8 @@ impl MessageWalk<'_> {
         if found.is_none() && self.is_growing {
             return to;
         }
-        let text = format!("{} bytes belong to no message and were skipped", to - at);
+        let (skipped, noun) = (to - at, self.format.noun);
+        let text = format!("{skipped} bytes belong to no {noun} and were skipped");
         self.report.at(WarningKind::Gap, 0, at, text);
         to
     }

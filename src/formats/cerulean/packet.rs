@@ -12,6 +12,7 @@ const MARKER: [u8; 2] = *b"BR";
 
 /// How packets follow each other.
 pub(super) const FORMAT: MessageFormat = MessageFormat {
+    noun: "message",
     marker: MARKER,
     length: |bytes, at| {
         let header = Fields(bytes.get(at..at.checked_add(HEADER)?)?);

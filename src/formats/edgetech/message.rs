@@ -12,6 +12,7 @@ const LONGEST: usize = 1 << 24;
 
 /// How messages follow each other.
 pub(super) const FORMAT: MessageFormat = MessageFormat {
+    noun: "message",
     marker: MARKER,
     length: |bytes, at| Some(HEADER + MessageHeader::at(bytes, at)?.size),
 };

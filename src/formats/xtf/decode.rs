@@ -4,8 +4,9 @@ use super::channels::{self, XtfChannel};
 use super::date;
 use super::packets::Packets;
 use super::place::PositionConverter;
-use super::raw::{FileHeader, PacketHeader, PingChannel, PingHeader, record};
+use super::raw::{FileHeader, PingChannel, PingHeader, record};
 use super::sides::{Recorded, SideChannels};
+use super::walk;
 use crate::formats::clock::{Clock, ClockVerdict};
 use crate::formats::collected::{Collected, Counted};
 use crate::formats::report::WarningKind;
@@ -41,8 +42,11 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Takes the next packet of the file.
-    pub(super) fn take(&mut self, log: &mut Collected, offset: usize, packet: &PacketHeader) {
+    /// Takes the next packet of the file, which begins at an offset.
+    pub(super) fn take(&mut self, log: &mut Collected, offset: usize) {
+        let Some(packet) = walk::header(self.bytes, offset) else {
+            return;
+        };
         let ping = (packet.kind == PING)
             .then(|| record::<PingHeader>(self.bytes, offset))
             .flatten();

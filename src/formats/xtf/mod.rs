@@ -14,12 +14,14 @@ mod walk;
 
 use super::file_source::FileSource;
 use super::log_format::{LogFormat, ReadRecording};
+use super::messages::MessageWalk;
 use super::reading::Reading;
 use super::{OpenError, Opened, assemble, collected::Collected};
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::{Source, Survey};
 pub(super) use channels::shift_to_fit;
 use raw::{FileHeader, record};
+use walk::PACKETS;
 
 /// The file header is a multiple of this long: 1024 bytes for up to six channels.
 const HEADER_BLOCK: usize = 1024;
@@ -60,7 +62,7 @@ fn sniff(bytes: &[u8]) -> Option<XtfStart> {
     let first_packet = if header.is_some() && walk::header(bytes, header_len).is_some() {
         Some(header_len)
     } else {
-        walk::next_packet(bytes, searched.start, searched.end)
+        PACKETS.next(bytes, searched.start, searched.end)
     };
     (header.is_some() || first_packet.is_some()).then(|| XtfStart {
         header,
@@ -104,7 +106,7 @@ fn read(
     }
     let (mut reader, start) = match reading.from(0) {
         Some(from) => {
-            let start = walk::next_packet(&bytes, from, bytes.len());
+            let start = PACKETS.next(&bytes, from, bytes.len());
             let reader = knowing_head(&bytes, &found, from, progress)?;
             (reader, start.unwrap_or(bytes.len()))
         }
@@ -114,15 +116,14 @@ fn read(
         ),
     };
     progress.start(bytes.len().saturating_sub(start) as u64);
-    walk::PacketWalk {
+    MessageWalk {
+        format: PACKETS,
         bytes: &bytes,
         report: &report,
         is_growing: reading.is_growing,
         progress,
     }
-    .run(start, |offset, packet| {
-        reader.take(&mut log, offset, &packet)
-    })?;
+    .run(start, |packet| reader.take(&mut log, packet.start))?;
     reader.finish(&mut log);
     if log.channels.is_empty() && reader.others().total() > 0 {
         return Err(OpenError::Unsupported {
@@ -159,14 +160,15 @@ fn knowing_head<'a>(
         let end = from.min(found.first_packet.saturating_add(head));
         let mut reader = decode::Reader::new(&bytes[..end], found.header);
         let mut log = Collected::new(Source::default(), Vec::new(), &Reading::default());
-        walk::PacketWalk {
+        MessageWalk {
+            format: PACKETS,
             bytes: &bytes[..end],
             report: &log.report.clone(),
             is_growing: true,
             progress: &Progress::new(),
         }
-        .run(found.first_packet, |offset, packet| {
-            reader.take(&mut log, offset, &packet)
+        .run(found.first_packet, |packet| {
+            reader.take(&mut log, packet.start)
         })?;
         progress.check()?;
         if reader.knows_zero(&mut log) || end == from {
