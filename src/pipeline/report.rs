@@ -194,9 +194,11 @@ impl Report {
             ),
         ];
         if counts.excluded_pings + counts.excluded_soundings > 0 {
+            let of_logs = logs.iter().flat_map(|all| &all.logs);
+            let stretches: usize = of_logs.map(|log| log.excluded.len()).sum();
             lines.push(format!(
                 "excluded: {} stretches of {} pings and {} soundings",
-                excluded.len(),
+                excluded.len() + stretches,
                 counts.excluded_pings,
                 counts.excluded_soundings
             ));

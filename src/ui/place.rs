@@ -4,7 +4,7 @@ use crate::app::{App, LogPlace};
 use crate::bottom::cloud::Reduction;
 use crate::detection;
 use crate::pipeline::Products;
-use crate::support::geo::{LonLat, UtmZone};
+use crate::support::geo::{LonLat, UtmZone, compass_deg};
 use crate::survey::{HeadingSource, Side};
 use crate::ui::text;
 
@@ -159,8 +159,7 @@ pub(super) fn labelled_heading(app: &App, ping: usize) -> String {
 
 /// `212°`; never 360.
 fn whole_degrees(heading_rad: f64) -> String {
-    let degrees = heading_rad.to_degrees().round().rem_euclid(360.0);
-    format!("{degrees:.0}°")
+    format!("{:.0}°", compass_deg(heading_rad, 0))
 }
 
 /// Heading of the boat at a ping, clockwise from north, and where it comes from.

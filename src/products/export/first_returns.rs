@@ -3,6 +3,7 @@
 use super::log_points::LogColumn;
 use super::{ExportError, LogPoints, Summary, write_summed};
 use crate::bottom::cloud::slant_range_m;
+use crate::support::geo::compass_deg;
 use crate::survey::{ExclusionReason, Side};
 use std::io::{self, Write};
 use std::path::Path;
@@ -48,7 +49,7 @@ fn write_ping(
     number(out, at.lat_deg, 9)?;
     number(out, place.east_m, 3)?;
     number(out, place.north_m, 3)?;
-    number(out, compass_deg(place.heading_rad), 2)?;
+    number(out, compass_deg(place.heading_rad, 2), 2)?;
     number(out, f64::from(ping.depth_m), 3)?;
     for side in [Side::Port, Side::Starboard] {
         let pick = (log.returns.side(side).get(index)).filter(|pick| pick.is_some());
@@ -64,31 +65,11 @@ fn write_ping(
     writeln!(out, ",{reason}")
 }
 
-/// Degrees clockwise from north, 0 to 359.99: rounded to the printed hundredths first, so that no 360.00 is written.
-fn compass_deg(heading_rad: f64) -> f64 {
-    (heading_rad.to_degrees() * 100.0)
-        .round()
-        .rem_euclid(36_000.0)
-        / 100.0
-}
-
 /// A comma and the number, or a comma alone where there is none.
 fn number(out: &mut impl Write, value: f64, decimals: usize) -> io::Result<()> {
     if value.is_finite() {
         write!(out, ",{value:.decimals$}")
     } else {
         write!(out, ",")
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::compass_deg;
-
-    #[test]
-    fn headings_stay_below_a_full_turn() {
-        assert_eq!(compass_deg(359.996_f64.to_radians()), 0.0);
-        assert_eq!(compass_deg(-90_f64.to_radians()), 270.0);
-        assert!(compass_deg(f64::NAN).is_nan());
     }
 }

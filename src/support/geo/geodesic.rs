@@ -72,9 +72,25 @@ fn middle(positions: impl Iterator<Item = LonLat> + Clone) -> LonLat {
     )
 }
 
+/// A direction in degrees clockwise from north, at least 0 and below 360 after it is rounded to some decimals; NaN stays NaN.
+pub(crate) fn compass_deg(heading_rad: f64, decimals: i32) -> f64 {
+    let parts = 10_f64.powi(decimals);
+    let whole = (heading_rad.to_degrees() * parts).round();
+    // What is added makes -0 a 0.
+    whole.rem_euclid(360.0 * parts) / parts + 0.0
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn directions_stay_below_a_full_turn() {
+        assert_eq!(compass_deg(359.996_f64.to_radians(), 2), 0.0);
+        assert_eq!(compass_deg(-90_f64.to_radians(), 2), 270.0);
+        assert_eq!(format!("{:.0}", compass_deg(-0.001, 0)), "0");
+        assert!(compass_deg(f64::NAN, 2).is_nan());
+    }
 
     fn at((lon_deg, lat_deg): (f64, f64)) -> LonLat {
         LonLat { lon_deg, lat_deg }

@@ -20,7 +20,7 @@ mod wgs84;
 pub(crate) use super::outline::boxes_meet;
 pub(crate) use coordinates::CoordinateFormat;
 pub(crate) use crs::{Crs, CrsChoice, CrsError, SourceCrs};
-pub(crate) use geodesic::{area_m2, course_rad, distance_m};
+pub(crate) use geodesic::{area_m2, compass_deg, course_rad, distance_m};
 pub(crate) use local_frame::LocalFrame;
 pub(crate) use map_plane::MapPlane;
 pub(crate) use mercator::{
