@@ -1,9 +1,7 @@
 //! `bathyscope snapshot`: the window's pictures without a window.
 
 use super::settings::SettingsArgs;
-use super::waterfall_options::{
-    GeometryArgs, open, parse_pings, parse_size, take_over, wait, within,
-};
+use super::waterfall_options::{GeometryArgs, open, parse_size, take_over, wait, within};
 use super::{Failure, output, quiet_driver};
 use crate::app::{
     Action, App, CloudColour, Command, Jobs, LogOrigin, LogPlace, MapLayer, ThemeChoice, View,
@@ -34,7 +32,7 @@ pub(super) struct SnapshotArgs {
     #[arg(long, value_name = "WxH", default_value = "1600x1000", value_parser = parse_size)]
     size: [u32; 2],
     /// Side-scan pings that the waterfall shows; the middle one is selected
-    #[arg(long, value_name = "A..B", value_parser = parse_pings)]
+    #[arg(long, value_name = "A..B")]
     pings: Option<PingRange>,
     #[command(flatten)]
     geometry: GeometryArgs,

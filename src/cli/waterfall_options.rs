@@ -5,7 +5,7 @@ use super::settings::{SettingsArgs, check_against};
 use crate::app::{App, Command, Jobs, LogOrigin};
 use crate::imagery::waterfall::RangeAxis;
 use crate::pipeline::{self, Settings};
-use crate::sonar::calibration::{PingRange, PingRangeError};
+use crate::sonar::calibration::PingRange;
 use crate::survey::Survey;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -37,7 +37,7 @@ pub(super) struct WaterfallArgs {
     /// The log; the bundled demo survey when left out
     survey: Option<PathBuf>,
     /// Side-scan pings to show, B left out; all of them when left out
-    #[arg(long, value_name = "A..B", value_parser = parse_pings)]
+    #[arg(long, value_name = "A..B")]
     pings: Option<PingRange>,
     #[command(flatten)]
     geometry: GeometryArgs,
@@ -109,14 +109,6 @@ pub(super) fn within(survey: &Survey, pings: Option<PingRange>) -> Result<PingRa
         .into());
     }
     Ok(pings)
-}
-
-/// Reads `A..B`.
-///
-/// # Errors
-/// When pings are not written so.
-pub(super) fn parse_pings(text: &str) -> Result<PingRange, PingRangeError> {
-    PingRange::try_from(text.to_owned())
 }
 
 /// A text that is no size.

@@ -26,6 +26,7 @@ use crate::survey::RangeSource;
 use crate::survey::SideSpan;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
+use std::str::FromStr;
 
 /// Which scale turns samples into metres.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -107,10 +108,10 @@ impl From<PingRange> for String {
 #[error("a ping range is written A..B with A < B, for example 400..600; got `{0}`")]
 pub struct PingRangeError(String);
 
-impl TryFrom<String> for PingRange {
-    type Error = PingRangeError;
+impl FromStr for PingRange {
+    type Err = PingRangeError;
 
-    fn try_from(text: String) -> Result<Self, Self::Error> {
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
         let parsed = text.split_once("..").and_then(|(start, end)| {
             Some(PingRange {
                 start: start.trim().parse().ok()?,
@@ -119,7 +120,15 @@ impl TryFrom<String> for PingRange {
         });
         parsed
             .filter(|range| range.start < range.end)
-            .ok_or(PingRangeError(text))
+            .ok_or_else(|| PingRangeError(text.to_owned()))
+    }
+}
+
+impl TryFrom<String> for PingRange {
+    type Error = PingRangeError;
+
+    fn try_from(text: String) -> Result<Self, Self::Error> {
+        text.parse()
     }
 }
 
