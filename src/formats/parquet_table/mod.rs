@@ -10,7 +10,7 @@ mod read;
 mod write;
 
 pub(crate) use read::{ParquetError, ParquetFault, read_parquet};
-pub(crate) use write::write_parquet;
+pub(crate) use write::{ParquetWriter, write_parquet};
 
 use crate::support::geo::LonLat;
 use serde_json::json;

@@ -26,18 +26,65 @@ pub(crate) fn write_parquet(
     columns: &[Column],
     keys: &[(&str, String)],
 ) -> io::Result<()> {
-    write(file, columns, keys).map_err(io::Error::other)
+    let mut writer = ParquetWriter::new(file, columns, keys)?;
+    let count = columns.first().map_or(0, |column| column.values.len());
+    for start in (0..count).step_by(GROUP_ROWS) {
+        writer.push(columns, start..(start + GROUP_ROWS).min(count))?;
+    }
+    writer.finish()
 }
 
-fn write(
-    file: File,
-    columns: &[Column],
-    keys: &[(&str, String)],
-) -> Result<(), parquet::errors::ParquetError> {
-    let fields = columns.iter().map(field).collect::<Result<Vec<_>, _>>()?;
-    let schema = Type::group_type_builder("schema")
-        .with_fields(fields)
-        .build()?;
+/// A table that is written a group of rows at a time, for one that memory does not hold.
+pub(crate) struct ParquetWriter {
+    writer: SerializedFileWriter<File>,
+}
+
+impl ParquetWriter {
+    /// Begins a table whose columns have the names and the kinds of these.
+    ///
+    /// # Errors
+    /// When writing fails.
+    pub(crate) fn new(file: File, columns: &[Column], keys: &[(&str, String)]) -> io::Result<Self> {
+        let begin = || {
+            let fields = columns.iter().map(field).collect::<Result<Vec<_>, _>>()?;
+            let schema = Type::group_type_builder("schema")
+                .with_fields(fields)
+                .build()?;
+            let properties = Arc::new(properties(columns, keys));
+            SerializedFileWriter::new(file, Arc::new(schema), properties)
+        };
+        let writer = begin().map_err(io::Error::other)?;
+        Ok(Self { writer })
+    }
+
+    /// Adds some rows of columns as a group.
+    ///
+    /// # Errors
+    /// When writing fails.
+    pub(crate) fn push(&mut self, columns: &[Column], rows: Range<usize>) -> io::Result<()> {
+        let mut add = || {
+            let mut group = self.writer.next_row_group()?;
+            for column in columns {
+                if let Some(mut chunk) = group.next_column()? {
+                    write_chunk(&mut chunk, &column.values, rows.clone())?;
+                    chunk.close()?;
+                }
+            }
+            group.close().map(drop)
+        };
+        add().map_err(io::Error::other)
+    }
+
+    /// Ends the table.
+    ///
+    /// # Errors
+    /// When writing fails.
+    pub(crate) fn finish(self) -> io::Result<()> {
+        self.writer.close().map(drop).map_err(io::Error::other)
+    }
+}
+
+fn properties(columns: &[Column], keys: &[(&str, String)]) -> WriterProperties {
     let key = |(key, value): &(&str, String)| KeyValue::new((*key).to_owned(), value.clone());
     let mut properties = WriterProperties::builder()
         .set_compression(Compression::SNAPPY)
@@ -46,22 +93,7 @@ fn write(
     for column in columns.iter().filter(|column| !repeats(&column.values)) {
         properties = properties.set_column_dictionary_enabled(ColumnPath::from(column.name), false);
     }
-    let mut writer =
-        SerializedFileWriter::new(file, Arc::new(schema), Arc::new(properties.build()))?;
-    let count = columns.first().map_or(0, |column| column.values.len());
-    for start in (0..count).step_by(GROUP_ROWS) {
-        let rows = start..(start + GROUP_ROWS).min(count);
-        let mut group = writer.next_row_group()?;
-        for column in columns {
-            if let Some(mut chunk) = group.next_column()? {
-                write_chunk(&mut chunk, &column.values, rows.clone())?;
-                chunk.close()?;
-            }
-        }
-        group.close()?;
-    }
-    writer.close()?;
-    Ok(())
+    properties.build()
 }
 
 /// Whether the same values come again and again, so that a dictionary of them saves room.
