@@ -56,6 +56,8 @@ actions! {
     OpenTrack, "Open external track…", None, "Uses the positions of another receiver: CSV with time, lon and lat, or GPX.";
     RemoveTrack, "Remove the external track", None, "Uses the positions of the recorder again.";
     Export, "Export products…", Some("Ctrl+E"), "Writes the chosen products into a folder.";
+    ExportLog, "Export the log…", None, "Writes the shown log as XTF, SL2, CSV, Parquet or GPX, with the track, the clock and the sides that the settings give it.";
+    ExportPings, "Export the visible pings…", None, "Writes the pings that the waterfall shows as XTF, SL2, CSV, Parquet or GPX.";
     OpenExported, "Open folder", None, "Opens the folder that was written last in the system's file manager.";
     CompareWith, "Compare with…", None, "Compares the points with a reference: points from a file, a GeoTIFF, or another log of the same water.";
     CloseReference, "Close the reference", None, "Compares side-scan with the soundings of the survey again.";

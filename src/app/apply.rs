@@ -104,6 +104,8 @@ impl App {
             Command::SaveReview(path) => self.save_review(self.log.id, path),
             Command::SaveReviews => self.save_reviews(),
             Command::ExportBoxes(folder) => self.export_boxes(folder),
+            Command::ExportLog(path) => self.export_log(path, None),
+            Command::ExportPings(path) => self.export_log(path, Some(self.view.visible.clone())),
             // Views, their arrangement and the keyboard belong to the shell.
             Command::ByKey { .. }
             | Command::ShowSetting(_)

@@ -13,7 +13,9 @@ impl App {
             Action::RemoveIsobathArea => self.log.settings.isobaths.clip.is_some(),
             Action::RemoveWaterLevels => self.log.settings.water_level.file.is_some(),
             Action::RemoveTrack => self.log.settings.track.file.is_some(),
-            Action::SwapSides | Action::UseMounting => self.log.survey.is_some(),
+            Action::SwapSides | Action::UseMounting | Action::ExportLog | Action::ExportPings => {
+                self.log.survey.is_some()
+            }
             Action::ForgetMounting => self.usual_mounting().is_some(),
             Action::CloseReference => self.map.comparing.reference.is_some(),
             Action::ForgetTruth => self.log.reviewing.judging.source().is_some(),

@@ -167,6 +167,10 @@ pub(crate) enum Command {
     SaveReviews,
     /// Write reviewed boxes and objects into a folder.
     ExportBoxes(PathBuf),
+    /// Write the shown log into a file, in the format of its ending.
+    ExportLog(PathBuf),
+    /// Write the visible pings of the shown log into a file, in the format of its ending.
+    ExportPings(PathBuf),
     /// Change the planned lines, or what they are planned for.
     Plan(PlanRequest),
     /// Write the planned lines into a file: GPX, KML, QGroundControl or Mission Planner by its ending.

@@ -2,9 +2,12 @@
 
 use super::error::AppError;
 use super::{Action, App, Jobs, LogId, Task, TaskOutcome};
+use crate::products::export::{CopyError, LogPartChoice, copy_log};
 use crate::products::outputs::{self, Amounts, EarlierRun, Order, OutputFile, Product};
+use crate::sonar::calibration::PingRange;
 use crate::support::progress::Progress;
 use std::error::Error;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// Products or boxes being written.
@@ -88,6 +91,33 @@ impl App {
             run,
             into: Some(into),
             ..exporting
+        });
+    }
+
+    /// Writes the shown log, or some of its pings, into a file.
+    pub(super) fn export_log(&mut self, path: PathBuf, pings: Option<Range<usize>>) {
+        let Some(survey) = self.log.survey.clone() else {
+            return;
+        };
+        if self.refuses_log(self.log.id, &path) {
+            return;
+        }
+        let settings = self.log.settings.clone();
+        let pings = pings.map(|pings| PingRange {
+            start: pings.start,
+            end: pings.end.min(survey.side_scan.len()),
+        });
+        let choice = LogPartChoice {
+            pings,
+            ..LogPartChoice::default()
+        };
+        self.write(move |progress| {
+            let positions = settings.position_settings();
+            let copied = copy_log(&path, &survey, positions, &choice, progress)?;
+            let losses = copied.losses.iter().map(|loss| format!("; {loss}"));
+            let losses: String = losses.collect();
+            let path = path.display();
+            Ok::<_, CopyError>(format!("Wrote {} to {path}{losses}", copied.summary()))
         });
     }
 

@@ -26,8 +26,11 @@ fn to_text(format: &FormatEntry) -> String {
         ("tried on", format.tried().to_owned()),
         ("notes", format.notes.replace('`', "")),
     ];
+    let written = format.written_as();
+    let written = written.map(|ending| ("written as", format!(".{ending}")));
+    let lines = lines.into_iter().chain(written);
     let lines = lines.map(|(name, value)| format!("  {name:<14} {value}\n"));
-    format!("{}\n{}", format.name, lines.concat())
+    format!("{}\n{}", format.name, lines.collect::<String>())
 }
 
 fn to_json(format: &FormatEntry) -> Value {
@@ -41,6 +44,7 @@ fn to_json(format: &FormatEntry) -> Value {
         "recognised_by": format.magic,
         "carries": carries,
         "tried_on": format.tried_on,
+        "written_as": format.written_as(),
         "notes": format.notes,
     })
 }

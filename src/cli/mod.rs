@@ -7,6 +7,7 @@
 
 mod archive;
 mod compare;
+mod convert;
 mod dataset;
 mod default_command;
 mod default_folder;
@@ -84,6 +85,8 @@ struct Cli {
 enum Command {
     /// List what is in a log: channels, pings, spans, ranges, warnings
     Info(info::InfoArgs),
+    /// Copy a log, or a part of it, into another format: XTF, SL2, CSV, Parquet, GPX
+    Convert(convert::ConvertArgs),
     /// Compare points with a reference: mean, spread, 95 %, share within each S-44 order
     Compare(compare::CompareArgs),
     /// Measure predicted boxes against true ones: precision, recall, average precision, confusion
@@ -197,6 +200,7 @@ impl Command {
     fn run(self) -> Result<(), Failure> {
         match self {
             Self::Info(args) => info::run(args),
+            Self::Convert(args) => convert::run(&args),
             Self::Compare(args) => compare::run(args),
             Self::Evaluate(args) => evaluate::run(args),
             Self::Filter(args) => filter::run(args),

@@ -7,6 +7,7 @@
 //! 1. Make a folder of its own here, whose `mod.rs` names in its comment where the facts come from; add its `mod` line below.
 //! 2. Implement [`log_format::LogFormat`] there: `recognise` by content, and read into a `Collected`; the folder of `xtf` is an example.
 //! 3. Add its row to [`table::FORMATS`], at its place in the order of recognition. Nothing else names a format.
+//!    A format that is written too implements [`log_writer::LogWriter`]; the row names its ending.
 //! 4. Write its test in `tests/suite/formats` with a small writer of the format in `tests/suite/handmade.rs`: whole, cut, damaged.
 //! 5. Run the tests: they print the table for README.md and the line for the flow of archives. Take its row out of `unsupported`, if it has one.
 //!
@@ -33,6 +34,7 @@ mod growing_log;
 pub(crate) mod humminbird;
 mod join;
 mod log_format;
+pub(crate) mod log_writer;
 pub(crate) mod lowrance;
 mod map;
 mod messages;
@@ -58,7 +60,7 @@ pub(crate) use reference::{ReferenceError, ReferenceFile, open_reference};
 pub(crate) use removable::load_removable_into_memory;
 pub(crate) use scalar::ByteOrder;
 pub(crate) use table::{
-    FORMATS, FileRole, FormatEntry, endings_to_show, formats_to_open, role_by_name,
+    FORMATS, FileRole, FormatEntry, endings_to_show, formats_to_open, role_by_name, writer_for,
 };
 pub(crate) use track_file::{TrackError, TrackFile};
 

@@ -8,8 +8,10 @@ use super::edgetech::EdgeTech;
 use super::garmin::Garmin;
 use super::humminbird::Humminbird;
 use super::log_format::LogFormat;
+use super::log_writer::LogWriter;
 use super::lowrance::Lowrance;
 use super::xtf::Xtf;
+use std::ffi::OsStr;
 use std::path::Path;
 use std::sync::LazyLock;
 
@@ -95,6 +97,8 @@ pub(crate) struct FormatEntry {
     pub(crate) keywords: &'static [&'static str],
     /// What recognises and reads it.
     pub(super) reader: &'static dyn LogFormat,
+    /// The ending of the files that are written in it, without the dot, and what writes them; `None` where it is only read.
+    pub(super) writer: Option<(&'static str, &'static dyn LogWriter)>,
 }
 
 /// Every format that is read, in the order of recognition: first those that are sure by their first bytes, last those that list folders.
@@ -121,6 +125,7 @@ pub(crate) const FORMATS: &[FormatEntry] = &[
         }),
         keywords: &["lowrance", "simrad"],
         reader: &Lowrance,
+        writer: Some(("sl2", &Lowrance)),
     },
     FormatEntry {
         name: "Garmin RSD",
@@ -141,6 +146,7 @@ pub(crate) const FORMATS: &[FormatEntry] = &[
         }),
         keywords: &["garmin"],
         reader: &Garmin,
+        writer: None,
     },
     FormatEntry {
         name: "XTF",
@@ -161,6 +167,7 @@ pub(crate) const FORMATS: &[FormatEntry] = &[
         }),
         keywords: &[],
         reader: &Xtf,
+        writer: Some(("xtf", &Xtf)),
     },
     FormatEntry {
         name: "EdgeTech JSF",
@@ -181,6 +188,7 @@ pub(crate) const FORMATS: &[FormatEntry] = &[
         }),
         keywords: &["edgetech"],
         reader: &EdgeTech,
+        writer: None,
     },
     FormatEntry {
         name: "Cerulean svlog",
@@ -196,6 +204,7 @@ pub(crate) const FORMATS: &[FormatEntry] = &[
         }),
         keywords: &["cerulean"],
         reader: &Cerulean,
+        writer: None,
     },
     FormatEntry {
         name: "Humminbird DAT and SON",
@@ -213,6 +222,7 @@ pub(crate) const FORMATS: &[FormatEntry] = &[
         file_type: None,
         keywords: &["humminbird"],
         reader: &Humminbird,
+        writer: None,
     },
 ];
 
@@ -246,12 +256,24 @@ impl FormatEntry {
         self.tried_on.unwrap_or(untried)
     }
 
+    /// The ending of the files that are written in it, without the dot.
+    pub(crate) fn written_as(&self) -> Option<&'static str> {
+        self.writer.map(|(ending, _)| ending)
+    }
+
     /// The endings of files that are a log by themselves, in small letters.
     pub(crate) fn log_endings(&self) -> impl Iterator<Item = String> {
         let logs = self.endings.iter();
         let logs = logs.filter(|(_, role)| *role == FileRole::Log);
         logs.map(|(ending, _)| ending.to_ascii_lowercase())
     }
+}
+
+/// What writes files of an ending, in letters of either case; `None` where nothing does.
+pub(crate) fn writer_for(ending: &OsStr) -> Option<&'static dyn LogWriter> {
+    let mut writers = FORMATS.iter().filter_map(|format| format.writer);
+    let (_, writer) = writers.find(|(own, _)| ending.eq_ignore_ascii_case(own))?;
+    Some(writer)
 }
 
 fn names() -> String {

@@ -2,8 +2,10 @@
 
 use super::random::{Random, RandomPurpose};
 use super::simulate::{ReceivedPing, SimulationRun, mercator};
-use super::sl2::{self, Sl2Frame, WrittenFix};
 use super::sonar::echogram;
+use crate::formats::lowrance::write::{
+    COMPOSITE, DOWN_SCAN, PRIMARY, Sl2Frame, WrittenFix, frequency_code, usual_frequency_khz,
+};
 use crate::survey::ChannelKind;
 use std::f64::consts::TAU;
 
@@ -56,7 +58,7 @@ impl SimulationRun<'_> {
             }
             let range_m = [-ping.range_m, ping.range_m];
             let bytes = std::mem::take(&mut ping.composite);
-            log.push(sl2::COMPOSITE, range_m, depth_m, &moment, bytes);
+            log.push(COMPOSITE, range_m, depth_m, &moment, bytes);
         }
         log.frames
     }
@@ -67,8 +69,8 @@ impl SimulationRun<'_> {
         let range_m = sonar_range_m(true_depth_m);
         let samples = self.scene.recorder.sonar_samples as usize;
         for (channel, kind) in [
-            (sl2::PRIMARY, ChannelKind::Primary),
-            (sl2::DOWN_SCAN, ChannelKind::DownScan),
+            (PRIMARY, ChannelKind::Primary),
+            (DOWN_SCAN, ChannelKind::DownScan),
         ] {
             let bytes = echogram(kind, samples, range_m, true_depth_m, self.seed, ping.ping);
             log.push(channel, [0.0, range_m], depth_m, moment, bytes);
@@ -121,6 +123,7 @@ impl Log {
         self.last_fix = Some(fix_number);
         self.frames.push(Sl2Frame {
             channel,
+            frequency: frequency_code(usual_frequency_khz(channel)),
             index,
             range_m,
             depth_m,

@@ -41,7 +41,6 @@ mod scene;
 mod shape;
 mod shoal;
 mod simulate;
-mod sl2;
 mod sonar;
 mod stones;
 mod training_scene;

@@ -9,11 +9,11 @@ use super::random::{Random, RandomPurpose};
 use super::recorder::{GRAIN, Receiver, speckle_stream};
 use super::scene::Scene;
 use super::shoal::Fishes;
-use super::sl2::{self, Sl2Frame};
 use super::truth::{self, ObjectPass, ObjectTruth, PingTruth, SideTruth};
 use super::visibility::{Trace, visible_part};
 use super::weed::WeedBed;
 use super::world::World;
+use crate::formats::lowrance::write::{Sl2Frame, Sl2Writer};
 use crate::support::geo::{LocalFrame, LonLat, lowrance_mercator, lowrance_mercator_inverse};
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::Side;
@@ -34,6 +34,8 @@ pub struct Simulated {
     scene_frame: LocalFrame,
 }
 
+/// Temperature of the water, degrees Celsius: the one the default absorption belongs to.
+const WATER_C: f32 = 20.0;
 /// Pings between looks at the progress.
 const CHUNK: usize = 64;
 
@@ -69,7 +71,8 @@ impl Simulated {
     /// # Errors
     /// When writing fails.
     pub fn write_sl2(&self, out: &mut impl Write) -> io::Result<()> {
-        sl2::write(&self.frames, self.start_unix_s, out)
+        let mut writer = Sl2Writer::new(out, self.start_unix_s, Some(WATER_C))?;
+        self.frames.iter().try_for_each(|frame| writer.push(frame))
     }
 
     /// The log as SL2 in memory.

@@ -5,7 +5,7 @@
 //!
 //! `samples` reads echoes where they lie in the file, `track` holds the fixes, `bottom_lock` says which recorded depths can
 //! be believed, `mounting` says how the recorder is mounted on its boat, `identity` identifies a log, `tracks_apart` how far two tracks of one boat lie apart, `turn_rate` how fast it turns,
-//! `exclusions` which stretches count for nothing, `relief` how the bottom lies across the track, `growing` what becomes of a log that is still being written, `echogram` holds the channels that look down. [`navigate`] places every ping on the ground, by `fitted_track` and its `local_fit` where a track is fitted.
+//! `exclusions` which stretches count for nothing, `relief` how the bottom lies across the track, `growing` what becomes of a log that is still being written, `echogram` holds the channels that look down, `part` cuts a log. [`navigate`] places every ping on the ground, by `fitted_track` and its `local_fit` where a track is fitted.
 
 mod apart;
 mod area;
@@ -21,6 +21,7 @@ mod mounting;
 mod names;
 mod navigation;
 mod nearest;
+mod part;
 mod position_shift;
 mod relief;
 mod samples;
@@ -318,7 +319,11 @@ impl Survey {
 
     /// The samples of one side of one ping; `None` when the ping or the side was not recorded, or lies outside the bytes.
     pub fn samples(&self, ping: usize, side: Side) -> Option<Samples<'_>> {
-        let span = self.span(ping, side)?;
+        self.samples_of(self.span(ping, side)?)
+    }
+
+    /// The samples of a span of any channel; `None` where it lies outside the bytes.
+    pub(crate) fn samples_of(&self, span: &SideSpan) -> Option<Samples<'_>> {
         Samples::new(self.bytes.get(usize::from(span.file))?, span)
     }
 

@@ -155,25 +155,51 @@ impl<'a> Samples<'a> {
 
     /// The sample `index` steps outward from the boat. Panics beyond the last, as a slice does.
     pub fn get(&self, index: usize) -> u8 {
-        let stored = match self.order {
-            SampleOrder::NearToFar => index,
-            SampleOrder::FarToNear => self.len() - 1 - index,
-        };
+        let stored = self.stored_index(index);
         match self.encoding {
             Encoding::U8 => self.stored[stored],
             Encoding::U16 { shift } => (self.pair(2 * stored) >> shift).min(255) as u8,
             Encoding::ScaledU16 { base, step } => {
-                let value = self.pair(2 * stored);
-                let level = i64::from(base) + i64::from(step) * i64::from(value);
+                let level = self.level(stored, base, step);
                 (level >> LEVEL_BITS).clamp(0, 255) as u8
             }
-            Encoding::ScaledComplex { step } => {
-                let part = |at| f32::from(self.pair(at).cast_signed());
-                let magnitude = part(4 * stored).hypot(part(4 * stored + 2));
-                // The conversion keeps to 0..=255.
-                (magnitude * step as f32 / (1 << LEVEL_BITS) as f32) as u8
-            }
+            // The conversion keeps to 0..=255.
+            Encoding::ScaledComplex { step } => self.magnitude(stored, step) as u8,
         }
+    }
+
+    /// The sample `index` steps outward from the boat in as many bits as it was stored in, up to 16; of one on a scale of its ping the
+    /// level times 256. Panics beyond the last, as a slice does.
+    pub(crate) fn wide(&self, index: usize) -> u16 {
+        let stored = self.stored_index(index);
+        match self.encoding {
+            Encoding::U8 => u16::from(self.stored[stored]),
+            Encoding::U16 { .. } => self.pair(2 * stored),
+            Encoding::ScaledU16 { base, step } => {
+                let level = self.level(stored, base, step) >> (LEVEL_BITS - 8);
+                level.clamp(0, 0xFFFF) as u16
+            }
+            Encoding::ScaledComplex { step } => (self.magnitude(stored, step) * 256.0) as u16,
+        }
+    }
+
+    fn stored_index(&self, index: usize) -> usize {
+        match self.order {
+            SampleOrder::NearToFar => index,
+            SampleOrder::FarToNear => self.len() - 1 - index,
+        }
+    }
+
+    /// The level of [`Encoding::ScaledU16`], in units of 2^-[`LEVEL_BITS`].
+    fn level(&self, stored: usize, base: i32, step: u32) -> i64 {
+        i64::from(base) + i64::from(step) * i64::from(self.pair(2 * stored))
+    }
+
+    /// The level of [`Encoding::ScaledComplex`].
+    fn magnitude(&self, stored: usize, step: u32) -> f32 {
+        let part = |at| f32::from(self.pair(at).cast_signed());
+        let magnitude = part(4 * stored).hypot(part(4 * stored + 2));
+        magnitude * step as f32 / (1 << LEVEL_BITS) as f32
     }
 
     /// Two stored bytes as a number.

@@ -11,6 +11,9 @@ use std::time::{Duration, Instant};
 /// and cancels one so fast, and a busy machine takes that long to find out that there is none.
 const TOO_FAST: Duration = Duration::from_millis(600);
 
+/// What is to be typed for a copy of a log.
+const COPY_FIELD: &str = "File to write, .xtf, .sl2, .csv, .parquet or .gpx";
+
 /// What a path is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PathPurpose {
@@ -52,6 +55,10 @@ pub(super) enum PathPurpose {
     SaveFigure,
     /// The file that planned lines are written into.
     SavePlan,
+    /// The file that the shown log is copied into.
+    ExportLog,
+    /// The file that the visible pings are copied into.
+    ExportPings,
 }
 
 impl PathPurpose {
@@ -64,6 +71,8 @@ impl PathPurpose {
             Self::SaveFigure => Some("Save the measurement"),
             Self::SavePlan => Some("Save the planned lines"),
             Self::PrintInto => Some("Print the view"),
+            Self::ExportLog => Some("Export the log"),
+            Self::ExportPings => Some("Export the visible pings"),
             _ => None,
         }
     }
@@ -117,6 +126,8 @@ impl PathPurpose {
                 "Save",
             ),
             Self::PrintInto => ("Print the view", "File to write", "Print"),
+            Self::ExportLog => ("Export the log", COPY_FIELD, "Export"),
+            Self::ExportPings => ("Export the visible pings", COPY_FIELD, "Export"),
             Self::OpenModel => ("Choose a model", "Path of an ONNX file", "Choose"),
         }
     }
@@ -345,6 +356,8 @@ fn command(purpose: PathPurpose, paths: Vec<PathBuf>) -> Option<Command> {
         PathPurpose::SaveFigure => Command::SaveFigure(path),
         PathPurpose::SavePlan => Command::SavePlan(path),
         PathPurpose::PrintInto => Command::PrintInto(path),
+        PathPurpose::ExportLog => Command::ExportLog(path),
+        PathPurpose::ExportPings => Command::ExportPings(path),
     })
 }
 
@@ -419,6 +432,8 @@ fn choose_path(purpose: PathPurpose, proposed: Option<PathBuf>) -> Option<PathBu
         | PathPurpose::SaveProfile
         | PathPurpose::SaveFigure
         | PathPurpose::SavePlan
+        | PathPurpose::ExportLog
+        | PathPurpose::ExportPings
         | PathPurpose::PrintInto => {
             let title = purpose.title_of_saved().unwrap_or_default();
             let mut dialog = rfd::FileDialog::new().set_title(title);

@@ -36,6 +36,7 @@ mod isobaths_window;
 mod keyboard_window;
 mod keys_window;
 mod large_boxes;
+mod log_copy;
 mod logs_window;
 mod manual;
 mod many_logs;

@@ -132,12 +132,13 @@ fn channel_kind(channel: u16) -> ChannelKind {
     }
 }
 
-/// Nominal frequency; the middle of the band for the chirp codes.
+/// Nominal frequency by code; the middle of the band for the chirp codes.
+pub(super) const FREQUENCIES_KHZ: [f32; 11] = [
+    200.0, 50.0, 83.0, 455.0, 800.0, 38.0, 28.0, 170.0, 120.0, 50.0, 35.0,
+];
+
 fn frequency_khz(code: u16) -> Option<f32> {
-    const KHZ: [f32; 11] = [
-        200.0, 50.0, 83.0, 455.0, 800.0, 38.0, 28.0, 170.0, 120.0, 50.0, 35.0,
-    ];
-    KHZ.get(usize::from(code)).copied()
+    FREQUENCIES_KHZ.get(usize::from(code)).copied()
 }
 
 fn time_s(frame: &LowranceFrame) -> f64 {

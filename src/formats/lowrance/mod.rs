@@ -5,10 +5,12 @@
 
 mod decode;
 pub(crate) mod frame;
+mod from_log;
 mod sides;
 pub(crate) mod sl2;
 pub(crate) mod sl3;
 mod walk;
+pub(crate) mod write;
 
 use super::file_source::FileSource;
 use super::log_format::{LogFormat, ReadRecording};

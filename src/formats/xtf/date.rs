@@ -8,9 +8,9 @@ use chrono::{Datelike as _, NaiveDate};
 /// set lie outside.
 const YEARS: std::ops::RangeInclusive<i32> = 1980..=2100;
 
-/// Unix seconds of a time in hundredths of them; `None` when no log can be of that time.
-pub(super) fn unix_s(unix_cs: i64) -> Option<f64> {
-    let unix_s = unix_cs as f64 / 100.0;
+/// Unix seconds of a time in thousandths of them; `None` when no log can be of that time.
+pub(super) fn unix_s(unix_ms: i64) -> Option<f64> {
+    let unix_s = unix_ms as f64 / 1000.0;
     YEARS.contains(&moment(unix_s).year()).then_some(unix_s)
 }
 
@@ -23,13 +23,16 @@ fn year_meant(recorded: u16) -> i32 {
     }
 }
 
-/// Hundredths of Unix seconds of a ping's date and time; of one without a date that exists, those of its time of day.
-pub(super) fn unix_cs(ping: &PingHeader) -> i64 {
+/// Thousandths of Unix seconds of a ping's date and time; of one without a date that exists, those of its time of day. The time of day is
+/// in hundredths; where the time for attitude packets is the same moment of the day, it has the thousandths too.
+pub(super) fn unix_ms(ping: &PingHeader) -> i64 {
     let date = NaiveDate::from_ymd_opt(year_meant(ping.year), ping.month.into(), ping.day.into());
     let days = date.map_or(0, |date| i64::from(date.to_epoch_days()));
     let minutes = i64::from(ping.hour) * 60 + i64::from(ping.minute);
-    let seconds = days * 86_400 + minutes * 60 + i64::from(ping.second);
-    seconds * 100 + i64::from(ping.hundredths)
+    let day_ms = (minutes * 60 + i64::from(ping.second)) * 1000 + i64::from(ping.hundredths) * 10;
+    let attitude_ms = i64::from(ping.attitude_time_ms);
+    let is_same = attitude_ms / 10 == day_ms / 10;
+    days * 86_400_000 + if is_same { attitude_ms } else { day_ms }
 }
 
 #[cfg(test)]
@@ -43,26 +46,31 @@ mod tests {
         (ping.year, ping.month, ping.day) = (2009, 11, 8);
         (ping.hour, ping.minute, ping.second, ping.hundredths) = (12, 36, 34, 33);
         // `date -u -d "2009-11-08 12:36:34" +%s`
-        assert_eq!(unix_cs(&ping), 125_768_379_433);
+        assert_eq!(unix_ms(&ping), 1_257_683_794_330);
+        // Milliseconds of the same moment of the day, and of another.
+        ping.attitude_time_ms = 45_394_337;
+        assert_eq!(unix_ms(&ping), 1_257_683_794_337);
+        ping.attitude_time_ms = 45_394_340;
+        assert_eq!(unix_ms(&ping), 1_257_683_794_330);
         (ping.year, ping.month, ping.day) = (2024, 2, 29);
-        assert_eq!(unix_cs(&ping) / 100, 1_709_210_194);
+        assert_eq!(unix_ms(&ping) / 1000, 1_709_210_194);
         (ping.year, ping.month, ping.day) = (1996, 7, 31);
         // `date -u -d "1996-07-31 12:36:34" +%s`
-        assert_eq!(unix_s(unix_cs(&ping)), Some(838_816_594.33));
+        assert_eq!(unix_s(unix_ms(&ping)), Some(838_816_594.33));
         for year in [200, 1970, 1979, 2101, u16::MAX] {
             ping.year = year;
-            assert_eq!(unix_s(unix_cs(&ping)), None, "{year}");
+            assert_eq!(unix_s(unix_ms(&ping)), None, "{year}");
         }
         for (year, meant) in [(96, 1996), (80, 1980), (0, 2000), (9, 2009), (109, 2009)] {
             let of = |year| {
                 ping.year = year;
-                unix_s(unix_cs(&ping))
+                unix_s(unix_ms(&ping))
             };
             let [recorded, meant] = [year, meant].map(of);
             assert!(recorded.is_some() && recorded == meant, "{year}");
         }
         // A date that never was set is no first of January.
         (ping.year, ping.month, ping.day) = (0, 0, 0);
-        assert_eq!(unix_s(unix_cs(&ping)), None);
+        assert_eq!(unix_s(unix_ms(&ping)), None);
     }
 }

@@ -2,6 +2,7 @@
 
 use super::channels::{self, XtfChannel};
 use super::date;
+use super::from_log::Provenance;
 use super::packets::Packets;
 use super::place::PositionConverter;
 use super::raw::{FileHeader, PingChannel, PingHeader, record};
@@ -24,8 +25,9 @@ pub(super) struct Reader<'a> {
     sides: SideChannels,
     clock: Clock<(usize, PingHeader)>,
     /// Time of the first sound ping: the log's time zero.
-    zero_cs: Option<i64>,
+    zero_ms: Option<i64>,
     others: Packets,
+    range_source: RangeSource,
 }
 
 impl<'a> Reader<'a> {
@@ -34,11 +36,17 @@ impl<'a> Reader<'a> {
         Self {
             bytes,
             channels: channels::list(bytes, header),
-            places: PositionConverter::new(header.map(|header| header.nav_units)),
+            places: PositionConverter::new(header.as_ref()),
             sides: SideChannels::default(),
             clock: Clock::default(),
-            zero_cs: None,
+            zero_ms: None,
             others: Packets::default(),
+            range_source: match header
+                .is_some_and(|header| Provenance::of(&header).has_fish_finder_ranges)
+            {
+                true => RangeSource::FishFinder,
+                false => RangeSource::SurveyRecorder,
+            },
         }
     }
 
@@ -54,7 +62,7 @@ impl<'a> Reader<'a> {
             self.others.count(packet.kind);
             return;
         };
-        let time_s = date::unix_cs(&ping) as f64 / 100.0;
+        let time_s = date::unix_ms(&ping) as f64 / 1000.0;
         if let Some(verdict) = self.clock.push(time_s, (offset, ping)) {
             self.settle(log, verdict);
         }
@@ -76,7 +84,7 @@ impl<'a> Reader<'a> {
         while let Some(verdict) = self.clock.next() {
             self.settle(log, verdict);
         }
-        self.zero_cs.is_some()
+        self.zero_ms.is_some()
     }
 
     /// Takes the pings that still wait for a verdict and says what was left out.
@@ -85,8 +93,8 @@ impl<'a> Reader<'a> {
             self.settle(log, verdict);
         }
         self.sides.finish(self.bytes, log);
-        log.start_unix_s = self.zero_cs.and_then(date::unix_s);
-        log.range_source = RangeSource::SurveyRecorder;
+        log.start_unix_s = self.zero_ms.and_then(date::unix_s);
+        log.range_source = self.range_source;
         log.report.set_back(self.clock.set_back_s());
         log.projected = self.places.origin_m().map(ProjectedTrack::new);
         if self.channels.iter().any(|channel| channel.ground_range) {
@@ -119,8 +127,8 @@ impl<'a> Reader<'a> {
     }
 
     fn keep(&mut self, log: &mut Collected, offset: usize, ping: &PingHeader, unix_s: f64) {
-        let now_cs = (unix_s * 100.0).round() as i64;
-        let time_s = (now_cs - *self.zero_cs.get_or_insert(now_cs)) as f64 / 100.0;
+        let now_ms = (unix_s * 1000.0).round() as i64;
+        let time_s = (now_ms - *self.zero_ms.get_or_insert(now_ms)) as f64 / 1000.0;
         log.add_depth(ChannelKind::Primary, time_s, ping.sensor_altitude_m);
         if let Some(fix) = self.places.fix(ping, time_s) {
             log.add_fix(fix);

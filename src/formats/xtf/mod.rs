@@ -6,6 +6,7 @@
 mod channels;
 mod date;
 mod decode;
+mod from_log;
 mod packets;
 mod place;
 pub(crate) mod raw;

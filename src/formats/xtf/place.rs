@@ -1,25 +1,29 @@
 //! The position of a ping, in degrees or in metres of an unknown projection.
 
-use super::raw::PingHeader;
+use super::from_log::Provenance;
+use super::raw::{FileHeader, PingHeader};
 use crate::support::geo::{LonLat, MPS_PER_KNOT};
 use crate::survey::{Fix, ProjectedTrack};
 
 /// Navigation units of the file header that are degrees.
-const DEGREES: u16 = 3;
+pub(super) const DEGREES: u16 = 3;
 
 /// Turns the positions of a file into degrees.
 #[derive(Debug)]
 pub(super) struct PositionConverter {
     units: Option<u16>,
+    /// Whether headings are not of a compass.
+    no_compass: bool,
     /// First projected position, where positions are in metres.
     origin: Option<[f64; 2]>,
 }
 
 impl PositionConverter {
-    /// `units` as the file header has them; `None` when the header is damaged.
-    pub(super) fn new(units: Option<u16>) -> Self {
+    /// Of a file with this header; `None` when it is damaged.
+    pub(super) fn new(header: Option<&FileHeader>) -> Self {
         Self {
-            units,
+            units: header.map(|header| header.nav_units),
+            no_compass: header.is_some_and(|header| Provenance::of(header).has_track_headings),
             origin: None,
         }
     }
@@ -33,6 +37,7 @@ impl PositionConverter {
     /// The sonar's fix, or the ship's where the sonar has none.
     pub(super) fn fix(&mut self, ping: &PingHeader, time_s: f64) -> Option<Fix> {
         let heading_deg = first_set([ping.sensor_heading_deg, ping.ship_gyro_deg]);
+        let heading_deg = heading_deg.filter(|_| !self.no_compass);
         let speed_kn = first_set([ping.sensor_speed_kn, ping.ship_speed_kn]);
         Some(Fix {
             time_s,

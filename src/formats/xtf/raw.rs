@@ -101,7 +101,13 @@ pub(crate) struct PingHeader {
     /// 21: hundredths of a second.
     pub hundredths: u8,
     /// 22: not used here.
-    pub rest_22: [u8; 98],
+    pub rest_22: [u8; 6],
+    /// 28: number of the ping.
+    pub ping_number: u32,
+    /// 32: one-way speed of sound, metres a second: half of 1500 as a rule.
+    pub sound_velocity_mps: f32,
+    /// 36: not used here.
+    pub rest_36: [u8; 84],
     /// 120: the ship's speed, knots.
     pub ship_speed_kn: f32,
     /// 124: the ship's compass, degrees.
@@ -129,7 +135,11 @@ pub(crate) struct PingHeader {
     /// 212: the sonar's compass, degrees.
     pub sensor_heading_deg: f32,
     /// 216: not used here.
-    pub rest_216: [u8; 40],
+    pub rest_216: [u8; 8],
+    /// 224: milliseconds, by which attitude packets are matched: those of the day in most files.
+    pub attitude_time_ms: u32,
+    /// 228: not used here.
+    pub rest_228: [u8; 28],
 }
 
 /// The 64 bytes before the samples of a channel in a ping.
@@ -148,8 +158,14 @@ pub(crate) struct PingChannel {
     pub time_delay_s: f32,
     /// 16: time recorded, seconds (there and back).
     pub time_duration_s: f32,
-    /// 20: not used here.
-    pub rest_20: [u8; 22],
+    /// 20: time from ping to ping, seconds.
+    pub ping_interval_s: f32,
+    /// 24: not used here.
+    pub rest_24: [u8; 2],
+    /// 26: frequency, kHz.
+    pub frequency_khz: u16,
+    /// 28: not used here.
+    pub rest_28: [u8; 14],
     /// 42: samples that follow.
     pub samples: u32,
     /// 46: not used here.

@@ -4,7 +4,7 @@ use super::raw::{PacketHeader, record};
 use crate::formats::messages::MessageFormat;
 
 /// The number that every packet begins with.
-const MAGIC: u16 = 0xFACE;
+pub(super) const MAGIC: u16 = 0xFACE;
 /// No packet is longer; a longer one is damage.
 const LONGEST_PACKET: usize = 1 << 24;
 

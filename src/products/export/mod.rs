@@ -4,7 +4,7 @@
 //! It uses `detection`, `bottom`, `sonar`, `formats`, `survey` and `support`.
 //!
 //! One file a product, `aside` for the renaming; `las` writes any points as LAS, `extra_bytes` names what they carry beyond it; `geotiff` puts any raster into its file, `grid_raster` the cells of a grid, `qgis_style` its colours, `vector` lines and areas,
-//! `rings` keeps polygons valid, `summary` counts what a file holds; `dataset` is the folder that detectors are trained
+//! `rings` keeps polygons valid, `summary` counts what a file holds; `log_copy` copies a log; `dataset` is the folder that detectors are trained
 //! on, `tile_sets` maps as tiles, `points` what `bathyscope filter` kept, `plan` lines to sail for plotters and autopilots. How rasters and point files are laid out is known to `formats`, which also reads them.
 
 mod atomic_write;
@@ -31,6 +31,7 @@ mod gps_time;
 mod grid_raster;
 mod isobaths;
 mod las;
+mod log_copy;
 mod log_points;
 mod objects;
 mod picture_boxes;
@@ -73,6 +74,7 @@ pub(crate) use isobaths::{
     DrawnLines, depth_areas_geojson, isobaths_geojson, spot_soundings_geojson, storage_csv,
 };
 pub(crate) use las::LasPacking;
+pub(crate) use log_copy::{CopyError, LogPartChoice, TimeBound, check_copy, copy_log};
 pub(crate) use log_points::LogPoints;
 pub(crate) use objects::{
     ObjectLog, ObjectRow, object_layers, objects_csv, objects_geojson, objects_gpkg, objects_gpx,

@@ -142,6 +142,8 @@ impl Shell {
             Action::SaveFigure => self.save_figure(),
             Action::SavePlan => self.save_plan(),
             Action::SaveProfile => self.save_profile(),
+            Action::ExportLog => self.ask_for_copy(PathPurpose::ExportLog, "xtf"),
+            Action::ExportPings => self.ask_for_copy(PathPurpose::ExportPings, "part.xtf"),
             Action::CopyProfile => match self.app.profile_csv() {
                 Some(text) => ctx.copy_text(text),
                 None => self.app.apply(Command::Notify(NO_PROFILE.to_owned())),
@@ -330,6 +332,17 @@ impl Shell {
             self.ask_beside_log(PathPurpose::SavePlan, "lines.gpx");
         } else {
             self.say("no lines are planned yet; use Plan lines first");
+        }
+    }
+
+    /// Asks where a copy of the log is to be written.
+    fn ask_for_copy(&mut self, purpose: PathPurpose, ending: &str) {
+        if self.app.log.survey.is_none() {
+            self.say("there is no log to export yet; open one first");
+        } else if self.app.export_fraction().is_some() {
+            self.say(BUSY);
+        } else {
+            self.ask_beside_log(purpose, ending);
         }
     }
 

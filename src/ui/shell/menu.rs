@@ -253,6 +253,7 @@ fn file(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.separator();
     external(ui, context);
     ui.separator();
+    entries(ui, context, &[Action::ExportLog, Action::ExportPings]);
     let ready = context.app.log.products.is_some();
     entries_where(ui, context, &[Action::Export, Action::PrintView], |_, _| {
         ready

@@ -54,6 +54,33 @@ fn a_setting_and_a_reference_that_cannot_be_used_are_told_plainly() {
 }
 
 #[test]
+fn a_log_is_copied_into_formats_that_are_written_and_never_over_itself() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    simulated(folder);
+    let before = fs::read(folder.join("pond.sl2")).expect("the log");
+    let to = |name: &'static str| ["convert", "pond.sl2", "-o", name];
+    one_line(folder, &to("pond.doc"), &[".xtf", ".parquet", "pond.doc"]);
+    one_line(folder, &to("pond.sl2"), &["never changed", "pond.sl2"]);
+    let beyond = [
+        "convert",
+        "pond.sl2",
+        "-o",
+        "part.xtf",
+        "--pings",
+        "5..999999",
+    ];
+    one_line(folder, &beyond, &["999999", "pond.sl2"]);
+    assert!(!folder.join("part.xtf").exists());
+    run(
+        folder,
+        &["convert", "pond.sl2", "-o", "part.xtf", "--pings", "5..25"],
+    );
+    assert!(run(folder, &["info", "part.xtf"]).contains("20 pings"));
+    assert!(fs::read(folder.join("pond.sl2")).expect("the log") == before);
+}
+
+#[test]
 fn a_recorded_log_is_not_simulated_over() {
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let folder = temporary.path();

@@ -1,0 +1,54 @@
+//! `bathyscope convert`: a log, or a part of it, in a file for other programs.
+
+use super::settings::{LogOpener, SettingsArgs};
+use super::status_line::StatusLine;
+use super::{Failure, output};
+use crate::formats::read_area;
+use crate::products::export::{LogPartChoice, TimeBound, check_copy, copy_log};
+use crate::sonar::calibration::PingRange;
+use crate::support::progress::Progress;
+use std::path::PathBuf;
+
+/// `bathyscope convert LOG -o FILE`.
+#[derive(Debug, clap::Args)]
+pub(super) struct ConvertArgs {
+    /// The log
+    log: PathBuf,
+    /// File to write; its ending names the format: .sl2, .xtf, .csv, .parquet, .gpx
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Side-scan pings to write, B left out; soundings of a log without side-scan
+    #[arg(long, value_name = "A..B")]
+    pings: Option<PingRange>,
+    /// Times to write, in seconds of the log or as dates with times in UTC: 60..120, 2024-05-01T10:00:00..2024-05-01T10:30:00
+    #[arg(long, value_name = "FROM..TO", value_parser = TimeBound::span)]
+    time: Option<[TimeBound; 2]>,
+    /// Write what was recorded in this area: GeoJSON, KML or GPX
+    #[arg(long, value_name = "FILE")]
+    area: Option<PathBuf>,
+    #[command(flatten)]
+    settings: SettingsArgs,
+}
+
+/// Writes the copy; says on stderr what has no place in it.
+pub(super) fn run(args: &ConvertArgs) -> Result<(), Failure> {
+    check_copy(&args.output, std::slice::from_ref(&args.log))?;
+    let choice = LogPartChoice {
+        pings: args.pings,
+        time: args.time,
+        area: args.area.as_deref().map(read_area).transpose()?,
+    };
+    let opener = LogOpener::new(args.settings.resolve()?)?;
+    let progress = Progress::new();
+    let status = StatusLine::at("conversion", &progress);
+    let survey = opener.open(&args.log, &progress)?;
+    let positions = opener.settings.position_settings();
+    let copied = copy_log(&args.output, &survey, positions, &choice, &progress);
+    drop(status);
+    let copied = copied.map_err(|error| format!("{error}: {}", args.log.display()))?;
+    for loss in &copied.losses {
+        output::notify(format_args!("note: {loss}"));
+    }
+    output::notify(copied.summary());
+    Ok(())
+}

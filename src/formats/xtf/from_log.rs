@@ -1,0 +1,320 @@
+//! A log of any format as XTF: one pair of side-scan channels, the sonar's altitude, position, speed and heading of each ping.
+//!
+//! The fields are those that Triton's description calls mandatory (`raw`). Without a compass the heading of each ping is that of the fitted
+//! track, for other programs place samples by it; the note of the file header says so and the reader leaves it out ([`Provenance`]).
+
+use super::HEADER_BLOCK;
+use super::Xtf;
+use super::channels;
+use super::place::DEGREES;
+use super::raw::{ChannelInfo, FileHeader, PacketHeader, PingChannel, PingHeader};
+use super::walk::MAGIC;
+use crate::formats::log_writer::{LogToWrite, LogWriter};
+use crate::support::calendar::moment;
+use crate::support::geo::MPS_PER_KNOT;
+use crate::support::progress::Progress;
+use crate::survey::{
+    ChannelKind, Encoding, Fix, ProjectedTrack, RangeSource, SampleOrder, Side, SidePing, SideSpan,
+    Survey,
+};
+use bytemuck::Zeroable as _;
+use chrono::{Datelike as _, Timelike as _};
+use std::f32::consts::TAU;
+use std::io::{self, Write};
+
+/// What the note of the file header says where no compass was recorded.
+const TRACK_HEADINGS: &str = "headings of the track";
+/// What it says where the slant ranges are those of a fish-finder.
+const FISH_FINDER: &str = "ranges of a fish-finder";
+/// What the program is called in eight letters.
+const PROGRAM: &[u8; 8] = b"Bathysco";
+/// Packets are padded to a multiple of this.
+const PADDED_TO: usize = 64;
+/// No recorder leaves out so many samples before its first one.
+const MOST_SKIPPED: f64 = 1e6;
+/// Speed of sound, metres a second: fish-finders count ranges with it.
+const SOUND_MPS: f32 = 1500.0;
+
+/// What the header of a file that was written here says of its pings; nothing is said of others.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Provenance {
+    /// Headings are those of the track.
+    pub(super) has_track_headings: bool,
+    /// Slant ranges are those of a fish-finder.
+    pub(super) has_fish_finder_ranges: bool,
+}
+
+impl Provenance {
+    /// By the note of the header.
+    pub(super) fn of(header: &FileHeader) -> Self {
+        let note = channels::text(&header.note).filter(|_| header.program == *PROGRAM);
+        let says = |text: &str| note.as_ref().is_some_and(|note| note.contains(text));
+        Self {
+            has_track_headings: says(TRACK_HEADINGS),
+            has_fish_finder_ranges: says(FISH_FINDER),
+        }
+    }
+}
+
+impl LogWriter for Xtf {
+    fn write(
+        &self,
+        log: &LogToWrite<'_>,
+        out: &mut dyn Write,
+        progress: &Progress,
+    ) -> io::Result<Vec<String>> {
+        let survey = log.survey;
+        if survey.side_scan.is_empty() {
+            return Err(io::Error::other(
+                "it holds no side-scan, which XTF is for; write CSV or GPX",
+            ));
+        }
+        let writer = XtfWriter::new(log);
+        out.write_all(&writer.header())?;
+        progress.start(survey.side_scan.len() as u64);
+        let mut packet = Vec::new();
+        for (number, ping) in survey.side_scan.iter().enumerate() {
+            progress.check().map_err(io::Error::other)?;
+            writer.ping(number, ping, &mut packet);
+            out.write_all(&packet)?;
+            progress.advance(1);
+        }
+        Ok(losses(survey))
+    }
+}
+
+/// What such an XTF has no place for.
+fn losses(survey: &Survey) -> Vec<String> {
+    let mut losses = Vec::new();
+    if !survey.echograms.is_empty() {
+        losses.push(
+            "XTF is written with the side-scan alone; channels that look down were left out"
+                .to_owned(),
+        );
+    }
+    if survey.start_unix_s.is_none() {
+        losses.push("the log names no date; its pings are dated from 1 January 1970 on".to_owned());
+    }
+    losses
+}
+
+/// A log that is being written.
+struct XtfWriter<'a> {
+    log: &'a LogToWrite<'a>,
+    /// Whether a compass was recorded.
+    has_compass: bool,
+    /// Bytes of a sample.
+    width: usize,
+}
+
+impl<'a> XtfWriter<'a> {
+    fn new(log: &'a LogToWrite<'a>) -> Self {
+        let survey = log.survey;
+        let spans = survey
+            .side_scan
+            .iter()
+            .flat_map(|ping| [ping.port, ping.starboard]);
+        let is_wide = spans.flatten().any(|span| span.encoding != Encoding::U8);
+        Self {
+            log,
+            has_compass: survey
+                .track
+                .fixes
+                .iter()
+                .any(|fix| fix.compass_rad.is_finite()),
+            width: if is_wide { 2 } else { 1 },
+        }
+    }
+
+    /// The metres that positions are in, where nobody has named their system.
+    fn metres(&self) -> Option<&ProjectedTrack> {
+        let projected = self.log.survey.track.projected.as_ref();
+        projected.filter(|metres| metres.system.is_none())
+    }
+
+    /// The file header with its two channels.
+    fn header(&self) -> Vec<u8> {
+        let mut header = FileHeader {
+            file_format: 0x7B,
+            system_type: 1,
+            program: *PROGRAM,
+            nav_units: self.metres().map_or(DEGREES, |_| 0),
+            sonar_channels: 2,
+            ..FileHeader::zeroed()
+        };
+        let source = &self.log.survey.source;
+        let sonar = match source.device.is_empty() {
+            true => &source.format,
+            false => &source.device,
+        };
+        put_text(&mut header.sonar_name, sonar.as_bytes());
+        let is_fish_finder = self.log.survey.range_source == RangeSource::FishFinder;
+        let said = [
+            (is_fish_finder, FISH_FINDER),
+            (!self.has_compass, TRACK_HEADINGS),
+        ];
+        let said = said
+            .into_iter()
+            .filter(|(is_so, _)| *is_so)
+            .map(|(_, text)| text);
+        put_text(
+            &mut header.note,
+            said.collect::<Vec<_>>().join("; ").as_bytes(),
+        );
+        let mut bytes = bytemuck::bytes_of(&header).to_vec();
+        for side in Side::BOTH {
+            bytes.extend_from_slice(bytemuck::bytes_of(&self.channel(side)));
+        }
+        bytes.resize(HEADER_BLOCK, 0);
+        bytes
+    }
+
+    fn channel(&self, side: Side) -> ChannelInfo {
+        let mut info = ChannelInfo {
+            kind: 1 + side as u8,
+            number: side as u8,
+            correction: 1,
+            unipolar: 1,
+            bytes_per_sample: self.width as u16,
+            volt_scale: 5.0,
+            frequency_khz: self.frequency_khz(side).unwrap_or_default(),
+            ..ChannelInfo::zeroed()
+        };
+        put_text(&mut info.name, side.name().as_bytes());
+        info
+    }
+
+    fn frequency_khz(&self, side: Side) -> Option<f32> {
+        let channels = self.log.survey.channels.iter();
+        let mut shown =
+            channels.filter(|one| [kind(side), ChannelKind::Composite].contains(&one.kind));
+        shown.find_map(|channel| channel.frequency_khz)
+    }
+
+    /// One ping with its sides, as a packet.
+    fn ping(&self, number: usize, ping: &SidePing, packet: &mut Vec<u8>) {
+        packet.clear();
+        packet.resize(size_of::<PingHeader>(), 0);
+        let mut channels = 0;
+        for side in Side::BOTH {
+            let written = ping
+                .side(side)
+                .and_then(|span| self.side(side, span, packet));
+            channels += u16::from(written.is_some());
+        }
+        packet.resize(packet.len().next_multiple_of(PADDED_TO), 0);
+        let header = PingHeader {
+            packet: PacketHeader {
+                magic: MAGIC,
+                channels,
+                size: packet.len() as u32,
+                ..PacketHeader::zeroed()
+            },
+            ping_number: number as u32,
+            sound_velocity_mps: SOUND_MPS / 2.0,
+            sensor_altitude_m: if ping.depth_m > 0.0 {
+                ping.depth_m
+            } else {
+                0.0
+            },
+            ..self.place(ping.time_s)
+        };
+        packet[..size_of::<PingHeader>()].copy_from_slice(bytemuck::bytes_of(&header));
+    }
+
+    /// The fields of time, position, speed and heading.
+    fn place(&self, time_s: f64) -> PingHeader {
+        let start_s = self.log.survey.start_unix_s.unwrap_or_default();
+        let now = moment(((start_s + time_s) * 1e3).round() / 1e3 + 1e-6);
+        let fix = self.log.fix(time_s);
+        let [x, y] = fix.map_or([0.0; 2], |fix| self.position(fix));
+        let fitted = self.log.place(time_s);
+        let known = |recorded: Option<f32>, fitted: Option<f64>| {
+            let mut known = [recorded, fitted.map(|one| one as f32)]
+                .into_iter()
+                .flatten();
+            known.find(|one| one.is_finite()).unwrap_or_default()
+        };
+        let speed_kn = known(
+            fix.map(|fix| fix.speed_mps),
+            fitted.map(|place| place.speed_mps),
+        ) / MPS_PER_KNOT as f32;
+        let fitted_rad = fitted.map(|place| place.heading_rad);
+        let compass_rad = fix.map(|fix| fix.compass_rad);
+        let heading_rad = known(compass_rad, fitted_rad.filter(|_| !self.has_compass));
+        let heading_deg = heading_rad.rem_euclid(TAU).to_degrees();
+        PingHeader {
+            year: now.year() as u16,
+            month: now.month() as u8,
+            day: now.day() as u8,
+            hour: now.hour() as u8,
+            minute: now.minute() as u8,
+            second: now.second() as u8,
+            hundredths: (now.nanosecond() / 10_000_000) as u8,
+            attitude_time_ms: now.num_seconds_from_midnight() * 1000 + now.nanosecond() / 1_000_000,
+            ship_speed_kn: speed_kn,
+            sensor_speed_kn: speed_kn,
+            ship_gyro_deg: heading_deg,
+            sensor_heading_deg: heading_deg,
+            ship_x: x,
+            ship_y: y,
+            sensor_x: x,
+            sensor_y: y,
+            ..PingHeader::zeroed()
+        }
+    }
+
+    /// Longitude and latitude, degrees; easting and northing of a system that nobody has named.
+    fn position(&self, fix: &Fix) -> [f64; 2] {
+        match self.metres() {
+            Some(metres) => {
+                let [x, y] = ProjectedTrack::frame().to_enu(fix.position);
+                [metres.origin_m[0] + x, metres.origin_m[1] + y]
+            }
+            None => [fix.position.lon_deg, fix.position.lat_deg],
+        }
+    }
+
+    /// Adds the header and the samples of a side. Ranges begin at the boat in XTF: what a recorder left out before its first sample is
+    /// filled with zeros. `None` where the samples do not lie in the log.
+    fn side(&self, side: Side, span: &SideSpan, packet: &mut Vec<u8>) -> Option<()> {
+        let samples = self.log.survey.samples_of(span)?;
+        let skipped = f64::from(span.near_m) / span.metres_per_sample();
+        let skipped = (0.0..MOST_SKIPPED).contains(&skipped).then_some(skipped)?;
+        let skipped = skipped.round() as usize;
+        let count = skipped + samples.len();
+        let header = PingChannel {
+            channel: side as u16,
+            slant_range_m: span.far_m,
+            time_duration_s: 2.0 * span.far_m / SOUND_MPS,
+            frequency_khz: self.frequency_khz(side).unwrap_or_default() as u16,
+            samples: count as u32,
+            ..PingChannel::zeroed()
+        };
+        packet.extend_from_slice(bytemuck::bytes_of(&header));
+        for stored in 0..count {
+            let outward = match channels::order(kind(side)) {
+                SampleOrder::FarToNear => count - 1 - stored,
+                SampleOrder::NearToFar => stored,
+            };
+            let sample = outward.checked_sub(skipped);
+            let value = sample.map_or(0, |sample| samples.wide(sample));
+            packet.extend_from_slice(&value.to_le_bytes()[..self.width]);
+        }
+        Some(())
+    }
+}
+
+/// The channel of a side alone.
+fn kind(side: Side) -> ChannelKind {
+    match side {
+        Side::Port => ChannelKind::Port,
+        Side::Starboard => ChannelKind::Starboard,
+    }
+}
+
+fn put_text(field: &mut [u8], text: &[u8]) {
+    // The last byte stays zero.
+    let count = text.len().min(field.len() - 1);
+    field[..count].copy_from_slice(&text[..count]);
+}

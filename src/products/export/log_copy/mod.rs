@@ -1,0 +1,184 @@
+//! A log, or a part of it, in a file for other programs: the formats of recorders that are written, its records as CSV and Parquet, its
+//! track as GPX.
+//!
+//! In: a log with its navigation. Out: a file.
+//! It uses `formats`, `sonar`, `survey` and `support`.
+
+mod part;
+mod traces;
+
+pub(crate) use part::{LogPartChoice, PartError, TimeBound};
+
+use super::{ExportError, is_same_file, track, track_gpx, write_atomically};
+use crate::formats::log_writer::{LogToWrite, LogWriter};
+use crate::formats::{FORMATS, writer_for};
+use crate::support::progress::{Cancelled, Progress};
+use crate::survey::{PositionSettings, Projection, Survey, navigate_with};
+use std::io::{BufWriter, Write as _};
+use std::path::{Path, PathBuf};
+
+/// Endings of what is no recorder's format, without the dot.
+const TABLES: [&str; 3] = ["csv", "parquet", "gpx"];
+
+/// Why a log cannot be copied: one sentence.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum CopyError {
+    /// No format has the ending of the file.
+    #[error(
+        "the ending of the file names no format that is written; end it in {endings}: {}",
+        .path.display()
+    )]
+    Ending {
+        /// The file.
+        path: PathBuf,
+        /// Those that are written, in words.
+        endings: String,
+    },
+    /// It would replace the log.
+    #[error("that is the log itself, which is never changed; name another file: {}", .0.display())]
+    IsLog(PathBuf),
+    /// The part cannot be chosen.
+    #[error(transparent)]
+    Part(#[from] PartError),
+    /// The work was cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// It cannot be written, or the log cannot be in that format.
+    #[error(transparent)]
+    Export(#[from] ExportError),
+}
+
+/// What a copy is written as.
+#[derive(Clone, Copy)]
+pub(crate) enum CopyFormat {
+    /// The format of a recorder.
+    Recorder(&'static dyn LogWriter),
+    /// A line for each trace.
+    Csv,
+    /// A row for each trace, with its samples.
+    Parquet,
+    /// The track.
+    Gpx,
+}
+
+impl CopyFormat {
+    /// By the ending of a file.
+    ///
+    /// # Errors
+    /// When no format has it.
+    pub(crate) fn of(path: &Path) -> Result<Self, CopyError> {
+        let ending = path.extension().unwrap_or_default();
+        let is = |name: &str| ending.eq_ignore_ascii_case(name);
+        match writer_for(ending) {
+            Some(writer) => Ok(Self::Recorder(writer)),
+            None if is("csv") => Ok(Self::Csv),
+            None if is("parquet") => Ok(Self::Parquet),
+            None if is("gpx") => Ok(Self::Gpx),
+            None => Err(CopyError::Ending {
+                path: path.to_owned(),
+                endings: endings_in_words(),
+            }),
+        }
+    }
+}
+
+/// The endings of all files that a log can be copied to, without the dot.
+fn copy_endings() -> impl Iterator<Item = &'static str> {
+    let written = FORMATS.iter().filter_map(|format| format.written_as());
+    written.chain(TABLES)
+}
+
+fn endings_in_words() -> String {
+    let endings: Vec<String> = copy_endings().map(|ending| format!(".{ending}")).collect();
+    endings.join(", ")
+}
+
+/// Refuses a name that is none of a copy, or that of the log, before any work.
+///
+/// # Errors
+/// As above.
+pub(crate) fn check_copy(path: &Path, log_files: &[PathBuf]) -> Result<(), CopyError> {
+    CopyFormat::of(path)?;
+    match log_files.iter().any(|file| is_same_file(file, path)) {
+        true => Err(CopyError::IsLog(path.to_owned())),
+        false => Ok(()),
+    }
+}
+
+/// What a copy holds.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Copied {
+    /// Side-scan pings.
+    pub pings: usize,
+    /// Recorded depths.
+    pub soundings: usize,
+    /// A sentence for each thing in the log that has no place in the format.
+    pub losses: Vec<String>,
+}
+
+impl Copied {
+    /// `1200 side-scan pings and 300 depths`.
+    pub(crate) fn summary(&self) -> String {
+        let Self {
+            pings, soundings, ..
+        } = self;
+        format!("{pings} side-scan pings and {soundings} depths")
+    }
+}
+
+/// Writes a part of a log in the format that the ending of the file names. The boat is placed as `positions` ask for.
+///
+/// # Errors
+/// When [`check_copy`] refuses the file, the log has nothing of the part or cannot be in that format, writing fails, or the work is cancelled.
+pub(crate) fn copy_log(
+    path: &Path,
+    survey: &Survey,
+    positions: PositionSettings<'_>,
+    choice: &LogPartChoice,
+    progress: &Progress,
+) -> Result<Copied, CopyError> {
+    check_copy(path, &survey.source.files)?;
+    let positions = PositionSettings {
+        projection: Projection::Enu,
+        ..positions
+    };
+    let navigation = navigate_with(survey, positions, progress)?;
+    let stretches = choice.stretches(survey, &navigation)?;
+    let (survey, navigation) = survey.part(&navigation, &stretches);
+    let log = LogToWrite {
+        survey: &survey,
+        navigation: &navigation,
+    };
+    Ok(Copied {
+        pings: survey.side_scan.len(),
+        soundings: survey.soundings.len(),
+        losses: write(path, &log, progress)?,
+    })
+}
+
+fn write(path: &Path, log: &LogToWrite<'_>, progress: &Progress) -> Result<Vec<String>, CopyError> {
+    let written = match CopyFormat::of(path)? {
+        CopyFormat::Recorder(writer) => write_atomically(path, |file| {
+            let mut out = BufWriter::new(file);
+            let losses = writer.write(log, &mut out, progress)?;
+            out.flush()?;
+            Ok(losses)
+        }),
+        CopyFormat::Csv => write_atomically(path, |file| {
+            let mut out = BufWriter::new(file);
+            traces::write_csv(log, &mut out, progress)?;
+            out.flush()?;
+            Ok(Vec::new())
+        }),
+        CopyFormat::Parquet => write_atomically(path, |file| {
+            traces::write_parquet(log, file, progress)?;
+            Ok(Vec::new())
+        }),
+        CopyFormat::Gpx => {
+            let pieces = track(log.survey, log.navigation);
+            let start_unix_s = log.survey.start_unix_s;
+            track_gpx(path, &log.survey.name(), start_unix_s, &pieces).map(|_| Vec::new())
+        }
+    };
+    Ok(written?)
+}

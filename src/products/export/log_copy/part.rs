@@ -1,0 +1,230 @@
+//! Which part of a log is copied.
+
+use crate::sonar::calibration::PingRange;
+use crate::support::calendar::unix_from_iso;
+use crate::survey::{Navigation, Survey, WaterArea};
+use std::ops::Range;
+use std::str::FromStr;
+
+/// Why a part cannot be chosen: one sentence.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub(crate) enum PartError {
+    /// A time is neither a number of seconds nor a date with a time.
+    #[error(
+        "a time is written in seconds of the log, 60, or as a date with the time of day in UTC, 2024-05-01T10:00:00; got {0}"
+    )]
+    NoTime(String),
+    /// A span of time has no two ends.
+    #[error("a span of time is written FROM..TO; got {0}")]
+    NoSpan(String),
+    /// A date was given, and the log has none.
+    #[error("the log names no date; give the time in seconds of the log")]
+    NoDate,
+    /// The log has not so many records.
+    #[error("the log has {count} pings; {}..{} were asked for", .asked.start, .asked.end)]
+    TooFew {
+        /// How many it has.
+        count: usize,
+        /// Those asked for.
+        asked: Range<usize>,
+    },
+    /// Nothing of the log lies in it.
+    #[error("nothing of the log lies in the part that was asked for")]
+    Empty,
+}
+
+/// A moment of a log.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum TimeBound {
+    /// Seconds after its time zero.
+    Log(f64),
+    /// Unix seconds.
+    Unix(f64),
+}
+
+impl FromStr for TimeBound {
+    type Err = PartError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let seconds = text.trim().parse().ok();
+        let seconds = seconds.filter(|seconds: &f64| seconds.is_finite());
+        let log = seconds.map(Self::Log);
+        let unix = || unix_from_iso(text).map(Self::Unix);
+        log.or_else(unix)
+            .ok_or_else(|| PartError::NoTime(text.to_owned()))
+    }
+}
+
+impl TimeBound {
+    /// Reads `FROM..TO`.
+    ///
+    /// # Errors
+    /// When it is written otherwise.
+    pub(crate) fn span(text: &str) -> Result<[Self; 2], PartError> {
+        let (from, to) = text
+            .split_once("..")
+            .ok_or_else(|| PartError::NoSpan(text.to_owned()))?;
+        Ok([from.parse()?, to.parse()?])
+    }
+
+    /// Seconds after the time zero of a log.
+    fn of_log(self, survey: &Survey) -> Result<f64, PartError> {
+        match self {
+            Self::Log(time_s) => Ok(time_s),
+            Self::Unix(unix_s) => {
+                let start_s = survey.start_unix_s.ok_or(PartError::NoDate)?;
+                Ok(unix_s - start_s)
+            }
+        }
+    }
+}
+
+/// The part of a log that all choices have in common; without any the whole.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct LogPartChoice {
+    /// Side-scan pings, or soundings of a log without side-scan; the last one left out.
+    pub pings: Option<PingRange>,
+    /// First and last moment.
+    pub time: Option<[TimeBound; 2]>,
+    /// Where the boat is in it by the fitted track.
+    pub area: Option<WaterArea>,
+}
+
+impl LogPartChoice {
+    /// The stretches of records ([`Survey::part`]) that are chosen.
+    ///
+    /// # Errors
+    /// When the log has nothing of it.
+    pub(crate) fn stretches(
+        &self,
+        survey: &Survey,
+        navigation: &Navigation,
+    ) -> Result<Vec<Range<usize>>, PartError> {
+        let times_s = survey.record_times_s();
+        let count = times_s.len();
+        let asked = self.pings.map_or(0..count, |pings| pings.start..pings.end);
+        if asked.end > count {
+            return Err(PartError::TooFew { count, asked });
+        }
+        let span_s = match self.time {
+            Some([from, to]) => [from.of_log(survey)?, to.of_log(survey)?],
+            None => [f64::NEG_INFINITY, f64::INFINITY],
+        };
+        let places = match survey.side_scan.is_empty() {
+            false => &navigation.pings,
+            true => &navigation.soundings,
+        };
+        let is_in_area = |record: usize| {
+            self.area.as_ref().is_none_or(|area| {
+                places.get(record).is_some_and(|place| {
+                    area.contains(navigation.to_lon_lat(&survey.track, place.east_m, place.north_m))
+                })
+            })
+        };
+        let is_chosen = |record: &usize| {
+            (span_s[0]..=span_s[1]).contains(&times_s[*record]) && is_in_area(*record)
+        };
+        let mut stretches: Vec<Range<usize>> = Vec::new();
+        for record in asked.filter(is_chosen) {
+            match stretches.last_mut() {
+                Some(last) if last.end == record => last.end += 1,
+                _ => stretches.push(record..record + 1),
+            }
+        }
+        match stretches.is_empty() {
+            true => Err(PartError::Empty),
+            false => Ok(stretches),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::support::geo::LonLat;
+    use crate::survey::{PingNav, SidePing};
+
+    fn log() -> (Survey, Navigation) {
+        let survey = Survey {
+            start_unix_s: Some(1_634_000_000.0),
+            ..Survey::of_pings((0..10).map(|time| SidePing::with_depth(f64::from(time), 3.0)))
+        };
+        let place = |east: i32| PingNav::northbound([100.0 * f64::from(east), 0.0], 1.0);
+        (survey, Navigation::of_pings((0..10).map(place)))
+    }
+
+    #[test]
+    fn choices_are_cut_with_each_other() {
+        let (survey, navigation) = log();
+        let of = |choice: LogPartChoice| {
+            let stretches = choice.stretches(&survey, &navigation)?;
+            let ends = stretches
+                .into_iter()
+                .map(|stretch| [stretch.start, stretch.end]);
+            Ok(ends.collect::<Vec<_>>())
+        };
+        assert_eq!(of(LogPartChoice::default()), Ok(vec![[0, 10]]));
+        let span = TimeBound::span("2..2021-10-12T00:53:27Z").expect("a span");
+        let pings = Some(PingRange { start: 1, end: 6 });
+        let both = LogPartChoice {
+            pings,
+            time: Some(span),
+            ..LogPartChoice::default()
+        };
+        assert_eq!(of(both.clone()), Ok(vec![[2, 6]]));
+        // From 150 m to 350 m and from 450 m on.
+        let east = |metres: f64| survey.track.frame.to_lon_lat(metres, 0.0).lon_deg;
+        let ring = |west: f64, east_m: f64| {
+            let corners = [(west, -1.0), (east_m, -1.0), (east_m, 1.0), (west, 1.0)];
+            corners
+                .map(|(metres, lat_deg)| LonLat {
+                    lon_deg: east(metres),
+                    lat_deg,
+                })
+                .to_vec()
+        };
+        let area = WaterArea {
+            rings: vec![ring(150.0, 350.0), ring(450.0, 2000.0)],
+            ..WaterArea::default()
+        };
+        let all = LogPartChoice {
+            area: Some(area),
+            ..both
+        };
+        assert_eq!(of(all), Ok(vec![[2, 4], [5, 6]]));
+        let none = LogPartChoice {
+            time: Some([TimeBound::Log(50.0), TimeBound::Log(60.0)]),
+            ..LogPartChoice::default()
+        };
+        assert_eq!(of(none), Err(PartError::Empty));
+        let beyond = LogPartChoice {
+            pings: Some(PingRange { start: 1, end: 11 }),
+            ..LogPartChoice::default()
+        };
+        assert_eq!(
+            of(beyond),
+            Err(PartError::TooFew {
+                count: 10,
+                asked: 1..11
+            })
+        );
+    }
+
+    #[test]
+    fn times_that_are_none_are_refused() {
+        for text in ["5", "a..b", "1..", "..", "inf..2", "2021-10-12..3"] {
+            assert!(TimeBound::span(text).is_err(), "{text}");
+        }
+        let (mut survey, navigation) = log();
+        survey.start_unix_s = None;
+        let time = Some([TimeBound::Unix(0.0), TimeBound::Log(5.0)]);
+        let choice = LogPartChoice {
+            time,
+            ..LogPartChoice::default()
+        };
+        assert_eq!(
+            choice.stretches(&survey, &navigation),
+            Err(PartError::NoDate)
+        );
+    }
+}
