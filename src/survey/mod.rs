@@ -48,7 +48,9 @@ pub(crate) use navigation::{
 pub(crate) use nearest::nearest_in_time;
 pub(crate) use position_shift::PositionShift;
 pub(crate) use relief::{AcrossTrack, Relief};
-pub(crate) use samples::{Bytes, Encoding, LEVEL_BITS, SampleOrder, Samples, SideSpan};
+pub(crate) use samples::{
+    Bytes, Encoding, LEVEL_BITS, NumberKind, SampleOrder, Samples, SideSpan,
+};
 pub(crate) use track::{ExternalTrack, Fix, ProjectedTrack, Track, TrackSettings};
 pub(crate) use tracks_apart::TracksApart;
 pub(crate) use turn_rate::turn_rates_deg_s;
