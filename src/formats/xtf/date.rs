@@ -1,6 +1,6 @@
 //! The date and time of a ping.
 
-use super::raw::PingHeader;
+use super::raw::{PacketTime, PingHeader};
 use crate::support::calendar::moment;
 use chrono::{Datelike as _, NaiveDate};
 
@@ -23,13 +23,35 @@ fn year_meant(recorded: u16) -> i32 {
     }
 }
 
-/// Hundredths of Unix seconds of a ping's date and time; of one without a date that exists, those of its time of day.
-pub(super) fn unix_cs(ping: &PingHeader) -> i64 {
-    let date = NaiveDate::from_ymd_opt(year_meant(ping.year), ping.month.into(), ping.day.into());
+/// Unix seconds of a date and time; of one without a date that exists, those of its time of day.
+pub(super) fn seconds(time: PacketTime) -> i64 {
+    let date = NaiveDate::from_ymd_opt(year_meant(time.year), time.month.into(), time.day.into());
     let days = date.map_or(0, |date| i64::from(date.to_epoch_days()));
-    let minutes = i64::from(ping.hour) * 60 + i64::from(ping.minute);
-    let seconds = days * 86_400 + minutes * 60 + i64::from(ping.second);
-    seconds * 100 + i64::from(ping.hundredths)
+    let minutes = i64::from(time.hour) * 60 + i64::from(time.minute);
+    days * 86_400 + minutes * 60 + i64::from(time.second)
+}
+
+/// Hundredths of Unix seconds of a ping's date and time, as [`seconds`] has them.
+pub(super) fn unix_cs(ping: &PingHeader) -> i64 {
+    let &PingHeader {
+        year,
+        month,
+        day,
+        hour,
+        minute,
+        second,
+        hundredths,
+        ..
+    } = ping;
+    let time = PacketTime {
+        year,
+        month,
+        day,
+        hour,
+        minute,
+        second,
+    };
+    seconds(time) * 100 + i64::from(hundredths)
 }
 
 #[cfg(test)]

@@ -273,7 +273,11 @@ pub(crate) struct AttitudePacket {
     /// Offset 0.
     pub packet: PacketHeader,
     /// 14: not used here.
-    pub rest_14: [u8; 36],
+    pub rest_14: [u8; 20],
+    /// 34: roll, degrees, positive to starboard.
+    pub roll_deg: f32,
+    /// 38: not used here.
+    pub rest_38: [u8; 12],
     /// 50: the ship's compass, degrees; 0 when it is not known.
     pub heading_deg: f32,
     /// 54: date and time to the second.
