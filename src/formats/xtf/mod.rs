@@ -14,6 +14,8 @@
 //! layback, and moves the position back along the heading of the sonar when it is used; other programs write the sonar's own. `positions`
 //! tells them apart by their distance. Packets 42 and 107 are positions, 23 and 84 headings, 3 attitude with a heading.
 //!
+//! `multibeam` reads the depths of a multibeam sonar in the same file, to compare with.
+//!
 //! Sources: Triton's "eXtended Triton Format" as its revisions 14 to 42, its header file `xtf.h` of 1998 and public readers cite it: `pyxtf`
 //! 1.5, `libxtf`, `stdlibXtf`, MB-System (`mbf_xtfr8101.h`). Not done as `pyxtf` does: it takes all whole numbers as without a sign, and the
 //! time of packet 107 as if its ten thousandths of a second were millionths.
@@ -22,6 +24,7 @@ mod channels;
 mod date;
 mod decode;
 mod levels;
+mod multibeam;
 mod navigation;
 mod packets;
 mod place;
@@ -40,6 +43,7 @@ use super::{OpenError, Opened, assemble, collected::Collected};
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::{Source, Survey};
 pub(super) use levels::shift_to_fit;
+pub(super) use multibeam::read_multibeam;
 use raw::{FileHeader, record};
 use walk::PACKETS;
 

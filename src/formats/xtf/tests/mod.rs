@@ -1,6 +1,7 @@
 //! Generated XTF files are read to what was written into them, whole, damaged and growing.
 
 mod damage;
+mod multibeam;
 mod pairs;
 mod places;
 mod samples;
