@@ -17,7 +17,7 @@ use std::ops::Range;
 /// Packet type of a side-scan ping.
 const PING: u8 = 0;
 /// Types of sonars whose samples count 2^-weight: EdgeTech's, and the synthetic aperture sonar of Kongsberg.
-const WEIGHTED: [u16; 5] = [24, 35, 38, 48, 56];
+const WEIGHTED: [u16; 4] = [24, 35, 38, 48];
 /// Speed of sound where the file states none, metres a second.
 const SOUND_MPS: f32 = 1500.0;
 /// Speeds of sound that water has, metres a second.

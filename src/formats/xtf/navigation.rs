@@ -22,7 +22,7 @@ const BESIDE_S: f64 = 60.0;
 /// A position that repeats for longer is an old one, and one of a packet further from all others of pings stands in, seconds.
 const STALE_S: f64 = 5.0;
 /// A heading further from its position in time says nothing of it, seconds.
-const HEADING_WITHIN_S: f64 = 1.0;
+pub(super) const HEADING_WITHIN_S: f64 = 1.0;
 
 /// A position of a packet.
 #[derive(Clone, Copy, Debug)]

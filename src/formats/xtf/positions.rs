@@ -1,7 +1,7 @@
 //! Where the sonar was: the position that a ping states of it, or that of the ship with the layback of a towed sonar and the offsets of
 //! antenna and transducer.
 
-use super::navigation::{SentNavigation, SentPosition};
+use super::navigation::{HEADING_WITHIN_S, SentNavigation, SentPosition};
 use super::place::{self, PositionConverter};
 use super::raw::{FileHeader, PacketHeader, PingHeader};
 use crate::formats::collected::Collected;
@@ -19,6 +19,15 @@ const OWN_FROM: f64 = 0.5;
 /// Forward and to starboard of the ship's antenna, metres.
 type Arm = [f32; 2];
 
+/// What a ping says of the positions that packets sent near it.
+#[derive(Clone, Copy, Debug)]
+struct Towing {
+    time_s: f64,
+    arm: Arm,
+    /// Radians; NaN where none was recorded.
+    compass_rad: f32,
+}
+
 /// Collects the fixes of a file.
 #[derive(Debug)]
 pub(super) struct Positions {
@@ -29,6 +38,8 @@ pub(super) struct Positions {
     latency_ms: i32,
     /// Of the fixes of the log that are the ship's: index, and from the antenna to the sonar.
     arms: Vec<(usize, Arm)>,
+    /// Of the pings without a position.
+    unplaced: Vec<Towing>,
     /// The shortest and the longest layback of the ship's positions, metres.
     laybacks_m: Option<[f32; 2]>,
     /// Whether antenna and transducer are not in one place.
@@ -55,6 +66,7 @@ impl Positions {
             antenna_m,
             latency_ms: header.map_or(0, |header| header.nav_latency_ms),
             arms: Vec::new(),
+            unplaced: Vec::new(),
             laybacks_m: None,
             has_offsets: false,
             own: 0,
@@ -69,6 +81,7 @@ impl Positions {
         Self {
             sent: SentNavigation::default(),
             arms: Vec::new(),
+            unplaced: Vec::new(),
             laybacks_m: None,
             own: 0,
             span_s: None,
@@ -101,33 +114,47 @@ impl Positions {
         self.has_attitude |= pitch_deg != 0.0 || roll_deg != 0.0;
         let sensor = place::recorded([ping.sensor_x, ping.sensor_y]);
         let ship = place::recorded([ping.ship_x, ping.ship_y]);
+        let layback_m = Some(ping.layback_m).filter(|layback_m| LAYBACKS_M.contains(layback_m));
+        let heading_deg = first_set([ping.sensor_heading_deg, ping.ship_gyro_deg]);
+        let compass_rad = heading_deg.map_or(f32::NAN, f32::to_radians);
         let Some(stated) = sensor.or(ship) else {
+            let arm = self.arm(transducer_m, layback_m);
+            self.unplaced.push(Towing {
+                time_s,
+                arm,
+                compass_rad,
+            });
             return;
         };
-        let layback_m = Some(ping.layback_m).filter(|layback_m| LAYBACKS_M.contains(layback_m));
-        let is_own = self.is_own(sensor, ship, layback_m.unwrap_or(0.0));
-        self.own += usize::from(is_own && layback_m.is_some());
-        let heading_deg = first_set([ping.sensor_heading_deg, ping.ship_gyro_deg]);
         let speed_kn = first_set([ping.sensor_speed_kn, ping.ship_speed_kn]);
         let before = log.fixes.len();
         log.add_fix(Fix {
             time_s,
             position: self.converter.place(stated),
             cog_rad: f32::NAN,
-            compass_rad: heading_deg.map_or(f32::NAN, f32::to_radians),
+            compass_rad,
             speed_mps: speed_kn.map_or(f32::NAN, |kn| (f64::from(kn) * MPS_PER_KNOT) as f32),
         });
-        if is_own || log.fixes.len() == before {
-            return;
-        }
-        match layback_m {
-            Some(layback_m) => {
-                let [shortest_m, longest_m] = self.laybacks_m.unwrap_or([layback_m; 2]);
-                self.laybacks_m = Some([shortest_m.min(layback_m), longest_m.max(layback_m)]);
+        if self.is_own(sensor, ship, layback_m.unwrap_or(0.0)) {
+            self.own += usize::from(layback_m.is_some());
+        } else if log.fixes.len() > before {
+            if layback_m.is_none() {
+                self.cable_m = self.cable_m.max(ping.cable_out_m);
             }
-            None => self.cable_m = self.cable_m.max(ping.cable_out_m),
+            let arm = self.arm(transducer_m, layback_m);
+            if arm != [0.0; 2] {
+                self.arms.push((before, arm));
+            }
         }
-        let offset_m = [0, 1].map(|axis| {
+    }
+
+    /// From the antenna to the sonar.
+    fn arm(&mut self, transducer_m: Arm, layback_m: Option<f32>) -> Arm {
+        if let Some(layback_m) = layback_m {
+            let [shortest_m, longest_m] = self.laybacks_m.unwrap_or([layback_m; 2]);
+            self.laybacks_m = Some([shortest_m.min(layback_m), longest_m.max(layback_m)]);
+        }
+        let [forward_m, right_m] = [0, 1].map(|axis| {
             let offset_m = transducer_m[axis] - self.antenna_m[axis];
             if offset_m.abs() <= FARTHEST_M {
                 offset_m
@@ -135,11 +162,8 @@ impl Positions {
                 0.0
             }
         });
-        self.has_offsets |= offset_m != [0.0; 2];
-        let arm = [offset_m[0] - layback_m.unwrap_or(0.0), offset_m[1]];
-        if arm != [0.0; 2] {
-            self.arms.push((before, arm));
-        }
+        self.has_offsets |= [forward_m, right_m] != [0.0; 2];
+        [forward_m - layback_m.unwrap_or(0.0), right_m]
     }
 
     /// Whether the position that counts is the sonar's own: it is stated, and lies elsewhere than the ship's by what a layback explains.
@@ -158,24 +182,41 @@ impl Positions {
     pub(super) fn finish(&mut self, log: &mut Collected, zero_s: f64) {
         self.sent.settle(zero_s, self.span_s.unwrap_or_default());
         let headings = self.sent.fill_headings(&mut log.fixes);
-        let mut arms: Vec<(f64, Arm)> = Vec::new();
-        for (index, arm) in &self.arms {
-            arms.extend(log.fixes.get(*index).map(|fix| (fix.time_s, *arm)));
-        }
-        arms.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let towing = self.towing(&log.fixes);
         let mut moved = self.move_to_sonar(log);
         let stand_ins = self.sent.stand_ins(&mut log.fixes);
         for sent in &stand_ins {
-            let fix = self.stand_in(sent);
-            let arm = nearest_in_time(&arms, sent.time_s, |(time_s, _)| *time_s);
-            let arm = arm.map(|index| arms[index].1);
-            let there = arm.and_then(|arm| moved_by(fix, arm));
-            moved[0] += usize::from(arm.is_some() && there.is_some());
-            moved[1] += usize::from(arm.is_some() && there.is_none());
-            log.add_fix(there.unwrap_or(fix));
+            let mut fix = self.stand_in(sent);
+            let near = nearest_in_time(&towing, fix.time_s, |ping| ping.time_s);
+            let near = near.map(|index| towing[index]);
+            let is_beside = |ping: &Towing| (ping.time_s - fix.time_s).abs() <= HEADING_WITHIN_S;
+            if let Some(ping) = near.filter(is_beside).filter(|_| fix.compass_rad.is_nan()) {
+                fix.compass_rad = ping.compass_rad;
+            }
+            if let Some(arm) = near.map(|ping| ping.arm).filter(|arm| *arm != [0.0; 2]) {
+                let there = moved_by(fix, arm);
+                moved[usize::from(there.is_none())] += 1;
+                fix = there.unwrap_or(fix);
+            }
+            log.add_fix(fix);
         }
         log.projected = self.converter.origin_m().map(ProjectedTrack::new);
         self.remark(log, [stand_ins.len(), headings], moved);
+    }
+
+    /// What pings of the ship's position, and without one, say of it, in time order.
+    fn towing(&self, fixes: &[Fix]) -> Vec<Towing> {
+        let of_fix = |&(index, arm): &(usize, Arm)| {
+            fixes.get(index).map(|fix| Towing {
+                time_s: fix.time_s,
+                arm,
+                compass_rad: fix.compass_rad,
+            })
+        };
+        let placed = self.arms.iter().filter_map(of_fix);
+        let mut towing: Vec<Towing> = placed.chain(self.unplaced.iter().copied()).collect();
+        towing.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+        towing
     }
 
     fn stand_in(&mut self, sent: &SentPosition) -> Fix {

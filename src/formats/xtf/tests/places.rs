@@ -165,8 +165,8 @@ fn navigation_packets_stand_in_for_pings_without_positions() {
         },
         ..Xtf::default()
     });
-    assert_near(from_ship(&survey, 7), [0.0, 0.0]);
-    assert!(!says(&survey, "moved to the sonar"), "no heading lies near");
+    assert_near(from_ship(&survey, 7), [-12.0, 0.0]);
+    assert!(says(&survey, "40 positions are the ship's and were moved"));
 }
 
 #[test]
