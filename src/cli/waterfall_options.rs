@@ -152,7 +152,7 @@ pub(super) fn take_over(app: &mut App, settings: Settings) -> Result<(), Failure
     }
     if let Some(survey) = &app.log.survey {
         let recorded = Survey::clone(survey);
-        let mounted = pipeline::as_mounted(recorded, &settings.mounting, settings.source.crs);
+        let mounted = pipeline::as_mounted(recorded, &settings.mounting, &settings.source);
         check_against(&mounted?, &settings)?;
     }
     app.apply(Command::Change {

@@ -1,12 +1,13 @@
 //! From channels in file order to a [`Survey`]: sides joined, depths matched by time, noise named.
 
-use super::collected::Collected;
+use super::collected::{Collected, CollectedPair, HalfPing};
 use super::depths;
 use super::join::join_halves;
 use super::reading::Reading;
 use super::stray::drop_stray;
 use crate::survey::{
-    Channel, ChannelKind, Echogram, Fix, Side, SidePing, SideScanState, Survey, Track, give_depths,
+    Channel, ChannelKind, Echogram, Fix, Side, SidePair, SidePing, SideScanState, Survey, Track,
+    give_depths,
 };
 use std::sync::Arc;
 
@@ -20,6 +21,7 @@ const STUCK_SHARE: f64 = 0.95;
 /// Puts the pieces of a log together; those of its tail as they were put together before.
 pub(super) fn assemble(mut log: Collected, reading: &Reading<'_>) -> Survey {
     let known = reading.known();
+    let pairs = show_first(&mut log);
     let mut side_scan = join_sides(&mut log, known);
     let echograms = echograms(&mut log);
     let chosen = known.and_then(|known| known.sounding_channel);
@@ -45,13 +47,14 @@ pub(super) fn assemble(mut log: Collected, reading: &Reading<'_>) -> Survey {
         .map(|(_, channel)| channel)
         .collect();
     channels.sort_by(|a, b| (a.kind, &a.recorder_name).cmp(&(b.kind, &b.recorder_name)));
-    Survey {
+    let mut survey = Survey {
         source: log.source,
         start_unix_s: log.start_unix_s,
         clock_offset_s: 0.0,
         swapped_sides: false,
         channels,
         side_scan: Arc::new(side_scan),
+        pairs: Vec::new(),
         side_scan_state,
         range_source: log.range_source,
         echograms,
@@ -61,17 +64,55 @@ pub(super) fn assemble(mut log: Collected, reading: &Reading<'_>) -> Survey {
             projected: log.projected,
             ..Track::new(fixes)
         },
-        warnings: log.report.finish(),
+        warnings: Vec::new(),
         bytes: log.bytes,
+    };
+    survey.pairs = side_pairs(pairs, &survey);
+    if let Some(summary) = survey.pairs_summary() {
+        log.report.log(summary);
     }
+    survey.warnings = log.report.finish();
+    survey
+}
+
+/// Makes the first of several pairs the sides of the log; the others stay with what they hold.
+fn show_first(log: &mut Collected) -> Vec<CollectedPair> {
+    if let Some(shown) = log.pairs.first_mut() {
+        log.port = std::mem::take(&mut shown.port);
+        log.starboard = std::mem::take(&mut shown.starboard);
+    }
+    std::mem::take(&mut log.pairs)
+}
+
+/// The pairs of a log that has several; of the first `survey` has the pings.
+fn side_pairs(pairs: Vec<CollectedPair>, survey: &Survey) -> Vec<SidePair> {
+    if pairs.len() < 2 {
+        return Vec::new();
+    }
+    let pair = |(index, pair): (usize, CollectedPair)| {
+        let side_scan = match index {
+            0 => survey.side_scan.clone(),
+            _ => {
+                let mut pings = joined(pair.port, pair.starboard);
+                give_depths(&mut pings, &survey.soundings);
+                Arc::new(pings)
+            }
+        };
+        SidePair {
+            name: pair.name,
+            frequency_khz: pair.frequency_khz,
+            side_scan,
+        }
+    };
+    pairs.into_iter().enumerate().map(pair).collect()
 }
 
 /// Side-scan pings in time order. A unit that records both layouts says everything twice: the fuller one is kept, and of the tail of a
 /// log that which is kept of the log.
 fn join_sides(log: &mut Collected, known: Option<&Survey>) -> Vec<SidePing> {
     let composite = std::mem::take(&mut log.composite);
-    let mut port = std::mem::take(&mut log.port);
-    let mut starboard = std::mem::take(&mut log.starboard);
+    let port = std::mem::take(&mut log.port);
+    let starboard = std::mem::take(&mut log.starboard);
     let halves = port.len().max(starboard.len());
     if !composite.is_empty() && halves > 0 {
         log.report.log(format!(
@@ -90,13 +131,20 @@ fn join_sides(log: &mut Collected, known: Option<&Survey>) -> Vec<SidePing> {
         }
         None => composite.len() >= halves,
     };
-    let mut pings = if is_composite {
-        composite
-    } else {
-        port.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
-        starboard.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
-        join_halves(&port, &starboard)
-    };
+    if !is_composite {
+        return joined(port, starboard);
+    }
+    let mut pings = composite;
+    pings.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+    pings
+}
+
+/// Pings of sides that came apart, in time order.
+fn joined(mut port: Vec<HalfPing>, mut starboard: Vec<HalfPing>) -> Vec<SidePing> {
+    for halves in [&mut port, &mut starboard] {
+        halves.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+    }
+    let mut pings = join_halves(&port, &starboard);
     pings.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
     pings
 }

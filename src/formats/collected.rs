@@ -26,6 +26,19 @@ pub(super) struct HalfPing {
     pub(super) span: SideSpan,
 }
 
+/// A pair of side-scan channels, where a recorder has several.
+#[derive(Debug)]
+pub(super) struct CollectedPair {
+    /// The recorder's name for it, the same whenever the log is read.
+    pub(super) name: String,
+    /// Frequency where it is stated.
+    pub(super) frequency_khz: Option<f32>,
+    /// Its port halves.
+    pub(super) port: Vec<HalfPing>,
+    /// Its starboard halves.
+    pub(super) starboard: Vec<HalfPing>,
+}
+
 /// What is counted of a ping of any channel.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Counted {
@@ -56,6 +69,8 @@ pub(super) struct Collected {
     pub(super) port: Vec<HalfPing>,
     /// Starboard halves that came alone.
     pub(super) starboard: Vec<HalfPing>,
+    /// Pairs of side-scan channels in place of `port` and `starboard`, the one that is shown first.
+    pub(super) pairs: Vec<CollectedPair>,
     /// Pings of channels that look down.
     pub(super) echograms: Vec<Echogram>,
     /// Depths by the channel that carried them.
@@ -83,6 +98,7 @@ impl Collected {
             composite: Vec::new(),
             port: Vec::new(),
             starboard: Vec::new(),
+            pairs: Vec::new(),
             echograms: Vec::new(),
             depths: Vec::new(),
             fixes: Vec::new(),

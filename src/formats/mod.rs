@@ -56,7 +56,9 @@ pub(crate) mod xtf;
 pub(crate) use area_file::{AreaError, read_area};
 pub(crate) use gauge_file::{GaugeError, read_gauge};
 pub(crate) use growing_log::{GrowingError, GrowingLog};
-pub(crate) use reference::{ReferenceError, ReferenceFile, open_reference};
+pub(crate) use reference::{
+    ReferenceError, ReferenceFile, is_named_as_points, multibeam_of, open_reference, read_points,
+};
 pub(crate) use removable::load_removable_into_memory;
 pub(crate) use scalar::ByteOrder;
 pub(crate) use table::{

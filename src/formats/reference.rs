@@ -2,10 +2,11 @@
 
 use super::OpenError;
 use super::points::{Elevations, PointFileError, is_named_as_elevations, read_elevations};
+use super::xtf::read_multibeam;
 use crate::support::progress::Progress;
 use crate::survey::Survey;
 use std::ffi::OsStr;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// What a file holds that a survey is compared with.
 #[derive(Debug)]
@@ -27,7 +28,35 @@ pub enum ReferenceError {
     Log(#[from] OpenError),
 }
 
-/// Opens `FILE` or `FILE.csv:x,y,z` of points, or a log. Which of them it is its name says.
+/// What stands behind the name of an XTF file whose multibeam depths are meant.
+const MULTIBEAM: &str = ":multibeam";
+
+/// Whether an argument names points: a file of them, or the multibeam depths of a log, `FILE.xtf:multibeam`.
+pub(crate) fn is_named_as_points(argument: &OsStr) -> bool {
+    multibeam_of(argument).is_some() || is_named_as_elevations(argument)
+}
+
+/// The file whose multibeam depths are meant.
+pub(crate) fn multibeam_of(argument: &OsStr) -> Option<PathBuf> {
+    let file = argument.to_str()?.strip_suffix(MULTIBEAM)?;
+    Some(PathBuf::from(file))
+}
+
+/// Reads what [`is_named_as_points`] says are points.
+///
+/// # Errors
+/// When they cannot be read, or there are none.
+pub(crate) fn read_points(
+    argument: &OsStr,
+    progress: &Progress,
+) -> Result<Elevations, ReferenceError> {
+    Ok(match multibeam_of(argument) {
+        Some(path) => read_multibeam(&path, progress)?,
+        None => read_elevations(argument)?,
+    })
+}
+
+/// Opens `FILE` or `FILE.csv:x,y,z` of points, `FILE.xtf:multibeam`, or a log. Which of them it is its name says.
 ///
 /// # Errors
 /// When it cannot be read as what its name says that it is.
@@ -35,8 +64,8 @@ pub(crate) fn open_reference(
     argument: &OsStr,
     progress: &Progress,
 ) -> Result<ReferenceFile, ReferenceError> {
-    Ok(match is_named_as_elevations(argument) {
-        true => ReferenceFile::Points(read_elevations(argument)?),
+    Ok(match is_named_as_points(argument) {
+        true => ReferenceFile::Points(read_points(argument, progress)?),
         false => ReferenceFile::Log(Box::new(super::open(Path::new(argument), progress)?)),
     })
 }

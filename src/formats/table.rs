@@ -160,7 +160,7 @@ pub(crate) const FORMATS: &[FormatEntry] = &[
             Carried::Heading,
         ],
         tried_on: Some("recordings of side-scan surveys"),
-        notes: "8 and 16 bit; Raymarine recordings have to be exported first",
+        notes: "8, 16 and 32 bit and floating point, several frequencies, towed sonars; Raymarine recordings have to be exported first",
         file_type: Some(FileType {
             mime: "application/x-xtf",
             comment: "XTF sonar log",

@@ -301,6 +301,7 @@ impl<'a, OnStage: FnMut(Stage)> Run<'a, OnStage> {
 fn finds_the_same(old: &Settings, new: &Settings) -> bool {
     old.image == new.image
         && old.mounting.swap_sides == new.mounting.swap_sides
+        && old.source.frequency_khz == new.source.frequency_khz
         && old.first_return.finds_the_same(&new.first_return)
 }
 

@@ -2,8 +2,9 @@
 //! them.
 
 use super::Settings;
+use super::settings::SourceSettings;
 use crate::formats::{TrackError, TrackFile};
-use crate::support::geo::{CrsError, SourceCrs};
+use crate::support::geo::CrsError;
 use crate::survey::{MountingSettings, Survey, TrackSettings};
 
 /// Why a log cannot be taken as the settings say: one sentence.
@@ -24,7 +25,7 @@ pub(crate) struct SourceKey {
     pub track: TrackSettings,
     swap_sides: bool,
     clock_offset_s: f64,
-    crs: Option<SourceCrs>,
+    source: SourceSettings,
 }
 
 impl SourceKey {
@@ -36,23 +37,27 @@ impl SourceKey {
             track: track.unwrap_or_default(),
             swap_sides: settings.mounting.swap_sides,
             clock_offset_s: settings.mounting.clock_offset_s,
-            crs: settings.source.crs,
+            source: settings.source.clone(),
         }
     }
 }
 
-/// A log that was read, with what `mounting.*` and `source.*` put right: its sides, its clock, and the system of positions in metres. Lever
-/// arm and heading offset act where pings are placed.
+/// A log that was read, with what `mounting.*` and `source.*` put right: its sides, its clock, the system of positions in metres, and which
+/// frequency is shown. Lever arm and heading offset act where pings are placed.
 ///
 /// # Errors
 /// When the metres of its positions are not those of `source.crs`.
 pub(crate) fn as_mounted(
     recorded: Survey,
     mounting: &MountingSettings,
-    crs: Option<SourceCrs>,
+    source: &SourceSettings,
 ) -> Result<Survey, SourceError> {
+    let recorded = match source.frequency_khz {
+        Some(frequency_khz) => recorded.with_frequency(frequency_khz),
+        None => recorded,
+    };
     let mut survey = recorded.mounted(mounting);
-    if let Some(crs) = crs.filter(|_| survey.track.projected.is_some()) {
+    if let Some(crs) = source.crs.filter(|_| survey.track.projected.is_some()) {
         survey.track = survey.track.in_system(&crs.system()?)?;
         // It says that the system is not known.
         survey
@@ -71,7 +76,7 @@ pub(crate) fn as_set(
     settings: &Settings,
     track: Option<&TrackFile>,
 ) -> Result<Survey, SourceError> {
-    let mut survey = as_mounted(recorded, &settings.mounting, settings.source.crs)?;
+    let mut survey = as_mounted(recorded, &settings.mounting, &settings.source)?;
     if let Some(track) = track {
         track.apply(&mut survey, settings.track.offset_s)?;
     }

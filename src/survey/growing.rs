@@ -107,7 +107,8 @@ impl Survey {
             || discriminant(&self.side_scan_state) == discriminant(&tail.side_scan_state)
             || self.side_scan_state == SideScanState::Usable;
         let has_new = (self.sounding_channel.is_none() && tail.sounding_channel.is_some())
-            || (self.track.fixes.is_empty() && !tail.track.fixes.is_empty());
+            || (self.track.fixes.is_empty() && !tail.track.fixes.is_empty())
+            || self.has_new_pair(&tail);
         if tail.source.files != self.source.files || !is_same_kind || has_new {
             return None;
         }
@@ -141,17 +142,19 @@ impl Survey {
         };
         let warnings = self.warnings.iter().filter(|one| before(&one.place));
         let added = tail.warnings.iter().filter(|one| one.place.is_some());
-        Some(Survey {
-            source: tail.source,
+        let mut longer = Survey {
+            source: tail.source.clone(),
             channels: joined_channels(&self.channels, &tail.channels, later_s),
             side_scan,
             echograms,
             soundings,
             track: self.track.with_fixes(fixes),
             warnings: warnings.chain(added).cloned().collect(),
-            bytes: tail.bytes,
+            bytes: tail.bytes.clone(),
             ..self.without_records()
-        })
+        };
+        longer.pairs = self.extended_pairs(&tail, seam.time_s, &longer);
+        Some(longer)
     }
 
     /// What is known of the log as a whole.
@@ -250,6 +253,10 @@ impl Survey {
         let later = |time_s: &mut f64| *time_s += later_s;
         let pings = Arc::make_mut(&mut self.side_scan);
         pings.iter_mut().for_each(|ping| later(&mut ping.time_s));
+        for pair in &mut self.pairs {
+            let pings = Arc::make_mut(&mut pair.side_scan);
+            pings.iter_mut().for_each(|ping| later(&mut ping.time_s));
+        }
         for echogram in &mut self.echograms {
             let pings = Arc::make_mut(&mut echogram.pings);
             pings.iter_mut().for_each(|ping| later(&mut ping.time_s));

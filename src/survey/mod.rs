@@ -5,7 +5,7 @@
 //!
 //! `samples` reads echoes where they lie in the file, `track` holds the fixes, `bottom_lock` says which recorded depths can
 //! be believed, `mounting` says how the recorder is mounted on its boat, `identity` identifies a log, `tracks_apart` how far two tracks of one boat lie apart, `turn_rate` how fast it turns,
-//! `exclusions` which stretches count for nothing, `relief` how the bottom lies across the track, `growing` what becomes of a log that is still being written, `echogram` holds the channels that look down, `part` cuts a log. [`navigate`] places every ping on the ground, by `fitted_track` and its `local_fit` where a track is fitted.
+//! `pairs` holds the side-scan of several frequencies, `exclusions` which stretches count for nothing, `relief` how the bottom lies across the track, `growing` what becomes of a log that is still being written, `echogram` holds the channels that look down, `part` cuts a log. [`navigate`] places every ping on the ground, by `fitted_track` and its `local_fit` where a track is fitted.
 
 mod apart;
 mod area;
@@ -21,6 +21,7 @@ mod mounting;
 mod names;
 mod navigation;
 mod nearest;
+mod pairs;
 mod part;
 mod position_shift;
 mod relief;
@@ -47,9 +48,10 @@ pub(crate) use navigation::{
     navigate_with,
 };
 pub(crate) use nearest::nearest_in_time;
+pub(crate) use pairs::SidePair;
 pub(crate) use position_shift::PositionShift;
 pub(crate) use relief::{AcrossTrack, Relief};
-pub(crate) use samples::{Bytes, Encoding, LEVEL_BITS, SampleOrder, Samples, SideSpan};
+pub(crate) use samples::{Bytes, Encoding, LEVEL_BITS, NumberKind, SampleOrder, Samples, SideSpan};
 pub(crate) use track::{ExternalTrack, Fix, ProjectedTrack, Track, TrackSettings};
 pub(crate) use tracks_apart::TracksApart;
 pub(crate) use turn_rate::turn_rates_deg_s;
@@ -284,6 +286,8 @@ pub struct Survey {
     pub channels: Vec<Channel>,
     /// The side-scan pings, both sides joined; shared by all copies of a survey, of which a change of the track makes one.
     pub side_scan: Arc<Vec<SidePing>>,
+    /// All pairs of side-scan channels where the sonar has several frequencies, that which is shown first; none where there is one pair.
+    pub pairs: Vec<SidePair>,
     /// Whether the side-scan is worth drawing.
     pub side_scan_state: SideScanState,
     /// Where its slant ranges come from.

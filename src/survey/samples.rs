@@ -55,6 +55,75 @@ pub enum Encoding {
         /// Levels from one magnitude to the next.
         step: u32,
     },
+    /// A number, little-endian, whose magnitude times 2^`exponent` is the level.
+    Number {
+        /// Which numbers.
+        kind: NumberKind,
+        /// Of 2.
+        exponent: i16,
+    },
+}
+
+/// Numbers that are stored as samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NumberKind {
+    /// One byte.
+    U8,
+    /// One byte, signed.
+    I8,
+    /// Two bytes.
+    U16,
+    /// Two bytes, signed.
+    I16,
+    /// Four bytes.
+    U32,
+    /// Four bytes, signed.
+    I32,
+    /// Four bytes, IEEE 754.
+    F32,
+    /// Four bytes, the floating point of IBM's System/360: a sign, seven bits of an exponent of 16, 24 bits of a fraction.
+    IbmF32,
+}
+
+impl NumberKind {
+    /// Bytes of a number.
+    pub fn width(self) -> usize {
+        match self {
+            NumberKind::U8 | NumberKind::I8 => 1,
+            NumberKind::U16 | NumberKind::I16 => 2,
+            NumberKind::U32 | NumberKind::I32 | NumberKind::F32 | NumberKind::IbmF32 => 4,
+        }
+    }
+
+    /// The magnitude of a number of [`NumberKind::width`] bytes; NaN where they are none.
+    pub(crate) fn magnitude(self, stored: &[u8]) -> f64 {
+        match (self, stored) {
+            (NumberKind::U8, &[a]) => f64::from(a),
+            (NumberKind::I8, &[a]) => f64::from(a.cast_signed().unsigned_abs()),
+            (NumberKind::U16, &[a, b]) => f64::from(u16::from_le_bytes([a, b])),
+            (NumberKind::I16, &[a, b]) => f64::from(i16::from_le_bytes([a, b]).unsigned_abs()),
+            (_, &[a, b, c, d]) => self.magnitude_of(u32::from_le_bytes([a, b, c, d])),
+            _ => f64::NAN,
+        }
+    }
+
+    /// The magnitude of a number of four bytes.
+    fn magnitude_of(self, bits: u32) -> f64 {
+        match self {
+            NumberKind::I32 => f64::from(bits.cast_signed().unsigned_abs()),
+            NumberKind::F32 => f64::from(f32::from_bits(bits)).abs(),
+            NumberKind::IbmF32 => {
+                let power = 4 * (((bits >> 24) & 0x7F) as i16 - 64) - 24;
+                f64::from(bits & 0xFF_FFFF) * power_of_two(power)
+            }
+            _ => f64::from(bits),
+        }
+    }
+}
+
+/// 2^`exponent`, of which no sample needs one beyond 1000.
+fn power_of_two(exponent: i16) -> f64 {
+    f64::from_bits(u64::from((i16::clamp(exponent, -1000, 1000) + 1023).cast_unsigned()) << 52)
 }
 
 /// Bits after the point of the levels of an [`Encoding`].
@@ -67,6 +136,7 @@ impl Encoding {
             Encoding::U8 => 1,
             Encoding::U16 { .. } | Encoding::ScaledU16 { .. } => 2,
             Encoding::ScaledComplex { .. } => 4,
+            Encoding::Number { kind, .. } => kind.width(),
         }
     }
 }
@@ -165,6 +235,8 @@ impl<'a> Samples<'a> {
             }
             // The conversion keeps to 0..=255.
             Encoding::ScaledComplex { step } => self.magnitude(stored, step) as u8,
+            // The same; of what is no number it makes 0.
+            Encoding::Number { kind, exponent } => self.number(stored, kind, exponent) as u8,
         }
     }
 
@@ -180,6 +252,9 @@ impl<'a> Samples<'a> {
                 level.clamp(0, 0xFFFF) as u16
             }
             Encoding::ScaledComplex { step } => (self.magnitude(stored, step) * 256.0) as u16,
+            Encoding::Number { kind, exponent } => {
+                (self.number(stored, kind, exponent) * 256.0) as u16
+            }
         }
     }
 
@@ -200,6 +275,13 @@ impl<'a> Samples<'a> {
         let part = |at| f32::from(self.pair(at).cast_signed());
         let magnitude = part(4 * stored).hypot(part(4 * stored + 2));
         magnitude * step as f32 / (1 << LEVEL_BITS) as f32
+    }
+
+    /// The level of [`Encoding::Number`].
+    fn number(&self, stored: usize, kind: NumberKind, exponent: i16) -> f64 {
+        let width = kind.width();
+        let stored = &self.stored[width * stored..width * (stored + 1)];
+        kind.magnitude(stored) * power_of_two(exponent)
     }
 
     /// Two stored bytes as a number.
@@ -230,5 +312,46 @@ impl<'a> Samples<'a> {
             }
             None => out.extend((start..end).map(|index| self.get(index))),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn levels(kind: NumberKind, exponent: i16, stored: &[u8]) -> Vec<u8> {
+        let span = SideSpan {
+            encoding: Encoding::Number { kind, exponent },
+            ..SideSpan::of_bytes((stored.len() / kind.width()) as u32, [0.0, 1.0])
+        };
+        let mut levels = Vec::new();
+        let samples = Samples::new(stored, &span).expect("samples");
+        samples.copy_outward(&mut levels);
+        levels
+    }
+
+    #[test]
+    fn the_magnitude_of_any_number_is_a_level() {
+        assert_eq!(levels(NumberKind::I8, 0, &[1, 255, 128]), [1, 1, 128]);
+        let pairs = [-300_i16, i16::MIN, 7, 0].map(i16::to_le_bytes).concat();
+        assert_eq!(levels(NumberKind::I16, -2, &pairs), [75, 255, 1, 0]);
+        let words = [3_u32 << 24, u32::MAX, 0, 1].map(u32::to_le_bytes).concat();
+        assert_eq!(levels(NumberKind::U32, -24, &words), [3, 255, 0, 0]);
+        assert_eq!(levels(NumberKind::I32, -24, &words), [3, 0, 0, 0]);
+        let floats = [0.5_f32, -0.25, f32::NAN, f32::INFINITY, -1e30, 0.0];
+        let floats = floats.map(f32::to_le_bytes).concat();
+        assert_eq!(
+            levels(NumberKind::F32, 8, &floats),
+            [128, 64, 0, 255, 255, 0]
+        );
+        assert_eq!(
+            levels(NumberKind::F32, i16::MIN, &floats),
+            [0, 0, 0, 255, 0, 0]
+        );
+        assert_eq!(levels(NumberKind::F32, i16::MAX, &floats)[..2], [255, 255]);
+        // 118.625 is 0x76A000 * 16^2 / 2^24, as IBM's own example of the format has it.
+        let floats = [0xC276_A000_u32, 0x4276_A000, 0x7FFF_FFFF, 0];
+        let floats = floats.map(u32::to_le_bytes).concat();
+        assert_eq!(levels(NumberKind::IbmF32, 0, &floats), [118, 118, 255, 0]);
     }
 }

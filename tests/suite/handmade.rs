@@ -203,20 +203,36 @@ pub(super) fn xtf(
     origin: (f64, f64),
     altitude_m: f32,
 ) -> Vec<u8> {
+    let mut file = xtf_header(&[0.0; 2], width, units);
+    for ping in 0..pings {
+        file.extend(xtf_ping(ping, 2, width, origin, altitude_m));
+    }
+    file
+}
+
+/// An XTF file of two frequencies: 100 kHz to 25 m, and 400 kHz to 12.5 m.
+pub(super) fn xtf_of_two_frequencies(pings: usize) -> Vec<u8> {
+    let mut file = xtf_header(&[100.0, 100.0, 400.0, 400.0], 1, 3);
+    for ping in 0..pings {
+        file.extend(xtf_ping(ping, 4, 1, (-73.6, 42.7), 5.0));
+    }
+    file
+}
+
+fn xtf_header(frequencies_khz: &[f32], width: usize, units: u16) -> Vec<u8> {
     let mut file = vec![0_u8; 1024];
     file[0] = 0x7B;
     put(&mut file, 164, &units.to_le_bytes());
-    put(&mut file, 166, &2_u16.to_le_bytes());
-    for (index, kind) in [(0, 1_u8), (1, 2)] {
-        put(&mut file, 256 + 128 * index, &[kind, index as u8]);
-        put(
-            &mut file,
-            256 + 128 * index + 6,
-            &(width as u16).to_le_bytes(),
-        );
-    }
-    for ping in 0..pings {
-        file.extend(xtf_ping(ping, width, origin, altitude_m));
+    put(
+        &mut file,
+        166,
+        &(frequencies_khz.len() as u16).to_le_bytes(),
+    );
+    for (index, khz) in frequencies_khz.iter().enumerate() {
+        let at = 256 + 128 * index;
+        put(&mut file, at, &[1 + (index % 2) as u8, index as u8]);
+        put(&mut file, at + 6, &(width as u16).to_le_bytes());
+        put(&mut file, at + 32, &khz.to_le_bytes());
     }
     file
 }
@@ -247,12 +263,18 @@ pub(super) fn xtf_bathymetry(pings: usize) -> Vec<u8> {
     file
 }
 
-fn xtf_ping(ping: usize, width: usize, origin: (f64, f64), altitude_m: f32) -> Vec<u8> {
+fn xtf_ping(
+    ping: usize,
+    channels: u16,
+    width: usize,
+    origin: (f64, f64),
+    altitude_m: f32,
+) -> Vec<u8> {
     const SAMPLES: usize = 200;
     let mut bytes = vec![0_u8; 256];
-    let size = 256 + 2 * (64 + SAMPLES * width);
+    let size = 256 + usize::from(channels) * (64 + SAMPLES * width);
     put(&mut bytes, 0, &0xFACE_u16.to_le_bytes());
-    put(&mut bytes, 4, &2_u16.to_le_bytes());
+    put(&mut bytes, 4, &channels.to_le_bytes());
     put(&mut bytes, 10, &(size as u32).to_le_bytes());
     put(&mut bytes, 14, &2020_u16.to_le_bytes());
     let hundredths = ping * 10;
@@ -277,10 +299,11 @@ fn xtf_ping(ping: usize, width: usize, origin: (f64, f64), altitude_m: f32) -> V
     put(&mut bytes, 168, &origin.0.to_le_bytes());
     put(&mut bytes, 196, &altitude_m.to_le_bytes());
     put(&mut bytes, 212, &90.0_f32.to_le_bytes());
-    for channel in 0..2_u16 {
+    for channel in 0..channels {
         let mut header = [0_u8; 64];
         put(&mut header, 0, &channel.to_le_bytes());
-        put(&mut header, 4, &25.0_f32.to_le_bytes());
+        let range_m: f32 = if channel < 2 { 25.0 } else { 12.5 };
+        put(&mut header, 4, &range_m.to_le_bytes());
         put(&mut header, 42, &(SAMPLES as u32).to_le_bytes());
         bytes.extend_from_slice(&header);
         for sample in 0..SAMPLES {

@@ -12,7 +12,8 @@ use super::settings::SettingsArgs;
 use super::status_line::StatusLine;
 use crate::bottom::bathymetry::compare::{Comparison, Match, Matching, match_points};
 use crate::cli::Failure;
-use crate::formats::points::{Elevations, is_named_as_elevations, read_elevations, split_columns};
+use crate::formats::points::{Elevations, split_columns};
+use crate::formats::{is_named_as_points, multibeam_of, read_points};
 use crate::products::export::{ExportError, is_same_file, write_atomically};
 use crate::support::progress::Progress;
 use plane::into_one_plane;
@@ -25,8 +26,8 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 pub(super) struct CompareArgs {
     /// The measured points: xyz, csv, txt, ply, las, laz, the cells of a GeoTIFF or the points of a GeoJSON; FILE.csv:x,y,z names
-    /// its columns, a `-` before the third says that it is a depth, positive down. Or a log, whose kept points are taken, or a folder of
-    /// logs or a project, whose logs are taken together
+    /// its columns, a `-` before the third says that it is a depth, positive down; FILE.xtf:multibeam takes the depths of a multibeam sonar
+    /// in the file. Or a log, whose kept points are taken, or a folder of logs or a project, whose logs are taken together
     measured: OsString,
     /// The reference, named likewise; it may be other columns of the same file, or logs of another mission over the same water
     reference: OsString,
@@ -109,7 +110,7 @@ pub(super) fn run(args: CompareArgs) -> Result<(), Failure> {
         return change::run(&args, folder);
     }
     refuse_overwrite_of_inputs(&args)?;
-    match is_named_as_elevations(&args.measured) {
+    match is_named_as_points(&args.measured) {
         true => points(&args),
         false => logs::run(&args),
     }
@@ -120,7 +121,8 @@ fn refuse_overwrite_of_inputs(args: &CompareArgs) -> Result<(), Failure> {
     let inputs = [&args.measured, &args.reference];
     let output = args.output.as_deref();
     let is_input = |path: &&Path| {
-        let paths = inputs.map(|input| split_columns(input).0);
+        let file = |input| multibeam_of(input).unwrap_or_else(|| split_columns(input).0);
+        let paths = inputs.map(|input| file(input));
         paths.iter().any(|input| is_same_file(input, path))
     };
     match output.filter(is_input) {
@@ -136,7 +138,7 @@ fn refuse_overwrite_of_inputs(args: &CompareArgs) -> Result<(), Failure> {
 /// Compares a file of points.
 fn points(args: &CompareArgs) -> Result<(), Failure> {
     let mut measured = read(&args.measured)?;
-    let mut reference = match is_named_as_elevations(&args.reference) {
+    let mut reference = match is_named_as_points(&args.reference) {
         true => read(&args.reference)?,
         false => logs::elevations(&args.reference, &args.settings)?,
     };
@@ -170,7 +172,7 @@ fn points(args: &CompareArgs) -> Result<(), Failure> {
 }
 
 fn read(argument: &OsStr) -> Result<Elevations, Failure> {
-    let file = read_elevations(argument)?;
+    let file = read_points(argument, &Progress::new())?;
     let shown = file.path.display();
     if let Some(note) = &file.note {
         output::notify(format_args!("warning: {note}: {shown}"));

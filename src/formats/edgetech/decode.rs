@@ -65,7 +65,7 @@ impl<'a> Reader<'a> {
             places: PositionConverter {
                 origin_m: projected.map(|projected| projected.origin_m),
             },
-            pairs: span.map_or_else(Pairs::default, |span| Pairs::like(bytes, &span)),
+            pairs: known.map_or_else(Pairs::default, |known| Pairs::like(bytes, known)),
             sensors: Sensors::new(span.and_then(|span| sound_of(bytes, &span)), bytes.len()),
             last_depth_s: None,
             assumed_sound: 0,

@@ -1,8 +1,8 @@
 //! The port and the starboard channel that are shown, of as many subsystems as the sonar has, and the scale of their samples.
 
 use super::trace::Trace;
-use crate::formats::collected::{Collected, HalfPing};
-use crate::survey::{Encoding, LEVEL_BITS, SampleOrder, Samples, Side, SideSpan};
+use crate::formats::collected::{Collected, CollectedPair, HalfPing};
+use crate::survey::{Encoding, LEVEL_BITS, SampleOrder, Samples, Side, SideSpan, Survey};
 use std::collections::BTreeMap;
 
 /// A subsystem is only preferred to one of a higher frequency where that has less than this share of its pings.
@@ -39,11 +39,11 @@ struct Subsystem {
 pub(super) struct Pairs {
     halves: Vec<Half>,
     subsystems: BTreeMap<u8, Subsystem>,
-    /// What was chosen for the log, where its tail is read.
-    known: Option<Chosen>,
+    /// What was chosen for the log, where its tail is read; the subsystem that is shown first.
+    known: Vec<Chosen>,
 }
 
-/// The subsystem that is shown, and how many bits of a sample of weight 0 are dropped.
+/// A subsystem, and how many bits of a sample of weight 0 are dropped.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Chosen {
     subsystem: u8,
@@ -51,16 +51,19 @@ struct Chosen {
 }
 
 impl Pairs {
-    /// Goes on with what was chosen for a log, of which `span` is a side of a ping.
-    pub(super) fn like(bytes: &[u8], span: &SideSpan) -> Self {
-        let known = Trace::of_span(bytes, span).map(|trace| Chosen {
-            subsystem: trace.subsystem,
-            dropped_bits: step(span.encoding)
-                .filter(|step| *step > 0)
-                .map(|step| LEVEL_BITS as i32 - step.ilog2() as i32 - i32::from(trace.weight)),
-        });
+    /// Goes on with what was chosen for a log.
+    pub(super) fn like(bytes: &[u8], log: &Survey) -> Self {
+        let chosen = |span: SideSpan| {
+            let trace = Trace::of_span(bytes, &span)?;
+            let step = step(span.encoding).filter(|step| *step > 0);
+            let dropped = |step: u32| LEVEL_BITS as i32 - step.ilog2() as i32;
+            Some(Chosen {
+                subsystem: trace.subsystem,
+                dropped_bits: step.map(|step| dropped(step) - i32::from(trace.weight)),
+            })
+        };
         Self {
-            known,
+            known: log.last_spans().filter_map(chosen).collect(),
             ..Self::default()
         }
     }
@@ -73,34 +76,36 @@ impl Pairs {
         self.halves.push(half);
     }
 
-    /// Hands over the sides of one subsystem on one scale, and says what is not shown.
+    /// Hands over the sides of each subsystem on one scale, that which is shown first.
     pub(super) fn finish(self, bytes: &[u8], log: &mut Collected) {
-        let chosen = self.known.map(|known| known.subsystem);
-        let Some(chosen) = chosen.or_else(|| choose(&self.subsystems)) else {
+        let shown = self.known.first().map(|known| known.subsystem);
+        let Some(shown) = shown.or_else(|| choose(&self.subsystems)) else {
             return;
         };
-        let others = self.subsystems.iter().filter(|(one, _)| **one != chosen);
-        let names: Vec<String> = others.clone().map(|(one, _)| name(*one)).collect();
-        if !names.is_empty() {
-            let pings: usize = others.map(|(_, subsystem)| subsystem.pings).sum();
-            log.report.log(format!(
-                "{} is shown; {pings} traces of {} are counted but not shown",
-                name(chosen),
-                names.join(", ")
-            ));
-        }
-        let mut halves = self.halves;
-        halves.retain(|half| half.subsystem == chosen);
-        let known = self.known.and_then(|known| known.dropped_bits);
-        let dropped_bits = known.unwrap_or_else(|| bits_to_drop(bytes, &halves));
-        for half in halves {
-            let shift = dropped_bits + i32::from(half.weight);
-            let mut ping = half.half;
-            set_step(&mut ping.span.encoding, step_of_shift(shift));
-            match half.side {
-                Side::Port => log.port.push(ping),
-                Side::Starboard => log.starboard.push(ping),
+        let others = self.subsystems.keys().copied().filter(|one| *one != shown);
+        for subsystem in std::iter::once(shown).chain(others) {
+            let halves = self.halves.iter().copied();
+            let halves: Vec<Half> = halves.filter(|half| half.subsystem == subsystem).collect();
+            let known = self.known.iter().find(|known| known.subsystem == subsystem);
+            let dropped_bits = known.and_then(|known| known.dropped_bits);
+            let dropped_bits = dropped_bits.unwrap_or_else(|| bits_to_drop(bytes, &halves));
+            let seen = self.subsystems.get(&subsystem);
+            let mut pair = CollectedPair {
+                name: name(subsystem),
+                frequency_khz: seen.map(|seen| seen.frequency_khz).filter(|khz| *khz > 0.0),
+                port: Vec::new(),
+                starboard: Vec::new(),
+            };
+            for half in halves {
+                let shift = dropped_bits + i32::from(half.weight);
+                let mut ping = half.half;
+                set_step(&mut ping.span.encoding, step_of_shift(shift));
+                match half.side {
+                    Side::Port => pair.port.push(ping),
+                    Side::Starboard => pair.starboard.push(ping),
+                }
             }
+            log.pairs.push(pair);
         }
     }
 }
@@ -192,14 +197,14 @@ fn step_of_shift(shift: i32) -> u32 {
 fn step(encoding: Encoding) -> Option<u32> {
     match encoding {
         Encoding::ScaledU16 { step, .. } | Encoding::ScaledComplex { step } => Some(step),
-        Encoding::U8 | Encoding::U16 { .. } => None,
+        _ => None,
     }
 }
 
 fn set_step(encoding: &mut Encoding, to: u32) {
     match encoding {
         Encoding::ScaledU16 { step, .. } | Encoding::ScaledComplex { step } => *step = to,
-        Encoding::U8 | Encoding::U16 { .. } => {}
+        _ => {}
     }
 }
 

@@ -109,7 +109,7 @@ fn one_pair_of_several_subsystems_is_shown_and_the_others_are_named() {
     assert_eq!(survey.side_scan.len(), 40);
     assert!(says(
         &survey,
-        "high frequency (subsystem 21) is shown; 80 traces of low frequency (subsystem 20) are counted but not shown"
+        "high frequency (subsystem 21) is shown; set source.frequency_khz to show"
     ));
     let khz: Vec<_> = survey
         .channels

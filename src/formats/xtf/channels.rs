@@ -1,7 +1,7 @@
 //! What the channels of an XTF file are, and how their samples are stored.
 
 use super::raw::{ChannelInfo, FileHeader, record};
-use crate::survey::{ChannelKind, Encoding, SampleOrder, Samples, SideSpan};
+use crate::survey::{ChannelKind, Encoding, NumberKind, SampleOrder};
 
 /// A channel that pings can refer to by its index.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,6 +14,14 @@ pub(super) struct XtfChannel {
     pub(super) frequency_khz: Option<f32>,
     /// Bytes a sample; `None` when the file does not say.
     pub(super) width: Option<usize>,
+    /// Number of the format of samples; 0 where only their bytes are stated.
+    pub(super) format: u8,
+    /// Whether samples may have a sign.
+    pub(super) is_polar: bool,
+    /// Samples of the pings that do not state how many they have.
+    pub(super) samples: u32,
+    /// The transducer forward and to starboard of the ship's reference point, metres.
+    pub(super) offset_m: [f32; 2],
     /// Whether the water column was taken out.
     pub(super) ground_range: bool,
 }
@@ -47,8 +55,12 @@ fn listed(index: u16, info: &ChannelInfo) -> XtfChannel {
             _ => ChannelKind::Other(index),
         },
         name: text(&info.name).unwrap_or_else(|| index.to_string()),
-        frequency_khz: Some(info.frequency_khz).filter(|khz| *khz >= 1.0 && *khz < 10_000.0),
+        frequency_khz: khz(info.frequency_khz),
         width: Some(usize::from(info.bytes_per_sample)).filter(|width| (1..=8).contains(width)),
+        format: info.sample_format,
+        is_polar: info.unipolar == 0,
+        samples: info.reserved,
+        offset_m: [info.offset_y_m, info.offset_x_m],
         ground_range: info.correction == 2,
     }
 }
@@ -64,16 +76,36 @@ pub(super) fn guess(index: u16) -> XtfChannel {
         name: index.to_string(),
         frequency_khz: None,
         width: None,
+        format: 0,
+        is_polar: false,
+        samples: 0,
+        offset_m: [0.0; 2],
         ground_range: false,
     }
 }
 
-/// How samples of `width` bytes are stored; `None` for widths that are no side-scan picture here.
-pub(super) fn encoding(width: usize) -> Option<Encoding> {
-    match width {
-        1 => Some(Encoding::U8),
-        2 => Some(Encoding::U16 { shift: 0 }),
-        _ => None,
+/// A frequency in kHz, of one that some recorders write in Hz; `None` where there is none.
+fn khz(stated: f32) -> Option<f32> {
+    let khz = if stated < 10_000.0 {
+        stated
+    } else {
+        stated / 1000.0
+    };
+    Some(khz).filter(|khz| (1.0..10_000.0).contains(khz))
+}
+
+impl XtfChannel {
+    /// How samples of `width` bytes are stored, on a scale that is not set yet; `None` for samples that are not read.
+    pub(super) fn encoding(&self, width: usize) -> Option<Encoding> {
+        let kind = match (width, self.format) {
+            (1, _) => NumberKind::U8,
+            (2, _) => NumberKind::U16,
+            (4, 1) => NumberKind::IbmF32,
+            (4, 5) => NumberKind::F32,
+            (4, _) => NumberKind::U32,
+            _ => return None,
+        };
+        Some(Encoding::Number { kind, exponent: 0 })
     }
 }
 
@@ -86,42 +118,6 @@ pub(super) fn order(kind: ChannelKind) -> SampleOrder {
     }
 }
 
-/// Pings looked at to find how many bits of a 16-bit sample are in use.
-const PINGS_LOOKED_AT: usize = 200;
-/// Share of the samples that may be clipped by dropping low bits as if there were no more.
-const CLIPPED_SHARE: f64 = 0.001;
-
-/// How many low bits of 16-bit samples to drop so that nearly all fit a byte.
-pub(in crate::formats) fn shift_to_fit(bytes: &[u8], spans: &[&SideSpan]) -> u8 {
-    let mut histogram = [0_u64; 17];
-    for span in spans.iter().step_by(spans.len() / PINGS_LOOKED_AT + 1) {
-        let wide = SideSpan {
-            count: span.count * 2,
-            encoding: Encoding::U8,
-            order: SampleOrder::NearToFar,
-            ..**span
-        };
-        let Some((stored, _)) = Samples::new(bytes, &wide).and_then(|samples| samples.stored_u8())
-        else {
-            continue;
-        };
-        for pair in stored.chunks_exact(2) {
-            let bits = 16 - u16::from_le_bytes([pair[0], pair[1]]).leading_zeros();
-            histogram[bits as usize] += 1;
-        }
-    }
-    let total: u64 = histogram.iter().sum();
-    let mut beyond = 0;
-    for bits in (9..=16).rev() {
-        beyond += histogram[bits];
-        if beyond as f64 > CLIPPED_SHARE * total as f64 {
-            return (bits - 8) as u8;
-        }
-    }
-    0
-}
-
-/// A zero-padded name; `None` when it is empty.
 /// A name that is padded with zeros; `None` where it is empty.
 pub(super) fn text(padded: &[u8]) -> Option<String> {
     let end = padded

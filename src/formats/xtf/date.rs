@@ -1,6 +1,6 @@
 //! The date and time of a ping.
 
-use super::raw::PingHeader;
+use super::raw::{PacketTime, PingHeader};
 use crate::support::calendar::moment;
 use chrono::{Datelike as _, NaiveDate};
 
@@ -23,16 +23,41 @@ fn year_meant(recorded: u16) -> i32 {
     }
 }
 
-/// Thousandths of Unix seconds of a ping's date and time; of one without a date that exists, those of its time of day. The time of day is
-/// in hundredths; where the time for attitude packets is the same moment of the day, it has the thousandths too.
-pub(super) fn unix_ms(ping: &PingHeader) -> i64 {
-    let date = NaiveDate::from_ymd_opt(year_meant(ping.year), ping.month.into(), ping.day.into());
+/// Unix seconds of a date and time; of one without a date that exists, those of its time of day.
+pub(super) fn seconds(time: PacketTime) -> i64 {
+    let date = NaiveDate::from_ymd_opt(year_meant(time.year), time.month.into(), time.day.into());
     let days = date.map_or(0, |date| i64::from(date.to_epoch_days()));
-    let minutes = i64::from(ping.hour) * 60 + i64::from(ping.minute);
-    let day_ms = (minutes * 60 + i64::from(ping.second)) * 1000 + i64::from(ping.hundredths) * 10;
-    let attitude_ms = i64::from(ping.attitude_time_ms);
+    let minutes = i64::from(time.hour) * 60 + i64::from(time.minute);
+    days * 86_400 + minutes * 60 + i64::from(time.second)
+}
+
+/// Thousandths of Unix seconds of a ping's date and time, as [`seconds`] has them. The time of day is in hundredths; where the time for
+/// attitude packets is the same moment of the day, it has the thousandths too.
+pub(super) fn unix_ms(ping: &PingHeader) -> i64 {
+    let &PingHeader {
+        year,
+        month,
+        day,
+        hour,
+        minute,
+        second,
+        hundredths,
+        attitude_time_ms,
+        ..
+    } = ping;
+    let time = PacketTime {
+        year,
+        month,
+        day,
+        hour,
+        minute,
+        second,
+    };
+    let unix_ms = seconds(time) * 1000 + i64::from(hundredths) * 10;
+    let day_ms = unix_ms.rem_euclid(86_400_000);
+    let attitude_ms = i64::from(attitude_time_ms);
     let is_same = attitude_ms / 10 == day_ms / 10;
-    days * 86_400_000 + if is_same { attitude_ms } else { day_ms }
+    unix_ms + if is_same { attitude_ms - day_ms } else { 0 }
 }
 
 #[cfg(test)]

@@ -4,40 +4,53 @@ use super::channels::{self, XtfChannel};
 use super::date;
 use super::from_log::Provenance;
 use super::packets::Packets;
-use super::place::PositionConverter;
+use super::positions::Positions;
 use super::raw::{FileHeader, PingChannel, PingHeader, record};
 use super::sides::{Recorded, SideChannels};
 use super::walk;
 use crate::formats::clock::{Clock, ClockVerdict};
 use crate::formats::collected::{Collected, Counted};
 use crate::formats::report::WarningKind;
-use crate::survey::{ChannelKind, ProjectedTrack, RangeSource};
+use crate::survey::{ChannelKind, RangeSource, Survey};
 use std::borrow::Cow;
+use std::ops::Range;
 
 /// Packet type of a side-scan ping.
 const PING: u8 = 0;
+/// Types of sonars whose samples count 2^-weight: EdgeTech's, and the synthetic aperture sonar of Kongsberg.
+const WEIGHTED: [u16; 4] = [24, 35, 38, 48];
+/// Speed of sound where the file states none, metres a second.
+const SOUND_MPS: f32 = 1500.0;
+/// Speeds of sound that water has, metres a second.
+const SOUNDS_MPS: Range<f32> = 1300.0..1700.0;
 
 /// Decodes pings.
 pub(super) struct Reader<'a> {
     bytes: &'a [u8],
     channels: Vec<XtfChannel>,
-    places: PositionConverter,
+    positions: Positions,
     sides: SideChannels,
     clock: Clock<(usize, PingHeader)>,
     /// Time of the first sound ping: the log's time zero.
     zero_ms: Option<i64>,
     others: Packets,
     range_source: RangeSource,
+    /// Those of them that nothing is read of.
+    skipped: Packets,
+    /// Channels of pings whose range was computed with [`SOUND_MPS`].
+    assumed_sound: usize,
 }
 
 impl<'a> Reader<'a> {
-    /// A reader of this file.
-    pub(super) fn new(bytes: &'a [u8], header: Option<FileHeader>) -> Self {
+    /// A reader of this file; of a log that is known, where its tail is read.
+    pub(super) fn new(bytes: &'a [u8], header: Option<FileHeader>, known: Option<&Survey>) -> Self {
+        let projected = known.and_then(|known| known.track.projected.as_ref());
+        let is_weighted = header.is_some_and(|header| WEIGHTED.contains(&{ header.sonar_type }));
         Self {
             bytes,
             channels: channels::list(bytes, header),
-            places: PositionConverter::new(header.as_ref()),
-            sides: SideChannels::default(),
+            positions: Positions::new(header, projected.map(|projected| projected.origin_m)),
+            sides: SideChannels::new(is_weighted),
             clock: Clock::default(),
             zero_ms: None,
             others: Packets::default(),
@@ -47,6 +60,8 @@ impl<'a> Reader<'a> {
                 true => RangeSource::FishFinder,
                 false => RangeSource::SurveyRecorder,
             },
+            skipped: Packets::default(),
+            assumed_sound: 0,
         }
     }
 
@@ -59,7 +74,11 @@ impl<'a> Reader<'a> {
             .then(|| record::<PingHeader>(self.bytes, offset))
             .flatten();
         let Some(ping) = ping else {
+            let set_back_s = self.clock.set_back_s();
             self.others.count(packet.kind);
+            if !self.positions.take(self.bytes, offset, &packet, set_back_s) {
+                self.skipped.count(packet.kind);
+            }
             return;
         };
         let time_s = date::unix_ms(&ping) as f64 / 1000.0;
@@ -74,7 +93,10 @@ impl<'a> Reader<'a> {
             bytes,
             clock: Clock::default(),
             others: Packets::default(),
+            skipped: Packets::default(),
+            positions: self.positions.after_head(),
             sides: self.sides.after_head(),
+            assumed_sound: 0,
             ..self
         }
     }
@@ -87,23 +109,30 @@ impl<'a> Reader<'a> {
         self.zero_ms.is_some()
     }
 
-    /// Takes the pings that still wait for a verdict and says what was left out.
-    pub(super) fn finish(&mut self, log: &mut Collected) {
+    /// Takes the pings that still wait for a verdict and says what was left out. The tail of a log that is `known` gets its scales.
+    pub(super) fn finish(&mut self, log: &mut Collected, known: Option<&Survey>) {
         while let Some(verdict) = self.clock.next() {
             self.settle(log, verdict);
         }
-        self.sides.finish(self.bytes, log);
+        self.sides.finish(self.bytes, log, known);
+        self.positions
+            .finish(log, self.zero_ms.unwrap_or(0) as f64 / 1000.0);
         log.start_unix_s = self.zero_ms.and_then(date::unix_s);
         log.range_source = self.range_source;
         log.report.set_back(self.clock.set_back_s());
-        log.projected = self.places.origin_m().map(ProjectedTrack::new);
         if self.channels.iter().any(|channel| channel.ground_range) {
             log.report.log("the water column was taken out of this file (ground-range correction): there is no first return in it");
         }
-        let count = self.others.total();
-        if count > 0 {
+        if self.assumed_sound > 0 {
             log.report.log(format!(
-                "{count} packets that are no side-scan pings were skipped"
+                "{} channels of pings state neither a range nor a speed of sound; their ranges are for {SOUND_MPS} m/s",
+                self.assumed_sound
+            ));
+        }
+        if self.skipped.total() > 0 {
+            log.report.log(format!(
+                "{} that are no side-scan pings were skipped",
+                self.skipped.summary()
             ));
         }
     }
@@ -130,16 +159,18 @@ impl<'a> Reader<'a> {
         let now_ms = (unix_s * 1000.0).round() as i64;
         let time_s = (now_ms - *self.zero_ms.get_or_insert(now_ms)) as f64 / 1000.0;
         log.add_depth(ChannelKind::Primary, time_s, ping.sensor_altitude_m);
-        if let Some(fix) = self.places.fix(ping, time_s) {
-            log.add_fix(fix);
-        }
+        self.positions.add(log, ping, time_s, self.transducer_m());
         let end = offset + ping.packet.size as usize;
         let mut at = offset + size_of::<PingHeader>();
         for _ in 0..ping.packet.channels {
             let first = at + size_of::<PingChannel>();
             let header = record::<PingChannel>(self.bytes, at).filter(|_| first <= end);
-            let Some(header) = header else { break };
-            let channel = self.channel(header.channel);
+            let Some(mut header) = header else { break };
+            self.learn_frequency(&header);
+            let channel = channel(&self.channels, header.channel);
+            if header.samples == 0 {
+                header.samples = channel.samples;
+            }
             let room = || inferred_width(ping, header.samples);
             let width = channel.width.unwrap_or_else(room);
             let stored = (header.samples as usize).saturating_mul(width);
@@ -152,23 +183,68 @@ impl<'a> Reader<'a> {
                 log.report.at(WarningKind::Frame, 0, at, text);
                 break;
             }
+            let (range_m, is_assumed) = range_m(ping, &header);
             let recorded = Recorded {
                 header,
-                kind: channel.kind,
                 width,
                 first,
                 time_s,
+                range_m,
             };
             count(log, &channel, &recorded, end);
-            self.sides.keep(log, &recorded);
+            self.sides.keep(log, &channel, &recorded);
+            self.assumed_sound += usize::from(is_assumed);
             at = first + stored;
         }
     }
 
-    fn channel(&self, index: u16) -> Cow<'_, XtfChannel> {
-        let listed = self.channels.get(usize::from(index));
-        listed.map_or_else(|| Cow::Owned(channels::guess(index)), Cow::Borrowed)
+    /// Takes the frequency of a channel from a ping, where the file header states none.
+    fn learn_frequency(&mut self, header: &PingChannel) {
+        let listed = self.channels.get_mut(usize::from(header.channel));
+        if let Some(channel) = listed.filter(|channel| channel.frequency_khz.is_none()) {
+            let stated = f32::from(header.frequency_khz);
+            channel.frequency_khz = Some(stated).filter(|khz| *khz > 0.0);
+        }
     }
+
+    /// Where the side-scan is from the ship's reference point, forward and to starboard, metres.
+    fn transducer_m(&self) -> [f32; 2] {
+        let is_side = |channel: &&XtfChannel| {
+            matches!(channel.kind, ChannelKind::Port | ChannelKind::Starboard)
+        };
+        let side = self.channels.iter().find(is_side);
+        side.map_or([0.0; 2], |channel| channel.offset_m)
+    }
+}
+
+/// What a channel is: as the file header has it, or a guess.
+fn channel(channels: &[XtfChannel], index: u16) -> Cow<'_, XtfChannel> {
+    let listed = channels.get(usize::from(index));
+    listed.map_or_else(|| Cow::Owned(channels::guess(index)), Cow::Borrowed)
+}
+
+/// Slant range of the first and of the last sample of a channel, metres, and whether a speed of sound was assumed for it.
+fn range_m(ping: &PingHeader, header: &PingChannel) -> ([f32; 2], bool) {
+    let [slant_m, ground_m] = [header.slant_range_m, header.ground_range_m];
+    if slant_m > 0.0 {
+        return ([0.0, slant_m], false);
+    }
+    let [delay_s, duration_s] = [header.time_delay_s, header.time_duration_s];
+    let has_duration = duration_s > 0.0;
+    if !has_duration && ground_m > 0.0 {
+        return ([0.0, ground_m], false);
+    }
+    // Isis writes half of the speed, that for there and back.
+    let speeds_mps = [
+        2.0 * ping.sound_velocity_mps,
+        ping.sound_velocity_mps,
+        ping.computed_sound_velocity_mps,
+    ];
+    let stated = speeds_mps.into_iter().find(|mps| SOUNDS_MPS.contains(mps));
+    let half_mps = stated.unwrap_or(SOUND_MPS) / 2.0;
+    let delay_s = if delay_s > 0.0 { delay_s } else { 0.0 };
+    let range_m = [delay_s, delay_s + duration_s].map(|time_s| time_s * half_mps);
+    (range_m, stated.is_none())
 }
 
 fn count(log: &mut Collected, channel: &XtfChannel, recorded: &Recorded, end: usize) {
@@ -181,7 +257,7 @@ fn count(log: &mut Collected, channel: &XtfChannel, recorded: &Recorded, end: us
         record: (0, end),
         time_s: recorded.time_s,
         samples: recorded.header.samples as usize,
-        range_m: Some((0.0, recorded.far_m())),
+        range_m: Some(recorded.range_m.into()),
     };
     log.count(number, counted);
 }
@@ -191,5 +267,9 @@ fn inferred_width(ping: &PingHeader, samples: u32) -> usize {
     let channels = usize::from(ping.packet.channels).max(1);
     let headers = size_of::<PingHeader>() + channels * size_of::<PingChannel>();
     let room = (ping.packet.size as usize).saturating_sub(headers) / channels;
-    if room >= 2 * samples as usize { 2 } else { 1 }
+    match room / (samples as usize).max(1) {
+        0 | 1 => 1,
+        2 | 3 => 2,
+        _ => 4,
+    }
 }

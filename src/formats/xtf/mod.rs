@@ -2,15 +2,38 @@
 //!
 //! In: the bytes of a recording. Out: a collected log.
 //! It uses `survey` and `support`.
+//!
+//! A file header of 1024 bytes or a multiple of that lists the channels; a row of packets follows, which `raw` describes. A packet of type 0
+//! is a ping: its header, then for each channel a header and samples. Samples have 1, 2 or 4 bytes and may be floating point; `levels`
+//! finds one scale for all of them. A header says that samples are polar more often than they are, so that the samples themselves decide
+//! whether they have a sign. Formats 1, 2, 3, 5 and 8 of samples came with revision 41; before, only the bytes of a sample are stated. Weights
+//! scale the samples of EdgeTech's sonars and of Kongsberg's synthetic aperture sonar, for which the specification has them as mandatory; gain
+//! codes scale nothing.
+//!
+//! A ping states where the sonar and where the ship is. Isis, the program that the format comes from, writes both alike while it knows a
+//! layback, and moves the position back along the heading of the sonar when it is used; other programs write the sonar's own. `positions`
+//! tells them apart by their distance. Packets 42 and 107 are positions, 23 and 84 headings, 3 attitude with a heading.
+//!
+//! `multibeam` reads the depths of a multibeam sonar in the same file, to compare with.
+//!
+//! Sources: Triton's "eXtended Triton Format" as its revisions 14 to 42, its header file `xtf.h` of 1998 and public readers cite it: `pyxtf`
+//! 1.5, `libxtf`, `stdlibXtf`, MB-System (`mbf_xtfr8101.h`). Not done as `pyxtf` does: it takes all whole numbers as without a sign, and the
+//! time of packet 107 as if its ten thousandths of a second were millionths.
 
 mod channels;
 mod date;
 mod decode;
 mod from_log;
+mod levels;
+mod multibeam;
+mod navigation;
 mod packets;
 mod place;
+mod positions;
 pub(crate) mod raw;
 mod sides;
+#[cfg(test)]
+mod tests;
 mod walk;
 
 use super::file_source::FileSource;
@@ -20,7 +43,8 @@ use super::reading::Reading;
 use super::{OpenError, Opened, assemble, collected::Collected};
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::{Source, Survey};
-pub(super) use channels::shift_to_fit;
+pub(super) use levels::shift_to_fit;
+pub(super) use multibeam::read_multibeam;
 use raw::{FileHeader, record};
 use walk::PACKETS;
 
@@ -108,11 +132,11 @@ fn read(
     let (mut reader, start) = match reading.from(0) {
         Some(from) => {
             let start = PACKETS.next(&bytes, from, bytes.len());
-            let reader = knowing_head(&bytes, &found, from, progress)?;
+            let reader = knowing_head(&bytes, &found, (from, reading.known()), progress)?;
             (reader, start.unwrap_or(bytes.len()))
         }
         None => (
-            decode::Reader::new(&bytes, found.header),
+            decode::Reader::new(&bytes, found.header, None),
             found.first_packet,
         ),
     };
@@ -125,7 +149,7 @@ fn read(
         progress,
     }
     .run(start, |packet| reader.take(&mut log, packet.start))?;
-    reader.finish(&mut log);
+    reader.finish(&mut log, reading.known());
     if log.channels.is_empty() && reader.others().total() > 0 {
         return Err(OpenError::Unsupported {
             path,
@@ -153,13 +177,13 @@ fn read(
 fn knowing_head<'a>(
     bytes: &'a [u8],
     found: &XtfStart,
-    from: usize,
+    (from, known): (usize, Option<&Survey>),
     progress: &Progress,
 ) -> Result<decode::Reader<'a>, Cancelled> {
     let mut head = HEAD;
     loop {
         let end = from.min(found.first_packet.saturating_add(head));
-        let mut reader = decode::Reader::new(&bytes[..end], found.header);
+        let mut reader = decode::Reader::new(&bytes[..end], found.header, known);
         let mut log = Collected::new(Source::default(), Vec::new(), &Reading::default());
         MessageWalk {
             format: PACKETS,

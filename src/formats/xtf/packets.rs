@@ -49,7 +49,7 @@ fn name(kind: u8) -> Option<&'static str> {
         3 => Some("attitude"),
         6 => Some("serial"),
         20 => Some("GPS"),
-        23 => Some("gyro"),
+        23 | 84 => Some("gyro"),
         42 | 107 => Some("navigation"),
         _ => None,
     }

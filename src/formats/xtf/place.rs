@@ -1,9 +1,7 @@
-//! The position of a ping, in degrees or in metres of an unknown projection.
+//! Positions, in degrees or in metres of an unknown projection.
 
-use super::from_log::Provenance;
-use super::raw::{FileHeader, PingHeader};
-use crate::support::geo::{LonLat, MPS_PER_KNOT};
-use crate::survey::{Fix, ProjectedTrack};
+use crate::support::geo::{LonLat, distance_m};
+use crate::survey::ProjectedTrack;
 
 /// Navigation units of the file header that are degrees.
 pub(super) const DEGREES: u16 = 3;
@@ -19,13 +17,9 @@ pub(super) struct PositionConverter {
 }
 
 impl PositionConverter {
-    /// Of a file with this header; `None` when it is damaged.
-    pub(super) fn new(header: Option<&FileHeader>) -> Self {
-        Self {
-            units: header.map(|header| header.nav_units),
-            no_compass: header.is_some_and(|header| Provenance::of(header).has_track_headings),
-            origin: None,
-        }
+    /// `units` as the file header has them; `None` when the header is damaged. `origin` is that of a log whose tail is read.
+    pub(super) fn new(units: Option<u16>, origin: Option<[f64; 2]>) -> Self {
+        Self { units, origin }
     }
 
     /// Easting and northing of the place that stands at longitude 0, latitude 0, where positions were metres of a system that is not
@@ -34,41 +28,32 @@ impl PositionConverter {
         self.origin
     }
 
-    /// The sonar's fix, or the ship's where the sonar has none.
-    pub(super) fn fix(&mut self, ping: &PingHeader, time_s: f64) -> Option<Fix> {
-        let heading_deg = first_set([ping.sensor_heading_deg, ping.ship_gyro_deg]);
-        let heading_deg = heading_deg.filter(|_| !self.no_compass);
-        let speed_kn = first_set([ping.sensor_speed_kn, ping.ship_speed_kn]);
-        Some(Fix {
-            time_s,
-            position: self.position(ping)?,
-            cog_rad: f32::NAN,
-            compass_rad: heading_deg.map_or(f32::NAN, f32::to_radians),
-            speed_mps: speed_kn.map_or(f32::NAN, |kn| (f64::from(kn) * MPS_PER_KNOT) as f32),
-        })
+    /// Whether a position is in degrees: some programs write them and say metres.
+    fn is_degrees(&self, [x, y]: [f64; 2]) -> bool {
+        let fits_degrees = x.abs() <= 180.0 && y.abs() <= 90.0;
+        self.units == Some(DEGREES) || (self.origin.is_none() && fits_degrees)
     }
 
-    fn position(&mut self, ping: &PingHeader) -> Option<LonLat> {
-        let sensor = [ping.sensor_x, ping.sensor_y];
-        let ship = [ping.ship_x, ping.ship_y];
-        let is_set = |[x, y]: &[f64; 2]| x.is_finite() && y.is_finite() && *x != 0.0 && *y != 0.0;
-        let [x, y] = [sensor, ship].into_iter().find(is_set)?;
-        // Some programs write degrees and say metres.
-        let fits_degrees = x.abs() <= 180.0 && y.abs() <= 90.0;
-        if self.units == Some(DEGREES) || (self.origin.is_none() && fits_degrees) {
-            return Some(LonLat {
-                lon_deg: x,
-                lat_deg: y,
-            });
+    /// Distance between two recorded positions, metres.
+    pub(super) fn apart_m(&self, one: [f64; 2], other: [f64; 2]) -> f64 {
+        let [[x, y], [other_x, other_y]] = [one, other];
+        match self.is_degrees(one) && self.is_degrees(other) {
+            true => distance_m(LonLat::new(x, y), LonLat::new(other_x, other_y)),
+            false => (x - other_x).hypot(y - other_y),
+        }
+    }
+
+    /// The place of a recorded position.
+    pub(super) fn place(&mut self, [x, y]: [f64; 2]) -> LonLat {
+        if self.is_degrees([x, y]) {
+            return LonLat::new(x, y);
         }
         let [x0, y0] = *self.origin.get_or_insert([x, y]);
-        Some(ProjectedTrack::frame().to_lon_lat(x - x0, y - y0))
+        ProjectedTrack::frame().to_lon_lat(x - x0, y - y0)
     }
 }
 
-/// The first value that was recorded: 0 stands for none.
-fn first_set(values: [f32; 2]) -> Option<f32> {
-    values
-        .into_iter()
-        .find(|value| value.is_finite() && *value != 0.0)
+/// A position, if it was recorded: 0 stands for none.
+pub(super) fn recorded([x, y]: [f64; 2]) -> Option<[f64; 2]> {
+    (x.is_finite() && y.is_finite() && x != 0.0 && y != 0.0).then_some([x, y])
 }

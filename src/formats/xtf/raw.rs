@@ -29,7 +29,17 @@ pub(crate) struct FileHeader {
     /// 168: bathymetry channels.
     pub bathymetry_channels: u16,
     /// 170: not used here.
-    pub rest: [u8; 86],
+    pub rest_170: [u8; 34],
+    /// 204: delay of positions, milliseconds.
+    pub nav_latency_ms: i32,
+    /// 208: not used here.
+    pub rest_208: [u8; 8],
+    /// 216: the antenna forward of the ship's reference point, metres.
+    pub nav_offset_y_m: f32,
+    /// 220: the antenna to starboard of the ship's reference point, metres.
+    pub nav_offset_x_m: f32,
+    /// 224: not used here.
+    pub rest_224: [u8; 32],
 }
 
 /// What a channel is; 128 bytes each from byte 256 of the file header on.
@@ -46,7 +56,7 @@ pub(crate) struct ChannelInfo {
     pub unipolar: u16,
     /// 6: bytes a sample.
     pub bytes_per_sample: u16,
-    /// 8: reserved.
+    /// 8: samples of every ping, in files from before pings stated it; 1024 or nothing since.
     pub reserved: u32,
     /// 12: name in words.
     pub name: [u8; 16],
@@ -54,8 +64,14 @@ pub(crate) struct ChannelInfo {
     pub volt_scale: f32,
     /// 32: frequency, kHz.
     pub frequency_khz: f32,
-    /// 36: not used here: beam angles, offsets of the transducer.
-    pub rest_36: [u8; 38],
+    /// 36: not used here: beam angles.
+    pub rest_36: [u8; 12],
+    /// 48: the transducer to starboard of the ship's reference point, metres.
+    pub offset_x_m: f32,
+    /// 52: the transducer forward of the ship's reference point, metres.
+    pub offset_y_m: f32,
+    /// 56: not used here.
+    pub rest_56: [u8; 18],
     /// 74: 0 old, by bytes a sample; 1 IBM float, 2 int32, 3 int16, 5 float, 8 int8.
     pub sample_format: u8,
     /// 75: not used here.
@@ -100,14 +116,20 @@ pub(crate) struct PingHeader {
     pub second: u8,
     /// 21: hundredths of a second.
     pub hundredths: u8,
-    /// 22: not used here.
-    pub rest_22: [u8; 6],
+    /// 22: day of the year.
+    pub julian_day: u16,
+    /// 24: number of the last event.
+    pub event: u32,
     /// 28: number of the ping.
     pub ping_number: u32,
-    /// 32: one-way speed of sound, metres a second: half of 1500 as a rule.
+    /// 32: speed of sound, metres a second; about 1500, or about 750 where it is for there and back.
     pub sound_velocity_mps: f32,
     /// 36: not used here.
-    pub rest_36: [u8; 84],
+    pub rest_36: [u8; 36],
+    /// 72: speed of sound by conductivity, temperature and pressure, metres a second.
+    pub computed_sound_velocity_mps: f32,
+    /// 76: not used here.
+    pub rest_76: [u8; 44],
     /// 120: the ship's speed, knots.
     pub ship_speed_kn: f32,
     /// 124: the ship's compass, degrees.
@@ -127,11 +149,23 @@ pub(crate) struct PingHeader {
     /// 168: the sonar's longitude, or easting.
     pub sensor_x: f64,
     /// 176: not used here.
-    pub rest_176: [u8; 20],
+    pub rest_176: [u8; 6],
+    /// 182: cable paid out, metres.
+    pub cable_out_m: u16,
+    /// 184: distance over ground from the ship to the towed sonar, metres.
+    pub layback_m: f32,
+    /// 188: not used here.
+    pub rest_188: [u8; 4],
+    /// 192: the sonar below the water's surface, metres.
+    pub sensor_depth_m: f32,
     /// 196: height of the sonar above the bottom, metres; 0 when it is not known.
     pub sensor_altitude_m: f32,
     /// 200: not used here.
-    pub rest_200: [u8; 12],
+    pub rest_200: [u8; 4],
+    /// 204: the sonar's pitch, degrees, positive with its nose up.
+    pub sensor_pitch_deg: f32,
+    /// 208: the sonar's roll, degrees, positive to starboard.
+    pub sensor_roll_deg: f32,
     /// 212: the sonar's compass, degrees.
     pub sensor_heading_deg: f32,
     /// 216: not used here.
@@ -159,9 +193,9 @@ pub(crate) struct PingChannel {
     /// 16: time recorded, seconds (there and back).
     pub time_duration_s: f32,
     /// 20: time from ping to ping, seconds.
-    pub ping_interval_s: f32,
-    /// 24: not used here.
-    pub rest_24: [u8; 2],
+    pub seconds_per_ping: f32,
+    /// 24: how samples were processed.
+    pub processing: u16,
     /// 26: frequency, kHz.
     pub frequency_khz: u16,
     /// 28: not used here.
@@ -169,7 +203,111 @@ pub(crate) struct PingChannel {
     /// 42: samples that follow.
     pub samples: u32,
     /// 46: not used here.
-    pub rest_46: [u8; 18],
+    pub rest_46: [u8; 12],
+    /// 58: the samples of EdgeTech's and Kongsberg's sonars count 2^-weight.
+    pub weight: i16,
+    /// 60: not used here.
+    pub rest_60: [u8; 4],
+}
+
+/// Position (packet type 42): the time that its source gave it.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C, packed)]
+pub(crate) struct NavigationPacket {
+    /// Offset 0.
+    pub packet: PacketHeader,
+    /// 14: date and time to the second.
+    pub time: PacketTime,
+    /// 21: millionths of the second.
+    pub microseconds: u32,
+    /// 25: not used here.
+    pub rest_25: [u8; 8],
+    /// 33: latitude, or northing.
+    pub y: f64,
+    /// 41: longitude, or easting.
+    pub x: f64,
+    /// 49: not used here.
+    pub rest_49: [u8; 15],
+}
+
+/// Position and attitude (packet type 107).
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C, packed)]
+pub(crate) struct RawNavigationPacket {
+    /// Offset 0.
+    pub packet: PacketHeader,
+    /// 14: date and time to the second.
+    pub time: PacketTime,
+    /// 21: ten thousandths of the second.
+    pub tenths_ms: u16,
+    /// 23: latitude, or northing.
+    pub y: f64,
+    /// 31: longitude, or easting.
+    pub x: f64,
+    /// 39: not used here.
+    pub rest_39: [u8; 20],
+    /// 59: the ship's compass, degrees.
+    pub heading_deg: f32,
+    /// 63: not used here.
+    pub rest_63: u8,
+}
+
+/// Compass (packet types 23 and 84).
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C, packed)]
+pub(crate) struct GyroPacket {
+    /// Offset 0.
+    pub packet: PacketHeader,
+    /// 14: date and time to the second.
+    pub time: PacketTime,
+    /// 21: millionths of the second.
+    pub microseconds: u32,
+    /// 25: not used here.
+    pub rest_25: [u8; 8],
+    /// 33: the ship's compass, degrees.
+    pub heading_deg: f32,
+    /// 37: not used here.
+    pub rest_37: [u8; 27],
+}
+
+/// Attitude (packet type 3).
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C, packed)]
+pub(crate) struct AttitudePacket {
+    /// Offset 0.
+    pub packet: PacketHeader,
+    /// 14: not used here.
+    pub rest_14: [u8; 20],
+    /// 34: roll, degrees, positive to starboard.
+    pub roll_deg: f32,
+    /// 38: not used here.
+    pub rest_38: [u8; 12],
+    /// 50: the ship's compass, degrees; 0 when it is not known.
+    pub heading_deg: f32,
+    /// 54: date and time to the second.
+    pub time: PacketTime,
+    /// 61: thousandths of the second.
+    pub milliseconds: u16,
+    /// 63: not used here.
+    pub rest_63: u8,
+}
+
+/// Date and time as the packets that are no pings have them.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C, packed)]
+pub(crate) struct PacketTime {
+    /// Year in full, or of two digits.
+    pub year: u16,
+    /// 1 to 12.
+    pub month: u8,
+    /// 1 to 31.
+    pub day: u8,
+    /// Hour.
+    pub hour: u8,
+    /// Minute.
+    pub minute: u8,
+    /// Second.
+    pub second: u8,
 }
 
 const _: () = assert!(size_of::<FileHeader>() == 256);
@@ -177,6 +315,10 @@ const _: () = assert!(size_of::<ChannelInfo>() == 128);
 const _: () = assert!(size_of::<PacketHeader>() == 14);
 const _: () = assert!(size_of::<PingHeader>() == 256);
 const _: () = assert!(size_of::<PingChannel>() == 64);
+const _: () = assert!(size_of::<NavigationPacket>() == 64);
+const _: () = assert!(size_of::<RawNavigationPacket>() == 64);
+const _: () = assert!(size_of::<GyroPacket>() == 64);
+const _: () = assert!(size_of::<AttitudePacket>() == 64);
 
 /// Lays a record over the bytes at `offset`; `None` past the end.
 pub(super) fn record<T: Pod>(bytes: &[u8], offset: usize) -> Option<T> {

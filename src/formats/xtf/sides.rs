@@ -1,119 +1,167 @@
-//! The two side-scan channels that are shown, of as many as the file has.
+//! The side-scan channels of a file, in pairs: programs that record two frequencies have two of each side.
 
-use super::channels;
+use super::channels::{self, XtfChannel};
+use super::levels::{self, Stated};
 use super::raw::PingChannel;
-use crate::formats::collected::{Collected, HalfPing, is_sound};
+use crate::formats::collected::{Collected, CollectedPair, HalfPing, is_sound};
 use crate::formats::report::WarningKind;
-use crate::survey::{ChannelKind, Encoding, SideSpan};
-
-/// Speed of sound where the file gives a time instead of a range, metres a second.
-const SOUND_MPS: f32 = 1500.0;
+use crate::survey::{ChannelKind, Side, SidePing, SideSpan, Survey};
+use std::collections::BTreeMap;
 
 /// One channel of one ping.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Recorded {
     /// Its header.
     pub(super) header: PingChannel,
-    /// What the channel is.
-    pub(super) kind: ChannelKind,
     /// Bytes a sample.
     pub(super) width: usize,
     /// Offset of the first sample.
     pub(super) first: usize,
     /// Seconds after the log's time zero.
     pub(super) time_s: f64,
+    /// Slant range of the first and of the last sample, metres.
+    pub(super) range_m: [f32; 2],
 }
 
-impl Recorded {
-    /// Slant range of the last sample.
-    pub(super) fn far_m(&self) -> f32 {
-        if self.header.slant_range_m > 0.0 {
-            self.header.slant_range_m
-        } else {
-            self.header.time_duration_s * SOUND_MPS / 2.0
-        }
-    }
+/// A port and a starboard channel of one frequency, or one of them.
+#[derive(Debug, Default)]
+struct Pair {
+    /// Numbers of the port and of the starboard channel.
+    channels: [Option<u16>; 2],
+    name: String,
+    frequency_khz: Option<f32>,
+    stated: Stated,
+    halves: [Vec<HalfPing>; 2],
 }
 
-/// Chooses the first port and the first starboard channel; programs that record two frequencies have two of each.
+/// Collects the sides; the pair that began first is shown.
 #[derive(Debug, Default)]
 pub(super) struct SideChannels {
-    port: Option<u16>,
-    starboard: Option<u16>,
-    hidden: usize,
-    unread: usize,
+    pairs: Vec<Pair>,
+    is_weighted: bool,
+    /// Pings by bytes a sample and format of those that are not read.
+    unread: BTreeMap<(usize, u8), usize>,
 }
 
 impl SideChannels {
-    /// Keeps a channel of a ping if it is one that is shown.
-    pub(super) fn keep(&mut self, log: &mut Collected, recorded: &Recorded) {
-        let (shown, halves) = match recorded.kind {
-            ChannelKind::Port => (&mut self.port, &mut log.port),
-            ChannelKind::Starboard => (&mut self.starboard, &mut log.starboard),
+    /// No side yet. `is_weighted` where the samples of the sonar count 2^-weight.
+    pub(super) fn new(is_weighted: bool) -> Self {
+        Self {
+            is_weighted,
+            ..Self::default()
+        }
+    }
+
+    /// Keeps a channel of a ping if it is a side.
+    pub(super) fn keep(&mut self, log: &mut Collected, channel: &XtfChannel, recorded: &Recorded) {
+        let side = match channel.kind {
+            ChannelKind::Port => Side::Port,
+            ChannelKind::Starboard => Side::Starboard,
             _ => return,
         };
-        let Some(encoding) = channels::encoding(recorded.width) else {
-            self.unread += 1;
+        let Some(encoding) = channel.encoding(recorded.width) else {
+            *self
+                .unread
+                .entry((recorded.width, channel.format))
+                .or_default() += 1;
             return;
         };
-        if *shown.get_or_insert(recorded.header.channel) != recorded.header.channel {
-            self.hidden += 1;
-            return;
-        }
+        let [near_m, far_m] = recorded.range_m;
         let span = SideSpan {
             file: 0,
             encoding,
-            order: channels::order(recorded.kind),
+            order: channels::order(channel.kind),
             offset: recorded.first as u64,
             count: recorded.header.samples,
-            near_m: 0.0,
-            far_m: recorded.far_m(),
+            near_m,
+            far_m,
         };
         if is_sound(&span) {
             let time_s = recorded.time_s;
-            halves.push(HalfPing { time_s, span });
+            let pair = self.pair(side, recorded.header.channel, channel);
+            pair.halves[side as usize].push(HalfPing { time_s, span });
         } else {
             let text = format!(
-                "a side of a ping has {} samples over {} m, which is no picture; it was dropped",
-                span.count, span.far_m
+                "a side of a ping has {} samples over {far_m} m, which is no picture; it was dropped",
+                span.count
             );
             log.report.at(WarningKind::Value, 0, recorded.first, text);
         }
     }
 
-    /// The same channels, with nothing counted yet.
-    pub(super) fn after_head(self) -> Self {
-        Self {
-            hidden: 0,
-            unread: 0,
-            ..self
+    /// The pair that a channel is of: with one of the other side that has its frequency.
+    fn pair(&mut self, side: Side, number: u16, channel: &XtfChannel) -> &mut Pair {
+        let of_side = |pair: &Pair| pair.channels[side as usize];
+        let known = self
+            .pairs
+            .iter()
+            .position(|pair| of_side(pair) == Some(number));
+        let is_partner = |pair: &Pair| {
+            let both = pair.frequency_khz.zip(channel.frequency_khz);
+            of_side(pair).is_none() && both.is_none_or(|(one, other)| one == other)
+        };
+        let partner = || self.pairs.iter().position(is_partner);
+        let index = known.or_else(partner).unwrap_or(self.pairs.len());
+        if index == self.pairs.len() {
+            let is_taken = self.pairs.iter().any(|pair| pair.name == channel.name);
+            let name = match is_taken {
+                true => format!("{}, channel {number}", channel.name),
+                false => channel.name.clone(),
+            };
+            self.pairs.push(Pair {
+                name,
+                ..Pair::default()
+            });
         }
+        let pair = &mut self.pairs[index];
+        pair.channels[side as usize] = Some(number);
+        pair.frequency_khz = pair.frequency_khz.or(channel.frequency_khz);
+        pair.stated = Stated {
+            is_polar: pair.stated.is_polar || channel.is_polar,
+            is_legacy: channel.format == 0,
+            is_weighted: self.is_weighted,
+        };
+        pair
     }
 
-    /// Chooses which eight bits of 16-bit samples are shown, the same on both sides, and says what is not shown.
-    pub(super) fn finish(&self, bytes: &[u8], log: &mut Collected) {
-        let halves = || log.port.iter().chain(&log.starboard);
-        let wide: Vec<&SideSpan> = halves()
-            .map(|half| &half.span)
-            .filter(|span| span.encoding != Encoding::U8)
-            .collect();
-        let fitting = channels::shift_to_fit(bytes, &wide);
-        for half in log.port.iter_mut().chain(&mut log.starboard) {
-            if let Encoding::U16 { shift } = &mut half.span.encoding {
-                *shift = fitting;
-            }
+    /// The same channels, with nothing kept yet.
+    pub(super) fn after_head(mut self) -> Self {
+        for pair in &mut self.pairs {
+            pair.halves = Default::default();
         }
-        if self.hidden > 0 {
-            log.report.log(format!(
-                "{} pings of a second pair of side-scan channels are counted but not shown",
-                self.hidden
-            ));
+        self.unread.clear();
+        self
+    }
+
+    /// Hands over the sides with their scales, which in the tail of a log are those of the log, and says what is not read.
+    pub(super) fn finish(&mut self, bytes: &[u8], log: &mut Collected, known: Option<&Survey>) {
+        for mut pair in std::mem::take(&mut self.pairs) {
+            let halves = pair.halves.iter_mut().flatten();
+            let mut spans: Vec<&mut SideSpan> = halves.map(|half| &mut half.span).collect();
+            let known = known.and_then(|known| last_span(known, &pair.name));
+            levels::fit(bytes, &mut spans, pair.stated, known);
+            let [port, starboard] = pair.halves;
+            log.pairs.push(CollectedPair {
+                name: pair.name,
+                frequency_khz: pair.frequency_khz,
+                port,
+                starboard,
+            });
         }
-        if self.unread > 0 {
+        for ((width, format), pings) in &self.unread {
             log.report.log(format!(
-                "{} pings hold samples of a kind that is not read (neither 1 nor 2 bytes)",
-                self.unread
+                "{pings} pings hold samples of {width} bytes (format {format}), which are not read; export them with 1, 2 or 4 bytes"
             ));
         }
     }
+}
+
+/// The last span of a pair of channels.
+fn last_span(known: &Survey, name: &str) -> Option<SideSpan> {
+    let pair = known.pairs.iter().find(|pair| pair.name == name);
+    let pings: &[SidePing] = pair.map_or(&known.side_scan, |pair| &pair.side_scan);
+    pings
+        .iter()
+        .rev()
+        .find_map(|ping| ping.port.or(ping.starboard))
 }

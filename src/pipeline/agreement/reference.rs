@@ -208,7 +208,7 @@ impl MissionLog {
         });
         if self.settings.is_none() {
             let recorded = Survey::clone(&survey);
-            let mounted = as_mounted(recorded, &settings.mounting, settings.source.crs);
+            let mounted = as_mounted(recorded, &settings.mounting, &settings.source);
             survey = Arc::new(mounted?);
         }
         if let Some(why) = Correction::new(settings.depth(), &survey).refused() {

@@ -139,6 +139,9 @@ pub struct SourceSettings {
     /// The system of positions that a log has in metres; logs whose positions are degrees need none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub crs: Option<SourceCrs>,
+    /// The frequency of the side-scan that is shown, kHz, where a log holds several; none: the one that the reader chooses.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frequency_khz: Option<f64>,
 }
 
 /// `points.*` settings: which files of points are written.

@@ -214,6 +214,9 @@ rows! {
     SOURCE_CRS: "source.crs", "Metres of", "system of the log's metres",
         "Coordinate system of positions in metres, where the log does not name it, as XTF logs may not. Without it, positions are drawn at longitude 0, latitude 0.",
         SettingKind::Text("EPSG:NUMBER");
+    SOURCE_FREQUENCY: "source.frequency_khz", "Frequency", "frequency of the side-scan",
+        "Which side-scan is shown where a log holds several frequencies: the one nearest to this.",
+        number!(source.frequency_khz, "kHz", [1.0, 10_000.0], 1.0, 0, Drag, Some("as recorded first"));
     MAX_TURN: "excluded.max_turn_deg_s", "Turns from", "turns to exclude",
         "Stretches in which the boat turns faster than this are excluded from every result.",
         number!(excluded.max_turn_deg_s, "°/s", [0.1, 360.0], 0.1, 1, LogSlider, Some("no turn is excluded"));

@@ -214,7 +214,7 @@ mod tests {
 
     /// Settings without a control: they are drawn in a view, edited in a list of their own, found by a search, or for files and `--set`
     /// alone.
-    const WITHOUT: [&str; 17] = [
+    const WITHOUT: [&str; 18] = [
         "height_offset_m",
         "sound_speed.m_s",
         "sound_speed.depth_m",
@@ -232,6 +232,7 @@ mod tests {
         "surface.longest_above_bottom_m",
         "isobaths.depths_m",
         "review.classes",
+        "source.frequency_khz",
     ];
 
     #[test]

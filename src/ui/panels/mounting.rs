@@ -1,4 +1,4 @@
-//! How the recorder is mounted on its boat, what its default is, and whose metres its positions are.
+//! How the recorder is mounted on its boat, what its default is, whose metres its positions are, and which of its frequencies is shown.
 
 use super::find_setting;
 use super::parts::{self, name_cell, remark, warning};
@@ -6,7 +6,7 @@ use super::section::{Section, section};
 use crate::app::{Action, Command};
 use crate::pipeline::Stage;
 use crate::pipeline::settings::rows;
-use crate::survey::{HeadingSource, MountingSettings, Survey, arm_in_words};
+use crate::survey::{HeadingSource, MountingSettings, SidePair, Survey, arm_in_words};
 use crate::ui::ViewContext;
 use egui::{TextEdit, Ui};
 
@@ -25,6 +25,9 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
             usual(ui, context);
             if survey.track.projected.is_some() {
                 system(ui, context, &survey);
+            }
+            if !survey.pairs.is_empty() {
+                frequency(ui, context, &survey);
             }
         },
     );
@@ -122,6 +125,27 @@ fn system(ui: &mut Ui, context: &mut ViewContext<'_>, survey: &Survey) {
             "The log does not name the system of its positions, so they are drawn at longitude 0, latitude 0. Enter its EPSG number.",
         ),
     }
+}
+
+/// The pairs of side-scan channels, of which one is shown.
+fn frequency(ui: &mut Ui, context: &mut ViewContext<'_>, survey: &Survey) {
+    let row = &rows::SOURCE_FREQUENCY;
+    ui.horizontal_wrapped(|ui| {
+        name_cell(ui, row.label, row.hint);
+        let mut pairs: Vec<(usize, &SidePair)> = survey.pairs.iter().enumerate().collect();
+        pairs.sort_by(|(_, a), (_, b)| a.name.cmp(&b.name));
+        for (index, pair) in pairs {
+            let is_shown = index == 0;
+            let khz = pair.frequency_khz.map(f64::from);
+            let button = ui.add_enabled_ui(khz.is_some(), |ui| {
+                ui.selectable_label(is_shown, pair.summary())
+                    .on_hover_text(row.hint)
+            });
+            if button.inner.clicked() && !is_shown {
+                context.change(row.name, |settings| settings.source.frequency_khz = khz);
+            }
+        }
+    });
 }
 
 /// Asks for the system that was typed; a bare number is EPSG's.

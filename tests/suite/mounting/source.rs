@@ -1,4 +1,4 @@
-//! `source.crs`: positions in metres of a system that the log does not name.
+//! `source.crs`: positions in metres of a system that the log does not name. `source.frequency_khz`: which side-scan is shown.
 
 use super::golden::golden;
 use super::settings;
@@ -148,4 +148,32 @@ fn a_run_is_told_the_system_and_says_so() {
         said.contains("source.crs: the log's position") && said.contains("line.xtf"),
         "{said}"
     );
+}
+
+#[test]
+fn the_side_scan_of_a_frequency_is_shown_on_request() {
+    let bytes = handmade::xtf_of_two_frequencies(60);
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    std::fs::write(folder.join("line.xtf"), &bytes).expect("a log");
+    let info = run(folder, &["info", "line.xtf"]);
+    assert!(
+        info.contains("set source.frequency_khz to show 400 kHz"),
+        "{info}"
+    );
+    let far_m = |set: &[&str]| {
+        let recorded = formats::open_bytes("line.xtf", bytes.clone(), &Progress::new());
+        let survey = pipeline::as_set(recorded.expect("a log"), &settings(set), None);
+        survey.expect("it fits").side_scan[9]
+            .port
+            .map(|span| span.far_m)
+    };
+    assert_eq!(far_m(&[]), Some(25.0));
+    assert_eq!(far_m(&["source.frequency_khz=455"]), Some(12.5));
+    assert_eq!(far_m(&["source.frequency_khz=83"]), Some(25.0));
+    // The sides of the chosen pair are exchanged, not those of the other.
+    let exchanged = ["source.frequency_khz=455", "mounting.swap_sides=true"];
+    assert_eq!(far_m(&exchanged), Some(12.5));
+    let made = Settings::default().with_assignment("source.frequency_khz=0");
+    assert!(made.and_then(|made| made.check()).is_err());
 }

@@ -1,0 +1,193 @@
+//! Positions and headings that come in packets of their own, and what they are used for: to stand in where pings have none, or an old
+//! one.
+
+use super::date;
+use super::place;
+use super::raw::{
+    AttitudePacket, GyroPacket, NavigationPacket, PacketHeader, PacketTime, RawNavigationPacket,
+    record,
+};
+use crate::survey::{Fix, nearest_in_time};
+use bytemuck::Pod;
+
+/// Types of packets.
+const ATTITUDE: u8 = 3;
+const GYRO: u8 = 23;
+const NAVIGATION: u8 = 42;
+const SOURCE_GYRO: u8 = 84;
+const RAW_NAVIGATION: u8 = 107;
+
+/// A packet this long before the first or after the last ping is of another clock, seconds.
+const BESIDE_S: f64 = 60.0;
+/// A position that repeats for longer is an old one, and one of a packet further from all others of pings stands in, seconds.
+const STALE_S: f64 = 5.0;
+/// A heading further from its position in time says nothing of it, seconds.
+pub(super) const HEADING_WITHIN_S: f64 = 1.0;
+
+/// A position of a packet.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SentPosition {
+    /// Seconds after the log's time zero.
+    pub(super) time_s: f64,
+    /// Longitude and latitude, or easting and northing.
+    pub(super) recorded: [f64; 2],
+    /// The ship's compass, radians; NaN where none was recorded near it.
+    pub(super) compass_rad: f32,
+}
+
+/// Collects what packets send; times count from 1970 until [`SentNavigation::settle`].
+#[derive(Debug, Default)]
+pub(super) struct SentNavigation {
+    positions: Vec<SentPosition>,
+    /// Times and headings, radians.
+    headings: Vec<(f64, f32)>,
+    attitudes: usize,
+}
+
+impl SentNavigation {
+    /// Takes a packet; whether it is one of those that are read. `set_back_s` is by how much the recorder's clock was set back before it.
+    pub(super) fn take(
+        &mut self,
+        bytes: &[u8],
+        offset: usize,
+        packet: &PacketHeader,
+        set_back_s: f64,
+    ) -> bool {
+        let at = |time: PacketTime, part_s: f64| date::seconds(time) as f64 + part_s + set_back_s;
+        match packet.kind {
+            NAVIGATION => {
+                if let Some(sent) = body::<NavigationPacket>(bytes, offset, packet) {
+                    let time_s = at(sent.time, f64::from(sent.microseconds) / 1e6);
+                    self.add_position(time_s, [sent.x, sent.y], f32::NAN);
+                }
+            }
+            RAW_NAVIGATION => {
+                if let Some(sent) = body::<RawNavigationPacket>(bytes, offset, packet) {
+                    let time_s = at(sent.time, f64::from(sent.tenths_ms) / 1e4);
+                    let compass_rad = self.add_heading(time_s, sent.heading_deg);
+                    self.add_position(time_s, [sent.x, sent.y], compass_rad);
+                }
+            }
+            GYRO | SOURCE_GYRO => {
+                if let Some(sent) = body::<GyroPacket>(bytes, offset, packet) {
+                    let time_s = at(sent.time, f64::from(sent.microseconds) / 1e6);
+                    self.add_heading(time_s, sent.heading_deg);
+                }
+            }
+            ATTITUDE => {
+                self.attitudes += 1;
+                if let Some(sent) = body::<AttitudePacket>(bytes, offset, packet) {
+                    let time_s = at(sent.time, f64::from(sent.milliseconds) / 1e3);
+                    self.add_heading(time_s, sent.heading_deg);
+                }
+            }
+            _ => return false,
+        }
+        true
+    }
+
+    fn add_position(&mut self, time_s: f64, recorded: [f64; 2], compass_rad: f32) {
+        if let Some(recorded) = place::recorded(recorded) {
+            self.positions.push(SentPosition {
+                time_s,
+                recorded,
+                compass_rad,
+            });
+        }
+    }
+
+    /// Keeps a heading, and gives it in radians; NaN for what is none.
+    fn add_heading(&mut self, time_s: f64, heading_deg: f32) -> f32 {
+        // 0 stands for none, as in pings.
+        if !(heading_deg.abs() > 0.0 && heading_deg.abs() <= 360.0) {
+            return f32::NAN;
+        }
+        let heading_rad = heading_deg.to_radians();
+        self.headings.push((time_s, heading_rad));
+        heading_rad
+    }
+
+    /// Packets of attitude.
+    pub(super) fn attitudes(&self) -> usize {
+        self.attitudes
+    }
+
+    /// Lets times count from the log's zero, in order, and leaves out what is of another clock than the pings, which span `span_s`.
+    pub(super) fn settle(&mut self, zero_s: f64, span_s: [f64; 2]) {
+        let [from_s, to_s] = span_s;
+        let during = from_s - BESIDE_S..=to_s + BESIDE_S;
+        let place_time = |time_s: &mut f64| {
+            *time_s -= zero_s;
+            during.contains(time_s)
+        };
+        self.positions
+            .retain_mut(|sent| place_time(&mut sent.time_s));
+        self.headings.retain_mut(|(time_s, _)| place_time(time_s));
+        self.positions.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+        self.headings.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for index in 0..self.positions.len() {
+            let SentPosition {
+                time_s,
+                compass_rad,
+                ..
+            } = self.positions[index];
+            if compass_rad.is_nan() {
+                self.positions[index].compass_rad = self.heading_rad(time_s);
+            }
+        }
+    }
+
+    /// The heading at a time, radians; NaN where none is near.
+    fn heading_rad(&self, time_s: f64) -> f32 {
+        let nearest = nearest_in_time(&self.headings, time_s, |(at_s, _)| *at_s);
+        let nearest = nearest.map(|index| self.headings[index]);
+        let near = nearest.filter(|(at_s, _)| (at_s - time_s).abs() <= HEADING_WITHIN_S);
+        near.map_or(f32::NAN, |(_, heading_rad)| heading_rad)
+    }
+
+    /// Gives the fixes without a compass heading that of a packet; how many got one.
+    pub(super) fn fill_headings(&self, fixes: &mut [Fix]) -> usize {
+        if self.headings.is_empty() {
+            return 0;
+        }
+        let mut filled = 0;
+        for fix in fixes.iter_mut().filter(|fix| fix.compass_rad.is_nan()) {
+            fix.compass_rad = self.heading_rad(fix.time_s);
+            filled += usize::from(!fix.compass_rad.is_nan());
+        }
+        filled
+    }
+
+    /// The positions that stand in where pings have none or an old one. Old ones are taken out of `fixes`, which are the pings'.
+    pub(super) fn stand_ins(&self, fixes: &mut Vec<Fix>) -> Vec<SentPosition> {
+        if self.positions.is_empty() {
+            return Vec::new();
+        }
+        let mut fresh_s: Vec<f64> = Vec::new();
+        let mut last = None;
+        for fix in &*fixes {
+            if last != Some(fix.position) {
+                fresh_s.push(fix.time_s);
+                last = Some(fix.position);
+            }
+        }
+        fresh_s.sort_by(f64::total_cmp);
+        let is_near = |times_s: &[f64], time_s: f64| {
+            let nearest = nearest_in_time(times_s, time_s, |at_s| *at_s);
+            nearest.is_some_and(|index| (times_s[index] - time_s).abs() <= STALE_S)
+        };
+        let sent = self.positions.iter().copied();
+        let stand_ins: Vec<SentPosition> = sent
+            .filter(|sent| !is_near(&fresh_s, sent.time_s))
+            .collect();
+        let sent_s: Vec<f64> = stand_ins.iter().map(|sent| sent.time_s).collect();
+        fixes.retain(|fix| is_near(&fresh_s, fix.time_s) || !is_near(&sent_s, fix.time_s));
+        stand_ins
+    }
+}
+
+/// The record of a packet that is long enough for it.
+fn body<T: Pod>(bytes: &[u8], offset: usize, packet: &PacketHeader) -> Option<T> {
+    let is_whole = packet.size as usize >= size_of::<T>();
+    is_whole.then(|| record(bytes, offset)).flatten()
+}

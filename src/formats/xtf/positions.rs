@@ -1,0 +1,337 @@
+//! Where the sonar was: the position that a ping states of it, or that of the ship with the layback of a towed sonar and the offsets of
+//! antenna and transducer.
+
+use super::from_log::Provenance;
+use super::navigation::{HEADING_WITHIN_S, SentNavigation, SentPosition};
+use super::place::{self, PositionConverter};
+use super::raw::{FileHeader, PacketHeader, PingHeader};
+use crate::formats::collected::Collected;
+use crate::support::geo::{LocalFrame, LonLat, MPS_PER_KNOT};
+use crate::survey::{Fix, ProjectedTrack, nearest_in_time};
+use std::ops::Range;
+
+/// Laybacks that a towed sonar can have, metres.
+const LAYBACKS_M: Range<f32> = 0.01..20_000.0;
+/// Offsets beyond this are damage, metres: no ship is longer.
+const FARTHEST_M: f32 = 200.0;
+/// A sonar whose position is further from the ship's than this share of the layback has one of its own: the layback is in it.
+const OWN_FROM: f64 = 0.5;
+
+/// Forward and to starboard of the ship's antenna, metres.
+type Arm = [f32; 2];
+
+/// What a ping says of the positions that packets sent near it.
+#[derive(Clone, Copy, Debug)]
+struct Towing {
+    time_s: f64,
+    arm: Arm,
+    /// Radians; NaN where none was recorded.
+    compass_rad: f32,
+}
+
+/// Collects the fixes of a file.
+#[derive(Debug)]
+pub(super) struct Positions {
+    converter: PositionConverter,
+    sent: SentNavigation,
+    /// Whether headings are not of a compass.
+    has_track_headings: bool,
+    /// Of the antenna from the ship's reference point.
+    antenna_m: Arm,
+    latency_ms: i32,
+    /// Of the fixes of the log that are the ship's: index, and from the antenna to the sonar.
+    arms: Vec<(usize, Arm)>,
+    /// Of the pings without a position.
+    unplaced: Vec<Towing>,
+    /// The shortest and the longest layback of the ship's positions, metres.
+    laybacks_m: Option<[f32; 2]>,
+    /// Whether antenna and transducer are not in one place.
+    has_offsets: bool,
+    /// Pings whose position has its layback in it.
+    own: usize,
+    /// The longest cable of pings that state no layback, metres.
+    cable_m: u16,
+    /// Whether pings state pitch or roll.
+    has_attitude: bool,
+    /// First and last time of the pings, seconds of the log.
+    span_s: Option<[f64; 2]>,
+}
+
+impl Positions {
+    /// Of a file with this header, or of the tail of a log whose metres count from `origin_m`.
+    pub(super) fn new(header: Option<FileHeader>, origin_m: Option<[f64; 2]>) -> Self {
+        let antenna_m = header.map_or([0.0; 2], |header| {
+            [header.nav_offset_y_m, header.nav_offset_x_m]
+        });
+        Self {
+            converter: PositionConverter::new(header.map(|header| header.nav_units), origin_m),
+            sent: SentNavigation::default(),
+            has_track_headings: header
+                .is_some_and(|header| Provenance::of(&header).has_track_headings),
+            antenna_m,
+            latency_ms: header.map_or(0, |header| header.nav_latency_ms),
+            arms: Vec::new(),
+            unplaced: Vec::new(),
+            laybacks_m: None,
+            has_offsets: false,
+            own: 0,
+            cable_m: 0,
+            has_attitude: false,
+            span_s: None,
+        }
+    }
+
+    /// The same file, with nothing collected yet.
+    pub(super) fn after_head(self) -> Self {
+        Self {
+            sent: SentNavigation::default(),
+            arms: Vec::new(),
+            unplaced: Vec::new(),
+            laybacks_m: None,
+            own: 0,
+            span_s: None,
+            ..self
+        }
+    }
+
+    /// Takes a packet that is no ping; whether it is one of those that are read.
+    pub(super) fn take(
+        &mut self,
+        bytes: &[u8],
+        offset: usize,
+        packet: &PacketHeader,
+        set_back_s: f64,
+    ) -> bool {
+        self.sent.take(bytes, offset, packet, set_back_s)
+    }
+
+    /// Adds the position of a ping. `transducer_m` is where the header has the transducer from the ship's reference point.
+    pub(super) fn add(
+        &mut self,
+        log: &mut Collected,
+        ping: &PingHeader,
+        time_s: f64,
+        transducer_m: Arm,
+    ) {
+        let [from_s, to_s] = self.span_s.unwrap_or([time_s; 2]);
+        self.span_s = Some([from_s.min(time_s), to_s.max(time_s)]);
+        let [pitch_deg, roll_deg] = [ping.sensor_pitch_deg, ping.sensor_roll_deg];
+        self.has_attitude |= pitch_deg != 0.0 || roll_deg != 0.0;
+        let sensor = place::recorded([ping.sensor_x, ping.sensor_y]);
+        let ship = place::recorded([ping.ship_x, ping.ship_y]);
+        let layback_m = Some(ping.layback_m).filter(|layback_m| LAYBACKS_M.contains(layback_m));
+        let heading_deg = first_set([ping.sensor_heading_deg, ping.ship_gyro_deg]);
+        let heading_deg = heading_deg.filter(|_| !self.has_track_headings);
+        let compass_rad = heading_deg.map_or(f32::NAN, f32::to_radians);
+        let Some(stated) = sensor.or(ship) else {
+            let arm = self.arm(transducer_m, layback_m);
+            self.unplaced.push(Towing {
+                time_s,
+                arm,
+                compass_rad,
+            });
+            return;
+        };
+        let speed_kn = first_set([ping.sensor_speed_kn, ping.ship_speed_kn]);
+        let before = log.fixes.len();
+        log.add_fix(Fix {
+            time_s,
+            position: self.converter.place(stated),
+            cog_rad: f32::NAN,
+            compass_rad,
+            speed_mps: speed_kn.map_or(f32::NAN, |kn| (f64::from(kn) * MPS_PER_KNOT) as f32),
+        });
+        if self.is_own(sensor, ship, layback_m.unwrap_or(0.0)) {
+            self.own += usize::from(layback_m.is_some());
+        } else if log.fixes.len() > before {
+            if layback_m.is_none() {
+                self.cable_m = self.cable_m.max(ping.cable_out_m);
+            }
+            let arm = self.arm(transducer_m, layback_m);
+            if arm != [0.0; 2] {
+                self.arms.push((before, arm));
+            }
+        }
+    }
+
+    /// From the antenna to the sonar.
+    fn arm(&mut self, transducer_m: Arm, layback_m: Option<f32>) -> Arm {
+        if let Some(layback_m) = layback_m {
+            let [shortest_m, longest_m] = self.laybacks_m.unwrap_or([layback_m; 2]);
+            self.laybacks_m = Some([shortest_m.min(layback_m), longest_m.max(layback_m)]);
+        }
+        let [forward_m, right_m] = [0, 1].map(|axis| {
+            let offset_m = transducer_m[axis] - self.antenna_m[axis];
+            if offset_m.abs() <= FARTHEST_M {
+                offset_m
+            } else {
+                0.0
+            }
+        });
+        self.has_offsets |= [forward_m, right_m] != [0.0; 2];
+        [forward_m - layback_m.unwrap_or(0.0), right_m]
+    }
+
+    /// Whether the position that counts is the sonar's own: it is stated, and lies elsewhere than the ship's by what a layback explains.
+    fn is_own(&self, sensor: Option<[f64; 2]>, ship: Option<[f64; 2]>, layback_m: f32) -> bool {
+        match (sensor, ship) {
+            (Some(sensor), Some(ship)) if sensor == ship => false,
+            (Some(sensor), Some(ship)) => {
+                self.converter.apart_m(sensor, ship) >= OWN_FROM * f64::from(layback_m)
+            }
+            (sensor, _) => sensor.is_some(),
+        }
+    }
+
+    /// Completes the fixes with what packets sent, moves those of the ship to the sonar, and says what was done. `zero_s` is the log's
+    /// time zero in Unix seconds.
+    pub(super) fn finish(&mut self, log: &mut Collected, zero_s: f64) {
+        self.sent.settle(zero_s, self.span_s.unwrap_or_default());
+        let headings = self.sent.fill_headings(&mut log.fixes);
+        let towing = self.towing(&log.fixes);
+        let mut moved = self.move_to_sonar(log);
+        let stand_ins = self.sent.stand_ins(&mut log.fixes);
+        for sent in &stand_ins {
+            let mut fix = self.stand_in(sent);
+            let near = nearest_in_time(&towing, fix.time_s, |ping| ping.time_s);
+            let near = near.map(|index| towing[index]);
+            let is_beside = |ping: &Towing| (ping.time_s - fix.time_s).abs() <= HEADING_WITHIN_S;
+            if let Some(ping) = near.filter(is_beside).filter(|_| fix.compass_rad.is_nan()) {
+                fix.compass_rad = ping.compass_rad;
+            }
+            if let Some(arm) = near.map(|ping| ping.arm).filter(|arm| *arm != [0.0; 2]) {
+                let there = moved_by(fix, arm);
+                moved[usize::from(there.is_none())] += 1;
+                fix = there.unwrap_or(fix);
+            }
+            log.add_fix(fix);
+        }
+        log.projected = self.converter.origin_m().map(ProjectedTrack::new);
+        self.remark(log, [stand_ins.len(), headings], moved);
+    }
+
+    /// What pings of the ship's position, and without one, say of it, in time order.
+    fn towing(&self, fixes: &[Fix]) -> Vec<Towing> {
+        let of_fix = |&(index, arm): &(usize, Arm)| {
+            fixes.get(index).map(|fix| Towing {
+                time_s: fix.time_s,
+                arm,
+                compass_rad: fix.compass_rad,
+            })
+        };
+        let placed = self.arms.iter().filter_map(of_fix);
+        let mut towing: Vec<Towing> = placed.chain(self.unplaced.iter().copied()).collect();
+        towing.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+        towing
+    }
+
+    fn stand_in(&mut self, sent: &SentPosition) -> Fix {
+        Fix {
+            time_s: sent.time_s,
+            position: self.converter.place(sent.recorded),
+            cog_rad: f32::NAN,
+            compass_rad: sent.compass_rad,
+            speed_mps: f32::NAN,
+        }
+    }
+
+    /// Moves the ship's fixes to the sonar; how many were, and how many were not for want of a heading. A position that a recorder repeats
+    /// is moved alike, whatever the heading: repeats are told by it.
+    fn move_to_sonar(&self, log: &mut Collected) -> [usize; 2] {
+        let mut moved = [0; 2];
+        // The last of the ship's positions and where it was moved to.
+        let mut last: Option<(LonLat, LonLat)> = None;
+        for &(index, arm) in &self.arms {
+            let Some(fix) = log.fixes.get_mut(index) else {
+                continue;
+            };
+            let ship = fix.position;
+            let again = last.filter(|(from, _)| *from == ship).map(|(_, to)| to);
+            let to = again.or_else(|| Some(moved_by(*fix, arm)?.position));
+            let Some(to) = to else {
+                moved[1] += 1;
+                continue;
+            };
+            fix.position = to;
+            last = Some((ship, to));
+            moved[0] += 1;
+        }
+        moved
+    }
+
+    /// What the ship's positions are moved by.
+    fn arms_in_words(&self) -> String {
+        let layback = self.laybacks_m.map(|[from_m, to_m]| match from_m == to_m {
+            true => format!("the stated layback of {from_m:.1} m"),
+            false => format!("the stated layback of {from_m:.1} to {to_m:.1} m"),
+        });
+        let offsets = "the stated offsets of antenna and transducer".to_owned();
+        let offsets = self.has_offsets.then_some(offsets);
+        let both: Vec<String> = layback.into_iter().chain(offsets).collect();
+        both.join(" and ")
+    }
+
+    fn remark(&self, log: &Collected, [positions, headings]: [usize; 2], moved: [usize; 2]) {
+        let say = |text: String| log.report.log(text);
+        if positions > 0 {
+            say(format!(
+                "{positions} positions of navigation packets stand in where pings have none or an old one"
+            ));
+        }
+        if headings > 0 {
+            say(format!(
+                "{headings} pings have the heading of other packets"
+            ));
+        }
+        let [applied, left] = moved;
+        if applied > 0 {
+            say(format!(
+                "{applied} positions are the ship's and were moved to the sonar along its heading, by {}; mounting.forward_m and mounting.right_m are added to that",
+                self.arms_in_words()
+            ));
+        }
+        if left > 0 {
+            say(format!(
+                "{left} positions are the ship's and were not moved to the sonar by the stated layback and offsets: no heading is known there"
+            ));
+        }
+        if self.own > 0 {
+            say(format!(
+                "{} pings state a layback that was not applied: their positions are the sonar's own",
+                self.own
+            ));
+        }
+        if self.cable_m > 0 {
+            say(format!(
+                "the log states up to {} m of cable but no layback, so positions are the ship's; set mounting.forward_m to less than 0",
+                self.cable_m
+            ));
+        }
+        if self.latency_ms != 0 {
+            say(format!(
+                "the file header states a latency of positions of {} ms, which was not applied; set mounting.latency_s if positions are late",
+                self.latency_ms
+            ));
+        }
+        if self.has_attitude || self.sent.attitudes() > 0 {
+            say("pitch, roll and heave that the log states are not used".to_owned());
+        }
+    }
+}
+
+/// A fix of the antenna, moved to the sonar; `None` without a heading.
+fn moved_by(fix: Fix, [forward_m, right_m]: Arm) -> Option<Fix> {
+    let (sin, cos) = f64::from(fix.compass_rad).sin_cos();
+    let [forward_m, right_m] = [forward_m, right_m].map(f64::from);
+    let east_m = forward_m * sin + right_m * cos;
+    let north_m = forward_m * cos - right_m * sin;
+    let position = LocalFrame::new(fix.position).to_lon_lat(east_m, north_m);
+    (!fix.compass_rad.is_nan()).then_some(Fix { position, ..fix })
+}
+
+/// The first value that was recorded: 0 stands for none.
+pub(super) fn first_set(values: [f32; 2]) -> Option<f32> {
+    values
+        .into_iter()
+        .find(|value| value.is_finite() && *value != 0.0)
+}
