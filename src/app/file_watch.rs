@@ -63,12 +63,9 @@ impl App {
         let is_shared = |survey: &Survey| survey.bytes.iter().any(Bytes::is_shared);
         let open = open.filter(|(_, survey)| is_shared(survey));
         let open: Vec<(LogId, &Arc<Survey>)> = open.collect();
-        let known = &self.file_watch.logs;
-        let is_known =
-            |((id, survey), (known, weak)): (&(LogId, &Arc<Survey>), &(LogId, Weak<Survey>))| {
-                id == known && std::ptr::eq(Arc::as_ptr(survey), weak.as_ptr())
-            };
-        if open.len() == known.len() && open.iter().zip(known).all(is_known) {
+        let now = (open.iter()).map(|(id, survey)| (*id, Arc::as_ptr(survey)));
+        let known = self.file_watch.logs.iter();
+        if now.eq(known.map(|(id, survey)| (*id, survey.as_ptr()))) {
             return;
         }
         let watched: Vec<WatchedLog> = (open.iter())

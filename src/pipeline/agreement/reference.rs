@@ -10,7 +10,7 @@ use crate::sonar::first_return::BottomSettings;
 use crate::support::file_error::FileError;
 use crate::support::geo::{Crs, LocalFrame, LonLat};
 use crate::support::outline;
-use crate::support::progress::{Cancelled, Progress};
+use crate::support::progress::Progress;
 use crate::survey::Survey;
 use rayon::prelude::*;
 use std::ffi::OsStr;

@@ -18,7 +18,7 @@ mod state;
 #[cfg(test)]
 mod tests;
 
-pub use state::FileFault;
+pub(crate) use state::FileFault;
 
 use super::regular_file;
 use state::FileState;
