@@ -29,7 +29,7 @@ pub enum FileFault {
     Changed,
     /// The disk did not give all of it.
     #[error(
-        "the file cannot be read any more from byte {from} on, so results of it are wrong; put its card or disk back, or take another copy, and open it again"
+        "the file cannot be read any more at byte {from}, so results of it are wrong; put its card or disk back, or take another copy, and open it again"
     )]
     Unreadable {
         /// Offset of the first byte that was missing.
