@@ -184,5 +184,6 @@ impl App {
             }
             Err(error) => self.notify(error.to_string(), true),
         }
+        self.say_lost_logs();
     }
 }

@@ -8,7 +8,7 @@ use crate::project::{BottomFileError, LogFile, read_bottom};
 use crate::sonar::first_return::BottomSettings;
 use crate::support::progress::Progress;
 use crate::survey::{Identity, Survey};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// The bundled demo survey.
@@ -107,11 +107,10 @@ impl Loading {
                     return Ok(OpenedPath::Folder(logs));
                 }
             }
-            let mut survey = requested.open(progress)?;
+            let survey = requested.open(progress)?;
             if let Some(known) = open.iter().find(|known| is_same_recording(known, &survey)) {
                 return Ok(OpenedPath::Known(known.name()));
             }
-            formats::load_removable_into_memory(&mut survey, progress)?;
             let log = survey.source.files.first();
             let drawn = match &requested {
                 LogOrigin::Path(_) => log.and_then(|log| read_bottom(log, &survey)),
@@ -119,7 +118,10 @@ impl Loading {
             };
             let is_file = matches!(requested, LogOrigin::Path(_));
             let file = (in_project && is_file).then(|| LogFile::of(&survey, progress));
-            Ok(OpenedPath::Log(Box::new(survey), drawn, file.transpose()?))
+            let file = file.transpose()?;
+            // The hash is that of the log only if all of it could be read.
+            survey.check_files().map_err(formats::OpenError::from)?;
+            Ok(OpenedPath::Log(Box::new(survey), drawn, file))
         });
         Self { request, task }
     }
@@ -139,13 +141,6 @@ impl Loading {
             fraction: self.task.fraction(),
         }
     }
-}
-
-/// Opens a log that is named in a project, into memory where it lies on a card.
-pub(super) fn hold_log(path: &Path, progress: &Progress) -> Result<Survey, AppError> {
-    let mut survey = formats::open(path, progress)?;
-    formats::load_removable_into_memory(&mut survey, progress)?;
-    Ok(survey)
 }
 
 /// Whether two logs hold the same bytes, whatever their names.

@@ -22,6 +22,7 @@ mod exclusions;
 mod exporting;
 mod external;
 mod figures;
+mod file_watch;
 mod following;
 mod given;
 mod heights;

@@ -3,10 +3,10 @@
 
 use super::drawn_figure::Figure;
 use super::error::AppError;
-use super::loader::hold_log;
 use super::{App, LogId, OpenLog, Task, TaskOutcome, ViewOptions};
 use crate::detection::objects::ObjectNumbers;
 use crate::detection::review::{Queue, Sort};
+use crate::formats::{self, OpenError};
 use crate::pipeline::Settings;
 use crate::products::export::is_same_file;
 use crate::project::{
@@ -28,8 +28,8 @@ const MEASUREMENT: u32 = 1;
 /// The base map among the project's files.
 const BASE_MAP: &str = "base_map";
 
-/// The files of the open logs with their hashes; `None` when that was cancelled.
-type Hashed = Option<Vec<(LogId, LogFile)>>;
+/// The files of the open logs with their hashes.
+type Hashed = Result<Vec<(LogId, LogFile)>, AppError>;
 
 /// Where the open project is kept, and what is under way about it.
 #[derive(Default)]
@@ -146,9 +146,13 @@ impl App {
             let file = |(id, survey, known): (LogId, Arc<Survey>, Option<LogFile>)| {
                 let file = match known {
                     Some(file) => file,
-                    None => LogFile::of(&survey, progress).ok()?,
+                    None => {
+                        let file = LogFile::of(&survey, progress)?;
+                        survey.check_files().map_err(OpenError::from)?;
+                        file
+                    }
                 };
-                Some((id, file))
+                Ok((id, file))
             };
             logs.into_iter().map(file).collect()
         });
@@ -321,11 +325,14 @@ impl App {
             .map(|(_, task)| task.poll())
         {
             Some(TaskOutcome::Done(files)) => files,
-            Some(TaskOutcome::Failed) => None,
+            Some(TaskOutcome::Failed) => Err(AppError::Failed("saving the project")),
             Some(TaskOutcome::Pending) | None => return,
         };
-        if let (Some((path, _)), Some(files)) = (self.files.project_saving.naming.take(), named) {
-            self.name_project(&path, files);
+        let naming = self.files.project_saving.naming.take();
+        match (naming, named) {
+            (Some((path, _)), Ok(files)) => self.name_project(&path, files),
+            (_, Err(error)) => self.notify(error.to_string(), true),
+            (None, Ok(_)) => {}
         }
     }
 
@@ -557,7 +564,7 @@ fn read(path: &Path, progress: &Progress) -> Result<OpenedLogs, AppError> {
                 notes.push(text);
             }
         }
-        match hold_log(&log.file.path, progress) {
+        match formats::open(&log.file.path, progress) {
             Ok(survey) => logs.push((log, survey, settings)),
             Err(error) => notes.push(error.to_string()),
         }

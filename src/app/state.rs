@@ -4,6 +4,7 @@ use super::base_map::OpeningBaseMap;
 use super::comparing::Comparing;
 use super::deriving::Deriving;
 use super::exporting::{Exported, Exporting};
+use super::file_watch::FileWatch;
 use super::following::Following;
 use super::heights::Heights;
 use super::isobath_area::ReadingArea;
@@ -195,6 +196,7 @@ pub(crate) struct App {
     pub notices: Vec<Notice>,
     pub(super) said: NoticeHistory,
     pub(super) following: Following,
+    pub(super) file_watch: FileWatch,
     /// The folder that was written last.
     pub written_into: Option<PathBuf>,
     pub(super) jobs: Jobs,
@@ -216,6 +218,7 @@ impl App {
             notices: Vec::new(),
             said: NoticeHistory::default(),
             following: Following::default(),
+            file_watch: FileWatch::default(),
             written_into: None,
             jobs,
         }

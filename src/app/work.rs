@@ -23,6 +23,7 @@ impl App {
         self.poll_engine();
         self.poll_following();
         self.collect_tail();
+        self.poll_file_watch();
         if let Some(preview) = self.pipeline.previewer.poll(&self.jobs)
             && preview.is_for(&self.log.settings)
             && self.stale().is_some()

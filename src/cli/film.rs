@@ -162,6 +162,7 @@ fn write(
             }
             progress.advance(1);
         }
+        shell.app.check_logs().map_err(io::Error::other)?;
         film.finish().map(drop)
     })?;
     Ok(())

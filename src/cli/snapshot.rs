@@ -196,6 +196,7 @@ pub(super) fn run(args: SnapshotArgs) -> Result<(), Failure> {
     if let Some(error) = shell.app.notices.iter().find(|notice| notice.is_error) {
         return Err(error.text.clone().into());
     }
+    shell.app.check_logs()?;
     write_picture(&picture, &args.output)?;
     output::notify(format_args!("drawn by {}", studio.adapter()));
     Ok(())
@@ -247,6 +248,7 @@ pub(super) fn draw_into(
             shell.show_alone(alone);
         }
         let picture = studio.draw(&mut shell, size, 1.0, &Progress::new())?;
+        shell.app.check_logs()?;
         write_picture(&picture, &folder.join(name))?;
     }
     Ok((

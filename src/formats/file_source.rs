@@ -1,6 +1,6 @@
 //! Where a log and its sidecar files come from: the disk, or memory (tests, the demo survey).
 
-use super::map;
+use crate::support::mapped_file::MappedFile;
 use crate::survey::Bytes;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -29,7 +29,7 @@ impl FileSource {
     /// The bytes of a file.
     pub(super) fn read(&self, path: &Path) -> io::Result<Bytes> {
         match self {
-            FileSource::Disk => map::map(path),
+            FileSource::Disk => MappedFile::open(path).map(Bytes::from),
             FileSource::Held(files) => files
                 .iter()
                 .find(|(name, _)| name == path)

@@ -1,11 +1,11 @@
 //! A log that is being written, read without trusting the file to stay: its bytes are copied as they come.
 //!
-//! A map of a file that its writer cuts short ends the program (`map`). A log that is being recorded may be cut short, replaced, or be
-//! gone with its card at any time, so what is read of it is a private copy in the folder for temporary files, which nothing shortens. The
-//! log itself is only ever read.
+//! A map of a file that its writer cuts short loses its bytes ([`MappedFile`]). A log that is being recorded may be cut short, replaced, or
+//! be gone with its card at any time, so what is read of it is a private copy in the folder for temporary files, which nothing shortens.
+//! The log itself is only ever read.
 
-use super::map;
 use super::table::{FileRole, role_by_name};
+use crate::support::mapped_file::MappedFile;
 use crate::support::progress::{Cancelled, Progress};
 use crate::support::regular_file;
 use crate::survey::{Bytes, Survey};
@@ -194,7 +194,8 @@ impl GrowingFile {
     /// So many bytes of the copy, at most; all of a description.
     fn bytes(&self, most: u64) -> Result<Bytes, GrowingError> {
         match &self.copied {
-            Copied::Log { copy, length } => map::map_beginning(copy, most.min(*length))
+            Copied::Log { copy, length } => MappedFile::beginning(copy, most.min(*length))
+                .map(Bytes::from)
                 .map_err(|source| GrowingError::NoRoom { source }),
             Copied::Whole(bytes) => Ok(Bytes::Held(bytes.clone())),
         }
@@ -359,7 +360,7 @@ mod tests {
         fs::write(&path, &all[..200]).expect("a log");
         let error = log.look(&progress).expect_err("it is shorter");
         assert!(matches!(error, GrowingError::Shorter { .. }), "{error}");
-        // A map of the log itself would end the program here.
+        // A map of the log itself would have lost its bytes here.
         assert_eq!(&last[0].1[..], &all[..]);
         assert_eq!(&first[0].1[..], &all[..100]);
     }

@@ -13,8 +13,8 @@
 //!
 //! `lowrance`, `garmin`, `xtf`, `edgetech`, `cerulean` and `humminbird` walk over the records of their format, mend what is damaged and give it
 //! meaning in SI units; all fill one `collected` log, with `clock` to recognise damaged times and `report` to say what was wrong.
-//! `reading` says which part of a log is read: the tail of one that is being written is read as a log of its own. `assemble` turns what was read into the survey: `join` pairs the sides, `depths` chooses the soundings, `stray` leaves out positions that cannot be. `file_source` and `map` bring
-//! the bytes, `messages` walks over logs of messages, `nmea` reads sentences in them, `removable` loads a log on a card into memory, `growing_log` copies one that is being written as it comes, `unsupported` recognises formats that are not read, `table` lists those that are. `track_file` reads
+//! `reading` says which part of a log is read: the tail of one that is being written is read as a log of its own. `assemble` turns what was read into the survey: `join` pairs the sides, `depths` chooses the soundings, `stray` leaves out positions that cannot be. `file_source` brings
+//! the bytes, `messages` walks over logs of messages, `nmea` reads sentences in them, `growing_log` copies one that is being written as it comes, `unsupported` recognises formats that are not read, `table` lists those that are. `track_file` reads
 //! the track of another receiver, `gauge_file` the height of the water, `area_file` a polygon of water, `reference` whatever a survey is compared with, `points` and `geotiff` what other programs say of depths; both also lay out what is written so, as `parquet_table` does tables of columns.
 
 mod area_file;
@@ -36,14 +36,12 @@ mod join;
 mod log_format;
 pub(crate) mod log_writer;
 pub(crate) mod lowrance;
-mod map;
 mod messages;
 mod nmea;
 pub(crate) mod parquet_table;
 pub(crate) mod points;
 mod reading;
 mod reference;
-mod removable;
 mod report;
 mod scalar;
 mod stray;
@@ -59,13 +57,14 @@ pub(crate) use growing_log::{GrowingError, GrowingLog};
 pub(crate) use reference::{
     ReferenceError, ReferenceFile, is_named_as_points, multibeam_of, open_reference, read_points,
 };
-pub(crate) use removable::load_removable_into_memory;
 pub(crate) use scalar::ByteOrder;
 pub(crate) use table::{
     FORMATS, FileRole, FormatEntry, endings_to_show, formats_to_open, role_by_name, writer_for,
 };
 pub(crate) use track_file::{TrackError, TrackFile};
 
+use crate::support::file_error::FileError;
+use crate::support::mapped_file::FileFault;
 use crate::support::progress::Progress;
 use crate::survey::{Bytes, Seam, Source, Survey};
 use file_source::FileSource;
@@ -121,6 +120,9 @@ pub enum OpenError {
         /// What to record or open instead.
         what: String,
     },
+    /// A file did not stay what it was while it was read.
+    #[error(transparent)]
+    Changed(#[from] FileError<FileFault>),
     /// The user stopped it.
     #[error(transparent)]
     Cancelled(#[from] crate::support::progress::Cancelled),
@@ -254,8 +256,18 @@ fn open_on(
         path: path.to_owned(),
         source,
     })?;
-    let path = path.to_owned();
-    read_by_content(files, Opened { path, bytes }, reading, progress)
+    let opened = Opened {
+        path: path.to_owned(),
+        bytes: bytes.clone(),
+    };
+    let read = read_by_content(files, opened, reading, progress);
+    // What was cut while it was read looks like a damaged log, or one of no format.
+    if let (Err(_), Some(fault)) = (&read, bytes.fault(path)) {
+        return Err(FileError::new(fault, path).into());
+    }
+    let survey = read?;
+    survey.check_files()?;
+    Ok(survey)
 }
 
 fn open_folder(

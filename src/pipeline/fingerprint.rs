@@ -1,6 +1,8 @@
 //! Identifies one version of a file.
 
 use super::Settings;
+use crate::support::file_error::FileError;
+use crate::support::mapped_file::FileFault;
 use crate::support::progress::{Cancelled, Progress};
 use crate::support::regular_file;
 use crate::survey::Survey;
@@ -77,7 +79,7 @@ pub(super) fn hash_inputs(survey: &Survey, progress: &Progress) -> Result<Vec<In
             Ok(Input {
                 file: path.display().to_string(),
                 bytes: bytes.len(),
-                // Memory can be read, unless somebody says to stop.
+                // Memory can be read, unless somebody says to stop; `Survey::check_files` tells of what reads as zero.
                 sha256: sha256.map_err(|_| Cancelled)?.1,
             })
         })
@@ -138,6 +140,9 @@ pub enum InputError {
     /// The work was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+    /// A log did not stay what it was.
+    #[error(transparent)]
+    Log(#[from] FileError<FileFault>),
     /// The system does not give it.
     #[error("cannot read the file: {source}: {}", path.display())]
     Unreadable {

@@ -6,6 +6,7 @@ pub(crate) mod calendar;
 pub(crate) mod catch_panic;
 pub(crate) mod file_error;
 pub(crate) mod geo;
+pub(crate) mod mapped_file;
 pub(crate) mod named;
 pub(crate) mod nearest;
 pub(crate) mod outline;

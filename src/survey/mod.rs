@@ -56,7 +56,9 @@ pub(crate) use track::{ExternalTrack, Fix, ProjectedTrack, Track, TrackSettings}
 pub(crate) use tracks_apart::TracksApart;
 pub(crate) use turn_rate::turn_rates_deg_s;
 
+use crate::support::file_error::FileError;
 use crate::support::geo::{LocalFrame, distance_m};
+use crate::support::mapped_file::FileFault;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -329,6 +331,16 @@ impl Survey {
     /// The samples of a span of any channel; `None` where it lies outside the bytes.
     pub(crate) fn samples_of(&self, span: &SideSpan) -> Option<Samples<'_>> {
         Samples::new(self.bytes.get(usize::from(span.file))?, span)
+    }
+
+    /// Whether the files still hold what was read of them. Asks their disks, so it may wait for one that does not answer.
+    ///
+    /// # Errors
+    /// Names the first that was cut or overwritten since the log was opened, or that could not be read to its end.
+    pub fn check_files(&self) -> Result<(), FileError<FileFault>> {
+        let mut files = self.source.files.iter().zip(&self.bytes);
+        let fault = files.find_map(|(path, bytes)| Some(FileError::new(bytes.fault(path)?, path)));
+        fault.map_or(Ok(()), Err)
     }
 
     /// [`SidePing::locked_depth_m`] of a ping; NaN beyond the last.

@@ -1,15 +1,46 @@
 //! Echo samples of one side of a ping, borrowed from the mapped file.
 
+use crate::support::mapped_file::{FileFault, MappedFile};
 use std::ops::Range;
+use std::path::Path;
 use std::sync::Arc;
 
 /// The bytes of one file: mapped, or held in memory (a simulated survey, a test).
 #[derive(Clone, Debug)]
 pub enum Bytes {
-    /// A read-only memory map.
-    Mapped(Arc<memmap2::Mmap>),
+    /// A read-only memory map. What of it cannot be read any more is zero.
+    Mapped(Arc<MappedFile>),
     /// Bytes in memory.
     Held(Arc<Vec<u8>>),
+}
+
+impl Bytes {
+    /// What makes them wrong since the file at `path` was opened, and with them what was read of it; see [`MappedFile::fault`].
+    pub(crate) fn fault(&self, path: &Path) -> Option<FileFault> {
+        match self {
+            Bytes::Mapped(map) => map.fault(path),
+            Bytes::Held(_) => None,
+        }
+    }
+
+    /// Whether they lie in a file that other programs can reach.
+    pub(crate) fn is_shared(&self) -> bool {
+        matches!(self, Bytes::Mapped(map) if map.is_shared())
+    }
+
+    /// From where on they could not be read, and are zero; `None` while all could. Asks no disk.
+    pub(crate) fn lost(&self) -> Option<FileFault> {
+        match self {
+            Bytes::Mapped(map) => map.lost(),
+            Bytes::Held(_) => None,
+        }
+    }
+}
+
+impl From<MappedFile> for Bytes {
+    fn from(map: MappedFile) -> Self {
+        Self::Mapped(Arc::new(map))
+    }
 }
 
 impl std::ops::Deref for Bytes {

@@ -440,7 +440,7 @@ impl App {
 }
 
 impl OpenLog {
-    /// Reads the log from the copy from now on: a map of a log that its writer cuts short would end the program.
+    /// Reads the log from the copy from now on: a map of a log that its writer cuts short would lose its bytes.
     fn leave_map(&mut self, bytes: &[Bytes]) {
         for survey in [&mut self.survey, &mut self.as_read] {
             let is_as_long = |survey: &Arc<Survey>| {

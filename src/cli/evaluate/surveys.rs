@@ -48,6 +48,7 @@ pub(super) fn search(
         let known = Known::open(log, truth, searches[0].0.pixel_m())?;
         let searched = found.add(&known, &searches);
         searched.map_err(|error| format!("{error}: {}", log.display()))?;
+        known.survey.check_files()?;
     }
     drop(status);
     Ok(found.finish(logs, score))

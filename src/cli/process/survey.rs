@@ -95,18 +95,23 @@ impl How<'_> {
 }
 
 /// Runs the pipeline on every log of a survey with its own settings.
+///
+/// # Errors
+/// When a log was cut or changed meanwhile, or the work was cancelled.
 pub(crate) fn all_processed(
     opened: &[OpenedLog],
     status: &StatusLine,
     progress: &Progress,
-) -> Result<Vec<ProcessedLog>, Cancelled> {
-    let one = |(number, log): (usize, &OpenedLog)| {
+) -> Result<Vec<ProcessedLog>, Failure> {
+    let one = |(number, log): (usize, &OpenedLog)| -> Result<ProcessedLog, Failure> {
         let name = match opened.len() {
             1 => String::new(),
             count => format!("log {number} of {count}"),
         };
         status.work_on(&name, log.survey.side_scan.len());
-        processed(&log.survey, &log.settings, None, status, progress)
+        let log = processed(&log.survey, &log.settings, None, status, progress)?;
+        log.survey.check_files()?;
+        Ok(log)
     };
     let logs = (1..).zip(opened).map(one).collect();
     let all = opened.iter().map(|log| log.survey.side_scan.len());

@@ -10,8 +10,6 @@ pub(super) const DEGREES: u16 = 3;
 #[derive(Debug)]
 pub(super) struct PositionConverter {
     units: Option<u16>,
-    /// Whether headings are not of a compass.
-    no_compass: bool,
     /// First projected position, where positions are in metres.
     origin: Option<[f64; 2]>,
 }

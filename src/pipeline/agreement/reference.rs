@@ -10,7 +10,7 @@ use crate::sonar::first_return::BottomSettings;
 use crate::support::file_error::FileError;
 use crate::support::geo::{Crs, LocalFrame, LonLat};
 use crate::support::outline;
-use crate::support::progress::{Cancelled, Progress};
+use crate::support::progress::Progress;
 use crate::survey::Survey;
 use rayon::prelude::*;
 use std::ffi::OsStr;
@@ -174,13 +174,17 @@ impl Reference {
     /// The files that it was read from.
     ///
     /// # Errors
-    /// When one cannot be read any more, or the work was cancelled.
+    /// When one cannot be read any more or did not stay what it was, or the work was cancelled.
     pub fn inputs(&self, progress: &Progress) -> Result<Vec<Input>, InputError> {
         match &self.held {
             Held::Points(_) => Ok(vec![hash_file(&self.path, progress)?]),
             Held::Mission { logs, .. } => {
-                let inputs = logs.iter().map(|log| hash_inputs(&log.survey, progress));
-                let inputs: Result<Vec<_>, Cancelled> = inputs.collect();
+                let inputs = logs.iter().map(|log| {
+                    let hashed = hash_inputs(&log.survey, progress)?;
+                    log.survey.check_files()?;
+                    Ok(hashed)
+                });
+                let inputs: Result<Vec<_>, InputError> = inputs.collect();
                 Ok(inputs?.concat())
             }
         }

@@ -35,7 +35,7 @@ pub(crate) enum Added {
 /// Writes the points and pings of a log and its parts of the mosaic into an archive, unless they are there. The rows of a version of it that was made otherwise go.
 ///
 /// # Errors
-/// When the log has no place, a file cannot be written, or the work was cancelled; what was written is then no part of the archive.
+/// When the log has no place or was cut or changed meanwhile, a file cannot be written, or the work was cancelled; what was written is then no part of the archive.
 pub(crate) fn add(
     archive: &Archive,
     survey: &Arc<Survey>,
@@ -70,6 +70,7 @@ pub(crate) fn add(
     // From here on its rows are those of two versions.
     remove(&path)?;
     let record = write_rows(archive, &log, record, progress)?;
+    survey.check_files()?;
     remove_others(archive, &record)?;
     make_folder(&archive.folder().join(LOGS))?;
     write_json(&path, &record)?;

@@ -3,6 +3,7 @@
 use crate::formats::parquet_table::ParquetError;
 use crate::products::export::{ExportError, NoFolder, RasterError};
 use crate::support::file_error::FileError;
+use crate::support::mapped_file::FileFault;
 use crate::support::progress::Cancelled;
 
 /// Why something cannot be done in an archive.
@@ -17,6 +18,9 @@ pub(crate) enum ArchiveError {
     /// A folder could not be made.
     #[error(transparent)]
     Folder(#[from] FileError<NoFolder>),
+    /// A log did not stay what it was.
+    #[error(transparent)]
+    Log(#[from] FileError<FileFault>),
     /// Rows could not be read.
     #[error(transparent)]
     Rows(#[from] ParquetError),

@@ -2,6 +2,7 @@
 
 use super::logs::{log_names, survey_name};
 use super::objects::{all_rows, find_shapes, target_rows};
+use super::order::check_logs;
 use super::training_tiles::TrainingTiles;
 use crate::detection::Raster;
 use crate::detection::objects::{LogReview, ObjectList, SurveyObject, SurveyReview};
@@ -61,7 +62,8 @@ struct LogBoxes<'a> {
 /// Pictures of an earlier export of the same log are replaced.
 ///
 /// # Errors
-/// A sentence that names the file, or says that no log has boxes. A cancelled run leaves whole files only.
+/// A sentence that names the file, or says that no log has boxes. A cancelled run leaves whole files only; a log that was cut or changed
+/// meanwhile is named when the files are written, and their pictures may show it as it is now.
 pub(crate) fn write_boxes(
     logs: &[ProcessedLog],
     review: &SurveyReview,
@@ -120,6 +122,7 @@ pub(crate) fn write_boxes(
         written.negatives += training_tiles.write(&root, progress)?;
         export::write_bytes(&review, one.review.to_json() + "\n")?;
     }
+    check_logs(logs)?;
     Ok(written)
 }
 

@@ -2,7 +2,7 @@
 
 use super::detections::Proposed;
 use super::error::OutputError;
-use super::order::{Order, When};
+use super::order::{Order, When, check_logs};
 use super::registry::{row_of, row_of_beside};
 use super::results::Results;
 use super::run_folder::{Replaced, RunFolder};
@@ -37,6 +37,7 @@ pub(crate) fn write_detected(
     write_rows(&mut results, &run.path(), searched, &mut |_| ())?;
     let found = Proposed::of(&results)?;
     let found = found.ok_or("nothing searched for objects")?;
+    check_logs(order.logs)?;
     Ok((found, run.commit_group(is_of_search)?))
 }
 

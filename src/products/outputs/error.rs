@@ -7,6 +7,7 @@ use crate::pipeline::{AgreementError, InputError};
 use crate::products::export::{ChipError, ExportError, NoFolder, RasterError};
 use crate::support::file_error::FileError;
 use crate::support::geo::CrsError;
+use crate::support::mapped_file::FileFault;
 use crate::support::progress::Cancelled;
 
 /// Why there are no isobaths.
@@ -32,6 +33,9 @@ pub enum OutputError {
     /// A folder.
     #[error(transparent)]
     Folder(#[from] FileError<NoFolder>),
+    /// A log did not stay what it was.
+    #[error(transparent)]
+    Log(#[from] FileError<FileFault>),
     /// A GeoTIFF.
     #[error(transparent)]
     Raster(RasterError),

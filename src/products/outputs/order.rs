@@ -1,5 +1,6 @@
 //! What is ordered of a run, and which of its files that asks for.
 
+use super::error::OutputError;
 use super::product::Product;
 use crate::bottom::bathymetry::compare::Matching;
 use crate::detection::Model;
@@ -53,4 +54,13 @@ impl Order<'_> {
             }
         }
     }
+}
+
+/// Whether logs still hold what files were made of: looked at when all are made, before they are put in place.
+///
+/// # Errors
+/// Names a log that does not.
+pub(super) fn check_logs(logs: &[ProcessedLog]) -> Result<(), OutputError> {
+    let mut surveys = logs.iter().map(|log| &log.survey);
+    Ok(surveys.try_for_each(|survey| survey.check_files())?)
 }

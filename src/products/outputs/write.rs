@@ -4,7 +4,7 @@ use super::content::FileContent;
 use super::detections::Proposed;
 use super::manifest::write_manifest;
 use super::need::{Missing, Need};
-use super::order::{Order, When};
+use super::order::{Order, When, check_logs};
 use super::overwrite::refuse_overwrite;
 use super::product::Product;
 use super::registry::{FileWriter, OUTPUT_FILES, OutputFile, RunFile};
@@ -56,7 +56,8 @@ impl Written {
 /// `on_step` receives the next step.
 ///
 /// # Errors
-/// A sentence that names the file, or says that the work was cancelled; the folder is then as it was.
+/// A sentence that names the file, a log that was cut or changed meanwhile among them, or says that the work was cancelled; the folder is
+/// then as it was.
 pub fn write(
     order: &Order<'_>,
     folder: RunFolder,
@@ -108,6 +109,7 @@ pub fn write(
     };
     let (report, hashed) = (run.report, run.hashed);
     drop(run.results);
+    check_logs(order.logs)?;
     Ok(Written {
         file_count: hashed.len(),
         byte_count: hashed.iter().map(|file| file.bytes).sum(),

@@ -2,6 +2,7 @@
 
 mod clipped;
 mod compare;
+mod cut;
 mod desktop;
 mod detect;
 mod evaluate;

@@ -9,12 +9,13 @@ mod traces;
 
 pub(crate) use part::{LogPartChoice, PartError, TimeBound};
 
-use super::{ExportError, is_same_file, track, track_gpx, write_atomically};
+use super::track::write_track_gpx;
+use super::{ExportError, is_same_file, track, write_atomically};
 use crate::formats::log_writer::{LogToWrite, LogWriter};
 use crate::formats::{FORMATS, writer_for};
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::{PositionSettings, Projection, Survey, navigate_with};
-use std::io::{BufWriter, Write as _};
+use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
 /// Endings of what is no recorder's format, without the dot.
@@ -157,28 +158,26 @@ pub(crate) fn copy_log(
 }
 
 fn write(path: &Path, log: &LogToWrite<'_>, progress: &Progress) -> Result<Vec<String>, CopyError> {
-    let written = match CopyFormat::of(path)? {
-        CopyFormat::Recorder(writer) => write_atomically(path, |file| {
-            let mut out = BufWriter::new(file);
-            let losses = writer.write(log, &mut out, progress)?;
-            out.flush()?;
-            Ok(losses)
-        }),
-        CopyFormat::Csv => write_atomically(path, |file| {
-            let mut out = BufWriter::new(file);
-            traces::write_csv(log, &mut out, progress)?;
-            out.flush()?;
-            Ok(Vec::new())
-        }),
-        CopyFormat::Parquet => write_atomically(path, |file| {
-            traces::write_parquet(log, file, progress)?;
-            Ok(Vec::new())
-        }),
-        CopyFormat::Gpx => {
-            let pieces = track(log.survey, log.navigation);
-            let start_unix_s = log.survey.start_unix_s;
-            track_gpx(path, &log.survey.name(), start_unix_s, &pieces).map(|_| Vec::new())
+    let format = CopyFormat::of(path)?;
+    let losses = write_atomically(path, |file| {
+        let mut losses = Vec::new();
+        let mut out = BufWriter::new(file);
+        match format {
+            CopyFormat::Recorder(writer) => losses = writer.write(log, &mut out, progress)?,
+            CopyFormat::Parquet => {
+                traces::write_parquet(log, out.get_ref().try_clone()?, progress)?
+            }
+            CopyFormat::Csv => traces::write_csv(log, &mut out, progress)?,
+            CopyFormat::Gpx => {
+                let pieces = track(log.survey, log.navigation);
+                let name = log.survey.name();
+                write_track_gpx(&mut out, &name, log.survey.start_unix_s, &pieces)?;
+            }
         }
-    };
-    Ok(written?)
+        out.flush()?;
+        // What was copied of a log that was cut meanwhile is no copy.
+        log.survey.check_files().map_err(io::Error::other)?;
+        Ok(losses)
+    })?;
+    Ok(losses)
 }

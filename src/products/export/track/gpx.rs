@@ -4,7 +4,7 @@ use super::TrackPiece;
 use crate::products::export::{ExportError, Summary, write_summed};
 use crate::support::calendar::timestamp;
 use crate::support::printable::xml;
-use std::io::Write as _;
+use std::io::{self, Write};
 use std::path::Path;
 
 /// Writes the pieces as segments of one track; with times where it is known when the log began (Unix seconds).
@@ -15,30 +15,38 @@ pub(crate) fn track_gpx(
     pieces: &[TrackPiece],
 ) -> Result<Summary, ExportError> {
     write_summed(path, |out, summary| {
-        let name = xml(name);
-        write!(
-            out,
-            "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<gpx version=\"1.1\" creator=\"Bathyscope\" \
-             xmlns=\"http://www.topografix.com/GPX/1/1\">\n<trk><name>{name}</name>\n"
-        )?;
-        for piece in pieces {
-            writeln!(out, "<trkseg>")?;
-            for point in &piece.points {
-                let (lon, lat) = (point.position.lon_deg, point.position.lat_deg);
-                summary.add([lon, lat], f64::NAN);
-                write!(out, "<trkpt lat=\"{lat:.8}\" lon=\"{lon:.8}\">")?;
-                if let Some(start_unix_s) = start_unix_s {
-                    write!(
-                        out,
-                        "<time>{}</time>",
-                        timestamp(start_unix_s + point.time_s)
-                    )?;
-                }
-                writeln!(out, "</trkpt>")?;
-            }
-            writeln!(out, "</trkseg>")?;
+        for point in pieces.iter().flat_map(|piece| &piece.points) {
+            summary.add([point.position.lon_deg, point.position.lat_deg], f64::NAN);
         }
-        writeln!(out, "</trk>\n</gpx>")?;
-        Ok(())
+        write_track_gpx(out, name, start_unix_s, pieces)
     })
+}
+
+/// As [`track_gpx`], into a file that is open.
+pub(crate) fn write_track_gpx(
+    out: &mut impl Write,
+    name: &str,
+    start_unix_s: Option<f64>,
+    pieces: &[TrackPiece],
+) -> io::Result<()> {
+    let name = xml(name);
+    write!(
+        out,
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<gpx version=\"1.1\" creator=\"Bathyscope\" \
+         xmlns=\"http://www.topografix.com/GPX/1/1\">\n<trk><name>{name}</name>\n"
+    )?;
+    for piece in pieces {
+        writeln!(out, "<trkseg>")?;
+        for point in &piece.points {
+            let (lon, lat) = (point.position.lon_deg, point.position.lat_deg);
+            write!(out, "<trkpt lat=\"{lat:.8}\" lon=\"{lon:.8}\">")?;
+            if let Some(start_unix_s) = start_unix_s {
+                let time = timestamp(start_unix_s + point.time_s);
+                write!(out, "<time>{time}</time>")?;
+            }
+            writeln!(out, "</trkpt>")?;
+        }
+        writeln!(out, "</trkseg>")?;
+    }
+    writeln!(out, "</trk>\n</gpx>")
 }

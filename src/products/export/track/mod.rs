@@ -7,7 +7,7 @@ mod geojson;
 mod gpx;
 
 pub(crate) use geojson::track_geojson;
-pub(crate) use gpx::track_gpx;
+pub(crate) use gpx::{track_gpx, write_track_gpx};
 
 use crate::support::geo::LonLat;
 use crate::survey::{Navigation, PingNav, Survey};

@@ -1,0 +1,205 @@
+//! The files of the open logs, looked at every second: a log that was cut, overwritten, or cannot be read to its end any more is said
+//! once. A log that grows stays what it is as far as it was read, and one that is followed is read from a copy.
+//!
+//! A thread of its own looks, for a disk may not answer; it wakes the window only where there is something to say.
+
+use super::{App, Jobs, LogId, Task, TaskOutcome};
+use crate::support::file_error::FileError;
+use crate::support::mapped_file::FileFault;
+use crate::support::progress::Progress;
+use crate::survey::{Bytes, Survey};
+use std::path::PathBuf;
+use std::sync::{Arc, Weak};
+use std::time::Duration;
+
+/// Time between two looks is so many naps; after each it is asked whether the logs are still open.
+const NAPS: u32 = 4;
+/// One of them.
+const NAP: Duration = Duration::from_millis(250);
+
+/// What is looked at, and what was said.
+#[derive(Default)]
+pub(super) struct FileWatch {
+    /// The logs that are looked at, as they were read. They are not kept open for it.
+    logs: Vec<(LogId, Weak<Survey>)>,
+    looking: Option<Task<Vec<(LogId, String)>>>,
+    /// Logs of which it was said.
+    said: Vec<LogId>,
+}
+
+/// A log's files.
+struct WatchedLog {
+    id: LogId,
+    files: Vec<(PathBuf, Bytes)>,
+}
+
+impl App {
+    /// Whether the open logs still hold what they were opened with; see [`Survey::check_files`].
+    ///
+    /// # Errors
+    /// Names the first that does not.
+    pub(crate) fn check_logs(&self) -> Result<(), FileError<FileFault>> {
+        let mut surveys = self.logs().filter_map(|log| log.survey.as_ref());
+        surveys.try_for_each(|survey| survey.check_files())
+    }
+
+    /// Says what was found about the files of the logs, and has those looked at that are open now.
+    pub(super) fn poll_file_watch(&mut self) {
+        match self.file_watch.looking.as_ref().map(Task::poll) {
+            Some(TaskOutcome::Done(found)) => {
+                self.file_watch.looking = None;
+                for (id, text) in found {
+                    self.file_watch.said.push(id);
+                    self.notify(text, true);
+                }
+            }
+            Some(TaskOutcome::Failed) => self.file_watch.looking = None,
+            Some(TaskOutcome::Pending) | None => {}
+        }
+        let said = &self.file_watch.said;
+        let open = self.logs().filter(|log| !said.contains(&log.id));
+        let open = open.filter_map(|log| Some((log.id, log.survey.as_ref()?)));
+        // A log that is followed, which has another state all the time, is read from a copy.
+        let is_shared = |survey: &Survey| survey.bytes.iter().any(Bytes::is_shared);
+        let open = open.filter(|(_, survey)| is_shared(survey));
+        let open: Vec<(LogId, &Arc<Survey>)> = open.collect();
+        let now = (open.iter()).map(|(id, survey)| (*id, Arc::as_ptr(survey)));
+        let known = self.file_watch.logs.iter();
+        if now.eq(known.map(|(id, survey)| (*id, survey.as_ptr()))) {
+            return;
+        }
+        let watched: Vec<WatchedLog> = (open.iter())
+            .map(|(id, survey)| WatchedLog::new(*id, survey))
+            .collect();
+        self.file_watch.logs = (open.iter())
+            .map(|(id, survey)| (*id, Arc::downgrade(survey)))
+            .collect();
+        let repeats = matches!(self.jobs, Jobs::Threads(_));
+        self.file_watch.looking = (!watched.is_empty()).then(|| {
+            Task::start(&self.jobs, move |progress| {
+                look(&watched, repeats, progress)
+            })
+        });
+    }
+
+    /// Says once more which logs lost bytes: something was written that may be made of them.
+    pub(super) fn say_lost_logs(&mut self) {
+        let surveys = self.logs().filter_map(|log| log.survey.as_ref());
+        let files = surveys.flat_map(|survey| survey.source.files.iter().zip(&survey.bytes));
+        let lost = files.filter_map(|(path, bytes)| Some(FileError::new(bytes.lost()?, path)));
+        let lost: Vec<String> = lost.map(|lost| lost.to_string()).collect();
+        for text in lost {
+            self.notify(text, true);
+        }
+    }
+}
+
+impl WatchedLog {
+    fn new(id: LogId, survey: &Survey) -> Self {
+        let files = survey.source.files.iter().cloned();
+        let files = files.zip(survey.bytes.iter().cloned());
+        Self {
+            id,
+            files: files.collect(),
+        }
+    }
+
+    /// What is wrong with one of its files, in a sentence.
+    fn fault(&self) -> Option<(LogId, String)> {
+        let fault =
+            |(path, bytes): &(PathBuf, Bytes)| Some(FileError::new(bytes.fault(path)?, path));
+        let fault = self.files.iter().find_map(fault)?;
+        Some((self.id, fault.to_string()))
+    }
+}
+
+/// Looks at files until something is wrong with one, or once; what is wrong then with each log.
+fn look(logs: &[WatchedLog], repeats: bool, progress: &Progress) -> Vec<(LogId, String)> {
+    loop {
+        let found: Vec<(LogId, String)> = logs.iter().filter_map(WatchedLog::fault).collect();
+        if !found.is_empty() || !repeats {
+            return found;
+        }
+        for _ in 0..NAPS {
+            std::thread::sleep(NAP);
+            if progress.is_cancelled() {
+                return Vec::new();
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::Command;
+    use std::fs::{self, File};
+    use std::io::Write as _;
+    use std::path::Path;
+
+    const DEMO: &[u8] = include_bytes!("../../assets/demo.sl2");
+
+    /// A window on the demo survey as a file.
+    fn opened(folder: &Path) -> (App, PathBuf) {
+        let path = folder.join("pond.sl2");
+        fs::write(&path, DEMO).expect("a log");
+        let mut app = App::new(Jobs::Threads(Arc::new(|| ())));
+        app.apply(Command::Open(path.clone()));
+        wait(&mut app, |app| app.log.survey.is_some());
+        (app, path)
+    }
+
+    fn wait(app: &mut App, is_there: impl Fn(&App) -> bool) {
+        for _ in 0..400 {
+            app.poll();
+            if is_there(app) {
+                return;
+            }
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        panic!("it does not come");
+    }
+
+    fn said(app: &App, what: &str) -> usize {
+        app.said().filter(|one| one.text.contains(what)).count()
+    }
+
+    #[test]
+    fn a_log_that_is_cut_while_it_is_open_is_said_once_and_nothing_is_written_of_it() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (mut app, path) = opened(folder.path());
+        wait(&mut app, App::is_idle);
+        let file = File::options().write(true).open(&path).expect("the log");
+        file.set_len(10_000).expect("a cut");
+        let sentence = format!("from {} to 10000 bytes", DEMO.len());
+        wait(&mut app, |app| said(app, &sentence) == 1);
+        let out = folder.path().join("out");
+        app.export(out.clone());
+        wait(&mut app, App::is_idle);
+        assert!(!out.exists(), "half a log was written");
+        for _ in 0..30 {
+            app.poll();
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        // Once by the look, once by what was to be written.
+        assert!((1..=2).contains(&said(&app, &sentence)));
+        let survey = app.log.survey.clone().expect("the log is still open");
+        assert!(survey.bytes[0][20_000..].iter().all(|byte| *byte == 0));
+    }
+
+    #[test]
+    fn a_log_that_grows_or_is_removed_is_as_it_was() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (mut app, path) = opened(folder.path());
+        let mut file = File::options().append(true).open(&path).expect("the log");
+        file.write_all(DEMO).expect("a longer log");
+        std::thread::sleep(3 * NAP * NAPS);
+        app.poll();
+        fs::remove_file(&path).expect("no log");
+        std::thread::sleep(2 * NAP * NAPS);
+        app.poll();
+        assert_eq!(said(&app, "while it was open"), 0);
+        // Others are still looked at when one was removed.
+        assert!(app.file_watch.looking.is_some());
+    }
+}
