@@ -9,6 +9,7 @@ use super::garmin::Garmin;
 use super::humminbird::Humminbird;
 use super::log_format::LogFormat;
 use super::lowrance::Lowrance;
+use super::nmea::Nmea;
 use super::xtf::Xtf;
 use std::path::Path;
 use std::sync::LazyLock;
@@ -23,6 +24,8 @@ pub(crate) enum FileRole {
     Description,
     /// One of the files that hold the pings of a recording. The recorder adds to it.
     Part,
+    /// The whole recording, in a file whose ending files of many other programs have: only its content says what it is.
+    Shared,
 }
 
 impl FileRole {
@@ -32,6 +35,7 @@ impl FileRole {
             FileRole::Log => "log",
             FileRole::Description => "description",
             FileRole::Part => "part",
+            FileRole::Shared => "shared",
         }
     }
 }
@@ -198,6 +202,25 @@ pub(crate) const FORMATS: &[FormatEntry] = &[
         reader: &Cerulean,
     },
     FormatEntry {
+        name: "NMEA 0183",
+        recorders: "loggers of NMEA 0183",
+        endings: &[
+            ("nmea", FileRole::Log),
+            ("log", FileRole::Shared),
+            ("txt", FileRole::Shared),
+        ],
+        magic: "text with three sentences that are read and whose sums are right",
+        carries: &[Carried::Soundings, Carried::Positions, Carried::Heading],
+        tried_on: None,
+        notes: "depths of DPT and DBT with a track; the logger's times before the sentences are used",
+        file_type: Some(FileType {
+            mime: "application/x-nmea-log",
+            comment: "NMEA 0183 log",
+        }),
+        keywords: &["nmea"],
+        reader: &Nmea,
+    },
+    FormatEntry {
         name: "Humminbird DAT and SON",
         recorders: "Humminbird",
         endings: &[("DAT", FileRole::Description), ("SON", FileRole::Part)],
@@ -226,6 +249,7 @@ impl FormatEntry {
             names.collect::<Vec<_>>()
         };
         let mut names = of(FileRole::Log, "");
+        names.extend(of(FileRole::Shared, ""));
         names.extend(of(FileRole::Description, "the "));
         let parts = of(FileRole::Part, "one ").join(" or ");
         match parts.is_empty() {
