@@ -10,6 +10,7 @@ use super::humminbird::Humminbird;
 use super::log_format::LogFormat;
 use super::lowrance::Lowrance;
 use super::nmea::Nmea;
+use super::sounding_table::SoundingTable;
 use super::xtf::Xtf;
 use std::path::Path;
 use std::sync::LazyLock;
@@ -221,6 +222,18 @@ pub(crate) const FORMATS: &[FormatEntry] = &[
         reader: &Nmea,
     },
     FormatEntry {
+        name: "CSV of soundings",
+        recorders: "Deeper, ReefMaster and other programs",
+        endings: &[("csv", FileRole::Shared)],
+        magic: "a first line that names columns of place and depth; else rows of latitude, longitude, depth and Unix milliseconds",
+        carries: &[Carried::Soundings, Carried::Positions, Carried::Heading],
+        tried_on: None,
+        notes: "columns lon and lat, or easting and northing with `source.crs`; depth in metres, or feet as `depth_ft`; perhaps time and heading; read where the file is named, not in a folder",
+        file_type: None,
+        keywords: &["deeper", "reefmaster"],
+        reader: &SoundingTable,
+    },
+    FormatEntry {
         name: "Humminbird DAT and SON",
         recorders: "Humminbird",
         endings: &[("DAT", FileRole::Description), ("SON", FileRole::Part)],
@@ -353,7 +366,8 @@ mod tests {
         assert_eq!(role("a/pond.SL2"), Some(FileRole::Log));
         assert_eq!(role("Rec00001.dat"), Some(FileRole::Description));
         assert_eq!(role("B002.SON"), Some(FileRole::Part));
-        assert_eq!(role("pond.csv"), None);
+        assert_eq!(role("pond.csv"), Some(FileRole::Shared));
+        assert_eq!(role("pond.tif"), None);
         assert_eq!(role("sl2"), None);
     }
 
