@@ -80,7 +80,7 @@ pub(crate) struct FileType {
 
 /// One format.
 pub(crate) struct FormatEntry {
-    /// The name in lists, with `and` between several kinds: `Lowrance SL2 and SL3`.
+    /// The name in lists, with `and` between the last two of several kinds: `Lowrance SLG, SL2 and SL3`.
     pub(crate) name: &'static str,
     /// The recorders that write it, in words.
     pub(crate) recorders: &'static str,
@@ -105,10 +105,14 @@ pub(crate) struct FormatEntry {
 /// Every format that is read, in the order of recognition: first those that are sure by their first bytes, last those that list folders.
 pub(crate) const FORMATS: &[FormatEntry] = &[
     FormatEntry {
-        name: "Lowrance SL2 and SL3",
+        name: "Lowrance SLG, SL2 and SL3",
         recorders: "Lowrance, Simrad",
-        endings: &[("sl2", FileRole::Log), ("sl3", FileRole::Log)],
-        magic: "number 2 or 3 at byte 0 and a first frame that holds its own offset, 8; else two such frames in a row",
+        endings: &[
+            ("sl2", FileRole::Log),
+            ("sl3", FileRole::Log),
+            ("slg", FileRole::Log),
+        ],
+        magic: "number 2 or 3 at byte 0 and a first frame that holds its own offset, 8; else two such frames in a row; number 1 at byte 0 and blocks of the size at byte 4",
         carries: &[
             Carried::SideScan,
             Carried::DownScan,
@@ -117,9 +121,9 @@ pub(crate) const FORMATS: &[FormatEntry] = &[
             Carried::Heading,
         ],
         tried_on: Some(
-            "recordings of both kinds; those with side-scan hold only noise in it, or were converted",
+            "recordings of SL2 and SL3; those with side-scan hold only noise in it, or were converted; SLG from the specification",
         ),
-        notes: "side-scan combined or separate port and starboard; `.slg` has no side-scan and cannot be used",
+        notes: "side-scan combined or separate port and starboard; `.slg` has depths and a track only",
         file_type: Some(FileType {
             mime: "application/x-lowrance-sonar",
             comment: "Lowrance sonar log",
@@ -309,7 +313,7 @@ pub(super) fn looked_for_in_folder() -> &'static str {
     &TEXT
 }
 
-/// The formats to choose from, in words: `Lowrance SL2 or SL3, XTF, Humminbird DAT or SON`.
+/// The formats to choose from, in words: `Lowrance SLG, SL2 or SL3, XTF, Humminbird DAT or SON`.
 pub(crate) fn formats_to_open() -> &'static str {
     static TEXT: LazyLock<String> = LazyLock::new(|| names().replace(" and ", " or "));
     &TEXT
@@ -375,14 +379,14 @@ mod tests {
     fn lists_are_in_words() {
         let marked = |name: &str| format!("`{name}`");
         let opened = |at: usize| FORMATS[at].opened_as(marked);
-        assert_eq!(opened(0), "`.sl2`, `.sl3`");
+        assert_eq!(opened(0), "`.sl2`, `.sl3`, `.slg`");
         let folder = FORMATS
             .iter()
             .find(|format| format.name.starts_with("Humminbird"));
         let folder = folder.map(|format| format.opened_as(str::to_owned));
         assert_eq!(folder.as_deref(), Some("the .DAT, the folder or one .SON"));
-        assert!(looked_for().starts_with("looked for Lowrance SL2 and SL3, "));
-        assert!(formats_to_open().starts_with("Lowrance SL2 or SL3, "));
+        assert!(looked_for().starts_with("looked for Lowrance SLG, SL2 and SL3, "));
+        assert!(formats_to_open().starts_with("Lowrance SLG, SL2 or SL3, "));
         let shown = endings_to_show();
         assert!(
             ["sl2", "SL2", "dat", "DAT", "son", "XTF"]

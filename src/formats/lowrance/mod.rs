@@ -1,4 +1,4 @@
-//! Lowrance SL2 and SL3, and a word about SLG.
+//! Lowrance SL2 and SL3; and SLG, which has depths and a track (`slg`).
 //!
 //! In: the bytes of a recording. Out: a collected log.
 //! It uses `survey` and `support`.
@@ -8,6 +8,7 @@ pub(crate) mod frame;
 mod sides;
 pub(crate) mod sl2;
 pub(crate) mod sl3;
+mod slg;
 mod walk;
 
 use super::file_source::FileSource;
@@ -40,7 +41,12 @@ impl LogFormat for Lowrance {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum LowranceKind {
     /// SLG: no side-scan in it.
-    Slg,
+    Slg {
+        /// Bytes of a block.
+        size: usize,
+        /// The file header's version word.
+        version: u16,
+    },
     /// Frames of a known layout.
     Frames {
         /// Which.
@@ -63,7 +69,12 @@ fn sniff_header(bytes: &[u8]) -> Option<LowranceKind> {
     let usual = matches!(block, 1970 | 3200) && version <= 16;
     let first_frame = scalar::u32_le(bytes, FILE_HEADER) == Some(FILE_HEADER as u32);
     match format {
-        1 if usual => Some(LowranceKind::Slg),
+        1 if usual || (version <= 16 && slg::begins_with_block(bytes, block.into())) => {
+            Some(LowranceKind::Slg {
+                size: block.into(),
+                version,
+            })
+        }
         2 | 3 if usual || first_frame => Some(LowranceKind::Frames {
             layout: if format == 2 {
                 FrameLayout::Sl2
@@ -100,20 +111,23 @@ fn read(
     reading: &Reading<'_>,
     progress: &Progress,
 ) -> Result<Survey, OpenError> {
-    let LowranceKind::Frames { layout, version } = kind else {
-        return Err(OpenError::Unsupported {
-            path: opened.path,
-            what: "no side-scan in a Lowrance SLG log; set the unit to record sl2 or sl3".into(),
-        });
-    };
-    let format = format_name(layout, version);
+    let format = format_name(kind);
     let source = opened.source(format.clone());
     let mut log = Collected::new(source, vec![opened.bytes.clone()], reading);
-    if version.is_none() {
-        log.report
-            .log("the file header is damaged; the format was inferred from the frames");
+    let bytes = &opened.bytes;
+    match kind {
+        LowranceKind::Slg { size, .. } => {
+            progress.start(bytes.len() as u64);
+            slg::read_blocks(bytes, size, &mut log, reading.is_growing, progress)?;
+        }
+        LowranceKind::Frames { layout, version } => {
+            if version.is_none() {
+                log.report
+                    .log("the file header is damaged; the format was inferred from the frames");
+            }
+            read_frames(bytes, layout, &mut log, reading, progress)?;
+        }
     }
-    read_frames(&opened.bytes, layout, &mut log, reading, progress)?;
     if log.channels.is_empty() {
         let len = opened.bytes.len();
         return Err(OpenError::Broken {
@@ -160,10 +174,13 @@ fn read_frames(
     Ok(())
 }
 
-fn format_name(layout: FrameLayout, version: Option<u16>) -> String {
-    let name = match layout {
-        FrameLayout::Sl2 => "Lowrance SL2",
-        FrameLayout::Sl3 => "Lowrance SL3",
+fn format_name(kind: LowranceKind) -> String {
+    let (name, version) = match kind {
+        LowranceKind::Slg { version, .. } => ("Lowrance SLG", Some(version)),
+        LowranceKind::Frames { layout, version } => match layout {
+            FrameLayout::Sl2 => ("Lowrance SL2", version),
+            FrameLayout::Sl3 => ("Lowrance SL3", version),
+        },
     };
     version.map_or_else(
         || name.to_owned(),
