@@ -7,6 +7,7 @@ use super::cerulean::Cerulean;
 use super::edgetech::EdgeTech;
 use super::garmin::Garmin;
 use super::humminbird::Humminbird;
+use super::klein::Klein;
 use super::log_format::LogFormat;
 use super::lowrance::Lowrance;
 use super::nmea::Nmea;
@@ -205,6 +206,26 @@ pub(crate) const FORMATS: &[FormatEntry] = &[
         }),
         keywords: &["cerulean"],
         reader: &Cerulean,
+    },
+    FormatEntry {
+        name: "Klein SDF",
+        recorders: "Klein side-scan sonars",
+        endings: &[("sdf", FileRole::Log)],
+        magic: "pages that begin with FF FF FF FF, their length and a version from 3000 on",
+        carries: &[
+            Carried::SideScan,
+            Carried::Soundings,
+            Carried::Positions,
+            Carried::Heading,
+        ],
+        tried_on: None,
+        notes: "System 3000 and 3500 series; System 5000 and 7000 have to be exported as XTF first; of two frequencies the high one is shown",
+        file_type: Some(FileType {
+            mime: "application/x-klein-sdf",
+            comment: "Klein sonar log",
+        }),
+        keywords: &["klein"],
+        reader: &Klein,
     },
     FormatEntry {
         name: "NMEA 0183",

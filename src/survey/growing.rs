@@ -267,7 +267,8 @@ impl Survey {
     fn scale_like(&mut self, log: &Survey) {
         let spans = log.side_scan.iter().rev().take(ENDED_PINGS);
         let mut spans = spans.flat_map(|ping| [ping.port, ping.starboard]).flatten();
-        let is_shifted = |span: &SideSpan| matches!(span.encoding, Encoding::U16 { .. });
+        let is_shifted =
+            |span: &SideSpan| matches!(span.encoding, Encoding::U16 { .. } | Encoding::U32 { .. });
         let Some(known) = spans.find(is_shifted) else {
             return;
         };

@@ -42,6 +42,11 @@ pub enum Encoding {
         /// Bits to drop.
         shift: u8,
     },
+    /// Four bytes, little-endian, of which `value >> shift` fits a byte.
+    U32 {
+        /// Bits to drop.
+        shift: u8,
+    },
     /// Two bytes, little-endian, on the scale of their own ping: `base + step * value` is the level in units of 2^-[`LEVEL_BITS`].
     ScaledU16 {
         /// Level of the value 0.
@@ -66,7 +71,7 @@ impl Encoding {
         match self {
             Encoding::U8 => 1,
             Encoding::U16 { .. } | Encoding::ScaledU16 { .. } => 2,
-            Encoding::ScaledComplex { .. } => 4,
+            Encoding::U32 { .. } | Encoding::ScaledComplex { .. } => 4,
         }
     }
 }
@@ -162,6 +167,10 @@ impl<'a> Samples<'a> {
         match self.encoding {
             Encoding::U8 => self.stored[stored],
             Encoding::U16 { shift } => (self.pair(2 * stored) >> shift).min(255) as u8,
+            Encoding::U32 { shift } => {
+                let [low, high] = [4 * stored, 4 * stored + 2].map(|at| u32::from(self.pair(at)));
+                ((high << 16 | low) >> shift).min(255) as u8
+            }
             Encoding::ScaledU16 { base, step } => {
                 let value = self.pair(2 * stored);
                 let level = i64::from(base) + i64::from(step) * i64::from(value);

@@ -192,14 +192,14 @@ fn step_of_shift(shift: i32) -> u32 {
 fn step(encoding: Encoding) -> Option<u32> {
     match encoding {
         Encoding::ScaledU16 { step, .. } | Encoding::ScaledComplex { step } => Some(step),
-        Encoding::U8 | Encoding::U16 { .. } => None,
+        Encoding::U8 | Encoding::U16 { .. } | Encoding::U32 { .. } => None,
     }
 }
 
 fn set_step(encoding: &mut Encoding, to: u32) {
     match encoding {
         Encoding::ScaledU16 { step, .. } | Encoding::ScaledComplex { step } => *step = to,
-        Encoding::U8 | Encoding::U16 { .. } => {}
+        Encoding::U8 | Encoding::U16 { .. } | Encoding::U32 { .. } => {}
     }
 }
 

@@ -84,7 +84,10 @@ pub(super) fn choose_levels(bytes: &[u8], log: &mut Collected, known: Option<&Su
 fn shift(span: &SideSpan) -> Option<u8> {
     match span.encoding {
         Encoding::U16 { shift } => Some(shift),
-        Encoding::U8 | Encoding::ScaledU16 { .. } | Encoding::ScaledComplex { .. } => None,
+        Encoding::U8
+        | Encoding::U32 { .. }
+        | Encoding::ScaledU16 { .. }
+        | Encoding::ScaledComplex { .. } => None,
     }
 }
 

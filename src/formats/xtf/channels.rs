@@ -91,12 +91,13 @@ const PINGS_LOOKED_AT: usize = 200;
 /// Share of the samples that may be clipped by dropping low bits as if there were no more.
 const CLIPPED_SHARE: f64 = 0.001;
 
-/// How many low bits of 16-bit samples to drop so that nearly all fit a byte.
+/// How many low bits of samples of 16 or 32 bits to drop so that nearly all fit a byte.
 pub(in crate::formats) fn shift_to_fit(bytes: &[u8], spans: &[&SideSpan]) -> u8 {
-    let mut histogram = [0_u64; 17];
+    let mut histogram = [0_u64; 33];
     for span in spans.iter().step_by(spans.len() / PINGS_LOOKED_AT + 1) {
+        let width = span.encoding.width();
         let wide = SideSpan {
-            count: span.count * 2,
+            count: span.count.saturating_mul(width as u32),
             encoding: Encoding::U8,
             order: SampleOrder::NearToFar,
             ..**span
@@ -105,14 +106,15 @@ pub(in crate::formats) fn shift_to_fit(bytes: &[u8], spans: &[&SideSpan]) -> u8 
         else {
             continue;
         };
-        for pair in stored.chunks_exact(2) {
-            let bits = 16 - u16::from_le_bytes([pair[0], pair[1]]).leading_zeros();
-            histogram[bits as usize] += 1;
+        for sample in stored.chunks_exact(width) {
+            let add = |value: u32, byte: &u8| value << 8 | u32::from(*byte);
+            let value = sample.iter().rev().fold(0, add);
+            histogram[(u32::BITS - value.leading_zeros()) as usize] += 1;
         }
     }
     let total: u64 = histogram.iter().sum();
     let mut beyond = 0;
-    for bits in (9..=16).rev() {
+    for bits in (9..histogram.len()).rev() {
         beyond += histogram[bits];
         if beyond as f64 > CLIPPED_SHARE * total as f64 {
             return (bits - 8) as u8;
