@@ -23,6 +23,8 @@ use frame::{FrameCheck, FrameLayout};
 pub(crate) const FILE_HEADER: usize = 8;
 /// Bytes searched for frames when the file header does not say what the file is.
 const SEARCHED_FOR_FRAMES: usize = 1 << 20;
+/// So many frames in a row are no chance.
+const FRAMES_THAT_PROVE: usize = 4;
 
 /// The reader of the format.
 pub(super) struct Lowrance;
@@ -87,21 +89,32 @@ fn sniff_header(bytes: &[u8]) -> Option<LowranceKind> {
     }
 }
 
-/// Two frames in a row, found by their own offsets, are proof enough.
+/// Frames in a row, found by their own offsets: tables of rising numbers in other files look like two of them.
 fn sniff_frames(bytes: &[u8]) -> Option<LowranceKind> {
-    [FrameLayout::Sl2, FrameLayout::Sl3]
-        .into_iter()
-        .find_map(|layout| {
-            let first = walk::first_frame(bytes, layout, FILE_HEADER..SEARCHED_FOR_FRAMES, 0)?;
-            let FrameCheck::Whole(frame) = layout.look(bytes, first.at, first.lost) else {
-                return None;
-            };
-            let next = layout.look(bytes, first.at + frame.size, first.lost);
-            matches!(next, FrameCheck::Whole(_)).then_some(LowranceKind::Frames {
-                layout,
-                version: None,
-            })
+    let layouts = [FrameLayout::Sl2, FrameLayout::Sl3].into_iter();
+    layouts
+        .filter(|layout| {
+            let range = FILE_HEADER..SEARCHED_FOR_FRAMES;
+            let first = walk::first_frame(bytes, *layout, range, 0);
+            first.is_some_and(|first| is_row_of_frames(bytes, *layout, first))
         })
+        .map(|layout| LowranceKind::Frames {
+            layout,
+            version: None,
+        })
+        .next()
+}
+
+/// Whether so many frames follow each other from a place on that they are no chance, or to the end of the bytes.
+fn is_row_of_frames(bytes: &[u8], layout: FrameLayout, first: walk::FrameStart) -> bool {
+    let mut at = first.at;
+    for found in 0..FRAMES_THAT_PROVE {
+        match layout.look(bytes, at, first.lost) {
+            FrameCheck::Whole(frame) => at += frame.size,
+            _ => return found > 1 && bytes.len() - at < layout.shortest_header(),
+        }
+    }
+    true
 }
 
 /// Reads a file that [`sniff`] recognised.

@@ -29,6 +29,20 @@ fn not_a_log_broken_and_unsupported_are_different_sentences() {
 }
 
 #[test]
+fn two_frames_in_another_file_are_chance() {
+    let headless = |frames: i32| {
+        let mut bytes = handmade::sl3(&handmade::survey_frames(frames), 168);
+        bytes[..8].fill(0xEE);
+        bytes.extend([7; 4000]);
+        bytes
+    };
+    let error = refuse(&headless(1));
+    assert!(matches!(error, OpenError::NotRecognised { .. }), "{error}");
+    let survey = read(headless(2));
+    assert!(says(&survey, "the file header is damaged"));
+}
+
+#[test]
 fn a_suffix_proves_nothing() {
     let bytes = handmade::sl3(&handmade::survey_frames(5), 168);
     let survey = formats::open_bytes("log.sl2", bytes, &Progress::new()).unwrap();
