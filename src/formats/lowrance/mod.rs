@@ -25,6 +25,8 @@ pub(crate) const FILE_HEADER: usize = 8;
 const SEARCHED_FOR_FRAMES: usize = 1 << 20;
 /// So many frames in a row are no chance.
 const FRAMES_THAT_PROVE: usize = 4;
+/// So many beginnings of a row are looked at.
+const MOST_TRIES: usize = 16;
 
 /// The reader of the format.
 pub(super) struct Lowrance;
@@ -91,18 +93,24 @@ fn sniff_header(bytes: &[u8]) -> Option<LowranceKind> {
 
 /// Frames in a row, found by their own offsets: tables of rising numbers in other files look like two of them.
 fn sniff_frames(bytes: &[u8]) -> Option<LowranceKind> {
-    let layouts = [FrameLayout::Sl2, FrameLayout::Sl3].into_iter();
-    layouts
-        .filter(|layout| {
-            let range = FILE_HEADER..SEARCHED_FOR_FRAMES;
-            let first = walk::first_frame(bytes, *layout, range, 0);
-            first.is_some_and(|first| is_row_of_frames(bytes, *layout, first))
+    let has_row = |layout: &FrameLayout| {
+        let mut from = FILE_HEADER;
+        // Of a damaged beginning some frames are whole.
+        (0..MOST_TRIES).any(|_| {
+            let range = from..SEARCHED_FOR_FRAMES.max(from);
+            let Some(first) = walk::first_frame(bytes, *layout, range, 0) else {
+                return false;
+            };
+            from = first.at + 1;
+            is_row_of_frames(bytes, *layout, first)
         })
-        .map(|layout| LowranceKind::Frames {
-            layout,
-            version: None,
-        })
-        .next()
+    };
+    let mut layouts = [FrameLayout::Sl2, FrameLayout::Sl3].into_iter();
+    let layout = layouts.find(has_row)?;
+    Some(LowranceKind::Frames {
+        layout,
+        version: None,
+    })
 }
 
 /// Whether so many frames follow each other from a place on that they are no chance, or to the end of the bytes.

@@ -40,6 +40,11 @@ fn two_frames_in_another_file_are_chance() {
     assert!(matches!(error, OpenError::NotRecognised { .. }), "{error}");
     let survey = read(headless(2));
     assert!(says(&survey, "the file header is damaged"));
+    // The third frame is damaged too.
+    let mut bytes = headless(6);
+    let frame = 168 + 400;
+    bytes[8 + 2 * frame..8 + 2 * frame + 20].fill(0xEE);
+    assert_eq!(read(bytes).side_scan.len(), 6);
 }
 
 #[test]
