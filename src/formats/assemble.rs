@@ -172,9 +172,11 @@ fn clean_track(log: &mut Collected) -> Vec<Fix> {
 /// Whether the side-scan is worth drawing, with a sentence where it is not.
 fn judge(pings: &[SidePing], log: &mut Collected) -> SideScanState {
     if pings.is_empty() {
-        log.report.log(
-            "the log holds no side-scan: connect a side-scan transducer and switch its recording on",
-        );
+        let has_echoes = |(_, channel): &(u16, Channel)| channel.sample_count.1 > 0;
+        log.report.log(match log.channels.iter().any(has_echoes) {
+            true => "the log holds no side-scan: connect a side-scan transducer and switch its recording on",
+            false => "the log holds depths only, and no echoes of side-scan or of the sonar that looks down",
+        });
         return SideScanState::Absent;
     }
     let far_m = |ping: &SidePing| {

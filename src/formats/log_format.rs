@@ -26,4 +26,9 @@ pub(super) trait LogFormat: Sync {
     fn is_recording(&self, _files: &FileSource, _folder: &Path) -> bool {
         false
     }
+
+    /// Whether only a file that is named is read, and none that lies in a folder of logs: tables of other kinds look the same.
+    fn is_read_by_name_only(&self) -> bool {
+        false
+    }
 }

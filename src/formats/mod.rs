@@ -11,10 +11,10 @@
 //! 4. Write its test in `tests/suite/formats` with a small writer of the format in `tests/suite/handmade.rs`: whole, cut, damaged.
 //! 5. Run the tests: they print the table for README.md and the line for the flow of archives. Take its row out of `unsupported`, if it has one.
 //!
-//! `lowrance`, `garmin`, `xtf`, `edgetech`, `cerulean` and `humminbird` walk over the records of their format, mend what is damaged and give it
+//! `lowrance`, `garmin`, `xtf`, `edgetech`, `cerulean`, `klein`, `nmea`, `sounding_table` and `humminbird` walk over the records of their format, mend what is damaged and give it
 //! meaning in SI units; all fill one `collected` log, with `clock` to recognise damaged times and `report` to say what was wrong.
 //! `reading` says which part of a log is read: the tail of one that is being written is read as a log of its own. `assemble` turns what was read into the survey: `join` pairs the sides, `depths` chooses the soundings, `stray` leaves out positions that cannot be. `file_source` brings
-//! the bytes, `messages` walks over logs of messages, `nmea` reads sentences in them, `growing_log` copies one that is being written as it comes, `unsupported` recognises formats that are not read, `table` lists those that are. `track_file` reads
+//! the bytes, `messages` walks over logs of messages, `nmea` reads logs of sentences, and sentences in other logs, `growing_log` copies one that is being written as it comes, `unsupported` recognises formats that are not read, `table` lists those that are. `track_file` reads
 //! the track of another receiver, `gauge_file` the height of the water, `area_file` a polygon of water, `reference` whatever a survey is compared with, `points` and `geotiff` what other programs say of depths; both also lay out what is written so, as `parquet_table` does tables of columns.
 
 mod area_file;
@@ -33,6 +33,7 @@ mod gpx;
 mod growing_log;
 pub(crate) mod humminbird;
 mod join;
+mod klein;
 mod log_format;
 pub(crate) mod log_writer;
 pub(crate) mod lowrance;
@@ -44,6 +45,7 @@ mod reading;
 mod reference;
 mod report;
 mod scalar;
+mod sounding_table;
 mod stray;
 mod table;
 mod track_file;
@@ -68,7 +70,6 @@ use crate::support::mapped_file::FileFault;
 use crate::support::progress::Progress;
 use crate::survey::{Bytes, Seam, Source, Survey};
 use file_source::FileSource;
-use log_format::ReadRecording;
 use reading::Reading;
 use std::path::{Path, PathBuf};
 
@@ -331,18 +332,16 @@ fn logs_on(files: &FileSource, folder: &Path) -> Vec<PathBuf> {
             .filter(|bytes| !bytes.is_empty())
             .is_some_and(|bytes| {
                 let path = path.clone();
-                recognised(files, &Opened { path, bytes }).is_some()
+                let opened = Opened { path, bytes };
+                let mut formats = FORMATS.iter().map(|format| format.reader);
+                formats.any(|reader| {
+                    !reader.is_read_by_name_only() && reader.recognise(files, &opened).is_some()
+                })
             })
     };
     let mut logs = files.children(folder);
     logs.retain(|path| !files.is_folder(path) && is_log(path));
     logs
-}
-
-/// What reads a file, by the first format that knows its content.
-fn recognised(files: &FileSource, opened: &Opened) -> Option<ReadRecording> {
-    let mut formats = FORMATS.iter();
-    formats.find_map(|format| format.reader.recognise(files, opened))
 }
 
 /// Most names that a message lists.
@@ -364,7 +363,8 @@ fn read_by_content(
     if opened.bytes.is_empty() {
         return Err(not_recognised(&opened.path, "the file is empty"));
     }
-    if let Some(read) = recognised(files, &opened) {
+    let mut formats = FORMATS.iter();
+    if let Some(read) = formats.find_map(|format| format.reader.recognise(files, &opened)) {
         return read(reading, progress);
     }
     if let Some(advice) = unsupported::advice(&opened.bytes) {

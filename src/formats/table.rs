@@ -7,9 +7,12 @@ use super::cerulean::Cerulean;
 use super::edgetech::EdgeTech;
 use super::garmin::Garmin;
 use super::humminbird::Humminbird;
+use super::klein::Klein;
 use super::log_format::LogFormat;
 use super::log_writer::LogWriter;
 use super::lowrance::Lowrance;
+use super::nmea::Nmea;
+use super::sounding_table::SoundingTable;
 use super::xtf::Xtf;
 use std::ffi::OsStr;
 use std::path::Path;
@@ -25,6 +28,8 @@ pub(crate) enum FileRole {
     Description,
     /// One of the files that hold the pings of a recording. The recorder adds to it.
     Part,
+    /// The whole recording, in a file whose ending files of many other programs have: only its content says what it is.
+    Shared,
 }
 
 impl FileRole {
@@ -34,6 +39,7 @@ impl FileRole {
             FileRole::Log => "log",
             FileRole::Description => "description",
             FileRole::Part => "part",
+            FileRole::Shared => "shared",
         }
     }
 }
@@ -77,7 +83,7 @@ pub(crate) struct FileType {
 
 /// One format.
 pub(crate) struct FormatEntry {
-    /// The name in lists, with `and` between several kinds: `Lowrance SL2 and SL3`.
+    /// The name in lists, with `and` between the last two of several kinds: `Lowrance SLG, SL2 and SL3`.
     pub(crate) name: &'static str,
     /// The recorders that write it, in words.
     pub(crate) recorders: &'static str,
@@ -104,10 +110,14 @@ pub(crate) struct FormatEntry {
 /// Every format that is read, in the order of recognition: first those that are sure by their first bytes, last those that list folders.
 pub(crate) const FORMATS: &[FormatEntry] = &[
     FormatEntry {
-        name: "Lowrance SL2 and SL3",
+        name: "Lowrance SLG, SL2 and SL3",
         recorders: "Lowrance, Simrad",
-        endings: &[("sl2", FileRole::Log), ("sl3", FileRole::Log)],
-        magic: "number 2 or 3 at byte 0 and a first frame that holds its own offset, 8; else two such frames in a row",
+        endings: &[
+            ("sl2", FileRole::Log),
+            ("sl3", FileRole::Log),
+            ("slg", FileRole::Log),
+        ],
+        magic: "number 2 or 3 at byte 0 and a first frame that holds its own offset, 8; else two such frames in a row; number 1 at byte 0 and blocks of the size at byte 4",
         carries: &[
             Carried::SideScan,
             Carried::DownScan,
@@ -116,9 +126,9 @@ pub(crate) const FORMATS: &[FormatEntry] = &[
             Carried::Heading,
         ],
         tried_on: Some(
-            "recordings of both kinds; those with side-scan hold only noise in it, or were converted",
+            "recordings of SL2 and SL3; those with side-scan hold only noise in it, or were converted; SLG from the specification",
         ),
-        notes: "side-scan combined or separate port and starboard; `.slg` has no side-scan and cannot be used",
+        notes: "side-scan combined or separate port and starboard; `.slg` has depths and a track only",
         file_type: Some(FileType {
             mime: "application/x-lowrance-sonar",
             comment: "Lowrance sonar log",
@@ -207,6 +217,60 @@ pub(crate) const FORMATS: &[FormatEntry] = &[
         writer: None,
     },
     FormatEntry {
+        name: "Klein SDF",
+        recorders: "Klein side-scan sonars",
+        endings: &[("sdf", FileRole::Log)],
+        magic: "pages that begin with FF FF FF FF, their length and a version from 3000 on",
+        carries: &[
+            Carried::SideScan,
+            Carried::Soundings,
+            Carried::Positions,
+            Carried::Heading,
+        ],
+        tried_on: None,
+        notes: "System 3000 and 3500 series; System 5000 and 7000 have to be exported as XTF first; of two frequencies the high one is shown",
+        file_type: Some(FileType {
+            mime: "application/x-klein-sdf",
+            comment: "Klein sonar log",
+        }),
+        keywords: &["klein"],
+        reader: &Klein,
+        writer: None,
+    },
+    FormatEntry {
+        name: "NMEA 0183",
+        recorders: "loggers of NMEA 0183",
+        endings: &[
+            ("nmea", FileRole::Log),
+            ("log", FileRole::Shared),
+            ("txt", FileRole::Shared),
+        ],
+        magic: "text with three sentences that are read and whose sums are right",
+        carries: &[Carried::Soundings, Carried::Positions, Carried::Heading],
+        tried_on: None,
+        notes: "depths of DPT and DBT with a track; the logger's times before the sentences are used",
+        file_type: Some(FileType {
+            mime: "application/x-nmea-log",
+            comment: "NMEA 0183 log",
+        }),
+        keywords: &["nmea"],
+        reader: &Nmea,
+        writer: None,
+    },
+    FormatEntry {
+        name: "CSV of soundings",
+        recorders: "Deeper, ReefMaster and other programs",
+        endings: &[("csv", FileRole::Shared)],
+        magic: "a first line that names columns of place and depth; else rows of latitude, longitude, depth and Unix milliseconds",
+        carries: &[Carried::Soundings, Carried::Positions, Carried::Heading],
+        tried_on: None,
+        notes: "columns lon and lat, or easting and northing with `source.crs`; depth in metres, or feet as `depth_ft`; perhaps time and heading; read where the file is named, not in a folder",
+        file_type: None,
+        keywords: &["deeper", "reefmaster"],
+        reader: &SoundingTable,
+        writer: None,
+    },
+    FormatEntry {
         name: "Humminbird DAT and SON",
         recorders: "Humminbird",
         endings: &[("DAT", FileRole::Description), ("SON", FileRole::Part)],
@@ -217,8 +281,8 @@ pub(crate) const FORMATS: &[FormatEntry] = &[
             Carried::Soundings,
             Carried::Positions,
         ],
-        tried_on: Some("recordings of a 998; Solix and Onix from the specification"),
-        notes: "900, 1100 and Helix series, Solix; keep the folder of `.SON` files beside the `.DAT`",
+        tried_on: Some("recordings of a 998; others from the specification"),
+        notes: "900, 1100 and Helix series, Solix, and newer units whose pings have the same tags; keep the folder of `.SON` files beside the `.DAT`",
         file_type: None,
         keywords: &["humminbird"],
         reader: &Humminbird,
@@ -236,6 +300,7 @@ impl FormatEntry {
             names.collect::<Vec<_>>()
         };
         let mut names = of(FileRole::Log, "");
+        names.extend(of(FileRole::Shared, ""));
         names.extend(of(FileRole::Description, "the "));
         let parts = of(FileRole::Part, "one ").join(" or ");
         match parts.is_empty() {
@@ -294,7 +359,7 @@ pub(super) fn looked_for_in_folder() -> &'static str {
     &TEXT
 }
 
-/// The formats to choose from, in words: `Lowrance SL2 or SL3, XTF, Humminbird DAT or SON`.
+/// The formats to choose from, in words: `Lowrance SLG, SL2 or SL3, XTF, Humminbird DAT or SON`.
 pub(crate) fn formats_to_open() -> &'static str {
     static TEXT: LazyLock<String> = LazyLock::new(|| names().replace(" and ", " or "));
     &TEXT
@@ -351,7 +416,8 @@ mod tests {
         assert_eq!(role("a/pond.SL2"), Some(FileRole::Log));
         assert_eq!(role("Rec00001.dat"), Some(FileRole::Description));
         assert_eq!(role("B002.SON"), Some(FileRole::Part));
-        assert_eq!(role("pond.csv"), None);
+        assert_eq!(role("pond.csv"), Some(FileRole::Shared));
+        assert_eq!(role("pond.tif"), None);
         assert_eq!(role("sl2"), None);
     }
 
@@ -359,14 +425,14 @@ mod tests {
     fn lists_are_in_words() {
         let marked = |name: &str| format!("`{name}`");
         let opened = |at: usize| FORMATS[at].opened_as(marked);
-        assert_eq!(opened(0), "`.sl2`, `.sl3`");
+        assert_eq!(opened(0), "`.sl2`, `.sl3`, `.slg`");
         let folder = FORMATS
             .iter()
             .find(|format| format.name.starts_with("Humminbird"));
         let folder = folder.map(|format| format.opened_as(str::to_owned));
         assert_eq!(folder.as_deref(), Some("the .DAT, the folder or one .SON"));
-        assert!(looked_for().starts_with("looked for Lowrance SL2 and SL3, "));
-        assert!(formats_to_open().starts_with("Lowrance SL2 or SL3, "));
+        assert!(looked_for().starts_with("looked for Lowrance SLG, SL2 and SL3, "));
+        assert!(formats_to_open().starts_with("Lowrance SLG, SL2 or SL3, "));
         let shown = endings_to_show();
         assert!(
             ["sl2", "SL2", "dat", "DAT", "son", "XTF"]

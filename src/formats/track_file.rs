@@ -26,10 +26,10 @@ const LEAST_UNIX_S: f64 = 1e8;
 /// Longer than any track: ten fixes a second of a month take as much.
 const LONGEST: u64 = 1 << 31;
 /// Names of the columns, in lower case; the first that is there is taken.
-const TIME: &[&str] = &["time", "timestamp", "utc", "unix_s", "time_s"];
-const LON: &[&str] = &["lon", "longitude", "lon_deg", "lng"];
-const LAT: &[&str] = &["lat", "latitude", "lat_deg"];
-const HEADING: &[&str] = &["heading_deg", "yaw_deg", "heading"];
+pub(super) const TIME: &[&str] = &["time", "timestamp", "utc", "unix_s", "time_s"];
+pub(super) const LON: &[&str] = &["lon", "longitude", "lon_deg", "lng"];
+pub(super) const LAT: &[&str] = &["lat", "latitude", "lat_deg"];
+pub(super) const HEADING: &[&str] = &["heading_deg", "yaw_deg", "heading"];
 
 impl TrackFile {
     /// Reads a track. CSV has the columns `time` (ISO 8601, Unix seconds, or seconds of the log), `lon` and `lat`, degrees, and

@@ -5,6 +5,11 @@ use crate::formats::scalar::take;
 
 /// Unix seconds below this (year 2000) are not a time.
 const EARLIEST_UNIX_S: u32 = 946_684_800;
+/// No recording is of a later time (2100).
+const LATEST_UNIX_S: u32 = 4_102_444_800;
+/// Bytes of the shortest DAT that is no text, and where the recording's name stands in it.
+const SHORTEST: usize = 64;
+const NAME_AT: usize = 32;
 /// The text of an Onix DAT is a screen long.
 const LONGEST_ONIX: usize = 1 << 16;
 
@@ -13,7 +18,7 @@ const LONGEST_ONIX: usize = 1 << 16;
 pub(crate) enum DatFamily {
     /// 700 to 1100 series and Helix: 64 bytes, big-endian.
     Classic,
-    /// Solix: 96 or 100 bytes, little-endian.
+    /// Solix: 96, 100 or more bytes, little-endian.
     Solix,
     /// Onix: some binary words, then text such as `<NumberOfPings=11712>`.
     Onix,
@@ -48,26 +53,34 @@ pub(crate) enum WaterKind {
 }
 
 impl Dat {
-    /// Reads a DAT file; `None` when it is not one: the recording's name (`R01224.SON`) at offset 32 is the sign, on
-    /// Onix the text.
+    /// Reads a DAT file; `None` when it is not one: the recording's name (`R01224.SON`, `Rec00042.SON`) at offset 32 is the sign, on
+    /// Onix the text. Lengths that are not known are read in the byte order that makes the start a time.
     pub(crate) fn parse(bytes: &[u8]) -> Option<Self> {
-        let (family, order) = match bytes.len() {
-            64 => (DatFamily::Classic, ByteOrder::Big),
-            96 | 100 => (DatFamily::Solix, ByteOrder::Little),
-            _ => return Self::parse_onix(bytes),
-        };
-        let name: [u8; 10] = take(bytes, 32)?;
-        let is_name = name.first() == Some(&b'R') && name[6..].eq_ignore_ascii_case(b".SON");
+        let name: Option<[u8; 12]> = take(bytes, NAME_AT);
+        if bytes.len() < SHORTEST || !name.is_some_and(|name| is_name(&name)) {
+            return Self::parse_onix(bytes);
+        }
+        let classic = Self::in_order(bytes, DatFamily::Classic, ByteOrder::Big);
+        let solix = Self::in_order(bytes, DatFamily::Solix, ByteOrder::Little);
+        match bytes.len() {
+            SHORTEST => classic,
+            96 | 100 => solix,
+            _ => solix
+                .filter(|dat| dat.start_unix_s.is_some_and(|at| at < LATEST_UNIX_S))
+                .or(classic),
+        }
+    }
+
+    fn in_order(bytes: &[u8], family: DatFamily, order: ByteOrder) -> Option<Self> {
         let number = |at| take(bytes, at).map(|bytes| order.u32(bytes));
-        let dat = Self {
+        Some(Self {
             family,
             water_code: *bytes.get(1)?,
             sonar: number(4).filter(|&number| number > 0),
             start_unix_s: number(20).filter(|&unix_s| unix_s > EARLIEST_UNIX_S),
             record_count: number(44)?,
             length_ms: number(48)?,
-        };
-        is_name.then_some(dat)
+        })
     }
 
     fn parse_onix(bytes: &[u8]) -> Option<Self> {
@@ -101,6 +114,12 @@ impl Dat {
     }
 }
 
+/// Whether it is a recording's name: of six letters and the ending, or on newer units of eight.
+fn is_name(name: &[u8; 12]) -> bool {
+    let ends_at = |at: usize| name[at..at + 4].eq_ignore_ascii_case(b".SON");
+    name[0].eq_ignore_ascii_case(&b'R') && (ends_at(6) || ends_at(8))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -132,6 +151,31 @@ mod tests {
             (Some(1_600_000_000), 77)
         );
         assert_eq!(dat.water(), Some(WaterKind::DeepSalt));
+    }
+
+    #[test]
+    fn lengths_and_names_of_newer_units_are_read() {
+        for (length, order) in [
+            (96, ByteOrder::Little),
+            (108, ByteOrder::Little),
+            (128, ByteOrder::Big),
+        ] {
+            let mut dat = vec![0_u8; length];
+            let number = |value: u32| match order {
+                ByteOrder::Little => value.to_le_bytes(),
+                ByteOrder::Big => value.to_be_bytes(),
+            };
+            dat[20..24].copy_from_slice(&number(1_600_000_000));
+            dat[32..44].copy_from_slice(b"Rec00042.SON");
+            dat[44..48].copy_from_slice(&number(77));
+            let dat = Dat::parse(&dat).unwrap();
+            assert_eq!(
+                (dat.start_unix_s, dat.record_count),
+                (Some(1_600_000_000), 77)
+            );
+            let is_solix = order == ByteOrder::Little;
+            assert_eq!(dat.family == DatFamily::Solix, is_solix, "{length}");
+        }
     }
 
     #[test]

@@ -136,6 +136,34 @@ mod tests {
     }
 
     #[test]
+    fn the_longest_header_has_all_tags() {
+        // As PINGVerter lists them for the headers of 152 bytes.
+        let mut ping = MAGIC.to_vec();
+        let wide = |ping: &mut Vec<u8>, tag: u8, value: u32| {
+            ping.push(tag);
+            ping.extend(value.to_be_bytes());
+        };
+        for tag in 0x80..=0x8F {
+            wide(&mut ping, tag, if tag == 0x87 { 18 } else { 0x2121_2121 });
+        }
+        ping.extend([0x50, 3, 0x51, 10]);
+        wide(&mut ping, 0x92, 1_200_000);
+        ping.extend([0x53, 0x21, 0x54, 0x21]);
+        wide(&mut ping, 0x95, 0x21);
+        ping.extend([0x56, 0x21, 0x57, 0x21]);
+        for tag in 0x98..=0x9F {
+            wide(&mut ping, tag, 0x2121_2121);
+        }
+        wide(&mut ping, 0xA0, 900);
+        ping.push(END);
+        assert_eq!(ping.len(), 152);
+        let header = PingHeader::parse(&ping, 0, ByteOrder::Big).unwrap();
+        assert_eq!((header.header_len, header.sample_count), (152, 900));
+        assert_eq!((header.depth_dm, header.beam), (18, Some(3)));
+        assert_eq!(header.frequency_hz, 1_200_000);
+    }
+
+    #[test]
     fn cut_headers_are_none() {
         for len in 0..67 {
             assert_eq!(PingHeader::parse(&PORT[..len], 0, ByteOrder::Big), None);

@@ -11,6 +11,9 @@ use crate::survey::{ChannelKind, Fix};
 /// Unix seconds below this (year 2000) are a counter, not a time; above the other (2100), damage.
 const UNIX_S: std::ops::Range<u32> = 946_684_800..4_102_444_800;
 
+/// Channel number of depths across the track.
+const STRUCTURE_SCAN_3D: u16 = 9;
+
 /// Gives frames their meaning, a little behind the walk so that a damaged time is seen.
 #[derive(Default)]
 pub(super) struct Reader {
@@ -34,6 +37,16 @@ impl Reader {
             self.settle(log, verdict);
         }
         log.report.set_back(self.clock.set_back_s());
+        let swath = log
+            .channels
+            .iter()
+            .find(|(number, _)| *number == STRUCTURE_SCAN_3D);
+        if let Some((_, swath)) = swath {
+            log.report.log(format!(
+                "the log holds {} frames of StructureScan 3D (channel 9), whose depths across the track are not read; side-scan and soundings are",
+                swath.ping_count
+            ));
+        }
         if self.keel_ft != 0.0 {
             let keel_m = metres(self.keel_ft);
             log.report.log(format!(

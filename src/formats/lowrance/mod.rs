@@ -1,4 +1,4 @@
-//! Lowrance SL2 and SL3, and a word about SLG.
+//! Lowrance SL2 and SL3; and SLG, which has depths and a track (`slg`).
 //!
 //! In: the bytes of a recording. Out: a collected log.
 //! It uses `survey` and `support`.
@@ -9,6 +9,7 @@ mod from_log;
 mod sides;
 pub(crate) mod sl2;
 pub(crate) mod sl3;
+mod slg;
 mod walk;
 pub(crate) mod write;
 
@@ -24,6 +25,10 @@ use frame::{FrameCheck, FrameLayout};
 pub(crate) const FILE_HEADER: usize = 8;
 /// Bytes searched for frames when the file header does not say what the file is.
 const SEARCHED_FOR_FRAMES: usize = 1 << 20;
+/// So many frames in a row are no chance.
+const FRAMES_THAT_PROVE: usize = 4;
+/// So many beginnings of a row are looked at.
+const MOST_TRIES: usize = 16;
 
 /// The reader of the format.
 pub(super) struct Lowrance;
@@ -42,7 +47,12 @@ impl LogFormat for Lowrance {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum LowranceKind {
     /// SLG: no side-scan in it.
-    Slg,
+    Slg {
+        /// Bytes of a block.
+        size: usize,
+        /// The file header's version word.
+        version: u16,
+    },
     /// Frames of a known layout.
     Frames {
         /// Which.
@@ -65,7 +75,12 @@ fn sniff_header(bytes: &[u8]) -> Option<LowranceKind> {
     let usual = matches!(block, 1970 | 3200) && version <= 16;
     let first_frame = scalar::u32_le(bytes, FILE_HEADER) == Some(FILE_HEADER as u32);
     match format {
-        1 if usual => Some(LowranceKind::Slg),
+        1 if usual || (version <= 16 && slg::begins_with_block(bytes, block.into())) => {
+            Some(LowranceKind::Slg {
+                size: block.into(),
+                version,
+            })
+        }
         2 | 3 if usual || first_frame => Some(LowranceKind::Frames {
             layout: if format == 2 {
                 FrameLayout::Sl2
@@ -78,21 +93,38 @@ fn sniff_header(bytes: &[u8]) -> Option<LowranceKind> {
     }
 }
 
-/// Two frames in a row, found by their own offsets, are proof enough.
+/// Frames in a row, found by their own offsets: tables of rising numbers in other files look like two of them.
 fn sniff_frames(bytes: &[u8]) -> Option<LowranceKind> {
-    [FrameLayout::Sl2, FrameLayout::Sl3]
-        .into_iter()
-        .find_map(|layout| {
-            let first = walk::first_frame(bytes, layout, FILE_HEADER..SEARCHED_FOR_FRAMES, 0)?;
-            let FrameCheck::Whole(frame) = layout.look(bytes, first.at, first.lost) else {
-                return None;
+    let has_row = |layout: &FrameLayout| {
+        let mut from = FILE_HEADER;
+        // Of a damaged beginning some frames are whole.
+        (0..MOST_TRIES).any(|_| {
+            let range = from..SEARCHED_FOR_FRAMES.max(from);
+            let Some(first) = walk::first_frame(bytes, *layout, range, 0) else {
+                return false;
             };
-            let next = layout.look(bytes, first.at + frame.size, first.lost);
-            matches!(next, FrameCheck::Whole(_)).then_some(LowranceKind::Frames {
-                layout,
-                version: None,
-            })
+            from = first.at + 1;
+            is_row_of_frames(bytes, *layout, first)
         })
+    };
+    let mut layouts = [FrameLayout::Sl2, FrameLayout::Sl3].into_iter();
+    let layout = layouts.find(has_row)?;
+    Some(LowranceKind::Frames {
+        layout,
+        version: None,
+    })
+}
+
+/// Whether so many frames follow each other from a place on that they are no chance, or to the end of the bytes.
+fn is_row_of_frames(bytes: &[u8], layout: FrameLayout, first: walk::FrameStart) -> bool {
+    let mut at = first.at;
+    for found in 0..FRAMES_THAT_PROVE {
+        match layout.look(bytes, at, first.lost) {
+            FrameCheck::Whole(frame) => at += frame.size,
+            _ => return found > 1 && bytes.len() - at < layout.shortest_header(),
+        }
+    }
+    true
 }
 
 /// Reads a file that [`sniff`] recognised.
@@ -102,20 +134,23 @@ fn read(
     reading: &Reading<'_>,
     progress: &Progress,
 ) -> Result<Survey, OpenError> {
-    let LowranceKind::Frames { layout, version } = kind else {
-        return Err(OpenError::Unsupported {
-            path: opened.path,
-            what: "no side-scan in a Lowrance SLG log; set the unit to record sl2 or sl3".into(),
-        });
-    };
-    let format = format_name(layout, version);
+    let format = format_name(kind);
     let source = opened.source(format.clone());
     let mut log = Collected::new(source, vec![opened.bytes.clone()], reading);
-    if version.is_none() {
-        log.report
-            .log("the file header is damaged; the format was inferred from the frames");
+    let bytes = &opened.bytes;
+    match kind {
+        LowranceKind::Slg { size, .. } => {
+            progress.start(bytes.len() as u64);
+            slg::read_blocks(bytes, size, &mut log, reading.is_growing, progress)?;
+        }
+        LowranceKind::Frames { layout, version } => {
+            if version.is_none() {
+                log.report
+                    .log("the file header is damaged; the format was inferred from the frames");
+            }
+            read_frames(bytes, layout, &mut log, reading, progress)?;
+        }
     }
-    read_frames(&opened.bytes, layout, &mut log, reading, progress)?;
     if log.channels.is_empty() {
         let len = opened.bytes.len();
         return Err(OpenError::Broken {
@@ -162,10 +197,13 @@ fn read_frames(
     Ok(())
 }
 
-fn format_name(layout: FrameLayout, version: Option<u16>) -> String {
-    let name = match layout {
-        FrameLayout::Sl2 => "Lowrance SL2",
-        FrameLayout::Sl3 => "Lowrance SL3",
+fn format_name(kind: LowranceKind) -> String {
+    let (name, version) = match kind {
+        LowranceKind::Slg { version, .. } => ("Lowrance SLG", Some(version)),
+        LowranceKind::Frames { layout, version } => match layout {
+            FrameLayout::Sl2 => ("Lowrance SL2", version),
+            FrameLayout::Sl3 => ("Lowrance SL3", version),
+        },
     };
     version.map_or_else(
         || name.to_owned(),

@@ -6,6 +6,7 @@
 //! A filtered file keeps all that the input said about a point when it is written in the input's own format; between
 //! formats only the coordinates go over.
 
+pub(super) mod columns;
 mod copc;
 mod elevations;
 mod error;

@@ -1,5 +1,6 @@
 //! Points in lines of text: xyz, csv, txt.
 
+use super::columns::{fields, is_comment, is_header, number, position, separator_of};
 use super::{PointFault, PointLineFault, TextFault};
 use crate::support::printable::one_line;
 use crate::support::regular_file;
@@ -96,11 +97,6 @@ pub(super) fn read(
     Ok((file, points))
 }
 
-fn is_comment(line: &str) -> bool {
-    let line = line.trim_start();
-    line.is_empty() || line.starts_with('#') || line.starts_with("//")
-}
-
 impl TextFile {
     /// What had to be guessed.
     pub(super) fn note(&self) -> Option<String> {
@@ -141,18 +137,10 @@ impl ColumnLayout {
     /// From the first line, which is a header unless all it holds is numbers.
     fn of(line: &str, requested: ColumnRequest<'_>) -> Result<(Self, bool), TextFault> {
         let names = requested.named;
-        let separator = [',', ';', '\t']
-            .into_iter()
-            .find(|&separator| line.contains(separator));
+        let separator = separator_of(line);
         let fields = fields(line, separator);
-        let is_header = fields
-            .iter()
-            .any(|field| field.parse::<f64>().is_err() && !field.is_empty());
-        let position = |name: &str| {
-            fields
-                .iter()
-                .position(|field| field.eq_ignore_ascii_case(name))
-        };
+        let is_header = is_header(&fields, separator);
+        let position = |name: &str| position(&fields, name);
         let find = |names: [&str; 3]| {
             let [x, y, z] = names.map(position);
             Some(([x?, y?, z?], names.map(str::to_owned)))
@@ -240,25 +228,12 @@ impl ColumnLayout {
             let field = fields
                 .get(self.columns[axis])
                 .ok_or_else(|| self.too_short(name, fields.len()))?;
-            *value = field.parse().map_err(|_| PointLineFault::NotANumber {
+            let read = number(field, self.separator);
+            *value = read.ok_or_else(|| PointLineFault::NotANumber {
                 field: (*field).to_owned(),
                 column: name.clone(),
             })?;
         }
         Ok(point)
     }
-}
-
-/// The fields of a line, without quotes and outer spaces. A separator within quotes separates nothing.
-fn fields(line: &str, separator: Option<char>) -> Vec<&str> {
-    let Some(separator) = separator else {
-        return line.split_whitespace().collect();
-    };
-    let mut quoted = false;
-    line.split(|c| {
-        quoted ^= c == '"';
-        c == separator && !quoted
-    })
-    .map(|field| field.trim().trim_matches('"').trim())
-    .collect()
 }

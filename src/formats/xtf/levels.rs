@@ -154,9 +154,13 @@ fn have_signs(bytes: &[u8], spans: &[&SideSpan], stored: NumberKind) -> bool {
         && loud as f64 <= MOST_LOUD * all as f64
 }
 
-/// How many low bits of 16-bit samples to drop so that nearly all fit a byte.
+/// How many low bits of samples to drop so that nearly all fit a byte. All are of 16 bits, or all of 32.
 pub(in crate::formats) fn shift_to_fit(bytes: &[u8], spans: &[&SideSpan]) -> u8 {
-    let bits = bits_to_fit(bytes, spans, NumberKind::U16, |_| 0);
+    let kind = match spans.first().map(|span| span.encoding.width()) {
+        Some(4) => NumberKind::U32,
+        _ => NumberKind::U16,
+    };
+    let bits = bits_to_fit(bytes, spans, kind, |_| 0);
     u8::try_from(bits - LEVEL).unwrap_or(0)
 }
 

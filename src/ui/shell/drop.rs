@@ -5,7 +5,8 @@ use crate::formats::points::is_named_as_elevations;
 use egui::Ui;
 use std::path::{Path, PathBuf};
 
-/// Opens what was dropped; logs beside those that are open.
+/// Opens what was dropped; logs beside those that are open. Tables and points belong to a log: where none is open, they are taken for logs
+/// themselves, for some are.
 pub(super) fn collect(ui: &Ui, has_log: bool, commands: &mut Vec<Command>) {
     let dropped: Vec<PathBuf> = ui.input(|input| {
         let files = input.raw.dropped_files.iter();
@@ -16,14 +17,14 @@ pub(super) fn collect(ui: &Ui, has_log: bool, commands: &mut Vec<Command>) {
         .partition(|path| is_named(path, &["tif", "tiff"]));
     let (tables, logs): (Vec<_>, Vec<_>) = others
         .into_iter()
-        .partition(|path| is_named(path, &["csv", "gpx"]));
+        .partition(|path| has_log && is_named(path, &["csv", "gpx"]));
     if let Some(map) = maps.into_iter().next_back() {
         commands.push(Command::OpenBaseMap(map));
     }
     if let Some(table) = tables.into_iter().next_back() {
         commands.push(Command::OpenTable(table));
     }
-    let named = |path: &PathBuf| is_named_as_elevations(path);
+    let named = |path: &PathBuf| has_log && is_named_as_elevations(path);
     let (points, logs): (Vec<_>, Vec<_>) = logs.into_iter().partition(named);
     if let Some(points) = points.into_iter().next_back() {
         commands.push(Command::CompareWith(points));

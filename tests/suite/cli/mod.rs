@@ -12,6 +12,7 @@ mod records;
 mod refused;
 mod report_page;
 mod review;
+mod soundings_only;
 mod waterfall_options;
 
 use crate::suite::support;

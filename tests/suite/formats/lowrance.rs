@@ -98,6 +98,18 @@ fn depth_comes_from_the_nearest_sounding_less_the_keel_offset() {
 }
 
 #[test]
+fn frames_across_the_track_are_named() {
+    let mut frames = handmade::survey_frames(5);
+    frames.push(Frame::new(9, 230));
+    let survey = read(handmade::sl3(&frames, 168));
+    assert!(says(
+        &survey,
+        "holds 1 frames of StructureScan 3D (channel 9)"
+    ));
+    assert_eq!(survey.side_scan.len(), 5);
+}
+
+#[test]
 fn depth_comes_from_another_channel_where_the_primary_has_none() {
     let mut frames: Vec<Frame> = (0..60)
         .flat_map(|ping| [0, 2, 5].map(|channel| Frame::new(channel, ping * 50)))

@@ -21,12 +21,30 @@ fn not_a_log_broken_and_unsupported_are_different_sentences() {
     let broken = refuse(&handmade::sl2(&handmade::survey_frames(1))[..100]);
     assert!(matches!(broken, OpenError::Broken { .. }), "{broken}");
     let slg = refuse(&[1, 0, 0, 0, 0xB2, 7, 0, 0, 1, 2, 3, 4]);
-    assert!(matches!(slg, OpenError::Unsupported { .. }), "{slg}");
-    assert!(slg.to_string().contains("record sl2 or sl3"), "{slg}");
+    assert!(matches!(slg, OpenError::Broken { .. }), "{slg}");
     // A game's save file and a database carry the same suffixes.
     for known in [&b"BND4...."[..], b"SQLite format 3\0", b"PK\x03\x04"] {
         assert!(matches!(refuse(known), OpenError::Unsupported { .. }));
     }
+}
+
+#[test]
+fn two_frames_in_another_file_are_chance() {
+    let headless = |frames: i32| {
+        let mut bytes = handmade::sl3(&handmade::survey_frames(frames), 168);
+        bytes[..8].fill(0xEE);
+        bytes.extend([7; 4000]);
+        bytes
+    };
+    let error = refuse(&headless(1));
+    assert!(matches!(error, OpenError::NotRecognised { .. }), "{error}");
+    let survey = read(headless(2));
+    assert!(says(&survey, "the file header is damaged"));
+    // The third frame is damaged too.
+    let mut bytes = headless(6);
+    let frame = 168 + 400;
+    bytes[8 + 2 * frame..8 + 2 * frame + 20].fill(0xEE);
+    assert_eq!(read(bytes).side_scan.len(), 6);
 }
 
 #[test]

@@ -1,0 +1,198 @@
+//! From pages to sides, altitudes and fixes in SI units.
+
+use super::page::{Band, Channel, Page};
+use crate::formats::clock::{Clock, ClockVerdict};
+use crate::formats::collected::{Collected, Counted, HalfPing, is_sound};
+use crate::formats::reading::Reading;
+use crate::formats::report::WarningKind;
+use crate::formats::xtf::shift_to_fit;
+use crate::survey::{
+    ChannelKind, Encoding, Fix, NumberKind, RangeSource, SampleOrder, SideSpan, Survey,
+};
+use std::collections::BTreeMap;
+
+/// Decodes pages.
+pub(super) struct Reader<'a> {
+    bytes: &'a [u8],
+    clock: Clock<usize>,
+    /// Milliseconds since 1970 of the log's time zero.
+    zero_ms: Option<f64>,
+    /// Halves of the low and the high frequency, port and starboard.
+    halves: [[Vec<HalfPing>; 2]; 2],
+    /// Pages that are not read, by sonar.
+    others: BTreeMap<&'static str, usize>,
+}
+
+impl<'a> Reader<'a> {
+    /// A reader of this file; of its tail it knows the log's time zero.
+    pub(super) fn new(bytes: &'a [u8], reading: &Reading<'_>) -> Self {
+        let known = reading.known().and_then(|known| known.start_unix_s);
+        Self {
+            bytes,
+            clock: Clock::default(),
+            zero_ms: known.map(|start_unix_s| (start_unix_s * 1e3).round()),
+            halves: Default::default(),
+            others: BTreeMap::new(),
+        }
+    }
+
+    /// Whether the log's time zero is known, so that its tail can be read alone.
+    pub(super) fn knows_zero(&self) -> bool {
+        self.zero_ms.is_some()
+    }
+
+    /// Takes the page whose marker begins at an offset.
+    pub(super) fn take(&mut self, log: &mut Collected, at: usize) {
+        let Some(page) = Page::at(self.bytes, at) else {
+            return;
+        };
+        if !page.is_known() {
+            *self.others.entry(page.sonar()).or_default() += 1;
+            return;
+        }
+        let Some(unix_s) = page.unix_s() else {
+            let text = "a page has no date that can be; it was dropped";
+            return log.report.at(WarningKind::Value, 0, at, text);
+        };
+        if let Some(verdict) = self.clock.push(unix_s, at) {
+            self.settle(log, verdict);
+        }
+    }
+
+    /// Takes the pages that still wait for a verdict, and chooses what is shown.
+    pub(super) fn finish(&mut self, log: &mut Collected, known: Option<&Survey>) {
+        while let Some(verdict) = self.clock.next() {
+            self.settle(log, verdict);
+        }
+        log.report.set_back(self.clock.set_back_s());
+        log.start_unix_s = self.zero_ms.map(|zero_ms| zero_ms / 1e3);
+        log.range_source = RangeSource::SurveyRecorder;
+        let [low, high] = std::mem::take(&mut self.halves);
+        let counts = [&low, &high].map(|[port, starboard]| port.len().max(starboard.len()));
+        if counts.iter().all(|count| *count > 0) {
+            log.report.log(format!(
+                "{} pings of the low frequency are counted but not shown: those of the high one are",
+                counts[0]
+            ));
+        }
+        [log.port, log.starboard] = if counts[1] > 0 { high } else { low };
+        let halves = || log.port.iter().chain(&log.starboard);
+        let spans: Vec<&SideSpan> = halves().map(|half| &half.span).collect();
+        // The tail of a log is shown as the log is.
+        let known = known.and_then(|known| known.last_spans().next());
+        let fitting = match known.map(|span| span.encoding) {
+            Some(Encoding::U16 { shift }) => shift,
+            Some(Encoding::Number { exponent, .. }) => exponent.unsigned_abs() as u8,
+            _ => shift_to_fit(self.bytes, &spans),
+        };
+        for half in log.port.iter_mut().chain(&mut log.starboard) {
+            match &mut half.span.encoding {
+                Encoding::U16 { shift } => *shift = fitting,
+                Encoding::Number { exponent, .. } => *exponent = -i16::from(fitting),
+                _ => {}
+            }
+        }
+        if let Some(others) = self.others().filter(|_| !log.channels.is_empty()) {
+            log.report.log(format!("{others} were skipped"));
+        }
+    }
+
+    /// The pages that are not read, in words: `120 pages of a System 5000`.
+    pub(super) fn others(&self) -> Option<String> {
+        let each = self.others.iter();
+        let each = each.map(|(sonar, count)| format!("{count} pages of a {sonar}"));
+        let each: Vec<String> = each.collect();
+        (!each.is_empty()).then(|| each.join(" and "))
+    }
+
+    fn settle(&mut self, log: &mut Collected, verdict: ClockVerdict<usize>) {
+        match verdict {
+            ClockVerdict::Sound { record, time_s } => {
+                let now_ms = (time_s * 1e3).round();
+                let time_s = (now_ms - *self.zero_ms.get_or_insert(now_ms)) / 1e3;
+                if let Some(page) = Page::at(self.bytes, record) {
+                    self.keep(log, &page, time_s);
+                }
+            }
+            ClockVerdict::Damaged(at) => {
+                let text = "a page's time fits neither neighbour; its header is damaged and it was dropped";
+                log.report.at(WarningKind::Frame, 0, at, text);
+            }
+        }
+    }
+
+    fn keep(&mut self, log: &mut Collected, page: &Page<'_>, time_s: f64) {
+        if log.source.device.is_empty() {
+            page.sonar().clone_into(&mut log.source.device);
+        }
+        log.add_depth(ChannelKind::Primary, time_s, page.altitude_m());
+        if let Some(position) = page.position() {
+            log.add_fix(Fix {
+                time_s,
+                position,
+                cog_rad: f32::NAN,
+                compass_rad: page.heading_deg().to_radians(),
+                speed_mps: page.speed_mps(),
+            });
+        }
+        let channels = page.channels();
+        if channels.is_empty() {
+            let text = "the samples of a page do not lie in it; it was dropped";
+            log.report.at(WarningKind::Frame, 0, page.at, text);
+        }
+        for channel in channels {
+            self.keep_channel(log, page, channel, time_s);
+        }
+    }
+
+    fn keep_channel(
+        &mut self,
+        log: &mut Collected,
+        page: &Page<'_>,
+        channel: Channel,
+        time_s: f64,
+    ) {
+        let far_m = page.far_m(channel.count);
+        let number = 2 * channel.band as u16 + channel.side as u16;
+        if !log.knows(number) {
+            let kind = [ChannelKind::Port, ChannelKind::Starboard][channel.side];
+            let band = match channel.band {
+                Band::Low => "low frequency",
+                Band::High => "high frequency",
+            };
+            log.introduce(number, kind, band.to_owned(), page.frequency_khz());
+        }
+        let counted = Counted {
+            record: (0, page.end),
+            time_s,
+            samples: channel.count,
+            range_m: Some((0.0, far_m)),
+        };
+        log.count(number, counted);
+        let span = SideSpan {
+            file: 0,
+            encoding: match channel.width {
+                2 => Encoding::U16 { shift: 0 },
+                _ => Encoding::Number {
+                    kind: NumberKind::U32,
+                    exponent: 0,
+                },
+            },
+            order: SampleOrder::NearToFar,
+            offset: channel.first as u64,
+            count: channel.count as u32,
+            near_m: 0.0,
+            far_m,
+        };
+        if is_sound(&span) {
+            let half = HalfPing { time_s, span };
+            self.halves[channel.band as usize][channel.side].push(half);
+        } else {
+            let text = format!(
+                "a side of a page has {} samples over {far_m} m, which is no picture; it was dropped",
+                channel.count
+            );
+            log.report.at(WarningKind::Value, 0, channel.first, text);
+        }
+    }
+}

@@ -1,0 +1,231 @@
+//! One page: a ping with all its channels.
+
+use crate::formats::messages::MessageFormat;
+use crate::formats::scalar::{Fields, u32_le};
+use crate::support::geo::LonLat;
+use chrono::NaiveDate;
+
+/// The bytes before every page.
+const MARKER: u32 = u32::MAX;
+/// Bytes of the marker.
+const MARKER_LENGTH: usize = 4;
+/// Versions of pages that exist or may.
+const VERSIONS: std::ops::Range<u32> = 3000..8000;
+/// Bytes of a page without the marker: a header alone at least; a longer one is damage.
+const LENGTHS: std::ops::Range<usize> = 256..1 << 26;
+/// Years in which a log can have been recorded.
+const YEARS: std::ops::RangeInclusive<u32> = 1980..=2100;
+
+/// Pages.
+pub(super) const FORMAT: MessageFormat = MessageFormat {
+    noun: "page",
+    marker: [0xFF, 0xFF],
+    length: |bytes, at| Some(length(bytes, at)? + MARKER_LENGTH),
+};
+
+/// Bytes of the page whose marker begins at an offset, without the marker; `None` where none can begin.
+fn length(bytes: &[u8], at: usize) -> Option<usize> {
+    let word = |index: usize| u32_le(bytes, at.checked_add(4 * index)?);
+    let length = word(1)? as usize;
+    let is_page = word(0)? == MARKER && LENGTHS.contains(&length) && VERSIONS.contains(&word(2)?);
+    is_page.then_some(length)
+}
+
+/// Frequency of a pair of channels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Band {
+    /// The low one.
+    Low,
+    /// The high one.
+    High,
+}
+
+/// The samples of one channel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Channel {
+    /// Its frequency.
+    pub(super) band: Band,
+    /// 0 port, 1 starboard.
+    pub(super) side: usize,
+    /// Bytes of a sample.
+    pub(super) width: usize,
+    /// Offset of the first sample.
+    pub(super) first: usize,
+    /// Samples.
+    pub(super) count: usize,
+}
+
+/// A page whose header is there.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Page<'a> {
+    /// Offset of its marker, and where it ends.
+    pub(super) at: usize,
+    pub(super) end: usize,
+    /// Which sonar wrote it, and with which layout.
+    pub(super) version: u32,
+    /// Without the marker.
+    fields: Fields<'a>,
+}
+
+impl<'a> Page<'a> {
+    /// The page whose marker begins at an offset; `None` where none does, or it is not whole.
+    pub(super) fn at(bytes: &'a [u8], at: usize) -> Option<Self> {
+        let from = at + MARKER_LENGTH;
+        let end = from.checked_add(length(bytes, at)?)?;
+        let fields = Fields(bytes.get(from..end)?);
+        Some(Self {
+            at,
+            end,
+            version: fields.u32(4),
+            fields,
+        })
+    }
+
+    /// Which sonar wrote it.
+    pub(super) fn sonar(&self) -> &'static str {
+        match self.version {
+            3000..3500 => "System 3000",
+            3500..4000 => "3500 series",
+            5000..6000 => "System 5000",
+            7000..8000 => "System 7000",
+            _ => "another sonar",
+        }
+    }
+
+    /// Whether its layout is known, so that its channels are read.
+    pub(super) fn is_known(&self) -> bool {
+        matches!(self.version, 3000 | 3001 | 3501 | 3502)
+    }
+
+    /// The channels with samples; those whose samples do not lie in the page are left out, and all after them.
+    pub(super) fn channels(&self) -> Vec<Channel> {
+        let (bands, width): (&[Band], usize) = match self.version {
+            3000 | 3001 => (&[Band::Low, Band::High], 2),
+            3501 => (&[Band::Low], 4),
+            3502 => (&[Band::High], 4),
+            _ => return Vec::new(),
+        };
+        let shortest = if self.version == 3000 { 256 } else { 512 };
+        let mut at = (self.fields.u32(180) as usize).max(shortest);
+        let mut channels = Vec::new();
+        for (band, side) in bands.iter().flat_map(|band| [(*band, 0), (*band, 1)]) {
+            // The count is as wide as a sample.
+            let count = match width {
+                2 => usize::from(self.fields.u16(at)),
+                _ => self.fields.u32(at) as usize,
+            };
+            let from = at.saturating_add(width);
+            let to = from.saturating_add(count.saturating_mul(width));
+            if to > self.fields.0.len() {
+                break;
+            }
+            at = to;
+            if count > 0 {
+                channels.push(Channel {
+                    band,
+                    side,
+                    width,
+                    first: self.at + MARKER_LENGTH + from,
+                    count,
+                });
+            }
+        }
+        channels
+    }
+
+    /// Unix seconds; `None` where it has no date that can be.
+    pub(super) fn unix_s(&self) -> Option<f64> {
+        let [year, month, day, hour, minute, second] =
+            [68, 72, 76, 80, 84, 88].map(|at| self.fields.u32(at));
+        let year = i32::try_from(year).ok().filter(|_| YEARS.contains(&year))?;
+        let moment =
+            NaiveDate::from_ymd_opt(year, month, day)?.and_hms_opt(hour, minute, second)?;
+        let hundredths = self.fields.u32(92);
+        // Headers of version 3 have the fraction with more digits.
+        let fraction_s = [self.fields.f32(216), hundredths as f32 / 100.0];
+        let fraction_s = fraction_s
+            .into_iter()
+            .find(|fraction_s| (0.0..1.0).contains(fraction_s) && *fraction_s > 0.0);
+        Some(moment.and_utc().timestamp() as f64 + f64::from(fraction_s.unwrap_or(0.0)))
+    }
+
+    /// Slant range of the last of so many samples, metres: by the rate of the samples where that agrees with the range that was set, which is
+    /// told in whole metres.
+    pub(super) fn far_m(&self, count: usize) -> f32 {
+        let set_m = self.fields.u32(28) as f32;
+        let sound_mps = self.fields.u32(36) as f32 / 100.0;
+        let rate_hz = self.fields.u32(224) as f32;
+        let sampled_m = count as f32 * sound_mps / 2.0 / rate_hz;
+        match (sampled_m - set_m).abs() < 0.1 * set_m {
+            true => sampled_m,
+            false => set_m,
+        }
+    }
+
+    /// Height of the transducer above the bottom, metres; 0 where it is not known.
+    pub(super) fn altitude_m(&self) -> f32 {
+        self.first_set([124, 208])
+    }
+
+    /// Where the sonar is; a vehicle writes its own place as that of the ship.
+    pub(super) fn position(&self) -> Option<LonLat> {
+        let place = |at: usize| {
+            let [lat_rad, lon_rad] = [at, at + 8].map(|at| self.f64(at));
+            let is_set = lat_rad != 0.0 && lon_rad != 0.0;
+            let position = LonLat::new(lon_rad.to_degrees(), lat_rad.to_degrees());
+            (is_set && position.is_on_earth()).then_some(position)
+        };
+        let [ship, fish] = [place(144), place(160)];
+        if self.is_vehicle() {
+            ship.or(fish)
+        } else {
+            fish.or(ship)
+        }
+    }
+
+    /// Heading, degrees; NaN where it is not known.
+    pub(super) fn heading_deg(&self) -> f32 {
+        let heading_deg = self.first_set([108, 136]);
+        if heading_deg == 0.0 {
+            f32::NAN
+        } else {
+            heading_deg
+        }
+    }
+
+    /// Speed of the ship, metres a second; NaN where it is not known.
+    pub(super) fn speed_mps(&self) -> f32 {
+        let speed_mps = self.fields.f32(132);
+        if speed_mps > 0.0 && speed_mps.is_finite() {
+            speed_mps
+        } else {
+            f32::NAN
+        }
+    }
+
+    /// Frequency, kHz, where the page tells it.
+    pub(super) fn frequency_khz(&self) -> Option<f32> {
+        let khz = self.fields.u32(404);
+        (self.is_vehicle() && (1..10_000).contains(&khz)).then_some(khz as f32)
+    }
+
+    /// Whether it is of the 3500 series, whose vehicles write into the fields of the ship and the auxiliary sensors.
+    fn is_vehicle(&self) -> bool {
+        matches!(self.version, 3501 | 3502)
+    }
+
+    /// Of a field of the towed body and one of ship or auxiliary sensor the one that is set, a vehicle's second first; else 0.
+    fn first_set(&self, mut at: [usize; 2]) -> f32 {
+        if self.is_vehicle() {
+            at.reverse();
+        }
+        let values = at.map(|at| self.fields.f32(at));
+        let is_set = |value: &f32| value.is_finite() && *value != 0.0;
+        values.into_iter().find(is_set).unwrap_or(0.0)
+    }
+
+    fn f64(&self, at: usize) -> f64 {
+        let [low, high] = [at, at + 4].map(|at| u64::from(self.fields.u32(at)));
+        f64::from_bits(high << 32 | low)
+    }
+}

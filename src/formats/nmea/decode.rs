@@ -1,0 +1,318 @@
+//! From sentences to depths and fixes in SI units.
+//!
+//! A sentence with a time begins an epoch; what comes after it belongs to it, for receivers send the time first. Depths between two epochs
+//! are placed between them.
+
+use super::lines::{Found, stamps_apart_s};
+use super::sentence::Sentence;
+use super::tally::{Address, Tally, name};
+use crate::formats::clock::{Clock, ClockVerdict};
+use crate::formats::collected::{Collected, Counted};
+use crate::formats::report::WarningKind;
+use crate::survey::{ChannelKind, Fix};
+use std::f32::consts::TAU;
+
+const DAY_S: f64 = 86_400.0;
+/// Depths follow each other by this much where nothing tells, seconds.
+const USUAL_STEP_S: f64 = 1.0;
+/// No echo sounder is slower than this, seconds: in a longer pause the depths lie at its beginning.
+const LONGEST_STEP_S: f64 = 2.0;
+/// The logger's times are followed so far from a position, seconds.
+const MOST_AFTER_S: f64 = 3600.0;
+/// A course, heading or speed belongs to positions so much later, seconds.
+const FRESH_S: f64 = 5.0;
+/// Metres between transducer and water line or keel that can be.
+const MOST_OFFSET_M: f32 = 100.0;
+/// The only channel.
+const CHANNEL: u16 = 0;
+
+/// A depth that waits for its time.
+#[derive(Clone, Copy, Debug)]
+struct Depth {
+    depth_m: f32,
+    stamp_s: Option<f64>,
+    /// Where its line ends.
+    end: usize,
+}
+
+/// Course, heading (radians) and speed (metres a second).
+type Values = [f32; 3];
+
+/// A time, and what was told until the next.
+#[derive(Debug)]
+struct Epoch {
+    at: usize,
+    /// Seconds: Unix seconds, or since the first midnight where no date is known.
+    told_s: f64,
+    stamp_s: Option<f64>,
+    fix: Option<Fix>,
+    values: Values,
+    /// Depths that came before it.
+    depths: Vec<Depth>,
+}
+
+/// Decodes sentences.
+pub(super) struct Reader<'a> {
+    tally: &'a Tally,
+    depths_of: Address,
+    positions_of: Option<Address>,
+    times_of: Option<Address>,
+    needs_sum: bool,
+    clock: Clock<Epoch>,
+    open: Option<Epoch>,
+    /// The last time, which a time of day is nearest to.
+    last_s: Option<f64>,
+    /// The last of each value, with the time when it was told.
+    latest: [(f32, f64); 3],
+    variation_rad: f32,
+    waiting: Vec<Depth>,
+    /// Depths of epochs that are settled, until they are placed.
+    held: Vec<Depth>,
+    zero_s: Option<f64>,
+    /// Time of the last settled epoch, seconds after the log's time zero, and the logger's.
+    before: Option<(f64, Option<f64>)>,
+    step_s: f64,
+    offset_m: f32,
+    is_magnetic: bool,
+}
+
+impl<'a> Reader<'a> {
+    /// A reader of the log that was counted; `None` where it has no depth.
+    pub(super) fn new(tally: &'a Tally) -> Option<Self> {
+        Some(Self {
+            tally,
+            depths_of: tally.depths_of()?,
+            positions_of: tally.positions_of(),
+            times_of: tally.times_of(),
+            needs_sum: tally.needs_sum(),
+            clock: Clock::default(),
+            open: None,
+            last_s: tally.first_unix_s,
+            latest: [(f32::NAN, 0.0); 3],
+            variation_rad: tally.variation_rad.unwrap_or(f32::NAN),
+            waiting: Vec::new(),
+            held: Vec::new(),
+            zero_s: None,
+            before: None,
+            step_s: USUAL_STEP_S,
+            offset_m: 0.0,
+            is_magnetic: false,
+        })
+    }
+
+    /// Takes the next sentence.
+    pub(super) fn take(&mut self, log: &mut Collected, found: &Found<'_>) {
+        let framed = found.framed();
+        let Some(framed) = framed.filter(|framed| framed.has_sum || !self.needs_sum) else {
+            let text =
+                "the sum of a sentence is missing or not that of its letters; it was dropped";
+            return log.report.at(WarningKind::Frame, 0, found.at, text);
+        };
+        let Some((address, told)) = framed.address().zip(framed.told()) else {
+            return;
+        };
+        if !told.depth_m.is_nan() {
+            if address == self.depths_of {
+                self.take_depth(&told, found);
+            }
+            return;
+        }
+        self.last_s = told.unix_s.or(self.last_s);
+        if Some(address) == self.times_of
+            && let Some(utc_s) = told.utc_s
+        {
+            self.close(log);
+            let days = self
+                .last_s
+                .map_or(0.0, |last_s| ((last_s - utc_s) / DAY_S).round());
+            let told_s = utc_s + days * DAY_S;
+            self.last_s = Some(told_s);
+            let is_taken = Some(address) == self.positions_of;
+            self.open = Some(Epoch {
+                at: found.at,
+                told_s,
+                stamp_s: found.stamp_s(),
+                fix: told.position.filter(|_| is_taken).map(|position| Fix {
+                    time_s: told_s,
+                    position,
+                    cog_rad: f32::NAN,
+                    compass_rad: f32::NAN,
+                    speed_mps: f32::NAN,
+                }),
+                values: [f32::NAN; 3],
+                depths: std::mem::take(&mut self.waiting),
+            });
+        }
+        self.take_values(&told);
+    }
+
+    fn take_depth(&mut self, told: &Sentence, found: &Found<'_>) {
+        if told.offset_m != 0.0 && told.offset_m.abs() < MOST_OFFSET_M {
+            self.offset_m = told.offset_m;
+        }
+        self.waiting.push(Depth {
+            depth_m: told.depth_m,
+            stamp_s: found.stamp_s(),
+            end: found.end,
+        });
+    }
+
+    /// Keeps course, heading and speed: the first after a position belong to it, the last to those that come without.
+    fn take_values(&mut self, told: &Sentence) {
+        if !told.variation_rad.is_nan() {
+            self.variation_rad = told.variation_rad;
+        }
+        let heading_rad = match self.tally.has_true_heading {
+            true => told.heading_rad,
+            false => {
+                told.magnetic_rad
+                    + if self.variation_rad.is_nan() {
+                        0.0
+                    } else {
+                        self.variation_rad
+                    }
+            }
+        };
+        self.is_magnetic |= !self.tally.has_true_heading && !heading_rad.is_nan();
+        let values = [told.cog_rad, heading_rad.rem_euclid(TAU), told.speed_mps];
+        for (index, value) in values.into_iter().enumerate() {
+            if value.is_nan() {
+                continue;
+            }
+            self.latest[index] = (value, self.last_s.unwrap_or(0.0));
+            if let Some(open) = &mut self.open
+                && open.values[index].is_nan()
+            {
+                open.values[index] = value;
+            }
+        }
+    }
+
+    /// Ends the epoch that is open.
+    fn close(&mut self, log: &mut Collected) {
+        let Some(mut epoch) = self.open.take() else {
+            return;
+        };
+        for (value, (latest, told_s)) in epoch.values.iter_mut().zip(self.latest) {
+            if value.is_nan() && (0.0..=FRESH_S).contains(&(epoch.told_s - told_s)) {
+                *value = latest;
+            }
+        }
+        if let Some(verdict) = self.clock.push(epoch.told_s, epoch) {
+            self.settle(log, verdict);
+        }
+    }
+
+    fn settle(&mut self, log: &mut Collected, verdict: ClockVerdict<Epoch>) {
+        match verdict {
+            ClockVerdict::Sound { record, time_s } => {
+                let zero_s = *self.zero_s.get_or_insert(time_s);
+                // Unix seconds hold fewer digits than receivers write.
+                let time_s = ((time_s - zero_s) * 1e3).round() / 1e3;
+                self.held.extend(record.depths);
+                self.place(log, Some((time_s, record.stamp_s)));
+                self.before = Some((time_s, record.stamp_s));
+                let [cog_rad, compass_rad, speed_mps] = record.values;
+                if let Some(fix) = record.fix {
+                    log.add_fix(Fix {
+                        time_s,
+                        cog_rad,
+                        compass_rad,
+                        speed_mps,
+                        ..fix
+                    });
+                }
+            }
+            ClockVerdict::Damaged(record) => {
+                let text = "a sentence's time fits neither neighbour; its position was dropped";
+                log.report.at(WarningKind::Value, 0, record.at, text);
+                self.held.extend(record.depths);
+            }
+        }
+    }
+
+    /// Gives the depths that are held their times: they lie between the last epoch and `next`.
+    fn place(&mut self, log: &mut Collected, next: Option<(f64, Option<f64>)>) {
+        let depths = std::mem::take(&mut self.held);
+        let count = depths.len() as f64;
+        if let (Some((from_s, _)), Some((to_s, _)), true) = (self.before, next, count > 0.0) {
+            self.step_s = ((to_s - from_s) / count).clamp(0.0, LONGEST_STEP_S);
+        }
+        let (from_s, beside) = match (self.before, next) {
+            (Some(before), _) => (before.0, before),
+            (None, Some(next)) => (next.0 - count * self.step_s, next),
+            (None, None) => return self.place_alone(log, &depths),
+        };
+        for (index, depth) in depths.iter().enumerate() {
+            let after_s = depth.stamp_s.zip(beside.1);
+            let after_s = after_s.map(|(its_s, stamp_s)| stamps_apart_s(stamp_s, its_s));
+            let after_s = after_s.filter(|after_s| after_s.abs() <= MOST_AFTER_S);
+            let time_s = match after_s {
+                Some(after_s) => beside.0 + after_s,
+                None => from_s + (index as f64 + 0.5) * self.step_s,
+            };
+            self.keep(log, depth, time_s);
+        }
+    }
+
+    /// Gives the depths of a log without any time of a receiver those of the logger, or one after the other.
+    fn place_alone(&mut self, log: &mut Collected, depths: &[Depth]) {
+        let (mut time_s, mut last_s) = (-USUAL_STEP_S, None);
+        for depth in depths {
+            let step_s = last_s.zip(depth.stamp_s);
+            time_s += step_s.map_or(USUAL_STEP_S, |(last_s, stamp_s)| {
+                stamps_apart_s(last_s, stamp_s).clamp(0.0, MOST_AFTER_S)
+            });
+            last_s = depth.stamp_s.or(last_s);
+            self.keep(log, depth, time_s);
+        }
+        let first_s = depths.first().and_then(|depth| depth.stamp_s);
+        log.start_unix_s = first_s.filter(|first_s| *first_s > DAY_S);
+        log.report.log(match last_s {
+            Some(_) => "no sentence tells the time: the times of the depths are those that stand before them",
+            None => "no sentence tells the time: the depths are taken to be one second apart",
+        });
+    }
+
+    fn keep(&self, log: &mut Collected, depth: &Depth, time_s: f64) {
+        if !log.knows(CHANNEL) {
+            log.introduce(CHANNEL, ChannelKind::Primary, name(&self.depths_of), None);
+        }
+        let counted = Counted {
+            record: (0, depth.end),
+            time_s,
+            samples: 0,
+            range_m: None,
+        };
+        log.count(CHANNEL, counted);
+        log.add_depth(ChannelKind::Primary, time_s, depth.depth_m);
+    }
+
+    /// Takes what still waits, and says what has to be known of the log.
+    pub(super) fn finish(mut self, log: &mut Collected) {
+        self.close(log);
+        while let Some(verdict) = self.clock.next() {
+            self.settle(log, verdict);
+        }
+        self.held.append(&mut self.waiting);
+        self.place(log, None);
+        log.report.set_back(self.clock.set_back_s());
+        if self.tally.first_unix_s.is_some() {
+            log.start_unix_s = self.zero_s;
+        }
+        self.tally.remark(&log.report);
+        if self.offset_m != 0.0 {
+            let offset_m = self.offset_m.abs();
+            log.report.log(match self.offset_m > 0.0 {
+                true => format!("the log says that the transducer hangs {offset_m:.2} m below the water line; depths count from the transducer: set draft_m to {offset_m:.2}"),
+                false => format!("the log says that the keel lies {offset_m:.2} m below the transducer; depths count from the transducer: set draft_m to what it hangs below the water's surface"),
+            });
+        }
+        if self.is_magnetic && self.variation_rad.is_nan() {
+            log.report.log("headings are magnetic and no sentence tells the variation; set mounting.heading_offset_deg to it");
+        }
+        if self.zero_s.is_some() && log.start_unix_s.is_none() {
+            log.report.log("no sentence tells the date (RMC, ZDA): the time of day is known, and the day is not");
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! What a log holds of each kind of sentence, and which of them is taken where several say the same.
+
+use super::lines::Found;
+use crate::formats::report::WarningReport;
+use std::collections::BTreeMap;
+
+/// Talker and type of a sentence, `GPRMC`.
+pub(super) type Address = [u8; 5];
+
+/// So many times as many other depths have to be there before those of DPT are not taken: the second field of DPT says what they count from.
+const DPT_COUNTS: usize = 4;
+
+/// Counts of the sentences of one address.
+#[derive(Clone, Copy, Debug, Default)]
+struct Counts {
+    depths: usize,
+    /// Positions with a time.
+    positions: usize,
+    times: usize,
+}
+
+/// Counts the sentences of a log.
+#[derive(Debug, Default)]
+pub(super) struct Tally {
+    sources: BTreeMap<Address, Counts>,
+    with_sum: usize,
+    without_sum: usize,
+    /// The first time that tells the date, Unix seconds.
+    pub(super) first_unix_s: Option<f64>,
+    /// The first magnetic variation, radians; positive to the east.
+    pub(super) variation_rad: Option<f32>,
+    /// Whether there are headings from true north.
+    pub(super) has_true_heading: bool,
+}
+
+impl Tally {
+    /// Counts a sentence.
+    pub(super) fn take(&mut self, found: &Found<'_>) {
+        let Some(framed) = found.framed() else {
+            return;
+        };
+        match framed.has_sum {
+            true => self.with_sum += 1,
+            false => self.without_sum += 1,
+        }
+        let Some((address, told)) = framed.address().zip(framed.told()) else {
+            return;
+        };
+        let counts = self.sources.entry(address).or_default();
+        counts.depths += usize::from(told.depth_m > 0.0);
+        counts.times += usize::from(told.utc_s.is_some());
+        counts.positions += usize::from(told.utc_s.is_some() && told.position.is_some());
+        self.first_unix_s = self.first_unix_s.or(told.unix_s);
+        let variation_rad = Some(told.variation_rad).filter(|variation| !variation.is_nan());
+        self.variation_rad = self.variation_rad.or(variation_rad);
+        self.has_true_heading |= !told.heading_rad.is_nan();
+    }
+
+    /// Whether a sentence without a sum is one that was cut: most have one.
+    pub(super) fn needs_sum(&self) -> bool {
+        self.with_sum > self.without_sum
+    }
+
+    /// Whose depths are taken; `None` where there are none.
+    pub(super) fn depths_of(&self) -> Option<Address> {
+        self.most(|address, counts| match address.ends_with(b"DPT") {
+            true => DPT_COUNTS * counts.depths,
+            false => counts.depths,
+        })
+    }
+
+    /// Whose positions are taken; of several as many those that have course and speed beside them.
+    pub(super) fn positions_of(&self) -> Option<Address> {
+        self.most(|address, counts| {
+            2 * counts.positions + usize::from(counts.positions > 0 && address.ends_with(b"RMC"))
+        })
+    }
+
+    /// Whose times are taken: those of the positions, where there are any.
+    pub(super) fn times_of(&self) -> Option<Address> {
+        self.positions_of()
+            .or_else(|| self.most(|_, counts| counts.times))
+    }
+
+    /// The address with most of something; `None` where all have none.
+    fn most(&self, count: impl Fn(&Address, &Counts) -> usize) -> Option<Address> {
+        let counts = self
+            .sources
+            .iter()
+            .map(|(at, counts)| (count(at, counts), at));
+        let (most, address) = counts.max_by_key(|(count, _)| *count)?;
+        (most > 0).then_some(*address)
+    }
+
+    /// Says which sentences are not used because others tell the same.
+    pub(super) fn remark(&self, report: &WarningReport) {
+        let depths = |counts: &Counts| counts.depths;
+        let positions = |counts: &Counts| counts.positions;
+        self.remark_on("depths", self.depths_of(), depths, report);
+        self.remark_on("positions", self.positions_of(), positions, report);
+    }
+
+    /// Says it of what is counted by `count`, of which those of one address are taken.
+    fn remark_on(
+        &self,
+        what: &str,
+        taken: Option<Address>,
+        count: impl Fn(&Counts) -> usize,
+        report: &WarningReport,
+    ) {
+        let Some(taken) = taken else {
+            return;
+        };
+        let others = self
+            .sources
+            .iter()
+            .filter(|(at, counts)| **at != taken && count(counts) > 0);
+        let others = others.map(|(at, counts)| format!("{} of {}", count(counts), name(at)));
+        let others = others.collect::<Vec<_>>().join(", ");
+        if !others.is_empty() {
+            report.log(format!(
+                "the {what} of {} are read; others that tell the same are not: {others}",
+                name(&taken)
+            ));
+        }
+    }
+
+    /// What there is beside depths, in words: `120 positions`.
+    pub(super) fn summary(&self) -> String {
+        let positions: usize = self.sources.values().map(|counts| counts.positions).sum();
+        format!("{positions} positions")
+    }
+}
+
+/// An address as text.
+pub(super) fn name(address: &Address) -> String {
+    String::from_utf8_lossy(address).into_owned()
+}

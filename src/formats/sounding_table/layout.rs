@@ -1,0 +1,206 @@
+//! Which column holds what.
+
+use crate::formats::points::columns::{fields, is_header, number, separator_of};
+use crate::formats::track_file::{HEADING, LAT, LON, TIME};
+use crate::support::geo::METRES_PER_FOOT;
+
+/// Names of columns in lower case, without unit; the first that is there is taken.
+const EAST: &[&str] = &["easting", "east", "utm_x", "x"];
+const NORTH: &[&str] = &["northing", "north", "utm_y", "y"];
+const DEPTH: &[&str] = &[
+    "depth",
+    "water_depth",
+    "waterdepth",
+    "sonar_depth",
+    "bottom_depth",
+];
+const COURSE: &[&str] = &["cog", "course"];
+/// Other names of what [`TIME`] names.
+const MOMENT: &[&str] = &["datetime", "date_time", "utc_time", "timestamp_utc", "date"];
+/// Columns that only tables of Bathyscope have together.
+const OWN: [&str; 4] = ["ping", "east_m", "north_m", "lon"];
+/// Units that a name may end with, and metres of each.
+const UNITS: &[(&str, f64)] = &[
+    ("m", 1.0),
+    ("metres", 1.0),
+    ("meters", 1.0),
+    ("ft", METRES_PER_FOOT),
+    ("feet", METRES_PER_FOOT),
+    ("fathoms", 6.0 * METRES_PER_FOOT),
+    ("deg", 1.0),
+    ("degrees", 1.0),
+];
+/// Unix milliseconds of 2001 and 2100.
+const UNIX_MS: std::ops::Range<f64> = 1e12..4_102_444_800e3;
+/// Rows without names that have to be as Deeper writes them.
+const FEWEST_ROWS: usize = 3;
+
+/// What a table is.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Recognised {
+    /// Soundings.
+    Table(Layout),
+    /// A product of Bathyscope.
+    Own,
+}
+
+/// The place of a row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum PlaceColumns {
+    /// Columns of longitude and latitude, degrees.
+    Degrees(usize, usize),
+    /// Columns of easting and northing, metres.
+    Metres(usize, usize),
+}
+
+/// Which column holds what.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Layout {
+    /// What stands between the fields.
+    pub(super) separator: Option<char>,
+    /// The place.
+    pub(super) place: PlaceColumns,
+    /// The depth.
+    pub(super) depth: usize,
+    /// Metres of its unit; negative where it counts upwards.
+    pub(super) unit_m: f64,
+    /// Whether its name says the unit.
+    pub(super) names_unit: bool,
+    /// The time, or the time of day.
+    pub(super) time: Option<usize>,
+    /// The date of a time of day.
+    pub(super) date: Option<usize>,
+    /// The heading, degrees.
+    pub(super) heading: Option<usize>,
+    /// The course over ground, degrees.
+    pub(super) course: Option<usize>,
+    is_deeper: bool,
+}
+
+impl Layout {
+    /// From the first lines of a table; `None` where it holds no soundings.
+    pub(super) fn of(lines: &[String]) -> Option<Recognised> {
+        let first = lines.first()?;
+        let separator = separator_of(first);
+        separator?;
+        let header = fields(first, separator);
+        if !is_header(&header, separator) {
+            return Self::of_deeper(lines, separator).map(Recognised::Table);
+        }
+        let is_there = |name: &&str| header.iter().any(|field| field == name);
+        if OWN.iter().all(is_there) {
+            return Some(Recognised::Own);
+        }
+        let names: Vec<(String, Option<f64>)> =
+            header.iter().map(|field| name_and_unit(field)).collect();
+        let find = |known: &[&str]| {
+            let position = |name: &&str| names.iter().position(|(field, _)| field == name);
+            known.iter().find_map(position)
+        };
+        let depth = find(DEPTH)?;
+        let degrees = find(LON).or(find(&["long"])).zip(find(LAT));
+        let metres = find(EAST).zip(find(NORTH));
+        let place = degrees.map(|(lon, lat)| PlaceColumns::Degrees(lon, lat));
+        let place = place.or(metres.map(|(east, north)| PlaceColumns::Metres(east, north)))?;
+        let layout = Self {
+            separator,
+            place,
+            depth,
+            unit_m: names[depth].1.unwrap_or(1.0),
+            names_unit: names[depth].1.is_some(),
+            time: find(TIME).or(find(MOMENT)),
+            date: find(&["date"]),
+            heading: find(HEADING).or(find(&["yaw"])),
+            course: find(COURSE),
+            is_deeper: false,
+        };
+        layout.fitting(&lines[1..]).map(Recognised::Table)
+    }
+
+    /// Rows of latitude, longitude, depth, Unix milliseconds and perhaps temperature.
+    fn of_deeper(lines: &[String], separator: Option<char>) -> Option<Self> {
+        let is_row = |line: &String| {
+            let numbers = fields(line, separator).into_iter();
+            let numbers: Vec<f64> = numbers
+                .map_while(|field| number(field, separator))
+                .collect();
+            let [lat, lon, depth, time, ..] = numbers[..] else {
+                return false;
+            };
+            let is_place = lat.abs() <= 90.0 && lon.abs() <= 180.0;
+            numbers.len() <= 5 && is_place && (0.0..1e4).contains(&depth) && UNIX_MS.contains(&time)
+        };
+        (lines.len() >= FEWEST_ROWS && lines.iter().all(is_row)).then_some(Self {
+            separator,
+            place: PlaceColumns::Degrees(1, 0),
+            depth: 2,
+            unit_m: 1.0,
+            names_unit: true,
+            time: Some(3),
+            date: None,
+            heading: None,
+            course: None,
+            is_deeper: true,
+        })
+    }
+
+    /// The same, with what the first rows tell; `None` where none of them is one.
+    fn fitting(mut self, rows: &[String]) -> Option<Self> {
+        let rows: Vec<Vec<&str>> = rows.iter().map(|row| fields(row, self.separator)).collect();
+        let value = |row: &Vec<&str>, column: usize| {
+            let number = number(row.get(column)?, self.separator)?;
+            Some(number).filter(|number| number.is_finite() && *number != 0.0)
+        };
+        let depths = rows.iter().filter_map(|row| value(row, self.depth));
+        let (count, upwards) = depths.fold((0, 0), |(count, upwards), depth| {
+            (count + 1, upwards + usize::from(depth < 0.0))
+        });
+        if count == 0 {
+            return None;
+        }
+        if 2 * upwards > count {
+            self.unit_m = -self.unit_m;
+        }
+        if let PlaceColumns::Metres(x, y) = self.place {
+            let is_degrees = |row: &Vec<&str>| {
+                let place = value(row, x).zip(value(row, y));
+                place.is_none_or(|(x, y)| x.abs() <= 180.0 && y.abs() <= 90.0)
+            };
+            if rows.iter().all(is_degrees) {
+                self.place = PlaceColumns::Degrees(x, y);
+            }
+        }
+        Some(self)
+    }
+
+    /// Whether the first line names the columns.
+    pub(super) fn has_header(&self) -> bool {
+        !self.is_deeper
+    }
+
+    /// The recorder, where the layout tells it.
+    pub(super) fn device(&self) -> &'static str {
+        if self.is_deeper { "Deeper" } else { "" }
+    }
+}
+
+/// `water_depth` and 0.3048 of `Water Depth (ft)`.
+fn name_and_unit(field: &str) -> (String, Option<f64>) {
+    let field = field.to_lowercase();
+    let unit_m = |text: &str| {
+        let text = text.trim_matches(|letter: char| !letter.is_alphabetic());
+        let unit = UNITS.iter().find(|(unit, _)| *unit == text);
+        unit.map(|(_, unit_m)| *unit_m)
+    };
+    let name_of = |text: &str| text.trim().replace([' ', '-', '.'], "_");
+    if let Some((name, unit)) = field.split_once(['(', '[']) {
+        return (name_of(name), unit_m(unit));
+    }
+    let name = name_of(&field);
+    if let Some((before, unit)) = name.rsplit_once('_')
+        && let Some(unit_m) = unit_m(unit)
+    {
+        return (before.to_owned(), Some(unit_m));
+    }
+    (name, None)
+}

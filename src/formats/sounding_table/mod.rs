@@ -1,0 +1,188 @@
+//! Tables of soundings as surveys: what programs and apps of fish-finders export as CSV.
+//!
+//! In: the bytes of a table. Out: a collected log.
+//! It uses `survey` and `support`.
+//!
+//! A row is a depth, with the place and time where they are known. Commas, semicolons or tabs stand between the columns (`points::columns`), and
+//! the first line names them (`layout`): longitude and latitude, or easting and northing in metres; depth, in the unit that its name bears; perhaps
+//! time, heading and course. Names and separators are those of ReefMaster's export (`Latitude,Longitude,Depth`), of tables that
+//! SonarWiz and others write, and of the project's own tracks.
+//!
+//! Without names one table is known: `Bathymetry.csv` of Deeper's sonars, latitude, longitude, depth in metres, Unix milliseconds and
+//! perhaps the temperature; latitude and longitude are 0 in rows between two positions of the phone.
+//!
+//! Rows without times are taken as one second apart, in the order of the file, and a warning says so. Depths count from wherever the program
+//! counted them; they are taken as depths below the transducer.
+//!
+//! Sources: Deeper's support page "Exporting raw sonar data"; ReefMaster's reference, "Exporting Track Data". No real table was at hand.
+
+mod decode;
+mod layout;
+#[cfg(test)]
+mod tests;
+
+use super::file_source::FileSource;
+use super::log_format::{LogFormat, ReadRecording};
+use super::points::columns::is_comment;
+use super::reading::Reading;
+use super::{OpenError, Opened, assemble, collected::Collected};
+use crate::support::progress::{Cancelled, Progress};
+use crate::survey::Survey;
+use decode::Reader;
+use layout::{Layout, Recognised};
+
+const NAME: &str = "CSV of soundings";
+/// Bytes that tell what a table holds.
+const HEAD: usize = 1 << 16;
+/// Rows that tell what a table holds.
+const ROWS_OF_HEAD: usize = 50;
+/// No line of such a table is longer, bytes.
+const LONGEST_LINE: usize = 1 << 12;
+/// Bytes between two looks at the progress.
+const BYTES_A_CHECK: usize = 1 << 20;
+
+/// The reader of the format.
+pub(super) struct SoundingTable;
+
+impl LogFormat for SoundingTable {
+    fn recognise(&self, _files: &FileSource, opened: &Opened) -> Option<ReadRecording> {
+        let recognised = sniff(&opened.bytes)?;
+        let opened = opened.clone();
+        Some(Box::new(move |reading, progress| {
+            match recognised {
+            Recognised::Table(layout) => read(opened, layout, reading, progress),
+            Recognised::Own => Err(OpenError::Unsupported {
+                path: opened.path,
+                what: "this is a table that Bathyscope wrote, and no recording; open the log that it was made of".to_owned(),
+            }),
+        }
+        }))
+    }
+
+    fn is_read_by_name_only(&self) -> bool {
+        true
+    }
+}
+
+/// Recognises a table by its first rows.
+fn sniff(bytes: &[u8]) -> Option<Recognised> {
+    let head = &bytes[..bytes.len().min(HEAD)];
+    if head.contains(&0) {
+        return None;
+    }
+    // The last line may be cut.
+    let lines = Lines::new(head, head.len() < bytes.len());
+    let texts: Vec<String> = lines.take(ROWS_OF_HEAD).map(|line| line.text).collect();
+    Layout::of(&texts)
+}
+
+/// Reads a table whose layout is known.
+///
+/// # Errors
+/// When there is no depth in it, or it was cancelled.
+fn read(
+    opened: Opened,
+    layout: Layout,
+    reading: &Reading<'_>,
+    progress: &Progress,
+) -> Result<Survey, OpenError> {
+    let bytes = opened.bytes.clone();
+    let mut source = opened.source(NAME.to_owned());
+    source.device = layout.device().to_owned();
+    let mut log = Collected::new(source, vec![opened.bytes.clone()], reading);
+    progress.start(bytes.len() as u64);
+    let has_header = layout.has_header();
+    let mut reader = Reader::new(layout);
+    let lines = Lines::new(&bytes, reading.is_growing);
+    for_each(
+        lines.skip(usize::from(has_header)),
+        bytes.len(),
+        progress,
+        |line| {
+            reader.take(&mut log, &line);
+        },
+    )?;
+    reader.finish(&mut log);
+    if log.depths.is_empty() {
+        return Err(OpenError::Broken {
+            path: opened.path,
+            format: NAME.to_owned(),
+            what: "no row of it has a depth; write one number above 0 into the column of the depth"
+                .to_owned(),
+        });
+    }
+    Ok(assemble::assemble(log, reading))
+}
+
+fn for_each(
+    lines: impl Iterator<Item = Line>,
+    length: usize,
+    progress: &Progress,
+    mut take: impl FnMut(Line),
+) -> Result<(), Cancelled> {
+    let mut reported = 0;
+    progress.check()?;
+    for line in lines {
+        if line.at - reported >= BYTES_A_CHECK {
+            progress.check()?;
+            progress.advance((line.at - reported) as u64);
+            reported = line.at;
+        }
+        take(line);
+    }
+    progress.advance((length - reported) as u64);
+    Ok(())
+}
+
+/// A line that is no comment.
+struct Line {
+    /// Where it begins and ends.
+    at: usize,
+    end: usize,
+    text: String,
+}
+
+/// Goes over the lines of a table.
+struct Lines<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    /// A line without an end is being written.
+    is_growing: bool,
+}
+
+impl<'a> Lines<'a> {
+    fn new(bytes: &'a [u8], is_growing: bool) -> Self {
+        let at = if bytes.starts_with(b"\xEF\xBB\xBF") {
+            3
+        } else {
+            0
+        };
+        Self {
+            bytes,
+            at,
+            is_growing,
+        }
+    }
+}
+
+impl Iterator for Lines<'_> {
+    type Item = Line;
+
+    fn next(&mut self) -> Option<Line> {
+        loop {
+            let at = self.at;
+            let rest = self.bytes.get(at..).filter(|rest| !rest.is_empty())?;
+            let length = rest.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
+            if length.is_none() && self.is_growing {
+                return None;
+            }
+            let end = at + length.unwrap_or(rest.len());
+            self.at = end + 1;
+            let text = String::from_utf8_lossy(&self.bytes[at..end.min(at + LONGEST_LINE)]);
+            if !is_comment(&text) {
+                let text = text.into_owned();
+                return Some(Line { at, end, text });
+            }
+        }
+    }
+}
