@@ -7,7 +7,7 @@ use super::external::Instrument;
 use super::loader::OpenMode;
 use super::mounting::with_sides;
 use super::project::is_project;
-use super::{Action, App, Command, LogId, LogOrigin, LogPlace, Reveal};
+use super::{Action, App, Command, FileToOpen, FileToWrite, LogId, LogOrigin, LogPlace, Reveal};
 use crate::pipeline::{LogSettings, Preset, Settings};
 use std::borrow::Cow;
 use std::path::PathBuf;
@@ -19,7 +19,6 @@ impl App {
         match command {
             Command::Do(action) => self.act(action),
             Command::Open(path) => self.open_paths(vec![path]),
-            Command::SaveProjectAs(path) => self.save_project_as(path),
             Command::SaveProject => self.save_project(),
             Command::OpenAll(paths) => self.open_paths(paths),
             Command::Add(paths) if paths.iter().any(|path| is_project(path)) => {
@@ -59,21 +58,8 @@ impl App {
             Command::MatchBy { by, radius_m } => self.match_by(by, radius_m),
             Command::Measure(request) => self.measure(request),
             Command::Plan(request) => self.change_plan(request),
-            Command::SavePlan(path) => self.save_plan(path),
-            Command::OpenBaseMap(path) => self.open_base_map(path),
-            Command::OpenIsobathArea(path) => self.open_isobath_area(path),
-            Command::OpenWaterLevels(path) => {
-                self.read_external(self.log.id, path, Some(Instrument::Gauge))
-            }
-            Command::OpenTrack(path) => {
-                self.read_external(self.log.id, path, Some(Instrument::Receiver))
-            }
-            Command::OpenTable(path) => self.read_external(self.log.id, path, None),
-            Command::SaveFigure(path) => self.save_figure(path),
-            Command::SaveProfile(path) => self.save_profile(path),
             Command::Notify(text) => self.notify(text, true),
             Command::Dismiss(index) => self.dismiss(index),
-            Command::Export(folder) => self.export(folder),
             Command::Edit { edit, live } => self.edit(&edit, live),
             Command::MarkTarget(mark) => self.mark_target(mark),
             Command::SetClasses(classes) => {
@@ -97,21 +83,49 @@ impl App {
             Command::NudgeBottom(samples) => self.nudge_bottom(samples),
             Command::LineUp(queue) => self.set_queue(&queue),
             Command::UseModel(path) => self.use_model(Some(path)),
-            Command::OpenReview(path) => self.open_review(path),
-            Command::OpenTruth(path) => self.open_truth(path),
             Command::ShowMistake(mistake) => self.show_mistake(&mistake),
             Command::SortMistakes(sort) => self.sort_mistakes(sort),
-            Command::SaveReview(path) => self.save_review(self.log.id, path),
+            Command::Write(file) => self.write_file(file),
+            Command::OpenFile(file) => self.open_file(file),
             Command::SaveReviews => self.save_reviews(),
-            Command::ExportBoxes(folder) => self.export_boxes(folder),
-            Command::ExportLog(path) => self.export_log(path, None),
-            Command::ExportPings(path) => self.export_log(path, Some(self.view.visible.clone())),
             // Views, their arrangement and the keyboard belong to the shell.
             Command::ByKey { .. }
             | Command::ShowSetting(_)
             | Command::Focus(_)
             | Command::ChooseExportFolder(_)
             | Command::PrintInto(_) => {}
+        }
+    }
+
+    /// Writes a file or a folder.
+    fn write_file(&mut self, file: FileToWrite) {
+        match file {
+            FileToWrite::Project(path) => self.save_project_as(path),
+            FileToWrite::Plan(path) => self.save_plan(path),
+            FileToWrite::Figure(path) => self.save_figure(path),
+            FileToWrite::Profile(path) => self.save_profile(path),
+            FileToWrite::Products(folder) => self.export(folder),
+            FileToWrite::Review(path) => self.save_review(self.log.id, path),
+            FileToWrite::Boxes(folder) => self.export_boxes(folder),
+            FileToWrite::Log(path) => self.export_log(path, None),
+            FileToWrite::Pings(path) => self.export_log(path, Some(self.view.visible.clone())),
+        }
+    }
+
+    /// Reads a file for the open survey.
+    fn open_file(&mut self, file: FileToOpen) {
+        match file {
+            FileToOpen::BaseMap(path) => self.open_base_map(path),
+            FileToOpen::IsobathArea(path) => self.open_isobath_area(path),
+            FileToOpen::WaterLevels(path) => {
+                self.read_external(self.log.id, path, Some(Instrument::Gauge))
+            }
+            FileToOpen::Track(path) => {
+                self.read_external(self.log.id, path, Some(Instrument::Receiver))
+            }
+            FileToOpen::Table(path) => self.read_external(self.log.id, path, None),
+            FileToOpen::Review(path) => self.open_review(path),
+            FileToOpen::Truth(path) => self.open_truth(path),
         }
     }
 

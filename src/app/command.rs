@@ -37,8 +37,6 @@ pub(crate) enum Command {
     Add(Vec<PathBuf>),
     /// Show another of the open logs in waterfall, profile and panels.
     ShowLog(LogId),
-    /// Keep what is open as a project in this file.
-    SaveProjectAs(PathBuf),
     /// Write the project into its file.
     SaveProject,
     /// Close a log.
@@ -95,8 +93,6 @@ pub(crate) enum Command {
     ShowSetting(&'static str),
     /// Move the keyboard focus to a view.
     Focus(View),
-    /// Write the ticked products into a folder.
-    Export(PathBuf),
     /// Take this folder in the dialog of the products.
     ChooseExportFolder(PathBuf),
     /// Decide about a box or correct it. One undo step ends with the first edit that is not `live`.
@@ -131,10 +127,6 @@ pub(crate) enum Command {
     LineUp(Box<Queue>),
     /// Search for objects with the model in this file from now on.
     UseModel(PathBuf),
-    /// Read the review of the open survey's boxes from a file.
-    OpenReview(PathBuf),
-    /// Read what is known to lie in the open survey, or in the one that is being opened, from a file.
-    OpenTruth(PathBuf),
     /// Exclude a part of a log from every result, or include it again.
     Exclude {
         /// Which log.
@@ -161,40 +153,62 @@ pub(crate) enum Command {
     ShowMistake(Mistake),
     /// Sort the list of mistakes.
     SortMistakes(MistakeSort),
-    /// Write the review into a file.
-    SaveReview(PathBuf),
+    /// Write a file or a folder.
+    Write(FileToWrite),
+    /// Read a file for the open survey.
+    OpenFile(FileToOpen),
     /// Write the reviews of all logs that differ from their files.
     SaveReviews,
-    /// Write reviewed boxes and objects into a folder.
-    ExportBoxes(PathBuf),
-    /// Write the shown log into a file, in the format of its ending.
-    ExportLog(PathBuf),
-    /// Write the visible pings of the shown log into a file, in the format of its ending.
-    ExportPings(PathBuf),
     /// Change the planned lines, or what they are planned for.
     Plan(PlanRequest),
-    /// Write the planned lines into a file: GPX, KML, QGroundControl or Mission Planner by its ending.
-    SavePlan(PathBuf),
     /// Draw on the map, or take the depths along what is drawn.
     Measure(Measure),
-    /// Show a picture of the analyst's own under the map.
-    OpenBaseMap(PathBuf),
-    /// End isobaths at the polygons of this file.
-    OpenIsobathArea(PathBuf),
-    /// Take the readings of the water's height in this file off the depths.
-    OpenWaterLevels(PathBuf),
-    /// Lay the track in this file over the recorder's.
-    OpenTrack(PathBuf),
-    /// Take a table that was dropped for what its columns say: water levels, or a track.
-    OpenTable(PathBuf),
     /// Draw the view that was chosen to be printed into a file.
     PrintInto(PathBuf),
-    /// Write what was measured into a file: GeoJSON, or CSV by its ending.
-    SaveFigure(PathBuf),
-    /// Write the depth profile into a file.
-    SaveProfile(PathBuf),
     /// Notify the analyst in a sentence.
     Notify(String),
     /// Forget a notice.
     Dismiss(usize),
+}
+
+/// What is written, and where.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum FileToWrite {
+    /// The ticked products, into a folder.
+    Products(PathBuf),
+    /// Reviewed boxes and objects, into a folder.
+    Boxes(PathBuf),
+    /// The shown log, in the format of the ending.
+    Log(PathBuf),
+    /// The visible pings of the shown log, in the format of the ending.
+    Pings(PathBuf),
+    /// The planned lines: GPX, KML, QGroundControl or Mission Planner by the ending.
+    Plan(PathBuf),
+    /// What was measured: GeoJSON, or CSV by the ending.
+    Figure(PathBuf),
+    /// The depth profile.
+    Profile(PathBuf),
+    /// The review of boxes.
+    Review(PathBuf),
+    /// What is open, as a project that is kept there from now on.
+    Project(PathBuf),
+}
+
+/// What is read for the open survey, and from where.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum FileToOpen {
+    /// A picture of the analyst's own to lie under the map.
+    BaseMap(PathBuf),
+    /// Polygons that isobaths end at.
+    IsobathArea(PathBuf),
+    /// Readings of the water's height, to be taken off the depths.
+    WaterLevels(PathBuf),
+    /// A track to lie over the recorder's.
+    Track(PathBuf),
+    /// A table that was dropped: water levels or a track, as its columns say.
+    Table(PathBuf),
+    /// The review of the open survey's boxes.
+    Review(PathBuf),
+    /// What is known to lie in the open survey, or in the one that is being opened.
+    Truth(PathBuf),
 }

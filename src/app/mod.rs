@@ -64,7 +64,7 @@ pub(crate) use above_bottom::{AboveBottom, AboveStretch};
 pub(crate) use action::{Action, Keys};
 pub(crate) use bottom::{BottomStroke, Ink};
 pub(crate) use clip_box::ClipBox;
-pub(crate) use command::Command;
+pub(crate) use command::{Command, FileToOpen, FileToWrite};
 pub(crate) use comparing::ReferenceBy;
 pub(crate) use deriving::DrawnIsobaths;
 pub(crate) use exclusions::{ExcludedExtent, ExclusionEdit, FoundExclusions};

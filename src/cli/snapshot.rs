@@ -4,8 +4,8 @@ use super::settings::SettingsArgs;
 use super::waterfall_options::{GeometryArgs, open, parse_size, take_over, wait, within};
 use super::{Failure, output, quiet_driver};
 use crate::app::{
-    Action, App, CloudColour, Command, Jobs, LogOrigin, LogPlace, MapLayer, ThemeChoice, View,
-    ViewOptions,
+    Action, App, CloudColour, Command, FileToOpen, Jobs, LogOrigin, LogPlace, MapLayer,
+    ThemeChoice, View, ViewOptions,
 };
 use crate::pipeline::BottomColour;
 use crate::sonar::calibration::PingRange;
@@ -164,11 +164,11 @@ pub(super) fn run(args: SnapshotArgs) -> Result<(), Failure> {
     take_over(&mut app, settings)?;
     select(&mut app, args.pings)?;
     if let Some(truth) = args.truth {
-        app.apply(Command::OpenTruth(truth));
+        app.apply(Command::OpenFile(FileToOpen::Truth(truth)));
         wait(&mut app)?;
     }
     if let Some(path) = args.base_map {
-        app.apply(Command::OpenBaseMap(path));
+        app.apply(Command::OpenFile(FileToOpen::BaseMap(path)));
         wait(&mut app)?;
     }
     if let Some(path) = args.reference {

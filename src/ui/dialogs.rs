@@ -1,7 +1,7 @@
 //! Choosing a log, a review or a folder: the system's dialog on a worker, and a path field where there is none.
 
 use super::ViewContext;
-use crate::app::{Command, Jobs, Task, TaskOutcome};
+use crate::app::{Command, FileToOpen, FileToWrite, Jobs, Task, TaskOutcome};
 use crate::formats;
 use egui::text::{CCursor, CCursorRange};
 use std::path::PathBuf;
@@ -341,23 +341,23 @@ fn command(purpose: PathPurpose, paths: Vec<PathBuf>) -> Option<Command> {
         PathPurpose::OpenLogs | PathPurpose::OpenFolder => Command::OpenAll(paths),
         PathPurpose::AddLogs => Command::Add(paths),
         PathPurpose::ExportInto => Command::ChooseExportFolder(path),
-        PathPurpose::OpenReview => Command::OpenReview(path),
-        PathPurpose::OpenTruth => Command::OpenTruth(path),
-        PathPurpose::SaveProject => Command::SaveProjectAs(path),
-        PathPurpose::SaveReview => Command::SaveReview(path),
-        PathPurpose::ExportBoxesInto => Command::ExportBoxes(path),
+        PathPurpose::OpenReview => Command::OpenFile(FileToOpen::Review(path)),
+        PathPurpose::OpenTruth => Command::OpenFile(FileToOpen::Truth(path)),
+        PathPurpose::SaveProject => Command::Write(FileToWrite::Project(path)),
+        PathPurpose::SaveReview => Command::Write(FileToWrite::Review(path)),
+        PathPurpose::ExportBoxesInto => Command::Write(FileToWrite::Boxes(path)),
         PathPurpose::OpenModel => Command::UseModel(path),
-        PathPurpose::SaveProfile => Command::SaveProfile(path),
-        PathPurpose::OpenBaseMap => Command::OpenBaseMap(path),
+        PathPurpose::SaveProfile => Command::Write(FileToWrite::Profile(path)),
+        PathPurpose::OpenBaseMap => Command::OpenFile(FileToOpen::BaseMap(path)),
         PathPurpose::OpenReference => Command::CompareWith(path),
-        PathPurpose::OpenIsobathArea => Command::OpenIsobathArea(path),
-        PathPurpose::OpenWaterLevels => Command::OpenWaterLevels(path),
-        PathPurpose::OpenTrack => Command::OpenTrack(path),
-        PathPurpose::SaveFigure => Command::SaveFigure(path),
-        PathPurpose::SavePlan => Command::SavePlan(path),
+        PathPurpose::OpenIsobathArea => Command::OpenFile(FileToOpen::IsobathArea(path)),
+        PathPurpose::OpenWaterLevels => Command::OpenFile(FileToOpen::WaterLevels(path)),
+        PathPurpose::OpenTrack => Command::OpenFile(FileToOpen::Track(path)),
+        PathPurpose::SaveFigure => Command::Write(FileToWrite::Figure(path)),
+        PathPurpose::SavePlan => Command::Write(FileToWrite::Plan(path)),
         PathPurpose::PrintInto => Command::PrintInto(path),
-        PathPurpose::ExportLog => Command::ExportLog(path),
-        PathPurpose::ExportPings => Command::ExportPings(path),
+        PathPurpose::ExportLog => Command::Write(FileToWrite::Log(path)),
+        PathPurpose::ExportPings => Command::Write(FileToWrite::Pings(path)),
     })
 }
 

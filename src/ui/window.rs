@@ -2,7 +2,7 @@
 
 use super::Shell;
 use super::incremental::IncrementalPainter;
-use crate::app::{App, Command, Jobs};
+use crate::app::{App, Command, FileToOpen, Jobs};
 use eframe::egui_wgpu::RenderState;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -53,7 +53,7 @@ pub(crate) fn open_window(
             shell.app.apply(Command::OpenAll(paths));
         }
         if let Some(truth) = truth {
-            shell.app.apply(Command::OpenTruth(truth));
+            shell.app.apply(Command::OpenFile(FileToOpen::Truth(truth)));
         }
         Ok(Box::new(shell) as Box<dyn eframe::App>)
     };

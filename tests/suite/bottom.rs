@@ -1,6 +1,6 @@
 //! Bottom edits: in the window with the mouse and the keys, and headless from the file that the window keeps.
 
-use crate::app::{Action, App, BottomStroke, Command, Ink};
+use crate::app::{Action, App, BottomStroke, Command, FileToOpen, FileToWrite, Ink};
 use crate::sonar::first_return::Pick;
 use crate::suite::cli::{refusal, run, stderr_of};
 use crate::suite::review::mouse::{at, drag, pull};
@@ -258,7 +258,7 @@ fn a_drawing_stays_under_another_receivers_track() {
     };
     let mut window = opened(&log);
     window.state_mut().app.apply(stroke(Side::Port));
-    let follow = Command::OpenTrack(track.clone());
+    let follow = Command::OpenFile(FileToOpen::Track(track.clone()));
     window.state_mut().app.apply(follow);
     window.run();
     assert!(
@@ -319,7 +319,10 @@ fn a_review_that_cannot_be_used_is_kept_when_another_is_saved() {
     let mut window = opened(&log);
     window.get_by_label_contains("this is no review");
     let place = app(&window).review_path().expect("a place");
-    window.state_mut().app.apply(Command::SaveReview(place));
+    window
+        .state_mut()
+        .app
+        .apply(Command::Write(FileToWrite::Review(place)));
     window.run();
     let aside = folder.path().join("pond.review-older.json");
     assert_eq!(fs::read_to_string(aside).expect("kept"), "years of work");

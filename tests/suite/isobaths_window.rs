@@ -1,6 +1,6 @@
 //! Isobaths in the window: the controls of their settings, and the area that they end at.
 
-use crate::app::{Action, Command};
+use crate::app::{Action, Command, FileToOpen};
 use crate::pipeline::Preset;
 use crate::suite::window::{Window, app, demo_window, press, settle};
 use crate::support::geo::LonLat;
@@ -47,7 +47,7 @@ fn isobaths_end_at_the_area_that_is_opened_and_undo_takes_it_back() {
     window
         .state_mut()
         .app
-        .apply(Command::OpenIsobathArea(path.clone()));
+        .apply(Command::OpenFile(FileToOpen::IsobathArea(path.clone())));
     settle(&mut window);
     assert_eq!(
         app(&window).log.settings.isobaths.clip.as_ref(),
@@ -85,7 +85,10 @@ fn isobaths_end_at_the_area_that_is_opened_and_undo_takes_it_back() {
 
     // What is no area is said, and leaves all as it was.
     std::fs::write(&path, "<kml/>").expect("a file");
-    window.state_mut().app.apply(Command::OpenIsobathArea(path));
+    window
+        .state_mut()
+        .app
+        .apply(Command::OpenFile(FileToOpen::IsobathArea(path)));
     settle(&mut window);
     assert!(window.query_by_label_contains("no polygon").is_some());
     assert_eq!(app(&window).log.settings.isobaths.clip, None);

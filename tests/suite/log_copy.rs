@@ -1,6 +1,6 @@
 //! A log that is copied into another format holds what the log holds, as far as the format can.
 
-use crate::app::{App, Command, Jobs};
+use crate::app::{App, Command, FileToWrite, Jobs};
 use crate::formats;
 use crate::formats::parquet_table::{Values, read_parquet};
 use crate::pipeline::Settings;
@@ -95,6 +95,8 @@ fn the_demo_as_xtf_and_as_sl2_is_the_demo() {
     let log = open(&demo_log());
     let xtf = copied(&log, "xtf");
     assert_same(&log, &xtf, 1e-6);
+    // Each depth is there once, though each ping of the file has one.
+    assert_eq!(log.soundings.len(), xtf.soundings.len());
     // The heading of a log without a compass is that of the track, and no compass afterwards.
     let compass = |survey: &Survey| {
         survey
@@ -267,10 +269,10 @@ fn the_window_writes_the_log_and_its_visible_pings() {
     app.poll();
     let folder = tempfile::tempdir().expect("a folder");
     let [whole, part] = ["log.xtf", "part.xtf"].map(|name| folder.path().join(name));
-    app.apply(Command::ExportLog(whole.clone()));
+    app.apply(Command::Write(FileToWrite::Log(whole.clone())));
     app.poll();
     app.apply(Command::Visible(40..90));
-    app.apply(Command::ExportPings(part.clone()));
+    app.apply(Command::Write(FileToWrite::Pings(part.clone())));
     app.poll();
     let log = open(&demo_log());
     assert_eq!(open(&whole).side_scan.len(), log.side_scan.len());
@@ -280,7 +282,7 @@ fn the_window_writes_the_log_and_its_visible_pings() {
         samples(&log, 40, Side::Port)
     );
     let other = folder.path().join("log.doc");
-    app.apply(Command::ExportLog(other.clone()));
+    app.apply(Command::Write(FileToWrite::Log(other.clone())));
     app.poll();
     let said = app.notices.last().expect("a notice");
     assert!(

@@ -1,6 +1,6 @@
 //! Several logs in one window: one map, one cloud, one history.
 
-use crate::app::{App, CloudColour, Command, LogId, LogPlace};
+use crate::app::{App, CloudColour, Command, FileToWrite, LogId, LogPlace};
 use crate::pipeline::Settings;
 use crate::suite::many_logs::{HIGHER_M, bed_depth_m, rms, write_logs};
 use crate::suite::window::{
@@ -209,7 +209,7 @@ fn a_log_that_was_closed_comes_back_with_undo() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut window = opened(folder.path(), 2);
     let path = folder.path().join("lake.bathyscope");
-    let save = Command::SaveProjectAs(path.clone());
+    let save = Command::Write(FileToWrite::Project(path.clone()));
     window.state_mut().app.apply(save);
     settle(&mut window);
     change(&mut window, "draft_m=0.7");

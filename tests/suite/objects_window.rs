@@ -1,6 +1,8 @@
 //! Boxes of several logs in one window: one queue, one list of objects, decisions about an object in all logs that saw it.
 
-use crate::app::{Action, App, Command, Jobs, LogBox, LogId, ObjectState, SurveyObject};
+use crate::app::{
+    Action, App, Command, FileToOpen, Jobs, LogBox, LogId, ObjectState, SurveyObject,
+};
 use crate::detection::Detection;
 use crate::detection::review::{Edit, Review, State};
 use crate::suite::logs_window::{ids, names, opened, opened_in, settle};
@@ -41,7 +43,10 @@ fn propose(window: &mut Window, folder: &Path) {
         let review = empty.adopt("all of them", &classes, &found, raster);
         let path = folder.join(format!("{index}.json"));
         std::fs::write(&path, review.to_json()).expect("a file");
-        window.state_mut().app.apply(Command::OpenReview(path));
+        window
+            .state_mut()
+            .app
+            .apply(Command::OpenFile(FileToOpen::Review(path)));
         settle(window);
     }
     let first = ids(window)[0];

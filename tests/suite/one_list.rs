@@ -1,6 +1,6 @@
 //! The objects of one reviewed project in the window and in every file: the same members, numbers and states.
 
-use crate::app::{Command, LogBox};
+use crate::app::{Command, FileToWrite, LogBox};
 use crate::detection::review::{Edit, State};
 use crate::suite::logs_window::{ids, settle};
 use crate::suite::objects_window::{object_of, proposed};
@@ -152,7 +152,7 @@ fn window_tables_maps_plotters_and_report_have_the_same_objects() {
     let titles = BTreeSet::from(["Anna".to_owned(), format!("block {half}")]);
 
     let boxes = folder.path().join("boxes");
-    (window.state_mut().app).apply(Command::ExportBoxes(boxes.clone()));
+    (window.state_mut().app).apply(Command::Write(FileToWrite::Boxes(boxes.clone())));
     settle(&mut window);
     assert_eq!(of_csv(&boxes.join("objects.csv")), all);
     assert_eq!(of_geojson(&boxes.join("objects.geojson")), all);
@@ -161,7 +161,7 @@ fn window_tables_maps_plotters_and_report_have_the_same_objects() {
     assert_eq!(names(&boxes.join("objects.kml")), titles);
 
     let products = folder.path().join("products");
-    (window.state_mut().app).apply(Command::Export(products.clone()));
+    (window.state_mut().app).apply(Command::Write(FileToWrite::Products(products.clone())));
     settle(&mut window);
     check_run(&products, &targets, &titles);
 

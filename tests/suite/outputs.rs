@@ -1,6 +1,6 @@
 //! The registry of outputs against what runs really write.
 
-use crate::app::{App, Command, Jobs};
+use crate::app::{App, Command, FileToWrite, Jobs};
 use crate::detection::objects::SurveyReview;
 use crate::pipeline::{self, Derived, ProcessedLog, Settings};
 use crate::products::outputs::{
@@ -262,7 +262,7 @@ fn the_window_says_which_files_are_older_than_the_settings() {
     app.apply(Command::OpenDemo);
     wait(&mut app);
     let out = temporary.path().join("out");
-    app.apply(Command::Export(out.clone()));
+    app.apply(Command::Write(FileToWrite::Products(out.clone())));
     wait(&mut app);
     assert!(app.out_of_date().is_none());
     let mut settings = Settings::clone(&app.log.settings);
@@ -297,7 +297,7 @@ fn the_window_says_which_files_are_older_than_the_settings() {
         ]
     );
     // Written anew, none is.
-    app.apply(Command::Export(out));
+    app.apply(Command::Write(FileToWrite::Products(out)));
     wait(&mut app);
     assert!(app.out_of_date().is_none());
 }

@@ -1,6 +1,6 @@
 //! Lines to sail next in the window: planned by key, dragged, removed, undone and written.
 
-use crate::app::{Action, Command, PlanRequest, View};
+use crate::app::{Action, Command, FileToWrite, PlanRequest, View};
 use crate::bottom::planning::{Leg, PlanSettings};
 use crate::suite::exclusion_window::{click, places_on_map};
 use crate::suite::window::{Window, app, demo_window, drawn_window, press, settle};
@@ -108,13 +108,13 @@ fn planned_lines_are_written_where_the_name_says_and_nothing_is_planned_of_nothi
         ("lines.waypoints", "QGC WPL 110"),
     ] {
         let path = folder.path().join(name);
-        let save = Command::SavePlan(path.clone());
+        let save = Command::Write(FileToWrite::Plan(path.clone()));
         window.state_mut().app.apply(save);
         let text = fs::read_to_string(path).expect("a file");
         assert!(text.contains(words), "{name}: {text}");
     }
     let path = folder.path().join("lines.txt");
-    let save = Command::SavePlan(path.clone());
+    let save = Command::Write(FileToWrite::Plan(path.clone()));
     window.state_mut().app.apply(save);
     let said = app(&window).notices.last().expect("a notice");
     assert!(

@@ -1,6 +1,6 @@
 //! A survey of several logs kept as a project: opened, changed, saved, closed and opened again, in the window.
 
-use crate::app::{Action, BottomStroke, Command, Ink};
+use crate::app::{Action, BottomStroke, Command, FileToWrite, Ink};
 use crate::suite::logs_window::{change, ids, names, opened, settle};
 use crate::suite::window::{Window, app, drop_file, empty_window, press};
 use crate::survey::Side;
@@ -13,7 +13,7 @@ pub(super) fn save_as(window: &mut Window, path: &Path) {
     window
         .state_mut()
         .app
-        .apply(Command::SaveProjectAs(path.to_owned()));
+        .apply(Command::Write(FileToWrite::Project(path.to_owned())));
     settle(window);
     assert_eq!(app(window).project_path(), Some(path));
 }

@@ -1,6 +1,6 @@
 //! How points differ from a reference, on the map and in the panel.
 
-use crate::app::{Action, App, Command, Jobs, MapLayer, ReferenceBy, View};
+use crate::app::{Action, App, Command, FileToWrite, Jobs, MapLayer, ReferenceBy, View};
 use crate::bottom::bathymetry::compare::{Match, Matching};
 use crate::pipeline::Settings;
 use crate::simulation::Scene;
@@ -148,7 +148,10 @@ fn window_compare_and_process_write_the_same_figures() {
     let (folder, out) = (folder.path(), folder.path().join("out"));
     let text = |path: PathBuf| std::fs::read_to_string(path).expect("a file that was written");
     compare_with(&mut window, folder.join("second.sl2"));
-    window.state_mut().app.apply(Command::Export(out.clone()));
+    window
+        .state_mut()
+        .app
+        .apply(Command::Write(FileToWrite::Products(out.clone())));
     window.run();
     let written: Value = serde_json::from_str(&text(out.join("quality/comparison.json"))).unwrap();
     // A number read back from JSON may be off in its last bit.
@@ -183,7 +186,10 @@ fn window_compare_and_process_write_the_same_figures() {
 fn a_setting_acts_on_both_missions_and_on_no_file() {
     let (mut window, folder) = two_missions();
     let out = folder.path().join("out");
-    window.state_mut().app.apply(Command::Export(out.clone()));
+    window
+        .state_mut()
+        .app
+        .apply(Command::Write(FileToWrite::Products(out.clone())));
     window.run();
     compare_with(&mut window, folder.path().join("second.sl2"));
     let before = app(&window).agreement().cloned().expect("an agreement");

@@ -1,6 +1,8 @@
 //! Window and command line write the same bytes of the same survey.
 
-use crate::app::{App, BottomStroke, Command, ExclusionEdit, Ink, Jobs, LogId, PIXEL_M};
+use crate::app::{
+    App, BottomStroke, Command, ExclusionEdit, FileToOpen, FileToWrite, Ink, Jobs, LogId, PIXEL_M,
+};
 use crate::detection::review::{BoxId, Edit, Review};
 use crate::detection::{Detection, Mark, Raster};
 use crate::pipeline::Settings;
@@ -115,7 +117,7 @@ fn everything_at_once(app: &mut App, folder: &Path) -> Vec<String> {
     let review = folder.join("boxes.json");
     decided_boxes(app, &review);
     for command in [
-        Command::OpenReview(review.clone()),
+        Command::OpenFile(FileToOpen::Review(review.clone())),
         Command::CompareWith(reference.clone()),
     ] {
         app.apply(command);
@@ -142,7 +144,7 @@ fn window_and_process_write_the_same_bytes() {
     wait(&mut app);
     let said = everything_at_once(&mut app, folder);
     let [by_window, by_process] = ["window", "process"].map(|name| folder.join(name));
-    app.apply(Command::Export(by_window.clone()));
+    app.apply(Command::Write(FileToWrite::Products(by_window.clone())));
     wait(&mut app);
     let mut args: Vec<&str> = said.iter().map(String::as_str).collect();
     args.extend(["--no-objects", "-o", "process"]);
@@ -185,7 +187,7 @@ fn set(app: &mut App, assignments: &[&str]) {
 /// Gives the shown log boxes, two of three decided.
 fn decide(app: &mut App, path: &Path) {
     decided_boxes(app, path);
-    app.apply(Command::OpenReview(path.to_owned()));
+    app.apply(Command::OpenFile(FileToOpen::Review(path.to_owned())));
     settle(app);
 }
 
@@ -196,7 +198,9 @@ fn survey_of_two(folder: &Path) -> App {
     let logs = ["first.sl2", "second.sl2"].map(|name| folder.join(name));
     app.apply(Command::OpenAll(logs.to_vec()));
     settle(&mut app);
-    app.apply(Command::SaveProjectAs(folder.join("survey.bathyscope")));
+    app.apply(Command::Write(FileToWrite::Project(
+        folder.join("survey.bathyscope"),
+    )));
     settle(&mut app);
     let ids: Vec<LogId> = app.logs().map(|log| log.id).collect();
     set(&mut app, &["first_return.threshold=0.33"]);
@@ -233,7 +237,7 @@ fn window_and_process_write_the_same_bytes_of_several_logs() {
     app.apply(Command::CompareWith(reference.clone()));
     settle(&mut app);
     let [by_window, by_process] = ["window", "process"].map(|name| folder.join(name));
-    app.apply(Command::Export(by_window.clone()));
+    app.apply(Command::Write(FileToWrite::Products(by_window.clone())));
     settle(&mut app);
     let process = [
         "process",
@@ -279,7 +283,7 @@ fn the_plane_stays_whatever_log_comes_first_or_is_hidden() {
         app.apply(Command::SaveProject);
         settle(&mut app);
         let [by_window, by_process] = ["window", "process"].map(|by| folder.join(by).join(name));
-        app.apply(Command::Export(by_window.clone()));
+        app.apply(Command::Write(FileToWrite::Products(by_window.clone())));
         settle(&mut app);
         let into = by_process.to_string_lossy();
         run(

@@ -1,6 +1,6 @@
 //! What stays in its place in the window, whatever comes and goes in it.
 
-use crate::app::{Action, Command};
+use crate::app::{Action, Command, FileToWrite};
 use crate::pipeline::{Preset, Settings};
 use crate::suite::calm_window::window_of;
 use crate::suite::window::{Window, app, demo_window, drawn_window, press, settle};
@@ -48,7 +48,10 @@ fn notices_lie_over_the_views_and_move_nothing() {
     // The folder is named, and a button opens it.
     let folder = tempfile::tempdir().expect("a temporary folder");
     let out = folder.path().join("products");
-    window.state_mut().app.apply(Command::Export(out.clone()));
+    window
+        .state_mut()
+        .app
+        .apply(Command::Write(FileToWrite::Products(out.clone())));
     window.run();
     let notice = app(&window).notices.last().expect("what was written");
     let end = format!(", into {}", out.display());

@@ -34,7 +34,7 @@ pub(super) struct Reader<'a> {
     /// Time of the first sound ping: the log's time zero.
     zero_ms: Option<i64>,
     others: Packets,
-    range_source: RangeSource,
+    provenance: Provenance,
     /// Those of them that nothing is read of.
     skipped: Packets,
     /// Channels of pings whose range was computed with [`SOUND_MPS`].
@@ -54,12 +54,7 @@ impl<'a> Reader<'a> {
             clock: Clock::default(),
             zero_ms: None,
             others: Packets::default(),
-            range_source: match header
-                .is_some_and(|header| Provenance::of(&header).has_fish_finder_ranges)
-            {
-                true => RangeSource::FishFinder,
-                false => RangeSource::SurveyRecorder,
-            },
+            provenance: header.map_or_else(Provenance::default, |header| Provenance::of(&header)),
             skipped: Packets::default(),
             assumed_sound: 0,
         }
@@ -118,7 +113,10 @@ impl<'a> Reader<'a> {
         self.positions
             .finish(log, self.zero_ms.unwrap_or(0) as f64 / 1000.0);
         log.start_unix_s = self.zero_ms.and_then(date::unix_s);
-        log.range_source = self.range_source;
+        log.range_source = match self.provenance.has_fish_finder_ranges {
+            true => RangeSource::FishFinder,
+            false => RangeSource::SurveyRecorder,
+        };
         log.report.set_back(self.clock.set_back_s());
         if self.channels.iter().any(|channel| channel.ground_range) {
             log.report.log("the water column was taken out of this file (ground-range correction): there is no first return in it");
@@ -158,7 +156,11 @@ impl<'a> Reader<'a> {
     fn keep(&mut self, log: &mut Collected, offset: usize, ping: &PingHeader, unix_s: f64) {
         let now_ms = (unix_s * 1000.0).round() as i64;
         let time_s = (now_ms - *self.zero_ms.get_or_insert(now_ms)) as f64 / 1000.0;
-        log.add_depth(ChannelKind::Primary, time_s, ping.sensor_altitude_m);
+        let depth_m = match self.provenance.has_depths_once {
+            true => ping.sensor_aux_altitude_m,
+            false => ping.sensor_altitude_m,
+        };
+        log.add_depth(ChannelKind::Primary, time_s, depth_m);
         self.positions.add(log, ping, time_s, self.transducer_m());
         let end = offset + ping.packet.size as usize;
         let mut at = offset + size_of::<PingHeader>();

@@ -15,10 +15,11 @@ use crate::support::geo::MPS_PER_KNOT;
 use crate::support::progress::Progress;
 use crate::survey::{
     ChannelKind, Encoding, Fix, ProjectedTrack, RangeSource, SampleOrder, Side, SidePing, SideSpan,
-    Survey,
+    Survey, nearest_in_time,
 };
 use bytemuck::Zeroable as _;
 use chrono::{Datelike as _, Timelike as _};
+use std::collections::BTreeMap;
 use std::f32::consts::TAU;
 use std::io::{self, Write};
 
@@ -42,6 +43,8 @@ pub(super) struct Provenance {
     pub(super) has_track_headings: bool,
     /// Slant ranges are those of a fish-finder.
     pub(super) has_fish_finder_ranges: bool,
+    /// Each recorded depth is the second altitude of one ping. The first altitude repeats it.
+    pub(super) has_depths_once: bool,
 }
 
 impl Provenance {
@@ -52,6 +55,7 @@ impl Provenance {
         Self {
             has_track_headings: says(TRACK_HEADINGS),
             has_fish_finder_ranges: says(FISH_FINDER),
+            has_depths_once: header.program == *PROGRAM,
         }
     }
 }
@@ -105,6 +109,8 @@ struct XtfWriter<'a> {
     has_compass: bool,
     /// Bytes of a sample.
     width: usize,
+    /// Recorded depths, metres, by the ping that is nearest in time.
+    depths_m: BTreeMap<usize, f32>,
 }
 
 impl<'a> XtfWriter<'a> {
@@ -114,6 +120,10 @@ impl<'a> XtfWriter<'a> {
             .side_scan
             .iter()
             .flat_map(|ping| [ping.port, ping.starboard]);
+        let depths_m = survey.soundings.iter().filter_map(|one| {
+            let ping = nearest_in_time(&survey.side_scan, one.time_s, |ping| ping.time_s)?;
+            Some((ping, one.depth_m))
+        });
         let is_wide = spans.flatten().any(|span| span.encoding != Encoding::U8);
         Self {
             log,
@@ -123,6 +133,7 @@ impl<'a> XtfWriter<'a> {
                 .iter()
                 .any(|fix| fix.compass_rad.is_finite()),
             width: if is_wide { 2 } else { 1 },
+            depths_m: depths_m.collect(),
         }
     }
 
@@ -212,6 +223,7 @@ impl<'a> XtfWriter<'a> {
             },
             ping_number: number as u32,
             sound_velocity_mps: SOUND_MPS / 2.0,
+            sensor_aux_altitude_m: self.depths_m.get(&number).copied().unwrap_or_default(),
             sensor_altitude_m: if ping.depth_m > 0.0 {
                 ping.depth_m
             } else {

@@ -160,8 +160,8 @@ pub(crate) struct PingHeader {
     pub sensor_depth_m: f32,
     /// 196: height of the sonar above the bottom, metres; 0 when it is not known.
     pub sensor_altitude_m: f32,
-    /// 200: not used here.
-    pub rest_200: [u8; 4],
+    /// 200: the same by another instrument, metres; 0 when it is not known.
+    pub sensor_aux_altitude_m: f32,
     /// 204: the sonar's pitch, degrees, positive with its nose up.
     pub sensor_pitch_deg: f32,
     /// 208: the sonar's roll, degrees, positive to starboard.

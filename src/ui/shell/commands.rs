@@ -3,7 +3,7 @@
 use super::printing::BUSY;
 use super::sides::SidePanel;
 use super::{Shell, ViewRequest};
-use crate::app::{Action, Command, Jobs, KeyFocus, Keys, LayoutPreset, View};
+use crate::app::{Action, Command, FileToWrite, Jobs, KeyFocus, Keys, LayoutPreset, View};
 use crate::pipeline::settings;
 use crate::ui::dialogs::PathPurpose;
 use crate::ui::panels::{self, find_setting, find_setting::ControlPlace};
@@ -302,7 +302,7 @@ impl Shell {
         match (self.app.review_path(), &self.app.log.reviewing.path) {
             (_, Some(path)) => {
                 let path = path.clone();
-                self.app.apply(Command::SaveReview(path));
+                self.app.apply(Command::Write(FileToWrite::Review(path)));
             }
             (Some(path), None) if self.app.log.reviewing.has_boxes() => {
                 self.dialogs

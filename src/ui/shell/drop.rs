@@ -1,6 +1,6 @@
 //! Logs, base maps, points to compare with and tables of other instruments, dropped on the window.
 
-use crate::app::Command;
+use crate::app::{Command, FileToOpen};
 use crate::formats::points::is_named_as_elevations;
 use egui::Ui;
 use std::path::{Path, PathBuf};
@@ -19,10 +19,10 @@ pub(super) fn collect(ui: &Ui, has_log: bool, commands: &mut Vec<Command>) {
         .into_iter()
         .partition(|path| has_log && is_named(path, &["csv", "gpx"]));
     if let Some(map) = maps.into_iter().next_back() {
-        commands.push(Command::OpenBaseMap(map));
+        commands.push(Command::OpenFile(FileToOpen::BaseMap(map)));
     }
     if let Some(table) = tables.into_iter().next_back() {
-        commands.push(Command::OpenTable(table));
+        commands.push(Command::OpenFile(FileToOpen::Table(table)));
     }
     let named = |path: &PathBuf| has_log && is_named_as_elevations(path);
     let (points, logs): (Vec<_>, Vec<_>) = logs.into_iter().partition(named);

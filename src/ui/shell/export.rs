@@ -1,6 +1,6 @@
 //! The dialog that asks which products are written, and into which folder.
 
-use crate::app::{App, Command};
+use crate::app::{App, Command, FileToWrite};
 use crate::products::outputs::{
     Amounts, MANIFEST, OUTPUT_FILES, Product, When, about_bytes, files_in_words,
 };
@@ -91,7 +91,7 @@ impl ExportDialog {
         match modal.inner {
             Pressed::Export => {
                 let folder = PathBuf::from(asked.folder.trim());
-                context.push(Command::Export(folder));
+                context.push(Command::Write(FileToWrite::Products(folder)));
                 self.open = None;
             }
             Pressed::Choose => return Some(PathPurpose::ExportInto),

@@ -1,8 +1,8 @@
 //! The window beside a recorder: a writer adds records at 20 times real speed while the program looks on.
 
 use crate::app::{
-    Action, App, BottomStroke, Command, ExclusionEdit, FollowStatus, Ink, Jobs, LogPlace,
-    is_project,
+    Action, App, BottomStroke, Command, ExclusionEdit, FileToWrite, FollowStatus, Ink, Jobs,
+    LogPlace, is_project,
 };
 use crate::detection::review::{Edit, State};
 use crate::formats::open_bytes;
@@ -104,7 +104,7 @@ fn files(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
 }
 
 fn export(app: &mut App, folder: &Path) {
-    app.apply(Command::Export(folder.to_owned()));
+    app.apply(Command::Write(FileToWrite::Products(folder.to_owned())));
     wait(app);
     assert!(folder.join("manifest.json").is_file(), "{:?}", app.notices);
 }
@@ -428,7 +428,7 @@ fn a_project_of_a_log_that_grew_is_opened_again() {
     let mut app = opened(&path);
     let project = folder.path().join("lake.bathyscope");
     assert!(is_project(&project));
-    app.apply(Command::SaveProjectAs(project.clone()));
+    app.apply(Command::Write(FileToWrite::Project(project.clone())));
     wait(&mut app);
     toggle(&mut app);
     let mut file: File = OpenOptions::new().append(true).open(&path).expect("a log");

@@ -1,7 +1,9 @@
 //! The mounting in the window: by panel and by key, taken back, kept in a project, and as the default of a recorder.
 
 use super::{off_m, scene};
-use crate::app::{Action, BottomStroke, Command, Ink, LogPlace, Mountings};
+use crate::app::{
+    Action, BottomStroke, Command, FileToOpen, FileToWrite, Ink, LogPlace, Mountings,
+};
 use crate::detection;
 use crate::detection::review::{Edit, Review};
 use crate::suite::cli::run;
@@ -107,7 +109,10 @@ fn mark_port(window: &mut Window) {
         path: vec![[40.0, 4.0], [60.0, 3.5]],
         ink: Ink::Bottom,
     };
-    for command in [Command::OpenReview(path), Command::DrawBottom(stroke)] {
+    for command in [
+        Command::OpenFile(FileToOpen::Review(path)),
+        Command::DrawBottom(stroke),
+    ] {
         window.state_mut().app.apply(command);
         settle(window);
     }
@@ -136,7 +141,7 @@ fn boxes_and_strokes_stay_on_their_echoes_when_sides_are_exchanged() {
     window
         .state_mut()
         .app
-        .apply(Command::SaveProjectAs(project.clone()));
+        .apply(Command::Write(FileToWrite::Project(project.clone())));
     settle(&mut window);
     mark_port(&mut window);
     let picks = |window: &Window| {
@@ -190,7 +195,7 @@ fn boxes_and_strokes_stay_on_their_echoes_when_sides_are_exchanged() {
     window
         .state_mut()
         .app
-        .apply(Command::Export(by_window.clone()));
+        .apply(Command::Write(FileToWrite::Products(by_window.clone())));
     settle(&mut window);
     let left = mounting(&window);
     drop(window);
@@ -241,7 +246,7 @@ fn a_review_beside_the_log_says_which_sides_it_means() {
     window
         .state_mut()
         .app
-        .apply(Command::SaveReview(review.clone()));
+        .apply(Command::Write(FileToWrite::Review(review.clone())));
     settle(&mut window);
     drop(window);
     let text = std::fs::read_to_string(&review).expect("a review");

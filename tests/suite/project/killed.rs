@@ -5,7 +5,9 @@
 //! an own run of the same gestures that nobody kills.
 
 use super::names;
-use crate::app::{Action, App, BottomStroke, Command, ExclusionEdit, Ink, Jobs, LogId, Measure};
+use crate::app::{
+    Action, App, BottomStroke, Command, ExclusionEdit, FileToWrite, Ink, Jobs, LogId, Measure,
+};
 use crate::detection::Mark;
 use crate::detection::review::{BoxId, Edit};
 use crate::pipeline::Settings;
@@ -103,7 +105,7 @@ fn gesture(app: &App, number: usize, folder: &Path) -> Command {
         23 => exclude(ExclusionEdit::Reset),
         _ if round.is_multiple_of(4) => {
             let name = ["one.bathyscope", "two.bathyscope"][round / 4 % 2];
-            Command::SaveProjectAs(folder.join(name))
+            Command::Write(FileToWrite::Project(folder.join(name)))
         }
         _ => Command::Do(Action::RemoveFigure),
     }
@@ -133,7 +135,7 @@ fn edit(folder: &Path, begins: &str) {
     let mut out = std::io::stdout();
     for number in first.. {
         let command = gesture(&app, number, folder);
-        let renames = matches!(command, Command::SaveProjectAs(_));
+        let renames = matches!(command, Command::Write(FileToWrite::Project(_)));
         let adds = matches!(command, Command::Add(_));
         // What is found in a log is known once its results are there.
         let finds = matches!(
@@ -243,7 +245,7 @@ fn written(folder: &Path) -> PathBuf {
         app.poll();
     }
     let project = folder.join("one.bathyscope");
-    app.apply(Command::SaveProjectAs(project.clone()));
+    app.apply(Command::Write(FileToWrite::Project(project.clone())));
     while app.is_keeping() {
         app.poll();
     }

@@ -132,7 +132,7 @@ fn a_second_export_replaces_the_first_and_never_other_peoples_pictures() {
     let out = folder.path().join("out");
     let dataset = out.join("dataset");
     let export = |window: &mut Window| {
-        app_mut(window).apply(Command::ExportBoxes(out.clone()));
+        app_mut(window).apply(Command::Write(FileToWrite::Boxes(out.clone())));
         window.run();
         app(window).notices.last().expect("a notice").clone()
     };

@@ -41,7 +41,7 @@ fn propose_with_mistakes(window: &mut Window, folder: &Path) {
     let review = review.adopt("a model", &names, &found, &raster(window));
     let path = folder.join("demo.review.json");
     fs::write(&path, review.to_json()).expect("a file");
-    app_mut(window).apply(Command::OpenReview(path));
+    app_mut(window).apply(Command::OpenFile(FileToOpen::Review(path)));
     window.run();
 }
 
@@ -217,7 +217,7 @@ fn truth_is_found_next_to_the_log_opened_by_path_and_left() {
         "kind,side,near_m,far_m,box_first_ping,box_last_ping,box_near_m,box_far_m,shown\nrock,port,1,2,0,99999,1,3,1\n",
     )
     .expect("a table");
-    app_mut(&mut window).apply(Command::OpenTruth(table));
+    app_mut(&mut window).apply(Command::OpenFile(FileToOpen::Truth(table)));
     window.run();
     assert!(
         window

@@ -82,7 +82,7 @@ fn decisions_are_kept_every_few_seconds_and_at_the_end_and_taken_up_by_a_click()
     assert_eq!(review_of(&window).shared(), last.shared());
     // Saved, they need not be kept.
     let path = app(&window).review_path().expect("a place");
-    app_mut(&mut window).apply(Command::SaveReview(path));
+    app_mut(&mut window).apply(Command::Write(FileToWrite::Review(path)));
     window.run();
     assert!(kept(folder.path()).is_none());
     let (_, window) = opened(folder.path());

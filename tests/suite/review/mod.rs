@@ -8,7 +8,7 @@ mod on_map;
 pub(crate) mod search;
 
 use self::exported::{check_dataset, check_tables, export_by_keys};
-use crate::app::{Action, App, BoxEdge, Command, Jobs, Tool, border_m};
+use crate::app::{Action, App, BoxEdge, Command, FileToOpen, FileToWrite, Jobs, Tool, border_m};
 use crate::detection::review::{BoxId, Edit, Review, Reviewed, State};
 use crate::detection::{Detection, Mark, ObjectExtent, Raster};
 use crate::simulation::{Scene, simulate};
@@ -67,7 +67,7 @@ pub(crate) fn propose(window: &mut Window, detections: &[Detection], folder: &Pa
     window
         .state_mut()
         .app
-        .apply(Command::OpenReview(path.clone()));
+        .apply(Command::OpenFile(FileToOpen::Review(path.clone())));
     window.run();
     assert_eq!(review_of(window).boxes().len(), detections.len());
     path
@@ -141,7 +141,9 @@ fn fifty_boxes_are_reviewed_by_keys_alone_and_come_back() {
     press(&mut window, Modifiers::COMMAND, Key::S);
     assert!(!app(&window).log.reviewing.is_unsaved());
     let mut next = demo_window();
-    next.state_mut().app.apply(Command::OpenReview(path));
+    next.state_mut()
+        .app
+        .apply(Command::OpenFile(FileToOpen::Review(path)));
     next.run();
     assert_eq!(review_of(&next), review_of(&window));
 
@@ -149,7 +151,10 @@ fn fifty_boxes_are_reviewed_by_keys_alone_and_come_back() {
     export_by_keys(&mut window, &folder);
     let exported = folder.join("boxes.review.json");
     let mut again = demo_window();
-    again.state_mut().app.apply(Command::OpenReview(exported));
+    again
+        .state_mut()
+        .app
+        .apply(Command::OpenFile(FileToOpen::Review(exported)));
     again.run();
     assert_eq!(review_of(&again), review_of(&window));
     check_tables(&folder, review_of(&window));
@@ -157,7 +162,7 @@ fn fifty_boxes_are_reviewed_by_keys_alone_and_come_back() {
 
     // The report shows what was decided, not what was proposed.
     let products = folder.join("products");
-    (window.state_mut().app).apply(Command::Export(products.clone()));
+    (window.state_mut().app).apply(Command::Write(FileToWrite::Products(products.clone())));
     window.run();
     let page = std::fs::read_to_string(products.join("report.html")).expect("a report");
     assert!(page.contains("Boxes of the review: 33 accepted, 0 added, 17 rejected, 0 undecided"));
@@ -170,7 +175,7 @@ fn the_report_lists_no_undecided_proposal_among_the_objects() {
     let (folder, mut window) = proposed(6);
     let report = |window: &mut Window, name: &str| {
         let products = folder.path().join(name);
-        (window.state_mut().app).apply(Command::Export(products.clone()));
+        (window.state_mut().app).apply(Command::Write(FileToWrite::Products(products.clone())));
         window.run();
         fs::read_to_string(products.join("report.html")).expect("a report")
     };
@@ -387,15 +392,18 @@ fn boxes_of_a_log_come_back_when_it_is_opened_again() {
     let beside = app_now.review_path().expect("a place for the review");
     assert_eq!(beside, folder.path().join("other.review.json"));
     // The same file, spelt in another way.
-    app_now.apply(Command::SaveReview(
+    app_now.apply(Command::Write(FileToWrite::Review(
         folder.path().join(".").join("other.sl2"),
-    ));
+    )));
     assert_eq!(
         fs::read(&log).expect("the log").len(),
         bytes.len() / 2,
         "the log stays"
     );
-    window.state_mut().app.apply(Command::SaveReview(beside));
+    window
+        .state_mut()
+        .app
+        .apply(Command::Write(FileToWrite::Review(beside)));
     window.state_mut().app.apply(Command::OpenDemo);
     window.run();
     assert_eq!(states(&window), decided);

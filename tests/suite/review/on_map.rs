@@ -18,7 +18,7 @@ fn the_mosaic_with_boxes_looks_as_it_did() {
     let path = folder.path().join("demo.review.json");
     fs::write(&path, review.to_json()).expect("a file");
     let app = app_mut(&mut window);
-    app.apply(Command::OpenReview(path));
+    app.apply(Command::OpenFile(FileToOpen::Review(path)));
     app.view.options.map.flat_spots = false;
     let layers = &mut app.view.options.map.layers;
     layers.set_visible(MapLayer::Mosaic, true);

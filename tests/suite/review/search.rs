@@ -119,7 +119,7 @@ fn a_search_that_was_stopped_does_not_look_finished() {
     let part = empty.adopt_part("a model", &names, &first, &raster(&window), 0..half);
     let path = folder.path().join("part.review.json");
     fs::write(&path, part.to_json()).expect("a file");
-    app_mut(&mut window).apply(Command::OpenReview(path));
+    app_mut(&mut window).apply(Command::OpenFile(FileToOpen::Review(path)));
     window.run();
     press(&mut window, Modifiers::NONE, Key::Tab);
     for _ in &first {
@@ -137,7 +137,7 @@ fn a_search_that_was_stopped_does_not_look_finished() {
     }
     // The report says so as well.
     let products = folder.path().join("products");
-    (window.state_mut().app).apply(Command::Export(products.clone()));
+    (window.state_mut().app).apply(Command::Write(FileToWrite::Products(products.clone())));
     window.run();
     let page = fs::read_to_string(products.join("report.html")).expect("a report");
     assert!(page.contains(&covered), "the report");
@@ -188,7 +188,7 @@ fn the_window_in_review_looks_as_it_did() {
     let review = review.adopt("truth of the demo", &names, &found, &raster(&window));
     let path = folder.path().join("demo.review.json");
     fs::write(&path, review.to_json()).expect("a file");
-    app_mut(&mut window).apply(Command::OpenReview(path));
+    app_mut(&mut window).apply(Command::OpenFile(FileToOpen::Review(path)));
     window.run();
     app_mut(&mut window).apply(Command::Dismiss(0));
     let by_place = review.boxes().map(|one| (one.mark.pings.start, one.id));

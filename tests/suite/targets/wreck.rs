@@ -1,7 +1,7 @@
 //! A sunken barge of 30 m on a level bed, from the picture to the report.
 
 use super::{edit, level_scene, log_box, only_box, opened, see_far, settle, target, written};
-use crate::app::{Action, App, Command};
+use crate::app::{Action, App, Command, FileToWrite};
 use crate::detection::review::{Confidence, Edit, Review, State};
 use crate::detection::{Mark, ObjectExtent};
 use crate::simulation::{ObjectKind, ObjectSettings, Scene, Simulated};
@@ -160,11 +160,11 @@ fn a_wreck_is_named_kept_exported_and_has_its_page_in_the_report() {
     assert_eq!(kept, *review);
 
     let boxes = folder.path().join("boxes");
-    app.apply(Command::ExportBoxes(boxes.clone()));
+    app.apply(Command::Write(FileToWrite::Boxes(boxes.clone())));
     settle(&mut app);
     check_tables(&boxes);
     let products = folder.path().join("products");
-    app.apply(Command::Export(products.clone()));
+    app.apply(Command::Write(FileToWrite::Products(products.clone())));
     settle(&mut app);
     let targets = std::fs::read_to_string(products.join("objects/targets.gpx")).expect("waypoints");
     for text in [
