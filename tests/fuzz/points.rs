@@ -100,6 +100,9 @@ pub(super) fn reference(bytes: &[u8]) {
         return;
     };
     let which = usize::from(*first) % NAMES.len();
+    if which == 1 && !rasters::is_small(rest) {
+        return;
+    }
     scratch::with_file(NAMES[which], rest, |path| {
         let mut argument = path.as_os_str().to_owned();
         if which == 0 {

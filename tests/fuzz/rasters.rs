@@ -4,10 +4,43 @@ use super::{say, scratch};
 use crate::formats::base_map;
 use crate::formats::geotiff::{self, Band, CellFormat, RASTER_TILE, RasterSpec, RasterTiles};
 use crate::formats::geotiff::{read_cells, read_values};
+use crate::support::catch_panic::catch_panic;
 use crate::support::geo::Crs;
 use crate::support::progress::Progress;
+use std::io::Cursor;
+use tiff::decoder::Decoder;
+
+/// Cells of an image, and of a block of it, that the fuzzer unpacks. A few bytes may ask for a million times as many as they are, within
+/// the limits of the readers: what that takes is a matter for other tests (`tests/suite/hostile`).
+const MOST_CELLS: u64 = 1 << 18;
+/// Images of one file that are looked at for that.
+const MOST_IMAGES: usize = 8;
+
+/// Whether no image of a file is large.
+pub(super) fn is_small(bytes: &[u8]) -> bool {
+    let sizes = || -> Option<bool> {
+        let mut decoder = Decoder::new(Cursor::new(bytes)).ok()?;
+        for _ in 0..MOST_IMAGES {
+            let (columns, rows) = decoder.dimensions().ok()?;
+            let (across, down) = decoder.chunk_dimensions();
+            let largest = |one: u32, other: u32| u64::from(one.max(1)) * u64::from(other.max(1));
+            if largest(columns, rows).max(largest(across, down.min(rows))) > MOST_CELLS {
+                return Some(false);
+            }
+            if !decoder.more_images() || decoder.next_image().is_err() {
+                break;
+            }
+        }
+        Some(true)
+    };
+    // What the decoder does not take is refused at once.
+    catch_panic(sizes).flatten().unwrap_or(true)
+}
 
 pub(super) fn cells(bytes: &[u8]) {
+    if !is_small(bytes) {
+        return;
+    }
     scratch::with_file("raster.tif", bytes, |path| {
         if let Err(error) = read_cells(path) {
             say(&error);
@@ -23,6 +56,9 @@ pub(super) fn cells(bytes: &[u8]) {
 const MOST_TILES: usize = 4;
 
 pub(super) fn tiles(bytes: &[u8]) {
+    if !is_small(bytes) {
+        return;
+    }
     scratch::with_file("tiles.tif", bytes, |path| match RasterTiles::open(path) {
         Ok(tiles) => {
             for tile in tiles.tiles().take(MOST_TILES) {
@@ -84,6 +120,9 @@ pub(super) fn cells_seeds() -> Vec<Vec<u8>> {
 }
 
 pub(super) fn base_map(bytes: &[u8]) {
+    if !is_small(bytes) {
+        return;
+    }
     let progress = Progress::new();
     scratch::with_file("map.tif", bytes, |path| {
         match base_map::open(path, &progress) {

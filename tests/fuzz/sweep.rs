@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 
 /// Harms that are done to one copy of a file.
 const A_COPY: usize = 256;
-/// Violations of one file that are listed.
+/// Violations, and losses without a place, of one file that are listed.
 const LISTED: usize = 10;
 /// A report that lists so many warnings may leave out the one that is looked for.
 const MANY_WARNINGS: usize = 20;
@@ -39,6 +39,7 @@ pub fn sweep(paths: &[PathBuf], each: usize) -> bool {
                 .violations
                 .iter()
                 .take(LISTED)
+                .chain(outcome.notes.iter().take(LISTED))
                 .for_each(|what| println!("  {what}"));
             is_sound &= outcome.violations.is_empty();
         }
@@ -85,6 +86,8 @@ struct Outcome {
     unplaced: usize,
     panics: usize,
     violations: Vec<String>,
+    /// Losses that nothing can know of, as where a header says another kind of record.
+    notes: Vec<String>,
 }
 
 impl Patient {
@@ -260,7 +263,7 @@ impl Outcome {
         }
         if has_unplaced {
             self.unplaced += 1;
-            self.violations
+            self.notes
                 .push(format!("{harm}: no warning says where a ping is lost"));
         }
     }
