@@ -5,16 +5,32 @@
 //! this folder builds and starts both.
 
 mod archives;
-#[allow(dead_code, reason = "written for tests of that reader")]
+#[allow(
+    dead_code,
+    clippy::duplicate_mod,
+    reason = "written for tests of that reader"
+)]
 #[path = "../../src/formats/cerulean/writer.rs"]
 mod cerulean_writer;
-#[allow(dead_code, reason = "written for tests of that reader")]
+#[allow(
+    dead_code,
+    clippy::duplicate_mod,
+    reason = "written for tests of that reader"
+)]
 #[path = "../../src/formats/edgetech/writer.rs"]
 mod edgetech_writer;
-#[allow(dead_code, reason = "written for tests of that reader")]
+#[allow(
+    dead_code,
+    clippy::duplicate_mod,
+    reason = "written for tests of that reader"
+)]
 #[path = "../../src/formats/garmin/tests/writer.rs"]
 mod garmin_writer;
-#[allow(dead_code, reason = "written for tests of these readers")]
+#[allow(
+    dead_code,
+    clippy::duplicate_mod,
+    reason = "written for tests of these readers"
+)]
 #[path = "../suite/handmade.rs"]
 mod handmade;
 mod harm;

@@ -152,7 +152,7 @@ impl Patient {
                 let began = Instant::now();
                 let found = catch_unwind(AssertUnwindSafe(|| self.try_out(harm, copy)));
                 let took = began.elapsed();
-                harm.undo(Arc::make_mut(copy), whole);
+                harm.undo(Arc::make_mut(copy).as_mut_slice(), whole);
                 (found.unwrap_or(Found::Panicked), took)
             });
         let done: Vec<(Found, Duration)> = done.collect();

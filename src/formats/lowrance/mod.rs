@@ -50,10 +50,14 @@ enum LowranceKind {
     },
 }
 
-/// Recognises a file by its header (u16 format, u16 version, u16 block size, u16 reserved) and first frame; by its
-/// frames alone when the header is damaged.
+/// Recognises a file by its header (u16 format, u16 version, u16 block size, u16 reserved) and its frames; by its frames alone where the
+/// header is damaged, or names the other layout.
 fn sniff(bytes: &[u8]) -> Option<LowranceKind> {
-    sniff_header(bytes).or_else(|| sniff_frames(bytes))
+    let stated = sniff_header(bytes);
+    match stated {
+        Some(LowranceKind::Frames { layout, .. }) if has_frames(bytes, layout) => stated,
+        _ => sniff_frames(bytes).or(stated),
+    }
 }
 
 fn sniff_header(bytes: &[u8]) -> Option<LowranceKind> {
@@ -76,21 +80,25 @@ fn sniff_header(bytes: &[u8]) -> Option<LowranceKind> {
     }
 }
 
-/// Two frames in a row, found by their own offsets, are proof enough.
 fn sniff_frames(bytes: &[u8]) -> Option<LowranceKind> {
-    [FrameLayout::Sl2, FrameLayout::Sl3]
-        .into_iter()
-        .find_map(|layout| {
-            let first = walk::first_frame(bytes, layout, FILE_HEADER..SEARCHED_FOR_FRAMES, 0)?;
-            let FrameCheck::Whole(frame) = layout.look(bytes, first.at, first.lost) else {
-                return None;
-            };
-            let next = layout.look(bytes, first.at + frame.size, first.lost);
-            matches!(next, FrameCheck::Whole(_)).then_some(LowranceKind::Frames {
-                layout,
-                version: None,
-            })
-        })
+    let mut layouts = [FrameLayout::Sl2, FrameLayout::Sl3].into_iter();
+    let found = layouts.find(|layout| has_frames(bytes, *layout));
+    found.map(|layout| LowranceKind::Frames {
+        layout,
+        version: None,
+    })
+}
+
+/// Two frames in a row, found by their own offsets, are proof enough.
+fn has_frames(bytes: &[u8], layout: FrameLayout) -> bool {
+    let searched = FILE_HEADER..SEARCHED_FOR_FRAMES;
+    walk::first_frame(bytes, layout, searched, 0).is_some_and(|first| {
+        let FrameCheck::Whole(frame) = layout.look(bytes, first.at, first.lost) else {
+            return false;
+        };
+        let next = layout.look(bytes, first.at + frame.size, first.lost);
+        matches!(next, FrameCheck::Whole(_))
+    })
 }
 
 /// Reads a file that [`sniff`] recognised.
