@@ -5,7 +5,7 @@ use super::edgetech_writer::{JsfOptions, jsf as jsf_file};
 use super::garmin_writer::{self, GARMIN_S, Ping, TILT_DEG};
 use super::handmade::{self, Frame};
 use super::{check_finite, say};
-use crate::formats::{open_files, open_growing, open_tail};
+use crate::formats::{open_as_format, open_growing, open_tail};
 use crate::support::progress::Progress;
 use crate::survey::{Bytes, Samples, Side, SideSpan, Survey, SurveyVersions};
 use std::path::PathBuf;
@@ -15,37 +15,38 @@ use std::sync::Arc;
 const SAMPLES: usize = 60;
 
 pub(super) fn sl2(bytes: &[u8]) {
-    one_file("log.sl2", bytes);
+    one_file("sl2", bytes);
 }
 
 pub(super) fn sl3(bytes: &[u8]) {
-    one_file("log.sl3", bytes);
+    one_file("sl3", bytes);
 }
 
 pub(super) fn rsd(bytes: &[u8]) {
-    one_file("log.rsd", bytes);
+    one_file("RSD", bytes);
 }
 
 pub(super) fn xtf(bytes: &[u8]) {
-    one_file("log.xtf", bytes);
+    one_file("xtf", bytes);
 }
 
 pub(super) fn jsf(bytes: &[u8]) {
-    one_file("log.jsf", bytes);
+    one_file("jsf", bytes);
 }
 
 pub(super) fn svlog(bytes: &[u8]) {
-    one_file("log.svlog", bytes);
+    one_file("svlog", bytes);
 }
 
-fn one_file(name: &str, bytes: &[u8]) {
-    open(vec![(PathBuf::from(name), bytes.to_vec())]);
+fn one_file(ending: &str, bytes: &[u8]) {
+    open(ending, vec![(PathBuf::from("log"), bytes.to_vec())]);
 }
 
-fn open(files: Vec<(PathBuf, Vec<u8>)>) {
-    match open_files(files, &Progress::new()) {
-        Ok(survey) => walk(&survey),
-        Err(error) => say(&error),
+fn open(ending: &str, files: Vec<(PathBuf, Vec<u8>)>) {
+    match open_as_format(ending, files, &Progress::new()) {
+        Some(Ok(survey)) => walk(&survey),
+        Some(Err(error)) => say(&error),
+        None => {}
     }
 }
 
@@ -64,6 +65,7 @@ pub(super) fn humminbird(bytes: &[u8]) {
         ("Rec00007/B003.SON", starboard),
     ];
     open(
+        "DAT",
         parts
             .map(|(name, bytes)| (PathBuf::from(name), bytes.to_vec()))
             .into(),

@@ -102,6 +102,7 @@ unsafe extern "C" fn LLVMFuzzerCustomMutator(
 
 /// The crate of libFuzzer asks for one; it is never called.
 #[unsafe(no_mangle)]
+#[allow(improper_ctypes_definitions, reason = "both sides are Rust")]
 extern "C" fn rust_fuzzer_test_input(_: &[u8]) -> i32 {
     0
 }

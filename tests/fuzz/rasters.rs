@@ -19,7 +19,9 @@ const MOST_IMAGES: usize = 8;
 /// Whether no image of a file is large.
 pub(super) fn is_small(bytes: &[u8]) -> bool {
     let sizes = || -> Option<bool> {
-        let mut decoder = Decoder::new(Cursor::new(bytes)).ok()?;
+        let mut bytes = Cursor::new(bytes);
+        geotiff::check_claims(&mut bytes).ok()?;
+        let mut decoder = Decoder::new(bytes).ok()?;
         for _ in 0..MOST_IMAGES {
             let (columns, rows) = decoder.dimensions().ok()?;
             let (across, down) = decoder.chunk_dimensions();
