@@ -13,7 +13,7 @@ const MOST_BESIDE: u64 = 1024;
 /// Structures that may lie in one another in a header.
 const DEEPEST: usize = 8;
 
-/// Whether no page in a range of a file claims to be longer than it can be.
+/// Whether all pages in a range of a file can be followed, and none claims to be longer than it can be.
 pub(super) fn are_sound(file: &mut (impl BufRead + Seek), column: Range<u64>) -> bool {
     let mut walk = || -> Option<bool> {
         let mut at = file.seek(SeekFrom::Start(column.start)).ok()?;
@@ -31,8 +31,7 @@ pub(super) fn are_sound(file: &mut (impl BufRead + Seek), column: Range<u64>) ->
         }
         Some(true)
     };
-    // What cannot be followed is left to the decoder to refuse.
-    walk().unwrap_or(true)
+    walk().unwrap_or(false)
 }
 
 /// The header of a page.
@@ -152,8 +151,8 @@ mod tests {
         long.extend([1, 2, 3, 4]);
         assert!(!are_sound(&mut Cursor::new(&long), 0..long.len() as u64));
         assert!(are_sound(&mut Cursor::new(&long), 0..at as u64));
-        // What is cut or no header is the decoder's matter.
-        assert!(are_sound(&mut Cursor::new(&long[..7]), 0..100));
-        assert!(are_sound(&mut Cursor::new([0x19; 9]), 0..9));
+        // What is cut, and what is no header.
+        assert!(!are_sound(&mut Cursor::new(&long[..7]), 0..100));
+        assert!(!are_sound(&mut Cursor::new([0x19; 9]), 0..9));
     }
 }

@@ -64,7 +64,7 @@ fn read(path: &Path, names: &[&str]) -> Result<Vec<Values>, ParquetFault> {
         for (index, values) in &mut chosen {
             let (start, length) = group.metadata().column(*index).byte_range();
             if !pages::are_sound(&mut pages, start..start.saturating_add(length)) {
-                return Err(ParquetFault::Damaged("a page claims more than it can hold"));
+                return Err(ParquetFault::Damaged("a page of it is damaged"));
             }
             let chunk = group.get_column_reader(*index)?;
             append(chunk, rows, values)?;

@@ -27,13 +27,16 @@ pub(super) fn check(path: &Path) -> io::Result<()> {
     let mut file = regular_file::open(path)?;
     let len = file.metadata()?.len();
     let mut at = |offset: u64| Field::at(&mut file, offset);
-    if at(94)?.u16() >= HEADER_14 && at(243)?.u32() > 0 {
-        let start = at(235)?.u64();
-        let data = start.saturating_add(EXTENDED_HEADER);
-        if data > len || at(start + EXTENDED_LENGTH)?.u64() > len - data {
-            return Err(io::Error::other(
-                "its extended record reaches beyond the end of the file",
-            ));
+    if at(94)?.u16() >= HEADER_14 {
+        let mut start = at(235)?.u64();
+        for _ in 0..at(243)?.u32() {
+            let data = start.saturating_add(EXTENDED_HEADER);
+            if data > len || at(start + EXTENDED_LENGTH)?.u64() > len - data {
+                return Err(io::Error::other(
+                    "its extended record reaches beyond the end of the file",
+                ));
+            }
+            start = data + at(start + EXTENDED_LENGTH)?.u64();
         }
     }
     if at(104)?.0[0] & COMPRESSED != 0 {
@@ -52,7 +55,7 @@ pub(super) fn check(path: &Path) -> io::Result<()> {
                 "its table claims more chunks than it has bytes",
             ));
         }
-        if let Some(layers) = layers(&mut at)? {
+        if let Some(layers) = layers(&mut at, len)? {
             let record = u64::from(at(105)?.u16());
             check_layers(&mut at, points + 8, table, record, layers)?;
         }
@@ -61,11 +64,12 @@ pub(super) fn check(path: &Path) -> io::Result<()> {
 }
 
 /// Layers that every chunk is packed in, as the record for that says; `None` where points are packed one after the other.
-fn layers(at: &mut impl FnMut(u64) -> io::Result<Field>) -> io::Result<Option<u64>> {
+fn layers(at: &mut impl FnMut(u64) -> io::Result<Field>, len: u64) -> io::Result<Option<u64>> {
     let mut record = u64::from(at(94)?.u16());
-    let count = at(100)?.u32();
-    // A header that claims more records than any file has ends where the zeros begin.
-    for _ in 0..count.min(10_000) {
+    for _ in 0..at(100)?.u32() {
+        if record >= len {
+            break;
+        }
         let mut user = Vec::new();
         for part in [2, 10] {
             user.extend(at(record + part)?.0);
