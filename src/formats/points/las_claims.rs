@@ -5,8 +5,8 @@ use std::fs::File;
 use std::io::{self, Read as _, Seek as _, SeekFrom};
 use std::path::Path;
 
-/// LAS 1.4 R15, table 3: the header that knows extended records is this long.
-const HEADER_14: u16 = 375;
+/// The version, at bytes 24 and 25, from which on the header knows extended records (LAS 1.4 R15, table 3).
+const VERSION_14: [u8; 2] = [1, 4];
 /// Bytes before the data of an extended record; its length is 8 of them.
 const EXTENDED_HEADER: u64 = 60;
 const EXTENDED_LENGTH: u64 = 20;
@@ -27,16 +27,15 @@ pub(super) fn check(path: &Path) -> io::Result<()> {
     let mut file = regular_file::open(path)?;
     let len = file.metadata()?.len();
     let mut at = |offset: u64| Field::at(&mut file, offset);
-    if at(94)?.u16() >= HEADER_14 {
-        let mut start = at(235)?.u64();
-        for _ in 0..at(243)?.u32() {
-            let data = start.saturating_add(EXTENDED_HEADER);
-            if data > len || at(start + EXTENDED_LENGTH)?.u64() > len - data {
-                return Err(io::Error::other(
-                    "its extended record reaches beyond the end of the file",
-                ));
-            }
-            start = data + at(start + EXTENDED_LENGTH)?.u64();
+    // The las crate goes by the version, whatever the header says of its length, and reads the first record alone.
+    let [major, minor, ..] = at(24)?.0;
+    if [major, minor] >= VERSION_14 && at(243)?.u32() > 0 {
+        let start = at(235)?.u64();
+        let data = start.saturating_add(EXTENDED_HEADER);
+        if data > len || at(start + EXTENDED_LENGTH)?.u64() > len - data {
+            return Err(io::Error::other(
+                "its extended record reaches beyond the end of the file",
+            ));
         }
     }
     if at(104)?.0[0] & COMPRESSED != 0 {
