@@ -361,11 +361,11 @@ fn read_by_content(
     reading: &Reading<'_>,
     progress: &Progress,
 ) -> Result<Survey, OpenError> {
-    if opened.bytes.is_empty() {
-        return Err(not_recognised(&opened.path, "the file is empty"));
-    }
     if let Some(read) = recognised(files, &opened) {
         return read(reading, progress);
+    }
+    if opened.bytes.is_empty() {
+        return Err(not_recognised(&opened.path, "the file is empty"));
     }
     if let Some(advice) = unsupported::advice(&opened.bytes) {
         return Err(OpenError::Unsupported {

@@ -20,6 +20,8 @@ use std::time::{Duration, Instant};
 const A_COPY: usize = 256;
 /// Violations, and losses without a place, of one file that are listed.
 const LISTED: usize = 10;
+/// A side has the time of the other one, which is another where that side's header is harmed: by less than from ping to ping.
+const MOST_APART_MS: u64 = 250;
 /// A report that lists so many warnings may leave out the one that is looked for.
 const MANY_WARNINGS: usize = 20;
 
@@ -66,6 +68,17 @@ struct PingPlace {
     time_ms: i64,
     samples: u32,
     range: [u32; 2],
+}
+
+impl PingPlace {
+    fn key(&self) -> (u8, u64, u8) {
+        (self.file, self.offset, self.channel)
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
+        self.time_ms.abs_diff(other.time_ms) <= MOST_APART_MS
+            && (self.samples, self.range) == (other.samples, other.range)
+    }
 }
 
 /// What one harm did.
@@ -187,7 +200,13 @@ impl Patient {
             }
         };
         let found = pings_of(&survey, &self.files);
-        let is_there = |ping: &PingPlace| found.binary_search(ping).is_ok();
+        let is_there = |ping: &PingPlace| {
+            let from = found.partition_point(|other| other.key() < ping.key());
+            let mut alike = found[from..]
+                .iter()
+                .take_while(|other| other.key() == ping.key());
+            alike.any(|other| other.is_same(ping))
+        };
         let missing: Vec<&PingPlace> = self.pings.iter().filter(|ping| !is_there(ping)).collect();
         let outside = missing.iter().filter(|ping| !self.is_touched(ping, &place));
         let lost = outside.count();
