@@ -151,11 +151,11 @@
 //! Without the feature `gui`, which is on by default, there is no `ui`, and no crate for windows and GPUs.
 
 #![cfg_attr(
-    any(feature = "bench", not(feature = "gui")),
+    any(feature = "bench", feature = "fuzz", not(feature = "gui")),
     allow(
         dead_code,
         unused_imports,
-        reason = "benchmarks use a part of what tests use; the program without a window, of what the window uses"
+        reason = "benchmarks and the fuzzer use a part of what tests use; the program without a window, of what the window uses"
     )
 )]
 
@@ -194,6 +194,11 @@ pub use survey::{Side, Survey};
 #[cfg(all(feature = "bench", not(test)))]
 #[path = "../tests/bench/mod.rs"]
 pub mod bench;
+/// The readers for the fuzzer, which is a program of its own: `tests/fuzz/run`.
+#[cfg(all(feature = "fuzz", not(test)))]
+#[path = "../tests/fuzz/mod.rs"]
+#[doc(hidden)]
+pub mod fuzz;
 #[cfg(all(test, feature = "gui"))]
 #[path = "../tests/suite/mod.rs"]
 mod suite;

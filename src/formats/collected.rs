@@ -1,7 +1,7 @@
 //! What a reader hands over before it becomes a [`Survey`](crate::survey::Survey): channels apart, in file order.
 
 use super::reading::Reading;
-use super::report::WarningReport;
+use super::report::{WarningKind, WarningReport};
 use crate::support::geo::LonLat;
 use crate::survey::{
     Bytes, Channel, ChannelKind, Echogram, EchogramPing, Fix, ProjectedTrack, RangeSource,
@@ -177,13 +177,17 @@ impl Collected {
         }
     }
 
-    /// Keeps a ping of a channel that looks down, if it can hold a picture.
+    /// Keeps a ping of a channel that looks down, if it can hold a picture; says so where it cannot.
     pub(super) fn add_echogram(&mut self, kind: ChannelKind, time_s: f64, span: SideSpan) {
         let looks_down = matches!(
             kind,
             ChannelKind::Primary | ChannelKind::Secondary | ChannelKind::DownScan
         );
-        if !(looks_down && is_sound(&span)) {
+        if !looks_down {
+            return;
+        }
+        if !is_sound(&span) {
+            self.report_no_picture(kind, &span);
             return;
         }
         let ping = EchogramPing { time_s, span };
@@ -194,6 +198,19 @@ impl Collected {
                 pings: Arc::new(vec![ping]),
             }),
         }
+    }
+
+    /// Says that a ping holds no picture.
+    pub(super) fn report_no_picture(&self, kind: ChannelKind, span: &SideSpan) {
+        let text = format!(
+            "a ping ({}) has {} samples over {} to {} m, which is no picture; it was dropped",
+            kind.name(),
+            span.count,
+            span.near_m,
+            span.far_m
+        );
+        let (file, offset) = (usize::from(span.file), span.offset as usize);
+        self.report.at(WarningKind::Value, file, offset, text);
     }
 
     /// Keeps a fix if it is one. Channels that ping together carry the same fix: it is kept once.

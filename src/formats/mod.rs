@@ -182,6 +182,22 @@ pub(crate) fn open_files(
     open_on(&files, &path, &Reading::default(), progress)
 }
 
+/// Reads files in memory as the format with an ending, without looking at the others, for the fuzzer; `None` where they are of another.
+#[cfg(any(test, feature = "fuzz"))]
+pub(crate) fn open_as_format(
+    ending: &str,
+    files: Vec<(PathBuf, Vec<u8>)>,
+    progress: &Progress,
+) -> Option<Result<Survey, OpenError>> {
+    let path = first_path(&files);
+    let files = FileSource::held(files);
+    let is_of = |format: &&FormatEntry| format.endings.iter().any(|(one, _)| *one == ending);
+    let format = FORMATS.iter().find(is_of)?;
+    let bytes = files.read(&path).ok()?;
+    let read = format.reader.recognise(&files, &Opened { path, bytes })?;
+    Some(read(&Reading::default(), progress))
+}
+
 /// The path of the first file, which is the one to open; empty where there is none.
 fn first_path<T>(files: &[(PathBuf, T)]) -> PathBuf {
     files
@@ -360,12 +376,12 @@ fn read_by_content(
     reading: &Reading<'_>,
     progress: &Progress,
 ) -> Result<Survey, OpenError> {
-    if opened.bytes.is_empty() {
-        return Err(not_recognised(&opened.path, "the file is empty"));
-    }
     let mut formats = FORMATS.iter();
     if let Some(read) = formats.find_map(|format| format.reader.recognise(files, &opened)) {
         return read(reading, progress);
+    }
+    if opened.bytes.is_empty() {
+        return Err(not_recognised(&opened.path, "the file is empty"));
     }
     if let Some(advice) = unsupported::advice(&opened.bytes) {
         return Err(OpenError::Unsupported {

@@ -87,7 +87,11 @@ impl TrackFile {
         };
         let mut fixes: Vec<Fix> = self.fixes.iter().map(fix).collect();
         let stray = drop_stray(&mut fixes);
-        let span_s = [fixes[0].time_s, fixes[fixes.len() - 1].time_s];
+        // Two places far apart, and the one between them is near none.
+        let (Some(first), Some(last)) = (fixes.first(), fixes.last()) else {
+            return Err(fail(TrackFault::TooShort));
+        };
+        let span_s = [first.time_s, last.time_s];
         let inside = |time_s: f64| (span_s[0]..=span_s[1]).contains(&time_s);
         let pings = survey.side_scan.iter().map(|ping| ping.time_s);
         let times = pings.chain(survey.soundings.iter().map(|sounding| sounding.time_s));

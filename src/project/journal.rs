@@ -101,7 +101,7 @@ pub(super) struct Read {
 }
 
 impl Read {
-    fn of(bytes: &[u8]) -> Self {
+    pub(super) fn of(bytes: &[u8]) -> Self {
         let whole = bytes
             .iter()
             .rposition(|byte| *byte == b'\n')

@@ -99,6 +99,8 @@ pub(crate) use measurement::{Measurement, MeasurementKind, Pick};
 pub(crate) use past::{PastStep, UNDONE};
 pub(crate) use row::Key;
 pub(crate) use sidecar::{BottomFileError, read_bottom};
+#[cfg(any(test, feature = "fuzz"))]
+pub(crate) use store::with_journal;
 pub(crate) use store::{ENDING, OpenedProject, SavingOutcome, Store, StoreError};
 #[cfg(test)]
 pub(crate) use store::{StoreFault, read};

@@ -431,6 +431,30 @@ fn unsaved<'a>(read: &'a Read, sha256: &str) -> Option<(&'a [Entry], u32)> {
     Some((rest, version))
 }
 
+/// A project as [`Store::open`] reads it with the journal beside it, from memory, for the fuzzer. `sha256` is that of the text.
+///
+/// # Errors
+/// As [`Project::from_text`], and where the gestures make no sense.
+#[cfg(any(test, feature = "fuzz"))]
+pub(crate) fn with_journal(
+    text: &str,
+    sha256: &str,
+    journal: &[u8],
+    folder: &Path,
+) -> Result<Project, ProjectError> {
+    let (written, version) = text::read_as_written(text)?;
+    let rows = migrate(written.clone(), version, VERSION);
+    let saved = rows::read(rows.clone(), folder)?;
+    let read = Read::of(journal);
+    let Some((entries, entry_version)) = unsaved(&read, sha256) else {
+        return Ok(saved);
+    };
+    let project = replayed(written, version, entries, entry_version, folder)?;
+    Past::default().replay(&saved, (rows, entry_version), entries, folder);
+    taken_in(entries, read.damaged);
+    Ok(project)
+}
+
 /// The project with gestures done again. Rows and gestures meet in the layout of the gestures.
 fn replayed(
     written: Rows,

@@ -26,6 +26,10 @@ pub(crate) fn open(path: &Path) -> io::Result<File> {
 /// # Errors
 /// Those of [`open`]; [`ErrorKind::FileTooLarge`] where there are more bytes.
 pub(crate) fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    #[cfg(any(test, feature = "fuzz"))]
+    if let Some(bytes) = held::get(path) {
+        return Ok(bytes);
+    }
     let file = open(path)?;
     let length = file.metadata()?.len();
     let mut bytes = Vec::new();
@@ -48,6 +52,33 @@ pub(crate) fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
 pub(crate) fn read_text(path: &Path, most: u64) -> io::Result<String> {
     String::from_utf8(read(path, most)?)
         .map_err(|_| io::Error::new(ErrorKind::InvalidData, "it is not text in UTF-8"))
+}
+
+/// One file in memory that [`read`] takes for one on disk, for the fuzzer, which reads millions of them.
+#[cfg(any(test, feature = "fuzz"))]
+pub(crate) mod held {
+    use std::cell::RefCell;
+    use std::path::{Path, PathBuf};
+
+    thread_local! {
+        static HELD: RefCell<Option<(PathBuf, Vec<u8>)>> = const { RefCell::new(None) };
+    }
+
+    /// The bytes that are held for a path.
+    pub(super) fn get(path: &Path) -> Option<Vec<u8>> {
+        HELD.with_borrow(|held| {
+            let held = held.as_ref().filter(|(name, _)| name == path);
+            held.map(|(_, bytes)| bytes.clone())
+        })
+    }
+
+    /// Runs `work` on this thread with a file of these bytes at a path.
+    pub(crate) fn with<T>(path: &Path, bytes: &[u8], work: impl FnOnce() -> T) -> T {
+        HELD.replace(Some((path.to_owned(), bytes.to_vec())));
+        let outcome = work();
+        HELD.replace(None);
+        outcome
+    }
 }
 
 fn in_words(bytes: u64) -> String {

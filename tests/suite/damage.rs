@@ -2,6 +2,9 @@
 //! frames that the damage touched. What can be lost is known from a walk of its own over the whole log.
 
 use crate::formats::{self, OpenError};
+use crate::suite::fuzz::records::{
+    FindRecords, sl2_records, sl3_records, son_records, xtf_records,
+};
 use crate::suite::{handmade, support};
 use crate::support::progress::Progress;
 use crate::survey::{Side, SideSpan, Survey};
@@ -13,9 +16,6 @@ use std::path::{Path, PathBuf};
 /// Cuts, and zeroed blocks, of each log.
 const CASES: u64 = 1000;
 const BLOCK: u64 = 1024;
-
-/// Where the frames of a whole file are, found without Bathyscope.
-type Oracle = fn(&[u8]) -> Vec<Range<u64>>;
 
 /// A recording in a folder of its own, the file of it that is damaged, and what was in it.
 struct Patient {
@@ -30,7 +30,7 @@ struct Patient {
 
 impl Patient {
     /// Copies `files` (paths below a folder) and opens the first; `damaged` is the index of the one to damage.
-    fn new(files: &[(PathBuf, Vec<u8>)], damaged: usize, oracle: Oracle) -> Self {
+    fn new(files: &[(PathBuf, Vec<u8>)], damaged: usize, oracle: FindRecords) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         for (path, bytes) in files {
             let path = folder.path().join(path);
@@ -209,52 +209,14 @@ impl Random {
     }
 }
 
-fn by_size(bytes: &[u8], start: usize, size_at: impl Fn(usize) -> usize) -> Vec<Range<u64>> {
-    let mut frames = Vec::new();
-    let mut at = start;
-    while at + 144 <= bytes.len() {
-        let end = at + size_at(at);
-        frames.push(at as u64..end as u64);
-        at = end;
-    }
-    frames
-}
-
-fn u16_at(bytes: &[u8], at: usize) -> usize {
-    usize::from(u16::from_le_bytes([bytes[at], bytes[at + 1]]))
-}
-
-fn sl2_frames(bytes: &[u8]) -> Vec<Range<u64>> {
-    by_size(bytes, 8, |at| u16_at(bytes, at + 28))
-}
-
-fn sl3_frames(bytes: &[u8]) -> Vec<Range<u64>> {
-    by_size(bytes, 8, |at| u16_at(bytes, at + 8))
-}
-
-fn xtf_frames(bytes: &[u8]) -> Vec<Range<u64>> {
-    by_size(bytes, 1024, |at| u16_at(bytes, at + 10))
-}
-
-/// Pings lie from one magic number to the next; the data of these logs does not contain it.
-fn son_frames(bytes: &[u8]) -> Vec<Range<u64>> {
-    let magic = [0xC0, 0xDE, 0xAB, 0x21];
-    let mut starts: Vec<u64> = (0..bytes.len())
-        .filter(|&at| bytes[at..].starts_with(&magic))
-        .map(|at| at as u64)
-        .collect();
-    starts.push(bytes.len() as u64);
-    starts.windows(2).map(|pair| pair[0]..pair[1]).collect()
-}
-
-fn damage_one(name: &str, bytes: Vec<u8>, oracle: Oracle, seed: u64) -> Patient {
+fn damage_one(name: &str, bytes: Vec<u8>, oracle: FindRecords, seed: u64) -> Patient {
     let patient = Patient::new(&[(PathBuf::from(name), bytes)], 0, oracle);
     patient.cut(seed);
     patient.zero(seed);
     patient
 }
 
-fn damage_real(file: &str, oracle: Oracle, seed: u64) {
+fn damage_real(file: &str, oracle: FindRecords, seed: u64) {
     let Some(data) = support::real_data() else {
         return;
     };
@@ -265,13 +227,13 @@ fn damage_real(file: &str, oracle: Oracle, seed: u64) {
 #[test]
 fn handmade_sl2() {
     let frames = handmade::survey_frames(40);
-    damage_one("pond.sl2", handmade::sl2(&frames), sl2_frames, 1).garble(1);
+    damage_one("pond.sl2", handmade::sl2(&frames), sl2_records, 1).garble(1);
 }
 
 #[test]
 fn handmade_sl3() {
     let frames = handmade::survey_frames(40);
-    damage_one("pond.sl3", handmade::sl3(&frames, 168), sl3_frames, 2).garble(2);
+    damage_one("pond.sl3", handmade::sl3(&frames, 168), sl3_records, 2).garble(2);
 }
 
 #[test]
@@ -279,7 +241,7 @@ fn handmade_xtf() {
     damage_one(
         "pond.xtf",
         handmade::xtf(60, 1, 3, (-73.6, 42.7), 5.0),
-        xtf_frames,
+        xtf_records,
         3,
     )
     .garble(3);
@@ -289,7 +251,7 @@ fn handmade_xtf() {
 fn handmade_humminbird() {
     let files = handmade::humminbird(60, false, false);
     for (damaged, seed) in [(1, 4), (2, 5)] {
-        let patient = Patient::new(&files, damaged, son_frames);
+        let patient = Patient::new(&files, damaged, son_records);
         patient.cut(seed);
         patient.zero(seed);
         patient.garble(seed);
@@ -299,29 +261,29 @@ fn handmade_humminbird() {
 
 #[test]
 fn real_transcoded_sl2() {
-    damage_real("lowrance/glencanyon-transcoded.sl2", sl2_frames, 11);
+    damage_real("lowrance/glencanyon-transcoded.sl2", sl2_records, 11);
 }
 
 #[test]
 fn real_transcoded_sl3() {
-    damage_real("lowrance/glencanyon-transcoded.sl3", sl3_frames, 12);
+    damage_real("lowrance/glencanyon-transcoded.sl3", sl3_records, 12);
 }
 
 #[test]
 fn real_hobart() {
-    damage_real("lowrance/hobart-20m.sl3", sl3_frames, 13);
-    damage_real("lowrance/hobart-40m-negative-time.sl3", sl3_frames, 14);
+    damage_real("lowrance/hobart-20m.sl3", sl3_records, 13);
+    damage_real("lowrance/hobart-40m-negative-time.sl3", sl3_records, 14);
 }
 
 #[test]
 fn real_small_sl2() {
-    damage_real("lowrance/river-downscan-only.sl2", sl2_frames, 15);
-    damage_real("lowrance/elite4-stray-bytes.sl2", sl2_frames, 16);
+    damage_real("lowrance/river-downscan-only.sl2", sl2_records, 15);
+    damage_real("lowrance/elite4-stray-bytes.sl2", sl2_records, 16);
 }
 
 #[test]
 fn real_xtf() {
-    damage_real("xtf/000_1236.xtf", xtf_frames, 17);
+    damage_real("xtf/000_1236.xtf", xtf_records, 17);
 }
 
 #[test]
@@ -343,7 +305,7 @@ fn real_humminbird() {
         )
     };
     let files: Vec<(PathBuf, Vec<u8>)> = names.iter().map(read).collect();
-    let patient = Patient::new(&files, 2, son_frames);
+    let patient = Patient::new(&files, 2, son_records);
     patient.cut(18);
     patient.zero(19);
 }

@@ -27,6 +27,13 @@ mod export;
 mod first_return;
 mod following;
 mod formats;
+#[allow(
+    dead_code,
+    unreachable_pub,
+    reason = "the fuzzer, a program of its own, calls it from outside"
+)]
+#[path = "../fuzz/mod.rs"]
+mod fuzz;
 mod garbled;
 mod golden;
 mod handmade;

@@ -93,8 +93,16 @@ pub(super) fn from_bytes(
     ))
 }
 
-/// Reads, screens and compiles; all of it on numbers that nobody vouches for.
-fn open(onnx: &[u8], sidecar: &Sidecar, folder: Option<&Path>) -> Result<Opened, Unusable> {
+/// A graph that was looked through, and is not compiled yet.
+struct Screened {
+    proto: ModelProto,
+    declared: Declared,
+    metadata: Metadata,
+    input: InputSpec,
+}
+
+/// Reads a graph and looks through it; all of it on numbers that nobody vouches for.
+fn screened(onnx: &[u8], sidecar: &Sidecar, folder: Option<&Path>) -> Result<Screened, Unusable> {
     let proto = tract::parse(onnx)?;
     let declared = screen::screen(&proto)?;
     let metadata = screen::metadata(&proto);
@@ -103,6 +111,34 @@ fn open(onnx: &[u8], sidecar: &Sidecar, folder: Option<&Path>) -> Result<Opened,
     }
     check_outside_files(&proto, folder)?;
     let input = input_of(&declared, sidecar, &metadata)?;
+    Ok(Screened {
+        proto,
+        declared,
+        metadata,
+        input,
+    })
+}
+
+/// What is done of [`from_bytes`] before anything is computed, for the fuzzer.
+///
+/// # Errors
+/// Why the model cannot be used.
+#[cfg(any(test, feature = "fuzz"))]
+pub(super) fn screen_only(onnx: &[u8], sidecar: Option<&str>) -> Result<(), Unusable> {
+    let sidecar = sidecar.map(Sidecar::parse).transpose()?.unwrap_or_default();
+    let screened = screened(onnx, &sidecar, None)?;
+    screened.metadata.names();
+    Ok(())
+}
+
+/// Reads, screens and compiles.
+fn open(onnx: &[u8], sidecar: &Sidecar, folder: Option<&Path>) -> Result<Opened, Unusable> {
+    let Screened {
+        proto,
+        declared,
+        metadata,
+        input,
+    } = screened(onnx, sidecar, folder)?;
     let InputSpec {
         width,
         height,

@@ -38,6 +38,15 @@ use family::DetectorFamily;
 use input::InputSpec;
 use std::path::Path;
 
+/// Looks through a model as [`Model::from_bytes`] does before it compiles it, for the fuzzer.
+///
+/// # Errors
+/// Why the model cannot be used.
+#[cfg(any(test, feature = "fuzz"))]
+pub(crate) fn screened(onnx: &[u8], sidecar: Option<&str>) -> Result<(), Unusable> {
+    load::screen_only(onnx, sidecar)
+}
+
 /// Boxes of one picture that are looked at, the surest: a network that fires everywhere stays bearable.
 const MOST_BOXES: usize = 1000;
 /// Confidence from which a box takes part in the vote, whatever is asked for: a box must not move with the slider.

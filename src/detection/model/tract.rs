@@ -8,7 +8,8 @@ use super::screen::Declared;
 use super::{Inference, Output, Unusable};
 use crate::support::catch_panic::catch_panic;
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
+use tract_onnx::Onnx;
 use tract_onnx::pb::ModelProto;
 use tract_onnx::prelude::*;
 use tract_onnx::tract_core::ops::{cast::Cast, konst::Const};
@@ -26,9 +27,10 @@ pub(super) struct Network {
 /// # Errors
 /// Why the model cannot be used.
 pub(super) fn parse(bytes: &[u8]) -> Result<ModelProto, Unusable> {
+    // Its table of layers is filled once.
+    static ONNX: LazyLock<Onnx> = LazyLock::new(tract_onnx::onnx);
     let mut bytes = bytes;
-    tract_onnx::onnx()
-        .proto_model_for_read(&mut bytes)
+    ONNX.proto_model_for_read(&mut bytes)
         .map_err(|_| Unusable::NotOnnx)
 }
 

@@ -1,5 +1,6 @@
 //! The cells of a GeoTIFF as points: one band of numbers, in strips or tiles, plain or packed with deflate or LZW.
 
+use super::directory_walk::check_claims;
 use super::geotransform::{GeoKeys, GeoTransform};
 use super::metadata::counts_downwards;
 use crate::support::catch_panic::catch_panic;
@@ -131,7 +132,9 @@ impl Open {
         let file = regular_file::open(path)?;
         let mut limits = Limits::default();
         limits.decoding_buffer_size = LARGEST_BLOCK;
-        let decoder = Decoder::new(BufReader::new(file))?;
+        let mut file = BufReader::new(file);
+        check_claims(&mut file)?;
+        let decoder = Decoder::new(file)?;
         let mut decoder = decoder.with_limits(limits);
         let (columns, rows) = decoder.dimensions()?;
         if u64::from(columns) * u64::from(rows) > MOST_CELLS {

@@ -17,6 +17,7 @@
 
 mod cells;
 mod directory;
+mod directory_walk;
 mod geotransform;
 mod metadata;
 mod overview;
@@ -27,6 +28,7 @@ mod tiles;
 mod writer;
 
 pub(crate) use cells::{CellsError, RasterValues, read_cells, read_values};
+pub(crate) use directory_walk::{DirectoryWalk, check_claims};
 pub(crate) use geotransform::{GeoKeys, GeoTransform};
 pub(crate) use tiles::RasterTiles;
 

@@ -2,11 +2,13 @@
 
 use super::RASTER_TILE;
 use super::cells::CellsError;
+use super::directory_walk::check_claims;
 use crate::support::regular_file;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
+use tiff::ColorType;
 use tiff::decoder::{Decoder, DecodingResult};
 use tiff::tags::Tag;
 
@@ -155,7 +157,13 @@ fn whole<T: Copy>(cells: &[T], shown: usize, beyond: T) -> Vec<T> {
 }
 
 fn decoder(path: &Path) -> Result<Decoder<BufReader<File>>, CellsError> {
-    Ok(Decoder::new(BufReader::new(regular_file::open(path)?))?)
+    let mut file = BufReader::new(regular_file::open(path)?);
+    check_claims(&mut file)?;
+    let mut decoder = Decoder::new(file)?;
+    match decoder.colortype()? {
+        ColorType::Gray(_) => Ok(decoder),
+        _ => Err(CellsError::Damaged("it has several bands")),
+    }
 }
 
 fn size(decoder: &mut Decoder<BufReader<File>>) -> Result<[usize; 2], CellsError> {

@@ -84,7 +84,9 @@ impl Reader {
             log.add_fix(fix(ping, time_s));
         }
         log.add_echogram(kind, time_s, span);
-        if is_side && is_sound(&span) {
+        if is_side && !is_sound(&span) {
+            log.report_no_picture(kind, &span);
+        } else if is_side {
             let half = HalfPing { time_s, span };
             match kind {
                 ChannelKind::Port => log.port.push(half),

@@ -62,10 +62,14 @@ enum LowranceKind {
     },
 }
 
-/// Recognises a file by its header (u16 format, u16 version, u16 block size, u16 reserved) and first frame; by its
-/// frames alone when the header is damaged.
+/// Recognises a file by its header (u16 format, u16 version, u16 block size, u16 reserved) and its frames; by its frames alone where the
+/// header is damaged, or names the other layout.
 fn sniff(bytes: &[u8]) -> Option<LowranceKind> {
-    sniff_header(bytes).or_else(|| sniff_frames(bytes))
+    let stated = sniff_header(bytes);
+    match stated {
+        Some(LowranceKind::Frames { layout, .. }) if has_frames(bytes, layout) => stated,
+        _ => sniff_frames(bytes).or(stated),
+    }
 }
 
 fn sniff_header(bytes: &[u8]) -> Option<LowranceKind> {
@@ -93,25 +97,26 @@ fn sniff_header(bytes: &[u8]) -> Option<LowranceKind> {
     }
 }
 
-/// Frames in a row, found by their own offsets: tables of rising numbers in other files look like two of them.
 fn sniff_frames(bytes: &[u8]) -> Option<LowranceKind> {
-    let has_row = |layout: &FrameLayout| {
-        let mut from = FILE_HEADER;
-        // Of a damaged beginning some frames are whole.
-        (0..MOST_TRIES).any(|_| {
-            let range = from..SEARCHED_FOR_FRAMES.max(from);
-            let Some(first) = walk::first_frame(bytes, *layout, range, 0) else {
-                return false;
-            };
-            from = first.at + 1;
-            is_row_of_frames(bytes, *layout, first)
-        })
-    };
     let mut layouts = [FrameLayout::Sl2, FrameLayout::Sl3].into_iter();
-    let layout = layouts.find(has_row)?;
-    Some(LowranceKind::Frames {
+    let found = layouts.find(|layout| has_frames(bytes, *layout));
+    found.map(|layout| LowranceKind::Frames {
         layout,
         version: None,
+    })
+}
+
+/// Whether there are frames in a row, found by their own offsets: tables of rising numbers in other files look like two of them.
+fn has_frames(bytes: &[u8], layout: FrameLayout) -> bool {
+    let mut from = FILE_HEADER;
+    // Of a damaged beginning some frames are whole.
+    (0..MOST_TRIES).any(|_| {
+        let range = from..SEARCHED_FOR_FRAMES.max(from);
+        let Some(first) = walk::first_frame(bytes, layout, range, 0) else {
+            return false;
+        };
+        from = first.at + 1;
+        is_row_of_frames(bytes, layout, first)
     })
 }
 

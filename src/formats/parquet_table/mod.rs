@@ -6,6 +6,7 @@
 //! Apache Parquet, <https://parquet.apache.org/docs/file-format>; geometries as GeoParquet 1.1 lays them out: well-known binary, with
 //! what they are in the file's key `geo`. `write` and `read` use the crate `parquet` without Arrow.
 
+mod pages;
 mod read;
 mod write;
 

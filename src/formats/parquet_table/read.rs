@@ -1,6 +1,6 @@
 //! Reading columns by their names.
 
-use super::Values;
+use super::{Values, pages};
 use crate::support::catch_panic::catch_panic;
 use crate::support::file_error::FileError;
 use crate::support::regular_file;
@@ -8,7 +8,7 @@ use parquet::basic::Type as Physical;
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::DataType;
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
-use std::io;
+use std::io::{self, BufReader};
 use std::path::Path;
 
 /// A Parquet file that cannot be used.
@@ -48,6 +48,7 @@ pub(crate) fn read_parquet(path: &Path, names: &[&str]) -> Result<Vec<Values>, P
 }
 
 fn read(path: &Path, names: &[&str]) -> Result<Vec<Values>, ParquetFault> {
+    let mut pages = BufReader::new(regular_file::open(path)?);
     let reader = SerializedFileReader::new(regular_file::open(path)?)?;
     let schema = reader.metadata().file_metadata().schema_descr_ptr();
     let columns = schema.columns().iter().enumerate();
@@ -61,6 +62,10 @@ fn read(path: &Path, names: &[&str]) -> Result<Vec<Values>, ParquetFault> {
         let group = reader.get_row_group(group)?;
         let rows = usize::try_from(group.metadata().num_rows()).unwrap_or_default();
         for (index, values) in &mut chosen {
+            let (start, length) = group.metadata().column(*index).byte_range();
+            if !pages::are_sound(&mut pages, start..start.saturating_add(length)) {
+                return Err(ParquetFault::Damaged("a page of it is damaged"));
+            }
             let chunk = group.get_column_reader(*index)?;
             append(chunk, rows, values)?;
         }

@@ -5,8 +5,8 @@ use std::fs::File;
 use std::io::{self, Read as _, Seek as _, SeekFrom};
 use std::path::Path;
 
-/// LAS 1.4 R15, table 3: the header that knows extended records is this long.
-const HEADER_14: u16 = 375;
+/// The version, at bytes 24 and 25, from which on the header knows extended records (LAS 1.4 R15, table 3).
+const VERSION_14: [u8; 2] = [1, 4];
 /// Bytes before the data of an extended record; its length is 8 of them.
 const EXTENDED_HEADER: u64 = 60;
 const EXTENDED_LENGTH: u64 = 20;
@@ -27,7 +27,9 @@ pub(super) fn check(path: &Path) -> io::Result<()> {
     let mut file = regular_file::open(path)?;
     let len = file.metadata()?.len();
     let mut at = |offset: u64| Field::at(&mut file, offset);
-    if at(94)?.u16() >= HEADER_14 && at(243)?.u32() > 0 {
+    // The las crate goes by the version, whatever the header says of its length, and reads the first record alone.
+    let [major, minor, ..] = at(24)?.0;
+    if [major, minor] >= VERSION_14 && at(243)?.u32() > 0 {
         let start = at(235)?.u64();
         let data = start.saturating_add(EXTENDED_HEADER);
         if data > len || at(start + EXTENDED_LENGTH)?.u64() > len - data {
@@ -52,7 +54,7 @@ pub(super) fn check(path: &Path) -> io::Result<()> {
                 "its table claims more chunks than it has bytes",
             ));
         }
-        if let Some(layers) = layers(&mut at)? {
+        if let Some(layers) = layers(&mut at, len)? {
             let record = u64::from(at(105)?.u16());
             check_layers(&mut at, points + 8, table, record, layers)?;
         }
@@ -61,11 +63,12 @@ pub(super) fn check(path: &Path) -> io::Result<()> {
 }
 
 /// Layers that every chunk is packed in, as the record for that says; `None` where points are packed one after the other.
-fn layers(at: &mut impl FnMut(u64) -> io::Result<Field>) -> io::Result<Option<u64>> {
+fn layers(at: &mut impl FnMut(u64) -> io::Result<Field>, len: u64) -> io::Result<Option<u64>> {
     let mut record = u64::from(at(94)?.u16());
-    let count = at(100)?.u32();
-    // A header that claims more records than any file has ends where the zeros begin.
-    for _ in 0..count.min(10_000) {
+    for _ in 0..at(100)?.u32() {
+        if record >= len {
+            break;
+        }
         let mut user = Vec::new();
         for part in [2, 10] {
             user.extend(at(record + part)?.0);

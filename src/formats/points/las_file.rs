@@ -11,8 +11,9 @@ use std::fs::File;
 use std::io;
 use std::path::Path;
 
-/// Points read at a time: the header's count is not trusted with one allocation.
+/// Points read at a time, and their bytes: neither the header's count nor its length of a point is trusted with one allocation.
 const BATCH: u64 = 100_000;
+const BATCH_BYTES: u64 = 8 << 20;
 
 /// The points of a LAS file, as they were stored.
 #[derive(Debug)]
@@ -31,8 +32,12 @@ fn read_checked(path: &Path) -> Result<(LasFile, Vec<[f64; 3]>), LasFault> {
     let mut reader = Reader::from_path(path)?;
     let header = reader.header().clone();
     let (mut batches, mut points) = (Vec::new(), Vec::new());
+    let length = u64::from(header.point_format().len()).max(1);
+    let batch = (BATCH_BYTES / length)
+        .min(BATCH)
+        .min(header.number_of_points());
     loop {
-        let batch = reader.read_points(BATCH);
+        let batch = reader.read_points(batch.max(1));
         let batch = batch.map_err(|source| LasFault::Point {
             read: points.len(),
             source,

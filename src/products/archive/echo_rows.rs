@@ -155,7 +155,7 @@ impl<'a> EchoesByTile<'a> {
 }
 
 /// A ping of an archive with its echoes.
-struct EchoRow {
+pub(super) struct EchoRow {
     ping: i32,
     /// The chunk that it is in, if any, without its pings.
     chunk: Option<PingChunk>,
@@ -267,7 +267,7 @@ const OTHERS: [&str; 7] = [
     "starboard",
 ];
 
-fn read(path: &Path) -> Result<Vec<EchoRow>, ArchiveError> {
+pub(super) fn read(path: &Path) -> Result<Vec<EchoRow>, ArchiveError> {
     let damaged = || {
         let what = ParquetFault::Damaged("its columns are not those of echoes of an archive");
         ArchiveError::from(ParquetError::new(what, path))

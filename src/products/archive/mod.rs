@@ -40,6 +40,8 @@ mod ping_rows;
 mod point_rows;
 mod positions;
 mod reach;
+#[cfg(any(test, feature = "fuzz"))]
+pub(crate) mod readers;
 mod record;
 mod solve;
 mod spread;

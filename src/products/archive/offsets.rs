@@ -235,7 +235,7 @@ fn fields(row: &OffsetRow) -> [String; COLUMNS.len()] {
     ]
 }
 
-fn rows_of(path: &Path) -> Result<Vec<OffsetRow>, ArchiveError> {
+pub(super) fn rows_of(path: &Path) -> Result<Vec<OffsetRow>, ArchiveError> {
     let fail = |what: String| ArchiveError::Refused(format!("{what}: {}", path.display()));
     let text = regular_file::read_text(path, LONGEST)
         .map_err(|error| fail(format!("cannot read the table of offsets: {error}")))?;

@@ -1,0 +1,158 @@
+//! The pages of a column, looked through before the decoder allocates by what they claim.
+//!
+//! A column is a row of pages: a header in the compact protocol of Thrift, whose fields 2 and 3 are the bytes of the page unpacked and
+//! packed, then the page (the Parquet format's `parquet.thrift`). Three bytes of Snappy become 64 at most, so that a page cannot be
+//! longer than some twenty times what is stored.
+
+use std::io::{BufRead, Read, Seek, SeekFrom};
+use std::ops::Range;
+
+/// Times that a packed page is unpacked at most, and bytes that may come on top.
+const MOST_TIMES: u64 = 22;
+const MOST_BESIDE: u64 = 1024;
+/// Structures that may lie in one another in a header.
+const DEEPEST: usize = 8;
+
+/// Whether all pages in a range of a file can be followed, and none claims to be longer than it can be.
+pub(super) fn are_sound(file: &mut (impl BufRead + Seek), column: Range<u64>) -> bool {
+    let mut walk = || -> Option<bool> {
+        let mut at = file.seek(SeekFrom::Start(column.start)).ok()?;
+        while at < column.end {
+            let [unpacked, packed] = Header { file }.sizes()?;
+            if unpacked
+                > packed
+                    .saturating_mul(MOST_TIMES)
+                    .saturating_add(MOST_BESIDE)
+            {
+                return Some(false);
+            }
+            file.seek_relative(i64::try_from(packed).ok()?).ok()?;
+            at = file.stream_position().ok()?;
+        }
+        Some(true)
+    };
+    walk().unwrap_or(false)
+}
+
+/// The header of a page.
+struct Header<'a, R> {
+    file: &'a mut R,
+}
+
+impl<R: Read> Header<'_, R> {
+    /// Bytes of the page, unpacked and packed; leaves the file behind the header.
+    fn sizes(&mut self) -> Option<[u64; 2]> {
+        let mut sizes = [None; 2];
+        self.structure(DEEPEST, |header, number, kind| match (number, kind) {
+            (2 | 3, 4..=6) => {
+                let size = header.whole()?;
+                sizes[usize::from(number == 3)] = u64::try_from(size).ok();
+                Some(())
+            }
+            _ => header.skip(kind, DEEPEST),
+        })?;
+        Some([sizes[0]?, sizes[1]?])
+    }
+
+    /// Hands over the number and the type of each field, whose value `take` reads.
+    fn structure(
+        &mut self,
+        deepest: usize,
+        mut take: impl FnMut(&mut Self, i64, u8) -> Option<()>,
+    ) -> Option<()> {
+        deepest.checked_sub(1)?;
+        let mut number = 0_i64;
+        loop {
+            let head = self.byte()?;
+            let (step, kind) = (i64::from(head >> 4), head & 0xF);
+            if kind == 0 {
+                return Some(());
+            }
+            number = match step {
+                0 => self.whole()?,
+                _ => number.checked_add(step)?,
+            };
+            take(self, number, kind)?;
+        }
+    }
+
+    /// Reads over a value of a type that a page header has.
+    fn skip(&mut self, kind: u8, deepest: usize) -> Option<()> {
+        match kind {
+            // A field that is true or false has no value of its own.
+            1 | 2 => Some(()),
+            3 => self.byte().map(drop),
+            4..=6 => self.varint().map(drop),
+            7 => self.over(8),
+            8 => {
+                let length = self.varint()?;
+                self.over(length)
+            }
+            12 => self.structure(deepest - 1, |header, _, kind| {
+                header.skip(kind, deepest - 1)
+            }),
+            _ => None,
+        }
+    }
+
+    fn over(&mut self, bytes: u64) -> Option<()> {
+        let skipped = std::io::copy(&mut self.file.by_ref().take(bytes), &mut std::io::sink());
+        (skipped.ok()? == bytes).then_some(())
+    }
+
+    fn byte(&mut self) -> Option<u8> {
+        let mut byte = [0];
+        self.file.read_exact(&mut byte).ok()?;
+        Some(byte[0])
+    }
+
+    /// Seven bits a byte, the lowest first.
+    fn varint(&mut self) -> Option<u64> {
+        let mut value = 0;
+        for shift in (0..64).step_by(7) {
+            let byte = self.byte()?;
+            value |= u64::from(byte & 0x7F) << shift;
+            if byte < 0x80 {
+                return Some(value);
+            }
+        }
+        None
+    }
+
+    /// A whole number, the sign in the lowest bit.
+    fn whole(&mut self) -> Option<i64> {
+        let value = self.varint()?;
+        Some((value >> 1).cast_signed() ^ -(value & 1).cast_signed())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Cursor;
+
+    /// A page of four bytes that claims to be so many unpacked: type 0, sizes, and a structure with a text.
+    fn page(unpacked: u8) -> Vec<u8> {
+        let mut bytes = vec![0x15, 0, 0x15];
+        bytes.extend([unpacked << 1 | 0x80, 0x01 + (unpacked >> 6), 0x15, 8]);
+        bytes.extend([0x2C, 0x15, 2, 0x18, 2, 7, 7, 0, 0]);
+        bytes.extend([1, 2, 3, 4]);
+        bytes
+    }
+
+    #[test]
+    fn a_page_that_claims_more_than_it_can_hold_is_found_behind_others() {
+        let sound = [page(0), page(60)].concat();
+        let all = 0..sound.len() as u64;
+        assert!(are_sound(&mut Cursor::new(&sound), all));
+        let mut long = sound.clone();
+        let at = long.len();
+        long.extend([0x15, 0, 0x15, 0xFE, 0xFF, 0xFF, 0xFF, 0x0F, 0x15, 8, 0]);
+        long.extend([1, 2, 3, 4]);
+        assert!(!are_sound(&mut Cursor::new(&long), 0..long.len() as u64));
+        assert!(are_sound(&mut Cursor::new(&long), 0..at as u64));
+        // What is cut, and what is no header.
+        assert!(!are_sound(&mut Cursor::new(&long[..7]), 0..100));
+        assert!(!are_sound(&mut Cursor::new([0x19; 9]), 0..9));
+    }
+}
