@@ -142,7 +142,7 @@ impl Shell {
             Action::SaveFigure => self.save_figure(),
             Action::SavePlan => self.save_plan(),
             Action::SaveProfile => self.save_profile(),
-            Action::ExportLog => self.ask_for_copy(PathPurpose::ExportLog, "xtf"),
+            Action::ExportLog => self.ask_for_copy(PathPurpose::ExportLog, "copy.xtf"),
             Action::ExportPings => self.ask_for_copy(PathPurpose::ExportPings, "part.xtf"),
             Action::CopyProfile => match self.app.profile_csv() {
                 Some(text) => ctx.copy_text(text),

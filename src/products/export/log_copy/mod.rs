@@ -175,6 +175,9 @@ fn write(path: &Path, log: &LogToWrite<'_>, progress: &Progress) -> Result<Vec<S
             }
         }
         out.flush()?;
+        if log.survey.pairs.len() > 1 && !matches!(format, CopyFormat::Gpx) {
+            losses.push("of several frequencies the side-scan that is shown was written; source.frequency_khz chooses it".to_owned());
+        }
         // What was copied of a log that was cut meanwhile is no copy.
         log.survey.check_files().map_err(io::Error::other)?;
         Ok(losses)
