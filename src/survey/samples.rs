@@ -259,7 +259,7 @@ impl<'a> Samples<'a> {
         let stored = self.stored_index(index);
         match self.encoding {
             Encoding::U8 => self.stored[stored],
-            Encoding::U16 { shift } => (self.pair(2 * stored) >> shift).min(255) as u8,
+            Encoding::U16 { shift } => (u32::from(self.pair(2 * stored)) >> shift).min(255) as u8,
             Encoding::ScaledU16 { base, step } => {
                 let level = self.level(stored, base, step);
                 (level >> LEVEL_BITS).clamp(0, 255) as u8

@@ -32,6 +32,8 @@ const MOST_CELLS: u64 = 50_000_000;
 const MOST_POINTS: usize = 4_000_000;
 /// Bytes of a strip or tile, unpacked.
 const LARGEST_BLOCK: usize = 256 << 20;
+/// Bytes of a block that any file may have.
+const SMALL_BLOCK: usize = 64 << 20;
 /// Tag in which GDAL keeps what it adds to a band.
 const GDAL_METADATA: u16 = 42_112;
 
@@ -117,6 +119,18 @@ impl CellsError {
     }
 }
 
+/// What may be set aside for a file: a block of [`LARGEST_BLOCK`] at most, and of a small file no more than it can hold as it is packed by
+/// the usual programs.
+fn limits(file: &File) -> io::Result<Limits> {
+    let packed = usize::try_from(file.metadata()?.len()).unwrap_or(LARGEST_BLOCK);
+    let mut limits = Limits::default();
+    limits.decoding_buffer_size = packed
+        .saturating_mul(4)
+        .saturating_add(SMALL_BLOCK)
+        .min(LARGEST_BLOCK);
+    Ok(limits)
+}
+
 /// A raster whose cells are about to be read.
 struct Open {
     decoder: Decoder<BufReader<File>>,
@@ -130,8 +144,7 @@ struct Open {
 impl Open {
     fn new(path: &Path) -> Result<Self, CellsError> {
         let file = regular_file::open(path)?;
-        let mut limits = Limits::default();
-        limits.decoding_buffer_size = LARGEST_BLOCK;
+        let limits = limits(&file)?;
         let mut file = BufReader::new(file);
         check_claims(&mut file)?;
         let decoder = Decoder::new(file)?;

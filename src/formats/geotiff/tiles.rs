@@ -9,7 +9,7 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use tiff::ColorType;
-use tiff::decoder::{Decoder, DecodingResult};
+use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 
 /// A raster of one band in tiles of [`RASTER_TILE`]. The file is open only while something is read, so that many of them may be at hand.
@@ -159,7 +159,10 @@ fn whole<T: Copy>(cells: &[T], shown: usize, beyond: T) -> Vec<T> {
 fn decoder(path: &Path) -> Result<Decoder<BufReader<File>>, CellsError> {
     let mut file = BufReader::new(regular_file::open(path)?);
     check_claims(&mut file)?;
-    let mut decoder = Decoder::new(file)?;
+    let mut limits = Limits::default();
+    // A tile has eight bytes a cell at most.
+    limits.decoding_buffer_size = 8 * RASTER_TILE * RASTER_TILE;
+    let mut decoder = Decoder::new(file)?.with_limits(limits);
     match decoder.colortype()? {
         ColorType::Gray(_) => Ok(decoder),
         _ => Err(CellsError::Damaged("it has several bands")),

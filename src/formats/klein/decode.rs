@@ -87,7 +87,8 @@ impl<'a> Reader<'a> {
         };
         for half in log.port.iter_mut().chain(&mut log.starboard) {
             match &mut half.span.encoding {
-                Encoding::U16 { shift } => *shift = fitting,
+                // Of a file with samples of 16 and of 32 bits, one scale is that of both.
+                Encoding::U16 { shift } => *shift = fitting.min(u16::BITS as u8),
                 Encoding::Number { exponent, .. } => *exponent = -i16::from(fitting),
                 _ => {}
             }

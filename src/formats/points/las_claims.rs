@@ -21,8 +21,8 @@ const RECORD_HEADER: u64 = 54;
 /// Compressors that pack a chunk in layers, one for each kind of number in a point.
 const LAYERED: u16 = 3;
 
-/// Refuses a file whose header claims an extended record, a table of LAZ chunks, or layers of such a chunk, larger than the file: all
-/// are allocated before they are read.
+/// Refuses a file whose header claims an extended record, a table of LAZ chunks, or layers of such a chunk, larger than the file, or packed
+/// points of another length than they have: all are allocated before they are read.
 pub(super) fn check(path: &Path) -> io::Result<()> {
     let mut file = regular_file::open(path)?;
     let len = file.metadata()?.len();
@@ -76,15 +76,13 @@ fn layers(at: &mut impl FnMut(u64) -> io::Result<Field>, len: u64) -> io::Result
         let (number, length) = (at(record + 18)?.u16(), at(record + 20)?.u16());
         let data = record + RECORD_HEADER;
         if user.starts_with(PACKING_USER) && number == PACKING_RECORD {
-            if at(data)?.u16() != LAYERED {
-                return Ok(None);
-            }
-            let mut layers = 0;
+            let (mut layers, mut bytes) = (0, 0);
             for item in 0..u64::from(at(data + 32)?.u16()) {
                 let (kind, size) = (
                     at(data + 34 + 6 * item)?.u16(),
                     at(data + 36 + 6 * item)?.u16(),
                 );
+                bytes += u64::from(size);
                 layers += match kind {
                     10 => 9,
                     12 => 2,
@@ -93,7 +91,12 @@ fn layers(at: &mut impl FnMut(u64) -> io::Result<Field>, len: u64) -> io::Result
                     _ => 1,
                 };
             }
-            return Ok(Some(layers));
+            if bytes != u64::from(at(105)?.u16()) {
+                return Err(io::Error::other(
+                    "its points are packed with another length than they have",
+                ));
+            }
+            return Ok((at(data)?.u16() == LAYERED).then_some(layers));
         }
         record = data + u64::from(length);
     }
