@@ -87,7 +87,6 @@ impl App {
             Command::SortMistakes(sort) => self.sort_mistakes(sort),
             Command::Write(file) => self.write_file(file),
             Command::OpenFile(file) => self.open_file(file),
-            Command::SaveReviews => self.save_reviews(),
             // Views, their arrangement and the keyboard belong to the shell.
             Command::ByKey { .. }
             | Command::ShowSetting(_)
@@ -106,6 +105,7 @@ impl App {
             FileToWrite::Profile(path) => self.save_profile(path),
             FileToWrite::Products(folder) => self.export(folder),
             FileToWrite::Review(path) => self.save_review(self.log.id, path),
+            FileToWrite::Reviews => self.save_reviews(),
             FileToWrite::Boxes(folder) => self.export_boxes(folder),
             FileToWrite::Log(path) => self.export_log(path, None),
             FileToWrite::Pings(path) => self.export_log(path, Some(self.view.visible.clone())),

@@ -157,8 +157,6 @@ pub(crate) enum Command {
     Write(FileToWrite),
     /// Read a file for the open survey.
     OpenFile(FileToOpen),
-    /// Write the reviews of all logs that differ from their files.
-    SaveReviews,
     /// Change the planned lines, or what they are planned for.
     Plan(PlanRequest),
     /// Draw on the map, or take the depths along what is drawn.
@@ -190,6 +188,8 @@ pub(crate) enum FileToWrite {
     Profile(PathBuf),
     /// The review of boxes.
     Review(PathBuf),
+    /// The reviews of all logs that differ from their files.
+    Reviews,
     /// What is open, as a project that is kept there from now on.
     Project(PathBuf),
 }

@@ -297,7 +297,7 @@ impl Shell {
     /// Writes the review where it is kept, or asks where that is to be; those of several logs without asking.
     fn save_review(&mut self) {
         if self.app.review_counts().logs > 1 {
-            return self.app.apply(Command::SaveReviews);
+            return self.app.apply(Command::Write(FileToWrite::Reviews));
         }
         match (self.app.review_path(), &self.app.log.reviewing.path) {
             (_, Some(path)) => {
