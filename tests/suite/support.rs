@@ -71,11 +71,11 @@ pub(super) fn manifest_entry(folder: &Path, name: &str) -> Value {
 }
 
 /// How pictures are compared with those in `tests/snapshots/`. lavapipe compiles for the processor it runs on, so the last
-/// bit of a colour and the odd pixel of an edge differ between machines, up to 32 of a map; a changed picture differs in far more.
+/// bit of a colour and the odd pixel of an edge differ between machines, up to 45 of a map; a changed picture differs in far more.
 pub(super) fn snapshot_options() -> egui_kittest::SnapshotOptions {
     egui_kittest::SnapshotOptions::new()
         .threshold(1.0)
-        .max_failed_pixels(48usize)
+        .max_failed_pixels(64usize)
 }
 
 /// Numbers that look random and are the same in every run.
