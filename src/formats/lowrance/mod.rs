@@ -110,14 +110,17 @@ fn sniff_frames(bytes: &[u8]) -> Option<LowranceKind> {
 fn has_frames(bytes: &[u8], layout: FrameLayout) -> bool {
     let mut from = FILE_HEADER;
     // Of a damaged beginning some frames are whole.
-    (0..MOST_TRIES).any(|_| {
+    for _ in 0..MOST_TRIES {
         let range = from..SEARCHED_FOR_FRAMES.max(from);
         let Some(first) = walk::first_frame(bytes, layout, range, 0) else {
             return false;
         };
+        if is_row_of_frames(bytes, layout, first) {
+            return true;
+        }
         from = first.at + 1;
-        is_row_of_frames(bytes, layout, first)
-    })
+    }
+    false
 }
 
 /// Whether so many frames follow each other from a place on that they are no chance, or to the end of the bytes.

@@ -2,7 +2,6 @@
 
 use super::raw::{PingChannel, record};
 use crate::survey::{Encoding, NumberKind, SideSpan};
-use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// Pings looked at to find what numbers samples are and how large.
@@ -18,6 +17,9 @@ const MOST_LOUD: f64 = 0.1;
 /// Where samples lie that are floating point, and a share of them that does. Whole numbers of less than 29 bits lie below.
 const FLOATING: Range<f64> = 1e-12..1e12;
 const FLOATING_SHARE: f64 = 0.99;
+/// Powers of two that are counted: those of all numbers of 64 bits, with any weight, from minus [`LEAST`] on.
+const MAGNITUDES: usize = 2200;
+const LEAST: i32 = 1100;
 /// Weights beyond this are damage: 2^-40 volts are no signal.
 const HEAVIEST: i16 = 40;
 
@@ -138,17 +140,17 @@ fn are_floating(bytes: &[u8], spans: &[&SideSpan]) -> bool {
 /// none.
 fn have_signs(bytes: &[u8], spans: &[&SideSpan], stored: NumberKind) -> bool {
     let end = f64::powi(2.0, 8 * stored.width() as i32);
-    let mut more_positive: BTreeMap<i32, i64> = BTreeMap::new();
+    let mut more_positive = vec![0_i64; MAGNITUDES];
     let (mut all, mut loud) = (0_u64, 0_u64);
     let values = looked_at(spans).flat_map(|span| magnitudes(bytes, span, stored));
     for value in values.filter(|value| *value > 0.0) {
         let is_positive = value < end / 2.0;
         let magnitude = if is_positive { value } else { end - value };
-        *more_positive.entry(bits(magnitude)).or_default() += if is_positive { 1 } else { -1 };
+        more_positive[place(bits(magnitude))] += if is_positive { 1 } else { -1 };
         all += 1;
         loud += u64::from(magnitude >= end / 4.0);
     }
-    let one_sided: u64 = more_positive.values().map(|more| more.unsigned_abs()).sum();
+    let one_sided: u64 = more_positive.iter().map(|more| more.unsigned_abs()).sum();
     all > 0
         && one_sided as f64 <= MOST_ONE_SIDED * all as f64
         && loud as f64 <= MOST_LOUD * all as f64
@@ -171,23 +173,28 @@ fn bits_to_fit(
     kind: NumberKind,
     weight: impl Fn(&SideSpan) -> i32,
 ) -> i32 {
-    let mut histogram: BTreeMap<i32, u64> = BTreeMap::new();
+    let mut histogram = vec![0_u64; MAGNITUDES];
     let mut total = 0_u64;
     for span in looked_at(spans) {
         let weight = weight(span);
         for value in magnitudes(bytes, span, kind).filter(|value| value.is_finite()) {
             total += 1;
             if value > 0.0 {
-                *histogram.entry(bits(value) - weight).or_default() += 1;
+                histogram[place(bits(value) - weight)] += 1;
             }
         }
     }
     let mut beyond = 0;
-    let highest = histogram.iter().rev().find(|(_, count)| {
-        beyond += **count;
+    let highest = histogram.iter().rposition(|count| {
+        beyond += count;
         beyond as f64 > CLIPPED_SHARE * total as f64
     });
-    highest.map_or(0, |(bits, _)| *bits)
+    highest.map_or(0, |place| place as i32 - LEAST)
+}
+
+/// Where a power of two is counted.
+fn place(bits: i32) -> usize {
+    usize::try_from(bits + LEAST).map_or(0, |place| place.min(MAGNITUDES - 1))
 }
 
 /// The lowest power of two that is more than a number above 0.
