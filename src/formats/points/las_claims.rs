@@ -62,45 +62,70 @@ pub(super) fn check(path: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Layers that every chunk is packed in, as the record for that says; `None` where points are packed one after the other.
+/// Layers that every chunk is packed in, as the record for that says; `None` where points are packed one after the other, or no record says
+/// how.
 fn layers(at: &mut impl FnMut(u64) -> io::Result<Field>, len: u64) -> io::Result<Option<u64>> {
-    let mut record = u64::from(at(94)?.u16());
+    let Some(data) = packing(at, len)? else {
+        return Ok(None);
+    };
+    let (mut layers, mut bytes) = (0, 0);
+    for item in 0..u64::from(at(data + 32)?.u16()) {
+        let (kind, size) = (
+            at(data + 34 + 6 * item)?.u16(),
+            at(data + 36 + 6 * item)?.u16(),
+        );
+        bytes += u64::from(size);
+        layers += match kind {
+            10 => 9,
+            12 => 2,
+            // Extra bytes have a layer each.
+            14 => u64::from(size),
+            _ => 1,
+        };
+    }
+    if bytes != u64::from(at(105)?.u16()) {
+        return Err(io::Error::other(
+            "its points are packed with another length than they have",
+        ));
+    }
+    Ok((at(data)?.u16() == LAYERED).then_some(layers))
+}
+
+/// Where the data of the record lie that says how points are packed: one of the records, or the first extended one.
+fn packing(at: &mut impl FnMut(u64) -> io::Result<Field>, len: u64) -> io::Result<Option<u64>> {
+    let [major, minor, ..] = at(24)?.0;
+    // The records begin behind the fields of the version, whatever the header says of its length.
+    let fields = match [major, minor] {
+        version if version >= VERSION_14 => 375,
+        [1, 3] => 235,
+        _ => 227,
+    };
+    let mut record = u64::from(at(94)?.u16()).max(fields);
     for _ in 0..at(100)?.u32() {
         if record >= len {
             break;
         }
-        let mut user = Vec::new();
-        for part in [2, 10] {
-            user.extend(at(record + part)?.0);
-        }
-        let (number, length) = (at(record + 18)?.u16(), at(record + 20)?.u16());
         let data = record + RECORD_HEADER;
-        if user.starts_with(PACKING_USER) && number == PACKING_RECORD {
-            let (mut layers, mut bytes) = (0, 0);
-            for item in 0..u64::from(at(data + 32)?.u16()) {
-                let (kind, size) = (
-                    at(data + 34 + 6 * item)?.u16(),
-                    at(data + 36 + 6 * item)?.u16(),
-                );
-                bytes += u64::from(size);
-                layers += match kind {
-                    10 => 9,
-                    12 => 2,
-                    // Extra bytes have a layer each.
-                    14 => u64::from(size),
-                    _ => 1,
-                };
-            }
-            if bytes != u64::from(at(105)?.u16()) {
-                return Err(io::Error::other(
-                    "its points are packed with another length than they have",
-                ));
-            }
-            return Ok((at(data)?.u16() == LAYERED).then_some(layers));
+        if is_packing(at, record)? {
+            return Ok(Some(data));
         }
-        record = data + u64::from(length);
+        record = data + u64::from(at(record + 20)?.u16());
     }
-    Ok(None)
+    if [major, minor] < VERSION_14 || at(243)?.u32() == 0 {
+        return Ok(None);
+    }
+    let record = at(235)?.u64();
+    Ok(is_packing(at, record)?.then(|| record.saturating_add(EXTENDED_HEADER)))
+}
+
+/// Whether a record, extended or not, says how points are packed.
+fn is_packing(at: &mut impl FnMut(u64) -> io::Result<Field>, record: u64) -> io::Result<bool> {
+    let mut user = Vec::new();
+    for part in [2, 10] {
+        user.extend(at(record.saturating_add(part))?.0);
+    }
+    let number = at(record.saturating_add(18))?.u16();
+    Ok(user.starts_with(PACKING_USER) && number == PACKING_RECORD)
 }
 
 /// Walks over the chunks from one to the next: a point as it is, the count of points, the size of every layer, the layers.
