@@ -1,11 +1,11 @@
 //! Logs of recorders: opened whole, and as they grow.
 
-use super::cerulean_writer::{SvlogOptions, svlog as svlog_file};
-use super::edgetech_writer::{JsfOptions, jsf as jsf_file};
-use super::garmin_writer::{self, GARMIN_S, Ping, TILT_DEG};
-use super::handmade::{self, Frame};
-use super::klein_writer::{SdfOptions, sdf as sdf_file};
-use super::nmea_writer::{DepthIn, NmeaOptions, Stamp, nmea as nmea_file};
+use super::writers::cerulean_writer::{SvlogOptions, svlog as svlog_file};
+use super::writers::edgetech_writer::{JsfOptions, jsf as jsf_file};
+use super::writers::garmin_writer::{self, GARMIN_S, Ping, TILT_DEG};
+use super::writers::handmade::{self, Frame};
+use super::writers::klein_writer::{SdfOptions, sdf as sdf_file};
+use super::writers::nmea_writer::{DepthIn, NmeaOptions, Stamp, nmea as nmea_file};
 use super::{check_finite, say};
 use crate::formats::{open_as_format, open_growing, open_tail};
 use crate::support::progress::Progress;

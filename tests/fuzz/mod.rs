@@ -5,52 +5,10 @@
 //! this folder builds and starts both.
 
 mod archives;
-#[allow(
-    dead_code,
-    clippy::duplicate_mod,
-    reason = "written for tests of that reader"
-)]
-#[path = "../../src/formats/cerulean/writer.rs"]
-mod cerulean_writer;
-#[allow(
-    dead_code,
-    clippy::duplicate_mod,
-    reason = "written for tests of that reader"
-)]
-#[path = "../../src/formats/edgetech/writer.rs"]
-mod edgetech_writer;
-#[allow(
-    dead_code,
-    clippy::duplicate_mod,
-    reason = "written for tests of that reader"
-)]
-#[path = "../../src/formats/garmin/tests/writer.rs"]
-mod garmin_writer;
-#[allow(
-    dead_code,
-    clippy::duplicate_mod,
-    reason = "written for tests of these readers"
-)]
-#[path = "../suite/handmade.rs"]
-mod handmade;
 mod harm;
-#[allow(
-    dead_code,
-    clippy::duplicate_mod,
-    reason = "written for tests of that reader"
-)]
-#[path = "../../src/formats/klein/writer.rs"]
-mod klein_writer;
 mod labels;
 mod logs;
 mod models;
-#[allow(
-    dead_code,
-    clippy::duplicate_mod,
-    reason = "written for tests of that reader"
-)]
-#[path = "../../src/formats/nmea/writer.rs"]
-mod nmea_writer;
 mod points;
 mod projects;
 mod rasters;
@@ -60,6 +18,12 @@ pub mod sweep;
 mod tables;
 #[cfg(test)]
 mod tests;
+#[allow(
+    dead_code,
+    clippy::duplicate_mod,
+    reason = "written for tests of the readers"
+)]
+mod writers;
 
 /// A reader to feed.
 pub struct Target {

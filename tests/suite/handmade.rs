@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 /// A Lowrance frame to write.
 #[derive(Clone, Debug)]
-pub(super) struct Frame {
+pub(crate) struct Frame {
     pub channel: u16,
     pub time_ms: i32,
     pub clock: u32,
@@ -17,7 +17,7 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    pub(super) fn new(channel: u16, time_ms: i32) -> Self {
+    pub(crate) fn new(channel: u16, time_ms: i32) -> Self {
         Self {
             channel,
             time_ms,
@@ -41,7 +41,7 @@ fn put(bytes: &mut [u8], at: usize, value: &[u8]) {
 }
 
 /// An SL2 file of format version 1.
-pub(super) fn sl2(frames: &[Frame]) -> Vec<u8> {
+pub(crate) fn sl2(frames: &[Frame]) -> Vec<u8> {
     let mut file = vec![2, 0, 1, 0, 0x80, 0x0C, 0, 0];
     for (index, frame) in frames.iter().enumerate() {
         let mut header = [0_u8; 144];
@@ -75,7 +75,7 @@ pub(super) fn sl2(frames: &[Frame]) -> Vec<u8> {
 }
 
 /// An SL3 file; headers are 168 bytes, 128 on channels 7 and 8, `long_header` on the others.
-pub(super) fn sl3(frames: &[Frame], long_header: usize) -> Vec<u8> {
+pub(crate) fn sl3(frames: &[Frame], long_header: usize) -> Vec<u8> {
     let mut file = vec![3, 0, 2, 0, 0x80, 0x0C, 1, 0];
     for (index, frame) in frames.iter().enumerate() {
         let header_len = if matches!(frame.channel, 7 | 8) {
@@ -111,14 +111,14 @@ pub(super) fn sl3(frames: &[Frame], long_header: usize) -> Vec<u8> {
 }
 
 /// `count` side-scan frames, each after a primary one, 50 ms apart.
-pub(super) fn survey_frames(count: i32) -> Vec<Frame> {
+pub(crate) fn survey_frames(count: i32) -> Vec<Frame> {
     (0..count)
         .flat_map(|ping| [Frame::new(0, ping * 50), Frame::new(5, ping * 50 + 10)])
         .collect()
 }
 
 /// One Humminbird ping. `wide` writes the tags that Helix units add; `little` swaps the numbers.
-pub(super) fn son_ping(
+pub(crate) fn son_ping(
     beam: u8,
     record: u32,
     time_ms: u32,
@@ -160,7 +160,7 @@ pub(super) fn son_ping(
 }
 
 /// A DAT of 64 bytes (big-endian) or 96 (Solix, little-endian).
-pub(super) fn dat(solix: bool) -> Vec<u8> {
+pub(crate) fn dat(solix: bool) -> Vec<u8> {
     let mut dat = vec![0_u8; if solix { 96 } else { 64 }];
     let number = |value: u32| {
         if solix {
@@ -176,7 +176,7 @@ pub(super) fn dat(solix: bool) -> Vec<u8> {
 }
 
 /// The files of a recording of `count` pings a side; the DAT first.
-pub(super) fn humminbird(count: u32, solix: bool, little: bool) -> Vec<(PathBuf, Vec<u8>)> {
+pub(crate) fn humminbird(count: u32, solix: bool, little: bool) -> Vec<(PathBuf, Vec<u8>)> {
     let son = |beam: u8| {
         let ping = |index| {
             son_ping(
@@ -196,7 +196,7 @@ pub(super) fn humminbird(count: u32, solix: bool, little: bool) -> Vec<(PathBuf,
 }
 
 /// An XTF file of `pings` pings of two channels with `width` bytes a sample; `units` 0 metres, 3 degrees.
-pub(super) fn xtf(
+pub(crate) fn xtf(
     pings: usize,
     width: usize,
     units: u16,
@@ -211,7 +211,7 @@ pub(super) fn xtf(
 }
 
 /// An XTF file of two frequencies: 100 kHz to 25 m, and 400 kHz to 12.5 m.
-pub(super) fn xtf_of_two_frequencies(pings: usize) -> Vec<u8> {
+pub(crate) fn xtf_of_two_frequencies(pings: usize) -> Vec<u8> {
     let mut file = xtf_header(&[100.0, 100.0, 400.0, 400.0], 1, 3);
     for ping in 0..pings {
         file.extend(xtf_ping(ping, 4, 1, (-73.6, 42.7), 5.0));
@@ -238,7 +238,7 @@ fn xtf_header(frequencies_khz: &[f32], width: usize, units: u16) -> Vec<u8> {
 }
 
 /// An XTF file of a multibeam sonar: a bathymetry packet a ping, an attitude packet with each other one, no side-scan.
-pub(super) fn xtf_bathymetry(pings: usize) -> Vec<u8> {
+pub(crate) fn xtf_bathymetry(pings: usize) -> Vec<u8> {
     let mut file = vec![0_u8; 1024];
     file[0] = 0x7B;
     put(&mut file, 164, &3_u16.to_le_bytes());

@@ -1,20 +1,20 @@
 //! Writes small RSD files, of what the reader's module says about the format.
 
 /// The element of a side-scan ping, and where it looks, as peers found it in recordings.
-pub(super) const TILT_DEG: f32 = 60.0;
+pub(crate) const TILT_DEG: f32 = 60.0;
 /// The file header is padded to this length.
-pub(super) const HEADER: usize = 20_480;
+pub(crate) const HEADER: usize = 20_480;
 /// Seconds from 31 December 1989 to 25 March 2025, both 0 h UTC (`date -u -d 2025-03-25 +%s` is 1742860800).
-pub(super) const GARMIN_S: u32 = 1_111_795_200;
+pub(crate) const GARMIN_S: u32 = 1_111_795_200;
 /// The same moment in Unix seconds.
-pub(super) const START_UNIX_S: f64 = 1_742_860_800.0;
+pub(crate) const START_UNIX_S: f64 = 1_742_860_800.0;
 
 /// A channel of the file header: number and band in hertz.
-pub(super) type Band = (u32, u32, u32);
+pub(crate) type Band = (u32, u32, u32);
 
 /// A ping to write.
 #[derive(Clone, Debug)]
-pub(super) struct Ping {
+pub(crate) struct Ping {
     pub channel: Option<u32>,
     pub beam: Option<u32>,
     pub tilt_deg: Option<f32>,
@@ -61,7 +61,7 @@ impl Default for Ping {
     }
 }
 
-pub(super) fn varuint(mut value: u32) -> Vec<u8> {
+pub(crate) fn varuint(mut value: u32) -> Vec<u8> {
     let mut bytes = Vec::new();
     while value >= 0x80 {
         bytes.push(value as u8 | 0x80);
@@ -72,7 +72,7 @@ pub(super) fn varuint(mut value: u32) -> Vec<u8> {
 }
 
 /// A count, and each field behind its key.
-pub(super) fn structure(fields: &[(u32, Vec<u8>)]) -> Vec<u8> {
+pub(crate) fn structure(fields: &[(u32, Vec<u8>)]) -> Vec<u8> {
     let mut bytes = varuint(fields.len() as u32);
     for (number, value) in fields {
         if value.len() < 7 {
@@ -96,7 +96,7 @@ fn array(items: &[Vec<u8>]) -> Vec<u8> {
 }
 
 /// The file header with its padding.
-pub(super) fn header(garmin_s: u32, bands: &[Band]) -> Vec<u8> {
+pub(crate) fn header(garmin_s: u32, bands: &[Band]) -> Vec<u8> {
     let mut channels = varuint(bands.len() as u32);
     for &(number, low_hz, high_hz) in bands {
         let band = structure(&[(0, vec![1]), (1, varuint(low_hz)), (2, varuint(high_hz))]);
@@ -126,7 +126,7 @@ pub(super) fn header(garmin_s: u32, bands: &[Band]) -> Vec<u8> {
 }
 
 /// A record with this body; without one it only says that a channel begins.
-pub(super) fn record(ping: &Ping, body: &[u8]) -> Vec<u8> {
+pub(crate) fn record(ping: &Ping, body: &[u8]) -> Vec<u8> {
     let mut state = vec![(0, vec![if body.is_empty() { 1 } else { 2 }])];
     state.extend(ping.channel.map(|channel| (1, array(&[varuint(channel)]))));
     let size = match u16::try_from(body.len()) {
@@ -154,12 +154,12 @@ pub(super) fn record(ping: &Ping, body: &[u8]) -> Vec<u8> {
 
 impl Ping {
     /// The record of the ping.
-    pub(super) fn record(&self) -> Vec<u8> {
+    pub(crate) fn record(&self) -> Vec<u8> {
         record(self, &self.body())
     }
 
     /// Its fields and samples.
-    pub(super) fn body(&self) -> Vec<u8> {
+    pub(crate) fn body(&self) -> Vec<u8> {
         let mut bytes = structure(&self.fields());
         if self.has_checksum {
             bytes.extend([0xEF; 4]);
