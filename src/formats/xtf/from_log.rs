@@ -36,7 +36,7 @@ const MOST_SKIPPED: f64 = 1e6;
 /// Speed of sound, metres a second: fish-finders count ranges with it.
 const SOUND_MPS: f32 = 1500.0;
 
-/// What the header of a file that was written here says of its pings; nothing is said of others.
+/// What the header of a file that was written here states about its pings. Headers of other files state nothing of it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Provenance {
     /// Headings are those of the track.
