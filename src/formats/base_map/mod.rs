@@ -18,6 +18,7 @@ pub(crate) use colours::RgbaPixel;
 pub(crate) use error::{BaseMapError, BaseMapFault};
 pub(crate) use georeference::Georeference;
 
+use crate::formats::geotiff::JpegBlocks;
 use crate::support::catch_panic::catch_panic;
 use crate::support::file_error::FileError;
 use crate::support::geo::LonLat;
@@ -80,6 +81,8 @@ struct Reader {
     tiff: Tiff,
     /// The directory that the decoder is at, once it is known.
     directory: Option<usize>,
+    /// The blocks of that directory where they are JPEG streams.
+    jpegs: Option<JpegBlocks>,
     blocks: BlockCache,
 }
 
@@ -162,6 +165,7 @@ fn open_file(path: &Path, progress: &Progress) -> Result<BaseMap, Fault> {
         reader: Mutex::new(Reader {
             directory: None,
             tiff,
+            jpegs: None,
             blocks: BlockCache::default(),
         }),
         levels,
@@ -440,7 +444,13 @@ impl Reader {
         if self.directory != Some(directory) {
             self.directory = None;
             self.tiff.seek_to_image(directory).ok()?;
+            self.jpegs = JpegBlocks::read(&mut self.tiff);
             self.directory = Some(directory);
+        }
+        if let Some(jpegs) = &self.jpegs
+            && !jpegs.is_sound(number, self.tiff.inner())
+        {
+            return None;
         }
         match self.tiff.read_chunk(number).ok()? {
             tiff::decoder::DecodingResult::U8(bytes) => Some(bytes),

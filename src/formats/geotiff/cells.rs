@@ -2,6 +2,7 @@
 
 use super::directory_walk::check_claims;
 use super::geotransform::{GeoKeys, GeoTransform};
+use super::jpeg_blocks::is_jpeg;
 use super::metadata::counts_downwards;
 use crate::support::catch_panic::catch_panic;
 use crate::support::regular_file;
@@ -156,6 +157,9 @@ impl Open {
         let colours = decoder.colortype()?;
         if !matches!(colours, tiff::ColorType::Gray(_)) {
             return Err(CellsError::Picture);
+        }
+        if is_jpeg(&mut decoder) {
+            return Err(CellsError::NoHeights);
         }
         let keys = GeoKeys::read(&mut decoder);
         let place = GeoTransform::read(&mut decoder, &keys)

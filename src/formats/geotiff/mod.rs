@@ -14,11 +14,13 @@
 //!
 //! `directory` lays out the tags, `metadata` what GDAL adds to a band, `statistics` its figures. `cells` reads a raster of any program
 //! back, as points or cell by cell, `tiles` one of our own tile by tile; `geotransform` is where its cells lie, also for the pixels of a base map.
+//! `directory_walk` and `jpeg_blocks` look up what a file claims before a decoder allocates by it.
 
 mod cells;
 mod directory;
 mod directory_walk;
 mod geotransform;
+mod jpeg_blocks;
 mod metadata;
 mod overview;
 mod pack;
@@ -30,6 +32,7 @@ mod writer;
 pub(crate) use cells::{CellsError, RasterValues, read_cells, read_values};
 pub(crate) use directory_walk::{DirectoryWalk, check_claims};
 pub(crate) use geotransform::{GeoKeys, GeoTransform};
+pub(crate) use jpeg_blocks::JpegBlocks;
 pub(crate) use tiles::RasterTiles;
 
 use crate::support::geo::Crs;

@@ -3,6 +3,7 @@
 use super::RASTER_TILE;
 use super::cells::CellsError;
 use super::directory_walk::check_claims;
+use super::jpeg_blocks::is_jpeg;
 use crate::support::regular_file;
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -164,6 +165,9 @@ fn decoder(path: &Path) -> Result<Decoder<BufReader<File>>, CellsError> {
     limits.decoding_buffer_size = 8 * RASTER_TILE * RASTER_TILE;
     let mut decoder = Decoder::new(file)?.with_limits(limits);
     match decoder.colortype()? {
+        ColorType::Gray(_) if is_jpeg(&mut decoder) => {
+            Err(CellsError::Damaged("its cells are of another kind"))
+        }
         ColorType::Gray(_) => Ok(decoder),
         _ => Err(CellsError::Damaged("it has several bands")),
     }
