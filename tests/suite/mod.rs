@@ -24,6 +24,7 @@ mod detection_targets;
 mod detector;
 mod exclusion_window;
 mod export;
+mod failing_log;
 mod first_return;
 mod following;
 mod formats;
