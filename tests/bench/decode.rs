@@ -21,8 +21,8 @@ pub(super) fn run() {
     large_log::write(&path, 500 << 20).expect("a large log");
     let copy = folder.path().join("large.xtf");
     let survey = crate::formats::open(&path, &Progress::new()).expect("a log that opens");
-    let positions = Settings::default().position_settings();
-    let all = LogPartChoice::default();
+    let (settings, all) = (Settings::default(), LogPartChoice::default());
+    let positions = settings.position_settings();
     copy_log(&copy, &survey, positions, &all, &Progress::new()).expect("a copy");
     drop(survey);
     let named = std::env::var_os("BATHYSCOPE_BENCH_LOGS").unwrap_or_default();

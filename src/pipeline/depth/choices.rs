@@ -2,12 +2,16 @@
 
 use super::residuals::kept_of;
 use crate::bottom::bathymetry::compare::{Matching, ReferencePoints};
-use crate::bottom::cloud::{Geometry, PointSource, Residuals};
-use crate::pipeline::{Products, Settings, run};
-use crate::sonar::calibration::{OffsetMode, PpdReach, ScaleMode};
+use crate::bottom::cloud::{
+    self, CloudPoint, CloudSettings, Geometry, PointClass, PointCloud, PointSource, Residuals,
+};
+use crate::pipeline::Products;
+use crate::sonar::calibration::{self, Calibration, OffsetMode, PpdReach, ScaleMode};
+use crate::sonar::first_return::FirstReturns;
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::Survey;
 use serde::Serialize;
+use std::sync::Arc;
 
 /// Side-scan against soundings with one geometry and one calibration.
 #[derive(Serialize)]
@@ -56,8 +60,8 @@ const CALIBRATIONS: [(&str, ScaleMode, PpdReach, OffsetMode); 4] = [
     ),
 ];
 
-/// One line for each combination that gives points over the soundings; a flat spot that gives no scale has none. The outlier filter
-/// runs for each.
+/// One line for each combination that gives points over the soundings; a flat spot that gives no scale has none. Of the stages only the
+/// calibration, the cloud and the outlier filter run, each where it differs.
 pub(crate) fn choices(
     survey: &Survey,
     products: &Products,
@@ -69,30 +73,45 @@ pub(crate) fn choices(
         soundings.iter().map(|point| point.place()),
         Matching::Surface { max_gap_m },
     );
+    let (judged, counted) = (products.judged_returns(survey), products.counted_returns());
+    let is_side_scan = |point: &&CloudPoint| point.source != PointSource::DownScan;
     let mut found = Vec::new();
-    for (calibration, mode, ppd, offset) in CALIBRATIONS {
+    for (name, mode, ppd, offset) in CALIBRATIONS {
+        let mut settings = products.settings.calibration.clone();
+        settings.mode = mode;
+        settings.ppd = ppd;
+        settings.offset = match (offset, settings.offset) {
+            // Whichever way to it is in force.
+            (OffsetMode::Fit, in_force @ (OffsetMode::Auto | OffsetMode::Fit)) => in_force,
+            _ => offset,
+        };
+        let made = calibration::calibrate(
+            survey,
+            &products.navigation,
+            &judged,
+            &products.flat_spots,
+            &settings,
+            progress,
+        )?;
+        if made.mode != mode {
+            continue;
+        }
         for geometry in GEOMETRIES {
-            let mut settings = Settings::clone(&products.settings);
-            settings.calibration.mode = mode;
-            settings.calibration.ppd = ppd;
-            settings.calibration.offset = match (offset, products.settings.calibration.offset) {
-                // Whichever way to it is in force.
-                (OffsetMode::Fit, in_force @ (OffsetMode::Auto | OffsetMode::Fit)) => in_force,
-                _ => offset,
+            let in_force = settings == products.settings.calibration
+                && geometry == products.settings.cloud.geometry;
+            let (cloud, classes) = match in_force {
+                true => (products.cloud.clone(), products.classes.clone()),
+                false => placed(survey, products, &counted, &made, geometry, progress)?,
             };
-            settings.cloud.geometry = geometry;
-            let made = run(survey, &settings, Some(products), progress, |_| ())?;
-            if made.calibration.mode != mode {
-                continue;
-            }
-            let points = kept_of(&made, &[PointSource::Port, PointSource::Starboard]);
+            let points = cloud.kept(&classes).map(|(_, point)| point);
+            let points: Vec<&CloudPoint> = points.filter(is_side_scan).collect();
             let matches = reference.matches(&points, |point| point.place(), progress)?;
             let mut differences: Vec<f64> = matches.iter().map(|one| one.difference_m).collect();
             found.extend(
                 Residuals::of(&mut differences).map(|residuals| GeometryChoice {
                     geometry,
-                    calibration,
-                    in_force: settings == *products.settings,
+                    calibration: name,
+                    in_force,
                     unmatched: points.len() - matches.len(),
                     residuals,
                 }),
@@ -100,4 +119,31 @@ pub(crate) fn choices(
         }
     }
     Ok(found)
+}
+
+/// The points of a geometry and a calibration, with their classes.
+fn placed(
+    survey: &Survey,
+    products: &Products,
+    counted: &FirstReturns,
+    calibration: &Calibration,
+    geometry: Geometry,
+    progress: &Progress,
+) -> Result<(Arc<PointCloud>, Arc<Vec<PointClass>>), Cancelled> {
+    let how = CloudSettings {
+        geometry,
+        ..products.settings.cloud.clone()
+    };
+    let cloud = cloud::build(
+        survey,
+        &products.navigation,
+        counted,
+        calibration,
+        &how,
+        &products.correction,
+        progress,
+    )?
+    .without(&products.exclusions);
+    let classes = cloud::classify(&cloud, &products.settings.class_rules(), progress)?;
+    Ok((Arc::new(cloud), Arc::new(classes)))
 }

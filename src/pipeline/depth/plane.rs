@@ -51,17 +51,15 @@ impl<'a> CloudPlane<'a> {
         self.map.to_lon_lat(place)
     }
 
-    /// Easting, northing and elevation of some of the kept points, metres.
-    pub(crate) fn points(
+    /// Some of the kept points, each with its easting, northing and elevation, metres.
+    pub(super) fn points<'p>(
         &self,
-        products: &Products,
+        products: &'p Products,
         chosen: impl Fn(&CloudPoint) -> bool,
-    ) -> Vec<[f64; 3]> {
-        let chosen = (products.kept_points()).filter(|point| chosen(point));
-        chosen
-            .map(|point| self.place(point))
-            .filter(is_finite)
-            .collect()
+    ) -> impl Iterator<Item = ([f64; 3], &'p CloudPoint)> {
+        let chosen = products.kept_points().filter(move |point| chosen(point));
+        let placed = chosen.map(|point| (self.place(point), point));
+        placed.filter(|(place, _)| is_finite(place))
     }
 
     /// The kept points that count for the surface, as weighted depths.

@@ -1,7 +1,7 @@
 //! Side-scan points against the soundings of the same survey.
 
 use super::plane::CloudPlane;
-use crate::bottom::bathymetry::compare::{Comparison, Matching, match_points};
+use crate::bottom::bathymetry::compare::{Comparison, Match, Matching, match_points};
 use crate::bottom::cloud::{CloudPoint, PointSource};
 use crate::pipeline::{ProcessedLog, Products};
 use crate::support::geo::MapPlane;
@@ -36,55 +36,85 @@ pub(crate) fn comparisons(
     map: &MapPlane,
     progress: &Progress,
 ) -> Result<Vec<NamedComparison>, Cancelled> {
-    use PointSource::{DownScan, Port, Starboard};
     let Some(first) = logs.first() else {
         return Ok(Vec::new());
     };
-    let points = |chosen: &dyn Fn(&Survey, &CloudPoint) -> bool| {
-        let of_log = |log: &ProcessedLog| {
-            let plane = CloudPlane::new(&log.survey, &log.products, map.clone());
-            plane.points(&log.products, |point| chosen(&log.survey, point))
-        };
-        logs.iter().flat_map(of_log).collect::<Vec<_>>()
-    };
-    let reference = points(&|_, point| point.source == DownScan);
+    let is_sounding = |point: &CloudPoint| point.source == PointSource::DownScan;
+    let (reference, _) = points(logs, map, is_sounding, |_, _| ());
+    let (side_scan, kinds) = points(logs, map, |point| !is_sounding(point), kind);
     let max_gap_m = first.products.settings.surface.max_gap_m;
     let ways = [
         Matching::Surface { max_gap_m },
         Matching::Nearest { radius_m: RADIUS_M },
     ];
-    // Where the recorder had lost the bottom, depth comes from these alone: nearby soundings are compared with them.
-    let is_lost =
-        |survey: &Survey, point: &CloudPoint| survey.locked_depth_m(point.ping as usize).is_nan();
-    let sides: [(&'static str, &[PointSource], bool); 4] = [
-        ("side-scan", &[Port, Starboard], false),
-        ("port", &[Port], false),
-        ("starboard", &[Starboard], false),
-        (
-            "side-scan where the bottom was lost",
-            &[Port, Starboard],
-            true,
-        ),
-    ];
     let level_m = first.products.correction.middle_level_m();
     let mut found = Vec::new();
     for matching in ways {
-        for (source, sources, only_lost) in sides {
-            let points = points(&|survey, point| {
-                sources.contains(&point.source) && (!only_lost || is_lost(survey, point))
-            });
-            let matches = match_points(&points, &reference, matching, progress)?;
+        // Each point is matched once, whichever lists it is in.
+        let all = match_points(&side_scan, &reference, matching, progress)?;
+        for (source, counts) in LISTS {
+            let matches: Vec<Match> = all
+                .iter()
+                .filter(|one| counts(kinds[one.measured]))
+                .copied()
+                .collect();
             if !matches.is_empty() {
+                let measured = kinds.iter().filter(|kind| counts(**kind)).count();
                 found.push(NamedComparison {
                     source,
                     reference: "down-scan".to_owned(),
                     matching: matching.in_words(),
-                    comparison: Comparison::new(points.len(), &matches, level_m),
+                    comparison: Comparison::new(measured, &matches, level_m),
                 });
             }
         }
     }
     Ok(found)
+}
+
+/// What decides which lists a side-scan point is in.
+#[derive(Clone, Copy)]
+struct PointKind {
+    source: PointSource,
+    /// Whether the recorder had lost the bottom: depth comes from side-scan alone there, and nearby soundings are compared with it.
+    is_lost: bool,
+}
+
+/// Whether a list has a point.
+type PointTest = fn(PointKind) -> bool;
+
+/// The lists of side-scan points, each with a name.
+const LISTS: [(&str, PointTest); 4] = [
+    ("side-scan", |_| true),
+    ("port", |kind| kind.source == PointSource::Port),
+    ("starboard", |kind| kind.source == PointSource::Starboard),
+    ("side-scan where the bottom was lost", |kind| kind.is_lost),
+];
+
+/// Kept points of all logs in the plane of a map, log by log, each with what `read` says of it.
+fn points<T>(
+    logs: &[ProcessedLog],
+    map: &MapPlane,
+    counts: impl Fn(&CloudPoint) -> bool,
+    read: impl Fn(&Survey, &CloudPoint) -> T,
+) -> (Vec<[f64; 3]>, Vec<T>) {
+    let mut found = (Vec::new(), Vec::new());
+    for log in logs {
+        let plane = CloudPlane::new(&log.survey, &log.products, map.clone());
+        for (place, point) in plane.points(&log.products, &counts) {
+            found.0.push(place);
+            found.1.push(read(&log.survey, point));
+        }
+    }
+    found
+}
+
+/// Which lists a side-scan point is in.
+fn kind(survey: &Survey, point: &CloudPoint) -> PointKind {
+    PointKind {
+        source: point.source,
+        is_lost: survey.locked_depth_m(point.ping as usize).is_nan(),
+    }
 }
 
 /// Kept points of some sources, in the cloud's order.
