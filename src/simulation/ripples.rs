@@ -47,12 +47,18 @@ impl Ripples {
     }
 }
 
+/// Square of the distance, in radii, beyond which a mound is lower than the last digit of any depth: e to the power of -50 of its height.
+const FAR: f64 = 100.0;
+
 impl Mound {
     /// How much higher the ground is at a place, metres.
     pub(crate) fn height_at_m(&self, east_m: f64, north_m: f64) -> f64 {
         let (east, north) = (east_m - self.east_m, north_m - self.north_m);
         let off = (east * east + north * north) / (self.radius_m * self.radius_m);
-        self.height_m * exp(-0.5 * off)
+        match off > FAR {
+            true => 0.0,
+            false => self.height_m * exp(-0.5 * off),
+        }
     }
 }
 
