@@ -8,6 +8,7 @@ static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 fn main() -> std::process::ExitCode {
     let before = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |fault| {
+        bathyscope::cli::write_crash_report(fault);
         if bathyscope::cli::is_to_be_printed(fault) {
             before(fault);
         }

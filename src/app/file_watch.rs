@@ -4,6 +4,7 @@
 //! A thread of its own looks, for a disk may not answer; it wakes the window only where there is something to say.
 
 use super::{App, Jobs, LogId, Task, TaskOutcome};
+use crate::support::crash_report;
 use crate::support::file_error::FileError;
 use crate::support::mapped_file::FileFault;
 use crate::support::progress::Progress;
@@ -68,6 +69,7 @@ impl App {
         if now.eq(known.map(|(id, survey)| (*id, survey.as_ptr()))) {
             return;
         }
+        crash_report::set_open(open.iter().map(|(_, survey)| kind(survey)).collect());
         let watched: Vec<WatchedLog> = (open.iter())
             .map(|(id, survey)| WatchedLog::new(*id, survey))
             .collect();
@@ -111,6 +113,17 @@ impl WatchedLog {
         let fault = self.files.iter().find_map(fault)?;
         Some((self.id, fault.to_string()))
     }
+}
+
+/// What a report may say of a log: not its name, and no position.
+fn kind(survey: &Survey) -> String {
+    format!(
+        "{}, {} bytes, {} side-scan pings, {} depths",
+        survey.source.format,
+        survey.source.byte_count,
+        survey.side_scan.len(),
+        survey.soundings.len()
+    )
 }
 
 /// Looks at files until something is wrong with one, or once; what is wrong then with each log.

@@ -4,6 +4,7 @@ use super::{Action, App};
 use crate::support::printable::one_line;
 use crate::support::system_words::in_plain_words;
 use std::collections::VecDeque;
+use std::path::Path;
 use std::time::SystemTime;
 
 /// Notices kept of one run of the program.
@@ -39,6 +40,15 @@ impl App {
     /// Notifies the analyst in a sentence.
     pub(super) fn notify(&mut self, text: String, is_error: bool) {
         self.say(in_plain_words(&text).as_ref(), is_error, None);
+    }
+
+    /// Says where the report lies of a fault of the program itself, the last time that it ran.
+    pub(crate) fn tell_of_crash(&mut self, report: &Path) {
+        let text = format!(
+            "A fault of Bathyscope stopped it, or part of its work, the last time it ran. What happened is in {}, and was sent to nobody; attach the file when you report the fault",
+            report.display()
+        );
+        self.notify(text, true);
     }
 
     /// Notifies the analyst, with what can be done about it.

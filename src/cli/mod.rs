@@ -49,6 +49,7 @@ mod window;
 pub use dataset::known_objects;
 
 pub use crate::support::catch_panic::is_to_be_printed;
+pub use crate::support::crash_report::write_crash_report;
 
 use crate::formats::formats_to_open;
 use crate::pipeline::settings::slips;

@@ -56,7 +56,7 @@ pub(crate) fn panic_as_error<T>(work: impl FnOnce() -> T) -> Result<T, Panicked>
 /// Whether a panic is to be printed, asked by the hook of a program: not where other people's code panicked on damaged bytes, which is an
 /// error like any other, and not where it becomes the error of the whole work, unless `RUST_BACKTRACE` asks for it.
 pub fn is_to_be_printed(fault: &PanicHookInfo<'_>) -> bool {
-    if CATCHING.get() {
+    if is_caught() {
         return false;
     }
     let Reporting::Under(first) = &mut *reporting() else {
@@ -70,11 +70,17 @@ pub fn is_to_be_printed(fault: &PanicHookInfo<'_>) -> bool {
     std::env::var_os("RUST_BACKTRACE").is_some()
 }
 
+/// Whether a panic of this thread becomes nothing, or an error about damaged bytes.
+pub(super) fn is_caught() -> bool {
+    CATCHING.get()
+}
+
 fn reporting() -> std::sync::MutexGuard<'static, Reporting> {
     REPORTING.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-fn cause(payload: &(dyn Any + Send)) -> &str {
+/// What a panic says.
+pub(super) fn cause(payload: &(dyn Any + Send)) -> &str {
     let text = payload.downcast_ref::<String>().map(String::as_str);
     text.or_else(|| payload.downcast_ref::<&str>().copied())
         .unwrap_or("no reason given")

@@ -4,6 +4,7 @@
 
 pub(crate) mod calendar;
 pub(crate) mod catch_panic;
+pub(crate) mod crash_report;
 pub(crate) mod file_error;
 pub(crate) mod geo;
 pub(crate) mod mapped_file;

@@ -3,9 +3,13 @@
 use super::Shell;
 use super::incremental::IncrementalPainter;
 use crate::app::{App, Command, FileToOpen, Jobs};
+use crate::support::crash_report;
 use eframe::egui_wgpu::RenderState;
 use std::path::PathBuf;
 use std::sync::Arc;
+
+/// What the desktop knows the program as; its options lie in a folder of this name.
+const APP_ID: &str = "bathyscope";
 
 /// Why the window cannot be opened: what is missing, a display or a graphics driver.
 #[derive(Debug, thiserror::Error)]
@@ -26,7 +30,7 @@ pub(crate) fn open_window(
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_title("Bathyscope")
-            .with_app_id("bathyscope")
+            .with_app_id(APP_ID)
             .with_inner_size([1600.0, 1000.0])
             .with_min_inner_size([800.0, 500.0])
             .with_drag_and_drop(true),
@@ -47,6 +51,10 @@ pub(crate) fn open_window(
         if let Some(storage) = cc.storage {
             shell.restore(storage);
         }
+        let folder = eframe::storage_dir(APP_ID);
+        if let Some(report) = folder.and_then(crash_report::keep_in) {
+            shell.app.tell_of_crash(&report);
+        }
         if demo && paths.is_empty() {
             shell.app.apply(Command::OpenDemo);
         } else {
@@ -57,7 +65,7 @@ pub(crate) fn open_window(
         }
         Ok(Box::new(shell) as Box<dyn eframe::App>)
     };
-    Ok(eframe::run_native("bathyscope", options, Box::new(start))?)
+    Ok(eframe::run_native(APP_ID, options, Box::new(start))?)
 }
 
 /// The window's device where there is no graphics card.
