@@ -9,8 +9,11 @@ use crate::detection::{DetectorSettings, Model, ModelError, Picture};
 use crate::pipeline::ProcessedLog;
 use crate::products::outputs::{self, Replaced, RunFolder};
 use crate::support::catch_panic::catch_panic;
+use crate::support::picture_file::{PictureFault, bounded_decoder};
 use crate::support::progress::Progress;
-use image::{ColorType, DynamicImage, ImageDecoder as _, ImageFormat, ImageReader, Limits};
+use image::{ColorType, DynamicImage, ImageDecoder as _};
+use std::fs::File;
+use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -163,32 +166,21 @@ fn search_picture(
 
 /// The pixels of a file; the error is a sentence without the path.
 fn read_picture(path: &Path) -> Result<Picture, Failure> {
-    catch_panic(|| decode_picture(path)).unwrap_or_else(|| Err("it is damaged".into()))
+    catch_panic(|| decode_picture(path)).unwrap_or_else(|| Err(PictureFault::Damaged.into()))
 }
 
 fn decode_picture(path: &Path) -> Result<Picture, Failure> {
-    let mut limits = Limits::default();
-    limits.max_image_width = Some(LARGEST_PICTURE);
-    limits.max_image_height = Some(LARGEST_PICTURE);
-    limits.max_alloc = Some(LARGEST_UNPACKED);
-    let mut reader = ImageReader::open(path).and_then(ImageReader::with_guessed_format)?;
-    reader.limits(limits);
-    let format = reader.format();
-    let decoder = reader.into_decoder()?;
-    let (width, height) = decoder.dimensions();
-    let pixels = u64::from(width) * u64::from(height);
-    let besides = match (format, decoder.color_type()) {
-        // A progressive one is held as 16-bit coefficients.
-        (Some(ImageFormat::Jpeg), _) => decoder.total_bytes().saturating_mul(2),
-        (_, ColorType::L8 | ColorType::Rgb8) => 0,
-        // It is copied with 8 bits a channel, and without what is transparent.
-        (_, colours) if colours.has_color() => 3 * pixels,
-        _ => pixels,
+    // It is copied with 8 bits a channel, and without what is transparent.
+    let copied = |colours| match colours {
+        ColorType::L8 | ColorType::Rgb8 => 0,
+        colours if colours.has_color() => 3,
+        _ => 1,
     };
-    if decoder.total_bytes().saturating_add(besides) > LARGEST_UNPACKED {
+    let decoder = bounded_decoder(BufReader::new(File::open(path)?), LARGEST_UNPACKED, copied)?;
+    let (width, height) = decoder.dimensions();
+    if width.max(height) > LARGEST_PICTURE {
         return Err(format!(
-            "its {width} by {height} pixels take more than {} MiB to unpack; cut it into pieces, or save it as grey with 8 bits",
-            LARGEST_UNPACKED >> 20
+            "it has {width} by {height} pixels, and {LARGEST_PICTURE} across or down are searched at most; cut it into pieces"
         ).into());
     }
     let decoded = DynamicImage::from_decoder(decoder)?;

@@ -54,6 +54,9 @@ pub(crate) enum GrowingError {
     /// It is no file: the demo survey, a log in memory.
     #[error("only a log that is a file can be followed")]
     NoFile,
+    /// Its samples are packed, and can only be read as a whole.
+    #[error("a log in a picture is read as a whole; open it again when the picture is longer")]
+    Packed,
     /// It was stopped.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
@@ -84,6 +87,9 @@ impl GrowingLog {
     /// # Errors
     /// When there is nothing to follow, or the log is not what it was any more.
     pub(crate) fn start(survey: &Survey, progress: &Progress) -> Result<Self, GrowingError> {
+        if survey.bytes.iter().any(Bytes::is_packed) {
+            return Err(GrowingError::Packed);
+        }
         let own = survey.source.files.iter().zip(&survey.bytes);
         let own = own.filter(|(path, _)| {
             let external = survey.track.external.as_ref();

@@ -27,8 +27,9 @@ pub(super) trait LogFormat: Sync {
         false
     }
 
-    /// Whether only a file that is named is read, and none that lies in a folder of logs: tables of other kinds look the same.
-    fn is_read_by_name_only(&self) -> bool {
+    /// Whether a file is only read where it is named, and not where it lies in a folder of logs: tables of other kinds look the same, or
+    /// another file of the recording stands for it.
+    fn is_read_by_name_only(&self, _path: &Path) -> bool {
         false
     }
 }

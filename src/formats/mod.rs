@@ -11,7 +11,7 @@
 //! 4. Write its test in `tests/suite/formats` with a small writer of the format in `tests/suite/handmade.rs`: whole, cut, damaged.
 //! 5. Run the tests: they print the table for README.md and the line for the flow of archives. Take its row out of `unsupported`, if it has one.
 //!
-//! `lowrance`, `garmin`, `xtf`, `edgetech`, `cerulean`, `klein`, `nmea`, `sounding_table` and `humminbird` walk over the records of their format, mend what is damaged and give it
+//! `lowrance`, `garmin`, `xtf`, `edgetech`, `cerulean`, `klein`, `nmea`, `picture_table`, `sounding_table` and `humminbird` walk over the records of their format, mend what is damaged and give it
 //! meaning in SI units; all fill one `collected` log, with `clock` to recognise damaged times and `report` to say what was wrong.
 //! `reading` says which part of a log is read: the tail of one that is being written is read as a log of its own. `assemble` turns what was read into the survey: `join` pairs the sides, `depths` chooses the soundings, `stray` leaves out positions that cannot be. `file_source` brings
 //! the bytes, `messages` walks over logs of messages, `nmea` reads logs of sentences, and sentences in other logs, `growing_log` copies one that is being written as it comes, `unsupported` recognises formats that are not read, `table` lists those that are. `track_file` reads
@@ -40,6 +40,7 @@ pub(crate) mod lowrance;
 mod messages;
 mod nmea;
 pub(crate) mod parquet_table;
+mod picture_table;
 pub(crate) mod points;
 mod reading;
 mod reference;
@@ -351,7 +352,8 @@ fn logs_on(files: &FileSource, folder: &Path) -> Vec<PathBuf> {
                 let opened = Opened { path, bytes };
                 let mut formats = FORMATS.iter().map(|format| format.reader);
                 formats.any(|reader| {
-                    !reader.is_read_by_name_only() && reader.recognise(files, &opened).is_some()
+                    !reader.is_read_by_name_only(&opened.path)
+                        && reader.recognise(files, &opened).is_some()
                 })
             })
     };

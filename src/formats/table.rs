@@ -12,6 +12,7 @@ use super::log_format::LogFormat;
 use super::log_writer::LogWriter;
 use super::lowrance::Lowrance;
 use super::nmea::Nmea;
+use super::picture_table::PictureTable;
 use super::sounding_table::SoundingTable;
 use super::xtf::Xtf;
 use std::ffi::OsStr;
@@ -30,6 +31,8 @@ pub(crate) enum FileRole {
     Part,
     /// The whole recording, in a file whose ending files of many other programs have: only its content says what it is.
     Shared,
+    /// One of two files that make a recording together, and have the same name. Files of many other programs have the same ending.
+    Paired,
 }
 
 impl FileRole {
@@ -40,6 +43,7 @@ impl FileRole {
             FileRole::Description => "description",
             FileRole::Part => "part",
             FileRole::Shared => "shared",
+            FileRole::Paired => "paired",
         }
     }
 }
@@ -258,6 +262,28 @@ pub(crate) const FORMATS: &[FormatEntry] = &[
         writer: None,
     },
     FormatEntry {
+        name: "picture with CSV",
+        recorders: "any whose waterfall was exported as PNG or JPEG",
+        endings: &[
+            ("png", FileRole::Paired),
+            ("jpg", FileRole::Paired),
+            ("jpeg", FileRole::Paired),
+        ],
+        magic: "a PNG or JPEG, and a CSV of the same name beside it whose first line names a column of ranges",
+        carries: &[
+            Carried::SideScan,
+            Carried::Soundings,
+            Carried::Positions,
+            Carried::Heading,
+        ],
+        tried_on: None,
+        notes: "`NAME.png` beside `NAME.csv` with a row a ping: lon and lat, `range_m`, perhaps depth, time and heading; port on the left, the water column in the middle: not corrected to ground range; grey of 8 or 16 bits, or colours by their luminance; `bathyscope manual files`",
+        file_type: None,
+        keywords: &["waterfall"],
+        reader: &PictureTable,
+        writer: None,
+    },
+    FormatEntry {
         name: "CSV of soundings",
         recorders: "Deeper, ReefMaster and other programs",
         endings: &[("csv", FileRole::Shared)],
@@ -301,6 +327,7 @@ impl FormatEntry {
         };
         let mut names = of(FileRole::Log, "");
         names.extend(of(FileRole::Shared, ""));
+        names.extend(of(FileRole::Paired, ""));
         names.extend(of(FileRole::Description, "the "));
         let parts = of(FileRole::Part, "one ").join(" or ");
         match parts.is_empty() {
@@ -417,6 +444,7 @@ mod tests {
         assert_eq!(role("Rec00001.dat"), Some(FileRole::Description));
         assert_eq!(role("B002.SON"), Some(FileRole::Part));
         assert_eq!(role("pond.csv"), Some(FileRole::Shared));
+        assert_eq!(role("pond.JPG"), Some(FileRole::Paired));
         assert_eq!(role("pond.tif"), None);
         assert_eq!(role("sl2"), None);
     }

@@ -18,11 +18,16 @@ const KNOWN: &[(&[u8], &str)] = &[
         b"SQLite format 3",
         "an SQLite database, not a sonar log; open the sl2 or sl3 file that the unit recorded",
     ),
+    (b"\x89PNG\r\n\x1a\n", PICTURE),
+    (b"\xFF\xD8\xFF", PICTURE),
     (
         b"BND4",
         "a game's save file that is also called sl2, not a sonar log; open the file that the unit recorded",
     ),
 ];
+
+/// What becomes of a picture without a table of its pings, or with one that does not say how far it reaches.
+const PICTURE: &str = "a picture alone is no sonar log; where it is a side-scan waterfall, put a CSV of the same name beside it, with a row a ping and the columns lon, lat and range_m";
 
 /// What to do with a file of a format that is known by sight.
 pub(super) fn advice(bytes: &[u8]) -> Option<&'static str> {

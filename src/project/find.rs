@@ -135,7 +135,10 @@ fn is_as_long(log: &LogFile, path: &Path) -> bool {
 fn starts_recording(log: &LogFile, path: &Path) -> bool {
     let ending = |path: &Path| path.extension().map(|ending| ending.to_ascii_lowercase());
     let role = formats::role_by_name(&log.path);
-    let is_several = matches!(role, Some(FileRole::Description | FileRole::Part));
+    let is_several = matches!(
+        role,
+        Some(FileRole::Description | FileRole::Part | FileRole::Paired)
+    );
     let there = fs::metadata(path);
     is_several
         && ending(path) == ending(&log.path)
@@ -267,6 +270,28 @@ mod tests {
             [LogLocation::Moved(day.join("pond.sl2"))]
         );
         assert!(find(&project, &folder, &Progress::new()).is_ok());
+    }
+
+    #[test]
+    fn a_picture_is_found_with_its_table() {
+        let temporary = tempfile::tempdir().expect("a folder");
+        let folder = fs::canonicalize(temporary.path()).expect("a folder");
+        let [picture, table] = ["pond.png", "pond.csv"].map(|name| folder.join(name));
+        let pixels = image::GrayImage::from_fn(8, 2, |x, y| image::Luma([(x + y) as u8]));
+        pixels.save(&picture).expect("a picture");
+        fs::write(&table, "lon,lat,range_m\n11.5,48.1,20\n11.5,48.2,20\n").expect("a table");
+        let file = LogFile::of(&survey(&table), &Progress::new()).expect("a log");
+        assert_eq!(file.path, picture);
+        let project = Project::default().with_log(ProjectLog::new(file));
+        let project = project.expect("a log");
+        assert_eq!(places(&project, &folder), [LogLocation::Here]);
+        let day = folder.join("day");
+        fs::create_dir(&day).expect("a folder");
+        let moved = day.join("lake.png");
+        fs::rename(&picture, &moved).expect("a picture");
+        assert_eq!(places(&project, &folder), [LogLocation::Missing]);
+        fs::rename(&table, day.join("lake.csv")).expect("a table");
+        assert_eq!(places(&project, &folder), [LogLocation::Moved(moved)]);
     }
 
     #[test]

@@ -11,6 +11,7 @@ pub(crate) mod mapped_file;
 pub(crate) mod named;
 pub(crate) mod nearest;
 pub(crate) mod outline;
+pub(crate) mod picture_file;
 pub(crate) mod presentation;
 pub(crate) mod printable;
 pub(crate) mod progress;

@@ -2,7 +2,7 @@
 
 use super::bottom_lock::{NEAREST_SOUNDING_S, mark_bottom_lock_from};
 use super::{
-    Channel, ChannelKind, Echogram, EchogramPing, Encoding, Fix, Identity, Side, SidePing,
+    Bytes, Channel, ChannelKind, Echogram, EchogramPing, Encoding, Fix, Identity, Side, SidePing,
     SideScanState, SideSpan, Sounding, Survey, give_depths,
 };
 use crate::support::versions::Versions;
@@ -44,10 +44,12 @@ pub struct SurveyVersions {
 }
 
 impl Survey {
-    /// Where its tail begins, if more is written; `None` where all of it has to be read again: it has no pings yet, or its track is
-    /// another receiver's.
+    /// Where its tail begins, if more is written; `None` where all of it has to be read again: it has no pings yet, its samples are packed, or
+    /// its track is another receiver's.
     pub fn seam(&self) -> Option<Seam> {
-        if self.track.external.is_some() || self.bytes.len() != self.source.files.len() {
+        let is_packed = self.bytes.iter().any(Bytes::is_packed);
+        let has_others = self.bytes.len() != self.source.files.len();
+        if self.track.external.is_some() || has_others || is_packed {
             return None;
         }
         let lasts: Vec<(f64, SideSpan)> = self.spans_before(f64::INFINITY).collect();
@@ -173,7 +175,8 @@ impl Survey {
     /// Whether the log had so many side-scan pings when so many bytes of it were written: what was decided about it then holds still. Of a
     /// recording in several files this is known to two seconds.
     pub fn was(&self, byte_count: u64, pings: usize) -> bool {
-        if byte_count > self.source.byte_count || pings > self.side_scan.len() {
+        let is_packed = self.bytes.iter().any(Bytes::is_packed);
+        if byte_count > self.source.byte_count || pings > self.side_scan.len() || is_packed {
             return false;
         }
         if self.source.files.len() != 1 {

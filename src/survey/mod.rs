@@ -304,7 +304,7 @@ pub struct Survey {
     pub track: Track,
     /// What was wrong with the log.
     pub warnings: Vec<Warning>,
-    /// The bytes that the sample spans point into, one entry a file.
+    /// The bytes of the files and of the samples in them, one entry a file.
     pub bytes: Vec<Bytes>,
 }
 
@@ -330,7 +330,7 @@ impl Survey {
 
     /// The samples of a span of any channel; `None` where it lies outside the bytes.
     pub(crate) fn samples_of(&self, span: &SideSpan) -> Option<Samples<'_>> {
-        Samples::new(self.bytes.get(usize::from(span.file))?, span)
+        Samples::new(self.bytes.get(usize::from(span.file))?.samples(), span)
     }
 
     /// Whether the files still hold what was read of them. Asks their disks, so it may wait for one that does not answer.

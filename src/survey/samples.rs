@@ -1,17 +1,24 @@
-//! Echo samples of one side of a ping, borrowed from the mapped file.
+//! Echo samples of one side of a ping, borrowed from the mapped file, or from what was unpacked of it.
 
 use crate::support::mapped_file::{FileFault, MappedFile};
 use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
-/// The bytes of one file: mapped, or held in memory (a simulated survey, a test).
+/// The bytes of one file: mapped, or held in memory (a simulated survey, a test). They are those of the file, whatever its samples lie in.
 #[derive(Clone, Debug)]
 pub enum Bytes {
     /// A read-only memory map. What of it cannot be read any more is zero.
     Mapped(Arc<MappedFile>),
     /// Bytes in memory.
     Held(Arc<Vec<u8>>),
+    /// Those of a file whose samples are packed, as those of a picture are.
+    Packed {
+        /// The file.
+        file: Box<Bytes>,
+        /// What was unpacked of it; the sample spans point into it.
+        samples: Arc<Vec<u8>>,
+    },
 }
 
 impl Bytes {
@@ -20,12 +27,30 @@ impl Bytes {
         match self {
             Bytes::Mapped(map) => map.fault(path),
             Bytes::Held(_) => None,
+            Bytes::Packed { file, .. } => file.fault(path),
         }
     }
 
     /// Whether they lie in a file that other programs can reach.
     pub(crate) fn is_shared(&self) -> bool {
-        matches!(self, Bytes::Mapped(map) if map.is_shared())
+        match self {
+            Bytes::Mapped(map) => map.is_shared(),
+            Bytes::Held(_) => false,
+            Bytes::Packed { file, .. } => file.is_shared(),
+        }
+    }
+
+    /// Whether the sample spans point elsewhere than into the file.
+    pub(crate) fn is_packed(&self) -> bool {
+        matches!(self, Bytes::Packed { .. })
+    }
+
+    /// What the sample spans point into.
+    pub(crate) fn samples(&self) -> &[u8] {
+        match self {
+            Bytes::Packed { samples, .. } => samples,
+            file => file,
+        }
     }
 
     /// From where on they could not be read, and are zero; `None` while all could. Asks no disk.
@@ -33,6 +58,7 @@ impl Bytes {
         match self {
             Bytes::Mapped(map) => map.lost(),
             Bytes::Held(_) => None,
+            Bytes::Packed { file, .. } => file.lost(),
         }
     }
 }
@@ -50,6 +76,7 @@ impl std::ops::Deref for Bytes {
         match self {
             Bytes::Mapped(map) => map,
             Bytes::Held(bytes) => bytes,
+            Bytes::Packed { file, .. } => file,
         }
     }
 }
@@ -181,7 +208,7 @@ pub struct SideSpan {
     pub encoding: Encoding,
     /// Which end is nearest.
     pub order: SampleOrder,
-    /// Byte offset of the first stored sample.
+    /// Byte offset of the first stored sample, in [`Bytes::samples`].
     pub offset: u64,
     /// Number of samples.
     pub count: u32,

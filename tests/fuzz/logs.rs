@@ -9,7 +9,9 @@ use super::writers::nmea_writer::{DepthIn, NmeaOptions, Stamp, nmea as nmea_file
 use super::{check_finite, say};
 use crate::formats::{open_as_format, open_growing, open_tail};
 use crate::support::progress::Progress;
-use crate::survey::{Bytes, Samples, Side, SideSpan, Survey, SurveyVersions};
+use crate::survey::{Bytes, Side, SideSpan, Survey, SurveyVersions};
+use image::{GrayImage, ImageFormat, Luma};
+use std::io::Cursor;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -91,6 +93,19 @@ pub(super) fn humminbird(bytes: &[u8]) {
     );
 }
 
+/// A picture and its table: the length of the table as u16, then both.
+pub(super) fn picture(bytes: &[u8]) {
+    let (length, files) = bytes.split_at(bytes.len().min(2));
+    let length = match length {
+        &[low, high] => usize::from(u16::from_le_bytes([low, high])),
+        _ => 0,
+    };
+    let (table, picture) = files.split_at(length.min(files.len()));
+    let files = [("log.png", picture), ("log.csv", table)];
+    let files = files.map(|(name, bytes)| (PathBuf::from(name), bytes.to_vec()));
+    open("png", files.into());
+}
+
 /// A log of any format in three steps: some of it, a little more, all. The first two bytes say where it was cut.
 pub(super) fn growing(bytes: &[u8]) {
     let [first, second, log @ ..] = bytes else {
@@ -123,8 +138,8 @@ pub(super) fn growing(bytes: &[u8]) {
 fn walk(survey: &Survey) {
     let mut levels = Vec::new();
     let mut read = |span: &SideSpan| {
-        let bytes = &survey.bytes[usize::from(span.file)];
-        let samples = Samples::new(bytes, span).expect("the samples of a ping lie in its file");
+        let samples = survey.samples_of(span);
+        let samples = samples.expect("the samples of a ping lie in its file");
         samples.copy_outward(&mut levels);
         assert_eq!(levels.len(), span.count as usize);
         check_finite([span.near_m, span.far_m].map(f64::from));
@@ -365,6 +380,20 @@ pub(super) fn soundings_seeds() -> Vec<Vec<u8>> {
     let named = "time;lon;lat;depth_ft\n2024-05-01T10:00:00Z;8,5;47,25;12,5\n2024-05-01T10:00:01Z;8,5001;47,25;12,7\n";
     let deeper = "47.25,8.5,3.81,1714557600000\n47.2501,8.5,3.9,1714557601000\n";
     [named, deeper].map(|text| text.as_bytes().to_vec()).into()
+}
+
+pub(super) fn picture_seeds() -> Vec<Vec<u8>> {
+    let of = |format: ImageFormat, table: &str| {
+        let picture = GrayImage::from_fn(9, 3, |x, y| Luma([(20 * x + y) as u8]));
+        let mut bytes = Cursor::new(Vec::new());
+        let written = picture.write_to(&mut bytes, format);
+        written.expect("a picture");
+        let length = (table.len() as u16).to_le_bytes();
+        [&length, table.as_bytes(), &bytes.into_inner()].concat()
+    };
+    let rows = "time,lon,lat,range_m,depth_m\n0,8.5,47.25,20,4\n1,8.5001,47.25,20,4.1\n1,8.5002,47.25,20,\n";
+    let numbered = "row;range_ft;min_range_ft\n1;60,5;2\n3;60,5;2\n";
+    vec![of(ImageFormat::Png, rows), of(ImageFormat::Jpeg, numbered)]
 }
 
 pub(super) fn growing_seeds() -> Vec<Vec<u8>> {

@@ -60,6 +60,7 @@ pub const TARGETS: &[Target] = &[
     target("sdf", logs::sdf, logs::sdf_seeds, 8192, 8),
     target("nmea", logs::nmea, logs::nmea_seeds, 4096, 8),
     target("soundings", logs::soundings, logs::soundings_seeds, 2048, 6),
+    target("picture", logs::picture, logs::picture_seeds, 1024, 4),
     target("growing", logs::growing, logs::growing_seeds, 16_384, 12),
     target(
         "settings",

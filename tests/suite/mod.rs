@@ -62,6 +62,7 @@ mod offsets;
 mod one_list;
 mod outputs;
 mod passes_window;
+mod picture_log;
 mod planning;
 mod planning_window;
 mod point_attributes;

@@ -1,9 +1,9 @@
-//! From rows to depths and fixes in SI units.
+//! From rows to depths, fixes and pings in SI units.
 
 use super::Line;
-use super::layout::{Layout, PlaceColumns};
+use super::layout::{Layout, Lengths, PlaceColumns};
 use crate::formats::clock::{Clock, ClockVerdict};
-use crate::formats::collected::{Collected, Counted};
+use crate::formats::collected::{Collected, Counted, is_range};
 use crate::formats::points::columns::{fields, number};
 use crate::formats::report::WarningKind;
 use crate::support::calendar::unix_from_text;
@@ -15,10 +15,14 @@ const LEAST_UNIX_S: f64 = 1e8;
 const UNIX_MS: f64 = 1e11;
 /// No recording is of a later time, Unix seconds (2100).
 const LATEST_UNIX_S: f64 = 4_102_444_800.0;
+/// No picture has so many rows.
+const LAST_ROW: f64 = 4e9;
 /// No coordinate system counts so far, metres.
 const FARTHEST_M: f64 = 1e8;
-/// The only channel.
+/// The channel of the depths.
 const CHANNEL: u16 = 0;
+/// Rows without times, and those at an end that have the same time, are so far apart, seconds.
+const APART_S: f64 = 1.0;
 
 /// A row that waits for its time to be believed.
 #[derive(Debug)]
@@ -27,13 +31,37 @@ struct Row {
     end: usize,
     depth_m: Option<f64>,
     fix: Option<Fix>,
+    ping: Option<TablePing>,
+}
+
+/// A ping of a picture.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::formats) struct TablePing {
+    /// Seconds after the log's time zero.
+    pub(in crate::formats) time_s: f64,
+    /// The row of the picture as the table counts it; where that has no column of it, the row of the table, from 0 on.
+    pub(in crate::formats) row: usize,
+    /// Slant range of the near edge of the innermost sample and of the far edge of the outermost one, metres.
+    pub(in crate::formats) range_m: (f32, f32),
+    /// Where its row begins and ends in the table.
+    pub(in crate::formats) place: (usize, usize),
 }
 
 /// Decodes rows.
-pub(super) struct Reader {
+pub(in crate::formats) struct Reader {
     layout: Layout,
+    /// Index of the table among the log's files.
+    file: usize,
     clock: Clock<Row>,
-    rows: usize,
+    /// Rows with pings that have the same time, which is known to be sound.
+    together: (f64, Vec<Row>),
+    /// Seconds between those before.
+    apart_s: f64,
+    has_spread: bool,
+    /// Rows so far.
+    pub(in crate::formats) rows: usize,
+    /// The pings that were read.
+    pub(in crate::formats) pings: Vec<TablePing>,
     /// Whether times are read. Where the first row has none, none are.
     has_times: Option<bool>,
     zero_s: Option<f64>,
@@ -42,16 +70,32 @@ pub(super) struct Reader {
 }
 
 impl Reader {
-    /// A reader of a table of this layout.
-    pub(super) fn new(layout: Layout) -> Self {
+    /// A reader of a table of this layout, which is this one of the log's files.
+    pub(in crate::formats) fn new(layout: Layout, file: usize) -> Self {
         Self {
             layout,
+            file,
             clock: Clock::default(),
+            together: (0.0, Vec::new()),
+            apart_s: APART_S,
+            has_spread: false,
             rows: 0,
+            pings: Vec::new(),
             has_times: None,
             zero_s: None,
             origin_m: None,
         }
+    }
+
+    /// Whether the first line names the columns.
+    pub(super) fn has_header(&self) -> bool {
+        self.layout.has_header()
+    }
+
+    /// Whether the rows name rows of a picture.
+    pub(in crate::formats) fn names_rows(&self) -> bool {
+        let pings = self.layout.pings.as_ref();
+        pings.is_some_and(|pings| pings.row.is_some())
     }
 
     /// Takes the next row.
@@ -61,7 +105,8 @@ impl Reader {
             let number = number(row.get(column)?, self.layout.separator)?;
             Some(number).filter(|number| number.is_finite())
         };
-        let depth_m = value(self.layout.depth).map(|depth| depth * self.layout.unit_m);
+        let depth = self.layout.depth.and_then(value);
+        let depth_m = depth.map(|depth| depth * self.layout.unit_m);
         let told_s = self.told_s(&row);
         let has_times = *self.has_times.get_or_insert(told_s.is_some());
         let radians = |column: Option<usize>| {
@@ -69,20 +114,26 @@ impl Reader {
                 .and_then(value)
                 .map_or(f32::NAN, |degrees| degrees.to_radians() as f32)
         };
-        let place = match self.layout.place {
+        let place = self.layout.place.and_then(|place| match place {
             PlaceColumns::Degrees(x, y) | PlaceColumns::Metres(x, y) => value(x).zip(value(y)),
-        };
+        });
+        let ping = self.ping(line, value);
         let [cog_rad, compass_rad] = [self.layout.course, self.layout.heading].map(radians);
         let position = place.and_then(|place| self.position(place));
         self.rows += 1;
         let time_s = match has_times {
             true => told_s,
-            false => Some((self.rows - 1) as f64),
+            false => Some((self.rows - 1) as f64 * APART_S),
         };
-        let Some(time_s) = time_s.filter(|_| depth_m.is_some() || position.is_some()) else {
+        let holds = depth_m.is_some() || position.is_some() || ping.is_some();
+        let Some(time_s) = time_s.filter(|_| holds) else {
             let text = "a row has no depth, place or time that can be read; it was dropped";
-            return log.report.at(WarningKind::Value, 0, line.at, text);
+            return log.report.at(WarningKind::Value, self.file, line.at, text);
         };
+        if self.layout.has_pings() && ping.is_none() {
+            let text = "a row has no range that a sonar can have, or names no row of a picture; its echoes were left out";
+            log.report.at(WarningKind::Value, self.file, line.at, text);
+        }
         let fix = position.map(|position| Fix {
             time_s,
             position,
@@ -95,10 +146,31 @@ impl Reader {
             end: line.end,
             depth_m,
             fix,
+            ping,
         };
         if let Some(verdict) = self.clock.push(time_s, row) {
             self.settle(log, verdict);
         }
+    }
+
+    /// The ping of a row, its time not set; `None` where its range or its row of the picture cannot be read.
+    fn ping(&self, line: &Line, value: impl Fn(usize) -> Option<f64>) -> Option<TablePing> {
+        let columns = self.layout.pings.as_ref()?;
+        let metres = |(column, unit_m): Lengths| value(column).map(|range| (range * unit_m) as f32);
+        let near_m = columns.near.and_then(metres).unwrap_or(0.0);
+        let far_m = metres(columns.range)?;
+        let row = match columns.row.map(value) {
+            None => self.rows,
+            Some(row) => {
+                row.filter(|row| row.fract() == 0.0 && (0.0..LAST_ROW).contains(row))? as usize
+            }
+        };
+        is_range(near_m, far_m).then_some(TablePing {
+            time_s: f64::NAN,
+            row,
+            range_m: (near_m, far_m),
+            place: (line.at, line.end),
+        })
     }
 
     /// The time of a row, Unix seconds or seconds of the recording.
@@ -122,7 +194,7 @@ impl Reader {
         if (x, y) == (0.0, 0.0) {
             return None;
         }
-        match self.layout.place {
+        match self.layout.place? {
             PlaceColumns::Degrees(..) => {
                 let position = LonLat::new(x, y);
                 position.is_on_earth().then_some(position)
@@ -142,9 +214,36 @@ impl Reader {
             ClockVerdict::Sound { record, time_s } => (record, time_s),
             ClockVerdict::Damaged(row) => {
                 let text = "a row's time fits neither neighbour; it was dropped";
-                return log.report.at(WarningKind::Value, 0, row.at, text);
+                return log.report.at(WarningKind::Value, self.file, row.at, text);
             }
         };
+        if !self.layout.has_pings() {
+            return self.keep(log, row, time_s);
+        }
+        if self.together.0 != time_s {
+            self.keep_together(log, Some(time_s));
+            self.together.0 = time_s;
+        }
+        self.together.1.push(row);
+    }
+
+    /// Keeps pings that have the same time, as those of whole seconds have, evenly spread up to the next time.
+    fn keep_together(&mut self, log: &mut Collected, next_s: Option<f64>) {
+        let (from_s, rows) = std::mem::take(&mut self.together);
+        if rows.is_empty() {
+            return;
+        }
+        if let Some(next_s) = next_s {
+            self.apart_s = (next_s - from_s).clamp(0.0, APART_S) / rows.len() as f64;
+        }
+        self.has_spread |= rows.len() > 1;
+        for (row, index) in rows.into_iter().zip(0_u32..) {
+            self.keep(log, row, from_s + f64::from(index) * self.apart_s);
+        }
+    }
+
+    /// Keeps a row whose time is sound.
+    fn keep(&mut self, log: &mut Collected, row: Row, time_s: f64) {
         let zero_s = *self.zero_s.get_or_insert(time_s);
         // Unix seconds hold fewer digits than are written.
         let time_s = ((time_s - zero_s) * 1e3).round() / 1e3;
@@ -154,7 +253,7 @@ impl Reader {
                 log.introduce(CHANNEL, ChannelKind::Primary, name, None);
             }
             let counted = Counted {
-                record: (0, row.end),
+                record: (self.file, row.end),
                 time_s,
                 samples: 0,
                 range_m: None,
@@ -165,6 +264,8 @@ impl Reader {
         if let Some(fix) = row.fix {
             log.add_fix(Fix { time_s, ..fix });
         }
+        let ping = row.ping.map(|ping| TablePing { time_s, ..ping });
+        self.pings.extend(ping);
     }
 
     /// Takes what still waits, and says what had to be assumed.
@@ -172,6 +273,7 @@ impl Reader {
         while let Some(verdict) = self.clock.next() {
             self.settle(log, verdict);
         }
+        self.keep_together(log, None);
         log.report.set_back(self.clock.set_back_s());
         log.projected = self.origin_m.map(ProjectedTrack::new);
         let has_times = self.has_times == Some(true);
@@ -180,6 +282,11 @@ impl Reader {
             .filter(|zero_s| has_times && *zero_s >= LEAST_UNIX_S);
         if !has_times {
             log.report.log("the rows have no time that can be read (Unix seconds, 2021-10-12T00:53:20Z); they are taken as one second apart, in the order of the file");
+        }
+        if self.has_spread && has_times {
+            log.report.log(
+                "several rows have the same time; they are taken as evenly spread up to the next",
+            );
         }
         if !self.layout.names_unit {
             log.report.log("the column of the depths names no unit; they are taken as metres, and are feet where it is named depth_ft");

@@ -15,6 +15,10 @@ const DEPTH: &[&str] = &[
     "bottom_depth",
 ];
 const COURSE: &[&str] = &["cog", "course"];
+/// Of tables beside a picture: slant range of the outermost and of the innermost sample of a side, and the row of the picture.
+const RANGE: &[&str] = &["range", "slant_range", "max_range", "range_max"];
+const NEAR: &[&str] = &["min_range", "range_min"];
+const ROW: &[&str] = &["row", "picture_row", "line"];
 /// Other names of what [`TIME`] names.
 const MOMENT: &[&str] = &["datetime", "date_time", "utc_time", "timestamp_utc", "date"];
 /// Columns that only tables of Bathyscope have together.
@@ -37,7 +41,7 @@ const FEWEST_ROWS: usize = 3;
 
 /// What a table is.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Recognised {
+pub(in crate::formats) enum Recognised {
     /// Soundings.
     Table(Layout),
     /// A product of Bathyscope.
@@ -53,18 +57,34 @@ pub(super) enum PlaceColumns {
     Metres(usize, usize),
 }
 
+/// A column of lengths, and metres of its unit.
+pub(super) type Lengths = (usize, f64);
+
+/// The columns of a table of pings, beside a picture of them.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct PingColumns {
+    /// Slant range of the outermost sample of each side.
+    pub(super) range: Lengths,
+    /// Slant range of the innermost one.
+    pub(super) near: Option<Lengths>,
+    /// The row of the picture.
+    pub(super) row: Option<usize>,
+}
+
 /// Which column holds what.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Layout {
+pub(in crate::formats) struct Layout {
     /// What stands between the fields.
     pub(super) separator: Option<char>,
     /// The place.
-    pub(super) place: PlaceColumns,
+    pub(super) place: Option<PlaceColumns>,
     /// The depth.
-    pub(super) depth: usize,
-    /// Metres of its unit; negative where it counts upwards.
+    pub(super) depth: Option<usize>,
+    /// The pings of a picture.
+    pub(super) pings: Option<PingColumns>,
+    /// Metres of the depth's unit; negative where it counts upwards.
     pub(super) unit_m: f64,
-    /// Whether its name says the unit.
+    /// Whether the depth's name says the unit.
     pub(super) names_unit: bool,
     /// The time, or the time of day.
     pub(super) time: Option<usize>,
@@ -78,7 +98,7 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// From the first lines of a table; `None` where it holds no soundings.
+    /// From the first lines of a table; `None` where it holds neither soundings nor pings.
     pub(super) fn of(lines: &[String]) -> Option<Recognised> {
         let first = lines.first()?;
         let separator = separator_of(first);
@@ -97,24 +117,35 @@ impl Layout {
             let position = |name: &&str| names.iter().position(|(field, _)| field == name);
             known.iter().find_map(position)
         };
-        let depth = find(DEPTH)?;
+        let lengths = |column: usize| (column, names[column].1.unwrap_or(1.0));
+        let range = find(RANGE).map(lengths);
+        let pings = range.map(|range| PingColumns {
+            range,
+            near: find(NEAR).map(lengths),
+            row: find(ROW),
+        });
+        let depth = find(DEPTH);
+        let depth_unit_m = depth.and_then(|depth| names[depth].1);
         let degrees = find(LON).or(find(&["long"])).zip(find(LAT));
         let metres = find(EAST).zip(find(NORTH));
         let place = degrees.map(|(lon, lat)| PlaceColumns::Degrees(lon, lat));
-        let place = place.or(metres.map(|(east, north)| PlaceColumns::Metres(east, north)))?;
+        let place = place.or(metres.map(|(east, north)| PlaceColumns::Metres(east, north)));
         let layout = Self {
             separator,
             place,
             depth,
-            unit_m: names[depth].1.unwrap_or(1.0),
-            names_unit: names[depth].1.is_some(),
+            pings,
+            unit_m: depth_unit_m.unwrap_or(1.0),
+            names_unit: depth.is_none() || depth_unit_m.is_some(),
             time: find(TIME).or(find(MOMENT)),
             date: find(&["date"]),
             heading: find(HEADING).or(find(&["yaw"])),
             course: find(COURSE),
             is_deeper: false,
         };
-        layout.fitting(&lines[1..]).map(Recognised::Table)
+        let layout = layout.fitting(&lines[1..]);
+        let layout = layout.filter(|layout| layout.has_pings() || layout.has_soundings());
+        layout.map(Recognised::Table)
     }
 
     /// Rows of latitude, longitude, depth, Unix milliseconds and perhaps temperature.
@@ -132,8 +163,9 @@ impl Layout {
         };
         (lines.len() >= FEWEST_ROWS && lines.iter().all(is_row)).then_some(Self {
             separator,
-            place: PlaceColumns::Degrees(1, 0),
-            depth: 2,
+            place: Some(PlaceColumns::Degrees(1, 0)),
+            depth: Some(2),
+            pings: None,
             unit_m: 1.0,
             names_unit: true,
             time: Some(3),
@@ -144,33 +176,51 @@ impl Layout {
         })
     }
 
-    /// The same, with what the first rows tell; `None` where none of them is one.
+    /// The same, with what the first rows tell; `None` where none of them is a sounding, nor may be a ping.
     fn fitting(mut self, rows: &[String]) -> Option<Self> {
         let rows: Vec<Vec<&str>> = rows.iter().map(|row| fields(row, self.separator)).collect();
         let value = |row: &Vec<&str>, column: usize| {
             let number = number(row.get(column)?, self.separator)?;
             Some(number).filter(|number| number.is_finite() && *number != 0.0)
         };
-        let depths = rows.iter().filter_map(|row| value(row, self.depth));
+        let depths = rows.iter().filter_map(|row| value(row, self.depth?));
         let (count, upwards) = depths.fold((0, 0), |(count, upwards), depth| {
             (count + 1, upwards + usize::from(depth < 0.0))
         });
-        if count == 0 {
+        if count == 0 && self.pings.is_none() {
             return None;
         }
         if 2 * upwards > count {
             self.unit_m = -self.unit_m;
         }
-        if let PlaceColumns::Metres(x, y) = self.place {
+        if let Some(PlaceColumns::Metres(x, y)) = self.place {
             let is_degrees = |row: &Vec<&str>| {
                 let place = value(row, x).zip(value(row, y));
                 place.is_none_or(|(x, y)| x.abs() <= 180.0 && y.abs() <= 90.0)
             };
             if rows.iter().all(is_degrees) {
-                self.place = PlaceColumns::Degrees(x, y);
+                self.place = Some(PlaceColumns::Degrees(x, y));
             }
         }
         Some(self)
+    }
+
+    /// Whether its rows are soundings.
+    pub(super) fn has_soundings(&self) -> bool {
+        self.depth.is_some() && self.place.is_some()
+    }
+
+    /// The same of a table that no picture lies beside.
+    pub(super) fn without_pings(self) -> Self {
+        Self {
+            pings: None,
+            ..self
+        }
+    }
+
+    /// Whether its rows are pings of a picture.
+    pub(in crate::formats) fn has_pings(&self) -> bool {
+        self.pings.is_some()
     }
 
     /// Whether the first line names the columns.

@@ -11,6 +11,8 @@
 //! Without names one table is known: `Bathymetry.csv` of Deeper's sonars, latitude, longitude, depth in metres, Unix milliseconds and
 //! perhaps the temperature; latitude and longitude are 0 in rows between two positions of the phone.
 //!
+//! Where a picture lies beside a table whose rows are pings, `picture_table` reads both.
+//!
 //! Rows without times are taken as one second apart, in the order of the file, and a warning says so. Depths count from wherever the program
 //! counted them; they are taken as depths below the transducer.
 //!
@@ -28,8 +30,10 @@ use super::reading::Reading;
 use super::{OpenError, Opened, assemble, collected::Collected};
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::Survey;
-use decode::Reader;
-use layout::{Layout, Recognised};
+use std::path::Path;
+
+pub(super) use decode::{Reader, TablePing};
+pub(super) use layout::{Layout, Recognised};
 
 const NAME: &str = "CSV of soundings";
 /// Bytes that tell what a table holds.
@@ -46,11 +50,15 @@ pub(super) struct SoundingTable;
 
 impl LogFormat for SoundingTable {
     fn recognise(&self, _files: &FileSource, opened: &Opened) -> Option<ReadRecording> {
-        let recognised = sniff(&opened.bytes)?;
+        let has_soundings = |recognised: &Recognised| match recognised {
+            Recognised::Table(layout) => layout.has_soundings(),
+            Recognised::Own => true,
+        };
+        let recognised = sniff(&opened.bytes).filter(has_soundings)?;
         let opened = opened.clone();
         Some(Box::new(move |reading, progress| {
             match recognised {
-            Recognised::Table(layout) => read(opened, layout, reading, progress),
+            Recognised::Table(layout) => read(opened, layout.without_pings(), reading, progress),
             Recognised::Own => Err(OpenError::Unsupported {
                 path: opened.path,
                 what: "this is a table that Bathyscope wrote, and no recording; open the log that it was made of".to_owned(),
@@ -59,13 +67,13 @@ impl LogFormat for SoundingTable {
         }))
     }
 
-    fn is_read_by_name_only(&self) -> bool {
+    fn is_read_by_name_only(&self, _path: &Path) -> bool {
         true
     }
 }
 
 /// Recognises a table by its first rows.
-fn sniff(bytes: &[u8]) -> Option<Recognised> {
+pub(super) fn sniff(bytes: &[u8]) -> Option<Recognised> {
     let head = &bytes[..bytes.len().min(HEAD)];
     if head.contains(&0) {
         return None;
@@ -86,23 +94,16 @@ fn read(
     reading: &Reading<'_>,
     progress: &Progress,
 ) -> Result<Survey, OpenError> {
-    let bytes = opened.bytes.clone();
     let mut source = opened.source(NAME.to_owned());
     source.device = layout.device().to_owned();
     let mut log = Collected::new(source, vec![opened.bytes.clone()], reading);
-    progress.start(bytes.len() as u64);
-    let has_header = layout.has_header();
-    let mut reader = Reader::new(layout);
-    let lines = Lines::new(&bytes, reading.is_growing);
-    for_each(
-        lines.skip(usize::from(has_header)),
-        bytes.len(),
+    read_rows(
+        &opened.bytes,
+        &mut Reader::new(layout, 0),
+        &mut log,
+        reading,
         progress,
-        |line| {
-            reader.take(&mut log, &line);
-        },
     )?;
-    reader.finish(&mut log);
     if log.depths.is_empty() {
         return Err(OpenError::Broken {
             path: opened.path,
@@ -112,6 +113,25 @@ fn read(
         });
     }
     Ok(assemble::assemble(log, reading))
+}
+
+/// Reads all rows of a table.
+///
+/// # Errors
+/// When it was cancelled.
+pub(super) fn read_rows(
+    bytes: &[u8],
+    reader: &mut Reader,
+    log: &mut Collected,
+    reading: &Reading<'_>,
+    progress: &Progress,
+) -> Result<(), Cancelled> {
+    progress.start(bytes.len() as u64);
+    let lines = Lines::new(bytes, reading.is_growing);
+    let rows = lines.skip(usize::from(reader.has_header()));
+    for_each(rows, bytes.len(), progress, |line| reader.take(log, &line))?;
+    reader.finish(log);
+    Ok(())
 }
 
 fn for_each(

@@ -2,6 +2,7 @@
 
 use crate::app::{Command, FileToOpen};
 use crate::formats::points::is_named_as_elevations;
+use crate::formats::{FileRole, role_by_name};
 use egui::Ui;
 use std::path::{Path, PathBuf};
 
@@ -12,6 +13,18 @@ pub(super) fn collect(ui: &Ui, has_log: bool, commands: &mut Vec<Command>) {
         let files = input.raw.dropped_files.iter();
         files.map(|file| file.path().to_owned()).collect()
     });
+    // A table that comes with the picture of its name is part of that log.
+    let is_of_picture = |table: &PathBuf| {
+        let is_its = |path: &PathBuf| {
+            role_by_name(path) == Some(FileRole::Paired)
+                && path.with_extension("") == table.with_extension("")
+        };
+        is_named(table, &["csv"]) && dropped.iter().any(is_its)
+    };
+    let dropped: Vec<PathBuf> = (dropped.iter())
+        .filter(|path| !is_of_picture(path))
+        .cloned()
+        .collect();
     let (maps, others): (Vec<_>, Vec<_>) = dropped
         .into_iter()
         .partition(|path| is_named(path, &["tif", "tiff"]));

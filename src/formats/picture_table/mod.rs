@@ -1,0 +1,299 @@
+//! Pictures of side-scan as surveys: a waterfall as PNG or JPEG, and beside it a table of its pings, `NAME.png` and `NAME.csv`. Other
+//! programs, papers and old projects leave no more than that of a recording.
+//!
+//! In: the bytes of a picture and of a table. Out: a collected log.
+//! It uses `survey` and `support`.
+//!
+//! The picture. A row is a ping, the first at the top. Columns lie across the track: port on the left, its outermost sample at the left
+//! edge, starboard on the right. Both sides are as wide; the middle column of an odd width belongs to neither. The samples of a side cover
+//! slant ranges evenly, from the water column in the middle outward. A picture that is corrected to ground range has no water column: it
+//! shows no first return, and its ranges are wrong; nothing in it tells, so a remark says what is assumed. Grey of 8 and 16 bits is taken
+//! as it is, colours by their luminance (`pixels`).
+//!
+//! The table. A row is a ping, with the columns that tables of soundings have (`sounding_table`: place, depth, time, heading), of which all
+//! may be missing, and
+//! - `range_m`, the slant range of the outermost sample of each side, also as `slant_range` or `max_range`, or in feet as `range_ft`;
+//! - perhaps `min_range_m`, that of the innermost sample; 0 without it;
+//! - perhaps `row`, also as `picture_row` or `line`: the row of the picture, from 0 at the top; from 1 where the last is the number of rows.
+//!   Without it row by row of the table is row by row of the picture, and there have to be as many.
+//!
+//! Rows without times are taken as one second apart, as those of soundings are. Of rows that have the same time, as exports in whole
+//! seconds write them, each is taken as later than the one before, evenly up to the next time.
+//!
+//! Depth maps are made of the depths in the table, and of the first returns in the picture.
+//!
+//! The layout is the project's own; there is no standard of it.
+
+mod pixels;
+#[cfg(test)]
+mod tests;
+
+use super::collected::{Collected, Counted};
+use super::file_source::FileSource;
+use super::log_format::{LogFormat, ReadRecording};
+use super::reading::Reading;
+use super::sounding_table::{self, Layout, Reader, Recognised, TablePing};
+use super::xtf::shift_to_fit;
+use super::{OpenError, Opened, assemble};
+use crate::support::picture_file::PictureFault;
+use crate::support::progress::Progress;
+use crate::survey::{
+    Bytes, ChannelKind, Encoding, SampleOrder, SidePing, SideSpan, Source, Survey,
+};
+use pixels::{GreyPicture, PackedPicture};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+const NAME: &str = "picture with CSV";
+/// The files among those of the log.
+const PICTURE: u8 = 0;
+const TABLE: usize = 1;
+/// The channel of the echoes; the depths have channel 0.
+const CHANNEL: u16 = 1;
+/// Endings that are looked for beside the other file, as disks tell capital letters from small ones.
+const TABLES: [&str; 2] = ["csv", "CSV"];
+const PICTURES: [&str; 6] = ["png", "jpg", "jpeg", "PNG", "JPG", "JPEG"];
+
+/// The reader of the format.
+pub(super) struct PictureTable;
+
+impl LogFormat for PictureTable {
+    fn recognise(&self, files: &FileSource, opened: &Opened) -> Option<ReadRecording> {
+        let pair = Pair::around(files, opened)?;
+        Some(Box::new(move |reading, progress| {
+            pair.read(reading, progress)
+        }))
+    }
+
+    /// The picture stands for its table.
+    fn is_read_by_name_only(&self, path: &Path) -> bool {
+        is_named_table(path)
+    }
+}
+
+/// A picture and its table.
+struct Pair {
+    picture: Opened,
+    table: Opened,
+    layout: Layout,
+}
+
+impl Pair {
+    /// The pair that a file is one of; `None` where the other is missing or is no such file.
+    fn around(files: &FileSource, opened: &Opened) -> Option<Self> {
+        if pixels::is_picture(&opened.bytes) {
+            let (table, layout) = beside(files, &opened.path, &TABLES, layout_of)?;
+            return Some(Self {
+                picture: opened.clone(),
+                table,
+                layout,
+            });
+        }
+        if !is_named_table(&opened.path) {
+            return None;
+        }
+        let layout = layout_of(&opened.bytes)?;
+        let is_picture = |picture: &[u8]| pixels::is_picture(picture).then_some(());
+        let (picture, ()) = beside(files, &opened.path, &PICTURES, is_picture)?;
+        Some(Self {
+            picture,
+            table: opened.clone(),
+            layout,
+        })
+    }
+
+    fn read(self, reading: &Reading<'_>, progress: &Progress) -> Result<Survey, OpenError> {
+        let fail = |fault: PictureFault| self.refuse(fault);
+        let packed = PackedPicture::open(&self.picture.bytes).map_err(fail)?;
+        let [table, picture] = [&self.table, &self.picture];
+        let source = Source {
+            files: vec![picture.path.clone(), table.path.clone()],
+            format: NAME.to_owned(),
+            device: String::new(),
+            byte_count: (picture.bytes.len() + table.bytes.len()) as u64,
+        };
+        let files = vec![picture.bytes.clone(), table.bytes.clone()];
+        let mut log = Collected::new(source, files, reading);
+        let mut rows = Reader::new(self.layout.clone(), TABLE);
+        sounding_table::read_rows(&table.bytes, &mut rows, &mut log, reading, progress)?;
+        let pings =
+            numbered(&mut rows, packed.height()).map_err(|fault| OpenError::Unsupported {
+                path: picture.path.clone(),
+                what: fault.to_string(),
+            })?;
+        let grey = packed.unpack().map_err(fail)?;
+        progress.check()?;
+        collect(&mut log, grey, &pings);
+        Ok(assemble::assemble(log, reading))
+    }
+
+    fn refuse(&self, fault: PictureFault) -> OpenError {
+        let path = self.picture.path.clone();
+        match fault {
+            PictureFault::TooLarge { .. } => OpenError::Unsupported {
+                path,
+                what: format!("the picture is too large: {fault}"),
+            },
+            fault => OpenError::Broken {
+                path,
+                format: NAME.to_owned(),
+                what: format!(
+                    "the picture cannot be unpacked ({fault}); export it again, or copy it again from where it is whole"
+                ),
+            },
+        }
+    }
+}
+
+/// Why the rows of a table are not those of a picture.
+#[derive(Debug, thiserror::Error)]
+enum RowFault {
+    /// No row of the table is a ping.
+    #[error(
+        "no row of the table beside the picture has a range that a sonar can have; write the slant range of the outermost sample, in metres, into the column range_m"
+    )]
+    None,
+    /// Rows of the picture and of the table.
+    #[error(
+        "the picture has {0} rows and the table beside it {1}; give every row of the picture a row of the table, from the top, or write its number into a column named row"
+    )]
+    Count(usize, usize),
+    /// A row of the table, its number, and the rows of the picture.
+    #[error(
+        "the table beside the picture names row {row} of it (at byte {at}), and the picture has {height} rows; correct the column of the rows, which counts from 0 at the top"
+    )]
+    Beyond {
+        row: usize,
+        at: usize,
+        height: usize,
+    },
+    /// Two rows of the table that name one of the picture.
+    #[error(
+        "the table beside the picture names row {row} of it twice (at bytes {} and {}); correct the column of the rows, or give it another name if it holds something else", .at[0], .at[1]
+    )]
+    Twice { row: usize, at: [usize; 2] },
+}
+
+/// The pings of a table, with their rows of a picture of such a height.
+fn numbered(rows: &mut Reader, height: usize) -> Result<Vec<TablePing>, RowFault> {
+    let mut pings = std::mem::take(&mut rows.pings);
+    if rows.names_rows() {
+        number_rows(&mut pings, height)?;
+    } else if rows.rows != height {
+        return Err(RowFault::Count(height, rows.rows));
+    }
+    match pings.is_empty() {
+        true => Err(RowFault::None),
+        false => Ok(pings),
+    }
+}
+
+/// Counts the rows of the picture from 0 on, as the table may not.
+fn number_rows(pings: &mut [TablePing], height: usize) -> Result<(), RowFault> {
+    let first = pings.iter().map(|ping| ping.row).min().unwrap_or(0);
+    let last = pings.iter().map(|ping| ping.row).max().unwrap_or(0);
+    let zero = usize::from(first > 0 && last == height);
+    let mut named: Vec<(usize, usize)> = Vec::with_capacity(pings.len());
+    for ping in pings {
+        let (row, (at, _)) = (ping.row, ping.place);
+        ping.row -= zero;
+        if ping.row >= height {
+            return Err(RowFault::Beyond { row, at, height });
+        }
+        named.push((row, at));
+    }
+    named.sort_unstable();
+    let twice = named.windows(2).find(|two| two[0].0 == two[1].0);
+    twice.map_or(Ok(()), |two| {
+        Err(RowFault::Twice {
+            row: two[0].0,
+            at: [two[0].1, two[1].1],
+        })
+    })
+}
+
+/// Lays the pings over the rows of the picture.
+fn collect(log: &mut Collected, grey: GreyPicture, pings: &[TablePing]) {
+    let encoding = match grey.is_wide {
+        true => Encoding::U16 { shift: 0 },
+        false => Encoding::U8,
+    };
+    let half = grey.width / 2;
+    let mut sides: Vec<[SideSpan; 2]> = Vec::with_capacity(pings.len());
+    for ping in pings {
+        let span = |order, column: usize| SideSpan {
+            file: PICTURE,
+            encoding,
+            order,
+            offset: ((ping.row * grey.width + column) * encoding.width()) as u64,
+            count: half as u32,
+            near_m: ping.range_m.0,
+            far_m: ping.range_m.1,
+        };
+        let port = span(SampleOrder::FarToNear, 0);
+        sides.push([port, span(SampleOrder::NearToFar, grey.width - half)]);
+    }
+    if grey.is_wide {
+        let spans: Vec<&SideSpan> = sides.iter().flatten().collect();
+        let shift = shift_to_fit(&grey.samples, &spans);
+        for span in sides.iter_mut().flatten() {
+            span.encoding = Encoding::U16 { shift };
+        }
+    }
+    if !pings.is_empty() {
+        let name = "picture".to_owned();
+        log.introduce(CHANNEL, ChannelKind::Composite, name, None);
+        log.report.log("the picture is taken as slant ranges, with the water column in its middle; if it was corrected to ground range, its first returns and ranges are wrong: set surface.side_scan_weight to 0 and surface.swath to off");
+    }
+    for (ping, [port, starboard]) in pings.iter().zip(sides) {
+        let counted = Counted {
+            record: (TABLE, ping.place.1),
+            time_s: ping.time_s,
+            samples: half,
+            range_m: Some(ping.range_m),
+        };
+        log.count(CHANNEL, counted);
+        log.composite.push(SidePing {
+            time_s: ping.time_s,
+            depth_m: f32::NAN,
+            depth_locked: false,
+            port: Some(port),
+            starboard: Some(starboard),
+        });
+    }
+    if let Some(file) = log.bytes.get_mut(usize::from(PICTURE)) {
+        *file = Bytes::Packed {
+            file: Box::new(file.clone()),
+            samples: Arc::new(grey.samples),
+        };
+    }
+}
+
+/// How a table of pings is laid out; `None` for any other table, and for what is none.
+fn layout_of(bytes: &[u8]) -> Option<Layout> {
+    match sounding_table::sniff(bytes)? {
+        Recognised::Table(layout) => Some(layout).filter(Layout::has_pings),
+        Recognised::Own => None,
+    }
+}
+
+fn is_named_table(path: &Path) -> bool {
+    let ending = path.extension();
+    ending.is_some_and(|ending| ending.eq_ignore_ascii_case("csv"))
+}
+
+/// The first file of the same name with one of these endings in which something is found.
+fn beside<T>(
+    files: &FileSource,
+    path: &Path,
+    endings: &[&str],
+    find: impl Fn(&[u8]) -> Option<T>,
+) -> Option<(Opened, T)> {
+    let look = |path: PathBuf| {
+        let bytes = files.read(&path).ok()?;
+        let found = find(&bytes)?;
+        Some((Opened { path, bytes }, found))
+    };
+    let mut paths = endings.iter().map(|ending| path.with_extension(ending));
+    paths.find_map(look)
+}
