@@ -66,6 +66,7 @@ impl MessageWalk<'_> {
         mut take: impl FnMut(Range<usize>),
     ) -> Result<(), Cancelled> {
         let (mut at, mut reported, mut messages) = (start, start, 0_usize);
+        let mut longest = 0;
         while at < self.bytes.len() {
             if messages.is_multiple_of(MESSAGES_A_CHECK) {
                 self.progress.check()?;
@@ -74,7 +75,7 @@ impl MessageWalk<'_> {
             }
             messages += 1;
             at = match self.format.message(self.bytes, at) {
-                Some(message) => self.step(message, &mut take),
+                Some(message) => self.step(message, &mut longest, &mut take),
                 None => self.over_gap(at),
             };
         }
@@ -83,11 +84,19 @@ impl MessageWalk<'_> {
         Ok(())
     }
 
-    /// Takes a message, unless it is damaged or cut; returns where to go on.
-    fn step(&self, message: Range<usize>, take: &mut impl FnMut(Range<usize>)) -> usize {
+    /// Takes a message, unless it is damaged or cut; returns where to go on. `longest` is the length of the longest before it.
+    fn step(
+        &self,
+        message: Range<usize>,
+        longest: &mut usize,
+        take: &mut impl FnMut(Range<usize>),
+    ) -> usize {
         let (len, noun) = (self.bytes.len(), self.format.noun);
         let Range { start, end } = message;
-        if self.format.is_border(self.bytes, end) {
+        // A damaged length may end where another message does. Only one that is longer than all before is looked through for that.
+        let is_usual = end - start <= *longest || self.inside(&message).is_none();
+        if is_usual && self.format.is_border(self.bytes, end) {
+            *longest = (*longest).max(end - start);
             take(start..end);
             return end;
         }
@@ -116,6 +125,18 @@ impl MessageWalk<'_> {
         end
     }
 
+    /// Where messages begin inside of one that all end where it does; `None` where there are none, as in one that is whole.
+    fn inside(&self, message: &Range<usize>) -> Option<usize> {
+        let first = self
+            .format
+            .next(self.bytes, message.start + 2, message.end)?;
+        let mut at = first;
+        while at < message.end {
+            at = self.format.message(self.bytes, at)?.end;
+        }
+        (at == message.end).then_some(first)
+    }
+
     fn over_gap(&self, at: usize) -> usize {
         let len = self.bytes.len();
         let found = self.format.next(self.bytes, at + 1, len);
@@ -127,5 +148,55 @@ impl MessageWalk<'_> {
         let text = format!("{skipped} bytes belong to no {noun} and were skipped");
         self.report.at(WarningKind::Gap, 0, at, text);
         to
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Messages of a marker, a byte for the length, and zeros.
+    const SMALL: MessageFormat = MessageFormat {
+        noun: "message",
+        marker: [0xAB, 0xCD],
+        length: |bytes, at| match bytes.get(at..at + 3)? {
+            [0xAB, 0xCD, length] if *length > 2 => Some(usize::from(*length)),
+            _ => None,
+        },
+    };
+
+    /// The lengths of the messages that a walk takes, and how many warnings it leaves.
+    fn walked(bytes: &[u8]) -> (Vec<usize>, usize) {
+        let (report, progress) = (WarningReport::default(), Progress::new());
+        let walk = MessageWalk {
+            format: SMALL,
+            bytes,
+            report: &report,
+            is_growing: false,
+            progress: &progress,
+        };
+        let mut lengths = Vec::new();
+        walk.run(0, |message| lengths.push(message.len()))
+            .expect("no cancel");
+        (lengths, report.finish().len())
+    }
+
+    #[test]
+    fn a_length_that_ends_where_another_message_does_costs_one_message() {
+        let message = |length: u8| {
+            [
+                &[0xAB, 0xCD, length][..],
+                &[0; 250][..usize::from(length) - 3],
+            ]
+            .concat()
+        };
+        let whole = [message(20), message(10), message(20), message(30)].concat();
+        assert_eq!(walked(&whole), (vec![20, 10, 20, 30], 0));
+        let mut harmed = whole.clone();
+        harmed[32] = 50;
+        assert_eq!(walked(&harmed), (vec![20, 10, 30], 1));
+        // The first of all.
+        harmed[2] = 30;
+        assert_eq!(walked(&harmed), (vec![10, 30], 2));
     }
 }

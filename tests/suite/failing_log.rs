@@ -161,7 +161,12 @@ fn round(disk: &Disk, harm: Harm, round: usize) {
     page(&mut window, round % MOST_PAGES);
     disk.harm(harm, round);
     page(&mut window, MOST_PAGES);
-    let is_lost = !matches!(harm, Harm::Replaced | Harm::Removed);
+    // A file of the system's own that is replaced or removed is there as long as it is open. A disk that another program serves may say of
+    // the one that took its place what it says of the log.
+    let is_lost = match (harm, &disk.control) {
+        (Harm::Removed, _) | (Harm::Replaced, None) => false,
+        _ => true,
+    };
     let is_said = |app: &App| said(app).len() > before;
     let patience = if is_lost { PATIENCE } else { SILENCE };
     let found = wait(&mut window, patience, is_said);

@@ -35,7 +35,7 @@ impl FrameWalk<'_> {
     ) -> Result<(), Cancelled> {
         let mut here = start;
         let mut reported = start.at;
-        let mut frames = 0_usize;
+        let (mut frames, mut longest) = (0_usize, 0);
         while here.at < self.bytes.len() {
             if frames.is_multiple_of(FRAMES_A_CHECK) {
                 self.progress.check()?;
@@ -44,7 +44,7 @@ impl FrameWalk<'_> {
             }
             frames += 1;
             here = match self.layout.look(self.bytes, here.at, here.lost) {
-                FrameCheck::Whole(frame) => self.step(here, frame, &mut take)?,
+                FrameCheck::Whole(frame) => self.step(here, frame, &mut longest, &mut take)?,
                 FrameCheck::Cut => self.over_cut(here)?,
                 FrameCheck::Nothing => self.over_gap(here)?,
             };
@@ -53,17 +53,19 @@ impl FrameWalk<'_> {
         Ok(())
     }
 
-    /// Takes a frame if the chain goes on behind it; where it does not, the frame's size may be what is damaged.
+    /// Takes a frame if the chain goes on behind it; where it does not, the frame's size may be what is damaged. A damaged size may also end
+    /// where another frame does: one that is longer than the `longest` before it is looked through for that.
     fn step(
         &self,
         here: FrameStart,
         frame: LowranceFrame,
+        longest: &mut usize,
         take: &mut impl FnMut(LowranceFrame),
     ) -> Result<FrameStart, Cancelled> {
         let next = here.at + frame.size;
         let goes_on =
             next == self.bytes.len() || frame::lost_before(self.bytes, next) == Some(here.lost);
-        if !goes_on {
+        if !goes_on || frame.size > *longest {
             let inside = here.at + self.layout.shortest_header();
             if let Some(found) = self.find(inside, next, here.lost)? {
                 let text = format!(
@@ -75,6 +77,7 @@ impl FrameWalk<'_> {
                 return Ok(found);
             }
         }
+        *longest = frame.size.max(*longest);
         take(frame);
         Ok(FrameStart { at: next, ..here })
     }

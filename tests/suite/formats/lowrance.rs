@@ -181,6 +181,16 @@ fn a_frame_size_of_zero_costs_one_frame() {
 }
 
 #[test]
+fn a_frame_size_that_ends_where_the_next_frame_does_costs_one_frame() {
+    let mut bytes = handmade::sl2(&handmade::survey_frames(60));
+    let frame = 8 + 544 * 51;
+    bytes[frame + 28..frame + 30].copy_from_slice(&1088_u16.to_le_bytes());
+    let survey = read(bytes);
+    assert_eq!(survey.side_scan.len(), 60 - 1);
+    assert!(says(&survey, "the next begins after 544"));
+}
+
+#[test]
 fn many_gaps_become_few_warnings() {
     let mut bytes = handmade::sl2(&handmade::survey_frames(500));
     for frame in (0..500).map(|index| 8 + 1088 * index) {
