@@ -1,4 +1,4 @@
-//! Side-scan points against the soundings of the same survey.
+//! Side-scan points, and those of a swath, against the soundings of the same survey.
 
 use super::plane::CloudPlane;
 use crate::bottom::bathymetry::compare::{Comparison, Matching, match_points};
@@ -26,7 +26,7 @@ pub(crate) struct NamedComparison {
     pub comparison: Comparison,
 }
 
-/// Port, starboard and both against the surface of the soundings at their place, and against the nearest sounding, of all logs
+/// Port, starboard, both and the swath against the surface of the soundings at their place, and against the nearest sounding, of all logs
 /// together in the plane of a map; empty where there is no side-scan point or no sounding.
 ///
 /// # Errors
@@ -36,7 +36,7 @@ pub(crate) fn comparisons(
     map: &MapPlane,
     progress: &Progress,
 ) -> Result<Vec<NamedComparison>, Cancelled> {
-    use PointSource::{DownScan, Port, Starboard};
+    use PointSource::{DownScan, Port, Starboard, Swath};
     let Some(first) = logs.first() else {
         return Ok(Vec::new());
     };
@@ -56,7 +56,7 @@ pub(crate) fn comparisons(
     // Where the recorder had lost the bottom, depth comes from these alone: nearby soundings are compared with them.
     let is_lost =
         |survey: &Survey, point: &CloudPoint| survey.locked_depth_m(point.ping as usize).is_nan();
-    let sides: [(&'static str, &[PointSource], bool); 4] = [
+    let sides: [(&'static str, &[PointSource], bool); 5] = [
         ("side-scan", &[Port, Starboard], false),
         ("port", &[Port], false),
         ("starboard", &[Starboard], false),
@@ -65,6 +65,7 @@ pub(crate) fn comparisons(
             &[Port, Starboard],
             true,
         ),
+        ("swath", &[Swath], false),
     ];
     let level_m = first.products.correction.middle_level_m();
     let mut found = Vec::new();
