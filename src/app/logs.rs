@@ -91,6 +91,12 @@ impl App {
         self.logs().filter(|log| log.is_visible)
     }
 
+    /// Whether one of them has depths across the track.
+    pub(crate) fn has_swath(&self) -> bool {
+        let mut surveys = self.visible_logs().filter_map(|log| log.survey.as_ref());
+        surveys.any(|survey| !survey.swath.is_empty())
+    }
+
     /// The visible logs that have results, in the order of the list: what maps and clouds are made of.
     pub(crate) fn shown_logs(&self) -> Vec<ShownLog> {
         let shown = |log: &OpenLog| {

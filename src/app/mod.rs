@@ -83,7 +83,8 @@ pub(crate) use object_table::{ObjectColumn, ObjectFilter, ObjectTable};
 pub(crate) use open_log::OpenLog;
 pub(crate) use options::{
     CloudColour, CloudOptions, ColourMap, EchogramChannel, LayoutPreset, MapOptions, Orientation,
-    PanelOptions, PanelShown, SideColours, ThemeChoice, View, ViewOptions, WaterfallOptions,
+    PanelOptions, PanelShown, SideColours, SwathShown, ThemeChoice, View, ViewOptions,
+    WaterfallOptions,
 };
 pub(crate) use passes::{PassesFound, mark_of};
 pub(crate) use planning::{PlanRequest, PlannedLines};

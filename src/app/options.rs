@@ -395,6 +395,17 @@ pub(crate) struct PanelOptions {
     pub details: PanelShown,
 }
 
+/// Whether the points of a swath are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub(crate) struct SwathShown(pub bool);
+
+impl Default for SwathShown {
+    fn default() -> Self {
+        Self(true)
+    }
+}
+
 /// All display options.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -415,6 +426,8 @@ pub(crate) struct ViewOptions {
     pub map: MapOptions,
     /// Cloud.
     pub cloud: CloudOptions,
+    /// Whether the points of a swath are drawn, on the map and in 3D.
+    pub swath: SwathShown,
     /// Products that an export leaves out. Earlier versions called them `left_out`.
     #[serde(alias = "left_out")]
     pub excluded_products: Vec<Product>,
@@ -439,6 +452,7 @@ impl ViewOptions {
             ..options.waterfall
         };
         options.map.swipe = Swipe::default();
+        options.swath = SwathShown::default();
         options.show_boxes(true);
         options.objects.state = None;
         options

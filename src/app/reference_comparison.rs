@@ -4,10 +4,16 @@ use super::error::AppError;
 use super::{App, Task, TaskOutcome};
 use crate::bottom::bathymetry::SurfaceSettings;
 use crate::bottom::bathymetry::compare::Matching;
-use crate::bottom::cloud::PointClass;
+use crate::bottom::cloud::{PointClass, PointSource};
 use crate::pipeline::{Agreement, ProcessedLog, Reference};
 use std::sync::Arc;
 
+/// What is compared with the soundings of the survey itself.
+const WITH_SOUNDINGS: [PointSource; 3] = [
+    PointSource::Port,
+    PointSource::Starboard,
+    PointSource::Swath,
+];
 /// Said when comparing was stopped, and what to do.
 const STOPPED: &str = "Comparing was stopped; Update results starts it again.";
 
@@ -145,7 +151,7 @@ impl App {
                     let made = Agreement::with_reference(&logs, reference, *matching, progress);
                     Ok(Some(made?))
                 }
-                None => Ok(Agreement::with_soundings(&logs, progress)?),
+                None => Ok(Agreement::with_soundings(&logs, &WITH_SOUNDINGS, progress)?),
             }
         }));
     }

@@ -111,6 +111,13 @@ fn depth_span(survey: &Survey) -> Option<(f32, f32)> {
         })
 }
 
+/// Depths across the track, and those that the recorder marks as unreliable.
+fn swath_depths(survey: &Survey) -> [usize; 2] {
+    let counts = survey.swath.iter();
+    let counts = counts.map(|ping| [ping.len(), usize::from(ping.unreliable)]);
+    counts.fold([0; 2], |[a, b], [c, d]| [a + c, b + d])
+}
+
 fn to_text(survey: &Survey) -> String {
     let mut text = String::new();
     let mut line = |name: &str, value: String| {
@@ -147,6 +154,15 @@ fn to_text(survey: &Survey) -> String {
             );
         }
         None => line("depth", "none recorded".to_owned()),
+    }
+    if !survey.swath.is_empty() {
+        let (pings, [depths, unreliable]) = (survey.swath.len(), swath_depths(survey));
+        line(
+            "swath",
+            format!(
+                "{depths} depths across the track in {pings} pings; {unreliable} unreliable ones are not used"
+            ),
+        );
     }
     match survey.track.fixes.first() {
         Some(fix) => {
@@ -240,8 +256,12 @@ fn to_json(survey: &Survey) -> Value {
     let first = survey.track.fixes.first();
     // JSON is UTF-8; a file name need not be.
     let name = |path: &PathBuf| path.to_string_lossy().into_owned();
+    let swath = (!survey.swath.is_empty()).then(|| {
+        let [depths, unreliable] = swath_depths(survey);
+        json!({ "pings": survey.swath.len(), "depths": depths, "unreliable": unreliable })
+    });
     let files: Vec<String> = survey.source.files.iter().map(name).collect();
-    json!({
+    let mut all = json!({
         "files": files,
         "format": survey.source.format,
         "device": survey.source.device,
@@ -266,7 +286,11 @@ fn to_json(survey: &Survey) -> Value {
         "distinct_positions": distinct_fixes(survey),
         "channels": channels,
         "warnings": warnings,
-    })
+    });
+    if let Some(swath) = swath {
+        all["swath"] = swath;
+    }
+    all
 }
 
 /// Unix seconds as `2012-05-05 17:01:02 UTC`.

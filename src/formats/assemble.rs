@@ -28,9 +28,11 @@ pub(super) fn assemble(mut log: Collected, reading: &Reading<'_>) -> Survey {
     let (sounding_channel, soundings) = depths::choose(std::mem::take(&mut log.depths), chosen);
     depths::warn_of_lost_bottom(&soundings, &log.report);
     give_depths(&mut side_scan, &soundings);
+    let mut swath = std::mem::take(&mut log.swath);
+    swath.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
     let fixes = clean_track(&mut log);
     let side_scan_state = judge(&side_scan, &mut log);
-    if soundings.is_empty() {
+    if soundings.is_empty() && swath.is_empty() {
         log.report
             .log("the log holds no depth; heights can only come from the side-scan itself");
     }
@@ -60,6 +62,7 @@ pub(super) fn assemble(mut log: Collected, reading: &Reading<'_>) -> Survey {
         echograms,
         soundings: Arc::new(soundings),
         sounding_channel,
+        swath: Arc::new(swath),
         track: Track {
             projected: log.projected,
             ..Track::new(fixes)

@@ -5,7 +5,7 @@ use super::report::{WarningKind, WarningReport};
 use crate::support::geo::LonLat;
 use crate::survey::{
     Bytes, Channel, ChannelKind, Echogram, EchogramPing, Fix, ProjectedTrack, RangeSource,
-    SidePing, SideSpan, Sounding, Source,
+    SidePing, SideSpan, Sounding, Source, SwathPing,
 };
 use std::sync::Arc;
 
@@ -75,6 +75,8 @@ pub(super) struct Collected {
     pub(super) echograms: Vec<Echogram>,
     /// Depths by the channel that carried them.
     pub(super) depths: Vec<(ChannelKind, Vec<Sounding>)>,
+    /// Depths across the track.
+    pub(super) swath: Vec<SwathPing>,
     /// Positions.
     pub(super) fixes: Vec<Fix>,
     /// Whose metres the positions are, where they are metres of a system that the log does not name.
@@ -101,6 +103,7 @@ impl Collected {
             pairs: Vec::new(),
             echograms: Vec::new(),
             depths: Vec::new(),
+            swath: Vec::new(),
             fixes: Vec::new(),
             projected: None,
             range_source: RangeSource::default(),

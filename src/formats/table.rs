@@ -57,6 +57,8 @@ pub(crate) enum Carried {
     DownScan,
     /// Depths as the recorder found them.
     Soundings,
+    /// Depths across the track.
+    Swath,
     /// Positions.
     Positions,
     /// Heading of a compass.
@@ -70,6 +72,7 @@ impl Carried {
             Carried::SideScan => "side-scan",
             Carried::DownScan => "down-scan",
             Carried::Soundings => "soundings",
+            Carried::Swath => "swath",
             Carried::Positions => "positions",
             Carried::Heading => "heading",
         }
@@ -126,13 +129,14 @@ pub(crate) const FORMATS: &[FormatEntry] = &[
             Carried::SideScan,
             Carried::DownScan,
             Carried::Soundings,
+            Carried::Swath,
             Carried::Positions,
             Carried::Heading,
         ],
         tried_on: Some(
-            "recordings of SL2 and SL3; those with side-scan hold only noise in it, or were converted; SLG from the specification",
+            "recordings of SL2 and SL3; those with side-scan hold only noise in it, or were converted; SLG and StructureScan 3D from the specification",
         ),
-        notes: "side-scan combined or separate port and starboard; `.slg` has depths and a track only",
+        notes: "side-scan combined or separate port and starboard; the depths across the track of StructureScan 3D (`.sl3`); `.slg` has depths and a track only",
         file_type: Some(FileType {
             mime: "application/x-lowrance-sonar",
             comment: "Lowrance sonar log",

@@ -8,15 +8,15 @@ use super::Products;
 use super::run_stages::bottom_line;
 use crate::bottom::bathymetry;
 use crate::bottom::cloud::{
-    self, BySource, CloudPoint, PingDepth, PointClass, PointCloud, PointScales, Reduction,
-    SoundingIndex,
+    self, BySource, CloudPoint, PingDepth, PointClass, PointCloud, PointRecord, PointScales,
+    PointSource, RecordIndex, Reduction,
 };
 use crate::pipeline::Settings;
 use crate::sonar::first_return::{self, FirstReturns, Normalisation, Pick};
 use crate::support::progress::{Cancelled, Progress};
 use crate::support::statistics::wider;
 use crate::support::versions::Versions;
-use crate::survey::{Exclusions, Navigation, PingNav, Side, Survey, navigate_with};
+use crate::survey::{Exclusions, Navigation, PingNav, Side, StretchStart, Survey, navigate_with};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -40,10 +40,11 @@ pub(crate) struct GrowingResults {
 struct ResultVersions {
     pings: Versions<PingNav>,
     soundings: Versions<PingNav>,
+    swath: Versions<PingNav>,
     antenna: Versions<[f64; 2]>,
     port: Versions<Pick>,
     starboard: Versions<Pick>,
-    points: [Versions<CloudPoint>; 3],
+    points: [Versions<CloudPoint>; PointSource::ALL.len()],
     depths: Versions<PingDepth>,
 }
 
@@ -70,9 +71,9 @@ impl GrowingResults {
 struct Part {
     first: usize,
     context: usize,
-    /// First sounding of each.
-    first_sounding: usize,
-    context_sounding: usize,
+    /// Where each begins in the other records.
+    first_start: StretchStart,
+    context_start: StretchStart,
 }
 
 /// The results of `before`, of the same log when it was shorter, with those of what was added. All pings before `unchanged` are as they
@@ -92,16 +93,12 @@ pub(crate) fn extend(
     let known = unchanged.min(before.navigation.pings.len());
     let first = known.saturating_sub(AGAIN);
     let context = first.saturating_sub(CONTEXT) / ALIGNED * ALIGNED;
-    let (stretch, context_sounding) = survey.stretch_from(context);
-    let from_s = survey
-        .side_scan
-        .get(first)
-        .map_or(f64::INFINITY, |ping| ping.time_s);
+    let (stretch, context_start) = survey.stretch_from(context);
     let part = Part {
         first,
         context,
-        first_sounding: survey.soundings.partition_point(|one| one.time_s < from_s),
-        context_sounding,
+        first_start: survey.stretch_start(first),
+        context_start,
     };
     let navigation = navigate_with(&stretch, settings.position_settings(), progress)?;
     let found = found(&stretch, &part, before, settings, growing, progress)?;
@@ -226,8 +223,10 @@ impl Part {
             &before.pings[self.first..],
             &new.pings[self.first - self.context..],
         );
-        let known = self.first_sounding.min(before.soundings.len());
-        let new_soundings = &new.soundings[known - self.context_sounding..];
+        let known = self.first_start.sounding.min(before.soundings.len());
+        let new_soundings = &new.soundings[known - self.context_start.sounding..];
+        let known_swath = self.first_start.swath.min(before.swath.len());
+        let new_swath = &new.swath[known_swath - self.context_start.swath..];
         // How many pings of the part move is not told apart from how many of the context do.
         let share = added.len() as f64 / new.pings.len().max(1) as f64;
         let known_share = self.first as f64 / before.pings.len().max(1) as f64;
@@ -244,6 +243,7 @@ impl Part {
             moving: moving.round() as usize,
             pings: versions.pings.next(&before.pings, self.first, added),
             soundings: (versions.soundings).next(&before.soundings, known, new_soundings),
+            swath: (versions.swath).next(&before.swath, known_swath, new_swath),
             projection: new.projection,
         }
     }
@@ -255,15 +255,12 @@ impl Part {
         new: &BySource<CloudPoint>,
         classes: &[PointClass],
         exclusions: &Exclusions,
-        versions: &mut [Versions<CloudPoint>; 3],
+        versions: &mut [Versions<CloudPoint>; PointSource::ALL.len()],
     ) -> (BySource<CloudPoint>, Vec<PointClass>) {
         let mut joined = Vec::with_capacity(before.classes.len() + classes.len());
         let points = BySource::from_parts(|source| {
             let old = before.cloud.points.of(source);
-            let known = old.partition_point(|point| match point.sounding {
-                Some(sounding) => sounding.get() < self.first_sounding,
-                None => (point.ping as usize) < self.first,
-            });
+            let known = old.partition_point(|point| !self.is_new(point.record()));
             let start = before.cloud.points.start(source);
             joined.extend_from_slice(&before.classes[start..start + known]);
             let of_source = new.of(source).iter().zip(&classes[new.start(source)..]);
@@ -280,19 +277,27 @@ impl Part {
 
     /// A point of the stretch as one of the log; `None` where it lies before the part, or is excluded.
     fn counted_point(&self, point: &CloudPoint, exclusions: &Exclusions) -> Option<CloudPoint> {
-        let ping = point.ping as usize + self.context;
-        let sounding = point.sounding.map(|one| one.get() + self.context_sounding);
-        let (is_new, reason) = match sounding {
-            Some(sounding) => (
-                sounding >= self.first_sounding,
-                exclusions.sounding(sounding),
-            ),
-            None => (ping >= self.first, exclusions.ping(ping)),
+        let StretchStart { sounding, swath } = self.context_start;
+        let record = match point.record() {
+            PointRecord::Sounding(index) => RecordIndex::new(index + sounding),
+            PointRecord::Swath(index) => RecordIndex::new(index + swath),
+            PointRecord::Ping(_) => None,
         };
-        (is_new && reason.is_none()).then(|| CloudPoint {
-            ping: ping as u32,
-            sounding: sounding.and_then(SoundingIndex::new),
+        let point = CloudPoint {
+            ping: (point.ping as usize + self.context) as u32,
+            record,
             ..*point
-        })
+        };
+        let counts = self.is_new(point.record()) && point.record().exclusion(exclusions).is_none();
+        counts.then_some(point)
+    }
+
+    /// Whether a record of the log belongs to the part.
+    fn is_new(&self, record: PointRecord) -> bool {
+        match record {
+            PointRecord::Ping(index) => index >= self.first,
+            PointRecord::Sounding(index) => index >= self.first_start.sounding,
+            PointRecord::Swath(index) => index >= self.first_start.swath,
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::bottom::cloud::ClassCounts;
 use crate::sonar::calibration::{Calibration, PingRange, ScaleMode};
+use crate::survey::{Navigation, Survey, SwathPing};
 use serde::Serialize;
 
 /// How many of everything.
@@ -39,12 +40,66 @@ pub struct RunCounts {
     pub kept: usize,
     /// Points by the code of their class.
     pub classes: ClassCounts,
-    /// Points that are not soundings.
+    /// Points that are first returns of the side-scan.
     pub side_scan_points: usize,
+    /// The depths across the track; absent where the recorder measured none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub swath: Option<SwathCounts>,
     /// Points that the filter removed.
     pub outliers_removed: usize,
-    /// Removed share of the side-scan points, 0 to 1.
+    /// Removed share of the points of side-scan and swath, 0 to 1.
     pub outliers_removed_share: f64,
+}
+
+/// What a recorder measured across the track, and what became of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct SwathCounts {
+    /// Pings of the swath.
+    pub pings: usize,
+    /// Of these, those without a heading, which give no points.
+    pub zero_heading: usize,
+    /// Depths as recorded, without the unreliable ones.
+    pub depths: usize,
+    /// Depths that the recorder marks as unreliable. They are not used.
+    pub unreliable: usize,
+    /// Points of the cloud: of the depths of a ping that lie close together one is used.
+    pub points: usize,
+}
+
+impl SwathCounts {
+    /// Of a log and its results; `None` where it has no swath.
+    pub(super) fn of(survey: &Survey, navigation: &Navigation, points: usize) -> Option<Self> {
+        let without = navigation.swath.iter();
+        let without = without.filter(|place| place.heading_rad.is_nan());
+        (!survey.swath.is_empty()).then(|| Self {
+            pings: survey.swath.len(),
+            zero_heading: without.count(),
+            depths: survey.swath.iter().map(SwathPing::len).sum(),
+            unreliable: (survey.swath.iter())
+                .map(|ping| usize::from(ping.unreliable))
+                .sum(),
+            points,
+        })
+    }
+
+    /// Those of two logs.
+    fn with(self, other: Self) -> Self {
+        Self {
+            pings: self.pings + other.pings,
+            zero_heading: self.zero_heading + other.zero_heading,
+            depths: self.depths + other.depths,
+            unreliable: self.unreliable + other.unreliable,
+            points: self.points + other.points,
+        }
+    }
+
+    /// In one line for people.
+    pub(super) fn summary(&self) -> String {
+        format!(
+            "swath: {} depths of {} pings give {} points; {} pings without heading; {} depths that the recorder marks as unreliable are not used",
+            self.depths, self.pings, self.points, self.zero_heading, self.unreliable
+        )
+    }
 }
 
 impl RunCounts {
@@ -67,6 +122,10 @@ impl RunCounts {
         self.kept += other.kept;
         self.classes.add(&other.classes);
         self.side_scan_points += other.side_scan_points;
+        self.swath = match (self.swath, other.swath) {
+            (Some(own), Some(other)) => Some(own.with(other)),
+            (own, other) => own.or(other),
+        };
         self.outliers_removed += other.outliers_removed;
         self.outliers_removed_share = self.classes.noise_share();
     }

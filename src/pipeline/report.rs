@@ -2,11 +2,10 @@
 
 use super::fingerprint::{Fingerprint, Input, hash_inputs, in_hexadecimal};
 use super::joint::{LogsReport, RequestedCorrection};
-use super::log_report::{CalibrationReport, RunCounts};
+use super::log_report::{CalibrationReport, RunCounts, SwathCounts};
 use super::{CommonUncertainty, Preset, Products, Settings};
 use crate::bottom::cloud::{
-    ClassCounts, PointClass, PointCloud, PointSource, Residuals, SoundingIndex, TrackShare,
-    residuals,
+    ClassCounts, PointClass, PointCloud, PointSource, Residuals, TrackShare, residuals,
 };
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::{ExcludedStretch, HeadingSource, Side, Survey, Track};
@@ -123,6 +122,7 @@ impl Report {
                 kept: classes_of.kept(),
                 classes: classes_of,
                 side_scan_points: classes_of.side_scan,
+                swath: SwathCounts::of(survey, navigation, classes_of.swath),
                 outliers_removed: classes_of.noise(),
                 outliers_removed_share: classes_of.noise_share(),
             },
@@ -181,7 +181,7 @@ impl Report {
                 counts.above_bottom
             ),
             format!(
-                "{} points, {} from side-scan; {} count for the depth map; of the others {} are above-bottom returns, {} of low confidence, {} outliers ({:.1} % of side-scan), {} soundings without bottom; {} pings without heading",
+                "{} points, {} from side-scan; {} count for the depth map; of the others {} are above-bottom returns, {} of low confidence, {} outliers ({:.1} % of {}), {} soundings without bottom; {} pings without heading",
                 counts.points,
                 counts.side_scan_points,
                 counts.kept,
@@ -189,10 +189,15 @@ impl Report {
                 counts.low_confidence,
                 counts.outliers_removed,
                 100.0 * counts.outliers_removed_share,
+                match counts.swath {
+                    Some(_) => "side-scan and swath",
+                    None => "side-scan",
+                },
                 counts.classes.count(PointClass::NoBottom),
                 counts.zero_heading
             ),
         ];
+        lines.extend(counts.swath.map(|swath| swath.summary()));
         if counts.excluded_pings + counts.excluded_soundings > 0 {
             let of_logs = logs.iter().flat_map(|all| &all.logs);
             let stretches: usize = of_logs.map(|log| log.excluded.len()).sum();
@@ -233,8 +238,9 @@ fn lost_soundings(survey: &Survey, cloud: &PointCloud) -> usize {
     let points = cloud.points.of(PointSource::DownScan).iter();
     let counts = points.filter(|point| point.reliable);
     let of_lost = counts.filter(|point| {
-        let sounding = point.sounding.map(SoundingIndex::get);
-        sounding.is_some_and(|index| !survey.soundings[index].locked)
+        point
+            .sounding()
+            .is_some_and(|index| !survey.soundings[index].locked)
     });
     lost.count() - of_lost.count()
 }

@@ -5,7 +5,7 @@ use crate::support::geo::{LonLat, distance_m};
 
 /// Logs farther apart than this are of different waters, metres.
 const FAR_M: f64 = 50_000.0;
-/// A log of fewer pings, and fewer soundings, was switched on and off again.
+/// A log of fewer pings, soundings and pings of a swath was switched on and off again.
 const FEWEST: usize = 20;
 
 /// Why a log makes no survey with the others.
@@ -38,7 +38,10 @@ impl std::fmt::Display for Apart {
 /// For each of some logs, why it makes no survey with the others. The survey is the logs near those of `known`, or, where none of these has
 /// a place, the near ones with most pings. One log is a survey, and so are logs that are all too short.
 pub(crate) fn apart(logs: &[&Survey], known: &[bool]) -> Vec<Option<Apart>> {
-    let is_short = |log: &&Survey| log.side_scan.len() < FEWEST && log.soundings.len() < FEWEST;
+    let is_short = |log: &&Survey| {
+        let counts = [log.side_scan.len(), log.soundings.len(), log.swath.len()];
+        counts.iter().all(|count| *count < FEWEST)
+    };
     let pings = |log: usize| logs[log].side_scan.len();
     let long: Vec<usize> = (0..logs.len())
         .filter(|&log| !is_short(&logs[log]))

@@ -143,13 +143,15 @@ impl ExcludedStretch {
     }
 }
 
-/// What is excluded from a log: a reason for every ping and every sounding that is.
+/// What is excluded from a log: a reason for every ping, every sounding and every ping of a swath that is.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Exclusions {
     /// One entry a side-scan ping; none at all where nothing is excluded.
     pings: Vec<Option<ExclusionReason>>,
     /// One entry a sounding; none at all where nothing is excluded.
     soundings: Vec<Option<ExclusionReason>>,
+    /// One entry a ping of the swath; none at all where nothing is excluded.
+    swath: Vec<Option<ExclusionReason>>,
     /// The stretches in time order.
     pub stretches: Vec<ExcludedStretch>,
     /// What could not be applied, in sentences.
@@ -178,6 +180,8 @@ impl Exclusions {
         }
         made.pings = flags(&ping_times, &spans);
         made.soundings = flags(&sounding_times, &spans);
+        let swath_times: Vec<f64> = survey.swath.iter().map(|ping| ping.time_s).collect();
+        made.swath = flags(&swath_times, &spans);
         made.stretches = match ping_times.is_empty() {
             false => stretches(&ping_times, &made.pings, true),
             true => stretches(&sounding_times, &made.soundings, false),
@@ -198,6 +202,11 @@ impl Exclusions {
     /// Why a sounding is excluded; `None` where it counts.
     pub fn sounding(&self, sounding: usize) -> Option<ExclusionReason> {
         self.soundings.get(sounding).copied().flatten()
+    }
+
+    /// Why a ping of the swath is excluded; `None` where it counts.
+    pub fn swath(&self, ping: usize) -> Option<ExclusionReason> {
+        self.swath.get(ping).copied().flatten()
     }
 
     /// Side-scan pings that are excluded.

@@ -3,7 +3,7 @@
 use super::bottom_lock::{NEAREST_SOUNDING_S, mark_bottom_lock_from};
 use super::{
     Bytes, Channel, ChannelKind, Echogram, EchogramPing, Encoding, Fix, Identity, Side, SidePing,
-    SideScanState, SideSpan, Sounding, Survey, give_depths,
+    SideScanState, SideSpan, Sounding, Survey, SwathPing, give_depths,
 };
 use crate::support::versions::Versions;
 use std::collections::BTreeMap;
@@ -34,11 +34,49 @@ pub struct Seam {
     pub from: Vec<u64>,
 }
 
+/// Where the samples of a record begin, and when it was made.
+#[derive(Clone, Copy)]
+struct RecordPlace {
+    /// Seconds after the log's time zero.
+    time_s: f64,
+    file: usize,
+    /// Bytes.
+    offset: u64,
+}
+
+impl RecordPlace {
+    fn of(time_s: f64, span: &SideSpan) -> Self {
+        Self {
+            time_s,
+            file: usize::from(span.file),
+            offset: span.offset,
+        }
+    }
+
+    fn of_swath(ping: &SwathPing) -> Self {
+        Self {
+            time_s: ping.time_s,
+            file: usize::from(ping.file),
+            offset: ping.offset,
+        }
+    }
+}
+
+/// Where a stretch of a log begins in its other records ([`Survey::stretch_from`]).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StretchStart {
+    /// Soundings before it.
+    pub sounding: usize,
+    /// Pings of the swath before it.
+    pub swath: usize,
+}
+
 /// The lists of a log that is extended again and again ([`Survey::extended`]), so that each time takes as long as what is new.
 #[derive(Debug, Default)]
 pub struct SurveyVersions {
     side_scan: Versions<SidePing>,
     soundings: Versions<Sounding>,
+    swath: Versions<SwathPing>,
     fixes: Versions<Fix>,
     echograms: BTreeMap<ChannelKind, Versions<EchogramPing>>,
 }
@@ -52,26 +90,26 @@ impl Survey {
         if self.track.external.is_some() || has_others || is_packed {
             return None;
         }
-        let lasts: Vec<(f64, SideSpan)> = self.spans_before(f64::INFINITY).collect();
-        let newest_s = lasts.iter().map(|(time_s, _)| *time_s).reduce(f64::max)?;
-        let is_live = |time_s: f64| newest_s - time_s < ENDED_S;
-        let live = lasts.iter().filter(|(time_s, _)| is_live(*time_s));
-        let slowest_s = live.fold(newest_s, |least_s, (time_s, _)| least_s.min(*time_s));
+        let lasts: Vec<RecordPlace> = self.lasts_before(f64::INFINITY).collect();
+        let newest_s = lasts.iter().map(|last| last.time_s).reduce(f64::max)?;
+        let is_live = |last: &&RecordPlace| newest_s - last.time_s < ENDED_S;
+        let live = lasts.iter().filter(is_live);
+        let slowest_s = live.fold(newest_s, |least_s, last| least_s.min(last.time_s));
         // Recorders count milliseconds: between two of them there is no ping that could be taken for one of either part.
         let time_s = (slowest_s * 1e3).floor() / 1e3 - UNSETTLED_S - 0.0005;
         let settled_s = time_s - 2.0 * DISORDER_S;
-        let settled: Vec<(f64, SideSpan)> = self.spans_before(settled_s).collect();
+        let settled: Vec<RecordPlace> = self.lasts_before(settled_s).collect();
         let from = (0..self.source.files.len()).map(|file| {
-            let here = |(_, span): &&(f64, SideSpan)| usize::from(span.file) == file;
-            let offsets = |spans: &[(f64, SideSpan)], has_ended: bool| {
-                let those = spans.iter().filter(here);
-                let those = those.filter(|(at_s, _)| (settled_s - at_s > ENDED_S) == has_ended);
-                those.map(|(_, span)| span.offset).reduce(u64::min)
+            let here = |last: &&RecordPlace| last.file == file;
+            let offsets = |lasts: &[RecordPlace], has_ended: bool| {
+                let those = lasts.iter().filter(here);
+                let those = those.filter(|last| (settled_s - last.time_s > ENDED_S) == has_ended);
+                those.map(|last| last.offset).reduce(u64::min)
             };
             // A file of which nothing is settled yet, or that holds no pings at all, is read from its beginning.
             let ended = || {
                 offsets(&settled, true)
-                    .filter(|_| !lasts.iter().filter(here).any(|(at_s, _)| is_live(*at_s)))
+                    .filter(|_| !lasts.iter().filter(here).any(|last| is_live(&last)))
             };
             offsets(&settled, false).or_else(ended).unwrap_or(0)
         });
@@ -81,20 +119,22 @@ impl Survey {
         })
     }
 
-    /// The last span of each channel before a time, with its time.
-    fn spans_before(&self, time_s: f64) -> impl Iterator<Item = (f64, SideSpan)> {
+    /// The last record of each channel before a time.
+    fn lasts_before(&self, time_s: f64) -> impl Iterator<Item = RecordPlace> {
         let before = self.side_scan.partition_point(|ping| ping.time_s < time_s);
         let pings = &self.side_scan[..before];
         let sides = Side::BOTH.into_iter().filter_map(|side| {
             let mut lately = pings.iter().rev().take(ENDED_PINGS);
-            lately.find_map(|ping| Some((ping.time_s, *ping.side(side)?)))
+            lately.find_map(|ping| Some(RecordPlace::of(ping.time_s, ping.side(side)?)))
         });
         let down = self.echograms.iter().filter_map(move |echogram| {
             let before = echogram.pings.partition_point(|ping| ping.time_s < time_s);
             let last = echogram.pings.get(before.checked_sub(1)?)?;
-            Some((last.time_s, last.span))
+            Some(RecordPlace::of(last.time_s, &last.span))
         });
-        sides.chain(down)
+        let before = self.swath.partition_point(|ping| ping.time_s < time_s);
+        let swath = before.checked_sub(1).and_then(|last| self.swath.get(last));
+        sides.chain(down).chain(swath.map(RecordPlace::of_swath))
     }
 
     /// The log with what was added to it: `tail` is what was read from `seam` on, with the bytes of the longer files. The frame, the time
@@ -133,6 +173,8 @@ impl Survey {
             give_depths(&mut all[from..], &soundings);
             from
         });
+        let [kept, added] = join.of(&self.swath, &tail.swath, |ping| ping.time_s);
+        let swath = (versions.swath).next(&self.swath, kept, &tail.swath[added..]);
         let [kept, added] = join.of(&self.track.fixes, &tail.track.fixes, |fix| fix.time_s);
         let new = &tail.track.fixes[added..];
         let fixes = versions.fixes.next(&self.track.fixes, kept, new);
@@ -150,6 +192,7 @@ impl Survey {
             side_scan,
             echograms,
             soundings,
+            swath,
             track: self.track.with_fixes(fixes),
             warnings: warnings.chain(added).cloned().collect(),
             bytes: tail.bytes.clone(),
@@ -182,9 +225,9 @@ impl Survey {
         if self.source.files.len() != 1 {
             let bytes_at = |time_s: f64| -> u64 {
                 let mut ends = vec![0; self.bytes.len()];
-                for (_, span) in self.spans_before(time_s) {
-                    if let Some(end) = ends.get_mut(usize::from(span.file)) {
-                        *end = span.offset.max(*end);
+                for last in self.lasts_before(time_s) {
+                    if let Some(end) = ends.get_mut(last.file) {
+                        *end = last.offset.max(*end);
                     }
                 }
                 ends.iter().sum()
@@ -232,19 +275,20 @@ impl Survey {
     /// log's last settled ping.
     fn clock_shift_s(&self, tail: &Survey, seam: &Seam) -> Option<f64> {
         let sides = tail.side_scan.iter().flat_map(|ping| {
-            Side::BOTH.map(|side| ping.side(side).map(|span| (ping.time_s, *span)))
+            let place = |span: &SideSpan| RecordPlace::of(ping.time_s, span);
+            Side::BOTH.map(|side| ping.side(side).map(place))
         });
         let down = tail
             .echograms
             .iter()
             .flat_map(|echogram| echogram.pings.iter());
-        let down = down.map(|ping| Some((ping.time_s, ping.span)));
-        let all: Vec<(f64, SideSpan)> = sides.chain(down).flatten().collect();
-        let shift_s = self.spans_before(seam.time_s).find_map(|(time_s, span)| {
-            let same = all
-                .iter()
-                .find(|(_, other)| (other.file, other.offset) == (span.file, span.offset));
-            same.map(|(at_s, _)| time_s - at_s)
+        let down = down.map(|ping| Some(RecordPlace::of(ping.time_s, &ping.span)));
+        let swath = tail.swath.iter().map(RecordPlace::of_swath).map(Some);
+        let all: Vec<RecordPlace> = sides.chain(down).chain(swath).flatten().collect();
+        let shift_s = self.lasts_before(seam.time_s).find_map(|known| {
+            let is_it = |one: &&RecordPlace| (one.file, one.offset) == (known.file, known.offset);
+            let same = all.iter().find(is_it);
+            same.map(|same| known.time_s - same.time_s)
         });
         shift_s.or_else(|| seam.from.iter().all(|from| *from == 0).then_some(0.0))
     }
@@ -267,6 +311,9 @@ impl Survey {
         Arc::make_mut(&mut self.soundings)
             .iter_mut()
             .for_each(|one| later(&mut one.time_s));
+        Arc::make_mut(&mut self.swath)
+            .iter_mut()
+            .for_each(|ping| later(&mut ping.time_s));
         Arc::make_mut(&mut self.track.fixes)
             .iter_mut()
             .for_each(|fix| later(&mut fix.time_s));
@@ -290,27 +337,42 @@ impl Survey {
         }
     }
 
-    /// Its last pings from `first` on as a log of its own, in the same frame and over the same bytes, and how many of its soundings come
-    /// before: what stages are run over where only the end of a log is new.
-    pub fn stretch_from(&self, first: usize) -> (Survey, usize) {
-        let from_s = match first {
+    /// Its last pings from `first` on as a log of its own, in the same frame and over the same bytes, and where it begins in the
+    /// other records: what stages are run over where only the end of a log is new.
+    pub fn stretch_from(&self, first: usize) -> (Survey, StretchStart) {
+        let from_s = self.stretch_from_s(first);
+        let start = self.stretch_start(first);
+        let fix = self.track.fixes.partition_point(|fix| fix.time_s < from_s);
+        let stretch = Survey {
+            source: self.source.clone(),
+            side_scan: Arc::new(self.side_scan[first.min(self.side_scan.len())..].to_vec()),
+            soundings: Arc::new(self.soundings[start.sounding..].to_vec()),
+            swath: Arc::new(self.swath[start.swath..].to_vec()),
+            track: self.track.with_fixes(self.track.fixes[fix..].to_vec()),
+            bytes: self.bytes.clone(),
+            ..self.without_records()
+        };
+        (stretch, start)
+    }
+
+    /// Where the stretch from a ping on begins in the other records.
+    pub fn stretch_start(&self, first: usize) -> StretchStart {
+        let from_s = self.stretch_from_s(first);
+        StretchStart {
+            sounding: self.soundings.partition_point(|one| one.time_s < from_s),
+            swath: self.swath.partition_point(|ping| ping.time_s < from_s),
+        }
+    }
+
+    /// The time of a ping that a stretch begins with; the first of all stretches has no beginning, in a log without pings either.
+    fn stretch_from_s(&self, first: usize) -> f64 {
+        match first {
             0 => f64::NEG_INFINITY,
             _ => self
                 .side_scan
                 .get(first)
                 .map_or(f64::INFINITY, |ping| ping.time_s),
-        };
-        let sounding = self.soundings.partition_point(|one| one.time_s < from_s);
-        let fix = self.track.fixes.partition_point(|fix| fix.time_s < from_s);
-        let stretch = Survey {
-            source: self.source.clone(),
-            side_scan: Arc::new(self.side_scan[first.min(self.side_scan.len())..].to_vec()),
-            soundings: Arc::new(self.soundings[sounding..].to_vec()),
-            track: self.track.with_fixes(self.track.fixes[fix..].to_vec()),
-            bytes: self.bytes.clone(),
-            ..self.without_records()
-        };
-        (stretch, sounding)
+        }
     }
 }
 
@@ -456,8 +518,8 @@ mod tests {
             .side_scan
             .partition_point(|ping| ping.time_s < seam.time_s);
         assert!(seam.from[0] < log.side_scan[first].port.map_or(0, |span| span.offset));
-        let (stretch, soundings) = log.stretch_from(first);
-        assert_eq!((stretch.side_scan.len(), soundings), (400 - first, 0));
+        let (stretch, start) = log.stretch_from(first);
+        assert_eq!((stretch.side_scan.len(), start.sounding), (400 - first, 0));
         assert!(Survey::default().seam().is_none());
     }
 }

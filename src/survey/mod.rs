@@ -5,7 +5,7 @@
 //!
 //! `samples` reads echoes where they lie in the file, `track` holds the fixes, `bottom_lock` says which recorded depths can
 //! be believed, `mounting` says how the recorder is mounted on its boat, `identity` identifies a log, `tracks_apart` how far two tracks of one boat lie apart, `turn_rate` how fast it turns,
-//! `pairs` holds the side-scan of several frequencies, `exclusions` which stretches count for nothing, `relief` how the bottom lies across the track, `growing` what becomes of a log that is still being written, `echogram` holds the channels that look down, `part` cuts a log. [`navigate`] places every ping on the ground, by `fitted_track` and its `local_fit` where a track is fitted.
+//! `pairs` holds the side-scan of several frequencies, `exclusions` which stretches count for nothing, `relief` how the bottom lies across the track, `growing` what becomes of a log that is still being written, `echogram` holds the channels that look down, `swath` the depths across the track, `part` cuts a log. [`navigate`] places every ping on the ground, by `fitted_track` and its `local_fit` where a track is fitted.
 
 mod apart;
 mod area;
@@ -26,6 +26,7 @@ mod part;
 mod position_shift;
 mod relief;
 mod samples;
+mod swath;
 mod track;
 mod tracks_apart;
 mod turn_rate;
@@ -39,7 +40,7 @@ pub(crate) use exclusions::{
 };
 pub(crate) use fitted_track::position_resolution_m;
 pub(crate) use gauge::{Gauge, WATER_LEVELS_M};
-pub(crate) use growing::{Seam, SurveyVersions};
+pub(crate) use growing::{Seam, StretchStart, SurveyVersions};
 pub(crate) use identity::Identity;
 pub(crate) use mounting::{MountingSettings, arm_in_words};
 pub(crate) use names::distinct_names;
@@ -52,6 +53,7 @@ pub(crate) use pairs::SidePair;
 pub(crate) use position_shift::PositionShift;
 pub(crate) use relief::{AcrossTrack, Relief};
 pub(crate) use samples::{Bytes, Encoding, LEVEL_BITS, NumberKind, SampleOrder, Samples, SideSpan};
+pub(crate) use swath::{SWATH_PAIR, SwathPing, SwathSounding, swath_pair_m};
 pub(crate) use track::{ExternalTrack, Fix, ProjectedTrack, Track, TrackSettings};
 pub(crate) use tracks_apart::TracksApart;
 pub(crate) use turn_rate::turn_rates_deg_s;
@@ -118,6 +120,8 @@ pub enum ChannelKind {
     Starboard,
     /// Side-scan, both sides in one frame.
     Composite,
+    /// Depths across the track, measured by the recorder.
+    Swath,
     /// A channel that Bathyscope counts but does not use, with the recorder's number for it.
     Other(u16),
 }
@@ -132,6 +136,7 @@ impl ChannelKind {
             ChannelKind::Port => "side-scan port".into(),
             ChannelKind::Starboard => "side-scan starboard".into(),
             ChannelKind::Composite => "side-scan".into(),
+            ChannelKind::Swath => "swath".into(),
             ChannelKind::Other(number) => format!("channel {number}"),
         }
     }
@@ -300,6 +305,8 @@ pub struct Survey {
     pub soundings: Arc<Vec<Sounding>>,
     /// The channel that they are of.
     pub sounding_channel: Option<ChannelKind>,
+    /// Depths across the track, where the recorder measures them; shared likewise.
+    pub swath: Arc<Vec<SwathPing>>,
     /// Positions, courses and compass headings.
     pub track: Track,
     /// What was wrong with the log.

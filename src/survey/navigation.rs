@@ -68,14 +68,16 @@ pub struct PingNav {
     pub speed_mps: f64,
 }
 
-/// Position and heading of every side-scan ping ([`Survey::side_scan`]) and every sounding ([`Survey::soundings`]); the lists are shared by
-/// all copies.
+/// Position and heading of every side-scan ping ([`Survey::side_scan`]), every sounding ([`Survey::soundings`]) and every ping of a swath
+/// ([`Survey::swath`]); the lists are shared by all copies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Navigation {
     /// One entry per side-scan ping.
     pub pings: Arc<Vec<PingNav>>,
     /// One entry per sounding.
     pub soundings: Arc<Vec<PingNav>>,
+    /// One entry per ping of a swath.
+    pub swath: Arc<Vec<PingNav>>,
     /// Where the antenna was at each side-scan ping, metres east and north; empty where it is right above the transducer.
     pub antenna: Arc<Vec<[f64; 2]>>,
     /// The plane that the metres are in.
@@ -96,6 +98,7 @@ impl Navigation {
             moving: pings.len(),
             pings: Arc::new(pings),
             soundings: Arc::default(),
+            swath: Arc::default(),
             antenna: Arc::default(),
             projection: Projection::Enu,
             zero_heading: 0,
@@ -209,7 +212,7 @@ pub struct PositionSettings<'a> {
     pub projection: Projection,
 }
 
-/// Places every ping and sounding of the survey on the ground.
+/// Places every ping and sounding of the survey on the ground, and every ping of a swath.
 ///
 /// [`HeadingSource::Steps`] keeps the positions as recorded, repeats and rounding included; the other sources take the
 /// position from the fitted track. A boat at rest has neither course nor fitted heading.
@@ -244,20 +247,24 @@ pub(crate) fn navigate_with(
         source: settings.source,
         projection,
     };
-    progress.start((survey.side_scan.len() + survey.soundings.len()) as u64);
+    let records = survey.side_scan.len() + survey.soundings.len() + survey.swath.len();
+    progress.start(records as u64);
     let (mut pings, moving) =
         navigator.place_all(&survey.side_scan, |ping| ping.time_s, progress)?;
     let (mut soundings, _) =
         navigator.place_all(&survey.soundings, |sounding| sounding.time_s, progress)?;
+    let (mut swath, _) = navigator.place_all(&survey.swath, |ping| ping.time_s, progress)?;
     if settings.source == HeadingSource::Steps {
         head_along_steps(&mut pings);
         head_along_steps(&mut soundings);
+        head_along_steps(&mut swath);
     }
     let mut antenna = Vec::new();
     if let Some(arm_m) = mounting.lever_arm_m() {
         antenna = pings.iter().map(PingNav::place).collect();
         navigator.move_by(arm_m, &mut pings, &survey.side_scan, |ping| ping.time_s);
         navigator.move_by(arm_m, &mut soundings, &survey.soundings, |one| one.time_s);
+        navigator.move_by(arm_m, &mut swath, &survey.swath, |one| one.time_s);
     }
     Ok(Navigation {
         antenna: Arc::new(antenna),
@@ -268,6 +275,7 @@ pub(crate) fn navigate_with(
         moving,
         pings: Arc::new(pings),
         soundings: Arc::new(soundings),
+        swath: Arc::new(swath),
         projection,
     })
 }

@@ -45,6 +45,7 @@ impl Survey {
             true => indices(&self.soundings, &spans, |one| one.time_s),
             false => records.to_vec(),
         };
+        let chosen_swath = indices(&self.swath, &spans, |ping| ping.time_s);
         let survey = Self {
             side_scan: Arc::new(match by_sides {
                 true => taken(&self.side_scan, records),
@@ -52,6 +53,7 @@ impl Survey {
             }),
             echograms: self.echograms.iter().map(echogram).collect(),
             soundings: Arc::new(taken(&self.soundings, &chosen_soundings)),
+            swath: Arc::new(taken(&self.swath, &chosen_swath)),
             track: self.track.with_fixes(taken(&self.track.fixes, &fixes)),
             ..self.clone()
         };
@@ -61,6 +63,7 @@ impl Survey {
                 false => Vec::new(),
             }),
             soundings: Arc::new(taken(&navigation.soundings, &chosen_soundings)),
+            swath: Arc::new(taken(&navigation.swath, &chosen_swath)),
             ..navigation.clone()
         };
         (survey, navigation)

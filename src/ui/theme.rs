@@ -28,6 +28,9 @@ pub(crate) fn down_scan_colour(options: &ViewOptions) -> Color32 {
     by_theme(options.theme, [235, 235, 235], [20, 20, 20])
 }
 
+/// Colour of points across the track, those of a swath.
+pub(crate) const SWATH_COLOUR: Color32 = Color32::from_rgb(178, 102, 255);
+
 /// Colour of points that the outlier filter would remove.
 pub(crate) const OUTLIER_COLOUR: Color32 = Color32::from_rgb(255, 190, 40);
 

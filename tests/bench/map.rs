@@ -152,6 +152,7 @@ fn products(survey: &Survey, nav: Vec<PingNav>) -> Products {
             antenna: Arc::default(),
             pings: Arc::new(nav.clone()),
             soundings: Arc::new(nav),
+            swath: Arc::default(),
             projection: Projection::Enu,
             zero_heading: 0,
             moving: 0,

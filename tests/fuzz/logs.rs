@@ -151,6 +151,11 @@ fn walk(survey: &Survey) {
     }
     let down = survey.echograms.iter().flat_map(|one| one.pings.iter());
     down.for_each(|ping| read(&ping.span));
+    for ping in survey.swath.iter() {
+        let depths = survey.swath_soundings(ping);
+        check_finite(depths.flat_map(|one| [one.out_m, one.depth_m]));
+    }
+    check_times(survey.swath.iter().map(|ping| ping.time_s));
     check_times(survey.side_scan.iter().map(|ping| ping.time_s));
     for echogram in &survey.echograms {
         check_times(echogram.pings.iter().map(|ping| ping.time_s));
@@ -240,7 +245,18 @@ pub(super) fn sl2_seeds() -> Vec<Vec<u8>> {
 pub(super) fn sl3_seeds() -> Vec<Vec<u8>> {
     let mut with_raw = frames();
     with_raw.extend([Frame::new(7, 200), Frame::new(8, 210)]);
-    vec![handmade::sl3(&frames(), 168), handmade::sl3(&with_raw, 180)]
+    let pairs = |at: f32| [[at, 12.0], [at + 6.0, 13.0]];
+    let swath = |ping: i32| {
+        let [port, starboard, unreliable] = [1.0, 2.0, 9.0].map(pairs);
+        Frame::of_swath(300 + 50 * ping, [&port, &starboard, &unreliable])
+    };
+    let mut with_swath = frames();
+    with_swath.extend((0..3).map(swath));
+    vec![
+        handmade::sl3(&frames(), 168),
+        handmade::sl3(&with_raw, 180),
+        handmade::sl3(&with_swath, 168),
+    ]
 }
 
 /// The file header is not padded: the records are found by their number, wherever they begin.

@@ -163,10 +163,11 @@ fn round(disk: &Disk, harm: Harm, round: usize) {
     page(&mut window, MOST_PAGES);
     // A file of the system's own that is replaced or removed is there as long as it is open. A disk that another program serves may say of
     // the one that took its place what it says of the log.
-    let is_lost = match (harm, &disk.control) {
-        (Harm::Removed, _) | (Harm::Replaced, None) => false,
-        _ => true,
-    };
+    let is_kept = matches!(
+        (harm, &disk.control),
+        (Harm::Removed, _) | (Harm::Replaced, None)
+    );
+    let is_lost = !is_kept;
     let is_said = |app: &App| said(app).len() > before;
     let patience = if is_lost { PATIENCE } else { SILENCE };
     let found = wait(&mut window, patience, is_said);

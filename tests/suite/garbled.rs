@@ -347,7 +347,7 @@ fn noise_and_absence_give_no_side_scan_points() {
                 .cloud
                 .points
                 .iter()
-                .filter(|point| point.sounding.is_none());
+                .filter(|point| point.sounding().is_none());
             assert_eq!(beside.count(), 0);
             assert!(
                 products.returns.warnings.is_empty(),

@@ -36,6 +36,32 @@ impl Frame {
     }
 }
 
+/// Pairs of distance outward and depth, feet.
+type Pairs<'a> = &'a [[f32; 2]];
+
+impl Frame {
+    /// A frame of StructureScan 3D: a header of 76 bytes, then the pairs of port, of starboard, and the unreliable ones, here all to port.
+    pub(crate) fn of_swath(time_ms: i32, [port, starboard, unreliable]: [Pairs<'_>; 3]) -> Self {
+        let bytes = |pairs: Pairs<'_>| 8 * pairs.len() as i32;
+        let numbers = [
+            76,
+            bytes(port),
+            bytes(starboard),
+            bytes(unreliable),
+            0,
+            bytes(unreliable),
+        ];
+        let mut data: Vec<u8> = numbers.iter().flat_map(|one| one.to_le_bytes()).collect();
+        data.resize(76, 0);
+        let pairs = port.iter().chain(starboard).chain(unreliable);
+        data.extend(pairs.flatten().flat_map(|one| one.to_le_bytes()));
+        Self {
+            data,
+            ..Self::new(9, time_ms)
+        }
+    }
+}
+
 fn put(bytes: &mut [u8], at: usize, value: &[u8]) {
     bytes[at..at + value.len()].copy_from_slice(value);
 }
@@ -74,7 +100,8 @@ pub(crate) fn sl2(frames: &[Frame]) -> Vec<u8> {
     file
 }
 
-/// An SL3 file; headers are 168 bytes, 128 on channels 7 and 8, `long_header` on the others.
+/// An SL3 file; headers are 128 bytes on channels 7 and 8, `long_header` (168, or 180 in frame version 13) on the others. On channel 9 the
+/// packet is shorter than the data, as units write it.
 pub(crate) fn sl3(frames: &[Frame], long_header: usize) -> Vec<u8> {
     let mut file = vec![3, 0, 2, 0, 0x80, 0x0C, 1, 0];
     for (index, frame) in frames.iter().enumerate() {
@@ -85,7 +112,8 @@ pub(crate) fn sl3(frames: &[Frame], long_header: usize) -> Vec<u8> {
         };
         let mut header = vec![0_u8; header_len];
         put(&mut header, 0, &(file.len() as u32).to_le_bytes());
-        put(&mut header, 4, &10_u32.to_le_bytes());
+        let version: u32 = if long_header == 180 { 13 } else { 10 };
+        put(&mut header, 4, &version.to_le_bytes());
         put(
             &mut header,
             8,
@@ -96,7 +124,11 @@ pub(crate) fn sl3(frames: &[Frame], long_header: usize) -> Vec<u8> {
         put(&mut header, 20, &frame.range_ft.0.to_le_bytes());
         put(&mut header, 24, &frame.range_ft.1.to_le_bytes());
         put(&mut header, 40, &frame.clock.to_le_bytes());
-        put(&mut header, 44, &(frame.data.len() as u32).to_le_bytes());
+        let packet = match frame.channel {
+            9 => frame.data.len().saturating_sub(76),
+            _ => frame.data.len(),
+        };
+        put(&mut header, 44, &(packet as u32).to_le_bytes());
         put(&mut header, 48, &frame.depth_ft.to_le_bytes());
         put(&mut header, 52, &3_u16.to_le_bytes());
         put(&mut header, 84, &5.0_f32.to_le_bytes());

@@ -69,6 +69,7 @@ fn survey(level: impl Fn(usize, f64) -> Option<u8>) -> (Survey, Navigation) {
         antenna: Arc::default(),
         pings: Arc::new(places.collect()),
         soundings: Arc::default(),
+        swath: Arc::default(),
         projection: Projection::Enu,
         zero_heading: 0,
         moving: PINGS,

@@ -558,11 +558,7 @@ fn what_is_excluded_is_in_no_result() {
     assert_eq!(out.ping(100), Some(ExclusionReason::Bad));
     assert!(out.sounding_count() > 30 && out.ping_count() > 100);
     for point in &made.cloud.points {
-        let reason = match point.sounding {
-            Some(sounding) => out.sounding(sounding.get()),
-            None => out.ping(point.ping as usize),
-        };
-        assert_eq!(reason, None, "{point:?}");
+        assert_eq!(point.record().exclusion(out), None, "{point:?}");
     }
     let origin = log.survey.track.frame.origin();
     let map = MapPlane::new(Crs::utm(origin), origin);

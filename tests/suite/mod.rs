@@ -82,6 +82,7 @@ mod space;
 mod status_bar;
 mod support;
 mod survey_run;
+mod swath;
 mod targets;
 mod trusted_depths;
 mod truth;

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 fn side(point: &CloudPoint) -> Option<Side> {
     match point.source {
-        PointSource::DownScan => None,
+        PointSource::DownScan | PointSource::Swath => None,
         PointSource::Port => Some(Side::Port),
         PointSource::Starboard => Some(Side::Starboard),
     }

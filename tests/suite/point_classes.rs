@@ -139,7 +139,7 @@ fn every_file_counts_points_alike_and_weed_is_not_kept() {
     let in_weed = in_weed.filter(|(point, _)| {
         let truth = &pond.truth.pings[point.ping as usize];
         let side = match point.source {
-            PointSource::DownScan => return false,
+            PointSource::DownScan | PointSource::Swath => return false,
             PointSource::Port => truth.side(crate::survey::Side::Port),
             PointSource::Starboard => truth.side(crate::survey::Side::Starboard),
         };

@@ -44,7 +44,7 @@ fn the_map_shows_how_each_point_differs_from_the_soundings() {
     assert!(log.differences.len() > 1000);
     for one in &log.differences {
         let point = &products.cloud.points[one.measured];
-        assert!(products.classes[one.measured].is_kept() && point.sounding.is_none());
+        assert!(products.classes[one.measured].is_kept() && point.sounding().is_none());
         assert!((point.z_m - one.reference_z_m - one.difference_m).abs() < 1e-12);
     }
     assert!(window.query_by_label_contains(", residuals").is_some());

@@ -3,7 +3,7 @@
 use crate::app::{Action, App, CloudColour, Command, Jobs, LogPlace, ThemeChoice, View};
 use crate::bottom::bathymetry::{SurfaceSettings, depth_points, depth_range, surface};
 use crate::bottom::cloud::{
-    CloudPoint, Correction, PointClass, PointCloud, PointSource, SoundingIndex, ping_depths,
+    CloudPoint, Correction, PointClass, PointCloud, PointSource, RecordIndex, ping_depths,
 };
 use crate::formats;
 use crate::pipeline::Products;
@@ -91,7 +91,7 @@ fn cloud(nav: &[PingNav]) -> (PointCloud, Vec<PointClass>) {
         CloudPoint {
             source,
             ping: ping as u32,
-            sounding: SoundingIndex::new(ping).filter(|_| source == PointSource::DownScan),
+            record: RecordIndex::new(ping).filter(|_| source == PointSource::DownScan),
             reliable: true,
             above_bottom: false,
             level: 0,
@@ -166,6 +166,7 @@ fn products(
             antenna: Arc::default(),
             pings: Arc::new(nav.clone()),
             soundings: Arc::new(nav),
+            swath: Arc::default(),
             projection: Projection::Enu,
             zero_heading: 0,
             moving: 0,

@@ -43,7 +43,7 @@ impl KnownSurvey {
                 let side = match point.source {
                     PointSource::Port => Side::Port,
                     PointSource::Starboard => Side::Starboard,
-                    PointSource::DownScan => return None,
+                    PointSource::DownScan | PointSource::Swath => return None,
                 };
                 let ground = !self.truth.pings.get(point.ping as usize)?.side(side).weed;
                 ground.then(|| -point.z_m - self.truth.bed_depth_m(point.east_m, point.north_m))

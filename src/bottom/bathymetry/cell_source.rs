@@ -16,7 +16,7 @@ pub enum CellSource {
     FromLevels = 2,
     /// A first return of the side-scan lies in it, and no sounding.
     FirstReturn = 3,
-    /// A sounding of the recorder, or of a reference, lies in it.
+    /// A depth of the recorder, under the boat or across the track, or of a reference lies in it.
     Sounding = 4,
 }
 

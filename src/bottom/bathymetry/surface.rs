@@ -52,7 +52,7 @@ pub struct SurfaceSettings {
     pub max_gap_m: f64,
     /// Most cells along the longer side: where a cell would make more of them, or more than 20 million in all, it is larger.
     pub max_side: usize,
-    /// What a recorder's own sounding counts where several depths fall into one cell; 0 leaves them out.
+    /// What a recorder's own depth, a sounding or one of a swath, counts where several depths fall into one cell; 0 leaves them out.
     pub down_scan_weight: f64,
     /// What a side-scan point counts there; 0 leaves them out.
     pub side_scan_weight: f64,
@@ -91,7 +91,8 @@ impl SurfaceSettings {
     /// What a point of the bottom counts: a side-scan point by its confidence; 0 when its source is left out.
     pub fn weight(&self, point: &CloudPoint) -> f64 {
         match point.source {
-            PointSource::DownScan => self.down_scan_weight,
+            // Both are depths of the recorder itself.
+            PointSource::DownScan | PointSource::Swath => self.down_scan_weight,
             PointSource::Port | PointSource::Starboard => {
                 self.side_scan_weight * f64::from(point.ground_confidence())
             }

@@ -5,9 +5,10 @@ use super::confirmed::confirmed;
 use super::geometry::{BottomPoint, across_track, fixed_bottom_point};
 use super::level::echo_level;
 use super::specular::{Pair, cross_slopes_rad, specular_point};
+use super::swath::swath_points;
 use super::{
     BySource, CloudPoint, CloudSettings, Correction, DownScan, Geometry, PointCloud, PointSource,
-    Reduction, SoundingIndex,
+    RecordIndex, Reduction,
 };
 use crate::sonar::calibration::Calibration;
 use crate::sonar::first_return::FirstReturns;
@@ -32,7 +33,7 @@ pub(crate) fn slant_range_m(
 
 /// Builds the cloud.
 ///
-/// Every sounding and every pick of a ping with a heading gives a point. Each point lies on its own beam's side of the
+/// Every sounding, every pick of a ping with a heading and every stretch of a swath gives a point. Each point lies on its own beam's side of the
 /// track: starboard is `(h_y, -h_x) / |h|`. Ranges and depths are corrected before any geometry.
 ///
 /// # Errors
@@ -98,11 +99,13 @@ pub(crate) fn build(
         });
         points.collect()
     };
+    let swath = Arc::new(swath_points(survey, navigation, correction, progress)?);
     let [port_m, starboard_m] = &ranges;
     let points = BySource::from_parts(|source| match source {
         PointSource::DownScan => soundings.clone(),
         PointSource::Port => Arc::new(points_of(Side::Port, port_m)),
         PointSource::Starboard => Arc::new(points_of(Side::Starboard, starboard_m)),
+        PointSource::Swath => swath.clone(),
     });
     progress.advance(1);
     Ok(PointCloud {
@@ -164,7 +167,7 @@ fn sounding_points(
         .map(|(index, (sounding, place))| CloudPoint {
             source: PointSource::DownScan,
             ping: nearest_ping(sounding.time_s) as u32,
-            sounding: SoundingIndex::new(index),
+            record: RecordIndex::new(index),
             reliable: sounding.locked || is_reliable[index],
             above_bottom: false,
             level: 0,
@@ -204,7 +207,7 @@ fn side_points<'a>(
         Some(CloudPoint {
             source,
             ping: ping as u32,
-            sounding: None,
+            record: None,
             reliable: true,
             above_bottom: pick.above_bottom,
             level: 0,

@@ -9,7 +9,10 @@ use std::sync::Arc;
 /// Entries by their source, in the order of [`PointSource`] and numbered through all of them. The parts are shared by all copies; each can
 /// grow without the others being moved.
 #[derive(Clone, Debug, PartialEq)]
-pub struct BySource<T>([Arc<Vec<T>>; 3]);
+pub struct BySource<T>([Arc<Vec<T>>; PointSource::ALL.len()]);
+
+/// Entries of all sources: soundings, both sides, the swath.
+type Entries<'a, T> = Chain<Chain<Iter<'a, T>, Chain<Iter<'a, T>, Iter<'a, T>>>, Iter<'a, T>>;
 
 impl<T> Default for BySource<T> {
     fn default() -> Self {
@@ -56,15 +59,16 @@ impl<T> BySource<T> {
     }
 
     /// All entries in the order of their numbers.
-    pub fn iter(&self) -> Chain<Chain<Iter<'_, T>, Iter<'_, T>>, Iter<'_, T>> {
-        let [down_scan, port, starboard] = &self.0;
-        down_scan.iter().chain(port.iter()).chain(starboard.iter())
+    pub fn iter(&self) -> Entries<'_, T> {
+        let [down_scan, port, starboard, swath] = &self.0;
+        let sides = port.iter().chain(starboard.iter());
+        down_scan.iter().chain(sides).chain(swath.iter())
     }
 }
 
 impl FromIterator<CloudPoint> for BySource<CloudPoint> {
     fn from_iter<I: IntoIterator<Item = CloudPoint>>(points: I) -> Self {
-        let mut parts: [Vec<CloudPoint>; 3] = Default::default();
+        let mut parts: [Vec<CloudPoint>; PointSource::ALL.len()] = Default::default();
         for point in points {
             parts[point.source as usize].push(point);
         }
@@ -74,7 +78,7 @@ impl FromIterator<CloudPoint> for BySource<CloudPoint> {
 
 impl<'a, T> IntoIterator for &'a BySource<T> {
     type Item = &'a T;
-    type IntoIter = Chain<Chain<Iter<'a, T>, Iter<'a, T>>, Iter<'a, T>>;
+    type IntoIter = Entries<'a, T>;
 
     fn into_iter(self) -> Self::IntoIter {
         self.iter()
@@ -104,11 +108,16 @@ mod tests {
             PointSource::DownScan => Arc::new(vec!['a', 'b']),
             PointSource::Port => Arc::default(),
             PointSource::Starboard => Arc::new(vec!['c']),
+            PointSource::Swath => Arc::new(vec!['d', 'e']),
         });
         let all: Vec<char> = list.iter().copied().collect();
-        assert_eq!(all, ['a', 'b', 'c']);
-        assert_eq!((list.len(), list[2], list.get(3)), (3, 'c', None));
-        assert_eq!(PointSource::ALL.map(|source| list.start(source)), [0, 2, 2]);
+        assert_eq!(all, ['a', 'b', 'c', 'd', 'e']);
+        assert_eq!(
+            (list.len(), list[2], list[4], list.get(5)),
+            (5, 'c', 'e', None)
+        );
+        let starts = PointSource::ALL.map(|source| list.start(source));
+        assert_eq!(starts, [0, 2, 2, 3]);
         assert_eq!(list.of(PointSource::Starboard)[0], 'c');
     }
 }

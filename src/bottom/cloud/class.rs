@@ -88,7 +88,7 @@ impl ClassRules<'_> {
 }
 
 /// The class of every point. Outliers are found among the side-scan points as the published code does: with neither soundings nor points
-/// of too low confidence as neighbours.
+/// of too low confidence as neighbours. Those of a swath are found among its own points, which lie much closer.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -97,18 +97,24 @@ pub(crate) fn classify(
     rules: &ClassRules<'_>,
     progress: &Progress,
 ) -> Result<Vec<PointClass>, Cancelled> {
-    let place = |index: u32| match &cloud.points[index as usize] {
-        point if point.source == PointSource::DownScan || rules.has_low_confidence(point) => {
-            [f64::NAN; 3]
-        }
-        point => point.place(),
+    let side_scan = |index: u32| match &cloud.points[index as usize] {
+        point if point.source.is_side_scan() && !rules.has_low_confidence(point) => point.place(),
+        _ => [f64::NAN; 3],
     };
     let OutlierSettings {
         radius_m,
         min_neighbors,
     } = *rules.outliers;
     let count = cloud.points.len();
-    let kept = outliers::keep_places(count, &place, radius_m, min_neighbors, progress)?;
+    let mut kept = outliers::keep_places(count, &side_scan, radius_m, min_neighbors, progress)?;
+    let swath = cloud.points.of(PointSource::Swath);
+    if !swath.is_empty() {
+        let place = |index: u32| swath[index as usize].place();
+        let of_swath =
+            outliers::keep_places(swath.len(), &place, radius_m, min_neighbors, progress)?;
+        kept.truncate(count - swath.len());
+        kept.extend(of_swath);
+    }
     let points = cloud.points.iter().zip(kept);
     Ok(points
         .map(|(point, is_kept)| rules.class(point, !is_kept))
@@ -120,8 +126,10 @@ pub(crate) fn classify(
 pub struct ClassCounts {
     /// In the order of [`PointClass::ALL`].
     counts: [usize; PointClass::ALL.len()],
-    /// Points that are not soundings.
+    /// First returns of the side-scan.
     pub side_scan: usize,
+    /// Points of the swath.
+    pub swath: usize,
 }
 
 impl ClassCounts {
@@ -131,8 +139,9 @@ impl ClassCounts {
         for (index, class) in PointClass::ALL.into_iter().enumerate() {
             all.counts[index] = classes.iter().filter(|one| **one == class).count();
         }
-        let soundings = cloud.points.of(PointSource::DownScan).len();
-        all.side_scan = cloud.points.len() - soundings;
+        let count = |source| cloud.points.of(source).len();
+        all.side_scan = count(PointSource::Port) + count(PointSource::Starboard);
+        all.swath = count(PointSource::Swath);
         all
     }
 
@@ -159,9 +168,9 @@ impl ClassCounts {
         self.count(PointClass::LowNoise) + self.count(PointClass::HighNoise)
     }
 
-    /// Removed share of the side-scan points, 0 to 1.
+    /// Removed share of the points that the outlier filter looks at, those of side-scan and swath, 0 to 1.
     pub fn noise_share(&self) -> f64 {
-        self.noise() as f64 / self.side_scan.max(1) as f64
+        self.noise() as f64 / (self.side_scan + self.swath).max(1) as f64
     }
 
     /// Adds those of another log.
@@ -170,6 +179,7 @@ impl ClassCounts {
             *count += more;
         }
         self.side_scan += other.side_scan;
+        self.swath += other.swath;
     }
 }
 

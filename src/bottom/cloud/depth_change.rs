@@ -55,7 +55,7 @@ mod tests {
         CloudPoint {
             source,
             ping,
-            sounding: None,
+            record: None,
             reliable: true,
             above_bottom: false,
             level: 0,
@@ -75,7 +75,7 @@ mod tests {
                 Arc::new(points.collect::<Vec<_>>())
             };
             match source {
-                PointSource::DownScan => Arc::default(),
+                PointSource::DownScan | PointSource::Swath => Arc::default(),
                 PointSource::Port => of(port),
                 PointSource::Starboard => of(starboard),
             }

@@ -1,10 +1,10 @@
-//! The 3D point cloud: soundings under the boat, first returns beside it, and the outlier filter.
+//! The 3D point cloud: soundings under the boat, first returns beside it, depths across the track, and the outlier filter.
 //!
 //! In: a survey with its navigation, first returns and calibration. Out: points with classes, and the depth under the boat at every ping.
 //! It uses `sonar`, `survey` and `support`.
 //!
 //! `build` makes the points, held `by_source`, with `geometry` for the published feet, `specular` for the one on a slope and `correction` for what
-//! depths count from, `confirmed` says which soundings without bottom lock count, `level` says how strong its echo is, `reduction` joins it to the calibration for every read-out; `class` says what each point is, `outliers` is the filter for any points; `residuals` measures agreement
+//! depths count from, `confirmed` says which soundings without bottom lock count, `level` says how strong its echo is, `swath` makes points of depths across the track, `record` says which record measured a point, `reduction` joins it to the calibration for every read-out; `class` says what each point is, `outliers` is the filter for any points; `residuals` measures agreement
 //! with recorded depths, `scales` says between which values points are coloured.
 
 mod above_bottom;
@@ -18,10 +18,12 @@ mod geometry;
 mod level;
 pub(crate) mod outliers;
 mod ping_depth;
+mod record;
 mod reduction;
 mod residuals;
 mod scales;
 mod specular;
+mod swath;
 
 use crate::support::named::named;
 pub(crate) use build::{build, slant_range_m};
@@ -34,6 +36,7 @@ pub(crate) use geometry::{across_track, fixed_bottom_point};
 pub(crate) use ping_depth::{
     DepthSource, PingDepth, TrackShare, clear_excluded_depths, ping_depths,
 };
+pub(crate) use record::{PointRecord, RecordIndex};
 pub(crate) use reduction::Reduction;
 pub(crate) use residuals::{Residuals, residuals, same_ping_differences};
 pub(crate) use scales::PointScales;
@@ -41,7 +44,6 @@ pub(crate) use scales::PointScales;
 use crate::sonar::first_return::ground_confidence;
 use crate::survey::Exclusions;
 use serde::{Deserialize, Serialize};
-use std::num::NonZero;
 use std::sync::Arc;
 
 /// Where a first return is placed.
@@ -120,6 +122,8 @@ pub enum PointSource {
     Port,
     /// The first return to starboard.
     Starboard,
+    /// A depth across the track that the recorder measured.
+    Swath,
 }
 
 named! {
@@ -128,23 +132,14 @@ named! {
         DownScan: "downscan",
         Port: "port",
         Starboard: "starboard",
+        Swath: "swath",
     }
 }
 
-/// Index of a sounding, so that having none takes no room.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SoundingIndex(NonZero<u32>);
-
-impl SoundingIndex {
-    /// `None` beyond four billion.
-    pub fn new(index: usize) -> Option<Self> {
-        let next = u32::try_from(index).ok()?.checked_add(1)?;
-        NonZero::new(next).map(Self)
-    }
-
-    /// Index into [`crate::survey::Survey::soundings`].
-    pub fn get(self) -> usize {
-        self.0.get() as usize - 1
+impl PointSource {
+    /// Whether it is a first return of the side-scan.
+    pub(crate) fn is_side_scan(self) -> bool {
+        matches!(self, Self::Port | Self::Starboard)
     }
 }
 
@@ -153,10 +148,10 @@ impl SoundingIndex {
 pub struct CloudPoint {
     /// What measured it.
     pub source: PointSource,
-    /// The side-scan ping; for a sounding the side-scan ping nearest in time (0 in a log without side-scan).
+    /// The side-scan ping; for other points the side-scan ping nearest in time (0 in a log without side-scan).
     pub ping: u32,
-    /// The sounding for down-scan points.
-    pub sounding: Option<SoundingIndex>,
+    /// The sounding for down-scan points, the ping of the swath for swath points ([`CloudPoint::record`]).
+    pub record: Option<RecordIndex>,
     /// Whether a sounding may be kept: false where the recorder had lost the bottom, unless a first return confirms it or
     /// [`DownScan::All`] asks for it.
     pub reliable: bool,
@@ -164,14 +159,14 @@ pub struct CloudPoint {
     /// than this departs from the bed nearby.
     pub above_bottom: bool,
     /// Level of the echo of a first return: the greatest recorded level, 0 to 255, from the pick to 0.2 m of slant range beyond it; 0 for
-    /// a sounding, of which none is known. Samples of two bytes are scaled to one, as everywhere.
+    /// other points, of which none is known. Samples of two bytes are scaled to one, as everywhere.
     pub level: u8,
     /// How far along the track most first returns of both sides lie above the recorded depth as this one does, metres; 0 where
     /// it does not.
     pub above_bottom_m: f32,
-    /// The confidence of the first return ([`crate::sonar::first_return::Pick::confidence`]); NaN for a sounding.
+    /// The confidence of the first return ([`crate::sonar::first_return::Pick::confidence`]); NaN for other points.
     pub confidence: f32,
-    /// First return in u8 samples outward; NaN for a sounding.
+    /// First return in u8 samples outward; for a swath point the number of its depth in its ping; NaN for a sounding.
     pub sample: f32,
     /// Metres east of the survey's origin.
     pub east_m: f64,
@@ -184,7 +179,7 @@ pub struct CloudPoint {
 /// All points, before the outlier filter.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PointCloud {
-    /// Soundings first, then port and starboard in ping order.
+    /// Soundings first, then port and starboard in ping order, then the swath.
     pub points: BySource<CloudPoint>,
     /// Pings that gave no side-scan point because they have no heading.
     pub zero_heading: usize,
@@ -202,19 +197,13 @@ impl PointCloud {
         })
     }
 
-    /// The same without the points of pings and soundings that are excluded.
+    /// The same without the points of records that are excluded.
     #[must_use]
     pub fn without(self, exclusions: &Exclusions) -> Self {
         if exclusions.is_empty() {
             return self;
         }
-        let counts = |point: &&CloudPoint| {
-            let reason = match point.sounding {
-                Some(sounding) => exclusions.sounding(sounding.get()),
-                None => exclusions.ping(point.ping as usize),
-            };
-            reason.is_none()
-        };
+        let counts = |point: &&CloudPoint| point.record().exclusion(exclusions).is_none();
         let counted = |source| self.points.of(source).iter().filter(counts).copied();
         Self {
             points: BySource::from_parts(|source| Arc::new(counted(source).collect())),

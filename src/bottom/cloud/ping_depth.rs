@@ -1,6 +1,6 @@
 //! The depth under the boat at every ping, and what it comes from.
 
-use super::{Correction, PointClass, PointCloud, PointSource};
+use super::{Correction, PointClass, PointCloud};
 use crate::survey::{Exclusions, PingNav, Survey};
 use serde::Serialize;
 
@@ -45,7 +45,7 @@ pub(crate) fn ping_depths(
         .map(|(depth_m, source)| PingDepth { depth_m, source })
         .collect();
     let kept = cloud.kept(classes);
-    for (_, point) in kept.filter(|(_, point)| point.source != PointSource::DownScan) {
+    for (_, point) in kept.filter(|(_, point)| point.source.is_side_scan()) {
         if let Some(depth) = depths.get_mut(point.ping as usize)
             && depth.source != DepthSource::Sounding
         {

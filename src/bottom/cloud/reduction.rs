@@ -4,7 +4,7 @@
 //! Slant ranges are those of the picture as calibrated, by the true speed of sound. Depths count from the [`DepthReference`].
 
 use super::correction::DepthReference;
-use super::{CloudPoint, Correction, PointSource, SoundingIndex};
+use super::{CloudPoint, Correction, PointRecord};
 use crate::sonar::calibration::Calibration;
 use crate::survey::{Side, SideSpan, Survey};
 
@@ -40,19 +40,24 @@ impl<'a> Reduction<'a> {
             .map_or(f64::NAN, |span| self.range_m(span, f64::from(sample)))
     }
 
-    /// Slant range at which a point of the cloud was measured, metres; of a sounding its distance straight below. NaN where the log does
-    /// not have the point's ping.
+    /// Slant range at which a point of the cloud was measured, metres; of a sounding its distance straight below, of a swath point that
+    /// straight to its place. NaN where the log does not have the point's record.
     pub fn point_range_m(&self, survey: &Survey, point: &CloudPoint) -> f64 {
-        let side = match point.source {
-            PointSource::Port => Side::Port,
-            PointSource::Starboard => Side::Starboard,
-            PointSource::DownScan => {
-                let sounding = point.sounding.map(SoundingIndex::get);
-                let sounding = sounding.and_then(|index| survey.soundings.get(index));
-                return sounding.map_or(f64::NAN, |one| self.altitude_m(f64::from(one.depth_m)));
+        let recorded_m = match (point.record(), point.side(survey)) {
+            (PointRecord::Ping(ping), Some(side)) => {
+                return self.range_at_m(survey, ping, side, point.sample);
+            }
+            (PointRecord::Ping(_), None) => None,
+            (PointRecord::Sounding(index), _) => {
+                let sounding = survey.soundings.get(index);
+                sounding.map(|one| f64::from(one.depth_m))
+            }
+            (PointRecord::Swath(_), _) => {
+                let sounding = point.swath_sounding(survey);
+                sounding.map(|one| one.out_m.hypot(one.depth_m))
             }
         };
-        self.range_at_m(survey, point.ping as usize, side, point.sample)
+        recorded_m.map_or(f64::NAN, |recorded_m| self.altitude_m(recorded_m))
     }
 
     /// Inverse of [`Reduction::range_m`].

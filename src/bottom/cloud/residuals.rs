@@ -1,6 +1,6 @@
 //! Statistics of differences, and those of side-scan depths from recorded depths.
 
-use super::{Correction, PointClass, PointCloud, PointSource};
+use super::{Correction, PointClass, PointCloud};
 use crate::support::statistics::{median, quantile};
 use crate::survey::Survey;
 use serde::Serialize;
@@ -49,7 +49,7 @@ pub(crate) fn same_ping_differences(
 ) -> Vec<f64> {
     cloud
         .kept(classes)
-        .filter(|(_, point)| point.source != PointSource::DownScan)
+        .filter(|(_, point)| point.source.is_side_scan())
         .filter_map(|(_, point)| {
             let ping = survey.side_scan.get(point.ping as usize)?;
             let recorded_m = f64::from(ping.locked_depth_m());

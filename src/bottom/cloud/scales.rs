@@ -1,6 +1,6 @@
 //! Between which values the points of a cloud are coloured.
 
-use super::{PointClass, PointCloud, PointSource, Reduction};
+use super::{PointClass, PointCloud, Reduction};
 use crate::support::statistics::{colour_ends, wider};
 use crate::survey::Survey;
 
@@ -23,9 +23,7 @@ impl PointScales {
         reduction: &Reduction<'_>,
     ) -> Self {
         let points = cloud.kept(classes).map(|(_, point)| point);
-        let side_scan = points
-            .clone()
-            .filter(|point| point.source != PointSource::DownScan);
+        let side_scan = points.clone().filter(|point| point.source.is_side_scan());
         Self {
             level: colour_ends(side_scan.map(|point| f32::from(point.level))),
             range_m: colour_ends(points.map(|point| reduction.point_range_m(survey, point) as f32)),

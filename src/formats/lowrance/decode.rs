@@ -1,7 +1,8 @@
 //! From frames to pings, depths and fixes in SI units.
 
-use super::frame::{LowranceFrame, metres};
+use super::frame::{LowranceFrame, STRUCTURE_SCAN_3D, metres};
 use super::sides;
+use super::swath::SwathTotals;
 use crate::formats::clock::{Clock, ClockVerdict};
 use crate::formats::collected::{Collected, Counted};
 use crate::formats::report::WarningKind;
@@ -11,14 +12,12 @@ use crate::survey::{ChannelKind, Fix};
 /// Unix seconds below this (year 2000) are a counter, not a time; above the other (2100), damage.
 const UNIX_S: std::ops::Range<u32> = 946_684_800..4_102_444_800;
 
-/// Channel number of depths across the track.
-const STRUCTURE_SCAN_3D: u16 = 9;
-
 /// Gives frames their meaning, a little behind the walk so that a damaged time is seen.
 #[derive(Default)]
 pub(super) struct Reader {
     clock: Clock<LowranceFrame>,
     keel_ft: f32,
+    swath: SwathTotals,
     /// The last place, as recorded and as degrees: units repeat a fix for tens of frames.
     place: Option<([i32; 2], LonLat)>,
 }
@@ -37,16 +36,7 @@ impl Reader {
             self.settle(log, verdict);
         }
         log.report.set_back(self.clock.set_back_s());
-        let swath = log
-            .channels
-            .iter()
-            .find(|(number, _)| *number == STRUCTURE_SCAN_3D);
-        if let Some((_, swath)) = swath {
-            log.report.log(format!(
-                "the log holds {} frames of StructureScan 3D (channel 9), whose depths across the track are not read; side-scan and soundings are",
-                swath.ping_count
-            ));
-        }
+        self.swath.report(log);
         if self.keel_ft != 0.0 {
             let keel_m = metres(self.keel_ft);
             log.report.log(format!(
@@ -84,7 +74,7 @@ impl Reader {
             range_m: sides::range_m(kind, frame),
         };
         log.count(frame.channel, counted);
-        let is_sonar = !matches!(kind, ChannelKind::Other(_));
+        let is_sonar = !matches!(kind, ChannelKind::Swath | ChannelKind::Other(_));
         if is_sonar && frame.depth_ft > 0.0 {
             // A whole metre of keel offset is rare; ten are damage.
             let keel_ft = Some(frame.keel_ft)
@@ -96,7 +86,10 @@ impl Reader {
         if frame.x_m != 0 && frame.y_m != 0 {
             log.add_fix(fix(frame, time_s, self.position(frame)));
         }
-        sides::keep(log, kind, frame, time_s);
+        match kind {
+            ChannelKind::Swath => self.swath.keep(log, frame, time_s),
+            _ => sides::keep(log, kind, frame, time_s),
+        }
     }
 
     fn position(&mut self, frame: &LowranceFrame) -> LonLat {
@@ -141,6 +134,7 @@ fn channel_kind(channel: u16) -> ChannelKind {
         3 => ChannelKind::Port,
         4 => ChannelKind::Starboard,
         5 => ChannelKind::Composite,
+        STRUCTURE_SCAN_3D => ChannelKind::Swath,
         other => ChannelKind::Other(other),
     }
 }

@@ -13,6 +13,8 @@ pub(crate) enum FrameLayout {
     Sl3,
 }
 
+/// Channel number of depths across the track. The packet length in its headers is not that of the data.
+pub(super) const STRUCTURE_SCAN_3D: u16 = 9;
 /// No channel number above this was ever seen; a header with one is not a header.
 const LAST_CHANNEL: u16 = 31;
 /// No header is longer than this.
@@ -147,12 +149,15 @@ fn from_sl2(offset: usize, header: &sl2::Header) -> LowranceFrame {
 
 fn from_sl3(offset: usize, header: &sl3::Header) -> LowranceFrame {
     let size = usize::from(header.frame_size);
-    let usual = if matches!(header.channel, 7 | 8) {
-        128
-    } else {
-        168
+    let usual = match (header.channel, header.frame_version) {
+        (7 | 8, _) => 128,
+        (_, 13) => 180,
+        _ => 168,
     };
-    let start = data_start(size, header.packet as usize, 128, usual);
+    let start = match header.channel {
+        STRUCTURE_SCAN_3D => usual.min(size),
+        _ => data_start(size, header.packet as usize, 128, usual),
+    };
     LowranceFrame {
         offset,
         size,

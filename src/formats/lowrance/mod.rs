@@ -1,4 +1,4 @@
-//! Lowrance SL2 and SL3; and SLG, which has depths and a track (`slg`).
+//! Lowrance SL2 and SL3, with the depths of StructureScan 3D (`swath`); and SLG, which has depths and a track (`slg`).
 //!
 //! In: the bytes of a recording. Out: a collected log.
 //! It uses `survey` and `support`.
@@ -10,6 +10,7 @@ mod sides;
 pub(crate) mod sl2;
 pub(crate) mod sl3;
 mod slg;
+mod swath;
 mod walk;
 pub(crate) mod write;
 

@@ -1,6 +1,7 @@
 //! The sides of a side-scan frame: both in one (channel 5), or one alone (channels 3 and 4).
 
 use super::frame::{LowranceFrame, metres};
+use super::swath;
 use crate::formats::collected::{Collected, HalfPing, is_range, is_sound};
 use crate::formats::report::WarningKind;
 use crate::survey::{ChannelKind, Encoding, SampleOrder, SidePing, SideSpan};
@@ -40,10 +41,11 @@ pub(super) fn keep(log: &mut Collected, kind: ChannelKind, frame: &LowranceFrame
     }
 }
 
-/// Samples of one side.
+/// Samples of one side; of a swath the depths of both, with those that are not used.
 pub(super) fn samples_a_side(kind: ChannelKind, frame: &LowranceFrame) -> usize {
     match kind {
         ChannelKind::Composite => frame.data_len / 2,
+        ChannelKind::Swath => swath::most_pairs(frame),
         _ => frame.data_len,
     }
 }
@@ -57,7 +59,7 @@ pub(super) fn range_m(kind: ChannelKind, frame: &LowranceFrame) -> Option<(f32, 
             (span.near_m, span.far_m)
         }
         // The raw products carry other numbers in these fields.
-        ChannelKind::Other(_) => return None,
+        ChannelKind::Swath | ChannelKind::Other(_) => return None,
         _ => (metres(frame.min_range_ft), metres(frame.max_range_ft)),
     };
     is_range(near_m, far_m).then_some((near_m, far_m))

@@ -5,19 +5,13 @@ use crate::bottom::bathymetry::compare::{Comparison, Match};
 use crate::bottom::cloud::{CloudPoint, PointSource};
 use crate::pipeline::{NamedComparison, ProcessedLog};
 
-const PARTS: [(&str, &[PointSource]); 5] = [
-    (
-        "all points",
-        &[
-            PointSource::DownScan,
-            PointSource::Port,
-            PointSource::Starboard,
-        ],
-    ),
+const PARTS: [(&str, &[PointSource]); 6] = [
+    ("all points", &PointSource::ALL),
     ("down-scan", &[PointSource::DownScan]),
     ("side-scan", &[PointSource::Port, PointSource::Starboard]),
     ("port", &[PointSource::Port]),
     ("starboard", &[PointSource::Starboard]),
+    ("swath", &[PointSource::Swath]),
 ];
 
 impl Agreement {

@@ -57,25 +57,30 @@ struct Chosen {
 }
 
 impl Agreement {
-    /// Of the kept side-scan points of all logs with the triangulated soundings of all of them at their place; `None` where no point lies
+    /// Of the kept points of some sources of all logs with the triangulated soundings of all of them at their place; `None` where no point lies
     /// over them. The logs lie in one frame.
     ///
     /// # Errors
     /// When the work was cancelled.
     pub(crate) fn with_soundings(
         logs: &[ProcessedLog],
+        sources: &[PointSource],
         progress: &Progress,
     ) -> Result<Option<Self>, Cancelled> {
         let Some(first) = logs.first() else {
             return Ok(None);
         };
+        let is_asked = |point: &CloudPoint| sources.contains(&point.source);
+        let asked = chosen(logs, |products| kept(products, is_asked));
+        if asked.is_empty() {
+            return Ok(None);
+        }
         let is_sounding = |point: &CloudPoint| point.source == PointSource::DownScan;
         let soundings = chosen(logs, |products| kept(products, is_sounding));
         let soundings = soundings.iter().map(|one| point(logs, *one).place());
         let max_gap_m = first.products.settings.surface.max_gap_m;
-        let side_scan = chosen(logs, |products| kept(products, |point| !is_sounding(point)));
         let matching = Matching::Surface { max_gap_m };
-        Self::of(logs, &side_scan, soundings, matching, progress)
+        Self::of(logs, &asked, soundings, matching, progress)
     }
 
     /// Of the kept points of all logs that a depth map is made of with a reference. The logs lie in one frame.

@@ -56,10 +56,7 @@ pub(super) fn tables<'a>(
 
 /// Where the boat was when a point was measured.
 fn boat<'a>(products: &'a Products, point: &CloudPoint) -> Option<&'a PingNav> {
-    match point.sounding {
-        Some(sounding) => products.navigation.soundings.get(sounding.get()),
-        None => products.navigation.pings.get(point.ping as usize),
-    }
+    point.record().place(&products.navigation)
 }
 
 /// Distance of a point from where the boat was, to starboard; NaN where that is not known.

@@ -74,7 +74,7 @@ pub(crate) fn choices(
         Matching::Surface { max_gap_m },
     );
     let (judged, counted) = (products.judged_returns(survey), products.counted_returns());
-    let is_side_scan = |point: &&CloudPoint| point.source != PointSource::DownScan;
+    let is_side_scan = |point: &&CloudPoint| point.source.is_side_scan();
     let mut found = Vec::new();
     for (name, mode, ppd, offset) in CALIBRATIONS {
         let mut settings = products.settings.calibration.clone();

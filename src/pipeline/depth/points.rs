@@ -1,7 +1,7 @@
 //! The points of a cloud as depths for a surface.
 
 use crate::bottom::bathymetry::{DepthPoint, SurfaceSettings};
-use crate::bottom::cloud::{CloudPoint, PointClass, PointCloud, PointSource};
+use crate::bottom::cloud::{CloudPoint, PointClass, PointCloud};
 
 /// The kept points of a cloud that count for a surface, as weighted depths; `place` gives east, north and elevation in its plane.
 pub(crate) fn depth_points(
@@ -25,7 +25,7 @@ pub(crate) fn depth_points(
             north_m,
             depth_m: -z_m,
             weight,
-            is_sounding: source == PointSource::DownScan,
+            is_sounding: !source.is_side_scan(),
         },
     ));
     points

@@ -1,4 +1,4 @@
-//! Side-scan points against the soundings of the same survey.
+//! Side-scan points, and those of a swath, against the soundings of the same survey.
 
 use super::plane::CloudPlane;
 use crate::bottom::bathymetry::compare::{Comparison, Match, Matching, match_points};
@@ -26,7 +26,7 @@ pub(crate) struct NamedComparison {
     pub comparison: Comparison,
 }
 
-/// Port, starboard and both against the surface of the soundings at their place, and against the nearest sounding, of all logs
+/// Port, starboard, both and the swath against the surface of the soundings at their place, and against the nearest sounding, of all logs
 /// together in the plane of a map; empty where there is no side-scan point or no sounding.
 ///
 /// # Errors
@@ -41,7 +41,7 @@ pub(crate) fn comparisons(
     };
     let is_sounding = |point: &CloudPoint| point.source == PointSource::DownScan;
     let (reference, _) = points(logs, map, is_sounding, |_, _| ());
-    let (side_scan, kinds) = points(logs, map, |point| !is_sounding(point), kind);
+    let (measured, kinds) = points(logs, map, |point| !is_sounding(point), kind);
     let max_gap_m = first.products.settings.surface.max_gap_m;
     let ways = [
         Matching::Surface { max_gap_m },
@@ -51,7 +51,7 @@ pub(crate) fn comparisons(
     let mut found = Vec::new();
     for matching in ways {
         // Each point is matched once, whichever lists it is in.
-        let all = match_points(&side_scan, &reference, matching, progress)?;
+        let all = match_points(&measured, &reference, matching, progress)?;
         for (source, counts) in LISTS {
             let matches: Vec<Match> = all
                 .iter()
@@ -72,7 +72,7 @@ pub(crate) fn comparisons(
     Ok(found)
 }
 
-/// What decides which lists a side-scan point is in.
+/// What decides which lists a point is in.
 #[derive(Clone, Copy)]
 struct PointKind {
     source: PointSource,
@@ -83,12 +83,15 @@ struct PointKind {
 /// Whether a list has a point.
 type PointTest = fn(PointKind) -> bool;
 
-/// The lists of side-scan points, each with a name.
-const LISTS: [(&str, PointTest); 4] = [
-    ("side-scan", |_| true),
+/// The lists of points, each with a name.
+const LISTS: [(&str, PointTest); 5] = [
+    ("side-scan", |kind| kind.source.is_side_scan()),
     ("port", |kind| kind.source == PointSource::Port),
     ("starboard", |kind| kind.source == PointSource::Starboard),
-    ("side-scan where the bottom was lost", |kind| kind.is_lost),
+    ("side-scan where the bottom was lost", |kind| {
+        kind.source.is_side_scan() && kind.is_lost
+    }),
+    ("swath", |kind| kind.source == PointSource::Swath),
 ];
 
 /// Kept points of all logs in the plane of a map, log by log, each with what `read` says of it.
@@ -109,7 +112,7 @@ fn points<T>(
     found
 }
 
-/// Which lists a side-scan point is in.
+/// Which lists a point is in.
 fn kind(survey: &Survey, point: &CloudPoint) -> PointKind {
     PointKind {
         source: point.source,

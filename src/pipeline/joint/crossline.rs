@@ -31,7 +31,7 @@ pub(crate) fn track_depths(log: &ProcessedLog) -> Vec<TrackDepth> {
         .kept_points()
         .filter(|point| point.source == PointSource::DownScan);
     let depths = soundings.filter_map(|point| {
-        let time_s = survey.soundings.get(point.sounding?.get())?.time_s;
+        let time_s = survey.soundings.get(point.sounding()?)?.time_s;
         let [east_m, north_m, z_m] = point.place();
         Some(TrackDepth::new(time_s, [east_m, north_m], -z_m))
     });

@@ -356,7 +356,7 @@ rows! {
         number!(surface.max_side, "", [16.0, 32_768.0], 1.0, 0, LogSlider);
     // Only the one against the other counts: 0 to 1 has every share.
     DOWN_SCAN_WEIGHT: "surface.down_scan_weight", "Soundings", "weight of soundings",
-        "Weight of a sounding where several depths lie in one cell; 0 does not use soundings.",
+        "Weight of a sounding, and of a depth of StructureScan 3D, where several depths lie in one cell; 0 does not use them.",
         number!(surface.down_scan_weight, "", [0.0, 1.0], 0.05, 2, Slider);
     SIDE_SCAN_WEIGHT: "surface.side_scan_weight", "Side-scan", "weight of side-scan points",
         "Weight of a side-scan point where it shares a cell with a sounding; 0 does not use side-scan points.",

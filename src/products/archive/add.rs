@@ -161,7 +161,7 @@ impl LogTiles<'_> {
         }
         let soundings = of_tile.into_iter().flatten().filter(|row| {
             let (point, class) = log.point(row.index);
-            row.is_core && point.sounding.is_some() && log.weight(point, class) > 0.0
+            row.is_core && point.sounding().is_some() && log.weight(point, class) > 0.0
         });
         let seen = (self.pings.rows.get(&tile)).zip(self.pings.footprints.get(&tile));
         if let Some((pings, footprints)) = seen {

@@ -147,7 +147,7 @@ fn track(
     let path = |kind: &str| archive.rows_path(kind, tile, &log.log);
     if log.soundings > 0 && rows.points > 0 {
         let points = point_rows::read(&path(POINTS))?.into_iter();
-        let soundings = points.filter(|row| row.depth.is_sounding);
+        let soundings = points.filter(|row| row.is_under_boat);
         return Ok(soundings
             .map(|row| TrackDepth {
                 time_s: row.time_s,

@@ -59,17 +59,7 @@ impl LogRows<'_> {
 
     /// Seconds after the log's time zero.
     pub(super) fn time_of(&self, point: &CloudPoint) -> f64 {
-        let sounding = point
-            .sounding
-            .and_then(|one| self.survey.soundings.get(one.get()));
-        let ping = || {
-            self.survey
-                .side_scan
-                .get(point.ping as usize)
-                .map(|ping| ping.time_s)
-        };
-        let time_s = sounding.map(|one| one.time_s).or_else(ping);
-        time_s.unwrap_or(f64::NAN)
+        point.record().time_s(self.survey).unwrap_or(f64::NAN)
     }
 
     /// Microseconds since 1970 of a time of the log.

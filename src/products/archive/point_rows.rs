@@ -4,8 +4,9 @@ use super::error::ArchiveError;
 use super::log_rows::LogRows;
 use super::spread::{self, TileRow};
 use crate::bottom::bathymetry::DepthPoint;
-use crate::bottom::cloud::{CloudPoint, PointClass, PointSource};
+use crate::bottom::cloud::{CloudPoint, PointClass};
 use crate::formats::parquet_table::{Column, ParquetError, ParquetFault, Values, read_parquet};
+use crate::survey::Side;
 use std::path::Path;
 
 /// Columns of the rows of points in a tile.
@@ -13,16 +14,12 @@ pub(super) fn columns(log: &LogRows<'_>, rows: &[TileRow]) -> Vec<Column> {
     let points: Vec<(&CloudPoint, PointClass)> =
         rows.iter().map(|row| log.point(row.index)).collect();
     let times_s: Vec<f64> = points.iter().map(|(point, _)| log.time_of(point)).collect();
-    let side = |point: &CloudPoint| match point.source {
-        PointSource::DownScan => "",
-        side => side.name(),
-    };
+    let side = |point: &CloudPoint| point.side(log.survey).map_or("", Side::name);
     let ping = |point: &CloudPoint| {
         let is_known = (point.ping as usize) < log.survey.side_scan.len();
         is_known.then(|| i32::try_from(point.ping).ok()).flatten()
     };
-    let sounding =
-        |point: &CloudPoint| point.sounding.and_then(|one| i32::try_from(one.get()).ok());
+    let sounding = |point: &CloudPoint| point.sounding().and_then(|one| i32::try_from(one).ok());
     let each = || points.iter().map(|(point, _)| *point);
     let classes = || points.iter().map(|(_, class)| *class);
     let weights = points
@@ -58,6 +55,8 @@ pub(super) fn columns(log: &LogRows<'_>, rows: &[TileRow]) -> Vec<Column> {
 pub(super) struct PointRow {
     /// Place in the zone, depth as the log has it, weight 0 where it does not count.
     pub depth: DepthPoint,
+    /// Whether it is a sounding: a depth of the recorder under the boat.
+    pub is_under_boat: bool,
     /// Seconds after the log's time zero.
     pub time_s: f64,
     /// Velocity of the boat, metres a second along the zone's axes.
@@ -69,12 +68,13 @@ pub(super) struct PointRow {
 /// # Errors
 /// When the file cannot be read.
 pub(super) fn read(path: &Path) -> Result<Vec<PointRow>, ArchiveError> {
-    const NAMES: [&str; 8] = [
+    const NAMES: [&str; 9] = [
         "x",
         "y",
         "depth_m",
         "weight",
         "sounding",
+        "confidence",
         "time_s",
         "velocity_x_mps",
         "velocity_y_mps",
@@ -91,11 +91,12 @@ pub(super) fn read(path: &Path) -> Result<Vec<PointRow>, ArchiveError> {
             Values::Double(depth_m),
             Values::Double(weight),
             Values::Whole(sounding),
+            Values::Float(confidence),
             Values::Double(time_s),
             Values::Float(velocity_x),
             Values::Float(velocity_y),
         ],
-    ) = <[Values; 8]>::try_from(read)
+    ) = <[Values; 9]>::try_from(read)
     else {
         return Err(damaged().into());
     };
@@ -105,6 +106,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<PointRow>, ArchiveError> {
         depth_m.len(),
         weight.len(),
         sounding.len(),
+        confidence.len(),
         time_s.len(),
         velocity_x.len(),
         velocity_y.len(),
@@ -118,8 +120,10 @@ pub(super) fn read(path: &Path) -> Result<Vec<PointRow>, ArchiveError> {
             north_m: y[index],
             depth_m: depth_m[index],
             weight: weight[index],
-            is_sounding: sounding[index].is_some(),
+            // First returns have a confidence, soundings and the swath have none.
+            is_sounding: confidence[index].is_nan(),
         },
+        is_under_boat: sounding[index].is_some(),
         time_s: time_s[index],
         velocity_mps: [velocity_x[index], velocity_y[index]].map(f64::from),
     };

@@ -6,21 +6,21 @@ use super::las::{LasPacking, LasSpec, write_las};
 use super::{ExportError, LogPoints, Summary, colour};
 use crate::bottom::cloud::{CloudPoint, PointClass, PointSource};
 use crate::support::geo::Crs;
+use crate::survey::{Side, Survey};
 use las::point::Classification;
 use las::{Color, Point};
 use rayon::prelude::*;
 use std::path::Path;
 
-/// Stands for "no confidence": a sounding has none.
+/// Stands for "no confidence": soundings and the swath have none.
 const NO_CONFIDENCE: f32 = -1.0;
+/// What the dimension of the source says.
+const SOURCES: &str = "0 recorded depth, 1 side-scan";
+/// The same where there is a swath.
+const SOURCES_WITH_SWATH: &str = "0 depth, 1 side-scan, 2 swath";
 /// What a point carries, in the order of [`extra_bytes_of`].
 const DIMENSIONS: [Dimension; 5] = [
-    Dimension::new(
-        "source",
-        DimensionType::U8,
-        None,
-        "0 recorded depth, 1 side-scan",
-    ),
+    Dimension::new("source", DimensionType::U8, None, SOURCES),
     Dimension::new("ping", DimensionType::U32, None, "side-scan ping, from 0"),
     Dimension::new(
         "side",
@@ -40,9 +40,9 @@ const DIMENSIONS: [Dimension; 5] = [
 /// Writes all points as COPC or LAS 1.4 in a system (its WKT in the header), whatever the plane of the cloud; `place` gives where
 /// a point lies there. z is elevation in metres above the transducer, so negative.
 ///
-/// Points that do not count for the map are withheld; the class says why, and the header names the classes. Intensity is the echo level of the first return, 0 to 255 times 257; 0 for soundings, of which the level is not known. Colours are
+/// Points that do not count for the map are withheld; the class says why, and the header names the classes. Intensity is the echo level of the first return, 0 to 255 times 257; 0 for soundings and the swath, of which the level is not known. Colours are
 /// the paper's; the extra dimensions are source, ping, side, confidence of the first return and slant range; the user data are 0
-/// for soundings, 1 for port, 2 for starboard. The GPS time field holds adjusted standard GPS time, and the header says so, where
+/// for soundings, 1 for port, 2 for starboard, 3 for the swath. The GPS time field holds adjusted standard GPS time, and the header says so, where
 /// the log knows when it was; otherwise seconds after the log's time zero.
 ///
 /// Of several logs the point source is the number of the log, from 1 on; of one it is 0. Times are seconds after each log's time zero
@@ -64,12 +64,16 @@ pub(crate) fn cloud_las(
     }
     let knows_time = logs.iter().all(|log| log.survey.start_unix_s.is_some());
     let origin = logs.first().map(|log| log.survey.track.frame.origin());
+    let mut dimensions = DIMENSIONS;
+    if logs.iter().any(|log| !log.survey.swath.is_empty()) {
+        dimensions[0] = Dimension::new("source", DimensionType::U8, None, SOURCES_WITH_SWATH);
+    }
     let spec = LasSpec {
         packing,
         crs,
         origin,
         knows_time,
-        dimensions: &DIMENSIONS,
+        dimensions: &dimensions,
     };
     let places = (points.iter()).map(|(_, _, (point, _), [x, y])| [*x, *y, point.z_m]);
     let records = points.iter().map(|(source, log, point, at)| {
@@ -91,14 +95,7 @@ fn las_point(
 ) -> las::Result<Point> {
     let survey = log.survey;
     let range_m = log.reduction().point_range_m(survey, point);
-    let time_s = match point.sounding {
-        Some(sounding) => survey.soundings.get(sounding.get()).map(|s| s.time_s),
-        None => survey
-            .side_scan
-            .get(point.ping as usize)
-            .map(|ping| ping.time_s),
-    };
-    let time_s = time_s.unwrap_or(0.0);
+    let time_s = point.record().time_s(survey).unwrap_or(0.0);
     let gps_time_s = start_unix_s.map_or(time_s, |start_unix_s| {
         adjusted_standard_s(start_unix_s + time_s)
     });
@@ -116,17 +113,22 @@ fn las_point(
         point_source_id,
         gps_time: Some(gps_time_s),
         color: Some(Color { red, green, blue }),
-        extra_bytes: extra_bytes_of(point, range_m),
+        extra_bytes: extra_bytes_of(survey, point, range_m),
         ..Point::default()
     })
 }
 
 /// The dimensions of a point, which was measured at a slant range.
-fn extra_bytes_of(point: &CloudPoint, range_m: f64) -> Vec<u8> {
-    let (source, side) = match point.source {
-        PointSource::DownScan => (0, 0),
-        PointSource::Port => (1, 1),
-        PointSource::Starboard => (1, 2),
+fn extra_bytes_of(survey: &Survey, point: &CloudPoint, range_m: f64) -> Vec<u8> {
+    let source = match point.source {
+        PointSource::DownScan => 0,
+        PointSource::Port | PointSource::Starboard => 1,
+        PointSource::Swath => 2,
+    };
+    let side = match point.side(survey) {
+        None => 0,
+        Some(Side::Port) => 1,
+        Some(Side::Starboard) => 2,
     };
     let confidence = if point.confidence.is_nan() {
         NO_CONFIDENCE

@@ -100,11 +100,12 @@ fn millimetres(metres: f64) -> f64 {
     (metres * 1e3).round() / 1e3
 }
 
-/// Colours of the paper: soundings black, starboard red, port blue.
+/// Colours of the paper: soundings black, starboard red, port blue; the swath violet.
 fn colour(source: PointSource) -> [u8; 3] {
     match source {
         PointSource::DownScan => [0, 0, 0],
         PointSource::Starboard => [255, 0, 0],
         PointSource::Port => [0, 0, 255],
+        PointSource::Swath => [150, 0, 200],
     }
 }

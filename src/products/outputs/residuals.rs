@@ -1,13 +1,15 @@
-//! `residuals.json`: side-scan points against the soundings of the survey, the tracks against themselves and each other.
+//! `residuals.json`: side-scan points, and those of a swath, against the soundings of the survey, the tracks against themselves and each other.
 
 use super::content::{FileContent, FileResult};
 use super::results::Results;
+use crate::bottom::cloud::PointSource;
 use crate::pipeline::{
     Agreement, Crosslines, GeometryChoice, NamedComparison, ProcessedLog, ResidualTables, Settings,
     choices, comparisons, crosslines,
 };
 use crate::products::export::write_json;
 use crate::products::outputs::OutputError;
+use crate::support::progress::{Cancelled, Progress};
 use serde::Serialize;
 use std::path::Path;
 use std::slice;
@@ -19,6 +21,8 @@ struct Record<'a> {
     statement: String,
     comparisons: &'a [NamedComparison],
     side_scan: Option<ResidualTables>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    swath: Option<ResidualTables>,
     /// Of one log.
     #[serde(skip_serializing_if = "Option::is_none")]
     choices: Option<Vec<GeometryChoice>>,
@@ -36,10 +40,14 @@ struct LogResiduals {
     statement: String,
     comparisons: Vec<NamedComparison>,
     side_scan: Option<ResidualTables>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    swath: Option<ResidualTables>,
     choices: Vec<GeometryChoice>,
     crossline_analysis: Option<Crosslines>,
 }
 
+/// First returns of both sides.
+const SIDE_SCAN: [PointSource; 2] = [PointSource::Port, PointSource::Starboard];
 const SIGN: &str = "measured minus reference elevation, metres; positive is shallower";
 const STATEMENT: &str = "Soundings and first returns of one log share transducer, position and sound speed: this is agreement \
      within one instrument, not accuracy against a reference.";
@@ -50,7 +58,6 @@ const STATEMENT_OF_LOGS: &str = "Points of all logs are compared with the soundi
 /// make of it; the crossings of the tracks. Of several logs all together, and each by itself.
 pub(super) fn write(results: &Results<'_>, path: &Path) -> FileResult {
     let (logs, products, progress) = (results.order.logs, results.products, results.progress);
-    let side_scan = Agreement::with_soundings(logs, progress)?;
     let comparisons = results.comparisons()?;
     let (statement, choices, each) = match logs {
         [log] => {
@@ -70,7 +77,8 @@ pub(super) fn write(results: &Results<'_>, path: &Path) -> FileResult {
         sign: SIGN,
         statement,
         comparisons,
-        side_scan: side_scan.map(|found| found.tables),
+        side_scan: tables(logs, &SIDE_SCAN, progress)?,
+        swath: tables(logs, &[PointSource::Swath], progress)?,
         choices,
         crossline_analysis: results.crossings()?,
         logs: each,
@@ -80,18 +88,28 @@ pub(super) fn write(results: &Results<'_>, path: &Path) -> FileResult {
     Ok(FileContent::count(comparisons.len()))
 }
 
+/// What the differences of some sources from the soundings hang on; `None` without any.
+fn tables(
+    logs: &[ProcessedLog],
+    sources: &[PointSource],
+    progress: &Progress,
+) -> Result<Option<ResidualTables>, Cancelled> {
+    let found = Agreement::with_soundings(logs, sources, progress)?;
+    Ok(found.map(|found| found.tables))
+}
+
 fn log_record(
     results: &Results<'_>,
     log: &ProcessedLog,
     name: &str,
 ) -> Result<LogResiduals, OutputError> {
     let (alone, map, progress) = (slice::from_ref(log), &results.plane.map, results.progress);
-    let side_scan = Agreement::with_soundings(alone, progress)?;
     Ok(LogResiduals {
         log: name.to_owned(),
         statement: log.products.correction.statement(),
         comparisons: comparisons(alone, map, progress)?,
-        side_scan: side_scan.map(|found| found.tables),
+        side_scan: tables(alone, &SIDE_SCAN, progress)?,
+        swath: tables(alone, &[PointSource::Swath], progress)?,
         choices: choices(&log.survey, &log.products, progress)?,
         crossline_analysis: crosslines(alone, &[], progress)?,
     })

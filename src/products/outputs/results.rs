@@ -151,7 +151,8 @@ impl<'a> Results<'a> {
             },
             Need::Agreement if self.comparisons()?.is_empty() && self.crossings()?.is_none() => {
                 // Of logs without soundings or without side-scan it is said that they have none.
-                match self.has_side_scan() && self.has_soundings() {
+                let has_others = self.has_side_scan() || self.has_swath();
+                match has_others && self.has_soundings() {
                     true => told(
                         "no residuals: there are no side-scan points near a sounding, and no track crosses itself or another",
                     ),
@@ -198,6 +199,10 @@ impl<'a> Results<'a> {
 
     fn has_side_scan(&self) -> bool {
         self.logs().any(|(survey, _)| survey.has_side_scan())
+    }
+
+    fn has_swath(&self) -> bool {
+        self.logs().any(|(survey, _)| !survey.swath.is_empty())
     }
 
     fn has_soundings(&self) -> bool {

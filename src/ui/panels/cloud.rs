@@ -46,6 +46,10 @@ fn found(ui: &mut Ui, products: &Products, figures: &Figures, units: Units) {
     let side_scan = text::count(figures.classes.side_scan);
     let value = format!("{all} · {side_scan} side-scan");
     fact(ui, "Points", hint, value);
+    if figures.classes.swath > 0 {
+        let hint = "Points across the track that the sonar measured itself (StructureScan 3D): one for each stretch of a tenth of the depth.";
+        fact(ui, "Swath", hint, text::count(figures.classes.swath));
+    }
     let zero = products.navigation.zero_heading;
     let share = 100.0 * zero as f64 / products.navigation.pings.len().max(1) as f64;
     let hint = "Pings without a heading give no side-scan point.";

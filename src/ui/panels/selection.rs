@@ -147,10 +147,11 @@ fn point(ui: &mut Ui, context: &ViewContext<'_>, mark: LogPlace) {
         PointSource::DownScan => "down-scan",
         PointSource::Port => "port",
         PointSource::Starboard => "starboard",
+        PointSource::Swath => "swath (StructureScan 3D)",
     };
-    let level = match point.source {
-        PointSource::DownScan => String::new(),
-        PointSource::Port | PointSource::Starboard => format!(" · level {}", point.level),
+    let level = match point.source.is_side_scan() {
+        true => format!(" · level {}", point.level),
+        false => String::new(),
     };
     let class = products.classes.get(index).filter(|class| !class.is_kept());
     let class = class.map_or(String::new(), |class| {

@@ -351,6 +351,10 @@ fn view(ui: &mut Ui, context: &mut ViewContext<'_>) {
         let maritime = "maritime: port red, starboard green";
         ui.radio_value(&mut options.side_colours, SideColours::Maritime, maritime);
     });
+    if context.app.has_swath() {
+        ui.checkbox(&mut options.swath.0, "Points across the track (swath)")
+            .on_hover_text("Draws the points of StructureScan 3D on the map and in 3D.");
+    }
     context.show(options);
     entries(ui, context, &[Action::Orientation, Action::Theme]);
 }

@@ -184,7 +184,7 @@ fn crossings_of_one_survey_show_the_noise_of_its_soundings() {
     let soundings = points.filter(|point| point.source == PointSource::DownScan && point.reliable);
     let track: Vec<TrackDepth> = soundings
         .map(|point| TrackDepth {
-            time_s: survey.soundings[point.sounding.expect("a sounding").get()].time_s,
+            time_s: survey.soundings[point.sounding().expect("a sounding")].time_s,
             east_m: point.east_m,
             north_m: point.north_m,
             depth_m: -point.z_m,

@@ -65,6 +65,7 @@ fn assert_same(grown: &Survey, whole: &Survey, what: &str) {
         "soundings, {what}"
     );
     assert_eq!(grown.soundings, whole.soundings, "soundings, {what}");
+    assert_eq!(grown.swath, whole.swath, "swath, {what}");
     assert_eq!(grown.channels, whole.channels, "channels, {what}");
     assert_eq!(grown.source, whole.source, "{what}");
     assert_eq!(grown.start_unix_s, whole.start_unix_s, "{what}");
@@ -173,6 +174,14 @@ fn a_lowrance_log_grows_to_what_the_whole_file_is() {
     assert!(counts[0] > 3 * counts[1], "{counts:?}");
     let halves = sl3(&frames(400, true), 168);
     split_everywhere(&one("b.sl3", halves), 37, "sl3");
+    let with_swath = (0..400).flat_map(|ping| {
+        let pairs = [[1.0 + 0.01 * ping as f32, 12.0]; 3];
+        let swath = Frame::of_swath(60 * ping + 12, [&pairs, &pairs[..1], &[]]);
+        [Frame::new(0, 60 * ping), swath]
+    });
+    let with_swath = sl3(&with_swath.collect::<Vec<_>>(), 168);
+    let counts = split_everywhere(&one("d.sl3", with_swath), 37, "swath");
+    assert!(counts[0] > 3 * counts[1], "{counts:?}");
     split_everywhere(&one("c.sl2", sl2(&survey_frames(300))), 23, "plain sl2");
 }
 

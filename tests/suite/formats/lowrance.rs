@@ -97,16 +97,93 @@ fn depth_comes_from_the_nearest_sounding_less_the_keel_offset() {
     assert!(says(&survey, "keel offset"));
 }
 
-#[test]
-fn frames_across_the_track_are_named() {
+/// Distance to starboard and depth of all depths of a swath ping, feet.
+fn swath_ft(survey: &Survey, ping: usize) -> Vec<[f64; 2]> {
+    let soundings = survey.swath_soundings(&survey.swath[ping]);
+    let feet = soundings.map(|one| [one.side.to_starboard(one.out_m), one.depth_m]);
+    feet.map(|pair| pair.map(|metres| (metres / 0.3048 * 1e3).round() / 1e3))
+        .collect()
+}
+
+/// A log with three frames of StructureScan 3D after other frames.
+fn swath_frames() -> Vec<Frame> {
     let mut frames = handmade::survey_frames(5);
-    frames.push(Frame::new(9, 230));
-    let survey = read(handmade::sl3(&frames, 168));
-    assert!(says(
-        &survey,
-        "holds 1 frames of StructureScan 3D (channel 9)"
-    ));
-    assert_eq!(survey.side_scan.len(), 5);
+    let pairs = |at: f32| [[at, 20.0], [at + 10.0, 22.0]];
+    frames.extend((0..3).map(|ping| {
+        let [port, starboard] = [1.0, 5.0].map(pairs);
+        let unreliable = [[3.0, 7.0]; 4];
+        Frame::of_swath(300 + 50 * ping, [&port, &starboard, &unreliable])
+    }));
+    frames
+}
+
+#[test]
+fn depths_across_the_track_are_those_of_port_and_starboard() {
+    for header in [168, 180] {
+        let survey = read(handmade::sl3(&swath_frames(), header));
+        assert_eq!(survey.swath.len(), 3);
+        let expected = [[-1.0, 20.0], [-11.0, 22.0], [5.0, 20.0], [15.0, 22.0]];
+        assert_eq!(swath_ft(&survey, 2), expected);
+        assert!((survey.swath[2].time_s - 0.4).abs() < 1e-9);
+        assert!(says(
+            &survey,
+            "3 frames of StructureScan 3D with 12 depths across the track; 12 more that the unit marks as unreliable"
+        ));
+        let channel = counts(&survey)[2];
+        assert_eq!(channel, (ChannelKind::Swath, 3));
+        assert_eq!(survey.side_scan.len(), 5);
+        assert_eq!(survey.soundings.len(), 5, "no depth of channel 9");
+    }
+}
+
+#[test]
+fn damaged_depths_across_the_track_are_left_out_and_named() {
+    let mut frames = swath_frames();
+    let at = |bytes: &mut Vec<u8>, at: usize, value: [u8; 4]| {
+        bytes[at..at + 4].copy_from_slice(&value);
+    };
+    let [first, second, third] = [10, 11, 12];
+    at(&mut frames[first].data, 76, f32::NAN.to_le_bytes());
+    at(&mut frames[first].data, 76 + 12, 1e9_f32.to_le_bytes());
+    at(&mut frames[second].data, 4, (-8_i32).to_le_bytes());
+    at(&mut frames[third].data, 8, 12_i32.to_le_bytes());
+    let bytes = handmade::sl3(&frames, 168);
+    let survey = read(bytes.clone());
+    assert_eq!(survey.swath.len(), 1);
+    assert_eq!(swath_ft(&survey, 0), [[5.0, 20.0], [15.0, 22.0]]);
+    let starts = frames.iter().scan(8_u64, |next, frame| {
+        let start = *next;
+        *next += 168 + frame.data.len() as u64;
+        Some(start)
+    });
+    let starts: Vec<u64> = starts.collect();
+    for (frame, words) in [
+        (first, "2 of 4 depths in a frame"),
+        (second, "not hold as many depths"),
+        (third, "not hold as many depths"),
+    ] {
+        let place = Some((0, starts[frame]));
+        let is_it = |one: &&Warning| one.place == place && one.text.contains(words);
+        assert!(survey.warnings.iter().any(|one| is_it(&one)), "{words}");
+    }
+    // Cut anywhere in its last frames: whole ones are kept.
+    for end in (starts[first] as usize..bytes.len()).step_by(7) {
+        let cut = read(bytes[..end].to_vec());
+        assert!(cut.swath.len() <= 1 && cut.side_scan.len() == 5);
+    }
+}
+
+#[test]
+fn a_frame_that_counts_more_depths_than_it_has_bytes_is_dropped() {
+    for (field, value) in [(0, 0_i32), (0, 1 << 20), (4, 1 << 16), (12, i32::MAX)] {
+        let mut frames = swath_frames();
+        frames[11].data[field..field + 4].copy_from_slice(&value.to_le_bytes());
+        let survey = read(handmade::sl3(&frames, 168));
+        assert_eq!(survey.swath.len(), 2, "{field} {value}");
+    }
+    let mut frames = swath_frames();
+    frames[11].data.truncate(20);
+    assert_eq!(read(handmade::sl3(&frames, 168)).swath.len(), 2);
 }
 
 #[test]

@@ -12,7 +12,7 @@ use crate::formats::{self, OpenError};
 use crate::suite::handmade::{self, Frame};
 use crate::suite::support;
 use crate::support::progress::Progress;
-use crate::survey::{ChannelKind, SampleOrder, Side, SideScanState, Survey};
+use crate::survey::{ChannelKind, SampleOrder, Side, SideScanState, Survey, Warning};
 use std::path::{Path, PathBuf};
 
 fn open(file: &str) -> Option<Survey> {

@@ -81,6 +81,7 @@ impl App {
             let navigation = Navigation {
                 pings: Arc::new(all.pings[from..to].to_vec()),
                 soundings: Arc::default(),
+                swath: Arc::default(),
                 antenna: Arc::default(),
                 projection: all.projection,
                 zero_heading: 0,

@@ -182,6 +182,7 @@ fn over_survey(
 fn record_span_s(survey: &Survey) -> Option<(f64, f64)> {
     let pings = survey.side_scan.iter().map(|ping| ping.time_s);
     let times = pings.chain(survey.soundings.iter().map(|sounding| sounding.time_s));
+    let times = times.chain(survey.swath.iter().map(|ping| ping.time_s));
     times.fold(None, |span, time_s| {
         let (from_s, to_s) = span.unwrap_or((time_s, time_s));
         Some((time_s.min(from_s), time_s.max(to_s)))

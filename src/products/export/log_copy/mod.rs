@@ -178,6 +178,9 @@ fn write(path: &Path, log: &LogToWrite<'_>, progress: &Progress) -> Result<Vec<S
         if log.survey.pairs.len() > 1 && !matches!(format, CopyFormat::Gpx) {
             losses.push("of several frequencies the side-scan that is shown was written; source.frequency_khz chooses it".to_owned());
         }
+        if !log.survey.swath.is_empty() && !matches!(format, CopyFormat::Gpx) {
+            losses.push("no format that is written holds depths across the track (StructureScan 3D); they were left out".to_owned());
+        }
         // What was copied of a log that was cut meanwhile is no copy.
         log.survey.check_files().map_err(io::Error::other)?;
         Ok(losses)

@@ -4,7 +4,7 @@ use super::light;
 use super::scene::CloudScene;
 use crate::app::{App, CloudColour, ViewOptions};
 use crate::bottom::bathymetry::CellSource;
-use crate::bottom::cloud::{DepthReference, PointClass, PointSource};
+use crate::bottom::cloud::{DepthReference, PointClass};
 use crate::pipeline::{Bottom, BottomColour, Products};
 use crate::support::presentation::colours::{SOURCES, share_colour};
 use crate::support::presentation::units::Units;
@@ -85,7 +85,7 @@ pub(super) fn paint_read_out(
     let units = app.view.options.units;
     // What the colours say, as a number; there is no room for all that is known.
     let coloured = match app.view.options.cloud.colour {
-        CloudColour::Level if point.source != PointSource::DownScan => {
+        CloudColour::Level if point.source.is_side_scan() => {
             format!(", level {}", point.level)
         }
         CloudColour::Range => {
@@ -94,9 +94,9 @@ pub(super) fn paint_read_out(
         }
         _ => String::new(),
     };
-    let sample = match point.source {
-        PointSource::DownScan => String::new(),
-        _ => format!(", sample {:.0}", point.sample),
+    let sample = match point.source.is_side_scan() {
+        true => format!(", sample {:.0}", point.sample),
+        false => String::new(),
     };
     let navigation = &products.navigation;
     let position = navigation.to_lon_lat(&survey.track, point.east_m, point.north_m);
@@ -116,6 +116,9 @@ pub(super) fn paint_read_out(
 fn lack(survey: &Survey, units: Units) -> Option<String> {
     match survey.side_scan_state {
         SideScanState::Usable => None,
+        SideScanState::Absent if !survey.swath.is_empty() => {
+            Some("no side-scan in this log".to_owned())
+        }
         SideScanState::Absent => Some("no side-scan in this log: soundings only".to_owned()),
         SideScanState::Noise { range_m } => Some(format!(
             "no side-scan: range ±{}, noise; soundings only",
@@ -230,6 +233,7 @@ fn lines(options: &ViewOptions, scene: &CloudScene) -> Vec<(String, Color32)> {
             kind(counts.port, "port", theme::side_colour(options, Side::Port));
             let starboard = theme::side_colour(options, Side::Starboard);
             kind(counts.starboard, "starboard", starboard);
+            kind(counts.swath, "swath", theme::SWATH_COLOUR);
         }
         CloudColour::Depth | CloudColour::Range => {
             kind(counts.kept(), "points", theme::canvas_text_colour(options));
@@ -241,6 +245,7 @@ fn lines(options: &ViewOptions, scene: &CloudScene) -> Vec<(String, Color32)> {
             kind(first_returns, "first returns", Color32::from_rgb(r, g, b));
             let down_scan = theme::down_scan_colour(options);
             kind(counts.down_scan, "down-scan, no level", down_scan);
+            kind(counts.swath, "swath, no level", theme::SWATH_COLOUR);
         }
         CloudColour::Log => {
             for (name, [r, g, b], kept) in scene.by_log().take(MOST_LOGS) {

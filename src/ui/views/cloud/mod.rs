@@ -208,7 +208,7 @@ impl CloudView {
             .app
             .shown_logs()
             .iter()
-            .map(SceneLogPoints::of)
+            .map(|shown| SceneLogPoints::of(shown, options.swath))
             .collect();
         let uploader = context.uploader();
         let ends = ColourEnds {

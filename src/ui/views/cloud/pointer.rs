@@ -248,7 +248,7 @@ fn paint_mark(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::ViewOptions;
+    use crate::app::{SwathShown, ViewOptions};
     use crate::bottom::cloud::{CloudPoint, PointClass, PointCloud, PointSource};
     use crate::support::progress::Progress;
     use crate::ui::views::cloud::scene::{ColourEnds, SceneLogPoints};
@@ -259,7 +259,7 @@ mod tests {
         let point = |index: u32| CloudPoint {
             source: PointSource::DownScan,
             ping: index,
-            sounding: None,
+            record: None,
             reliable: true,
             above_bottom: false,
             level: 0,
@@ -281,6 +281,7 @@ mod tests {
             classes: Arc::new(vec![PointClass::Bottom; 120]),
             ranging: None,
             colour: [0; 3],
+            swath: SwathShown::default(),
         };
         let (ends, options) = (ColourEnds::default(), ViewOptions::default());
         let made = CloudScene::new(vec![log], ends, &options, None, &Progress::new());

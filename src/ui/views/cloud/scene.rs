@@ -1,6 +1,6 @@
 //! The cloud, ready to draw and to pick; computed in a background thread.
 
-use crate::app::{CloudColour, LogId, LogPlace, ShownLog, ViewOptions};
+use crate::app::{CloudColour, LogId, LogPlace, ShownLog, SwathShown, ViewOptions};
 use crate::bottom::cloud::{
     ClassCounts, CloudPoint, Correction, PointClass, PointCloud, PointScales, PointSource,
     Reduction,
@@ -26,6 +26,8 @@ pub(super) struct PointCounts {
     pub port: usize,
     /// Kept, starboard.
     pub starboard: usize,
+    /// Kept, of a swath.
+    pub swath: usize,
     /// Points that do not count for the map.
     pub set_aside: usize,
 }
@@ -33,7 +35,7 @@ pub(super) struct PointCounts {
 impl PointCounts {
     /// Kept points.
     pub(super) fn kept(&self) -> usize {
-        self.down_scan + self.port + self.starboard
+        self.down_scan + self.port + self.starboard + self.swath
     }
 
     /// All points.
@@ -47,6 +49,7 @@ impl PointCounts {
             (true, PointSource::DownScan) => &mut self.down_scan,
             (true, PointSource::Port) => &mut self.port,
             (true, PointSource::Starboard) => &mut self.starboard,
+            (true, PointSource::Swath) => &mut self.swath,
         };
         *count += 1;
     }
@@ -75,11 +78,13 @@ pub(super) struct SceneLogPoints {
     pub ranging: Option<Ranging>,
     /// The log's colour where logs are told apart.
     pub colour: [u8; 3],
+    /// Whether its points of a swath are shown.
+    pub swath: SwathShown,
 }
 
 impl SceneLogPoints {
     /// Of a log with its results.
-    pub(super) fn of(shown: &ShownLog) -> Self {
+    pub(super) fn of(shown: &ShownLog, swath: SwathShown) -> Self {
         let products = &shown.log.products;
         Self {
             id: shown.id,
@@ -92,6 +97,7 @@ impl SceneLogPoints {
                 correction: products.correction.clone(),
             }),
             colour: shown.colour,
+            swath,
         }
     }
 
@@ -108,7 +114,8 @@ impl SceneLogPoints {
         let all = self.cloud.points.iter().enumerate();
         all.filter(move |(index, point)| {
             let is_kept = self.classes.get(*index).is_none_or(|class| class.is_kept());
-            is_kept == requested && is_placed(point)
+            let is_hidden = point.source == PointSource::Swath && !self.swath.0;
+            is_kept == requested && is_placed(point) && !is_hidden
         })
     }
 }
@@ -120,6 +127,7 @@ impl PartialEq for SceneLogPoints {
             && Arc::ptr_eq(&self.cloud, &other.cloud)
             && Arc::ptr_eq(&self.classes, &other.classes)
             && self.colour == other.colour
+            && self.swath == other.swath
     }
 }
 
@@ -298,7 +306,7 @@ impl CloudScene {
         let mark = LogPlace {
             ping: point.ping as usize,
             side: side(point.source),
-            sample: point.sample.is_finite().then_some(point.sample),
+            sample: point.source.is_side_scan().then_some(point.sample),
             point: Some(index),
         };
         Some((log.id, mark))
@@ -312,19 +320,16 @@ impl CloudScene {
     ) -> egui::Color32 {
         let [r, g, b] = match options.cloud.colour {
             CloudColour::Source => {
-                return match side(point.source) {
-                    None => theme::down_scan_colour(options),
-                    Some(side) => theme::side_colour(options, side),
-                };
+                return source_colour(point.source, options);
             }
             CloudColour::Depth => {
                 let depth_m = -point.z_m as f32;
                 let share = |range_m| depth_share(depth_m, range_m);
                 depth_colour(self.ends.depth_m.map_or(f32::NAN, share))
             }
-            // Of a sounding no level is known.
-            CloudColour::Level if point.source == PointSource::DownScan => {
-                return theme::down_scan_colour(options);
+            // Of soundings and the swath no level is known.
+            CloudColour::Level if !point.source.is_side_scan() => {
+                return source_colour(point.source, options);
             }
             CloudColour::Level => value_colour(f32::from(point.level), self.ends.scales.level),
             CloudColour::Range => value_colour(log.range_m(point) as f32, self.ends.scales.range_m),
@@ -371,10 +376,18 @@ impl CloudScene {
     }
 }
 
-/// The side that a point lies on.
+fn source_colour(source: PointSource, options: &ViewOptions) -> egui::Color32 {
+    match side(source) {
+        Some(side) => theme::side_colour(options, side),
+        None if source == PointSource::Swath => theme::SWATH_COLOUR,
+        None => theme::down_scan_colour(options),
+    }
+}
+
+/// The side of the side-scan that measured a point.
 pub(super) fn side(source: PointSource) -> Option<Side> {
     match source {
-        PointSource::DownScan => None,
+        PointSource::DownScan | PointSource::Swath => None,
         PointSource::Port => Some(Side::Port),
         PointSource::Starboard => Some(Side::Starboard),
     }
@@ -403,7 +416,7 @@ mod tests {
         CloudPoint {
             source,
             ping,
-            sounding: None,
+            record: None,
             reliable: true,
             above_bottom: false,
             level: 200,
@@ -439,6 +452,7 @@ mod tests {
             classes: Arc::new(classes.to_vec()),
             ranging: None,
             colour,
+            swath: SwathShown::default(),
         }
     }
 

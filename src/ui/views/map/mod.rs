@@ -211,6 +211,7 @@ impl MapView {
             lost_soundings: context.app.log.lost_soundings,
             made_of: (context.app.log.whole.as_ref()).map(|whole| whole.survey.side_scan.len()),
             has_excluded: exclusions::ping_count(context.app) > 0,
+            has_swath: context.app.has_swath(),
             proposed: context.app.log.proposed_stretch(),
             options: context.options(),
         };

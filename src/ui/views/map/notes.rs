@@ -55,7 +55,7 @@ fn notes(scene: &MapScene<'_>) -> Vec<String> {
         notes.push(mosaic_tiles::note(&scene.products.settings.mosaic).to_owned());
     }
     if shows(MapLayer::Points) {
-        notes.push(points::note(scene.options.side_colours).to_owned());
+        notes.push(points::note(scene.options, scene.has_swath));
     }
     if let Some(residuals) = scene.residuals.as_deref().filter(|_| explained) {
         notes.push(residuals.note());

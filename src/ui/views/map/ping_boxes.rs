@@ -87,6 +87,7 @@ mod tests {
             antenna: Arc::default(),
             pings: Arc::new(pings.clone()),
             soundings: Arc::default(),
+            swath: Arc::default(),
             projection: Projection::Enu,
             zero_heading: 0,
             moving: 0,

@@ -2,7 +2,7 @@
 
 use super::dots::{Dot, Dots};
 use super::tiles::TilePainter;
-use crate::app::{ShownLog, SideColours, ThemeChoice, ViewOptions};
+use crate::app::{ShownLog, SideColours, SwathShown, ThemeChoice, ViewOptions};
 use crate::bottom::cloud::{CloudPoint, PointClass, PointCloud, PointSource};
 use crate::pipeline::Same;
 use crate::support::progress::Progress;
@@ -19,6 +19,7 @@ pub(super) struct PointKey {
     logs: Vec<(Same<PointCloud>, Same<Vec<PointClass>>)>,
     side_colours: SideColours,
     theme: ThemeChoice,
+    swath: SwathShown,
 }
 
 impl PointKey {
@@ -32,15 +33,20 @@ impl PointKey {
             logs: logs.iter().map(key).collect(),
             side_colours: options.side_colours,
             theme: options.theme,
+            swath: options.swath,
         }
     }
 }
 
-/// What the legend says.
-pub(super) fn note(colours: SideColours) -> &'static str {
-    match colours {
+/// What the legend says; `has_swath` says whether points of a swath are among them.
+pub(super) fn note(options: &ViewOptions, has_swath: bool) -> String {
+    let sides = match options.side_colours {
         SideColours::Paper => "points: blue port,\nred starboard",
         SideColours::Maritime => "points: red port,\ngreen starboard",
+    };
+    match has_swath && options.swath.0 {
+        true => format!("{sides},\nviolet swath"),
+        false => sides.to_owned(),
     }
 }
 
@@ -51,6 +57,8 @@ pub(super) fn source(
     progress: &Progress,
 ) -> Option<Option<Arc<dyn TilePainter>>> {
     let kept = logs.iter().flat_map(|shown| shown.log.kept_points());
+    let is_shown = |point: &&CloudPoint| options.swath.0 || point.source != PointSource::Swath;
+    let kept = kept.filter(is_shown);
     let mut dots = Vec::new();
     for (index, point) in kept.enumerate() {
         if index % CHECK == 0 {
@@ -66,6 +74,7 @@ pub(super) fn source(
         theme::down_scan_colour(options),
         theme::side_colour(options, Side::Port),
         theme::side_colour(options, Side::Starboard),
+        theme::SWATH_COLOUR,
     ];
     let dots = Dots::new(dots, colours);
     Some(dots.map(|dots| Arc::new(dots) as Arc<dyn TilePainter>))
@@ -77,5 +86,6 @@ fn source_slot(point: &CloudPoint) -> u8 {
         PointSource::DownScan => 0,
         PointSource::Port => 1,
         PointSource::Starboard => 2,
+        PointSource::Swath => 3,
     }
 }

@@ -109,7 +109,7 @@ mod tests {
         let point = |index: usize| CloudPoint {
             source: PointSource::Port,
             ping: 0,
-            sounding: None,
+            record: None,
             reliable: true,
             above_bottom: false,
             level: 0,

@@ -32,6 +32,8 @@ pub(super) struct MapScene<'a> {
     pub made_of: Option<usize>,
     /// Whether some of the tracks is excluded.
     pub has_excluded: bool,
+    /// Whether a log has depths across the track.
+    pub has_swath: bool,
     /// The stretch that is proposed for the scale.
     pub proposed: Option<PingRange>,
     pub options: &'a ViewOptions,

@@ -1,0 +1,117 @@
+//! Depths across the track to points. They are depths already: no slant range, no first return.
+
+use super::{CloudPoint, Correction, PointSource, RecordIndex};
+use crate::support::progress::{Cancelled, Progress};
+use crate::support::statistics::upper_median;
+use crate::survey::{Navigation, PingNav, Survey, SwathPing, SwathSounding, nearest_in_time};
+use rayon::prelude::*;
+
+/// Of the depths of a ping in a stretch across the track of this share of the depth, one makes a point: the sonar does not see finer.
+const STRETCH_SHARE: f64 = 0.1;
+/// Stretches are this long at least, metres.
+const LEAST_STRETCH_M: f64 = 0.2;
+/// Pings between two looks at whether the work was cancelled.
+const CHUNK: usize = 256;
+
+/// The points of the swath, in the order of its pings; none of a ping without a heading.
+///
+/// # Errors
+/// When the work was cancelled.
+pub(super) fn swath_points(
+    survey: &Survey,
+    navigation: &Navigation,
+    correction: &Correction,
+    progress: &Progress,
+) -> Result<Vec<CloudPoint>, Cancelled> {
+    let chunks = survey.swath.par_chunks(CHUNK).enumerate();
+    let parts = chunks.map(|(chunk, pings)| {
+        progress.check()?;
+        let mut points = Vec::new();
+        for (index, ping) in (CHUNK * chunk..).zip(pings) {
+            if let Some(place) = navigation.swath.get(index) {
+                add_points(survey, index, ping, place, correction, &mut points);
+            }
+        }
+        Ok(points)
+    });
+    let parts: Vec<Vec<CloudPoint>> = parts.collect::<Result<_, Cancelled>>()?;
+    Ok(parts.concat())
+}
+
+fn add_points(
+    survey: &Survey,
+    index: usize,
+    ping: &SwathPing,
+    place: &PingNav,
+    correction: &Correction,
+    points: &mut Vec<CloudPoint>,
+) {
+    let nearest = nearest_in_time(&survey.side_scan, ping.time_s, |one| one.time_s);
+    let point = |one: SwathSounding| {
+        // The speed of sound scales both.
+        let [east_m, north_m] = place.abeam(one.side, correction.range_factor() * one.out_m)?;
+        Some(CloudPoint {
+            source: PointSource::Swath,
+            ping: nearest.unwrap_or(0) as u32,
+            record: RecordIndex::new(index),
+            reliable: true,
+            above_bottom: false,
+            level: 0,
+            above_bottom_m: 0.0,
+            confidence: f32::NAN,
+            sample: one.number as f32,
+            east_m,
+            north_m,
+            z_m: -correction.depth_m(ping.time_s, one.depth_m),
+        })
+    };
+    let placed = thinned(survey.swath_soundings(ping).collect());
+    let placed = placed.into_iter().filter_map(point);
+    points.extend(placed.filter(|point| point.east_m.is_finite()));
+}
+
+/// Of each stretch across the track the sounding of median depth: a place that was measured, and no spike.
+fn thinned(mut soundings: Vec<SwathSounding>) -> Vec<SwathSounding> {
+    let mut depths_m: Vec<f64> = soundings.iter().map(|one| one.depth_m).collect();
+    let Some(depth_m) = upper_median(&mut depths_m, f64::total_cmp) else {
+        return Vec::new();
+    };
+    let stretch_m = (STRETCH_SHARE * depth_m).max(LEAST_STRETCH_M);
+    let stretch = |one: &SwathSounding| (one.side, (one.out_m / stretch_m) as u32);
+    soundings.sort_by(|a, b| {
+        let by_depth = a.depth_m.total_cmp(&b.depth_m);
+        stretch(a).cmp(&stretch(b)).then(by_depth)
+    });
+    let stretches = soundings.chunk_by(|a, b| stretch(a) == stretch(b));
+    stretches.map(|those| those[those.len() / 2]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::survey::Side;
+
+    #[test]
+    fn a_stretch_has_one_point_and_a_spike_has_none() {
+        let sounding = |number: usize| SwathSounding {
+            number,
+            side: if number < 300 {
+                Side::Port
+            } else {
+                Side::Starboard
+            },
+            out_m: 0.05 * (number % 300) as f64,
+            depth_m: if number % 10 == 7 {
+                1.0
+            } else {
+                4.0 + 1e-3 * number as f64
+            },
+        };
+        let kept = thinned((0..600).map(sounding).collect());
+        // 15 m on each side in stretches of 0.43 m.
+        assert_eq!(kept.len(), 2 * 36);
+        assert!(kept.iter().all(|one| one.depth_m > 3.9), "{kept:?}");
+        assert!(kept.iter().any(|one| one.number > 300));
+        assert!(thinned(Vec::new()).is_empty());
+    }
+}
