@@ -7,6 +7,7 @@
 
 mod archive;
 mod compare;
+mod console;
 mod convert;
 mod dataset;
 mod default_command;
@@ -178,6 +179,9 @@ pub fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure { sentence }) => {
             output::notify(format_args!("bathyscope: {sentence}"));
+            if opens_window && console::is_own() {
+                window::say_in_a_box(&sentence);
+            }
             ExitCode::FAILURE
         }
     }
