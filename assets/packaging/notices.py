@@ -1,8 +1,12 @@
 #!/usr/bin/env python3
-"""The licences of the crates that are in the program, with their texts, each text once: what their licences ask a package to carry."""
+"""The licences of the crates that are in the program, with their texts, each text once: what their licences ask a package to carry.
+
+The target that the program is built for is the first argument, or else this computer.
+"""
 
 import json
 import subprocess
+import sys
 from pathlib import Path
 
 NAMES = ("license", "licence", "copying", "notice", "unlicense")
@@ -32,8 +36,8 @@ def texts(package):
 
 def main():
     host = subprocess.run(["rustc", "-vV"], capture_output=True, text=True, check=True).stdout
-    target = next(line.split()[1] for line in host.splitlines() if line.startswith("host:"))
-    command = ["cargo", "metadata", "--format-version", "1", "--locked", "--filter-platform", target]
+    targets = sys.argv[1:] + [line.split()[1] for line in host.splitlines() if line.startswith("host:")]
+    command = ["cargo", "metadata", "--format-version", "1", "--locked", "--filter-platform", targets[0]]
     metadata = json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
     users = {}
     print("Bathyscope contains these crates:\n")

@@ -4,6 +4,7 @@
 use super::survey_logs::OpenedLog;
 use crate::app::is_project;
 use crate::products::outputs;
+use crate::support::file_name::file_name;
 use crate::survey::Survey;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -39,7 +40,7 @@ impl DefaultFolders {
         let surveys: Vec<&Survey> = logs.iter().map(|log| &*log.survey).collect();
         let name = match name.trim_matches(['.', ' ']) {
             "" => SURVEY.to_owned(),
-            name => name.replace(['/', '\\'], "-"),
+            name => file_name(name),
         };
         let mut count = 0;
         loop {

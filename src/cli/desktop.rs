@@ -53,6 +53,9 @@ pub(super) fn run(args: &DesktopArgs) -> Result<(), Failure> {
 
 /// Where a user's desktop entries lie, by the XDG base directory specification.
 fn data_folder() -> Result<PathBuf, Failure> {
+    if cfg!(windows) {
+        return Err("this command is for Linux; on Windows the installer makes the entry of the start menu and the file types".into());
+    }
     let set = |name: &str| {
         let value = std::env::var_os(name).map(PathBuf::from);
         value.filter(|path| path.is_absolute())

@@ -1,5 +1,6 @@
 //! A folder of its own for each of several surveys.
 
+use crate::support::file_name::file_name;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
@@ -21,7 +22,8 @@ impl Folders {
 
     /// The folder of the next survey: its name, with `-2`, `-3` ... behind it where that was given away before.
     pub(super) fn next(&mut self, name: &str) -> PathBuf {
-        let mut folder = name.to_owned();
+        let name = file_name(name);
+        let mut folder = name.clone();
         let mut count = 1;
         while !self.taken.insert(folder.to_lowercase()) {
             count += 1;

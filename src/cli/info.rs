@@ -5,7 +5,7 @@ use crate::formats;
 use crate::sonar::calibration::header_scale;
 use crate::support::calendar;
 use crate::support::progress::Progress;
-use crate::survey::{Channel, SideScanState, Survey};
+use crate::survey::{Channel, SideScanState, Survey, Warning};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -187,18 +187,19 @@ fn to_text(survey: &Survey) -> String {
         text += &format!("\n{}\n", counted(survey.warnings.len(), "warning"));
     }
     for warning in &survey.warnings {
-        let place = warning.place.map_or(String::new(), |(file, offset)| {
-            let name = survey
-                .source
-                .files
-                .get(file)
-                .and_then(|path| path.file_name());
-            let name = name.map_or(String::new(), |name| name.to_string_lossy().into_owned());
-            format!("{name} at byte {offset}: ")
-        });
-        text += &format!("  {place}{}\n", warning.text);
+        text += &warning_row(survey, warning);
     }
     text
+}
+
+fn warning_row(survey: &Survey, warning: &Warning) -> String {
+    let place = warning.place.map_or(String::new(), |(file, offset)| {
+        let path = survey.source.files.get(file);
+        let name = path.and_then(|path| path.file_name());
+        let name = name.map_or(String::new(), |name| name.to_string_lossy().into_owned());
+        format!("{name} at byte {offset}: ")
+    });
+    format!("  {place}{}\n", warning.text)
 }
 
 fn channel_row(channel: &Channel) -> String {

@@ -60,6 +60,9 @@ use failure::Failure;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+/// Set by the program of the start menu of Windows (`assets/packaging/windows/starter.rs`), where nobody sees what is printed.
+const NO_CONSOLE: &str = "BATHYSCOPE_NO_CONSOLE";
+
 /// Bytes of a text that the user names, settings or a scene: longer than any.
 const LONGEST_TEXT: u64 = 1 << 20;
 
@@ -179,6 +182,9 @@ pub fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure { sentence }) => {
             output::notify(format_args!("bathyscope: {sentence}"));
+            if opens_window && std::env::var_os(NO_CONSOLE).is_some() {
+                window::say_in_a_box(&sentence);
+            }
             ExitCode::FAILURE
         }
     }

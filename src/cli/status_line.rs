@@ -18,6 +18,9 @@ const LEAST: Duration = Duration::from_secs(2);
 /// Longest silence while a step goes on.
 const LONGEST: Duration = Duration::from_secs(10);
 
+/// Letters of the longest line, where it is cleared with spaces: a console of Windows has 80.
+const WIDTH: usize = 79;
+
 /// Shows the step under way and its done share until dropped.
 pub(super) struct StatusLine {
     step: Arc<Mutex<Step>>,
@@ -194,9 +197,12 @@ impl Lines {
 /// Replaces the line. A terminal that has gone away takes nothing, which is no reason to stop the work.
 fn write_over(text: std::fmt::Arguments<'_>) {
     let mut err = std::io::stderr();
-    write!(err, "\r\x1b[K{text}")
-        .and_then(|()| err.flush())
-        .ok();
+    // Consoles of Windows know no command that clears the rest of a line until a program asks them to.
+    let clear = match cfg!(windows) {
+        true => format!("\r{:WIDTH$}\r", ""),
+        false => "\r\x1b[K".to_owned(),
+    };
+    write!(err, "{clear}{text}").and_then(|()| err.flush()).ok();
 }
 
 impl Drop for StatusLine {

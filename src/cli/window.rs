@@ -9,6 +9,21 @@ pub(super) fn run(paths: Vec<PathBuf>, demo: bool, truth: Option<PathBuf>) -> Re
     Ok(crate::ui::open_window(paths, demo, truth)?)
 }
 
+/// Says why there is no window to who has started the program from a desktop, and sees nothing else of it.
+#[cfg(feature = "gui")]
+pub(super) fn say_in_a_box(sentence: &str) {
+    use crate::support::{printable::one_line, system_words::in_plain_words};
+    rfd::MessageDialog::new()
+        .set_title("Bathyscope")
+        .set_level(rfd::MessageLevel::Error)
+        .set_description(one_line(&in_plain_words(sentence)))
+        .show();
+}
+
+/// There is no box either.
+#[cfg(not(feature = "gui"))]
+pub(super) fn say_in_a_box(_: &str) {}
+
 /// Says that there is none.
 #[cfg(not(feature = "gui"))]
 pub(crate) fn run(_: Vec<PathBuf>, _: bool, _: Option<PathBuf>) -> Result<(), Failure> {

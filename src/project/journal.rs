@@ -8,6 +8,8 @@ use super::lock::{self, Locked, Owner};
 use super::row::{Key, Row, Rows};
 use super::text;
 use crate::pipeline::in_hexadecimal;
+use crate::support::file_in_use::{for_one_writer, is_in_use};
+use crate::support::regular_file;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
 use std::fs::{self, File};
@@ -199,8 +201,15 @@ impl ProjectJournal {
     pub(super) fn open(path: &Path) -> Result<(Self, Read), NoJournal> {
         let mut options = File::options();
         options.read(true).write(true).create(true).truncate(false);
+        for_one_writer(&mut options);
         for _ in 0..TRIES {
-            let mut file = options.open(path)?;
+            let mut file = match options.open(path) {
+                Err(error) if is_in_use(&error) => {
+                    let read = Read::of(&regular_file::read(path, text::LONGEST)?);
+                    return Err(NoJournal::Taken(read.owner().cloned().unwrap_or_default()));
+                }
+                opened => opened?,
+            };
             if !file.metadata()?.is_file() {
                 return Err(io::Error::other("the journal beside the project is no file").into());
             }
@@ -275,8 +284,12 @@ impl ProjectJournal {
 
     /// Takes the journal away: nothing in it is missing in the file.
     pub(super) fn remove(self) {
+        let path = self.path.clone();
+        // On Windows only what nobody has open can be removed.
+        let open = (!cfg!(windows)).then_some(self);
         // Left behind, it would be opened next time, and nothing be in it.
-        fs::remove_file(&self.path).ok();
+        fs::remove_file(path).ok();
+        drop(open);
     }
 }
 

@@ -1,4 +1,5 @@
-//! One window a project: the journal beside the file is locked by the window that has it open.
+//! One window a project: the journal beside the file is locked by the window that has it open. On Windows nobody else can open it for
+//! writing, which is the lock.
 //!
 //! The system lets go of the lock when the program ends in whatever way, so none is ever left over. Where a file system knows no locks,
 //! the journal's last line about its owner counts instead: a program of this computer that runs no more owns nothing.
@@ -91,6 +92,10 @@ pub(super) fn lock(file: &File) -> io::Result<Locked> {
 }
 
 fn try_lock(file: &File) -> io::Result<Locked> {
+    if cfg!(windows) {
+        // Whoever could open it has it alone.
+        return Ok(Locked::Ours);
+    }
     match file.try_lock() {
         Ok(()) => Ok(Locked::Ours),
         Err(TryLockError::WouldBlock) => Ok(Locked::Taken),
@@ -113,9 +118,9 @@ pub(super) fn is_still(file: &File, path: &Path) -> bool {
     matches!((open, there), (Ok(open), Ok(there)) if open.ino() == there.ino() && open.dev() == there.dev())
 }
 
-/// Whether an open file is still the one of that name: a file that is open cannot be removed here.
+/// Whether an open file is still the one of that name: nobody can have removed it.
 #[cfg(not(unix))]
-pub fn is_still(_: &File, path: &Path) -> bool {
+pub(super) fn is_still(_: &File, path: &Path) -> bool {
     path.exists()
 }
 

@@ -4,6 +4,7 @@
 //! reader of the file whose computer it was written on, and change with each of them.
 
 use std::fs;
+use std::io;
 use std::path::{Component, Path, PathBuf};
 
 /// A path as text, from the project's folder. Both must be absolute, or start from the same folder.
@@ -44,13 +45,30 @@ pub(super) fn name_from_text(text: &str) -> PathBuf {
 /// however they were opened.
 pub(super) fn placed(path: &Path) -> PathBuf {
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-    let folder = path
-        .parent()
-        .and_then(|folder| fs::canonicalize(folder).ok());
+    let folder = path.parent().and_then(|folder| canonical(folder).ok());
     match (folder, path.file_name()) {
         (Some(folder), Some(name)) => folder.join(name),
         _ => cleaned(&path),
     }
+}
+
+/// The path of a file that is there without links. On Windows it is written as people and other programs do, without the `\\?\` that
+/// the system puts before it.
+pub(super) fn canonical(path: &Path) -> io::Result<PathBuf> {
+    let path = fs::canonicalize(path)?;
+    Ok(match cfg!(windows) {
+        true => path.to_str().and_then(plain).unwrap_or(path),
+        false => path,
+    })
+}
+
+/// `C:\lake` of `\\?\C:\lake`, and `\\server\lake` of `\\?\UNC\server\lake`.
+fn plain(path: &str) -> Option<PathBuf> {
+    let path = path.strip_prefix(r"\\?\")?;
+    Some(match path.strip_prefix(r"UNC\") {
+        Some(share) => format!(r"\\{share}").into(),
+        None => path.into(),
+    })
 }
 
 /// An absolute path as text.
@@ -151,6 +169,17 @@ mod tests {
         );
         assert_eq!(name_of("C:\\lake\\pond.sl2"), "pond.sl2");
         assert_eq!(name_of("lake/pond.sl2"), "pond.sl2");
+    }
+
+    #[test]
+    fn a_path_of_windows_is_written_as_people_do() {
+        for (verbatim, expected) in [
+            (r"\\?\C:\lake\pond.sl2", r"C:\lake\pond.sl2"),
+            (r"\\?\UNC\boat\lake", r"\\boat\lake"),
+        ] {
+            assert_eq!(plain(verbatim), Some(expected.into()));
+        }
+        assert_eq!(plain(r"C:\lake"), None);
     }
 
     #[cfg(unix)]

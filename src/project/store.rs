@@ -17,7 +17,7 @@ use crate::support::file_error::FileError;
 use crate::support::regular_file;
 use sha2::{Digest as _, Sha256};
 use std::ffi::OsString;
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -104,7 +104,7 @@ impl Store {
     /// When it cannot be read, makes no sense, is open elsewhere, or lies where nothing can be written.
     pub(crate) fn open(path: &Path) -> Result<OpenedProject, StoreError> {
         // The file itself is renamed into place, whatever link leads to it, and has one journal.
-        let path = fs::canonicalize(path)
+        let path = paths::canonical(path)
             .map_err(|error| StoreError::new(StoreFault::Read(error), path))?;
         // Before anything is written beside it: this may be no project at all.
         let wrong = |error| StoreError::new(StoreFault::Text(error), &path);
@@ -193,7 +193,7 @@ impl Store {
         if !ends || is_log() {
             return Err(StoreError::new(StoreFault::Name, path));
         }
-        let path = match fs::canonicalize(path) {
+        let path = match paths::canonical(path) {
             Ok(path) => path,
             Err(_) => paths::placed(path),
         };

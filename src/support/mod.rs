@@ -6,6 +6,8 @@ pub(crate) mod calendar;
 pub(crate) mod catch_panic;
 pub(crate) mod crash_report;
 pub(crate) mod file_error;
+pub(crate) mod file_in_use;
+pub(crate) mod file_name;
 pub(crate) mod geo;
 pub(crate) mod mapped_file;
 pub(crate) mod named;

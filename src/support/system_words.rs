@@ -1,10 +1,14 @@
-//! What the system says of files, and libraries of values, in plain words. It depends on no other module; any may use it.
+//! What the system says of files, and libraries of values, in plain words. It depends on `file_in_use` alone; any may use it.
 
+use super::file_in_use::is_in_use;
 use std::borrow::Cow;
 use std::io::{Error, ErrorKind};
 
 /// How the system's errors end in Rust's text.
 const NUMBER: &str = " (os error ";
+
+/// Of a file that another program has open.
+const IN_USE: &str = "another program has the file open; close it there, or choose another";
 
 /// What serde says that it expected, and what that is called elsewhere.
 const TYPES: [(&str, &str); 9] = [
@@ -34,9 +38,16 @@ pub(crate) fn in_plain_words(message: &str) -> Cow<'_, str> {
             break;
         };
         let text = error.to_string();
-        let words = match words(error.kind()) {
+        let words = match is_in_use(&error) {
+            true => Some(IN_USE),
+            false => words(error.kind()),
+        };
+        let words = match words {
             Some(words) => words.to_owned(),
-            None => text.split(NUMBER).next().unwrap_or_default().to_lowercase(),
+            None => {
+                let text = text.split(NUMBER).next().unwrap_or_default();
+                text.trim_end_matches('.').to_lowercase()
+            }
         };
         let mended = plain.replace(&text, &words);
         if mended == *plain {
@@ -55,6 +66,10 @@ fn number_in(message: &str) -> Option<i32> {
 fn words(kind: ErrorKind) -> Option<&'static str> {
     Some(match kind {
         ErrorKind::NotFound => "there is no such file or folder; check the path",
+        // Windows says the same of a file that is open in another program, and is to be replaced.
+        ErrorKind::PermissionDenied if cfg!(windows) => {
+            "this may not be done there; close the file where it is open in another program, check the rights of the file and its folder, or choose another"
+        }
         ErrorKind::PermissionDenied => {
             "this user may not do that there; check the rights of the file and its folder, or choose another"
         }
@@ -89,6 +104,21 @@ mod tests {
         );
         let twice = format!("one: {missing}; two: {missing}");
         assert!(!in_plain_words(&twice).contains("os error"));
+    }
+
+    #[cfg(windows)]
+    #[test]
+    fn a_file_that_is_open_elsewhere_is_said_to_be() {
+        for (number, words) in [
+            (5, "open in another program"),
+            (32, "close it there"),
+            (33, "close it there"),
+            (2, "no such file"),
+            (112, "disk is full"),
+        ] {
+            let message = Error::from_raw_os_error(number).to_string();
+            assert!(in_plain_words(&message).contains(words), "{message}");
+        }
     }
 
     #[cfg(unix)]

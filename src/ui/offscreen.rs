@@ -25,13 +25,17 @@ const STEPS: u64 = 100;
 /// Longest wait for the GPU to finish one frame.
 const FRAME_LIMIT: Duration = Duration::from_secs(60);
 
+/// What to do where nothing draws.
+pub(crate) const DRIVER: &str = match cfg!(windows) {
+    true => "install the newest driver of the graphics card, with DirectX 12 or Vulkan",
+    false => "install a Vulkan driver (on Debian, `mesa-vulkan-drivers` has one that needs no GPU)",
+};
+
 /// Why there is no picture, in one sentence.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum PictureError {
     /// Nothing here draws.
-    #[error(
-        "no graphics adapter: install a Vulkan driver (on Debian, `mesa-vulkan-drivers` has one that needs no GPU): {0}"
-    )]
+    #[error("no graphics adapter: {DRIVER}: {0}")]
     NoAdapter(#[from] WgpuError),
     /// The adapter holds no picture of this size.
     #[error(

@@ -2,9 +2,10 @@
 
 use super::Shell;
 use super::incremental::IncrementalPainter;
+use super::offscreen::DRIVER;
 use crate::app::{App, Command, FileToOpen, Jobs};
 use crate::support::crash_report;
-use eframe::egui_wgpu::RenderState;
+use eframe::egui_wgpu::{RenderState, WgpuError};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -13,10 +14,27 @@ const APP_ID: &str = "bathyscope";
 
 /// Why the window cannot be opened: what is missing, a display or a graphics driver.
 #[derive(Debug, thiserror::Error)]
-#[error(
-    "the window cannot be opened: {0}; `bathyscope process` and `bathyscope snapshot` work without one"
-)]
-pub(crate) struct WindowError(#[from] eframe::Error);
+pub(crate) enum WindowError {
+    /// Nothing here draws.
+    #[error(
+        "the window cannot be opened, for there is no graphics adapter: {DRIVER}; `bathyscope process` works without one: {0}"
+    )]
+    NoAdapter(WgpuError),
+    /// Something else.
+    #[error(
+        "the window cannot be opened: {0}; `bathyscope process` and `bathyscope snapshot` work without one"
+    )]
+    Other(eframe::Error),
+}
+
+impl From<eframe::Error> for WindowError {
+    fn from(error: eframe::Error) -> Self {
+        match error {
+            eframe::Error::Wgpu(error) => Self::NoAdapter(error),
+            error => Self::Other(error),
+        }
+    }
+}
 
 /// Opens the window on the first of `paths`, on the demo survey, or empty, with the `truth` about it; returns when it is closed.
 ///
@@ -31,6 +49,7 @@ pub(crate) fn open_window(
         viewport: egui::ViewportBuilder::default()
             .with_title("Bathyscope")
             .with_app_id(APP_ID)
+            .with_icon(icon())
             .with_inner_size([1600.0, 1000.0])
             .with_min_inner_size([800.0, 500.0])
             .with_drag_and_drop(true),
@@ -66,6 +85,12 @@ pub(crate) fn open_window(
         Ok(Box::new(shell) as Box<dyn eframe::App>)
     };
     Ok(eframe::run_native(APP_ID, options, Box::new(start))?)
+}
+
+/// What stands for the window where no desktop entry or resource does.
+fn icon() -> egui::IconData {
+    let png = include_bytes!("../../assets/desktop/bathyscope.png");
+    eframe::icon_data::from_png_bytes(png).unwrap_or_default()
 }
 
 /// The window's device where there is no graphics card.

@@ -194,9 +194,11 @@ const MAY_USE: &[(&str, &[&str])] = &[
 ];
 
 /// Files that any module may name.
-const SERVE_ALL: [&str; 9] = [
+const SERVE_ALL: [&str; 11] = [
     "calendar.rs",
     "catch_panic.rs",
+    "file_in_use.rs",
+    "file_name.rs",
     "outline.rs",
     "printable.rs",
     "progress.rs",

@@ -1,6 +1,7 @@
 //! A file is complete or it is not there.
 
 use crate::support::file_error::FileError;
+use crate::support::file_in_use::patiently;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::ffi::OsString;
@@ -75,7 +76,7 @@ pub(super) fn write_atomically_at<T>(
         _ => write(&passing),
     };
     written
-        .and_then(|made| fs::rename(&passing, path).map(|()| made))
+        .and_then(|made| patiently(|| fs::rename(&passing, path)).map(|()| made))
         .map_err(fail)
 }
 

@@ -11,6 +11,7 @@ use crate::pipeline::ProcessedLog;
 use crate::pipeline::list_objects;
 use crate::products::export::{self, DatasetPart, ObjectLog, make_folder};
 use crate::products::outputs::OutputError;
+use crate::support::file_name::file_name;
 use crate::support::progress::Progress;
 use std::path::Path;
 
@@ -151,9 +152,4 @@ fn tables(
     export::objects_gpkg(&folder.join("objects.gpkg"), &named, &rows)?;
     export::shapes_ply(&folder.join("shapes.ply"), &rows)?;
     Ok(())
-}
-
-/// A log's name as that of a file: the name of a recording is that of its own file, but for a log out of memory.
-fn file_name(name: &str) -> String {
-    name.replace(['/', '\\'], "-")
 }

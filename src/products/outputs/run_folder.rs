@@ -14,6 +14,7 @@ mod journal;
 use crate::pipeline::Fingerprint;
 use crate::products::export::{earlier_chips, make_folder, remove_passing_chips};
 use crate::products::outputs::OutputError;
+use crate::support::file_in_use::{for_one_writer, is_held, is_in_use};
 use crate::support::progress::Progress;
 use earlier::EarlierFiles;
 pub(super) use earlier::{has_foreign_manifest, is_stem_of_output};
@@ -178,6 +179,7 @@ impl RunFolder {
         remove.sort_unstable();
         remove.dedup();
         self.refuse_in_the_way(&files)?;
+        self.refuse_held(files.iter().chain(&remove))?;
         files.retain(|name| Some(name.as_str()) != manifest);
         let journal = Journal {
             first: match manifest {
@@ -233,6 +235,19 @@ impl RunFolder {
         Ok(())
     }
 
+    /// Refuses to replace or remove a file that another program holds open on Windows, while the folder is as it was.
+    fn refuse_held<'a>(&self, names: impl Iterator<Item = &'a String>) -> Result<(), OutputError> {
+        let mut paths = names.map(|name| self.folder.join(name));
+        match paths.find(|path| is_held(path)) {
+            Some(path) => Err(format!(
+                "another program has a file open that is to be replaced, so nothing was; close it there, or choose another folder: {}",
+                path.display()
+            )
+            .into()),
+            None => Ok(()),
+        }
+    }
+
     /// Removes the side folder; best effort, for the next run does so too.
     fn clear(&mut self) {
         let Some(lock) = self.lock.take() else {
@@ -244,7 +259,8 @@ impl RunFolder {
             return;
         }
         empty(&side).ok();
-        // While it is held: nobody else can be working in there.
+        // While it is held, so that nobody else can be working in there; on Windows only what nobody has open can be removed.
+        let lock = (!cfg!(windows)).then_some(lock);
         fs::remove_file(side.join(LOCK)).ok();
         fs::remove_dir(&side).ok();
         drop(lock);
@@ -273,22 +289,19 @@ fn take_lock(folder: &Path) -> io::Result<Option<File>> {
         if !fs::symlink_metadata(&side)?.is_dir() {
             return Err(io::Error::other(format!("`{SIDE}` in it is no folder")));
         }
-        let open = File::options()
-            .read(true)
-            .write(true)
-            .create(true)
-            .truncate(false)
-            .open(&path);
-        let mut lock = match open {
+        let mut options = File::options();
+        options.read(true).write(true).create(true).truncate(false);
+        for_one_writer(&mut options);
+        let mut lock = match options.open(&path) {
             Ok(lock) => lock,
+            Err(error) if is_in_use(&error) => return Ok(None),
             // The run before has just removed the side folder.
             Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
             Err(error) => return Err(error),
         };
-        match lock.try_lock() {
-            Err(TryLockError::WouldBlock) => return Ok(None),
-            // Some network drives know no locks: better to write without than not at all.
-            Ok(()) | Err(TryLockError::Error(_)) => {}
+        // Some network drives know no locks: better to write without than not at all.
+        if !cfg!(windows) && matches!(lock.try_lock(), Err(TryLockError::WouldBlock)) {
+            return Ok(None);
         }
         // Locked may be a file that the run before has removed meanwhile: then the one at the path is another.
         let token = format!("{} {attempt}\n", std::process::id());

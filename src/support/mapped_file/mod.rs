@@ -7,7 +7,7 @@
 //!
 //! - A file that was deleted, or exchanged for another by renaming, stays mapped as it was: the bytes are right.
 //! - A file that was cut reads as zeros from there on; one that was overwritten in its place reads as what it is now.
-//! - On Windows nobody can cut or delete a file that is mapped. A page of a network disk or a card that is gone ends the program there:
+//! - On Windows nobody can cut a file that is mapped. A page of a network disk or a card that is gone ends the program there:
 //!   Windows has no call that puts another page in its place.
 
 #[cfg(unix)]

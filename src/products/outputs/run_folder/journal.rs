@@ -1,6 +1,7 @@
 //! What is left to be done once all files of a run are written.
 
 use crate::products::export::{ExportError, write_atomically};
+use crate::support::file_in_use::patiently;
 use serde::{Deserialize, Serialize};
 use std::fs;
 use std::io::{self, Write as _};
@@ -83,7 +84,7 @@ fn move_into_place(new: &Path, folder: &Path, name: &str) -> io::Result<()> {
         // ten times as long.
         remove(&to)?;
     }
-    match fs::rename(new.join(name), &to) {
+    match patiently(|| fs::rename(new.join(name), &to)) {
         // Moved before the run was killed.
         Err(error) if error.kind() == io::ErrorKind::NotFound && to.exists() => Ok(()),
         moved => moved,
@@ -91,7 +92,7 @@ fn move_into_place(new: &Path, folder: &Path, name: &str) -> io::Result<()> {
 }
 
 fn remove(path: &Path) -> io::Result<()> {
-    match fs::remove_file(path) {
+    match patiently(|| fs::remove_file(path)) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
         _ => Ok(()),
     }
