@@ -49,8 +49,13 @@ fn depths_m(survey: &Arc<Survey>) -> Vec<Option<f32>> {
     let map = Derived::default().depth_map(&logs, &progress);
     let map = map.expect("a run").expect("a surface");
     let depth = |east_m, north_m| map.surface.at(east_m, north_m).map(|(depth_m, _)| depth_m);
-    let pings = navigation.pings.iter();
-    pings.map(|ping| depth(ping.east_m, ping.north_m)).collect()
+    let places = navigation.pings.iter().map(|ping| {
+        let position = navigation.to_lon_lat(&survey.track, ping.east_m, ping.north_m);
+        map.map.place(position)
+    });
+    places
+        .map(|[east_m, north_m]| depth(east_m, north_m))
+        .collect()
 }
 
 #[test]

@@ -67,7 +67,8 @@ impl FrameWalk<'_> {
             next == self.bytes.len() || frame::lost_before(self.bytes, next) == Some(here.lost);
         if !goes_on || frame.size > *longest {
             let inside = here.at + self.layout.shortest_header();
-            if let Some(found) = self.find(inside, next, here.lost)? {
+            let found = self.find(inside, next, here.lost)?;
+            if let Some(found) = found.filter(|found| !goes_on || self.reaches(*found, next)) {
                 let text = format!(
                     "a frame says that it is {} bytes long, but the next begins after {}; it was dropped",
                     frame.size,
@@ -80,6 +81,18 @@ impl FrameWalk<'_> {
         *longest = frame.size.max(*longest);
         take(frame);
         Ok(FrameStart { at: next, ..here })
+    }
+
+    /// Whether whole frames from one on end where another frame begins, or the file ends.
+    fn reaches(&self, start: FrameStart, end: usize) -> bool {
+        let mut at = start.at;
+        while at < end {
+            match self.layout.look(self.bytes, at, start.lost) {
+                FrameCheck::Whole(frame) => at += frame.size,
+                _ => return false,
+            }
+        }
+        at == end
     }
 
     fn over_cut(&self, here: FrameStart) -> Result<FrameStart, Cancelled> {
