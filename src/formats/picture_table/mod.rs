@@ -17,7 +17,7 @@
 //! - perhaps `row`, also as `picture_row` or `line`: the row of the picture, from 0 at the top; from 1 where the last is the number of rows.
 //!   Without it row by row of the table is row by row of the picture, and there have to be as many.
 //!
-//! Rows without times are taken as one second apart, as those of soundings are. Of rows that have the same time, as exports in whole
+//! Rows without times are taken as evenly spread over the time that a boat of usual speed needs for their places. Of rows that have the same time, as exports in whole
 //! seconds write them, each is taken as later than the one before, evenly up to the next time.
 //!
 //! Depth maps are made of the depths in the table, and of the first returns in the picture.

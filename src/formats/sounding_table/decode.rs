@@ -7,7 +7,7 @@ use crate::formats::collected::{Collected, Counted, is_range};
 use crate::formats::points::columns::{fields, number};
 use crate::formats::report::WarningKind;
 use crate::support::calendar::unix_from_text;
-use crate::support::geo::LonLat;
+use crate::support::geo::{LonLat, distance_m};
 use crate::survey::{ChannelKind, Fix, ProjectedTrack};
 
 /// Times below this, seconds, count from the beginning of the recording; beyond [`UNIX_MS`] they are milliseconds.
@@ -23,6 +23,10 @@ const FARTHEST_M: f64 = 1e8;
 const CHANNEL: u16 = 0;
 /// Rows without times, and those at an end that have the same time, are so far apart, seconds.
 const APART_S: f64 = 1.0;
+/// Pings without times are so far apart as a boat of this speed makes them, metres a second: side-scan is recorded at 1 to 3.
+const USUAL_SPEED_MPS: f64 = 1.5;
+/// No two pings are closer, seconds: times are kept in milliseconds.
+const LEAST_APART_S: f64 = 0.001;
 
 /// A row that waits for its time to be believed.
 #[derive(Debug)]
@@ -123,6 +127,8 @@ impl Reader {
         self.rows += 1;
         let time_s = match has_times {
             true => told_s,
+            // They are told apart when all are known.
+            false if self.layout.has_pings() => Some(0.0),
             false => Some((self.rows - 1) as f64 * APART_S),
         };
         let holds = depth_m.is_some() || position.is_some() || ping.is_some();
@@ -273,15 +279,25 @@ impl Reader {
         while let Some(verdict) = self.clock.next() {
             self.settle(log, verdict);
         }
+        let has_times = self.has_times == Some(true);
+        if !has_times {
+            self.apart_s = usual_apart_s(&self.together.1).unwrap_or(APART_S);
+        }
         self.keep_together(log, None);
         log.report.set_back(self.clock.set_back_s());
         log.projected = self.origin_m.map(ProjectedTrack::new);
-        let has_times = self.has_times == Some(true);
         log.start_unix_s = self
             .zero_s
             .filter(|zero_s| has_times && *zero_s >= LEAST_UNIX_S);
         if !has_times {
-            log.report.log("the rows have no time that can be read (Unix seconds, 2021-10-12T00:53:20Z); they are taken as one second apart, in the order of the file");
+            let apart = match self.layout.has_pings() {
+                true => format!(
+                    "{:.3} s apart, as far as a boat of {USUAL_SPEED_MPS} m/s makes them",
+                    self.apart_s
+                ),
+                false => "one second apart".to_owned(),
+            };
+            log.report.log(format!("the rows have no time that can be read (Unix seconds, 2021-10-12T00:53:20Z); they are taken as {apart}, in the order of the file"));
         }
         if self.has_spread && has_times {
             log.report.log(
@@ -295,4 +311,19 @@ impl Reader {
             log.report.log("the depths are negative in most rows; they are taken as counted upwards from the water");
         }
     }
+}
+
+/// Seconds between rows without times along whose places a boat goes at its usual speed; `None` where they have no places.
+fn usual_apart_s(rows: &[Row]) -> Option<f64> {
+    let places = rows
+        .iter()
+        .filter_map(|row| Some(row.fix.as_ref()?.position));
+    let places: Vec<LonLat> = places.collect();
+    let way_m: f64 = places
+        .windows(2)
+        .map(|two| distance_m(two[0], two[1]))
+        .sum();
+    let steps = rows.len().checked_sub(1).filter(|_| way_m > 0.0)?;
+    let apart_s = way_m / USUAL_SPEED_MPS / steps as f64;
+    Some(apart_s.clamp(LEAST_APART_S, APART_S))
 }
