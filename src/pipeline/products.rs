@@ -2,10 +2,12 @@
 
 use super::Settings;
 use crate::bottom::cloud::{
-    CloudPoint, Correction, PingDepth, PointClass, PointCloud, PointScales, Reduction,
+    self, CloudPoint, CloudSettings, Correction, PingDepth, PointClass, PointCloud, PointScales,
+    Reduction,
 };
-use crate::sonar::calibration::{Calibration, FlatSpot};
+use crate::sonar::calibration::{self, Calibration, CalibrationSettings, FlatSpot};
 use crate::sonar::first_return::FirstReturns;
+use crate::support::progress::{Cancelled, Progress};
 use crate::survey::{Exclusions, Navigation, Relief, Survey};
 use std::sync::Arc;
 
@@ -66,6 +68,39 @@ impl Products {
             &self.exclusions,
             || self.counted_returns(),
         )
+    }
+
+    /// The scales by other settings, from first returns that they may be based on ([`Self::judged_returns`]).
+    pub(super) fn calibrated(
+        &self,
+        survey: &Survey,
+        judged: &FirstReturns,
+        settings: &CalibrationSettings,
+        progress: &Progress,
+    ) -> Result<Calibration, Cancelled> {
+        let (navigation, spots) = (&self.navigation, &self.flat_spots);
+        calibration::calibrate(survey, navigation, judged, spots, settings, progress)
+    }
+
+    /// All points by another calibration and other settings, from the first returns that count ([`Self::counted_returns`]).
+    pub(super) fn placed(
+        &self,
+        survey: &Survey,
+        counted: &FirstReturns,
+        calibration: &Calibration,
+        settings: &CloudSettings,
+        progress: &Progress,
+    ) -> Result<PointCloud, Cancelled> {
+        let cloud = cloud::build(
+            survey,
+            &self.navigation,
+            counted,
+            calibration,
+            settings,
+            &self.correction,
+            progress,
+        )?;
+        Ok(cloud.without(&self.exclusions))
     }
 
     /// The points that count for the map, in the order of the cloud.

@@ -5,7 +5,6 @@ use crate::bottom::cloud::{self, DepthChange, Residuals};
 use crate::sonar::calibration::{
     self, Calibration, CalibrationSettings, FlatSpot, PingRange, RangeAtDepth, ScaleMode,
 };
-use crate::sonar::first_return::FirstReturns;
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::Survey;
 
@@ -60,7 +59,7 @@ impl ScaleTrial {
         let effect = match spot.ppd {
             Some(_) => {
                 let settings = with_stretch(&products.settings, pings);
-                let made = calibrated(survey, products, &returns, &settings, progress)?;
+                let made = products.calibrated(survey, &returns, &settings, progress)?;
                 effect(survey, products, &made, progress)?
             }
             None => None,
@@ -74,23 +73,6 @@ impl ScaleTrial {
     }
 }
 
-fn calibrated(
-    survey: &Survey,
-    products: &Products,
-    returns: &FirstReturns,
-    settings: &CalibrationSettings,
-    progress: &Progress,
-) -> Result<Calibration, Cancelled> {
-    calibration::calibrate(
-        survey,
-        &products.navigation,
-        returns,
-        &products.flat_spots,
-        settings,
-        progress,
-    )
-}
-
 /// What a calibration would change, by the points that it would give.
 fn effect(
     survey: &Survey,
@@ -99,16 +81,9 @@ fn effect(
     progress: &Progress,
 ) -> Result<Option<ScaleEffect>, Cancelled> {
     let (before, classes) = (&products.cloud, &products.classes);
-    let after = cloud::build(
-        survey,
-        &products.navigation,
-        &products.counted_returns(),
-        calibration,
-        &products.settings.cloud,
-        &products.correction,
-        progress,
-    )?
-    .without(&products.exclusions);
+    let counted = products.counted_returns();
+    let settings = &products.settings.cloud;
+    let after = products.placed(survey, &counted, calibration, settings, progress)?;
     let change = DepthChange::between(before, classes, &after);
     // The same first returns give the same points, each of which keeps its class.
     let is_alike = after.points.len() == before.points.len();

@@ -6,7 +6,7 @@ use crate::bottom::cloud::{
     self, CloudPoint, CloudSettings, Geometry, PointClass, PointCloud, PointSource, Residuals,
 };
 use crate::pipeline::Products;
-use crate::sonar::calibration::{self, Calibration, OffsetMode, PpdReach, ScaleMode};
+use crate::sonar::calibration::{Calibration, OffsetMode, PpdReach, ScaleMode};
 use crate::sonar::first_return::FirstReturns;
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::Survey;
@@ -74,6 +74,11 @@ pub(crate) fn choices(
         Matching::Surface { max_gap_m },
     );
     let (judged, counted) = (products.judged_returns(survey), products.counted_returns());
+    // Nothing about a swath is chosen.
+    let survey = &Survey {
+        swath: Arc::default(),
+        ..survey.clone()
+    };
     let is_side_scan = |point: &&CloudPoint| point.source.is_side_scan();
     let mut found = Vec::new();
     for (name, mode, ppd, offset) in CALIBRATIONS {
@@ -85,14 +90,7 @@ pub(crate) fn choices(
             (OffsetMode::Fit, in_force @ (OffsetMode::Auto | OffsetMode::Fit)) => in_force,
             _ => offset,
         };
-        let made = calibration::calibrate(
-            survey,
-            &products.navigation,
-            &judged,
-            &products.flat_spots,
-            &settings,
-            progress,
-        )?;
+        let made = products.calibrated(survey, &judged, &settings, progress)?;
         if made.mode != mode {
             continue;
         }
@@ -134,16 +132,7 @@ fn placed(
         geometry,
         ..products.settings.cloud.clone()
     };
-    let cloud = cloud::build(
-        survey,
-        &products.navigation,
-        counted,
-        calibration,
-        &how,
-        &products.correction,
-        progress,
-    )?
-    .without(&products.exclusions);
+    let cloud = products.placed(survey, counted, calibration, &how, progress)?;
     let classes = cloud::classify(&cloud, &products.settings.class_rules(), progress)?;
     Ok((Arc::new(cloud), Arc::new(classes)))
 }
