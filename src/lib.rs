@@ -192,13 +192,16 @@ pub use survey::{Side, Survey};
 
 /// The benchmarks, run by `cargo bench --features bench`.
 #[cfg(all(feature = "bench", not(test)))]
+#[allow(clippy::expect_used, clippy::unwrap_used, reason = "as in tests")]
 #[path = "../tests/bench/mod.rs"]
 pub mod bench;
 /// The readers for the fuzzer, which is a program of its own: `tests/fuzz/run`.
 #[cfg(all(feature = "fuzz", not(test)))]
+#[allow(clippy::expect_used, clippy::unwrap_used, reason = "as in tests")]
 #[path = "../tests/fuzz/mod.rs"]
 #[doc(hidden)]
 pub mod fuzz;
 #[cfg(all(test, feature = "gui"))]
+#[allow(clippy::expect_used, clippy::unwrap_used, reason = "its helpers")]
 #[path = "../tests/suite/mod.rs"]
 mod suite;

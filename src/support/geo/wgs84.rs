@@ -18,6 +18,7 @@ pub(crate) fn metres_per_degree(at: LonLat) -> [f64; 2] {
 }
 
 /// Longitude and latitude on WGS84, radians.
+#[allow(clippy::expect_used, reason = "a text that a test reads")]
 pub(super) fn wgs84() -> &'static Proj {
     static WGS84_RADIANS: LazyLock<Proj> = LazyLock::new(|| {
         let made = Proj::from_proj_string("+proj=longlat +datum=WGS84 +no_defs");
