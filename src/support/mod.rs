@@ -17,6 +17,8 @@ pub(crate) mod picture_file;
 pub(crate) mod presentation;
 pub(crate) mod printable;
 pub(crate) mod progress;
+#[cfg(test)]
+pub(crate) mod random_cases;
 pub(crate) mod regular_file;
 pub(crate) mod sparse;
 pub(crate) mod statistics;

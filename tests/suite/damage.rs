@@ -7,6 +7,7 @@ use crate::suite::fuzz::records::{
 };
 use crate::suite::{handmade, support};
 use crate::support::progress::Progress;
+use crate::support::random_cases::Random;
 use crate::survey::{Side, SideSpan, Survey};
 use std::fs::{self, OpenOptions};
 use std::io::{Seek, SeekFrom, Write};
@@ -54,7 +55,9 @@ impl Patient {
     fn cut(&self, seed: u64) {
         let mut random = Random(seed);
         let len = self.bytes.len() as u64;
-        let mut cuts: Vec<u64> = (0..CASES).map(|_| random.below(len)).collect();
+        let mut cuts: Vec<u64> = (0..CASES)
+            .map(|_| random.below(len as usize) as u64)
+            .collect();
         cuts.sort_unstable();
         for cut in cuts.into_iter().rev() {
             let file = OpenOptions::new()
@@ -83,7 +86,7 @@ impl Patient {
         let mut random = Random(seed);
         let len = self.bytes.len() as u64;
         for _ in 0..CASES {
-            let start = random.below(len);
+            let start = random.below(len as usize) as u64;
             let block = start..(start + BLOCK).min(len);
             let sound = &self.bytes[block.start as usize..block.end as usize];
             let mut spoiled = sound.to_vec();
@@ -195,18 +198,6 @@ fn sides(survey: &Survey, side: Side) -> impl Iterator<Item = (f64, SideSpan)> {
 
 fn touches(frame: &Range<u64>, damage: &Range<u64>) -> bool {
     frame.start < damage.end && damage.start < frame.end
-}
-
-/// Xorshift: the same cases in every run, and a failure names its offset.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, limit: u64) -> u64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        self.0 % limit
-    }
 }
 
 fn damage_one(name: &str, bytes: Vec<u8>, oracle: FindRecords, seed: u64) -> Patient {

@@ -3,6 +3,7 @@
 use super::writer::{BEGAN_S, SvlogOptions, decibels, packet, svlog};
 use crate::formats::{self, OpenError, open_growing, open_tail};
 use crate::support::progress::Progress;
+use crate::support::random_cases::Random;
 use crate::survey::{Bytes, RangeSource, Side, Survey, SurveyVersions};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -225,18 +226,6 @@ fn damage_costs_the_packet_that_it_touched() {
         let warning = survey.warnings.iter().find(|one| one.place.is_some());
         let (_, offset) = warning.and_then(|one| one.place).expect("a place");
         assert_eq!(offset, starboard as u64);
-    }
-}
-
-/// A generator of numbers, xorshift.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, end: usize) -> usize {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 % end as u64) as usize
     }
 }
 

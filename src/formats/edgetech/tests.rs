@@ -3,6 +3,7 @@
 use super::writer::{JsfOptions, START_S, jsf, message, put, value};
 use crate::formats::{self, OpenError, open_growing, open_tail};
 use crate::support::progress::Progress;
+use crate::support::random_cases::Random;
 use crate::survey::{Bytes, ChannelKind, RangeSource, Side, Survey, SurveyVersions};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -241,18 +242,6 @@ fn a_time_that_cannot_be_is_left_out() {
     let survey = open(bytes).expect("a log");
     assert!(says(&survey, "fits neither neighbour"));
     assert_eq!(survey.side_scan.len(), 40);
-}
-
-/// A generator of numbers, xorshift.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, end: usize) -> usize {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 % end as u64) as usize
-    }
 }
 
 #[test]

@@ -292,6 +292,7 @@ fn keep(log: &mut Collected, block: &Block, time_s: f64) {
 mod tests {
     use super::*;
     use crate::formats::{self, OpenError, open_growing};
+    use crate::support::random_cases::Random;
     use crate::survey::{Bytes, SideScanState, Survey};
     use std::path::PathBuf;
     use std::sync::Arc;
@@ -420,19 +421,13 @@ mod tests {
                 assert_eq!(survey.soundings.len(), (length - HEADER) / SIZE);
             }
         }
-        let mut random = 88_172_645_463_325_252_u64;
-        let mut below = |end: usize| {
-            random ^= random << 13;
-            random ^= random >> 7;
-            random ^= random << 17;
-            (random % end as u64) as usize
-        };
+        let mut random = Random(88_172_645_463_325_252);
         for _ in 0..5000 {
             let mut bytes = whole.clone();
-            for _ in 0..=below(6) {
+            for _ in 0..=random.below(6) {
                 // Fields stand at the beginning of a block.
-                let at = (below(10) * SIZE + below(50)).min(bytes.len() - 1);
-                bytes[at] = below(256) as u8;
+                let at = (random.below(10) * SIZE + random.below(50)).min(bytes.len() - 1);
+                bytes[at] = random.below(256) as u8;
             }
             if let Ok(survey) = read(bytes) {
                 assert!(survey.soundings.len() <= 10 && survey.track.fixes.len() <= 10);

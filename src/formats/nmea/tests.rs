@@ -3,6 +3,7 @@
 use super::writer::{DepthIn, MIDNIGHT_S, NmeaOptions, Stamp, depth_m, minutes, nmea, sentence};
 use crate::formats::{self, OpenError, open_growing};
 use crate::support::progress::Progress;
+use crate::support::random_cases::Random;
 use crate::survey::{Bytes, ChannelKind, SideScanState, Survey};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -341,18 +342,12 @@ fn hostile_bytes_neither_end_the_program_nor_make_up_depths() {
             }
         }
     }
-    let mut random = 88_172_645_463_325_252_u64;
-    let mut below = |end: usize| {
-        random ^= random << 13;
-        random ^= random >> 7;
-        random ^= random << 17;
-        (random % end as u64) as usize
-    };
+    let mut random = Random(88_172_645_463_325_252);
     for _ in 0..3000 {
         let mut bytes = text.clone().into_bytes();
-        for _ in 0..=below(4) {
-            let at = below(bytes.len());
-            bytes[at] = below(256) as u8;
+        for _ in 0..=random.below(4) {
+            let at = random.below(bytes.len());
+            bytes[at] = random.below(256) as u8;
         }
         assert_bounded(bytes, 9);
     }

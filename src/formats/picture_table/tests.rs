@@ -3,6 +3,7 @@
 use crate::formats::log_writer::LogToWrite;
 use crate::formats::{self, GrowingError, GrowingLog, OpenError};
 use crate::support::progress::Progress;
+use crate::support::random_cases::Random;
 use crate::survey::{
     ChannelKind, HeadingSettings, Projection, Side, SideScanState, Survey, navigate,
 };
@@ -285,7 +286,24 @@ fn damaged_rows_cost_their_pings_only() {
     let survey = read(small(), "range_m,note\n20,\n20,\n20,\n");
     assert_rows(&survey, &[0, 1, 2]);
     assert!(says(&survey, "no position") && says(&survey, "no depth"));
-    assert!(says(&survey, "one second apart") && !says(&survey, "names no unit"));
+    assert!(says(&survey, "1.000 s apart") && !says(&survey, "names no unit"));
+}
+
+#[test]
+fn pings_without_times_are_as_far_apart_as_a_boat_makes_them() {
+    // 1.11 m from row to row.
+    let survey = read(
+        small(),
+        "range_m,lon,lat\n20,11.5,0.0\n20,11.5,0.00001\n20,11.5,0.00002\n",
+    );
+    let times: Vec<f64> = survey.side_scan.iter().map(|ping| ping.time_s).collect();
+    let step_s = 1.106 / 1.5;
+    for (index, time_s) in times.iter().enumerate() {
+        assert!((time_s - step_s * index as f64).abs() < 0.002, "{times:?}");
+    }
+    let fixes: Vec<f64> = survey.track.fixes.iter().map(|fix| fix.time_s).collect();
+    assert_eq!(fixes, times);
+    assert!(says(&survey, "a boat of 1.5 m/s"));
 }
 
 #[test]
@@ -394,13 +412,7 @@ fn a_folder_lists_pairs_once_and_no_other_pictures() {
 
 #[test]
 fn hostile_bytes_do_not_end_the_program() {
-    let mut random = 88_172_645_463_325_252_u64;
-    let mut below = |end: usize| {
-        random ^= random << 13;
-        random ^= random >> 7;
-        random ^= random << 17;
-        (random % end as u64) as usize
-    };
+    let mut random = Random(88_172_645_463_325_252);
     for round in 0..3000 {
         let (mut picture, mut table) = match round % 2 {
             0 => (small(), TABLE.as_bytes().to_vec()),
@@ -410,9 +422,9 @@ fn hostile_bytes_do_not_end_the_program() {
             0 => &mut picture,
             _ => &mut table,
         };
-        for _ in 0..=below(4) {
-            let at = below(harmed.len());
-            harmed[at] = below(256) as u8;
+        for _ in 0..=random.below(4) {
+            let at = random.below(harmed.len());
+            harmed[at] = random.below(256) as u8;
         }
         let files = vec![
             (PathBuf::from("pond.png"), picture),

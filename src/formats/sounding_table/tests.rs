@@ -2,6 +2,7 @@
 
 use crate::formats::{self, OpenError, open_growing};
 use crate::support::progress::Progress;
+use crate::support::random_cases::Random;
 use crate::survey::{Bytes, SideScanState, Survey};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -189,22 +190,16 @@ fn hostile_bytes_neither_end_the_program_nor_make_up_depths() {
         "easting;northing;depth_m;unix_s\n500000,5;5300000;2;1634000000\n500003;5300004;3;1634000001\n",
         "0.0,0.0,1.25,1634000000000,14.5\n48.1,11.5,1.5,1634000000066,14.5\n0.0,0.0,1.75,1634000000133,14.5\n",
     ];
-    let mut random = 88_172_645_463_325_252_u64;
-    let mut below = |end: usize| {
-        random ^= random << 13;
-        random ^= random >> 7;
-        random ^= random << 17;
-        (random % end as u64) as usize
-    };
+    let mut random = Random(88_172_645_463_325_252);
     for text in texts {
         for length in 0..text.len() {
             assert_bounded(text.as_bytes()[..length].to_vec());
         }
         for _ in 0..2000 {
             let mut bytes = text.as_bytes().to_vec();
-            for _ in 0..=below(4) {
-                let at = below(bytes.len());
-                bytes[at] = below(256) as u8;
+            for _ in 0..=random.below(4) {
+                let at = random.below(bytes.len());
+                bytes[at] = random.below(256) as u8;
             }
             assert_bounded(bytes);
         }

@@ -4,6 +4,7 @@ use super::pairs::two_frequencies;
 use super::places::raw_navigation;
 use super::*;
 use crate::formats::{open_growing, open_tail};
+use crate::support::random_cases::Random;
 use crate::survey::{Bytes, SurveyVersions};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -86,18 +87,6 @@ fn a_growing_log_is_what_the_whole_one_is() {
             };
             assert_eq!(places(&grown), places(&whole));
         }
-    }
-}
-
-/// A generator of numbers, xorshift.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, end: usize) -> usize {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 % end as u64) as usize
     }
 }
 
