@@ -210,7 +210,7 @@ impl Layout {
         self.depth.is_some() && self.place.is_some()
     }
 
-    /// The same of a table that no picture lies beside.
+    /// The same of a table without a picture of its name.
     pub(super) fn without_pings(self) -> Self {
         Self {
             pings: None,

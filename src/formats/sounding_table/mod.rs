@@ -11,7 +11,7 @@
 //! Without names one table is known: `Bathymetry.csv` of Deeper's sonars, latitude, longitude, depth in metres, Unix milliseconds and
 //! perhaps the temperature; latitude and longitude are 0 in rows between two positions of the phone.
 //!
-//! Where a picture lies beside a table whose rows are pings, `picture_table` reads both.
+//! Where a picture has the name of a table whose rows are pings, `picture_table` reads both.
 //!
 //! Rows without times are taken as one second apart, in the order of the file, and a warning says so. Depths count from wherever the program
 //! counted them; they are taken as depths below the transducer.
