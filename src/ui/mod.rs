@@ -2,6 +2,7 @@
 //!
 //! It uses all other top folders but `cli` and `simulation`.
 
+mod adapter;
 mod dialogs;
 mod drop_down;
 mod exclusion_text;

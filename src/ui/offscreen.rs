@@ -1,11 +1,11 @@
 //! The window without a window: frames are drawn into a texture and read back, on a GPU or on lavapipe.
 
 use super::render::extent;
-use super::{Shell, into_texture};
+use super::{Shell, adapter, into_texture};
 use crate::products::export::{ExportError, write_atomically};
 use crate::support::progress::{Cancelled, Progress};
 use eframe::egui_wgpu::{
-    RenderState, RendererOptions, ScreenDescriptor, WgpuConfiguration, WgpuError, WgpuSetup, wgpu,
+    RenderState, RendererOptions, ScreenDescriptor, WgpuConfiguration, WgpuError, wgpu,
 };
 use image::RgbaImage;
 use std::future::Future;
@@ -140,7 +140,7 @@ pub(crate) fn write_picture(picture: &RgbaImage, path: &Path) -> Result<(), Expo
 }
 
 fn gpu() -> Result<RenderState, WgpuError> {
-    let setup = WgpuSetup::without_display_handle();
+    let setup = adapter::setup();
     let config = WgpuConfiguration {
         wgpu_setup: setup.clone(),
         ..WgpuConfiguration::default()
@@ -329,7 +329,7 @@ fn wait(device: &wgpu::Device) -> Result<(), wgpu::PollError> {
 }
 
 /// Parks this thread until a future is ready: adapters and devices are asked for once, nothing else is async here.
-fn block_on<F: Future>(future: F) -> F::Output {
+pub(super) fn block_on<F: Future>(future: F) -> F::Output {
     struct Unpark(std::thread::Thread);
     impl Wake for Unpark {
         fn wake(self: Arc<Self>) {

@@ -1,8 +1,8 @@
 //! The window on the desktop.
 
-use super::Shell;
 use super::incremental::IncrementalPainter;
 use super::offscreen::DRIVER;
+use super::{Shell, adapter};
 use crate::app::{App, Command, FileToOpen, Jobs};
 use crate::support::crash_report;
 use eframe::egui_wgpu::{RenderState, WgpuError};
@@ -45,7 +45,7 @@ pub(crate) fn open_window(
     demo: bool,
     truth: Option<PathBuf>,
 ) -> Result<(), WindowError> {
-    let options = eframe::NativeOptions {
+    let mut options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_title("Bathyscope")
             .with_app_id(APP_ID)
@@ -56,6 +56,7 @@ pub(crate) fn open_window(
         renderer: eframe::Renderer::Wgpu,
         ..eframe::NativeOptions::default()
     };
+    options.wgpu_options.wgpu_setup = adapter::setup();
     let start = move |cc: &eframe::CreationContext<'_>| {
         let ctx = cc.egui_ctx.clone();
         // Soft edges multiply the triangles, each of which costs a processor that draws them as much as 16 pixels.
