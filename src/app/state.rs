@@ -1,6 +1,7 @@
 //! The state behind the window, to read. Commands change it in `apply`, finished workers in `work`.
 
 use super::base_map::OpeningBaseMap;
+use super::card_search::CardSearch;
 use super::comparing::Comparing;
 use super::deriving::Deriving;
 use super::exporting::{Exported, Exporting};
@@ -197,6 +198,7 @@ pub(crate) struct App {
     pub(super) said: NoticeHistory,
     pub(super) following: Following,
     pub(super) file_watch: FileWatch,
+    pub(super) card_search: CardSearch,
     /// The folder that was written last.
     pub written_into: Option<PathBuf>,
     pub(super) jobs: Jobs,
@@ -219,6 +221,7 @@ impl App {
             said: NoticeHistory::default(),
             following: Following::default(),
             file_watch: FileWatch::default(),
+            card_search: CardSearch::default(),
             written_into: None,
             jobs,
         }

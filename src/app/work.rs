@@ -24,6 +24,7 @@ impl App {
         self.poll_following();
         self.collect_tail();
         self.poll_file_watch();
+        self.poll_cards();
         if let Some(preview) = self.pipeline.previewer.poll(&self.jobs)
             && preview.is_for(&self.log.settings)
             && self.stale().is_some()

@@ -14,7 +14,7 @@
 //! `lowrance`, `garmin`, `xtf`, `edgetech`, `cerulean`, `klein`, `nmea`, `picture_table`, `sounding_table` and `humminbird` walk over the records of their format, mend what is damaged and give it
 //! meaning in SI units; all fill one `collected` log, with `clock` to recognise damaged times and `report` to say what was wrong.
 //! `reading` says which part of a log is read: the tail of one that is being written is read as a log of its own. `assemble` turns what was read into the survey: `join` pairs the sides, `depths` chooses the soundings, `stray` leaves out positions that cannot be. `file_source` brings
-//! the bytes, `messages` walks over logs of messages, `nmea` reads logs of sentences, and sentences in other logs, `growing_log` copies one that is being written as it comes, `unsupported` recognises formats that are not read, `table` lists those that are. `track_file` reads
+//! the bytes, `log_folders` finds the folders of a card that hold logs, `messages` walks over logs of messages, `nmea` reads logs of sentences, and sentences in other logs, `growing_log` copies one that is being written as it comes, `unsupported` recognises formats that are not read, `table` lists those that are. `track_file` reads
 //! the track of another receiver, `gauge_file` the height of the water, `area_file` a polygon of water, `reference` whatever a survey is compared with, `points` and `geotiff` what other programs say of depths; both also lay out what is written so, as `parquet_table` does tables of columns.
 
 mod area_file;
@@ -34,6 +34,8 @@ mod growing_log;
 pub(crate) mod humminbird;
 mod join;
 mod klein;
+#[cfg(feature = "gui")]
+mod log_folders;
 mod log_format;
 pub(crate) mod log_writer;
 pub(crate) mod lowrance;
@@ -57,6 +59,8 @@ pub(crate) mod xtf;
 pub(crate) use area_file::{AreaError, read_area};
 pub(crate) use gauge_file::{GaugeError, read_gauge};
 pub(crate) use growing_log::{GrowingError, GrowingLog};
+#[cfg(feature = "gui")]
+pub(crate) use log_folders::{FoundLog, LogFolder, log_folders};
 pub(crate) use reference::{
     ReferenceError, ReferenceFile, is_named_as_points, multibeam_of, open_reference, read_points,
 };

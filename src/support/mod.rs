@@ -5,6 +5,8 @@
 pub(crate) mod calendar;
 pub(crate) mod catch_panic;
 pub(crate) mod crash_report;
+#[cfg(feature = "gui")]
+pub(crate) mod drives;
 pub(crate) mod file_error;
 pub(crate) mod file_in_use;
 pub(crate) mod file_name;

@@ -4,7 +4,7 @@ use super::incremental::IncrementalPainter;
 use super::offscreen::DRIVER;
 use super::{Shell, adapter};
 use crate::app::{App, Command, FileToOpen, Jobs};
-use crate::support::crash_report;
+use crate::support::{crash_report, drives::drives};
 use eframe::egui_wgpu::{RenderState, WgpuError};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -71,6 +71,7 @@ pub(crate) fn open_window(
         if let Some(storage) = cc.storage {
             shell.restore(storage);
         }
+        shell.app.look_for_cards(drives);
         let folder = eframe::storage_dir(APP_ID);
         if let Some(report) = folder.and_then(crash_report::keep_in) {
             shell.app.tell_of_crash(&report);

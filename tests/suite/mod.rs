@@ -26,6 +26,7 @@ mod exclusion_window;
 mod export;
 mod failing_log;
 mod first_return;
+mod first_window;
 mod following;
 mod formats;
 #[allow(

@@ -1,9 +1,9 @@
 //! The survey: what was found in the log, what is wrong with it, and which settings are in force.
 
+use super::nothing_open;
 use super::parts::{fact, remark, warning};
 use super::section::{Section, section};
-use crate::app::{Action, Command};
-use crate::formats::formats_to_open;
+use crate::app::Command;
 use crate::pipeline::Preset;
 use crate::support::calendar;
 use crate::support::presentation::units::Units;
@@ -27,25 +27,9 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
                 warnings(ui, context, &survey);
                 preset_line(ui, context);
             }
-            None => nothing_open(ui, context),
+            None => nothing_open::ui(ui, context),
         },
     );
-}
-
-fn nothing_open(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    ui.label("Nothing is open.");
-    remark(
-        ui,
-        format!(
-            "Drop a log on the window, or open one: {}.",
-            formats_to_open()
-        ),
-    );
-    ui.add_space(4.0);
-    for action in [Action::Open, Action::OpenDemo] {
-        let button = egui::Button::new(action.label()).min_size(egui::vec2(180.0, 24.0));
-        context.button(ui.add(button), action);
-    }
 }
 
 fn summary(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {

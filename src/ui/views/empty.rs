@@ -8,6 +8,13 @@ use egui::{Rect, RichText, Ui, UiBuilder, vec2};
 pub(super) const NO_GPU: &str =
     "No GPU: this picture needs a graphics driver (Vulkan, Metal or DirectX 12).";
 
+/// What a person does first, one line a step.
+const FIRST_STEPS: [&str; 3] = [
+    "1. Open the log that your recorder wrote on its card, or drop it on the window.",
+    "2. Look whether the line follows the bottom here, and at the depths on the map.",
+    "3. Export the depth map, the mosaic and the report.",
+];
+
 /// A sentence in the middle of the view.
 pub(super) fn say(ui: &mut Ui, context: &ViewContext<'_>, rect: Rect, text: &str) {
     let colour = theme::canvas_text_colour(context.options());
@@ -33,6 +40,20 @@ pub(super) fn offer_to_open(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Re
     let colour = theme::canvas_text_colour(context.options());
     middle(ui, rect, 84.0, |ui| {
         ui.label(RichText::new(text).color(colour));
+        for action in [Action::Open, Action::OpenDemo] {
+            button(ui, context, action);
+        }
+    });
+}
+
+/// Says what to do with the program, and offers to begin.
+pub(super) fn first_steps(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect) {
+    let colour = theme::canvas_text_colour(context.options());
+    middle(ui, rect, 140.0, |ui| {
+        for step in FIRST_STEPS {
+            ui.label(RichText::new(step).color(colour));
+        }
+        ui.add_space(8.0);
         for action in [Action::Open, Action::OpenDemo] {
             button(ui, context, action);
         }

@@ -19,8 +19,7 @@ pub(super) fn without_picture(
     let survey = context.app.log.survey.clone();
     let said = match survey {
         None => {
-            let text = "A survey's side-scan picture appears here.";
-            empty::offer_to_open(ui, context, rect, text);
+            empty::first_steps(ui, context, rect);
             "open a survey to see its side-scan here".to_owned()
         }
         Some(_) if is_reading => {

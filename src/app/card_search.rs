@@ -1,0 +1,151 @@
+//! Logs on cards and drives, looked for while nothing is open: what a person most likely came to open.
+//!
+//! The drives are listed every few seconds, so that a card that is put in is offered and one that is taken out is not. Each is searched once,
+//! in a thread of its own: a drive that does not answer keeps no other waiting.
+
+use super::{App, Task, TaskOutcome};
+use crate::formats::{LogFolder, log_folders};
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// Time between two lists of the drives.
+pub(crate) const LISTED_EVERY: Duration = Duration::from_secs(3);
+
+/// What lists the top folders of the drives.
+type Drives = fn() -> Vec<PathBuf>;
+
+/// The drives, and what was found on them.
+#[derive(Default)]
+pub(super) struct CardSearch {
+    /// Nothing is looked for without it.
+    drives: Option<Drives>,
+    listing: Option<Task<Vec<PathBuf>>>,
+    listed: Option<Instant>,
+    cards: Vec<Card>,
+}
+
+/// A drive.
+struct Card {
+    top: PathBuf,
+    searching: Option<Task<Vec<LogFolder>>>,
+    folders: Vec<LogFolder>,
+}
+
+impl App {
+    /// Looks for logs on these drives from now on, whenever nothing is open.
+    pub(crate) fn look_for_cards(&mut self, drives: Drives) {
+        self.card_search.drives = Some(drives);
+    }
+
+    /// The folders with logs on cards and drives, as far as they were found; that with the newest log first.
+    pub(crate) fn card_folders(&self) -> Vec<&LogFolder> {
+        let cards = self.card_search.cards.iter();
+        let mut folders: Vec<&LogFolder> = cards.flat_map(|card| &card.folders).collect();
+        folders.sort_by_key(|folder| std::cmp::Reverse(folder.logs[0].written));
+        folders
+    }
+
+    /// Collects what was found, and lists the drives when it is time.
+    pub(super) fn poll_cards(&mut self) {
+        let search = &mut self.card_search;
+        let Some(drives) = search.drives else {
+            return;
+        };
+        if self.log.survey.is_some() {
+            search.cards.clear();
+            return;
+        }
+        match search.listing.as_ref().map(Task::poll) {
+            Some(TaskOutcome::Pending) => {}
+            Some(TaskOutcome::Done(tops)) => {
+                search.listing = None;
+                search.cards.retain(|card| tops.contains(&card.top));
+                for top in tops {
+                    if search.cards.iter().all(|card| card.top != top) {
+                        let of = top.clone();
+                        let task =
+                            Task::start(&self.jobs, move |progress| log_folders(&of, progress));
+                        search.cards.push(Card::new(top, task));
+                    }
+                }
+            }
+            Some(TaskOutcome::Failed) | None => {
+                let is_due = (search.listed).is_none_or(|listed| listed.elapsed() >= LISTED_EVERY);
+                if is_due {
+                    search.listed = Some(Instant::now());
+                    search.listing = Some(Task::start(&self.jobs, move |_| drives()));
+                }
+            }
+        }
+        for card in &mut search.cards {
+            card.poll();
+        }
+    }
+}
+
+impl Card {
+    fn new(top: PathBuf, searching: Task<Vec<LogFolder>>) -> Self {
+        Self {
+            top,
+            searching: Some(searching),
+            folders: Vec::new(),
+        }
+    }
+
+    fn poll(&mut self) {
+        match self.searching.as_ref().map(Task::poll) {
+            Some(TaskOutcome::Done(folders)) => {
+                self.folders = folders;
+                self.searching = None;
+            }
+            Some(TaskOutcome::Failed) => self.searching = None,
+            Some(TaskOutcome::Pending) | None => {}
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::{Command, Jobs};
+    use std::sync::Mutex;
+
+    static CARDS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+    fn cards() -> Vec<PathBuf> {
+        CARDS.lock().expect("a list").clone()
+    }
+
+    /// Polls as often as a list and a search take.
+    fn look(app: &mut App) -> Vec<PathBuf> {
+        app.card_search.listed = None;
+        for _ in 0..3 {
+            app.poll();
+        }
+        let folders = app.card_folders();
+        folders.iter().map(|folder| folder.path.clone()).collect()
+    }
+
+    #[test]
+    fn a_card_is_offered_while_it_is_there_and_nothing_is_open() {
+        let card = tempfile::tempdir().expect("a card");
+        let folder = card.path().join("Sonar");
+        std::fs::create_dir(&folder).expect("a folder");
+        std::fs::write(folder.join("a.sl2"), "").expect("a log");
+        let mut app = App::new(Jobs::Inline);
+        *CARDS.lock().expect("a list") = vec![card.path().to_owned()];
+        assert_eq!(
+            look(&mut app),
+            Vec::<PathBuf>::new(),
+            "it was not asked for"
+        );
+        app.look_for_cards(cards);
+        assert_eq!(look(&mut app), std::slice::from_ref(&folder));
+        CARDS.lock().expect("a list").clear();
+        assert_eq!(look(&mut app), Vec::<PathBuf>::new(), "it was taken out");
+        *CARDS.lock().expect("a list") = vec![card.path().to_owned()];
+        assert_eq!(look(&mut app), [folder]);
+        app.apply(Command::OpenDemo);
+        assert_eq!(look(&mut app), Vec::<PathBuf>::new(), "a log is open");
+    }
+}

@@ -1,0 +1,84 @@
+//! What there is to open: any log, the demo survey, the logs on cards and drives, and those of before.
+
+use super::parts::remark;
+use crate::app::{Action, CARDS_LISTED_EVERY, Command};
+use crate::formats::{FoundLog, LogFolder, formats_to_open};
+use crate::support::calendar;
+use crate::ui::{ViewContext, text};
+use egui::{Button, Ui, vec2};
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+/// Folders of cards, and logs of each or of before, that are offered; the dialog has them all.
+const SHOWN: usize = 3;
+
+/// Draws them.
+pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    ui.label("Nothing is open.");
+    remark(
+        ui,
+        format!(
+            "Drop a log on the window, or open one: {}.",
+            formats_to_open()
+        ),
+    );
+    ui.add_space(4.0);
+    for action in [Action::Open, Action::OpenDemo] {
+        let button = Button::new(action.label()).min_size(vec2(180.0, 24.0));
+        context.button(ui.add(button), action);
+    }
+    let folders: Vec<LogFolder> = context.app.card_folders().into_iter().cloned().collect();
+    for folder in folders.iter().take(SHOWN) {
+        on_card(ui, context, folder);
+    }
+    let recent: Vec<PathBuf> = context.app.recent.iter().take(SHOWN).cloned().collect();
+    if !recent.is_empty() {
+        ui.add_space(8.0);
+        ui.label("Opened before");
+    }
+    for path in recent {
+        offer(ui, context, name(&path), &path, Command::Open(path.clone()));
+    }
+    // Nothing else draws the window when a card is put in.
+    ui.ctx().request_repaint_after(CARDS_LISTED_EVERY);
+}
+
+/// The newest logs of a folder, and all of them.
+fn on_card(ui: &mut Ui, context: &mut ViewContext<'_>, folder: &LogFolder) {
+    ui.add_space(8.0);
+    let shown = folder.path.display().to_string();
+    ui.add(egui::Label::new(format!("On {shown}")).truncate())
+        .on_hover_text(shown);
+    for log in folder.logs.iter().take(SHOWN) {
+        let words = match written(log) {
+            Some(day) => format!("{}  ·  {day}", name(&log.path)),
+            None => name(&log.path),
+        };
+        let command = Command::OpenAll(vec![log.path.clone()]);
+        offer(ui, context, words, &log.path, command);
+    }
+    if folder.logs.len() > 1 {
+        let words = format!("All {}", text::plural(folder.logs.len(), "log", "logs"));
+        let command = Command::OpenAll(folder.logs.iter().map(|log| log.path.clone()).collect());
+        offer(ui, context, words, &folder.path, command);
+    }
+}
+
+fn offer(ui: &mut Ui, context: &mut ViewContext<'_>, words: String, path: &Path, command: Command) {
+    let button = Button::new(words).truncate().min_size(vec2(180.0, 24.0));
+    let response = ui.add(button).on_hover_text(path.display().to_string());
+    if response.clicked() {
+        context.push(command);
+    }
+}
+
+fn name(path: &Path) -> String {
+    let name = path.file_name().unwrap_or(path.as_os_str());
+    name.to_string_lossy().into_owned()
+}
+
+/// The day on which the drive says that a log was written last.
+fn written(log: &FoundLog) -> Option<String> {
+    let since = log.written?.duration_since(SystemTime::UNIX_EPOCH).ok()?;
+    Some(calendar::date(since.as_secs_f64()))
+}
