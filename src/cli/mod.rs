@@ -57,6 +57,7 @@ use crate::support::catch_panic::panic_as_error;
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 use failure::Failure;
+use std::io::{self, IsTerminal as _};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -182,11 +183,21 @@ pub fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure { sentence }) => {
             output::notify(format_args!("bathyscope: {sentence}"));
-            if opens_window && std::env::var_os(NO_CONSOLE).is_some() {
+            if opens_window && !is_printed_to_a_person() {
                 window::say_in_a_box(&sentence);
             }
             ExitCode::FAILURE
         }
+    }
+}
+
+/// Whether somebody may read what is printed: a program that a desktop starts has no terminal.
+fn is_printed_to_a_person() -> bool {
+    let has_terminal =
+        io::stdin().is_terminal() || io::stdout().is_terminal() || io::stderr().is_terminal();
+    match cfg!(windows) {
+        true => std::env::var_os(NO_CONSOLE).is_none(),
+        false => has_terminal,
     }
 }
 

@@ -147,6 +147,12 @@ fn said(app: &App) -> Vec<String> {
     said.filter(|text| text.contains("river.sl2")).collect()
 }
 
+/// Whether the window still has every byte of the log.
+fn is_whole(app: &App, kept: &Path) -> bool {
+    let survey = app.log.survey.as_ref().expect("a log is open");
+    *survey.bytes[0] == *fs::read(kept).expect("the log")
+}
+
 /// One round: the window opens a log, pages through it, and goes on when its file fails.
 fn round(disk: &Disk, harm: Harm, round: usize) {
     disk.refill();
@@ -167,7 +173,11 @@ fn round(disk: &Disk, harm: Harm, round: usize) {
         (harm, &disk.control),
         (Harm::Removed, _) | (Harm::Replaced, None)
     );
-    let is_lost = !is_kept;
+    // What the system has read before, it gives without the disk.
+    let is_lost = match harm {
+        Harm::Unreadable => !is_whole(app(&window), &disk.kept),
+        _ => !is_kept,
+    };
     let is_said = |app: &App| said(app).len() > before;
     let patience = if is_lost { PATIENCE } else { SILENCE };
     let found = wait(&mut window, patience, is_said);
@@ -193,6 +203,8 @@ fn round(disk: &Disk, harm: Harm, round: usize) {
             "{harm:?}, round {round}: {}",
             text.replace(&*disk.seen.to_string_lossy(), "river.sl2")
         );
+    } else if harm == Harm::Unreadable {
+        println!("{harm:?}, round {round}: every byte is still there");
     }
 }
 
