@@ -38,6 +38,14 @@ impl FileSource {
         }
     }
 
+    /// The bytes of a file, to recognise it and put them away.
+    pub(super) fn look_at(&self, path: &Path) -> io::Result<Bytes> {
+        match self {
+            FileSource::Disk => MappedFile::open_briefly(path).map(Bytes::from),
+            FileSource::Held(_) => self.read(path),
+        }
+    }
+
     /// Whether the path is a folder.
     pub(super) fn is_folder(&self, path: &Path) -> bool {
         match self {

@@ -348,7 +348,7 @@ fn logs_on(files: &FileSource, folder: &Path) -> Vec<PathBuf> {
     let is_log = |path: &PathBuf| {
         // A pipe may never begin: it is not opened.
         let is_file = matches!(files, FileSource::Held(_)) || path.is_file();
-        let bytes = is_file.then(|| files.read(path).ok()).flatten();
+        let bytes = is_file.then(|| files.look_at(path).ok()).flatten();
         bytes
             .filter(|bytes| !bytes.is_empty())
             .is_some_and(|bytes| {

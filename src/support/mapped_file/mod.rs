@@ -7,13 +7,15 @@
 //!
 //! - A file that was deleted, or exchanged for another by renaming, stays mapped as it was: the bytes are right.
 //! - A file that was cut reads as zeros from there on; one that was overwritten in its place reads as what it is now.
-//! - On Windows nobody can cut a file that is mapped. A page of a network disk or a card that is gone ends the program there:
-//!   Windows has no call that puts another page in its place.
+//! - On Windows nobody can cut a file that is mapped. A page that is gone with its disk ends a program there, for Windows has no call that
+//!   puts another page in its place: `removable` makes a copy of what may be taken away.
 
 #[cfg(unix)]
 mod fault;
 #[cfg(unix)]
 mod registry;
+#[cfg(any(windows, test))]
+mod removable;
 mod state;
 #[cfg(test)]
 mod tests;
@@ -23,7 +25,7 @@ pub(crate) use state::FileFault;
 use super::regular_file;
 use state::FileState;
 use std::fmt;
-use std::fs::File;
+use std::fs::{File, Metadata};
 use std::io;
 use std::ops::Deref;
 use std::path::Path;
@@ -39,16 +41,35 @@ pub struct MappedFile {
 }
 
 impl MappedFile {
-    /// Maps a whole file.
+    /// Maps a whole file; on Windows a copy of it where it lies on what may be taken away.
     ///
     /// # Errors
     /// Those of [`regular_file::open`], and what the system says of mapping it.
     pub(crate) fn open(path: &Path) -> io::Result<Self> {
+        #[cfg(windows)]
+        if removable::may_be_taken_away(path) {
+            let file = regular_file::open(path)?;
+            let found = file.metadata()?;
+            return Self::mapped(&removable::copied(&file, found.len())?, &found);
+        }
+        Self::open_briefly(path)
+    }
+
+    /// Maps a whole file to look at it and close it again: no copy is made.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub(crate) fn open_briefly(path: &Path) -> io::Result<Self> {
         let file = regular_file::open(path)?;
         let found = file.metadata()?;
+        Self::mapped(&file, &found)
+    }
+
+    /// Maps a file, or a copy of it, that was so when it was found.
+    fn mapped(file: &File, found: &Metadata) -> io::Result<Self> {
         Ok(Self {
-            state: Some(FileState::of(&found)),
-            ..Self::beginning(&file, found.len())?
+            state: Some(FileState::of(found)),
+            ..Self::beginning(file, found.len())?
         })
     }
 

@@ -1,0 +1,71 @@
+//! Files that a person or a network can take away while they are open, on Windows: they are copied into a temporary file first, and that is
+//! mapped. It costs the time and the place of one copy, which goes when the file is closed.
+
+use std::fs::File;
+use std::io::{self, Read as _};
+
+/// Whether a file's drive is a card, a stick, a disc or a share of a network, or nothing is known of it. A hard disk in a case of its own
+/// counts as part of the computer: Windows does not tell.
+#[cfg(windows)]
+pub(super) fn may_be_taken_away(path: &std::path::Path) -> bool {
+    use std::path::{Component, Prefix};
+    /// `DRIVE_FIXED` and `DRIVE_RAMDISK` of `fileapi.h`.
+    const BUILT_IN: [u32; 2] = [3, 6];
+    #[link(name = "kernel32")]
+    unsafe extern "system" {
+        fn GetDriveTypeW(root: *const u16) -> u32;
+    }
+    let whole = std::fs::canonicalize(path);
+    let whole = whole.as_deref().unwrap_or(path);
+    let letter = match whole.components().next() {
+        Some(Component::Prefix(prefix)) => match prefix.kind() {
+            Prefix::Disk(letter) | Prefix::VerbatimDisk(letter) => letter,
+            _ => return true,
+        },
+        _ => return true,
+    };
+    let root = [u16::from(letter), u16::from(b':'), u16::from(b'\\'), 0];
+    // SAFETY: `root` is a text that ends with a zero and outlives the call, which only reads it.
+    #[allow(unsafe_code)]
+    let kind = unsafe { GetDriveTypeW(root.as_ptr()) };
+    !BUILT_IN.contains(&kind)
+}
+
+/// A copy of the first bytes of a file, in a file that no other program can reach.
+///
+/// # Errors
+/// What the system says of reading it or of writing the copy, and where there is less of it.
+pub(super) fn copied(file: &File, length: u64) -> io::Result<File> {
+    let mut copy = tempfile::tempfile()?;
+    match io::copy(&mut file.take(length), &mut copy) {
+        Ok(count) if count == length => Ok(copy),
+        Ok(count) => Err(io::Error::other(format!(
+            "it became shorter while it was read, from {length} to {count} bytes; open a whole copy of it"
+        ))),
+        Err(error) => Err(io::Error::new(
+            error.kind(),
+            format!(
+                "{error}, while a temporary copy of it was made; copy it to a disk of this computer and open that"
+            ),
+        )),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Write as _;
+
+    #[test]
+    fn a_copy_has_the_bytes_that_were_there_and_stands_without_the_file() {
+        let mut file = tempfile::NamedTempFile::new().expect("a file");
+        file.write_all(b"pings and more").expect("bytes");
+        let source = File::open(file.path()).expect("the file");
+        let copy = copied(&source, 5).expect("a copy");
+        drop(file);
+        let map = crate::support::mapped_file::MappedFile::beginning(&copy, 5).expect("a map");
+        assert_eq!(&*map, b"pings");
+        let error = copied(&source, 20).expect_err("it is shorter");
+        assert!(error.to_string().contains("from 20 to 9 bytes"), "{error}");
+    }
+}
