@@ -19,6 +19,8 @@ const FILES: usize = 200_000;
 pub(crate) struct LogFolder {
     /// Where it is.
     pub path: PathBuf,
+    /// The same from the name of its card on: `NO NAME/Sonar`.
+    pub on_card: PathBuf,
     /// Its logs, the newest first.
     pub logs: Vec<FoundLog>,
 }
@@ -59,7 +61,13 @@ pub(crate) fn log_folders(top: &Path, progress: &Progress) -> Vec<LogFolder> {
         }
         logs.sort_by(|a, b| b.written.cmp(&a.written).then(a.path.cmp(&b.path)));
         if !logs.is_empty() {
-            found.push(LogFolder { path, logs });
+            let above = top.parent().unwrap_or(Path::new(""));
+            let on_card = path.strip_prefix(above).unwrap_or(&path).to_owned();
+            found.push(LogFolder {
+                path,
+                on_card,
+                logs,
+            });
         }
     }
     found.sort_by_key(|folder| std::cmp::Reverse(folder.logs[0].written));
@@ -130,6 +138,8 @@ mod tests {
             folders,
             [at("Garmin/Sonar/2026"), card.path().into(), at("RECORD")]
         );
+        let name = card.path().file_name().map(PathBuf::from).expect("a name");
+        assert_eq!(found[0].on_card, name.join("Garmin/Sonar/2026"));
         assert_eq!(names(&found[0]), ["trip.RSD"]);
         assert_eq!(names(&found[1]), ["Sonar0002.SL2", "Sonar0001.sl2"]);
         assert_eq!(names(&found[2]), ["Rec00001.DAT"]);

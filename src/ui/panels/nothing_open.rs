@@ -5,7 +5,7 @@ use crate::app::{Action, CARDS_LISTED_EVERY, Command};
 use crate::formats::{FoundLog, LogFolder, formats_to_open};
 use crate::support::calendar;
 use crate::ui::{ViewContext, text};
-use egui::{Button, Ui, vec2};
+use egui::{Button, Label, Ui, vec2};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
@@ -46,9 +46,9 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 /// The newest logs of a folder, and all of them.
 fn on_card(ui: &mut Ui, context: &mut ViewContext<'_>, folder: &LogFolder) {
     ui.add_space(8.0);
-    let shown = folder.path.display().to_string();
-    ui.add(egui::Label::new(format!("On {shown}")).truncate())
-        .on_hover_text(shown);
+    let words = format!("On {}", folder.on_card.display());
+    ui.add(Label::new(words).truncate())
+        .on_hover_text(folder.path.display().to_string());
     for log in folder.logs.iter().take(SHOWN) {
         let words = match written(log) {
             Some(day) => format!("{}  ·  {day}", name(&log.path)),
