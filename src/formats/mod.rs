@@ -34,7 +34,6 @@ mod growing_log;
 pub(crate) mod humminbird;
 mod join;
 mod klein;
-#[cfg(feature = "gui")]
 mod log_folders;
 mod log_format;
 pub(crate) mod log_writer;
@@ -59,7 +58,6 @@ pub(crate) mod xtf;
 pub(crate) use area_file::{AreaError, read_area};
 pub(crate) use gauge_file::{GaugeError, read_gauge};
 pub(crate) use growing_log::{GrowingError, GrowingLog};
-#[cfg(feature = "gui")]
 pub(crate) use log_folders::{FoundLog, LogFolder, log_folders};
 pub(crate) use reference::{
     ReferenceError, ReferenceFile, is_named_as_points, multibeam_of, open_reference, read_points,

@@ -1,19 +1,16 @@
 //! The window without a window: frames are drawn into a texture and read back, on a GPU or on lavapipe.
 
+use super::adapter::{self, block_on};
 use super::render::extent;
-use super::{Shell, adapter, into_texture};
+use super::{Shell, into_texture};
 use crate::products::export::{ExportError, write_atomically};
 use crate::support::progress::{Cancelled, Progress};
 use eframe::egui_wgpu::{
     RenderState, RendererOptions, ScreenDescriptor, WgpuConfiguration, WgpuError, wgpu,
 };
 use image::RgbaImage;
-use std::future::Future;
 use std::io::{self, BufWriter, Write as _};
 use std::path::Path;
-use std::pin::pin;
-use std::sync::Arc;
-use std::task::{Context, Poll, Wake, Waker};
 use std::time::{Duration, Instant};
 
 /// Longest wait for everything to be computed and drawn at its final quality.
@@ -328,25 +325,6 @@ fn wait(device: &wgpu::Device) -> Result<(), wgpu::PollError> {
     polled.map(|_| ())
 }
 
-/// Parks this thread until a future is ready: adapters and devices are asked for once, nothing else is async here.
-pub(super) fn block_on<F: Future>(future: F) -> F::Output {
-    struct Unpark(std::thread::Thread);
-    impl Wake for Unpark {
-        fn wake(self: Arc<Self>) {
-            self.0.unpark();
-        }
-    }
-    let waker = Waker::from(Arc::new(Unpark(std::thread::current())));
-    let mut context = Context::from_waker(&waker);
-    let mut future = pin!(future);
-    loop {
-        match future.as_mut().poll(&mut context) {
-            Poll::Ready(value) => return value,
-            Poll::Pending => std::thread::park(),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -354,6 +332,7 @@ mod tests {
     use crate::ui::incremental::IncrementalPainter;
     use egui::epaint::ClippedShape;
     use egui::{Event, Key, Modifiers, MouseWheelUnit, Pos2, TouchPhase, pos2, vec2};
+    use std::sync::Arc;
     use std::sync::Mutex;
 
     /// Keeps what a frame paints before it is replaced.
