@@ -138,7 +138,7 @@ def bills(folder):
     for path in sorted(folder.glob("*.cdx.json")):
         text = path.read_text()
         errors = JsonStrictValidator(SchemaVersion.V1_5).validate_str(text)
-        check(errors is None, f"{path.name} is CycloneDX 1.5 {errors or ''}")
+        check(errors is None, f"{path.name} is CycloneDX 1.5 {str(errors or '').split(chr(10))[0]}")
         bill = json.loads(text)
         # It raises an error where a dependency is on something that is no component.
         Bom.from_json(bill).validate()
