@@ -4,27 +4,26 @@
 A wheel of this kind is a zip of the program, four short files and their hashes. The standard library writes it; maturin, which others use
 for it, would have to build the program once more by itself.
 
-    wheel.py PROGRAM THIRD-PARTY GLIBC FOLDER
+    wheel.py PROGRAM THIRD-PARTY GLIBC ARCHITECTURE FOLDER
 """
 
 import base64
 import hashlib
-import os
-import platform
-import stat
+import json
+import subprocess
 import sys
-import time
-import tomllib
-import zipfile
 from pathlib import Path
+
+import zip_files
 
 ROOT = Path(__file__).parents[2]
 
 
-def main(program, notices, glibc, folder):
-    package = tomllib.loads((ROOT / "Cargo.toml").read_text())["package"]
+def main(program, notices, glibc, architecture, folder):
+    command = ["cargo", "metadata", "--format-version", "1", "--no-deps"]
+    (package,) = json.loads(subprocess.run(command, capture_output=True, check=True, cwd=ROOT).stdout)["packages"]
     name, version = package["name"], package["version"]
-    tag = f"py3-none-manylinux_{glibc.replace('.', '_')}_{platform.machine()}"
+    tag = f"py3-none-manylinux_{glibc.replace('.', '_')}_{architecture}"
     info = f"{name}-{version}.dist-info"
     licences = [ROOT / "LICENSE-MIT", ROOT / "LICENSE-APACHE", Path(notices)]
     metadata = [
@@ -41,21 +40,15 @@ def main(program, notices, glibc, folder):
     ]
     wheel = ["Wheel-Version: 1.0", "Generator: bathyscope", "Root-Is-Purelib: false", f"Tag: {tag}", ""]
     files = [
-        (f"{name}-{version}.data/scripts/{name}", Path(program).read_bytes(), 0o755),
-        (f"{info}/METADATA", "\n".join(metadata).encode(), 0o644),
-        (f"{info}/WHEEL", "\n".join(wheel).encode(), 0o644),
-        *((f"{info}/licenses/{path.name}", path.read_bytes(), 0o644) for path in licences),
+        (f"{name}-{version}.data/scripts/{name}", Path(program).read_bytes(), True),
+        (f"{info}/METADATA", "\n".join(metadata).encode(), False),
+        (f"{info}/WHEEL", "\n".join(wheel).encode(), False),
+        *((f"{info}/licenses/{path.name}", path.read_bytes(), False) for path in licences),
     ]
     record = [f"{path},{digest(content)},{len(content)}" for path, content, _ in files]
     record += [f"{info}/RECORD,,", ""]
-    files.append((f"{info}/RECORD", "\n".join(record).encode(), 0o644))
-    date = time.gmtime(int(os.environ.get("SOURCE_DATE_EPOCH", time.time())))[:6]
-    with zipfile.ZipFile(Path(folder) / f"{name}-{version}-{tag}.whl", "w") as archive:
-        for path, content, mode in files:
-            entry = zipfile.ZipInfo(path, date)
-            entry.compress_type = zipfile.ZIP_DEFLATED
-            entry.external_attr = (stat.S_IFREG | mode) << 16
-            archive.writestr(entry, content, compresslevel=9)
+    files.append((f"{info}/RECORD", "\n".join(record).encode(), False))
+    zip_files.write(Path(folder) / f"{name}-{version}-{tag}.whl", files)
 
 
 def digest(content):

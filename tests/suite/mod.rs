@@ -62,6 +62,7 @@ mod objects_window;
 mod offsets;
 mod one_list;
 mod outputs;
+mod packaging;
 mod passes_window;
 mod picture_log;
 mod planning;
