@@ -175,7 +175,7 @@ fn round(disk: &Disk, harm: Harm, round: usize) {
     );
     // What the system has read before, it gives without the disk.
     let is_lost = match harm {
-        Harm::Unreadable => !is_whole(app(&window), &disk.kept),
+        Harm::Unreadable | Harm::Gone => !is_whole(app(&window), &disk.kept),
         _ => !is_kept,
     };
     let is_said = |app: &App| said(app).len() > before;
@@ -203,7 +203,7 @@ fn round(disk: &Disk, harm: Harm, round: usize) {
             "{harm:?}, round {round}: {}",
             text.replace(&*disk.seen.to_string_lossy(), "river.sl2")
         );
-    } else if harm == Harm::Unreadable {
+    } else if matches!(harm, Harm::Unreadable | Harm::Gone) {
         println!("{harm:?}, round {round}: every byte is still there");
     }
 }
