@@ -6,11 +6,14 @@ use std::io::{self, Read as _};
 
 /// Whether a file's drive is a card, a stick, a disc or a share of a network, or nothing is known of it. A hard disk in a case of its own
 /// counts as part of the computer: Windows does not tell.
+// The call of the system below.
+#[allow(unsafe_code)]
 #[cfg(windows)]
 pub(super) fn may_be_taken_away(path: &std::path::Path) -> bool {
     use std::path::{Component, Prefix};
     /// `DRIVE_FIXED` and `DRIVE_RAMDISK` of `fileapi.h`.
     const BUILT_IN: [u32; 2] = [3, 6];
+    // SAFETY: so `fileapi.h` declares it.
     #[link(name = "kernel32")]
     unsafe extern "system" {
         fn GetDriveTypeW(root: *const u16) -> u32;
@@ -26,7 +29,6 @@ pub(super) fn may_be_taken_away(path: &std::path::Path) -> bool {
     };
     let root = [u16::from(letter), u16::from(b':'), u16::from(b'\\'), 0];
     // SAFETY: `root` is a text that ends with a zero and outlives the call, which only reads it.
-    #[allow(unsafe_code)]
     let kind = unsafe { GetDriveTypeW(root.as_ptr()) };
     !BUILT_IN.contains(&kind)
 }
