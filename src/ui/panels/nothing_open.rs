@@ -6,7 +6,7 @@ use crate::formats::{FoundLog, LogFolder, formats_to_open};
 use crate::support::calendar;
 use crate::ui::{ViewContext, text};
 use egui::{Button, Label, Ui, vec2};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::SystemTime;
 
 /// Folders of cards, and logs of each or of before, that are offered; the dialog has them all.
@@ -27,17 +27,18 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         let button = Button::new(action.label()).min_size(vec2(180.0, 24.0));
         context.button(ui.add(button), action);
     }
-    let folders: Vec<LogFolder> = context.app.card_folders().into_iter().cloned().collect();
-    for folder in folders.iter().take(SHOWN) {
+    let app = context.app;
+    for folder in app.card_folders().into_iter().take(SHOWN) {
         on_card(ui, context, folder);
     }
-    let recent: Vec<PathBuf> = context.app.recent.iter().take(SHOWN).cloned().collect();
-    if !recent.is_empty() {
+    if !app.recent.is_empty() {
         ui.add_space(8.0);
         ui.label("Opened before");
     }
-    for path in recent {
-        offer(ui, context, name(&path), &path, Command::Open(path.clone()));
+    for path in app.recent.iter().take(SHOWN) {
+        offer(ui, context, name(path), path, || {
+            Command::Open(path.clone())
+        });
     }
     // Nothing else draws the window when a card is put in.
     ui.ctx().request_repaint_after(CARDS_LISTED_EVERY);
@@ -54,21 +55,28 @@ fn on_card(ui: &mut Ui, context: &mut ViewContext<'_>, folder: &LogFolder) {
             Some(day) => format!("{}  ·  {day}", name(&log.path)),
             None => name(&log.path),
         };
-        let command = Command::OpenAll(vec![log.path.clone()]);
-        offer(ui, context, words, &log.path, command);
+        offer(ui, context, words, &log.path, || {
+            Command::OpenAll(vec![log.path.clone()])
+        });
     }
     if folder.logs.len() > 1 {
         let words = format!("All {}", text::plural(folder.logs.len(), "log", "logs"));
-        let command = Command::OpenAll(folder.logs.iter().map(|log| log.path.clone()).collect());
-        offer(ui, context, words, &folder.path, command);
+        let all = || folder.logs.iter().map(|log| log.path.clone()).collect();
+        offer(ui, context, words, &folder.path, || Command::OpenAll(all()));
     }
 }
 
-fn offer(ui: &mut Ui, context: &mut ViewContext<'_>, words: String, path: &Path, command: Command) {
+fn offer(
+    ui: &mut Ui,
+    context: &mut ViewContext<'_>,
+    words: String,
+    path: &Path,
+    command: impl FnOnce() -> Command,
+) {
     let button = Button::new(words).truncate().min_size(vec2(180.0, 24.0));
     let response = ui.add(button).on_hover_text(path.display().to_string());
     if response.clicked() {
-        context.push(command);
+        context.push(command());
     }
 }
 
