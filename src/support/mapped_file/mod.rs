@@ -25,7 +25,7 @@ pub(crate) use state::FileFault;
 use super::regular_file;
 use state::FileState;
 use std::fmt;
-use std::fs::{File, Metadata};
+use std::fs::File;
 use std::io;
 use std::ops::Deref;
 use std::path::Path;
@@ -41,16 +41,16 @@ pub struct MappedFile {
 }
 
 impl MappedFile {
-    /// Maps a whole file; on Windows a copy of it where it lies on what may be taken away.
+    /// Maps a whole file; on Windows a copy of it where it lies on what may be taken away, which nothing can happen to then.
     ///
     /// # Errors
-    /// Those of [`regular_file::open`], and what the system says of mapping it.
+    /// Those of [`regular_file::open`], and what the system says of mapping or copying it.
     pub(crate) fn open(path: &Path) -> io::Result<Self> {
         #[cfg(windows)]
         if removable::may_be_taken_away(path) {
             let file = regular_file::open(path)?;
-            let found = file.metadata()?;
-            return Self::mapped(&removable::copied(&file, found.len())?, &found);
+            let length = file.metadata()?.len();
+            return Self::beginning(&removable::copied(&file, length)?, length);
         }
         Self::open_briefly(path)
     }
@@ -62,14 +62,9 @@ impl MappedFile {
     pub(crate) fn open_briefly(path: &Path) -> io::Result<Self> {
         let file = regular_file::open(path)?;
         let found = file.metadata()?;
-        Self::mapped(&file, &found)
-    }
-
-    /// Maps a file, or a copy of it, that was so when it was found.
-    fn mapped(file: &File, found: &Metadata) -> io::Result<Self> {
         Ok(Self {
-            state: Some(FileState::of(found)),
-            ..Self::beginning(file, found.len())?
+            state: Some(FileState::of(&found)),
+            ..Self::beginning(&file, found.len())?
         })
     }
 
