@@ -150,6 +150,8 @@
 //!
 //! Without the feature `gui`, which is on by default, there is no `ui`, and no crate for windows and GPUs.
 
+// Their failure is the failure of the test.
+#![cfg_attr(test, allow(clippy::expect_used, clippy::unwrap_used))]
 #![cfg_attr(
     any(feature = "bench", feature = "fuzz", not(feature = "gui")),
     allow(
@@ -202,6 +204,5 @@ pub mod bench;
 #[doc(hidden)]
 pub mod fuzz;
 #[cfg(all(test, feature = "gui"))]
-#[allow(clippy::expect_used, clippy::unwrap_used, reason = "its helpers")]
 #[path = "../tests/suite/mod.rs"]
 mod suite;

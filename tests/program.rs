@@ -1,5 +1,7 @@
 //! The program starts and names its commands.
 
+#![allow(clippy::expect_used, reason = "as in all tests")]
+
 use std::process::Command;
 
 #[test]

@@ -1,7 +1,7 @@
 //! Logs on cards and drives, looked for while nothing is open: what a person most likely came to open.
 //!
 //! The drives are listed every few seconds, so that a card that is put in is offered and one that is taken out is not. Each is searched once,
-//! in a thread of its own: a drive that does not answer keeps no other waiting.
+//! in a thread of its own: a slow card keeps no other waiting.
 
 use super::{App, Task, TaskOutcome};
 use crate::formats::{LogFolder, log_folders};
