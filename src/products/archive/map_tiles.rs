@@ -16,7 +16,8 @@ use crate::pipeline::Fingerprint;
 use crate::products::export::tile_sets::{TileSet, TileStore, map_page, mbtiles, pmtiles};
 use crate::products::export::{make_folder, write_json};
 use crate::products::map_tiles::{
-    LitSurface, MapPart, MapScales, Pixels, PyramidSource, TileStyle, WebTile, ZoomRange,
+    LitSurface, MapPart, MapScales, PixelPlaces, Pixels, PyramidSource, TileStyle, WebTile,
+    ZoomRange,
 };
 use crate::support::geo::{LonLat, UtmZone, boxes_meet};
 use crate::support::presentation::ticks::round_up;
@@ -335,12 +336,15 @@ impl PyramidSource for ArchiveTiles {
                 windows.push((zone, window, shade.map_err(io::Error::other)?));
             }
         }
-        let lit: Vec<(UtmZone, LitSurface<'_>)> = (windows.iter())
-            .map(|(zone, window, shade)| (*zone, LitSurface::new(window, shade, &self.light)))
+        let lit: Vec<(PixelPlaces, LitSurface<'_>)> = (windows.iter())
+            .map(|(zone, window, shade)| {
+                let places = PixelPlaces::new(tile, |at| zone.to_metres(at));
+                (places, LitSurface::new(window, shade, &self.light))
+            })
             .collect();
-        Ok(Pixels::draw(tile, |at| {
+        Ok(Pixels::draw(|pixel| {
             lit.iter()
-                .find_map(|(zone, lit)| lit.at(zone.to_metres(at)))
+                .find_map(|(places, lit)| lit.at(places.of(pixel)))
         }))
     }
 

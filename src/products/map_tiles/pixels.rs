@@ -1,7 +1,6 @@
 //! What is known of a tile, pixel by pixel, and the pictures of it.
 
-use super::web_tile::{TILE_PIXELS, WebTile};
-use crate::support::geo::LonLat;
+use super::web_tile::TILE_PIXELS;
 use crate::support::presentation::colours::lit_depth_colour;
 
 /// What is known of a pixel.
@@ -21,12 +20,10 @@ pub(crate) struct Pixels {
 }
 
 impl Pixels {
-    /// Of a tile, by what is known at the middles of its pixels; `None` where that is nothing.
-    pub(crate) fn draw(tile: WebTile, known: impl Fn(LonLat) -> Option<Pixel>) -> Option<Self> {
-        let pixels = (0..TILE_PIXELS * TILE_PIXELS).map(|pixel| {
-            let at = [pixel % TILE_PIXELS, pixel / TILE_PIXELS];
-            known(tile.place(at.map(|number| number as f64 + 0.5)))
-        });
+    /// By what is known of each pixel, given as its column and row; `None` where that is nothing.
+    pub(crate) fn draw(known: impl Fn([usize; 2]) -> Option<Pixel>) -> Option<Self> {
+        let pixels = (0..TILE_PIXELS * TILE_PIXELS)
+            .map(|pixel| known([pixel % TILE_PIXELS, pixel / TILE_PIXELS]));
         Self::collect(pixels)
     }
 
@@ -118,23 +115,16 @@ impl Pixels {
 mod tests {
     use super::*;
 
-    const TILE: WebTile = WebTile {
-        zoom: 18,
-        x: 49_890,
-        y: 102_327,
-    };
-
-    fn sloped(at: LonLat) -> Option<Pixel> {
-        let [west, ..] = TILE.bounds_deg();
+    fn sloped([column, _]: [usize; 2]) -> Option<Pixel> {
         Some(Pixel {
-            depth_m: 2.0 + 1e3 * (at.lon_deg - west) as f32,
+            depth_m: 2.0 + 1e-2 * column as f32,
             light: 1.0,
         })
     }
 
     #[test]
     fn depths_come_back_from_their_encoding() {
-        let pixels = Pixels::draw(TILE, sloped).unwrap();
+        let pixels = Pixels::draw(sloped).unwrap();
         let bytes = pixels.elevations();
         for (pixel, depth_m) in bytes.chunks_exact(4).zip(&pixels.depth_m) {
             let [red, green, blue] = [0, 1, 2].map(|part| f64::from(pixel[part]));
@@ -146,14 +136,14 @@ mod tests {
 
     #[test]
     fn a_coarser_pixel_is_the_mean_of_what_is_known() {
-        let fine = Pixels::draw(TILE, sloped).unwrap();
+        let fine = Pixels::draw(sloped).unwrap();
         let coarse = Pixels::of_children([None, Some(&fine), None, None]).unwrap();
         let at = |column: usize, row: usize| coarse.depth_m[row * TILE_PIXELS + column];
         assert!(at(0, 0).is_nan() && at(127, 128).is_nan() && at(128, 128).is_nan());
         let mean = 0.5 * (fine.depth_m[0] + fine.depth_m[1]);
         assert!((at(128, 0) - mean).abs() < 1e-6);
         assert!(coarse.colours([2.0, 3.0])[..4] == [0; 4]);
-        assert!(Pixels::draw(TILE, |_| None).is_none());
+        assert!(Pixels::draw(|_| None).is_none());
         assert!(Pixels::of_children([None; 4]).is_none());
         let mut holed = fine.clone();
         holed.depth_m[1] = f32::NAN;

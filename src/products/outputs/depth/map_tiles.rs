@@ -5,7 +5,7 @@ use crate::bottom::bathymetry::isobaths::{Isobath, IsobathSettings, clipped};
 use crate::pipeline::{DepthMap, Isobaths, Products};
 use crate::products::export::tile_sets::{TileSet, TileStore};
 use crate::products::map_tiles::{
-    LitSurface, MapScales, Pixels, PyramidSource, WebTile, ZoomRange, web_pixel,
+    LitSurface, MapScales, PixelPlaces, Pixels, PyramidSource, WebTile, ZoomRange, web_pixel,
 };
 use crate::products::outputs::OutputError;
 use crate::support::geo::{MapPlane, boxes_meet};
@@ -101,7 +101,8 @@ impl PyramidSource for RunTiles<'_> {
     }
 
     fn pixels(&self, tile: WebTile) -> io::Result<Option<Pixels>> {
-        Ok(Pixels::draw(tile, |at| self.lit.at(self.map.place(at))))
+        let places = PixelPlaces::new(tile, |at| self.map.place(at));
+        Ok(Pixels::draw(|pixel| self.lit.at(places.of(pixel))))
     }
 
     fn isobaths(&self, tile: WebTile) -> io::Result<Vec<Isobath>> {
