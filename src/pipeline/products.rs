@@ -2,8 +2,8 @@
 
 use super::Settings;
 use crate::bottom::cloud::{
-    self, CloudPoint, CloudSettings, Correction, PingDepth, PointClass, PointCloud, PointScales,
-    Reduction,
+    self, CloudPoint, CloudSettings, Correction, PickTraits, PingDepth, PointClass, PointCloud,
+    PointScales, Reduction,
 };
 use crate::sonar::calibration::{self, Calibration, CalibrationSettings, FlatSpot};
 use crate::sonar::first_return::FirstReturns;
@@ -82,16 +82,17 @@ impl Products {
         calibration::calibrate(survey, navigation, judged, spots, settings, progress)
     }
 
-    /// All points by another calibration and other settings, from the first returns that count ([`Self::counted_returns`]).
+    /// All points by another calibration and other settings, from the first returns that count ([`Self::counted_returns`])
+    /// and their traits.
     pub(super) fn placed(
         &self,
         survey: &Survey,
-        counted: &FirstReturns,
+        counted: (&FirstReturns, &PickTraits),
         calibration: &Calibration,
         settings: &CloudSettings,
         progress: &Progress,
     ) -> Result<PointCloud, Cancelled> {
-        let cloud = cloud::build(
+        let cloud = cloud::place(
             survey,
             &self.navigation,
             counted,

@@ -1,7 +1,7 @@
 //! What would become of a log with another scale, before anything is changed.
 
 use super::{Products, Settings};
-use crate::bottom::cloud::{self, DepthChange, Residuals};
+use crate::bottom::cloud::{self, DepthChange, PickTraits, Residuals};
 use crate::sonar::calibration::{
     self, Calibration, CalibrationSettings, FlatSpot, PingRange, RangeAtDepth, ScaleMode,
 };
@@ -83,7 +83,9 @@ fn effect(
     let (before, classes) = (&products.cloud, &products.classes);
     let counted = products.counted_returns();
     let settings = &products.settings.cloud;
-    let after = products.placed(survey, &counted, calibration, settings, progress)?;
+    let traits = PickTraits::new(survey, &products.navigation, &counted);
+    let counted = (&*counted, &traits);
+    let after = products.placed(survey, counted, calibration, settings, progress)?;
     let change = DepthChange::between(before, classes, &after);
     // The same first returns give the same points, each of which keeps its class.
     let is_alike = after.points.len() == before.points.len();

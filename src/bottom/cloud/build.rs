@@ -1,9 +1,8 @@
 //! Picks and soundings to points in the survey's plane.
 
-use super::above_bottom::{height_m, stretches_m, usual_departures_m};
 use super::confirmed::confirmed;
 use super::geometry::{BottomPoint, across_track, fixed_bottom_point};
-use super::level::echo_level;
+use super::pick_traits::{PickTrait, PickTraits};
 use super::specular::{Pair, cross_slopes_rad, specular_point};
 use super::swath::swath_points;
 use super::{
@@ -11,7 +10,7 @@ use super::{
     RecordIndex, Reduction,
 };
 use crate::sonar::calibration::Calibration;
-use crate::sonar::first_return::FirstReturns;
+use crate::sonar::first_return::{FirstReturns, Pick};
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::{Navigation, Side, Survey, nearest_in_time};
 use rayon::prelude::*;
@@ -31,10 +30,7 @@ pub(crate) fn slant_range_m(
     calibration.range_m(span, f64::from(sample))
 }
 
-/// Builds the cloud.
-///
-/// Every sounding, every pick of a ping with a heading and every stretch of a swath gives a point. Each point lies on its own beam's side of the
-/// track: starboard is `(h_y, -h_x) / |h|`. Ranges and depths are corrected before any geometry.
+/// Builds the cloud: [`place`] for a single time.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -42,6 +38,35 @@ pub(crate) fn build(
     survey: &Survey,
     navigation: &Navigation,
     returns: &FirstReturns,
+    calibration: &Calibration,
+    settings: &CloudSettings,
+    correction: &Correction,
+    progress: &Progress,
+) -> Result<PointCloud, Cancelled> {
+    let traits = PickTraits::new(survey, navigation, returns);
+    let returns = (returns, &traits);
+    place(
+        survey,
+        navigation,
+        returns,
+        calibration,
+        settings,
+        correction,
+        progress,
+    )
+}
+
+/// Builds the cloud of first returns whose traits are known.
+///
+/// Every sounding, every pick of a ping with a heading and every stretch of a swath gives a point. Each point lies on its own beam's side of the
+/// track: starboard is `(h_y, -h_x) / |h|`. Ranges and depths are corrected before any geometry.
+///
+/// # Errors
+/// When the work was cancelled.
+pub(crate) fn place(
+    survey: &Survey,
+    navigation: &Navigation,
+    (returns, traits): (&FirstReturns, &PickTraits),
     calibration: &Calibration,
     settings: &CloudSettings,
     correction: &Correction,
@@ -65,8 +90,6 @@ pub(crate) fn build(
         Geometry::Slope => cross_slopes(survey, &ranges),
         _ => Vec::new(),
     };
-    let above_bottom_m = stretches_m(survey, navigation, returns);
-    let usual_m = usual_departures_m(survey, navigation, returns);
     progress.advance(1);
     progress.check()?;
     let points_of = |side: Side, ranges_m: &[f64]| -> Vec<CloudPoint> {
@@ -76,28 +99,8 @@ pub(crate) fn build(
         };
         let z_m =
             |ping: usize, below_m: f64| correction.z_m(survey.side_scan[ping].time_s, below_m);
-        let found = side_points(navigation, returns, side, ranges_m, bottom_point, z_m);
-        let points = found.map(|point| {
-            let ping = point.ping as usize;
-            // Without a recorded depth nothing is flagged.
-            let above_bottom =
-                point.above_bottom && height_m(survey, returns, ping, side) > usual_m[ping];
-            CloudPoint {
-                above_bottom,
-                // What does not stand out is ground.
-                confidence: match above_bottom {
-                    true => point.confidence,
-                    false => point.ground_confidence(),
-                },
-                above_bottom_m: match above_bottom {
-                    true => above_bottom_m[ping],
-                    false => 0.0,
-                },
-                level: echo_level(survey, ping, side, point.sample),
-                ..point
-            }
-        });
-        points.collect()
+        let picks = picks(returns, traits, side);
+        side_points(navigation, picks, side, ranges_m, bottom_point, z_m).collect()
     };
     let swath = Arc::new(swath_points(survey, navigation, correction, progress)?);
     let [port_m, starboard_m] = &ranges;
@@ -181,9 +184,18 @@ fn sounding_points(
         .collect()
 }
 
+/// The picks of a side with what each is.
+fn picks<'a>(
+    returns: &'a FirstReturns,
+    traits: &'a PickTraits,
+    side: Side,
+) -> impl Iterator<Item = (&'a Pick, &'a PickTrait)> {
+    returns.side(side).iter().zip(traits.side(side))
+}
+
 fn side_points<'a>(
     navigation: &'a Navigation,
-    returns: &'a FirstReturns,
+    picks: impl Iterator<Item = (&'a Pick, &'a PickTrait)> + 'a,
     side: Side,
     ranges_m: &'a [f64],
     bottom_point: impl Fn(usize, f64) -> BottomPoint + 'a,
@@ -193,15 +205,11 @@ fn side_points<'a>(
         Side::Port => PointSource::Port,
         Side::Starboard => PointSource::Starboard,
     };
-    let pings = navigation
-        .pings
-        .iter()
-        .zip(returns.side(side))
-        .zip(ranges_m);
+    let pings = navigation.pings.iter().zip(picks).zip(ranges_m);
     let detected = pings
         .enumerate()
         .filter(|(_, (_, range_m))| **range_m > 0.0);
-    detected.filter_map(move |(ping, ((place, pick), &range_m))| {
+    detected.filter_map(move |(ping, ((place, (pick, traits)), &range_m))| {
         let bottom_point = bottom_point(ping, range_m);
         let [east_m, north_m] = across_track(place, side, bottom_point.across_m)?;
         Some(CloudPoint {
@@ -209,10 +217,10 @@ fn side_points<'a>(
             ping: ping as u32,
             record: None,
             reliable: true,
-            above_bottom: pick.above_bottom,
-            level: 0,
-            above_bottom_m: 0.0,
-            confidence: pick.confidence,
+            above_bottom: traits.above_bottom,
+            level: traits.level,
+            above_bottom_m: traits.above_bottom_m,
+            confidence: traits.confidence,
             sample: pick.sample,
             east_m,
             north_m,

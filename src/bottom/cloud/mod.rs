@@ -4,7 +4,7 @@
 //! It uses `sonar`, `survey` and `support`.
 //!
 //! `build` makes the points, held `by_source`, with `geometry` for the published feet, `specular` for the one on a slope and `correction` for what
-//! depths count from, `confirmed` says which soundings without bottom lock count, `level` says how strong its echo is, `swath` makes points of depths across the track, `record` says which record measured a point, `reduction` joins it to the calibration for every read-out; `class` says what each point is, `outliers` is the filter for any points; `residuals` measures agreement
+//! depths count from, `confirmed` says which soundings without bottom lock count, `pick_traits` what a point has of its first return (`above_bottom`, and by `level` how strong its echo is), `swath` makes points of depths across the track, `record` says which record measured a point, `reduction` joins it to the calibration for every read-out; `class` says what each point is, `outliers` is the filter for any points; `residuals` measures agreement
 //! with recorded depths, `scales` says between which values points are coloured.
 
 mod above_bottom;
@@ -17,6 +17,7 @@ mod depth_change;
 mod geometry;
 mod level;
 pub(crate) mod outliers;
+mod pick_traits;
 mod ping_depth;
 mod record;
 mod reduction;
@@ -26,13 +27,14 @@ mod specular;
 mod swath;
 
 use crate::support::named::named;
-pub(crate) use build::{build, slant_range_m};
+pub(crate) use build::{build, place, slant_range_m};
 pub(crate) use by_source::BySource;
 pub(crate) use class::{ClassCounts, ClassRules, PointClass, classify};
 pub(crate) use correction::{Correction, DepthReference, DepthSettings};
 pub(crate) use depth_change::DepthChange;
 #[cfg(any(test, feature = "bench"))]
 pub(crate) use geometry::{across_track, fixed_bottom_point};
+pub(crate) use pick_traits::PickTraits;
 pub(crate) use ping_depth::{
     DepthSource, PingDepth, TrackShare, clear_excluded_depths, ping_depths,
 };

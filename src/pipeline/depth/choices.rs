@@ -3,7 +3,8 @@
 use super::residuals::kept_of;
 use crate::bottom::bathymetry::compare::{Matching, ReferencePoints};
 use crate::bottom::cloud::{
-    self, CloudPoint, CloudSettings, Geometry, PointClass, PointCloud, PointSource, Residuals,
+    self, CloudPoint, CloudSettings, Geometry, PickTraits, PointClass, PointCloud, PointSource,
+    Residuals,
 };
 use crate::pipeline::Products;
 use crate::sonar::calibration::{Calibration, OffsetMode, PpdReach, ScaleMode};
@@ -79,6 +80,7 @@ pub(crate) fn choices(
         swath: Arc::default(),
         ..survey.clone()
     };
+    let traits = PickTraits::new(survey, &products.navigation, &counted);
     let is_side_scan = |point: &&CloudPoint| point.source.is_side_scan();
     let mut found = Vec::new();
     for (name, mode, ppd, offset) in CALIBRATIONS {
@@ -99,7 +101,10 @@ pub(crate) fn choices(
                 && geometry == products.settings.cloud.geometry;
             let (cloud, classes) = match in_force {
                 true => (products.cloud.clone(), products.classes.clone()),
-                false => placed(survey, products, &counted, &made, geometry, progress)?,
+                false => {
+                    let counted = (&*counted, &traits);
+                    placed(survey, products, counted, &made, geometry, progress)?
+                }
             };
             let points = cloud.kept(&classes).map(|(_, point)| point);
             let points: Vec<&CloudPoint> = points.filter(is_side_scan).collect();
@@ -123,7 +128,7 @@ pub(crate) fn choices(
 fn placed(
     survey: &Survey,
     products: &Products,
-    counted: &FirstReturns,
+    counted: (&FirstReturns, &PickTraits),
     calibration: &Calibration,
     geometry: Geometry,
     progress: &Progress,

@@ -1,0 +1,69 @@
+//! What a point has of its first return, whatever the geometry and the calibration.
+
+use super::above_bottom::{height_m, stretches_m, usual_departures_m};
+use super::level::echo_level;
+use crate::sonar::first_return::{FirstReturns, Pick, ground_confidence};
+use crate::survey::{Navigation, Side, Survey};
+use rayon::prelude::*;
+
+/// What a first return is, wherever it is placed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PickTrait {
+    /// Whether it is something above the bottom.
+    pub(super) above_bottom: bool,
+    /// The length of the stretch of such returns, metres; 0 of the bottom.
+    pub(super) above_bottom_m: f32,
+    /// Of what it is.
+    pub(super) confidence: f32,
+    /// How strong its echo is.
+    pub(super) level: u8,
+}
+
+/// That of all first returns. Several clouds of the same returns share it: it costs as much as all else of a cloud.
+pub(crate) struct PickTraits {
+    /// By side, port first, one a ping.
+    sides: [Vec<PickTrait>; 2],
+}
+
+impl PickTraits {
+    /// Of a survey's first returns.
+    pub(crate) fn new(survey: &Survey, navigation: &Navigation, returns: &FirstReturns) -> Self {
+        let above_bottom_m = stretches_m(survey, navigation, returns);
+        let usual_m = usual_departures_m(survey, navigation, returns);
+        let of_pick = |side: Side, ping: usize, pick: &Pick| {
+            // Without a recorded depth nothing is flagged.
+            let above_bottom =
+                pick.above_bottom && height_m(survey, returns, ping, side) > usual_m[ping];
+            PickTrait {
+                above_bottom,
+                above_bottom_m: match above_bottom {
+                    true => above_bottom_m[ping],
+                    false => 0.0,
+                },
+                // What does not stand out is ground.
+                confidence: match above_bottom {
+                    true => pick.confidence,
+                    false => ground_confidence(pick.confidence, pick.above_bottom),
+                },
+                level: match pick.is_some() {
+                    true => echo_level(survey, ping, side, pick.sample),
+                    false => 0,
+                },
+            }
+        };
+        let of_side = |side: Side| {
+            let picks = returns.side(side).par_iter().enumerate();
+            picks
+                .map(|(ping, pick)| of_pick(side, ping, pick))
+                .collect()
+        };
+        Self {
+            sides: Side::BOTH.map(of_side),
+        }
+    }
+
+    /// Those of a side, one a ping.
+    pub(super) fn side(&self, side: Side) -> &[PickTrait] {
+        &self.sides[side as usize]
+    }
+}
