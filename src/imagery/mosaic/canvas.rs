@@ -36,22 +36,31 @@ impl Canvas {
         }
     }
 
-    /// Least and greatest distance on the ground, along a ray of a strip, at which a cell of the window may lie; `from` is where the
-    /// ray starts, which moves by `moved_m` within the strip.
-    pub(super) fn distances_m(&self, ray: &MosaicRay, moved_m: f64) -> [f64; 2] {
+    /// Least and greatest distance on the ground, along a ray of a strip, at which the ray is no farther than `apart_m` from a cell of the
+    /// window; `None` where it is nowhere.
+    pub(super) fn distances_m(&self, ray: &MosaicRay, apart_m: f64) -> Option<[f64; 2]> {
         let window = &self.window;
-        let [x, y] = [ray.at[0] - window.west_m, window.north_m - ray.at[1]];
-        let [wide_m, high_m] =
-            [window.columns, window.rows].map(|cells| cells as f64 * window.cell_m);
-        let outside = |place: f64, length: f64| (-place).max(place - length).max(0.0);
-        let across = |place: f64, length: f64| place.abs().max((place - length).abs());
-        let nearest = outside(x, wide_m).hypot(outside(y, high_m));
-        let farthest = across(x, wide_m).hypot(across(y, high_m));
-        let scale = ray.out[0].hypot(ray.out[1]).max(1e-9);
-        [
-            ((nearest - moved_m) / scale - window.cell_m).max(0.0),
-            (farthest + moved_m) / scale + window.cell_m,
-        ]
+        let around_m = apart_m + window.cell_m;
+        let [west_m, south_m, east_m, north_m] = window.bounds_m();
+        let mut distances_m = [0.0, f64::INFINITY];
+        for (axis, bounds_m) in [[west_m, east_m], [south_m, north_m]]
+            .into_iter()
+            .enumerate()
+        {
+            let from_here = bounds_m.map(|bound_m| bound_m - ray.at[axis]);
+            let [least_m, most_m] = [from_here[0] - around_m, from_here[1] + around_m];
+            let out = ray.out[axis];
+            if out.abs() < 1e-9 {
+                if least_m > 0.0 || most_m < 0.0 {
+                    return None;
+                }
+                continue;
+            }
+            let [one_m, other_m] = [least_m / out, most_m / out];
+            distances_m[0] = distances_m[0].max(one_m.min(other_m));
+            distances_m[1] = distances_m[1].min(one_m.max(other_m));
+        }
+        (distances_m[0] <= distances_m[1]).then_some(distances_m)
     }
 
     /// Lays a strip over the cells whose middles lie in it.

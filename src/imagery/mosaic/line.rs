@@ -47,8 +47,9 @@ pub(super) struct MosaicLine {
     side: Side,
     /// Which ping of the layout it is of, if any.
     of: Option<usize>,
-    /// The steps that it holds.
+    /// The steps that it holds, and all steps of the ray.
     steps: Range<usize>,
+    reach: usize,
     /// NaN where there is no sample.
     levels: Vec<f32>,
     /// Steps in a metre on the ground.
@@ -69,6 +70,7 @@ impl MosaicLine {
             side,
             of: None,
             steps: 0..0,
+            reach: 0,
             levels: Vec::new(),
             per_m: 0.0,
             samples: Vec::new(),
@@ -90,29 +92,31 @@ impl MosaicLine {
         }
     }
 
-    /// Reads the part of a ping's side that lies between two distances on the ground, unless it is there. The `margin_m` on both
-    /// sides saves reading it again for a little more. False when there is nothing to read.
+    /// Reads the part of a ping's side that lies between two distances on the ground, unless it is there: then that between the distances
+    /// of `with_margin_m`, which holds it. False when there is nothing to read.
     pub(super) fn read(
         &mut self,
         lines: &LineContext<'_>,
         place: usize,
         ray: &MosaicRay,
-        ground_m: [f64; 2],
-        margin_m: f64,
+        part_m: [f64; 2],
+        with_margin_m: [f64; 2],
     ) -> bool {
         let step = |ground_m: f64| (ground_m * lines.steps_per_m).max(0.0);
-        let [from, to] = ground_m;
-        let covers = |steps: &Range<usize>| {
-            steps.start <= step(from) as usize && steps.end >= step(to).ceil() as usize
+        let steps = |[from_m, to_m]: [f64; 2], reach: usize| {
+            let end = (step(to_m).ceil() as usize).saturating_add(2);
+            (step(from_m) as usize).min(reach)..end.min(reach)
         };
-        if self.of == Some(place) && covers(&self.steps) {
-            return true;
+        if self.of == Some(place) {
+            let part = steps(part_m, self.reach);
+            if self.steps.start <= part.start && self.steps.end >= part.end {
+                return true;
+            }
         }
         self.of = None;
         self.per_m = lines.steps_per_m;
-        let reach = step(ray.reach_m(lines.water_column)).ceil() as usize + 2;
-        let first = (step(from - margin_m) as usize).min(reach);
-        self.steps = first..(step(to + margin_m).ceil() as usize + 2).min(reach);
+        self.reach = step(ray.reach_m(lines.water_column)).ceil() as usize + 2;
+        self.steps = steps(with_margin_m, self.reach);
         // Places on the ray, counted in samples, of the edges of all cells that are taken the mean of.
         let edges_m = (self.steps.start..self.steps.end + STEPS)
             .map(|index| (index as f64 - STEPS as f64 / 2.0).max(0.0) / lines.steps_per_m);

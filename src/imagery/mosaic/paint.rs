@@ -187,11 +187,17 @@ fn draw<E>(
             continue;
         };
         let kept = &mut kept[side as usize];
-        let moved_m = moved_m(&strip);
+        let apart_m = farthest_apart_m(&strip);
         let mut is_there = true;
         for (place, ray) in [ping, ping + 1].into_iter().zip(&strip) {
-            let within_m = canvas.distances_m(ray, moved_m);
-            is_there &= kept[place % 2].read(lines, place, ray, within_m, moved_m);
+            // A little more saves reading the ray again for the next strip.
+            let parts = [1.0, 2.0].map(|times| canvas.distances_m(ray, times * apart_m));
+            is_there &= match parts {
+                [Some(part), Some(with_margin)] => {
+                    kept[place % 2].read(lines, place, ray, part, with_margin)
+                }
+                _ => false,
+            };
         }
         if is_there {
             let both = [ping, ping + 1].map(|place| &kept[place % 2]);
@@ -201,7 +207,13 @@ fn draw<E>(
     Ok(())
 }
 
-/// How far the boat goes along a strip, in the plane of the map.
-fn moved_m([here, next]: &[MosaicRay; 2]) -> f64 {
-    f64::hypot(next.at[0] - here.at[0], next.at[1] - here.at[1])
+/// How far places at equal distances along both rays of a strip are apart at most, in the plane of the map.
+fn farthest_apart_m(strip: &[MosaicRay; 2]) -> f64 {
+    let [near, far] = [
+        |ray: &MosaicRay| ray.at,
+        |ray: &MosaicRay| ray.place(ray.range_m(ray.count as f64)),
+    ]
+    .map(|place| strip.each_ref().map(place));
+    let apart = |[[x0, y0], [x1, y1]]: [[f64; 2]; 2]| (x1 - x0).hypot(y1 - y0);
+    apart(near).max(apart(far))
 }
