@@ -25,4 +25,5 @@ pub(crate) mod regular_file;
 pub(crate) mod sparse;
 pub(crate) mod statistics;
 pub(crate) mod system_words;
+pub(crate) mod vectors;
 pub(crate) mod versions;

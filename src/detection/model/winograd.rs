@@ -5,6 +5,7 @@
 //! products, and 4 x 4 numbers of the output come back from their points. Results differ from those of the plain sum by some 1e-5 of
 //! their size.
 
+use crate::support::vectors::{VectorLoop, vectorised};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
 use std::array::from_fn;
@@ -89,7 +90,7 @@ impl Convolution {
 
     /// Runs it over a picture, channel by channel and row by row.
     pub(super) fn run(&self, input: &[f32]) -> Vec<f32> {
-        pulp::Arch::new().dispatch(Run {
+        vectorised(Run {
             convolution: self,
             input,
         })
@@ -233,24 +234,23 @@ struct Run<'a> {
     input: &'a [f32],
 }
 
-impl pulp::WithSimd for Run<'_> {
+impl VectorLoop for Run<'_> {
     type Output = Vec<f32>;
 
     #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) -> Vec<f32> {
+    fn run(self) -> Vec<f32> {
         self.convolution.run_inlined(self.input)
     }
 }
 
 /// Points of nine weights.
 fn points_of(weights: &[f32; 9]) -> [f32; POINTS] {
-    from_fn(|point| {
-        let [down, across] = [point / INPUT, point % INPUT].map(|side| WEIGHT_POINTS[side]);
-        let sum: f64 = (0..9)
-            .map(|at| down[at / 3] * across[at % 3] * f64::from(weights[at]))
-            .sum();
-        sum as f32
-    })
+    let three = |side: [f64; 3], [a, b, c]: [f64; 3]| side[0] * a + side[1] * b + side[2] * c;
+    // Of each column of weights first, then of each row of what that gives.
+    let down: [[f64; 3]; INPUT] = WEIGHT_POINTS.map(|side| {
+        [0, 1, 2].map(|column| three(side, [0, 3, 6].map(|row| f64::from(weights[row + column]))))
+    });
+    from_fn(|point| three(WEIGHT_POINTS[point % INPUT], down[point / INPUT]) as f32)
 }
 
 /// Matrix B of the paper: six numbers become six points.

@@ -110,11 +110,13 @@ impl Sums {
 }
 
 /// The first sample whose middle lies beyond a range.
+#[inline(always)]
 fn first_beyond(ray: &MosaicRay, range_m: f64) -> usize {
     (ray.sample_at(range_m) - 0.5).ceil().max(0.0) as usize
 }
 
 /// The angle from straight down as `sqrt(1 - cos)`, 0 to 1: nearly in proportion to the angle, without an arc cosine.
+#[inline(always)]
 fn obliqueness(range_m: f64, altitude_m: f64) -> f64 {
     (1.0 - altitude_m / range_m).max(0.0).sqrt()
 }
@@ -275,6 +277,7 @@ impl GainTable {
     }
 
     /// Replaces `out` with the factors on some samples of a ray. Those of the water column have the factor of straight down.
+    #[inline(always)]
     pub(super) fn factors(
         &self,
         side: Side,
@@ -347,6 +350,7 @@ impl GainTable {
 }
 
 /// Place on the curve by angle, in bins from the middle of the first.
+#[inline(always)]
 fn angle_place(range_m: f64, altitude_m: f64) -> f64 {
     obliqueness(range_m, altitude_m) * ANGLE_BINS as f64 - 0.5
 }
@@ -362,6 +366,7 @@ struct CurvePiece {
 
 impl CurvePiece {
     /// The one that a place lies on.
+    #[inline(always)]
     fn of(curve: &[f32], place: f64) -> Self {
         let last = curve.len() - 1;
         let constant = |value: f32, end: f64| Self {
@@ -386,6 +391,7 @@ impl CurvePiece {
         }
     }
 
+    #[inline(always)]
     fn at(&self, place: f64) -> f32 {
         self.value + self.slope * (place - self.start) as f32
     }

@@ -48,11 +48,13 @@ pub struct MosaicRay {
 
 impl MosaicRay {
     /// Slant range at a distance of `sample` samples, metres.
+    #[inline(always)]
     pub fn range_m(&self, sample: f64) -> f64 {
         self.start_m + self.step_m * sample
     }
 
     /// Inverse of [`MosaicRay::range_m`].
+    #[inline(always)]
     pub fn sample_at(&self, range_m: f64) -> f64 {
         (range_m - self.start_m) / self.step_m
     }
@@ -76,6 +78,7 @@ impl MosaicRay {
     }
 
     /// Replaces `out` with the same of growing distances.
+    #[inline(always)]
     pub(super) fn samples_of(
         &self,
         grounds_m: impl Iterator<Item = f64>,
@@ -93,6 +96,7 @@ impl MosaicRay {
     }
 
     /// Least slant range that is shown: where the bottom rises from under the boat, its foot is broad and the water above it dark.
+    #[inline(always)]
     fn least_m(&self) -> f64 {
         match self.under_m > self.altitude_m {
             true => self.altitude_m + RISE_M,

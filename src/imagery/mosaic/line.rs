@@ -3,6 +3,7 @@
 use super::layout::MosaicRay;
 use super::{Gain, GainTable, MosaicLayout, MosaicSettings};
 use crate::support::statistics::ends;
+use crate::support::vectors::{VectorLoop, vectorised};
 use crate::survey::{Side, SideSpan, Survey};
 use std::ops::Range;
 
@@ -117,6 +118,19 @@ impl MosaicLine {
         self.per_m = lines.steps_per_m;
         self.reach = step(ray.reach_m(lines.water_column)).ceil() as usize + 2;
         self.steps = steps(with_margin_m, self.reach);
+        let is_read = vectorised(ReadSteps {
+            line: self,
+            lines,
+            place,
+            ray,
+        });
+        self.of = is_read.then_some(place);
+        is_read
+    }
+
+    /// Reads the steps that it is to hold; not vectorised.
+    #[inline(always)]
+    fn read_steps(&mut self, lines: &LineContext<'_>, place: usize, ray: &MosaicRay) -> bool {
         // Places on the ray, counted in samples, of the edges of all cells that are taken the mean of.
         let edges_m = (self.steps.start..self.steps.end + STEPS)
             .map(|index| (index as f64 - STEPS as f64 / 2.0).max(0.0) / lines.steps_per_m);
@@ -129,11 +143,11 @@ impl MosaicLine {
             return false;
         }
         self.take_means(samples.start as f64);
-        self.of = Some(place);
         true
     }
 
     /// Takes the mean of each cell between its edges; `first` is the sample that the sums begin with.
+    #[inline(always)]
     fn take_means(&mut self, first: f64) {
         let last = (self.sums.len() - 1) as f64;
         for edge in &mut self.edges {
@@ -161,6 +175,7 @@ impl MosaicLine {
     }
 
     /// Normalises and sums some samples outward: `sums[n]` is the sum of the first n. False when there are none.
+    #[inline(always)]
     fn sum_up(
         &mut self,
         lines: &LineContext<'_>,
@@ -234,7 +249,25 @@ impl MosaicLine {
     }
 }
 
+/// A part of a ping that is read.
+struct ReadSteps<'a> {
+    line: &'a mut MosaicLine,
+    lines: &'a LineContext<'a>,
+    place: usize,
+    ray: &'a MosaicRay,
+}
+
+impl VectorLoop for ReadSteps<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run(self) -> bool {
+        self.line.read_steps(self.lines, self.place, self.ray)
+    }
+}
+
 /// Mean of the samples between two places counted in samples, by their running sums. At least one sample wide; NaN outside.
+#[inline(always)]
 fn mean(sums: &[f32], from: f64, to: f64) -> f32 {
     let last = (sums.len() - 1) as f64;
     let middle = 0.5 * (from + to);
@@ -247,6 +280,7 @@ fn mean(sums: &[f32], from: f64, to: f64) -> f32 {
 }
 
 /// Sum up to a place counted in samples, by the running sums.
+#[inline(always)]
 fn sum_at(sums: &[f32], place: f64) -> f32 {
     let low = (place as usize).min(sums.len() - 2);
     sums[low] + (sums[low + 1] - sums[low]) * (place - low as f64) as f32

@@ -5,6 +5,7 @@ use super::TUNING;
 use super::grid::TrackerGrid;
 use super::rows::SampleRows;
 use super::runs::TrackerChunk;
+use crate::support::vectors::{VectorLoop, vectorised};
 use std::ops::{Bound, RangeBounds};
 
 /// Weights of the smoothing along the track: a gaussian of 1.2 pings that sums to 64.
@@ -80,6 +81,16 @@ impl Scores {
 
     /// Replaces the scores by those of the rows.
     pub(super) fn measure(&mut self, rows: &SampleRows, kernel: &Kernel) {
+        vectorised(Measure {
+            scores: self,
+            rows,
+            kernel,
+        });
+    }
+
+    /// The same, not vectorised.
+    #[inline(always)]
+    fn measure_inlined(&mut self, rows: &SampleRows, kernel: &Kernel) {
         self.grid.reset(rows.len(), rows.width, Self::CLOSED);
         for row in 0..rows.len() {
             self.smooth(rows, row);
@@ -119,6 +130,7 @@ impl Scores {
         }
     }
 
+    #[inline(always)]
     fn smooth(&mut self, rows: &SampleRows, row: usize) {
         let at = |offset: isize| rows.row(row as isize + offset);
         self.fine.clear();
@@ -140,6 +152,7 @@ impl Scores {
     }
 
     /// For every cell, the loudest one in the window that begins there, over this ping and its neighbours.
+    #[inline(always)]
     fn find_loudest(&mut self, rows: &SampleRows, row: usize, window: usize) {
         self.loudest.clear();
         self.loudest.extend_from_slice(rows.row(row as isize));
@@ -152,6 +165,7 @@ impl Scores {
     }
 
     /// Running sums; they may wrap, differences over a window do not.
+    #[inline(always)]
     fn sum_up(&mut self) {
         let (mut sum, mut square) = (0u32, 0u32);
         self.sums.clear();
@@ -168,8 +182,25 @@ impl Scores {
     }
 }
 
+/// The scores of all rows.
+struct Measure<'a> {
+    scores: &'a mut Scores,
+    rows: &'a SampleRows,
+    kernel: &'a Kernel,
+}
+
+impl VectorLoop for Measure<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.scores.measure_inlined(self.rows, self.kernel);
+    }
+}
+
 /// At every cell, the mean of all cells before it from the dead zone on, or of the last few windows' worth if that is
 /// brighter: what must be dark for a step to be the first. Behind a boulder's shadow, the boulder lies in between.
+#[inline(always)]
 fn brightness_before(out: &mut Vec<f32>, sums: &[u32], kernel: &Kernel) {
     let first = kernel.first.min(sums.len());
     let window = LONG_WINDOWS * kernel.window;
@@ -191,6 +222,7 @@ fn brightness_before(out: &mut Vec<f32>, sums: &[u32], kernel: &Kernel) {
 
 /// At every cell, how dark the water is before the window that ends there: the darkest window so far, which may brighten
 /// slowly with range. What lies unbroken between that water and a step is an echo already: the step is not the first.
+#[inline(always)]
 fn quiet_water(out: &mut Vec<f32>, sums: &[u32], kernel: &Kernel) {
     let window = kernel.window;
     let per = 1.0 / window as f32;
@@ -219,6 +251,7 @@ struct WaterBrightness<'a> {
 
 /// `(mean after - mean before) / sqrt(variance after + variance before + floor)` at every cell, less where the cells before it
 /// are no quiet water.
+#[inline(always)]
 fn step_scores(
     out: &mut [f32],
     (sums, squares): (&[u32], &[u32]),
@@ -273,6 +306,7 @@ impl Moments {
         }
     }
 
+    #[inline(always)]
     fn between(sums: &[u32], squares: &[u32], start: usize, end: usize, per: f32) -> Self {
         Self::of(sums[start], sums[end], squares[start], squares[end], per)
     }
@@ -298,6 +332,7 @@ impl Moments {
 }
 
 /// Closes the cells behind which nothing reaches the threshold.
+#[inline(always)]
 fn close_below_level(out: &mut [f32], loudest: &[u8], level: u16) {
     for (score, &loudest) in out.iter_mut().zip(loudest) {
         *score = if u16::from(loudest) >= level {
@@ -309,6 +344,7 @@ fn close_below_level(out: &mut [f32], loudest: &[u8], level: u16) {
 }
 
 /// Replaces every value by the maximum of the `window` values that start there.
+#[inline(always)]
 fn window_maximum(values: &mut Vec<u8>, spare: &mut Vec<u8>, window: usize) {
     let mut covered = 1;
     while covered < window.min(values.len()) {
