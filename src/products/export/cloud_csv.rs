@@ -1,5 +1,6 @@
 //! `cloud.csv`: one line a point.
 
+use super::fixed::Fixed;
 use super::log_points::LogColumn;
 use super::{ExportError, LogPoints, Summary, write_summed};
 use std::io::Write as _;
@@ -31,14 +32,17 @@ pub(crate) fn cloud_csv(path: &Path, logs: &[LogPoints<'_>]) -> Result<Summary, 
                 };
                 writeln!(
                     out,
-                    "{name}{},{},{:.9},{:.9},{east_m:.4},{north_m:.4},{:.4},{},{},{level},{range_m:.3}",
+                    "{name}{},{},{},{},{},{},{},{},{},{level},{}",
                     point.source.name(),
                     point.ping,
-                    at.lon_deg,
-                    at.lat_deg,
-                    point.z_m,
+                    Fixed(at.lon_deg, 9),
+                    Fixed(at.lat_deg, 9),
+                    Fixed(east_m, 4),
+                    Fixed(north_m, 4),
+                    Fixed(point.z_m, 4),
                     u8::from(class.is_kept()),
-                    class.code()
+                    class.code(),
+                    Fixed(range_m, 3)
                 )?;
             }
         }

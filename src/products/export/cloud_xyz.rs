@@ -1,5 +1,6 @@
 //! `cloud.xyz`: the points of the bottom as plain text, for whatever reads columns.
 
+use super::fixed::Fixed;
 use super::{ExportError, LogPoints, Summary, write_summed};
 use crate::bottom::cloud::CloudPoint;
 use std::io::Write as _;
@@ -18,7 +19,8 @@ pub(crate) fn cloud_xyz(
             for (_, point) in log.cloud.kept(log.classes) {
                 let [x, y] = place(log, point);
                 summary.add([x, y], point.z_m);
-                writeln!(out, "{x:.decimals$} {y:.decimals$} {:.3}", point.z_m)?;
+                let [x, y] = [x, y].map(|value| Fixed(value, decimals));
+                writeln!(out, "{x} {y} {}", Fixed(point.z_m, 3))?;
             }
         }
         Ok(())

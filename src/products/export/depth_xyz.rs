@@ -1,5 +1,6 @@
 //! `depth.xyz`: the cells of the depth map as plain text, for whatever reads columns.
 
+use super::fixed::Fixed;
 use super::{ExportError, Summary, write_summed};
 use crate::support::progress::Progress;
 use std::io::{self, Write as _};
@@ -22,7 +23,8 @@ pub(crate) fn depth_xyz(
                 progress.check().map_err(io::Error::other)?;
             }
             summary.add([x, y], f64::from(depth_m));
-            writeln!(out, "{x:.decimals$} {y:.decimals$} {depth_m:.3}")?;
+            let [x, y] = [x, y].map(|value| Fixed(value, decimals));
+            writeln!(out, "{x} {y} {}", Fixed(depth_m.into(), 3))?;
         }
         Ok(())
     })

@@ -1,5 +1,6 @@
 //! `first_returns.csv`: one line a ping.
 
+use super::fixed::Fixed;
 use super::log_points::LogColumn;
 use super::{ExportError, LogPoints, Summary, write_summed};
 use crate::bottom::cloud::slant_range_m;
@@ -68,7 +69,7 @@ fn write_ping(
 /// A comma and the number, or a comma alone where there is none.
 fn number(out: &mut impl Write, value: f64, decimals: usize) -> io::Result<()> {
     if value.is_finite() {
-        write!(out, ",{value:.decimals$}")
+        write!(out, ",{}", Fixed(value, decimals))
     } else {
         write!(out, ",")
     }

@@ -4,7 +4,7 @@
 //! It uses `detection`, `bottom`, `sonar`, `formats`, `survey` and `support`.
 //!
 //! One file a product, `aside` for the renaming; `las` writes any points as LAS, `extra_bytes` names what they carry beyond it; `geotiff` puts any raster into its file, `grid_raster` the cells of a grid, `qgis_style` its colours, `vector` lines and areas,
-//! `rings` keeps polygons valid, `summary` counts what a file holds; `log_copy` copies a log; `dataset` is the folder that detectors are trained
+//! `rings` keeps polygons valid, `summary` counts what a file holds; `fixed` writes numbers; `log_copy` copies a log; `dataset` is the folder that detectors are trained
 //! on, `tile_sets` maps as tiles, `points` what `bathyscope filter` kept, `plan` lines to sail for plotters and autopilots. How rasters and point files are laid out is known to `formats`, which also reads them.
 
 mod atomic_write;
@@ -22,6 +22,7 @@ mod differences_csv;
 mod extra_bytes;
 mod figure;
 mod first_returns;
+mod fixed;
 mod footprint;
 mod geojson;
 mod geopackage;
