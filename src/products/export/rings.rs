@@ -2,7 +2,7 @@
 //! nor touch themselves.
 
 use crate::bottom::bathymetry::isobaths::{Polygon, polygons};
-use std::collections::{BTreeMap, HashMap};
+use std::ops::Range;
 
 /// A corner, counted in steps of the lattice that corners are rounded to.
 type LatticeCorner = [i64; 2];
@@ -35,16 +35,14 @@ fn on_lattice(
     shapes: &[Polygon],
     corner: impl Fn([f64; 2]) -> LatticeCorner,
 ) -> Vec<Vec<Vec<LatticeCorner>>> {
-    let mut sides = Sides::default();
+    let mut ways = Vec::new();
     for shape in shapes {
         for ring in std::iter::once(&shape.outline).chain(&shape.holes) {
             let corners: Vec<LatticeCorner> = ring.iter().map(|place| corner(*place)).collect();
-            corners
-                .windows(2)
-                .for_each(|side| sides.add(side[0], side[1]));
+            ways.extend(corners.windows(2).map(|way| [way[0], way[1]]));
         }
     }
-    let rings = sides.walk();
+    let rings = Sides::new(ways).walk();
     let as_places =
         |ring: Vec<LatticeCorner>| ring.into_iter().map(|at| at.map(|steps| steps as f64));
     let rings = rings.into_iter().map(|ring| as_places(ring).collect());
@@ -58,82 +56,115 @@ fn on_lattice(
         .collect()
 }
 
-/// Directed sides between corners.
-#[derive(Default)]
+/// Directed sides between corners, those that run both ways taken off each other.
 struct Sides {
-    /// How often each is there, those that run both ways taken off each other.
-    counts: BTreeMap<(LatticeCorner, LatticeCorner), usize>,
+    /// All of them in order, so that those that leave a corner are together.
+    sides: Vec<Side>,
+}
+
+/// A side between two corners.
+struct Side {
+    from: LatticeCorner,
+    to: LatticeCorner,
+    /// How often it has still to be walked.
+    left: u32,
+    /// The sides that leave the corner where it ends.
+    next: Range<u32>,
 }
 
 impl Sides {
-    fn add(&mut self, from: LatticeCorner, to: LatticeCorner) {
-        if from == to {
-            return;
-        }
-        match self.counts.get_mut(&(to, from)) {
-            Some(1) => {
-                self.counts.remove(&(to, from));
-            }
-            Some(count) => *count -= 1,
-            None => *self.counts.entry((from, to)).or_insert(0) += 1,
+    /// Of the ways from corner to corner around areas.
+    fn new(mut ways: Vec<[LatticeCorner; 2]>) -> Self {
+        ways.retain(|[from, to]| from != to);
+        ways.sort_unstable();
+        let count = |way: [LatticeCorner; 2]| {
+            let first = ways.partition_point(|other| *other < way);
+            ways[first..]
+                .iter()
+                .take_while(|other| **other == way)
+                .count()
+        };
+        let runs = ways.chunk_by(|one, other| one == other);
+        let left = runs.filter_map(|run| {
+            let [from, to] = run[0];
+            let left = run.len().checked_sub(count([to, from]))?;
+            (left > 0).then_some((from, to, left as u32))
+        });
+        let left: Vec<(LatticeCorner, LatticeCorner, u32)> = left.collect();
+        let leaving = |corner: LatticeCorner| {
+            let first = left.partition_point(|(from, ..)| *from < corner);
+            let more = left[first..]
+                .iter()
+                .take_while(|(from, ..)| *from == corner);
+            first as u32..(first + more.count()) as u32
+        };
+        let sides = left.iter().map(|&(from, to, left)| Side {
+            from,
+            to,
+            left,
+            next: leaving(to),
+        });
+        Self {
+            sides: sides.collect(),
         }
     }
 
     /// Closed rings without a corner twice.
     fn walk(mut self) -> Vec<Vec<LatticeCorner>> {
-        let mut leaving: HashMap<LatticeCorner, Vec<LatticeCorner>> = HashMap::new();
-        for &(from, to) in self.counts.keys() {
-            leaving.entry(from).or_default().push(to);
-        }
         let mut rings = Vec::new();
-        while let Some((&(from, to), _)) = self.counts.first_key_value() {
-            self.walk_from(from, to, &leaving, &mut rings);
+        // By the first side that leaves a corner: where on the path it is.
+        let mut place_on_path = vec![None; self.sides.len()];
+        for first in 0..self.sides.len() {
+            while self.sides[first].left > 0 {
+                self.walk_from(first, &mut place_on_path, &mut rings);
+            }
         }
         rings
     }
 
-    /// Walks from a side until the next one has been walked.
+    /// Walks from a side until the next one has been walked; leaves no place on the path.
     fn walk_from(
         &mut self,
-        from: LatticeCorner,
-        to: LatticeCorner,
-        leaving: &HashMap<LatticeCorner, Vec<LatticeCorner>>,
+        first: usize,
+        place_on_path: &mut [Option<usize>],
         rings: &mut Vec<Vec<LatticeCorner>>,
     ) {
-        let mut path = vec![from];
-        let mut place_on_path = HashMap::from([(from, 0)]);
-        let (mut last, mut at) = (from, to);
-        self.take(from, to);
+        let from = self.sides[first].from;
+        let own = (self.sides).partition_point(|side| side.from < from);
+        let mut path = vec![(from, own)];
+        place_on_path[own] = Some(0);
+        let mut side = first;
         loop {
-            if let Some(&begin) = place_on_path.get(&at) {
-                let mut ring = path[begin..].to_vec();
-                ring.push(at);
-                rings.push(ring);
-                for passed in path.drain(begin + 1..) {
-                    place_on_path.remove(&passed);
+            self.sides[side].left -= 1;
+            let Side {
+                from: last,
+                to: at,
+                ref next,
+                ..
+            } = self.sides[side];
+            let (next, corner) = (next.clone(), next.start as usize);
+            if next.is_empty() {
+                break;
+            }
+            if let Some(begin) = place_on_path[corner] {
+                let corners = path[begin..].iter().map(|(corner, _)| *corner);
+                rings.push(corners.chain([at]).collect());
+                for (_, passed) in path.drain(begin + 1..) {
+                    place_on_path[passed] = None;
                 }
             } else {
-                place_on_path.insert(at, path.len());
-                path.push(at);
+                place_on_path[corner] = Some(path.len());
+                path.push((at, corner));
             }
-            let ways = leaving.get(&at).into_iter().flatten().copied();
-            let next = ways.min_by(|a, b| turn(last, at, *a).total_cmp(&turn(last, at, *b)));
-            let Some(next) = next.filter(|next| self.take(at, *next)) else {
-                return;
-            };
-            (last, at) = (at, next);
+            let turn_to = |side: &u32| turn(last, at, self.sides[*side as usize].to);
+            let sharpest = next.min_by(|a, b| turn_to(a).total_cmp(&turn_to(b)));
+            match sharpest.map(|next| next as usize) {
+                Some(next) if self.sides[next].left > 0 => side = next,
+                _ => break,
+            }
         }
-    }
-
-    /// Takes a side; false where it is gone.
-    fn take(&mut self, from: LatticeCorner, to: LatticeCorner) -> bool {
-        match self.counts.get_mut(&(from, to)) {
-            Some(1) => self.counts.remove(&(from, to)).is_some(),
-            Some(count) => {
-                *count -= 1;
-                true
-            }
-            None => false,
+        for (_, passed) in path {
+            place_on_path[passed] = None;
         }
     }
 }

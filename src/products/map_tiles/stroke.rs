@@ -57,7 +57,8 @@ fn distance(at: [f64; 2], from: [f64; 2], to: [f64; 2]) -> f64 {
         true => (along / length2).clamp(0.0, 1.0),
         false => 0.0,
     };
-    (at[0] - from[0] - share * way[0]).hypot(at[1] - from[1] - share * way[1])
+    let away = [0, 1].map(|axis| at[axis] - from[axis] - share * way[axis]);
+    (away[0] * away[0] + away[1] * away[1]).sqrt()
 }
 
 /// A colour over what is there, which may be clear.
