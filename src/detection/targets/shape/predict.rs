@@ -8,6 +8,7 @@
 use super::levels::{BoxLevels, PingLevels};
 use super::ray::{EchoBins, ShapeRay, slant_m};
 use super::solid::{ShapeKind, Solid};
+use crate::support::vectors::{VectorLoop, vectorised};
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
@@ -103,6 +104,7 @@ pub(super) struct Predicted {
 
 impl Predicted {
     /// Makes it that of a look without a solid. The search does this for every trial: only what the last one changed is written.
+    #[inline(always)]
     fn clear(&mut self, look: &BoxLevels) {
         let count = look.pings.len() * look.bins;
         if self.bottom.len() != count {
@@ -131,6 +133,27 @@ const COARSE_STEP: f64 = 0.25;
 
 /// Writes what the look would be of a solid.
 pub(super) fn predict(look: &BoxLevels, posed: &PosedSolid, into: &mut Predicted) {
+    vectorised(Predict { look, posed, into });
+}
+
+struct Predict<'a> {
+    look: &'a BoxLevels,
+    posed: &'a PosedSolid,
+    into: &'a mut Predicted,
+}
+
+impl VectorLoop for Predict<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        predict_inlined(self.look, self.posed, self.into);
+    }
+}
+
+/// The same, not vectorised.
+#[inline(always)]
+fn predict_inlined(look: &BoxLevels, posed: &PosedSolid, into: &mut Predicted) {
     into.clear(look);
     let mut ray = ShapeRay::default();
     let turned = (posed.solid.reach_m(), posed.heading_rad.sin_cos().into());
@@ -149,6 +172,7 @@ pub(super) fn predict(look: &BoxLevels, posed: &PosedSolid, into: &mut Predicted
 }
 
 /// Spreads each bin a little over its neighbours, as the pulse and the receiver's filter do.
+#[inline(always)]
 fn blur(bins: &mut [f32]) {
     let mut before = bins[0];
     for index in 0..bins.len() {
@@ -159,6 +183,7 @@ fn blur(bins: &mut [f32]) {
 }
 
 /// Writes what a ping would be of a solid that reaches so far from its middle, and the sine and cosine of whose heading are known.
+#[inline(always)]
 fn one_ping(
     look: &BoxLevels,
     ping: &PingLevels,

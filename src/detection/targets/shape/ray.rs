@@ -32,6 +32,9 @@ pub(super) struct ShapeRay {
     slant_m: PlaceRow,
     /// Echo of the step over that of the bare bottom, for each metre of range that the step extends over.
     echo_m: PlaceRow,
+    /// Where its range lies in a ping, counted in bins, and the bin.
+    in_bins: PlaceRow,
+    bin: [i32; MOST_PLACES],
 }
 
 impl Default for ShapeRay {
@@ -46,6 +49,8 @@ impl Default for ShapeRay {
             tangent: row,
             slant_m: row,
             echo_m: row,
+            in_bins: row,
+            bin: [0; MOST_PLACES],
         }
     }
 }
@@ -53,6 +58,7 @@ impl Default for ShapeRay {
 impl ShapeRay {
     /// Follows the ray that begins under the boat at `start_m` along and across the solid and goes in the direction `outward`; the circle
     /// around the solid covers twice `half_m` of it. Steps are no shorter than `least_step_m`. Whether the ray meets the solid.
+    #[inline(always)]
     pub(super) fn follow(
         &mut self,
         altitude_m: f64,
@@ -94,6 +100,7 @@ impl ShapeRay {
     }
 
     /// Computes the places from the heights above the bottom, which stand in the row of `below_m`.
+    #[inline(always)]
     fn place(&mut self) {
         let count = self.count.div_ceil(LANES);
         let out_m = &self.out_m.as_chunks::<LANES>().0[..count];
@@ -112,7 +119,21 @@ impl ShapeRay {
         }
     }
 
+    /// Counts the ranges of the places in bins, `per_m` to a metre from `from_m` on.
+    #[inline(always)]
+    fn count_in_bins(&mut self, from_m: f32, per_m: f32) {
+        let count = self.count.div_ceil(LANES);
+        let slant_m = &self.slant_m.as_chunks::<LANES>().0[..count];
+        let in_bins = &mut self.in_bins.as_chunks_mut::<LANES>().0[..count];
+        let bin = &mut self.bin.as_chunks_mut::<LANES>().0[..count];
+        for ((slant_m, in_bins), bin) in slant_m.iter().zip(in_bins).zip(bin) {
+            *in_bins = from_fn(|lane| (slant_m[lane] - from_m) * per_m);
+            *bin = from_fn(|lane| in_bins[lane] as i32);
+        }
+    }
+
     /// Computes the echo of each step.
+    #[inline(always)]
     fn weigh(&mut self) {
         let altitude_m2 = self.altitude_m * self.altitude_m;
         let pairs = |row: &PlaceRow, at: usize| -> [[f32; LANES]; 2] {
@@ -145,6 +166,7 @@ impl ShapeRay {
 }
 
 /// Slant range of a place so far out and so far below. These are no numbers that `hypot` would be needed for, which costs as much as a step.
+#[inline(always)]
 pub(super) fn slant_m(out_m: f64, below_m: f64) -> f64 {
     (out_m * out_m + below_m * below_m).sqrt()
 }
@@ -176,15 +198,10 @@ impl<'a> EchoBins<'a> {
     }
 
     /// Adds a ray of some weight.
-    pub(super) fn add(&mut self, ray: &ShapeRay, weight: f32) {
+    #[inline(always)]
+    pub(super) fn add(&mut self, ray: &mut ShapeRay, weight: f32) {
         let altitude_m = ray.altitude_m;
-        // Places of the steps, counted in bins.
-        let mut places = [0.0_f32; MOST_PLACES];
-        let chunks = ray.count.div_ceil(LANES);
-        let slant = &ray.slant_m.as_chunks::<LANES>().0[..chunks];
-        for (places, slant) in places.as_chunks_mut::<LANES>().0.iter_mut().zip(slant) {
-            *places = from_fn(|lane| (slant[lane] - self.from_m) * self.per_m);
-        }
+        ray.count_in_bins(self.from_m, self.per_m);
         // Tangent of the farthest direction seen so far; where the solid begins and ends.
         let mut horizon = ray.tangent[0];
         let mut solid: Option<[usize; 2]> = None;
@@ -202,7 +219,8 @@ impl<'a> EchoBins<'a> {
                 horizon = here;
                 if solid.is_some() {
                     let echo = weight * visible * ray.echo_m[index];
-                    self.add_echo([places[index - 1], places[index]], echo, of_solid);
+                    let step = [index - 1, index].map(|at| (ray.in_bins[at], ray.bin[at]));
+                    self.add_echo(step, echo, of_solid);
                 }
             }
         }
@@ -218,40 +236,61 @@ impl<'a> EchoBins<'a> {
         }
     }
 
-    /// Adds the echo of a step between two places, counted in bins.
-    fn add_echo(&mut self, [one, other]: [f32; 2], echo: f32, of_solid: bool) {
+    /// Adds the echo of a step between two places, counted in bins, each with its bin.
+    #[inline(always)]
+    fn add_echo(
+        &mut self,
+        [(one, one_bin), (other, other_bin)]: [(f32, i32); 2],
+        echo: f32,
+        of_solid: bool,
+    ) {
         let (from, to) = (one.min(other), one.max(other));
-        let Some([first, last]) = self.write([from, to]) else {
+        let per_bin = echo * self.per_m;
+        // Most steps lie in one bin.
+        let is_in_one = one_bin == other_bin && from >= 0.0 && to > 0.0;
+        let span = match is_in_one {
+            true => self.write_bins([one_bin as usize; 2]),
+            false => self.write([from, to]),
+        };
+        let Some(span) = span else {
             return;
         };
         let into = match of_solid {
             true => &mut *self.object,
             false => &mut *self.bottom,
         };
-        let per_bin = echo * self.per_m;
-        let is_in_one = first == last && from >= 0.0 && to <= (last + 1) as f32;
         match is_in_one {
-            true => into[first] += per_bin,
+            true => into[span[0]] += per_bin,
             false => {
                 let each = per_bin / (to - from).max(1e-6 * self.per_m);
-                add_shares(into, [first, last], [from, to], each);
+                add_shares(into, span, [from, to], each);
             }
         }
     }
 
     /// Takes the bottom away between two places, counted in bins.
+    #[inline(always)]
     fn hide(&mut self, [from, to]: [f32; 2], weight: f32) {
         if let (true, Some(span)) = (from < to, self.write([from, to])) {
             add_shares(self.bottom, span, [from, to], -weight);
         }
     }
 
-    /// The first and the last bin between two places, which count as written; `None` where there are none.
+    /// The first and the last bin between two places, which count as written with those between them; `None` where there are none.
+    #[inline(always)]
     fn write(&mut self, [from, to]: [f32; 2]) -> Option<[usize; 2]> {
         let count = self.bottom.len();
         let is_within = to > 0.0 && from < count as f32;
-        is_within.then(|| {
-            let (first, last) = (from.max(0.0) as usize, (to as usize).min(count - 1));
+        if !is_within {
+            return None;
+        }
+        self.write_bins([from.max(0.0) as usize, (to as usize).min(count - 1)])
+    }
+
+    /// Two bins and those between them, which count as written; `None` where the first is not there.
+    #[inline(always)]
+    fn write_bins(&mut self, [first, last]: [usize; 2]) -> Option<[usize; 2]> {
+        (first < self.bottom.len()).then(|| {
             self.written.start = self.written.start.min(first);
             self.written.end = self.written.end.max(last + 1);
             [first, last]
@@ -260,9 +299,18 @@ impl<'a> EchoBins<'a> {
 }
 
 /// Adds a value to some bins, to each the share of it that lies between two places.
+#[inline(always)]
 fn add_shares(bins: &mut [f32], [first, last]: [usize; 2], [from, to]: [f32; 2], value: f32) {
-    for (bin, into) in bins[first..=last].iter_mut().enumerate() {
-        let bin = (first + bin) as f32;
-        *into += value * (to.min(bin + 1.0) - from.max(bin)).max(0.0);
+    let share = |bin: usize| {
+        let bin = bin as f32;
+        (to.min(bin + 1.0) - from.max(bin)).max(0.0)
+    };
+    bins[first] += value * share(first);
+    if last > first {
+        // Those between lie in it as a whole.
+        for into in &mut bins[first + 1..last] {
+            *into += value;
+        }
+        bins[last] += value * share(last);
     }
 }

@@ -21,6 +21,13 @@ pub(super) fn search(problem: &Problem<'_>, state: &mut FitState, rounds: usize)
             let better = step > 0.0 && try_both_ways(state, &mut trial, step, move_edge);
             state.edge_steps[index] = step * if better { 1.3 } else { 0.5 };
         }
+        // A round that changed nothing has gone nowhere.
+        if state.numbers == before {
+            if state.is_settled() {
+                break;
+            }
+            continue;
+        }
         trial.clone_from(state);
         for (number, before) in trial.numbers.iter_mut().zip(&before) {
             *number += *number - before;

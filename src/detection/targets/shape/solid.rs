@@ -1,7 +1,6 @@
 //! Solids that objects are like, as heights above the bottom.
 
 use crate::support::named::named;
-use std::array::from_fn;
 
 /// Places that are computed together.
 pub(super) const LANES: usize = 8;
@@ -110,6 +109,7 @@ impl Solid {
     }
 
     /// Writes the same of places in a row, each a step along and across from the one before.
+    #[inline(always)]
     pub(super) fn heights_m(&self, first_m: [f64; 2], step_m: [f64; 2], into: &mut [f32]) {
         // One loop a kind: a choice at every place would keep several from being computed at once.
         match self.kind {
@@ -129,6 +129,7 @@ impl Solid {
     }
 
     /// Writes the heights of a shape that is so high, as a share, at places along and across in half lengths and half widths.
+    #[inline(always)]
     fn fill(
         &self,
         first_m: [f64; 2],
@@ -150,7 +151,9 @@ impl Solid {
         let (together, rest) = into.as_chunks_mut::<LANES>();
         let first_of_rest = LANES * together.len();
         for (index, heights_m) in together.iter_mut().enumerate() {
-            *heights_m = from_fn(|lane| at(LANES * index + lane));
+            for (lane, height_m) in heights_m.iter_mut().enumerate() {
+                *height_m = at(LANES * index + lane);
+            }
         }
         for (lane, height_m) in rest.iter_mut().enumerate() {
             *height_m = at(first_of_rest + lane);
@@ -159,6 +162,7 @@ impl Solid {
 
     /// Where a ray enters and leaves the rectangle around it: distances from a place along and across it in a direction of length 1;
     /// `None` where it passes by.
+    #[inline(always)]
     pub(super) fn met_m(&self, start_m: [f64; 2], toward: [f64; 2]) -> Option<[f64; 2]> {
         let half_m = self.half_m();
         let mut met_m = [f64::NEG_INFINITY, f64::INFINITY];
@@ -172,18 +176,18 @@ impl Solid {
     }
 
     /// Half of its length and width, metres.
+    #[inline(always)]
     fn half_m(&self) -> [f64; 2] {
         [0.5 * self.length_m, 0.5 * self.width_m]
     }
 
+    #[inline(always)]
     fn open_hull(&self, u: f32, v: f32) -> f32 {
         let across_m = 0.5 * self.width_m as f32 * (boat_outline(u) - v.abs());
         let along_m = 0.5 * self.length_m as f32 * (1.0 - u.abs());
-        match across_m.min(along_m) {
-            inside_m if inside_m < 0.0 => 0.0,
-            inside_m if inside_m < SIDE_M => 1.0,
-            _ => FLOOR,
-        }
+        let inside_m = across_m.min(along_m);
+        let of_inside = if inside_m < SIDE_M { 1.0 } else { FLOOR };
+        if inside_m < 0.0 { 0.0 } else { of_inside }
     }
 
     /// Its outline on the bottom: places along and across from its middle, metres, back to the first.
@@ -214,19 +218,19 @@ impl Solid {
 
 /// Half of a boat's width at a place along it in half lengths, the bow at 1, as a share of the greatest: a transom, and a bow that is not
 /// quite pointed.
+#[inline(always)]
 fn boat_outline(u: f32) -> f32 {
-    match u < 0.0 {
-        true => 1.0 - 0.25 * u * u,
-        false => (1.0 - u * u * (0.3 + 0.7 * u)).max(1e-6),
-    }
+    // Both, whichever counts: several places are computed together then.
+    let astern = 1.0 - 0.25 * u * u;
+    let ahead = (1.0 - u * u * (0.3 + 0.7 * u)).max(1e-6);
+    if u < 0.0 { astern } else { ahead }
 }
 
 /// Upper half of a round section that lies on the bottom: 1 in the middle, one half at its sides, 0 beyond.
+#[inline(always)]
 fn lying_round(offset: f32) -> f32 {
-    match offset.abs() < 1.0 {
-        true => 0.5 + 0.5 * (1.0 - offset * offset).sqrt(),
-        false => 0.0,
-    }
+    let height = 0.5 + 0.5 * (1.0 - offset * offset).max(0.0).sqrt();
+    if offset.abs() < 1.0 { height } else { 0.0 }
 }
 
 #[cfg(test)]
