@@ -1,7 +1,7 @@
 //! Progress of a running stage, and its cancellation.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// A stage was cancelled; its partial result is dropped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -19,6 +19,16 @@ struct Shared {
     cancelled: AtomicBool,
     done: AtomicU64,
     total: AtomicU64,
+    /// What this is a part of: cancelled with it.
+    whole: Option<Progress>,
+    /// What the stage is made of, where it has parts; each with its weight.
+    parts: Mutex<Vec<(f32, Progress)>>,
+}
+
+impl Shared {
+    fn parts(&self) -> MutexGuard<'_, Vec<(f32, Progress)>> {
+        self.parts.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 impl Progress {
@@ -29,6 +39,7 @@ impl Progress {
 
     /// Starts a stage of `total` steps.
     pub fn start(&self, total: u64) {
+        self.shared.parts().clear();
         self.shared.done.store(0, Ordering::Relaxed);
         self.shared.total.store(total, Ordering::Relaxed);
     }
@@ -38,8 +49,36 @@ impl Progress {
         self.shared.done.fetch_add(steps, Ordering::Relaxed);
     }
 
+    /// Starts a stage of parts that are done beside each other, one for each weight: the share of it that is done is the mean of theirs. To
+    /// cancel the whole cancels them; each can be cancelled alone.
+    pub(crate) fn start_parts(&self, weights: impl IntoIterator<Item = f32>) -> Vec<Self> {
+        let part = |weight| {
+            let shared = Shared {
+                whole: Some(self.clone()),
+                ..Shared::default()
+            };
+            let shared = Arc::new(shared);
+            (weight, Self { shared })
+        };
+        let parts: Vec<(f32, Self)> = weights.into_iter().map(part).collect();
+        self.shared.parts().clone_from(&parts);
+        parts.into_iter().map(|(_, part)| part).collect()
+    }
+
+    /// Counts all as done.
+    pub(crate) fn finish(&self) {
+        self.start(1);
+        self.advance(1);
+    }
+
     /// Done share, 0 to 1; 0 while the total is unknown.
     pub fn fraction(&self) -> f32 {
+        let parts = self.shared.parts();
+        let weight: f32 = parts.iter().map(|(weight, _)| weight).sum();
+        if weight > 0.0 {
+            let done = parts.iter().map(|(weight, part)| weight * part.fraction());
+            return done.sum::<f32>() / weight;
+        }
         let total = self.shared.total.load(Ordering::Relaxed);
         if total == 0 {
             return 0.0;
@@ -54,7 +93,8 @@ impl Progress {
 
     /// Whether [`Progress::cancel`] was called.
     pub fn is_cancelled(&self) -> bool {
-        self.shared.cancelled.load(Ordering::Relaxed)
+        let whole = || self.shared.whole.as_ref().is_some_and(Self::is_cancelled);
+        self.shared.cancelled.load(Ordering::Relaxed) || whole()
     }
 
     /// `Err` once cancelled, so that a loop can stop with `?`.
@@ -67,5 +107,40 @@ impl Progress {
         } else {
             Ok(())
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stage_of_parts_is_done_as_far_as_they_are() {
+        let progress = Progress::new();
+        let parts = progress.start_parts([1.0, 3.0]);
+        assert_eq!(progress.fraction(), 0.0);
+        parts[0].finish();
+        assert_eq!(progress.fraction(), 0.25);
+        parts[1].start(4);
+        parts[1].advance(2);
+        assert_eq!(progress.fraction(), 0.625);
+        // A part that starts its next stage, and the next stage of all.
+        parts[1].start(2);
+        assert_eq!(progress.fraction(), 0.25);
+        progress.start(10);
+        progress.advance(1);
+        assert_eq!(progress.fraction(), 0.1);
+        assert_eq!(progress.start_parts([]).len(), 0);
+        assert_eq!(progress.fraction(), 0.1);
+    }
+
+    #[test]
+    fn parts_are_cancelled_with_the_whole_or_alone() {
+        let progress = Progress::new();
+        let [one, other] = progress.start_parts([1.0; 2]).try_into().unwrap();
+        one.cancel();
+        assert!(one.is_cancelled() && !other.is_cancelled() && !progress.is_cancelled());
+        progress.cancel();
+        assert!(other.check().is_err());
     }
 }

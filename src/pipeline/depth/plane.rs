@@ -9,6 +9,7 @@ use crate::support::geo::{Crs, CrsError, LonLat, MapPlane};
 use crate::survey::{Navigation, Survey, Track};
 
 /// The cloud and the plane that its maps are drawn in.
+#[derive(Clone)]
 pub(crate) struct CloudPlane<'a> {
     /// The plane.
     pub map: MapPlane,

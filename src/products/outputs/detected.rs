@@ -32,9 +32,9 @@ pub(crate) fn write_detected(
         review: &SurveyReview::default(),
         corrections: &[],
     };
-    let mut results = Results::new(&order, progress)?;
+    let results = Results::new(&order, progress)?;
     let searched = |when| when == When::Searched;
-    write_rows(&mut results, &run.path(), searched, &mut |_| ())?;
+    write_rows(&results, &run.path(), searched, &mut |_| ())?;
     let found = Proposed::of(&results)?;
     let found = found.ok_or("nothing searched for objects")?;
     check_logs(order.logs)?;

@@ -3,7 +3,7 @@
 //! In: the results of a survey, and what is ordered. Out: the files of a run, with their manifest.
 //! It uses `pipeline`, `detection`, `imagery`, `bottom`, `formats`, `survey` and `support`.
 //!
-//! `registry` has a row for each file; `write` makes all files of a run from `results`, `run_folder` puts them in place together,
+//! `registry` has a row for each file; `write` makes all files of a run from `results`, those of several `groups` at once, `run_folder` puts them in place together,
 //! `overwrite` keeps them from taking the place of what they are made from, `earlier_run` tells which are
 //! out of date. `order` is what is asked for, `content` and `need` what a file holds and what it cannot be made without, `run` a run
 //! while its files are written. `clouds` writes the files of points, `track` those of the
@@ -22,6 +22,7 @@ mod earlier_run;
 mod error;
 mod geopackage;
 mod ground;
+mod groups;
 mod logs;
 mod manifest;
 mod mosaic;

@@ -9,7 +9,6 @@ use super::mosaic_grid::mosaic_grid;
 use super::need::{Missing, Need};
 use super::objects::{Shapes, find_shapes, is_excluded};
 use super::order::{Order, When};
-use super::product::Product;
 use crate::bottom::bathymetry::{DepthPoint, FromLevels, Surface, spot_radius_m, spot_soundings};
 use crate::detection::objects::{LogId, LogReview, ObjectList, SurveyReview};
 use crate::detection::review::Review;
@@ -27,9 +26,10 @@ use crate::support::geo::LonLat;
 use crate::support::progress::Progress;
 use crate::survey::{Identity, Survey};
 use std::path::Path;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-/// The results of a survey that its files are made from.
+/// The results of a survey that its files are made from. Several threads may ask at once, each with a progress of its own; what a thread of
+/// rayon does must not ask, or all of them could wait for what they are to make.
 pub(super) struct Results<'a> {
     pub order: &'a Order<'a>,
     pub survey: &'a Survey,
@@ -38,45 +38,58 @@ pub(super) struct Results<'a> {
     /// What each log is called.
     pub names: Vec<String>,
     pub progress: &'a Progress,
-    of_group: OfGroup,
-    of_run: OfRun,
+    made: Arc<Made>,
 }
 
-/// What only the files of one group are made from.
+/// What files are made from.
 #[derive(Default)]
-struct OfGroup {
+struct Made {
     track: OnceLock<Vec<TrackPiece>>,
-    ground: OnceLock<SideScanCoverage>,
-    contours: OnceLock<Result<Contours, NoContours>>,
-    map_tiles: OnceLock<MapTiles>,
-    spot_soundings: OnceLock<Vec<DepthPoint>>,
+    ground: Once<SideScanCoverage>,
+    contours: Once<Result<Contours, NoContours>>,
+    map_tiles: Once<MapTiles>,
+    spot_soundings: Once<Vec<DepthPoint>>,
+    depth_map: Once<Option<Arc<DepthMap>>>,
+    comparisons: Once<Vec<NamedComparison>>,
+    crossings: Once<Option<Crosslines>>,
+    agreement: Once<Option<Agreement>>,
+    reference_inputs: Once<Vec<Input>>,
+    found: Once<Vec<Vec<Detection>>>,
+    found_objects: Once<ObjectList>,
+    found_shapes: Once<Shapes>,
+    objects: Once<ObjectList>,
+    shapes: Once<Shapes>,
 }
 
-/// What files of several groups are made from.
-#[derive(Default)]
-struct OfRun {
-    depth_map: OnceLock<Option<Arc<DepthMap>>>,
-    comparisons: OnceLock<Vec<NamedComparison>>,
-    crossings: OnceLock<Option<Crosslines>>,
-    agreement: OnceLock<Option<Agreement>>,
-    reference_inputs: OnceLock<Vec<Input>>,
-    found: OnceLock<Vec<Vec<Detection>>>,
-    found_objects: OnceLock<ObjectList>,
-    found_shapes: OnceLock<Shapes>,
-    objects: OnceLock<ObjectList>,
-    shapes: OnceLock<Shapes>,
+/// A result that is made by the first who asks; others wait for it.
+struct Once<T> {
+    made: OnceLock<T>,
+    making: Mutex<()>,
 }
 
-/// What is in the cell, made when it is empty.
+impl<T> Default for Once<T> {
+    fn default() -> Self {
+        Self {
+            made: OnceLock::new(),
+            making: Mutex::default(),
+        }
+    }
+}
+
+/// What is there, made when nothing is.
 fn once<T>(
-    cell: &OnceLock<T>,
+    once: &Once<T>,
     make: impl FnOnce() -> Result<T, OutputError>,
 ) -> Result<&T, OutputError> {
-    if let Some(made) = cell.get() {
+    if let Some(made) = once.made.get() {
+        return Ok(made);
+    }
+    let _making = once.making.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(made) = once.made.get() {
         return Ok(made);
     }
     let made = make()?;
-    Ok(cell.get_or_init(|| made))
+    Ok(once.made.get_or_init(|| made))
 }
 
 impl<'a> Results<'a> {
@@ -95,15 +108,18 @@ impl<'a> Results<'a> {
             plane: CloudPlane::of(survey, products)?,
             names: log_names(order.logs),
             progress,
-            of_group: OfGroup::default(),
-            of_run: OfRun::default(),
+            made: Arc::default(),
         })
     }
 
-    /// Lets go of what only the files of one group are made from: it may be large. A file with all lines and areas needs it again.
-    pub(super) fn end_group(&mut self) {
-        if !self.order.asks_for(When::Chosen(Product::Geopackage)) {
-            self.of_group = OfGroup::default();
+    /// The same results, asked for with another progress.
+    pub(super) fn with_progress<'b>(&'b self, progress: &'b Progress) -> Results<'b> {
+        Results {
+            plane: self.plane.clone(),
+            names: self.names.clone(),
+            made: self.made.clone(),
+            progress,
+            ..*self
         }
     }
 
@@ -216,7 +232,7 @@ impl<'a> Results<'a> {
 
     /// The way of the boat, log by log. Times of all logs are seconds after the first one's time zero, where all know when they were.
     pub(super) fn track(&self) -> &[TrackPiece] {
-        self.of_group.track.get_or_init(|| {
+        self.made.track.get_or_init(|| {
             let pieces = self.logs().flat_map(|(survey, products)| {
                 let later_s = survey.start_unix_s.zip(self.start_unix_s());
                 let later_s = later_s.map_or(0.0, |(own_s, first_s)| own_s - first_s);
@@ -238,7 +254,7 @@ impl<'a> Results<'a> {
 
     /// The ground that the side-scan covers.
     pub(super) fn ground(&self) -> Result<&SideScanCoverage, OutputError> {
-        once(&self.of_group.ground, || {
+        once(&self.made.ground, || {
             let map = &self.plane.map;
             let layouts: Vec<MosaicLayout> = self
                 .logs()
@@ -251,13 +267,13 @@ impl<'a> Results<'a> {
 
     /// What became of depths from echo levels, if a depth map was made.
     pub(super) fn made_levels(&self) -> Option<FromLevels> {
-        let map = self.of_run.depth_map.get()?.as_ref()?;
+        let map = self.made.depth_map.made.get()?.as_ref()?;
         Some(map.surface.levels)
     }
 
     /// The depth map; `None` where the depths span none.
     pub(super) fn depth_map(&self) -> Result<Option<&Arc<DepthMap>>, OutputError> {
-        let made = once(&self.of_run.depth_map, || {
+        let made = once(&self.made.depth_map, || {
             let made = self.order.derived.depth_map(self.order.logs, self.progress);
             made.map_err(OutputError::from)
         });
@@ -292,7 +308,7 @@ impl<'a> Results<'a> {
 
     /// Isobaths, the areas between them and what lies below each; why there are none.
     pub(super) fn contours(&self) -> Result<&Result<Contours, NoContours>, OutputError> {
-        once(&self.of_group.contours, || {
+        once(&self.made.contours, || {
             let (depth_map, isobaths) = (self.depth_map()?, self.isobaths()?);
             match (depth_map, isobaths) {
                 (Some(depth_map), Ok(isobaths)) => {
@@ -308,7 +324,7 @@ impl<'a> Results<'a> {
     /// The tiles of the depth map; on the way they take room beside a file of theirs.
     pub(super) fn map_tiles(&self, file: &Path) -> Result<&MapTiles, OutputError> {
         let folder = file.parent().unwrap_or(file);
-        once(&self.of_group.map_tiles, || {
+        once(&self.made.map_tiles, || {
             let depth_map = self.depth_map()?.ok_or(NO_SURFACE)?;
             // Too many isobaths are a warning of their group; the map is drawn without.
             let isobaths = self.isobaths()?.unwrap_or_default();
@@ -319,7 +335,7 @@ impl<'a> Results<'a> {
 
     /// The depths that a chart prints, in the plane of the map; none without a depth map.
     pub(super) fn spot_soundings(&self) -> Result<&[DepthPoint], OutputError> {
-        let made = once(&self.of_group.spot_soundings, || {
+        let made = once(&self.made.spot_soundings, || {
             let Some(depth_map) = self.depth_map()? else {
                 return Ok(Vec::new());
             };
@@ -338,7 +354,7 @@ impl<'a> Results<'a> {
 
     /// How side-scan agrees with the soundings, over all logs.
     pub(super) fn comparisons(&self) -> Result<&[NamedComparison], OutputError> {
-        let made = once(&self.of_run.comparisons, || {
+        let made = once(&self.made.comparisons, || {
             Ok(comparisons(
                 self.order.logs,
                 &self.plane.map,
@@ -350,7 +366,7 @@ impl<'a> Results<'a> {
 
     /// Where tracks cross themselves and each other.
     pub(super) fn crossings(&self) -> Result<Option<&Crosslines>, OutputError> {
-        let made = once(&self.of_run.crossings, || {
+        let made = once(&self.made.crossings, || {
             Ok(crosslines(self.order.logs, &self.names, self.progress)?)
         });
         made.map(Option::as_ref)
@@ -365,7 +381,7 @@ impl<'a> Results<'a> {
 
     /// The survey against the reference; `None` without one.
     pub(super) fn agreement(&self) -> Result<Option<&Agreement>, OutputError> {
-        let made = once(&self.of_run.agreement, || {
+        let made = once(&self.made.agreement, || {
             let Some((reference, matching)) = self.order.reference else {
                 return Ok(None);
             };
@@ -379,11 +395,9 @@ impl<'a> Results<'a> {
 
     /// The files that the reference was read from.
     pub(super) fn reference_inputs(&self) -> Result<&[Input], OutputError> {
-        let made = once(&self.of_run.reference_inputs, || {
-            match self.order.reference {
-                Some((reference, _)) => Ok(reference.inputs(self.progress)?),
-                None => Ok(Vec::new()),
-            }
+        let made = once(&self.made.reference_inputs, || match self.order.reference {
+            Some((reference, _)) => Ok(reference.inputs(self.progress)?),
+            None => Ok(Vec::new()),
         });
         made.map(Vec::as_slice)
     }
@@ -402,7 +416,7 @@ impl<'a> Results<'a> {
             found.retain(|one| !is_excluded(products, &one.mark));
             Ok(found)
         };
-        let made = once(&self.of_run.found, || self.logs().map(of_log).collect());
+        let made = once(&self.made.found, || self.logs().map(of_log).collect());
         made.map(|found| Some(found.as_slice()))
     }
 
@@ -434,7 +448,7 @@ impl<'a> Results<'a> {
         if self.found()?.is_none() {
             return Ok(None);
         }
-        let made = once(&self.of_run.found_objects, || {
+        let made = once(&self.made.found_objects, || {
             let review = self.found_review(|_| true)?;
             Ok(list_objects(self.order.logs, &review, self.progress)?)
         });
@@ -448,7 +462,7 @@ impl<'a> Results<'a> {
     pub(super) fn shaped_found(&self) -> Result<(&ObjectList, &Shapes), OutputError> {
         let list = self.found_objects()?;
         let list = list.ok_or("nothing searched for objects")?;
-        let shapes = once(&self.of_run.found_shapes, || self.shapes_of(list))?;
+        let shapes = once(&self.made.found_shapes, || self.shapes_of(list))?;
         Ok((list, shapes))
     }
 
@@ -461,7 +475,7 @@ impl<'a> Results<'a> {
             (false, true) => return self.found_objects(),
             (true, _) => {}
         }
-        let made = once(&self.of_run.objects, || {
+        let made = once(&self.made.objects, || {
             let review =
                 self.found_review(|log| is_searched && self.order.review.log(log).is_none())?;
             Ok(list_objects(self.order.logs, &review, self.progress)?)
@@ -479,7 +493,7 @@ impl<'a> Results<'a> {
         }
         let list = self.objects()?;
         let list = list.ok_or("nobody has looked for objects")?;
-        let shapes = once(&self.of_run.shapes, || self.shapes_of(list))?;
+        let shapes = once(&self.made.shapes, || self.shapes_of(list))?;
         Ok((list, shapes))
     }
 

@@ -2,6 +2,7 @@
 
 use super::content::FileContent;
 use super::detections::Proposed;
+use super::groups::{first_missing, place, write_groups};
 use super::manifest::write_manifest;
 use super::need::{Missing, Need};
 use super::order::{Order, When, check_logs};
@@ -14,11 +15,11 @@ use super::run::OutputRun;
 use super::run_folder::{Replaced, RunFolder};
 use crate::pipeline::Report;
 use crate::pipeline::joint::joint_report;
-use crate::products::export::{make_folder, write_json};
+use crate::products::export::write_json;
 use crate::products::outputs::OutputError;
 use crate::support::presentation::text::bytes;
 use crate::support::progress::{Cancelled, Progress};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// What was written.
 #[derive(Clone, Debug)]
@@ -76,7 +77,7 @@ pub fn write(
         folder: &folder,
     };
     let asked = |when| order.asks_for(when);
-    let made = write_rows(&mut run.results, &path, asked, &mut on_step)?;
+    let made = write_rows(&run.results, &path, asked, &mut on_step)?;
     run.report.warnings.extend(made.warnings);
     run.made = made.files;
     run.report.depths_between_lines = run
@@ -142,85 +143,37 @@ pub(super) struct MadeFiles {
     pub warnings: Vec<String>,
 }
 
-/// Writes the files that are made of the results alone, as far as they are asked for and possible.
+/// Writes the files that are made of the results alone, as far as they are asked for and possible; the search for objects comes first.
 pub(super) fn write_rows(
-    results: &mut Results<'_>,
+    results: &Results<'_>,
     folder: &Path,
     asked: impl Fn(When) -> bool,
     on_step: &mut impl FnMut(&'static str),
 ) -> Result<MadeFiles, OutputError> {
+    if asked(When::Searched) {
+        on_step("objects");
+        results.shaped_found()?;
+    }
+    on_step("writing");
     let mut made = MadeFiles {
         files: Vec::new(),
         warnings: Vec::new(),
     };
-    let mut group = None;
-    for row in OUTPUT_FILES.iter().filter(|row| asked(row.when)) {
-        let FileWriter::Results(write) = row.writer else {
-            continue;
-        };
-        results.progress.check()?;
-        let before = group.replace(row.when);
-        if before.is_some() && before != group {
-            results.end_group();
-        }
-        if before.map(step) != group.map(step) {
-            on_step(step(row.when));
-        }
-        match first_missing(row, results)? {
-            None => made
-                .files
-                .push((row, write(results, &place(folder, row)?)?)),
-            Some(Missing(why)) => {
+    for (row, file) in write_groups(results, folder, &asked)? {
+        match file {
+            Ok(content) => made.files.push((row, content)),
+            Err(Missing(why)) => {
                 let new = why.filter(|why| !made.warnings.contains(why));
                 made.warnings.extend(new);
             }
         }
     }
-    results.end_group();
     if asked(When::Compared) {
         let notes = results.order.reference.iter();
         made.warnings
             .extend(notes.flat_map(|(reference, _)| reference.notes.iter().cloned()));
     }
     Ok(made)
-}
-
-/// The first thing that a file cannot be made without.
-fn first_missing(row: &OutputFile, results: &Results<'_>) -> Result<Option<Missing>, OutputError> {
-    for &need in row.needs {
-        if let Some(missing) = results.missing(need)? {
-            return Ok(Some(missing));
-        }
-    }
-    Ok(None)
-}
-
-/// What is done while the files of a group are written.
-fn step(when: When) -> &'static str {
-    match when {
-        When::Always | When::Chosen(Product::Cloud) => "writing",
-        When::Chosen(Product::Track | Product::Geopackage) => "track",
-        When::Chosen(Product::MapTiles) => "map tiles",
-        When::Chosen(Product::Mosaic) => "mosaic",
-        When::Chosen(Product::Report) => "report",
-        When::Chosen(
-            Product::Depth
-            | Product::Xyz
-            | Product::Bottom
-            | Product::Isobaths
-            | Product::Residuals,
-        ) => "depths",
-        When::Compared => "comparing",
-        When::Searched | When::Chosen(Product::Targets) => "objects",
-    }
-}
-
-/// Where a file is written, its subfolder made.
-fn place(folder: &Path, row: &OutputFile) -> Result<PathBuf, OutputError> {
-    let path = folder.join(row.name);
-    let parent = path.parent().unwrap_or(folder);
-    make_folder(parent)?;
-    Ok(path)
 }
 
 /// Writes `manifest.json`, which names every other file of the run.
