@@ -12,7 +12,6 @@ pub(super) struct Canvas {
     overlap: Overlap,
     /// Tangent of the angle from straight down within which nothing is shown.
     nadir_gap: f64,
-    water_column: bool,
     window: Grid,
     /// Cells from a row to the next.
     stride: usize,
@@ -29,7 +28,6 @@ impl Canvas {
         Self {
             overlap: settings.overlap,
             nadir_gap: settings.nadir_gap_deg.to_radians().tan(),
-            water_column: settings.water_column,
             window,
             stride: columns,
             sums: vec![CellSum::default(); columns * rows],
@@ -80,7 +78,7 @@ impl Canvas {
         });
         let between = GroundBetween::new(strip);
         let altitudes_m = strip.map(|ray| ray.altitude_m);
-        let reach_m = strip[0].reach_m(self.water_column).max(0.1);
+        let reach_m = strip[0].shown_m.max(0.1);
         for (row, columns) in spans(&corners, window.columns, window.rows) {
             let y = window.north_m - (row as f64 + 0.5) * window.cell_m;
             for column in columns {
@@ -190,6 +188,7 @@ mod tests {
             start_m: 0.0,
             step_m: 0.02,
             count: 1400,
+            shown_m: 28.0,
         };
         let strip = [ray([10.0, 20.0], 30.0), ray([10.0, 20.2], 33.0)];
         let between = GroundBetween::new(&strip);

@@ -44,6 +44,8 @@ pub struct MosaicRay {
     pub step_m: f64,
     /// Samples.
     pub count: usize,
+    /// [`MosaicRay::reach_m`] of what the layout shows.
+    pub shown_m: f64,
 }
 
 impl MosaicRay {
@@ -142,6 +144,8 @@ pub struct MosaicLayout {
     /// By side, port first.
     ranges: [Vec<Option<Ranges>>; 2],
     altitudes_m: [Vec<f32>; 2],
+    /// How far rays reach, metres: asked for again and again, and on ground that is not level slow to say. Empty until all else is known.
+    shown_m: [Vec<f64>; 2],
     /// The ground across the track, and heights over it under the boat where it is not level.
     relief: Option<(Arc<Relief>, [Vec<f32>; 2])>,
     /// Whether the ground between a ping and the next is shown.
@@ -206,6 +210,7 @@ impl MosaicLayout {
                 .collect(),
             joined: vec![false; placed.len()],
             altitudes_m: Side::BOTH.map(|side| altitudes_m(survey, returns, calibration, side)),
+            shown_m: Default::default(),
             water_column: settings.water_column,
             far_m: ranges
                 .iter()
@@ -292,12 +297,20 @@ impl MosaicLayout {
     }
 
     fn boxed(mut self) -> Self {
-        let mut boxes = vec![NOWHERE; self.placed.len().div_ceil(BOXED)];
-        for (ping, _, strip) in self.strips() {
-            let all = &mut boxes[ping / BOXED];
-            *all = box_around(*all, bounds(self.corners(&strip)));
-        }
-        self.boxes = boxes;
+        self.shown_m = Default::default();
+        self.shown_m = Side::BOTH.map(|side| {
+            let rays = (0..self.placed.len()).into_par_iter();
+            let shown = rays.map(|ping| self.ray(ping, side).map_or(0.0, |ray| ray.shown_m));
+            shown.collect()
+        });
+        let around = |index: usize| {
+            let pings = index * BOXED..(index + 1) * BOXED;
+            let strips = pings.flat_map(|ping| Side::BOTH.map(|side| self.strip(ping, side)));
+            let bounds = strips.flatten().map(|strip| bounds(self.corners(&strip)));
+            bounds.fold(NOWHERE, box_around)
+        };
+        let boxes = (0..self.placed.len().div_ceil(BOXED)).into_par_iter();
+        self.boxes = boxes.map(around).collect();
         self
     }
 
@@ -368,7 +381,8 @@ impl MosaicLayout {
             ),
             None => (AcrossTrack::LEVEL, altitude_m),
         };
-        (altitude_m > 0.0).then(|| MosaicRay {
+        let shown_m = self.shown_m[side as usize].get(ping);
+        let ray = (altitude_m > 0.0).then(|| MosaicRay {
             under_m,
             across,
             at: placed.at,
@@ -377,6 +391,14 @@ impl MosaicLayout {
             start_m: f64::from(ranges.start_m),
             step_m: f64::from(ranges.step_m),
             count: ranges.count as usize,
+            shown_m: shown_m.copied().unwrap_or(f64::NAN),
+        })?;
+        Some(match shown_m {
+            Some(_) => ray,
+            None => MosaicRay {
+                shown_m: ray.reach_m(self.water_column),
+                ..ray
+            },
         })
     }
 
@@ -390,10 +412,7 @@ impl MosaicLayout {
 
     /// Corners of a strip, around it.
     pub fn corners(&self, strip: &[MosaicRay; 2]) -> [[f64; 2]; 4] {
-        let reach_m = strip
-            .iter()
-            .map(|ray| ray.reach_m(self.water_column))
-            .fold(0.0, f64::max);
+        let reach_m = strip.iter().map(|ray| ray.shown_m).fold(0.0, f64::max);
         let [here, next] = strip;
         [here.at, here.place(reach_m), next.place(reach_m), next.at]
     }

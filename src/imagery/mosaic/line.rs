@@ -116,7 +116,7 @@ impl MosaicLine {
         }
         self.of = None;
         self.per_m = lines.steps_per_m;
-        self.reach = step(ray.reach_m(lines.water_column)).ceil() as usize + 2;
+        self.reach = step(ray.shown_m).ceil() as usize + 2;
         self.steps = steps(with_margin_m, self.reach);
         let is_read = vectorised(ReadSteps {
             line: self,

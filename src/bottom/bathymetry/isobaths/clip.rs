@@ -36,6 +36,13 @@ fn within(
     [from, to]: [[f64; 2]; 2],
     [west, south, east, north]: [f64; 4],
 ) -> Option<[[f64; 2]; 2]> {
+    // Most steps lie beyond one edge.
+    let lies_beyond = |axis: usize, low: f64, high: f64| {
+        from[axis].max(to[axis]) < low || from[axis].min(to[axis]) > high
+    };
+    if lies_beyond(0, west, east) || lies_beyond(1, south, north) {
+        return None;
+    }
     let way = [to[0] - from[0], to[1] - from[1]];
     // How far along the step it enters and leaves, and at which edge.
     let mut entry: (f64, Option<(usize, f64)>) = (0.0, None);

@@ -16,7 +16,7 @@ use super::{Between, DepthPoint, Grid, Node, Tin, merge_repeated, suited_cell_m}
 use crate::support::nearest::Nearest;
 use crate::support::progress::{Cancelled, Progress};
 use rayon::prelude::*;
-use roughness::Roughness;
+use roughness::{Roughness, RoughnessSampler};
 
 /// Times that soundings are left out, a quarter of all squares each time.
 const FOLDS: usize = 4;
@@ -70,10 +70,13 @@ pub(super) fn state_error(
     cells
         .enumerate()
         .filter(|(_, (spread_m, _))| !spread_m.is_nan())
-        .for_each(|(cell, (spread_m, away_m))| {
-            let place = grid.centre_of(cell);
-            *spread_m = stated.at(place, f64::from(*away_m)) as f32;
-        });
+        .for_each_init(
+            || stated.sampler(),
+            |stated, (cell, (spread_m, away_m))| {
+                let place = grid.centre_of(cell);
+                *spread_m = stated.at(place, f64::from(*away_m)) as f32;
+            },
+        );
     Ok(true)
 }
 
@@ -148,9 +151,29 @@ impl StatedError {
         }))
     }
 
-    fn at(&self, place: [f64; 2], away_m: f64) -> f64 {
-        let [noise, all] = [0.0, away_m].map(|away_m| self.by_distance.at(away_m).powi(2));
-        (self.near.at(place) * noise + self.far.at(place) * (all - noise)).sqrt()
+    fn sampler(&self) -> StatedErrorSampler<'_> {
+        StatedErrorSampler {
+            by_distance: &self.by_distance,
+            noise: self.by_distance.at(0.0).powi(2),
+            near: self.near.sampler(),
+            far: self.far.sampler(),
+        }
+    }
+}
+
+/// For questions about many places, of which most are near the one before.
+struct StatedErrorSampler<'a> {
+    by_distance: &'a SigmaByDistance,
+    /// Variance at a sounding.
+    noise: f64,
+    near: RoughnessSampler<'a>,
+    far: RoughnessSampler<'a>,
+}
+
+impl StatedErrorSampler<'_> {
+    fn at(&mut self, place: [f64; 2], away_m: f64) -> f64 {
+        let all = self.by_distance.at(away_m).powi(2);
+        (self.near.at(place) * self.noise + self.far.at(place) * (all - self.noise)).sqrt()
     }
 }
 

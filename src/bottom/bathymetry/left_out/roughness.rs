@@ -50,19 +50,47 @@ impl Roughness {
         }
     }
 
-    /// At a place, between the middles of squares; 1 where nothing was left out.
-    pub(super) fn at(&self, place: [f64; 2]) -> f64 {
-        let [x, y] = place.map(|metres| metres / self.square_m - 0.5);
-        let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
-        let share = |[right, up]: [f64; 2]| {
-            let corner = [x.floor() + right, y.floor() + up];
-            let weight = (1.0 - (x - corner[0]).abs()) * (1.0 - (y - corner[1]).abs());
-            weight
-                * self
-                    .shares
-                    .get(&corner.map(|index| index as i64))
-                    .unwrap_or(&1.0)
+    /// For questions about many places, of which most are near the one before.
+    pub(super) fn sampler(&self) -> RoughnessSampler<'_> {
+        RoughnessSampler {
+            roughness: self,
+            last: None,
+        }
+    }
+
+    /// Of the squares whose middles are the corners around a place; 1 where nothing was left out.
+    fn around(&self, corner: [i64; 2]) -> [f64; 4] {
+        CORNERS.map(|step| {
+            let square = [0, 1].map(|axis| corner[axis] + step[axis] as i64);
+            self.shares.get(&square).copied().unwrap_or(1.0)
+        })
+    }
+}
+
+/// From the south-west of the four middles of squares around a place to each.
+const CORNERS: [[f64; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
+
+/// Keeps what it looked up last.
+pub(super) struct RoughnessSampler<'a> {
+    roughness: &'a Roughness,
+    last: Option<([i64; 2], [f64; 4])>,
+}
+
+impl RoughnessSampler<'_> {
+    /// At a place, between the middles of squares.
+    pub(super) fn at(&mut self, place: [f64; 2]) -> f64 {
+        let [x, y] = place.map(|metres| metres / self.roughness.square_m - 0.5);
+        let first = [x.floor(), y.floor()];
+        let corner = first.map(|index| index as i64);
+        let shares = match self.last {
+            Some((last, shares)) if last == corner => shares,
+            _ => self.roughness.around(corner),
         };
-        corners.into_iter().map(share).sum()
+        self.last = Some((corner, shares));
+        let share = |([right, up], share): ([f64; 2], f64)| {
+            let corner = [first[0] + right, first[1] + up];
+            (1.0 - (x - corner[0]).abs()) * (1.0 - (y - corner[1]).abs()) * share
+        };
+        CORNERS.into_iter().zip(shares).map(share).sum()
     }
 }

@@ -44,6 +44,7 @@ impl MosaicLayout {
             joined,
             water_column: self.water_column,
             far_m: self.far_m,
+            shown_m: Default::default(),
             boxes: Vec::new(),
         }
         .boxed()
