@@ -381,7 +381,6 @@ impl MosaicLayout {
             ),
             None => (AcrossTrack::LEVEL, altitude_m),
         };
-        let shown_m = self.shown_m[side as usize].get(ping);
         let ray = (altitude_m > 0.0).then(|| MosaicRay {
             under_m,
             across,
@@ -391,14 +390,12 @@ impl MosaicLayout {
             start_m: f64::from(ranges.start_m),
             step_m: f64::from(ranges.step_m),
             count: ranges.count as usize,
-            shown_m: shown_m.copied().unwrap_or(f64::NAN),
+            shown_m: f64::NAN,
         })?;
-        Some(match shown_m {
-            Some(_) => ray,
-            None => MosaicRay {
-                shown_m: ray.reach_m(self.water_column),
-                ..ray
-            },
+        let known_m = self.shown_m[side as usize].get(ping).copied();
+        Some(MosaicRay {
+            shown_m: known_m.unwrap_or_else(|| ray.reach_m(self.water_column)),
+            ..ray
         })
     }
 

@@ -19,10 +19,10 @@ const POWERS: [u64; 10] = [
     100_000_000,
     1_000_000_000,
 ];
-/// Below it a scaled number is off by less than [`UNSURE`], for its digits are.
+/// Below it a scaled number is off by less than [`NEAR_HALF`], as its own digits are.
 const MOST_SCALED: f64 = 1e12;
-/// Nearer than this to the middle of two last digits, only all digits of the number tell which is next.
-const UNSURE: f64 = 1e-3;
+/// Nearer than this to the middle between two last digits, only all digits of the number tell which is nearer.
+const NEAR_HALF: f64 = 1e-3;
 /// Digits of a number below [`MOST_SCALED`], a point, a zero before it, and a sign.
 const MOST_BYTES: usize = 24;
 
@@ -46,7 +46,7 @@ fn digits(value: f64, decimals: usize, bytes: &mut [u8; MOST_BYTES]) -> Option<&
     }
     let below = scaled.floor();
     let rest = scaled - below;
-    if (rest - 0.5).abs() < UNSURE {
+    if (rest - 0.5).abs() < NEAR_HALF {
         return None;
     }
     let mut left = below as u64 + u64::from(rest > 0.5);

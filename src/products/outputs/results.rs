@@ -38,12 +38,12 @@ pub(super) struct Results<'a> {
     /// What each log is called.
     pub names: Vec<String>,
     pub progress: &'a Progress,
-    made: Arc<Made>,
+    computed: Arc<Computed>,
 }
 
-/// What files are made from.
+/// What files are made from, computed on demand.
 #[derive(Default)]
-struct Made {
+struct Computed {
     track: OnceLock<Vec<TrackPiece>>,
     ground: Once<SideScanCoverage>,
     contours: Once<Result<Contours, NoContours>>,
@@ -61,7 +61,7 @@ struct Made {
     shapes: Once<Shapes>,
 }
 
-/// A result that is made by the first who asks; others wait for it.
+/// A result that is computed once; who asks meanwhile waits for it.
 struct Once<T> {
     made: OnceLock<T>,
     making: Mutex<()>,
@@ -108,7 +108,7 @@ impl<'a> Results<'a> {
             plane: CloudPlane::of(survey, products)?,
             names: log_names(order.logs),
             progress,
-            made: Arc::default(),
+            computed: Arc::default(),
         })
     }
 
@@ -117,7 +117,7 @@ impl<'a> Results<'a> {
         Results {
             plane: self.plane.clone(),
             names: self.names.clone(),
-            made: self.made.clone(),
+            computed: self.computed.clone(),
             progress,
             ..*self
         }
@@ -232,7 +232,7 @@ impl<'a> Results<'a> {
 
     /// The way of the boat, log by log. Times of all logs are seconds after the first one's time zero, where all know when they were.
     pub(super) fn track(&self) -> &[TrackPiece] {
-        self.made.track.get_or_init(|| {
+        self.computed.track.get_or_init(|| {
             let pieces = self.logs().flat_map(|(survey, products)| {
                 let later_s = survey.start_unix_s.zip(self.start_unix_s());
                 let later_s = later_s.map_or(0.0, |(own_s, first_s)| own_s - first_s);
@@ -254,7 +254,7 @@ impl<'a> Results<'a> {
 
     /// The ground that the side-scan covers.
     pub(super) fn ground(&self) -> Result<&SideScanCoverage, OutputError> {
-        once(&self.made.ground, || {
+        once(&self.computed.ground, || {
             let map = &self.plane.map;
             let layouts: Vec<MosaicLayout> = self
                 .logs()
@@ -267,13 +267,13 @@ impl<'a> Results<'a> {
 
     /// What became of depths from echo levels, if a depth map was made.
     pub(super) fn made_levels(&self) -> Option<FromLevels> {
-        let map = self.made.depth_map.made.get()?.as_ref()?;
+        let map = self.computed.depth_map.made.get()?.as_ref()?;
         Some(map.surface.levels)
     }
 
     /// The depth map; `None` where the depths span none.
     pub(super) fn depth_map(&self) -> Result<Option<&Arc<DepthMap>>, OutputError> {
-        let made = once(&self.made.depth_map, || {
+        let made = once(&self.computed.depth_map, || {
             let made = self.order.derived.depth_map(self.order.logs, self.progress);
             made.map_err(OutputError::from)
         });
@@ -308,7 +308,7 @@ impl<'a> Results<'a> {
 
     /// Isobaths, the areas between them and what lies below each; why there are none.
     pub(super) fn contours(&self) -> Result<&Result<Contours, NoContours>, OutputError> {
-        once(&self.made.contours, || {
+        once(&self.computed.contours, || {
             let (depth_map, isobaths) = (self.depth_map()?, self.isobaths()?);
             match (depth_map, isobaths) {
                 (Some(depth_map), Ok(isobaths)) => {
@@ -324,7 +324,7 @@ impl<'a> Results<'a> {
     /// The tiles of the depth map; on the way they take room beside a file of theirs.
     pub(super) fn map_tiles(&self, file: &Path) -> Result<&MapTiles, OutputError> {
         let folder = file.parent().unwrap_or(file);
-        once(&self.made.map_tiles, || {
+        once(&self.computed.map_tiles, || {
             let depth_map = self.depth_map()?.ok_or(NO_SURFACE)?;
             // Too many isobaths are a warning of their group; the map is drawn without.
             let isobaths = self.isobaths()?.unwrap_or_default();
@@ -335,7 +335,7 @@ impl<'a> Results<'a> {
 
     /// The depths that a chart prints, in the plane of the map; none without a depth map.
     pub(super) fn spot_soundings(&self) -> Result<&[DepthPoint], OutputError> {
-        let made = once(&self.made.spot_soundings, || {
+        let made = once(&self.computed.spot_soundings, || {
             let Some(depth_map) = self.depth_map()? else {
                 return Ok(Vec::new());
             };
@@ -354,7 +354,7 @@ impl<'a> Results<'a> {
 
     /// How side-scan agrees with the soundings, over all logs.
     pub(super) fn comparisons(&self) -> Result<&[NamedComparison], OutputError> {
-        let made = once(&self.made.comparisons, || {
+        let made = once(&self.computed.comparisons, || {
             Ok(comparisons(
                 self.order.logs,
                 &self.plane.map,
@@ -366,7 +366,7 @@ impl<'a> Results<'a> {
 
     /// Where tracks cross themselves and each other.
     pub(super) fn crossings(&self) -> Result<Option<&Crosslines>, OutputError> {
-        let made = once(&self.made.crossings, || {
+        let made = once(&self.computed.crossings, || {
             Ok(crosslines(self.order.logs, &self.names, self.progress)?)
         });
         made.map(Option::as_ref)
@@ -381,7 +381,7 @@ impl<'a> Results<'a> {
 
     /// The survey against the reference; `None` without one.
     pub(super) fn agreement(&self) -> Result<Option<&Agreement>, OutputError> {
-        let made = once(&self.made.agreement, || {
+        let made = once(&self.computed.agreement, || {
             let Some((reference, matching)) = self.order.reference else {
                 return Ok(None);
             };
@@ -395,9 +395,11 @@ impl<'a> Results<'a> {
 
     /// The files that the reference was read from.
     pub(super) fn reference_inputs(&self) -> Result<&[Input], OutputError> {
-        let made = once(&self.made.reference_inputs, || match self.order.reference {
-            Some((reference, _)) => Ok(reference.inputs(self.progress)?),
-            None => Ok(Vec::new()),
+        let made = once(&self.computed.reference_inputs, || {
+            match self.order.reference {
+                Some((reference, _)) => Ok(reference.inputs(self.progress)?),
+                None => Ok(Vec::new()),
+            }
         });
         made.map(Vec::as_slice)
     }
@@ -416,7 +418,7 @@ impl<'a> Results<'a> {
             found.retain(|one| !is_excluded(products, &one.mark));
             Ok(found)
         };
-        let made = once(&self.made.found, || self.logs().map(of_log).collect());
+        let made = once(&self.computed.found, || self.logs().map(of_log).collect());
         made.map(|found| Some(found.as_slice()))
     }
 
@@ -448,7 +450,7 @@ impl<'a> Results<'a> {
         if self.found()?.is_none() {
             return Ok(None);
         }
-        let made = once(&self.made.found_objects, || {
+        let made = once(&self.computed.found_objects, || {
             let review = self.found_review(|_| true)?;
             Ok(list_objects(self.order.logs, &review, self.progress)?)
         });
@@ -462,7 +464,7 @@ impl<'a> Results<'a> {
     pub(super) fn shaped_found(&self) -> Result<(&ObjectList, &Shapes), OutputError> {
         let list = self.found_objects()?;
         let list = list.ok_or("nothing searched for objects")?;
-        let shapes = once(&self.made.found_shapes, || self.shapes_of(list))?;
+        let shapes = once(&self.computed.found_shapes, || self.shapes_of(list))?;
         Ok((list, shapes))
     }
 
@@ -475,7 +477,7 @@ impl<'a> Results<'a> {
             (false, true) => return self.found_objects(),
             (true, _) => {}
         }
-        let made = once(&self.made.objects, || {
+        let made = once(&self.computed.objects, || {
             let review =
                 self.found_review(|log| is_searched && self.order.review.log(log).is_none())?;
             Ok(list_objects(self.order.logs, &review, self.progress)?)
@@ -493,7 +495,7 @@ impl<'a> Results<'a> {
         }
         let list = self.objects()?;
         let list = list.ok_or("nobody has looked for objects")?;
-        let shapes = once(&self.made.shapes, || self.shapes_of(list))?;
+        let shapes = once(&self.computed.shapes, || self.shapes_of(list))?;
         Ok((list, shapes))
     }
 
