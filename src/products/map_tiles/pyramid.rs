@@ -290,7 +290,7 @@ fn thinned(line: Isobath, least: f64) -> Isobath {
 }
 
 /// The picture of a tile as PNG. Compression as usual took as long as all else of a map: this takes a tenth of that for colours, a third for
-/// elevations, which the fastest would make twice as long, and files are an eighth longer.
+/// elevations, which the fastest would make twice as long, and files are an eighth to a quarter longer.
 fn png(rgba: &[u8], style: TileStyle) -> ImageResult<Vec<u8>> {
     let (compression, filter) = match style {
         TileStyle::Colours | TileStyle::Chart => (CompressionType::Fast, FilterType::Adaptive),
