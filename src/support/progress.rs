@@ -12,15 +12,28 @@ pub struct Cancelled;
 #[derive(Clone, Debug, Default)]
 pub struct Progress {
     shared: Arc<Shared>,
+    cancellation: Arc<Cancellation>,
+}
+
+/// Apart from what is shared of the work, so that a part does not keep the whole, which keeps its parts.
+#[derive(Debug, Default)]
+struct Cancellation {
+    is_asked_for: AtomicBool,
+    /// Of what this is a part of: cancelled with it.
+    whole: Option<Arc<Cancellation>>,
+}
+
+impl Cancellation {
+    fn is_in_force(&self) -> bool {
+        let whole = || self.whole.as_ref().is_some_and(|whole| whole.is_in_force());
+        self.is_asked_for.load(Ordering::Relaxed) || whole()
+    }
 }
 
 #[derive(Debug, Default)]
 struct Shared {
-    cancelled: AtomicBool,
     done: AtomicU64,
     total: AtomicU64,
-    /// What this is a part of: cancelled with it.
-    whole: Option<Progress>,
     /// What the stage is made of, where it has parts; each with its weight.
     parts: Mutex<Vec<(f32, Progress)>>,
 }
@@ -53,12 +66,15 @@ impl Progress {
     /// cancel the whole cancels them; each can be cancelled alone.
     pub(crate) fn start_parts(&self, weights: impl IntoIterator<Item = f32>) -> Vec<Self> {
         let part = |weight| {
-            let shared = Shared {
-                whole: Some(self.clone()),
-                ..Shared::default()
+            let cancellation = Cancellation {
+                whole: Some(self.cancellation.clone()),
+                ..Cancellation::default()
             };
-            let shared = Arc::new(shared);
-            (weight, Self { shared })
+            let part = Self {
+                shared: Arc::default(),
+                cancellation: Arc::new(cancellation),
+            };
+            (weight, part)
         };
         let parts: Vec<(f32, Self)> = weights.into_iter().map(part).collect();
         self.shared.parts().clone_from(&parts);
@@ -88,13 +104,13 @@ impl Progress {
 
     /// Asks the worker to stop at its next check.
     pub fn cancel(&self) {
-        self.shared.cancelled.store(true, Ordering::Relaxed);
+        let asked = &self.cancellation.is_asked_for;
+        asked.store(true, Ordering::Relaxed);
     }
 
     /// Whether [`Progress::cancel`] was called.
     pub fn is_cancelled(&self) -> bool {
-        let whole = || self.shared.whole.as_ref().is_some_and(Self::is_cancelled);
-        self.shared.cancelled.load(Ordering::Relaxed) || whole()
+        self.cancellation.is_in_force()
     }
 
     /// `Err` once cancelled, so that a loop can stop with `?`.
@@ -142,5 +158,9 @@ mod tests {
         assert!(one.is_cancelled() && !other.is_cancelled() && !progress.is_cancelled());
         progress.cancel();
         assert!(other.check().is_err());
+        // A part outlives the whole without keeping it.
+        let whole = Arc::downgrade(&progress.shared);
+        drop(progress);
+        assert!(whole.upgrade().is_none() && other.is_cancelled());
     }
 }
