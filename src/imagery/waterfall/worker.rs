@@ -117,6 +117,14 @@ impl Tiler {
         self.shared.changed.notify_one();
     }
 
+    /// The picture's extent, which the worker makes first: outer `None` where it died before.
+    pub(crate) fn wait_for_axis(&self) -> Option<Option<RangeAxis>> {
+        match self.made.recv() {
+            Ok(Made::Axis(axis)) => Some(axis),
+            _ => None,
+        }
+    }
+
     /// The next finished thing.
     pub(crate) fn poll(&self) -> Option<Made> {
         self.made.try_recv().ok()

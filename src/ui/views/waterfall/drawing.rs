@@ -2,6 +2,7 @@
 
 use super::lens::Lens;
 use super::tiles::ResidentTiles;
+use crate::app::{App, Jobs};
 use crate::imagery::picture::LogPicture;
 use crate::imagery::waterfall::{
     Levels, Made, PickLines, RangeAxis, RangeLine, Tiler, WaterfallTile,
@@ -37,18 +38,24 @@ pub(super) struct WaterfallDrawing {
 }
 
 impl WaterfallDrawing {
-    /// Starts the worker, which wakes the window when something arrives.
-    pub(super) fn start(survey: Arc<Survey>, survey_serial: u64, ctx: &egui::Context) -> Self {
+    /// Starts the worker, which wakes the window when something arrives. Where jobs run inside their call, the picture's extent is
+    /// waited for.
+    pub(super) fn start(survey: Arc<Survey>, app: &App, ctx: &egui::Context) -> Self {
         let ctx = ctx.clone();
         let waker = move || ctx.request_repaint_after(std::time::Duration::from_millis(1));
+        let tiler = Tiler::start(survey.clone(), waker);
+        let axis = match app.jobs() {
+            Jobs::Threads(_) => None,
+            Jobs::Inline => tiler.wait_for_axis(),
+        };
         Self {
-            survey_serial,
+            survey_serial: app.view.survey_serial,
             swapped_sides: survey.swapped_sides,
-            tiler: Tiler::start(survey.clone(), waker),
+            tiler,
             survey,
             tiles: ResidentTiles::new(),
             arrived: VecDeque::new(),
-            axis: None,
+            axis,
             requested_returns: None,
             wants_tiles: true,
             has_failed: false,

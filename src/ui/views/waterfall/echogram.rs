@@ -95,8 +95,7 @@ impl EchogramPart {
             channel,
             survey_serial: app.view.survey_serial,
             of: survey.clone(),
-            drawing: (seen.clone())
-                .map(|survey| WaterfallDrawing::start(survey, app.view.survey_serial, ctx)),
+            drawing: (seen.clone()).map(|survey| WaterfallDrawing::start(survey, app, ctx)),
             survey: seen,
             camera: None,
         });

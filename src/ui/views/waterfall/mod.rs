@@ -171,8 +171,7 @@ impl WaterfallView {
         if is_other || turned {
             self.settled = false;
             let survey = app.log.survey.as_ref();
-            self.drawing = survey
-                .map(|survey| WaterfallDrawing::start(survey.clone(), app.view.survey_serial, ctx));
+            self.drawing = survey.map(|survey| WaterfallDrawing::start(survey.clone(), app, ctx));
         }
         if let (Some(drawing), Some(survey)) = (&mut self.drawing, &app.log.survey) {
             drawing.follow(survey);
