@@ -1,5 +1,6 @@
 //! A triangulated surface through the soundings.
 
+use super::triangle_walk::{self, WalkEnd};
 use super::{Node, insertion_order};
 use spade::handles::{FixedFaceHandle, FixedVertexHandle, InnerTag};
 use spade::{
@@ -46,9 +47,9 @@ pub(crate) enum Between {
 /// Samples a [`Tin`] for one thread. Near places in a row are found fastest.
 pub(crate) struct TinSampler<'a> {
     tin: &'a Tin,
-    /// The triangle that was met last, and a node near the place that was asked for last: spade's own hint is one for all threads.
-    last: Option<FixedFaceHandle<InnerTag>>,
-    hint: Option<FixedVertexHandle>,
+    /// A triangle near the place that was asked for last, with whether it counts where that was asked: spade's own hint is one for all
+    /// threads.
+    last: Option<(FixedFaceHandle<InnerTag>, Option<bool>)>,
     natural: Option<NaturalNeighbor<'a, Triangulation>>,
     weights: Vec<(FixedVertexHandle, f64)>,
 }
@@ -122,7 +123,6 @@ impl Tin {
         TinSampler {
             tin: self,
             last: None,
-            hint: None,
             natural: (between == Between::NaturalNeighbour)
                 .then(|| self.triangles.natural_neighbor()),
             weights: Vec::with_capacity(16),
@@ -166,35 +166,56 @@ impl TinSampler<'_> {
     fn find_corners(&mut self, place: Point2<f64>) {
         let triangles = &self.tin.triangles;
         self.weights.clear();
-        let last = self.last.map(|face| triangles.face(face));
-        let same = last.filter(|face| is_well_inside(face.positions(), place));
-        if let Some(face) = same {
-            let corners = face.vertices().map(|corner| (corner.fix(), 0.0));
-            self.weights.extend(corners);
-            return;
-        }
-        let found = match self.hint {
-            Some(hint) => triangles.locate_with_hint(place, hint),
-            None => triangles.locate(place),
+        let Some((start, _)) = self.last else {
+            return self.carry(triangles.locate(place));
         };
-        match found {
-            PositionInTriangulation::OnVertex(node) => self.weights.push((node, 1.0)),
+        match triangle_walk::walk(triangles, start, place) {
+            WalkEnd::Inside(face) => self.carry(PositionInTriangulation::OnFace(face)),
+            WalkEnd::Outside(face) => self.go_to(face),
+            WalkEnd::NearEdge(face) => {
+                let corner = triangles.face(face).vertices()[0].fix();
+                self.go_to(face);
+                self.carry(triangles.locate_with_hint(place, corner));
+            }
+        }
+    }
+
+    /// Takes the nodes that carry a place which lies there, and a triangle near it.
+    fn carry(&mut self, at: PositionInTriangulation) {
+        let triangles = &self.tin.triangles;
+        let beside = match at {
+            PositionInTriangulation::OnVertex(node) => {
+                self.weights.push((node, 1.0));
+                let mut edges = triangles.vertex(node).out_edges();
+                edges.find_map(|edge| edge.face().as_inner())
+            }
             PositionInTriangulation::OnEdge(edge) => {
-                let ends = triangles.directed_edge(edge).vertices();
-                self.weights.extend(ends.map(|end| (end.fix(), 0.0)));
+                let edge = triangles.directed_edge(edge);
+                self.weights
+                    .extend(edge.vertices().map(|end| (end.fix(), 0.0)));
+                edge.face().as_inner().or(edge.rev().face().as_inner())
             }
             PositionInTriangulation::OnFace(face) => {
-                self.last = Some(face);
-                let corners = triangles.face(face).vertices();
-                self.weights
-                    .extend(corners.map(|corner| (corner.fix(), 0.0)));
+                let face = triangles.face(face);
+                let corners = face.vertices().map(|corner| (corner.fix(), 0.0));
+                self.weights.extend(corners);
+                Some(face)
             }
             PositionInTriangulation::OutsideOfConvexHull(edge) => {
-                self.hint = Some(triangles.directed_edge(edge).from().fix());
+                triangles.directed_edge(edge).rev().face().as_inner()
             }
-            PositionInTriangulation::NoTriangulation => {}
+            PositionInTriangulation::NoTriangulation => None,
+        };
+        if let Some(face) = beside {
+            self.go_to(face.fix());
         }
-        self.hint = self.weights.first().map(|(node, _)| *node).or(self.hint);
+    }
+
+    /// The next walk begins at this triangle.
+    fn go_to(&mut self, face: FixedFaceHandle<InnerTag>) {
+        if self.last.is_none_or(|(last, _)| last != face) {
+            self.last = Some((face, None));
+        }
     }
 
     /// Weighs the corners in the order of their places: how a triangle is stored depends on all nodes that were ever inserted, and
@@ -259,7 +280,7 @@ impl TinSampler<'_> {
     }
 
     /// Whether the place that was asked for last lies in a triangle that counts, on the edge of one, or on a node.
-    fn is_known(&self) -> bool {
+    fn is_known(&mut self) -> bool {
         let triangles = &self.tin.triangles;
         let place = |index: usize| triangles.vertex(self.weights[index].0).position();
         match self.weights.len() {
@@ -274,22 +295,16 @@ impl TinSampler<'_> {
                     inner.any(|face| self.tin.is_known(face.positions()))
                 })
             }
-            _ => self.tin.is_known([place(0), place(1), place(2)]),
+            _ => {
+                let places = [place(0), place(1), place(2)];
+                let (tin, asked) = (self.tin, self.last.as_mut().map(|(_, known)| known));
+                match asked {
+                    Some(known) => *known.get_or_insert_with(|| tin.is_known(places)),
+                    None => tin.is_known(places),
+                }
+            }
         }
     }
-}
-
-/// Share of a triangle that each corner carries at least where a place is inside whatever is rounded.
-const WELL_INSIDE: f64 = 1e-3;
-
-/// Whether a place lies in a triangle, and not so near to an edge that rounding decides.
-fn is_well_inside([a, b, c]: [Point2<f64>; 3], place: Point2<f64>) -> bool {
-    let twice_area = |a: Point2<f64>, b: Point2<f64>, c: Point2<f64>| {
-        (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y)
-    };
-    let all = twice_area(a, b, c);
-    let parts = [(a, b), (b, c), (c, a)].map(|(from, to)| twice_area(from, to, place) / all);
-    parts.iter().all(|share| *share > WELL_INSIDE)
 }
 
 #[cfg(test)]
