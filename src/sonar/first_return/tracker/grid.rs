@@ -9,6 +9,7 @@ pub(super) struct TrackerGrid {
 
 impl TrackerGrid {
     /// Makes it `rows` by `width`, every cell `fill`; memory is kept.
+    #[inline(always)]
     pub(super) fn reset(&mut self, rows: usize, width: usize, fill: f32) {
         self.width = width;
         self.cells.clear();
@@ -26,16 +27,19 @@ impl TrackerGrid {
     }
 
     /// One row.
+    #[inline(always)]
     pub(super) fn row(&self, row: usize) -> &[f32] {
         &self.cells[row * self.width..][..self.width]
     }
 
     /// One row, to be changed.
+    #[inline(always)]
     pub(super) fn row_mut(&mut self, row: usize) -> &mut [f32] {
         &mut self.cells[row * self.width..][..self.width]
     }
 
     /// One row to be changed, with the row before it (empty for the first).
+    #[inline(always)]
     pub(super) fn row_after(&mut self, row: usize) -> (&[f32], &mut [f32]) {
         let (before, rest) = self.cells.split_at_mut(row * self.width);
         let last = before.len().saturating_sub(self.width);
@@ -43,15 +47,47 @@ impl TrackerGrid {
     }
 }
 
-/// Index of the highest value.
+/// Values that [`highest`] compares at a time.
+const BLOCK: usize = 64;
+
+/// Index of the highest value, the first of several.
+#[inline(always)]
 pub(super) fn highest(values: &[f32]) -> usize {
-    let mut best = 0;
-    for (at, &value) in values.iter().enumerate() {
-        if value > values[best] {
-            best = at;
+    let (mut start, mut most) = (0, f32::NEG_INFINITY);
+    for (index, block) in values.chunks(BLOCK).enumerate() {
+        let of_block = maximum(block);
+        if of_block > most {
+            (start, most) = (index * BLOCK, of_block);
         }
     }
-    best
+    let within = values[start..].iter().position(|value| *value == most);
+    start + within.unwrap_or(0)
+}
+
+/// The highest value; in lanes, so that it is not one long chain of comparisons.
+#[inline(always)]
+pub(super) fn maximum(values: &[f32]) -> f32 {
+    let mut lanes = [f32::NEG_INFINITY; 16];
+    let (blocks, rest) = values.as_chunks::<16>();
+    for block in blocks {
+        for (lane, &value) in lanes.iter_mut().zip(block) {
+            *lane = larger(*lane, value);
+        }
+    }
+    let mut most = f32::NEG_INFINITY;
+    for &value in rest {
+        most = larger(most, value);
+    }
+    for lane in lanes {
+        most = larger(most, lane);
+    }
+    most
+}
+
+/// Scores are never NaN; without `f32::max`'s care for it this is a single instruction.
+#[inline(always)]
+pub(super) fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
 }
 
 /// Where between its neighbours a parabola through three values peaks, -0.5 to 0.5.

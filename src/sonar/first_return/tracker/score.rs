@@ -69,10 +69,21 @@ pub(super) struct Scores {
     fine: Vec<i16>,
     loudest: Vec<u8>,
     spare: Vec<u8>,
+    /// Of the rows that are measured together.
+    sums: [RunningSums; TOGETHER],
+    quiet: [Vec<f32>; TOGETHER],
+    before: Vec<f32>,
+}
+
+/// Rows that are measured together: what is known of a cell's water waits for that of the cell before, so one row's waits are filled with the
+/// others' work.
+const TOGETHER: usize = 4;
+
+/// Sums of the first cells of a row, from none to all; they may wrap, differences over a window do not.
+#[derive(Default)]
+struct RunningSums {
     sums: Vec<u32>,
     squares: Vec<u32>,
-    before: Vec<f32>,
-    quiet: Vec<f32>,
 }
 
 impl Scores {
@@ -92,20 +103,26 @@ impl Scores {
     #[inline(always)]
     fn measure_inlined(&mut self, rows: &SampleRows, kernel: &Kernel) {
         self.grid.reset(rows.len(), rows.width, Self::CLOSED);
-        for row in 0..rows.len() {
-            self.smooth(rows, row);
-            self.sum_up();
-            self.find_loudest(rows, row, kernel.window);
-            brightness_before(&mut self.before, &self.sums, kernel);
+        for first in (0..rows.len()).step_by(TOGETHER) {
+            let last = rows.len() - 1;
+            for index in 0..TOGETHER {
+                // Where fewer are left, the last is taken again.
+                self.smooth(rows, last.min(first + index));
+                self.sums[index].of(&self.fine);
+            }
             quiet_water(&mut self.quiet, &self.sums, kernel);
-            let out = self.grid.row_mut(row);
-            let sums = (&self.sums[..], &self.squares[..]);
-            let water = WaterBrightness {
-                before: &self.before,
-                quiet: &self.quiet,
-            };
-            step_scores(out, sums, &water, kernel, rows.recorded[row]);
-            close_below_level(out, &self.loudest, kernel.level);
+            for (index, row) in (first..=last).take(TOGETHER).enumerate() {
+                let RunningSums { sums, squares } = &self.sums[index];
+                brightness_before(&mut self.before, sums, kernel);
+                let water = WaterBrightness {
+                    before: &self.before,
+                    quiet: &self.quiet[index],
+                };
+                let out = self.grid.row_mut(row);
+                step_scores(out, (sums, squares), &water, kernel, rows.recorded[row]);
+                self.find_loudest(rows, row, kernel.window);
+                close_below_level(self.grid.row_mut(row), &self.loudest, kernel.level);
+            }
         }
     }
 
@@ -134,11 +151,10 @@ impl Scores {
     fn smooth(&mut self, rows: &SampleRows, row: usize) {
         let at = |offset: isize| rows.row(row as isize + offset);
         self.fine.clear();
-        self.fine.extend(
-            at(0)
-                .iter()
-                .map(|&byte| (ALONG[0] * u16::from(byte)) as i16),
-        );
+        self.fine.resize(at(0).len(), 0);
+        for (fine, &byte) in self.fine.iter_mut().zip(at(0)) {
+            *fine = (ALONG[0] * u16::from(byte)) as i16;
+        }
         for (offset, &weight) in (0isize..).zip(&ALONG).skip(1) {
             for (fine, (&before, &after)) in
                 self.fine.iter_mut().zip(at(-offset).iter().zip(at(offset)))
@@ -163,21 +179,23 @@ impl Scores {
         }
         window_maximum(&mut self.loudest, &mut self.spare, window);
     }
+}
 
-    /// Running sums; they may wrap, differences over a window do not.
+impl RunningSums {
+    /// Replaces them by those of a row.
     #[inline(always)]
-    fn sum_up(&mut self) {
+    fn of(&mut self, fine: &[i16]) {
         let (mut sum, mut square) = (0u32, 0u32);
-        self.sums.clear();
-        self.squares.clear();
-        self.sums.push(0);
-        self.squares.push(0);
-        for &fine in &self.fine {
+        for sums in [&mut self.sums, &mut self.squares] {
+            sums.clear();
+            sums.resize(fine.len() + 1, 0);
+        }
+        let ends = self.sums[1..].iter_mut().zip(&mut self.squares[1..]);
+        for ((sum_end, square_end), &fine) in ends.zip(fine) {
             let fine = fine as u32;
             sum = sum.wrapping_add(fine);
             square = square.wrapping_add(fine * fine);
-            self.sums.push(sum);
-            self.squares.push(square);
+            (*sum_end, *square_end) = (sum, square);
         }
     }
 }
@@ -205,10 +223,12 @@ fn brightness_before(out: &mut Vec<f32>, sums: &[u32], kernel: &Kernel) {
     let first = kernel.first.min(sums.len());
     let window = LONG_WINDOWS * kernel.window;
     out.clear();
-    out.resize(first, 0.0);
+    out.resize(sums.len(), 0.0);
     let start = sums.get(first).copied().unwrap_or(0);
-    let all = sums[first..].iter().enumerate();
-    out.extend(all.map(|(count, sum)| sum.wrapping_sub(start) as i32 as f32 / count.max(1) as f32));
+    // Signed numbers convert faster.
+    for (count, (mean, sum)) in (0_i32..).zip(out[first..].iter_mut().zip(&sums[first..])) {
+        *mean = sum.wrapping_sub(start) as i32 as f32 / count.max(1) as f32;
+    }
     let per = 1.0 / window as f32;
     let lasts = sums
         .iter()
@@ -223,22 +243,33 @@ fn brightness_before(out: &mut Vec<f32>, sums: &[u32], kernel: &Kernel) {
 /// At every cell, how dark the water is before the window that ends there: the darkest window so far, which may brighten
 /// slowly with range. What lies unbroken between that water and a step is an echo already: the step is not the first.
 #[inline(always)]
-fn quiet_water(out: &mut Vec<f32>, sums: &[u32], kernel: &Kernel) {
-    let window = kernel.window;
-    let per = 1.0 / window as f32;
-    out.clear();
+fn quiet_water(out: &mut [Vec<f32>; TOGETHER], rows: &[RunningSums; TOGETHER], kernel: &Kernel) {
+    let per = 1.0 / kernel.window as f32;
+    let length = rows[0].sums.len();
     // Until there is a window before the window, nothing is known.
-    out.resize((kernel.first + 2 * window).min(sums.len()), f32::INFINITY);
-    let starts = sums.iter().skip(kernel.first);
-    let ends = sums.iter().skip(kernel.first + window);
-    let mut quiet = f32::INFINITY;
-    let last = sums.len() - out.len();
-    out.extend(starts.zip(ends).take(last).map(|(start, end)| {
-        let mean = end.wrapping_sub(*start) as i32 as f32 * per;
-        let crept = quiet + kernel.creep;
-        quiet = if mean < crept { mean } else { crept };
-        quiet
-    }));
+    let known = (kernel.first + 2 * kernel.window).min(length);
+    for out in out.iter_mut() {
+        out.clear();
+        out.resize(length, f32::INFINITY);
+    }
+    if known == length {
+        return;
+    }
+    let windows = rows.each_ref().map(|row| {
+        let starts = &row.sums[kernel.first..];
+        [starts, &starts[kernel.window..]].map(|sums| &sums[..length - known])
+    });
+    let outs = out.each_mut().map(|out| &mut out[known..]);
+    let mut quiet = [f32::INFINITY; TOGETHER];
+    for cell in 0..length - known {
+        for row in 0..TOGETHER {
+            let [starts, ends] = windows[row];
+            let mean = ends[cell].wrapping_sub(starts[cell]) as i32 as f32 * per;
+            let crept = quiet[row] + kernel.creep;
+            quiet[row] = if mean < crept { mean } else { crept };
+            outs[row][cell] = quiet[row];
+        }
+    }
 }
 
 /// How bright it is before every cell.
@@ -350,8 +381,10 @@ fn window_maximum(values: &mut Vec<u8>, spare: &mut Vec<u8>, window: usize) {
     while covered < window.min(values.len()) {
         let step = covered.min(window - covered);
         spare.clear();
-        spare.extend(values.iter().zip(&values[step..]).map(|(&a, &b)| a.max(b)));
-        spare.extend_from_slice(&values[values.len() - step..]);
+        spare.extend_from_slice(values);
+        for (larger, &other) in spare.iter_mut().zip(&values[step..]) {
+            *larger = other.max(*larger);
+        }
         std::mem::swap(values, spare);
         covered += step;
     }

@@ -1,7 +1,8 @@
 //! The best path through the scores: for every cell, the most that a path through it can gather.
 
 use super::TUNING;
-use super::grid::{TrackerGrid, highest};
+use super::grid::{TrackerGrid, highest, larger, maximum};
+use crate::support::vectors::{VectorLoop, vectorised};
 
 /// What moving the line from one ping to the next costs.
 pub(super) struct MotionCost {
@@ -37,6 +38,16 @@ impl Paths {
     /// Solved forward, then backward: the best path through a cell gathers `forward + backward - score`, and the highest
     /// of a row lies on the best path of all.
     pub(super) fn line(&mut self, scores: &TrackerGrid, motion: &MotionCost) -> Vec<usize> {
+        vectorised(BestLine {
+            paths: self,
+            scores,
+            motion,
+        })
+    }
+
+    /// The same, not vectorised.
+    #[inline(always)]
+    fn line_inlined(&mut self, scores: &TrackerGrid, motion: &MotionCost) -> Vec<usize> {
         let (width, rows) = (scores.width(), scores.len());
         self.through.reset(rows, width, 0.0);
         for row in 0..rows {
@@ -65,22 +76,61 @@ impl Paths {
         }
         line
     }
-}
 
-impl Paths {
     /// How much less the best path gathers that goes more than `apart` cells nearer, or farther, than the line on a row; at
     /// most [`MOST_MARGIN`]. Of the line that was found last.
     pub(super) fn margins(&self, line: &[usize], apart: usize) -> Vec<[f32; 2]> {
-        let rows = line.iter().enumerate();
-        rows.map(|(row, &at)| {
-            let through = self.through.row(row);
-            let beside = [
-                &through[..at.saturating_sub(apart)],
-                &through[through.len().min(at + apart + 1)..],
-            ];
-            beside.map(|others| (through[at] - maximum(others)).min(MOST_MARGIN))
+        vectorised(Margins {
+            paths: self,
+            line,
+            apart,
         })
-        .collect()
+    }
+
+    /// The same, not vectorised.
+    #[inline(always)]
+    fn margins_inlined(&self, line: &[usize], apart: usize) -> Vec<[f32; 2]> {
+        let mut margins = Vec::with_capacity(line.len());
+        for (row, &at) in line.iter().enumerate() {
+            let through = self.through.row(row);
+            let nearer = maximum(&through[..at.saturating_sub(apart)]);
+            let farther = maximum(&through[through.len().min(at + apart + 1)..]);
+            let margin = |others: f32| (through[at] - others).min(MOST_MARGIN);
+            margins.push([margin(nearer), margin(farther)]);
+        }
+        margins
+    }
+}
+
+/// [`Paths::line`].
+struct BestLine<'a> {
+    paths: &'a mut Paths,
+    scores: &'a TrackerGrid,
+    motion: &'a MotionCost,
+}
+
+impl VectorLoop for BestLine<'_> {
+    type Output = Vec<usize>;
+
+    #[inline(always)]
+    fn run(self) -> Vec<usize> {
+        self.paths.line_inlined(self.scores, self.motion)
+    }
+}
+
+/// [`Paths::margins`].
+struct Margins<'a> {
+    paths: &'a Paths,
+    line: &'a [usize],
+    apart: usize,
+}
+
+impl VectorLoop for Margins<'_> {
+    type Output = Vec<[f32; 2]>;
+
+    #[inline(always)]
+    fn run(self) -> Vec<[f32; 2]> {
+        self.paths.margins_inlined(self.line, self.apart)
     }
 }
 
@@ -96,6 +146,7 @@ struct Reach {
 }
 
 impl Reach {
+    #[inline(always)]
     fn of(&mut self, values: &[f32], motion: &MotionCost) -> &[f32] {
         self.right.clear();
         self.right.extend_from_slice(values);
@@ -133,31 +184,11 @@ impl Reach {
 }
 
 /// `out = max(stay, moved - cost)`, for as long as all of them last.
+#[inline(always)]
 fn higher(out: &mut [f32], stay: &[f32], moved: &[f32], cost: f32) {
     for ((out, &stay), &moved) in out.iter_mut().zip(stay).zip(moved) {
         *out = larger(stay, moved - cost);
     }
-}
-
-/// Scores are never NaN; without `f32::max`'s care for it this is a single instruction.
-fn larger(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
-}
-
-/// The highest value; in lanes, so that it is not one long chain of comparisons.
-fn maximum(values: &[f32]) -> f32 {
-    let mut lanes = [f32::NEG_INFINITY; 16];
-    let (blocks, rest) = values.as_chunks::<16>();
-    for block in blocks {
-        for (lane, &value) in lanes.iter_mut().zip(block) {
-            *lane = larger(*lane, value);
-        }
-    }
-    lanes
-        .iter()
-        .chain(rest)
-        .copied()
-        .fold(f32::NEG_INFINITY, larger)
 }
 
 #[cfg(test)]
