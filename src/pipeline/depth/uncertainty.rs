@@ -104,6 +104,9 @@ impl CommonUncertainty {
         }
         let columns = surface.grid.columns;
         let spreads_m = (0..surface.spread_m.len()).into_par_iter().map(|cell| {
+            if surface.spread_m[cell].is_nan() {
+                return f32::NAN;
+            }
             let [east, north, up] = surface.normal(cell / columns, cell % columns);
             let slope = f64::from(east.hypot(north) / up);
             let common_m = self.at(f64::from(surface.depth_m[cell]), slope);

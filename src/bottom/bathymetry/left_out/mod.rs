@@ -67,16 +67,16 @@ pub(super) fn state_error(
         return Ok(false);
     };
     let cells = spread_m.par_iter_mut().zip(distance_m);
-    cells
-        .enumerate()
-        .filter(|(_, (spread_m, _))| !spread_m.is_nan())
-        .for_each_init(
-            || stated.sampler(),
-            |stated, (cell, (spread_m, away_m))| {
+    // A filter would move the sampler from cell to cell.
+    cells.enumerate().for_each_init(
+        || stated.sampler(),
+        |stated, (cell, (spread_m, away_m))| {
+            if !spread_m.is_nan() {
                 let place = grid.centre_of(cell);
                 *spread_m = stated.at(place, f64::from(*away_m)) as f32;
-            },
-        );
+            }
+        },
+    );
     Ok(true)
 }
 
