@@ -3,8 +3,7 @@
 use super::residuals::kept_of;
 use crate::bottom::bathymetry::compare::{Matching, ReferencePoints};
 use crate::bottom::cloud::{
-    self, CloudPoint, CloudSettings, Geometry, PickTraits, PointClass, PointCloud, PointSource,
-    Residuals,
+    self, CloudPoint, CloudSettings, Geometry, PickTraits, PointCloud, PointSource, Residuals,
 };
 use crate::pipeline::Products;
 use crate::sonar::calibration::{Calibration, OffsetMode, PpdReach, ScaleMode};
@@ -81,7 +80,6 @@ pub(crate) fn choices(
         ..survey.clone()
     };
     let traits = PickTraits::new(survey, &products.navigation, &counted);
-    let is_side_scan = |point: &&CloudPoint| point.source.is_side_scan();
     let mut found = Vec::new();
     for (name, mode, ppd, offset) in CALIBRATIONS {
         let mut settings = products.settings.calibration.clone();
@@ -99,23 +97,42 @@ pub(crate) fn choices(
         for geometry in GEOMETRIES {
             let in_force = settings == products.settings.calibration
                 && geometry == products.settings.cloud.geometry;
-            let (cloud, classes) = match in_force {
-                true => (products.cloud.clone(), products.classes.clone()),
+            let cloud = match in_force {
+                true => products.cloud.clone(),
                 false => {
                     let counted = (&*counted, &traits);
-                    placed(survey, products, counted, &made, geometry, progress)?
+                    Arc::new(placed(
+                        survey, products, counted, &made, geometry, progress,
+                    )?)
                 }
             };
-            let points = cloud.kept(&classes).map(|(_, point)| point);
-            let points: Vec<&CloudPoint> = points.filter(is_side_scan).collect();
-            let matches = reference.matches(&points, |point| point.place(), progress)?;
-            let mut differences: Vec<f64> = matches.iter().map(|one| one.difference_m).collect();
+            let points = cloud.points.iter().enumerate();
+            let points: Vec<(usize, &CloudPoint)> = points
+                .filter(|(_, point)| point.source.is_side_scan())
+                .collect();
+            let matches = reference.matches(&points, |(_, point)| point.place(), progress)?;
+            // Beside a single track some geometries have no point over the soundings, and need no classes.
+            if matches.is_empty() {
+                continue;
+            }
+            let classes = match in_force {
+                true => products.classes.clone(),
+                false => {
+                    let rules = products.settings.class_rules();
+                    Arc::new(cloud::classify(&cloud, &rules, progress)?)
+                }
+            };
+            let is_kept = |(index, _): &(usize, &CloudPoint)| classes[*index].is_kept();
+            let kept = points.iter().filter(|point| is_kept(point)).count();
+            let matches = matches.iter().filter(|one| is_kept(&points[one.measured]));
+            let mut differences: Vec<f64> = matches.map(|one| one.difference_m).collect();
+            let unmatched = kept - differences.len();
             found.extend(
                 Residuals::of(&mut differences).map(|residuals| GeometryChoice {
                     geometry,
                     calibration: name,
                     in_force,
-                    unmatched: points.len() - matches.len(),
+                    unmatched,
                     residuals,
                 }),
             );
@@ -124,7 +141,7 @@ pub(crate) fn choices(
     Ok(found)
 }
 
-/// The points of a geometry and a calibration, with their classes.
+/// The points of a geometry and a calibration.
 fn placed(
     survey: &Survey,
     products: &Products,
@@ -132,12 +149,10 @@ fn placed(
     calibration: &Calibration,
     geometry: Geometry,
     progress: &Progress,
-) -> Result<(Arc<PointCloud>, Arc<Vec<PointClass>>), Cancelled> {
+) -> Result<PointCloud, Cancelled> {
     let how = CloudSettings {
         geometry,
         ..products.settings.cloud.clone()
     };
-    let cloud = products.placed(survey, counted, calibration, &how, progress)?;
-    let classes = cloud::classify(&cloud, &products.settings.class_rules(), progress)?;
-    Ok((Arc::new(cloud), Arc::new(classes)))
+    products.placed(survey, counted, calibration, &how, progress)
 }
