@@ -60,32 +60,34 @@ impl AcrossTrack {
         length(ground_m, altitude_m + deeper_m)
     }
 
-    /// Slant ranges of the bottom at growing distances, metres, from a transducer so high above the bottom under it.
+    /// Replaces growing distances by the slant ranges of the bottom there, metres, from a transducer so high above the bottom under it.
     #[inline(always)]
-    pub(crate) fn ranges_m(
-        &self,
-        altitude_m: f64,
-        grounds_m: impl Iterator<Item = f64>,
-    ) -> impl Iterator<Item = f64> {
-        let piece = |node: usize| {
-            let [from_m, to_m] = [node, node + 1].map(|node| self.ground_of(node));
-            let [from, to] = [node, node + 1].map(|node| self.deeper_at(node));
-            ([from_m, to_m], [from, to - from])
-        };
-        let is_level = self.is_level();
-        let (mut node, mut here) = (0, piece(0));
-        grounds_m.map(move |ground_m| {
-            if is_level {
-                return length(ground_m, altitude_m);
+    pub(crate) fn to_ranges_m(&self, altitude_m: f64, grounds_m: &mut [f64]) {
+        if self.is_level() {
+            for ground_m in grounds_m {
+                *ground_m = length(*ground_m, altitude_m);
             }
-            while ground_m >= here.0[1] && node + 1 < NODES {
-                node += 1;
-                here = piece(node);
+            return;
+        }
+        let mut rest = grounds_m;
+        for node in 0..NODES {
+            let (from_m, to_m) = (self.ground_of(node), self.ground_of(node + 1));
+            let (deeper_m, more_m) = (
+                self.deeper_at(node),
+                self.deeper_at(node + 1) - self.deeper_at(node),
+            );
+            let end = match node + 1 < NODES {
+                true => rest.partition_point(|ground_m| *ground_m < to_m),
+                // Beyond the last node the bottom goes on level.
+                false => rest.len(),
+            };
+            let (here, beyond) = rest.split_at_mut(end);
+            for ground_m in here {
+                let share = ((*ground_m - from_m) / (to_m - from_m)).clamp(0.0, 1.0);
+                *ground_m = length(*ground_m, altitude_m + (deeper_m + more_m * share));
             }
-            let ([from_m, to_m], [deeper_m, more_m]) = here;
-            let share = ((ground_m - from_m) / (to_m - from_m)).clamp(0.0, 1.0);
-            length(ground_m, altitude_m + (deeper_m + more_m * share))
-        })
+            rest = beyond;
+        }
     }
 
     /// Whether it is: most pings of a single pass are, and a mosaic asks for millions of places.

@@ -3,9 +3,13 @@
 use super::layout::MosaicRay;
 use super::line::MosaicLine;
 use super::overlap::CellSum;
-use super::scan::spans;
+use super::scan::Scan;
 use super::{MosaicSettings, Overlap};
 use crate::bottom::bathymetry::Grid;
+use crate::support::vectors::{VectorLoop, vectorised};
+
+/// Cells that are placed between rays at a time.
+const RUN: usize = 8;
 
 /// A window of cells.
 pub(super) struct Canvas {
@@ -68,36 +72,68 @@ impl Canvas {
         strip: &[MosaicRay; 2],
         lines: [&MosaicLine; 2],
     ) {
-        let window = self.window;
-        // In cells from the window's north-west corner, rows southward; a cell's middle is at + 0.5.
-        let corners = corners.map(|[x, y]| {
-            [
-                (x - window.west_m) / window.cell_m - 0.5,
-                (window.north_m - y) / window.cell_m - 0.5,
-            ]
+        vectorised(PaintStrip {
+            canvas: self,
+            corners,
+            strip,
+            lines,
         });
+    }
+
+    /// As [`Canvas::paint`]; not vectorised.
+    #[inline(always)]
+    fn paint_cells(
+        &mut self,
+        corners: &[[f64; 2]; 4],
+        strip: &[MosaicRay; 2],
+        lines: [&MosaicLine; 2],
+    ) {
+        let window = self.window;
+        // Cells are taken in rows or in columns, whichever run along the rays: few runs, and long ones.
+        let is_along_rows = strip[0].out[0].abs() >= strip[0].out[1].abs();
+        let turned = |[x, y]: [f64; 2]| if is_along_rows { [x, y] } else { [y, x] };
+        // In cells from the window's north-west corner, rows southward; a cell's middle is at + 0.5.
+        let mut in_cells = *corners;
+        for corner in &mut in_cells {
+            *corner = turned([
+                (corner[0] - window.west_m) / window.cell_m - 0.5,
+                (window.north_m - corner[1]) / window.cell_m - 0.5,
+            ]);
+        }
+        let (counts, steps) = match is_along_rows {
+            true => ([window.columns, window.rows], [1, self.stride]),
+            false => ([window.rows, window.columns], [self.stride, 1]),
+        };
         let between = GroundBetween::new(strip);
-        let altitudes_m = strip.map(|ray| ray.altitude_m);
+        let [from_m, to_m] = [strip[0].altitude_m, strip[1].altitude_m];
         let reach_m = strip[0].shown_m.max(0.1);
-        for (row, columns) in spans(&corners, window.columns, window.rows) {
-            let y = window.north_m - (row as f64 + 0.5) * window.cell_m;
-            for column in columns {
-                let x = window.west_m + (column as f64 + 0.5) * window.cell_m;
-                let Some([share, ground_m]) = between.find([x, y]) else {
-                    continue;
-                };
-                if self.nadir_gap > 0.0 {
-                    let altitude_m = altitudes_m[0] + (altitudes_m[1] - altitudes_m[0]) * share;
-                    if ground_m < altitude_m * self.nadir_gap {
+        let scan = Scan::new(&in_cells, counts[0], counts[1]);
+        for line in scan.rows.clone() {
+            let cells = scan.columns(line);
+            for start in cells.clone().step_by(RUN) {
+                let (mut shares, mut grounds_m) = ([0.0; RUN], [0.0; RUN]);
+                for (index, (share, ground_m)) in shares.iter_mut().zip(&mut grounds_m).enumerate()
+                {
+                    let along = start as f64 + index as f64 + 0.5;
+                    let [column, row] = turned([along, line as f64 + 0.5]);
+                    let x = window.west_m + column * window.cell_m;
+                    let y = window.north_m - row * window.cell_m;
+                    [*share, *ground_m] = between.find([x, y]);
+                }
+                let places = shares.iter().zip(&grounds_m);
+                for ((&share, &ground_m), cell) in places.zip(start..cells.end) {
+                    let altitude_m = from_m + (to_m - from_m) * share;
+                    let is_in_gap = self.nadir_gap > 0.0 && ground_m < altitude_m * self.nadir_gap;
+                    if ground_m.is_nan() || is_in_gap {
                         continue;
                     }
-                }
-                let levels = lines.map(|line| line.at(ground_m));
-                let level = levels[0] + (levels[1] - levels[0]) * share as f32;
-                if !level.is_nan() {
-                    let echo = CellSum::of(level, self.overlap.weight(ground_m / reach_m));
-                    let cell = &mut self.sums[row * self.stride + column];
-                    self.overlap.join(cell, echo);
+                    let [from, to] = [lines[0].at(ground_m), lines[1].at(ground_m)];
+                    let level = from + (to - from) * share as f32;
+                    if !level.is_nan() {
+                        let echo = CellSum::of(level, self.overlap.weight(ground_m / reach_m));
+                        let cell = &mut self.sums[cell * steps[0] + line * steps[1]];
+                        self.overlap.join(cell, echo);
+                    }
                 }
             }
         }
@@ -110,7 +146,47 @@ impl Canvas {
 
     /// 0 where nothing was seen, else 1 to 255.
     pub(super) fn finish(self) -> Vec<u8> {
-        self.sums.iter().map(CellSum::level).collect()
+        let mut levels = vec![0; self.sums.len()];
+        vectorised(FinishCells {
+            sums: &self.sums,
+            levels: &mut levels,
+        });
+        levels
+    }
+}
+
+/// A strip that is laid over cells.
+struct PaintStrip<'a> {
+    canvas: &'a mut Canvas,
+    corners: &'a [[f64; 2]; 4],
+    strip: &'a [MosaicRay; 2],
+    lines: [&'a MosaicLine; 2],
+}
+
+impl VectorLoop for PaintStrip<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.canvas
+            .paint_cells(self.corners, self.strip, self.lines);
+    }
+}
+
+/// Cells that become levels.
+struct FinishCells<'a> {
+    sums: &'a [CellSum],
+    levels: &'a mut [u8],
+}
+
+impl VectorLoop for FinishCells<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for (level, sum) in self.levels.iter_mut().zip(self.sums) {
+            *level = sum.level();
+        }
     }
 }
 
@@ -128,15 +204,18 @@ struct GroundBetween {
     bend: f64,
 }
 
+#[inline(always)]
 fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[1] - a[1] * b[0]
 }
 
+#[inline(always)]
 fn minus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     [a[0] - b[0], a[1] - b[1]]
 }
 
 impl GroundBetween {
+    #[inline(always)]
     fn new(&[here, next]: &[MosaicRay; 2]) -> Self {
         let (dp, ds) = (minus(next.at, here.at), minus(next.out, here.out));
         Self {
@@ -149,23 +228,26 @@ impl GroundBetween {
     }
 
     /// Where a place lies between the rays: the share of the way from the first to the second, and the distance out along the ray
-    /// there, metres on the ground.
-    fn find(&self, place: [f64; 2]) -> Option<[f64; 2]> {
+    /// there, metres on the ground; NaN where it does not.
+    #[inline(always)]
+    fn find(&self, place: [f64; 2]) -> [f64; 2] {
         let q = minus(place, self.here.at);
         let first = cross(q, self.here.out);
         // The next strip computes the same of this ray: no place lies in both strips, or in neither.
         let second = cross(minus(place, self.next.at), self.next.out);
-        if (first >= 0.0) == (second >= 0.0) {
-            return None;
-        }
+        let is_between = (first >= 0.0) != (second >= 0.0);
         // The chord of `f`, then a step of Newton's method: the bend is small against the chord.
         let per_share = 1.0 / (first - second);
         let chord = first * per_share;
         let share = (chord - self.bend * chord * (1.0 - chord) * per_share).clamp(0.0, 1.0);
-        let out = [0, 1].map(|axis| self.here.out[axis] + share * self.ds[axis]);
-        let from = [0, 1].map(|axis| q[axis] - share * self.dp[axis]);
+        let out = [
+            self.here.out[0] + share * self.ds[0],
+            self.here.out[1] + share * self.ds[1],
+        ];
+        let from = [q[0] - share * self.dp[0], q[1] - share * self.dp[1]];
         let ground_m = (from[0] * out[0] + from[1] * out[1]) / (out[0] * out[0] + out[1] * out[1]);
-        (ground_m >= 0.0).then_some([share, ground_m])
+        let is_there = is_between & (ground_m >= 0.0);
+        [share, if is_there { ground_m } else { f64::NAN }]
     }
 }
 
@@ -199,7 +281,7 @@ mod tests {
                     lerp(strip[0].at[axis], strip[1].at[axis])
                         + ground_m * lerp(strip[0].out[axis], strip[1].out[axis])
                 });
-                let found = between.find(place).expect("between the rays");
+                let found = between.find(place);
                 assert!(
                     (found[0] - share).abs() < 1e-3,
                     "{share} {ground_m}: {found:?}"
@@ -210,7 +292,7 @@ mod tests {
                 );
             }
         }
-        assert!(between.find([10.0, 19.9]).is_none());
-        assert!(between.find(strip[0].place(-3.0)).is_none());
+        assert!(between.find([10.0, 19.9])[1].is_nan());
+        assert!(between.find(strip[0].place(-3.0))[1].is_nan());
     }
 }

@@ -2,7 +2,7 @@
 
 use super::MosaicLayout;
 use super::layout::{bounds_of, grid_over};
-use super::scan::spans;
+use super::scan::Scan;
 use crate::bottom::bathymetry::isobaths::{Polygon, depth_areas};
 use crate::bottom::bathymetry::{Grid, Surface};
 use crate::support::progress::{Cancelled, Progress};
@@ -54,8 +54,9 @@ fn with_margin(grid: Grid) -> Grid {
 fn cover(grid: &Grid, corners: [[f64; 2]; 4], covered: &mut [f32]) {
     let cells = |metres: f64| metres / grid.cell_m - 0.5;
     let corners = corners.map(|[x, y]| [cells(x - grid.west_m), cells(grid.north_m - y)]);
-    for (row, columns) in spans(&corners, grid.columns, grid.rows) {
-        let first = row * grid.columns;
+    let scan = Scan::new(&corners, grid.columns, grid.rows);
+    for row in scan.rows.clone() {
+        let (first, columns) = (row * grid.columns, scan.columns(row));
         if let Some(line) = covered.get_mut(first + columns.start..first + columns.end) {
             line.fill(1.0);
         }

@@ -258,9 +258,11 @@ impl GainTable {
         let mut counts = vec![0_u64; 1024];
         let mut factors = Vec::new();
         for side in Side::BOTH {
+            let mut by_range = RangeFactors::default();
             each_ray(survey, layout, side, pings, |ray, levels| {
                 let ground = first_beyond(ray, ray.altitude_m).min(levels.len());
-                self.factors(side, ray, ground..levels.len(), &mut factors);
+                let samples = ground..levels.len();
+                self.factors(side, ray, samples, &mut by_range, &mut factors);
                 for (&level, factor) in levels[ground..].iter().zip(&factors) {
                     counts[((f32::from(level) * factor) as usize).min(1023)] += 1;
                 }
@@ -276,34 +278,40 @@ impl GainTable {
         (BRIGHT_LEVEL / bright).clamp(STRETCHES[0], STRETCHES[1])
     }
 
-    /// Replaces `out` with the factors on some samples of a ray. Those of the water column have the factor of straight down.
+    /// Replaces `out` with the factors on some samples of a ray. Those of the water column have the factor of straight down. `by_range`
+    /// keeps what rays of this side and table have in common.
     #[inline(always)]
     pub(super) fn factors(
         &self,
         side: Side,
         ray: &MosaicRay,
         samples: Range<usize>,
+        by_range: &mut RangeFactors,
         out: &mut Vec<f32>,
     ) {
-        out.clear();
         let curves = &self.sides[side as usize];
-        let bins_per_m = self.bins_per_m();
-        let mut from = samples.start;
-        // As long as both curves stay in one piece, nothing has to be looked up.
+        by_range.reach(&curves.by_range, self.bins_per_m(), ray, samples.end);
+        let by_range = &by_range.factors[samples.clone()];
+        out.clear();
+        out.resize(samples.len(), 0.0);
+        let ground = first_beyond(ray, ray.altitude_m).clamp(samples.start, samples.end);
+        let straight_down = self.factor_at(side, ray.altitude_m, ray.altitude_m);
+        out[..ground - samples.start].fill(straight_down);
+        let mut from = ground;
+        // As long as the curve stays in one piece, nothing has to be looked up.
         while from < samples.end {
-            let range_m = ray.range_m(from as f64 + 0.5).max(ray.altitude_m);
-            let by_range = CurvePiece::of(&curves.by_range, range_m * bins_per_m - 0.5);
-            let by_angle = CurvePiece::of(&curves.by_angle, angle_place(range_m, ray.altitude_m));
+            let angle = angle_place(ray.range_m(from as f64 + 0.5), ray.altitude_m);
+            let by_angle = CurvePiece::of(&curves.by_angle, angle);
             let most = (by_angle.end + 0.5) / ANGLE_BINS as f64;
-            let angle_end_m = ray.altitude_m / (1.0 - most * most).max(0.0);
-            let end_m = angle_end_m.min((by_range.end + 0.5) / bins_per_m);
+            let end_m = ray.altitude_m / (1.0 - most * most).max(0.0);
             let end = first_beyond(ray, end_m).clamp(from + 1, samples.end);
-            out.extend((from..end).map(|sample| {
-                let range_m = ray.range_m(sample as f64 + 0.5).max(ray.altitude_m);
-                let angle = angle_place(range_m, ray.altitude_m);
-                let factor = by_range.at(range_m * bins_per_m - 0.5) * by_angle.at(angle);
-                self.stretch * factor.clamp(FACTORS[0], FACTORS[1])
-            }));
+            let here = from - samples.start..end - samples.start;
+            let factors = out[here.clone()].iter_mut().zip(&by_range[here]);
+            for (index, (out, by_range)) in factors.enumerate() {
+                let range_m = ray.range_m(from as f64 + index as f64 + 0.5);
+                let factor = by_range * by_angle.at(angle_place(range_m, ray.altitude_m));
+                *out = self.stretch * factor.clamp(FACTORS[0], FACTORS[1]);
+            }
             from = end;
         }
     }
@@ -315,9 +323,13 @@ impl GainTable {
 
     /// The factor at a slant range over ground that lies at an altitude, metres. The water column has that of straight down.
     pub fn factor(&self, side: Side, range_m: f32, altitude_m: f32) -> f32 {
-        let (range_m, altitude_m) = (f64::from(range_m), f64::from(altitude_m));
+        let altitude_m = f64::from(altitude_m);
+        self.factor_at(side, f64::from(range_m).max(altitude_m), altitude_m)
+    }
+
+    #[inline(always)]
+    fn factor_at(&self, side: Side, range_m: f64, altitude_m: f64) -> f32 {
         let curves = &self.sides[side as usize];
-        let range_m = range_m.max(altitude_m);
         let at = |curve: &[f32], place: f64| CurvePiece::of(curve, place).at(place);
         let factor = at(&curves.by_range, range_m * self.bins_per_m() - 0.5)
             * at(&curves.by_angle, angle_place(range_m, altitude_m));
@@ -353,6 +365,40 @@ impl GainTable {
 #[inline(always)]
 fn angle_place(range_m: f64, altitude_m: f64) -> f64 {
     obliqueness(range_m, altitude_m) * ANGLE_BINS as f64 - 0.5
+}
+
+/// Factors by range of the samples of a ray; rays that begin and step alike, as most of a line's do, have the same.
+#[derive(Default)]
+pub(super) struct RangeFactors {
+    start_m: f64,
+    step_m: f64,
+    factors: Vec<f32>,
+}
+
+impl RangeFactors {
+    /// Makes them those of a ray, so many at least.
+    #[inline(always)]
+    fn reach(&mut self, curve: &[f32], bins_per_m: f64, ray: &MosaicRay, count: usize) {
+        let is_like = (self.start_m, self.step_m) == (ray.start_m, ray.step_m);
+        if is_like && self.factors.len() >= count {
+            return;
+        }
+        let count = count.max(ray.count);
+        (self.start_m, self.step_m) = (ray.start_m, ray.step_m);
+        self.factors.clear();
+        self.factors.resize(count, 0.0);
+        let place = |sample: usize| ray.range_m(sample as f64 + 0.5) * bins_per_m - 0.5;
+        let mut from = 0;
+        while from < count {
+            let piece = CurvePiece::of(curve, place(from));
+            let end = first_beyond(ray, (piece.end + 0.5) / bins_per_m);
+            let end = end.clamp(from + 1, count);
+            for sample in from..end {
+                self.factors[sample] = piece.at(place(sample));
+            }
+            from = end;
+        }
+    }
 }
 
 /// A curve between the middles of two bins, where it is linear, or beyond its ends, where it is constant.

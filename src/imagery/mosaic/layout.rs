@@ -79,22 +79,17 @@ impl MosaicRay {
         self.sample_at(range_m.max(self.least_m()))
     }
 
-    /// Replaces `out` with the same of growing distances.
+    /// Replaces growing distances by [`MosaicRay::sample_of`] them.
     #[inline(always)]
-    pub(super) fn samples_of(
-        &self,
-        grounds_m: impl Iterator<Item = f64>,
-        water_column: bool,
-        out: &mut Vec<f64>,
-    ) {
-        out.clear();
-        if water_column {
-            out.extend(grounds_m.map(|ground_m| self.sample_at(ground_m)));
-            return;
+    pub(super) fn to_samples(&self, grounds_m: &mut [f64], water_column: bool) {
+        let mut least_m = f64::NEG_INFINITY;
+        if !water_column {
+            least_m = self.least_m();
+            self.across.to_ranges_m(self.under_m, grounds_m);
         }
-        let least_m = self.least_m();
-        let ranges_m = self.across.ranges_m(self.under_m, grounds_m);
-        out.extend(ranges_m.map(|range_m| self.sample_at(range_m.max(least_m))));
+        for range_m in grounds_m {
+            *range_m = self.sample_at(range_m.max(least_m));
+        }
     }
 
     /// Least slant range that is shown: where the bottom rises from under the boat, its foot is broad and the water above it dark.

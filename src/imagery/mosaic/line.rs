@@ -1,5 +1,6 @@
 //! The levels along one side of a ping, at even steps on the ground.
 
+use super::gain::RangeFactors;
 use super::layout::MosaicRay;
 use super::{Gain, GainTable, MosaicLayout, MosaicSettings};
 use crate::support::statistics::ends;
@@ -58,6 +59,7 @@ pub(super) struct MosaicLine {
     // Kept for their memory.
     samples: Vec<u8>,
     totals: Vec<u32>,
+    by_range: RangeFactors,
     factors: Vec<f32>,
     sums: Vec<f32>,
     edges: Vec<f64>,
@@ -76,6 +78,7 @@ impl MosaicLine {
             per_m: 0.0,
             samples: Vec::new(),
             totals: Vec::new(),
+            by_range: RangeFactors::default(),
             factors: Vec::new(),
             sums: Vec::new(),
             edges: Vec::new(),
@@ -84,6 +87,7 @@ impl MosaicLine {
     }
 
     /// Level at a distance on the ground, NaN where none is known.
+    #[inline(always)]
     pub(super) fn at(&self, ground_m: f64) -> f32 {
         let place = (ground_m * self.per_m - self.steps.start as f64).max(0.0);
         let low = (place as usize).min(self.levels.len().saturating_sub(2));
@@ -132,9 +136,13 @@ impl MosaicLine {
     #[inline(always)]
     fn read_steps(&mut self, lines: &LineContext<'_>, place: usize, ray: &MosaicRay) -> bool {
         // Places on the ray, counted in samples, of the edges of all cells that are taken the mean of.
-        let edges_m = (self.steps.start..self.steps.end + STEPS)
-            .map(|index| (index as f64 - STEPS as f64 / 2.0).max(0.0) / lines.steps_per_m);
-        ray.samples_of(edges_m, lines.water_column, &mut self.edges);
+        self.edges.clear();
+        self.edges.resize(self.steps.len() + STEPS, 0.0);
+        for (index, edge) in self.edges.iter_mut().enumerate() {
+            let step = (self.steps.start + index) as f64 - STEPS as f64 / 2.0;
+            *edge = step.max(0.0) / lines.steps_per_m;
+        }
+        ray.to_samples(&mut self.edges, lines.water_column);
         // Where the bottom rises from under the boat, what is nearest is not the first.
         let [low, high] = ends(self.edges.iter().copied());
         let samples =
@@ -150,28 +158,27 @@ impl MosaicLine {
     #[inline(always)]
     fn take_means(&mut self, first: f64) {
         let last = (self.sums.len() - 1) as f64;
-        for edge in &mut self.edges {
-            *edge -= first;
-        }
+        let sums = self.sums.as_slice();
         // Each edge is that of two cells.
         self.sums_at.clear();
-        let held = self.edges.iter().map(|edge| edge.clamp(0.0, last));
-        self.sums_at
-            .extend(held.map(|edge| sum_at(&self.sums, edge)));
+        self.sums_at.resize(self.edges.len(), 0.0);
+        for (sum, edge) in self.sums_at.iter_mut().zip(&mut self.edges) {
+            *edge -= first;
+            *sum = sum_at(sums, edge.clamp(0.0, last));
+        }
         let edges = self.edges.iter().zip(&self.edges[STEPS..]);
         let sums_at = self.sums_at.iter().zip(&self.sums_at[STEPS..]);
         self.levels.clear();
-        self.levels.extend(
-            edges
-                .zip(sums_at)
-                .map(|((&from, &to), (sum_from, sum_to))| {
-                    let middle = 0.5 * (from + to);
-                    match to - from >= 1.0 && middle >= 0.0 && middle <= last {
-                        true => (sum_to - sum_from) / (to.min(last) - from.max(0.0)) as f32,
-                        false => mean(&self.sums, from, to),
-                    }
-                }),
-        );
+        self.levels.resize(self.edges.len() - STEPS, f32::NAN);
+        for ((level, (&from, &to)), (sum_from, sum_to)) in
+            self.levels.iter_mut().zip(edges).zip(sums_at)
+        {
+            let middle = 0.5 * (from + to);
+            *level = match to - from >= 1.0 && middle >= 0.0 && middle <= last {
+                true => (sum_to - sum_from) / (to.min(last) - from.max(0.0)) as f32,
+                false => mean(sums, from, to),
+            };
+        }
     }
 
     /// Normalises and sums some samples outward: `sums[n]` is the sum of the first n. False when there are none.
@@ -192,7 +199,10 @@ impl MosaicLine {
         }
         self.factors.clear();
         match lines.gain {
-            Some(gain) => gain.factors(self.side, ray, samples.clone(), &mut self.factors),
+            Some(gain) => {
+                let (by_range, factors) = (&mut self.by_range, &mut self.factors);
+                gain.factors(self.side, ray, samples.clone(), by_range, factors);
+            }
             None => self.factors.resize(samples.len(), 1.0),
         }
         if lines.water_column {
@@ -202,14 +212,16 @@ impl MosaicLine {
             self.factors[..above].fill(1.0);
         }
         let share = 1.0 / count as f32;
-        let mut sum = 0.0;
+        let length = self.totals.len().min(self.factors.len());
         self.sums.clear();
-        self.sums.push(sum);
-        for (&total, factor) in self.totals.iter().zip(&self.factors) {
+        self.sums.resize(length + 1, 0.0);
+        let levels = self.totals.iter().zip(&self.factors);
+        let mut sum = 0.0;
+        for (up_to, (&total, factor)) in self.sums[1..].iter_mut().zip(levels) {
             sum += total as f32 * share * factor;
-            self.sums.push(sum);
+            *up_to = sum;
         }
-        self.sums.len() > 1
+        length > 0
     }
 
     /// Adds up some samples of a ping and of those `around` it that were recorded over the same range; how many pings that were.

@@ -32,6 +32,7 @@ pub(super) struct CellSum {
 
 impl CellSum {
     /// Of one echo, or of all that a log shows of the cell.
+    #[inline(always)]
     pub(super) fn of(level: f32, weight: f32) -> Self {
         Self {
             weighted: level * weight,
@@ -40,6 +41,7 @@ impl CellSum {
     }
 
     /// 0 where nothing was seen, else 1 to 255.
+    #[inline(always)]
     pub(super) fn level(&self) -> u8 {
         match self.weight > 0.0 {
             true => (self.weighted / self.weight).round().clamp(1.0, 255.0) as u8,
@@ -55,11 +57,13 @@ impl CellSum {
 
 impl Overlap {
     /// Whether echoes count differently by where they lie in their swath.
+    #[inline(always)]
     pub fn is_weighted(self) -> bool {
         matches!(self, Self::Middle | Self::Blend)
     }
 
     /// What an echo counts at a share of the way out: most in the middle of the swath.
+    #[inline(always)]
     pub(super) fn weight(self, way: f64) -> f32 {
         let way = way.clamp(0.0, 1.0);
         match self.is_weighted() {
@@ -69,6 +73,7 @@ impl Overlap {
     }
 
     /// Joins what was seen of a cell with what was seen of it later.
+    #[inline(always)]
     pub(super) fn join(self, cell: &mut CellSum, later: CellSum) {
         if later.weight == 0.0 {
             return;
