@@ -62,7 +62,7 @@ impl AcrossTrack {
 
     /// Replaces growing distances by the slant ranges of the bottom there, metres, from a transducer so high above the bottom under it.
     #[inline(always)]
-    pub(crate) fn to_ranges_m(&self, altitude_m: f64, grounds_m: &mut [f64]) {
+    pub(crate) fn replace_by_ranges_m(&self, altitude_m: f64, grounds_m: &mut [f64]) {
         if self.is_level() {
             for ground_m in grounds_m {
                 *ground_m = length(*ground_m, altitude_m);

@@ -81,11 +81,11 @@ impl MosaicRay {
 
     /// Replaces growing distances by [`MosaicRay::sample_of`] them.
     #[inline(always)]
-    pub(super) fn to_samples(&self, grounds_m: &mut [f64], water_column: bool) {
+    pub(super) fn replace_by_samples(&self, grounds_m: &mut [f64], water_column: bool) {
         let mut least_m = f64::NEG_INFINITY;
         if !water_column {
             least_m = self.least_m();
-            self.across.to_ranges_m(self.under_m, grounds_m);
+            self.across.replace_by_ranges_m(self.under_m, grounds_m);
         }
         for range_m in grounds_m {
             *range_m = self.sample_at(range_m.max(least_m));

@@ -142,7 +142,7 @@ impl MosaicLine {
             let step = (self.steps.start + index) as f64 - STEPS as f64 / 2.0;
             *edge = step.max(0.0) / lines.steps_per_m;
         }
-        ray.to_samples(&mut self.edges, lines.water_column);
+        ray.replace_by_samples(&mut self.edges, lines.water_column);
         // Where the bottom rises from under the boat, what is nearest is not the first.
         let [low, high] = ends(self.edges.iter().copied());
         let samples =
