@@ -6,6 +6,7 @@ use crate::app::error::AppError;
 use crate::app::{Action, App, Jobs, LogId, Task, TaskOutcome};
 use crate::detection::review::{Review, Reviewed};
 use crate::products::export::{self, ExportError};
+use crate::support::presentation::text;
 use crate::support::progress::Progress;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -226,10 +227,10 @@ impl App {
         let written = log.reviewing.poll_writing(&jobs);
         match left {
             Ok(Some(decided)) => {
-                let text = format!(
-                    "Decisions about {decided} boxes were not saved when this log was last open"
-                );
-                self.offer(text, Action::TakeUpUnsaved);
+                let boxes = text::plural(decided, "box", "boxes");
+                let notice =
+                    format!("Decisions about {boxes} were not saved when this log was last open");
+                self.offer(notice, Action::TakeUpUnsaved);
             }
             Ok(None) => {}
             Err(error) => {
