@@ -495,11 +495,16 @@ fn a_search_that_is_stopped_in_the_second_log_keeps_what_it_found() {
     assert_ne!(app.undo_label(), Some("find objects"));
 }
 
-/// The river in two formats, with a mark on either side of its boat.
-fn marked_river(mut window: Window) -> Option<Window> {
-    let folder = real_data()?.join("lowrance");
+/// Copies of the river in two formats, with a mark on either side of its boat: marks are kept beside the log.
+fn marked_river(mut window: Window, folder: &Path) -> Option<Window> {
+    let real = real_data()?.join("lowrance");
     let logs = ["glencanyon-transcoded.sl2", "glencanyon-transcoded.sl3"];
-    let logs = logs.map(|name| folder.join(name)).to_vec();
+    let logs = logs.map(|name| {
+        let log = folder.join(name);
+        std::fs::copy(real.join(name), &log).expect("room");
+        log
+    });
+    let logs = logs.to_vec();
     (window.state_mut().app).apply(Command::OpenAll(logs));
     settle(&mut window);
     for (ping, side) in [(1344, Side::Port), (1345, Side::Starboard)] {
@@ -521,7 +526,7 @@ fn marked_river(mut window: Window) -> Option<Window> {
 #[test]
 fn marks_on_both_sides_of_one_pass_are_one_sighting_also_where_two_logs_have_the_pass() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let Some(window) = marked_river(opened(folder.path(), 1)) else {
+    let Some(window) = marked_river(opened(folder.path(), 1), folder.path()) else {
         return;
     };
     let object = app(&window).selected_object().expect("an object");
