@@ -2,7 +2,8 @@
 
 use super::levels::{BoxLevels, PingLevels};
 use super::predict::{PosedSolid, Predicted, predict};
-use super::solid::{ShapeKind, Solid};
+use super::solid::{LANES, ShapeKind, Solid};
+use crate::support::vectors::{VectorLoop, ln, vectorised};
 
 /// Standard deviation of ln power of single-look speckle.
 pub(super) const SPECKLE_LN: f64 = 1.283;
@@ -176,10 +177,14 @@ impl<'a> Problem<'a> {
     fn weigh(&self, state: &mut FitState, look: usize) {
         let of_look = &state.numbers[OF_OBJECT + look * OF_LOOK..];
         let strength = of_look[2].exp() as f32;
-        let darkest = [of_look[3], of_look[4]];
-        let (recorded, bare) = (&self.looks[look], &self.bare[look]);
-        let all = squares((recorded, bare), &state.predicted[look], strength, darkest);
-        state.costs[look] = all * recorded.together as f64;
+        let all = vectorised(Squares {
+            look: &self.looks[look],
+            bare: &self.bare[look],
+            predicted: &state.predicted[look],
+            strength,
+            darkest: [of_look[3], of_look[4]],
+        });
+        state.costs[look] = all * self.looks[look].together as f64;
     }
 
     fn sum(&self, state: &mut FitState) {
@@ -300,36 +305,72 @@ impl Problem<'_> {
 }
 
 /// Sum of the squares of what is recorded minus what is predicted, from a look and the squares of its pings as they are.
-fn squares(
-    (look, bare): (&BoxLevels, &[f64]),
-    predicted: &Predicted,
+struct Squares<'a> {
+    look: &'a BoxLevels,
+    bare: &'a [f64],
+    predicted: &'a Predicted,
     strength: f32,
+    /// Darkness in ln power at the near end of the look, and how much lighter it is at the far end. The noise that fills a shadow does not
+    /// fade with the bottom.
     darkest: [f64; 2],
-) -> f64 {
-    let [dark_ln, lighter_ln] = darkest;
-    // The noise that fills a shadow does not fade with the bottom.
-    let darkest: Vec<f32> = (0..look.bins)
-        .map(|bin| (dark_ln + lighter_ln * bin as f64 / look.bins as f64).exp() as f32)
-        .collect();
-    let scale = SPECKLE_LN.recip() as f32;
-    let bottom = predicted.bottom.chunks_exact(look.bins);
-    let both = bottom.zip(predicted.object.chunks_exact(look.bins));
-    let pings = look
-        .pings
-        .iter()
-        .zip(both)
-        .zip(&predicted.changed)
-        .zip(bare);
-    let pings = pings.map(|(((ping, (bottom, object)), changed), bare)| {
-        let bins = || changed.clone();
-        let all = ping.levels[bins()].iter().zip(&bottom[bins()]);
-        let all = all.zip(&object[bins()]).zip(&darkest[bins()]);
-        // (level - expected)^2 - level^2: most of a look is bare bottom, where nothing else is expected than 0.
-        let more = all.map(|(((level, bottom), object), darkest)| {
-            let expected = scale * (bottom + strength * object).max(*darkest).ln();
-            expected * (expected - 2.0 * level)
-        });
-        bare + f64::from(more.sum::<f32>())
-    });
-    pings.sum()
+}
+
+impl VectorLoop for Squares<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run(self) -> f64 {
+        let bins = self.look.bins;
+        let bottom = self.predicted.bottom.chunks_exact(bins);
+        let both = bottom.zip(self.predicted.object.chunks_exact(bins));
+        let pings = self.look.pings.iter().zip(both);
+        let mut sum = 0.0;
+        for (((ping, (bottom, object)), changed), bare) in
+            pings.zip(&self.predicted.changed).zip(self.bare)
+        {
+            let (from, to) = (changed.start, changed.end);
+            let within = [&ping.levels[from..to], &bottom[from..to], &object[from..to]];
+            sum += bare + f64::from(self.more(within, from));
+        }
+        sum
+    }
+}
+
+impl Squares<'_> {
+    /// By how much the squares of some bins of a ping, from bin `first` on, exceed those of the levels alone: most of a look is bare bottom,
+    /// where nothing else is expected than 0. In: levels, what is seen of the bottom, echo of the object.
+    #[inline(always)]
+    fn more(&self, [levels, bottom, object]: [&[f32]; 3], first: usize) -> f32 {
+        let dark = self.darkest[0] as f32;
+        let lighter = (self.darkest[1] / self.look.bins as f64) as f32;
+        let scale = SPECKLE_LN.recip() as f32;
+        let mut sums = [0.0; LANES];
+        for start in (0..levels.len()).step_by(LANES) {
+            let count = levels.len() - start;
+            let (bottom, object) = (lanes(&bottom[start..]), lanes(&object[start..]));
+            let levels = lanes(&levels[start..]);
+            for lane in 0..LANES {
+                let power = bottom[lane] + self.strength * object[lane];
+                let darkest = dark + lighter * (first + start + lane) as f32;
+                let expected = scale * ln(power.max(f32::MIN_POSITIVE)).max(darkest);
+                // (level - expected)^2 - level^2.
+                let more = expected * (expected - 2.0 * levels[lane]);
+                sums[lane] += if lane < count { more } else { 0.0 };
+            }
+        }
+        sums.iter().sum()
+    }
+}
+
+/// The first numbers of a row, and zeros where it has no more.
+#[inline(always)]
+fn lanes(row: &[f32]) -> [f32; LANES] {
+    match row.first_chunk() {
+        Some(lanes) => *lanes,
+        None => {
+            let mut lanes = [0.0; LANES];
+            lanes[..row.len()].copy_from_slice(row);
+            lanes
+        }
+    }
 }
