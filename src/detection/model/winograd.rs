@@ -58,9 +58,13 @@ impl Convolution {
             return None;
         }
         let mut points = vec![0.0; Self::weights_of(channels)];
-        for (index, weights) in weights.as_chunks::<9>().0.iter().enumerate() {
-            let (output, input) = (index / inputs, index % inputs);
-            for (point, value) in points_of(weights).into_iter().enumerate() {
+        let weights = weights.as_chunks::<9>().0;
+        // In this order what is written to a point lies together.
+        for (input, output) in (0..inputs).flat_map(|i| (0..outputs).map(move |o| (i, o))) {
+            for (point, value) in points_of(&weights[output * inputs + input])
+                .into_iter()
+                .enumerate()
+            {
                 points[(point * inputs + input) * outputs + output] = value;
             }
         }
@@ -245,12 +249,21 @@ impl VectorLoop for Run<'_> {
 
 /// Points of nine weights.
 fn points_of(weights: &[f32; 9]) -> [f32; POINTS] {
-    let three = |side: [f64; 3], [a, b, c]: [f64; 3]| side[0] * a + side[1] * b + side[2] * c;
+    let weights = weights.map(f64::from);
     // Of each column of weights first, then of each row of what that gives.
-    let down: [[f64; 3]; INPUT] = WEIGHT_POINTS.map(|side| {
-        [0, 1, 2].map(|column| three(side, [0, 3, 6].map(|row| f64::from(weights[row + column]))))
-    });
-    from_fn(|point| three(WEIGHT_POINTS[point % INPUT], down[point / INPUT]) as f32)
+    let mut down = [[0.0; 3]; INPUT];
+    for (down, [a, b, c]) in down.iter_mut().zip(WEIGHT_POINTS) {
+        for (column, down) in down.iter_mut().enumerate() {
+            *down = a * weights[column] + b * weights[3 + column] + c * weights[6 + column];
+        }
+    }
+    let mut points = [0.0; POINTS];
+    for (points, down) in points.as_chunks_mut::<INPUT>().0.iter_mut().zip(down) {
+        for (point, [a, b, c]) in points.iter_mut().zip(WEIGHT_POINTS) {
+            *point = (a * down[0] + b * down[1] + c * down[2]) as f32;
+        }
+    }
+    points
 }
 
 /// Matrix B of the paper: six numbers become six points.
