@@ -114,7 +114,8 @@ pub(super) fn map_with(
         .collect();
     let mut made = surface(points.clone(), settings, &progress).expect("not cancelled")?;
     if settings.swath != SwathDepth::Off {
-        correct(&mut made, &[echoes], &points, &progress, settings.swath).expect("not cancelled");
+        correct(&mut made, vec![echoes], &points, &progress, settings.swath)
+            .expect("not cancelled");
     }
     Some(made)
 }

@@ -100,7 +100,17 @@ pub(crate) fn place(
         let z_m =
             |ping: usize, below_m: f64| correction.z_m(survey.side_scan[ping].time_s, below_m);
         let picks = picks(returns, traits, side);
-        side_points(navigation, picks, side, ranges_m, bottom_point, z_m).collect()
+        // Nearly every ping has one: a list that grows is copied, and takes twice the memory then.
+        let mut points = Vec::with_capacity(ranges_m.len());
+        points.extend(side_points(
+            navigation,
+            picks,
+            side,
+            ranges_m,
+            bottom_point,
+            z_m,
+        ));
+        points
     };
     let swath = Arc::new(swath_points(survey, navigation, correction, progress)?);
     let [port_m, starboard_m] = &ranges;

@@ -69,14 +69,14 @@ const UNTESTED_SDS: f64 = 0.7;
 /// When the work was cancelled.
 pub(crate) fn correct(
     surface: &mut Surface,
-    logs: &[LogEchoes<'_>],
+    logs: Vec<LogEchoes<'_>>,
     measured: &[DepthPoint],
     progress: &Progress,
     mode: SwathDepth,
 ) -> Result<(), Cancelled> {
     let laid_out = logs
-        .iter()
-        .map(|log| LaidOutLog::new(log.clone(), progress))
+        .into_iter()
+        .map(|log| LaidOutLog::new(log, progress))
         .collect::<Result<Vec<_>, _>>()?;
     surface.levels = match found(surface, &laid_out, measured, progress, mode)? {
         Ok((found, left_out)) => {
@@ -341,13 +341,13 @@ mod tests {
             (vec![ping; 100], LevelsRefused::NoLaw),
         ] {
             let mut surface = before.clone();
-            let logs = [LogEchoes {
+            let logs = vec![LogEchoes {
                 levels: &survey,
                 pings,
             }];
             correct(
                 &mut surface,
-                &logs,
+                logs,
                 &[measured],
                 &Progress::new(),
                 SwathDepth::Auto,

@@ -23,9 +23,9 @@ impl PingTable {
             let factor = factor.copied().unwrap_or(1.0);
             [scale.altitude_m, scale.scale, scale.offset_m, factor]
         };
-        let mut texels: Vec<[f32; 4]> = (0..pings)
-            .flat_map(|ping| Side::BOTH.map(|side| texel(side, ping)))
-            .collect();
+        // The reductions together have as many pings as the log, and a few where counts are odd.
+        let mut texels = Vec::with_capacity(4 * pings + 2 * usize::BITS as usize);
+        texels.extend((0..pings).flat_map(|ping| Side::BOTH.map(|side| texel(side, ping))));
         let (mut starts, mut from, mut count) = (vec![0], 0, pings);
         while count > 1 {
             let next = count.div_ceil(2);

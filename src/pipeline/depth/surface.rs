@@ -32,7 +32,7 @@ pub(crate) fn joint_depth_surface(
         return Ok(None);
     };
     let echoes: Vec<LogEchoes<'_>> = logs.iter().map(|log| echoes_of(log, map)).collect();
-    correct(&mut made, &echoes, &points, progress, settings.swath)?;
+    correct(&mut made, echoes, &points, progress, settings.swath)?;
     Ok(Some(made))
 }
 
