@@ -60,12 +60,12 @@ impl Convolution {
         let mut points = vec![0.0; Self::weights_of(channels)];
         let weights = weights.as_chunks::<9>().0;
         // In this order what is written to a point lies together.
-        for (input, output) in (0..inputs).flat_map(|i| (0..outputs).map(move |o| (i, o))) {
-            for (point, value) in points_of(&weights[output * inputs + input])
-                .into_iter()
-                .enumerate()
-            {
-                points[(point * inputs + input) * outputs + output] = value;
+        for input in 0..inputs {
+            for output in 0..outputs {
+                let of_weights = points_of(&weights[output * inputs + input]);
+                for (point, value) in of_weights.into_iter().enumerate() {
+                    points[(point * inputs + input) * outputs + output] = value;
+                }
             }
         }
         Some(Self {
