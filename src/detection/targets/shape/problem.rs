@@ -374,3 +374,84 @@ fn lanes(row: &[f32]) -> [f32; LANES] {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::support::random_cases::Random;
+
+    /// The definition, bin by bin in double precision.
+    fn plain_squares(squares: &Squares<'_>) -> f64 {
+        let bins = squares.look.bins;
+        let [dark, lighter] = squares.darkest;
+        let of_bin = |ping: usize, bin: usize| {
+            let at = ping * bins + bin;
+            let echo = f64::from(squares.strength) * f64::from(squares.predicted.object[at]);
+            let power = f64::from(squares.predicted.bottom[at]) + echo;
+            let darkest = dark + lighter * bin as f64 / bins as f64;
+            let expected = match squares.predicted.changed[ping].contains(&bin) {
+                true => power.ln().max(darkest) / SPECKLE_LN,
+                false => 0.0,
+            };
+            let level = f64::from(squares.look.pings[ping].levels[bin]);
+            (level - expected).powi(2)
+        };
+        let pings = 0..squares.look.pings.len();
+        pings
+            .flat_map(|ping| (0..bins).map(move |bin| (ping, bin)))
+            .map(|(ping, bin)| of_bin(ping, bin))
+            .sum()
+    }
+
+    fn positive(numbers: Vec<f32>) -> Vec<f32> {
+        numbers.into_iter().map(|number| number.max(0.0)).collect()
+    }
+
+    #[test]
+    fn squares_are_those_of_the_definition_for_any_count_of_bins() {
+        for bins in [1, 7, 8, 9, 16, 23, 96] {
+            let mut random = Random(7);
+            let mut numbers = |count: usize, from: f32, to: f32| -> Vec<f32> {
+                let share = (0..count).map(|_| random.below(1000) as f32 / 1000.0);
+                share.map(|share| from + share * (to - from)).collect()
+            };
+            let ping = |ping: usize| PingLevels {
+                ping,
+                boat_m: [0.0; 2],
+                outward: [1.0, 0.0],
+                levels: numbers(bins, -3.0, 3.0),
+            };
+            let look = BoxLevels {
+                altitude_m: 2.0,
+                recorded_m: [0.0, 0.1],
+                from_m: 0.0,
+                step_m: 0.1,
+                bins,
+                ping_m: 0.2,
+                pings: (0..3).map(ping).collect(),
+                noise: 1.0,
+                together: 1,
+            };
+            // A quarter of the bins are in the shadow, where nothing but noise is expected.
+            let predicted = Predicted {
+                bottom: positive(numbers(3 * bins, -1.0, 1.0)),
+                object: positive(numbers(3 * bins, -1.0, 1.0)),
+                changed: vec![0..bins, bins / 3..bins, 0..bins / 2],
+            };
+            let bare: Vec<f64> = look.pings.iter().map(PingLevels::squares).collect();
+            let squares = Squares {
+                look: &look,
+                bare: &bare,
+                predicted: &predicted,
+                strength: 1.7,
+                darkest: [-3.0, 0.8],
+            };
+            let expected = plain_squares(&squares);
+            let found = vectorised(squares);
+            assert!(
+                (found - expected).abs() < 1e-5 * (1.0 + expected),
+                "{bins} bins: {found}, not {expected}"
+            );
+        }
+    }
+}
