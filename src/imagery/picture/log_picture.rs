@@ -28,7 +28,7 @@ struct PictureEcho {
 pub struct LogPicture {
     /// What recorded ranges are worth.
     pub scales: Arc<PingScales>,
-    /// The same with the factors of the stripe filter, for the GPU.
+    /// Where their texels lie ([`LogPicture::texels`]).
     pub table: PingTable,
     /// Least and greatest of the scales.
     pub extremes: Extremes,
@@ -36,6 +36,8 @@ pub struct LogPicture {
     pub gain: Option<Arc<GainTable>>,
     /// Calibrated slant range where time-varied gain is 0 dB, metres: half of the farthest.
     pub middle_m: f32,
+    /// Factors of the stripe filter, by side, port first, if it was asked for.
+    factors: Option<[Vec<f32>; 2]>,
     echoes: Vec<PictureEcho>,
     has_bottom: bool,
 }
@@ -49,10 +51,10 @@ impl LogPicture {
         survey: &Survey,
         scales: Arc<PingScales>,
         gain: Option<Arc<GainTable>>,
-        factors: Option<&[Vec<f32>; 2]>,
+        factors: Option<[Vec<f32>; 2]>,
         progress: &Progress,
     ) -> Result<Self, Cancelled> {
-        let echoes = echoes(survey, &scales, gain.as_deref(), factors, progress)?;
+        let echoes = echoes(survey, &scales, gain.as_deref(), factors.as_ref(), progress)?;
         let spans = survey.side_scan.iter().enumerate();
         let far_m = spans
             .flat_map(|(ping, recorded)| {
@@ -64,14 +66,20 @@ impl LogPicture {
             .filter(|far_m| far_m.is_finite())
             .fold(1.0, f64::max);
         Ok(Self {
-            table: PingTable::new(&scales, factors),
+            table: PingTable::new(scales.side(Side::Port).len()),
             extremes: scales.extremes(),
             scales,
             gain,
             middle_m: (0.5 * far_m) as f32,
+            factors,
             echoes,
             has_bottom: survey.side_scan_state == SideScanState::Usable,
         })
+    }
+
+    /// Scales and factors of all pings for the GPU, as its table orders them.
+    pub fn texels(&self) -> Vec<[f32; 4]> {
+        self.table.texels(&self.scales, self.factors.as_ref())
     }
 
     /// Levels of the sampled echoes with some tone, 255 for the largest byte as recorded.

@@ -50,5 +50,5 @@ pub(super) fn made(
         true => Some(stripe_factors(survey, &scales, progress)?),
         false => None,
     };
-    LogPicture::new(survey, Arc::new(scales), gain, factors.as_ref(), progress)
+    LogPicture::new(survey, Arc::new(scales), gain, factors, progress)
 }

@@ -47,9 +47,9 @@ pub(super) fn upload(
     let gain = picture.and_then(|picture| picture.gain.as_ref());
     let [port, starboard] =
         Side::BOTH.map(|side| gain.map_or((&[][..], &[][..]), |gain| gain.curves(side)));
-    let texels = picture.map_or(&[][..], |picture| picture.table.texels());
+    let texels = picture.map_or_else(Vec::new, |picture| picture.texels());
     let curves = [port.0, port.1, starboard.0, starboard.1];
-    let (tables, fits) = renderer.upload_tables(&state.device, &state.queue, texels, curves);
+    let (tables, fits) = renderer.upload_tables(&state.device, &state.queue, &texels, curves);
     Uploaded {
         of: picture.cloned(),
         tables,
