@@ -115,7 +115,10 @@ impl App {
                 Some(whole) => results.growing_picture(&log, whole, progress),
                 None => results.picture(&log, progress),
             };
-            Some((id, picture.ok()?))
+            let picture = picture.ok()?;
+            // The waterfall uploads them.
+            picture.make_texels();
+            Some((id, picture))
         });
         let Some(picture) = self.picture().cloned() else {
             return;

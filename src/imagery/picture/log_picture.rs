@@ -5,7 +5,7 @@ use crate::imagery::mosaic::GainTable;
 use crate::imagery::waterfall::{MOST_SAMPLED_PINGS, beyond_pulse};
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::{Side, SideScanState, Survey};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Echoes that levels are counted over: enough for stable percentiles, few enough to be counted anew while a slider is dragged.
 const MOST_ECHOES: usize = 1 << 17;
@@ -28,7 +28,7 @@ struct PictureEcho {
 pub struct LogPicture {
     /// What recorded ranges are worth.
     pub scales: Arc<PingScales>,
-    /// Where their texels lie ([`LogPicture::texels`]).
+    /// Where their texels lie ([`LogPicture::take_texels`]).
     pub table: PingTable,
     /// Least and greatest of the scales.
     pub extremes: Extremes,
@@ -38,6 +38,8 @@ pub struct LogPicture {
     pub middle_m: f32,
     /// Factors of the stripe filter, by side, port first, if it was asked for.
     factors: Option<[Vec<f32>; 2]>,
+    /// Texels that are made and wait to be put on the GPU.
+    texels: Mutex<Option<Vec<[f32; 4]>>>,
     echoes: Vec<PictureEcho>,
     has_bottom: bool,
 }
@@ -72,13 +74,29 @@ impl LogPicture {
             gain,
             middle_m: (0.5 * far_m) as f32,
             factors,
+            texels: Mutex::new(None),
             echoes,
             has_bottom: survey.side_scan_state == SideScanState::Usable,
         })
     }
 
-    /// Scales and factors of all pings for the GPU, as its table orders them.
-    pub fn texels(&self) -> Vec<[f32; 4]> {
+    /// Makes the texels of all pings for the GPU, so that [`LogPicture::take_texels`] takes no time.
+    pub fn make_texels(&self) {
+        let texels = self.texels();
+        *self.texels.lock().unwrap_or_else(PoisonError::into_inner) = Some(texels);
+    }
+
+    /// Scales and factors of all pings for the GPU, as its table orders them. They are given away: what is on the GPU is not kept here.
+    pub fn take_texels(&self) -> Vec<[f32; 4]> {
+        let made = self
+            .texels
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .take();
+        made.unwrap_or_else(|| self.texels())
+    }
+
+    fn texels(&self) -> Vec<[f32; 4]> {
         self.table.texels(&self.scales, self.factors.as_ref())
     }
 

@@ -47,7 +47,7 @@ pub(super) fn upload(
     let gain = picture.and_then(|picture| picture.gain.as_ref());
     let [port, starboard] =
         Side::BOTH.map(|side| gain.map_or((&[][..], &[][..]), |gain| gain.curves(side)));
-    let texels = picture.map_or_else(Vec::new, |picture| picture.texels());
+    let texels = picture.map_or_else(Vec::new, |picture| picture.take_texels());
     let curves = [port.0, port.1, starboard.0, starboard.1];
     let (tables, fits) = renderer.upload_tables(&state.device, &state.queue, &texels, curves);
     Uploaded {
