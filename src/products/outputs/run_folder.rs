@@ -114,6 +114,11 @@ impl RunFolder {
         &self.folder
     }
 
+    /// Where a file of the run will lie, with the separators of the system: names have `/` on every system.
+    fn destination_of(&self, name: &Path) -> PathBuf {
+        self.folder.join(name).components().collect()
+    }
+
     /// The files written so far, by name; those that are `known` are not read again.
     ///
     /// # Errors
@@ -209,7 +214,7 @@ impl RunFolder {
     /// Refuses to write where a folder has the name of a file, or a file that of a folder.
     fn refuse_in_the_way(&self, files: &[String]) -> Result<(), OutputError> {
         let named = |what: &str, name: &Path| {
-            let path = self.folder.join(name);
+            let path = self.destination_of(name);
             let sentence = format!(
                 "{what} that is to be written; rename it: {}",
                 path.display()
@@ -237,7 +242,7 @@ impl RunFolder {
 
     /// Refuses to replace or remove a file that another program holds open on Windows, while the folder is as it was.
     fn refuse_held<'a>(&self, names: impl Iterator<Item = &'a String>) -> Result<(), OutputError> {
-        let mut paths = names.map(|name| self.folder.join(name));
+        let mut paths = names.map(|name| self.destination_of(Path::new(name)));
         match paths.find(|path| is_held(path)) {
             Some(path) => Err(format!(
                 "another program has a file open that is to be replaced, so nothing was; close it there, or choose another folder: {}",
