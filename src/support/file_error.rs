@@ -1,7 +1,7 @@
 //! What is wrong, and in which file.
 
 use std::error::Error;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// A file that cannot be used: one sentence, the path last.
 #[derive(Debug, thiserror::Error)]
@@ -11,12 +11,12 @@ pub struct FileError<Fault: Error + 'static> {
     #[source]
     pub what: Fault,
     /// Which file.
-    pub path: PathBuf,
+    pub path: Box<Path>,
 }
 
 impl<Fault: Error> FileError<Fault> {
     pub(crate) fn new(what: Fault, path: &Path) -> Self {
-        let path = path.to_owned();
+        let path = path.into();
         Self { what, path }
     }
 

@@ -24,6 +24,8 @@ mod detection_targets;
 mod detector;
 mod exclusion_window;
 mod export;
+/// A file that is mapped cannot be cut, replaced or removed on Windows.
+#[cfg(unix)]
 mod failing_log;
 mod first_return;
 mod first_window;
@@ -62,6 +64,7 @@ mod objects_window;
 mod offsets;
 mod one_list;
 mod outputs;
+#[cfg(unix)]
 mod packaging;
 mod passes_window;
 mod picture_log;

@@ -4,6 +4,7 @@ use super::{bathyscope, refusal, run, simulated};
 use crate::suite::handmade;
 use std::fs;
 use std::path::Path;
+#[cfg(unix)]
 use std::process::{Command, Stdio};
 
 /// A refusal of input that is one line after the progress, with these words in it.

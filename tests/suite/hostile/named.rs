@@ -3,7 +3,6 @@
 use super::survives;
 use crate::suite::support;
 use std::fs;
-use std::path::Path;
 use tempfile::TempDir;
 
 fn folder() -> TempDir {
@@ -451,7 +450,7 @@ fn a_full_disk_is_said_whatever_is_written() {
 }
 
 #[cfg(target_os = "linux")]
-fn leftovers(folder: &Path) -> Vec<String> {
+fn leftovers(folder: &std::path::Path) -> Vec<String> {
     let entries = fs::read_dir(folder).expect("a folder").flatten();
     let names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
     names.filter(|name| name != "points.csv").collect()
