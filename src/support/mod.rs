@@ -2,6 +2,8 @@
 //!
 //! In: plain values. Out: plain values. It names no other module of the program.
 
+#[cfg(feature = "gui")]
+pub(crate) mod block_on;
 pub(crate) mod calendar;
 pub(crate) mod catch_panic;
 pub(crate) mod crash_report;

@@ -1,9 +1,10 @@
 //! The window without a window: frames are drawn into a texture and read back, on a GPU or on lavapipe.
 
-use super::adapter::{self, block_on};
+use super::adapter;
 use super::render::extent;
 use super::{Shell, into_texture};
 use crate::products::export::{ExportError, write_atomically};
+use crate::support::block_on::block_on;
 use crate::support::progress::{Cancelled, Progress};
 use eframe::egui_wgpu::{
     RenderState, RendererOptions, ScreenDescriptor, WgpuConfiguration, WgpuError, wgpu,

@@ -18,4 +18,9 @@ pub(crate) struct Output {
 pub(crate) trait Inference: Send + Sync {
     /// Runs one picture through; `input` holds as many numbers as the input has.
     fn run(&self, input: Vec<f32>) -> Result<Vec<Output>, Unusable>;
+
+    /// Which part of the computer runs it, to be added to a sentence; nothing where there is no choice.
+    fn runs_on(&self) -> String {
+        String::new()
+    }
 }

@@ -57,7 +57,8 @@ fn elements_of(node: &TypedNode) -> Result<u64, Unusable> {
     Ok(sum)
 }
 
-fn multiplications_of(model: &TypedModel, node: &TypedNode) -> u64 {
+/// Multiplications that a layer takes.
+pub(super) fn multiplications_of(model: &TypedModel, node: &TypedNode) -> u64 {
     let inputs = model.node_input_facts(node.id).unwrap_or_default();
     let costs = node.op.cost(&inputs).unwrap_or_default();
     let counts = costs

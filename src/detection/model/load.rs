@@ -15,6 +15,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 use tract_onnx::pb::ModelProto;
+use tract_onnx::prelude::TypedModel;
 
 /// Bytes of the largest detector that runs on a laptop, doubled.
 const LARGEST_MIB: u64 = 512;
@@ -50,7 +51,7 @@ pub(super) fn from_path(path: &Path) -> Result<Model, Unusable> {
 
 /// What a file was found to be, before its first run.
 struct Opened {
-    network: tract::Network,
+    network: Box<dyn Inference>,
     input: InputSpec,
     metadata: Metadata,
 }
@@ -75,7 +76,7 @@ pub(super) fn from_bytes(
         open(&onnx, &said.unwrap_or_default(), folder.as_deref())
     })?;
 
-    let network = Arc::new(network);
+    let network: Arc<dyn Inference> = Arc::from(network);
     let (first, numbers) = (Arc::clone(&network), vec![0.5; input.count()]);
     let outputs = guarded("its first picture", FIRST_RUN_LIMIT, move || {
         first.run(numbers)
@@ -150,7 +151,8 @@ fn open(onnx: &[u8], sidecar: &Sidecar, folder: Option<&Path>) -> Result<Opened,
     } else {
         [1, channels, height, width]
     };
-    let network = tract::compile(&proto, &declared, shape, folder)?;
+    let (network, graph) = tract::compile(&proto, &declared, shape, folder)?;
+    let network = placed(network, graph);
     Ok(Opened {
         network,
         input,
@@ -171,6 +173,17 @@ fn check_outside_files(proto: &ModelProto, folder: Option<&Path>) -> Result<(), 
         return Err(Unusable::TooLarge(LARGEST_MIB));
     }
     Ok(())
+}
+
+/// The network on the graphics card, where there is one that is worth it.
+#[cfg(feature = "gui")]
+fn placed(network: tract::Network, graph: TypedModel) -> Box<dyn Inference> {
+    super::graphics::placed(network, graph, super::graphics::Choice::Fast)
+}
+
+#[cfg(not(feature = "gui"))]
+fn placed(network: tract::Network, _: TypedModel) -> Box<dyn Inference> {
+    Box::new(network)
 }
 
 /// The input's size and layout; how levels become numbers is filled in once the family is known.
@@ -365,10 +378,14 @@ fn describe(name: FamilyName, guessed: bool, names: &[String], input: &InputSpec
 }
 
 /// A network that its first run may still hold.
-struct Shared(Arc<tract::Network>);
+struct Shared(Arc<dyn Inference>);
 
 impl Inference for Shared {
     fn run(&self, input: Vec<f32>) -> Result<Vec<Output>, Unusable> {
         self.0.run(input)
+    }
+
+    fn runs_on(&self) -> String {
+        self.0.runs_on()
     }
 }

@@ -5,7 +5,7 @@
 //!
 //! `screen` refuses what could harm before anything is computed, `constants` what would grow while it is compiled, `cost` what would take
 //! too much to run. `tract` compiles and runs (behind `backend`, so that another may come), convolutions of 3 x 3 by `winograd` and maxima
-//! by `max_pool`. `guard`
+//! by `max_pool`, all but the last layers by `graphics` where the computer has a card for it. `guard`
 //! keeps failures and endless work to themselves. `family` infers from the outputs' shapes how boxes are written; `sidecar` (the JSON file
 //! next to the model) and `metadata` (inside it) state the rest. `input` makes the numbers that the network takes. `calibration` turns a
 //! network's confidence into the share of such boxes that are right. `shipped` is the model that comes with the program.
@@ -17,6 +17,8 @@ mod cost;
 mod error;
 mod family;
 mod fast_layers;
+#[cfg(feature = "gui")]
+mod graphics;
 mod guard;
 mod input;
 mod load;
@@ -163,9 +165,9 @@ impl Model {
         Self { nms, ..self }
     }
 
-    /// One line: what the file was taken for, and by what.
-    pub fn description(&self) -> &str {
-        &self.description
+    /// One line: what the file was taken for, by what, and which part of the computer runs it where there is a choice.
+    pub fn description(&self) -> String {
+        format!("{}{}", self.description, self.backend.runs_on())
     }
 
     /// The objects in one picture, of at least that score (calibrated where the sidecar says how), by falling score, in the picture's pixels. For a network of one

@@ -1,5 +1,5 @@
 //! Networks run by tract, in pure Rust. Beside it only `screen`, `constants` and `cost` name it, which look at the
-//! same graph before it is compiled or run, and `fast_layers`, which replaces layers of it.
+//! same graph before it is compiled or run, and `fast_layers` and `graphics`, which replace layers of it.
 
 use super::constants::check_constants;
 use super::cost::check_cost;
@@ -34,22 +34,22 @@ pub(super) fn parse(bytes: &[u8]) -> Result<ModelProto, Unusable> {
         .map_err(|_| Unusable::NotOnnx)
 }
 
-/// Compiles a screened graph for one picture of `shape`. `folder` is where weights outside the file lie.
+/// Compiles a screened graph for one picture of `shape`. `folder` is where weights outside the file lie. Gives back the network and its
+/// graph.
 pub(super) fn compile(
     proto: &ModelProto,
     declared: &Declared,
     shape: [usize; 4],
     folder: Option<&Path>,
-) -> Result<Network, Unusable> {
+) -> Result<(Network, TypedModel), Unusable> {
     // The chain of reasons: the topmost alone is not enough.
     let compile_error = |error: TractError| Unusable::Compile(format!("{error:#}"));
     let mut model = parsed(proto, declared, shape, folder).map_err(compile_error)?;
     check_constants(&mut model)?;
     let model = typed(model).map_err(compile_error)?;
     check_cost(&model)?;
-    let names = output_names(proto);
-    let plan = runnable(model).map_err(compile_error)?;
-    Ok(Network { plan, names, shape })
+    let network = Network::new(model.clone(), output_names(proto), shape).map_err(compile_error)?;
+    Ok((network, model))
 }
 
 fn parsed(
@@ -74,12 +74,6 @@ fn parsed(
     parsed
         .model
         .with_input_fact(0, InferenceFact::dt_shape(element, shape))
-}
-
-fn runnable(model: TypedModel) -> TractResult<Arc<TypedRunnableModel>> {
-    let mut model = model.into_decluttered()?;
-    replace_layers(&mut model)?;
-    model.into_optimized()?.into_runnable()
 }
 
 fn typed(model: InferenceModel) -> TractResult<TypedModel> {
@@ -130,6 +124,30 @@ impl Inference for Network {
 }
 
 impl Network {
+    /// Of a graph, the names of its outputs and the shape of its input.
+    pub(super) fn new(
+        graph: TypedModel,
+        names: Vec<String>,
+        shape: [usize; 4],
+    ) -> TractResult<Self> {
+        let mut graph = graph.into_decluttered()?;
+        replace_layers(&mut graph)?;
+        let plan = graph.into_optimized()?.into_runnable()?;
+        Ok(Self { plan, names, shape })
+    }
+
+    /// The same network by another graph.
+    #[cfg(feature = "gui")]
+    pub(super) fn with(&self, graph: TypedModel) -> TractResult<Self> {
+        Self::new(graph, self.names.clone(), self.shape)
+    }
+
+    /// Numbers of a picture.
+    #[cfg(feature = "gui")]
+    pub(super) fn count(&self) -> usize {
+        self.shape.iter().product()
+    }
+
     fn run_trusting(&self, input: &[f32]) -> TractResult<Vec<Output>> {
         let input = Tensor::from_shape(&self.shape, input)?;
         let outputs = self.plan.run(tvec!(input.into()))?;
