@@ -26,10 +26,10 @@ use tract_onnx::tract_core::optim::Optimizer;
 /// Share of the multiplications that makes a card worth its way there and back.
 const WORTH: f64 = 0.9;
 
-/// With `off` in it, no card is used: a driver may end the program.
+/// With `on` in it, a card is used: its speed is not known yet, and to look for one takes memory and time where there is none.
 const SWITCH: &str = "BATHYSCOPE_GRAPHICS_CARD";
 
-/// Whether a card is chosen by itself, or the first adapter of any kind, for tests.
+/// Whether a fast card is chosen, or the first adapter of any kind, for tests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Choice {
     Fast,
@@ -40,9 +40,9 @@ pub(super) enum Choice {
 fn card(choice: Choice) -> Option<Arc<Card>> {
     // Opened once: a driver takes a tenth of a second.
     static FAST: LazyLock<Option<Arc<Card>>> = LazyLock::new(|| {
-        let is_off = std::env::var_os(SWITCH).is_some_and(|value| value == "off");
+        let is_on = std::env::var_os(SWITCH).is_some_and(|value| value == "on");
         let open = || Card::open(Card::is_fast);
-        let card = if is_off { None } else { catch_panic(open) };
+        let card = if is_on { catch_panic(open) } else { None };
         card.flatten().map(Arc::new)
     });
     match choice {
