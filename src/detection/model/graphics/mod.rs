@@ -108,25 +108,23 @@ fn trial_number(at: usize) -> f32 {
     (at.wrapping_mul(2_654_435_761) >> 16 & 255) as f32 / 255.0
 }
 
-/// By how much of an output's greatest number others differ from it, at most.
+/// By how much of an output's greatest number others differ from it, at most; infinity where one is no number.
 fn difference(expected: &[Output], found: &[Output]) -> f32 {
+    let greatest = |most: f32, number: f32| match number.is_nan() {
+        true => f32::INFINITY,
+        false => most.max(number.abs()),
+    };
     let of_output = |(one, other): (&Output, &Output)| {
-        let greatest = |numbers: &mut dyn Iterator<Item = f32>| {
-            numbers.fold(0.0, |most: f32, number| match number.abs() <= most {
-                true => most,
-                // Or no number.
-                false => number.abs(),
-            })
-        };
         let pairs = one.values.iter().zip(&other.values);
-        let differ = greatest(&mut pairs.map(|(a, b)| a - b));
-        differ / greatest(&mut one.values.iter().copied()).max(f32::MIN_POSITIVE)
+        let differ = pairs.map(|(a, b)| a - b).fold(0.0, greatest);
+        let most = one.values.iter().copied().fold(f32::MIN_POSITIVE, greatest);
+        differ / most
     };
     expected
         .iter()
         .zip(found)
         .map(of_output)
-        .fold(0.0, f32::max)
+        .fold(0.0, greatest)
 }
 
 /// Puts the layer of the card into a graph; else why it is not worth it.

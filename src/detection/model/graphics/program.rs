@@ -1,6 +1,7 @@
 //! What a graphics card computes of a network: steps over buffers of numbers.
 
 use bytemuck::{Pod, Zeroable};
+use std::collections::{BTreeSet, HashMap};
 
 /// Numbers of one buffer at most, 128 MiB: every device that has compute shaders binds as much.
 const MOST_IN_BUFFER: usize = 1 << 25;
@@ -38,7 +39,7 @@ pub(super) struct Numbers {
     pub(super) slope: f32,
 }
 
-/// What becomes of each number.
+/// What becomes of each number, by its name in the shader.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Function {
     /// `slope` times a negative one.
@@ -46,6 +47,9 @@ pub(super) enum Function {
     Sigmoid,
     /// The number times its sigmoid.
     Silu,
+    /// Of two numbers.
+    Sum,
+    Product,
 }
 
 /// What a step computes: an entry of the shader.
@@ -177,10 +181,15 @@ impl Program {
         let numbers = Numbers {
             input: flat,
             output: flat,
-            function: if is_sum { 4 } else { 5 },
             ..Numbers::default()
         };
-        self.compute(Kernel::Combine, one, Other::Place(other), numbers)
+        let function = if is_sum {
+            Function::Sum
+        } else {
+            Function::Product
+        };
+        let other = Other::Place(other);
+        self.compute(Kernel::Combine, one, other, numbers.with(function))
     }
 
     /// Puts places one after the other.
@@ -232,45 +241,61 @@ impl Program {
         for output in &self.outputs {
             last_read[output.buffer] = usize::MAX;
         }
-        let mut sizes: Vec<usize> = Vec::new();
-        let mut free: Vec<usize> = Vec::new();
-        let mut lies_in: Vec<Option<usize>> = vec![None; self.buffers.len()];
-        let mut given = |buffer: usize, free: &mut Vec<usize>, sizes: &mut Vec<usize>| {
-            if lies_in[buffer].is_none() {
-                let count = self.buffers[buffer];
-                let fitting = (0..free.len()).filter(|&at| sizes[free[at]] >= count);
-                let least = fitting.min_by_key(|&at| sizes[free[at]]);
-                lies_in[buffer] = Some(match least {
-                    Some(at) => free.swap_remove(at),
-                    None => {
-                        sizes.push(count);
-                        sizes.len() - 1
-                    }
-                });
-            }
-            lies_in[buffer].unwrap_or_default()
+        let mut packing = Packing {
+            counts: self.buffers,
+            lies_in: HashMap::new(),
+            sizes: Vec::new(),
+            free: BTreeSet::new(),
         };
-        given(0, &mut free, &mut sizes);
+        packing.place(0);
         for (at, step) in self.steps.iter_mut().enumerate() {
             let read: Vec<usize> = step.reads().collect();
             let into = step.written_mut();
-            *into = given(*into, &mut free, &mut sizes);
-            let mut done = read.clone();
-            done.retain(|&buffer| last_read[buffer] == at);
-            done.dedup();
-            step.move_reads(|buffer| given(buffer, &mut free, &mut sizes));
-            for buffer in done {
-                let lies_in = given(buffer, &mut free, &mut sizes);
-                if !free.contains(&lies_in) {
-                    free.push(lies_in);
-                }
-            }
+            *into = packing.place(*into);
+            step.move_reads(|buffer| packing.place(buffer));
+            let done = read.into_iter().filter(|&buffer| last_read[buffer] == at);
+            let done: Vec<usize> = done.map(|buffer| packing.place(buffer)).collect();
+            packing.free.extend(done);
         }
         for output in &mut self.outputs {
-            output.buffer = given(output.buffer, &mut free, &mut sizes);
+            output.buffer = packing.place(output.buffer);
         }
-        self.buffers = sizes;
-        self
+        Self {
+            buffers: packing.sizes,
+            ..self
+        }
+    }
+}
+
+/// Which buffer of the card each buffer of a program lies in.
+struct Packing {
+    /// Numbers of the program's buffers.
+    counts: Vec<usize>,
+    lies_in: HashMap<usize, usize>,
+    /// Numbers of the card's.
+    sizes: Vec<usize>,
+    /// Those of the card whose numbers nothing reads any more.
+    free: BTreeSet<usize>,
+}
+
+impl Packing {
+    /// Where a buffer lies: where it did, else in the least free one that is large enough, else in a new one.
+    fn place(&mut self, buffer: usize) -> usize {
+        if let Some(&there) = self.lies_in.get(&buffer) {
+            return there;
+        }
+        let count = self.counts[buffer];
+        let fitting = self.free.iter().filter(|&&at| self.sizes[at] >= count);
+        let place = match fitting.copied().min_by_key(|&at| self.sizes[at]) {
+            Some(at) => at,
+            None => {
+                self.sizes.push(count);
+                self.sizes.len() - 1
+            }
+        };
+        self.free.remove(&place);
+        self.lies_in.insert(buffer, place);
+        place
     }
 }
 
@@ -334,6 +359,8 @@ impl Numbers {
             Function::Leaky(slope) => (1, slope),
             Function::Sigmoid => (2, 0.0),
             Function::Silu => (3, 0.0),
+            Function::Sum => (4, 0.0),
+            Function::Product => (5, 0.0),
         };
         Self {
             function,

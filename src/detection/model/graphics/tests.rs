@@ -118,6 +118,19 @@ fn every_layer_that_a_card_knows_is_computed_as_by_the_processor() {
 }
 
 #[test]
+fn what_is_no_number_differs() {
+    let output = |values: [f32; 2]| Output {
+        name: String::new(),
+        shape: vec![2],
+        values: values.to_vec(),
+    };
+    let of = |found: [f32; 2]| difference(&[output([2.0, -4.0])], &[output(found)]);
+    assert_eq!([of([2.0, -4.0]), of([2.0, -3.0])], [0.0, 0.25]);
+    assert_eq!(of([f32::NAN, -4.0]), f32::INFINITY);
+    assert_eq!(of([2.0, f32::INFINITY]), f32::INFINITY);
+}
+
+#[test]
 fn the_shipped_network_is_computed_by_a_card() {
     const ONNX: &[u8] = include_bytes!("../../../../assets/detector/default.onnx");
     let proto = tract::parse(ONNX).expect("a model");
