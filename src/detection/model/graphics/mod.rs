@@ -37,18 +37,20 @@ pub(super) enum Choice {
     Any,
 }
 
-fn card(choice: Choice) -> Option<Arc<Card>> {
+/// The card, or that there is none; `None` where none is asked for.
+fn card(choice: Choice) -> Option<Option<Arc<Card>>> {
     // Opened once: a driver takes a tenth of a second.
     static FAST: LazyLock<Option<Arc<Card>>> = LazyLock::new(|| {
-        let is_on = std::env::var_os(SWITCH).is_some_and(|value| value == "on");
-        let open = || Card::open(Card::is_fast);
-        let card = if is_on { catch_panic(open) } else { None };
+        let card = catch_panic(|| Card::open(Card::is_fast));
         card.flatten().map(Arc::new)
     });
     match choice {
-        Choice::Fast => FAST.clone(),
+        Choice::Fast => {
+            let is_on = std::env::var_os(SWITCH).is_some_and(|value| value == "on");
+            is_on.then(|| FAST.clone())
+        }
         #[cfg(test)]
-        Choice::Any => Card::open(|_| true).map(Arc::new),
+        Choice::Any => Some(Card::open(|_| true).map(Arc::new)),
     }
 }
 
@@ -63,13 +65,17 @@ pub(super) fn placed(processor: Network, graph: TypedModel, choice: Choice) -> B
     let Some(card) = card(choice) else {
         return Box::new(processor);
     };
-    let name = card.name().to_owned();
-    let tried = catch_panic(|| on_card(&processor, graph, card));
+    let name = card
+        .as_ref()
+        .map_or("a graphics card", |card| card.name())
+        .to_owned();
+    let tried = match card {
+        Some(card) => tried(&processor, graph, card),
+        None => Err("none with memory of its own was found".to_owned()),
+    };
     let (by_card, fault) = match tried {
-        Some(Ok(Ok(network))) => (Some(network), None),
-        Some(Ok(Err(fault))) => (None, Some(fault)),
-        Some(Err(error)) => (None, Some(format!("{error:#}"))),
-        None => (None, Some("its driver failed".to_owned())),
+        Ok(network) => (Some(network), None),
+        Err(fault) => (None, Some(fault)),
     };
     Box::new(Placed {
         processor,
@@ -77,6 +83,13 @@ pub(super) fn placed(processor: Network, graph: TypedModel, choice: Choice) -> B
         name,
         fault: Mutex::new(fault),
     })
+}
+
+/// The network on a card; else why not, whatever goes wrong.
+fn tried(processor: &Network, graph: TypedModel, card: Arc<Card>) -> Result<Network, String> {
+    catch_panic(|| on_card(processor, graph, card))
+        .ok_or_else(|| "its driver failed".to_owned())?
+        .map_err(|error| format!("{error:#}"))?
 }
 
 /// The network on a card that computes what the processor does; else why not.

@@ -87,7 +87,8 @@ fn named(graph: TypedModel) -> Network {
 }
 
 fn any_card() -> Arc<Card> {
-    card(Choice::Any).expect("a graphics driver; the tests need one")
+    let card = card(Choice::Any).flatten();
+    card.expect("a graphics driver; the tests need one")
 }
 
 #[test]
