@@ -21,14 +21,32 @@ use tract_onnx::prelude::TypedModel;
 const LARGEST_MIB: u64 = 512;
 /// Bytes of a sidecar: it holds names and anchors.
 const LARGEST_SIDECAR: u64 = 1 << 20;
-/// Time to understand and compile a network. YOLOv4 at full width takes a second.
-const COMPILE_LIMIT: Duration = Duration::from_secs(60);
-/// Time for the first picture. YOLOv4 at full width and 608 pixels takes a second and a half.
-const FIRST_RUN_LIMIT: Duration = Duration::from_secs(30);
 /// Pixels across or down that an input may have.
 const LARGEST_INPUT: usize = 4096;
 /// Pixels across and down where nothing states it.
 const USUAL_INPUT: usize = 416;
+
+/// How long a network may take before it is given up.
+#[derive(Clone, Copy)]
+pub(super) struct Limits {
+    /// To be understood and compiled. YOLOv4 at full width takes a second.
+    compilation: Duration,
+    /// For the first picture. YOLOv4 at full width and 608 pixels takes a second and a half.
+    first_picture: Duration,
+}
+
+impl Limits {
+    /// Of a file that may come from anywhere.
+    pub(super) const USUAL: Self = Self {
+        compilation: Duration::from_secs(60),
+        first_picture: Duration::from_secs(30),
+    };
+    /// Of a network that is known to end, on a computer however slow: an emulated one takes over 30 s a picture.
+    pub(super) const NONE: Self = Self {
+        compilation: Duration::MAX,
+        first_picture: Duration::MAX,
+    };
+}
 
 /// Loads the file and its sidecar.
 ///
@@ -46,7 +64,7 @@ pub(super) fn from_path(path: &Path) -> Result<Model, Unusable> {
         Err(error) if error.kind() == ErrorKind::NotFound => None,
         Err(error) => return Err(Unusable::Sidecar(error.to_string())),
     };
-    from_bytes(bytes, sidecar.as_deref(), path.parent())
+    from_bytes(bytes, sidecar.as_deref(), path.parent(), Limits::USUAL)
 }
 
 /// What a file was found to be, before its first run.
@@ -64,6 +82,7 @@ pub(super) fn from_bytes(
     onnx: Vec<u8>,
     sidecar: Option<&str>,
     folder: Option<&Path>,
+    limits: Limits,
 ) -> Result<Model, Unusable> {
     let said = sidecar.map(Sidecar::parse).transpose()?;
     let sidecar = said.clone().unwrap_or_default();
@@ -72,13 +91,13 @@ pub(super) fn from_bytes(
         network,
         mut input,
         metadata,
-    } = guarded("its compilation", COMPILE_LIMIT, move || {
+    } = guarded("its compilation", limits.compilation, move || {
         open(&onnx, &said.unwrap_or_default(), folder.as_deref())
     })?;
 
     let network: Arc<dyn Inference> = Arc::from(network);
     let (first, numbers) = (Arc::clone(&network), vec![0.5; input.count()]);
-    let outputs = guarded("its first picture", FIRST_RUN_LIMIT, move || {
+    let outputs = guarded("its first picture", limits.first_picture, move || {
         first.run(numbers)
     })?;
     let (family, name, guessed) = understand(&outputs, &input, &sidecar, &metadata)?;
@@ -387,5 +406,23 @@ impl Inference for Shared {
 
     fn runs_on(&self) -> String {
         self.0.runs_on()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::shipped::{ONNX, SIDECAR};
+    use super::*;
+
+    #[test]
+    fn a_network_that_is_late_is_refused_unless_it_has_no_limit() {
+        let load = |limits| from_bytes(ONNX.to_vec(), Some(SIDECAR), None, limits);
+        let first_picture = Duration::ZERO;
+        let late = load(Limits {
+            first_picture,
+            ..Limits::NONE
+        });
+        assert!(matches!(late, Err(Unusable::Slow { .. })), "{late:?}");
+        assert!(load(Limits::NONE).is_ok());
     }
 }

@@ -38,6 +38,7 @@ use super::{Nms, Picture, Scored, level, suppress, test_time_augmentation, vote}
 use calibration::ConfidenceCalibration;
 use family::DetectorFamily;
 use input::InputSpec;
+use load::Limits;
 use std::path::Path;
 
 /// Looks through a model as [`Model::from_bytes`] does before it compiles it, for the fuzzer.
@@ -111,7 +112,7 @@ impl Model {
     /// # Errors
     /// Why the model cannot be used.
     pub fn from_bytes(onnx: Vec<u8>, sidecar: Option<&str>) -> Result<Model, Unusable> {
-        load::from_bytes(onnx, sidecar, None)
+        load::from_bytes(onnx, sidecar, None, Limits::USUAL)
     }
 
     /// The network's class names, in their order there.
