@@ -31,9 +31,11 @@ const SUM: u32 = 4u;
 
 @group(0) @binding(0) var<uniform> numbers: Numbers;
 @group(0) @binding(1) var<storage, read> input: array<f32>;
-// Weights by output channel, input channel, row and column, and a bias for each output channel after them; or another input.
+// Weights and biases of a convolution, or another input.
 @group(0) @binding(2) var<storage, read> other: array<f32>;
 @group(0) @binding(3) var<storage, read_write> output: array<f32>;
+// What lies under the window of a convolution. `Weights` in detection/model/graphics/convolution.rs.
+@group(0) @binding(4) var<storage, read> under: array<vec2<u32>>;
 
 fn applied(value: f32) -> f32 {
     switch numbers.function {
@@ -45,74 +47,127 @@ fn applied(value: f32) -> f32 {
 }
 
 // A convolution is a product of matrices, of weights and of what lies under the windows. A group computes SIDE x SIDE numbers of it, of as many
-// output channels and pixels, each invocation 4 x 4 of them.
+// output channels and pixels, each invocation 8 x 4 of them. It fetches DEPTH numbers of each sum at once, and the next ones meanwhile.
 const SIDE: u32 = 64u;
 const DEPTH: u32 = 16u;
-const THREADS: u32 = 256u;
-var<workgroup> weights_here: array<f32, 1024>;
-var<workgroup> inputs_here: array<f32, 1024>;
+// Of four numbers, in a row of what is fetched.
+const QUADS: u32 = 16u;
+var<workgroup> weights_here: array<vec4<f32>, 256>;
+var<workgroup> inputs_here: array<vec4<f32>, 256>;
 
-@compute @workgroup_size(16, 16)
+// Where the windows of four pixels begin: row, column and number of the input.
+struct Corners {
+    top: vec4<i32>,
+    left: vec4<i32>,
+    first: vec4<i32>,
+}
+
+fn corners(pixel: u32) -> Corners {
+    let pixels = pixel + vec4<u32>(0u, 1u, 2u, 3u);
+    let top = vec4<i32>(pixels / numbers.width_out * numbers.step_y) - i32(numbers.before_y);
+    let left = vec4<i32>(pixels % numbers.width_out * numbers.step_x) - i32(numbers.before_x);
+    let first = i32(numbers.first) + top * i32(numbers.width_in) + left;
+    // No row of the input lies under a window that begins there.
+    let nowhere = vec4<i32>(-65536);
+    let is_pixel = pixels < vec4<u32>(numbers.height_out * numbers.width_out);
+    return Corners(select(nowhere, top, is_pixel), left, first);
+}
+
+fn input_at(top: i32, left: i32, first: i32, place: vec2<u32>) -> f32 {
+    // A row before the first is larger than any as a number without a sign.
+    let y = u32(top + i32(place.y >> 16u));
+    let x = u32(left + i32(place.y & 65535u));
+    if y < numbers.height_in && x < numbers.width_in {
+        return input[u32(first + i32(place.x))];
+    }
+    return 0.0;
+}
+
+fn inputs_at(at: Corners, term: u32) -> vec4<f32> {
+    let place = under[term];
+    return vec4<f32>(
+        input_at(at.top.x, at.left.x, at.first.x, place),
+        input_at(at.top.y, at.left.y, at.first.y, place),
+        input_at(at.top.z, at.left.z, at.first.z, place),
+        input_at(at.top.w, at.left.w, at.first.w, place),
+    );
+}
+
+fn weights_at(first: u32) -> vec4<f32> {
+    return vec4<f32>(other[first], other[first + 1u], other[first + 2u], other[first + 3u]);
+}
+
+fn put(channel: u32, bias: u32, pixel: u32, sums: vec4<f32>) {
+    if channel >= numbers.channels_out {
+        return;
+    }
+    let pixels = numbers.height_out * numbers.width_out;
+    let values = sums + other[bias + channel];
+    for (var column = 0u; column < min(4u, max(pixel, pixels) - pixel); column++) {
+        output[channel * pixels + pixel + column] = applied(values[column]);
+    }
+}
+
+@compute @workgroup_size(16, 8)
 fn convolve(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(local_invocation_id) local: vec3<u32>,
     @builtin(local_invocation_index) index: u32,
 ) {
-    let window = numbers.window_y * numbers.window_x;
-    let depth = numbers.channels_in * window;
-    let pixels = numbers.height_out * numbers.width_out;
-    let area = numbers.height_in * numbers.width_in;
-    let first_pixel = group.x * SIDE;
-    let first_channel = group.y * SIDE;
-    // The pixel that this invocation fetches inputs for.
-    let pixel = first_pixel + index % SIDE;
-    let top = i32(pixel / numbers.width_out * numbers.step_y) - i32(numbers.before_y);
-    let left = i32(pixel % numbers.width_out * numbers.step_x) - i32(numbers.before_x);
-    var sums = array<vec4<f32>, 4>();
+    let terms = numbers.channels_in * numbers.window_y * numbers.window_x;
+    let depth = (terms + DEPTH - 1u) / DEPTH * DEPTH;
+    let across = (numbers.channels_out + SIDE - 1u) / SIDE * SIDE;
+    // This invocation fetches four pixels and four channels of two of the DEPTH numbers.
+    let quad = index % QUADS;
+    let line = index / QUADS;
+    let at = corners(group.x * SIDE + 4u * quad);
+    let weights = group.y * SIDE + 4u * quad;
+    var weights_next = array(weights_at(line * across + weights), weights_at((line + 8u) * across + weights));
+    var inputs_next = array(inputs_at(at, line), inputs_at(at, line + 8u));
+    var sums = array<vec4<f32>, 8>();
     for (var start = 0u; start < depth; start += DEPTH) {
-        for (var part = index; part < SIDE * DEPTH; part += THREADS) {
-            let row = start + part % DEPTH;
-            let channel = first_channel + part / DEPTH;
-            var weight = 0.0;
-            if row < depth && channel < numbers.channels_out {
-                weight = other[channel * depth + row];
-            }
-            weights_here[part % DEPTH * SIDE + part / DEPTH] = weight;
-
-            let under = start + part / SIDE;
-            let y = top + i32(under % window / numbers.window_x);
-            let x = left + i32(under % numbers.window_x);
-            var value = 0.0;
-            if under < depth && pixel < pixels && y >= 0 && y < i32(numbers.height_in) && x >= 0 && x < i32(numbers.width_in) {
-                value = input[numbers.first + under / window * area + u32(y) * numbers.width_in + u32(x)];
-            }
-            inputs_here[part] = value;
-        }
+        weights_here[index] = weights_next[0];
+        weights_here[index + 128u] = weights_next[1];
+        inputs_here[index] = inputs_next[0];
+        inputs_here[index + 128u] = inputs_next[1];
         workgroupBarrier();
+        let next = start + DEPTH + line;
+        if next < depth {
+            weights_next[0] = weights_at(next * across + weights);
+            weights_next[1] = weights_at((next + 8u) * across + weights);
+            inputs_next[0] = inputs_at(at, next);
+            inputs_next[1] = inputs_at(at, next + 8u);
+        }
         for (var row = 0u; row < DEPTH; row++) {
-            let at = row * SIDE + 4u * local.x;
-            let values = vec4<f32>(inputs_here[at], inputs_here[at + 1u], inputs_here[at + 2u], inputs_here[at + 3u]);
-            let line = row * SIDE + 4u * local.y;
-            for (var channel = 0u; channel < 4u; channel++) {
-                sums[channel] += weights_here[line + channel] * values;
-            }
+            let values = inputs_here[row * QUADS + local.x];
+            let one = weights_here[row * QUADS + 2u * local.y];
+            let two = weights_here[row * QUADS + 2u * local.y + 1u];
+            sums[0] += one.x * values;
+            sums[1] += one.y * values;
+            sums[2] += one.z * values;
+            sums[3] += one.w * values;
+            sums[4] += two.x * values;
+            sums[5] += two.y * values;
+            sums[6] += two.z * values;
+            sums[7] += two.w * values;
         }
         workgroupBarrier();
     }
-    for (var row = 0u; row < 4u; row++) {
-        let channel = first_channel + 4u * local.y + row;
-        if channel >= numbers.channels_out {
-            break;
-        }
-        let bias = other[numbers.channels_out * depth + channel];
-        for (var column = 0u; column < 4u; column++) {
-            let at = first_pixel + 4u * local.x + column;
-            if at < pixels {
-                output[channel * pixels + at] = applied(sums[row][column] + bias);
-            }
-        }
-    }
+    let channel = group.y * SIDE + 8u * local.y;
+    let pixel = group.x * SIDE + 4u * local.x;
+    let biases = depth * across;
+    put(channel, biases, pixel, sums[0]);
+    put(channel + 1u, biases, pixel, sums[1]);
+    put(channel + 2u, biases, pixel, sums[2]);
+    put(channel + 3u, biases, pixel, sums[3]);
+    put(channel + 4u, biases, pixel, sums[4]);
+    put(channel + 5u, biases, pixel, sums[5]);
+    put(channel + 6u, biases, pixel, sums[6]);
+    put(channel + 7u, biases, pixel, sums[7]);
 }
+
+// Invocations of a group of a layer that is no convolution.
+const THREADS: u32 = 256u;
 
 // The number of the output that an invocation begins with, and from one of its numbers to the next.
 struct Share {

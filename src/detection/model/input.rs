@@ -78,6 +78,20 @@ impl InputFit {
 }
 
 impl InputSpec {
+    /// Its sizes as the network has them, a batch of one.
+    pub(super) fn shape(&self) -> [usize; 4] {
+        let Self {
+            width,
+            height,
+            channels,
+            ..
+        } = *self;
+        match self.channels_last {
+            true => [1, height, width, channels],
+            false => [1, channels, height, width],
+        }
+    }
+
     /// Numbers of one input.
     pub(super) fn count(&self) -> usize {
         self.width * self.height * self.channels

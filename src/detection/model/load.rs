@@ -10,8 +10,9 @@ use super::{Inference, Model, Output, Unusable, tract};
 use crate::detection::{NAMELESS_CLASS, Nms, class_index};
 use crate::support::printable::one_line;
 use crate::support::regular_file;
+use std::borrow::Cow;
 use std::io::ErrorKind;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 use tract_onnx::pb::ModelProto;
@@ -64,7 +65,12 @@ pub(super) fn from_path(path: &Path) -> Result<Model, Unusable> {
         Err(error) if error.kind() == ErrorKind::NotFound => None,
         Err(error) => return Err(Unusable::Sidecar(error.to_string())),
     };
-    from_bytes(bytes, sidecar.as_deref(), path.parent(), Limits::USUAL)
+    from_bytes(
+        bytes.into(),
+        sidecar.as_deref(),
+        path.parent(),
+        Limits::USUAL,
+    )
 }
 
 /// What a file was found to be, before its first run.
@@ -79,7 +85,7 @@ struct Opened {
 /// # Errors
 /// Why the model cannot be used.
 pub(super) fn from_bytes(
-    onnx: Vec<u8>,
+    onnx: Cow<'static, [u8]>,
     sidecar: Option<&str>,
     folder: Option<&Path>,
     limits: Limits,
@@ -92,7 +98,12 @@ pub(super) fn from_bytes(
         mut input,
         metadata,
     } = guarded("its compilation", limits.compilation, move || {
-        open(&onnx, &said.unwrap_or_default(), folder.as_deref())
+        Source {
+            onnx,
+            sidecar: said.unwrap_or_default(),
+            folder,
+        }
+        .open()
     })?;
 
     let network: Arc<dyn Inference> = Arc::from(network);
@@ -111,6 +122,41 @@ pub(super) fn from_bytes(
         &sidecar,
         (name, guessed),
     ))
+}
+
+/// What a model is made of.
+struct Source {
+    onnx: Cow<'static, [u8]>,
+    sidecar: Sidecar,
+    /// Where weights outside the file lie.
+    folder: Option<PathBuf>,
+}
+
+impl Source {
+    /// Reads, screens and compiles.
+    fn open(self) -> Result<Opened, Unusable> {
+        let (screened, graph) = self.graph()?;
+        let shape = screened.input.shape();
+        let network = tract::Network::of(graph, &screened.proto, shape)?;
+        let Screened {
+            input, metadata, ..
+        } = screened;
+        Ok(Opened {
+            network: placed(network, self),
+            input,
+            metadata,
+        })
+    }
+
+    fn graph(&self) -> Result<(Screened, TypedModel), Unusable> {
+        let folder = self.folder.as_deref();
+        let screened = screened(&self.onnx, &self.sidecar, folder)?;
+        let Screened {
+            proto, declared, ..
+        } = &screened;
+        let graph = tract::graph(proto, declared, screened.input.shape(), folder)?;
+        Ok((screened, graph))
+    }
 }
 
 /// A graph that was looked through, and is not compiled yet.
@@ -151,34 +197,6 @@ pub(super) fn screen_only(onnx: &[u8], sidecar: Option<&str>) -> Result<(), Unus
     Ok(())
 }
 
-/// Reads, screens and compiles.
-fn open(onnx: &[u8], sidecar: &Sidecar, folder: Option<&Path>) -> Result<Opened, Unusable> {
-    let Screened {
-        proto,
-        declared,
-        metadata,
-        input,
-    } = screened(onnx, sidecar, folder)?;
-    let InputSpec {
-        width,
-        height,
-        channels,
-        ..
-    } = input;
-    let shape = if input.channels_last {
-        [1, height, width, channels]
-    } else {
-        [1, channels, height, width]
-    };
-    let (network, graph) = tract::compile(&proto, &declared, shape, folder)?;
-    let network = placed(network, graph);
-    Ok(Opened {
-        network,
-        input,
-        metadata,
-    })
-}
-
 fn check_outside_files(proto: &ModelProto, folder: Option<&Path>) -> Result<(), Unusable> {
     let mut bytes = 0;
     for name in screen::outside_files(proto) {
@@ -194,14 +212,15 @@ fn check_outside_files(proto: &ModelProto, folder: Option<&Path>) -> Result<(), 
     Ok(())
 }
 
-/// The network on the graphics card, where there is one that is worth it.
+/// The network, and a graphics card for many pictures, where there is one that is worth it.
 #[cfg(feature = "gui")]
-fn placed(network: tract::Network, graph: TypedModel) -> Box<dyn Inference> {
-    super::graphics::placed(network, graph, super::graphics::Choice::Fast)
+fn placed(network: tract::Network, source: Source) -> Box<dyn Inference> {
+    let graph = move || source.graph().map(|(_, graph)| graph);
+    super::graphics::placed(network, graph)
 }
 
 #[cfg(not(feature = "gui"))]
-fn placed(network: tract::Network, _: TypedModel) -> Box<dyn Inference> {
+fn placed(network: tract::Network, _: Source) -> Box<dyn Inference> {
     Box::new(network)
 }
 
@@ -404,7 +423,16 @@ impl Inference for Shared {
         self.0.run(input)
     }
 
-    fn runs_on(&self) -> String {
+    fn prepare(&self, pictures: usize) {
+        self.0.prepare(pictures);
+    }
+
+    #[cfg(feature = "bench")]
+    fn keep_to_processor(&self) {
+        self.0.keep_to_processor();
+    }
+
+    fn runs_on(&self) -> Option<String> {
         self.0.runs_on()
     }
 }
@@ -416,7 +444,7 @@ mod tests {
 
     #[test]
     fn a_network_that_is_late_is_refused_unless_it_has_no_limit() {
-        let load = |limits| from_bytes(ONNX.to_vec(), Some(SIDECAR), None, limits);
+        let load = |limits| from_bytes(ONNX.into(), Some(SIDECAR), None, limits);
         let first_picture = Duration::ZERO;
         let late = load(Limits {
             first_picture,

@@ -112,7 +112,7 @@ impl Model {
     /// # Errors
     /// Why the model cannot be used.
     pub fn from_bytes(onnx: Vec<u8>, sidecar: Option<&str>) -> Result<Model, Unusable> {
-        load::from_bytes(onnx, sidecar, None, Limits::USUAL)
+        load::from_bytes(onnx.into(), sidecar, None, Limits::USUAL)
     }
 
     /// The network's class names, in their order there.
@@ -166,9 +166,29 @@ impl Model {
         Self { nms, ..self }
     }
 
-    /// One line: what the file was taken for, by what, and which part of the computer runs it where there is a choice.
+    /// One line: what the file was taken for, by what, and [`Self::runs_on`].
     pub fn description(&self) -> String {
-        format!("{}{}", self.description, self.backend.runs_on())
+        match self.runs_on() {
+            Some(runs_on) => format!("{}, {runs_on}", self.description),
+            None => self.description.clone(),
+        }
+    }
+
+    /// Which part of the computer runs the network, as `run by ...`, and why not by a graphics card that was found; `None` where there is none.
+    pub fn runs_on(&self) -> Option<String> {
+        self.backend.runs_on()
+    }
+
+    /// States how many pictures follow: a graphics card is looked for where its start is worth it.
+    pub fn prepare(&self, pictures: usize) {
+        self.backend.prepare(pictures);
+    }
+
+    /// The same model on the processor only.
+    #[cfg(feature = "bench")]
+    pub fn on_processor(self) -> Self {
+        self.backend.keep_to_processor();
+        self
     }
 
     /// The objects in one picture, of at least that score (calibrated where the sidecar says how), by falling score, in the picture's pixels. For a network of one

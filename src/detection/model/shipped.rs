@@ -14,10 +14,8 @@ pub(super) const SIDECAR: &str = include_str!("../../../assets/detector/default.
 /// # Errors
 /// When the model cannot be used; the error names its file and says why.
 pub(crate) fn shipped() -> Result<Model, ModelError> {
-    load::from_bytes(ONNX.to_vec(), Some(SIDECAR), None, Limits::NONE).map_err(|reason| {
-        ModelError {
-            reason,
-            path: PathBuf::from("the model that comes with the program"),
-        }
+    load::from_bytes(ONNX.into(), Some(SIDECAR), None, Limits::NONE).map_err(|reason| ModelError {
+        reason,
+        path: PathBuf::from("the model that comes with the program"),
     })
 }

@@ -34,22 +34,26 @@ pub(super) fn parse(bytes: &[u8]) -> Result<ModelProto, Unusable> {
         .map_err(|_| Unusable::NotOnnx)
 }
 
-/// Compiles a screened graph for one picture of `shape`. `folder` is where weights outside the file lie. Gives back the network and its
-/// graph.
-pub(super) fn compile(
+/// A screened graph for one picture of `shape`, whose cost is bounded. `folder` is where weights outside the file lie.
+///
+/// # Errors
+/// Why the model cannot be used.
+pub(super) fn graph(
     proto: &ModelProto,
     declared: &Declared,
     shape: [usize; 4],
     folder: Option<&Path>,
-) -> Result<(Network, TypedModel), Unusable> {
-    // The chain of reasons: the topmost alone is not enough.
-    let compile_error = |error: TractError| Unusable::Compile(format!("{error:#}"));
+) -> Result<TypedModel, Unusable> {
     let mut model = parsed(proto, declared, shape, folder).map_err(compile_error)?;
     check_constants(&mut model)?;
     let model = typed(model).map_err(compile_error)?;
     check_cost(&model)?;
-    let network = Network::new(model.clone(), output_names(proto), shape).map_err(compile_error)?;
-    Ok((network, model))
+    Ok(model)
+}
+
+/// The chain of reasons: the topmost alone is not enough.
+fn compile_error(error: TractError) -> Unusable {
+    Unusable::Compile(format!("{error:#}"))
 }
 
 fn parsed(
@@ -124,6 +128,18 @@ impl Inference for Network {
 }
 
 impl Network {
+    /// Of a graph and the file that it is from.
+    ///
+    /// # Errors
+    /// Why the model cannot be used.
+    pub(super) fn of(
+        graph: TypedModel,
+        proto: &ModelProto,
+        shape: [usize; 4],
+    ) -> Result<Self, Unusable> {
+        Self::new(graph, output_names(proto), shape).map_err(compile_error)
+    }
+
     /// Of a graph, the names of its outputs and the shape of its input.
     pub(super) fn new(
         graph: TypedModel,

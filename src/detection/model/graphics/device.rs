@@ -2,9 +2,10 @@
 
 use super::program::{Kernel, Numbers, Other, Place, Program, Step};
 use crate::support::block_on::block_on;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::path::Path;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
-use wgpu::{Adapter, AdapterInfo, Backend, BufferUsages, DeviceType};
+use wgpu::{Adapter, AdapterInfo, BufferUsages, DeviceType};
 
 /// How long one picture may take before the card is given up.
 const PATIENCE: Duration = Duration::from_secs(10);
@@ -22,19 +23,24 @@ pub(super) struct Card {
 }
 
 impl Card {
-    /// The first of the computer's adapters that is wanted and opens.
+    /// The first of the computer's adapters that is wanted and opens, one with memory of its own before others.
     pub(super) fn open(is_wanted: impl Fn(&AdapterInfo) -> bool) -> Option<Self> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
-        let adapters = block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY));
-        let mut wanted = adapters
-            .into_iter()
-            .filter(|adapter| is_wanted(&adapter.get_info()));
-        wanted.find_map(|adapter| Self::of(&adapter))
+        let mut adapters = block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY));
+        adapters.retain(|adapter| is_wanted(&adapter.get_info()));
+        adapters.sort_by_key(|adapter| adapter.get_info().device_type != DeviceType::DiscreteGpu);
+        adapters.iter().find_map(Self::of)
     }
 
-    /// Whether an adapter computes a network faster than a processor does: one with memory of its own, or Apple's.
-    pub(super) fn is_fast(info: &AdapterInfo) -> bool {
-        info.device_type == DeviceType::DiscreteGpu || info.backend == Backend::Metal
+    /// Whether the computer may have a card. Where Linux shows none, drivers that draw in software are all there is to load: 100 MB.
+    pub(super) fn may_be_there() -> bool {
+        const SHOWN: [&str; 3] = ["/dev/dri", "/dev/nvidiactl", "/dev/dxg"];
+        !cfg!(target_os = "linux") || SHOWN.iter().any(|path| Path::new(path).exists())
+    }
+
+    /// Whether an adapter is more than a driver that runs on the processor.
+    pub(super) fn is_hardware(info: &AdapterInfo) -> bool {
+        info.device_type != DeviceType::Cpu
     }
 
     fn of(adapter: &Adapter) -> Option<Self> {
@@ -48,7 +54,7 @@ impl Card {
         }));
         let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("layer"),
-            entries: &[0, 1, 2, 3].map(entry),
+            entries: &[0, 1, 2, 3, 4].map(entry),
         });
         let pipelines = pipelines(&device, &layout);
         let info = adapter.get_info();
@@ -95,11 +101,11 @@ fn bytes(numbers: usize) -> u64 {
     4 * numbers as u64
 }
 
-/// The uniform block, two inputs and the output.
+/// The uniform block, two inputs, the output, and what lies under a window.
 fn entry(binding: u32) -> wgpu::BindGroupLayoutEntry {
     let ty = match binding {
         0 => wgpu::BufferBindingType::Uniform,
-        of => wgpu::BufferBindingType::Storage { read_only: of < 3 },
+        of => wgpu::BufferBindingType::Storage { read_only: of != 3 },
     };
     wgpu::BindGroupLayoutEntry {
         binding,
@@ -152,14 +158,16 @@ enum Bound {
     },
 }
 
-/// A program on a card. Pictures are computed one after the other.
+/// A program on a card, for several pictures at once: while one is computed, others are on their way there and back.
 pub(super) struct Runner {
     card: Arc<Card>,
     buffers: Vec<wgpu::Buffer>,
     steps: Vec<Bound>,
     outputs: Vec<Place>,
-    /// What the outputs are read from; locked while a picture is computed.
-    read_back: Mutex<wgpu::Buffer>,
+    /// Locked while a picture is handed over: its numbers are written before they are computed, and before the next one's.
+    handover: Mutex<()>,
+    /// What outputs are read from, those that no picture uses.
+    free: Mutex<Vec<wgpu::Buffer>>,
 }
 
 impl Runner {
@@ -174,21 +182,20 @@ impl Runner {
             .iter()
             .map(|numbers| card.buffer(*numbers, usage))
             .collect();
-        let nothing = card.buffer(1, usage);
+        let nothing = card.buffer(2, usage);
         let steps = program
             .steps
             .iter()
             .map(|step| bound(&card, &buffers, &nothing, step))
             .collect();
-        let numbers = program.outputs.iter().map(|place| place.count).sum();
-        let read_back = Mutex::new(card.buffer(numbers, BufferUsages::MAP_READ));
         card.check()?;
         Ok(Self {
             card,
             buffers,
             steps,
             outputs: program.outputs.clone(),
-            read_back,
+            handover: Mutex::default(),
+            free: Mutex::default(),
         })
     }
 
@@ -196,18 +203,55 @@ impl Runner {
         &self.card
     }
 
+    fn free(&self) -> MutexGuard<'_, Vec<wgpu::Buffer>> {
+        self.free.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// The outputs of one picture, in the order of the program's.
     ///
     /// # Errors
     /// What the card says is wrong.
     pub(super) fn run(&self, input: &[f32]) -> Result<Vec<Vec<f32>>, String> {
-        let read_back = self
-            .read_back
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner);
+        let numbers = self.outputs.iter().map(|place| place.count).sum();
+        let free = self.free().pop();
+        let read_back = free.unwrap_or_else(|| self.card.buffer(numbers, BufferUsages::MAP_READ));
+        self.compute(input, &read_back)?;
+        let outputs = self.read(&read_back)?;
+        self.free().push(read_back);
+        Ok(outputs)
+    }
+
+    /// Computes a picture and maps its outputs.
+    fn compute(&self, input: &[f32], read_back: &wgpu::Buffer) -> Result<(), String> {
         let Card { device, queue, .. } = &*self.card;
-        queue.write_buffer(&self.buffers[0], 0, bytemuck::cast_slice(input));
-        let mut encoder = device.create_command_encoder(&Default::default());
+        let commands = self.commands(read_back);
+        let submitted = {
+            let handover = self.handover.lock();
+            let _handover = handover.unwrap_or_else(PoisonError::into_inner);
+            queue.write_buffer(&self.buffers[0], 0, bytemuck::cast_slice(input));
+            queue.submit([commands])
+        };
+        let (sender, mapped) = std::sync::mpsc::channel();
+        read_back.map_async(wgpu::MapMode::Read, .., move |result| {
+            sender.send(result).ok();
+        });
+        let wait = wgpu::PollType::Wait {
+            submission_index: Some(submitted),
+            timeout: Some(PATIENCE),
+        };
+        device.poll(wait).map_err(|error| error.to_string())?;
+        // The poll of another picture's thread may be about to send it.
+        let result = mapped.recv_timeout(PATIENCE);
+        self.card.check()?;
+        match result {
+            Ok(result) => result.map_err(|error| error.to_string()),
+            Err(_) => Err("it does not answer".to_owned()),
+        }
+    }
+
+    /// All steps, and the way of the outputs into a buffer.
+    fn commands(&self, read_back: &wgpu::Buffer) -> wgpu::CommandBuffer {
+        let mut encoder = self.card.device.create_command_encoder(&Default::default());
         for steps in self
             .steps
             .chunk_by(|one, other| one.is_computed() && other.is_computed())
@@ -220,28 +264,17 @@ impl Runner {
             encoder.copy_buffer_to_buffer(
                 from,
                 bytes(place.first),
-                &read_back,
+                read_back,
                 bytes(at),
                 bytes(place.count),
             );
             at += place.count;
         }
-        let submitted = queue.submit([encoder.finish()]);
-        let (sender, mapped) = std::sync::mpsc::channel();
-        read_back.map_async(wgpu::MapMode::Read, .., move |result| {
-            sender.send(result).ok();
-        });
-        let wait = wgpu::PollType::Wait {
-            submission_index: Some(submitted),
-            timeout: Some(PATIENCE),
-        };
-        device.poll(wait).map_err(|error| error.to_string())?;
-        self.card.check()?;
-        match mapped.try_recv() {
-            Ok(Ok(())) => (),
-            Ok(Err(error)) => return Err(error.to_string()),
-            Err(_) => return Err("it does not answer".to_owned()),
-        }
+        encoder.finish()
+    }
+
+    /// The outputs in a buffer that is mapped, and is so no more.
+    fn read(&self, read_back: &wgpu::Buffer) -> Result<Vec<Vec<f32>>, String> {
         let outputs = {
             let view = read_back
                 .get_mapped_range(..)
@@ -306,17 +339,26 @@ fn bound(card: &Card, buffers: &[wgpu::Buffer], nothing: &wgpu::Buffer, step: &S
             numbers,
         } => (*kernel, *input, other, *into, *numbers),
     };
-    let weights;
-    let other = match other {
-        Other::Nothing => nothing,
-        Other::Place(place) => &buffers[place.buffer],
-        Other::Weights(all) => {
-            weights = card.filled(all, BufferUsages::STORAGE);
-            &weights
+    let constants;
+    let (other, under) = match other {
+        Other::Nothing => (nothing, nothing),
+        Other::Place(place) => (&buffers[place.buffer], nothing),
+        Other::Weights(weights) => {
+            constants = (
+                card.filled(&weights.numbers, BufferUsages::STORAGE),
+                card.filled(&weights.under, BufferUsages::STORAGE),
+            );
+            (&constants.0, &constants.1)
         }
     };
     let uniform = card.filled::<Numbers>(&[numbers], BufferUsages::UNIFORM);
-    let resources = [&uniform, &buffers[input.buffer], other, &buffers[into]];
+    let resources = [
+        &uniform,
+        &buffers[input.buffer],
+        other,
+        &buffers[into],
+        under,
+    ];
     let mut binding = 0;
     let entries = resources.map(|buffer| {
         binding += 1;

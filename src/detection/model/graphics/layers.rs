@@ -1,5 +1,6 @@
 //! Which layers of a network a graphics card computes: from the input on, as far as all are of the kinds that it knows.
 
+use super::convolution::Weights;
 use super::program::{Function, Kernel, Numbers, Other, Place, Program};
 use std::collections::HashMap;
 use tract_onnx::tract_core::internal::*;
@@ -116,26 +117,17 @@ impl Walk<'_> {
         let Some(numbers) = windows(&conv.pool_spec, read, node).filter(|_| are_f32) else {
             return Ok(None);
         };
+        let weights = weights.try_as_plain_ram()?.as_slice::<f32>()?;
+        let biases = bias.try_as_plain_ram()?.as_slice::<f32>()?;
         let channels = conv.pool_spec.output_channels;
-        let mut all = weights.try_as_plain_ram()?.as_slice::<f32>()?.to_vec();
-        match bias.try_as_plain_ram()?.as_slice::<f32>()? {
-            [one] => all.extend(std::iter::repeat_n(*one, channels)),
-            each => all.extend_from_slice(each),
-        }
-        let [read, made, window] = [
-            numbers.input[0],
-            numbers.output[0],
-            numbers.window.iter().product(),
-        ]
-        .map(|one| one as usize);
-        if all.len() != made * (read * window + 1) {
+        let weights = Weights::new((weights, biases), numbers.input, numbers.window, channels);
+        let Some(weights) = weights else {
             return Ok(None);
-        }
-        let weights = Other::Weights(all);
+        };
         Ok(Some(self.program.compute(
             Kernel::Convolve,
             input,
-            weights,
+            Other::Weights(weights),
             numbers,
         )))
     }

@@ -1,5 +1,6 @@
 //! What a graphics card computes of a network: steps over buffers of numbers.
 
+use super::convolution::{SIDE, Weights};
 use bytemuck::{Pod, Zeroable};
 use std::collections::{BTreeSet, HashMap};
 
@@ -11,8 +12,6 @@ const MOST_IN_ALL: usize = 1 << 28;
 const MOST_GROUPS: usize = 65535;
 /// Numbers of the output that a group computes of a layer that is no convolution, once.
 const GROUP: usize = 256;
-/// Output channels and pixels that a group computes of a convolution.
-const SIDE: usize = 64;
 
 /// Numbers that lie one after the other in a buffer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,8 +75,7 @@ impl Kernel {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Other {
     Nothing,
-    /// Constants: weights and biases of a convolution.
-    Weights(Vec<f32>),
+    Weights(Weights),
     Place(Place),
 }
 
@@ -213,7 +211,7 @@ impl Program {
             Step::Compute {
                 other: Other::Weights(weights),
                 ..
-            } => Some(weights.len()),
+            } => Some(weights.numbers.len()),
             _ => None,
         });
         let sizes: Vec<usize> = self.buffers.iter().copied().chain(weights).collect();

@@ -1,7 +1,10 @@
 //! What a card computes beside what the processor does, on the driver that draws in software.
 
-use super::super::{screen, tract};
+use super::choice::{Choice, Found, MANY, Placed, card, difference, trial_number};
 use super::*;
+use crate::detection::model::tract::{self, Network};
+use crate::detection::model::{Inference, Output, screen};
+use std::sync::Mutex;
 use tract_onnx::prelude::*;
 use tract_onnx::tract_core::ops::array::{Slice, TypedConcat};
 use tract_onnx::tract_core::ops::cnn::{Conv, KernelFormat, MaxPool, PaddingSpec, PoolSpec};
@@ -87,7 +90,7 @@ fn named(graph: TypedModel) -> Network {
 }
 
 fn any_card() -> Arc<Card> {
-    let card = card(Choice::Any).flatten();
+    let card = card(Choice::Software);
     card.expect("a graphics driver; the tests need one")
 }
 
@@ -137,10 +140,13 @@ fn the_shipped_network_is_computed_by_a_card() {
     let proto = tract::parse(ONNX).expect("a model");
     let declared = screen::screen(&proto).expect("a harmless model");
     let shape = [1, 1, 416, 416];
-    let (network, graph) = tract::compile(&proto, &declared, shape, None).expect("a network");
-    let placed = placed(network, graph, Choice::Any);
-    let said = placed.runs_on();
-    assert!(said.starts_with(", run by "), "{said}");
+    let graph = tract::graph(&proto, &declared, shape, None).expect("a graph");
+    let network = Network::of(graph.clone(), &proto, shape).expect("a network");
+    let placed = Placed::new(network, || Ok(graph), Choice::Software);
+    assert_eq!(placed.runs_on(), None);
+    placed.prepare(1);
+    let said = placed.runs_on().expect("a card");
+    assert!(said.starts_with("run by "), "{said}");
     assert!(!said.contains("processor"), "{said}");
     let outputs = placed.run(vec![0.5; 416 * 416]).expect("outputs");
     assert_eq!(outputs.len(), 2);
@@ -160,9 +166,11 @@ fn a_card_that_knows_none_of_the_layers_or_fails_leaves_them_to_the_processor() 
     let input = vec![0.5; SHAPE.iter().product()];
     let expected = named(graph.clone()).run(input.clone()).expect("outputs");
 
-    let placed = placed(named(graph.clone()), graph.clone(), Choice::Any);
-    let said = placed.runs_on();
-    assert!(said.contains(", run by the processor, not by "), "{said}");
+    let unknown = graph.clone();
+    let placed = Placed::new(named(graph.clone()), || Ok(unknown), Choice::Software);
+    placed.prepare(1);
+    let said = placed.runs_on().expect("a card");
+    assert!(said.starts_with("run by the processor, not by "), "{said}");
     assert!(
         said.ends_with("it does not know the first layers, or has no room for them"),
         "{said}"
@@ -171,17 +179,32 @@ fn a_card_that_knows_none_of_the_layers_or_fails_leaves_them_to_the_processor() 
 
     // Of another shape, so that it fails.
     let broken = Network::new(graph.clone(), Vec::new(), [1, 3, 5, 5]).expect("a network");
-    let fails = Placed {
-        processor: named(graph),
-        by_card: Some(broken),
+    let found = Found {
         name: "a card".to_owned(),
-        fault: Mutex::new(None),
+        network: Some(broken),
+        fault: Mutex::default(),
     };
-    assert_eq!(fails.runs_on(), ", run by a card");
+    let fails = Placed::new(named(graph), || unreachable!(), Choice::Worthwhile).with(found);
+    assert_eq!(fails.runs_on().as_deref(), Some("run by a card"));
     assert_eq!(fails.run(input).expect("outputs"), expected);
+    let said = fails.runs_on().expect("a card");
     assert!(
-        fails.runs_on().contains("not by a card: "),
-        "{}",
-        fails.runs_on()
+        said.starts_with("run by the processor, not by a card: "),
+        "{said}"
     );
+}
+
+#[test]
+fn no_card_is_looked_for_before_few_pictures() {
+    let mut graph = TypedModel::default();
+    let input = graph
+        .add_source("input", f32::fact(SHAPE))
+        .expect("an input");
+    let seen = convolution(&mut graph, input, [3, 4], 3, 1).expect("a layer");
+    graph.select_output_outlets(&[seen]).expect("an output");
+    let placed = Placed::new(named(graph), || unreachable!(), Choice::Worthwhile);
+    placed.prepare(MANY - 1);
+    assert_eq!(placed.runs_on(), None);
+    let input = vec![0.5; SHAPE.iter().product()];
+    assert_eq!(placed.run(input).expect("outputs").len(), 1);
 }
