@@ -18,6 +18,16 @@ pub(super) struct Weights {
 }
 
 impl Weights {
+    /// How many numbers they are, filled up: up to 64 times the weights of a layer with one output channel.
+    pub(super) fn count([read, ..]: [u32; 3], window: [u32; 2], channels: usize) -> usize {
+        let terms = [read, window[0], window[1]];
+        let terms = terms
+            .iter()
+            .fold(1_usize, |all, one| all.saturating_mul(*one as usize));
+        let depth = terms.saturating_add(DEPTH);
+        depth.saturating_mul(channels.next_multiple_of(SIDE))
+    }
+
     /// Of weights by output channel, input channel, row and column; of one bias, or one for each output channel. The input has so many
     /// channels, rows and columns, the window so many rows and columns. `None` where numbers are not as many as that.
     pub(super) fn new(
@@ -67,6 +77,8 @@ mod tests {
             |weights: &[f32], biases: &[f32]| Weights::new((weights, biases), [2, 5, 7], [1, 3], 2);
         let made = of(&weights, &[0.5, 0.25]).expect("as many as it has");
         assert_eq!(made.numbers.len(), 17 * SIDE);
+        assert!(made.numbers.len() <= Weights::count([2, 5, 7], [1, 3], 2));
+        assert_eq!(Weights::count([u32::MAX; 3], [u32::MAX; 2], 1), usize::MAX);
         // The second channel's first weight is its seventh number of all.
         assert_eq!(made.numbers[..3], [1.0, 7.0, 0.0]);
         assert_eq!(made.numbers[5 * SIDE..][..3], [6.0, 12.0, 0.0]);

@@ -120,6 +120,10 @@ impl Walk<'_> {
         let weights = weights.try_as_plain_ram()?.as_slice::<f32>()?;
         let biases = bias.try_as_plain_ram()?.as_slice::<f32>()?;
         let channels = conv.pool_spec.output_channels;
+        // Before they are filled up: a file from anywhere may ask for any number of channels.
+        if !(self.program).has_room(Weights::count(numbers.input, numbers.window, channels)) {
+            return Ok(None);
+        }
         let weights = Weights::new((weights, biases), numbers.input, numbers.window, channels);
         let Some(weights) = weights else {
             return Ok(None);

@@ -29,6 +29,7 @@ use tract_onnx::tract_core::optim::Optimizer;
 const WORTH: f64 = 0.9;
 /// Rounds of simplifications of a graph, at most.
 const MOST_ROUNDS: usize = 8;
+
 /// Puts the layer of the card into a graph; else why it is not worth it.
 fn replace_layers(model: &mut TypedModel, card: Arc<Card>) -> TractResult<Result<(), String>> {
     let cost = |model: &TypedModel| -> u64 {

@@ -205,8 +205,8 @@ impl Program {
         joined
     }
 
-    /// Whether every device has room for it.
-    pub(super) fn fits(&self) -> bool {
+    /// Numbers of each buffer, those of weights too.
+    fn sizes(&self) -> impl Iterator<Item = usize> {
         let weights = self.steps.iter().filter_map(|step| match step {
             Step::Compute {
                 other: Other::Weights(weights),
@@ -214,7 +214,16 @@ impl Program {
             } => Some(weights.numbers.len()),
             _ => None,
         });
-        let sizes: Vec<usize> = self.buffers.iter().copied().chain(weights).collect();
+        self.buffers.iter().copied().chain(weights)
+    }
+
+    /// Whether every device has room for one more buffer of so many numbers.
+    pub(super) fn has_room(&self, more: usize) -> bool {
+        more <= MOST_IN_BUFFER && self.sizes().sum::<usize>() + more <= MOST_IN_ALL
+    }
+
+    /// Whether every device has room for it.
+    pub(super) fn fits(&self) -> bool {
         let groups = self.steps.iter().all(|step| match step {
             Step::Compute {
                 kernel, numbers, ..
@@ -224,8 +233,8 @@ impl Program {
                 .all(|&groups| groups as usize <= MOST_GROUPS),
             Step::Copy { .. } => true,
         });
-        let fits = |count: &usize| (1..=MOST_IN_BUFFER).contains(count);
-        groups && sizes.iter().all(fits) && sizes.iter().sum::<usize>() <= MOST_IN_ALL
+        let fits = |count: usize| (1..=MOST_IN_BUFFER).contains(&count);
+        groups && self.sizes().all(fits) && self.has_room(0)
     }
 
     /// The same with buffers that are used again once the last step that reads them is done.

@@ -208,3 +208,16 @@ fn no_card_is_looked_for_before_few_pictures() {
     let input = vec![0.5; SHAPE.iter().product()];
     assert_eq!(placed.run(input).expect("outputs").len(), 1);
 }
+
+#[test]
+fn weights_that_would_be_filled_up_without_end_are_left_to_the_processor() {
+    // 2.4 MB of them, 64 times as much for a card.
+    const CHANNELS: usize = 600_000;
+    let mut graph = TypedModel::default();
+    let input = graph
+        .add_source("input", f32::fact([1, CHANNELS, 1, 1]))
+        .expect("an input");
+    let seen = convolution(&mut graph, input, [CHANNELS, 1], 1, 1).expect("a layer");
+    graph.select_output_outlets(&[seen]).expect("an output");
+    assert!(layers::Layers::of(&graph).expect("a whole graph").is_none());
+}
