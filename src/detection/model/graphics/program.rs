@@ -219,7 +219,7 @@ impl Program {
 
     /// Whether every device has room for one more buffer of so many numbers.
     pub(super) fn has_room(&self, more: usize) -> bool {
-        more <= MOST_IN_BUFFER && self.sizes().sum::<usize>() + more <= MOST_IN_ALL
+        more <= MOST_IN_BUFFER && self.sizes().fold(more, usize::saturating_add) <= MOST_IN_ALL
     }
 
     /// Whether every device has room for it.

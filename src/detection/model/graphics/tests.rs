@@ -221,3 +221,12 @@ fn weights_that_would_be_filled_up_without_end_are_left_to_the_processor() {
     graph.select_output_outlets(&[seen]).expect("an output");
     assert!(layers::Layers::of(&graph).expect("a whole graph").is_none());
 }
+
+#[test]
+fn no_room_is_left_beside_buffers_of_more_numbers_than_can_be_counted() {
+    let mut program = program::Program::default();
+    assert!(program.has_room(1));
+    program.make(usize::MAX);
+    program.make(2);
+    assert!(!program.has_room(1));
+}
