@@ -24,12 +24,12 @@ struct EchoStyle {
 
 @group(0) @binding(0) var<uniform> look: EchoStyle;
 @group(0) @binding(1) var<uniform> palette: array<vec4u, 64>; // 256 colours, four bytes each
-@group(0) @binding(2) var pings: texture_2d<f32>;  // altitude, scale, offset, stripe factor: port and starboard beside each other
-@group(0) @binding(3) var<uniform> curves: array<vec4f, 64>; // 64 places each: port by range, by angle, starboard by range, by angle
+@group(0) @binding(2) var<uniform> curves: array<vec4f, 64>; // 64 places each: port by range, by angle, starboard by range, by angle
 @group(1) @binding(0) var tile: texture_2d<f32>;
+@group(2) @binding(0) var<uniform> rows: array<vec4f, 512>; // of each row of the tile: altitude, scale, offset, stripe factor
 
 // Constants paired with src/ui/render/waterfall.rs.
-const PING_TEXELS: u32 = 2048u;  // width of `pings`
+const TILE_ROWS: u32 = 512u;     // in `rows`
 const CURVE_PLACES: u32 = 64u;   // of a curve in `curves`
 const RANGE_BINS: f32 = 48.0;
 const ANGLE_BINS: f32 = 45.0;
@@ -45,7 +45,7 @@ struct Quad {
     @location(4) footprint: vec2f, // columns and rows that a pixel covers
     @location(5) across_m: vec2f,  // metres from the middle at the edges across
     @location(6) column_m: vec2f,  // recorded slant range where column 0 begins, and of one column
-    @location(7) pair: vec3u,      // pair of `pings` of row 0, how many follow, and the side: 0 port, 1 starboard
+    @location(7) side: u32,        // 0 port, 1 starboard
 }
 
 struct Corner {
@@ -55,7 +55,7 @@ struct Corner {
     @location(2) @interpolate(flat) footprint: vec2f,
     @location(3) @interpolate(flat) columns: vec2f,
     @location(4) @interpolate(flat) column_m: vec2f,
-    @location(5) @interpolate(flat) pair: vec3u,
+    @location(5) @interpolate(flat) side: u32,
 }
 
 @vertex
@@ -73,14 +73,13 @@ fn vs_main(@builtin(vertex_index) vertex: u32, quad: Quad) -> Corner {
     corner.footprint = quad.footprint;
     corner.columns = quad.columns;
     corner.column_m = quad.column_m;
-    corner.pair = quad.pair;
+    corner.side = quad.side;
     return corner;
 }
 
 // Altitude, scale, offset and stripe factor of a row of the tile.
-fn ping_of(pair: vec3u, row: f32) -> vec4f {
-    let index = 2u * (pair.x + min(u32(max(row, 0.0)), pair.y - 1u)) + pair.z;
-    return textureLoad(pings, vec2u(index % PING_TEXELS, index / PING_TEXELS), 0);
+fn ping_of(row: f32) -> vec4f {
+    return rows[min(u32(max(row, 0.0)), TILE_ROWS - 1u)];
 }
 
 // Overlap of texel `index` with the interval from `low` to `high`.
@@ -177,7 +176,7 @@ fn linear_from_gamma(colour: vec3f) -> vec3f {
 
 @fragment
 fn fs_main(corner: Corner) -> @location(0) vec4f {
-    let ping = ping_of(corner.pair, corner.texel.y);
+    let ping = ping_of(corner.texel.y);
     var texel = corner.texel;
     var footprint = corner.footprint;
     if look.geometry != 0u {
@@ -202,7 +201,7 @@ fn fs_main(corner: Corner) -> @location(0) vec4f {
         recorded = median(texel, echo.x);
     }
     let recorded_m = corner.column_m.x + texel.x * corner.column_m.y;
-    let even = recorded * gain(corner.pair.z, ping.y * recorded_m + ping.z, ping);
+    let even = recorded * gain(corner.side, ping.y * recorded_m + ping.z, ping);
     let level = clamp((even - look.black) / (look.white - look.black), 0.0, 1.0);
     let curved = pow(level, 1.0 / look.gamma);
     let index = u32(round(curved * 255.0));

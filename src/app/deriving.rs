@@ -115,10 +115,7 @@ impl App {
                 Some(whole) => results.growing_picture(&log, whole, progress),
                 None => results.picture(&log, progress),
             };
-            let picture = picture.ok()?;
-            // The waterfall uploads them.
-            picture.make_texels();
-            Some((id, picture))
+            Some((id, picture.ok()?))
         });
         let Some(picture) = self.picture().cloned() else {
             return;

@@ -79,7 +79,7 @@ fn upload(state: &RenderState, side: usize) -> BottomBuffers {
         vertices.collect()
     });
     let uploader = Uploader::new(&state.device, &state.queue);
-    BottomBuffers::new(&uploader, CELL_M, across * across, tiles)
+    BottomBuffers::new(&uploader, CELL_M, tiles)
 }
 
 /// Over a share of the survey about its middle.

@@ -69,7 +69,7 @@ fn drawn_in(
     let state = create_render_state(default_wgpu_setup(), RendererOptions::PREDICTABLE);
     let (device, queue) = (&state.device, &state.queue);
     let uploader = Uploader::new(device, queue);
-    let buffers = BottomBuffers::new(&uploader, 1.0, tiles.len(), tiles.into_iter());
+    let buffers = BottomBuffers::new(&uploader, 1.0, tiles.into_iter());
     let target = RenderTarget::new(device, [SIDE_PX; 2]);
     let draw = BottomDraw {
         projection: camera.projection(1.0),

@@ -1,11 +1,12 @@
 //! What the picture of one log is shown with, made once for its results.
 
-use super::{Extremes, PingScales, PingTable, Tone};
+use super::{Extremes, PingScales, Tone};
 use crate::imagery::mosaic::GainTable;
 use crate::imagery::waterfall::{MOST_SAMPLED_PINGS, beyond_pulse};
 use crate::support::progress::{Cancelled, Progress};
 use crate::survey::{Side, SideScanState, Survey};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::ops::Range;
+use std::sync::Arc;
 
 /// Echoes that levels are counted over: enough for stable percentiles, few enough to be counted anew while a slider is dragged.
 const MOST_ECHOES: usize = 1 << 17;
@@ -28,8 +29,6 @@ struct PictureEcho {
 pub struct LogPicture {
     /// What recorded ranges are worth.
     pub scales: Arc<PingScales>,
-    /// Where their texels lie ([`LogPicture::take_texels`]).
-    pub table: PingTable,
     /// Least and greatest of the scales.
     pub extremes: Extremes,
     /// Gain normalisation; `None` where it was not asked for, or nothing is known of the ground.
@@ -38,8 +37,6 @@ pub struct LogPicture {
     pub middle_m: f32,
     /// Factors of the stripe filter, by side, port first, if it was asked for.
     factors: Option<[Vec<f32>; 2]>,
-    /// Texels that are made and wait to be put on the GPU.
-    texels: Mutex<Option<Vec<[f32; 4]>>>,
     echoes: Vec<PictureEcho>,
     has_bottom: bool,
 }
@@ -68,36 +65,36 @@ impl LogPicture {
             .filter(|far_m| far_m.is_finite())
             .fold(1.0, f64::max);
         Ok(Self {
-            table: PingTable::new(scales.side(Side::Port).len()),
             extremes: scales.extremes(),
             scales,
             gain,
             middle_m: (0.5 * far_m) as f32,
             factors,
-            texels: Mutex::new(None),
             echoes,
             has_bottom: survey.side_scan_state == SideScanState::Usable,
         })
     }
 
-    /// Makes the texels of all pings for the GPU, so that [`LogPicture::take_texels`] takes no time.
-    pub fn make_texels(&self) {
-        let texels = self.texels();
-        *self.texels.lock().unwrap_or_else(PoisonError::into_inner) = Some(texels);
-    }
-
-    /// Scales and factors of all pings for the GPU, as its table orders them. They are given away: what is on the GPU is not kept here.
-    pub fn take_texels(&self) -> Vec<[f32; 4]> {
-        let made = self
-            .texels
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .take();
-        made.unwrap_or_else(|| self.texels())
-    }
-
-    fn texels(&self) -> Vec<[f32; 4]> {
-        self.table.texels(&self.scales, self.factors.as_ref())
+    /// What a row of a tile is brought to one level by: `[altitude, scale, offset, factor of the stripe filter]` of a side, the mean over
+    /// so many pings. Of the last ping beyond the end; without the filter the factor is 1.
+    pub fn row(&self, side: Side, pings: Range<usize>) -> [f32; 4] {
+        let scales = self.scales.side(side);
+        let factors = self.factors.as_ref().map(|sides| &sides[side as usize]);
+        let first = pings.start.min(scales.len().saturating_sub(1));
+        let pings = first..pings.end.clamp(first + 1, scales.len().max(first + 1));
+        let count = pings.len() as f64;
+        let sum = pings.fold([0.0; 4], |sum: [f64; 4], ping| {
+            let scale = self.scales.at(side, ping);
+            let factor = factors.and_then(|factors| factors.get(ping).copied());
+            let of_ping = [
+                scale.altitude_m,
+                scale.scale,
+                scale.offset_m,
+                factor.unwrap_or(1.0),
+            ];
+            std::array::from_fn(|part| sum[part] + f64::from(of_ping[part]))
+        });
+        sum.map(|part| (part / count) as f32)
     }
 
     /// Levels of the sampled echoes with some tone, 255 for the largest byte as recorded.
@@ -160,4 +157,32 @@ fn echoes(
         }
     }
     Ok(echoes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::survey::SidePing;
+
+    #[test]
+    fn a_row_holds_the_mean_of_its_pings() {
+        let ping = SidePing::with_depth(0.0, f32::NAN);
+        let survey = Survey::of_pings(vec![ping; 5]);
+        // Factors to port count up.
+        let factors = [vec![0.0, 1.0, 2.0, 3.0, 4.0], vec![1.0; 5]];
+        let of = |scales, factors| {
+            LogPicture::new(&survey, Arc::new(scales), None, factors, &Progress::new())
+                .expect("a picture")
+        };
+        let picture = of(PingScales::level(5, 7.0), Some(factors));
+        let factor = |pings| picture.row(Side::Port, pings)[3];
+        assert_eq!([factor(3..4), factor(0..2), factor(0..4)], [3.0, 0.5, 1.5]);
+        // Of those that there are, and of the last one beyond the end.
+        assert_eq!([factor(4..6), factor(4..8), factor(9..10)], [4.0; 3]);
+        assert_eq!(picture.row(Side::Starboard, 0..4), [7.0, 1.0, 0.0, 1.0]);
+        let plain = of(PingScales::level(5, 7.0), None);
+        assert_eq!(plain.row(Side::Port, 1..3), [7.0, 1.0, 0.0, 1.0]);
+        let none = of(PingScales::default(), None);
+        assert_eq!(none.row(Side::Port, 3..5), [0.0, 1.0, 0.0, 1.0]);
+    }
 }

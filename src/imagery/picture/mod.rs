@@ -6,7 +6,7 @@
 //! ```text
 //! FirstReturns + Calibration --PingScales--> altitude and scale of every ping and side
 //! Survey --stripe_factors--> a factor for every ping and side
-//! PingScales + GainTable + factors --LogPicture--> PingTable for the GPU, and sampled echoes
+//! PingScales + GainTable + factors --LogPicture--> what a row of a tile is levelled by, and sampled echoes
 //! echoes + PictureSettings --LevelHistogram--> Levels
 //! ```
 //!
@@ -17,7 +17,6 @@ mod log_picture;
 mod scales;
 mod settings;
 mod stripes;
-mod table;
 
 pub(crate) use histogram::LevelHistogram;
 pub(crate) use log_picture::LogPicture;
@@ -26,4 +25,3 @@ pub(crate) use scales::{Extremes, PictureGeometry, PingScale, PingScales};
 pub(crate) use settings::LEAST_RANGE_M;
 pub(crate) use settings::{PictureSettings, Tone};
 pub(crate) use stripes::stripe_factors;
-pub(crate) use table::PingTable;

@@ -64,10 +64,10 @@ impl<K: Copy + Eq + Hash, V> Lru<K, V> {
     }
 
     /// A value, marked as used in this frame.
-    pub(crate) fn use_now(&mut self, key: &K) -> Option<&V> {
+    pub(crate) fn use_now(&mut self, key: &K) -> Option<&mut V> {
         let entry = self.entries.get_mut(key)?;
         entry.used = self.frame;
-        Some(&entry.value)
+        Some(&mut entry.value)
     }
 
     /// Changes values in place.

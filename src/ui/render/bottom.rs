@@ -19,8 +19,8 @@ const VERTICES: usize = SIDE * SIDE + 4 * SIDE;
 const LEVELS: usize = BOTTOM_TILE.ilog2() as usize + 1;
 /// A square takes so many pixels along a side at most, where the finest ones allow.
 const SQUARE_PX: f32 = 3.0;
-/// Tiles that a buffer holds: some 55 MB, a fifth of what every device grants.
-const TILES_A_BUFFER: usize = 512;
+/// Tiles that a buffer holds: some 7 MB, which are in memory while they are uploaded.
+const TILES_A_BUFFER: usize = 64;
 /// Skirts hang so far below a tile as a share of its own relief: gaps to a coarser neighbour are not seen through.
 const SKIRT: f32 = 0.1;
 
@@ -78,10 +78,11 @@ impl BottomVertex {
     }
 }
 
-/// The box around what is drawn of a tile; `None` where nothing is.
-type Extent = Option<[Vec3; 2]>;
+/// The box around what is drawn of a tile.
+type Extent = [Vec3; 2];
 
-fn extent(tile: &[BottomVertex]) -> Extent {
+/// `None` where nothing is drawn.
+fn extent(tile: &[BottomVertex]) -> Option<Extent> {
     let mut drawn = tile.iter().filter(|vertex| vertex.is_drawn());
     let first = Vec3::from(drawn.next()?.place);
     Some(drawn.fold([first; 2], |[low, high], vertex| {
@@ -92,7 +93,8 @@ fn extent(tile: &[BottomVertex]) -> Extent {
 
 /// The corners of a tile with its skirts: those of each side once more, lower.
 fn with_skirts(tile: Vec<BottomVertex>, extent: Extent) -> impl Iterator<Item = BottomVertex> {
-    let drop_m = extent.map_or(0.0, |[low, high]| SKIRT * (high.z - low.z));
+    let [low, high] = extent;
+    let drop_m = SKIRT * (high.z - low.z);
     let skirts: Vec<BottomVertex> = (0..4 * SIDE)
         .filter_map(|index| tile.get(on_side(index / SIDE, index % SIDE)))
         .map(|corner| {
@@ -148,6 +150,7 @@ fn level(finest_px: f32) -> usize {
 
 /// A bottom on the GPU.
 pub(crate) struct BottomBuffers {
+    /// Of the tiles with something to draw: most of the grid around a river, or around ponds far apart, is empty.
     tiles: Vec<wgpu::Buffer>,
     extents: Vec<Extent>,
     numbers: wgpu::Buffer,
@@ -157,12 +160,11 @@ pub(crate) struct BottomBuffers {
 }
 
 impl BottomBuffers {
-    /// Uploads the first `count` tiles of (`BOTTOM_TILE` + 1) squared corners each, row by row, `cell_m` metres apart.
+    /// Uploads tiles of (`BOTTOM_TILE` + 1) squared corners each, row by row, `cell_m` metres apart.
     pub(crate) fn new(
         uploader: &Uploader,
         cell_m: f32,
-        count: usize,
-        mut tiles: impl Iterator<Item = Vec<BottomVertex>>,
+        tiles: impl Iterator<Item = Vec<BottomVertex>>,
     ) -> Self {
         let mut numbers = Vec::new();
         let levels = std::array::from_fn(|level| {
@@ -170,20 +172,23 @@ impl BottomBuffers {
             numbers.extend(triangles(1 << level));
             start..numbers.len() as u32
         });
-        let mut extents = Vec::with_capacity(count);
-        let buffers = (0..count).step_by(TILES_A_BUFFER).map(|start| {
-            let held = TILES_A_BUFFER.min(count - start);
-            let vertices = tiles.by_ref().take(held).flat_map(|tile| {
-                let extent = extent(&tile);
-                extents.push(extent);
-                with_skirts(tile, extent)
-            });
-            let usage = wgpu::BufferUsages::VERTEX;
-            uploader.buffer("bottom", usage, held * VERTICES, vertices)
-        });
+        let mut drawn = tiles.filter_map(|tile| extent(&tile).map(|extent| (tile, extent)));
+        let (mut buffers, mut extents) = (Vec::new(), Vec::new());
+        loop {
+            let held: Vec<_> = drawn.by_ref().take(TILES_A_BUFFER).collect();
+            if held.is_empty() {
+                break;
+            }
+            extents.extend(held.iter().map(|(_, extent)| *extent));
+            let (usage, count) = (wgpu::BufferUsages::VERTEX, held.len() * VERTICES);
+            let vertices = held
+                .into_iter()
+                .flat_map(|(tile, extent)| with_skirts(tile, extent));
+            buffers.push(uploader.buffer("bottom", usage, count, vertices));
+        }
         let (usage, count) = (wgpu::BufferUsages::INDEX, numbers.len());
         Self {
-            tiles: buffers.collect(),
+            tiles: buffers,
             numbers: uploader.buffer("triangles", usage, count, numbers.into_iter()),
             extents,
             levels,
@@ -193,7 +198,7 @@ impl BottomBuffers {
 
     /// The box around what is drawn; `None` where nothing is.
     pub(crate) fn extent(&self) -> Option<[Vec3; 2]> {
-        let boxes = self.extents.iter().flatten().copied();
+        let boxes = self.extents.iter().copied();
         boxes.reduce(|[low, high], [from, to]| [low.min(from), high.max(to)])
     }
 
@@ -201,7 +206,7 @@ impl BottomBuffers {
     fn seen(&self, draw: &BottomDraw, height_px: f32) -> impl Iterator<Item = (usize, usize)> {
         let tiles = self.extents.iter().enumerate();
         tiles.filter_map(move |(tile, extent)| {
-            let nearest = nearest(&draw.projection, (*extent)?)?;
+            let nearest = nearest(&draw.projection, *extent)?;
             let pixels_a_metre = draw.pixels_a_metre(height_px, nearest);
             Some((tile, level(self.cell_m * pixels_a_metre)))
         })

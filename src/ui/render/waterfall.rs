@@ -9,8 +9,8 @@ use bytemuck::{Pod, Zeroable};
 /// Tiles in one picture at most: 4K at the worst zoom needs 160.
 pub(crate) const MAX_QUADS: usize = 512;
 
-/// Texels in a row of the table of pings. Same as in the shader.
-const PING_TEXELS: u32 = 2048;
+/// Rows of a tile at most. Same as in the shader.
+pub(crate) const TILE_ROWS: usize = 512;
 /// Places of a curve in the table of curves. Same as in the shader.
 const CURVE_PLACES: usize = 64;
 
@@ -70,17 +70,19 @@ pub(crate) struct Quad {
     pub across_m: [f32; 2],
     /// Recorded slant range where column 0 begins, and what a column covers, metres.
     pub column_m: [f32; 2],
-    /// Pair of texels of row 0 in the table of pings, how many follow of its reduction, itself included, and the side: 0 port,
-    /// 1 starboard.
-    pub pair: [u32; 3],
+    /// 0 port, 1 starboard.
+    pub side: u32,
 }
 
 /// Gain curves of both sides, each by range (48 bins) and by angle (45 bins).
 pub(crate) type GainCurves<'a> = [&'a [f32]; 4];
 
-/// What tiles are brought to one level by, on the GPU. Clones share it.
+/// What a row of a tile is brought to one level by: `[altitude, scale, offset, factor of the stripe filter]`.
+pub(crate) type TileRow = [f32; 4];
+
+/// The gain curves that tiles are brought to one level by, on the GPU. Clones share it.
 #[derive(Clone, Debug)]
-pub(crate) struct Tables {
+pub(crate) struct GainBuffer {
     bind_group: wgpu::BindGroup,
 }
 
@@ -90,11 +92,25 @@ pub(crate) struct TileTexture {
     bind_group: wgpu::BindGroup,
 }
 
+/// What the rows of a tile are brought to one level by, on the GPU. Clones share it.
+#[derive(Clone, Debug)]
+pub(crate) struct TileRows {
+    bind_group: wgpu::BindGroup,
+}
+
+/// A tile and its rows, both on the GPU.
+#[derive(Clone, Debug)]
+pub(crate) struct DrawnTile {
+    pub texture: TileTexture,
+    pub rows: TileRows,
+}
+
 /// Pipeline and buffers of one waterfall.
 #[derive(Debug)]
 pub(crate) struct WaterfallPicture {
     pipeline: wgpu::RenderPipeline,
     tile_layout: wgpu::BindGroupLayout,
+    rows_layout: wgpu::BindGroupLayout,
     frame_layout: wgpu::BindGroupLayout,
     look: wgpu::Buffer,
     quads: wgpu::Buffer,
@@ -106,14 +122,10 @@ impl WaterfallPicture {
     /// Builds everything for targets of this format.
     pub(crate) fn new(device: &wgpu::Device, target: wgpu::TextureFormat) -> Self {
         // Arrays in a buffer are read several times faster than textures by a driver without a graphics card.
-        let frame = [
-            uniform_entry(0),
-            uniform_entry(1),
-            texture_entry(2),
-            uniform_entry(3),
-        ];
+        let frame = [0, 1, 2].map(uniform_entry);
         let frame_layout = bind_group_layout(device, &frame);
         let tile_layout = bind_group_layout(device, &[texture_entry(0)]);
+        let rows_layout = bind_group_layout(device, &[uniform_entry(0)]);
         let uniform = wgpu::BufferUsages::UNIFORM;
         let quads = MAX_QUADS * size_of::<Quad>();
         let parts = PipelineParts {
@@ -125,16 +137,17 @@ impl WaterfallPicture {
                 step_mode: wgpu::VertexStepMode::Instance,
                 attributes: &wgpu::vertex_attr_array![
                     0 => Float32x2, 1 => Float32x2, 2 => Float32x2, 3 => Float32x2, 4 => Float32x2,
-                    5 => Float32x2, 6 => Float32x2, 7 => Uint32x3
+                    5 => Float32x2, 6 => Float32x2, 7 => Uint32
                 ],
             })],
             topology: wgpu::PrimitiveTopology::TriangleStrip,
             blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
         };
-        let layouts = [Some(&frame_layout), Some(&tile_layout)];
+        let layouts = [&frame_layout, &tile_layout, &rows_layout].map(Some);
         Self {
             pipeline: pipeline(device, &layouts, parts, target, None),
             tile_layout,
+            rows_layout,
             frame_layout,
             look: buffer(device, size_of::<EchoStyle>(), uniform),
             quads: buffer(device, quads, wgpu::BufferUsages::VERTEX),
@@ -149,27 +162,13 @@ impl WaterfallPicture {
         queue.write_buffer(&self.palette, 0, bytemuck::cast_slice(&rgba));
     }
 
-    /// Puts scales and factors of all pings on the GPU, four numbers for each side of each ping, and the gain curves. What does not fit
-    /// is left out, as `false` says.
-    pub(crate) fn upload_tables(
+    /// Puts the gain curves on the GPU.
+    pub(crate) fn upload_gain(
         &self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        pings: &[[f32; 4]],
         curves: GainCurves<'_>,
-    ) -> (Tables, bool) {
-        let most = device.limits().max_texture_dimension_2d.min(8192);
-        let width = PING_TEXELS.min(most);
-        let fits = width == PING_TEXELS && pings.len() as u64 <= u64::from(width) * u64::from(most);
-        let mut texels = match fits {
-            true => pings.to_vec(),
-            false => Vec::new(),
-        };
-        let rows = texels.len().div_ceil(width as usize).max(1) as u32;
-        texels.resize((width * rows) as usize, [0.0, 1.0, 0.0, 1.0]);
-        let size = [width, rows];
-        let format = wgpu::TextureFormat::Rgba32Float;
-        let pings = texture(device, queue, size, &texels, format);
+    ) -> GainBuffer {
         let mut values = [[1.0_f32; CURVE_PLACES]; 4];
         for (row, curve) in values.iter_mut().zip(curves) {
             for (value, known) in row.iter_mut().zip(curve) {
@@ -179,14 +178,25 @@ impl WaterfallPicture {
         let uniform = wgpu::BufferUsages::UNIFORM;
         let curves = buffer(device, size_of_val(&values), uniform);
         queue.write_buffer(&curves, 0, bytemuck::cast_slice(&values));
-        let resources = [
-            self.look.as_entire_binding(),
-            self.palette.as_entire_binding(),
-            wgpu::BindingResource::TextureView(&pings),
-            curves.as_entire_binding(),
-        ];
-        let bind_group = bind_group(device, &self.frame_layout, &resources);
-        (Tables { bind_group }, fits)
+        let resources = [&self.look, &self.palette, &curves].map(wgpu::Buffer::as_entire_binding);
+        GainBuffer {
+            bind_group: bind_group(device, &self.frame_layout, &resources),
+        }
+    }
+
+    /// Puts what the rows of a tile are brought to one level by on the GPU.
+    pub(crate) fn upload_rows(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        rows: &[TileRow; TILE_ROWS],
+    ) -> TileRows {
+        let held = buffer(device, size_of_val(rows), wgpu::BufferUsages::UNIFORM);
+        queue.write_buffer(&held, 0, bytemuck::cast_slice(rows));
+        let resources = [held.as_entire_binding()];
+        TileRows {
+            bind_group: bind_group(device, &self.rows_layout, &resources),
+        }
     }
 
     /// Puts a tile on the GPU: `[mean, max]` texels, row by row.
@@ -224,17 +234,18 @@ impl WaterfallPicture {
     pub(crate) fn paint<'a>(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
-        tables: &Tables,
-        tiles: impl Iterator<Item = &'a TileTexture>,
+        gain: &GainBuffer,
+        tiles: impl Iterator<Item = &'a DrawnTile>,
     ) {
         pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, &tables.bind_group, &[]);
+        pass.set_bind_group(0, &gain.bind_group, &[]);
         let stride = size_of::<Quad>() as u64;
         for (index, tile) in tiles.take(MAX_QUADS).enumerate() {
             // A slice instead of a first instance: OpenGL without base instances draws it too.
             let start = index as u64 * stride;
             pass.set_vertex_buffer(0, self.quads.slice(start..start + stride));
-            pass.set_bind_group(1, &tile.bind_group, &[]);
+            pass.set_bind_group(1, &tile.texture.bind_group, &[]);
+            pass.set_bind_group(2, &tile.rows.bind_group, &[]);
             pass.draw(0..4, 0..1);
         }
     }

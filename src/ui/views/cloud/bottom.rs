@@ -126,7 +126,7 @@ fn upload(
         });
         vertices.collect()
     });
-    BottomBuffers::new(uploader, grid.cell_m as f32, down * across, tiles)
+    BottomBuffers::new(uploader, grid.cell_m as f32, tiles)
 }
 
 /// How a bottom is drawn.

@@ -9,7 +9,7 @@ use crate::imagery::waterfall::{
 };
 use crate::sonar::first_return::FirstReturns;
 use crate::survey::Survey;
-use crate::ui::render::waterfall::{Quad, TileTexture};
+use crate::ui::render::waterfall::{DrawnTile, Quad, TILE_ROWS, TileRow, TileRows, TileTexture};
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -132,17 +132,20 @@ impl WaterfallDrawing {
         !self.arrived.is_empty()
     }
 
-    /// The tiles to draw; asks the worker for those that are missing.
+    /// The tiles to draw with this; asks the worker for those that are missing. `upload` puts what the rows of a tile are brought to one
+    /// level by on the GPU.
     pub(super) fn plan(
         &mut self,
         lens: &Lens,
-        picture: Option<&LogPicture>,
+        picture: Option<&Arc<LogPicture>>,
         pixels_per_point: f32,
-    ) -> Vec<(Quad, TileTexture)> {
+        upload: impl FnMut(&[TileRow; TILE_ROWS]) -> TileRows,
+    ) -> Vec<(Quad, DrawnTile)> {
         let Some(axis) = self.axis() else {
             return Vec::new();
         };
-        let plan = self.tiles.plan(&axis, lens, picture, pixels_per_point);
+        self.tiles.level_by(picture);
+        let plan = self.tiles.plan(&axis, lens, pixels_per_point, upload);
         let mut want = plan.want;
         want.retain(|want| self.arrived.iter().all(|tile| tile.key != want.key));
         self.wants_tiles = !want.is_empty() || self.has_uploads();

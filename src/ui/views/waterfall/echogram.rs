@@ -233,15 +233,16 @@ fn draw_picture(
 ) -> bool {
     gpu.colour(state, app.view.options.waterfall.colour_map);
     let uploaded = gpu
-        .levelling
+        .gain
         .get_or_insert_with(|| tone::upload(&gpu.picture, state, None));
     let picture = &gpu.picture;
     drawing.upload(|size, texels| picture.upload(&state.device, &state.queue, size, texels));
-    let tiles = drawing.plan(lens, None, painter.pixels_per_point());
+    let upload = |rows: &_| picture.upload_rows(&state.device, &state.queue, rows);
+    let tiles = drawing.plan(lens, None, painter.pixels_per_point(), upload);
     let picture = PictureCallback {
         picture: picture.clone(),
         look: tone::plain_look(app, lens, drawing.levels),
-        tables: uploaded.tables.clone(),
+        gain: uploaded.gain.clone(),
         tiles,
     };
     picture.add_to(painter, lens.rect, drawing.has_uploads());

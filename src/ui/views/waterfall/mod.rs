@@ -79,7 +79,7 @@ enum Request {
 struct Gpu {
     picture: Arc<WaterfallPicture>,
     palette: Option<ColourMap>,
-    levelling: Option<tone::Uploaded>,
+    gain: Option<tone::UploadedGain>,
 }
 
 impl WaterfallView {
@@ -190,8 +190,6 @@ impl WaterfallView {
     fn arrangement(&self, app: &App) -> Arrangement {
         let options = &app.view.options.waterfall;
         let picture = &app.log.settings.picture;
-        let fits = |gpu: &Gpu| gpu.levelling.as_ref().is_none_or(|uploaded| uploaded.fits);
-        let is_levelled = self.gpu.as_ref().is_none_or(fits);
         Arrangement {
             orientation: options.orientation,
             geometry: match app.log.reviewing.tool {
@@ -200,7 +198,7 @@ impl WaterfallView {
             },
             flip: picture.flip,
             starboard_first: picture.starboard_first,
-            scales: (app.picture().filter(|_| is_levelled)).map(|picture| picture.scales.clone()),
+            scales: app.picture().map(|picture| picture.scales.clone()),
         }
     }
 
@@ -278,31 +276,23 @@ impl WaterfallView {
         let options = &context.options().waterfall;
         let gpu = self.gpu.get_or_insert_with(|| Gpu::new(render_state));
         gpu.colour(render_state, options.colour_map);
-        drawing.upload(|size, texels| {
-            gpu.picture
-                .upload(&render_state.device, &render_state.queue, size, texels)
-        });
+        let (renderer, RenderState { device, queue, .. }) = (&gpu.picture, render_state);
+        drawing.upload(|size, texels| renderer.upload(device, queue, size, texels));
         let shown = context.app.picture();
-        if gpu
-            .levelling
-            .as_ref()
-            .is_none_or(|uploaded| !uploaded.is_of(shown))
-        {
-            let uploaded = tone::upload(&gpu.picture, render_state, shown);
-            gpu.levelling = Some(uploaded);
-        }
-        let Some(uploaded) = &gpu.levelling else {
-            return;
+        let uploaded = match gpu.gain.take().filter(|uploaded| uploaded.is_of(shown)) {
+            Some(uploaded) => uploaded,
+            None => tone::upload(renderer, render_state, shown),
         };
-        let shown = shown.filter(|_| uploaded.fits).map(Arc::as_ref);
-        let tiles = drawing.plan(lens, shown, painter.pixels_per_point());
+        let upload = |rows: &_| renderer.upload_rows(device, queue, rows);
+        let tiles = drawing.plan(lens, shown, painter.pixels_per_point(), upload);
         self.settled = drawing.is_settled();
         let picture = PictureCallback {
-            picture: gpu.picture.clone(),
-            look: tone::look(context.app, lens, shown, drawing.levels),
-            tables: uploaded.tables.clone(),
+            picture: renderer.clone(),
+            look: tone::look(context.app, lens, shown.map(Arc::as_ref), drawing.levels),
+            gain: uploaded.gain.clone(),
             tiles,
         };
+        gpu.gain = Some(uploaded);
         picture.add_to(painter, lens.rect, drawing.has_uploads());
     }
 }
@@ -324,7 +314,7 @@ impl Gpu {
         Self {
             picture: Arc::new(WaterfallPicture::new(device, target)),
             palette: None,
-            levelling: None,
+            gain: None,
         }
     }
 

@@ -1,6 +1,6 @@
 //! Hands the tiles in view to the renderer inside egui's pass.
 
-use crate::ui::render::waterfall::{EchoStyle, Quad, Tables, TileTexture, WaterfallPicture};
+use crate::ui::render::waterfall::{DrawnTile, EchoStyle, GainBuffer, Quad, WaterfallPicture};
 use eframe::egui_wgpu::{Callback, CallbackResources, CallbackTrait, ScreenDescriptor};
 use egui::{Painter, Rect};
 use std::sync::Arc;
@@ -10,8 +10,8 @@ use std::time::Duration;
 pub(super) struct PictureCallback {
     pub picture: Arc<WaterfallPicture>,
     pub look: EchoStyle,
-    pub tables: Tables,
-    pub tiles: Vec<(Quad, TileTexture)>,
+    pub gain: GainBuffer,
+    pub tiles: Vec<(Quad, DrawnTile)>,
 }
 
 impl PictureCallback {
@@ -47,6 +47,6 @@ impl CallbackTrait for PictureCallback {
         _resources: &CallbackResources,
     ) {
         self.picture
-            .paint(pass, &self.tables, self.tiles.iter().map(|(_, tile)| tile));
+            .paint(pass, &self.gain, self.tiles.iter().map(|(_, tile)| tile));
     }
 }

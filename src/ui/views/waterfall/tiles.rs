@@ -7,15 +7,25 @@ use crate::imagery::waterfall::{
     Level, Lru, RangeAxis, TILE, Want, WaterfallTile, WaterfallTileKey,
 };
 use crate::survey::Side;
-use crate::ui::render::waterfall::{Quad, TileTexture};
+use crate::ui::render::waterfall::{DrawnTile, Quad, TILE_ROWS, TileRow, TileRows, TileTexture};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Bytes of tiles kept on the GPU: a 4K screen at the worst zoom needs 80 MB.
 const BUDGET: usize = 96 << 20;
 
+const _: () = assert!(
+    TILE == TILE_ROWS,
+    "a row of a tile has its place in its rows"
+);
+/// Of a row of which nothing but its recording is known.
+const AS_RECORDED: TileRow = [0.0, 1.0, 0.0, 1.0];
+
 /// A tile on the GPU and how complete it is.
 pub(super) struct Resident {
     pub texture: TileTexture,
+    /// By what is shown; `None` until it is drawn with that.
+    rows: Option<TileRows>,
     pub completeness: u8,
     /// Rows that it has.
     pub height: usize,
@@ -24,11 +34,13 @@ pub(super) struct Resident {
 /// The tiles of one survey that were drawn lately.
 pub(super) struct ResidentTiles {
     cache: Lru<WaterfallTileKey, Resident>,
+    /// What their rows are of.
+    rows_of: Option<Arc<LogPicture>>,
 }
 
 /// One frame: what to draw, and what to ask the worker for.
 pub(super) struct FramePlan {
-    pub draw: Vec<(Quad, TileTexture)>,
+    pub draw: Vec<(Quad, DrawnTile)>,
     pub want: Vec<Want>,
 }
 
@@ -36,12 +48,14 @@ impl ResidentTiles {
     pub(super) fn new() -> Self {
         Self {
             cache: Lru::new(BUDGET),
+            rows_of: None,
         }
     }
 
     pub(super) fn insert(&mut self, tile: &WaterfallTile, texture: TileTexture) {
         let resident = Resident {
             texture,
+            rows: None,
             completeness: tile.completeness,
             height: tile.height,
         };
@@ -60,22 +74,31 @@ impl ResidentTiles {
         }
     }
 
+    /// Has the rows of all tiles made again where something else is shown.
+    pub(super) fn level_by(&mut self, picture: Option<&Arc<LogPicture>>) {
+        if self.rows_of.as_ref().map(Arc::as_ptr) != picture.map(Arc::as_ptr) {
+            self.rows_of = picture.cloned();
+            self.cache.change(|_, resident| resident.rows = None);
+        }
+    }
+
     /// Chooses the tiles for what the lens sees. `pixels_per_point` decides how fine they must be.
     pub(super) fn plan(
         &mut self,
         axis: &RangeAxis,
         lens: &Lens,
-        picture: Option<&LogPicture>,
         pixels_per_point: f32,
+        mut upload: impl FnMut(&[TileRow; TILE_ROWS]) -> TileRows,
     ) -> FramePlan {
         self.cache.begin_frame();
-        let scale = LensScale::new(axis, lens, picture, pixels_per_point);
+        let picture = self.rows_of.clone();
+        let scale = LensScale::new(axis, lens, picture.as_deref(), pixels_per_point);
         let mut plan = FramePlan {
             draw: Vec::new(),
             want: Vec::new(),
         };
         for key in scale.keys_in_view() {
-            self.plan_tile(&scale, key, &mut plan);
+            self.plan_tile(&scale, key, &mut plan, &mut upload);
         }
         let level = axis.coarsest();
         for side in Side::BOTH {
@@ -92,7 +115,13 @@ impl ResidentTiles {
         plan
     }
 
-    fn plan_tile(&mut self, scale: &LensScale<'_>, key: WaterfallTileKey, plan: &mut FramePlan) {
+    fn plan_tile(
+        &mut self,
+        scale: &LensScale<'_>,
+        key: WaterfallTileKey,
+        plan: &mut FramePlan,
+        mut upload: impl FnMut(&[TileRow; TILE_ROWS]) -> TileRows,
+    ) {
         self.want(key, plan);
         let Some(area) = scale.area(&key, &scale.whole(key.side)) else {
             return;
@@ -106,8 +135,12 @@ impl ResidentTiles {
                 &area.until(shown.first_ping() + resident.height * shown.level.pings()),
             )
         {
-            plan.draw
-                .push((scale.quad(&shown, &area), resident.texture.clone()));
+            let upload = || upload(&scale.rows(&shown));
+            let tile = DrawnTile {
+                texture: resident.texture.clone(),
+                rows: resident.rows.get_or_insert_with(upload).clone(),
+            };
+            plan.draw.push((scale.quad(&shown, &area), tile));
         }
     }
 
@@ -310,21 +343,17 @@ impl<'a> LensScale<'a> {
                 (key.first_bin() as f64 * bin_m) as f32,
                 (key.level.bins() as f64 * bin_m) as f32,
             ],
-            pair: self.pair(key),
+            side: u32::from(key.side == Side::Starboard),
         }
     }
 
-    /// Where a tile's pings are in the table of pings.
-    fn pair(&self, key: &WaterfallTileKey) -> [u32; 3] {
-        let side = u32::from(key.side == Side::Starboard);
-        let (halvings, first) = (key.level.along, key.first_ping());
-        self.picture.map_or([0, 1, side], |picture| {
-            let table = &picture.table;
-            [
-                table.pair(halvings, first),
-                table.pairs_from(halvings, first),
-                side,
-            ]
+    /// What the rows of a tile are brought to one level by.
+    fn rows(&self, key: &WaterfallTileKey) -> [TileRow; TILE_ROWS] {
+        std::array::from_fn(|row| {
+            let first = key.first_ping() + row * key.level.pings();
+            let pings = first..first + key.level.pings();
+            self.picture
+                .map_or(AS_RECORDED, |picture| picture.row(key.side, pings))
         })
     }
 }

@@ -5,7 +5,7 @@ use crate::app::{App, Orientation};
 use crate::imagery::picture::{LogPicture, PictureGeometry};
 use crate::imagery::waterfall::Levels;
 use crate::survey::Side;
-use crate::ui::render::waterfall::{EchoStyle, Tables, WaterfallPicture};
+use crate::ui::render::waterfall::{EchoStyle, GainBuffer, WaterfallPicture};
 use eframe::egui_wgpu::RenderState;
 use std::sync::Arc;
 
@@ -19,41 +19,32 @@ const GAIN: u32 = 1;
 const STRIPES: u32 = 2;
 const MEDIAN: u32 = 4;
 
-/// What of a log is on the GPU.
-pub(super) struct Uploaded {
+/// The gain of a log on the GPU.
+pub(super) struct UploadedGain {
     of: Option<Arc<LogPicture>>,
-    pub tables: Tables,
-    /// Whether it had room there: a log of millions of pings may not.
-    pub fits: bool,
+    pub gain: GainBuffer,
 }
 
-impl Uploaded {
+impl UploadedGain {
     /// Whether it is of this.
     pub(super) fn is_of(&self, picture: Option<&Arc<LogPicture>>) -> bool {
-        match (&self.of, picture) {
-            (None, None) => true,
-            (Some(one), Some(other)) => Arc::ptr_eq(one, other),
-            _ => false,
-        }
+        self.of.as_ref().map(Arc::as_ptr) == picture.map(Arc::as_ptr)
     }
 }
 
-/// Puts what a log is shown with on the GPU.
+/// Puts the gain that a log is shown with on the GPU.
 pub(super) fn upload(
     renderer: &WaterfallPicture,
     state: &RenderState,
     picture: Option<&Arc<LogPicture>>,
-) -> Uploaded {
+) -> UploadedGain {
     let gain = picture.and_then(|picture| picture.gain.as_ref());
     let [port, starboard] =
         Side::BOTH.map(|side| gain.map_or((&[][..], &[][..]), |gain| gain.curves(side)));
-    let texels = picture.map_or_else(Vec::new, |picture| picture.take_texels());
     let curves = [port.0, port.1, starboard.0, starboard.1];
-    let (tables, fits) = renderer.upload_tables(&state.device, &state.queue, &texels, curves);
-    Uploaded {
+    UploadedGain {
         of: picture.cloned(),
-        tables,
-        fits,
+        gain: renderer.upload_gain(&state.device, &state.queue, curves),
     }
 }
 
