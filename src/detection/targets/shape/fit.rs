@@ -49,9 +49,9 @@ const COARSE: [CoarseSearch; 2] = [
     },
     CoarseSearch {
         size: [24, 48],
-        followed: &[(4, 4), (2, 8)],
-        kept: 3,
-        worth_fitting: 0.6,
+        followed: &[(3, 3), (1, 8)],
+        kept: 1,
+        worth_fitting: 0.9,
     },
 ];
 /// How far numbers are changed at first in the whole picture, as a share of the first steps: they are nearly right.
@@ -67,8 +67,12 @@ pub(super) fn fits(looks: &[BoxLevels], starts: &[InitialGuess]) -> Vec<ShapeFit
         let fitted = COARSE.iter().fold(all.collect(), |kinds, search| {
             search.fits(&looks[first], kinds)
         });
-        for (kind, beginnings) in fitted {
-            let fitted = fit(kind, looks, starts, first, beginnings);
+        let beginnings = fitted.into_iter().flat_map(|(kind, beginnings)| {
+            let beginnings = beginnings.into_iter();
+            beginnings.map(move |one| (kind, one))
+        });
+        for (kind, beginning) in beginnings {
+            let fitted = fit(kind, looks, starts, first, beginning);
             match best.iter_mut().find(|other| other.kind == kind) {
                 Some(other) if fitted.cost < other.cost => *other = fitted,
                 Some(_) => {}
@@ -80,15 +84,17 @@ pub(super) fn fits(looks: &[BoxLevels], starts: &[InitialGuess]) -> Vec<ShapeFit
     best
 }
 
-/// Fits one kind to one of the looks from several beginnings, and from there to all.
+/// Fits one kind to one of the looks from a beginning that is nearly right, and from there to all.
 fn fit(
     kind: ShapeKind,
     looks: &[BoxLevels],
     starts: &[InitialGuess],
     first: usize,
-    beginnings: Vec<Numbers>,
+    beginning: Numbers,
 ) -> ShapeFit {
-    let alone = fit_alone(kind, &looks[first..=first], beginnings);
+    let problem = Problem::new(kind, &looks[first..=first]);
+    let mut alone = FitState::new(&problem, beginning).with_steps_times(FINE_STEPS);
+    search(&problem, &mut alone, ROUNDS);
     let (of_object, of_look) = alone.numbers.split_at(OF_OBJECT);
     let mut numbers = of_object.to_vec();
     for (index, start) in starts.iter().enumerate() {
@@ -156,18 +162,6 @@ impl CoarseSearch {
             .map(|(kind, states)| (kind, numbers(states)))
             .collect()
     }
-}
-
-/// Fits one kind to one look from several beginnings, which are nearly right.
-fn fit_alone(kind: ShapeKind, look: &[BoxLevels], beginnings: Vec<Numbers>) -> FitState {
-    let problem = Problem::new(kind, look);
-    let states = beginnings.into_iter();
-    let mut states: Vec<FitState> = states
-        .map(|one| FitState::new(&problem, one).with_steps_times(FINE_STEPS))
-        .collect();
-    let all = states.len();
-    follow(&problem, &mut states, all, ROUNDS);
-    states.swap_remove(0)
 }
 
 #[cfg(test)]

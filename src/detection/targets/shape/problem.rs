@@ -26,6 +26,8 @@ const FIRST_STEPS: [f64; OF_OBJECT + OF_LOOK] = [0.2, 0.2, 0.2, 0.2, 0.1, 0.2, 0
 const EDGE_STEP: f64 = 0.2;
 /// Smallest changes of place and of ln length that are worth another round.
 const LEAST_STEP: f64 = 0.01;
+/// The same of ln height over width, as a multiple of it: an echo says less of it.
+const LEAST_OF_HEIGHT: f64 = 2.0;
 
 /// Looks, and the kind that is fitted to them.
 pub(super) struct Problem<'a> {
@@ -110,11 +112,12 @@ impl FitState {
         self
     }
 
-    /// Whether places and length change by so little that another round is not worth it.
+    /// Whether places, length and height change by so little that another round is not worth it.
     pub(super) fn is_settled(&self) -> bool {
         let looks = self.steps[OF_OBJECT..].chunks_exact(OF_LOOK);
         let farthest = looks.map(|look| look[0].max(look[1]));
-        farthest.fold(self.steps[1], f64::max) < LEAST_STEP
+        let size = self.steps[1].max(self.steps[3] / LEAST_OF_HEIGHT);
+        farthest.fold(size, f64::max) < LEAST_STEP
     }
 }
 
