@@ -10,6 +10,8 @@ use std::sync::Arc;
 
 /// Echoes that levels are counted over: enough for stable percentiles, few enough to be counted anew while a slider is dragged.
 const MOST_ECHOES: usize = 1 << 17;
+/// Pings that the mean of a row of a tile is taken over, evenly spread: few enough to be read while it is drawn, however long the log.
+const MOST_PINGS_OF_ROW: usize = 64;
 
 /// An echo with all that its level depends on.
 #[derive(Clone, Copy, Debug)]
@@ -76,12 +78,14 @@ impl LogPicture {
     }
 
     /// What a row of a tile is brought to one level by: `[altitude, scale, offset, factor of the stripe filter]` of a side, the mean over
-    /// so many pings. Of the last ping beyond the end; without the filter the factor is 1.
+    /// some pings, or [`MOST_PINGS_OF_ROW`] of them. Of the last ping beyond the end; without the filter the factor is 1.
     pub fn row(&self, side: Side, pings: Range<usize>) -> [f32; 4] {
         let scales = self.scales.side(side);
         let factors = self.factors.as_ref().map(|sides| &sides[side as usize]);
         let first = pings.start.min(scales.len().saturating_sub(1));
         let pings = first..pings.end.clamp(first + 1, scales.len().max(first + 1));
+        let step = pings.len().div_ceil(MOST_PINGS_OF_ROW);
+        let pings = pings.step_by(step);
         let count = pings.len() as f64;
         let sum = pings.fold([0.0; 4], |sum: [f64; 4], ping| {
             let scale = self.scales.at(side, ping);
@@ -182,6 +186,9 @@ mod tests {
         assert_eq!(picture.row(Side::Starboard, 0..4), [7.0, 1.0, 0.0, 1.0]);
         let plain = of(PingScales::level(5, 7.0), None);
         assert_eq!(plain.row(Side::Port, 1..3), [7.0, 1.0, 0.0, 1.0]);
+        let long = Some([(0..1000).map(|ping| ping as f32).collect(), Vec::new()]);
+        let mean = of(PingScales::level(1000, 7.0), long).row(Side::Port, 0..1000)[3];
+        assert!((mean / 499.5 - 1.0).abs() < 0.02, "{mean}");
         let none = of(PingScales::default(), None);
         assert_eq!(none.row(Side::Port, 3..5), [0.0, 1.0, 0.0, 1.0]);
     }
