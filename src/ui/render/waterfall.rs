@@ -175,9 +175,7 @@ impl WaterfallPicture {
                 *value = *known;
             }
         }
-        let uniform = wgpu::BufferUsages::UNIFORM;
-        let curves = buffer(device, size_of_val(&values), uniform);
-        queue.write_buffer(&curves, 0, bytemuck::cast_slice(&values));
+        let curves = filled(device, queue, bytemuck::cast_slice(&values));
         let resources = [&self.look, &self.palette, &curves].map(wgpu::Buffer::as_entire_binding);
         GainBuffer {
             bind_group: bind_group(device, &self.frame_layout, &resources),
@@ -191,9 +189,8 @@ impl WaterfallPicture {
         queue: &wgpu::Queue,
         rows: &[TileRow; TILE_ROWS],
     ) -> TileRows {
-        let held = buffer(device, size_of_val(rows), wgpu::BufferUsages::UNIFORM);
-        queue.write_buffer(&held, 0, bytemuck::cast_slice(rows));
-        let resources = [held.as_entire_binding()];
+        let rows = filled(device, queue, bytemuck::cast_slice(rows));
+        let resources = [rows.as_entire_binding()];
         TileRows {
             bind_group: bind_group(device, &self.rows_layout, &resources),
         }
@@ -249,6 +246,13 @@ impl WaterfallPicture {
             pass.draw(0..4, 0..1);
         }
     }
+}
+
+/// A uniform block of these bytes.
+fn filled(device: &wgpu::Device, queue: &wgpu::Queue, bytes: &[u8]) -> wgpu::Buffer {
+    let filled = buffer(device, bytes.len(), wgpu::BufferUsages::UNIFORM);
+    queue.write_buffer(&filled, 0, bytes);
+    filled
 }
 
 /// A texture of these texels, row by row.

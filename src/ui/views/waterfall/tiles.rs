@@ -6,6 +6,7 @@ use crate::imagery::picture::{LogPicture, PictureGeometry};
 use crate::imagery::waterfall::{
     Level, Lru, RangeAxis, TILE, Want, WaterfallTile, WaterfallTileKey,
 };
+use crate::pipeline::Same;
 use crate::survey::Side;
 use crate::ui::render::waterfall::{DrawnTile, Quad, TILE_ROWS, TileRow, TileRows, TileTexture};
 use std::ops::Range;
@@ -35,7 +36,7 @@ pub(super) struct Resident {
 pub(super) struct ResidentTiles {
     cache: Lru<WaterfallTileKey, Resident>,
     /// What their rows are of.
-    rows_of: Option<Arc<LogPicture>>,
+    rows_of: Option<Same<LogPicture>>,
 }
 
 /// One frame: what to draw, and what to ask the worker for.
@@ -76,8 +77,9 @@ impl ResidentTiles {
 
     /// Has the rows of all tiles made again where something else is shown.
     pub(super) fn level_by(&mut self, picture: Option<&Arc<LogPicture>>) {
-        if self.rows_of.as_ref().map(Arc::as_ptr) != picture.map(Arc::as_ptr) {
-            self.rows_of = picture.cloned();
+        let of = picture.cloned().map(Same);
+        if self.rows_of != of {
+            self.rows_of = of;
             self.cache.change(|_, resident| resident.rows = None);
         }
     }
@@ -92,7 +94,8 @@ impl ResidentTiles {
     ) -> FramePlan {
         self.cache.begin_frame();
         let picture = self.rows_of.clone();
-        let scale = LensScale::new(axis, lens, picture.as_deref(), pixels_per_point);
+        let picture = picture.as_ref().map(|picture| &*picture.0);
+        let scale = LensScale::new(axis, lens, picture, pixels_per_point);
         let mut plan = FramePlan {
             draw: Vec::new(),
             want: Vec::new(),

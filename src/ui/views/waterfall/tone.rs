@@ -4,6 +4,7 @@ use super::lens::Lens;
 use crate::app::{App, Orientation};
 use crate::imagery::picture::{LogPicture, PictureGeometry};
 use crate::imagery::waterfall::Levels;
+use crate::pipeline::Same;
 use crate::survey::Side;
 use crate::ui::render::waterfall::{EchoStyle, GainBuffer, WaterfallPicture};
 use eframe::egui_wgpu::RenderState;
@@ -21,14 +22,14 @@ const MEDIAN: u32 = 4;
 
 /// The gain of a log on the GPU.
 pub(super) struct UploadedGain {
-    of: Option<Arc<LogPicture>>,
+    of: Option<Same<LogPicture>>,
     pub gain: GainBuffer,
 }
 
 impl UploadedGain {
     /// Whether it is of this.
     pub(super) fn is_of(&self, picture: Option<&Arc<LogPicture>>) -> bool {
-        self.of.as_ref().map(Arc::as_ptr) == picture.map(Arc::as_ptr)
+        self.of == picture.cloned().map(Same)
     }
 }
 
@@ -43,7 +44,7 @@ pub(super) fn upload(
         Side::BOTH.map(|side| gain.map_or((&[][..], &[][..]), |gain| gain.curves(side)));
     let curves = [port.0, port.1, starboard.0, starboard.1];
     UploadedGain {
-        of: picture.cloned(),
+        of: picture.cloned().map(Same),
         gain: renderer.upload_gain(&state.device, &state.queue, curves),
     }
 }
