@@ -77,13 +77,6 @@ pub(super) fn load(path: Option<&Path>) -> Result<Model, ModelError> {
     }
 }
 
-/// Names the part of the computer that has run the network, where there was a choice.
-pub(super) fn notify_runs_on(model: &Model) {
-    if let Some(runs_on) = model.runs_on() {
-        output::notify(format_args!("the network was {runs_on}"));
-    }
-}
-
 fn each(inputs: &[PathBuf], model: &Model, logs: &LogOpener, output: &Path) -> Result<(), Failure> {
     let mut folders = Folders::in_folder(output);
     let mut failed = 0;
@@ -118,7 +111,6 @@ fn detect_into(
     } else {
         search_survey(input, model, logs, run)?
     };
-    notify_runs_on(model);
     output::results(format_args!(
         "found {found}; wrote the tables and chips into {}{}",
         folder.join("objects").display(),

@@ -165,7 +165,6 @@ fn search(
     };
     let count = grid.count() * pictures;
     progress.start(count as u64);
-    model.prepare(count);
     let gathered = Mutex::new(Gathered::new(grid, pictures));
     // After tiles are merged: pieces of one object go together by their class.
     let name_score = settings.name_score.unwrap_or(model.name_score());

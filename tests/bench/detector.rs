@@ -14,44 +14,18 @@ use std::time::Instant;
 const PINGS: u32 = 10_000;
 const TILES: usize = 20;
 
-/// Goal: 10 000 pings in under 10 s on two cores. `BATHYSCOPE_MODEL` names another model than the one that is shipped. A graphics card that
-/// is worth it is measured beside the processor.
+/// Goal: 10 000 pings in under 10 s on two cores. `BATHYSCOPE_MODEL` names another model than the one that is shipped.
 pub(super) fn run() {
     let progress = Progress::new();
     let simulated = simulate(&Scene::with_pings(PINGS), 1, &progress).expect("not cancelled");
     let survey = formats::open_bytes("long.sl2", simulated.sl2_bytes(), &progress);
     let survey: Survey = survey.expect("a readable log");
-    let processor = model().on_processor();
-    println!("{}", processor.description());
-    let of_processor = measure(&processor, &survey);
-
-    let card = model();
-    let start = Instant::now();
-    card.prepare(usize::MAX);
-    println!(
-        "graphics card             {:8.1} ms to find and try it; {}",
-        1e3 * start.elapsed().as_secs_f64(),
-        card.runs_on().unwrap_or_else(|| "there is none".to_owned())
-    );
-    if card
-        .runs_on()
-        .is_some_and(|runs_on| !runs_on.contains("processor"))
-    {
-        let of_card = measure(&card, &survey);
-        println!(
-            "card beside processor     {:8.2} of its time a tile, {:.2} of its time for the survey",
-            of_card.tile_s / of_processor.tile_s,
-            of_card.survey_s / of_processor.survey_s
-        );
-    }
+    let model = model();
+    println!("{}", model.description());
+    measure(&model, &survey);
 }
 
-struct Times {
-    tile_s: f64,
-    survey_s: f64,
-}
-
-fn measure(model: &Model, survey: &Survey) -> Times {
+fn measure(model: &Model, survey: &Survey) {
     let before = processor_s();
     let tile_s = one_tile(model);
     println!(
@@ -97,7 +71,6 @@ fn measure(model: &Model, survey: &Survey) -> Times {
             "memory                    {peak_mb:.0} MB at the peak, {before_mb:.0} MB before the search"
         );
     }
-    Times { tile_s, survey_s }
 }
 
 fn model() -> Model {

@@ -276,7 +276,7 @@ fn modules_name_only_modules_before_them() {
 }
 
 #[test]
-fn only_ui_names_egui_and_with_the_detectors_card_wgpu_and_render_names_no_egui() {
+fn only_ui_names_egui_and_wgpu_and_render_names_no_egui() {
     let mut offences = Vec::new();
     for path in rust_files(&source()) {
         let relative = path
@@ -292,8 +292,7 @@ fn only_ui_names_egui_and_with_the_detectors_card_wgpu_and_render_names_no_egui(
         if names_egui && !in_ui {
             offences.push(format!("{relative} names egui"));
         }
-        let on_card = relative == "detection/model/graphics/device.rs";
-        if code.contains("wgpu::") && !in_ui && !on_card {
+        if code.contains("wgpu::") && !in_ui {
             offences.push(format!("{relative} names wgpu"));
         }
         if names_egui && relative.starts_with("ui/render/") {

@@ -99,7 +99,7 @@ impl App {
     }
 
     /// What the model's file was taken for, once it has been loaded.
-    pub(crate) fn model_description(&self) -> Option<String> {
+    pub(crate) fn model_description(&self) -> Option<&str> {
         let detector = self.findings.search.detector.as_ref()?;
         Some(detector.model.description())
     }

@@ -3,7 +3,6 @@
 use crate::bottom::bathymetry::compare::Matching;
 use crate::bottom::bathymetry::height_offsets::{Datum, LogOffset};
 use crate::bottom::bathymetry::position_offsets::Wanted;
-use crate::cli::detect::notify_runs_on;
 use crate::cli::status_line::StatusLine;
 use crate::cli::survey_logs::{OpenedLog, open_reference, survey_review};
 use crate::cli::{Failure, detection_summary, output};
@@ -90,7 +89,6 @@ impl How<'_> {
         if let (Some(found), Some(model)) = (&written.found, self.model) {
             let objects = detection_summary::proposed(found, model.names());
             output::results(format_args!("proposed by the detector: {objects}"))?;
-            notify_runs_on(model);
         }
         output::results(written.summary(folder))
     }

@@ -18,16 +18,4 @@ pub(crate) struct Output {
 pub(crate) trait Inference: Send + Sync {
     /// Runs one picture through; `input` holds as many numbers as the input has.
     fn run(&self, input: Vec<f32>) -> Result<Vec<Output>, Unusable>;
-
-    /// States how many pictures follow, so that what is worth its start for as many is started.
-    fn prepare(&self, _pictures: usize) {}
-
-    /// Keeps it from all but the processor, as a baseline; before [`Self::prepare`].
-    #[cfg(feature = "bench")]
-    fn keep_to_processor(&self) {}
-
-    /// Which part of the computer runs it, as `run by ...`; `None` where there is no choice, or none was made yet.
-    fn runs_on(&self) -> Option<String> {
-        None
-    }
 }

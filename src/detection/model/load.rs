@@ -75,7 +75,7 @@ pub(super) fn from_path(path: &Path) -> Result<Model, Unusable> {
 
 /// What a file was found to be, before its first run.
 struct Opened {
-    network: Box<dyn Inference>,
+    network: Arc<dyn Inference>,
     input: InputSpec,
     metadata: Metadata,
 }
@@ -106,7 +106,6 @@ pub(super) fn from_bytes(
         .open()
     })?;
 
-    let network: Arc<dyn Inference> = Arc::from(network);
     let (first, numbers) = (Arc::clone(&network), vec![0.5; input.count()]);
     let outputs = guarded("its first picture", limits.first_picture, move || {
         first.run(numbers)
@@ -115,7 +114,7 @@ pub(super) fn from_bytes(
     prepare_as_trained(&mut input, name, &sidecar)?;
     let names = class_names(&sidecar, &metadata, &family)?;
     Ok(assemble(
-        Box::new(Shared(network)),
+        network,
         family,
         input,
         names,
@@ -135,27 +134,20 @@ struct Source {
 impl Source {
     /// Reads, screens and compiles.
     fn open(self) -> Result<Opened, Unusable> {
-        let (screened, graph) = self.graph()?;
-        let shape = screened.input.shape();
-        let network = tract::Network::of(graph, &screened.proto, shape)?;
+        let folder = self.folder.as_deref();
         let Screened {
-            input, metadata, ..
-        } = screened;
+            proto,
+            declared,
+            metadata,
+            input,
+        } = screened(&self.onnx, &self.sidecar, folder)?;
+        let shape = input.shape();
+        let graph = tract::graph(&proto, &declared, shape, folder)?;
         Ok(Opened {
-            network: placed(network, self),
+            network: Arc::new(tract::Network::of(graph, &proto, shape)?),
             input,
             metadata,
         })
-    }
-
-    fn graph(&self) -> Result<(Screened, TypedModel), Unusable> {
-        let folder = self.folder.as_deref();
-        let screened = screened(&self.onnx, &self.sidecar, folder)?;
-        let Screened {
-            proto, declared, ..
-        } = &screened;
-        let graph = tract::graph(proto, declared, screened.input.shape(), folder)?;
-        Ok((screened, graph))
     }
 }
 
@@ -210,18 +202,6 @@ fn check_outside_files(proto: &ModelProto, folder: Option<&Path>) -> Result<(), 
         return Err(Unusable::TooLarge(LARGEST_MIB));
     }
     Ok(())
-}
-
-/// The network, and a graphics card for many pictures, where there is one that is worth it.
-#[cfg(feature = "gui")]
-fn placed(network: tract::Network, source: Source) -> Box<dyn Inference> {
-    let graph = move || source.graph().map(|(_, graph)| graph);
-    super::graphics::placed(network, graph)
-}
-
-#[cfg(not(feature = "gui"))]
-fn placed(network: tract::Network, _: Source) -> Box<dyn Inference> {
-    Box::new(network)
 }
 
 /// The input's size and layout; how levels become numbers is filled in once the family is known.
@@ -350,7 +330,7 @@ fn class_names(
 }
 
 fn assemble(
-    backend: Box<dyn Inference>,
+    backend: Arc<dyn Inference>,
     family: DetectorFamily,
     input: InputSpec,
     names: Vec<String>,
@@ -413,28 +393,6 @@ fn describe(name: FamilyName, guessed: bool, names: &[String], input: &InputSpec
         input.width,
         input.height,
     )
-}
-
-/// A network that its first run may still hold.
-struct Shared(Arc<dyn Inference>);
-
-impl Inference for Shared {
-    fn run(&self, input: Vec<f32>) -> Result<Vec<Output>, Unusable> {
-        self.0.run(input)
-    }
-
-    fn prepare(&self, pictures: usize) {
-        self.0.prepare(pictures);
-    }
-
-    #[cfg(feature = "bench")]
-    fn keep_to_processor(&self) {
-        self.0.keep_to_processor();
-    }
-
-    fn runs_on(&self) -> Option<String> {
-        self.0.runs_on()
-    }
 }
 
 #[cfg(test)]

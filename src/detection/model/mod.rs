@@ -5,7 +5,7 @@
 //!
 //! `screen` refuses what could harm before anything is computed, `constants` what would grow while it is compiled, `cost` what would take
 //! too much to run. `tract` compiles and runs (behind `backend`, so that another may come), convolutions of 3 x 3 by `winograd` and maxima
-//! by `max_pool`, all but the last layers by `graphics` where the computer has a card for it. `guard`
+//! by `max_pool`. `guard`
 //! keeps failures and endless work to themselves. `family` infers from the outputs' shapes how boxes are written; `sidecar` (the JSON file
 //! next to the model) and `metadata` (inside it) state the rest. `input` makes the numbers that the network takes. `calibration` turns a
 //! network's confidence into the share of such boxes that are right. `shipped` is the model that comes with the program.
@@ -17,8 +17,6 @@ mod cost;
 mod error;
 mod family;
 mod fast_layers;
-#[cfg(feature = "gui")]
-mod graphics;
 mod guard;
 mod input;
 mod load;
@@ -40,6 +38,7 @@ use family::DetectorFamily;
 use input::InputSpec;
 use load::Limits;
 use std::path::Path;
+use std::sync::Arc;
 
 /// Looks through a model as [`Model::from_bytes`] does before it compiles it, for the fuzzer.
 ///
@@ -61,7 +60,7 @@ const LEAST_SCORE: f32 = 0.001;
 
 /// A detector that is ready to run, from several threads at once.
 pub struct Model {
-    backend: Box<dyn Inference>,
+    backend: Arc<dyn Inference>,
     family: DetectorFamily,
     input: InputSpec,
     /// The network's class names, then that of a box without one unless the network has it.
@@ -166,29 +165,9 @@ impl Model {
         Self { nms, ..self }
     }
 
-    /// One line: what the file was taken for, by what, and [`Self::runs_on`].
-    pub fn description(&self) -> String {
-        match self.runs_on() {
-            Some(runs_on) => format!("{}, {runs_on}", self.description),
-            None => self.description.clone(),
-        }
-    }
-
-    /// Which part of the computer runs the network, as `run by ...`, and why not by a graphics card that was found; `None` where there is none.
-    pub fn runs_on(&self) -> Option<String> {
-        self.backend.runs_on()
-    }
-
-    /// States how many pictures follow: a graphics card is looked for where its start is worth it.
-    pub fn prepare(&self, pictures: usize) {
-        self.backend.prepare(pictures);
-    }
-
-    /// The same model on the processor only.
-    #[cfg(feature = "bench")]
-    pub fn on_processor(self) -> Self {
-        self.backend.keep_to_processor();
-        self
+    /// One line: what the file was taken for, and by what.
+    pub fn description(&self) -> &str {
+        &self.description
     }
 
     /// The objects in one picture, of at least that score (calibrated where the sidecar says how), by falling score, in the picture's pixels. For a network of one

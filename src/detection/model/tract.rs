@@ -1,5 +1,5 @@
 //! Networks run by tract, in pure Rust. Beside it only `screen`, `constants` and `cost` name it, which look at the
-//! same graph before it is compiled or run, and `fast_layers` and `graphics`, which replace layers of it.
+//! same graph before it is compiled or run, and `fast_layers`, which replaces layers of it.
 
 use super::constants::check_constants;
 use super::cost::check_cost;
@@ -150,18 +150,6 @@ impl Network {
         replace_layers(&mut graph)?;
         let plan = graph.into_optimized()?.into_runnable()?;
         Ok(Self { plan, names, shape })
-    }
-
-    /// The same network by another graph.
-    #[cfg(feature = "gui")]
-    pub(super) fn with(&self, graph: TypedModel) -> TractResult<Self> {
-        Self::new(graph, self.names.clone(), self.shape)
-    }
-
-    /// Numbers of a picture.
-    #[cfg(feature = "gui")]
-    pub(super) fn count(&self) -> usize {
-        self.shape.iter().product()
     }
 
     fn run_trusting(&self, input: &[f32]) -> TractResult<Vec<Output>> {
